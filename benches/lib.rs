@@ -1,0 +1,21 @@
+//! What benchmarks share: the scenes they measure.
+
+use std::path::Path;
+
+use glam::DVec3;
+use magsplice::field::Grid;
+use magsplice::layout::Layout;
+
+/// A layout shipped with the project.
+///
+/// # Panics
+/// If there is no such layout.
+pub fn shipped_layout(name: &str) -> Layout {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../layouts").join(name).with_extension("toml");
+    Layout::read(&path).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The published working volume on `counts` points.
+pub fn working_volume(counts: [usize; 3]) -> Grid {
+    Grid { lower: DVec3::new(-2.0, -2.0, -5.0), upper: DVec3::new(2.0, 2.0, -3.0), counts }
+}

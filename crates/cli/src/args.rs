@@ -1,0 +1,101 @@
+//! Command-line arguments.
+
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand, ValueEnum};
+use magsplice::field::Quantity;
+
+/// Exact simulation of spliced magnet films.
+///
+/// Reads a layout file (TOML; lengths in mm, polarization in T) and computes the magnetic field of its tiles, its distance from
+/// the ideal sinusoidal film, and how well it decouples.
+#[derive(Parser)]
+#[command(version, max_term_width = 100)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) verb: Verb,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum Verb {
+    Field(FieldArgs),
+    /// Compare the field with the ideal film (Eq. 2) over the working volume.
+    #[command(after_help = "Example:\n  magsplice compare layouts/published-film.toml")]
+    Compare(LayoutArgs),
+    /// Evaluate the film: its field, its distance from the ideal film, and its decoupling error.
+    #[command(after_help = "Example:\n  magsplice decouple layouts/published-film.toml --format json")]
+    Decouple(LayoutArgs),
+    Check(CheckArgs),
+}
+
+/// Compute the field at points, as CSV.
+///
+/// Points are read from the columns x_mm, y_mm, z_mm of a CSV file (other columns are ignored), or are the grid of the layout's
+/// working volume. They are written in the order given, with digits that read back to the same numbers.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice field layouts/published-film.toml --points points.csv -o field.csv")]
+pub(crate) struct FieldArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// CSV file with columns x_mm, y_mm, z_mm [default: the grid of the working volume]
+    #[arg(long, value_name = "CSV")]
+    pub(crate) points: Option<PathBuf>,
+    /// File to write; it appears whole or not at all [default: standard output]
+    #[arg(short, long, value_name = "CSV")]
+    pub(crate) output: Option<PathBuf>,
+    /// Which field: flux density B (T), field strength H (A/m) or polarization J (T)
+    #[arg(long, value_enum, default_value = "b")]
+    pub(crate) quantity: QuantityArg,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum QuantityArg {
+    B,
+    H,
+    J,
+}
+
+impl QuantityArg {
+    pub(crate) fn quantity(self) -> Quantity {
+        match self {
+            QuantityArg::B => Quantity::FluxDensity,
+            QuantityArg::H => Quantity::FieldStrength,
+            QuantityArg::J => Quantity::Polarization,
+        }
+    }
+
+    /// Names of the three columns, with unit.
+    pub(crate) fn columns(self) -> [&'static str; 3] {
+        match self {
+            QuantityArg::B => ["bx_t", "by_t", "bz_t"],
+            QuantityArg::H => ["hx_a_per_m", "hy_a_per_m", "hz_a_per_m"],
+            QuantityArg::J => ["jx_t", "jy_t", "jz_t"],
+        }
+    }
+}
+
+#[derive(clap::Args)]
+pub(crate) struct LayoutArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// How to write the result
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: Format,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub(crate) enum Format {
+    Text,
+    Json,
+}
+
+/// Read and validate layouts, and list their tiles.
+///
+/// Exit status: 0 all fine, 1 something that is allowed but rarely meant, 2 a layout that cannot be used.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice check layouts/*.toml")]
+pub(crate) struct CheckArgs {
+    /// Layout files
+    #[arg(required = true)]
+    pub(crate) layouts: Vec<PathBuf>,
+}

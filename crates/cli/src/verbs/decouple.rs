@@ -1,0 +1,110 @@
+//! `magsplice decouple`: field, distance from the ideal film and decoupling error of a film.
+
+use magsplice::Film;
+use magsplice::decouple::PerParameter;
+use magsplice::layout::Layout;
+use magsplice::prelude::DVec3;
+use serde::Serialize;
+
+use crate::args::{Format, LayoutArgs};
+use crate::failure::Failure;
+use crate::output;
+use crate::text;
+use crate::verbs::compare::ComparisonReport;
+
+pub(crate) fn run(args: &LayoutArgs) -> Result<(), Failure> {
+    let layout = Layout::read(&args.layout)?;
+    let film = Film::new(&layout);
+    let failed = |error| text::film_failure(&args.layout, &layout, error);
+    let ideal = film.ideal().map_err(failed)?;
+    let volume = film.volume().map_err(failed)?;
+    let field = film.volume_field_t().map_err(failed)?;
+    let comparison = film.compare(&field).map_err(failed)?;
+    let decoupling = film.decouple(&field).map_err(failed)?;
+    let k = ideal.wavenumber();
+    if args.format == Format::Json {
+        let report = Report {
+            source: Source::of(&layout),
+            points: volume.grid.len(),
+            reference_mm: volume.reference_mm.to_array(),
+            uniformity_rmse: decoupling.uniformity_rmse.into(),
+            uniformity_rmse_mm: decoupling.uniformity_rmse.as_lengths(k).into(),
+            ideal_rmse: decoupling.ideal_rmse.into(),
+            displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(k).into(),
+            singular_points_mm: decoupling.singular.iter().map(DVec3::to_array).collect(),
+            comparison: (&comparison).into(),
+        };
+        return output::print(&text::json(&report));
+    }
+    let at_reference = film.reference_field_t().map_err(failed)?;
+    let sections = [
+        text::header(&layout, volume),
+        text::field(&field, volume, at_reference, ideal),
+        text::comparison(&comparison),
+        text::decoupling(&decoupling, volume, k),
+    ];
+    output::print(&sections.join("\n"))
+}
+
+/// What a result was made from and by.
+#[derive(Serialize)]
+pub(crate) struct Source<'a> {
+    layout: &'a str,
+    sha256: &'a str,
+    version: &'static str,
+    tiles: usize,
+}
+
+impl Source<'_> {
+    pub(crate) fn of(layout: &Layout) -> Source<'_> {
+        Source {
+            layout: &layout.name,
+            sha256: &layout.sha256,
+            version: env!("CARGO_PKG_VERSION"),
+            tiles: layout.tiles.len(),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    source: Source<'a>,
+    points: usize,
+    reference_mm: [f64; 3],
+    /// Spread of each parameter over the planes normal to its axis.
+    uniformity_rmse: Parameters,
+    uniformity_rmse_mm: Lengths,
+    /// Error of each parameter's change from the reference point against Eq. 2.
+    ideal_rmse: Parameters,
+    /// The same as error of the displacement found by Eq. 14.
+    displacement_rmse_mm: Lengths,
+    singular_points_mm: Vec<[f64; 3]>,
+    comparison: ComparisonReport,
+}
+
+#[derive(Serialize)]
+struct Parameters {
+    r_x: f64,
+    r_y: f64,
+    s_z: f64,
+}
+
+impl From<PerParameter> for Parameters {
+    fn from(p: PerParameter) -> Parameters {
+        Parameters { r_x: p.r_x, r_y: p.r_y, s_z: p.s_z }
+    }
+}
+
+#[derive(Serialize)]
+struct Lengths {
+    x: f64,
+    y: f64,
+    z: f64,
+}
+
+impl From<DVec3> for Lengths {
+    fn from(v: DVec3) -> Lengths {
+        Lengths { x: v.x, y: v.y, z: v.z }
+    }
+}

@@ -1,0 +1,111 @@
+//! `magsplice field`: the field at points, as CSV.
+
+use std::path::Path;
+
+use magsplice::field::{Cause, PointErrors, Scene};
+use magsplice::layout::Layout;
+use magsplice::prelude::DVec3;
+use magsplice::{Film, FilmError};
+
+use crate::args::{FieldArgs, QuantityArg};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::points::{Faults, PointFile};
+
+/// Points evaluated and written at a time. Bounds memory, and is enough work for every thread.
+const BATCH: usize = 1 << 16;
+
+pub(crate) fn run(args: &FieldArgs) -> Result<(), Failure> {
+    let layout = Layout::read(&args.layout)?;
+    let film = Film::new(&layout);
+    match &args.points {
+        Some(path) => at_points(args, &film, path),
+        None => on_grid(args, &film),
+    }
+}
+
+fn at_points(args: &FieldArgs, film: &Film, path: &Path) -> Result<(), Failure> {
+    let mut file = PointFile::open(path)?;
+    let mut table = Table::begin(args)?;
+    let mut faults = Faults::default();
+    let (mut points, mut lines) = (Vec::new(), Vec::new());
+    loop {
+        let more = file.read(BATCH, &mut points, &mut lines, &mut faults)?;
+        let errors = table.rows(film.scene(), &points, faults.is_empty())?;
+        for error in errors.0 {
+            let (line, cause) = (lines[error.index], cause_in_words(error.cause, film.layout()));
+            let p = error.point;
+            faults.add(format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z));
+        }
+        if !more {
+            break;
+        }
+    }
+    if faults.is_empty() { table.output.finish() } else { Err(faults.failure(path.display().to_string())) }
+}
+
+fn on_grid(args: &FieldArgs, film: &Film) -> Result<(), Failure> {
+    let missing = |error: FilmError| match error {
+        FilmError::Missing(_) => Failure::Points {
+            path: args.layout.clone(),
+            message: "the layout has no [volume] table to take points from: add one, or give --points".to_owned(),
+        },
+        error => Failure::Film { layout: args.layout.clone(), error },
+    };
+    let grid = film.volume().map_err(missing)?.grid;
+    let mut table = Table::begin(args)?;
+    let mut faults = Faults::default();
+    for start in (0..grid.len()).step_by(BATCH) {
+        let points: Vec<DVec3> = (start..grid.len().min(start + BATCH)).map(|i| grid.point(i)).collect();
+        let errors = table.rows(film.scene(), &points, faults.is_empty())?;
+        for error in errors.0 {
+            let (p, cause) = (error.point, cause_in_words(error.cause, film.layout()));
+            faults.add(format!("point ({}, {}, {}) mm of the working volume: {cause}", p.x, p.y, p.z));
+        }
+    }
+    if faults.is_empty() { table.output.finish() } else { Err(faults.failure(args.layout.display().to_string())) }
+}
+
+/// Why there is no field, with the tile's name.
+pub(crate) fn cause_in_words(cause: Cause, layout: &Layout) -> String {
+    match cause {
+        Cause::Unbounded { tile } => {
+            format!("the field is unbounded there, on an exposed edge of tile \"{}\"", layout.tiles[tile].name)
+        }
+        Cause::OutOfRange => cause.to_string(),
+    }
+}
+
+struct Table {
+    output: Output,
+    quantity: QuantityArg,
+    field: Vec<DVec3>,
+}
+
+impl Table {
+    fn begin(args: &FieldArgs) -> Result<Table, Failure> {
+        let mut output = Output::open(args.output.as_deref())?;
+        let columns = args.quantity.columns().join(",");
+        output.write(|w| writeln!(w, "x_mm,y_mm,z_mm,{columns}"))?;
+        Ok(Table { output, quantity: args.quantity, field: Vec::new() })
+    }
+
+    /// Evaluates points and, as long as there is a table to complete, writes their rows.
+    fn rows(&mut self, scene: &Scene, points: &[DVec3], complete: bool) -> Result<PointErrors, Failure> {
+        self.field.resize(points.len(), DVec3::ZERO);
+        if let Err(errors) = scene.field_into(self.quantity.quantity(), points, &mut self.field) {
+            return Ok(errors);
+        }
+        if complete {
+            let field = &self.field;
+            // Debug prints the shortest digits that read back to the same number, with an exponent where that is shorter.
+            self.output.write(|w| {
+                points
+                    .iter()
+                    .zip(field)
+                    .try_for_each(|(p, f)| writeln!(w, "{:?},{:?},{:?},{:?},{:?},{:?}", p.x, p.y, p.z, f.x, f.y, f.z))
+            })?;
+        }
+        Ok(PointErrors(Vec::new()))
+    }
+}

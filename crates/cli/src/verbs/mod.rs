@@ -1,0 +1,6 @@
+//! One file per verb.
+
+pub(crate) mod check;
+pub(crate) mod compare;
+pub(crate) mod decouple;
+pub(crate) mod field;

@@ -1,0 +1,150 @@
+//! Layouts that cannot be used: every verb says why, with status 2, and writes nothing.
+
+use crate::Bench;
+
+const HEAD: &str = "format = 1\nname = \"bad\"\n";
+const TILE: &str = "[[tile]]\nname = \"a\"\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
+const IDEAL: &str = "[ideal]\nwavelength_mm = 10\nthickness_mm = 1\namplitude_t = 0.12\n";
+const VOLUME: &str = "[volume]\nx_mm = [-2, 2]\ny_mm = [-2, 2]\nz_mm = [-5, -3]\nstep_mm = 0.5\n";
+
+/// Runs every verb on a layout with this text and expects all `messages`.
+#[track_caller]
+fn refused(text: &str, messages: &[&str]) {
+    let bench = Bench::new();
+    bench.write("bad.toml", text);
+    bench.write("out.csv", "was here before\n");
+    let calls: [&[&str]; 4] = [
+        &["field", "bad.toml", "-o", "out.csv"],
+        &["compare", "bad.toml"],
+        &["decouple", "bad.toml", "--format", "json"],
+        &["check", "bad.toml"],
+    ];
+    for call in calls {
+        let said = bench.run(call);
+        for message in messages {
+            said.refuses(message);
+        }
+    }
+    assert_eq!(bench.files(), ["bad.toml", "out.csv"]);
+    assert_eq!(bench.read("out.csv"), "was here before\n");
+}
+
+#[test]
+fn missing_file() {
+    let bench = Bench::new();
+    for verb in ["field", "compare", "decouple", "check"] {
+        bench.run(&[verb, "nowhere.toml"]).refuses("cannot read nowhere.toml: No such file or directory");
+    }
+    bench.run(&["check", "."]).refuses("cannot read .: ");
+    bench.write("binary.toml", "x");
+    std::fs::write(bench.path("binary.toml"), [0xff, 0xfe]).unwrap();
+    bench.run(&["check", "binary.toml"]).refuses("binary.toml: not UTF-8 text");
+}
+
+#[test]
+fn broken_toml_shows_the_line() {
+    refused(&format!("{HEAD}[[tile]\n"), &["bad.toml: TOML parse error at line 3", "3 | [[tile]"]);
+}
+
+#[test]
+fn unknown_key_shows_the_line() {
+    refused(&format!("{HEAD}{TILE}colour = \"red\"\n"), &["line 8", "unknown field `colour`", "8 | colour = \"red\""]);
+    refused(&format!("{HEAD}{TILE}size = [1, 1, 1]\n"), &["unknown field `size`", "size_mm"]);
+    refused(&format!("{HEAD}{TILE}[volumes]\n"), &["unknown field `volumes`"]);
+}
+
+#[test]
+fn missing_key_and_wrong_type() {
+    refused("name = \"bad\"\n", &["missing field `format`"]);
+    refused(&format!("{HEAD}[[tile]]\nsize_mm = [1, 1, 1]\n"), &["missing field `position_mm`"]);
+    refused(&format!("{HEAD}[[tile]]\nposition_mm = [1, 2]\n"), &["line 4", "length 2, expected an array of length 3"]);
+    refused(&format!("{HEAD}[[tile]]\nposition_mm = \"here\"\n"), &["line 4", "expected an array of length 3"]);
+    refused(
+        &format!("{HEAD}{TILE}{}", VOLUME.replace("0.5", "\"fine\"")),
+        &["expected a number or an array of three numbers"],
+    );
+    refused(&format!("format = 2\nname = \"later\"\n{TILE}"), &["line 1: layout: format = 2, must be 1"]);
+    refused(HEAD, &["layout: has no tiles"]);
+}
+
+#[test]
+fn zero_negative_and_non_finite_sizes() {
+    for (size, message) in [
+        ("[1, 0, 1]", "size_mm[1] = 0, must be greater than 0"),
+        ("[-1, 1, 1]", "size_mm[0] = -1, must be greater than 0"),
+        ("[1, 1, nan]", "size_mm[2] = NaN, must be a finite number"),
+        ("[1, 1, inf]", "size_mm[2] = inf, must be a finite number"),
+        ("[1, 1, 1e-40]", "shortest side of size_mm = 0.0000000000000000000000000000000000000001, must be at least"),
+    ] {
+        refused(&format!("{HEAD}{}", TILE.replace("[1, 1, 1]", size)), &["line 3: tile \"a\": ", message]);
+    }
+}
+
+#[test]
+fn non_finite_polarization_and_zero_axis() {
+    let text = format!("{HEAD}{}", TILE.replace("[0, 0, 1]", "[nan, 0, -inf]"));
+    refused(
+        &text,
+        &["polarization_t[0] = NaN, must be a finite number", "polarization_t[2] = -inf, must be a finite number"],
+    );
+    let text = format!("{HEAD}{TILE}rotation = {{ axis = [0, 0, 0], angle_deg = 30 }}\n");
+    refused(&text, &["tile \"a\": rotation.axis = [0.0, 0.0, 0.0], must be finite and not zero"]);
+}
+
+#[test]
+fn all_bad_tiles_are_listed() {
+    let bad = |name: &str| TILE.replace("\"a\"", &format!("\"{name}\"")).replace("[1, 1, 1]", "[1, 1, -2]");
+    let messages =
+        ["tile \"one\": size_mm[2] = -2", "tile \"two\": size_mm[2] = -2", "tile \"three\": size_mm[2] = -2"];
+    refused(&format!("{HEAD}{}{}{}", bad("one"), bad("two"), bad("three")), &messages);
+}
+
+#[test]
+fn overlapping_tiles_which_two_and_by_how_much() {
+    let other = TILE.replace("\"a\"", "\"b\"").replace("[0, 0, 0]", "[0.75, 0, 0]");
+    let touching = TILE.replace("\"a\"", "\"c\"").replace("[0, 0, 0]", "[0, 1, 0]");
+    let message =
+        "tiles \"a\" and \"b\": overlap by 0.25 mm, must not overlap: move \"b\" that far along (1.000, 0.000, 0.000)";
+    refused(&format!("{HEAD}{TILE}{other}{touching}"), &[message]);
+}
+
+#[test]
+fn inverted_empty_and_enormous_volumes() {
+    for (from, to, message) in [
+        ("x_mm = [-2, 2]", "x_mm = [2, -2]", "volume: x_mm = [2, -2] is inverted"),
+        ("z_mm = [-5, -3]", "z_mm = [-5, -5]", "volume: z_mm = [-5, -5] is empty"),
+        ("step_mm = 0.5", "step_mm = 0", "volume: step_mm = 0, must be a finite number greater than 0"),
+        ("step_mm = 0.5", "step_mm = -0.5", "volume: step_mm = -0.5, must be a finite number greater than 0"),
+        ("step_mm = 0.5", "step_mm = 1e-6", "volume: step_mm = 0.000001 makes 3.200e19 points"),
+        ("step_mm = 0.5", "step_mm = [1, 1, 1e-300]", "more than the 1e8 that are supported"),
+    ] {
+        refused(&format!("{HEAD}{TILE}{IDEAL}{}", VOLUME.replace(from, to)), &[message]);
+    }
+}
+
+#[test]
+fn tables_a_verb_needs() {
+    let bench = Bench::new();
+    bench.write("bare.toml", &format!("{HEAD}{TILE}"));
+    bench.run(&["field", "bare.toml"]).refuses("has no [volume] table to take points from: add one, or give --points");
+    bench.run(&["compare", "bare.toml"]).refuses("bare.toml: the layout has no [ideal] table, which this needs");
+    bench.run(&["decouple", "bare.toml"]).refuses("bare.toml: the layout has no [ideal] table, which this needs");
+    bench.write("no-volume.toml", &format!("{HEAD}{TILE}{IDEAL}"));
+    bench.run(&["decouple", "no-volume.toml"]).refuses("the layout has no [volume] table");
+    assert_eq!(bench.run(&["check", "bare.toml"]).status, 0);
+}
+
+#[test]
+fn where_the_theory_ends() {
+    let bench = Bench::new();
+    let above = VOLUME.replace("[-5, -3]", "[-1, 0]").replace("x_mm = [-2, 2]", "x_mm = [2, 3]");
+    bench.write("above.toml", &format!("{HEAD}{TILE}{IDEAL}{above}"));
+    bench.run(&["compare", "above.toml"]).refuses("Eq. 2 of the ideal film holds only for z < 0");
+    let wide = VOLUME.replace("x_mm = [-2, 2]", "x_mm = [-6, 6]");
+    bench.write("wide.toml", &format!("{HEAD}{TILE}{IDEAL}{wide}"));
+    bench.run(&["decouple", "wide.toml"]).refuses("reaches |x| = 6, must stay below half a wavelength, 5");
+    // A tile magnetized along x has B_z = 0 on the plane x = 0, where the reference is.
+    let shear = TILE.replace("[0, 0, 1]", "[1, 0, 0]");
+    bench.write("shear.toml", &format!("{HEAD}{shear}{IDEAL}{VOLUME}"));
+    bench.run(&["decouple", "shear.toml"]).refuses("B_z vanishes at the reference point (0, 0, -5)");
+}

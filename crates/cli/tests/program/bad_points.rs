@@ -1,0 +1,84 @@
+//! Point files that cannot be used, and outputs that cannot be written.
+
+use std::fmt::Write;
+
+use crate::{Bench, shipped};
+
+#[track_caller]
+fn refused(points: &str, messages: &[&str]) {
+    let bench = Bench::new();
+    bench.write("points.csv", points);
+    let said = bench.run(&["field", &shipped("single-tile"), "--points", "points.csv", "-o", "out.csv"]);
+    for message in messages {
+        said.refuses(message);
+    }
+    assert_eq!(bench.files(), ["points.csv"], "no file may be left behind");
+}
+
+#[test]
+fn missing_columns_are_named() {
+    refused(
+        "x_mm,z_mm\n1,2\n",
+        &["points.csv: line 1: column y_mm is missing, must have x_mm,y_mm,z_mm (found: x_mm,z_mm)"],
+    );
+    refused("x,y,z\n1,2,3\n", &["column x_mm, y_mm, z_mm is missing"]);
+    refused("", &["column x_mm, y_mm, z_mm is missing"]);
+}
+
+#[test]
+fn every_faulty_line_is_named() {
+    let points = "x_mm,y_mm,z_mm\n9,9,9\n1,two,3\n1,2\n1,2,inf\n,2,3\n1,2,3\n";
+    refused(
+        points,
+        &[
+            "points.csv: line 3: y_mm = \"two\", must be a finite number",
+            "points.csv: line 4: has 2 fields, must have 3 like the first line",
+            "points.csv: line 5: z_mm = \"inf\", must be a finite number",
+            "points.csv: line 6: x_mm = \"\", must be a finite number",
+        ],
+    );
+}
+
+#[test]
+fn many_faulty_lines_are_counted() {
+    let mut points = "x_mm,y_mm,z_mm\n".to_owned();
+    for _ in 0..100_000 {
+        points.push_str("1,2,x\n");
+    }
+    refused(&points, &["line 21: z_mm", "points.csv: and 99980 more"]);
+}
+
+#[test]
+fn no_points_and_no_file() {
+    refused("x_mm,y_mm,z_mm\n", &["points.csv: has no points"]);
+    let bench = Bench::new();
+    bench
+        .run(&["field", &shipped("single-tile"), "--points", "none.csv"])
+        .refuses("none.csv: cannot read: No such file");
+}
+
+#[test]
+fn an_exposed_edge_is_named_with_point_and_tile() {
+    // The first batch is sound, so rows would have been written before the fault is found.
+    let mut points = "x_mm,y_mm,z_mm\n".to_owned();
+    for i in 0..70_000 {
+        let _ = writeln!(points, "{i},3,3");
+    }
+    points.push_str("1.65,0.25,0.5\n1.65,0.85,0.5\n");
+    refused(
+        &points,
+        &[
+            "points.csv: line 70002: (1.65, 0.25, 0.5) mm: the field is unbounded there, on an exposed edge of tile \"tile\"",
+            "points.csv: line 70003: (1.65, 0.85, 0.5) mm",
+        ],
+    );
+}
+
+#[test]
+fn outputs_that_cannot_be_written() {
+    let bench = Bench::new();
+    let layout = shipped("single-tile");
+    bench.run(&["field", &layout, "-o", "no/such/folder/out.csv"]).refuses("cannot write no/such/folder/out.csv");
+    bench.run(&["field", &layout, "-o", "."]).refuses("cannot write .: ");
+    assert_eq!(bench.files(), [""; 0]);
+}

@@ -1,0 +1,203 @@
+//! What the program prints and writes.
+
+use std::collections::BTreeMap;
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+use crate::{Bench, shipped};
+
+fn rows(csv: &str) -> Vec<Vec<f64>> {
+    csv.lines().skip(1).map(|l| l.split(',').map(|c| c.parse().expect("a number")).collect()).collect()
+}
+
+#[test]
+fn field_of_the_published_film_at_points_in_the_order_given() {
+    let bench = Bench::new();
+    bench.write("points.csv", "note, z_mm ,x_mm,y_mm\nfirst,-5.0, 2.0 ,-1.0\nsecond,-3,0,0\nthird,-5,-1,2\n");
+    let said = bench.run(&["field", &shipped("published-film"), "--points", "points.csv"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    assert_eq!(said.stdout.lines().next(), Some("x_mm,y_mm,z_mm,bx_t,by_t,bz_t"));
+    let rows = rows(&said.stdout);
+    assert_eq!(rows.len(), 3);
+    assert_eq!((&rows[0][..3], &rows[1][..3]), (&[2.0, -1.0, -5.0][..], &[0.0, 0.0, -3.0][..]));
+    let known = [-1.0284893492777e-3, 6.272861417527e-4, 6.766460587771e-4];
+    for (found, known) in rows[0][3..].iter().zip(known) {
+        assert!((found - known).abs() <= 1e-12 * f64::abs(known), "{found}, not {known}");
+    }
+    // The film is symmetric under the exchange of x and y.
+    assert!((rows[2][3] - rows[0][4]).abs() <= 1e-13 * known[0].abs());
+}
+
+#[test]
+fn digits_read_back_to_the_same_numbers() {
+    let bench = Bench::new();
+    let first = bench.run(&["field", &shipped("single-tile")]).stdout;
+    bench.write("points.csv", &first);
+    // The output is itself a point file: its points are the same numbers, so the field is the same text.
+    let second = bench.run(&["field", &shipped("single-tile"), "--points", "points.csv", "-o", "again.csv"]);
+    assert_eq!(second.stdout, "");
+    assert_eq!(bench.read("again.csv"), first);
+    assert_eq!(rows(&first).len(), 17 * 17 * 9);
+    assert!(first.lines().all(|l| l.split(',').count() == 6));
+}
+
+#[test]
+fn quantities_carry_their_units() {
+    let bench = Bench::new();
+    bench.write("points.csv", "x_mm,y_mm,z_mm\n0.1,0.2,0.1\n0,0,2\n");
+    let of = |quantity: &str| {
+        let said = bench.run(&["field", &shipped("single-tile"), "--points", "points.csv", "--quantity", quantity]);
+        assert_eq!(said.status, 0, "{}", said.stderr);
+        (said.stdout.lines().next().unwrap().to_owned(), rows(&said.stdout))
+    };
+    let ((_, b), (h_header, h), (j_header, j)) = (of("b"), of("h"), of("j"));
+    assert_eq!(h_header, "x_mm,y_mm,z_mm,hx_a_per_m,hy_a_per_m,hz_a_per_m");
+    assert_eq!(j_header, "x_mm,y_mm,z_mm,jx_t,jy_t,jz_t");
+    assert_eq!((&j[0][3..], &j[1][3..]), (&[0.3, -0.5, 0.7][..], &[0.0, 0.0, 0.0][..]));
+    for (i, row) in b.iter().enumerate() {
+        for axis in 3..6 {
+            assert!((row[axis] - 1.25663706127e-6 * h[i][axis] - j[i][axis]).abs() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn an_existing_file_is_replaced_and_a_link_stays_a_link() {
+    let bench = Bench::new();
+    bench.write("target.csv", "old");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(bench.path("target.csv"), bench.path("out.csv")).unwrap();
+    assert_eq!(bench.run(&["field", &shipped("single-tile"), "-o", "out.csv"]).status, 0);
+    assert!(bench.read("target.csv").starts_with("x_mm,"));
+    assert!(bench.path("out.csv").symlink_metadata().unwrap().is_symlink());
+    assert_eq!(bench.files(), ["out.csv", "target.csv"]);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::{FileTypeExt, PermissionsExt};
+        assert_eq!(bench.run(&["field", &shipped("single-tile"), "-o", "/dev/null"]).status, 0);
+        assert!(std::fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+        // Readable like any other new file.
+        let plain = bench.path("plain");
+        std::fs::write(&plain, "").unwrap();
+        let mode = |path| std::fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(bench.path("target.csv")), mode(plain));
+    }
+}
+
+#[test]
+fn a_reader_that_stops_early_is_no_failure() {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_magsplice"))
+        .args(["field", &shipped("single-tile")])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(program.stdout.take());
+    let output = program.wait_with_output().unwrap();
+    assert!(output.status.success());
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+}
+
+#[test]
+fn decouple_prints_the_published_numbers() {
+    let said = Bench::new().run(&["decouple", &shipped("published-film")]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    let lines: BTreeMap<&str, Vec<&str>> = said
+        .stdout
+        .lines()
+        .filter(|l| l.len() > 38)
+        .map(|l| (l[..38].trim(), l[38..].split_whitespace().collect()))
+        .collect();
+    assert_eq!(lines["uniformity RMSE"], ["0.062872", "0.062872", "0.039888"]);
+    assert_eq!(lines["RMSE against the ideal film"], ["0.152165", "0.152165", "0.198419"]);
+    assert_eq!(lines["best-fit amplitude"], ["0.818730"]);
+    assert_eq!(lines["relative RMSE as is"], ["0.197428"]);
+    assert_eq!(lines["relative RMSE after scaling"], ["0.095543"]);
+    assert!(said.stdout.contains("singular points (B_z = 0): none"));
+    assert!(said.stdout.lines().all(|l| l.len() <= 80), "fits a terminal");
+}
+
+#[test]
+fn decouple_as_json() {
+    let said = Bench::new().run(&["decouple", &shipped("published-film"), "--format", "json"]);
+    let json: Value = serde_json::from_str(&said.stdout).unwrap();
+    let k = std::f64::consts::TAU / 10.0;
+    for (key, lengths, known) in [
+        ("uniformity_rmse", "uniformity_rmse_mm", [0.062872, 0.062872, 0.039888]),
+        ("ideal_rmse", "displacement_rmse_mm", [0.152165, 0.152165, 0.198419]),
+    ] {
+        for ((parameter, axis), known) in [("r_x", "x"), ("r_y", "y"), ("s_z", "z")].into_iter().zip(known) {
+            let value = json[key][parameter].as_f64().unwrap();
+            assert!((value - known).abs() <= 0.5e-6, "{key} {parameter} {value}");
+            assert!((json[lengths][axis].as_f64().unwrap() - value / k).abs() < 1e-15);
+        }
+    }
+    assert_eq!(json["layout"], "published film");
+    assert_eq!(json["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!((json["points"].as_u64(), json["tiles"].as_u64()), (Some(405), Some(56)));
+    assert_eq!(json["sha256"].as_str().unwrap().len(), 64);
+    assert_eq!(json["reference_mm"], serde_json::json!([0.0, 0.0, -5.0]));
+    assert_eq!(json["singular_points_mm"], serde_json::json!([]));
+}
+
+#[test]
+fn singular_points_are_counted_and_named() {
+    let bench = Bench::new();
+    // J along x: B_z = 0 on the plane x = 0, which the grid meets; the reference is beside it.
+    bench.write(
+        "shear.toml",
+        "format = 1\nname = \"shear\"\n[ideal]\nwavelength_mm = 10\nthickness_mm = 1\namplitude_t = 1\n\
+         [volume]\nx_mm = [-1, 1]\ny_mm = [-1, 1]\nz_mm = [-5, -4]\nstep_mm = 1\nreference_mm = [1, 0, -5]\n\
+         [[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [1, 0, 0]\n",
+    );
+    let said = bench.run(&["decouple", "shear.toml"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    let named = "singular points (B_z = 0), left out: 6, at (0, -1, -5) (0, -1, -4) (0, 0, -5)";
+    assert!(said.stdout.contains(named), "{}", said.stdout);
+    let json: Value = serde_json::from_str(&bench.run(&["decouple", "shear.toml", "--format", "json"]).stdout).unwrap();
+    assert_eq!(json["singular_points_mm"].as_array().unwrap().len(), 6);
+    assert!(json["uniformity_rmse"]["r_x"].as_f64().unwrap().is_finite());
+}
+
+#[test]
+fn compare_as_text_and_json() {
+    let said = Bench::new().run(&["compare", &shipped("published-film")]);
+    assert!(said.status == 0 && said.stdout.contains("best-fit amplitude") && said.stdout.contains("0.818730"));
+    let said = Bench::new().run(&["compare", &shipped("published-film"), "--format", "json"]);
+    let json: Value = serde_json::from_str(&said.stdout).unwrap();
+    assert_eq!(json["comparison"]["points"], 405);
+    assert!((json["comparison"]["relative_rmse"].as_f64().unwrap() - 0.197428).abs() < 0.5e-6);
+    assert_eq!(json["comparison"]["worst_at_mm"], serde_json::json!([0.0, 0.0, -3.0]));
+}
+
+#[test]
+fn check_lists_tiles_and_tells_findings_from_failures() {
+    let bench = Bench::new();
+    let said = bench.run(&["check", &shipped("published-film"), &shipped("single-tile")]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    assert_eq!(said.stdout.lines().filter(|l| l.starts_with("  film-x")).count(), 56);
+    assert!(said.stdout.contains("  film-x2-y1  3.3 x 0.85 x 1"), "{}", said.stdout);
+
+    let tile = "format = 1\nname = \"idle\"\n[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\n";
+    bench.write("idle.toml", &format!("{tile}polarization_t = [0, 0, 0]\n"));
+    let said = bench.run(&["check", "idle.toml"]);
+    assert_eq!(said.status, 1);
+    assert_eq!(said.stderr, "magsplice: idle.toml: tile \"tile-1\" has no polarization, so no field\n");
+
+    // One that cannot be used does not hide the others.
+    bench.write("broken.toml", tile);
+    let said = bench.run(&["check", "broken.toml", "idle.toml"]);
+    assert_eq!(said.status, 2);
+    assert!(said.stderr.contains("broken.toml: line 3: tile \"tile-1\": has no polarization: give polarization_t"));
+    assert!(said.stderr.contains("idle.toml: tile \"tile-1\" has no polarization, so no field"));
+}
+
+#[test]
+fn wrong_arguments_are_refused() {
+    let bench = Bench::new();
+    assert_eq!(bench.run(&[]).status, 2);
+    assert_eq!(bench.run(&["field"]).status, 2);
+    assert_eq!(bench.run(&["field", &shipped("single-tile"), "--quantity", "m"]).status, 2);
+    assert_eq!(bench.run(&["check"]).status, 2);
+}

@@ -1,0 +1,131 @@
+//! The decoupling parameters of one field value, and displacement from their change.
+//!
+//! Dai et al., "A Magnet Splicing Method for Constructing a Three-Dimensional Self-Decoupled Magnetic Tactile Sensor",
+//! Magnetochemistry 2024, 10(1), 6: Eqs. 13 to 15.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+
+/// |B_z| below this fraction of the largest component is zero up to the accuracy of a field: a film's B is right to about 1e-13 of the sum of its
+/// tiles' fields, so neither the sign nor a digit of such a B_z is known.
+const VANISHING_BZ: f64 = 1e-12;
+
+/// R_x, R_y (radians) and S_z (natural logarithm of a flux density in tesla), Eq. 15.
+///
+/// For the ideal film R_x = -k x, R_y = -k y and S_z = ln |K| + k z: each depends on one coordinate only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// arctan(B_x / C_x), in (-pi, pi].
+    pub r_x: f64,
+    /// arctan(B_y / C_y), in (-pi, pi].
+    pub r_y: f64,
+    /// ln sqrt(C_y^2 + B_y^2).
+    pub s_z: f64,
+}
+
+/// Which of the two branches of the arctangents holds: the sign of B_z on the axis x = y = 0.
+///
+/// The quotient B_x / C_x loses the sign of C_x, and with it half a turn: C_x changes sign at a quarter of a wavelength, which
+/// working volumes come near. arctan2(s B_x, s C_x) with s this sign is continuous there, and R_x is 0 on the axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Branch(f64);
+
+impl Branch {
+    /// The branch of a film with field `on_axis_t` at a point of the axis; `None` if B_z vanishes there.
+    pub fn from_axis_field(on_axis_t: DVec3) -> Option<Branch> {
+        (!vanishes(on_axis_t)).then(|| Branch(on_axis_t.z.signum()))
+    }
+}
+
+fn vanishes(b: DVec3) -> bool {
+    !b.is_finite() || b.z.abs() <= VANISHING_BZ * b.abs().max_element()
+}
+
+impl Parameters {
+    /// The parameters of a flux density in tesla, or `None` where B_z = 0, a true singularity of Eq. 15, or B is not
+    /// finite.
+    ///
+    /// # Accuracy
+    /// About `1e-15 |B| / |B_z|` beyond what the field itself is off by.
+    pub fn of(b_t: DVec3, Branch(sign): Branch) -> Option<Parameters> {
+        if vanishes(b_t) {
+            return None;
+        }
+        // Scaled, so that squares neither overflow nor vanish.
+        let largest = b_t.abs().max_element();
+        let b = b_t / largest;
+        let shear = (b.y - b.x) * (b.y + b.x);
+        let c_x = (b.z * b.z + shear) / (2.0 * b.z);
+        let c_y = (b.z * b.z - shear) / (2.0 * b.z);
+        Some(Parameters {
+            r_x: (sign * b.x).atan2(sign * c_x),
+            r_y: (sign * b.y).atan2(sign * c_y),
+            s_z: c_y.hypot(b.y).ln() + largest.ln(),
+        })
+    }
+
+    /// The displacement that leads from `before` to these parameters: dx = -dR_x / k, dy = -dR_y / k, dz = dS_z / k (Eq. 14).
+    ///
+    /// In the unit of 1 / `wavenumber`. It is the displacement of the sensor in the frame of the film; changes of R_x and R_y are
+    /// taken within half a turn, so shear is right up to half a wavelength.
+    pub fn displacement_from(&self, before: &Parameters, wavenumber: f64) -> DVec3 {
+        let dr_x = half_turn(self.r_x - before.r_x);
+        let dr_y = half_turn(self.r_y - before.r_y);
+        DVec3::new(-dr_x, -dr_y, self.s_z - before.s_z) / wavenumber
+    }
+}
+
+/// The angle within half a turn of zero.
+pub(crate) fn half_turn(angle: f64) -> f64 {
+    if angle.abs() <= PI { angle } else { angle - TAU * (angle / TAU).round() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+    use magsplice_field::IdealFilm;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Eq. 15 on Eq. 2 gives one coordinate each, for both signs of K and past a quarter of a wavelength.
+        #[test]
+        fn the_ideal_film_decouples(
+            x in -4.9..4.9_f64, y in -4.9..4.9_f64, z in -30.0..-0.1_f64, reversed in any::<bool>(),
+        ) {
+            let film = IdealFilm::new(10.0, 1.0, if reversed { -0.12 } else { 0.12 }).unwrap();
+            let k = film.wavenumber();
+            let branch = Branch::from_axis_field(film.flux_density_t(DVec3::new(0.0, 0.0, z)).unwrap()).unwrap();
+            let b = film.flux_density_t(DVec3::new(x, y, z)).unwrap();
+            // Near B_z = 0 the parameters are 0 / 0: the round-off of B is amplified by |B| / |B_z|.
+            let allowed = 4e-15 * (1.0 + b.length() / b.z.abs());
+            prop_assume!(allowed < 1e-9);
+            let p = Parameters::of(b, branch).unwrap();
+            prop_assert!(half_turn(p.r_x + k * x).abs() <= allowed, "R_x {} at {x}", p.r_x);
+            prop_assert!(half_turn(p.r_y + k * y).abs() <= allowed, "R_y {} at {y}", p.r_y);
+            let s_z = film.surface_amplitude_t().abs().ln() + k * z;
+            prop_assert!((p.s_z - s_z).abs() <= allowed + 1e-14 * s_z.abs(), "S_z {} at {z}", p.s_z);
+        }
+    }
+
+    #[test]
+    fn eq_14_finds_the_displacement() {
+        let film = IdealFilm::new(10.0, 1.0, 0.12).unwrap();
+        let at = |p| Parameters::of(film.flux_density_t(p).unwrap(), Branch(1.0)).unwrap();
+        let (from, to) = (DVec3::new(-2.2, 0.3, -5.0), DVec3::new(2.4, -1.0, -3.5));
+        let found = at(to).displacement_from(&at(from), film.wavenumber());
+        assert_abs_diff_eq!(found.distance(to - from), 0.0, epsilon = 1e-13);
+    }
+
+    #[test]
+    fn vanishing_normal_field_is_singular() {
+        assert_eq!(Parameters::of(DVec3::new(1e-3, 0.0, 0.0), Branch(1.0)), None);
+        assert_eq!(Parameters::of(DVec3::new(1e-3, 0.0, 1e-16), Branch(1.0)), None);
+        assert_eq!(Parameters::of(DVec3::ZERO, Branch(1.0)), None);
+        assert_eq!(Branch::from_axis_field(DVec3::X), None);
+        assert!(Parameters::of(DVec3::new(1e-3, 0.0, 1e-13), Branch(1.0)).is_some());
+        assert_eq!(Parameters::of(DVec3::new(f64::NAN, 1.0, 1.0), Branch(1.0)), None);
+        assert!(Parameters::of(DVec3::new(0.0, 0.0, 1e-300), Branch(1.0)).unwrap().s_z.is_finite());
+    }
+}

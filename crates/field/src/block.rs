@@ -1,0 +1,76 @@
+//! A tile prepared for evaluation: its faces in the frame it shares with its neighbours.
+
+use glam::DVec3;
+
+use crate::kernel::offsets::Offsets;
+use crate::tolerances::{FACE_NUDGE, SMALLEST_NUDGE, VANISHING_SIZE};
+use crate::two_sum::TwoSum;
+
+/// A cuboid aligned with its frame.
+#[derive(Clone, Debug)]
+pub(crate) struct Block {
+    /// Index of the tile in the scene.
+    pub(crate) tile: usize,
+    /// Lower and upper face along each axis.
+    pub(crate) faces: [[TwoSum; 2]; 3],
+    pub(crate) size: [f64; 3],
+    /// In the shared frame, in tesla.
+    pub(crate) polarization_t: DVec3,
+    /// How far a point on a face is displaced.
+    nudge: f64,
+}
+
+impl Block {
+    pub(crate) fn new(tile: usize, centre: DVec3, size: DVec3, polarization_t: DVec3, smallest_size: f64) -> Block {
+        let faces = [0, 1, 2].map(|axis| {
+            let half = 0.5 * size[axis];
+            [TwoSum::of(centre[axis], -half), TwoSum::of(centre[axis], half)]
+        });
+        let nudge = (FACE_NUDGE * smallest_size).max(SMALLEST_NUDGE * size.max_element());
+        Block { tile, faces, size: size.to_array(), polarization_t, nudge }
+    }
+
+    /// Where `point`, in the block's frame, lies, scaled by a power of two so that the largest offset is between 1 and 2;
+    /// `None` if the block is too small and far to matter.
+    pub(crate) fn offsets(&self, point: DVec3) -> Option<[Offsets<f64>; 3]> {
+        let offsets = [0, 1, 2].map(|axis| self.axis_offsets(axis, point[axis]));
+        let farthest = offsets.iter().map(|o| o.far).fold(0.0, f64::max);
+        let scale = power_of_two_below_reciprocal(farthest);
+        let largest = self.size.iter().copied().fold(0.0, f64::max);
+        (largest * scale >= VANISHING_SIZE).then(|| offsets.map(|o| o.scaled(scale)))
+    }
+
+    fn axis_offsets(&self, axis: usize, coordinate: f64) -> Offsets<f64> {
+        let point = TwoSum::exact(coordinate);
+        let from_low = point.minus(self.faces[axis][0]);
+        let from_high = point.minus(self.faces[axis][1]);
+        let sum = (from_low.hi + from_high.hi) + (from_low.lo + from_high.lo);
+        let mirrored = sum < 0.0;
+        let (near, far) =
+            if mirrored { (-from_low.value(), -from_high.value()) } else { (from_high.value(), from_low.value()) };
+        let on_face = near == 0.0;
+        let near = match (on_face, mirrored) {
+            (false, _) => near,
+            (true, true) => -self.nudge,
+            (true, false) => self.nudge,
+        };
+        Offsets { near, far, sum: sum.abs(), size: self.size[axis], mirrored, on_face }
+    }
+}
+
+impl Offsets<f64> {
+    fn scaled(self, scale: f64) -> Offsets<f64> {
+        Offsets {
+            near: self.near * scale,
+            far: self.far * scale,
+            sum: self.sum * scale,
+            size: self.size * scale,
+            ..self
+        }
+    }
+}
+
+/// The power of two that takes `length` into [1, 2).
+fn power_of_two_below_reciprocal(length: f64) -> f64 {
+    f64::from_bits((2046 << 52) - (length.to_bits() & (0x7ff << 52)))
+}

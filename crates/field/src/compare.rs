@@ -1,0 +1,143 @@
+//! How far one field is from another.
+
+use std::fmt;
+
+use glam::DVec3;
+
+/// The difference of a field from a reference on the same points. All fields in tesla.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Comparison {
+    /// Number of points.
+    pub points: usize,
+    /// Root of the mean squared difference of each component.
+    pub component_rmse_t: DVec3,
+    /// Root of the mean squared length of the difference.
+    pub rmse_t: f64,
+    /// `rmse_t` over the root mean square of the reference.
+    pub relative_rmse: f64,
+    /// Largest length of the difference.
+    pub worst_t: f64,
+    /// The first point where it occurs.
+    pub worst_at: DVec3,
+    /// The factor a that brings a times the reference closest to the field (least squares over all components).
+    pub amplitude: f64,
+    /// The relative RMSE against the reference times `amplitude`.
+    pub scaled_relative_rmse: f64,
+    /// Pearson's correlation of each component; `None` where a component does not vary.
+    pub correlation: [Option<f64>; 3],
+}
+
+/// Why two fields cannot be compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ComparisonError {
+    /// There are no points.
+    NoPoints,
+    /// The reference is zero at every point, or the field has no part along it: relative numbers have no meaning.
+    NothingInCommon,
+}
+
+impl Comparison {
+    /// Compares `field` with `reference` at `points`.
+    ///
+    /// # Accuracy
+    /// Sums over n points are rounded n times: relative errors below n times 1e-16.
+    ///
+    /// # Errors
+    /// See [`ComparisonError`].
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    pub fn of(points: &[DVec3], field: &[DVec3], reference: &[DVec3]) -> Result<Comparison, ComparisonError> {
+        assert_eq!(points.len(), field.len(), "one field value per point");
+        assert_eq!(points.len(), reference.len(), "one reference value per point");
+        let count = points.len() as f64;
+        let pairs = || field.iter().zip(reference);
+        let square: f64 = reference.iter().map(|r| r.length_squared()).sum();
+        let product: f64 = pairs().map(|(f, r)| f.dot(*r)).sum();
+        let amplitude = product / square;
+        let Some(worst) = (0..points.len()).reduce(|best, i| {
+            let distance = |i: usize| field[i].distance_squared(reference[i]);
+            if distance(i) > distance(best) { i } else { best }
+        }) else {
+            return Err(ComparisonError::NoPoints);
+        };
+        if !amplitude.is_finite() || amplitude == 0.0 {
+            return Err(ComparisonError::NothingInCommon);
+        }
+        let squares = pairs().map(|(f, r)| (f - r) * (f - r)).sum::<DVec3>();
+        let scaled: f64 = pairs().map(|(f, r)| f.distance_squared(amplitude * r)).sum();
+        let rmse_t = (squares.element_sum() / count).sqrt();
+        Ok(Comparison {
+            points: points.len(),
+            component_rmse_t: (squares / count).map(f64::sqrt),
+            rmse_t,
+            relative_rmse: (squares.element_sum() / square).sqrt(),
+            worst_t: field[worst].distance(reference[worst]),
+            worst_at: points[worst],
+            amplitude,
+            scaled_relative_rmse: (scaled / square).sqrt() / amplitude.abs(),
+            correlation: [0, 1, 2].map(|axis| correlation(field, reference, axis)),
+        })
+    }
+}
+
+fn correlation(field: &[DVec3], reference: &[DVec3], axis: usize) -> Option<f64> {
+    let count = field.len() as f64;
+    let mean = |values: &[DVec3]| values.iter().map(|v| v[axis]).sum::<f64>() / count;
+    let (field_mean, reference_mean) = (mean(field), mean(reference));
+    let (mut ff, mut fr, mut rr) = (0.0, 0.0, 0.0);
+    for (f, r) in field.iter().zip(reference) {
+        let (f, r) = (f[axis] - field_mean, r[axis] - reference_mean);
+        ff += f * f;
+        fr += f * r;
+        rr += r * r;
+    }
+    let correlation = fr / (ff.sqrt() * rr.sqrt());
+    correlation.is_finite().then_some(correlation)
+}
+
+impl fmt::Display for ComparisonError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            ComparisonError::NoPoints => "there are no points to compare",
+            ComparisonError::NothingInCommon => {
+                "the field has no part along the reference, so no amplitude or relative error exists"
+            }
+        })
+    }
+}
+
+impl std::error::Error for ComparisonError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn a_scaled_field_with_one_outlier() {
+        let points = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let reference = [DVec3::new(1.0, 2.0, 0.0), DVec3::new(-1.0, 0.0, 0.0), DVec3::new(0.0, 1.0, 0.0)];
+        let mut field = reference.map(|r| 0.5 * r);
+        let same = Comparison::of(&points, &field, &reference).unwrap();
+        assert_relative_eq!(same.amplitude, 0.5);
+        assert_relative_eq!(same.relative_rmse, 0.5);
+        assert_eq!(same.scaled_relative_rmse, 0.0);
+        assert_relative_eq!(same.correlation[0].unwrap(), 1.0, epsilon = 1e-15);
+        assert_eq!((same.correlation[2], same.worst_at), (None, DVec3::ZERO));
+        assert_relative_eq!(same.component_rmse_t.y, (1.25_f64 / 3.0).sqrt());
+        assert_relative_eq!(same.rmse_t, (1.75_f64 / 3.0).sqrt());
+        field[2].z = 3.0;
+        let other = Comparison::of(&points, &field, &reference).unwrap();
+        assert_eq!(other.worst_at, DVec3::Y);
+        assert_relative_eq!(other.worst_t, 9.25_f64.sqrt());
+    }
+
+    #[test]
+    fn nothing_to_compare_is_an_error() {
+        assert_eq!(Comparison::of(&[], &[], &[]), Err(ComparisonError::NoPoints));
+        let one = [DVec3::X];
+        assert_eq!(Comparison::of(&one, &one, &[DVec3::ZERO]), Err(ComparisonError::NothingInCommon));
+        assert_eq!(Comparison::of(&one, &one, &[DVec3::Y]), Err(ComparisonError::NothingInCommon));
+    }
+}

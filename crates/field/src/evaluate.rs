@@ -1,0 +1,85 @@
+//! Many points at once, into buffers of the caller.
+
+use std::fmt;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::quantity::Quantity;
+use crate::scene::{Cause, Scene};
+use crate::tolerances::POINTS_PER_TASK;
+
+/// Points at which there is no field to give, in the order of the points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointErrors(pub Vec<PointError>);
+
+/// One point at which there is no field to give.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointError {
+    /// Index into the points that were asked for.
+    pub index: usize,
+    /// The point.
+    pub point: DVec3,
+    /// Why.
+    pub cause: Cause,
+}
+
+impl Scene {
+    /// The field at every point of `points`, written to `field` in the same order, in parallel over points.
+    ///
+    /// Each point is computed alone, so the result is bit-identical for any number of threads and any division of the points
+    /// into calls. Memory does not grow with tiles times points.
+    ///
+    /// # Errors
+    /// All points without a field at once; their entries of `field` are then NaN and all others are valid.
+    ///
+    /// # Panics
+    /// If the two slices differ in length.
+    pub fn field_into(&self, quantity: Quantity, points: &[DVec3], field: &mut [DVec3]) -> Result<(), PointErrors> {
+        assert_eq!(points.len(), field.len(), "one field value per point");
+        let mut errors: Vec<PointError> = points
+            .par_chunks(POINTS_PER_TASK)
+            .zip(field.par_chunks_mut(POINTS_PER_TASK))
+            .enumerate()
+            .flat_map_iter(|(task, (points, field))| {
+                let mut errors = Vec::new();
+                for (offset, (&point, value)) in points.iter().zip(field).enumerate() {
+                    *value = self.field(quantity, point).unwrap_or_else(|cause| {
+                        errors.push(PointError { index: task * POINTS_PER_TASK + offset, point, cause });
+                        DVec3::NAN
+                    });
+                }
+                errors
+            })
+            .collect();
+        if errors.is_empty() {
+            return Ok(());
+        }
+        errors.sort_by_key(|e| e.index);
+        Err(PointErrors(errors))
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Cause::Unbounded { tile } => write!(f, "the field is unbounded on an exposed edge of tile {tile}"),
+            Cause::OutOfRange => write!(f, "the coordinates must be finite numbers of at most 2^1000 in magnitude"),
+        }
+    }
+}
+
+impl std::error::Error for Cause {}
+
+impl fmt::Display for PointErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, error) in self.0.iter().enumerate() {
+            let separator = if i == 0 { "" } else { "; " };
+            let PointError { index, point, cause } = error;
+            write!(f, "{separator}point {index} at ({}, {}, {}): {cause}", point.x, point.y, point.z)?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for PointErrors {}

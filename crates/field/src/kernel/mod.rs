@@ -1,0 +1,73 @@
+//! The closed-form field of one cuboid in its own frame, free of cancellation (docs/physics.md, section 2).
+//!
+//! One path serves every point: there is no separate far branch, and the only branches are where the foot of the point
+//! falls and how large a logarithm is.
+
+mod edge;
+mod face;
+pub(crate) mod offsets;
+pub(crate) mod scalar;
+
+use self::edge::edge_logarithm;
+use self::face::face_angles;
+use self::offsets::Offsets;
+use self::scalar::Scalar;
+
+const INV_4PI: f64 = 0.25 * std::f64::consts::FRAC_1_PI;
+
+/// What a tile adds at a point.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// mu0 H, in tesla: the tensor applied to J.
+    Strength,
+    /// B: mu0 H, and J inside.
+    Density,
+}
+
+/// mu0 H or B of a cuboid of polarization `j`, in its own frame; components of `j` that are zero cost nothing.
+///
+/// The offsets must be scaled so that the largest is of order one.
+pub(crate) fn cuboid_field<S: Scalar>(offsets: &[Offsets<S>; 3], j: [f64; 3], part: Part) -> [S; 3] {
+    let radius = corner_distances(offsets);
+    let inside = offsets.iter().all(Offsets::within);
+    let mut field = [S::constant(0.0); 3];
+
+    for edges in 0..3 {
+        let (a, b) = ((edges + 1) % 3, (edges + 2) % 3);
+        if j[a] == 0.0 && j[b] == 0.0 {
+            continue;
+        }
+        let sign = offsets[a].sign() * offsets[b].sign();
+        let element = edge_logarithm(offsets, &radius, [a, b, edges]).scale(sign);
+        field[a] = field[a] + element.scale(j[b]);
+        field[b] = field[b] + element.scale(j[a]);
+    }
+
+    // Inside, 1 + T_xx = -(T_yy + T_zz) adds two numbers of one sign where J + mu0 H would nearly cancel in a plate.
+    let by_trace = inside && part == Part::Density;
+    let mut diagonal = [None; 3];
+    for (axis, slot) in diagonal.iter_mut().enumerate() {
+        let needed = if by_trace { (0..3).any(|m| m != axis && j[m] != 0.0) } else { j[axis] != 0.0 };
+        if needed {
+            *slot = Some(face_angles(offsets, [axis, (axis + 1) % 3, (axis + 2) % 3]));
+        }
+    }
+    for axis in 0..3 {
+        let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+        let element = match (by_trace, diagonal[axis], diagonal[next], diagonal[last]) {
+            _ if j[axis] == 0.0 => continue,
+            (false, Some(own), _, _) => own,
+            (true, _, Some(one), Some(other)) => -(one + other),
+            _ => unreachable!("every element a component of J needs has been computed"),
+        };
+        field[axis] = field[axis] + element.scale(j[axis]);
+    }
+    field.map(|component| component.scale(INV_4PI))
+}
+
+/// Distances to the eight corners; the bit of an axis is set for its far face.
+fn corner_distances<S: Scalar>(offsets: &[Offsets<S>; 3]) -> [S; 8] {
+    let squares: [[S; 2]; 3] = [0, 1, 2].map(|axis: usize| [0, 1].map(|bit| offsets[axis].face(bit).square()));
+    [0, 1, 2, 3, 4, 5, 6, 7]
+        .map(|corner: usize| (squares[0][corner & 1] + squares[1][corner >> 1 & 1] + squares[2][corner >> 2]).sqrt())
+}

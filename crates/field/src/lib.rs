@@ -1,0 +1,52 @@
+//! The magnetic field of uniformly magnetized cuboids, one or thousands, correct to the last digits at every point.
+//!
+//! * [`Tile`]: a cuboid with position, size, polarization and rotation.
+//! * [`Scene`]: tiles together; B, H and J at a point or at many points in parallel.
+//! * [`IdealFilm`]: the sinusoidally magnetized film a spliced film stands in for (Dai 2024, Eqs. 1 and 2).
+//! * [`Comparison`]: how far one field is from another.
+//! * [`Grid`]: regular points.
+//!
+//! Lengths are in any one unit: the field depends on their ratios only. This crate knows no files, no text formats, and prints
+//! nothing.
+//!
+//! ```
+//! use glam::DVec3;
+//! use magsplice_field::{Quantity, Scene, Tile};
+//!
+//! let cube = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::new(0.0, 0.0, 1.2)).unwrap();
+//! let scene = Scene::new(&[cube]);
+//! // At the centre of a cube the demagnetizing factors are one third each.
+//! let b = scene.field(Quantity::FluxDensity, DVec3::ZERO).unwrap();
+//! assert!((b.z - 0.8).abs() < 1e-15);
+//! // On an edge the field is unbounded, and the answer says so.
+//! assert!(scene.field(Quantity::FluxDensity, DVec3::new(0.5, 0.0, 0.5)).is_err());
+//! ```
+
+// Rules are written as `!(x <= limit)` so that NaN breaks them.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
+mod block;
+mod compare;
+mod edge_policy;
+mod evaluate;
+mod grid;
+mod ideal;
+mod kernel;
+mod orientation;
+mod overlap;
+mod quantity;
+mod scene;
+mod seam;
+mod tile;
+mod tolerances;
+mod two_sum;
+
+pub use compare::{Comparison, ComparisonError};
+pub use evaluate::{PointError, PointErrors};
+pub use grid::Grid;
+pub use ideal::{IdealFilm, IdealFilmFault};
+pub use overlap::{Overlap, overlaps};
+pub use quantity::{MU_0, Quantity};
+pub use scene::{Cause, Scene};
+pub use tile::{Tile, TileFault, TileFaults};
+pub use tolerances::{MAX_LENGTH, MAX_POLARIZATION_T, MIN_ASPECT, MIN_SIZE, UNIT_NORM_TOLERANCE};

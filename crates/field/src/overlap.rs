@@ -1,0 +1,135 @@
+//! Tiles that reach into each other.
+
+use glam::{DMat3, DVec3};
+
+use crate::tile::Tile;
+use crate::tolerances::{OVERLAP_FRACTION, OVERLAP_ROUNDINGS, PARALLEL_EDGES};
+
+/// Two tiles that share volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlap {
+    /// Index of the one tile.
+    pub first: usize,
+    /// Index of the other, greater than `first`.
+    pub second: usize,
+    /// The shortest distance by which one must move to end the overlap, in the unit of the tiles.
+    pub depth: f64,
+    /// Unit vector along which the second tile must move.
+    pub direction: DVec3,
+}
+
+/// All pairs of tiles that overlap by more than round-off, ordered by index. Touching is not overlapping.
+pub fn overlaps(tiles: &[Tile]) -> Vec<Overlap> {
+    let boxes: Vec<Oriented> = tiles.iter().map(Oriented::of).collect();
+    // Sweep along x: only boxes whose x ranges meet are compared.
+    let mut order: Vec<usize> = (0..tiles.len()).collect();
+    order.sort_by(|&a, &b| boxes[a].low.x.total_cmp(&boxes[b].low.x));
+    let mut open: Vec<usize> = Vec::new();
+    let mut found = Vec::new();
+    for index in order {
+        let entering = &boxes[index];
+        open.retain(|&other| boxes[other].high.x >= entering.low.x);
+        for &other in &open {
+            let (first, second) = (other.min(index), other.max(index));
+            if boxes[other].bounds_meet(entering)
+                && let Some((depth, direction)) = boxes[first].penetration(&boxes[second])
+            {
+                found.push(Overlap { first, second, depth, direction });
+            }
+        }
+        open.push(index);
+    }
+    found.sort_by_key(|o| (o.first, o.second));
+    found
+}
+
+/// A tile as a box with axes, and its bounds along x, y, z.
+struct Oriented {
+    centre: DVec3,
+    axes: [DVec3; 3],
+    half: DVec3,
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Oriented {
+    fn of(tile: &Tile) -> Oriented {
+        let rotation = DMat3::from_quat(tile.rotation());
+        let half = 0.5 * tile.size();
+        let axes = [rotation.x_axis, rotation.y_axis, rotation.z_axis];
+        let reach = axes[0].abs() * half.x + axes[1].abs() * half.y + axes[2].abs() * half.z;
+        let centre = tile.position();
+        Oriented { centre, axes, half, low: centre - reach, high: centre + reach }
+    }
+
+    fn bounds_meet(&self, other: &Oriented) -> bool {
+        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+    }
+
+    fn reach(&self, direction: DVec3) -> f64 {
+        (0..3).map(|i| self.half[i] * self.axes[i].dot(direction).abs()).sum()
+    }
+
+    /// Depth and direction of the overlap by the separating-axis theorem (Gottschalk, Lin, Manocha 1996).
+    fn penetration(&self, other: &Oriented) -> Option<(f64, DVec3)> {
+        let shift = other.centre - self.centre;
+        let crosses = self.axes.iter().flat_map(|a| other.axes.iter().map(move |b| a.cross(*b)));
+        let candidates = self.axes.iter().chain(&other.axes).copied().chain(crosses);
+        let coordinates = self.centre.abs().max(other.centre.abs()).max_element() + self.half.max_element();
+        let smallest = 2.0 * self.half.min(other.half).min_element();
+        let rounding = 0.5 * f64::EPSILON * OVERLAP_ROUNDINGS * coordinates;
+        let mut least: Option<(f64, DVec3)> = None;
+        // Parallel edges have no common normal of their own; the face normals cover that case.
+        for direction in candidates.filter(|d| d.length() > PARALLEL_EDGES).map(DVec3::normalize) {
+            let along = shift.dot(direction);
+            let depth = self.reach(direction) + other.reach(direction) - along.abs();
+            if depth <= OVERLAP_FRACTION * smallest + rounding {
+                return None;
+            }
+            if least.is_none_or(|(d, _)| depth < d) {
+                least = Some((depth, if along < 0.0 { -direction } else { direction }));
+            }
+        }
+        least
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use glam::DQuat;
+
+    fn cube(x: f64, y: f64, angle_deg: f64) -> Tile {
+        let tile = Tile::new(DVec3::new(x, y, 0.0), DVec3::ONE, DVec3::Z).unwrap();
+        tile.rotated(DQuat::from_rotation_z(angle_deg.to_radians())).unwrap()
+    }
+
+    #[test]
+    fn touching_tiles_do_not_overlap() {
+        assert_eq!(
+            overlaps(&[cube(0.1, 0.0, 0.0), cube(1.1, 0.0, 0.0), cube(0.1, 1.0, 90.0), cube(3.0, 0.0, 0.0)]),
+            []
+        );
+    }
+
+    #[test]
+    fn depth_and_direction() {
+        let found = overlaps(&[cube(5.0, 0.0, 0.0), cube(0.0, 0.0, 0.0), cube(-0.9, 0.2, 0.0)]);
+        assert_eq!(found.len(), 1);
+        assert_eq!((found[0].first, found[0].second), (1, 2));
+        assert_relative_eq!(found[0].depth, 0.1, epsilon = 1e-15);
+        assert_eq!(found[0].direction, -DVec3::X);
+    }
+
+    #[test]
+    fn a_corner_against_a_face() {
+        // The corner of a cube turned by 45 degrees reaches sqrt(1/2) beyond its centre.
+        let reach = 0.5_f64.sqrt() + 0.5;
+        assert_eq!(overlaps(&[cube(0.0, 0.0, 0.0), cube(reach, 0.0, 45.0)]), []);
+        let found = overlaps(&[cube(0.0, 0.0, 0.0), cube(reach - 0.01, 0.0, 45.0)]);
+        assert_relative_eq!(found[0].depth, 0.01, epsilon = 1e-15);
+        // Bounding boxes meet, the cubes do not.
+        assert_eq!(overlaps(&[cube(0.0, 0.0, 45.0), cube(1.0, 1.0, 45.0)]), []);
+    }
+}

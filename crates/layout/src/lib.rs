@@ -1,0 +1,38 @@
+//! Layout files of spliced magnet films: TOML to tiles and back.
+//!
+//! The only crate of magsplice that knows TOML, and the only one that fixes a unit of length: millimetres. A file is read into
+//! types that mirror it key by key, checked as a whole, and only then becomes a [`Layout`]. docs/layout-format.md describes
+//! every key.
+//!
+//! ```
+//! use magsplice_layout::Layout;
+//!
+//! let text = r#"
+//!     format = 1
+//!     name = "two tiles"
+//!     [[tile]]
+//!     position_mm = [-2.0, 0.0, 0.5]
+//!     size_mm = [3.3, 1.7, 1.0]
+//!     polarization_t = [0.12, 0.0, 0.0]
+//!     mirror = { axes = ["x"] }
+//! "#;
+//! let layout = Layout::parse(text, "example").unwrap();
+//! assert_eq!(layout.tiles.len(), 2);
+//! assert_eq!(layout.tiles[1].tile.polarization_t().x, -0.12);
+//! ```
+
+// Rules are written as `!(x > limit)` so that NaN breaks them.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
+mod error;
+mod findings;
+mod lattice;
+mod layout;
+mod repeat;
+mod resolve;
+mod volume;
+mod written;
+
+pub use error::{LayoutError, Problem};
+pub use layout::{Layout, NamedTile, WorkingVolume};
+pub use written::Rotation;

@@ -1,0 +1,127 @@
+//! A layout taken through the pipeline: field, comparison, decoupling.
+
+use std::fmt;
+
+use glam::DVec3;
+use magsplice_decouple::{Decoupling, DecouplingError};
+use magsplice_field::{Cause, Comparison, ComparisonError, IdealFilm, PointError, PointErrors, Quantity, Scene};
+use magsplice_layout::{Layout, WorkingVolume};
+
+/// A layout with its scene prepared.
+pub struct Film<'a> {
+    layout: &'a Layout,
+    scene: Scene,
+}
+
+/// Why a film could not be evaluated.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FilmError {
+    /// The layout lacks a table that this evaluation needs.
+    Missing(&'static str),
+    /// There is no field at some points.
+    Points(PointErrors),
+    /// Eq. 2 does not hold at this point of the volume, which is not below the film.
+    NotBelow(DVec3),
+    /// The fields cannot be compared.
+    Comparison(ComparisonError),
+    /// The decoupling parameters cannot be evaluated.
+    Decoupling(DecouplingError),
+}
+
+impl<'a> Film<'a> {
+    /// Prepares the tiles of a layout for evaluation.
+    pub fn new(layout: &'a Layout) -> Film<'a> {
+        Film { layout, scene: Scene::new(&layout.bare_tiles()) }
+    }
+
+    /// The layout it was made from.
+    pub fn layout(&self) -> &'a Layout {
+        self.layout
+    }
+
+    /// The prepared tiles.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The working volume of the layout.
+    ///
+    /// # Errors
+    /// If the layout has none.
+    pub fn volume(&self) -> Result<&'a WorkingVolume, FilmError> {
+        self.layout.volume.as_ref().ok_or(FilmError::Missing("volume"))
+    }
+
+    /// The ideal film of the layout.
+    ///
+    /// # Errors
+    /// If the layout has none.
+    pub fn ideal(&self) -> Result<&'a IdealFilm, FilmError> {
+        self.layout.ideal.as_ref().ok_or(FilmError::Missing("ideal"))
+    }
+
+    /// B in tesla on the grid of the working volume, z fastest.
+    ///
+    /// # Errors
+    /// If there is no working volume, or no field at some of its points.
+    pub fn volume_field_t(&self) -> Result<Vec<DVec3>, FilmError> {
+        let points: Vec<DVec3> = self.volume()?.grid.points().collect();
+        let mut field = vec![DVec3::ZERO; points.len()];
+        self.scene.field_into(Quantity::FluxDensity, &points, &mut field).map_err(FilmError::Points)?;
+        Ok(field)
+    }
+
+    /// The field against Eq. 2 over the working volume; `field_t` as [`Film::volume_field_t`] gives it.
+    ///
+    /// # Errors
+    /// If the layout has no ideal film or volume, or the volume is not below the film.
+    pub fn compare(&self, field_t: &[DVec3]) -> Result<Comparison, FilmError> {
+        let (ideal, volume) = (self.ideal()?, self.volume()?);
+        let points: Vec<DVec3> = volume.grid.points().collect();
+        let reference = points
+            .iter()
+            .map(|&p| ideal.flux_density_t(p).ok_or(FilmError::NotBelow(p)))
+            .collect::<Result<Vec<DVec3>, _>>()?;
+        Comparison::of(&points, field_t, &reference).map_err(FilmError::Comparison)
+    }
+
+    /// The decoupling parameters over the working volume; `field_t` as [`Film::volume_field_t`] gives it.
+    ///
+    /// # Errors
+    /// If the layout has no ideal film or volume, or the parameters do not exist there.
+    pub fn decouple(&self, field_t: &[DVec3]) -> Result<Decoupling, FilmError> {
+        let (ideal, volume) = (self.ideal()?, self.volume()?);
+        let reference = volume.reference_mm;
+        Decoupling::of(&volume.grid, field_t, (reference, self.reference_field_t()?), ideal)
+            .map_err(FilmError::Decoupling)
+    }
+
+    /// B in tesla at the reference point of the working volume.
+    ///
+    /// # Errors
+    /// If there is no working volume, or no field at the point.
+    pub fn reference_field_t(&self) -> Result<DVec3, FilmError> {
+        let point = self.volume()?.reference_mm;
+        let refused = |cause: Cause| FilmError::Points(PointErrors(vec![PointError { index: 0, point, cause }]));
+        self.scene.field(Quantity::FluxDensity, point).map_err(refused)
+    }
+}
+
+impl fmt::Display for FilmError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FilmError::Missing(table) => write!(f, "the layout has no [{table}] table, which this needs: add one"),
+            FilmError::Points(errors) => errors.fmt(f),
+            FilmError::NotBelow(p) => write!(
+                f,
+                "the working volume has the point ({}, {}, {}), and Eq. 2 of the ideal film holds only for z < 0: \
+                 lower z_mm of [volume]",
+                p.x, p.y, p.z
+            ),
+            FilmError::Comparison(error) => error.fmt(f),
+            FilmError::Decoupling(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for FilmError {}

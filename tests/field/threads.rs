@@ -1,0 +1,63 @@
+//! The result does not depend on how the work is divided.
+
+use glam::DVec3;
+use magsplice_field::{Cause, Quantity, Scene, Tile};
+use rayon::ThreadPoolBuilder;
+
+fn scene() -> Scene {
+    let tiles: Vec<Tile> = (0..20)
+        .map(|i| {
+            let i = f64::from(i);
+            Tile::new(
+                DVec3::new(i.sin() * 9.0, i.cos() * 9.0, 0.1 * i),
+                DVec3::new(1.0, 1.3, 0.7),
+                DVec3::new(0.1, i, 1.0),
+            )
+            .expect("a valid tile")
+        })
+        .collect();
+    Scene::new(&tiles)
+}
+
+fn points() -> Vec<DVec3> {
+    (0..1000).map(|i| DVec3::new(f64::from(i % 10), f64::from(i / 10 % 10), -0.37 * f64::from(i / 100) - 1.0)).collect()
+}
+
+#[test]
+fn bit_identical_for_any_number_of_threads_and_any_batch() {
+    let (scene, points) = (scene(), points());
+    let alone: Vec<DVec3> = points.iter().map(|&p| scene.field(Quantity::FluxDensity, p).unwrap()).collect();
+    for threads in [1, 2, 3, 8] {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        for batch in [points.len(), 333, 1] {
+            let mut field = vec![DVec3::ZERO; points.len()];
+            pool.install(|| {
+                for (points, field) in points.chunks(batch).zip(field.chunks_mut(batch)) {
+                    scene.field_into(Quantity::FluxDensity, points, field).unwrap();
+                }
+            });
+            assert_eq!(field, alone, "{threads} threads, batches of {batch}");
+        }
+    }
+}
+
+#[test]
+fn every_point_without_a_field_is_named() {
+    let cube = Tile::new(DVec3::ZERO, DVec3::splat(2.0), DVec3::X).unwrap();
+    let scene = Scene::new(&[cube]);
+    let mut points = points();
+    points[7] = DVec3::new(1.0, 0.3, 1.0);
+    points[800] = DVec3::new(f64::NAN, 0.0, 0.0);
+    points[999] = DVec3::new(-1.0, -1.0, -1.0);
+    let mut field = vec![DVec3::ZERO; points.len()];
+    let errors = scene.field_into(Quantity::FluxDensity, &points, &mut field).unwrap_err();
+    let found: Vec<(usize, Cause)> = errors.0.iter().map(|e| (e.index, e.cause)).collect();
+    let edge = Cause::Unbounded { tile: 0 };
+    // (1, 0, -1) lies on an edge and (1, 1, -1) on a corner. (0, 1, -1) lies on an edge along J, where the field is bounded.
+    let on_grid = [(1, 0), (1, 1)].map(|(x, y)| (y * 10 + x, edge));
+    let mut expected: Vec<(usize, Cause)> = on_grid.to_vec();
+    expected.extend([(7, edge), (800, Cause::OutOfRange), (999, edge)]);
+    expected.sort_by_key(|e| e.0);
+    assert_eq!(found, expected);
+    assert!(field.iter().enumerate().all(|(i, f)| f.is_finite() != found.iter().any(|e| e.0 == i)));
+}

@@ -1,0 +1,33 @@
+//! Every shipped layout can be used.
+
+use std::fs;
+use std::path::Path;
+
+use magsplice::prelude::*;
+
+#[test]
+fn every_shipped_layout_loads_and_survives_a_round_trip() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../layouts");
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let layout = Layout::read(&path).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(layout.findings, [""; 0], "{}", path.display());
+        let again = Layout::parse(&layout.to_toml(), "plain form").unwrap_or_else(|e| panic!("{e}"));
+        let tiles = |l: &Layout| l.tiles.iter().map(|t| (t.name.clone(), t.tile)).collect::<Vec<_>>();
+        assert_eq!(tiles(&again), tiles(&layout), "{}", path.display());
+        assert_eq!((again.ideal, again.volume), (layout.ideal, layout.volume));
+        names.push((path.file_stem().unwrap().to_str().unwrap().to_owned(), layout.tiles.len()));
+    }
+    names.sort();
+    let known = [
+        ("film-40mm", 208),
+        ("film-80mm", 800),
+        ("published-film", 56),
+        ("published-film-component", 56),
+        ("single-tile", 1),
+    ];
+    for (name, tiles) in known {
+        assert!(names.contains(&(name.to_owned(), tiles)), "{name} with {tiles} tiles among {names:?}");
+    }
+}

@@ -1,0 +1,88 @@
+//! The published film against the numbers known of it (Dai 2024 and an independent computation with magpylib 6.1).
+
+use std::path::Path;
+
+use approx::assert_relative_eq;
+use magsplice::prelude::*;
+
+fn layout(name: &str) -> Layout {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../layouts").join(name).with_extension("toml");
+    Layout::read(&path).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn field_at_a_generic_point() {
+    let layout = layout("published-film");
+    let b = Film::new(&layout).scene().field(Quantity::FluxDensity, DVec3::new(2.0, -1.0, -5.0)).unwrap();
+    let known = DVec3::new(-1.0284893492777e-3, 6.272861417527e-4, 6.766460587771e-4);
+    // The known values have 13 digits.
+    assert!((b - known).length() <= 1e-12 * known.length(), "{b}");
+}
+
+#[test]
+fn comparison_with_the_ideal_film() {
+    let layout = layout("published-film");
+    let film = Film::new(&layout);
+    let c = film.compare(&film.volume_field_t().unwrap()).unwrap();
+    // Known to six decimals.
+    for (found, known) in [(c.amplitude, 0.818730), (c.relative_rmse, 0.197428), (c.scaled_relative_rmse, 0.095543)] {
+        assert!((found - known).abs() <= 0.5e-6, "{found}, not {known}");
+    }
+    assert!(c.correlation.iter().all(|r| r.unwrap() > 0.9999));
+    assert_eq!(c.points, 405);
+}
+
+fn errors(name: &str) -> Decoupling {
+    let layout = layout(name);
+    let film = Film::new(&layout);
+    film.decouple(&film.volume_field_t().unwrap()).unwrap()
+}
+
+#[test]
+fn decoupling_errors() {
+    let d = errors("published-film");
+    let found = [
+        (d.uniformity_rmse.r_x, 0.062872),
+        (d.uniformity_rmse.r_y, 0.062872),
+        (d.uniformity_rmse.s_z, 0.039888),
+        (d.ideal_rmse.r_x, 0.152165),
+        (d.ideal_rmse.r_y, 0.152165),
+        (d.ideal_rmse.s_z, 0.198419),
+    ];
+    for (found, known) in found {
+        assert!((found - known).abs() <= 0.5e-6, "{found}, not {known}");
+    }
+    assert!(d.singular.is_empty());
+}
+
+#[test]
+fn the_other_reading_hardly_changes_decoupling() {
+    let d = errors("published-film-component");
+    // Known to four decimals.
+    assert!((d.uniformity_rmse.r_x - 0.0630).abs() <= 0.5e-4);
+    assert!((d.uniformity_rmse.s_z - 0.0417).abs() <= 0.5e-4);
+    let layout = layout("published-film-component");
+    let film = Film::new(&layout);
+    let amplitude = film.compare(&film.volume_field_t().unwrap()).unwrap().amplitude;
+    // Known to rise "from 0.81 to 1.00", which are 0.819 and 1.011 over the grid.
+    assert!((amplitude - 1.00).abs() <= 0.012, "{amplitude}");
+}
+
+/// The finite film dominates: R_x RMSE 0.011 at 40 mm and 0.0031 at 80 mm, against 0.063 at 20 mm.
+#[test]
+fn larger_films_decouple_better() {
+    assert!((errors("film-40mm").uniformity_rmse.r_x - 0.011).abs() <= 0.5e-3);
+    assert!((errors("film-80mm").uniformity_rmse.r_x - 0.0031).abs() <= 0.5e-4);
+}
+
+/// The symmetry of the layout: exchanging x and y exchanges the components.
+#[test]
+fn symmetry_of_the_film() {
+    let layout = layout("published-film");
+    let film = Film::new(&layout);
+    let b = |x: f64, y: f64| film.scene().field(Quantity::FluxDensity, DVec3::new(x, y, -3.7)).unwrap();
+    let (here, there) = (b(1.3, -0.4), b(-0.4, 1.3));
+    for (a, b) in [(here.x, there.y), (here.y, there.x), (here.z, there.z)] {
+        assert_relative_eq!(a, b, max_relative = 1e-13);
+    }
+}

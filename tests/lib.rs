@@ -1,0 +1,3 @@
+//! What several tests share: the reference tables.
+
+pub mod reference_tables;
