@@ -20,6 +20,24 @@ pub(crate) struct Block {
     nudge: f64,
 }
 
+/// Where a point lies relative to a block.
+pub(crate) struct Placed {
+    pub(crate) offsets: [Offsets<f64>; 3],
+    /// The power of two that `offsets` have been multiplied with.
+    pub(crate) scale: f64,
+}
+
+impl Placed {
+    /// Whether the point lies on the extension of an edge or on one.
+    pub(crate) fn on_edge_line(&self) -> bool {
+        self.offsets.iter().filter(|o| o.on_face).count() >= 2
+    }
+
+    pub(crate) fn inside(&self) -> bool {
+        self.offsets.iter().all(Offsets::within)
+    }
+}
+
 impl Block {
     pub(crate) fn new(tile: usize, centre: DVec3, size: DVec3, polarization_t: DVec3, smallest_size: f64) -> Block {
         let faces = [0, 1, 2].map(|axis| {
@@ -32,12 +50,12 @@ impl Block {
 
     /// Where `point`, in the block's frame, lies, scaled by a power of two so that the largest offset is between 1 and 2;
     /// `None` if the block is too small and far to matter.
-    pub(crate) fn offsets(&self, point: DVec3) -> Option<[Offsets<f64>; 3]> {
+    pub(crate) fn offsets(&self, point: DVec3) -> Option<Placed> {
         let offsets = [0, 1, 2].map(|axis| self.axis_offsets(axis, point[axis]));
         let farthest = offsets.iter().map(|o| o.far).fold(0.0, f64::max);
         let scale = power_of_two_below_reciprocal(farthest);
         let largest = self.size.iter().copied().fold(0.0, f64::max);
-        (largest * scale >= VANISHING_SIZE).then(|| offsets.map(|o| o.scaled(scale)))
+        (largest * scale >= VANISHING_SIZE).then(|| Placed { offsets: offsets.map(|o| o.scaled(scale)), scale })
     }
 
     fn axis_offsets(&self, axis: usize, coordinate: f64) -> Offsets<f64> {

@@ -1,48 +1,86 @@
 //! Where the field is unbounded.
 //!
-//! Beside an edge along axis k the field grows like `-(J_i e_j + J_j e_i) ln(rho) / 2 pi`, at a corner half as fast for each
-//! of its three edges. Where touching tiles share the edge these terms can cancel: then the field is bounded there, and
-//! the common displacement of the point from the edge (see `FACE_NUDGE`) drops out of the sum.
+//! Beside an edge along axis k the field grows like `-(J_i e_j + J_j e_i) ln(rho) / 2 pi` (docs/physics.md, Eq. P16), and its
+//! gradient like 1 / rho with the same coefficient. Where touching tiles share the edge these terms can cancel: then both are
+//! bounded there, and the common displacement of the point from the edge (see `FACE_NUDGE`) drops out of the sum of fields.
 
 use glam::DVec3;
 
-use crate::block::Block;
-use crate::kernel::offsets::Offsets;
-use crate::tolerances::EDGE_CANCELLATION;
+use crate::block::{Block, Placed};
+use crate::tolerances::{EDGE_CANCELLATION, SAME_RAY};
 
-/// The sum of the coefficients of the logarithms at a point.
+/// The edges that start at a point, with the sums of their tiles' coefficients.
 #[derive(Default)]
-pub(crate) struct EdgeCharge {
-    sum: DVec3,
+pub(crate) struct Edges {
+    rays: Vec<Ray>,
+}
+
+struct Ray {
+    direction: DVec3,
+    coefficient: DVec3,
     magnitude: f64,
     tile: usize,
 }
 
-impl EdgeCharge {
+impl Edges {
     /// Adds the edges of `block` that the point lies on; `to_scene` turns vectors of its frame.
-    pub(crate) fn add(&mut self, block: &Block, offsets: &[Offsets<f64>; 3], to_scene: impl Fn(DVec3) -> DVec3) {
-        let j = block.polarization_t;
+    pub(crate) fn add(&mut self, block: &Block, placed: &Placed, to_scene: impl Fn(DVec3) -> DVec3) {
+        let (j, offsets) = (block.polarization_t, &placed.offsets);
         for edges in 0..3 {
             let (a, b) = ((edges + 1) % 3, (edges + 2) % 3);
-            // Not an edge the point lies on, or only on its extension.
+            // Not an edge the point lies on, or only its extension.
             if !(offsets[a].on_face && offsets[b].on_face) || !(offsets[edges].within() || offsets[edges].on_face) {
                 continue;
             }
-            let ends = if offsets[edges].on_face { 1.0 } else { 2.0 };
-            let weight = ends * offsets[a].sign() * offsets[b].sign();
+            let weight = offsets[a].sign() * offsets[b].sign();
             let mut coefficient = DVec3::ZERO;
             coefficient[a] = weight * j[b];
             coefficient[b] = weight * j[a];
-            self.sum += to_scene(coefficient);
-            self.magnitude += coefficient.length();
-            if coefficient != DVec3::ZERO {
-                self.tile = block.tile;
+            if coefficient == DVec3::ZERO {
+                continue;
+            }
+            // At a corner the edge leads away from the point to one side only: towards the tile.
+            let sides = match (offsets[edges].on_face, offsets[edges].mirrored) {
+                (false, _) => [1.0, -1.0].as_slice(),
+                (true, mirrored) => &[if mirrored { 1.0 } else { -1.0 }],
+            };
+            for side in sides {
+                let mut direction = DVec3::ZERO;
+                direction[edges] = *side;
+                self.add_ray(to_scene(direction), to_scene(coefficient), block.tile);
             }
         }
     }
 
-    /// A tile with an edge at the point whose logarithm nothing cancels.
-    pub(crate) fn exposed(&self) -> Option<usize> {
-        (self.sum.length() > EDGE_CANCELLATION * self.magnitude).then_some(self.tile)
+    fn add_ray(&mut self, direction: DVec3, coefficient: DVec3, tile: usize) {
+        let magnitude = coefficient.length();
+        match self.rays.iter_mut().find(|ray| ray.direction.distance(direction) <= SAME_RAY) {
+            Some(ray) => {
+                ray.coefficient += coefficient;
+                ray.magnitude += magnitude;
+            }
+            None => self.rays.push(Ray { direction, coefficient, magnitude, tile }),
+        }
+    }
+
+    /// Whether the singular term of some edge is not cancelled: field and gradient are unbounded at the point.
+    pub(crate) fn exposed(&self) -> bool {
+        self.rays.iter().any(Ray::exposed)
+    }
+
+    /// Whether there are singular terms at all; if none is exposed, those of several blocks cancel.
+    pub(crate) fn singular(&self) -> bool {
+        !self.rays.is_empty()
+    }
+
+    /// A tile with a singular edge at the point, an exposed one if there is any.
+    pub(crate) fn tile(&self) -> Option<usize> {
+        self.rays.iter().find(|ray| ray.exposed()).or(self.rays.first()).map(|ray| ray.tile)
+    }
+}
+
+impl Ray {
+    fn exposed(&self) -> bool {
+        self.coefficient.length() > EDGE_CANCELLATION * self.magnitude
     }
 }

@@ -64,6 +64,9 @@ impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Cause::Unbounded { tile } => write!(f, "the field is unbounded on an exposed edge of tile {tile}"),
+            Cause::Unresolved { tile } => {
+                write!(f, "the gradient cannot be resolved on an edge that tile {tile} shares with others")
+            }
             Cause::OutOfRange => write!(f, "the coordinates must be finite numbers of at most 2^1000 in magnitude"),
         }
     }

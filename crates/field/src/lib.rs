@@ -32,6 +32,7 @@ mod evaluate;
 mod grid;
 mod ideal;
 mod kernel;
+mod merge;
 mod orientation;
 mod overlap;
 mod quantity;

@@ -14,7 +14,7 @@ struct Face {
     upper: usize,
 }
 
-/// Gives faces of `blocks` along each axis that coincide up to `roundings(block, axis)` one common coordinate.
+/// Gives faces of `blocks` along each axis that coincide up to `tolerance(block, axis)` one common coordinate.
 pub(crate) fn join_faces(blocks: &mut [Block], tolerance: impl Fn(&Block, usize) -> f64) {
     for axis in 0..3 {
         let mut faces: Vec<Face> = Vec::with_capacity(2 * blocks.len());
@@ -48,8 +48,9 @@ fn join(blocks: &mut [Block], axis: usize, cluster: &[Face]) {
     if same || both_of_one {
         return;
     }
-    let middle = cluster.iter().map(|f| f.coordinate.minus(first).value()).sum::<f64>() / cluster.len() as f64;
-    let common = TwoSum::exact((first.hi + middle) + first.lo);
+    // The one nearest to a binary64 number is most likely what was meant, and points can lie on that number exactly.
+    let meant = cluster.iter().map(|f| f.coordinate).min_by(|a, b| a.lo.abs().total_cmp(&b.lo.abs()));
+    let common = meant.map_or(first, |face| TwoSum::exact(face.hi));
     for face in cluster {
         let block = &mut blocks[face.block];
         block.faces[axis][face.upper] = common;

@@ -9,9 +9,9 @@ pub(crate) const ARTANH_TO_PRODUCT: f64 = 0.5;
 /// A point exactly on a face counts as displaced by this fraction of the smallest size in the scene, towards +x, +y, +z
 /// of the tile's frame: the half-open rule lo <= p < hi.
 ///
-/// It vanishes in every sum but those that are the offset itself, and ln(2^-200) costs no digit where the logarithms of
+/// It vanishes in every sum but those that are the offset itself, and ln(2^-240) = -166 costs hardly a digit where the logarithms of
 /// touching tiles cancel.
-pub(crate) const FACE_NUDGE: f64 = power_of_two(-100);
+pub(crate) const FACE_NUDGE: f64 = power_of_two(-120);
 
 /// The nudge is never less than this fraction of a tile's own largest size, so that its square stays a normal number.
 /// Seams between tiles that differ by more than 2^200 in size are beyond what is supported.
@@ -36,8 +36,11 @@ pub(crate) const SAME_ROTATION: f64 = 8.0 * f64::EPSILON;
 
 /// At a shared edge the logarithmic terms of several tiles cancel to this fraction, or the field is unbounded there.
 ///
-/// What is left of a cancelled term is multiplied by ln(2^-200) = -139, so 1e-14 stays at round-off of the polarization.
+/// What is left of a cancelled term is multiplied by ln(2^-240) = -166, so 1e-14 stays at round-off of the polarization.
 pub(crate) const EDGE_CANCELLATION: f64 = 1e-14;
+
+/// Edges whose unit directions differ by no more than this run together. Far above round-off, far below any angle meant.
+pub(crate) const SAME_RAY: f64 = 1e-9;
 
 /// Largest length (coordinate or size) the kernel accepts. Differences of two such lengths stay finite.
 pub const MAX_LENGTH: f64 = power_of_two(1000);

@@ -72,6 +72,10 @@ pub(crate) fn cause_in_words(cause: Cause, layout: &Layout) -> String {
         Cause::Unbounded { tile } => {
             format!("the field is unbounded there, on an exposed edge of tile \"{}\"", layout.tiles[tile].name)
         }
+        Cause::Unresolved { tile } => format!(
+            "the gradient cannot be resolved on an edge that tile \"{}\" shares with others",
+            layout.tiles[tile].name
+        ),
         Cause::OutOfRange => cause.to_string(),
     }
 }

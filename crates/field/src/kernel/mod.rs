@@ -3,6 +3,7 @@
 //! One path serves every point: there is no separate far branch, and the only branches are where the foot of the point
 //! falls and how large a logarithm is.
 
+pub(crate) mod dual;
 mod edge;
 mod face;
 pub(crate) mod offsets;
@@ -63,6 +64,60 @@ pub(crate) fn cuboid_field<S: Scalar>(offsets: &[Offsets<S>; 3], j: [f64; 3], pa
         field[axis] = field[axis] + element.scale(j[axis]);
     }
     field.map(|component| component.scale(INV_4PI))
+}
+
+/// The gradient of B (and of mu0 H) of a cuboid of polarization `j`, in its own frame and per scaled length; symmetric.
+///
+/// The third derivatives T_ijk of the potential are symmetric in all indices and T_iii = -(T_ijj + T_ikk), inside as outside, so
+/// the slopes of the off-diagonal elements give them all (docs/physics.md, section 2.5). The slopes of the solid angles are not
+/// used: those of the two parts of a face cut at the foot of the point nearly cancel in a thin plate.
+pub(crate) fn cuboid_gradient(offsets: &[Offsets<f64>; 3], j: [f64; 3]) -> [[f64; 3]; 3] {
+    let offsets = [0, 1, 2].map(|axis: usize| offsets[axis].differentiated(axis));
+    let radius = corner_distances(&offsets);
+    let mut third = ThirdDerivatives::default();
+    for edges in 0..3 {
+        let (a, b) = ((edges + 1) % 3, (edges + 2) % 3);
+        if j[a] != 0.0 || j[b] != 0.0 {
+            let element = edge_logarithm(&offsets, &radius, [a, b, edges]);
+            let sign = INV_4PI * offsets[a].sign() * offsets[b].sign();
+            third.twice[a][b] = sign * element.slope[a];
+            third.twice[b][a] = sign * element.slope[b];
+            third.mixed = sign * element.slope[edges];
+        }
+    }
+    let mut gradient = [[0.0; 3]; 3];
+    for (a, row) in gradient.iter_mut().enumerate() {
+        for (b, slope) in row.iter_mut().enumerate() {
+            *slope = (0..3).filter(|&c| j[c] != 0.0).map(|c| third.component([a, b, c]) * j[c]).sum();
+        }
+    }
+    gradient
+}
+
+/// T_ijk = (1 / 4 pi) times the third derivatives of the integral of 1 / R over the cuboid.
+#[derive(Default)]
+struct ThirdDerivatives {
+    /// T_aab by [a][b], a and b different.
+    twice: [[f64; 3]; 3],
+    /// T_xyz.
+    mixed: f64,
+}
+
+impl ThirdDerivatives {
+    fn component(&self, [a, b, c]: [usize; 3]) -> f64 {
+        if a == b && b == c {
+            let (next, last) = ((a + 1) % 3, (a + 2) % 3);
+            -(self.twice[next][a] + self.twice[last][a])
+        } else if a == b {
+            self.twice[a][c]
+        } else if a == c {
+            self.twice[a][b]
+        } else if b == c {
+            self.twice[b][a]
+        } else {
+            self.mixed
+        }
+    }
 }
 
 /// Distances to the eight corners; the bit of an axis is set for its far face.

@@ -1,0 +1,188 @@
+//! Touching tiles of one polarization are the block they form: on their seam, beside it, on their common edges.
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::{DMat3, DQuat, DVec3};
+use magsplice_field::{Cause, Quantity, Scene, Tile};
+
+const J: DVec3 = DVec3::new(0.3, -0.5, 0.7);
+
+/// A tile from its lower and upper corner, as a user would write it: centre and size.
+fn tile(low: [f64; 3], high: [f64; 3]) -> Tile {
+    let (low, high) = (DVec3::from(low), DVec3::from(high));
+    Tile::new(0.5 * (low + high), high - low, J).expect("a valid tile")
+}
+
+fn b(scene: &Scene, point: DVec3) -> DVec3 {
+    scene.field(Quantity::FluxDensity, point).unwrap_or_else(|cause| panic!("{point}: {cause}"))
+}
+
+/// Points on a seam at x = `x`, and beside it by 1e-3 to 1e-16: inside, on the top face `z`, above, below.
+fn around(x: f64, y: f64, z: f64) -> Vec<DVec3> {
+    let mut points = Vec::new();
+    for dx in std::iter::once(0.0).chain((3..=16).flat_map(|d| [10_f64.powi(-d), -(10_f64.powi(-d))])) {
+        for dz in [0.0, 1e-16, -1e-16, 1e-12, -1e-9, 1e-6, -1e-3, 0.2, -0.4] {
+            points.push(DVec3::new(x + dx, y, z + dz));
+        }
+    }
+    points
+}
+
+/// All fields of `parts` are those of the `whole`, to `allowed` of |J|.
+#[track_caller]
+fn same(parts: &[Tile], whole: &Tile, points: &[DVec3], allowed: f64) {
+    let (parts, whole) = (Scene::new(parts), Scene::new(&[*whole]));
+    for &point in points {
+        let (found, exact) = (b(&parts, point), b(&whole, point));
+        let error = (found - exact).length();
+        assert!(error <= allowed * J.length(), "at {point}: off by {error:e}");
+        let [j_parts, j_whole] = [&parts, &whole].map(|s| s.field(Quantity::Polarization, point).unwrap());
+        assert_eq!(j_parts, j_whole, "owner at {point}");
+    }
+}
+
+/// The truth known independently: two unit cubes with J along z, touching at x = 0.
+#[test]
+fn two_cubes() {
+    let cube = |x: f64| Tile::new(DVec3::new(x, 0.0, 0.0), DVec3::ONE, DVec3::Z).unwrap();
+    let scene = Scene::new(&[cube(-0.5), cube(0.5)]);
+    // 0.570 inside on the seam (-0.430 if J is lost there), 0.398 where the seam meets the top face (approached from outside).
+    assert!((b(&scene, DVec3::new(0.0, 0.1, 0.0)).z - 0.570).abs() < 5e-4);
+    assert!((b(&scene, DVec3::new(0.0, 0.0, 0.5)).z - 0.398).abs() < 5e-4);
+}
+
+#[test]
+fn two_tiles() {
+    let parts = [tile([-2.0, -1.0, 0.0], [0.25, 1.0, 1.0]), tile([0.25, -1.0, 0.0], [1.5, 1.0, 1.0])];
+    same(&parts, &tile([-2.0, -1.0, 0.0], [1.5, 1.0, 1.0]), &around(0.25, 0.3, 1.0), 4e-15);
+}
+
+/// Cut lines of the published film: centre +- size / 2 of the two sides are different numbers.
+#[test]
+fn cuts_that_are_not_binary_fractions() {
+    let cut = -5.85;
+    let parts = [
+        Tile::new(DVec3::new(-7.5, 0.0, 0.5), DVec3::new(3.3, 3.3, 1.0), J).unwrap(),
+        Tile::new(DVec3::new(-5.0, 0.0, 0.5), DVec3::new(1.7, 3.3, 1.0), J).unwrap(),
+    ];
+    let [left, right] = parts.map(|t| (t.position().x, 0.5 * t.size().x));
+    assert!((left.0 + left.1) - left.0 != left.1 || left.0 + left.1 != right.0 - right.1, "the numbers are not exact");
+    let whole = Tile::new(DVec3::new(-6.65, 0.0, 0.5), DVec3::new(5.0, 3.3, 1.0), J).unwrap();
+    same(&parts, &whole, &around(cut, 0.3, 1.0), 4e-15);
+}
+
+#[test]
+fn four_tiles_that_meet_in_a_point() {
+    let cuts = [[-1.3, 0.1, 2.0], [-0.9, -0.2, 1.1]];
+    let mut parts = Vec::new();
+    for i in 0..2 {
+        for k in 0..2 {
+            parts.push(tile([cuts[0][i], cuts[1][k], -0.7], [cuts[0][i + 1], cuts[1][k + 1], 0.6]));
+        }
+    }
+    let whole = tile([-1.3, -0.9, -0.7], [2.0, 1.1, 0.6]);
+    same(&parts, &whole, &around(0.1, -0.2, 0.6), 4e-15);
+    same(&parts, &whole, &around(0.1, 0.4, 0.6), 4e-15);
+}
+
+/// Five tiles around a square no two of which form a cuboid, so that every seam is computed.
+fn pinwheel() -> ([Tile; 5], Tile) {
+    let z = [0.0, 0.9];
+    let part = |x: [f64; 2], y: [f64; 2]| tile([x[0], y[0], z[0]], [x[1], y[1], z[1]]);
+    let parts = [
+        part([0.0, 2.1], [0.0, 1.0]),
+        part([2.1, 3.0], [0.0, 1.9]),
+        part([0.8, 3.0], [1.9, 3.0]),
+        part([0.0, 0.8], [1.0, 3.0]),
+        part([0.8, 2.1], [1.0, 1.9]),
+    ];
+    (parts, part([0.0, 3.0], [0.0, 3.0]))
+}
+
+/// ln(2^-240) = -166, times 5 tiles and J / 2 pi, rounded: 1.6e-14.
+const COMPUTED_SEAM: f64 = 1.6e-14;
+
+#[test]
+fn seams_that_cannot_be_merged() {
+    let (parts, whole) = pinwheel();
+    for (x, y) in [(2.1, 0.4), (0.8, 1.5), (2.1, 1.0), (0.8, 1.0), (2.1, 1.9), (0.8, 1.9), (0.8, 2.7)] {
+        same(&parts, &whole, &around(x, y, 0.9), COMPUTED_SEAM);
+        same(&parts, &whole, &around(x, y, 0.0), COMPUTED_SEAM);
+    }
+}
+
+/// Each part given as a tile turned by quarter turns about its centre.
+#[test]
+fn parts_turned_by_quarter_turns() {
+    let (parts, whole) = pinwheel();
+    let turns = [
+        DQuat::from_rotation_z(FRAC_PI_2),
+        DQuat::from_rotation_x(-FRAC_PI_2),
+        DQuat::from_rotation_y(2.0 * FRAC_PI_2),
+        DQuat::from_rotation_z(FRAC_PI_2) * DQuat::from_rotation_x(FRAC_PI_2),
+        DQuat::from_rotation_y(-FRAC_PI_2),
+    ];
+    let mut turned = Vec::new();
+    for (part, turn) in parts.iter().zip(turns) {
+        // Exactly a signed permutation.
+        let own = DMat3::from_quat(turn.inverse()).to_cols_array().map(f64::round);
+        let own = DMat3::from_cols_array(&own);
+        let (size, j) = ((own * part.size()).abs(), own * J);
+        turned.push(Tile::new(part.position(), size, j).unwrap().rotated(turn).unwrap());
+    }
+    for (x, y) in [(2.1, 0.4), (2.1, 1.0), (0.8, 1.9)] {
+        same(&turned, &whole, &around(x, y, 0.9), COMPUTED_SEAM);
+    }
+}
+
+/// A film of touching tiles turned as a whole still has seams, though its coordinates have been rounded.
+#[test]
+fn a_film_turned_as_a_whole() {
+    let (parts, whole) = pinwheel();
+    let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+    let place = |t: &Tile| Tile::new(turn * t.position(), t.size(), J).unwrap().rotated(turn).unwrap();
+    let (parts, whole) = (Scene::new(&parts.each_ref().map(place)), Scene::new(&[place(&whole)]));
+    for (x, y) in [(2.1, 0.4), (2.1, 1.0)] {
+        for point in around(x, y, 0.9) {
+            // Depths at which all numbers of the test agree on the side of the top face.
+            if (point.z - 0.9).abs() >= 1e-9 {
+                let point = turn * point;
+                let error = (b(&parts, point) - b(&whole, point)).length();
+                // The parts' faces move by round-off of coordinates up to 4, felt 1e-9 from the top face as |J| 8e-16 / 1e-9
+                // at their ends, where their logarithms no longer cancel.
+                assert!(error <= 1e-6 * J.length(), "at {point}: off by {error:e}");
+            }
+        }
+    }
+}
+
+/// Where the outline of the whole ends, the edge is exposed; where tiles of other polarization meet, it is too.
+#[test]
+fn exposed_edges_are_named() {
+    let (parts, _) = pinwheel();
+    let scene = Scene::new(&parts);
+    let at = |x: f64, y: f64, z: f64| scene.field(Quantity::FluxDensity, DVec3::new(x, y, z));
+    assert_eq!(at(3.0, 0.4, 0.9), Err(Cause::Unbounded { tile: 1 }));
+    assert_eq!(at(0.8, 3.0, 0.9), Err(Cause::Unbounded { tile: 2 }));
+    let other = [parts[0], Tile::new(parts[1].position(), parts[1].size(), -J).unwrap()];
+    let corner = DVec3::new(2.1, 0.4, 0.9);
+    assert!(Scene::new(&other).field(Quantity::FluxDensity, corner).is_err());
+    assert!(Scene::new(&[parts[0], parts[1]]).field(Quantity::FluxDensity, corner).is_ok());
+    // Merged into one block, the outline still belongs to the tile that is there.
+    let row = [0, 1, 2, 3].map(|i| tile([f64::from(i), 0.0, 0.0], [f64::from(i) + 1.0, 1.0, 1.0]));
+    let end = Scene::new(&row).field(Quantity::FluxDensity, DVec3::new(2.5, 1.0, 1.0));
+    assert_eq!(end, Err(Cause::Unbounded { tile: 2 }));
+}
+
+/// The gradient of parts that merge is that of the whole; on a seam edge that is computed it is declared unresolved.
+#[test]
+fn gradient_on_seams() {
+    let (parts, whole) = pinwheel();
+    let scene = Scene::new(&parts);
+    let edge = DVec3::new(2.1, 0.4, 0.9);
+    assert!(matches!(scene.flux_density_gradient(edge), Err(Cause::Unresolved { tile: 0 | 1 })));
+    let exact = Scene::new(&[whole]).flux_density_gradient(edge).unwrap();
+    let halves = [tile([0.0, 0.0, 0.0], [3.0, 0.4, 0.9]), tile([0.0, 0.4, 0.0], [3.0, 3.0, 0.9])];
+    let merged = Scene::new(&halves).flux_density_gradient(edge).unwrap();
+    assert!((merged - exact).to_cols_array().iter().all(|c| c.abs() <= 1e-14 * exact.x_axis.length()));
+}
