@@ -186,3 +186,38 @@ fn gradient_on_seams() {
     let merged = Scene::new(&halves).flux_density_gradient(edge).unwrap();
     assert!((merged - exact).to_cols_array().iter().all(|c| c.abs() <= 1e-14 * exact.x_axis.length()));
 }
+
+/// Tiles turned about the normal of the seam by different angles share the seam's plane.
+#[test]
+fn stacked_tiles_turned_in_the_plane() {
+    let lower = Tile::new(DVec3::new(0.0, 0.0, 0.15), DVec3::new(10.0, 10.0, 0.3), DVec3::X).unwrap();
+    let upper = |turn: DQuat| {
+        let tile =
+            Tile::new(DVec3::new(0.0, 0.0, 0.4), DVec3::new(10.0, 10.0, 0.2), turn.inverse() * DVec3::X).unwrap();
+        tile.rotated(turn).unwrap()
+    };
+    let about_z = DQuat::from_rotation_z(FRAC_PI_2 / 2.0);
+    for turn in [about_z, about_z * DQuat::from_rotation_x(2.0 * FRAC_PI_2), DQuat::from_rotation_z(1.0)] {
+        let scene = Scene::new(&[lower, upper(turn)]);
+        let at = |z: f64| {
+            (b(&scene, DVec3::new(0.1, 0.2, z)), scene.field(Quantity::Polarization, DVec3::new(0.1, 0.2, z)).unwrap())
+        };
+        for z in [0.3, 0.3 + 1e-16, 0.3 - 1e-16, 0.3 + 1e-9] {
+            let ((here, j), (below, _)) = (at(z), at(0.3 - 1e-8));
+            // J is the same on both sides, so B is continuous; it changes by at most |J| 1e-8 / 0.3 on the way.
+            assert!((here - below).length() < 1e-7 && (j - DVec3::X).length() < 1e-15, "at {z}: {here}, {j}");
+        }
+    }
+}
+
+/// Edges that round-off has moved away from the point are still edges.
+#[test]
+fn exposed_edges_of_rotated_tiles() {
+    let cube = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::new(0.3, 0.4, 0.5)).unwrap();
+    for angle in [30.0_f64, 45.0, 10.0] {
+        let turn = DQuat::from_rotation_z(angle.to_radians());
+        let scene = Scene::new(&[cube.rotated(turn).unwrap()]);
+        let edge = turn * DVec3::new(0.5, 0.5, 0.2);
+        assert_eq!(scene.field(Quantity::FluxDensity, edge), Err(Cause::Unbounded { tile: 0 }), "{angle}");
+    }
+}

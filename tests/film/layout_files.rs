@@ -200,7 +200,16 @@ fn faults_of_repetition() {
         ("grid = { count = [2, 1, 1], pitch_mm = [0.9, 0, 0] }", "overlap by 0.09"),
         ("mirror = { axes = [] }", "mirror.axes is empty"),
         ("mirror = { axes = [\"x\"] }", "overlap by 1 mm"),
-        ("grid = { count = [2, 1, 1], pitch_mm = [inf, 0, 0] }", "must be a finite number"),
+        (
+            "grid = { count = [2, 1, 1], pitch_mm = [inf, 0, 0] }",
+            "grid.pitch_mm = [inf, 0.0, 0.0], must be three finite",
+        ),
+        (
+            "grid = { count = [2, 1, 1], pitch_mm = [2, 0, 0], alternate = [\"x\", \"x\"] }",
+            "grid.alternate names \"x\" twice",
+        ),
+        ("mirror = { axes = [\"x\", \"x\"] }", "mirror.axes names \"x\" twice"),
+        ("mirror = { axes = [\"x\"], at_mm = [3, nan, 0] }", "mirror.at_mm = [3.0, NaN, 0.0], must be three finite"),
     ];
     for (repetition, expected) in cases {
         let text = message(&format!("[[tile]]\n{tile}{repetition}\n"));
@@ -211,6 +220,10 @@ fn faults_of_repetition() {
     let lattice = message(
         "[[lattice]]\nstart_mm = [0, 0, 0]\nheight_mm = 1\nstrength_t = 1\nx = [{ widths_mm = [1, -2], pattern = [1] }]\n",
     );
+    let empty = message(
+        "[[lattice]]\nstart_mm = [0, 0, 0]\nheight_mm = 1\nstrength_t = 1\nx = [{ widths_mm = [1], pattern = [0] }]\n",
+    );
+    assert!(empty.contains("has no tiles: pattern is zero everywhere"), "{empty}");
     assert!(lattice.contains("2 widths_mm and 1 pattern") && lattice.contains("widths_mm[1] = -2"), "{lattice}");
 }
 

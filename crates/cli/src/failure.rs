@@ -1,7 +1,7 @@
 //! Why the program could not do its work, in words for the person at the terminal.
 
 use std::fmt;
-use std::io;
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use magsplice::FilmError;
@@ -9,6 +9,11 @@ use magsplice::layout::LayoutError;
 
 /// At most this many faults of one kind are printed; the rest are counted.
 pub(crate) const PRINTED_FAULTS: usize = 20;
+
+/// Says something on standard error; if that is closed there is nobody to tell.
+pub(crate) fn tell(what: &impl fmt::Display) {
+    let _ = writeln!(io::stderr(), "magsplice: {what}");
+}
 
 #[derive(Debug)]
 pub(crate) enum Failure {

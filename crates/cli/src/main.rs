@@ -4,6 +4,7 @@
 
 mod args;
 mod failure;
+mod interrupt;
 mod output;
 mod points;
 mod text;
@@ -27,7 +28,7 @@ fn main() -> ExitCode {
         // A reader that closes the pipe early, such as `head`, has what it wanted.
         Ok(()) | Err(Failure::PipeClosed) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("magsplice: {failure}");
+            failure::tell(&failure);
             ExitCode::from(2)
         }
     }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
+use crate::interrupt;
 
 /// An open result.
 pub(crate) enum Output {
@@ -24,31 +25,38 @@ pub(crate) enum Output {
 }
 
 impl Output {
-    /// Opens `path`, or standard output.
-    pub(crate) fn open(path: Option<&Path>) -> Result<Output, Failure> {
-        let Some(path) = path else {
+    /// Opens `path`; without one, or with `-`, standard output. `inputs` are files it must not replace.
+    pub(crate) fn open(path: Option<&Path>, inputs: &[&Path]) -> Result<Output, Failure> {
+        let Some(path) = path.filter(|p| *p != Path::new("-") && *p != Path::new("/dev/stdout")) else {
             return Ok(Output::Stdout(BufWriter::new(io::stdout().lock())));
         };
         let failed = |error: io::Error| Failure::Write { target: path.display().to_string(), error };
-        // A link is followed, so that it stays a link.
-        let destination = if path.exists() { path.canonicalize().map_err(failed)? } else { path.to_owned() };
+        let refused = |why: &str| failed(io::Error::other(why.to_owned()));
+        let destination = followed(path);
         if destination.is_dir() {
             return Err(failed(io::Error::from(io::ErrorKind::IsADirectory)));
         }
-        if destination.exists() && !destination.is_file() {
-            let file = fs::OpenOptions::new().write(true).open(&destination).map_err(failed)?;
-            return Ok(Output::Special { writer: BufWriter::new(file), destination });
+        let existing = fs::metadata(&destination).ok();
+        if existing.as_ref().is_some_and(|m| !m.is_file()) || path.starts_with("/dev") || path.starts_with("/proc") {
+            let file = fs::OpenOptions::new().write(true).open(path).map_err(failed)?;
+            return Ok(Output::Special { writer: BufWriter::new(file), destination: path.to_owned() });
+        }
+        let same = |input: &&Path| input.canonicalize().is_ok_and(|input| input == destination);
+        if inputs.iter().any(same) {
+            return Err(refused("it is the input, which would be lost"));
+        }
+        if existing.as_ref().is_some_and(|m| m.permissions().readonly()) {
+            return Err(refused("it is read-only"));
         }
         let folder = destination.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut builder = tempfile::Builder::new();
         builder.prefix(".magsplice-");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // The mask of the user takes its bits away from this, as for any new file.
-            builder.permissions(fs::Permissions::from_mode(0o666));
+        if let Some(permissions) = existing.map(|m| m.permissions()).or(new_file_permissions()) {
+            builder.permissions(permissions);
         }
-        let file = builder.tempfile_in(folder).map_err(failed)?;
+        // The error of the library names the temporary file, which nobody knows.
+        let file = builder.tempfile_in(folder).map_err(|e| failed(io::Error::from(e.kind())))?;
+        interrupt::remove_if_interrupted(file.path());
         Ok(Output::File { writer: BufWriter::new(file), destination })
     }
 
@@ -84,9 +92,25 @@ impl Output {
     }
 }
 
+/// Where a path leads, through links, whether or not there is something at its end.
+fn followed(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| match fs::read_link(path) {
+        Ok(target) => path.parent().unwrap_or(Path::new("")).join(target),
+        Err(_) => path.to_owned(),
+    })
+}
+
+/// What any new file gets: the mask of the user takes its bits away. Temporary files would get less.
+fn new_file_permissions() -> Option<fs::Permissions> {
+    #[cfg(unix)]
+    return Some(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    #[cfg(not(unix))]
+    return None;
+}
+
 /// Writes a whole text to standard output.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
-    let mut output = Output::open(None)?;
+    let mut output = Output::open(None, &[])?;
     output.write(|writer| writer.write_all(text.as_bytes()))?;
     output.finish()
 }

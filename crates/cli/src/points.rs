@@ -1,6 +1,7 @@
 //! Points from a CSV file, in batches.
 
 use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use csv::{ReaderBuilder, StringRecord, Trim};
@@ -13,7 +14,7 @@ const COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 /// A point file being read.
 pub(crate) struct PointFile {
     path: PathBuf,
-    reader: csv::Reader<File>,
+    reader: csv::Reader<Box<dyn Read>>,
     /// Where x_mm, y_mm, z_mm are.
     columns: [usize; 3],
     record: StringRecord,
@@ -27,15 +28,26 @@ pub(crate) type LineFault = String;
 impl PointFile {
     pub(crate) fn open(path: &Path) -> Result<PointFile, Failure> {
         let failed = |message: String| Failure::Points { path: path.to_owned(), message };
-        let mut reader = ReaderBuilder::new().trim(Trim::All).from_path(path).map_err(|e| failed(read_error(&e)))?;
+        let source: Box<dyn Read> = if path == Path::new("-") {
+            Box::new(io::stdin())
+        } else {
+            Box::new(File::open(path).map_err(|e| failed(format!("cannot read: {e}")))?)
+        };
+        let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(source);
         let header = reader.headers().map_err(|e| failed(read_error(&e)))?.clone();
-        let missing: Vec<&str> = COLUMNS.into_iter().filter(|c| !header.iter().any(|h| h == *c)).collect();
+        if header.is_empty() {
+            return Err(failed("is empty, must begin with a line x_mm,y_mm,z_mm".to_owned()));
+        }
+        let count = |column: &str| header.iter().filter(|h| *h == column).count();
+        let named =
+            |wrong: fn(usize) -> bool| COLUMNS.into_iter().filter(|c| wrong(count(c))).collect::<Vec<_>>().join(", ");
+        let (missing, repeated) = (named(|n| n == 0), named(|n| n > 1));
         if !missing.is_empty() {
             let found = header.iter().collect::<Vec<_>>().join(",");
-            let missing = missing.join(", ");
-            return Err(failed(format!(
-                "line 1: column {missing} is missing, must have x_mm,y_mm,z_mm (found: {found})"
-            )));
+            return Err(failed(format!("line 1: no column {missing}, must have x_mm,y_mm,z_mm (found: {found})")));
+        }
+        if !repeated.is_empty() {
+            return Err(failed(format!("line 1: more than one column {repeated}, must have one of each")));
         }
         let columns = COLUMNS.map(|c| header.iter().position(|h| h == c).expect("no column is missing"));
         Ok(PointFile { path: path.to_owned(), reader, columns, record: StringRecord::new(), started: false })
@@ -64,7 +76,9 @@ impl PointFile {
                     if matches!(error.kind(), csv::ErrorKind::UnequalLengths { .. } | csv::ErrorKind::Utf8 { .. }) =>
                 {
                     self.started = true;
-                    faults.add(read_error(&error));
+                    if self.record.iter().any(|field| !field.is_empty()) {
+                        faults.add(self.record.position().map_or(0, csv::Position::line), read_error(&error));
+                    }
                     continue;
                 }
                 Err(error) => return Err(Failure::Points { path: self.path.clone(), message: read_error(&error) }),
@@ -75,7 +89,7 @@ impl PointFile {
                     points.push(point);
                     lines.push(line);
                 }
-                Err(fault) => faults.add(fault),
+                Err(fault) => faults.add(line, fault),
             }
         }
         Ok(true)
@@ -113,17 +127,18 @@ fn read_error(error: &csv::Error) -> String {
     }
 }
 
-/// Faults to print, the first few in words and the rest by number.
+/// Faults to print, the first few in words and in the order of their lines, the rest by number.
 #[derive(Default)]
 pub(crate) struct Faults {
-    named: Vec<String>,
+    named: Vec<(u64, String)>,
     more: usize,
 }
 
 impl Faults {
-    pub(crate) fn add(&mut self, fault: String) {
+    /// Adds a fault of a line; 0 where there are no lines.
+    pub(crate) fn add(&mut self, line: u64, fault: String) {
         if self.named.len() < PRINTED_FAULTS {
-            self.named.push(fault);
+            self.named.push((line, fault));
         } else {
             self.more += 1;
         }
@@ -134,7 +149,8 @@ impl Faults {
     }
 
     /// The faults as the reason the program could not do its work.
-    pub(crate) fn failure(self, place: String) -> Failure {
-        Failure::Faults { place, faults: self.named, more: self.more }
+    pub(crate) fn failure(mut self, place: String) -> Failure {
+        self.named.sort_by_key(|(line, _)| *line);
+        Failure::Faults { place, faults: self.named.into_iter().map(|(_, fault)| fault).collect(), more: self.more }
     }
 }

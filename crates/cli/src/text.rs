@@ -72,9 +72,14 @@ pub(crate) fn comparison(c: &Comparison) -> String {
     let [x, y, z] = correlations;
     let w = c.worst_at;
     let _ = writeln!(text, "{:<38}{x:>13}{y:>13}{z:>13}", "  correlation");
-    let _ = writeln!(text, "{:<38}{:>13.6}", "  best-fit amplitude", c.amplitude);
-    let _ = writeln!(text, "{:<38}{:>13.6}", "  relative RMSE as is", c.relative_rmse);
-    let _ = writeln!(text, "{:<38}{:>13.6}", "  relative RMSE after scaling", c.scaled_relative_rmse);
+    let _ = writeln!(text, "{:<38}{:>13}", "  best-fit amplitude", number(c.amplitude));
+    let _ = writeln!(text, "{:<38}{:>13}", "  relative RMSE as is", number(c.relative_rmse));
+    let _ = writeln!(
+        text,
+        "{:<38}{:>13}",
+        "  relative RMSE after scaling",
+        c.scaled_relative_rmse.map_or("none".to_owned(), number)
+    );
     let _ =
         writeln!(text, "{:<38}{:>13.6}  at ({}, {}, {}) mm", "  largest difference, mT", c.worst_t * MT, w.x, w.y, w.z);
     text
@@ -105,45 +110,59 @@ fn some_points(points: &[DVec3]) -> String {
 }
 
 fn row(text: &mut String, label: &str, v: DVec3) {
-    // Rounded first and added to zero, so that no -0.000000 is printed.
-    let v = (v * 1e6).round() / 1e6 + DVec3::ZERO;
-    let _ = writeln!(text, "{label:<38}{:>13.6}{:>13.6}{:>13.6}", v.x, v.y, v.z);
+    // Beside the largest of the three, round-off is zero.
+    let noise = 1e-12 * v.abs().max_element();
+    let [x, y, z] = v.to_array().map(|c| number(if c.abs() <= noise { 0.0 } else { c }));
+    let _ = writeln!(text, "{label:<38}{x:>13}{y:>13}{z:>13}");
+}
+
+/// Six decimals, or six digits where those would not show it or not fit.
+fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        format!("{:.6}", value + 0.0)
+    } else {
+        format!("{value:.5e}")
+    }
 }
 
 /// The tiles of a layout, one line each.
 pub(crate) fn tiles(path: &Path, layout: &Layout) -> String {
-    let longest = layout.tiles.iter().map(|t| t.name.len()).max().unwrap_or(0).max(4);
+    let head = ["tile", "size, mm", "centre, mm", "polarization in its own frame, T", "rotation"].map(str::to_owned);
+    let rows: Vec<[String; 5]> = std::iter::once(head).chain(layout.tiles.iter().map(tile_row)).collect();
+    let width = |column: usize| rows.iter().map(|row| row[column].len()).max().unwrap_or(0);
+    let widths = [0, 1, 2, 3].map(width);
     let mut text = format!("{}: {}, {}\n", path.display(), layout.name, tile_count(layout));
-    let _ = writeln!(
-        text,
-        "  {:<longest$}  {:<24}{:<30}{:<30}rotation",
-        "tile", "size, mm", "centre, mm", "polarization, T"
-    );
-    for named in &layout.tiles {
-        let NamedTile { name, tile, rotation, .. } = named;
-        let turn = rotation.map_or(String::new(), |r| {
-            let [x, y, z] = r.axis;
-            format!("{} deg about ({x}, {y}, {z})", r.angle_deg)
-        });
-        let size = tile.size().to_array().map(|v| v.to_string()).join(" x ");
-        let line = format!(
-            "  {name:<longest$}  {size:<24}{:<30}{:<30}{turn}",
-            triple(tile.position(), 6),
-            triple(tile.polarization_t(), 6)
-        );
-        let _ = writeln!(text, "{}", line.trim_end());
+    for row in &rows {
+        let mut line = String::new();
+        for (cell, width) in row.iter().zip(widths) {
+            let _ = write!(line, "  {cell:<width$}");
+        }
+        let _ = writeln!(text, "{}", format!("{line}  {}", row[4]).trim_end());
     }
     text
 }
 
-fn triple(v: DVec3, digits: usize) -> String {
-    let short = |c: f64| {
-        let text = format!("{c:.digits$}");
-        // Zeros that say nothing are not printed.
-        let text = text.trim_end_matches('0').trim_end_matches('.');
-        if text == "-0" { "0".to_owned() } else { text.to_owned() }
-    };
-    format!("({}, {}, {})", short(v.x), short(v.y), short(v.z))
+fn tile_row(named: &NamedTile) -> [String; 5] {
+    let NamedTile { name, tile, rotation, .. } = named;
+    let turn =
+        rotation.map_or(String::new(), |r| format!("{} deg about {}", short(r.angle_deg), triple(r.axis.into())));
+    let size = tile.size().to_array().map(short).join(" x ");
+    [name.clone(), size, triple(tile.position()), triple(tile.polarization_t()), turn]
+}
+
+fn triple(v: DVec3) -> String {
+    let [x, y, z] = v.to_array().map(short);
+    format!("({x}, {y}, {z})")
+}
+
+/// Six decimals without the zeros that say nothing; very large and very small numbers with six digits.
+fn short(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e7).contains(&value.abs()) {
+        return format!("{value:.5e}");
+    }
+    let text = format!("{value:.6}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
 /// A film's error with its file, and with tiles by name.
@@ -154,7 +173,7 @@ pub(crate) fn film_failure(path: &Path, layout: &Layout, error: FilmError) -> Fa
     let mut faults = Faults::default();
     for error in errors.0 {
         let p = error.point;
-        faults.add(format!("point ({}, {}, {}) mm: {}", p.x, p.y, p.z, cause_in_words(error.cause, layout)));
+        faults.add(0, format!("point ({}, {}, {}) mm: {}", p.x, p.y, p.z, cause_in_words(error.cause, layout)));
     }
     faults.failure(path.display().to_string())
 }

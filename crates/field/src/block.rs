@@ -20,6 +20,13 @@ pub(crate) struct Block {
     nudge: f64,
 }
 
+/// A point in the frame of a block.
+pub(crate) struct Local {
+    pub(crate) coordinates: [f64; 3],
+    /// How far each coordinate may be off; a face within that distance is met.
+    pub(crate) roundoff: [f64; 3],
+}
+
 /// Where a point lies relative to a block.
 pub(crate) struct Placed {
     pub(crate) offsets: [Offsets<f64>; 3],
@@ -48,17 +55,17 @@ impl Block {
         Block { tile, faces, size: size.to_array(), polarization_t, nudge }
     }
 
-    /// Where `point`, in the block's frame, lies, scaled by a power of two so that the largest offset is between 1 and 2;
+    /// Where a point lies, scaled by a power of two so that the largest offset is between 1 and 2;
     /// `None` if the block is too small and far to matter.
-    pub(crate) fn offsets(&self, point: DVec3) -> Option<Placed> {
-        let offsets = [0, 1, 2].map(|axis| self.axis_offsets(axis, point[axis]));
+    pub(crate) fn place(&self, point: &Local) -> Option<Placed> {
+        let offsets = [0, 1, 2].map(|axis| self.offsets(axis, point.coordinates[axis], point.roundoff[axis]));
         let farthest = offsets.iter().map(|o| o.far).fold(0.0, f64::max);
         let scale = power_of_two_below_reciprocal(farthest);
         let largest = self.size.iter().copied().fold(0.0, f64::max);
         (largest * scale >= VANISHING_SIZE).then(|| Placed { offsets: offsets.map(|o| o.scaled(scale)), scale })
     }
 
-    fn axis_offsets(&self, axis: usize, coordinate: f64) -> Offsets<f64> {
+    fn offsets(&self, axis: usize, coordinate: f64, roundoff: f64) -> Offsets<f64> {
         let point = TwoSum::exact(coordinate);
         let from_low = point.minus(self.faces[axis][0]);
         let from_high = point.minus(self.faces[axis][1]);
@@ -66,7 +73,7 @@ impl Block {
         let mirrored = sum < 0.0;
         let (near, far) =
             if mirrored { (-from_low.value(), -from_high.value()) } else { (from_high.value(), from_low.value()) };
-        let on_face = near == 0.0;
+        let on_face = near.abs() <= roundoff;
         let near = match (on_face, mirrored) {
             (false, _) => near,
             (true, true) => -self.nudge,

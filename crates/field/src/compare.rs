@@ -21,8 +21,8 @@ pub struct Comparison {
     pub worst_at: DVec3,
     /// The factor a that brings a times the reference closest to the field (least squares over all components).
     pub amplitude: f64,
-    /// The relative RMSE against the reference times `amplitude`.
-    pub scaled_relative_rmse: f64,
+    /// The relative RMSE against the reference times `amplitude`; `None` if that is zero.
+    pub scaled_relative_rmse: Option<f64>,
     /// Pearson's correlation of each component; `None` where a component does not vary.
     pub correlation: [Option<f64>; 3],
 }
@@ -32,8 +32,10 @@ pub struct Comparison {
 pub enum ComparisonError {
     /// There are no points.
     NoPoints,
-    /// The reference is zero at every point, or the field has no part along it: relative numbers have no meaning.
-    NothingInCommon,
+    /// The reference is zero at every point, so nothing is relative to it.
+    NoReference,
+    /// The fields differ so much in size that their squares leave the range of numbers.
+    OutOfScale,
 }
 
 impl Comparison {
@@ -50,32 +52,36 @@ impl Comparison {
     pub fn of(points: &[DVec3], field: &[DVec3], reference: &[DVec3]) -> Result<Comparison, ComparisonError> {
         assert_eq!(points.len(), field.len(), "one field value per point");
         assert_eq!(points.len(), reference.len(), "one reference value per point");
-        let count = points.len() as f64;
-        let pairs = || field.iter().zip(reference);
-        let square: f64 = reference.iter().map(|r| r.length_squared()).sum();
-        let product: f64 = pairs().map(|(f, r)| f.dot(*r)).sum();
-        let amplitude = product / square;
-        let Some(worst) = (0..points.len()).reduce(|best, i| {
-            let distance = |i: usize| field[i].distance_squared(reference[i]);
-            if distance(i) > distance(best) { i } else { best }
-        }) else {
+        if points.is_empty() {
             return Err(ComparisonError::NoPoints);
-        };
-        if !amplitude.is_finite() || amplitude == 0.0 {
-            return Err(ComparisonError::NothingInCommon);
         }
+        let count = points.len() as f64;
+        // Divided by the largest component of the reference, so that squares stay in range.
+        let unit = reference.iter().map(|r| r.abs().max_element()).fold(0.0, f64::max);
+        if unit == 0.0 {
+            return Err(ComparisonError::NoReference);
+        }
+        let pairs = || field.iter().zip(reference).map(|(f, r)| (*f / unit, *r / unit));
+        let square: f64 = pairs().map(|(_, r)| r.length_squared()).sum();
+        let product: f64 = pairs().map(|(f, r)| f.dot(r)).sum();
+        let amplitude = product / square;
         let squares = pairs().map(|(f, r)| (f - r) * (f - r)).sum::<DVec3>();
         let scaled: f64 = pairs().map(|(f, r)| f.distance_squared(amplitude * r)).sum();
-        let rmse_t = (squares.element_sum() / count).sqrt();
+        if !amplitude.is_finite() || !squares.is_finite() || !scaled.is_finite() {
+            return Err(ComparisonError::OutOfScale);
+        }
+        let worst = pairs().map(|(f, r)| f.distance_squared(r)).enumerate();
+        let worst = worst.fold((0, 0.0), |best, (i, d)| if d > best.1 { (i, d) } else { best }).0;
+        let rmse_t = unit * (squares.element_sum() / count).sqrt();
         Ok(Comparison {
             points: points.len(),
-            component_rmse_t: (squares / count).map(f64::sqrt),
+            component_rmse_t: unit * (squares / count).map(f64::sqrt),
             rmse_t,
             relative_rmse: (squares.element_sum() / square).sqrt(),
             worst_t: field[worst].distance(reference[worst]),
             worst_at: points[worst],
             amplitude,
-            scaled_relative_rmse: (scaled / square).sqrt() / amplitude.abs(),
+            scaled_relative_rmse: (amplitude != 0.0).then(|| (scaled / square).sqrt() / amplitude.abs()),
             correlation: [0, 1, 2].map(|axis| correlation(field, reference, axis)),
         })
     }
@@ -100,8 +106,9 @@ impl fmt::Display for ComparisonError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             ComparisonError::NoPoints => "there are no points to compare",
-            ComparisonError::NothingInCommon => {
-                "the field has no part along the reference, so no amplitude or relative error exists"
+            ComparisonError::NoReference => "the reference vanishes at every point, so nothing can be relative to it",
+            ComparisonError::OutOfScale => {
+                "the fields differ so much in size that no comparison in numbers is possible"
             }
         })
     }
@@ -122,7 +129,7 @@ mod tests {
         let same = Comparison::of(&points, &field, &reference).unwrap();
         assert_relative_eq!(same.amplitude, 0.5);
         assert_relative_eq!(same.relative_rmse, 0.5);
-        assert_eq!(same.scaled_relative_rmse, 0.0);
+        assert_eq!(same.scaled_relative_rmse, Some(0.0));
         assert_relative_eq!(same.correlation[0].unwrap(), 1.0, epsilon = 1e-15);
         assert_eq!((same.correlation[2], same.worst_at), (None, DVec3::ZERO));
         assert_relative_eq!(same.component_rmse_t.y, (1.25_f64 / 3.0).sqrt());
@@ -137,7 +144,11 @@ mod tests {
     fn nothing_to_compare_is_an_error() {
         assert_eq!(Comparison::of(&[], &[], &[]), Err(ComparisonError::NoPoints));
         let one = [DVec3::X];
-        assert_eq!(Comparison::of(&one, &one, &[DVec3::ZERO]), Err(ComparisonError::NothingInCommon));
-        assert_eq!(Comparison::of(&one, &one, &[DVec3::Y]), Err(ComparisonError::NothingInCommon));
+        assert_eq!(Comparison::of(&one, &one, &[DVec3::ZERO]), Err(ComparisonError::NoReference));
+        assert_eq!(Comparison::of(&one, &[1e200 * DVec3::X], &[1e-200 * DVec3::X]), Err(ComparisonError::OutOfScale));
+        let tiny = Comparison::of(&one, &[1e-200 * DVec3::X], &[2e-200 * DVec3::X]).unwrap();
+        assert_relative_eq!(tiny.amplitude, 0.5);
+        let across = Comparison::of(&one, &one, &[DVec3::Y]).unwrap();
+        assert_eq!((across.amplitude, across.scaled_relative_rmse), (0.0, None));
     }
 }

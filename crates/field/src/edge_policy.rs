@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use crate::arrangement::ToScene;
 use crate::block::{Block, Placed};
 use crate::tolerances::{EDGE_CANCELLATION, SAME_RAY};
 
@@ -23,8 +24,8 @@ struct Ray {
 }
 
 impl Edges {
-    /// Adds the edges of `block` that the point lies on; `to_scene` turns vectors of its frame.
-    pub(crate) fn add(&mut self, block: &Block, placed: &Placed, to_scene: impl Fn(DVec3) -> DVec3) {
+    /// Adds the edges of `block` that the point lies on.
+    pub(crate) fn add(&mut self, block: &Block, placed: &Placed, to_scene: &ToScene) {
         let (j, offsets) = (block.polarization_t, &placed.offsets);
         for edges in 0..3 {
             let (a, b) = ((edges + 1) % 3, (edges + 2) % 3);
@@ -47,7 +48,7 @@ impl Edges {
             for side in sides {
                 let mut direction = DVec3::ZERO;
                 direction[edges] = *side;
-                self.add_ray(to_scene(direction), to_scene(coefficient), block.tile);
+                self.add_ray(to_scene.vector(direction), to_scene.vector(coefficient), block.tile);
             }
         }
     }

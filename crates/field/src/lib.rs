@@ -25,6 +25,7 @@
 // Rules are written as `!(x <= limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+mod arrangement;
 mod block;
 mod compare;
 mod edge_policy;
@@ -46,7 +47,7 @@ pub use compare::{Comparison, ComparisonError};
 pub use evaluate::{PointError, PointErrors};
 pub use grid::Grid;
 pub use ideal::{IdealFilm, IdealFilmFault};
-pub use overlap::{Overlap, overlaps};
+pub use overlap::{Overlap, overlap, overlaps};
 pub use quantity::{MU_0, Quantity};
 pub use scene::{Cause, Scene};
 pub use tile::{Tile, TileFault, TileFaults};

@@ -1,9 +1,10 @@
 //! Tiles that reach into each other.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
+use rstar::{AABB, RTree, RTreeObject};
 
 use crate::tile::Tile;
-use crate::tolerances::{OVERLAP_FRACTION, OVERLAP_ROUNDINGS, PARALLEL_EDGES};
+use crate::tolerances::{PARALLEL_EDGES, ROTATED_SEAM_ROUNDINGS, SEAM_ROUNDINGS, UNIT_ROUNDOFF};
 
 /// Two tiles that share volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,29 +19,44 @@ pub struct Overlap {
     pub direction: DVec3,
 }
 
-/// All pairs of tiles that overlap by more than round-off, ordered by index. Touching is not overlapping.
-pub fn overlaps(tiles: &[Tile]) -> Vec<Overlap> {
+/// How far two tiles reach into each other and along which unit vector the second must move; `None` if they do so by no more
+/// than round-off. Touching is not overlapping.
+pub fn overlap(first: &Tile, second: &Tile) -> Option<(f64, DVec3)> {
+    Oriented::of(first).penetration(&Oriented::of(second))
+}
+
+/// All pairs of tiles that overlap by more than round-off, ordered by index, found one after the other.
+pub fn overlaps(tiles: &[Tile]) -> impl Iterator<Item = Overlap> {
     let boxes: Vec<Oriented> = tiles.iter().map(Oriented::of).collect();
-    // Sweep along x: only boxes whose x ranges meet are compared.
-    let mut order: Vec<usize> = (0..tiles.len()).collect();
-    order.sort_by(|&a, &b| boxes[a].low.x.total_cmp(&boxes[b].low.x));
-    let mut open: Vec<usize> = Vec::new();
-    let mut found = Vec::new();
-    for index in order {
-        let entering = &boxes[index];
-        open.retain(|&other| boxes[other].high.x >= entering.low.x);
-        for &other in &open {
-            let (first, second) = (other.min(index), other.max(index));
-            if boxes[other].bounds_meet(entering)
-                && let Some((depth, direction)) = boxes[first].penetration(&boxes[second])
-            {
-                found.push(Overlap { first, second, depth, direction });
-            }
-        }
-        open.push(index);
+    let bounds = boxes.iter().enumerate().map(|(index, b)| Bounds { low: b.low, high: b.high, index });
+    let tree = RTree::bulk_load(bounds.collect());
+    (0..boxes.len()).flat_map(move |first| {
+        let own = &boxes[first];
+        let envelope = AABB::from_corners(own.low.to_array(), own.high.to_array());
+        let near = tree.locate_in_envelope_intersecting(envelope).map(|b| b.index);
+        let mut later: Vec<usize> = near.filter(|&second| second > first).collect();
+        later.sort_unstable();
+        let found = later.into_iter().filter_map(|second| {
+            let (depth, direction) = own.penetration(&boxes[second])?;
+            Some(Overlap { first, second, depth, direction })
+        });
+        found.collect::<Vec<_>>()
+    })
+}
+
+/// A tile's bounds in the tree.
+struct Bounds {
+    low: DVec3,
+    high: DVec3,
+    index: usize,
+}
+
+impl RTreeObject for Bounds {
+    type Envelope = AABB<[f64; 3]>;
+
+    fn envelope(&self) -> AABB<[f64; 3]> {
+        AABB::from_corners(self.low.to_array(), self.high.to_array())
     }
-    found.sort_by_key(|o| (o.first, o.second));
-    found
 }
 
 /// A tile as a box with axes, and its bounds along x, y, z.
@@ -48,6 +64,7 @@ struct Oriented {
     centre: DVec3,
     axes: [DVec3; 3],
     half: DVec3,
+    rotated: bool,
     low: DVec3,
     high: DVec3,
 }
@@ -59,11 +76,8 @@ impl Oriented {
         let axes = [rotation.x_axis, rotation.y_axis, rotation.z_axis];
         let reach = axes[0].abs() * half.x + axes[1].abs() * half.y + axes[2].abs() * half.z;
         let centre = tile.position();
-        Oriented { centre, axes, half, low: centre - reach, high: centre + reach }
-    }
-
-    fn bounds_meet(&self, other: &Oriented) -> bool {
-        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+        let rotated = tile.rotation() != DQuat::IDENTITY;
+        Oriented { centre, axes, half, rotated, low: centre - reach, high: centre + reach }
     }
 
     fn reach(&self, direction: DVec3) -> f64 {
@@ -75,15 +89,15 @@ impl Oriented {
         let shift = other.centre - self.centre;
         let crosses = self.axes.iter().flat_map(|a| other.axes.iter().map(move |b| a.cross(*b)));
         let candidates = self.axes.iter().chain(&other.axes).copied().chain(crosses);
-        let coordinates = self.centre.abs().max(other.centre.abs()).max_element() + self.half.max_element();
-        let smallest = 2.0 * self.half.min(other.half).min_element();
-        let rounding = 0.5 * f64::EPSILON * OVERLAP_ROUNDINGS * coordinates;
+        // No more than the seams of a scene forgive, so that what passes here is joined there.
+        let reach = |o: &Oriented, d: DVec3| o.centre.dot(d).abs() + o.reach(d);
+        let roundings = if self.rotated || other.rotated { ROTATED_SEAM_ROUNDINGS } else { SEAM_ROUNDINGS };
         let mut least: Option<(f64, DVec3)> = None;
         // Parallel edges have no common normal of their own; the face normals cover that case.
         for direction in candidates.filter(|d| d.length() > PARALLEL_EDGES).map(DVec3::normalize) {
             let along = shift.dot(direction);
             let depth = self.reach(direction) + other.reach(direction) - along.abs();
-            if depth <= OVERLAP_FRACTION * smallest + rounding {
+            if depth <= roundings * UNIT_ROUNDOFF * reach(self, direction).min(reach(other, direction)) {
                 return None;
             }
             if least.is_none_or(|(d, _)| depth < d) {
@@ -98,7 +112,9 @@ impl Oriented {
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
-    use glam::DQuat;
+    fn overlaps(tiles: &[Tile]) -> Vec<Overlap> {
+        super::overlaps(tiles).collect()
+    }
 
     fn cube(x: f64, y: f64, angle_deg: f64) -> Tile {
         let tile = Tile::new(DVec3::new(x, y, 0.0), DVec3::ONE, DVec3::Z).unwrap();

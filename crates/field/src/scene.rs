@@ -2,22 +2,20 @@
 
 use glam::{DMat3, DVec3};
 
+use crate::arrangement::{Arrangement, ToScene};
 use crate::block::{Block, Placed};
 use crate::edge_policy::Edges;
 use crate::kernel::{Part, cuboid_field, cuboid_gradient};
-use crate::merge::merged;
-use crate::orientation;
 use crate::quantity::{MU_0, Quantity};
-use crate::seam::join_faces;
 use crate::tile::Tile;
-use crate::tolerances::{MAX_LENGTH, ROTATED_SEAM_ROUNDINGS, SEAM_ROUNDINGS};
+use crate::tolerances::MAX_LENGTH;
 use crate::two_sum::RunningSum;
 
 /// Tiles prepared for evaluation. Their fields add up; tiles do not influence each other.
 ///
 /// Every point has one owner at most: a tile owns its points with lo <= p < hi along each of its axes, and faces of
-/// touching tiles are recognised as one (within four units of round-off of their coordinates, sixteen for rotated tiles). On
-/// the seam of two tiles with the same polarization the field is that of the block they form.
+/// touching tiles are recognised as one (within 8 units of round-off of their coordinates, 32 for rotated tiles). On the seam of
+/// two tiles with the same polarization the field is that of the block they form.
 ///
 /// # Units
 /// Lengths in any one unit, the same for tiles and points. Polarization and B in tesla, H in ampere per metre.
@@ -25,44 +23,12 @@ use crate::two_sum::RunningSum;
 /// # Accuracy
 /// Of a single unrotated tile, |B| and |H| have relative error below 1e-13 at every point (typically 1e-15), far, near, thin, on
 /// edge extensions and on faces (one-sided limits): see docs/accuracy.md. In a scene the error is that fraction of the sum of
-/// the magnitudes of the tiles' fields. Rotation moves the point in the tile's frame by at most four units of round-off of its
-/// distance from the tile.
+/// the magnitudes of the tiles' fields. In the frame of a rotated tile the point is off by up to four units of round-off of its distance
+/// from the tiles with that orientation, and on a face within that distance of one.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    frames: Vec<Frame>,
+    arrangement: Arrangement,
     tiles: usize,
-}
-
-/// Blocks with a common orientation.
-#[derive(Clone, Debug)]
-struct Frame {
-    to_scene: ToScene,
-    /// In the scene; not used in the scene's own frame.
-    origin: DVec3,
-    /// What is computed: tiles, those that form a cuboid of one polarization merged.
-    blocks: Vec<Block>,
-    /// One block per tile, to name the tile at an edge.
-    unmerged: Vec<Block>,
-}
-
-/// From a frame to the scene; `None` for the scene's own frame, where nothing is rounded.
-#[derive(Clone, Copy, Debug)]
-struct ToScene(Option<DMat3>);
-
-impl ToScene {
-    fn vector(&self, own: DVec3) -> DVec3 {
-        self.0.map_or(own, |rotation| rotation * own)
-    }
-
-    fn tensor(&self, own: DMat3) -> DMat3 {
-        self.0.map_or(own, |rotation| rotation * own * rotation.transpose())
-    }
-}
-
-impl Frame {
-    fn to_frame(&self, point: DVec3) -> DVec3 {
-        self.to_scene.0.map_or(point, |rotation| rotation.transpose() * (point - self.origin))
-    }
 }
 
 /// Why there is no field at a point.
@@ -86,40 +52,7 @@ pub enum Cause {
 impl Scene {
     /// Prepares tiles for evaluation. Indices of tiles in answers are positions in `tiles`.
     pub fn new(tiles: &[Tile]) -> Scene {
-        let rotations: Vec<_> = tiles.iter().map(Tile::rotation).collect();
-        let (members, rotations) = orientation::frames(&rotations);
-        let smallest = tiles.iter().map(|t| t.size().min_element()).fold(f64::INFINITY, f64::min);
-        let mut frames: Vec<Frame> = rotations
-            .into_iter()
-            .enumerate()
-            .map(|(index, rotation)| Frame {
-                to_scene: ToScene((index > 0).then_some(rotation)),
-                origin: DVec3::ZERO,
-                blocks: Vec::new(),
-                unmerged: Vec::new(),
-            })
-            .collect();
-        for (index, (tile, (frame, turn))) in tiles.iter().zip(&members).enumerate() {
-            let frame = &mut frames[*frame];
-            if frame.unmerged.is_empty() {
-                frame.origin = tile.position();
-            }
-            let centre = frame.to_frame(tile.position());
-            let block = Block::new(index, centre, turn.size(tile.size()), turn.vector(tile.polarization_t()), smallest);
-            frame.unmerged.push(block);
-        }
-        let extent = tiles.iter().map(|t| t.position().abs().max_element()).fold(0.0, f64::max);
-        for frame in &mut frames {
-            let rotated = frame.to_scene.0.is_some();
-            join_faces(&mut frame.unmerged, |block, axis| {
-                let reach = block.faces[axis].iter().map(|f| f.hi.abs()).fold(0.0, f64::max);
-                let roundings =
-                    if rotated { ROTATED_SEAM_ROUNDINGS * (extent + reach) } else { SEAM_ROUNDINGS * reach };
-                roundings * 0.5 * f64::EPSILON
-            });
-            frame.blocks = merged(&frame.unmerged);
-        }
-        Scene { frames, tiles: tiles.len() }
+        Scene { arrangement: Arrangement::of(tiles), tiles: tiles.len() }
     }
 
     /// How many tiles there are.
@@ -184,15 +117,14 @@ impl Scene {
         check_range(point)?;
         let mut sum = [RunningSum::default(); N];
         let mut edges = Edges::default();
-        for frame in &self.frames {
-            let local = frame.to_frame(point);
+        for (frame, local) in self.arrangement.locals(point) {
             for block in &frame.blocks {
-                let Some(placed) = block.offsets(local) else { continue };
+                let Some(placed) = block.place(&local) else { continue };
                 for (total, term) in sum.iter_mut().zip(term(block, &placed, &frame.to_scene)) {
                     total.add(term);
                 }
                 if placed.on_edge_line() {
-                    edges.add(block, &placed, |v| frame.to_scene.vector(v));
+                    edges.add(block, &placed, &frame.to_scene);
                 }
             }
         }
@@ -202,11 +134,10 @@ impl Scene {
     /// A tile whose edge makes the point singular.
     fn tile_with_edge_at(&self, point: DVec3) -> usize {
         let mut edges = Edges::default();
-        for frame in &self.frames {
-            let local = frame.to_frame(point);
+        for (frame, local) in self.arrangement.locals(point) {
             for block in &frame.unmerged {
-                if let Some(placed) = block.offsets(local).filter(Placed::on_edge_line) {
-                    edges.add(block, &placed, |v| frame.to_scene.vector(v));
+                if let Some(placed) = block.place(&local).filter(Placed::on_edge_line) {
+                    edges.add(block, &placed, &frame.to_scene);
                 }
             }
         }
@@ -216,10 +147,9 @@ impl Scene {
     fn polarization(&self, point: DVec3) -> Result<DVec3, Cause> {
         check_range(point)?;
         let mut total = DVec3::ZERO;
-        for frame in &self.frames {
-            let local = frame.to_frame(point);
+        for (frame, local) in self.arrangement.locals(point) {
             for block in &frame.blocks {
-                if block.offsets(local).is_some_and(|placed| placed.inside()) {
+                if block.place(&local).is_some_and(|placed| placed.inside()) {
                     total += frame.to_scene.vector(block.polarization_t);
                 }
             }

@@ -21,18 +21,26 @@ pub(crate) const SMALLEST_NUDGE: f64 = power_of_two(-300);
 /// 2^-1200 of J, and with J at most [`MAX_POLARIZATION_T`] rounds to zero.
 pub(crate) const VANISHING_SIZE: f64 = power_of_two(-400);
 
-/// Faces of unrotated tiles closer than this many units of round-off of their coordinates are one face.
+/// Faces closer than this many units of round-off of their coordinates are one face, and tiles that reach into each other by
+/// no more do not overlap: the two must agree, so that no sliver has two owners.
 ///
-/// `position - size / 2` is two roundings away from the number the user meant; four leaves room for both tiles.
-pub(crate) const SEAM_ROUNDINGS: f64 = 4.0;
+/// `position - size / 2` is two roundings away from the number the user meant, and that may be computed itself.
+pub(crate) const SEAM_ROUNDINGS: f64 = 8.0;
 
-/// The same for tiles with a common rotation, whose positions have been through a rotation and back.
-pub(crate) const ROTATED_SEAM_ROUNDINGS: f64 = 16.0;
+/// The same where a rotation is involved: positions have been through it and back.
+pub(crate) const ROTATED_SEAM_ROUNDINGS: f64 = 32.0;
 
-/// Two rotations whose matrices differ by no more than this, up to quarter turns, are one rotation.
+/// Along a rotated axis, a point closer to a face than this many units of round-off of its distance from the axis's origin
+/// lies on the face: its coordinate is no better known.
+pub(crate) const POINT_ROUNDINGS: f64 = 4.0;
+
+/// Half the distance of neighbouring numbers at 1.
+pub(crate) const UNIT_ROUNDOFF: f64 = 0.5 * f64::EPSILON;
+
+/// Two directions whose components differ by no more than this are one direction.
 ///
 /// A quaternion built from an axis and an angle in degrees is off by about four units of round-off.
-pub(crate) const SAME_ROTATION: f64 = 8.0 * f64::EPSILON;
+pub(crate) const SAME_ROTATION: f64 = 16.0 * f64::EPSILON;
 
 /// At a shared edge the logarithmic terms of several tiles cancel to this fraction, or the field is unbounded there.
 ///
@@ -60,12 +68,6 @@ pub const UNIT_NORM_TOLERANCE: f64 = 1e-9;
 
 /// A norm this close to 1 is 1 up to round-off; normalising again would only change the last digit.
 pub(crate) const NORM_ROUNDING: f64 = 2.0 * f64::EPSILON;
-
-/// Tiles overlap if they reach into each other by more than this fraction of the smallest side of the two...
-pub(crate) const OVERLAP_FRACTION: f64 = 1e-9;
-
-/// ... and by more than this many units of round-off of their coordinates.
-pub(crate) const OVERLAP_ROUNDINGS: f64 = 16.0;
 
 /// Edges of two tiles with a smaller sine of their angle count as parallel: their cross product is no direction.
 pub(crate) const PARALLEL_EDGES: f64 = 1e-6;

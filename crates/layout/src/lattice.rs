@@ -45,6 +45,10 @@ pub(crate) fn tiles(lattice: &Lattice, name: &str, tiles: &mut Vec<NamedTile>, r
         report(format!("has {} x {} cells, must have at most {MAX_TILES}", x.len(), y.len()));
         return;
     }
+    if x.iter().chain(&y).all(|cell| cell.pattern == 0.0) {
+        report("has no tiles: pattern is zero everywhere".to_owned());
+        return;
+    }
     let z = lattice.start_mm[2] + 0.5 * lattice.height_mm;
     for (i, column) in x.iter().enumerate() {
         for (j, row) in y.iter().enumerate() {
@@ -53,7 +57,7 @@ pub(crate) fn tiles(lattice: &Lattice, name: &str, tiles: &mut Vec<NamedTile>, r
                 continue;
             }
             let polarization = match strength {
-                Strength::Magnitude(strength) => pattern.normalize() * strength,
+                Strength::Magnitude(strength) => (pattern / pattern.abs().max_element()).normalize() * strength,
                 Strength::Component(component) => pattern * component,
             };
             let position = DVec3::new(column.centre, row.centre, z);

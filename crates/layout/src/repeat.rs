@@ -26,8 +26,8 @@ pub(crate) fn repeated(
 ) {
     let Some(mut copies) = on_grid(tile, grid, report) else { return };
     if let Some(mirror) = mirror {
-        if mirror.axes.is_empty() {
-            report("mirror.axes is empty, must name at least one of \"x\", \"y\", \"z\"".to_owned());
+        if !sound_mirror(mirror, copies.len(), report) {
+            return;
         }
         for &axis in &mirror.axes {
             let images: Vec<NamedTile> = copies.iter().filter_map(|tile| image(tile, axis, mirror, report)).collect();
@@ -37,12 +37,49 @@ pub(crate) fn repeated(
     tiles.extend(copies);
 }
 
+fn sound_mirror(mirror: &Mirror, copies: usize, report: &mut dyn FnMut(String)) -> bool {
+    let mut sound = true;
+    let mut complain = |message: String| {
+        sound = false;
+        report(message);
+    };
+    if mirror.axes.is_empty() {
+        complain("mirror.axes is empty, must name at least one of \"x\", \"y\", \"z\"".to_owned());
+    }
+    if let Some(axis) = repeated_axis(&mirror.axes) {
+        complain(format!("mirror.axes names \"{}\" twice, must name an axis once", axis.letter()));
+    }
+    if !mirror.at_mm.iter().all(|c| c.is_finite()) {
+        complain(format!("mirror.at_mm = {:?}, must be three finite numbers", mirror.at_mm));
+    }
+    if copies << mirror.axes.len().min(3) > MAX_TILES {
+        complain(format!("mirror makes more than {MAX_TILES} tiles"));
+    }
+    sound
+}
+
+fn repeated_axis(axes: &[Axis]) -> Option<Axis> {
+    axes.iter().enumerate().find(|(i, axis)| axes[..*i].contains(axis)).map(|(_, axis)| *axis)
+}
+
 fn on_grid(tile: NamedTile, grid: Option<&Repeat>, report: &mut dyn FnMut(String)) -> Option<Vec<NamedTile>> {
     let Some(grid) = grid else { return Some(vec![tile]) };
     let total = grid.count.iter().try_fold(1_usize, |product, n| product.checked_mul(*n)).unwrap_or(usize::MAX);
     if total == 0 || total > MAX_TILES {
         let count = grid.count;
         report(format!("grid.count = {count:?}, must be at least 1 each and {MAX_TILES} tiles in all"));
+        return None;
+    }
+    let mut sound = true;
+    if let Some(axis) = repeated_axis(&grid.alternate) {
+        sound = false;
+        report(format!("grid.alternate names \"{}\" twice, must name an axis once", axis.letter()));
+    }
+    if !grid.pitch_mm.iter().all(|c| c.is_finite()) {
+        sound = false;
+        report(format!("grid.pitch_mm = {:?}, must be three finite numbers", grid.pitch_mm));
+    }
+    if !sound {
         return None;
     }
     let mut copies = Vec::with_capacity(total);

@@ -20,8 +20,8 @@ pub(crate) const FORMAT: i64 = 1;
 /// More tiles than this are a mistake in a repetition, not a film: they would take gigabytes.
 pub(crate) const MAX_TILES: usize = 4_000_000;
 
-/// At most this many overlapping pairs are named; a wrong pitch makes thousands.
-const NAMED_OVERLAPS: usize = 20;
+/// At most this many overlapping pairs, or names given twice, are named; a wrong pitch makes thousands.
+const NAMED_PROBLEMS: usize = 20;
 
 /// Collects problems with their place in the file.
 pub(crate) struct Problems<'a> {
@@ -61,6 +61,8 @@ pub(crate) fn layout(file: LayoutFile, text: &str, sha256: String) -> Result<Lay
     }
 
     let mut tiles = Vec::new();
+    // Where each tile comes from.
+    let mut spans: Vec<Range<usize>> = Vec::new();
     for (index, entry) in file.tile.into_iter().enumerate() {
         let span = entry.span();
         let entry = entry.into_inner();
@@ -71,6 +73,7 @@ pub(crate) fn layout(file: LayoutFile, text: &str, sha256: String) -> Result<Lay
         if let Some(single) = single.filter(|_| problems.count() == before) {
             let mut report = |message: String| problems.add(Some(&span), &place, message);
             repeat::repeated(single, entry.grid.as_ref(), entry.mirror.as_ref(), &mut tiles, &mut report);
+            spans.resize(tiles.len(), span);
         }
     }
     for (index, entry) in file.lattice.into_iter().enumerate() {
@@ -78,10 +81,11 @@ pub(crate) fn layout(file: LayoutFile, text: &str, sha256: String) -> Result<Lay
         let name = entry.get_ref().name.clone().unwrap_or_else(|| format!("lattice-{}", index + 1));
         let place = format!("lattice \"{name}\"");
         lattice::tiles(entry.get_ref(), &name, &mut tiles, &mut |message| problems.add(Some(&span), &place, message));
+        spans.resize(tiles.len(), span);
     }
-    check_names(&tiles, &mut problems);
+    check_names(&tiles, &spans, &mut problems);
     if problems.found.is_empty() {
-        check_overlaps(&tiles, &mut problems);
+        check_overlaps(&tiles, &spans, &mut problems);
     }
     if !problems.found.is_empty() {
         problems.found.sort_by_key(|problem| problem.line);
@@ -245,24 +249,30 @@ fn quaternion(rotation: Rotation, report: &mut dyn FnMut(String)) -> Option<DQua
     Some(DQuat::from_axis_angle(axis?, (rotation.angle_deg % 360.0).to_radians()))
 }
 
-fn check_names(tiles: &[NamedTile], problems: &mut Problems) {
-    let mut seen = BTreeMap::new();
-    for tile in tiles {
-        *seen.entry(tile.name.as_str()).or_insert(0_usize) += 1;
+fn check_names(tiles: &[NamedTile], spans: &[Range<usize>], problems: &mut Problems) {
+    let mut seen: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+    for (index, tile) in tiles.iter().enumerate() {
+        let (count, last) = seen.entry(tile.name.as_str()).or_default();
+        (*count, *last) = (*count + 1, index);
     }
-    for (name, count) in seen.into_iter().filter(|(_, count)| *count > 1) {
-        problems.add(None, &format!("tile \"{name}\""), format!("{count} tiles have this name, names must be unique"));
+    let repeated: Vec<_> = seen.into_iter().filter(|(_, (count, _))| *count > 1).collect();
+    for (name, (count, last)) in repeated.iter().take(NAMED_PROBLEMS) {
+        let place = format!("tile \"{name}\"");
+        problems.add(Some(&spans[*last]), &place, format!("{count} tiles have this name, names must be unique"));
+    }
+    if repeated.len() > NAMED_PROBLEMS {
+        problems.add(None, "layout", format!("{} more names are not unique", repeated.len() - NAMED_PROBLEMS));
     }
 }
 
-fn check_overlaps(tiles: &[NamedTile], problems: &mut Problems) {
+fn check_overlaps(tiles: &[NamedTile], spans: &[Range<usize>], problems: &mut Problems) {
     let bare: Vec<Tile> = tiles.iter().map(|t| t.tile).collect();
-    let found = overlaps(&bare);
-    for overlap in found.iter().take(NAMED_OVERLAPS) {
+    let mut found = overlaps(&bare);
+    for overlap in found.by_ref().take(NAMED_PROBLEMS) {
         let (first, second) = (&tiles[overlap.first].name, &tiles[overlap.second].name);
         let d = overlap.direction;
         problems.add(
-            None,
+            Some(&spans[overlap.second]),
             &format!("tiles \"{first}\" and \"{second}\""),
             format!(
                 "overlap by {} mm, must not overlap: move \"{second}\" that far along ({:.3}, {:.3}, {:.3})",
@@ -270,7 +280,7 @@ fn check_overlaps(tiles: &[NamedTile], problems: &mut Problems) {
             ),
         );
     }
-    if found.len() > NAMED_OVERLAPS {
-        problems.add(None, "layout", format!("{} more pairs of tiles overlap", found.len() - NAMED_OVERLAPS));
+    if found.next().is_some() {
+        problems.add(None, "layout", "more pairs of tiles overlap");
     }
 }

@@ -9,9 +9,9 @@ use crate::layout::WorkingVolume;
 use crate::resolve::Problems;
 use crate::written::{Step, Volume};
 
-/// More points than this are refused: their field and parameters, 56 bytes a point, would take over 5 GB.
+/// More points than this are refused: comparing and decoupling hold about 80 bytes a point.
 const MAX_POINTS: f64 = 1e8;
-const BYTES_PER_POINT: f64 = 56.0;
+const BYTES_PER_POINT: f64 = 80.0;
 
 /// A step that misses the upper end by less than this fraction of itself reaches it: decimal steps are not exact in binary.
 const STEP_ROUNDING: f64 = 1e-6;
@@ -55,10 +55,10 @@ pub(crate) fn resolve(
     let intervals = [0, 1, 2].map(|axis| ((end[axis] - lower[axis]) / steps[axis] + STEP_ROUNDING).floor());
     let points: f64 = intervals.iter().map(|n| n + 1.0).product();
     if points > MAX_POINTS {
-        let least = ((end - lower).element_product() / MAX_POINTS).cbrt();
+        let least = least_step(end - lower);
         let message = format!(
             "step_mm = {} makes {points:.3e} points ({:.3e} GB), more than the {MAX_POINTS:e} that are supported; \
-             a step of about {least:.2} mm in each direction would do",
+             a step of {least} mm in each direction would do",
             written_step(written.step_mm),
             points * BYTES_PER_POINT * 1e-9
         );
@@ -88,6 +88,18 @@ pub(crate) fn resolve(
         step_mm: steps.into(),
         reference_mm,
     })
+}
+
+/// A step, rounded to two digits, with which a region of these extents has few enough points.
+fn least_step(extents: DVec3) -> f64 {
+    let points = |step: f64| (extents / step + 1.0).element_product();
+    let mut step = (extents.element_product() / MAX_POINTS).cbrt();
+    while points(step) > MAX_POINTS {
+        step *= 1.05;
+    }
+    let digit = 10_f64.powf(step.log10().floor() - 1.0);
+    // Up to a number with two digits, as a person would write it.
+    format!("{:.1e}", (step / digit).ceil() * digit).parse().unwrap_or(step)
 }
 
 fn written_step(step: Step) -> String {

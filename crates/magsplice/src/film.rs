@@ -92,6 +92,9 @@ impl<'a> Film<'a> {
     pub fn decouple(&self, field_t: &[DVec3]) -> Result<Decoupling, FilmError> {
         let (ideal, volume) = (self.ideal()?, self.volume()?);
         let reference = volume.reference_mm;
+        if ideal.flux_density_t(reference).is_none() {
+            return Err(FilmError::NotBelow(reference));
+        }
         Decoupling::of(&volume.grid, field_t, (reference, self.reference_field_t()?), ideal)
             .map_err(FilmError::Decoupling)
     }
@@ -114,8 +117,8 @@ impl fmt::Display for FilmError {
             FilmError::Points(errors) => errors.fmt(f),
             FilmError::NotBelow(p) => write!(
                 f,
-                "the working volume has the point ({}, {}, {}), and Eq. 2 of the ideal film holds only for z < 0: \
-                 lower z_mm of [volume]",
+                "the point ({}, {}, {}) mm of the working volume is not below the film, and Eq. 2 of the ideal film holds only for \
+                 z < 0: lower z_mm or reference_mm of [volume]",
                 p.x, p.y, p.z
             ),
             FilmError::Comparison(error) => error.fmt(f),

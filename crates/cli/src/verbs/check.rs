@@ -5,7 +5,7 @@ use std::path::Path;
 use magsplice::layout::Layout;
 
 use crate::args::CheckArgs;
-use crate::failure::Failure;
+use crate::failure::{self, Failure};
 use crate::output;
 use crate::text;
 
@@ -15,20 +15,21 @@ pub(crate) fn run(args: &CheckArgs) -> u8 {
 }
 
 fn check(path: &Path) -> u8 {
-    let listed = Layout::read(path).map_err(Failure::from).and_then(|layout| {
-        output::print(&text::tiles(path, &layout))?;
-        Ok(layout.findings)
-    });
-    match listed {
-        Ok(findings) => {
-            for finding in &findings {
-                eprintln!("magsplice: {}: {finding}", path.display());
-            }
-            u8::from(!findings.is_empty())
+    let layout = match Layout::read(path) {
+        Ok(layout) => layout,
+        Err(error) => {
+            failure::tell(&Failure::from(error));
+            return 2;
         }
-        Err(Failure::PipeClosed) => 0,
+    };
+    let listed = output::print(&text::tiles(path, &layout));
+    for finding in &layout.findings {
+        failure::tell(&format_args!("{}: {finding}", path.display()));
+    }
+    match listed {
+        Ok(()) | Err(Failure::PipeClosed) => u8::from(!layout.findings.is_empty()),
         Err(failure) => {
-            eprintln!("magsplice: {failure}");
+            failure::tell(&failure);
             2
         }
     }

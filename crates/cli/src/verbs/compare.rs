@@ -47,7 +47,7 @@ pub(crate) struct ComparisonReport {
     worst_t: f64,
     worst_at_mm: [f64; 3],
     amplitude: f64,
-    scaled_relative_rmse: f64,
+    scaled_relative_rmse: Option<f64>,
     correlation: [Option<f64>; 3],
 }
 

@@ -1,6 +1,6 @@
 //! `magsplice field`: the field at points, as CSV.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use magsplice::field::{Cause, PointErrors, Scene};
 use magsplice::layout::Layout;
@@ -35,7 +35,7 @@ fn at_points(args: &FieldArgs, film: &Film, path: &Path) -> Result<(), Failure> 
         for error in errors.0 {
             let (line, cause) = (lines[error.index], cause_in_words(error.cause, film.layout()));
             let p = error.point;
-            faults.add(format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z));
+            faults.add(line, format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z));
         }
         if !more {
             break;
@@ -60,7 +60,7 @@ fn on_grid(args: &FieldArgs, film: &Film) -> Result<(), Failure> {
         let errors = table.rows(film.scene(), &points, faults.is_empty())?;
         for error in errors.0 {
             let (p, cause) = (error.point, cause_in_words(error.cause, film.layout()));
-            faults.add(format!("point ({}, {}, {}) mm of the working volume: {cause}", p.x, p.y, p.z));
+            faults.add(0, format!("point ({}, {}, {}) mm of the working volume: {cause}", p.x, p.y, p.z));
         }
     }
     if faults.is_empty() { table.output.finish() } else { Err(faults.failure(args.layout.display().to_string())) }
@@ -88,7 +88,8 @@ struct Table {
 
 impl Table {
     fn begin(args: &FieldArgs) -> Result<Table, Failure> {
-        let mut output = Output::open(args.output.as_deref())?;
+        let inputs: Vec<&Path> = std::iter::once(&args.layout).chain(&args.points).map(PathBuf::as_path).collect();
+        let mut output = Output::open(args.output.as_deref(), &inputs)?;
         let columns = args.quantity.columns().join(",");
         output.write(|w| writeln!(w, "x_mm,y_mm,z_mm,{columns}"))?;
         Ok(Table { output, quantity: args.quantity, field: Vec::new() })

@@ -116,6 +116,7 @@ fn inverted_empty_and_enormous_volumes() {
         ("step_mm = 0.5", "step_mm = 0", "volume: step_mm = 0, must be a finite number greater than 0"),
         ("step_mm = 0.5", "step_mm = -0.5", "volume: step_mm = -0.5, must be a finite number greater than 0"),
         ("step_mm = 0.5", "step_mm = 1e-6", "volume: step_mm = 0.000001 makes 3.200e19 points"),
+        ("step_mm = 0.5", "step_mm = 1e-6", "a step of 0.0072 mm in each direction would do"),
         ("step_mm = 0.5", "step_mm = [1, 1, 1e-300]", "more than the 1e8 that are supported"),
     ] {
         refused(&format!("{HEAD}{TILE}{IDEAL}{}", VOLUME.replace(from, to)), &[message]);
@@ -140,6 +141,10 @@ fn where_the_theory_ends() {
     let above = VOLUME.replace("[-5, -3]", "[-1, 0]").replace("x_mm = [-2, 2]", "x_mm = [2, 3]");
     bench.write("above.toml", &format!("{HEAD}{TILE}{IDEAL}{above}"));
     bench.run(&["compare", "above.toml"]).refuses("Eq. 2 of the ideal film holds only for z < 0");
+    bench.write("reference.toml", &format!("{HEAD}{TILE}{IDEAL}{VOLUME}reference_mm = [0, 0, 3]\n"));
+    bench
+        .run(&["decouple", "reference.toml"])
+        .refuses("the point (0, 0, 3) mm of the working volume is not below the film");
     let wide = VOLUME.replace("x_mm = [-2, 2]", "x_mm = [-6, 6]");
     bench.write("wide.toml", &format!("{HEAD}{TILE}{IDEAL}{wide}"));
     bench.run(&["decouple", "wide.toml"]).refuses("reaches |x| = 6, must stay below half a wavelength, 5");

@@ -17,12 +17,10 @@ fn refused(points: &str, messages: &[&str]) {
 
 #[test]
 fn missing_columns_are_named() {
-    refused(
-        "x_mm,z_mm\n1,2\n",
-        &["points.csv: line 1: column y_mm is missing, must have x_mm,y_mm,z_mm (found: x_mm,z_mm)"],
-    );
-    refused("x,y,z\n1,2,3\n", &["column x_mm, y_mm, z_mm is missing"]);
-    refused("", &["column x_mm, y_mm, z_mm is missing"]);
+    refused("x_mm,z_mm\n1,2\n", &["points.csv: line 1: no column y_mm, must have x_mm,y_mm,z_mm (found: x_mm,z_mm)"]);
+    refused("x,y,z\n1,2,3\n", &["no column x_mm, y_mm, z_mm"]);
+    refused("x_mm,x_mm,y_mm,z_mm\n1,2,3,4\n", &["more than one column x_mm, must have one of each"]);
+    refused("", &["points.csv: is empty"]);
 }
 
 #[test]
@@ -46,6 +44,14 @@ fn many_faulty_lines_are_counted() {
         points.push_str("1,2,x\n");
     }
     refused(&points, &["line 21: z_mm", "points.csv: and 99980 more"]);
+}
+
+#[test]
+fn blank_lines_are_no_points() {
+    let bench = Bench::new();
+    bench.write("points.csv", "x_mm,y_mm,z_mm\r\n\r\n   \r\n9,9,9\r\n");
+    let said = bench.run(&["field", &shipped("single-tile"), "--points", "points.csv"]);
+    assert_eq!((said.status, said.stdout.lines().count()), (0, 2), "{}", said.stderr);
 }
 
 #[test]
@@ -81,4 +87,11 @@ fn outputs_that_cannot_be_written() {
     bench.run(&["field", &layout, "-o", "no/such/folder/out.csv"]).refuses("cannot write no/such/folder/out.csv");
     bench.run(&["field", &layout, "-o", "."]).refuses("cannot write .: ");
     assert_eq!(bench.files(), [""; 0]);
+    let points = bench.write("points.csv", "x_mm,y_mm,z_mm\n9,9,9\n");
+    let onto_input = ["field", &layout, "--points", "points.csv", "-o", "./points.csv"];
+    bench.run(&onto_input).refuses("cannot write ./points.csv: it is the input, which would be lost");
+    let mut permissions = std::fs::metadata(&points).unwrap().permissions();
+    permissions.set_readonly(true);
+    std::fs::set_permissions(&points, permissions).unwrap();
+    bench.run(&["field", &layout, "-o", "points.csv"]).refuses("cannot write points.csv: it is read-only");
 }

@@ -201,3 +201,64 @@ fn wrong_arguments_are_refused() {
     assert_eq!(bench.run(&["field", &shipped("single-tile"), "--quantity", "m"]).status, 2);
     assert_eq!(bench.run(&["check"]).status, 2);
 }
+
+#[test]
+fn standard_input_and_output_by_name() {
+    let layout = shipped("single-tile");
+    let expected = Bench::new().run(&["field", &layout]).stdout;
+    for name in ["-", "/dev/stdout"] {
+        let bench = Bench::new();
+        assert_eq!(bench.run(&["field", &layout, "-o", name]).stdout, expected);
+        assert_eq!(bench.files(), [""; 0]);
+    }
+    let mut program = Command::new(env!("CARGO_BIN_EXE_magsplice"))
+        .args(["field", &layout, "--points", "-"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::io::Write::write_all(&mut program.stdin.take().unwrap(), expected.as_bytes()).unwrap();
+    assert_eq!(String::from_utf8(program.wait_with_output().unwrap().stdout).unwrap(), expected);
+}
+
+#[test]
+fn findings_are_told_even_if_the_list_is_not_read() {
+    let bench = Bench::new();
+    let grid = "[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n\
+                grid = { count = [100, 100, 1], pitch_mm = [1, 1, 1] }\n";
+    bench.write("grid.toml", &format!("format = 1\nname = \"grid\"\n{grid}[kind.idle]\nsize_mm = [1, 1, 1]\n"));
+    let mut program = Command::new(env!("CARGO_BIN_EXE_magsplice"))
+        .args(["check", bench.path("grid.toml").to_str().unwrap()])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(program.stdout.take());
+    let output = program.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("kind \"idle\" is declared but no tile uses it"));
+}
+
+/// Ctrl-C while a file is being written leaves nothing, and what was there before.
+#[cfg(unix)]
+#[test]
+fn an_interruption_leaves_no_file() {
+    let bench = Bench::new();
+    bench.write("out.csv", "before");
+    let volume = "[volume]\nx_mm = [-4, 4]\ny_mm = [-4, 4]\nz_mm = [-8, -1]\nstep_mm = 0.02\n";
+    let tile = "[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
+    bench.write("large.toml", &format!("format = 1\nname = \"large\"\n{volume}{tile}"));
+    let mut program = Command::new(env!("CARGO_BIN_EXE_magsplice"))
+        .args(["field", "large.toml", "-o", "out.csv"])
+        .current_dir(bench.path(""))
+        .spawn()
+        .unwrap();
+    while bench.files().len() < 3 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let killed = Command::new("kill").args(["-INT", &program.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    assert_eq!(program.wait().unwrap().code(), Some(130));
+    assert_eq!(bench.files(), ["large.toml", "out.csv"]);
+    assert_eq!(bench.read("out.csv"), "before");
+}

@@ -1,0 +1,167 @@
+//! Tiles brought into frames: the geometry of a scene before any field is computed.
+
+use glam::{DMat3, DVec3};
+
+use crate::block::{Block, Local};
+use crate::merge::merged;
+use crate::orientation::Orientations;
+use crate::seam::{Plane, joined};
+use crate::tile::Tile;
+use crate::tolerances::{POINT_ROUNDINGS, ROTATED_SEAM_ROUNDINGS, SEAM_ROUNDINGS, UNIT_ROUNDOFF};
+
+/// Blocks in their frames.
+#[derive(Clone, Debug)]
+pub(crate) struct Arrangement {
+    axes: Vec<Axis>,
+    frames: Vec<Frame>,
+}
+
+/// A direction along which coordinates are measured; every frame with this direction measures the same numbers.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    direction: DVec3,
+    /// x, y or z of the scene: coordinates are taken as they are.
+    scene: Option<usize>,
+    /// Coordinates are measured from here, in the middle of the tiles, so that they are small.
+    origin: DVec3,
+}
+
+/// Blocks with a common orientation.
+#[derive(Clone, Debug)]
+pub(crate) struct Frame {
+    axes: [usize; 3],
+    pub(crate) to_scene: ToScene,
+    /// What is computed: tiles, those that form a cuboid of one polarization merged.
+    pub(crate) blocks: Vec<Block>,
+    /// One block per tile, to name the tile at an edge.
+    pub(crate) unmerged: Vec<Block>,
+}
+
+/// From a frame to the scene; `None` for the scene's own frame, where nothing is rounded.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ToScene(Option<DMat3>);
+
+impl ToScene {
+    pub(crate) fn vector(&self, own: DVec3) -> DVec3 {
+        self.0.map_or(own, |rotation| rotation * own)
+    }
+
+    pub(crate) fn tensor(&self, own: DMat3) -> DMat3 {
+        self.0.map_or(own, |rotation| rotation * own * rotation.transpose())
+    }
+}
+
+impl Axis {
+    fn coordinate(&self, point: DVec3) -> f64 {
+        self.scene.map_or_else(|| self.direction.dot(point - self.origin), |axis| point[axis])
+    }
+
+    /// How far the coordinate of `point` may be off.
+    fn roundoff(&self, point: DVec3) -> f64 {
+        let distance = (point - self.origin).abs().element_sum();
+        if self.scene.is_some() { 0.0 } else { POINT_ROUNDINGS * UNIT_ROUNDOFF * distance }
+    }
+}
+
+impl Arrangement {
+    pub(crate) fn of(tiles: &[Tile]) -> Arrangement {
+        let rotations: Vec<_> = tiles.iter().map(Tile::rotation).collect();
+        let orientations = Orientations::of(&rotations);
+        let frames_of_axes = orientations.frames.iter();
+        let mut frames: Vec<Frame> = frames_of_axes
+            .enumerate()
+            .map(|(index, &axes)| Frame {
+                axes,
+                to_scene: ToScene((index > 0).then(|| orientations.matrix(index))),
+                blocks: Vec::new(),
+                unmerged: Vec::new(),
+            })
+            .collect();
+        let axes = axes(tiles, &orientations);
+        let smallest = tiles.iter().map(|t| t.size().min_element()).fold(f64::INFINITY, f64::min);
+        for (index, (tile, (frame, turn))) in tiles.iter().zip(&orientations.members).enumerate() {
+            let frame = &mut frames[*frame];
+            let centre = DVec3::from(frame.axes.map(|axis| axes[axis].coordinate(tile.position())));
+            let block = Block::new(index, centre, turn.size(tile.size()), turn.vector(tile.polarization_t()), smallest);
+            frame.unmerged.push(block);
+        }
+        let mut arrangement = Arrangement { axes, frames };
+        arrangement.join_faces(tiles);
+        for frame in &mut arrangement.frames {
+            frame.blocks = merged(&frame.unmerged);
+        }
+        arrangement.frames.retain(|frame| !frame.blocks.is_empty());
+        arrangement
+    }
+
+    /// Each frame with the coordinates of `point` in it.
+    pub(crate) fn locals(&self, point: DVec3) -> impl Iterator<Item = (&Frame, Local)> {
+        self.frames.iter().map(move |frame| {
+            let axes = frame.axes.map(|axis| &self.axes[axis]);
+            let local = Local {
+                coordinates: axes.map(|axis| axis.coordinate(point)),
+                roundoff: axes.map(|axis| axis.roundoff(point)),
+            };
+            (frame, local)
+        })
+    }
+
+    /// Gives faces along one direction that differ by round-off only the same coordinate.
+    fn join_faces(&mut self, tiles: &[Tile]) {
+        let mut planes: Vec<Vec<Plane>> = self.axes.iter().map(|_| Vec::new()).collect();
+        for (frame, blocks) in self.frames.iter().enumerate() {
+            for (block, b) in blocks.unmerged.iter().enumerate() {
+                for own in 0..3 {
+                    let axis = &self.axes[blocks.axes[own]];
+                    let [low, high] = b.faces[own];
+                    let tolerance = seam_tolerance(&tiles[b.tile], low.hi.abs().max(high.hi.abs()), axis);
+                    for (upper, coordinate) in [low, high].into_iter().enumerate() {
+                        planes[blocks.axes[own]].push(Plane {
+                            coordinate,
+                            tolerance,
+                            place: [frame, block, own, upper],
+                        });
+                    }
+                }
+            }
+        }
+        for planes in planes {
+            for (coordinate, [frame, block, own, upper]) in joined(planes) {
+                let block = &mut self.frames[frame].unmerged[block];
+                block.faces[own][upper] = coordinate;
+                block.size[own] = block.faces[own][1].minus(block.faces[own][0]).value();
+            }
+        }
+    }
+}
+
+fn seam_tolerance(tile: &Tile, reach: f64, axis: &Axis) -> f64 {
+    let position = tile.position().abs().max_element();
+    UNIT_ROUNDOFF
+        * if axis.scene.is_some() { SEAM_ROUNDINGS * reach } else { ROTATED_SEAM_ROUNDINGS * (position + reach) }
+}
+
+fn axes(tiles: &[Tile], orientations: &Orientations) -> Vec<Axis> {
+    let mut users: Vec<Vec<DVec3>> = orientations.directions.iter().map(|_| Vec::new()).collect();
+    for (tile, (frame, _)) in tiles.iter().zip(&orientations.members) {
+        for axis in orientations.frames[*frame] {
+            users[axis].push(tile.position());
+        }
+    }
+    let described = orientations.directions.iter().zip(users).enumerate();
+    described
+        .map(|(index, (&direction, positions))| {
+            let scene = (index < 3).then_some(index);
+            Axis { direction, scene, origin: if scene.is_some() { DVec3::ZERO } else { median(&positions) } }
+        })
+        .collect()
+}
+
+/// The median of each coordinate: far-off tiles do not move it.
+fn median(positions: &[DVec3]) -> DVec3 {
+    DVec3::from([0, 1, 2].map(|axis: usize| {
+        let mut values: Vec<f64> = positions.iter().map(|p| p[axis]).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(0.0)
+    }))
+}
