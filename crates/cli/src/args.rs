@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
-use magsplice::field::Quantity;
 
 /// Exact simulation of spliced magnet films.
 ///
@@ -43,33 +42,34 @@ pub(crate) struct FieldArgs {
     /// File to write; it appears whole or not at all [default: standard output]
     #[arg(short, long, value_name = "CSV")]
     pub(crate) output: Option<PathBuf>,
-    /// Which field: flux density B (T), field strength H (A/m) or polarization J (T)
+    /// Which quantity
     #[arg(long, value_enum, default_value = "b")]
     pub(crate) quantity: QuantityArg,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum QuantityArg {
+    /// Flux density B, in T
     B,
+    /// Field strength H, in A/m
     H,
+    /// Polarization J, in T
     J,
+    /// Gradient of B, nine components in T/mm
+    Gradient,
 }
 
 impl QuantityArg {
-    pub(crate) fn quantity(self) -> Quantity {
+    /// Names of the columns, with unit.
+    pub(crate) fn columns(self) -> &'static str {
         match self {
-            QuantityArg::B => Quantity::FluxDensity,
-            QuantityArg::H => Quantity::FieldStrength,
-            QuantityArg::J => Quantity::Polarization,
-        }
-    }
-
-    /// Names of the three columns, with unit.
-    pub(crate) fn columns(self) -> [&'static str; 3] {
-        match self {
-            QuantityArg::B => ["bx_t", "by_t", "bz_t"],
-            QuantityArg::H => ["hx_a_per_m", "hy_a_per_m", "hz_a_per_m"],
-            QuantityArg::J => ["jx_t", "jy_t", "jz_t"],
+            QuantityArg::B => "bx_t,by_t,bz_t",
+            QuantityArg::H => "hx_a_per_m,hy_a_per_m,hz_a_per_m",
+            QuantityArg::J => "jx_t,jy_t,jz_t",
+            QuantityArg::Gradient => {
+                "dbx_dx_t_per_mm,dbx_dy_t_per_mm,dbx_dz_t_per_mm,dby_dx_t_per_mm,dby_dy_t_per_mm,dby_dz_t_per_mm,\
+                 dbz_dx_t_per_mm,dbz_dy_t_per_mm,dbz_dz_t_per_mm"
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use crate::quantity::Quantity;
@@ -36,28 +36,48 @@ impl Scene {
     /// # Panics
     /// If the two slices differ in length.
     pub fn field_into(&self, quantity: Quantity, points: &[DVec3], field: &mut [DVec3]) -> Result<(), PointErrors> {
-        assert_eq!(points.len(), field.len(), "one field value per point");
-        let mut errors: Vec<PointError> = points
-            .par_chunks(POINTS_PER_TASK)
-            .zip(field.par_chunks_mut(POINTS_PER_TASK))
-            .enumerate()
-            .flat_map_iter(|(task, (points, field))| {
-                let mut errors = Vec::new();
-                for (offset, (&point, value)) in points.iter().zip(field).enumerate() {
-                    *value = self.field(quantity, point).unwrap_or_else(|cause| {
-                        errors.push(PointError { index: task * POINTS_PER_TASK + offset, point, cause });
-                        DVec3::NAN
-                    });
-                }
-                errors
-            })
-            .collect();
-        if errors.is_empty() {
-            return Ok(());
-        }
-        errors.sort_by_key(|e| e.index);
-        Err(PointErrors(errors))
+        for_each_point(points, field, DVec3::NAN, |point| self.field(quantity, point))
     }
+
+    /// The gradient of B at every point of `points`, written to `gradient` in the same order, as [`Scene::field_into`] does.
+    ///
+    /// # Errors
+    /// All points without a gradient at once; their entries are then NaN and all others are valid.
+    ///
+    /// # Panics
+    /// If the two slices differ in length.
+    pub fn flux_density_gradient_into(&self, points: &[DVec3], gradient: &mut [DMat3]) -> Result<(), PointErrors> {
+        for_each_point(points, gradient, DMat3::NAN, |point| self.flux_density_gradient(point))
+    }
+}
+
+fn for_each_point<T: Copy + Send + Sync>(
+    points: &[DVec3],
+    values: &mut [T],
+    none: T,
+    at: impl Fn(DVec3) -> Result<T, Cause> + Sync,
+) -> Result<(), PointErrors> {
+    assert_eq!(points.len(), values.len(), "one value per point");
+    let mut errors: Vec<PointError> = points
+        .par_chunks(POINTS_PER_TASK)
+        .zip(values.par_chunks_mut(POINTS_PER_TASK))
+        .enumerate()
+        .flat_map_iter(|(task, (points, values))| {
+            let mut errors = Vec::new();
+            for (offset, (&point, value)) in points.iter().zip(values).enumerate() {
+                *value = at(point).unwrap_or_else(|cause| {
+                    errors.push(PointError { index: task * POINTS_PER_TASK + offset, point, cause });
+                    none
+                });
+            }
+            errors
+        })
+        .collect();
+    if errors.is_empty() {
+        return Ok(());
+    }
+    errors.sort_by_key(|e| e.index);
+    Err(PointErrors(errors))
 }
 
 impl fmt::Display for Cause {

@@ -35,7 +35,7 @@ pub use magsplice_layout as layout;
 /// What most programs need.
 pub mod prelude {
     pub use crate::film::{Film, FilmError};
-    pub use glam::{DQuat, DVec3};
+    pub use glam::{DMat3, DQuat, DVec3};
     pub use magsplice_decouple::{Branch, Decoupling, Parameters};
     pub use magsplice_field::{Comparison, Grid, IdealFilm, Quantity, Scene, Tile};
     pub use magsplice_layout::Layout;

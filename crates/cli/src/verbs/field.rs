@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use magsplice::field::{Cause, PointErrors, Scene};
+use magsplice::field::{Cause, PointErrors, Quantity, Scene};
 use magsplice::layout::Layout;
-use magsplice::prelude::DVec3;
+use magsplice::prelude::{DMat3, DVec3};
 use magsplice::{Film, FilmError};
 
 use crate::args::{FieldArgs, QuantityArg};
@@ -84,33 +84,56 @@ struct Table {
     output: Output,
     quantity: QuantityArg,
     field: Vec<DVec3>,
+    gradient: Vec<DMat3>,
 }
 
 impl Table {
     fn begin(args: &FieldArgs) -> Result<Table, Failure> {
         let inputs: Vec<&Path> = std::iter::once(&args.layout).chain(&args.points).map(PathBuf::as_path).collect();
         let mut output = Output::open(args.output.as_deref(), &inputs)?;
-        let columns = args.quantity.columns().join(",");
-        output.write(|w| writeln!(w, "x_mm,y_mm,z_mm,{columns}"))?;
-        Ok(Table { output, quantity: args.quantity, field: Vec::new() })
+        output.write(|w| writeln!(w, "x_mm,y_mm,z_mm,{}", args.quantity.columns()))?;
+        Ok(Table { output, quantity: args.quantity, field: Vec::new(), gradient: Vec::new() })
     }
 
     /// Evaluates points and, as long as there is a table to complete, writes their rows.
     fn rows(&mut self, scene: &Scene, points: &[DVec3], complete: bool) -> Result<PointErrors, Failure> {
+        let quantity = match self.quantity {
+            QuantityArg::B => Quantity::FluxDensity,
+            QuantityArg::H => Quantity::FieldStrength,
+            QuantityArg::J => Quantity::Polarization,
+            QuantityArg::Gradient => {
+                self.gradient.resize(points.len(), DMat3::ZERO);
+                let evaluated = scene.flux_density_gradient_into(points, &mut self.gradient);
+                // Row by row: the derivatives of one component of B together.
+                let rows = points.iter().zip(self.gradient.iter().map(|g| g.transpose().to_cols_array()));
+                return write_rows(&mut self.output, evaluated, rows, complete);
+            }
+        };
         self.field.resize(points.len(), DVec3::ZERO);
-        if let Err(errors) = scene.field_into(self.quantity.quantity(), points, &mut self.field) {
-            return Ok(errors);
-        }
-        if complete {
-            let field = &self.field;
-            // Debug prints the shortest digits that read back to the same number, with an exponent where that is shorter.
-            self.output.write(|w| {
-                points
-                    .iter()
-                    .zip(field)
-                    .try_for_each(|(p, f)| writeln!(w, "{:?},{:?},{:?},{:?},{:?},{:?}", p.x, p.y, p.z, f.x, f.y, f.z))
-            })?;
-        }
-        Ok(PointErrors(Vec::new()))
+        let evaluated = scene.field_into(quantity, points, &mut self.field);
+        let rows = points.iter().zip(self.field.iter().map(DVec3::to_array));
+        write_rows(&mut self.output, evaluated, rows, complete)
     }
+}
+
+fn write_rows<'a, const N: usize>(
+    output: &mut Output,
+    evaluated: Result<(), PointErrors>,
+    mut rows: impl Iterator<Item = (&'a DVec3, [f64; N])>,
+    complete: bool,
+) -> Result<PointErrors, Failure> {
+    if let Err(errors) = evaluated {
+        return Ok(errors);
+    }
+    if complete {
+        // Debug prints the shortest digits that read back to the same number, with an exponent where that is shorter.
+        output.write(|w| {
+            rows.try_for_each(|(p, values)| {
+                write!(w, "{:?},{:?},{:?}", p.x, p.y, p.z)?;
+                values.iter().try_for_each(|value| write!(w, ",{value:?}"))?;
+                writeln!(w)
+            })
+        })?;
+    }
+    Ok(PointErrors(Vec::new()))
 }

@@ -62,6 +62,29 @@ fn quantities_carry_their_units() {
     }
 }
 
+/// The gradient is the slope of the field, symmetric and without trace, in tesla per millimetre.
+#[test]
+fn gradient_columns() {
+    let bench = Bench::new();
+    let h = 1e-4;
+    bench.write("at.csv", "x_mm,y_mm,z_mm\n2,-1,-4\n");
+    bench.write("around.csv", &format!("x_mm,y_mm,z_mm\n{},-1,-4\n{},-1,-4\n", 2.0 - h, 2.0 + h));
+    let layout = shipped("published-film");
+    let said = bench.run(&["field", &layout, "--points", "at.csv", "--quantity", "gradient"]);
+    assert!(said.stdout.starts_with("x_mm,y_mm,z_mm,dbx_dx_t_per_mm,dbx_dy_t_per_mm,dbx_dz_t_per_mm,dby_dx_t_per_mm,"));
+    let row = &rows(&said.stdout)[0][3..];
+    assert_eq!(row.len(), 9);
+    let around = rows(&bench.run(&["field", &layout, "--points", "around.csv"]).stdout);
+    for component in 0..3 {
+        let slope = (around[1][3 + component] - around[0][3 + component]) / (2.0 * h);
+        // Truncation h^2 / 6 times a third derivative of about B / mm^3; rounding 1e-18 / h.
+        assert!((row[3 * component] - slope).abs() < 1e-11, "dB_{component}/dx is {}, not {slope}", row[3 * component]);
+    }
+    assert!(
+        (row[0] + row[4] + row[8]).abs() < 1e-17 && (row[1] - row[3]).abs() < 1e-17 && (row[5] - row[7]).abs() < 1e-17
+    );
+}
+
 #[test]
 fn an_existing_file_is_replaced_and_a_link_stays_a_link() {
     let bench = Bench::new();
