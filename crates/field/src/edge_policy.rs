@@ -1,6 +1,6 @@
 //! Where the field is unbounded.
 //!
-//! Beside an edge along axis k the field grows like `-(J_i e_j + J_j e_i) ln(rho) / 2 pi` (docs/physics.md, Eq. P16), and its
+//! Beside an edge along axis k the field grows like `-(J_i e_j + J_j e_i) ln(rho) / 2 pi` (docs/physics.md, Eq. P17), and its
 //! gradient like 1 / rho with the same coefficient. Where touching tiles share the edge these terms can cancel: then both are
 //! bounded there, and the common displacement of the point from the edge (see `FACE_NUDGE`) drops out of the sum of fields.
 

@@ -21,9 +21,9 @@ use crate::two_sum::RunningSum;
 /// Lengths in any one unit, the same for tiles and points. Polarization and B in tesla, H in ampere per metre.
 ///
 /// # Accuracy
-/// Of a single unrotated tile, |B| and |H| have relative error below 1e-13 at every point (typically 1e-15), far, near, thin, on
-/// edge extensions and on faces (one-sided limits): see docs/accuracy.md. In a scene the error is that fraction of the sum of
-/// the magnitudes of the tiles' fields. In the frame of a rotated tile the point is off by up to four units of round-off of its distance
+/// Of a single unrotated tile, B and H are right to 4e-15 (typically 3e-16) of the sum of the fields that the three components of J
+/// make alone, at every point: far, near, thin, on edge extensions and on faces (one-sided limits). See docs/accuracy.md. In a scene
+/// the error is that fraction of the sum over tiles. In the frame of a rotated tile the point is off by up to four units of round-off of its distance
 /// from the tiles with that orientation, and on a face within that distance of one.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -78,8 +78,8 @@ impl Scene {
     /// the limit from the side of the point's owner.
     ///
     /// # Accuracy
-    /// The largest component is right to 1e-13 (typically 1e-15) of the largest component of a single unrotated tile's gradient at
-    /// every point; in a scene to that fraction of the sum over tiles.
+    /// Of a single unrotated tile, every component is right to 2e-14 (typically 5e-16) of the largest component, at every point; in a
+    /// scene to that fraction of the sum over tiles.
     ///
     /// # Errors
     /// If the gradient is unbounded at the point, if it cannot be resolved there (see [`Cause::Unresolved`]), or if the point

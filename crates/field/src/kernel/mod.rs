@@ -69,7 +69,7 @@ pub(crate) fn cuboid_field<S: Scalar>(offsets: &[Offsets<S>; 3], j: [f64; 3], pa
 /// The gradient of B (and of mu0 H) of a cuboid of polarization `j`, in its own frame and per scaled length; symmetric.
 ///
 /// The third derivatives T_ijk of the potential are symmetric in all indices and T_iii = -(T_ijj + T_ikk), inside as outside, so
-/// the slopes of the off-diagonal elements give them all (docs/physics.md, section 2.5). The slopes of the solid angles are not
+/// the slopes of the off-diagonal elements give them all (docs/physics.md, section 2.4). The slopes of the solid angles are not
 /// used: those of the two parts of a face cut at the foot of the point nearly cancel in a thin plate.
 pub(crate) fn cuboid_gradient(offsets: &[Offsets<f64>; 3], j: [f64; 3]) -> [[f64; 3]; 3] {
     let offsets = [0, 1, 2].map(|axis: usize| offsets[axis].differentiated(axis));
