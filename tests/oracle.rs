@@ -1,7 +1,7 @@
 //! The field of a cuboid from the textbook formula in numbers of many digits.
 //!
 //! The textbook formula (eight corners, a logarithm or an arctangent each; docs/physics.md, P1) loses up to 3 digits per decade of
-//! distance, per axis of thinness and so on. With [`BITS`] bits, 130 digits, enough are left for any binary64 input used here. It
+//! distance, per axis of thinness and so on. With 448 bits, 130 digits, enough are left for any binary64 input used here. It
 //! shares no code and no rearrangement with the library.
 
 use astro_float::{BigFloat, Consts, RoundingMode};
