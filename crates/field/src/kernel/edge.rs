@@ -30,31 +30,32 @@ pub(crate) fn edge_logarithm<S: Scalar>(offsets: &[Offsets<S>; 3], radius: &[S; 
     // S - l and S + l of the edge (bi, bj).
     let excess = |bi: usize, bj: usize| {
         let rho_squared = offsets[i].face(bi).square() + offsets[j].face(bj).square();
-        let near = (corner(bi, bj, 0) + near_k.abs()).recip();
-        let far = (corner(bi, bj, 1) + far_k).recip();
-        rho_squared * (near + far) + overhang
+        rho_squared * sum_of_reciprocals(corner(bi, bj, 0) + near_k.abs(), corner(bi, bj, 1) + far_k) + overhang
     };
     let sum = |bi: usize, bj: usize| corner(bi, bj, 0) + corner(bi, bj, 1);
     let minus = [[excess(0, 0), excess(0, 1)], [excess(1, 0), excess(1, 1)]];
     let sums = [[sum(0, 0), sum(0, 1)], [sum(1, 0), sum(1, 1)]];
     let plus = sums.map(|row| row.map(|s| s + length));
 
-    // Increments of the corner distances along i and along j, and of S.
-    let square_step_i = offsets[i].square_step();
-    let square_step_j = offsets[j].square_step();
-    let pair_i = |bj: usize, bk: usize| corner(0, bj, bk) + corner(1, bj, bk);
-    let pair_j = |bi: usize, bk: usize| corner(bi, 0, bk) + corner(bi, 1, bk);
-    let step_i = |bj: usize| square_step_i * (pair_i(bj, 0).recip() + pair_i(bj, 1).recip());
-    let step_j_at = |bi: usize, bk: usize| square_step_j.over(pair_j(bi, bk));
-    let step_j = |bi: usize| step_j_at(bi, 0) + step_j_at(bi, 1);
-    // step_i(0) - step_i(1), the negative mixed second difference of S.
-    let bend_at = |bk: usize| square_step_i * (step_j_at(0, bk) + step_j_at(1, bk)).over(pair_i(0, bk) * pair_i(1, bk));
-    let bend = bend_at(0) + bend_at(1);
+    // Increments of S along i and along j, and the negative mixed second difference of S, end by end of the edges: R rises
+    // along i by D_i / (R_0 + R_1).
+    let end = |bk: usize| {
+        let along_i = [0, 1].map(|bj| corner(0, bj, bk) + corner(1, bj, bk));
+        let along_j = [0, 1].map(|bi| corner(bi, 0, bk) + corner(bi, 1, bk));
+        let per_i = offsets[i].square_step().over(along_i[0] * along_i[1]);
+        let per_j = offsets[j].square_step().over(along_j[0] * along_j[1]);
+        let step_i = [per_i * along_i[1], per_i * along_i[0]];
+        let step_j = [per_j * along_j[1], per_j * along_j[0]];
+        (step_i, step_j, per_i * (step_j[0] + step_j[1]))
+    };
+    let ((near_i, near_j, near_bend), (far_i, far_j, far_bend)) = (end(0), end(1));
+    let step_j = [near_j[0] + far_j[0], near_j[1] + far_j[1]];
+    let bend = near_bend + far_bend;
 
     // First difference, along i: artanh(l A_j / B_j), B_j = S_0j S_1j - l^2.
-    let a = [step_i(0), step_i(1)];
+    let a = [near_i[0] + far_i[0], near_i[1] + far_i[1]];
     let b = [0, 1].map(|bj| minus[0][bj] * plus[1][bj] + length * a[bj]);
-    let b_step = step_j(0) * sums[1][1] + sums[0][0] * step_j(1);
+    let b_step = step_j[0] * sums[1][1] + sums[0][0] * step_j[1];
     // Second difference, along j.
     let numerator = length * (a[0] * b_step + b[0] * bend);
     let denominator = minus[0][0] * plus[1][0] * b[1] + length * a[0] * minus[0][1] * plus[1][1];
@@ -65,4 +66,9 @@ pub(crate) fn edge_logarithm<S: Scalar>(offsets: &[Offsets<S>; 3], radius: &[S; 
         let below = minus[0][0] * minus[1][1] * plus[0][1] * plus[1][0];
         above.over(below).ln()
     }
+}
+
+/// 1 / a + 1 / b with one division.
+fn sum_of_reciprocals<S: Scalar>(a: S, b: S) -> S {
+    (a + b).over(a * b)
 }
