@@ -69,8 +69,11 @@ fn compare(workload: &Workload, most: usize, pairs: usize) {
 /// The scene as magba takes it.
 struct Magba {
     points: Vec<Point3<f64>>,
-    tiles: Vec<(Point3<f64>, UnitQuaternion<f64>, Vector3<f64>, Vector3<f64>)>,
+    tiles: Vec<MagbaTile>,
 }
+
+/// Position, orientation, polarization and size.
+type MagbaTile = (Point3<f64>, UnitQuaternion<f64>, Vector3<f64>, Vector3<f64>);
 
 impl Magba {
     fn new(tiles: &[Tile], points: &[DVec3]) -> Magba {

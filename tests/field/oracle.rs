@@ -149,3 +149,49 @@ fn gradient_of_random_tiles() {
         Ok(())
     });
 }
+
+/// Beside a plane of symmetry a component of B vanishes; what is left of it has as many right digits as the rest.
+#[test]
+fn small_components_keep_their_digits() {
+    let mut oracle = Oracle::new();
+    let tile = Tile::new(DVec3::new(0.1, 0.3, -0.7), DVec3::new(3.3, 1.7, 1.0), DVec3::Y).expect("a valid tile");
+    for offset in [1e-3, -1e-7, 3e-12, -1e-15] {
+        let point = tile.position() + DVec3::new(offset, 1.4, 0.9);
+        let found = Scene::new(&[tile]).field(Quantity::FluxDensity, point).expect("bounded");
+        let exact = oracle.field(&tile, point).flux_density_t;
+        assert!((found.x - exact.x).abs() <= FIELD * exact.x.abs(), "{} is not {}", found.x, exact.x);
+    }
+}
+
+/// B of a tile of largest side `ratio` times the distance, in the direction of a unit vector.
+fn dipole(tile: &Tile, direction: DVec3, ratio: f64) -> DVec3 {
+    let shape = (tile.size() / tile.size().max_element()).element_product();
+    let j = tile.polarization_t();
+    let field = (3.0 * direction * j.dot(direction) - j) * shape / (4.0 * std::f64::consts::PI);
+    field * ratio * ratio * ratio
+}
+
+/// From sizes of 1e-250 at 1e250 up: finite, and zero where the field is below the smallest number.
+#[test]
+fn ends_of_the_range() {
+    let mut oracle = Oracle::new();
+    for (size, distance) in
+        [(1e-250, 1e250), (1e-200, 3e-200), (1e200, 3e200), (1e-30, 1e50), (1.0, 1e102), (1.0, 1e104), (1.0, 1e300)]
+    {
+        let tile =
+            Tile::new(DVec3::ZERO, size * DVec3::new(1.0, 0.7, 0.4), DVec3::new(0.3, -0.5, 0.7)).expect("a valid tile");
+        for direction in [DVec3::new(0.48, -0.6, 0.64), DVec3::X, DVec3::Z] {
+            let point = distance * direction;
+            let found = Scene::new(&[tile]).field(Quantity::FluxDensity, point).expect("bounded");
+            // So far away the dipole is exact, and the oracle has no digits left.
+            let ratio = size / distance;
+            let exact =
+                if ratio < 1e-20 { dipole(&tile, direction, ratio) } else { oracle.field(&tile, point).flux_density_t };
+            // The smallest normal number: below it numbers have fewer digits.
+            let allowed = FIELD * exact.length() + f64::MIN_POSITIVE;
+            assert!((found - exact).length() <= allowed, "size {size:e} at {distance:e}: {found}, not {exact}");
+            let gradient = Scene::new(&[tile]).flux_density_gradient(point).expect("bounded");
+            assert!(gradient.is_finite(), "size {size:e} at {distance:e}: {gradient}");
+        }
+    }
+}
