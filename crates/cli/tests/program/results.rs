@@ -1,6 +1,7 @@
 //! What the program prints and writes.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use serde_json::Value;
@@ -27,6 +28,29 @@ fn field_of_the_published_film_at_points_in_the_order_given() {
     }
     // The film is symmetric under the exchange of x and y.
     assert!((rows[2][3] - rows[0][4]).abs() <= 1e-13 * known[0].abs());
+}
+
+/// The shipped single tile is the one of the reference tables.
+#[test]
+fn field_of_the_reference_tile() {
+    let bench = Bench::new();
+    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/reference/generic.csv");
+    let table = std::fs::read_to_string(table).unwrap();
+    // Columns 3 .. 11 hold size, polarization and centre, 12 .. 14 the point, 16 .. 18 B.
+    let rows_of_tile: Vec<Vec<&str>> = table.lines().map(|l| l.split(',').collect()).collect();
+    let tile = ["3.3", "1.7", "1.0", "0.3", "-0.5", "0.7", "0.0", "0.0", "0.0"];
+    let rows_of_tile: Vec<_> = rows_of_tile.into_iter().filter(|row| row[3..12] == tile).collect();
+    assert_eq!(rows_of_tile.len(), 1379);
+    let points: String = rows_of_tile.iter().map(|row| row[12..15].join(",") + "\n").collect();
+    bench.write("points.csv", &format!("x_mm,y_mm,z_mm\n{points}"));
+    let said = bench.run(&["field", &shipped("single-tile"), "--points", "points.csv"]);
+    for (found, row) in rows(&said.stdout).iter().zip(&rows_of_tile) {
+        let known: Vec<f64> = row[16..19].iter().map(|b| b.parse().unwrap()).collect();
+        let norm = |v: &[f64]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let off: Vec<f64> = (0..3).map(|i| found[3 + i] - known[i]).collect();
+        assert!(norm(&off) <= 1e-12 * norm(&known), "{found:?}, not {known:?}");
+    }
+    assert_eq!(rows(&said.stdout).len(), 1379);
 }
 
 #[test]
