@@ -36,10 +36,10 @@ pub(crate) enum Verb {
 pub(crate) struct FieldArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
-    /// CSV file with columns x_mm, y_mm, z_mm [default: the grid of the working volume]
+    /// CSV file with columns x_mm, y_mm, z_mm, - for standard input [default: the grid of the working volume]
     #[arg(long, value_name = "CSV")]
     pub(crate) points: Option<PathBuf>,
-    /// File to write; it appears whole or not at all [default: standard output]
+    /// File to write, whole or not at all; - for standard output, the default
     #[arg(short, long, value_name = "CSV")]
     pub(crate) output: Option<PathBuf>,
     /// Which quantity
