@@ -59,8 +59,9 @@ impl Parameters {
         let c_x = (b.z * b.z + shear) / (2.0 * b.z);
         let c_y = (b.z * b.z - shear) / (2.0 * b.z);
         Some(Parameters {
-            r_x: (sign * b.x).atan2(sign * c_x),
-            r_y: (sign * b.y).atan2(sign * c_y),
+            // Adding zero makes -0 a 0, whose angle is pi and not -pi.
+            r_x: (sign * b.x + 0.0).atan2(sign * c_x),
+            r_y: (sign * b.y + 0.0).atan2(sign * c_y),
             s_z: c_y.hypot(b.y).ln() + largest.ln(),
         })
     }

@@ -112,9 +112,8 @@ impl Arrangement {
         for (frame, blocks) in self.frames.iter().enumerate() {
             for (block, b) in blocks.unmerged.iter().enumerate() {
                 for own in 0..3 {
-                    let axis = &self.axes[blocks.axes[own]];
                     let [low, high] = b.faces[own];
-                    let tolerance = seam_tolerance(&tiles[b.tile], low.hi.abs().max(high.hi.abs()), axis);
+                    let tolerance = seam_tolerance(&tiles[b.tile], low.hi.abs().max(high.hi.abs()), frame > 0);
                     for (upper, coordinate) in [low, high].into_iter().enumerate() {
                         planes[blocks.axes[own]].push(Plane {
                             coordinate,
@@ -135,10 +134,9 @@ impl Arrangement {
     }
 }
 
-fn seam_tolerance(tile: &Tile, reach: f64, axis: &Axis) -> f64 {
+fn seam_tolerance(tile: &Tile, reach: f64, rotated: bool) -> f64 {
     let position = tile.position().abs().max_element();
-    UNIT_ROUNDOFF
-        * if axis.scene.is_some() { SEAM_ROUNDINGS * reach } else { ROTATED_SEAM_ROUNDINGS * (position + reach) }
+    UNIT_ROUNDOFF * if rotated { ROTATED_SEAM_ROUNDINGS * (position + reach) } else { SEAM_ROUNDINGS * reach }
 }
 
 fn axes(tiles: &[Tile], orientations: &Orientations) -> Vec<Axis> {

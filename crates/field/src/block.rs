@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::kernel::offsets::Offsets;
-use crate::tolerances::{FACE_NUDGE, SMALLEST_NUDGE, VANISHING_SIZE};
+use crate::tolerances::{FACE_NUDGE, RESOLVED_THICKNESS, SMALLEST_NUDGE, VANISHING_SIZE};
 use crate::two_sum::TwoSum;
 
 /// A cuboid aligned with its frame.
@@ -16,7 +16,7 @@ pub(crate) struct Block {
     pub(crate) size: [f64; 3],
     /// In the shared frame, in tesla.
     pub(crate) polarization_t: DVec3,
-    /// How far a point on a face is displaced.
+    /// The least distance of a point from a face.
     nudge: f64,
 }
 
@@ -73,13 +73,16 @@ impl Block {
         let mirrored = sum < 0.0;
         let (near, far) =
             if mirrored { (-from_low.value(), -from_high.value()) } else { (from_high.value(), from_low.value()) };
-        let on_face = near.abs() <= roundoff;
-        let near = match (on_face, mirrored) {
-            (false, _) => near,
-            (true, true) => -self.nudge,
-            (true, false) => self.nudge,
-        };
-        Offsets { near, far, sum: sum.abs(), size: self.size[axis], mirrored, on_face }
+        let (size, sum) = (self.size[axis], sum.abs());
+        let on_face = near == 0.0 || (near.abs() <= roundoff && roundoff * RESOLVED_THICKNESS <= size);
+        // Inside at the lower face, outside at the upper one.
+        let inside = if on_face { mirrored } else { near < 0.0 };
+        if !on_face && near.abs() >= self.nudge {
+            return Offsets { near, far, sum, size, mirrored, on_face };
+        }
+        let near = if inside { -self.nudge } else { self.nudge };
+        let far = near + size;
+        Offsets { near, far, sum: near + far, size, mirrored, on_face }
     }
 }
 

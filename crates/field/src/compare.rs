@@ -4,6 +4,8 @@ use std::fmt;
 
 use glam::DVec3;
 
+use crate::tolerances::ROUNDED_SPREAD;
+
 /// The difference of a field from a reference on the same points. All fields in tesla.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
@@ -78,25 +80,30 @@ impl Comparison {
             component_rmse_t: unit * (squares / count).map(f64::sqrt),
             rmse_t,
             relative_rmse: (squares.element_sum() / square).sqrt(),
-            worst_t: field[worst].distance(reference[worst]),
+            worst_t: unit * (field[worst] / unit).distance(reference[worst] / unit),
             worst_at: points[worst],
             amplitude,
             scaled_relative_rmse: (amplitude != 0.0).then(|| (scaled / square).sqrt() / amplitude.abs()),
-            correlation: [0, 1, 2].map(|axis| correlation(field, reference, axis)),
+            correlation: [0, 1, 2].map(|axis| correlation(field, reference, axis, unit)),
         })
     }
 }
 
-fn correlation(field: &[DVec3], reference: &[DVec3], axis: usize) -> Option<f64> {
+/// Pearson's correlation of one component; `None` where one of the two varies by no more than round-off.
+fn correlation(field: &[DVec3], reference: &[DVec3], axis: usize, unit: f64) -> Option<f64> {
     let count = field.len() as f64;
-    let mean = |values: &[DVec3]| values.iter().map(|v| v[axis]).sum::<f64>() / count;
+    let mean = |values: &[DVec3]| values.iter().map(|v| v[axis] / unit).sum::<f64>() / count;
     let (field_mean, reference_mean) = (mean(field), mean(reference));
     let (mut ff, mut fr, mut rr) = (0.0, 0.0, 0.0);
     for (f, r) in field.iter().zip(reference) {
-        let (f, r) = (f[axis] - field_mean, r[axis] - reference_mean);
+        let (f, r) = (f[axis] / unit - field_mean, r[axis] / unit - reference_mean);
         ff += f * f;
         fr += f * r;
         rr += r * r;
+    }
+    let constant = |squares: f64, mean: f64| squares.sqrt() <= ROUNDED_SPREAD * mean.abs() * count.sqrt();
+    if constant(ff, field_mean) || constant(rr, reference_mean) {
+        return None;
     }
     let correlation = fr / (ff.sqrt() * rr.sqrt());
     correlation.is_finite().then_some(correlation)
@@ -134,6 +141,8 @@ mod tests {
         assert_eq!((same.correlation[2], same.worst_at), (None, DVec3::ZERO));
         assert_relative_eq!(same.component_rmse_t.y, (1.25_f64 / 3.0).sqrt());
         assert_relative_eq!(same.rmse_t, (1.75_f64 / 3.0).sqrt());
+        let constant = Comparison::of(&[DVec3::X; 10], &[0.1 * DVec3::X; 10], &[0.1 * DVec3::X; 10]).unwrap();
+        assert_eq!(constant.correlation[0], None);
         field[2].z = 3.0;
         let other = Comparison::of(&points, &field, &reference).unwrap();
         assert_eq!(other.worst_at, DVec3::Y);

@@ -54,7 +54,8 @@ impl Edges {
     }
 
     fn add_ray(&mut self, direction: DVec3, coefficient: DVec3, tile: usize) {
-        let magnitude = coefficient.length();
+        // Not squared: J may be as small as numbers get.
+        let magnitude = coefficient.abs().max_element();
         match self.rays.iter_mut().find(|ray| ray.direction.distance(direction) <= SAME_RAY) {
             Some(ray) => {
                 ray.coefficient += coefficient;
@@ -82,6 +83,6 @@ impl Edges {
 
 impl Ray {
     fn exposed(&self) -> bool {
-        self.coefficient.length() > EDGE_CANCELLATION * self.magnitude
+        self.coefficient.abs().max_element() > EDGE_CANCELLATION * self.magnitude
     }
 }

@@ -87,7 +87,10 @@ impl fmt::Display for Cause {
             Cause::Unresolved { tile } => {
                 write!(f, "the gradient cannot be resolved on an edge that tile {tile} shares with others")
             }
-            Cause::OutOfRange => write!(f, "the coordinates must be finite numbers of at most 2^1000 in magnitude"),
+            Cause::OutOfRange => write!(
+                f,
+                "the coordinates must be finite numbers of at most 2^1000 in magnitude, and the result in the range of numbers"
+            ),
         }
     }
 }

@@ -27,8 +27,11 @@ impl Grid {
     /// The coordinate with index `i` along `axis`, rounded once: a grid symmetric about 0 contains 0.
     pub fn coordinate(&self, axis: usize, i: usize) -> f64 {
         let last = self.counts[axis] - 1;
-        if last == 0 {
+        if i == 0 {
             return self.lower[axis];
+        }
+        if i == last {
+            return self.upper[axis];
         }
         (self.lower[axis] * (last - i) as f64 + self.upper[axis] * i as f64) / last as f64
     }
@@ -60,6 +63,8 @@ mod tests {
         let grid = Grid { lower: DVec3::splat(-2.0), upper: DVec3::splat(2.0), counts: [41, 41, 1] };
         let x: Vec<f64> = (0..41).map(|i| grid.coordinate(0, i)).collect();
         assert_eq!((x[0], x[1], x[7], x[20], x[40]), (-2.0, -1.9, -1.3, 0.0, 2.0));
+        let off = Grid { lower: DVec3::splat(0.1), upper: DVec3::splat(1.1), counts: [4; 3] };
+        assert_eq!((off.coordinate(0, 0), off.coordinate(0, 3)), (0.1, 1.1));
         assert_eq!(grid.points().len(), 41 * 41);
         assert_eq!(grid.point(42), DVec3::new(-1.9, -1.9, -2.0));
     }

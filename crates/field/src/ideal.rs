@@ -75,7 +75,8 @@ impl IdealFilm {
         -0.5 * self.amplitude_t * (-self.wavenumber() * self.thickness).exp_m1()
     }
 
-    /// B below the film, in tesla (Eq. 2); `None` where z >= 0, to which Eq. 2 does not extend.
+    /// B below the film, in tesla (Eq. 2); `None` where z >= 0, to which Eq. 2 does not extend, or a phase is
+    /// not finite.
     ///
     /// # Accuracy
     /// A few units of round-off of `K e^(kz)`, plus the round-off of `kx` and `ky` as phases.
@@ -86,7 +87,8 @@ impl IdealFilm {
         let k = self.wavenumber();
         let (sin_x, cos_x) = (k * point.x).sin_cos();
         let (sin_y, cos_y) = (k * point.y).sin_cos();
-        Some(DVec3::new(-sin_x, -sin_y, cos_x + cos_y) * (self.surface_amplitude_t() * (k * point.z).exp()))
+        let b = DVec3::new(-sin_x, -sin_y, cos_x + cos_y) * (self.surface_amplitude_t() * (k * point.z).exp());
+        b.is_finite().then_some(b)
     }
 }
 

@@ -4,11 +4,11 @@
 //! turns are computed in one frame. Frames that have an axis in common, such as those of tiles turned about z, share the numbers
 //! along it. So faces of touching tiles can be compared, and a seam between them found.
 
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::collections::HashMap;
 
 use glam::{DMat3, DQuat, DVec3};
 
-use crate::tolerances::SAME_ROTATION;
+use crate::tolerances::{DIRECTION_CELL, SAME_ROTATION};
 
 /// A rotation that maps axes onto axes: own axis `c` points along `sign[c]` times frame axis `axis[c]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,21 +18,6 @@ pub(crate) struct QuarterTurn {
 }
 
 impl QuarterTurn {
-    /// The quarter turn nearest to `matrix`, if it is one up to round-off.
-    fn of(matrix: DMat3) -> Option<QuarterTurn> {
-        let mut turn = QuarterTurn { axis: [0; 3], sign: [1.0; 3] };
-        for own in 0..3 {
-            let column = matrix.col(own);
-            let axis = (0..3).find(|&row| (column[row].abs() - 1.0).abs() <= SAME_ROTATION)?;
-            if (0..3).any(|row| row != axis && column[row].abs() > SAME_ROTATION) {
-                return None;
-            }
-            turn.axis[own] = axis;
-            turn.sign[own] = column[axis].signum();
-        }
-        Some(turn)
-    }
-
     /// A vector of the tile's own frame in the shared frame, exactly.
     pub(crate) fn vector(&self, own: DVec3) -> DVec3 {
         let mut turned = DVec3::ZERO;
@@ -60,34 +45,27 @@ pub(crate) struct Orientations {
 
 impl Orientations {
     pub(crate) fn of(rotations: &[DQuat]) -> Orientations {
-        let mut found = Orientations {
-            directions: DVec3::AXES.to_vec(),
-            frames: vec![[0, 1, 2]],
-            members: vec![(0, QuarterTurn { axis: [0; 3], sign: [1.0; 3] }); rotations.len()],
-        };
-        let mut by_x = vec![2, 1, 0];
-        let turns = quarter_turns();
-        // The angle to the nearest quarter turn is the same for all members of a frame; sorting by it keeps the search short.
-        let nearness = |q: DQuat| turns.iter().map(|t| q.dot(*t).abs()).fold(0.0, f64::max);
-        let mut order: Vec<(f64, usize)> = rotations.iter().map(|q| nearness(*q)).zip(0..).collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut recent: Vec<(f64, usize)> = Vec::new();
-        for (near, index) in order {
-            let matrix = DMat3::from_quat(rotations[index]);
-            recent.retain(|&(other, _)| near - other <= SAME_ROTATION);
-            let candidates = std::iter::once(0).chain(recent.iter().map(|&(_, frame)| frame));
-            let turn_in = |frame: usize| QuarterTurn::of(found.matrix(frame).transpose() * matrix);
-            let known = candidates.filter_map(|frame| Some((frame, turn_in(frame)?))).next();
-            found.members[index] = known.unwrap_or_else(|| {
-                let axes = [0, 1, 2].map(|own| found.direction(matrix.col(own), &mut by_x));
-                found.frames.push(axes);
-                let frame = found.frames.len() - 1;
-                recent.push((near, frame));
-                let turn = QuarterTurn::of(found.matrix(frame).transpose() * matrix);
-                (frame, turn.expect("the frame was made of these axes"))
-            });
+        let mut directions = Directions::default();
+        for axis in DVec3::AXES {
+            directions.index_and_sign(axis);
         }
-        found
+        let mut frames = vec![[0, 1, 2]];
+        let mut known = HashMap::from([([0, 1, 2], 0)]);
+        let mut members = Vec::with_capacity(rotations.len());
+        for rotation in rotations {
+            let matrix = DMat3::from_quat(*rotation);
+            let own = [0, 1, 2].map(|axis| directions.index_and_sign(matrix.col(axis)));
+            let mut axes = own.map(|(index, _)| index);
+            axes.sort_unstable();
+            let frame = *known.entry(axes).or_insert_with(|| {
+                frames.push(axes);
+                frames.len() - 1
+            });
+            let place = |index: usize| axes.iter().position(|&axis| axis == index).expect("the frame has this axis");
+            let turn = QuarterTurn { axis: own.map(|(index, _)| place(index)), sign: own.map(|(_, sign)| sign) };
+            members.push((frame, turn));
+        }
+        Orientations { directions: directions.found, frames, members }
     }
 
     /// From the frame to the scene. Its columns need not be right-handed.
@@ -95,52 +73,43 @@ impl Orientations {
         let [x, y, z] = self.frames[frame].map(|axis| self.directions[axis]);
         DMat3::from_cols(x, y, z)
     }
+}
 
-    /// The index of a direction or its opposite, known or new. `by_x` holds all indices ordered by x.
-    fn direction(&mut self, axis: DVec3, by_x: &mut Vec<usize>) -> usize {
+/// Directions met so far, found again by their components.
+#[derive(Default)]
+struct Directions {
+    found: Vec<DVec3>,
+    by_cell: HashMap<[i64; 3], Vec<usize>>,
+}
+
+impl Directions {
+    /// The index of a direction or its opposite, known or new, and which of the two it is.
+    fn index_and_sign(&mut self, axis: DVec3) -> (usize, f64) {
         let leading = axis.to_array().into_iter().find(|c| c.abs() > SAME_ROTATION).unwrap_or(1.0);
-        let direction = axis * leading.signum();
-        let first = by_x.partition_point(|&i| self.directions[i].x < direction.x - SAME_ROTATION);
-        let near = by_x[first..].iter().take_while(|&&i| self.directions[i].x <= direction.x + SAME_ROTATION);
-        let close = |i: &&usize| (self.directions[**i] - direction).abs().max_element() <= SAME_ROTATION;
-        if let Some(&known) = near.clone().find(close) {
-            return known;
+        let sign = leading.signum();
+        let direction = axis * sign;
+        let close = |i: &&usize| (self.found[**i] - direction).abs().max_element() <= SAME_ROTATION;
+        // A direction is filed under the cell of its components; one as close as round-off may lie across a border.
+        let [low, high] = [-SAME_ROTATION, SAME_ROTATION].map(|shift| cell(direction + DVec3::splat(shift)));
+        for corner in 0..8_usize {
+            let key = [0, 1, 2].map(|axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] });
+            if let Some(&known) = self.by_cell.get(&key).and_then(|near| near.iter().find(close)) {
+                return (known, sign);
+            }
         }
-        self.directions.push(direction);
-        let place = by_x.partition_point(|&i| self.directions[i].x < direction.x);
-        by_x.insert(place, self.directions.len() - 1);
-        self.directions.len() - 1
+        self.found.push(direction);
+        self.by_cell.entry(cell(direction)).or_default().push(self.found.len() - 1);
+        (self.found.len() - 1, sign)
     }
 }
 
-/// The 24 rotations of a cube.
-fn quarter_turns() -> Vec<DQuat> {
-    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
-    let quarter = |axis: DVec3| {
-        DQuat::from_xyzw(axis.x * FRAC_1_SQRT_2, axis.y * FRAC_1_SQRT_2, axis.z * FRAC_1_SQRT_2, FRAC_1_SQRT_2)
-    };
-    let mut turns = Vec::new();
-    for to_top in [DQuat::IDENTITY, quarter(x), quarter(x) * quarter(x), quarter(-x), quarter(y), quarter(-y)] {
-        let mut spin = DQuat::IDENTITY;
-        for _ in 0..4 {
-            turns.push(to_top * spin);
-            spin *= quarter(z);
-        }
-    }
-    turns
+fn cell(direction: DVec3) -> [i64; 3] {
+    direction.to_array().map(|c| (c / DIRECTION_CELL).floor() as i64)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_cube_has_24_different_turns() {
-        let turns = quarter_turns();
-        let matrices: std::collections::BTreeSet<String> =
-            turns.iter().map(|q| format!("{:?}", QuarterTurn::of(DMat3::from_quat(*q)).unwrap())).collect();
-        assert_eq!((turns.len(), matrices.len()), (24, 24));
-    }
 
     #[test]
     fn equal_rotations_share_a_frame_up_to_quarter_turns() {
@@ -156,6 +125,29 @@ mod tests {
         assert_eq!(frame(4), frame(5));
         assert_eq!(found.frames.len(), 5);
         assert_eq!(found.members[0].1.vector(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(1.0, -2.0, -3.0));
+        assert_eq!(found.frames[0], [0, 1, 2]);
+    }
+
+    /// Rotations closer than, about, and further than what counts as one.
+    #[test]
+    fn nearly_equal_rotations() {
+        let axis = DVec3::new(1.0, 2.0, 3.0).normalize();
+        let mut rotations = Vec::new();
+        for n in 0..400 {
+            rotations.push(DQuat::from_axis_angle(axis, 0.5 + 1e-16 * f64::from(n)));
+        }
+        let step = DQuat::from_axis_angle(axis, 10_f64.to_radians());
+        let mut turned = DQuat::IDENTITY;
+        for _ in 0..360 {
+            turned = (turned * step).normalize();
+            rotations.push(turned);
+        }
+        let found = Orientations::of(&rotations);
+        for (rotation, (frame, turn)) in rotations.iter().zip(&found.members) {
+            let own = DVec3::new(0.3, -0.4, 0.5);
+            let error = found.matrix(*frame) * turn.vector(own) - *rotation * own;
+            assert!(error.abs().max_element() <= 2.0 * SAME_ROTATION);
+        }
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! Tiles that reach into each other.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DVec3};
 use rstar::{AABB, RTree, RTreeObject};
 
 use crate::tile::Tile;
-use crate::tolerances::{PARALLEL_EDGES, ROTATED_SEAM_ROUNDINGS, SEAM_ROUNDINGS, UNIT_ROUNDOFF};
+use crate::tolerances::{PARALLEL_EDGES, ROTATED_SEAM_ROUNDINGS, SAME_ROTATION, SEAM_ROUNDINGS, UNIT_ROUNDOFF};
 
 /// Two tiles that share volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,7 +76,10 @@ impl Oriented {
         let axes = [rotation.x_axis, rotation.y_axis, rotation.z_axis];
         let reach = axes[0].abs() * half.x + axes[1].abs() * half.y + axes[2].abs() * half.z;
         let centre = tile.position();
-        let rotated = tile.rotation() != DQuat::IDENTITY;
+        // Quarter turns round nothing.
+        let rotated = axes
+            .iter()
+            .any(|axis| axis.abs().to_array().iter().any(|c| (SAME_ROTATION..=1.0 - SAME_ROTATION).contains(c)));
         Oriented { centre, axes, half, rotated, low: centre - reach, high: centre + reach }
     }
 
@@ -89,7 +92,7 @@ impl Oriented {
         let shift = other.centre - self.centre;
         let crosses = self.axes.iter().flat_map(|a| other.axes.iter().map(move |b| a.cross(*b)));
         let candidates = self.axes.iter().chain(&other.axes).copied().chain(crosses);
-        // No more than the seams of a scene forgive, so that what passes here is joined there.
+        // As much as the seams of a scene forgive, so that what passes here is joined there.
         let reach = |o: &Oriented, d: DVec3| o.centre.dot(d).abs() + o.reach(d);
         let roundings = if self.rotated || other.rotated { ROTATED_SEAM_ROUNDINGS } else { SEAM_ROUNDINGS };
         let mut least: Option<(f64, DVec3)> = None;
@@ -97,7 +100,7 @@ impl Oriented {
         for direction in candidates.filter(|d| d.length() > PARALLEL_EDGES).map(DVec3::normalize) {
             let along = shift.dot(direction);
             let depth = self.reach(direction) + other.reach(direction) - along.abs();
-            if depth <= roundings * UNIT_ROUNDOFF * reach(self, direction).min(reach(other, direction)) {
+            if depth <= roundings * UNIT_ROUNDOFF * reach(self, direction).max(reach(other, direction)) {
                 return None;
             }
             if least.is_none_or(|(d, _)| depth < d) {
@@ -112,6 +115,7 @@ impl Oriented {
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
+    use glam::DQuat;
     fn overlaps(tiles: &[Tile]) -> Vec<Overlap> {
         super::overlaps(tiles).collect()
     }

@@ -45,7 +45,7 @@ pub enum Cause {
         /// Index of a tile with that edge.
         tile: usize,
     },
-    /// A coordinate of the point is not finite, or beyond [`MAX_LENGTH`].
+    /// A coordinate of the point is not finite, or beyond [`MAX_LENGTH`]; or the result is beyond the range of numbers.
     OutOfRange,
 }
 
@@ -91,9 +91,10 @@ impl Scene {
             to_scene.tensor(DMat3::from_cols_array_2d(&scaled)).to_cols_array()
         })?;
         match (edges.exposed(), edges.singular()) {
-            (true, _) => Err(Cause::Unbounded { tile: self.tile_with_edge_at(point) }),
-            (false, true) => Err(Cause::Unresolved { tile: self.tile_with_edge_at(point) }),
-            (false, false) => Ok(DMat3::from_cols_array(&sum)),
+            (true, _) => Err(Cause::Unbounded { tile: self.tile_with_edge_at(point, &edges) }),
+            (false, true) => Err(Cause::Unresolved { tile: self.tile_with_edge_at(point, &edges) }),
+            (false, false) if sum.iter().all(|c| c.is_finite()) => Ok(DMat3::from_cols_array(&sum)),
+            (false, false) => Err(Cause::OutOfRange),
         }
     }
 
@@ -103,9 +104,10 @@ impl Scene {
             to_scene.vector(DVec3::from_array(field)).to_array()
         })?;
         if edges.exposed() {
-            return Err(Cause::Unbounded { tile: self.tile_with_edge_at(point) });
+            return Err(Cause::Unbounded { tile: self.tile_with_edge_at(point, &edges) });
         }
-        Ok(DVec3::from_array(sum))
+        let field = DVec3::from_array(sum);
+        if field.is_finite() { Ok(field) } else { Err(Cause::OutOfRange) }
     }
 
     /// Adds what `term` gives for every tile that matters at `point`, and collects the edges the point lies on.
@@ -131,8 +133,8 @@ impl Scene {
         Ok((sum.map(RunningSum::value), edges))
     }
 
-    /// A tile whose edge makes the point singular.
-    fn tile_with_edge_at(&self, point: DVec3) -> usize {
+    /// A tile whose edge makes the point singular, as `blocks`, which may be several tiles each, do.
+    fn tile_with_edge_at(&self, point: DVec3, blocks: &Edges) -> usize {
         let mut edges = Edges::default();
         for (frame, local) in self.arrangement.locals(point) {
             for block in &frame.unmerged {
@@ -141,7 +143,7 @@ impl Scene {
                 }
             }
         }
-        edges.tile().expect("a block with an edge at the point is made of tiles with edges there")
+        edges.tile().or(blocks.tile()).expect("the point is singular")
     }
 
     fn polarization(&self, point: DVec3) -> Result<DVec3, Cause> {

@@ -15,31 +15,34 @@ pub(crate) struct Plane {
     pub(crate) place: [usize; 4],
 }
 
+impl Plane {
+    fn owner(&self) -> [usize; 2] {
+        [self.place[0], self.place[1]]
+    }
+}
+
 /// The faces that move, with their new coordinates.
 pub(crate) fn joined(mut planes: Vec<Plane>) -> Vec<(TwoSum, [usize; 4])> {
     planes.sort_by(|a, b| a.coordinate.value().total_cmp(&b.coordinate.value()));
+    let apart = |a: &Plane, b: &Plane| b.coordinate.minus(a.coordinate).value() > a.tolerance.max(b.tolerance);
     let mut moves = Vec::new();
-    let mut rest = planes.as_slice();
-    while let Some(first) = rest.first() {
-        let near = |p: &&Plane| p.coordinate.minus(first.coordinate).value() <= p.tolerance.min(first.tolerance);
-        let (cluster, others) = rest.split_at(rest.iter().take_while(near).count().max(1));
-        rest = others;
-        if let Some(common) = common_coordinate(cluster) {
-            moves.extend(cluster.iter().map(|p| (common, p.place)));
+    for cluster in planes.chunk_by(|a, b| !apart(a, b)) {
+        // A tile thinner than the tolerance keeps its faces: its thickness is data.
+        let mut owners: Vec<[usize; 2]> = cluster.iter().map(Plane::owner).collect();
+        owners.sort_unstable();
+        let sliver =
+            |p: &&Plane| owners.partition_point(|o| *o <= p.owner()) - owners.partition_point(|o| *o < p.owner()) > 1;
+        let whole: Vec<&Plane> = cluster.iter().filter(|p| !sliver(p)).collect();
+        if let Some(common) = common_coordinate(&whole) {
+            moves.extend(whole.iter().map(|p| (common, p.place)));
         }
     }
     moves
 }
 
-fn common_coordinate(cluster: &[Plane]) -> Option<TwoSum> {
+fn common_coordinate(cluster: &[&Plane]) -> Option<TwoSum> {
     let first = cluster.first()?.coordinate;
     if cluster.iter().all(|p| p.coordinate == first) {
-        return None;
-    }
-    // A tile thinner than the tolerance keeps its faces apart: its thickness is data.
-    let mut owners: Vec<&[usize]> = cluster.iter().map(|p| &p.place[..2]).collect();
-    owners.sort_unstable();
-    if owners.windows(2).any(|pair| pair[0] == pair[1]) {
         return None;
     }
     // The one nearest to a binary64 number is most likely what was meant, and points can lie on that number exactly.

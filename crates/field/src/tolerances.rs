@@ -6,8 +6,8 @@
 /// element is small, the products where it diverges. The switch only has to be away from 0 and 1.
 pub(crate) const ARTANH_TO_PRODUCT: f64 = 0.5;
 
-/// A point exactly on a face counts as displaced by this fraction of the smallest size in the scene, towards +x, +y, +z
-/// of the tile's frame: the half-open rule lo <= p < hi.
+/// A point closer to a face than this fraction of the smallest size in the scene counts as that far from it, on its own side;
+/// one exactly on the face on the side of +x, +y, +z of the tile's frame: the half-open rule lo <= p < hi.
 ///
 /// It vanishes in every sum but those that are the offset itself, and ln(2^-240) = -166 costs hardly a digit where the logarithms of
 /// touching tiles cancel.
@@ -34,6 +34,9 @@ pub(crate) const ROTATED_SEAM_ROUNDINGS: f64 = 32.0;
 /// lies on the face: its coordinate is no better known.
 pub(crate) const POINT_ROUNDINGS: f64 = 4.0;
 
+/// Points are put onto faces only of tiles at least this many times thicker than the round-off of the point.
+pub(crate) const RESOLVED_THICKNESS: f64 = 16.0;
+
 /// Half the distance of neighbouring numbers at 1.
 pub(crate) const UNIT_ROUNDOFF: f64 = 0.5 * f64::EPSILON;
 
@@ -41,6 +44,9 @@ pub(crate) const UNIT_ROUNDOFF: f64 = 0.5 * f64::EPSILON;
 ///
 /// A quaternion built from an axis and an angle in degrees is off by about four units of round-off.
 pub(crate) const SAME_ROTATION: f64 = 16.0 * f64::EPSILON;
+
+/// Directions are looked up in cells of this width; any width far above `SAME_ROTATION` does.
+pub(crate) const DIRECTION_CELL: f64 = 1e-9;
 
 /// At a shared edge the logarithmic terms of several tiles cancel to this fraction, or the field is unbounded there.
 ///
@@ -71,6 +77,9 @@ pub(crate) const NORM_ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// Edges of two tiles with a smaller sine of their angle count as parallel: their cross product is no direction.
 pub(crate) const PARALLEL_EDGES: f64 = 1e-6;
+
+/// Values whose spread is below this fraction of their mean are one value: it is what rounding their mean leaves.
+pub(crate) const ROUNDED_SPREAD: f64 = 1e-14;
 
 /// Points that one thread takes at a time. Large enough to hide the scheduling, small enough to share out 405 points.
 pub(crate) const POINTS_PER_TASK: usize = 64;

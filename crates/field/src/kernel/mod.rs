@@ -75,6 +75,7 @@ pub(crate) fn cuboid_gradient(offsets: &[Offsets<f64>; 3], j: [f64; 3]) -> [[f64
     let offsets = [0, 1, 2].map(|axis: usize| offsets[axis].differentiated(axis));
     let radius = corner_distances(&offsets);
     let mut third = ThirdDerivatives::default();
+    let mut mixed_from = f64::INFINITY;
     for edges in 0..3 {
         let (a, b) = ((edges + 1) % 3, (edges + 2) % 3);
         if j[a] != 0.0 || j[b] != 0.0 {
@@ -82,7 +83,11 @@ pub(crate) fn cuboid_gradient(offsets: &[Offsets<f64>; 3], j: [f64; 3]) -> [[f64
             let sign = INV_4PI * offsets[a].sign() * offsets[b].sign();
             third.twice[a][b] = sign * element.slope[a];
             third.twice[b][a] = sign * element.slope[b];
-            third.mixed = sign * element.slope[edges];
+            // Along a long edge the slope is the small difference of its ends.
+            if offsets[edges].size <= mixed_from {
+                mixed_from = offsets[edges].size;
+                third.mixed = sign * element.slope[edges];
+            }
         }
     }
     let mut gradient = [[0.0; 3]; 3];

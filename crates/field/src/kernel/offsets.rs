@@ -7,7 +7,7 @@ use super::scalar::Scalar;
 /// `far > 0` and `far >= |near|` always; `near < 0` exactly when the point is between the two faces.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Offsets<S> {
-    /// Signed distance to the nearer face, positive outside. Never zero: see `on_face`.
+    /// Signed distance to the nearer face, positive outside. Never zero.
     pub(crate) near: S,
     /// Distance to the other face.
     pub(crate) far: S,
@@ -17,7 +17,7 @@ pub(crate) struct Offsets<S> {
     pub(crate) size: f64,
     /// Whether the point was mirrored.
     pub(crate) mirrored: bool,
-    /// Whether the point lay exactly on the nearer face.
+    /// Whether the point lay on the nearer face.
     pub(crate) on_face: bool,
 }
 
