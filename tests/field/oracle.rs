@@ -1,6 +1,6 @@
 //! B, H and the gradient against an oracle of 130 digits: on the reference tables, and on random tiles and points.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use magsplice_field::{Cause, MU_0, Quantity, Scene, Tile};
 use magsplice_tests::oracle::Oracle;
 use magsplice_tests::{reference_tables, scenes};
@@ -194,4 +194,72 @@ fn ends_of_the_range() {
             assert!(gradient.is_finite(), "size {size:e} at {distance:e}: {gradient}");
         }
     }
+}
+
+/// A tile with a component of J that is nearly zero still has the gradient of the others.
+#[test]
+fn gradient_in_needles_with_a_vanishing_component() {
+    let mut oracle = Oracle::new();
+    for (size, j_y, point) in [
+        (DVec3::new(1e-3, 1.0, 1e3), 6.123_233_995_736_766e-17, DVec3::new(0.01, 0.49, 0.3)),
+        (DVec3::new(0.1, 1.0, 100.0), 1e-17, DVec3::new(0.2, 0.6, 0.3)),
+        (DVec3::new(4.2e-8, 2.6e-6, 2307.4), 9.5e-31, DVec3::new(5.5e-7, 1.44e-6, -0.61)),
+    ] {
+        for turn in 0..3 {
+            // Every axis in every role.
+            let turned = |v: DVec3| DVec3::new(v[turn], v[(turn + 1) % 3], v[(turn + 2) % 3]);
+            let tile = Tile::new(DVec3::ZERO, turned(size), turned(DVec3::new(0.0, j_y, 1.0))).expect("a valid tile");
+            let gradient = Scene::new(&[tile]).flux_density_gradient(turned(point)).expect("bounded");
+            check_gradient(gradient, oracle.gradient(&tile, turned(point))).unwrap_or_else(|e| panic!("{tile:?}: {e}"));
+        }
+    }
+}
+
+/// A rotated tile has the rotated field, far away and on the planes of its faces, up to moving the point by round-off.
+#[test]
+fn rotated_tiles_on_the_planes_of_their_faces() {
+    let mut oracle = Oracle::new();
+    let axes = [(DVec3::Z, 0.5), (DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7), (DVec3::ONE.normalize(), 0.7)];
+    for size in [DVec3::ONE, DVec3::new(1.0, 1.0, 1e-6), DVec3::new(1.0, 1.0, 1e-12)] {
+        let tile = Tile::new(DVec3::ZERO, size, DVec3::new(0.3, -0.5, 0.7)).expect("a valid tile");
+        for (axis, angle) in axes {
+            let turn = DQuat::from_axis_angle(axis, angle);
+            let scene = Scene::new(&[tile.rotated(turn).expect("a rotation")]);
+            for reach in [3.0, 1e4, 1e6, 1e15] {
+                for own in
+                    [DVec3::new(reach, 0.5, 0.5), DVec3::new(reach, 0.1, -0.5 * size.z), DVec3::new(reach, 0.0, 0.0)]
+                {
+                    let found = scene.field(Quantity::FluxDensity, turn * own).expect("bounded");
+                    let exact = oracle.field(&tile, own).flux_density_t;
+                    // The rotation there and back moves the point by 10 units of 1.1e-16 of its distance, and B, which falls as the third
+                    // power of it, by three times that; the rotation of B itself by a few more.
+                    let error = (turn.inverse() * found - exact).length();
+                    assert!(error <= 5e-15 * exact.length(), "{size} at {own}: {:e}", error / exact.length());
+                }
+            }
+        }
+    }
+}
+
+/// Closer to a face than 2^-120 of the size, or with J near the smallest number: a number or a declaration, never NaN.
+#[test]
+fn vanishing_offsets_and_polarizations() {
+    let tile = |p: [f64; 3], s: [f64; 3], j: [f64; 3]| Tile::new(p.into(), s.into(), j.into()).expect("a valid tile");
+    let corner = tile([0.5; 3], [1.0; 3], [1.0, 0.0, 0.0]);
+    for x in [1e-170, -1e-170, 5e-324, -5e-324, 1e-80, -1e-80] {
+        for y in [-1e-170, 2e-80, 5e-324, 0.5] {
+            let point = DVec3::new(x, y, 0.5);
+            let scene = Scene::new(&[corner]);
+            assert!(scene.field(Quantity::FluxDensity, point).expect("not on an edge").is_finite(), "{point}");
+            assert!(scene.flux_density_gradient(point).expect("not on an edge").is_finite(), "{point}");
+            let j = scene.field(Quantity::Polarization, point).expect("J is bounded");
+            assert_eq!(j == DVec3::X, x > 0.0 && y > 0.0, "owner of {point}");
+        }
+    }
+    let faint = tile([0.0; 3], [1.0; 3], [1e-163, 0.0, 0.0]);
+    let edge = DVec3::new(0.5, 0.5, 0.1);
+    assert_eq!(Scene::new(&[faint]).field(Quantity::FluxDensity, edge), Err(Cause::Unbounded { tile: 0 }));
+    let strong = tile([0.6e-271; 3], [1.2e-271; 3], [1e30, 0.0, 0.0]);
+    let gradient = Scene::new(&[strong]).flux_density_gradient(DVec3::new(-1e-281, -1e-281, 0.5e-271));
+    assert!(gradient.is_err() || gradient.is_ok_and(|g| g.is_finite()));
 }

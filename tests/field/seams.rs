@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use glam::{DMat3, DQuat, DVec3};
-use magsplice_field::{Cause, Quantity, Scene, Tile};
+use magsplice_field::{Cause, Quantity, Scene, Tile, overlaps};
 
 const J: DVec3 = DVec3::new(0.3, -0.5, 0.7);
 
@@ -219,5 +219,71 @@ fn exposed_edges_of_rotated_tiles() {
         let scene = Scene::new(&[cube.rotated(turn).unwrap()]);
         let edge = turn * DVec3::new(0.5, 0.5, 0.2);
         assert_eq!(scene.field(Quantity::FluxDensity, edge), Err(Cause::Unbounded { tile: 0 }), "{angle}");
+    }
+}
+
+/// Every point of a row of tiles has one owner, whatever decimals its cuts are and however they were computed.
+#[test]
+fn one_owner_for_any_decimal_cuts() {
+    let unit = |low: f64, high: f64| {
+        let size = DVec3::new(high - low, 1.0, 1.0);
+        Tile::new(DVec3::new(0.5 * (low + high), 0.0, 0.0), size, DVec3::X).unwrap()
+    };
+    let cuts = |n: i32| f64::from(n) / 10.0;
+    for (a, c, e) in (-40..40).step_by(7).flat_map(|a| (1..60).step_by(3).map(move |b| (a, a + b, a + b + 1 + b % 5))) {
+        let parts = [unit(cuts(a), cuts(c)), unit(cuts(c), cuts(e))];
+        assert!(overlaps(&parts).next().is_none(), "{a} {c} {e} overlap");
+        let scene = Scene::new(&parts);
+        for n in [-2, -1, 0, 1, 2] {
+            let x = cuts(c) + f64::from(n) * f64::EPSILON * cuts(c).abs();
+            let j = scene.field(Quantity::Polarization, DVec3::new(x, 0.1, 0.2)).unwrap();
+            assert_eq!(j, DVec3::X, "cuts {a}, {c}, {e} tenths: J at {x}");
+        }
+    }
+    let long = Scene::new(&[unit(-100.0, 0.1), unit(0.1, 0.3)]);
+    assert_eq!(long.field(Quantity::Polarization, DVec3::new(0.1, 0.1, 0.2)), Ok(DVec3::X));
+}
+
+/// Tiles elsewhere in the plane of a seam, and slivers thinner than round-off, do not undo it.
+#[test]
+fn bystanders_do_not_break_seams() {
+    let e = f64::EPSILON;
+    let part = |low: f64, high: f64, y: f64| {
+        Tile::new(DVec3::new(0.5 * (low + high), y, 0.0), DVec3::new(high - low, 1.0, 1.0), DVec3::X).unwrap()
+    };
+    let sliver = Tile::new(DVec3::new(1.0, 50.0, 0.0), DVec3::new(1e-17, 1.0, 1.0), DVec3::X).unwrap();
+    let scenes = [
+        Scene::new(&[part(0.0, 1.0, 0.0), part(1.0 - 3.0 * e, 2.0, 0.0), part(1.0 - 5.5 * e, 2.0, 100.0)]),
+        Scene::new(&[part(0.0, 1.0, 0.0), part(1.0 + e, 2.0, 0.0), sliver]),
+    ];
+    for scene in scenes {
+        for n in -8..8 {
+            let point = DVec3::new(1.0 + f64::from(n) * e, 0.1, 0.2);
+            assert_eq!(scene.field(Quantity::Polarization, point), Ok(DVec3::X), "{point}");
+        }
+        assert!(scene.field(Quantity::FluxDensity, DVec3::new(1.0, 0.2, 0.5)).is_ok());
+    }
+}
+
+/// Overlaps that are forgiven are joined: what is not reported has one owner everywhere.
+#[test]
+fn overlap_and_seams_agree() {
+    let turns = [DQuat::IDENTITY, DQuat::from_rotation_x(2.0 * FRAC_PI_2), DQuat::from_rotation_x(0.5)];
+    for turn in turns {
+        for steps in 0..60 {
+            let depth = f64::from(steps) * f64::EPSILON;
+            let size = DVec3::new(1.0 + depth, 1.0, 1.0);
+            let other = Tile::new(DVec3::new(1.5 - 0.5 * depth, 0.0, 0.0), size, turn.inverse() * DVec3::X).unwrap();
+            let tiles =
+                [Tile::new(DVec3::new(0.5, 0.0, 0.0), DVec3::ONE, DVec3::X).unwrap(), other.rotated(turn).unwrap()];
+            if overlaps(&tiles).next().is_none() {
+                let scene = Scene::new(&tiles);
+                for n in 0..=steps {
+                    let point = DVec3::new(1.0 - f64::from(n) * f64::EPSILON, 0.1, 0.2);
+                    let j = scene.field(Quantity::Polarization, point).unwrap();
+                    assert!((j - DVec3::X).length() < 1e-15, "{steps} steps deep, J is {j} at {point}");
+                }
+            }
+        }
     }
 }

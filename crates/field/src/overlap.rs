@@ -92,7 +92,7 @@ impl Oriented {
         let shift = other.centre - self.centre;
         let crosses = self.axes.iter().flat_map(|a| other.axes.iter().map(move |b| a.cross(*b)));
         let candidates = self.axes.iter().chain(&other.axes).copied().chain(crosses);
-        // As much as the seams of a scene forgive, so that what passes here is joined there.
+        // Half of what the seams of a scene forgive, so that what passes here, itself rounded, is joined there.
         let reach = |o: &Oriented, d: DVec3| o.centre.dot(d).abs() + o.reach(d);
         let roundings = if self.rotated || other.rotated { ROTATED_SEAM_ROUNDINGS } else { SEAM_ROUNDINGS };
         let mut least: Option<(f64, DVec3)> = None;
@@ -100,7 +100,7 @@ impl Oriented {
         for direction in candidates.filter(|d| d.length() > PARALLEL_EDGES).map(DVec3::normalize) {
             let along = shift.dot(direction);
             let depth = self.reach(direction) + other.reach(direction) - along.abs();
-            if depth <= roundings * UNIT_ROUNDOFF * reach(self, direction).max(reach(other, direction)) {
+            if depth <= 0.5 * roundings * UNIT_ROUNDOFF * reach(self, direction).max(reach(other, direction)) {
                 return None;
             }
             if least.is_none_or(|(d, _)| depth < d) {

@@ -21,8 +21,8 @@ pub(crate) const SMALLEST_NUDGE: f64 = power_of_two(-300);
 /// 2^-1200 of J, and with J at most [`MAX_POLARIZATION_T`] rounds to zero.
 pub(crate) const VANISHING_SIZE: f64 = power_of_two(-400);
 
-/// Faces closer than this many units of round-off of their coordinates are one face, and tiles that reach into each other by
-/// no more do not overlap: the two must agree, so that no sliver has two owners.
+/// Faces closer than this many units of round-off of their coordinates are one face. Tiles that reach into each other by no more than
+/// half of it do not overlap: what is not reported as overlap must be joined, so that no sliver has two owners.
 ///
 /// `position - size / 2` is two roundings away from the number the user meant, and that may be computed itself.
 pub(crate) const SEAM_ROUNDINGS: f64 = 8.0;
