@@ -99,17 +99,20 @@ Answers with no right digit, and those that are not finite, are drawn on the upp
 const BOUNDS: &str = "
 ## What is promised
 
-For one unrotated tile, at every point that is not on an exposed edge: |B| and |H| to 4e-15 of the sum of the fields that the three components of J make alone (which is
+For one unrotated tile, at every point that is not on an exposed edge: B and H to 4e-15 of the sum of the fields that the three components of J make alone (which is
 at most a few times |B| except where they cancel); the largest component of dB/dr to 2e-14. For a scene: that fraction of the sum over tiles. The tests hold these
 bounds on the tables and on ten thousand random tiles and points in every run (`tests/field/oracle.rs`).
 
 Where a bound is weaker, and why:
 
-* A rotated tile. The point is rotated into its frame, which moves it by up to four units of round-off of its distance from the tiles with that orientation. Near an edge
-  that is felt as the gradient times this distance.
+* A rotated tile. The point is rotated into its frame, which moves it by up to four units of round-off of its distance from the tiles with that orientation, and
+  on a face if it is that close to one. Near an edge that is felt as the gradient times this distance.
 * The seam of tiles that share an edge but do not form a cuboid. There the logarithms of the tiles cancel, and each is up to 166 times J / 2 pi: 2e-14 of |J| is left. The gradient
   beside such a seam is right to 2e-14 of the sum over tiles, which grows as one over the distance; on the common edge itself it is declared unresolved. Tiles of one
   polarization that form a cuboid are merged, and have no seam.
+* Closer to a face than 2^-120 of the smallest size in the scene, the distance counts as that, on the point's own side: the tile is moved by far less than a unit in
+  the last place of its coordinates, but the logarithm beside an edge, of a distance of 1e-60 say, is that of 2^-120.
+* Further away than 1e100 sizes, the elements of the tensor fall below the smallest normal number and lose digits; where B itself does, it rounds to zero.
 * Inputs are binary numbers: a face at `position + size / 2` is where the exact sum of the two binary numbers is, unless it is within eight units of round-off of
   another face (thirty-two with rotations), in which case the two are one.
 ";
