@@ -163,3 +163,15 @@ fn far_away_it_is_a_dipole() {
         assert!((field - dipole).length() <= allowed * dipole.length(), "at {distance}");
     }
 }
+
+/// Strong tiles that cancel leave a weak one its digits: the sum over tiles is compensated.
+#[test]
+fn strong_tiles_that_cancel() {
+    let weak = tile(DVec3::new(3.0, 0.0, 0.0), DVec3::ONE, DVec3::new(1e-9, 2e-9, -1e-9));
+    let strong = |sign: f64| tile(DVec3::ZERO, DVec3::ONE, sign * DVec3::new(0.9, -0.7, 0.8));
+    let scene = Scene::new(&[strong(1.0), weak, strong(-1.0)]);
+    let point = DVec3::new(1.3, 0.8, -0.9);
+    let exact = b(&Scene::new(&[weak]), point);
+    // The strong fields are opposite to the last bit; what is left is one rounding.
+    assert!((b(&scene, point) - exact).length() <= 2.3e-16 * exact.length());
+}
