@@ -9,7 +9,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 /// Reads a layout file (TOML; lengths in mm, polarization in T) and computes the magnetic field of its tiles, its distance from
 /// the ideal sinusoidal film, and how well it decouples.
 #[derive(Parser)]
-#[command(version, max_term_width = 100)]
+#[command(name = "magsplice", version, max_term_width = 100)]
 pub(crate) struct Args {
     #[command(subcommand)]
     pub(crate) verb: Verb,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
@@ -132,16 +132,21 @@ fn an_existing_file_is_replaced_and_a_link_stays_a_link() {
     }
 }
 
-#[test]
-fn a_reader_that_stops_early_is_no_failure() {
+/// Runs the program with nobody reading its output.
+fn unread(arguments: &[&str]) -> Output {
     let mut program = Command::new(env!("CARGO_BIN_EXE_magsplice"))
-        .args(["field", &shipped("single-tile")])
+        .args(arguments)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     drop(program.stdout.take());
-    let output = program.wait_with_output().unwrap();
+    program.wait_with_output().unwrap()
+}
+
+#[test]
+fn a_reader_that_stops_early_is_no_failure() {
+    let output = unread(&["field", &shipped("single-tile")]);
     assert!(output.status.success());
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
 }
@@ -247,6 +252,7 @@ fn wrong_arguments_are_refused() {
     assert_eq!(bench.run(&["field"]).status, 2);
     assert_eq!(bench.run(&["field", &shipped("single-tile"), "--quantity", "m"]).status, 2);
     assert_eq!(bench.run(&["check"]).status, 2);
+    assert_eq!(bench.run(&["--version"]).stdout, format!("magsplice {}\n", env!("CARGO_PKG_VERSION")));
 }
 
 #[test]
@@ -274,14 +280,7 @@ fn findings_are_told_even_if_the_list_is_not_read() {
     let grid = "[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n\
                 grid = { count = [100, 100, 1], pitch_mm = [1, 1, 1] }\n";
     bench.write("grid.toml", &format!("format = 1\nname = \"grid\"\n{grid}[kind.idle]\nsize_mm = [1, 1, 1]\n"));
-    let mut program = Command::new(env!("CARGO_BIN_EXE_magsplice"))
-        .args(["check", bench.path("grid.toml").to_str().unwrap()])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    drop(program.stdout.take());
-    let output = program.wait_with_output().unwrap();
+    let output = unread(&["check", bench.path("grid.toml").to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stderr).contains("kind \"idle\" is declared but no tile uses it"));
 }
