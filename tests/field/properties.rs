@@ -88,12 +88,13 @@ proptest! {
             let slopes: f64 = parts.iter().chain([&tile]).filter_map(|t| Scene::new(&[*t]).flux_density_gradient(point).ok())
                 .map(|g| g.to_cols_array().iter().map(|c| c.abs()).fold(0.0, f64::max)).sum();
             let sum: f64 = parts.iter().filter_map(|t| b(&Scene::new(&[*t]), point)).map(DVec3::length).sum();
-            let allowed = 4e-15 * (sum + tile.polarization_t().length()) + 3.0 * moved * slopes;
+            let allowed = 2e-14 * (sum + tile.polarization_t().length()) + 3.0 * moved * slopes;
             prop_assert!((found - exact).length() <= allowed, "{found}, not {exact}, at {point}; allowed {allowed:e}");
         }
     }
 
-    /// Reversing J, mirroring, and scaling by a power of two change nothing but what they should, to the last bit.
+    /// Reversing J and scaling by a power of two change nothing but what they should, to the last bit; mirroring, which exchanges near and
+    /// far corners, nothing beyond round-off.
     #[test]
     fn exact_symmetries(tile in scenes::tile(12.0), places in scenes::places(), axis in 0..3_usize, exponent in -200..200_i32) {
         let (j, point) = (tile.polarization_t(), scenes::point(&tile, places));
@@ -109,7 +110,16 @@ proptest! {
             let mut signs = DVec3::ONE;
             signs[axis] = -1.0;
             let mirrored = rebuilt(&tile, signs * tile.position(), tile.size(), signs * j);
-            prop_assert_eq!(b(&Scene::new(&[mirrored]), signs * point), own.map(|b| signs * b));
+            let found = b(&Scene::new(&[mirrored]), signs * point);
+            prop_assert_eq!(found.is_some(), own.is_some());
+            if let (Some(found), Some(own)) = (found, own) {
+                let alone = |j: DVec3| {
+                    let tile = rebuilt(&tile, tile.position(), tile.size(), j);
+                    b(&Scene::new(&[tile]), point).map_or(f64::INFINITY, DVec3::length)
+                };
+                let sum: f64 = DVec3::AXES.iter().filter(|a| j.dot(**a) != 0.0).map(|a| alone(*a * j.dot(*a))).sum();
+                prop_assert!((signs * found - own).length() <= 4e-14 * sum, "{found} is no mirror image of {own}");
+            }
         }
     }
 
@@ -160,7 +170,7 @@ proptest! {
         let gradient = 3.0 / distance.powi(4)
             * (outer(moment, n) + outer(n, moment) + along * (DMat3::IDENTITY - 5.0 * outer(n, n)));
         let scene = Scene::new(&[tile]);
-        let allowed = 10.0 * (longest / distance).powi(2) + 4e-15;
+        let allowed = 10.0 * (longest / distance).powi(2) + 2e-14;
         let found = b(&scene, point).unwrap();
         prop_assert!((found - field).length() <= allowed * field.length());
         let found = scene.flux_density_gradient(point).unwrap();

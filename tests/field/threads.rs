@@ -1,7 +1,7 @@
 //! The result does not depend on how the work is divided.
 
 use glam::DVec3;
-use magsplice_field::{Cause, Quantity, Scene, Tile};
+use magsplice_field::{Cause, InstructionSet, Quantity, Scene, Tile};
 use rayon::ThreadPoolBuilder;
 
 fn scene() -> Scene {
@@ -25,7 +25,27 @@ fn points() -> Vec<DVec3> {
 
 #[test]
 fn bit_identical_for_any_number_of_threads_and_any_batch() {
-    let (scene, points) = (scene(), points());
+    for set in InstructionSet::available() {
+        for scene in [scene(), film()] {
+            identical(&scene.with_instruction_set(set).expect("available"));
+        }
+    }
+}
+
+/// A sheet of touching tiles, so that tiles share corners and groups.
+fn film() -> Scene {
+    let tiles: Vec<Tile> = (0..90)
+        .map(|i| {
+            let (x, y) = (f64::from(i % 15), f64::from(i / 15));
+            let j = [DVec3::X, -DVec3::X, DVec3::Y, DVec3::new(0.3, -0.4, 0.1)][(i % 15 + i / 15) as usize % 4];
+            Tile::new(DVec3::new(x - 2.0, 1.3 * y, 0.4), DVec3::new(1.0, 1.3, 0.8), j).expect("a valid tile")
+        })
+        .collect();
+    Scene::new(&tiles)
+}
+
+fn identical(scene: &Scene) {
+    let points = points();
     let alone: Vec<DVec3> = points.iter().map(|&p| scene.field(Quantity::FluxDensity, p).unwrap()).collect();
     for threads in [1, 2, 3, 8] {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

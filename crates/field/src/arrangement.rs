@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
+use crate::batch::table::FrameTable;
 use crate::block::{Block, Local};
 use crate::merge::merged;
 use crate::orientation::Orientations;
@@ -35,6 +36,8 @@ pub(crate) struct Frame {
     pub(crate) blocks: Vec<Block>,
     /// One block per tile, to name the tile at an edge.
     pub(crate) unmerged: Vec<Block>,
+    /// The blocks prepared for many points.
+    pub(crate) table: FrameTable,
 }
 
 /// From a frame to the scene; `None` for the scene's own frame, where nothing is rounded.
@@ -44,6 +47,10 @@ pub(crate) struct ToScene(Option<DMat3>);
 impl ToScene {
     pub(crate) fn vector(&self, own: DVec3) -> DVec3 {
         self.0.map_or(own, |rotation| rotation * own)
+    }
+
+    pub(crate) fn rotation(&self) -> Option<&DMat3> {
+        self.0.as_ref()
     }
 
     pub(crate) fn tensor(&self, own: DMat3) -> DMat3 {
@@ -75,6 +82,7 @@ impl Arrangement {
                 to_scene: ToScene((index > 0).then(|| orientations.matrix(index))),
                 blocks: Vec::new(),
                 unmerged: Vec::new(),
+                table: FrameTable::default(),
             })
             .collect();
         let axes = axes(tiles, &orientations);
@@ -89,9 +97,25 @@ impl Arrangement {
         arrangement.join_faces(tiles);
         for frame in &mut arrangement.frames {
             frame.blocks = merged(&frame.unmerged);
+            frame.table = FrameTable::of(&mut frame.blocks);
         }
         arrangement.frames.retain(|frame| !frame.blocks.is_empty());
         arrangement
+    }
+
+    pub(crate) fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// The direction of one axis of `frame` and the point coordinates are measured from, or which of the scene's axes it is.
+    pub(crate) fn axis(&self, frame: &Frame, axis: usize) -> Result<usize, (DVec3, DVec3)> {
+        let axis = &self.axes[frame.axes[axis]];
+        axis.scene.ok_or((axis.direction, axis.origin))
+    }
+
+    /// How far each coordinate of `point` in `frame` may be off.
+    pub(crate) fn roundoff(&self, frame: &Frame, point: DVec3) -> [f64; 3] {
+        frame.axes.map(|axis| self.axes[axis].roundoff(point))
     }
 
     /// Each frame with the coordinates of `point` in it.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::quantity::Quantity;
 use crate::scene::{Cause, Scene};
-use crate::tolerances::POINTS_PER_TASK;
+use crate::tolerances::{BATCHES_PER_THREAD, POINTS_PER_BATCH};
 
 /// Points at which there is no field to give, in the order of the points.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,9 @@ impl Scene {
     /// # Panics
     /// If the two slices differ in length.
     pub fn field_into(&self, quantity: Quantity, points: &[DVec3], field: &mut [DVec3]) -> Result<(), PointErrors> {
-        for_each_point(points, field, DVec3::NAN, |point| self.field(quantity, point))
+        for_each_batch(points, field, |points, field, failed| {
+            self.field_of_batch(quantity, points, field, failed);
+        })
     }
 
     /// The gradient of B at every point of `points`, written to `gradient` in the same order, as [`Scene::field_into`] does.
@@ -47,29 +49,37 @@ impl Scene {
     /// # Panics
     /// If the two slices differ in length.
     pub fn flux_density_gradient_into(&self, points: &[DVec3], gradient: &mut [DMat3]) -> Result<(), PointErrors> {
-        for_each_point(points, gradient, DMat3::NAN, |point| self.flux_density_gradient(point))
+        for_each_batch(points, gradient, |points, gradient, failed| {
+            for (index, (&point, gradient)) in points.iter().zip(gradient).enumerate() {
+                *gradient = self.flux_density_gradient(point).unwrap_or_else(|cause| {
+                    failed(index, cause);
+                    DMat3::NAN
+                });
+            }
+        })
     }
 }
 
-fn for_each_point<T: Copy + Send + Sync>(
+/// Has `evaluate` fill in the values of batch after batch and name the points of the batch that have none.
+fn for_each_batch<T: Send>(
     points: &[DVec3],
     values: &mut [T],
-    none: T,
-    at: impl Fn(DVec3) -> Result<T, Cause> + Sync,
+    evaluate: impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, Cause)) + Sync + Send,
 ) -> Result<(), PointErrors> {
     assert_eq!(points.len(), values.len(), "one value per point");
+    let threads = rayon::current_num_threads();
+    let batches = if threads > 1 { BATCHES_PER_THREAD * threads } else { 1 };
+    let [least, most] = POINTS_PER_BATCH;
+    let size = (points.len() / batches).clamp(least, most);
     let mut errors: Vec<PointError> = points
-        .par_chunks(POINTS_PER_TASK)
-        .zip(values.par_chunks_mut(POINTS_PER_TASK))
+        .par_chunks(size)
+        .zip(values.par_chunks_mut(size))
         .enumerate()
-        .flat_map_iter(|(task, (points, values))| {
+        .flat_map_iter(|(batch, (points, values))| {
             let mut errors = Vec::new();
-            for (offset, (&point, value)) in points.iter().zip(values).enumerate() {
-                *value = at(point).unwrap_or_else(|cause| {
-                    errors.push(PointError { index: task * POINTS_PER_TASK + offset, point, cause });
-                    none
-                });
-            }
+            evaluate(points, values, &mut |index, cause| {
+                errors.push(PointError { index: batch * size + index, point: points[index], cause });
+            });
             errors
         })
         .collect();

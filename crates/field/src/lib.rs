@@ -26,6 +26,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 mod arrangement;
+mod batch;
 mod block;
 mod compare;
 mod edge_policy;
@@ -43,6 +44,7 @@ mod tile;
 mod tolerances;
 mod two_sum;
 
+pub use batch::instruction_set::{InstructionSet, MissingInstructions};
 pub use compare::{Comparison, ComparisonError};
 pub use evaluate::{PointError, PointErrors};
 pub use grid::Grid;

@@ -81,8 +81,71 @@ pub(crate) const PARALLEL_EDGES: f64 = 1e-6;
 /// Values whose spread is below this fraction of their mean are one value: it is what rounding their mean leaves.
 pub(crate) const ROUNDED_SPREAD: f64 = 1e-14;
 
-/// Points that one thread takes at a time. Large enough to hide the scheduling, small enough to share out 405 points.
-pub(crate) const POINTS_PER_TASK: usize = 64;
+/// The closed form in vectors begins at this fraction of a tile's largest side from it. Nearer to an edge its differences of nearly equal
+/// numbers cost digits like 1 / distance^2.
+pub(crate) const NEAR_FRACTION: f64 = 0.08;
+
+/// It ends this many second largest sides from the tile's middle: its error grows with that ratio.
+pub(crate) const MIDDLE_REACH: f64 = 15.0;
+
+/// It does not serve tiles whose largest side is more than this many times the second: what they lose is at least that ratio.
+pub(crate) const LONGEST_NEEDLE: f64 = 10.0;
+
+/// Orders of the multipole series in (half diagonal / distance)^2, and the distance in half diagonals from which each is enough.
+/// Nearer ones first, which is the order of [`Form`](crate::batch)s.
+pub(crate) const MULTIPOLE_ORDERS: [(usize, f64); 4] = [(6, 13.0), (5, 18.0), (4, 30.0), (3, 80.0)];
+
+/// The highest of them.
+pub(crate) const HIGHEST_ORDER: usize = 6;
+
+/// The series ends at this square of the distance in sizes, so that no power of the distance overflows; the kernel of one point goes on.
+pub(crate) const FARTHEST: f64 = power_of_two(200);
+
+/// A tile whose volume is at most this fraction of the cubed distance has no element with half of 4 pi T beyond it: |T| is at most the integral of
+/// dV / 2 pi r^3. Series in it then need no reduction.
+pub(crate) const SMALL_ANGLE: f64 = 0.2;
+
+/// Whether one form serves all points of a box is decided with this relative margin, far above the round-off in the decision for a point.
+pub(crate) const FORM_MARGIN: f64 = 1e-9;
+
+/// T_ii is taken from the faces across i itself if the tile is at least this fraction of its second side thick there, else from the trace.
+pub(crate) const DIRECT_DIAGONAL: f64 = 0.5;
+
+/// Tiles whose terms are multiplied before one logarithm or arctangent is taken. More share it among more, but their total angle must stay
+/// below half a turn, which keeps points away from them.
+pub(crate) const TILES_PER_GROUP: usize = 16;
+
+/// The total half angle of a group stays below 2.5 from a distance d of this multiple of the cube root of its volume V: whatever the tiles, they
+/// lie beyond a plane, so the angle is at most the integral of dV / r^3 over the cap of a ball with that volume,
+/// 2 pi (ln(R / d) - 1 + d / R), which for V = 24 d^3 is 2.5.
+pub(crate) const GROUP_DISTANCE: f64 = 0.35;
+
+/// A group takes no more volume than lets points come this close, in units of the thickest tile's thickness.
+pub(crate) const GROUP_THICKNESSES: f64 = 2.0;
+
+/// Distances from tiles that are multiplied together, scaled to their size, lie between 1 / this and this, so that products of
+/// 12 lengths for each tile of a group stay in range.
+pub(crate) const PRODUCT_RANGE: f64 = 16.0;
+
+/// Tiles that share tables of corners, at most. Large enough to share most corners, small enough for the tables to stay in the first caches.
+pub(crate) const TILES_PER_CLUSTER: usize = 64;
+
+/// Lengths of those tables; powers of two. Tiles that need longer ones are divided further.
+pub(crate) const MOST_CORNERS: usize = 512;
+/// See [`MOST_CORNERS`].
+pub(crate) const MOST_PLANES: usize = 128;
+/// See [`MOST_CORNERS`].
+pub(crate) const MOST_GROUPS: usize = 256;
+
+/// Shapes whose multipole series are kept, 4 kB each. In a scene with more they are made when needed.
+pub(crate) const KEPT_SERIES: usize = 4096;
+
+/// Points that one thread takes at a time, at least and at most: small enough to share out 405 points, large enough for full vectors of each
+/// form, small enough for the first caches.
+pub(crate) const POINTS_PER_BATCH: [usize; 2] = [64, 512];
+
+/// Batches for each thread, where there are points enough: the more, the more evenly they are shared out.
+pub(crate) const BATCHES_PER_THREAD: usize = 8;
 
 const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)

@@ -9,6 +9,7 @@ pub(crate) struct TwoSum {
 
 impl TwoSum {
     /// a + b, exactly.
+    #[inline(always)]
     pub(crate) fn of(a: f64, b: f64) -> TwoSum {
         let hi = a + b;
         let b_part = hi - a;
@@ -39,6 +40,7 @@ pub(crate) struct RunningSum {
 }
 
 impl RunningSum {
+    #[inline(always)]
     pub(crate) fn add(&mut self, term: f64) {
         let step = TwoSum::of(self.sum, term);
         self.sum = step.hi;

@@ -1,0 +1,287 @@
+//! The closed form for points neither beside a tile nor many sizes away, in the lanes of a vector (docs/physics.md, section 2.6).
+//!
+//! As in [`kernel`](crate::kernel) differences are taken before the logarithm and the arctangent, but only as far as that needs no division.
+//! What remains loses the factor distance / size of the tile's second side. Each element is a number of a split-complex or a complex
+//! plane, whose products add logarithms or angles: tiles with one strength share a division and a series.
+
+use fearless_simd::prelude::*;
+
+use super::cluster::ClusterView;
+use super::functions::{angle, artanh_of_ratio};
+use super::lanes::Lanes;
+use super::terms::{AA, AB, AC, BB, BC, CC, NO_GROUP, TileTerms};
+use crate::tolerances::{MOST_CORNERS, MOST_GROUPS, MOST_PLANES};
+
+/// Tables of vectors, kept between calls. Their length is fixed, so that an index masked to it needs no check.
+pub(super) struct Tables<S: Simd> {
+    /// Of the points at work and of those after them, which are made at the same time: square roots and products then overlap.
+    places: Box<[Places<S>; 2]>,
+    /// Which of the two is that of the points after them.
+    next: usize,
+    products: Products<S>,
+}
+
+/// The product so far of each group.
+struct Products<S: Simd>(Box<[[Lanes<S>; 2]; MOST_GROUPS]>);
+
+/// Where points lie relative to a cluster, in its scale.
+struct Places<S: Simd> {
+    /// Offsets from the planes.
+    offsets: [Lanes<S>; MOST_PLANES],
+    squares: [Lanes<S>; MOST_PLANES],
+    /// Distances from the corners.
+    distances: [Lanes<S>; MOST_CORNERS],
+    /// So that a distance of the next points is not half-way across a page from that of the same corner: a processor that compares the low
+    /// twelve bits of addresses would wait for the one before it reads the other.
+    _apart: [Lanes<S>; APART],
+}
+
+const APART: usize = 32;
+
+#[inline(always)]
+fn corner(index: u16) -> usize {
+    usize::from(index) & (MOST_CORNERS - 1)
+}
+
+#[inline(always)]
+fn plane(index: u16) -> usize {
+    usize::from(index) & (MOST_PLANES - 1)
+}
+
+#[inline(always)]
+fn group(index: u16) -> usize {
+    usize::from(index) & (MOST_GROUPS - 1)
+}
+
+impl<S: Simd> Places<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Places<S> {
+        let zero = Lanes::<S>::splat(simd, 0.0);
+        Places {
+            offsets: [zero; MOST_PLANES],
+            squares: [zero; MOST_PLANES],
+            distances: [zero; MOST_CORNERS],
+            _apart: [zero; APART],
+        }
+    }
+
+    #[inline(always)]
+    fn set_offsets(&mut self, cluster: &ClusterView, point: [Lanes<S>; 3]) {
+        for (index, (axis, coordinate)) in (0..).zip(cluster.planes) {
+            let offset = ((point[*axis] - coordinate.hi) - coordinate.lo) * cluster.scale;
+            self.offsets[plane(index)] = offset;
+            self.squares[plane(index)] = offset * offset;
+        }
+    }
+
+    /// Distances from two corners, of which the first has this index.
+    #[inline(always)]
+    fn set_distances(&mut self, index: u16, [first, second]: &[[u16; 3]; 2]) {
+        self.distances[corner(index)] = self.square(first).sqrt();
+        self.distances[corner(index + 1)] = self.square(second).sqrt();
+    }
+
+    #[inline(always)]
+    fn square(&self, [x, y, z]: &[u16; 3]) -> Lanes<S> {
+        self.squares[plane(*x)] + self.squares[plane(*y)] + self.squares[plane(*z)]
+    }
+}
+
+impl<S: Simd> Tables<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S) -> Tables<S> {
+        let zero = Lanes::<S>::splat(simd, 0.0);
+        Tables {
+            places: Box::new([Places::new(simd), Places::new(simd)]),
+            next: 0,
+            products: Products(Box::new([[zero; 2]; MOST_GROUPS])),
+        }
+    }
+
+    /// Begins with the first points.
+    #[inline(always)]
+    pub(super) fn start(&mut self, cluster: &ClusterView, first: [Lanes<S>; 3]) {
+        let next = &mut self.places[self.next];
+        next.set_offsets(cluster, first);
+        for (index, planes) in (0..).step_by(2).zip(cluster.corners) {
+            next.set_distances(index, planes);
+        }
+    }
+
+    /// mu0 H of the tiles of `cluster`, in their frame, at the points given as `next` before (or to [`Tables::start`]), which are outside them.
+    #[inline(always)]
+    pub(super) fn field(&mut self, simd: S, cluster: &ClusterView, next: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+        let [even, odd] = &mut *self.places;
+        let (current, upcoming) = if self.next == 0 { (even, odd) } else { (odd, even) };
+        self.next = 1 - self.next;
+        upcoming.set_offsets(cluster, next);
+        let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+        for product in &mut self.products.0[..cluster.groups.len()] {
+            *product = [one, zero];
+        }
+        let mut upcoming =
+            Upcoming { places: upcoming, corners: cluster.corners, step: cluster.corner_pairs_per_step, known: 0 };
+        for tile in cluster.tiles {
+            multiply(tile, current, &mut upcoming, &mut self.products);
+        }
+        let mut sum = [zero; 3];
+        for (group, [a, b]) in cluster.groups.iter().zip(&self.products.0[..]) {
+            let half = if group.diagonal { angle(simd, *a, *b) } else { artanh_of_ratio(simd, *b, *a) };
+            for (sum, coefficient) in sum.iter_mut().zip(group.coefficient) {
+                *sum = half.scale_add(coefficient, *sum);
+            }
+        }
+        sum
+    }
+}
+
+/// The places of the next points while they are made.
+struct Upcoming<'a, S: Simd> {
+    places: &'a mut Places<S>,
+    corners: &'a [[[u16; 3]; 2]],
+    step: usize,
+    known: u16,
+}
+
+impl<S: Simd> Upcoming<'_, S> {
+    /// The distances from a few more corners; twice for each tile, so that the processor foresees how many.
+    #[inline(always)]
+    fn advance(&mut self) {
+        for _ in 0..self.step {
+            if let Some(planes) = self.corners.get(usize::from(self.known / 2)) {
+                self.places.set_distances(self.known, planes);
+                self.known += 2;
+            }
+        }
+    }
+}
+
+/// Multiplies the terms of one tile onto the products of their groups.
+#[inline(always)]
+fn multiply<S: Simd>(tile: &TileTerms, places: &Places<S>, upcoming: &mut Upcoming<S>, products: &mut Products<S>) {
+    let [a, b, c, d, e, f, g, h] = tile.corners.map(corner);
+    let r = &places.distances;
+    // Bits 2, 1, 0: low or high along a, b, c.
+    let r = [r[a], r[b], r[c], r[d], r[e], r[f], r[g], r[h]];
+    let [a0, a1, b0, b1, c0, c1] = tile.planes.map(plane);
+    let (offset, square) = (&places.offsets, &places.squares);
+    let (a0, a1) = ([offset[a0], square[a0]], [offset[a1], square[a1]]);
+    let (b0, b1) = ([offset[b0], square[b0]], [offset[b1], square[b1]]);
+    let (c0, c1) = ([offset[c0], square[c0]], [offset[c1], square[c1]]);
+    // Sums over the ends of edges. Along b, bits low or high along a, c; along c, bits along a, b.
+    let along_b = [r[0] + r[2], r[1] + r[3], r[4] + r[6], r[5] + r[7]];
+    let along_c = [r[0] + r[1], r[2] + r[3], r[4] + r[5], r[6] + r[7]];
+    if tile.groups[AB] != NO_GROUP {
+        let step = (b0[0] + b1[0]) * tile.factors[AB];
+        let low = edge_pair::<S>([along_b[0], along_b[1]], [along_c[0], along_c[1]], tile.squares[2]);
+        let high = edge_pair::<S>([along_b[2], along_b[3]], [along_c[2], along_c[3]], tile.squares[2]);
+        products.add_logarithm(tile.groups[AB], ratio_of_edges::<S>(step, low, high));
+    }
+    if tile.groups[AC] != NO_GROUP {
+        let step = (c0[0] + c1[0]) * tile.factors[AC];
+        let low = edge_pair::<S>([along_c[0], along_c[1]], [along_b[0], along_b[1]], tile.squares[1]);
+        let high = edge_pair::<S>([along_c[2], along_c[3]], [along_b[2], along_b[3]], tile.squares[1]);
+        products.add_logarithm(tile.groups[AC], ratio_of_edges::<S>(step, low, high));
+    }
+    if tile.groups[BC] != NO_GROUP {
+        // Bits along b, c.
+        let along_a = [r[0] + r[4], r[1] + r[5], r[2] + r[6], r[3] + r[7]];
+        let step = (c0[0] + c1[0]) * tile.factors[BC];
+        let low = edge_pair::<S>([along_c[0], along_c[2]], [along_a[0], along_a[1]], tile.squares[0]);
+        let high = edge_pair::<S>([along_c[1], along_c[3]], [along_a[2], along_a[3]], tile.squares[0]);
+        products.add_logarithm(tile.groups[BC], ratio_of_edges::<S>(step, low, high));
+    }
+    upcoming.advance();
+    if tile.groups[AA] != NO_GROUP {
+        let across = across::<S>(b0, b1, c0, c1);
+        let low = face::<S>([r[0], r[1], r[2], r[3]], a0, across, tile.factors[AA]);
+        let high = face::<S>([r[4], r[5], r[6], r[7]], a1, across, tile.factors[AA]);
+        products.add_angle(tile.groups[AA], angle_of_faces::<S>(low, high));
+    }
+    if tile.groups[BB] != NO_GROUP {
+        let across = across::<S>(c0, c1, a0, a1);
+        let low = face::<S>([r[0], r[4], r[1], r[5]], b0, across, tile.factors[BB]);
+        let high = face::<S>([r[2], r[6], r[3], r[7]], b1, across, tile.factors[BB]);
+        products.add_angle(tile.groups[BB], angle_of_faces::<S>(low, high));
+    }
+    if tile.groups[CC] != NO_GROUP {
+        let across = across::<S>(a0, a1, b0, b1);
+        let low = face::<S>([r[0], r[2], r[4], r[6]], c0, across, tile.factors[CC]);
+        let high = face::<S>([r[1], r[3], r[5], r[7]], c1, across, tile.factors[CC]);
+        products.add_angle(tile.groups[CC], angle_of_faces::<S>(low, high));
+    }
+    upcoming.advance();
+}
+
+impl<S: Simd> Products<S> {
+    #[inline(always)]
+    fn add_logarithm(&mut self, number: u16, [n, m]: [Lanes<S>; 2]) {
+        let [a, b] = self.0[group(number)];
+        self.0[group(number)] = [a.mul_add(m, b * n), a.mul_add(n, b * m)];
+    }
+
+    #[inline(always)]
+    fn add_angle(&mut self, number: u16, [im, re]: [Lanes<S>; 2]) {
+        let [a, b] = self.0[group(number)];
+        self.0[group(number)] = [a.mul_sub(re, b * im), a.mul_add(im, b * re)];
+    }
+}
+
+/// Numerator and denominator of tanh(2 pi T_ij) of a tile, from the edges on its low and its high side along j (Eq. P18).
+#[inline(always)]
+pub(super) fn ratio_of_edges<S: Simd>(
+    step: Lanes<S>,
+    (p_low, e_low): (Lanes<S>, Lanes<S>),
+    (p_high, e_high): (Lanes<S>, Lanes<S>),
+) -> [Lanes<S>; 2] {
+    let n = step * p_high.mul_sub(e_low, p_low * e_high);
+    [n, e_low.mul_sub(e_high, (step * step) * (p_low * p_high))]
+}
+
+/// Numerator and denominator of tan(2 pi T_ii) of a tile: the angle of the high face less that of the low one (Eq. P19).
+#[inline(always)]
+pub(super) fn angle_of_faces<S: Simd>(
+    (re_low, im_low): (Lanes<S>, Lanes<S>),
+    (re_high, im_high): (Lanes<S>, Lanes<S>),
+) -> [Lanes<S>; 2] {
+    [re_low.mul_sub(im_high, im_low * re_high), re_low.mul_add(re_high, im_low * im_high)]
+}
+
+/// P and Q B of Eq. P18 of the two edges on one side along j, from the sums across i at both ends and along k at both sides.
+#[inline(always)]
+pub(super) fn edge_pair<S: Simd>(
+    across: [Lanes<S>; 2],
+    along: [Lanes<S>; 2],
+    length_squared: f64,
+) -> (Lanes<S>, Lanes<S>) {
+    (across[0] + across[1], (across[0] * across[1]) * along[0].mul_sub_constant(along[1], length_squared))
+}
+
+/// Products of the vectors to the corners of a face, without the square of its distance: 00.11, then 00.01 and 01.11, then 00.10 and 10.11.
+/// Planes as offset and square.
+#[inline(always)]
+pub(super) fn across<S: Simd>(
+    y0: [Lanes<S>; 2],
+    y1: [Lanes<S>; 2],
+    z0: [Lanes<S>; 2],
+    z1: [Lanes<S>; 2],
+) -> [Lanes<S>; 5] {
+    let (yy, zz) = (y0[0] * y1[0], z0[0] * z1[0]);
+    [yy + zz, y0[1] + zz, yy + z1[1], yy + z0[1], y1[1] + zz]
+}
+
+/// A complex number whose angle is half the solid angle of a face: the product of those of its two triangles (Eq. P19).
+#[inline(always)]
+pub(super) fn face<S: Simd>(
+    [r00, r01, r10, r11]: [Lanes<S>; 4],
+    [offset, square]: [Lanes<S>; 2],
+    across: [Lanes<S>; 5],
+    area: f64,
+) -> (Lanes<S>, Lanes<S>) {
+    let diagonal = r00.mul_add(r11, square + across[0]);
+    let common = square * (r00 + r11);
+    let a = r01.mul_add(diagonal, across[1].mul_add(r11, across[2].mul_add(r00, common)));
+    let b = r10.mul_add(diagonal, across[3].mul_add(r11, across[4].mul_add(r00, common)));
+    let n = offset * area;
+    (a.mul_sub(b, n * n), n * (a + b))
+}

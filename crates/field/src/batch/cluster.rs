@@ -1,0 +1,149 @@
+//! Tiles of one frame prepared for the closed form in vectors: shared corners, and groups of equal strength.
+
+use std::collections::HashMap;
+
+use super::terms::{AA, Group, NO_GROUP, Terms, TileTerms};
+use crate::block::Block;
+use crate::tolerances::{GROUP_DISTANCE, GROUP_THICKNESSES, MOST_CORNERS, MOST_GROUPS, MOST_PLANES, TILES_PER_GROUP};
+use crate::two_sum::TwoSum;
+
+/// What the kernel reads.
+#[derive(Clone, Copy)]
+pub(super) struct ClusterView<'a> {
+    /// A power of two that takes lengths to order one.
+    pub(super) scale: f64,
+    /// Axis and coordinate.
+    pub(super) planes: &'a [(usize, TwoSum)],
+    /// The three planes that meet in each corner, two corners at a time.
+    pub(super) corners: &'a [[[u16; 3]; 2]],
+    /// How many such pairs there are for half a tile, rounded up.
+    pub(super) corner_pairs_per_step: usize,
+    pub(super) tiles: &'a [TileTerms],
+    pub(super) groups: &'a [Group],
+}
+
+/// Tiles with their tables.
+#[derive(Clone, Debug)]
+pub(super) struct Cluster {
+    scale: f64,
+    planes: Vec<(usize, TwoSum)>,
+    corners: Vec<[[u16; 3]; 2]>,
+    corner_pairs_per_step: usize,
+    tiles: Vec<TileTerms>,
+    groups: Vec<Group>,
+    largest_group_volume: f64,
+}
+
+impl Cluster {
+    /// Tables of `blocks`, whose lengths `scale` takes to order one; `None` if they would be too long.
+    pub(super) fn of(blocks: &[Block], scale: f64) -> Option<Cluster> {
+        let thickness = |b: &Block| b.size.iter().copied().fold(f64::INFINITY, f64::min) * scale;
+        let thickest = blocks.iter().map(thickness).fold(0.0, f64::max);
+        let most_volume = (GROUP_THICKNESSES / GROUP_DISTANCE * thickest).powi(3);
+        let (mut numbers, mut groups) = (Numbers::default(), Groups { most_volume, ..Groups::default() });
+        let tiles: Vec<TileTerms> = blocks
+            .iter()
+            .map(|block| {
+                let (planes, corners) = numbers.place(block);
+                let terms = Terms::of(block, scale);
+                let numbers = [0, 1, 2, 3, 4, 5].map(|element: usize| groups.number_of(element, &terms));
+                terms.placed(planes, corners, numbers)
+            })
+            .collect();
+        let fits = numbers.corners.len() <= MOST_CORNERS
+            && numbers.planes.len() <= MOST_PLANES
+            && groups.all.len() <= MOST_GROUPS;
+        let corners: Vec<[[u16; 3]; 2]> =
+            numbers.corners.chunks(2).map(|pair| [pair[0], *pair.last().expect("one or two")]).collect();
+        let corner_pairs_per_step = corners.len().div_ceil(2 * tiles.len().max(1));
+        fits.then_some(Cluster {
+            scale,
+            planes: numbers.planes,
+            corners,
+            corner_pairs_per_step,
+            tiles,
+            groups: groups.all,
+            largest_group_volume: groups.largest_volume,
+        })
+    }
+
+    /// The volume of the tiles of one group, at most; scaled.
+    pub(super) fn largest_group_volume(&self) -> f64 {
+        self.largest_group_volume
+    }
+
+    pub(super) fn view(&self) -> ClusterView<'_> {
+        ClusterView {
+            scale: self.scale,
+            planes: &self.planes,
+            corners: &self.corners,
+            corner_pairs_per_step: self.corner_pairs_per_step,
+            tiles: &self.tiles,
+            groups: &self.groups,
+        }
+    }
+}
+
+/// Groups by kind and coefficient; a full one is followed by another of its kind.
+#[derive(Default)]
+struct Groups {
+    all: Vec<Group>,
+    /// Number, tiles and volume of the one that takes the next term.
+    open: HashMap<(bool, [u64; 3]), (u16, usize, f64)>,
+    most_volume: f64,
+    largest_volume: f64,
+}
+
+impl Groups {
+    fn number_of(&mut self, element: usize, terms: &Terms) -> u16 {
+        if !terms.is_needed(element) {
+            return NO_GROUP;
+        }
+        let key = (element >= AA, terms.coefficients[element].map(f64::to_bits));
+        let volume = terms.volume();
+        let open = self.open.get(&key).copied();
+        let (number, tiles, volume) = match open {
+            Some((number, tiles, sum)) if tiles < TILES_PER_GROUP && sum + volume <= self.most_volume => {
+                (number, tiles + 1, sum + volume)
+            }
+            _ => {
+                self.all.push(terms.group(element));
+                ((self.all.len() - 1) as u16, 1, volume)
+            }
+        };
+        self.largest_volume = self.largest_volume.max(volume);
+        self.open.insert(key, (number, tiles, volume));
+        number
+    }
+}
+
+/// Numbers for distinct planes and corners.
+#[derive(Default)]
+struct Numbers {
+    planes: Vec<(usize, TwoSum)>,
+    corners: Vec<[u16; 3]>,
+    known_planes: [HashMap<[u64; 2], u16>; 3],
+    known_corners: HashMap<[u16; 3], u16>,
+}
+
+impl Numbers {
+    fn place(&mut self, block: &Block) -> ([[u16; 2]; 3], [u16; 8]) {
+        let planes = [0, 1, 2].map(|axis: usize| block.faces[axis].map(|plane| self.plane(axis, plane)));
+        let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|corner: usize| {
+            let at = [planes[0][corner >> 2], planes[1][corner >> 1 & 1], planes[2][corner & 1]];
+            *self.known_corners.entry(at).or_insert_with(|| {
+                self.corners.push(at);
+                (self.corners.len() - 1) as u16
+            })
+        });
+        (planes, corners)
+    }
+
+    fn plane(&mut self, axis: usize, plane: TwoSum) -> u16 {
+        let planes = &mut self.planes;
+        *self.known_planes[axis].entry([plane.hi.to_bits(), plane.lo.to_bits()]).or_insert_with(|| {
+            planes.push((axis, plane));
+            (planes.len() - 1) as u16
+        })
+    }
+}

@@ -1,0 +1,31 @@
+//! Many points at once: each tile's field from the cheapest form that keeps the bound, for all points alike in this at the same time,
+//! in the widest vectors the processor has.
+//!
+//! | form | where | file |
+//! |---|---|---|
+//! | the kernel of one point | in a tile or beside it | [`crate::kernel`] |
+//! | closed form in vectors, tiles that share corners together | up to some twenty sizes | `closed_form` |
+//! | multipole series in vectors | beyond | `multipole` |
+//!
+//! Which form serves a tile at a point depends on the two alone, and so does every digit of the answer: neither on the other points, nor on
+//! their number, order, or division among threads.
+
+mod alone;
+mod bars;
+mod closed_form;
+mod cluster;
+mod functions;
+pub(crate) mod instruction_set;
+mod lanes;
+mod multipole;
+mod points;
+mod range;
+mod superposition;
+pub(crate) mod table;
+mod terms;
+mod totals;
+
+pub(crate) use superposition::Superposition;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,181 @@
+//! A batch of points by coordinate, and sorted by form.
+
+use fearless_simd::prelude::*;
+use glam::DVec3;
+
+use super::lanes::{LONGEST_VECTOR, Lanes};
+use super::range::{FORMS, Form, Range};
+use crate::arrangement::{Arrangement, Frame};
+use crate::scene::is_in_range;
+
+/// Points by axis, filled up to whole vectors; not a number where the point is out of range.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Coordinates {
+    pub(super) axes: [Vec<f64>; 3],
+    /// Those that are not numbers.
+    out_of_range: Vec<usize>,
+}
+
+impl Coordinates {
+    pub(super) fn padded(&self) -> usize {
+        self.axes[0].len()
+    }
+
+    pub(super) fn set(&mut self, points: &[DVec3]) {
+        let last = points.last().copied().unwrap_or_default();
+        let whole = points.len().next_multiple_of(LONGEST_VECTOR);
+        let [x, y, z] = &mut self.axes;
+        for coordinates in [&mut *x, &mut *y, &mut *z] {
+            coordinates.resize(whole, 0.0);
+        }
+        let mut in_range = true;
+        for (((x, y), z), point) in x.iter_mut().zip(y).zip(z).zip(points) {
+            (*x, *y, *z) = (point.x, point.y, point.z);
+            in_range &= is_in_range(*point);
+        }
+        for (coordinates, last) in self.axes.iter_mut().zip(last.to_array()) {
+            coordinates[points.len()..].fill(last);
+        }
+        self.out_of_range.clear();
+        if !in_range {
+            self.out_of_range.extend((0..points.len()).filter(|&index| !is_in_range(points[index])));
+            for &index in &self.out_of_range {
+                self.axes.iter_mut().for_each(|coordinates| coordinates[index] = f64::NAN);
+            }
+        }
+    }
+
+    pub(super) fn out_of_range(&self) -> &[usize] {
+        &self.out_of_range
+    }
+
+    /// The coordinates of `points` in a frame; those of each point digit for digit as the arrangement gives them.
+    #[inline(always)]
+    pub(super) fn set_in_frame<S: Simd>(
+        &mut self,
+        simd: S,
+        arrangement: &Arrangement,
+        frame: &Frame,
+        points: &Coordinates,
+    ) {
+        self.out_of_range.clone_from(&points.out_of_range);
+        let [x, y, z] = &points.axes;
+        for (axis, coordinates) in self.axes.iter_mut().enumerate() {
+            let (direction, origin) = match arrangement.axis(frame, axis) {
+                Ok(scene) => {
+                    coordinates.clone_from(&points.axes[scene]);
+                    continue;
+                }
+                Err(measured) => measured,
+            };
+            coordinates.resize(x.len(), 0.0);
+            for (number, coordinates) in coordinates.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
+                let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
+                let x = (Lanes::<S>::load(simd, &x[start..end]) - origin.x) * direction.x;
+                let y = (Lanes::<S>::load(simd, &y[start..end]) - origin.y) * direction.y;
+                let z = (Lanes::<S>::load(simd, &z[start..end]) - origin.z) * direction.z;
+                (x + y + z).store(coordinates);
+            }
+        }
+    }
+
+    /// The least and the greatest coordinates.
+    #[inline(always)]
+    pub(super) fn reach<S: Simd>(&self, simd: S) -> ([f64; 3], [f64; 3]) {
+        let (mut lows, mut highs) = ([f64::NEG_INFINITY; 3], [f64::INFINITY; 3]);
+        if !self.out_of_range.is_empty() {
+            return (lows, highs);
+        }
+        for (axis, coordinates) in self.axes.iter().enumerate() {
+            let mut low = Lanes::<S>::splat(simd, f64::INFINITY);
+            let mut high = Lanes::<S>::splat(simd, f64::NEG_INFINITY);
+            for lanes in coordinates.chunks_exact(Lanes::<S>::LEN) {
+                let lanes = Lanes::<S>::load(simd, lanes);
+                (low, high) = (low.min(lanes), high.max(lanes));
+            }
+            let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+            for lane in 0..Lanes::<S>::LEN {
+                least = least.min(low.lane(lane));
+                most = most.max(high.lane(lane));
+            }
+            (lows[axis], highs[axis]) = (least, most);
+        }
+        (lows, highs)
+    }
+
+    /// The coordinates of chosen points, filled up to whole vectors.
+    #[inline(always)]
+    pub(super) fn gather(&mut self, points: &Coordinates, chosen: &[u32]) {
+        let whole = chosen.len().next_multiple_of(LONGEST_VECTOR);
+        for (from, to) in points.axes.iter().zip(&mut self.axes) {
+            to.resize(whole, 0.0);
+            for (to, &index) in to.iter_mut().zip(chosen) {
+                *to = from[index as usize];
+            }
+            let last = to[chosen.len() - 1];
+            to[chosen.len()..].fill(last);
+        }
+    }
+}
+
+/// Indices of points by form.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Chosen {
+    /// One stretch for each form, then one for points that have none.
+    indices: Vec<u32>,
+    counts: [usize; FORMS + 1],
+    stretch: usize,
+    forms: Vec<f64>,
+}
+
+impl Chosen {
+    /// All the first `count` points.
+    #[inline(always)]
+    pub(super) fn sort_all<S: Simd>(&mut self, simd: S, range: &Range, points: &Coordinates, count: usize) {
+        self.find_forms(simd, range, points);
+        for index in 0..count {
+            let form = if !points.out_of_range.is_empty() && points.axes[0][index].is_nan() {
+                FORMS
+            } else {
+                self.forms[index] as usize
+            };
+            self.add(form, index as u32);
+        }
+    }
+
+    /// Those of `only`.
+    #[inline(always)]
+    pub(super) fn sort<S: Simd>(&mut self, simd: S, range: &Range, points: &Coordinates, only: &[u32]) {
+        self.find_forms(simd, range, points);
+        for &index in only {
+            self.add(self.forms[index as usize] as usize, index);
+        }
+    }
+
+    #[inline(always)]
+    fn find_forms<S: Simd>(&mut self, simd: S, range: &Range, points: &Coordinates) {
+        self.stretch = points.padded();
+        self.indices.resize((FORMS + 1) * self.stretch, 0);
+        self.counts = [0; FORMS + 1];
+        self.forms.resize(self.stretch, 0.0);
+        range.forms(simd, &points.axes, &mut self.forms);
+    }
+
+    #[inline(always)]
+    fn add(&mut self, form: usize, index: u32) {
+        let form = form.min(FORMS);
+        self.indices[form * self.stretch + self.counts[form]] = index;
+        self.counts[form] += 1;
+    }
+
+    /// The forms that occur.
+    pub(super) fn forms(&self) -> impl Iterator<Item = Form> + use<> {
+        let counts = self.counts;
+        (0..FORMS as Form).filter(move |form| counts[usize::from(*form)] > 0)
+    }
+
+    pub(super) fn points(&self, form: Form) -> &[u32] {
+        let (form, start) = (usize::from(form), usize::from(form) * self.stretch);
+        &self.indices[start..start + self.counts[form]]
+    }
+}

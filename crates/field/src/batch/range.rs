@@ -1,0 +1,193 @@
+//! Which form serves a tile, or tiles together, at a point.
+
+use fearless_simd::prelude::*;
+
+use super::lanes::Lanes;
+use crate::block::Block;
+use crate::tolerances::{
+    FARTHEST, FORM_MARGIN, GROUP_DISTANCE, LONGEST_NEEDLE, MIDDLE_REACH, MULTIPOLE_ORDERS, NEAR_FRACTION,
+    PRODUCT_RANGE, SMALL_ANGLE,
+};
+
+/// The form, as a number to sort points by: from [`FAR`] on positions in [`MULTIPOLE_ORDERS`].
+pub(super) type Form = u8;
+/// None of the others: tiles together are taken one by one, a tile by the kernel of one point.
+pub(super) const NEAR: Form = 0;
+/// The closed form in vectors.
+pub(super) const MIDDLE: Form = 1;
+/// The same where each element is small. Only of a tile alone.
+pub(super) const OUTER: Form = 2;
+/// The multipole series.
+pub(super) const FAR: Form = 3;
+/// How many there are.
+pub(super) const FORMS: usize = FAR as usize + MULTIPOLE_ORDERS.len();
+
+/// Where each form serves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Range {
+    /// A power of two that takes the lengths of the tiles to order one. What follows is scaled with it, but for the centre.
+    pub(super) scale: f64,
+    pub(super) centre: [f64; 3],
+    half_size: [f64; 3],
+    /// Square of the least distance from the box for the closed form.
+    near: f64,
+    /// Square of the least distance from the box at which each element of a tile alone is small.
+    outer: f64,
+    /// Square of the greatest distance from the centre for the closed form.
+    middle: f64,
+    /// Squares of the distances from the centre at which each order of the series begins to be enough.
+    far: [f64; MULTIPOLE_ORDERS.len()],
+}
+
+impl Range {
+    pub(super) fn of_tile(block: &Block) -> Range {
+        let [[x0, x1], [y0, y1], [z0, z1]] = block.faces.map(|faces| faces.map(|face| face.hi));
+        let scale = power_of_two_reciprocal(largest(block.size));
+        let shape = Shape::of(block, scale);
+        let middle = if shape.largest <= LONGEST_NEEDLE * shape.second { MIDDLE_REACH * shape.second } else { 0.0 };
+        Range {
+            scale,
+            centre: [0.5 * x0 + 0.5 * x1, 0.5 * y0 + 0.5 * y1, 0.5 * z0 + 0.5 * z1],
+            half_size: block.size.map(|s| 0.5 * s * scale),
+            near: (NEAR_FRACTION * shape.largest).powi(2),
+            outer: (shape.volume / SMALL_ANGLE).cbrt().powi(2),
+            middle: middle * middle,
+            far: MULTIPOLE_ORDERS.map(|(_, half_diagonals)| (half_diagonals * shape.half_diagonal).powi(2)),
+        }
+    }
+
+    /// The box around tiles: its centre and half its size.
+    fn around(blocks: &[Block]) -> ([f64; 3], [f64; 3]) {
+        let face = |block: &Block, axis: usize, upper: usize| block.faces[axis][upper].hi;
+        let least = [0, 1, 2].map(|axis| blocks.iter().map(|b| face(b, axis, 0)).fold(f64::INFINITY, f64::min));
+        let most = [0, 1, 2].map(|axis| blocks.iter().map(|b| face(b, axis, 1)).fold(f64::NEG_INFINITY, f64::max));
+        let middle = [0, 1, 2].map(|axis: usize| 0.5 * least[axis] + 0.5 * most[axis]);
+        (middle, [0, 1, 2].map(|axis: usize| 0.5 * most[axis] - 0.5 * least[axis]))
+    }
+
+    /// The scale of tiles together.
+    pub(super) fn scale_of(blocks: &[Block]) -> f64 {
+        power_of_two_reciprocal(largest(Range::around(blocks).1))
+    }
+
+    /// Of tiles together: each point that is not [`NEAR`] has the same form for all of them. `group_volume` is that of the tiles that share a
+    /// series, scaled.
+    pub(super) fn of_tiles(blocks: &[Block], group_volume: f64) -> Range {
+        let (centre, half) = Range::around(blocks);
+        let scale = Range::scale_of(blocks);
+        let half_size = half.map(|h| h * scale);
+        let radius = half_size.iter().map(|h| h * h).sum::<f64>().sqrt();
+        let shapes: Vec<Shape> = blocks.iter().map(|b| Shape::of(b, scale)).collect();
+        let most_of = |length: fn(&Shape) -> f64| shapes.iter().map(length).fold(0.0, f64::max);
+        let near =
+            (NEAR_FRACTION * most_of(|s| s.largest)).max(GROUP_DISTANCE * group_volume.cbrt()).max(1.0 / PRODUCT_RANGE);
+        // Errors add up like volume / second side.
+        let volume: f64 = shapes.iter().map(|s| s.volume).sum();
+        let second = volume / shapes.iter().map(|s| s.volume / s.second).sum::<f64>();
+        let is_needle = |s: &Shape| s.largest > LONGEST_NEEDLE * s.second;
+        let reach = if shapes.iter().any(is_needle) { 0.0 } else { (MIDDLE_REACH * second).min(PRODUCT_RANGE) };
+        let middle = (reach - radius).max(0.0);
+        let half_diagonal = most_of(|s| s.half_diagonal);
+        Range {
+            scale,
+            centre,
+            half_size,
+            near: near * near,
+            outer: f64::INFINITY,
+            middle: middle * middle,
+            far: MULTIPOLE_ORDERS.map(|(_, half_diagonals)| (half_diagonals * half_diagonal + radius).powi(2)),
+        }
+    }
+
+    /// Whether the closed form serves tiles together at all: up to at least as far from their centre as they reach.
+    pub(super) fn is_compact(&self) -> bool {
+        self.middle >= self.half_size.iter().map(|h| h * h).sum()
+    }
+
+    /// The form at each of the points, given by axis in whole vectors. Any, where the point is not a number.
+    #[inline(always)]
+    pub(super) fn forms<S: Simd>(&self, simd: S, [x, y, z]: &[Vec<f64>; 3], forms: &mut [f64]) {
+        let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+        for (number, forms) in forms.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
+            let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
+            let point = [&x[start..end], &y[start..end], &z[start..end]];
+            let (mut gap, mut distance) = (zero, zero);
+            for (axis, coordinates) in point.into_iter().enumerate() {
+                let offset = ((Lanes::<S>::load(simd, coordinates) - self.centre[axis]) * self.scale).abs();
+                let beyond = (offset - self.half_size[axis]).max(zero);
+                gap = beyond.mul_add(beyond, gap);
+                distance = offset.mul_add(offset, distance);
+            }
+            // One where it holds, zero where not.
+            let reached = gap.at_least(simd, self.near) * distance.at_most(simd, self.middle);
+            let middle = reached * gap.at_least(simd, self.outer).scale_add(f64::from(OUTER - MIDDLE), one);
+            let mut far = distance.at_least(simd, self.far[0]) * f64::from(FAR - 1);
+            for least in self.far {
+                far = far + distance.at_least(simd, least);
+            }
+            let form = middle.max(far * distance.at_most(simd, FARTHEST));
+            form.store(forms);
+        }
+    }
+
+    #[inline(always)]
+    fn form(&self, gap: f64, distance: f64) -> Form {
+        let order = self.far.iter().map(|&far| u8::from(distance >= far)).sum::<u8>();
+        if order > 0 && distance <= FARTHEST {
+            FAR + order - 1
+        } else if gap >= self.near && distance <= self.middle {
+            if gap >= self.outer { OUTER } else { MIDDLE }
+        } else {
+            NEAR
+        }
+    }
+
+    /// The form of all points in a box, if it is certainly the same and not [`NEAR`].
+    pub(super) fn form_of_box(&self, low: [f64; 3], high: [f64; 3]) -> Option<Form> {
+        let (mut gap, mut nearest, mut farthest) = (0.0, 0.0, 0.0);
+        for axis in 0..3 {
+            let [low, high] = [low[axis], high[axis]].map(|c| (c - self.centre[axis]) * self.scale);
+            let least = low.max(-high).max(0.0);
+            let most = high.max(-low);
+            gap += (least - self.half_size[axis]).max(0.0).powi(2);
+            nearest += least * least;
+            farthest += most * most;
+        }
+        // So much that no point decides differently by round-off.
+        let (gap, nearest, farthest) =
+            (gap * (1.0 - FORM_MARGIN), nearest * (1.0 - FORM_MARGIN), farthest * (1.0 + FORM_MARGIN));
+        let (form, other) = (self.form(gap, nearest), self.form(gap, farthest));
+        (form == other && form != NEAR && farthest <= FARTHEST).then_some(form)
+    }
+}
+
+/// Lengths of a tile, scaled.
+struct Shape {
+    largest: f64,
+    second: f64,
+    half_diagonal: f64,
+    volume: f64,
+}
+
+impl Shape {
+    fn of(block: &Block, scale: f64) -> Shape {
+        let mut sides = block.size.map(|s| s * scale);
+        sides.sort_by(f64::total_cmp);
+        let [third, second, largest] = sides;
+        Shape {
+            largest,
+            second,
+            half_diagonal: 0.5 * sides.iter().map(|s| s * s).sum::<f64>().sqrt(),
+            volume: third * second * largest,
+        }
+    }
+}
+
+fn largest(lengths: [f64; 3]) -> f64 {
+    lengths.into_iter().fold(0.0, f64::max)
+}
+
+/// The power of two that takes a normal number into [1, 2).
+fn power_of_two_reciprocal(length: f64) -> f64 {
+    f64::from_bits((2046 << 52) - (length.to_bits() & (0x7ff << 52)))
+}

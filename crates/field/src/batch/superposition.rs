@@ -1,0 +1,327 @@
+//! The tiles of a scene added up at a batch of points.
+
+use std::any::Any;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+use glam::DVec3;
+
+use super::alone::{Alone, Place, Ratios};
+use super::closed_form::Tables;
+use super::cluster::ClusterView;
+use super::lanes::Lanes;
+use super::multipole::{self, Distant, Series};
+use super::points::{Chosen, Coordinates};
+use super::range::{FAR, Form, MIDDLE, NEAR, OUTER};
+use super::table::Together;
+use super::totals::Totals;
+use crate::arrangement::{Arrangement, Frame};
+use crate::block::{Block, Local};
+use crate::edge_policy::Edges;
+use crate::kernel::{Part, cuboid_field};
+use crate::tolerances::MULTIPOLE_ORDERS;
+
+/// Room for a batch of points; nothing in it grows with the number of tiles.
+#[derive(Default)]
+pub(crate) struct Superposition {
+    points: Coordinates,
+    /// The points in the frame at work.
+    local: Coordinates,
+    totals: Totals,
+    /// The points on edge lines, with the edges they are on.
+    edges: BTreeMap<usize, Edges>,
+    chosen: Chosen,
+    chosen_by_tile: Chosen,
+    gathered: Coordinates,
+    /// The [`Tables`] of the instruction set last used.
+    tables: Option<Box<dyn Any + Send>>,
+}
+
+/// What stays the same for a frame.
+#[derive(Clone, Copy)]
+struct Work<'a> {
+    arrangement: &'a Arrangement,
+    frame: &'a Frame,
+    part: Part,
+    points: &'a [DVec3],
+    local: &'a Coordinates,
+}
+
+impl Superposition {
+    /// The room of the calling thread.
+    pub(crate) fn of_this_thread<R>(work: impl FnOnce(&mut Superposition) -> R) -> R {
+        thread_local! {
+            static ROOM: RefCell<Superposition> = RefCell::default();
+        }
+        ROOM.with_borrow_mut(work)
+    }
+
+    /// The tiles added up at all `points`; not a number where a point is out of range.
+    pub(crate) fn add_up(
+        &mut self,
+        level: Level,
+        arrangement: &Arrangement,
+        part: Part,
+        points: &[DVec3],
+        field: &mut [DVec3],
+    ) {
+        self.edges.clear();
+        self.points.set(points);
+        self.totals.start(self.points.padded());
+        if !points.is_empty() {
+            dispatch!(level, simd => self.add_frames(simd, arrangement, part, points));
+        }
+        self.totals.write(field);
+        for &index in self.points.out_of_range() {
+            field[index] = DVec3::NAN;
+        }
+    }
+
+    /// The points on edge lines, in order, and the edges they lie on.
+    pub(crate) fn edges(&self) -> impl Iterator<Item = (usize, &Edges)> {
+        self.edges.iter().map(|(index, edges)| (*index, edges))
+    }
+
+    /// Whether the field is unbounded at a point.
+    pub(crate) fn is_exposed(&self, index: usize) -> bool {
+        self.edges.get(&index).is_some_and(Edges::exposed)
+    }
+
+    #[inline(always)]
+    fn add_frames<S: Simd>(&mut self, simd: S, arrangement: &Arrangement, part: Part, points: &[DVec3]) {
+        let kept = self.tables.take().and_then(|tables| tables.downcast::<Tables<S>>().ok());
+        let mut tables = kept.unwrap_or_else(|| Box::new(Tables::new(simd)));
+        for frame in arrangement.frames() {
+            let mut local = std::mem::take(&mut self.local);
+            local.set_in_frame(simd, arrangement, frame, &self.points);
+            let work = Work { arrangement, frame, part, points, local: &local };
+            let (low, high) = local.reach(simd);
+            for together in &frame.table.clusters {
+                match together.range.form_of_box(low, high) {
+                    Some(form) => self.add_at_all(simd, &mut tables, work, together, form),
+                    None => self.add_by_form(simd, &mut tables, work, together),
+                }
+            }
+            self.local = local;
+        }
+        self.tables = Some(tables);
+    }
+
+    /// Tiles that one form serves at all points.
+    #[inline(always)]
+    fn add_at_all<S: Simd>(&mut self, simd: S, tables: &mut Tables<S>, work: Work, together: &Together, form: Form) {
+        let (rotation, points) = (work.frame.to_scene.rotation(), &work.local.axes);
+        if let (MIDDLE, Some(cluster)) = (form, &together.cluster) {
+            self.totals.add(simd, rotation, points, Middle { tables, cluster: &cluster.view(), next: None });
+            return;
+        }
+        for index in together.blocks.clone() {
+            match form {
+                MIDDLE => self.totals.add(simd, rotation, points, ByItself::of(work.frame, index)),
+                OUTER => self.totals.add(simd, rotation, points, Small::of(work.frame, index)),
+                _ => {
+                    let mut made = None;
+                    self.totals.add(simd, rotation, points, Far::of(work.frame, index, form, &mut made));
+                }
+            }
+        }
+    }
+
+    /// Tiles that need different forms at different points.
+    #[inline(always)]
+    fn add_by_form<S: Simd>(&mut self, simd: S, tables: &mut Tables<S>, work: Work, together: &Together) {
+        let mut chosen = std::mem::take(&mut self.chosen);
+        chosen.sort_all(simd, &together.range, work.local, work.points.len());
+        for form in chosen.forms() {
+            let points = chosen.points(form);
+            match (form, &together.cluster) {
+                (NEAR, Some(_)) => {
+                    let mut chosen_by_tile = std::mem::take(&mut self.chosen_by_tile);
+                    for index in together.blocks.clone() {
+                        chosen_by_tile.sort(simd, &work.frame.table.tiles[index].range, work.local, points);
+                        for form in chosen_by_tile.forms() {
+                            let points = chosen_by_tile.points(form);
+                            self.gathered.gather(work.local, points);
+                            self.add_tile(simd, work, index, form, points);
+                        }
+                    }
+                    self.chosen_by_tile = chosen_by_tile;
+                }
+                (MIDDLE, Some(cluster)) => {
+                    self.gathered.gather(work.local, points);
+                    self.add_gathered(simd, work, points, Middle { tables, cluster: &cluster.view(), next: None });
+                }
+                _ => {
+                    self.gathered.gather(work.local, points);
+                    for index in together.blocks.clone() {
+                        self.add_tile(simd, work, index, form, points);
+                    }
+                }
+            }
+        }
+        self.chosen = chosen;
+    }
+
+    /// One tile at the chosen points, which have been gathered.
+    #[inline(always)]
+    fn add_tile<S: Simd>(&mut self, simd: S, work: Work, index: usize, form: Form, chosen: &[u32]) {
+        match form {
+            NEAR => self.add_near(work, &work.frame.blocks[index], chosen),
+            MIDDLE => self.add_gathered(simd, work, chosen, ByItself::of(work.frame, index)),
+            OUTER => self.add_gathered(simd, work, chosen, Small::of(work.frame, index)),
+            _ => {
+                let mut made = None;
+                self.add_gathered(simd, work, chosen, Far::of(work.frame, index, form, &mut made));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_gathered<S: Simd>(&mut self, simd: S, work: Work, chosen: &[u32], source: impl Source<S>) {
+        let rotation = work.frame.to_scene.rotation();
+        self.totals.add_some(simd, rotation, &self.gathered.axes, chosen, source);
+    }
+
+    /// The kernel of one point.
+    fn add_near(&mut self, work: Work, block: &Block, chosen: &[u32]) {
+        let [x, y, z] = &work.local.axes;
+        for index in chosen.iter().map(|&index| index as usize) {
+            let at = Local {
+                coordinates: [x[index], y[index], z[index]],
+                roundoff: work.arrangement.roundoff(work.frame, work.points[index]),
+            };
+            let Some(placed) = block.place(&at) else { continue };
+            let own = cuboid_field(&placed.offsets, block.polarization_t.to_array(), work.part);
+            self.totals.add_one(index, work.frame.to_scene.vector(DVec3::from_array(own)).to_array());
+            if placed.on_edge_line() {
+                self.edges.entry(index).or_default().add(block, &placed, &work.frame.to_scene);
+            }
+        }
+    }
+}
+
+/// What has a field, mu0 H in its own frame, at vector after vector of points. It is told of them two vectors ahead, so that it can prepare
+/// them while it waits for quotients.
+pub(super) trait Source<S: Simd> {
+    /// Begins with the first two vectors of points.
+    fn start(&mut self, simd: S, first: [[Lanes<S>; 3]; 2]);
+
+    /// The field at the first of the vectors handed over that it has not yet been given for. `ahead` is the third of them.
+    fn field(&mut self, simd: S, ahead: [Lanes<S>; 3]) -> [Lanes<S>; 3];
+}
+
+/// Tiles together.
+struct Middle<'a, S: Simd> {
+    tables: &'a mut Tables<S>,
+    cluster: &'a ClusterView<'a>,
+    next: Option<[Lanes<S>; 3]>,
+}
+
+impl<S: Simd> Source<S> for Middle<'_, S> {
+    #[inline(always)]
+    fn start(&mut self, _: S, first: [[Lanes<S>; 3]; 2]) {
+        self.tables.start(self.cluster, first[0]);
+        self.next = Some(first[1]);
+    }
+
+    #[inline(always)]
+    fn field(&mut self, simd: S, ahead: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+        let next = self.next.replace(ahead).expect("started");
+        self.tables.field(simd, self.cluster, next)
+    }
+}
+
+/// A tile by itself.
+struct ByItself<S: Simd> {
+    tile: Alone,
+    state: Option<[Place<S>; 2]>,
+}
+
+impl<S: Simd> ByItself<S> {
+    fn of(frame: &Frame, index: usize) -> Self {
+        ByItself { tile: Alone::of(&frame.blocks[index], frame.table.tiles[index].range.scale), state: None }
+    }
+}
+
+impl<S: Simd> Source<S> for ByItself<S> {
+    #[inline(always)]
+    fn start(&mut self, simd: S, [first, second]: [[Lanes<S>; 3]; 2]) {
+        self.state = Some([self.tile.place(simd, first), self.tile.place(simd, second)]);
+    }
+
+    #[inline(always)]
+    fn field(&mut self, simd: S, ahead: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+        let [current, next] = self.state.expect("started");
+        let ratios = self.tile.ratios(simd, &current);
+        let field = self.tile.field(simd, &ratios);
+        self.state = Some([next, self.tile.place(simd, ahead)]);
+        field
+    }
+}
+
+/// A tile by itself whose elements are all small.
+struct Small<S: Simd> {
+    tile: Alone,
+    state: Option<(Ratios<S>, Place<S>)>,
+}
+
+impl<S: Simd> Small<S> {
+    fn of(frame: &Frame, index: usize) -> Self {
+        Small { tile: Alone::of(&frame.blocks[index], frame.table.tiles[index].range.scale), state: None }
+    }
+}
+
+impl<S: Simd> Source<S> for Small<S> {
+    #[inline(always)]
+    fn start(&mut self, simd: S, [first, second]: [[Lanes<S>; 3]; 2]) {
+        let ratios = self.tile.ratios(simd, &self.tile.place(simd, first));
+        self.state = Some((ratios, self.tile.place(simd, second)));
+    }
+
+    /// The division comes first, then the square roots, which take the same unit, then what waits for neither, last what waits for the
+    /// division.
+    #[inline(always)]
+    fn field(&mut self, simd: S, ahead: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+        let (ratios, place) = self.state.expect("started");
+        let inverse = self.tile.common_inverse(simd, &ratios);
+        let ahead = self.tile.place(simd, ahead);
+        self.state = Some((self.tile.ratios(simd, &place), ahead));
+        self.tile.field_of_small(simd, &ratios, inverse)
+    }
+}
+
+/// A tile many sizes away.
+struct Far<'a, S: Simd> {
+    tile: &'a Distant,
+    series: &'a Series,
+    order: usize,
+    points: Option<[[Lanes<S>; 3]; 2]>,
+}
+
+impl<'a, S: Simd> Far<'a, S> {
+    /// The series of its shape is `made` if it is not kept.
+    fn of(frame: &'a Frame, index: usize, form: Form, made: &'a mut Option<Series>) -> Self {
+        Far {
+            tile: &frame.table.tiles[index].far,
+            series: frame.table.series(index).unwrap_or_else(|| made.insert(Series::of(frame.blocks[index].size))),
+            order: MULTIPOLE_ORDERS[usize::from(form - FAR)].0,
+            points: None,
+        }
+    }
+}
+
+impl<S: Simd> Source<S> for Far<'_, S> {
+    #[inline(always)]
+    fn start(&mut self, _: S, first: [[Lanes<S>; 3]; 2]) {
+        self.points = Some(first);
+    }
+
+    #[inline(always)]
+    fn field(&mut self, simd: S, ahead: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+        let [current, next] = self.points.expect("started");
+        self.points = Some([next, ahead]);
+        multipole::field(simd, self.tile, self.series, self.order, current)
+    }
+}

@@ -1,0 +1,120 @@
+//! Running sums over tiles at a batch of points, without loss (Neumaier), in the scene's frame.
+
+use fearless_simd::prelude::*;
+use glam::{DMat3, DVec3};
+
+use super::lanes::{LONGEST_VECTOR, Lanes};
+use super::superposition::Source;
+use crate::two_sum::TwoSum;
+
+/// Sum and carry of each component.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Totals {
+    sums: [Vec<f64>; 3],
+    carries: [Vec<f64>; 3],
+}
+
+impl Totals {
+    pub(super) fn start(&mut self, count: usize) {
+        for values in self.sums.iter_mut().chain(&mut self.carries) {
+            values.clear();
+            values.resize(count, 0.0);
+        }
+    }
+
+    /// The sums with their carries.
+    pub(super) fn write(&self, field: &mut [DVec3]) {
+        let ([x, y, z], [p, q, r]) = (&self.sums, &self.carries);
+        let count = field.len();
+        let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
+        let (p, q, r) = (&p[..count], &q[..count], &r[..count]);
+        for (index, field) in field.iter_mut().enumerate() {
+            *field = DVec3::new(x[index] + p[index], y[index] + q[index], z[index] + r[index]);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn add_one(&mut self, index: usize, field: [f64; 3]) {
+        for (axis, term) in field.into_iter().enumerate() {
+            let step = TwoSum::of(self.sums[axis][index], term);
+            self.sums[axis][index] = step.hi;
+            self.carries[axis][index] += step.lo;
+        }
+    }
+
+    /// Adds the field of `source` at all points, given by axis and filled up to whole vectors.
+    #[inline(always)]
+    pub(super) fn add<S: Simd>(
+        &mut self,
+        simd: S,
+        rotation: Option<&DMat3>,
+        points: &[Vec<f64>; 3],
+        mut source: impl Source<S>,
+    ) {
+        source.start(simd, [load(simd, points, 0), load(simd, points, 1)]);
+        for start in (0..points[0].len()).step_by(Lanes::<S>::LEN) {
+            let end = start + Lanes::<S>::LEN;
+            let ahead = load(simd, points, start / Lanes::<S>::LEN + 2);
+            let field = in_scene::<S>(rotation, source.field(simd, ahead));
+            for (axis, term) in field.into_iter().enumerate() {
+                let (sums, carries) = (&mut self.sums[axis][start..end], &mut self.carries[axis][start..end]);
+                let before = Lanes::<S>::load(simd, sums);
+                let sum = before + term;
+                let part = sum - before;
+                let low = (before - (sum - part)) + (term - part);
+                sum.store(sums);
+                (Lanes::<S>::load(simd, carries) + low).store(carries);
+            }
+        }
+    }
+
+    /// Adds the field of `source` at the points with the indices `chosen`.
+    #[inline(always)]
+    pub(super) fn add_some<S: Simd>(
+        &mut self,
+        simd: S,
+        rotation: Option<&DMat3>,
+        points: &[Vec<f64>; 3],
+        chosen: &[u32],
+        mut source: impl Source<S>,
+    ) {
+        source.start(simd, [load(simd, points, 0), load(simd, points, 1)]);
+        for (number, chosen) in chosen.chunks(Lanes::<S>::LEN).enumerate() {
+            let field = in_scene::<S>(rotation, source.field(simd, load(simd, points, number + 2)));
+            // The present sums side by side, as the points are.
+            let mut sums = [[0.0; LONGEST_VECTOR]; 3];
+            for (axis, term) in field.into_iter().enumerate() {
+                for (sum, &index) in sums[axis].iter_mut().zip(chosen) {
+                    *sum = self.sums[axis][index as usize];
+                }
+                let before = Lanes::<S>::load(simd, &sums[axis][..Lanes::<S>::LEN]);
+                let sum = before + term;
+                let part = sum - before;
+                let low = (before - (sum - part)) + (term - part);
+                for (lane, &index) in chosen.iter().enumerate() {
+                    self.sums[axis][index as usize] = sum.lane(lane);
+                    self.carries[axis][index as usize] += low.lane(lane);
+                }
+            }
+        }
+    }
+}
+
+/// One vector of points; beyond the last the first again, to have something to prepare.
+#[inline(always)]
+fn load<S: Simd>(simd: S, [x, y, z]: &[Vec<f64>; 3], number: usize) -> [Lanes<S>; 3] {
+    let start = number * Lanes::<S>::LEN;
+    let start = if start < x.len() { start } else { 0 };
+    let end = start + Lanes::<S>::LEN;
+    [Lanes::load(simd, &x[start..end]), Lanes::load(simd, &y[start..end]), Lanes::load(simd, &z[start..end])]
+}
+
+#[inline(always)]
+fn in_scene<S: Simd>(rotation: Option<&DMat3>, own: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+    let Some(m) = rotation else { return own };
+    let mut field = own;
+    for (row, component) in field.iter_mut().enumerate() {
+        *component = own[2].scale_add(m.z_axis[row], own[1].scale_add(m.y_axis[row], own[0] * m.x_axis[row]));
+    }
+    field
+}

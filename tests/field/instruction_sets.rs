@@ -1,0 +1,195 @@
+//! Scenes of many tiles, computed with each kind of vector instructions the processor has, against the sum over tiles of an oracle
+//! of 130 digits.
+
+use glam::{DQuat, DVec3};
+use magsplice_field::{InstructionSet, Quantity, Scene, Tile};
+use magsplice_tests::oracle::Oracle;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
+
+/// Of the sum over tiles of the fields that the components of J make alone: what `Scene` promises.
+const WORST: f64 = 2e-14;
+
+fn tile(position: DVec3, size: DVec3, j: DVec3) -> Tile {
+    Tile::new(position, size, j).expect("a valid tile")
+}
+
+/// The sum of the exact fields, turned to the scene, and of the magnitudes of the components' fields.
+fn exact(oracle: &mut Oracle, tiles: &[Tile], point: DVec3) -> (DVec3, f64) {
+    let (mut sum, mut magnitude) = (DVec3::ZERO, 0.0);
+    for tile in tiles {
+        let own = tile.rotation().inverse() * (point - tile.position());
+        for axis in 0..3 {
+            let mut j = DVec3::ZERO;
+            j[axis] = tile.polarization_t()[axis];
+            if j != DVec3::ZERO {
+                let alone = Tile::new(DVec3::ZERO, tile.size(), j).expect("a valid tile");
+                let field = oracle.field(&alone, own).flux_density_t;
+                sum += tile.rotation() * field;
+                magnitude += field.length();
+            }
+        }
+    }
+    (sum, magnitude)
+}
+
+/// `rounded` is what rounding of the points in the tiles' frames may add, as a fraction.
+fn check(name: &str, tiles: &[Tile], points: &[DVec3], rounded: f64) {
+    let mut oracle = Oracle::new();
+    let expected: Vec<(DVec3, f64)> = points.iter().map(|&point| exact(&mut oracle, tiles, point)).collect();
+    for set in InstructionSet::available() {
+        let scene = Scene::new(tiles).with_instruction_set(set).expect("available");
+        let mut field = vec![DVec3::ZERO; points.len()];
+        scene.field_into(Quantity::FluxDensity, points, &mut field).expect("bounded");
+        for ((found, (exact, magnitude)), point) in field.iter().zip(&expected).zip(points) {
+            let error = (*found - *exact).length() / magnitude;
+            assert!(error <= WORST + rounded, "{name}, {set:?}: off by {error:e} at {point}");
+        }
+    }
+}
+
+/// A sheet of cells of widths 1.7 and 3.3, as the published film is, some of them empty.
+fn film(j: impl Fn(usize, usize) -> DVec3) -> Vec<Tile> {
+    let widths = [0.85, 3.3, 1.7, 3.3, 1.7, 3.3, 0.85];
+    let starts: Vec<f64> = (0..=widths.len()).map(|n| widths[..n].iter().sum::<f64>() - 7.5).collect();
+    let cells = (0..49).map(|n| (n % 7, n / 7));
+    cells
+        .filter(|&(x, y)| j(x, y) != DVec3::ZERO)
+        .map(|(x, y)| {
+            let centre = DVec3::new(0.5 * (starts[x] + starts[x + 1]), 0.5 * (starts[y] + starts[y + 1]), 0.5);
+            tile(centre, DVec3::new(widths[x], widths[y], 1.0), j(x, y))
+        })
+        .collect()
+}
+
+/// One strength, eight directions.
+fn published(x: usize, y: usize) -> DVec3 {
+    let sign = |n: usize| [0.0, 1.0, 0.0, -1.0, 0.0, 1.0, 0.0][n];
+    DVec3::new(sign(x), sign(y), 0.0).normalize_or_zero() * 0.12
+}
+
+/// Below, beside and above; close, within sizes and far.
+fn around() -> Vec<DVec3> {
+    let mut points = Vec::new();
+    for distance in [1.01, 1.3, 2.2, 3.0, 4.0, 7.0, 15.0, 40.0, 130.0, 1e4] {
+        for n in 0..6 {
+            let turn = f64::from(n);
+            let aside = DVec3::new((3.1 * turn).sin(), (2.3 * turn + 0.4).cos(), 0.0);
+            points.push(aside * 6.0 - DVec3::Z * (distance - 1.0));
+            points.push(aside * (7.0 + distance) + DVec3::Z * (0.5 + 0.1 * turn));
+        }
+    }
+    points
+}
+
+#[test]
+fn films_of_one_strength() {
+    check("film", &film(published), &around(), 0.0);
+}
+
+#[test]
+fn films_of_any_polarization() {
+    let j = |x: usize, y: usize| published(x, y) + DVec3::new(0.02, -0.03, 0.04 + 1e-3 * (x + 7 * y) as f64);
+    check("general", &film(j), &around(), 0.0);
+    check("upright", &film(|x, y| DVec3::Z * (0.1 + 0.01 * (x * y) as f64)), &around(), 0.0);
+}
+
+#[test]
+fn rotated_films() {
+    let turned: Vec<Tile> = (1..)
+        .zip(film(published))
+        .map(|(n, tile)| tile.rotated(DQuat::from_rotation_z(1e-3 * f64::from(n))).expect("a rotation"))
+        .collect();
+    // The coordinate of a point in a tile's frame is off by four roundings of its distance, the field by three times that per distance to
+    // the tile, and here too the point in the frame of the oracle's tile. Points at 0.01 of a size are left out.
+    let points: Vec<DVec3> = around().into_iter().filter(|p| p.z < -0.2 || p.z > 0.0).collect();
+    check("rotated", &turned, &points, 4e-14);
+}
+
+#[test]
+fn stacked_cubes_near_and_far() {
+    let tiles: Vec<Tile> = (0..150)
+        .map(|n| {
+            let (x, y, z) = (f64::from(n % 5), f64::from(n / 5 % 5), f64::from(n / 25));
+            let j = DVec3::new((0.6 * x).sin(), (0.9 * y).cos(), (0.4 * z + x).sin());
+            tile(DVec3::new(x, y, z) - 2.0, DVec3::ONE, j)
+        })
+        .collect();
+    check("cubes", &tiles, &around(), 0.0);
+}
+
+/// Shapes that some forms refuse, side by side with others.
+#[test]
+fn plates_needles_and_cubes_together() {
+    let tiles = [
+        tile(DVec3::ZERO, DVec3::ONE, DVec3::new(0.2, -0.3, 0.5)),
+        tile(DVec3::new(0.0, 0.0, 2.0), DVec3::new(3.0, 2.0, 1e-4), DVec3::new(0.2, 0.3, 0.5)),
+        tile(DVec3::new(1.0, -3.0, 0.0), DVec3::new(20.0, 0.5, 0.1), DVec3::new(0.1, -0.3, -0.5)),
+        tile(DVec3::new(-2.0, 3.0, 1.0), DVec3::new(1e-3, 1e-3, 7.0), DVec3::new(0.7, 0.0, -0.5)),
+        tile(DVec3::new(-3.0, 0.0, 1.0), DVec3::new(0.02, 0.03, 0.01), DVec3::new(5.0, 3.0, -4.0)),
+    ];
+    check("mixture", &tiles, &around(), 0.0);
+}
+
+/// One tile of random shape at random distance, most often where forms change.
+#[test]
+fn random_tiles_at_all_distances() {
+    let oracle = std::cell::RefCell::new(Oracle::new());
+    let size = prop::array::uniform3((-1.2..1.2_f64).prop_map(|d| 10_f64.powf(d)));
+    let j = prop::array::uniform3(prop_oneof![Just(0.0), -1.0..1.0_f64]);
+    let direction = prop::array::uniform3(-1.0..1.0_f64);
+    let scenes = (size, j, direction, -1.5..2.5_f64);
+    TestRunner::new(Config { cases: 4_000, failure_persistence: None, ..Config::default() })
+        .run(&scenes, |(size, j, direction, decades)| {
+            let (j, direction) = (DVec3::from(j), DVec3::from(direction));
+            prop_assume!(j != DVec3::ZERO && direction.length() > 0.1);
+            let tile = tile(DVec3::new(0.3, -0.2, 0.1), size.into(), j);
+            let half = 0.5 * tile.size();
+            // That far from the surface, in units of the largest side.
+            let outward = direction.normalize();
+            let to_surface = (half / outward.abs()).min_element();
+            let point = tile.position() + outward * (to_surface + 10_f64.powf(decades) * tile.size().max_element());
+            let (exact, magnitude) = {
+                // The same rounding of the point as in the scene.
+                let (mut sum, mut magnitude) = (DVec3::ZERO, 0.0);
+                for axis in 0..3 {
+                    let mut part = DVec3::ZERO;
+                    part[axis] = j[axis];
+                    if part != DVec3::ZERO {
+                        let alone = Tile::new(tile.position(), tile.size(), part).expect("a valid tile");
+                        let field = oracle.borrow_mut().field(&alone, point).flux_density_t;
+                        sum += field;
+                        magnitude += field.length();
+                    }
+                }
+                (sum, magnitude)
+            };
+            for set in InstructionSet::available() {
+                let scene = Scene::new(&[tile]).with_instruction_set(set).expect("available");
+                let error = (scene.field(Quantity::FluxDensity, point).expect("bounded") - exact).length() / magnitude;
+                prop_assert!(error <= WORST, "{set:?}: off by {error:e}");
+            }
+            Ok(())
+        })
+        .unwrap_or_else(|e| panic!("{e}"));
+}
+
+#[test]
+fn a_set_the_processor_lacks_is_refused() {
+    let all = [
+        InstructionSet::Avx512,
+        InstructionSet::Avx2,
+        InstructionSet::Sse4,
+        InstructionSet::Sse2,
+        InstructionSet::Neon,
+    ];
+    let available = InstructionSet::available();
+    assert!(!available.is_empty());
+    for set in all {
+        let found = Scene::new(&[]).with_instruction_set(set);
+        assert_eq!(found.is_ok(), available.contains(&set), "{set:?}");
+        if let Err(missing) = found {
+            assert!(missing.to_string().contains(&format!("{set:?}")));
+        }
+    }
+}
