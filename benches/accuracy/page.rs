@@ -99,9 +99,10 @@ Answers with no right digit, and those that are not finite, are drawn on the upp
 const BOUNDS: &str = "
 ## What is promised
 
-For one unrotated tile, at every point that is not on an exposed edge: B and H to 4e-15 of the sum of the fields that the three components of J make alone (which is
-at most a few times |B| except where they cancel); the largest component of dB/dr to 2e-14. For a scene: that fraction of the sum over tiles. The tests hold these
-bounds on the tables and on ten thousand random tiles and points in every run (`tests/field/oracle.rs`).
+For one unrotated tile, at every point that is not on an exposed edge: B and H to 2e-14 of the sum of the fields that the three components of J make alone (which is
+at most a few times |B| except where they cancel), and to 4e-15 nearer than 0.08 of its largest side; the largest component of dB/dr to 2e-14. For a scene: that fraction of
+the sum over tiles. The tests hold these
+bounds on the tables, on ten thousand random tiles and points, and on scenes of many tiles, with every kind of vector instructions, in every run (`tests/field/`).
 
 Where a bound is weaker, and why:
 

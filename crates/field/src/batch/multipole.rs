@@ -14,16 +14,20 @@ use crate::two_sum::TwoSum;
 /// if off the diagonal. A polynomial in sigma = (half diagonal / r)^2, whose coefficients are polynomials in u = x^2/r^2 and v = y^2/r^2.
 #[derive(Clone, Debug)]
 pub(super) struct Series {
-    /// By order in sigma.
-    orders: [Coefficients; HIGHEST_ORDER + 1],
+    /// Order by order, of the monomials of degree up to the order: of all five elements.
+    low: [[f64; 5]; low_start(HIGHEST_ORDER + 1)],
+    /// Of the monomials of the next degree: of the two diagonal ones.
+    high: [[f64; 2]; high_start(HIGHEST_ORDER + 1)],
 }
 
-#[derive(Clone, Debug, Default)]
-struct Coefficients {
-    /// Of the monomials of degree up to the order: of all five elements.
-    low: Vec<[f64; 5]>,
-    /// Of the monomials of the next degree: of the two diagonal ones.
-    high: Vec<[f64; 2]>,
+/// Where the coefficients of an order begin.
+const fn low_start(order: usize) -> usize {
+    order * (order + 1) * (order + 2) / 6
+}
+
+/// See [`low_start`].
+const fn high_start(order: usize) -> usize {
+    order * (order + 3) / 2
 }
 
 /// Derivatives beyond the moments' own, along x, y, z.
@@ -48,25 +52,24 @@ impl Series {
         let squares = size.map(|s| (s / largest) * (s / largest));
         let total: f64 = squares.iter().sum();
         let share = squares.map(|s| s / total);
-        let mut orders = [const { Coefficients { low: Vec::new(), high: Vec::new() } }; HIGHEST_ORDER + 1];
-        for (order, coefficients) in orders.iter_mut().enumerate() {
-            let low = monomial_count(order);
-            coefficients.low.resize(low, [0.0; 5]);
-            coefficients.high.resize(monomial_count(order + 1) - low, [0.0; 2]);
-            for moment in &MOMENTS[order] {
+        let mut series =
+            Series { low: [[0.0; 5]; low_start(HIGHEST_ORDER + 1)], high: [[0.0; 2]; high_start(HIGHEST_ORDER + 1)] };
+        for (order, moments) in MOMENTS.iter().enumerate() {
+            let count = monomial_count(order);
+            for moment in moments {
                 // The moment of a cuboid, by derivatives: half side^(2a) / (2a + 1)!
                 let weight: f64 = (0..3).map(|axis| share[axis].powi(moment.powers[axis] as i32)).product();
                 for (element, polynomial) in moment.polynomials.iter().enumerate() {
                     for (monomial, c) in polynomial.iter().enumerate() {
-                        match monomial.checked_sub(low) {
-                            None => coefficients.low[monomial][element] += weight * c,
-                            Some(high) => coefficients.high[high][element] += weight * c,
+                        match monomial.checked_sub(count) {
+                            None => series.low[low_start(order) + monomial][element] += weight * c,
+                            Some(next) => series.high[high_start(order) + next][element] += weight * c,
                         }
                     }
                 }
             }
         }
-        Series { orders }
+        series
     }
 }
 
@@ -170,62 +173,130 @@ impl Distant {
     }
 }
 
-/// mu0 H of the tile, in its frame, from its series to the given order in sigma.
+/// mu0 H of the tile, in its frame, from its series to the given order in sigma, at two vectors of points: each coefficient is fetched once for
+/// both.
 #[inline(always)]
-pub(super) fn field<S: Simd>(
+pub(super) fn fields<S: Simd>(
     simd: S,
     tile: &Distant,
     series: &Series,
     order: usize,
-    mut point: [Lanes<S>; 3],
-) -> [Lanes<S>; 3] {
-    for (coordinate, centre) in point.iter_mut().zip(&tile.centre) {
-        *coordinate = ((*coordinate - centre.hi) - centre.lo) * tile.scale;
-    }
-    let [x, y, z] = point;
-    let zero = Lanes::<S>::splat(simd, 0.0);
-    let one = Lanes::<S>::splat(simd, 1.0);
-    let inverse_square = one.over(x * x + y * y + z * z);
-    let sigma = inverse_square * tile.half_diagonal_squared;
-    let (u, v) = (x * x * inverse_square, y * y * inverse_square);
-    let mut monomials = [one; MOST_MONOMIALS];
-    for degree in 1..=order + 1 {
-        let (start, before) = (monomial_index(degree, 0), monomial_index(degree - 1, 0));
-        for b in 0..degree {
-            monomials[start + b] = monomials[before + b] * u;
+    points: [[Lanes<S>; 3]; 2],
+) -> [[Lanes<S>; 3]; 2] {
+    let (first, second) = (Place::of(simd, tile, points[0]), Place::of(simd, tile, points[1]));
+    let (u, v) = ([first.u, second.u], [first.v, second.v]);
+    let sigma = [first.sigma, second.sigma];
+    let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+    let mut sums = Sums { monomials: [[one; 2]; MOST_MONOMIALS], elements: [[zero; 2]; 5] };
+    sums.extend::<1>(u, v);
+    sums.extend::<2>(u, v);
+    sums.extend::<3>(u, v);
+    sums.extend::<4>(u, v);
+    if order >= 4 {
+        sums.extend::<5>(u, v);
+        if order >= 5 {
+            sums.extend::<6>(u, v);
+            if order >= 6 {
+                sums.extend::<7>(u, v);
+                sums.add::<6>(simd, series, sigma);
+            }
+            sums.add::<5>(simd, series, sigma);
         }
-        monomials[start + degree] = monomials[before + degree - 1] * v;
+        sums.add::<4>(simd, series, sigma);
     }
-    let mut elements = [zero; 5];
-    for (order, coefficients) in series.orders[..=order].iter().enumerate().rev() {
-        let (low, high) = monomials.split_at(monomial_count(order));
-        let [mut xx, mut yy, mut xy, mut xz, mut yz] = [zero; 5];
-        for (c, monomial) in coefficients.low.iter().zip(low) {
-            xx = monomial.scale_add(c[0], xx);
-            yy = monomial.scale_add(c[1], yy);
-            xy = monomial.scale_add(c[2], xy);
-            xz = monomial.scale_add(c[3], xz);
-            yz = monomial.scale_add(c[4], yz);
-        }
-        for (c, monomial) in coefficients.high.iter().zip(high) {
-            xx = monomial.scale_add(c[0], xx);
-            yy = monomial.scale_add(c[1], yy);
-        }
-        elements = [
-            elements[0].mul_add(sigma, xx),
-            elements[1].mul_add(sigma, yy),
-            elements[2].mul_add(sigma, xy),
-            elements[3].mul_add(sigma, xz),
-            elements[4].mul_add(sigma, yz),
-        ];
-    }
-    let [xx, yy, xy, xz, yz] = elements;
-    let (xy, xz, yz) = (xy * x * y * inverse_square, xz * x * z * inverse_square, yz * y * z * inverse_square);
-    let cube = inverse_square * inverse_square.sqrt();
-    let [jx, jy, jz] = tile.moment;
+    sums.add::<3>(simd, series, sigma);
+    sums.add::<2>(simd, series, sigma);
+    sums.add::<1>(simd, series, sigma);
+    sums.add::<0>(simd, series, sigma);
+    let [xx, yy, xy, xz, yz] = sums.elements;
     [
-        (xx * jx + xy * jy + xz * jz) * cube,
-        (xy * jx + yy * jy + yz * jz) * cube,
-        (xz * jx + yz * jy - (xx + yy) * jz) * cube,
+        first.field([xx[0], yy[0], xy[0], xz[0], yz[0]], tile.moment),
+        second.field([xx[1], yy[1], xy[1], xz[1], yz[1]], tile.moment),
     ]
+}
+
+/// Where points lie relative to a tile.
+struct Place<S: Simd> {
+    offset: [Lanes<S>; 3],
+    inverse_square: Lanes<S>,
+    u: Lanes<S>,
+    v: Lanes<S>,
+    sigma: Lanes<S>,
+}
+
+impl<S: Simd> Place<S> {
+    #[inline(always)]
+    fn of(simd: S, tile: &Distant, mut point: [Lanes<S>; 3]) -> Place<S> {
+        for (coordinate, centre) in point.iter_mut().zip(&tile.centre) {
+            *coordinate = ((*coordinate - centre.hi) - centre.lo) * tile.scale;
+        }
+        let [x, y, z] = point;
+        let (x2, y2) = (x * x, y * y);
+        let inverse_square = Lanes::<S>::splat(simd, 1.0).over(z.mul_add(z, x2 + y2));
+        Place {
+            offset: point,
+            inverse_square,
+            u: x2 * inverse_square,
+            v: y2 * inverse_square,
+            sigma: inverse_square * tile.half_diagonal_squared,
+        }
+    }
+
+    #[inline(always)]
+    fn field(&self, [xx, yy, xy, xz, yz]: [Lanes<S>; 5], [jx, jy, jz]: [f64; 3]) -> [Lanes<S>; 3] {
+        let [x, y, z] = self.offset;
+        let (x_over, y_over) = (x * self.inverse_square, y * self.inverse_square);
+        let (xy, xz, yz) = (xy * (x_over * y), xz * (x_over * z), yz * (y_over * z));
+        let cube = self.inverse_square * self.inverse_square.sqrt();
+        [
+            xx.scale_add(jx, xy.scale_add(jy, xz * jz)) * cube,
+            xy.scale_add(jx, yy.scale_add(jy, yz * jz)) * cube,
+            xz.scale_add(jx, yz.scale_add(jy, (xx + yy) * -jz)) * cube,
+        ]
+    }
+}
+
+/// Every loop has a fixed number of turns, so that none is left in the program.
+struct Sums<S: Simd> {
+    monomials: [[Lanes<S>; 2]; MOST_MONOMIALS],
+    elements: [[Lanes<S>; 2]; 5],
+}
+
+impl<S: Simd> Sums<S> {
+    /// The monomials of one more degree.
+    #[inline(always)]
+    fn extend<const DEGREE: usize>(&mut self, u: [Lanes<S>; 2], v: [Lanes<S>; 2]) {
+        let (start, before) = (monomial_index(DEGREE, 0), monomial_index(DEGREE - 1, 0));
+        for b in 0..DEGREE {
+            let [first, second] = self.monomials[before + b];
+            self.monomials[start + b] = [first * u[0], second * u[1]];
+        }
+        let [first, second] = self.monomials[before + DEGREE - 1];
+        self.monomials[start + DEGREE] = [first * v[0], second * v[1]];
+    }
+
+    /// sigma times the sums so far, and one order's polynomials.
+    #[inline(always)]
+    fn add<const ORDER: usize>(&mut self, simd: S, series: &Series, sigma: [Lanes<S>; 2]) {
+        let mut polynomials = [[Lanes::<S>::splat(simd, 0.0); 2]; 5];
+        for monomial in 0..monomial_count(ORDER) {
+            let coefficients = &series.low[low_start(ORDER) + monomial];
+            let [first, second] = self.monomials[monomial];
+            for (polynomial, coefficient) in polynomials.iter_mut().zip(coefficients) {
+                let coefficient = Lanes::<S>::splat(simd, *coefficient);
+                *polynomial = [first.mul_add(coefficient, polynomial[0]), second.mul_add(coefficient, polynomial[1])];
+            }
+        }
+        for next in 0..ORDER + 2 {
+            let coefficients = &series.high[high_start(ORDER) + next];
+            let [first, second] = self.monomials[monomial_count(ORDER) + next];
+            for (polynomial, coefficient) in polynomials.iter_mut().zip(coefficients) {
+                let coefficient = Lanes::<S>::splat(simd, *coefficient);
+                *polynomial = [first.mul_add(coefficient, polynomial[0]), second.mul_add(coefficient, polynomial[1])];
+            }
+        }
+        for (element, polynomial) in self.elements.iter_mut().zip(polynomials) {
+            *element = [element[0].mul_add(sigma[0], polynomial[0]), element[1].mul_add(sigma[1], polynomial[1])];
+        }
+    }
 }

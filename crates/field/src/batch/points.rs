@@ -143,12 +143,12 @@ impl Chosen {
         }
     }
 
-    /// Those of `only`.
+    /// Points that have these indices in the batch.
     #[inline(always)]
-    pub(super) fn sort<S: Simd>(&mut self, simd: S, range: &Range, points: &Coordinates, only: &[u32]) {
+    pub(super) fn sort<S: Simd>(&mut self, simd: S, range: &Range, points: &Coordinates, indices: &[u32]) {
         self.find_forms(simd, range, points);
-        for &index in only {
-            self.add(self.forms[index as usize] as usize, index);
+        for (number, &index) in indices.iter().enumerate() {
+            self.add(self.forms[number] as usize, index);
         }
     }
 

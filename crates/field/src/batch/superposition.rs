@@ -30,11 +30,15 @@ pub(crate) struct Superposition {
     /// The points in the frame at work.
     local: Coordinates,
     totals: Totals,
+    /// Sums over the tiles of a cluster, at all points or at chosen ones.
+    partial: Totals,
     /// The points on edge lines, with the edges they are on.
     edges: BTreeMap<usize, Edges>,
     chosen: Chosen,
     chosen_by_tile: Chosen,
     gathered: Coordinates,
+    /// The points near a cluster.
+    gathered_near: Coordinates,
     /// The [`Tables`] of the instruction set last used.
     tables: Option<Box<dyn Any + Send>>,
 }
@@ -117,15 +121,26 @@ impl Superposition {
             self.totals.add(simd, rotation, points, Middle { tables, cluster: &cluster.view(), next: None });
             return;
         }
-        for index in together.blocks.clone() {
-            match form {
-                MIDDLE => self.totals.add(simd, rotation, points, ByItself::of(work.frame, index)),
-                OUTER => self.totals.add(simd, rotation, points, Small::of(work.frame, index)),
-                _ => {
-                    let mut made = None;
-                    self.totals.add(simd, rotation, points, Far::of(work.frame, index, form, &mut made));
-                }
+        let tile = together.blocks.start;
+        match form {
+            MIDDLE => self.totals.add(simd, rotation, points, ByItself::of(work.frame, tile)),
+            OUTER => self.totals.add(simd, rotation, points, Small::of(work.frame, tile)),
+            _ => {
+                self.add_series(simd, work, together, form, false);
+                self.totals.add_totals(simd, &self.partial);
             }
+        }
+    }
+
+    /// The series of all tiles of a cluster, at all points or at gathered ones, into the partial sums.
+    #[inline(always)]
+    fn add_series<S: Simd>(&mut self, simd: S, work: Work, together: &Together, form: Form, gathered: bool) {
+        let points = if gathered { &self.gathered.axes } else { &work.local.axes };
+        self.partial.start(points[0].len());
+        for index in together.blocks.clone() {
+            let mut made = None;
+            let source = Far::of(work.frame, index, form, &mut made);
+            self.partial.add(simd, work.frame.to_scene.rotation(), points, source);
         }
     }
 
@@ -139,8 +154,9 @@ impl Superposition {
             match (form, &together.cluster) {
                 (NEAR, Some(_)) => {
                     let mut chosen_by_tile = std::mem::take(&mut self.chosen_by_tile);
+                    self.gathered_near.gather(work.local, points);
                     for index in together.blocks.clone() {
-                        chosen_by_tile.sort(simd, &work.frame.table.tiles[index].range, work.local, points);
+                        chosen_by_tile.sort(simd, &work.frame.table.tiles[index].range, &self.gathered_near, points);
                         for form in chosen_by_tile.forms() {
                             let points = chosen_by_tile.points(form);
                             self.gathered.gather(work.local, points);
@@ -153,11 +169,14 @@ impl Superposition {
                     self.gathered.gather(work.local, points);
                     self.add_gathered(simd, work, points, Middle { tables, cluster: &cluster.view(), next: None });
                 }
+                (NEAR | MIDDLE | OUTER, _) => {
+                    self.gathered.gather(work.local, points);
+                    self.add_tile(simd, work, together.blocks.start, form, points);
+                }
                 _ => {
                     self.gathered.gather(work.local, points);
-                    for index in together.blocks.clone() {
-                        self.add_tile(simd, work, index, form, points);
-                    }
+                    self.add_series(simd, work, together, form, true);
+                    self.totals.add_totals_at(&self.partial, points);
                 }
             }
         }
@@ -298,6 +317,8 @@ struct Far<'a, S: Simd> {
     series: &'a Series,
     order: usize,
     points: Option<[[Lanes<S>; 3]; 2]>,
+    /// The field at the second of two vectors, computed with the first.
+    kept: Option<[Lanes<S>; 3]>,
 }
 
 impl<'a, S: Simd> Far<'a, S> {
@@ -308,6 +329,7 @@ impl<'a, S: Simd> Far<'a, S> {
             series: frame.table.series(index).unwrap_or_else(|| made.insert(Series::of(frame.blocks[index].size))),
             order: MULTIPOLE_ORDERS[usize::from(form - FAR)].0,
             points: None,
+            kept: None,
         }
     }
 }
@@ -322,6 +344,11 @@ impl<S: Simd> Source<S> for Far<'_, S> {
     fn field(&mut self, simd: S, ahead: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let [current, next] = self.points.expect("started");
         self.points = Some([next, ahead]);
-        multipole::field(simd, self.tile, self.series, self.order, current)
+        if let Some(field) = self.kept.take() {
+            return field;
+        }
+        let [field, after] = multipole::fields(simd, self.tile, self.series, self.order, [current, next]);
+        self.kept = Some(after);
+        field
     }
 }

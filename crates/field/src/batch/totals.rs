@@ -68,6 +68,39 @@ impl Totals {
         }
     }
 
+    /// Adds other sums at the same points.
+    #[inline(always)]
+    pub(super) fn add_totals<S: Simd>(&mut self, simd: S, other: &Totals) {
+        for axis in 0..3 {
+            let own = self.sums[axis]
+                .chunks_exact_mut(Lanes::<S>::LEN)
+                .zip(self.carries[axis].chunks_exact_mut(Lanes::<S>::LEN));
+            let others =
+                other.sums[axis].chunks_exact(Lanes::<S>::LEN).zip(other.carries[axis].chunks_exact(Lanes::<S>::LEN));
+            for ((sums, carries), (terms, lows)) in own.zip(others) {
+                let (before, term) = (Lanes::<S>::load(simd, sums), Lanes::<S>::load(simd, terms));
+                let sum = before + term;
+                let part = sum - before;
+                let low = (before - (sum - part)) + (term - part);
+                sum.store(sums);
+                ((Lanes::<S>::load(simd, carries) + low) + Lanes::<S>::load(simd, lows)).store(carries);
+            }
+        }
+    }
+
+    /// Adds other sums, which are those at the points with the indices `chosen`.
+    pub(super) fn add_totals_at(&mut self, other: &Totals, chosen: &[u32]) {
+        for axis in 0..3 {
+            let terms = other.sums[axis].iter().zip(&other.carries[axis]);
+            for ((term, low), &index) in terms.zip(chosen) {
+                let step = TwoSum::of(self.sums[axis][index as usize], *term);
+                self.sums[axis][index as usize] = step.hi;
+                let carry = &mut self.carries[axis][index as usize];
+                *carry = (*carry + step.lo) + low;
+            }
+        }
+    }
+
     /// Adds the field of `source` at the points with the indices `chosen`.
     #[inline(always)]
     pub(super) fn add_some<S: Simd>(
