@@ -1,10 +1,16 @@
 //! What benchmarks share: the scenes they measure.
 
+mod magba_scene;
+mod workloads;
+
 use std::path::Path;
 
 use glam::DVec3;
 use magsplice::field::Grid;
 use magsplice::layout::Layout;
+
+pub use magba_scene::Magba;
+pub use workloads::{Workload, workloads};
 
 /// A layout shipped with the project.
 ///

@@ -27,8 +27,8 @@ pub struct PointError {
 impl Scene {
     /// The field at every point of `points`, written to `field` in the same order, in parallel over points.
     ///
-    /// Each point is computed alone, so the result is bit-identical for any number of threads and any division of the points
-    /// into calls. Memory does not grow with tiles times points.
+    /// Points are taken in batches, but no digit of a field depends on the other points: the result is bit-identical for any number of threads and
+    /// any division of the points into calls. Memory does not grow with tiles times points.
     ///
     /// # Errors
     /// All points without a field at once; their entries of `field` are then NaN and all others are valid.

@@ -1,0 +1,98 @@
+//! How time grows with tiles, points and threads.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use glam::DVec3;
+use magsplice::field::{Quantity, Scene, Tile};
+use magsplice_benches::{shipped_layout, working_volume};
+
+use crate::{Effort, median};
+
+/// Nanoseconds for a tile and a point at a number of them.
+pub(crate) struct At {
+    pub(crate) count: usize,
+    pub(crate) ns: f64,
+}
+
+fn time(scene: &Scene, points: &[DVec3], runs: usize) -> f64 {
+    let mut field = vec![DVec3::ZERO; points.len()];
+    let run = || {
+        let start = Instant::now();
+        scene.field_into(Quantity::FluxDensity, black_box(points), &mut field).expect("bounded");
+        start.elapsed().as_secs_f64()
+    };
+    median(std::iter::repeat_with(run).take(runs).collect())
+}
+
+/// A square sheet of unit cubes of different polarization, at points below all of it.
+pub(crate) fn by_tiles(effort: Effort) -> Vec<At> {
+    let sheet = |side: i32| -> Vec<Tile> {
+        let cells = (0..side * side).map(|n| (f64::from(n % side), f64::from(n / side)));
+        let half = 0.5 * f64::from(side);
+        cells
+            .map(|(x, y)| {
+                let j = DVec3::new((0.6 * x).sin(), (0.6 * y).sin(), 0.2);
+                Tile::new(DVec3::new(x + 0.5 - half, y + 0.5 - half, 0.5), DVec3::ONE, j).expect("a valid tile")
+            })
+            .collect()
+    };
+    [1, 3, 10, 32, 100]
+        .into_iter()
+        .map(|side| {
+            let (tiles, half) = (sheet(side), 0.5 * f64::from(side));
+            let count = (effort.pairs / tiles.len()).clamp(64, 20_000) as i32;
+            let points: Vec<DVec3> = (0..count)
+                .map(|n| {
+                    let n = f64::from(n);
+                    DVec3::new(half * (1.7 * n).sin(), half * (2.3 * n).cos(), -3.0 - (0.9 * n).sin())
+                })
+                .collect();
+            let seconds = time(&Scene::new(&tiles), &points, effort.runs);
+            At { count: tiles.len(), ns: 1e9 * seconds / (tiles.len() * points.len()) as f64 }
+        })
+        .collect()
+}
+
+fn film() -> (Scene, usize) {
+    let tiles = shipped_layout("published-film").bare_tiles();
+    (Scene::new(&tiles), tiles.len())
+}
+
+/// The published film at points of its working volume.
+pub(crate) fn by_points(effort: Effort) -> Vec<At> {
+    let (scene, tiles) = film();
+    let points: Vec<DVec3> = working_volume([81, 81, 41]).points().collect();
+    [1, 10, 100, 1_000, 10_000, 100_000]
+        .into_iter()
+        .filter(|count| count * tiles <= 4 * effort.pairs)
+        .map(|count| {
+            let chosen: Vec<DVec3> = (0..count).map(|n| points[n * points.len() / count]).collect();
+            // Short calls are repeated: one is below the resolution of the clock.
+            let calls = (1000 / count).max(1);
+            let repeat = |_| (0..calls).map(|_| time(&scene, &chosen, 1)).sum::<f64>() / calls as f64;
+            let seconds = median((0..effort.runs).map(repeat).collect());
+            At { count, ns: 1e9 * seconds / (tiles * count) as f64 }
+        })
+        .collect()
+}
+
+/// How many times faster than one thread, interleaved.
+pub(crate) fn by_threads(effort: Effort) -> Result<Vec<(usize, f64)>, String> {
+    let (scene, tiles) = film();
+    let points: Vec<DVec3> = working_volume([81, 81, 41]).points().take(4 * effort.pairs / tiles).collect();
+    let available = std::thread::available_parallelism().map_or(1, usize::from);
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string());
+    let one = pool(1)?;
+    let counts = std::iter::successors(Some(2), |n| Some(2 * n)).take_while(|n| *n <= available);
+    counts
+        .map(|threads| {
+            let many = pool(threads)?;
+            let pair = || {
+                let alone = one.install(|| time(&scene, &points, 1));
+                alone / many.install(|| time(&scene, &points, 1))
+            };
+            Ok((threads, median(std::iter::repeat_with(pair).take(effort.runs).collect())))
+        })
+        .collect()
+}

@@ -1,0 +1,76 @@
+//! Measures the speed of magsplice, magba and magpylib on the same scenes and writes `docs/speed.md` with its pictures.
+//!
+//! `cargo run --release -p magsplice-benches --bin speed`
+//!
+//! magpylib is run by `benches/speed/magpylib_times.py`, which needs a Python with magpylib (`--python`, by default `python3`).
+
+mod growth;
+mod limit;
+mod page;
+mod peers;
+mod picture;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser;
+
+#[derive(Parser)]
+struct Args {
+    /// A Python that can import magpylib
+    #[arg(long, default_value = "python3")]
+    python: PathBuf,
+    /// Leave magpylib out
+    #[arg(long)]
+    without_magpylib: bool,
+    /// Everything once on few points, to see that it works
+    #[arg(long)]
+    once: bool,
+    /// Folder to write speed.md and pictures/ to [default: docs]
+    #[arg(long)]
+    output: Option<PathBuf>,
+}
+
+/// How much is measured.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// Tile-point pairs in a run.
+    pairs: usize,
+    /// Interleaved runs.
+    runs: usize,
+}
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    let docs = args.output.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs"));
+    let effort = if args.once { Effort { pairs: 20_000, runs: 1 } } else { Effort { pairs: 3_000_000, runs: 7 } };
+    let python = (!args.without_magpylib).then_some(args.python);
+    match write(&docs, python.as_deref(), effort) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("speed: {message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn write(docs: &Path, python: Option<&Path>, effort: Effort) -> Result<(), String> {
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| e.to_string())?;
+    let rows = one_thread.install(|| peers::measure(python, effort))?;
+    let tiles = one_thread.install(|| growth::by_tiles(effort));
+    let points = one_thread.install(|| growth::by_points(effort));
+    let threads = growth::by_threads(effort)?;
+    let limit = one_thread.install(|| limit::measure(effort));
+    let pictures = docs.join("pictures");
+    let io = |e: std::io::Error| e.to_string();
+    fs::create_dir_all(&pictures).map_err(io)?;
+    picture::draw_peers(&pictures.join("speed.svg"), &rows)?;
+    picture::draw_growth(&pictures.join("growth.svg"), &tiles, &points)?;
+    fs::write(docs.join("speed.md"), page::text(&rows, &tiles, &points, &threads, &limit)).map_err(io)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}

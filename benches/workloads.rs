@@ -1,0 +1,67 @@
+//! The scenes on which speed is compared.
+
+use glam::{DQuat, DVec3};
+use magsplice::field::Tile;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::{shipped_layout, working_volume};
+
+/// Tiles, and the points at which their field is wanted.
+pub struct Workload {
+    /// As it is printed.
+    pub name: &'static str,
+    /// Their fields add up.
+    pub tiles: Vec<Tile>,
+    /// In any order.
+    pub points: Vec<DVec3>,
+}
+
+impl Workload {
+    /// The same with evenly thinned points, so that they keep their distribution, and at most so many tile-point pairs.
+    pub fn thinned(mut self, most_pairs: usize) -> Workload {
+        let keep = (most_pairs / self.tiles.len()).clamp(1, self.points.len());
+        self.points = (0..keep).map(|i| self.points[i * self.points.len() / keep]).collect();
+        self
+    }
+
+    /// Tiles times points.
+    pub fn pairs(&self) -> usize {
+        self.tiles.len() * self.points.len()
+    }
+}
+
+/// All of them.
+pub fn workloads() -> Vec<Workload> {
+    let film = shipped_layout("published-film").bare_tiles();
+    let grid: Vec<DVec3> = working_volume([81, 81, 41]).points().collect();
+    let mut random = ChaCha8Rng::seed_from_u64(4);
+    let mut within = |reach: f64| DVec3::from([0, 1, 2].map(|_| random.random_range(-reach..reach)));
+    // Different in every tile, so that no two are one block.
+    let general = |(i, t): (usize, &Tile)| {
+        let j = t.polarization_t() + DVec3::new(0.02, -0.03, 0.04 + 1e-4 * i as f64);
+        Tile::new(t.position(), t.size(), j).expect("a valid tile")
+    };
+    let turned =
+        |(i, t): (usize, &Tile)| t.rotated(DQuat::from_rotation_z(1e-3 * (i as f64 + 1.0))).expect("a rotation");
+    let one = Tile::new(DVec3::ZERO, DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7)).expect("a valid tile");
+    let near_and_far: Vec<DVec3> = (0..1_000_000).map(|i| within(if i % 2 == 0 { 4.0 } else { 40.0 })).collect();
+    let lattice = (0..10_000).map(|i| {
+        let (x, y) = (f64::from(i % 100) - 49.5, f64::from(i / 100) - 49.5);
+        let j = DVec3::new((0.6 * x).sin(), (0.6 * y).sin(), 0.0).normalize() * 0.12;
+        Tile::new(DVec3::new(x, y, 0.5), DVec3::ONE, j).expect("a valid tile")
+    });
+    let below: Vec<DVec3> =
+        (0..10_000).map(|_| within(40.0) * DVec3::new(1.0, 1.0, 0.02) - DVec3::new(0.0, 0.0, 4.0)).collect();
+    vec![
+        Workload { name: "film-exact", tiles: film.clone(), points: grid.clone() },
+        Workload {
+            name: "film-general-polarization",
+            tiles: film.iter().enumerate().map(general).collect(),
+            points: grid.clone(),
+        },
+        Workload { name: "film-rotated", tiles: film.iter().enumerate().map(turned).collect(), points: grid },
+        Workload { name: "one-tile", tiles: vec![one], points: near_and_far },
+        Workload { name: "many-tiles", tiles: lattice.collect(), points: below },
+    ]
+}
