@@ -82,6 +82,14 @@ impl<S: Simd> Lanes<S> {
         [Lanes(refined::<S>(a, root_a, rate_a)), Lanes(refined::<S>(b, root_b, rate_b))]
     }
 
+    /// The rounded sum, and what was rounded away (Knuth).
+    #[inline(always)]
+    pub(super) fn two_sum(self, term: Self) -> (Self, Self) {
+        let sum = self + term;
+        let part = sum - self;
+        (sum, (self - (sum - part)) + (term - part))
+    }
+
     #[inline(always)]
     pub(super) fn sqrt(self) -> Self {
         Lanes(self.0.sqrt())

@@ -59,9 +59,7 @@ impl Totals {
             for (axis, term) in field.into_iter().enumerate() {
                 let (sums, carries) = (&mut self.sums[axis][start..end], &mut self.carries[axis][start..end]);
                 let before = Lanes::<S>::load(simd, sums);
-                let sum = before + term;
-                let part = sum - before;
-                let low = (before - (sum - part)) + (term - part);
+                let (sum, low) = before.two_sum(term);
                 sum.store(sums);
                 (Lanes::<S>::load(simd, carries) + low).store(carries);
             }
@@ -79,9 +77,7 @@ impl Totals {
                 other.sums[axis].chunks_exact(Lanes::<S>::LEN).zip(other.carries[axis].chunks_exact(Lanes::<S>::LEN));
             for ((sums, carries), (terms, lows)) in own.zip(others) {
                 let (before, term) = (Lanes::<S>::load(simd, sums), Lanes::<S>::load(simd, terms));
-                let sum = before + term;
-                let part = sum - before;
-                let low = (before - (sum - part)) + (term - part);
+                let (sum, low) = before.two_sum(term);
                 sum.store(sums);
                 ((Lanes::<S>::load(simd, carries) + low) + Lanes::<S>::load(simd, lows)).store(carries);
             }
@@ -121,9 +117,7 @@ impl Totals {
                     *sum = self.sums[axis][index as usize];
                 }
                 let before = Lanes::<S>::load(simd, &sums[axis][..Lanes::<S>::LEN]);
-                let sum = before + term;
-                let part = sum - before;
-                let low = (before - (sum - part)) + (term - part);
+                let (sum, low) = before.two_sum(term);
                 for (lane, &index) in chosen.iter().enumerate() {
                     self.sums[axis][index as usize] = sum.lane(lane);
                     self.carries[axis][index as usize] += low.lane(lane);
