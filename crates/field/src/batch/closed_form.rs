@@ -6,7 +6,7 @@
 
 use fearless_simd::prelude::*;
 
-use super::cluster::ClusterView;
+use super::cluster::Cluster;
 use super::functions::{angle, artanh_of_ratio};
 use super::lanes::Lanes;
 use super::terms::{AA, AB, AC, BB, BC, CC, NO_GROUP, TileTerms};
@@ -66,8 +66,8 @@ impl<S: Simd> Places<S> {
     }
 
     #[inline(always)]
-    fn set_offsets(&mut self, cluster: &ClusterView, point: [Lanes<S>; 3]) {
-        for (index, (axis, coordinate)) in (0..).zip(cluster.planes) {
+    fn set_offsets(&mut self, cluster: &Cluster, point: [Lanes<S>; 3]) {
+        for (index, (axis, coordinate)) in (0..).zip(&cluster.planes) {
             let offset = ((point[*axis] - coordinate.hi) - coordinate.lo) * cluster.scale;
             self.offsets[plane(index)] = offset;
             self.squares[plane(index)] = offset * offset;
@@ -100,17 +100,17 @@ impl<S: Simd> Tables<S> {
 
     /// Begins with the first points.
     #[inline(always)]
-    pub(super) fn start(&mut self, cluster: &ClusterView, first: [Lanes<S>; 3]) {
+    pub(super) fn start(&mut self, cluster: &Cluster, first: [Lanes<S>; 3]) {
         let next = &mut self.places[self.next];
         next.set_offsets(cluster, first);
-        for (index, planes) in (0..).step_by(2).zip(cluster.corners) {
+        for (index, planes) in (0..).step_by(2).zip(&cluster.corners) {
             next.set_distances(index, planes);
         }
     }
 
     /// mu0 H of the tiles of `cluster`, in their frame, at the points given as `next` before (or to [`Tables::start`]), which are outside them.
     #[inline(always)]
-    pub(super) fn field(&mut self, simd: S, cluster: &ClusterView, next: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+    pub(super) fn field(&mut self, simd: S, cluster: &Cluster, next: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let [even, odd] = &mut *self.places;
         let (current, upcoming) = if self.next == 0 { (even, odd) } else { (odd, even) };
         self.next = 1 - self.next;
@@ -120,8 +120,8 @@ impl<S: Simd> Tables<S> {
             *product = [one, zero];
         }
         let mut upcoming =
-            Upcoming { places: upcoming, corners: cluster.corners, step: cluster.corner_pairs_per_step, known: 0 };
-        for tile in cluster.tiles {
+            Upcoming { places: upcoming, corners: &cluster.corners, step: cluster.corner_pairs_per_step, known: 0 };
+        for tile in &cluster.tiles {
             multiply(tile, current, &mut upcoming, &mut self.products);
         }
         let mut sum = [zero; 3];

@@ -7,31 +7,21 @@ use crate::block::Block;
 use crate::tolerances::{GROUP_DISTANCE, GROUP_THICKNESSES, MOST_CORNERS, MOST_GROUPS, MOST_PLANES, TILES_PER_GROUP};
 use crate::two_sum::TwoSum;
 
-/// What the kernel reads.
-#[derive(Clone, Copy)]
-pub(super) struct ClusterView<'a> {
-    /// A power of two that takes lengths to order one.
-    pub(super) scale: f64,
-    /// Axis and coordinate.
-    pub(super) planes: &'a [(usize, TwoSum)],
-    /// The three planes that meet in each corner, two corners at a time.
-    pub(super) corners: &'a [[[u16; 3]; 2]],
-    /// How many such pairs there are for half a tile, rounded up.
-    pub(super) corner_pairs_per_step: usize,
-    pub(super) tiles: &'a [TileTerms],
-    pub(super) groups: &'a [Group],
-}
-
 /// Tiles with their tables.
 #[derive(Clone, Debug)]
 pub(super) struct Cluster {
-    scale: f64,
-    planes: Vec<(usize, TwoSum)>,
-    corners: Vec<[[u16; 3]; 2]>,
-    corner_pairs_per_step: usize,
-    tiles: Vec<TileTerms>,
-    groups: Vec<Group>,
-    largest_group_volume: f64,
+    /// A power of two that takes lengths to order one.
+    pub(super) scale: f64,
+    /// Axis and coordinate.
+    pub(super) planes: Vec<(usize, TwoSum)>,
+    /// The three planes that meet in each corner, two corners at a time.
+    pub(super) corners: Vec<[[u16; 3]; 2]>,
+    /// How many such pairs there are for half a tile, rounded up.
+    pub(super) corner_pairs_per_step: usize,
+    pub(super) tiles: Vec<TileTerms>,
+    pub(super) groups: Vec<Group>,
+    /// The volume of the tiles of one group, at most; scaled.
+    pub(super) largest_group_volume: f64,
 }
 
 impl Cluster {
@@ -65,22 +55,6 @@ impl Cluster {
             groups: groups.all,
             largest_group_volume: groups.largest_volume,
         })
-    }
-
-    /// The volume of the tiles of one group, at most; scaled.
-    pub(super) fn largest_group_volume(&self) -> f64 {
-        self.largest_group_volume
-    }
-
-    pub(super) fn view(&self) -> ClusterView<'_> {
-        ClusterView {
-            scale: self.scale,
-            planes: &self.planes,
-            corners: &self.corners,
-            corner_pairs_per_step: self.corner_pairs_per_step,
-            tiles: &self.tiles,
-            groups: &self.groups,
-        }
     }
 }
 

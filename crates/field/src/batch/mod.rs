@@ -4,7 +4,7 @@
 //! | form | where | file |
 //! |---|---|---|
 //! | the kernel of one point | in a tile or beside it | [`crate::kernel`] |
-//! | closed form in vectors, tiles that share corners together | up to some twenty sizes | `closed_form` |
+//! | closed form in vectors, tiles that share corners together or a tile by itself | up to 15 of its sides | `closed_form`, `alone` |
 //! | multipole series in vectors | beyond | `multipole` |
 //!
 //! Which form serves a tile at a point depends on the two alone, and so does every digit of the answer: neither on the other points, nor on

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::alone::{Alone, Place, Ratios};
 use super::closed_form::Tables;
-use super::cluster::ClusterView;
+use super::cluster::Cluster;
 use super::lanes::Lanes;
 use super::multipole::{self, Distant, Series};
 use super::points::{Chosen, Coordinates};
@@ -118,7 +118,7 @@ impl Superposition {
     fn add_at_all<S: Simd>(&mut self, simd: S, tables: &mut Tables<S>, work: Work, together: &Together, form: Form) {
         let (rotation, points) = (work.frame.to_scene.rotation(), &work.local.axes);
         if let (MIDDLE, Some(cluster)) = (form, &together.cluster) {
-            self.totals.add(simd, rotation, points, Middle { tables, cluster: &cluster.view(), next: None });
+            self.totals.add(simd, rotation, points, Middle { tables, cluster, next: None });
             return;
         }
         let tile = together.blocks.start;
@@ -167,7 +167,7 @@ impl Superposition {
                 }
                 (MIDDLE, Some(cluster)) => {
                     self.gathered.gather(work.local, points);
-                    self.add_gathered(simd, work, points, Middle { tables, cluster: &cluster.view(), next: None });
+                    self.add_gathered(simd, work, points, Middle { tables, cluster, next: None });
                 }
                 (NEAR | MIDDLE | OUTER, _) => {
                     self.gathered.gather(work.local, points);
@@ -234,7 +234,7 @@ pub(super) trait Source<S: Simd> {
 /// Tiles together.
 struct Middle<'a, S: Simd> {
     tables: &'a mut Tables<S>,
-    cluster: &'a ClusterView<'a>,
+    cluster: &'a Cluster,
     next: Option<[Lanes<S>; 3]>,
 }
 

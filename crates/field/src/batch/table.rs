@@ -71,7 +71,7 @@ impl FrameTable {
                 if blocks.len() <= TILES_PER_CLUSTER {
                     let parts = decomposed(blocks);
                     if let Some(cluster) = Cluster::of(&parts, Range::scale_of(&parts)) {
-                        let range = Range::of_tiles(&parts, cluster.largest_group_volume());
+                        let range = Range::of_tiles(&parts, cluster.largest_group_volume);
                         if range.is_compact() {
                             let blocks = start..start + blocks.len();
                             self.clusters.push(Together { blocks, range, cluster: Some(cluster) });
