@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p magsplice-benches --bench peers` prints for each workload `ratio: <workload> = <magba time / magsplice time>`, the median
 //! over interleaved pairs of runs, and how far the two fields are apart. `-- --test` runs each workload once on few points, `-- NAME` those with
-//! this in their name.
+//! this in their name, `-- --avx2` (or another instruction set) with these instructions instead of the best.
 
 use std::hint::black_box;
 use std::time::Instant;
