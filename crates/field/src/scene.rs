@@ -118,11 +118,10 @@ impl Scene {
                     field[index] = DVec3::NAN;
                 }
             }
-            for (index, (field, &point)) in field.iter_mut().zip(points).enumerate() {
-                // Also where the point is out of range.
+            for (index, field) in field.iter_mut().enumerate() {
+                // Where the point is out of range, or the result.
                 if !field.is_finite() && !superposition.is_exposed(index) {
-                    let cause = check_range(point).err().unwrap_or(Cause::OutOfRange);
-                    failed(index, cause);
+                    failed(index, Cause::OutOfRange);
                     *field = DVec3::NAN;
                 }
             }

@@ -31,8 +31,8 @@ struct Places<S: Simd> {
     squares: [Lanes<S>; MOST_PLANES],
     /// Distances from the corners.
     distances: [Lanes<S>; MOST_CORNERS],
-    /// So that a distance of the next points is not half-way across a page from that of the same corner: a processor that compares the low
-    /// twelve bits of addresses would wait for the one before it reads the other.
+    /// Puts the same corner of the two places half a page apart with the longest vectors: a processor that compares the low twelve bits of addresses
+    /// would wait for the one that is written before it reads the other.
     _apart: [Lanes<S>; APART],
 }
 
