@@ -15,8 +15,10 @@ use nalgebra::Vector3;
 /// Interleaved pairs of runs; the median ratio is printed.
 const PAIRS: usize = 7;
 
-/// magba is timed on at most this many tile-point pairs, magsplice on the same, so that a pair of runs takes about a second.
-const LARGEST_RUN: usize = 3_000_000;
+/// Where magba takes longer than a few seconds, for more tile-point pairs than this, it is a median of [`FEW_PAIRS`].
+const LARGE_RUN: usize = 20_000_000;
+/// See [`LARGE_RUN`].
+const FEW_PAIRS: usize = 3;
 
 fn main() {
     let once = std::env::args().any(|a| a == "--test");
@@ -26,13 +28,14 @@ fn main() {
     let set = *sets.iter().find(named).unwrap_or(&sets[0]);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
     for workload in workloads().into_iter().filter(|w| w.name.contains(&wanted)) {
-        let (most, pairs) = if once { (20_000, 1) } else { (LARGEST_RUN, PAIRS) };
-        pool.install(|| compare(workload, set, most, pairs));
+        let pairs = if workload.pairs() > LARGE_RUN { FEW_PAIRS } else { PAIRS };
+        let (workload, pairs) = if once { (workload.thinned(20_000), 1) } else { (workload, pairs) };
+        pool.install(|| compare(workload, set, pairs));
     }
 }
 
-fn compare(workload: Workload, set: InstructionSet, most: usize, pairs: usize) {
-    let Workload { name, tiles, points } = workload.thinned(most);
+fn compare(workload: Workload, set: InstructionSet, pairs: usize) {
+    let Workload { name, tiles, points } = workload;
     let scene = Scene::new(&tiles).with_instruction_set(set).expect("available");
     let magba = Magba::new(&tiles, &points);
     let (mut ours, mut theirs) = (vec![DVec3::ZERO; points.len()], vec![Vector3::zeros(); points.len()]);

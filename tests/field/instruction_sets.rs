@@ -116,6 +116,12 @@ fn stacked_cubes_near_and_far() {
         })
         .collect();
     check("cubes", &tiles, &around(), 0.0);
+    let turn = DQuat::from_scaled_axis(DVec3::new(0.3, -0.2, 0.9));
+    let about_the_origin =
+        |t: &Tile| tile(turn * t.position(), t.size(), t.polarization_t()).rotated(turn).expect("a rotation");
+    let turned: Vec<Tile> = tiles.iter().map(about_the_origin).collect();
+    let points: Vec<DVec3> = around().into_iter().filter(|p| p.length() > 6.0).collect();
+    check("turned cubes", &turned, &points, 4e-14);
 }
 
 /// Shapes that some forms refuse, side by side with others.

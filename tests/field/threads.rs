@@ -26,7 +26,7 @@ fn points() -> Vec<DVec3> {
 #[test]
 fn bit_identical_for_any_number_of_threads_and_any_batch() {
     for set in InstructionSet::available() {
-        for scene in [scene(), film()] {
+        for scene in [scene(), film(), scattered(&[])] {
             identical(&scene.with_instruction_set(set).expect("available"));
         }
     }
@@ -42,6 +42,21 @@ fn film() -> Scene {
         })
         .collect();
     Scene::new(&tiles)
+}
+
+/// `tiles` and so many apart from each other, and cubes together, that points are regrouped.
+fn scattered(tiles: &[Tile]) -> Scene {
+    let apart = (0..150).map(|i| {
+        let turn = f64::from(i);
+        let position = DVec3::new(90.0 * (1.7 * turn).sin(), 90.0 * (2.9 * turn).cos(), 30.0 + turn);
+        Tile::new(position, DVec3::new(1.0, 0.7, 0.4), DVec3::new(turn.sin(), 0.3, 1.0)).expect("a valid tile")
+    });
+    let together = (0..60).map(|i| {
+        let at = DVec3::new(f64::from(i % 5), f64::from(i / 5 % 4), f64::from(i / 20));
+        Tile::new(at + DVec3::new(20.0, -15.0, -3.0), DVec3::ONE, DVec3::new(0.1, f64::from(i).sin(), 1.0))
+            .expect("a valid tile")
+    });
+    Scene::new(&tiles.iter().copied().chain(apart).chain(together).collect::<Vec<Tile>>())
 }
 
 fn identical(scene: &Scene) {
@@ -64,7 +79,12 @@ fn identical(scene: &Scene) {
 #[test]
 fn every_point_without_a_field_is_named() {
     let cube = Tile::new(DVec3::ZERO, DVec3::splat(2.0), DVec3::X).unwrap();
-    let scene = Scene::new(&[cube]);
+    for scene in [Scene::new(&[cube]), scattered(&[cube])] {
+        named(&scene);
+    }
+}
+
+fn named(scene: &Scene) {
     let mut points = points();
     points[7] = DVec3::new(1.0, 0.3, 1.0);
     points[800] = DVec3::new(f64::NAN, 0.0, 0.0);

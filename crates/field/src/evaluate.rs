@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::quantity::Quantity;
 use crate::scene::{Cause, Scene};
-use crate::tolerances::{BATCHES_PER_THREAD, POINTS_PER_BATCH};
+use crate::tolerances::{BATCHES_PER_THREAD, POINTS_PER_BATCH, REGROUPED_POINTS};
 
 /// Points at which there is no field to give, in the order of the points.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,7 @@ impl Scene {
     /// # Panics
     /// If the two slices differ in length.
     pub fn field_into(&self, quantity: Quantity, points: &[DVec3], field: &mut [DVec3]) -> Result<(), PointErrors> {
-        for_each_batch(points, field, |points, field, failed| {
+        for_each_batch(points, field, self.is_divided(), |points, field, failed| {
             self.field_of_batch(quantity, points, field, failed);
         })
     }
@@ -49,7 +49,7 @@ impl Scene {
     /// # Panics
     /// If the two slices differ in length.
     pub fn flux_density_gradient_into(&self, points: &[DVec3], gradient: &mut [DMat3]) -> Result<(), PointErrors> {
-        for_each_batch(points, gradient, |points, gradient, failed| {
+        for_each_batch(points, gradient, false, |points, gradient, failed| {
             for (index, (&point, gradient)) in points.iter().zip(gradient).enumerate() {
                 *gradient = self.flux_density_gradient(point).unwrap_or_else(|cause| {
                     failed(index, cause);
@@ -60,10 +60,12 @@ impl Scene {
     }
 }
 
-/// Has `evaluate` fill in the values of batch after batch and name the points of the batch that have none.
-fn for_each_batch<T: Send>(
+/// Has `evaluate` fill in the values of batch after batch and name the points of the batch that have none. If `regroup`, each batch is of neighbours,
+/// not of points that follow each other.
+fn for_each_batch<T: Send + Copy + Default>(
     points: &[DVec3],
     values: &mut [T],
+    regroup: bool,
     evaluate: impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, Cause)) + Sync + Send,
 ) -> Result<(), PointErrors> {
     assert_eq!(points.len(), values.len(), "one value per point");
@@ -71,7 +73,42 @@ fn for_each_batch<T: Send>(
     let batches = if threads > 1 { BATCHES_PER_THREAD * threads } else { 1 };
     let [least, most] = POINTS_PER_BATCH;
     let size = (points.len() / batches).clamp(least, most);
-    let mut errors: Vec<PointError> = points
+    let mut errors = Vec::new();
+    if regroup && points.len() > size {
+        let stretches = points.chunks(REGROUPED_POINTS).zip(values.chunks_mut(REGROUPED_POINTS));
+        for (stretch, (points, values)) in stretches.enumerate() {
+            let order = neighbours_together(points, size);
+            let regrouped: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
+            let mut results = vec![T::default(); points.len()];
+            let start = stretch * REGROUPED_POINTS;
+            let index = |position: usize| start + order[position] as usize;
+            errors.extend(
+                in_batches(&regrouped, &mut results, size, &evaluate)
+                    .into_iter()
+                    .map(|error| PointError { index: index(error.index), ..error }),
+            );
+            for (&index, result) in order.iter().zip(results) {
+                values[index as usize] = result;
+            }
+        }
+    } else {
+        errors = in_batches(points, values, size, &evaluate);
+    }
+    if errors.is_empty() {
+        return Ok(());
+    }
+    errors.sort_by_key(|e| e.index);
+    Err(PointErrors(errors))
+}
+
+/// Batches of `size` points, in parallel.
+fn in_batches<T: Send>(
+    points: &[DVec3],
+    values: &mut [T],
+    size: usize,
+    evaluate: &(impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, Cause)) + Sync + Send),
+) -> Vec<PointError> {
+    points
         .par_chunks(size)
         .zip(values.par_chunks_mut(size))
         .enumerate()
@@ -82,12 +119,30 @@ fn for_each_batch<T: Send>(
             });
             errors
         })
-        .collect();
-    if errors.is_empty() {
-        return Ok(());
+        .collect()
+}
+
+/// The indices of points in an order in which each `size` of them, from the first on, are neighbours.
+fn neighbours_together(points: &[DVec3], size: usize) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    divide(points, &mut order, size);
+    order
+}
+
+/// Divides along the axis along which the points reach farthest.
+fn divide(points: &[DVec3], order: &mut [u32], size: usize) {
+    if order.len() <= size {
+        return;
     }
-    errors.sort_by_key(|e| e.index);
-    Err(PointErrors(errors))
+    let at = |index: u32| points[index as usize];
+    let least = order.iter().map(|&i| at(i)).fold(DVec3::INFINITY, DVec3::min);
+    let most = order.iter().map(|&i| at(i)).fold(DVec3::NEG_INFINITY, DVec3::max);
+    let axis = (most - least).max_position();
+    let middle = order.len().div_ceil(size) / 2 * size;
+    order.select_nth_unstable_by(middle, |&a, &b| at(a)[axis].total_cmp(&at(b)[axis]));
+    let (low, high) = order.split_at_mut(middle);
+    divide(points, low, size);
+    divide(points, high, size);
 }
 
 impl fmt::Display for Cause {

@@ -11,7 +11,7 @@ use crate::edge_policy::Edges;
 use crate::kernel::{Part, cuboid_gradient};
 use crate::quantity::{MU_0, Quantity};
 use crate::tile::Tile;
-use crate::tolerances::MAX_LENGTH;
+use crate::tolerances::{MAX_LENGTH, REGROUPED_PARTS};
 use crate::two_sum::RunningSum;
 
 /// Tiles prepared for evaluation. Their fields add up; tiles do not influence each other.
@@ -65,6 +65,11 @@ impl Scene {
     /// How many tiles there are.
     pub fn tile_count(&self) -> usize {
         self.tiles
+    }
+
+    /// Whether so many parts take their own forms that points of a batch should be neighbours.
+    pub(crate) fn is_divided(&self) -> bool {
+        self.arrangement.frames().iter().map(|frame| frame.table.parts()).sum::<usize>() >= REGROUPED_PARTS
     }
 
     /// The same scene computed with these instructions instead of the best ones the processor has.

@@ -99,6 +99,25 @@ pub(crate) const MULTIPOLE_ORDERS: [(usize, f64); 4] = [(6, 13.0), (5, 20.0), (4
 /// The highest of them.
 pub(crate) const HIGHEST_ORDER: usize = 6;
 
+/// Degrees of the expansion of tiles together, and the distance in radii of the sphere around them from which each is enough, nearer ones first. A dipole in
+/// the sphere has a field of at least 1 / (d + 1)^3 there; of it what is left out after degree p is at most the sum over l > p of
+/// 2 (l + 1/2)^2 / d^(l - 1) (1 + 1 / d)^3, which is below 5e-15 for each of these.
+pub(crate) const EXPANSION_DEGREES: [(usize, f64); 6] =
+    [(39, NEAREST_EXPANSION), (30, 4.0), (23, 6.0), (18, 10.0), (14, 20.0), (10, 60.0)];
+
+/// The highest of them: 40 kB for the tiles of a cluster.
+pub(crate) const HIGHEST_DEGREE: usize = 39;
+
+/// Nearer the degrees rise so fast that tiles one by one cost less.
+pub(crate) const NEAREST_EXPANSION: f64 = 3.0;
+
+/// A term of a series that is smaller than this fraction of the sum is left out.
+pub(crate) const NEGLIGIBLE_TERM: f64 = 1e-17;
+
+/// What the closed form takes for a tile of a cluster, in multiply-adds of vectors: measured on the published film. It only decides which form
+/// is taken where several would do.
+pub(crate) const CLOSED_FORM_COST: f64 = 215.0;
+
 /// The series ends at this square of the distance in sizes, so that no power of the distance overflows; the kernel of one point goes on.
 pub(crate) const FARTHEST: f64 = power_of_two(200);
 
@@ -144,6 +163,13 @@ pub(crate) const KEPT_SERIES: usize = 4096;
 /// Points that one thread takes at a time, at least and at most: small enough to share out 405 points, large enough for full vectors of each
 /// form, small enough for the first caches.
 pub(crate) const POINTS_PER_BATCH: [usize; 2] = [64, 512];
+
+/// Scenes divided into at least so many parts have the points of a batch chosen so that they lie together and one form serves most parts at
+/// all of them.
+pub(crate) const REGROUPED_PARTS: usize = 100;
+
+/// Points among which the neighbours are chosen: a megabyte of copies.
+pub(crate) const REGROUPED_POINTS: usize = 16_384;
 
 /// Batches for each thread, where there are points enough: the more, the more evenly they are shared out.
 pub(crate) const BATCHES_PER_THREAD: usize = 8;

@@ -5,7 +5,8 @@
 //! |---|---|---|
 //! | the kernel of one point | in a tile or beside it | [`crate::kernel`] |
 //! | closed form in vectors, tiles that share corners together or a tile by itself | up to 15 of its sides | `closed_form`, `alone` |
-//! | multipole series in vectors | beyond | `multipole` |
+//! | multipole series in vectors, tile by tile | beyond | `multipole` |
+//! | expansion in solid harmonics, many tiles together | from three radii of the sphere around them on | `expansion`, `harmonics` |
 //!
 //! Which form serves a tile at a point depends on the two alone, and so does every digit of the answer: neither on the other points, nor on
 //! their number, order, or division among threads.
@@ -14,7 +15,9 @@ mod alone;
 mod bars;
 mod closed_form;
 mod cluster;
+mod expansion;
 mod functions;
+mod harmonics;
 pub(crate) mod instruction_set;
 mod lanes;
 mod multipole;

@@ -2,14 +2,15 @@
 
 use fearless_simd::prelude::*;
 
+use super::expansion;
 use super::lanes::Lanes;
 use crate::block::Block;
 use crate::tolerances::{
-    FARTHEST, FORM_MARGIN, GROUP_DISTANCE, LONGEST_NEEDLE, MIDDLE_REACH, MULTIPOLE_ORDERS, NEAR_FRACTION,
-    PRODUCT_RANGE, SMALL_ANGLE,
+    CLOSED_FORM_COST, EXPANSION_DEGREES, FARTHEST, FORM_MARGIN, GROUP_DISTANCE, LONGEST_NEEDLE, MIDDLE_REACH,
+    MULTIPOLE_ORDERS, NEAR_FRACTION, PRODUCT_RANGE, SMALL_ANGLE,
 };
 
-/// The form, as a number to sort points by: from [`FAR`] on positions in [`MULTIPOLE_ORDERS`].
+/// The form, as a number to sort points by: from [`FAR`] on positions in [`Range::far`].
 pub(super) type Form = u8;
 /// None of the others: tiles together are taken one by one, a tile by the kernel of one point.
 pub(super) const NEAR: Form = 0;
@@ -17,13 +18,39 @@ pub(super) const NEAR: Form = 0;
 pub(super) const MIDDLE: Form = 1;
 /// The same where each element is small. Only of a tile alone.
 pub(super) const OUTER: Form = 2;
-/// The multipole series.
+/// The first of those far away.
 pub(super) const FAR: Form = 3;
-/// How many there are.
-pub(super) const FORMS: usize = FAR as usize + MULTIPOLE_ORDERS.len();
+/// How many there may be.
+pub(super) const FORMS: usize = FAR as usize + MOST_STEPS;
+/// One for each distance at which another form may begin: that of each order and degree, and the end of the closed form.
+const MOST_STEPS: usize = MULTIPOLE_ORDERS.len() + EXPANSION_DEGREES.len() + 1;
+
+/// A form for points far away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FarForm {
+    /// The multipole series of each tile.
+    Series { order: usize },
+    /// The expansion of tiles together.
+    Expansion { degree: usize },
+}
+
+impl FarForm {
+    /// The multiply-adds of one vector for so many tiles, about.
+    fn cost(self, tiles: usize) -> f64 {
+        match self {
+            FarForm::Series { order } => {
+                let low = 5 * (order + 1) * (order + 2) * (order + 3) / 6;
+                let high = (order + 1) * (order + 4);
+                (tiles * (low + high + 60)) as f64
+            }
+            // Six sums and three for the recurrence.
+            FarForm::Expansion { degree } => (9 * (degree + 2) * (degree + 3) / 2 + 60) as f64,
+        }
+    }
+}
 
 /// Where each form serves.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Range {
     /// A power of two that takes the lengths of the tiles to order one. What follows is scaled with it, but for the centre.
     pub(super) scale: f64,
@@ -35,8 +62,8 @@ pub(super) struct Range {
     outer: f64,
     /// Square of the greatest distance from the centre for the closed form.
     middle: f64,
-    /// Squares of the distances from the centre at which each order of the series begins to be enough.
-    far: [f64; MULTIPOLE_ORDERS.len()],
+    /// Squares of the distances from the centre at which another form begins, and which.
+    far: Vec<(f64, FarForm)>,
 }
 
 impl Range {
@@ -52,7 +79,7 @@ impl Range {
             near: (NEAR_FRACTION * shape.largest).powi(2),
             outer: (shape.volume / SMALL_ANGLE).cbrt().powi(2),
             middle: middle * middle,
-            far: MULTIPOLE_ORDERS.map(|(_, half_diagonals)| (half_diagonals * shape.half_diagonal).powi(2)),
+            far: series(|half_diagonals| half_diagonals * shape.half_diagonal).map(squared).collect(),
         }
     }
 
@@ -71,8 +98,8 @@ impl Range {
     }
 
     /// Of tiles together: each point that is not [`NEAR`] has the same form for all of them. `group_volume` is that of the tiles that share a
-    /// series, scaled.
-    pub(super) fn of_tiles(blocks: &[Block], group_volume: f64) -> Range {
+    /// series, scaled. `blocks` are what the closed form takes, `tiles` as how many the other forms take them.
+    pub(super) fn of_tiles(blocks: &[Block], tiles: usize, group_volume: f64) -> Range {
         let (centre, half) = Range::around(blocks);
         let scale = Range::scale_of(blocks);
         let half_size = half.map(|h| h * scale);
@@ -88,6 +115,11 @@ impl Range {
         let reach = if shapes.iter().any(is_needle) { 0.0 } else { (MIDDLE_REACH * second).min(PRODUCT_RANGE) };
         let middle = (reach - radius).max(0.0);
         let half_diagonal = most_of(|s| s.half_diagonal);
+        let sphere = expansion::radius(blocks, centre) * scale;
+        let expansions =
+            EXPANSION_DEGREES.into_iter().map(|(degree, radii)| (radii * sphere, FarForm::Expansion { degree }));
+        let candidates: Vec<(f64, FarForm)> =
+            series(|half_diagonals| half_diagonals * half_diagonal + radius).chain(expansions).collect();
         Range {
             scale,
             centre,
@@ -95,7 +127,7 @@ impl Range {
             near: near * near,
             outer: f64::INFINITY,
             middle: middle * middle,
-            far: MULTIPOLE_ORDERS.map(|(_, half_diagonals)| (half_diagonals * half_diagonal + radius).powi(2)),
+            far: cheapest(&candidates, tiles, middle).into_iter().map(squared).collect(),
         }
     }
 
@@ -121,9 +153,9 @@ impl Range {
             // One where it holds, zero where not.
             let reached = gap.at_least(simd, self.near) * distance.at_most(simd, self.middle);
             let middle = reached * gap.at_least(simd, self.outer).scale_add(f64::from(OUTER - MIDDLE), one);
-            let mut far = distance.at_least(simd, self.far[0]) * f64::from(FAR - 1);
-            for least in self.far {
-                far = far + distance.at_least(simd, least);
+            let mut far = distance.at_least(simd, self.far[0].0) * f64::from(FAR - 1);
+            for (least, _) in &self.far {
+                far = far + distance.at_least(simd, *least);
             }
             let form = middle.max(far * distance.at_most(simd, FARTHEST));
             form.store(forms);
@@ -132,14 +164,19 @@ impl Range {
 
     #[inline(always)]
     fn form(&self, gap: f64, distance: f64) -> Form {
-        let order = self.far.iter().map(|&far| u8::from(distance >= far)).sum::<u8>();
-        if order > 0 && distance <= FARTHEST {
-            FAR + order - 1
+        let passed = self.far.iter().map(|&(least, _)| u8::from(distance >= least)).sum::<u8>();
+        if passed > 0 && distance <= FARTHEST {
+            FAR + passed - 1
         } else if gap >= self.near && distance <= self.middle {
             if gap >= self.outer { OUTER } else { MIDDLE }
         } else {
             NEAR
         }
+    }
+
+    /// What a form from [`FAR`] on is.
+    pub(super) fn far(&self, form: Form) -> FarForm {
+        self.far[usize::from(form - FAR)].1
     }
 
     /// The form of all points in a box, if it is certainly the same and not [`NEAR`].
@@ -159,6 +196,34 @@ impl Range {
         let (form, other) = (self.form(gap, nearest), self.form(gap, farthest));
         (form == other && form != NEAR && farthest <= FARTHEST).then_some(form)
     }
+}
+
+/// Where each order of the series begins, given by what `distance` makes of half diagonals.
+fn series(distance: impl Fn(f64) -> f64) -> impl Iterator<Item = (f64, FarForm)> {
+    MULTIPOLE_ORDERS
+        .into_iter()
+        .map(move |(order, half_diagonals)| (distance(half_diagonals), FarForm::Series { order }))
+}
+
+fn squared((distance, form): (f64, FarForm)) -> (f64, FarForm) {
+    (distance * distance, form)
+}
+
+/// Of the forms that may be taken from some distances on the cheapest everywhere, and none where the closed form, which ends at `middle`, costs
+/// less.
+fn cheapest(candidates: &[(f64, FarForm)], tiles: usize, middle: f64) -> Vec<(f64, FarForm)> {
+    let mut distances: Vec<f64> = candidates.iter().map(|(least, _)| *least).chain([middle]).collect();
+    distances.sort_by(f64::total_cmp);
+    let mut steps: Vec<(f64, FarForm)> = Vec::new();
+    for distance in distances {
+        let usable = candidates.iter().filter(|(least, _)| *least <= distance).map(|(_, form)| *form);
+        let Some(best) = usable.min_by(|a, b| a.cost(tiles).total_cmp(&b.cost(tiles))) else { continue };
+        let closed_form_is_cheaper = distance < middle && best.cost(tiles) > CLOSED_FORM_COST * tiles as f64;
+        if !closed_form_is_cheaper && steps.last().is_none_or(|(_, form)| *form != best) {
+            steps.push((distance, best));
+        }
+    }
+    steps
 }
 
 /// Lengths of a tile, scaled.

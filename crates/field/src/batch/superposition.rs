@@ -11,17 +11,17 @@ use glam::DVec3;
 use super::alone::{Alone, Place, Ratios};
 use super::closed_form::Tables;
 use super::cluster::Cluster;
+use super::expansion::Expansion;
 use super::lanes::Lanes;
 use super::multipole::{self, Distant, Series};
 use super::points::{Chosen, Coordinates};
-use super::range::{FAR, Form, MIDDLE, NEAR, OUTER};
+use super::range::{FarForm, Form, MIDDLE, NEAR, OUTER};
 use super::table::Together;
 use super::totals::Totals;
 use crate::arrangement::{Arrangement, Frame};
 use crate::block::{Block, Local};
 use crate::edge_policy::Edges;
 use crate::kernel::{Part, cuboid_field};
-use crate::tolerances::MULTIPOLE_ORDERS;
 
 /// Room for a batch of points; nothing in it grows with the number of tiles.
 #[derive(Default)]
@@ -125,22 +125,28 @@ impl Superposition {
         match form {
             MIDDLE => self.totals.add(simd, rotation, points, ByItself::of(work.frame, tile)),
             OUTER => self.totals.add(simd, rotation, points, Small::of(work.frame, tile)),
-            _ => {
-                self.add_series(simd, work, together, form, false);
-                self.totals.add_totals(simd, &self.partial);
-            }
+            _ => match together.range.far(form) {
+                FarForm::Series { order } => {
+                    self.add_series(simd, work, together, order, false);
+                    self.totals.add_totals(simd, &self.partial);
+                }
+                FarForm::Expansion { degree } => {
+                    let what = Expanded { expansion: together.expansion(&work.frame.blocks), degree };
+                    self.totals.add(simd, rotation, points, ByPairs::of(what));
+                }
+            },
         }
     }
 
     /// The series of all tiles of a cluster, at all points or at gathered ones, into the partial sums.
     #[inline(always)]
-    fn add_series<S: Simd>(&mut self, simd: S, work: Work, together: &Together, form: Form, gathered: bool) {
+    fn add_series<S: Simd>(&mut self, simd: S, work: Work, together: &Together, order: usize, gathered: bool) {
         let points = if gathered { &self.gathered.axes } else { &work.local.axes };
         self.partial.start(points[0].len());
         for index in together.blocks.clone() {
             let mut made = None;
-            let source = Far::of(work.frame, index, form, &mut made);
-            self.partial.add(simd, work.frame.to_scene.rotation(), points, source);
+            let source = Distributed::of(work.frame, index, order, &mut made);
+            self.partial.add(simd, work.frame.to_scene.rotation(), points, ByPairs::of(source));
         }
     }
 
@@ -175,8 +181,16 @@ impl Superposition {
                 }
                 _ => {
                     self.gathered.gather(work.local, points);
-                    self.add_series(simd, work, together, form, true);
-                    self.totals.add_totals_at(&self.partial, points);
+                    match together.range.far(form) {
+                        FarForm::Series { order } => {
+                            self.add_series(simd, work, together, order, true);
+                            self.totals.add_totals_at(&self.partial, points);
+                        }
+                        FarForm::Expansion { degree } => {
+                            let what = Expanded { expansion: together.expansion(&work.frame.blocks), degree };
+                            self.add_gathered(simd, work, points, ByPairs::of(what));
+                        }
+                    }
                 }
             }
         }
@@ -191,8 +205,12 @@ impl Superposition {
             MIDDLE => self.add_gathered(simd, work, chosen, ByItself::of(work.frame, index)),
             OUTER => self.add_gathered(simd, work, chosen, Small::of(work.frame, index)),
             _ => {
+                let FarForm::Series { order } = work.frame.table.tiles[index].range.far(form) else {
+                    unreachable!("a tile by itself has a series only")
+                };
                 let mut made = None;
-                self.add_gathered(simd, work, chosen, Far::of(work.frame, index, form, &mut made));
+                let source = Distributed::of(work.frame, index, order, &mut made);
+                self.add_gathered(simd, work, chosen, ByPairs::of(source));
             }
         }
     }
@@ -311,30 +329,61 @@ impl<S: Simd> Source<S> for Small<S> {
     }
 }
 
+/// What computes the field at two vectors of points at a time.
+trait Pairwise<S: Simd> {
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2];
+}
+
 /// A tile many sizes away.
-struct Far<'a, S: Simd> {
+struct Distributed<'a> {
     tile: &'a Distant,
     series: &'a Series,
     order: usize,
+}
+
+impl<'a> Distributed<'a> {
+    /// The series of its shape is `made` if it is not kept.
+    fn of(frame: &'a Frame, index: usize, order: usize, made: &'a mut Option<Series>) -> Self {
+        let series = frame.table.series(index).unwrap_or_else(|| made.insert(Series::of(frame.blocks[index].size)));
+        Distributed { tile: &frame.table.tiles[index].far, series, order }
+    }
+}
+
+impl<S: Simd> Pairwise<S> for Distributed<'_> {
+    #[inline(always)]
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+        multipole::fields(simd, self.tile, self.series, self.order, points)
+    }
+}
+
+/// Tiles together, radii of the sphere around them away.
+struct Expanded<'a> {
+    expansion: &'a Expansion,
+    degree: usize,
+}
+
+impl<S: Simd> Pairwise<S> for Expanded<'_> {
+    #[inline(always)]
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+        self.expansion.fields(simd, self.degree, points)
+    }
+}
+
+/// Gives the fields one by one.
+struct ByPairs<S: Simd, P> {
+    what: P,
     points: Option<[[Lanes<S>; 3]; 2]>,
     /// The field at the second of two vectors, computed with the first.
     kept: Option<[Lanes<S>; 3]>,
 }
 
-impl<'a, S: Simd> Far<'a, S> {
-    /// The series of its shape is `made` if it is not kept.
-    fn of(frame: &'a Frame, index: usize, form: Form, made: &'a mut Option<Series>) -> Self {
-        Far {
-            tile: &frame.table.tiles[index].far,
-            series: frame.table.series(index).unwrap_or_else(|| made.insert(Series::of(frame.blocks[index].size))),
-            order: MULTIPOLE_ORDERS[usize::from(form - FAR)].0,
-            points: None,
-            kept: None,
-        }
+impl<S: Simd, P> ByPairs<S, P> {
+    fn of(what: P) -> Self {
+        ByPairs { what, points: None, kept: None }
     }
 }
 
-impl<S: Simd> Source<S> for Far<'_, S> {
+impl<S: Simd, P: Pairwise<S>> Source<S> for ByPairs<S, P> {
     #[inline(always)]
     fn start(&mut self, _: S, first: [[Lanes<S>; 3]; 2]) {
         self.points = Some(first);
@@ -347,7 +396,7 @@ impl<S: Simd> Source<S> for Far<'_, S> {
         if let Some(field) = self.kept.take() {
             return field;
         }
-        let [field, after] = multipole::fields(simd, self.tile, self.series, self.order, [current, next]);
+        let [field, after] = self.what.fields(simd, [current, next]);
         self.kept = Some(after);
         field
     }

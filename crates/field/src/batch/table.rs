@@ -2,9 +2,11 @@
 
 use std::collections::HashMap;
 use std::ops::Range as Span;
+use std::sync::OnceLock;
 
 use super::bars::decomposed;
 use super::cluster::Cluster;
+use super::expansion::Expansion;
 use super::multipole::{Distant, Series};
 use super::range::Range;
 use crate::block::Block;
@@ -33,6 +35,19 @@ pub(super) struct Together {
     pub(super) range: Range,
     /// `None` for a single tile.
     pub(super) cluster: Option<Cluster>,
+    /// Made when first needed.
+    expansion: OnceLock<Expansion>,
+}
+
+impl Together {
+    fn new(blocks: Span<usize>, range: Range, cluster: Option<Cluster>) -> Together {
+        Together { blocks, range, cluster, expansion: OnceLock::new() }
+    }
+
+    /// The expansion of these of a frame's `blocks`.
+    pub(super) fn expansion(&self, blocks: &[Block]) -> &Expansion {
+        self.expansion.get_or_init(|| Expansion::of(&blocks[self.blocks.clone()], self.range.centre, self.range.scale))
+    }
 }
 
 impl FrameTable {
@@ -45,7 +60,7 @@ impl FrameTable {
             let next = known.len() as u32;
             let shape = *known.entry(block.size.map(f64::to_bits)).or_insert(next);
             let range = Range::of_tile(block);
-            table.tiles.push(TileTable { range, far: Distant::of(block, range.scale), shape });
+            table.tiles.push(TileTable { far: Distant::of(block, range.scale), range, shape });
         }
         if known.len() <= KEPT_SERIES {
             let mut shapes: Vec<([u64; 3], u32)> = known.into_iter().collect();
@@ -53,6 +68,11 @@ impl FrameTable {
             table.series = shapes.into_iter().map(|(size, _)| Series::of(size.map(f64::from_bits))).collect();
         }
         table
+    }
+
+    /// How many clusters and tiles by themselves there are.
+    pub(crate) fn parts(&self) -> usize {
+        self.clusters.len()
     }
 
     /// The series of a block's shape, if it is kept.
@@ -65,16 +85,16 @@ impl FrameTable {
             [] => {}
             [block] => {
                 let range = Range::of_tile(block);
-                self.clusters.push(Together { blocks: start..start + 1, range, cluster: None });
+                self.clusters.push(Together::new(start..start + 1, range, None));
             }
             _ => {
                 if blocks.len() <= TILES_PER_CLUSTER {
                     let parts = decomposed(blocks);
                     if let Some(cluster) = Cluster::of(&parts, Range::scale_of(&parts)) {
-                        let range = Range::of_tiles(&parts, cluster.largest_group_volume);
+                        let range = Range::of_tiles(&parts, blocks.len(), cluster.largest_group_volume);
                         if range.is_compact() {
                             let blocks = start..start + blocks.len();
-                            self.clusters.push(Together { blocks, range, cluster: Some(cluster) });
+                            self.clusters.push(Together::new(blocks, range, Some(cluster)));
                             return;
                         }
                     }
