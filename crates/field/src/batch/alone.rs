@@ -1,10 +1,7 @@
 //! The closed form of a tile by itself, without tables (docs/physics.md, section 2.6).
 
-use fearless_simd::prelude::*;
-
 use super::closed_form::{across, angle_of_faces, edge_pair, face, ratio_of_edges};
-use super::functions::{angle, artanh_of_ratio, odd_series};
-use super::lanes::Lanes;
+use super::functions::{Functions, odd_series};
 use super::terms::{AA, AB, AC, BB, BC, CC, Terms};
 use crate::block::Block;
 use crate::two_sum::TwoSum;
@@ -12,8 +9,8 @@ use crate::two_sum::TwoSum;
 /// A tile whose axes a, b, c are ordered by length.
 pub(super) struct Alone {
     axes: [usize; 3],
-    /// Low and high plane along a, b, c.
-    planes: [[TwoSum; 2]; 3],
+    /// Low and high plane along a, b, c: the coordinate, and minus what it is short of the plane's, scaled.
+    planes: [[[f64; 2]; 2]; 3],
     scale: f64,
     terms: Terms,
     wanted: [bool; 6],
@@ -23,23 +20,23 @@ pub(super) struct Alone {
 
 /// Where points lie relative to the tile, in its scale.
 #[derive(Clone, Copy)]
-pub(super) struct Place<S: Simd> {
+pub(super) struct Place<N> {
     /// Offset and square, by plane.
-    planes: [[[Lanes<S>; 2]; 2]; 3],
+    planes: [[[N; 2]; 2]; 3],
     /// Distances from the corners, bits 2, 1, 0: low or high along a, b, c.
-    distances: [Lanes<S>; 8],
+    distances: [N; 8],
 }
 
 /// See [`Alone::ratios`].
 #[derive(Clone, Copy)]
-pub(super) struct Ratios<S: Simd>([[Lanes<S>; 2]; 6]);
+pub(super) struct Ratios<N: Functions>([[N; 2]; 6]);
 
 impl Alone {
     pub(super) fn of(block: &Block, scale: f64) -> Alone {
         let terms = Terms::of(block, scale);
         Alone {
             axes: terms.axes,
-            planes: terms.axes.map(|axis| block.faces[axis]),
+            planes: terms.axes.map(|axis| block.faces[axis].map(|plane: TwoSum| [plane.hi, -plane.lo * scale])),
             scale,
             wanted: [0, 1, 2, 3, 4, 5].map(|element| terms.is_needed(element)),
             coefficients: [0, 1, 2, 3, 4, 5].map(|element| terms.group(element).coefficient),
@@ -48,31 +45,30 @@ impl Alone {
     }
 
     #[inline(always)]
-    pub(super) fn place<S: Simd>(&self, simd: S, point: [Lanes<S>; 3]) -> Place<S> {
-        let zero = Lanes::<S>::splat(simd, 0.0);
+    pub(super) fn place<N: Functions>(&self, simd: N::Instructions, point: [N; 3]) -> Place<N> {
+        let zero = N::splat(simd, 0.0);
         let mut planes = [[[zero; 2]; 2]; 3];
         for (axis, planes) in planes.iter_mut().enumerate() {
-            for (plane, coordinate) in planes.iter_mut().zip(&self.planes[axis]) {
+            for (plane, &[coordinate, low]) in planes.iter_mut().zip(&self.planes[axis]) {
                 // The scale is a power of two: the same digits as if applied at the end.
-                let low = Lanes::<S>::splat(simd, -coordinate.lo * self.scale);
-                let offset = (point[self.axes[axis]] - coordinate.hi).scale_add(self.scale, low);
+                let offset = (point[self.axes[axis]] - coordinate).scale_add(self.scale, N::splat(simd, low));
                 *plane = [offset, offset * offset];
             }
         }
         let [[a0, a1], [b0, b1], [c0, c1]] = planes;
         let (ab00, ab01, ab10, ab11) = (a0[1] + b0[1], a0[1] + b1[1], a1[1] + b0[1], a1[1] + b1[1]);
-        let [r000, r001] = Lanes::roots(ab00 + c0[1], ab00 + c1[1]);
-        let [r010, r011] = Lanes::roots(ab01 + c0[1], ab01 + c1[1]);
-        let [r100, r101] = Lanes::roots(ab10 + c0[1], ab10 + c1[1]);
-        let [r110, r111] = Lanes::roots(ab11 + c0[1], ab11 + c1[1]);
+        let (r000, r001) = ((ab00 + c0[1]).root(simd), (ab00 + c1[1]).root(simd));
+        let (r010, r011) = ((ab01 + c0[1]).root(simd), (ab01 + c1[1]).root(simd));
+        let (r100, r101) = ((ab10 + c0[1]).root(simd), (ab10 + c1[1]).root(simd));
+        let (r110, r111) = ((ab11 + c0[1]).root(simd), (ab11 + c1[1]).root(simd));
         let distances = [r000, r001, r010, r011, r100, r101, r110, r111];
         Place { planes, distances }
     }
 
     /// Numerator and denominator of the hyperbolic or circular tangent of half of 4 pi T, by element.
     #[inline(always)]
-    pub(super) fn ratios<S: Simd>(&self, simd: S, place: &Place<S>) -> Ratios<S> {
-        let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+    pub(super) fn ratios<N: Functions>(&self, simd: N::Instructions, place: &Place<N>) -> Ratios<N> {
+        let (zero, one) = (N::splat(simd, 0.0), N::splat(simd, 1.0));
         let r = &place.distances;
         let [[a0, a1], [b0, b1], [c0, c1]] = place.planes;
         let (factors, squares) = (&self.terms.factors, &self.terms.squares);
@@ -81,52 +77,52 @@ impl Alone {
         let mut ratios = [[zero, one]; 6];
         if self.wanted[AB] {
             let step = (b0[0] + b1[0]) * factors[AB];
-            let low = edge_pair::<S>([along_b[0], along_b[1]], [along_c[0], along_c[1]], squares[2]);
-            let high = edge_pair::<S>([along_b[2], along_b[3]], [along_c[2], along_c[3]], squares[2]);
-            ratios[AB] = ratio_of_edges::<S>(step, low, high);
+            let low = edge_pair([along_b[0], along_b[1]], [along_c[0], along_c[1]], squares[2]);
+            let high = edge_pair([along_b[2], along_b[3]], [along_c[2], along_c[3]], squares[2]);
+            ratios[AB] = ratio_of_edges(step, low, high);
         }
         if self.wanted[AC] {
             let step = (c0[0] + c1[0]) * factors[AC];
-            let low = edge_pair::<S>([along_c[0], along_c[1]], [along_b[0], along_b[1]], squares[1]);
-            let high = edge_pair::<S>([along_c[2], along_c[3]], [along_b[2], along_b[3]], squares[1]);
-            ratios[AC] = ratio_of_edges::<S>(step, low, high);
+            let low = edge_pair([along_c[0], along_c[1]], [along_b[0], along_b[1]], squares[1]);
+            let high = edge_pair([along_c[2], along_c[3]], [along_b[2], along_b[3]], squares[1]);
+            ratios[AC] = ratio_of_edges(step, low, high);
         }
         if self.wanted[BC] {
             let along_a = [r[0] + r[4], r[1] + r[5], r[2] + r[6], r[3] + r[7]];
             let step = (c0[0] + c1[0]) * factors[BC];
-            let low = edge_pair::<S>([along_c[0], along_c[2]], [along_a[0], along_a[1]], squares[0]);
-            let high = edge_pair::<S>([along_c[1], along_c[3]], [along_a[2], along_a[3]], squares[0]);
-            ratios[BC] = ratio_of_edges::<S>(step, low, high);
+            let low = edge_pair([along_c[0], along_c[2]], [along_a[0], along_a[1]], squares[0]);
+            let high = edge_pair([along_c[1], along_c[3]], [along_a[2], along_a[3]], squares[0]);
+            ratios[BC] = ratio_of_edges(step, low, high);
         }
         if self.wanted[AA] {
-            let across = across::<S>(b0, b1, c0, c1);
-            let low = face::<S>([r[0], r[1], r[2], r[3]], a0, across, factors[AA]);
-            let high = face::<S>([r[4], r[5], r[6], r[7]], a1, across, factors[AA]);
-            ratios[AA] = angle_of_faces::<S>(low, high);
+            let across = across(b0, b1, c0, c1);
+            let low = face([r[0], r[1], r[2], r[3]], a0, across, factors[AA]);
+            let high = face([r[4], r[5], r[6], r[7]], a1, across, factors[AA]);
+            ratios[AA] = angle_of_faces(low, high);
         }
         if self.wanted[BB] {
-            let across = across::<S>(c0, c1, a0, a1);
-            let low = face::<S>([r[0], r[4], r[1], r[5]], b0, across, factors[BB]);
-            let high = face::<S>([r[2], r[6], r[3], r[7]], b1, across, factors[BB]);
-            ratios[BB] = angle_of_faces::<S>(low, high);
+            let across = across(c0, c1, a0, a1);
+            let low = face([r[0], r[4], r[1], r[5]], b0, across, factors[BB]);
+            let high = face([r[2], r[6], r[3], r[7]], b1, across, factors[BB]);
+            ratios[BB] = angle_of_faces(low, high);
         }
         if self.wanted[CC] {
-            let across = across::<S>(a0, a1, b0, b1);
-            let low = face::<S>([r[0], r[2], r[4], r[6]], c0, across, factors[CC]);
-            let high = face::<S>([r[1], r[3], r[5], r[7]], c1, across, factors[CC]);
-            ratios[CC] = angle_of_faces::<S>(low, high);
+            let across = across(a0, a1, b0, b1);
+            let low = face([r[0], r[2], r[4], r[6]], c0, across, factors[CC]);
+            let high = face([r[1], r[3], r[5], r[7]], c1, across, factors[CC]);
+            ratios[CC] = angle_of_faces(low, high);
         }
         Ratios(ratios)
     }
 
     /// mu0 H of the tile, in its frame.
     #[inline(always)]
-    pub(super) fn field<S: Simd>(&self, simd: S, Ratios(ratios): &Ratios<S>) -> [Lanes<S>; 3] {
-        let mut sum = [Lanes::<S>::splat(simd, 0.0); 3];
+    pub(super) fn field<N: Functions>(&self, simd: N::Instructions, Ratios(ratios): &Ratios<N>) -> [N; 3] {
+        let mut sum = [N::splat(simd, 0.0); 3];
         for (element, &[n, m]) in ratios.iter().enumerate() {
             if self.wanted[element] {
-                let half = if element < AA { artanh_of_ratio(simd, n, m) } else { angle(simd, m, n) };
-                add::<S>(&mut sum, half, &self.coefficients[element]);
+                let half = if element < AA { N::artanh_of_ratio(simd, n, m) } else { N::angle(simd, m, n) };
+                add(&mut sum, half, &self.coefficients[element]);
             }
         }
         sum
@@ -134,25 +130,25 @@ impl Alone {
 
     /// One division for all elements: one over the product of their denominators.
     #[inline(always)]
-    pub(super) fn common_inverse<S: Simd>(&self, simd: S, Ratios(ratios): &Ratios<S>) -> Lanes<S> {
-        let mut product = Lanes::<S>::splat(simd, 1.0);
+    pub(super) fn common_inverse<N: Functions>(&self, simd: N::Instructions, Ratios(ratios): &Ratios<N>) -> N {
+        let mut product = N::splat(simd, 1.0);
         for (element, &[_, m]) in ratios.iter().enumerate() {
             if self.wanted[element] {
                 product = product * m;
             }
         }
-        Lanes::<S>::splat(simd, 1.0).over(product)
+        N::splat(simd, 1.0).over(product)
     }
 
     /// mu0 H of the tile, in its frame, where no element's half of 4 pi T is beyond [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE).
     #[inline(always)]
-    pub(super) fn field_of_small<S: Simd>(
+    pub(super) fn field_of_small<N: Functions>(
         &self,
-        simd: S,
-        Ratios(ratios): &Ratios<S>,
-        mut inverse: Lanes<S>,
-    ) -> [Lanes<S>; 3] {
-        let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+        simd: N::Instructions,
+        Ratios(ratios): &Ratios<N>,
+        mut inverse: N,
+    ) -> [N; 3] {
+        let (zero, one) = (N::splat(simd, 0.0), N::splat(simd, 1.0));
         let mut products = [one; 6];
         let mut product = one;
         for (element, &[_, m]) in ratios.iter().enumerate() {
@@ -167,8 +163,8 @@ impl Alone {
                 let [n, m] = ratios[element];
                 let s = n * (inverse * products[element]);
                 inverse = inverse * m;
-                let half = Lanes(odd_series(simd, s.0, if element < AA { 1.0 } else { -1.0 }));
-                add::<S>(&mut sum, half, &self.coefficients[element]);
+                let half = odd_series(simd, s, if element < AA { 1.0 } else { -1.0 });
+                add(&mut sum, half, &self.coefficients[element]);
             }
         }
         sum
@@ -176,7 +172,7 @@ impl Alone {
 }
 
 #[inline(always)]
-fn add<S: Simd>(sum: &mut [Lanes<S>; 3], half: Lanes<S>, coefficient: &[f64; 3]) {
+fn add<N: Functions>(sum: &mut [N; 3], half: N, coefficient: &[f64; 3]) {
     for (sum, coefficient) in sum.iter_mut().zip(coefficient) {
         *sum = half.scale_add(*coefficient, *sum);
     }

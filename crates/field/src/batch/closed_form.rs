@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 
 use super::cluster::Cluster;
 use super::functions::{angle, artanh_of_ratio};
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Number};
 use super::terms::{AA, AB, AC, BB, BC, CC, NO_GROUP, TileTerms};
 use crate::tolerances::{MOST_CORNERS, MOST_GROUPS, MOST_PLANES};
 
@@ -173,42 +173,42 @@ fn multiply<S: Simd>(tile: &TileTerms, places: &Places<S>, upcoming: &mut Upcomi
     let along_c = [r[0] + r[1], r[2] + r[3], r[4] + r[5], r[6] + r[7]];
     if tile.groups[AB] != NO_GROUP {
         let step = (b0[0] + b1[0]) * tile.factors[AB];
-        let low = edge_pair::<S>([along_b[0], along_b[1]], [along_c[0], along_c[1]], tile.squares[2]);
-        let high = edge_pair::<S>([along_b[2], along_b[3]], [along_c[2], along_c[3]], tile.squares[2]);
-        products.add_logarithm(tile.groups[AB], ratio_of_edges::<S>(step, low, high));
+        let low = edge_pair([along_b[0], along_b[1]], [along_c[0], along_c[1]], tile.squares[2]);
+        let high = edge_pair([along_b[2], along_b[3]], [along_c[2], along_c[3]], tile.squares[2]);
+        products.add_logarithm(tile.groups[AB], ratio_of_edges(step, low, high));
     }
     if tile.groups[AC] != NO_GROUP {
         let step = (c0[0] + c1[0]) * tile.factors[AC];
-        let low = edge_pair::<S>([along_c[0], along_c[1]], [along_b[0], along_b[1]], tile.squares[1]);
-        let high = edge_pair::<S>([along_c[2], along_c[3]], [along_b[2], along_b[3]], tile.squares[1]);
-        products.add_logarithm(tile.groups[AC], ratio_of_edges::<S>(step, low, high));
+        let low = edge_pair([along_c[0], along_c[1]], [along_b[0], along_b[1]], tile.squares[1]);
+        let high = edge_pair([along_c[2], along_c[3]], [along_b[2], along_b[3]], tile.squares[1]);
+        products.add_logarithm(tile.groups[AC], ratio_of_edges(step, low, high));
     }
     if tile.groups[BC] != NO_GROUP {
         // Bits along b, c.
         let along_a = [r[0] + r[4], r[1] + r[5], r[2] + r[6], r[3] + r[7]];
         let step = (c0[0] + c1[0]) * tile.factors[BC];
-        let low = edge_pair::<S>([along_c[0], along_c[2]], [along_a[0], along_a[1]], tile.squares[0]);
-        let high = edge_pair::<S>([along_c[1], along_c[3]], [along_a[2], along_a[3]], tile.squares[0]);
-        products.add_logarithm(tile.groups[BC], ratio_of_edges::<S>(step, low, high));
+        let low = edge_pair([along_c[0], along_c[2]], [along_a[0], along_a[1]], tile.squares[0]);
+        let high = edge_pair([along_c[1], along_c[3]], [along_a[2], along_a[3]], tile.squares[0]);
+        products.add_logarithm(tile.groups[BC], ratio_of_edges(step, low, high));
     }
     upcoming.advance();
     if tile.groups[AA] != NO_GROUP {
-        let across = across::<S>(b0, b1, c0, c1);
-        let low = face::<S>([r[0], r[1], r[2], r[3]], a0, across, tile.factors[AA]);
-        let high = face::<S>([r[4], r[5], r[6], r[7]], a1, across, tile.factors[AA]);
-        products.add_angle(tile.groups[AA], angle_of_faces::<S>(low, high));
+        let across = across(b0, b1, c0, c1);
+        let low = face([r[0], r[1], r[2], r[3]], a0, across, tile.factors[AA]);
+        let high = face([r[4], r[5], r[6], r[7]], a1, across, tile.factors[AA]);
+        products.add_angle(tile.groups[AA], angle_of_faces(low, high));
     }
     if tile.groups[BB] != NO_GROUP {
-        let across = across::<S>(c0, c1, a0, a1);
-        let low = face::<S>([r[0], r[4], r[1], r[5]], b0, across, tile.factors[BB]);
-        let high = face::<S>([r[2], r[6], r[3], r[7]], b1, across, tile.factors[BB]);
-        products.add_angle(tile.groups[BB], angle_of_faces::<S>(low, high));
+        let across = across(c0, c1, a0, a1);
+        let low = face([r[0], r[4], r[1], r[5]], b0, across, tile.factors[BB]);
+        let high = face([r[2], r[6], r[3], r[7]], b1, across, tile.factors[BB]);
+        products.add_angle(tile.groups[BB], angle_of_faces(low, high));
     }
     if tile.groups[CC] != NO_GROUP {
-        let across = across::<S>(a0, a1, b0, b1);
-        let low = face::<S>([r[0], r[2], r[4], r[6]], c0, across, tile.factors[CC]);
-        let high = face::<S>([r[1], r[3], r[5], r[7]], c1, across, tile.factors[CC]);
-        products.add_angle(tile.groups[CC], angle_of_faces::<S>(low, high));
+        let across = across(a0, a1, b0, b1);
+        let low = face([r[0], r[2], r[4], r[6]], c0, across, tile.factors[CC]);
+        let high = face([r[1], r[3], r[5], r[7]], c1, across, tile.factors[CC]);
+        products.add_angle(tile.groups[CC], angle_of_faces(low, high));
     }
     upcoming.advance();
 }
@@ -229,55 +229,39 @@ impl<S: Simd> Products<S> {
 
 /// Numerator and denominator of tanh(2 pi T_ij) of a tile, from the edges on its low and its high side along j (Eq. P18).
 #[inline(always)]
-pub(super) fn ratio_of_edges<S: Simd>(
-    step: Lanes<S>,
-    (p_low, e_low): (Lanes<S>, Lanes<S>),
-    (p_high, e_high): (Lanes<S>, Lanes<S>),
-) -> [Lanes<S>; 2] {
+pub(super) fn ratio_of_edges<N: Number>(step: N, (p_low, e_low): (N, N), (p_high, e_high): (N, N)) -> [N; 2] {
     let n = step * p_high.mul_sub(e_low, p_low * e_high);
     [n, e_low.mul_sub(e_high, (step * step) * (p_low * p_high))]
 }
 
 /// Numerator and denominator of tan(2 pi T_ii) of a tile: the angle of the high face less that of the low one (Eq. P19).
 #[inline(always)]
-pub(super) fn angle_of_faces<S: Simd>(
-    (re_low, im_low): (Lanes<S>, Lanes<S>),
-    (re_high, im_high): (Lanes<S>, Lanes<S>),
-) -> [Lanes<S>; 2] {
+pub(super) fn angle_of_faces<N: Number>((re_low, im_low): (N, N), (re_high, im_high): (N, N)) -> [N; 2] {
     [re_low.mul_sub(im_high, im_low * re_high), re_low.mul_add(re_high, im_low * im_high)]
 }
 
 /// P and Q B of Eq. P18 of the two edges on one side along j, from the sums across i at both ends and along k at both sides.
 #[inline(always)]
-pub(super) fn edge_pair<S: Simd>(
-    across: [Lanes<S>; 2],
-    along: [Lanes<S>; 2],
-    length_squared: f64,
-) -> (Lanes<S>, Lanes<S>) {
+pub(super) fn edge_pair<N: Number>(across: [N; 2], along: [N; 2], length_squared: f64) -> (N, N) {
     (across[0] + across[1], (across[0] * across[1]) * along[0].mul_sub_constant(along[1], length_squared))
 }
 
 /// Products of the vectors to the corners of a face, without the square of its distance: 00.11, then 00.01 and 01.11, then 00.10 and 10.11.
 /// Planes as offset and square.
 #[inline(always)]
-pub(super) fn across<S: Simd>(
-    y0: [Lanes<S>; 2],
-    y1: [Lanes<S>; 2],
-    z0: [Lanes<S>; 2],
-    z1: [Lanes<S>; 2],
-) -> [Lanes<S>; 5] {
+pub(super) fn across<N: Number>(y0: [N; 2], y1: [N; 2], z0: [N; 2], z1: [N; 2]) -> [N; 5] {
     let (yy, zz) = (y0[0] * y1[0], z0[0] * z1[0]);
     [yy + zz, y0[1] + zz, yy + z1[1], yy + z0[1], y1[1] + zz]
 }
 
 /// A complex number whose angle is half the solid angle of a face: the product of those of its two triangles (Eq. P19).
 #[inline(always)]
-pub(super) fn face<S: Simd>(
-    [r00, r01, r10, r11]: [Lanes<S>; 4],
-    [offset, square]: [Lanes<S>; 2],
-    across: [Lanes<S>; 5],
+pub(super) fn face<N: Number>(
+    [r00, r01, r10, r11]: [N; 4],
+    [offset, square]: [N; 2],
+    across: [N; 5],
     area: f64,
-) -> (Lanes<S>, Lanes<S>) {
+) -> (N, N) {
     let diagonal = r00.mul_add(r11, square + across[0]);
     let common = square * (r00 + r11);
     let a = r01.mul_add(diagonal, across[1].mul_add(r11, across[2].mul_add(r00, common)));

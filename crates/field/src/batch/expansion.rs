@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use super::harmonics::{Moments, moments_of_tiles};
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Number};
 use crate::block::Block;
 use crate::tolerances::{HIGHEST_DEGREE, NEAREST_EXPANSION, NEGLIGIBLE_TERM};
 use crate::two_sum::TwoSum;

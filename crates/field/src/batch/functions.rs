@@ -10,13 +10,45 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_8, LN_2, PI};
 
 use fearless_simd::prelude::*;
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Number, Two};
 
 /// tan(pi / 16) and tan(3 pi / 16): where the nearest multiple of pi / 8 changes.
 const TAN_PI_16: f64 = 0.198_912_367_379_658;
 const TAN_3_PI_16: f64 = 0.668_178_637_919_298_9;
 /// tan(pi / 8)
 const TAN_PI_8: f64 = std::f64::consts::SQRT_2 - 1.0;
+
+/// The functions, of one vector or two.
+pub(super) trait Functions: Number {
+    /// See [`artanh_of_ratio`].
+    fn artanh_of_ratio(simd: Self::Instructions, n: Self, m: Self) -> Self;
+    /// See [`angle`].
+    fn angle(simd: Self::Instructions, re: Self, im: Self) -> Self;
+}
+
+impl<S: Simd> Functions for Lanes<S> {
+    #[inline(always)]
+    fn artanh_of_ratio(simd: S, n: Self, m: Self) -> Self {
+        artanh_of_ratio(simd, n, m)
+    }
+
+    #[inline(always)]
+    fn angle(simd: S, re: Self, im: Self) -> Self {
+        angle(simd, re, im)
+    }
+}
+
+impl<S: Simd> Functions for Two<S> {
+    #[inline(always)]
+    fn artanh_of_ratio(simd: S, Two([n, n_2]): Self, Two([m, m_2]): Self) -> Self {
+        Two([artanh_of_ratio(simd, n, m), artanh_of_ratio(simd, n_2, m_2)])
+    }
+
+    #[inline(always)]
+    fn angle(simd: S, Two([re, re_2]): Self, Two([im, im_2]): Self) -> Self {
+        Two([angle(simd, re, im), angle(simd, re_2, im_2)])
+    }
+}
 
 const EXPONENT_ONE: u64 = 1023 << 52;
 const EXPONENT_HALF: u64 = 1 << 51;
@@ -38,7 +70,7 @@ pub(super) fn artanh_of_ratio<S: Simd>(simd: S, Lanes(n): Lanes<S>, Lanes(m): La
     let power = S::f64s::from_bits(power);
     let (sum, difference) = (one + power, one - power);
     let s = m.mul_add(difference, n * sum) / n.mul_add(difference, m * sum);
-    Lanes(exponent.mul_add(0.5 * LN_2, odd_series(simd, s, 1.0)))
+    Lanes(exponent.mul_add(0.5 * LN_2, odd_series(simd, Lanes(s), 1.0).0))
 }
 
 /// The angle of re + i im, between -pi and pi.
@@ -55,7 +87,7 @@ pub(super) fn angle<S: Simd>(simd: S, Lanes(re): Lanes<S>, Lanes(im): Lanes<S>) 
     let (first, second) = (S::f64s::splat(simd, FRAC_PI_8), S::f64s::splat(simd, FRAC_PI_4));
     let taken_off = beyond_second.select(second, beyond_first.select(first, zero));
     let s = (low - tangent * high) / tangent.mul_add(low, high);
-    let acute = taken_off + odd_series(simd, s, -1.0);
+    let acute = taken_off + odd_series(simd, Lanes(s), -1.0).0;
     let right = steep.select(zero - acute + FRAC_PI_2, acute);
     let half_turn = re.simd_lt(zero).select(zero - right + PI, right);
     Lanes(half_turn.copysign(im))
@@ -64,12 +96,11 @@ pub(super) fn angle<S: Simd>(simd: S, Lanes(re): Lanes<S>, Lanes(im): Lanes<S>) 
 /// The sum of sign^k s^(2k+1) / (2k+1): artanh(s) for sign 1, arctan(s) for sign -1. The first term left out is below 2e-17 of the sum
 /// for |s| < 0.21.
 #[inline(always)]
-pub(super) fn odd_series<S: Simd>(simd: S, s: S::f64s, sign: f64) -> S::f64s {
-    let z = s * s;
-    let z = if sign < 0.0 { -z } else { z };
-    let mut sum = S::f64s::splat(simd, 1.0 / 21.0);
+pub(super) fn odd_series<N: Number>(simd: N::Instructions, s: N, sign: f64) -> N {
+    let z = s * s * sign;
+    let mut sum = N::splat(simd, 1.0 / 21.0);
     for odd in [19.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0] {
-        sum = sum.mul_add(z, 1.0 / odd);
+        sum = sum.mul_add_constant(z, 1.0 / odd);
     }
     (s * z).mul_add(sum, s)
 }

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use fearless_simd::prelude::*;
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Number};
 use crate::block::Block;
 use crate::tolerances::HIGHEST_ORDER;
 use crate::two_sum::TwoSum;

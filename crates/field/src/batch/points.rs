@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use super::lanes::{LONGEST_VECTOR, Lanes};
+use super::lanes::{LONGEST_VECTOR, Lanes, Number};
 use super::range::{FORMS, Form, Range};
 use crate::arrangement::{Arrangement, Frame};
 use crate::scene::is_in_range;

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 
 use super::expansion;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Number};
 use crate::block::Block;
 use crate::tolerances::{
     CLOSED_FORM_COST, EXPANSION_DEGREES, FARTHEST, FORM_MARGIN, GROUP_DISTANCE, LONGEST_NEEDLE, MIDDLE_REACH,

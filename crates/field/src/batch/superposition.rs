@@ -8,11 +8,11 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
-use super::alone::{Alone, Place, Ratios};
+use super::alone::Alone;
 use super::closed_form::Tables;
 use super::cluster::Cluster;
 use super::expansion::Expansion;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Two};
 use super::multipole::{self, Distant, Series};
 use super::points::{Chosen, Coordinates};
 use super::range::{FarForm, Form, MIDDLE, NEAR, OUTER};
@@ -123,8 +123,8 @@ impl Superposition {
         }
         let tile = together.blocks.start;
         match form {
-            MIDDLE => self.totals.add(simd, rotation, points, ByItself::of(work.frame, tile)),
-            OUTER => self.totals.add(simd, rotation, points, Small::of(work.frame, tile)),
+            MIDDLE => self.totals.add_pairs(simd, rotation, points, &ByItself::of(work.frame, tile)),
+            OUTER => self.totals.add_pairs(simd, rotation, points, &Small::of(work.frame, tile)),
             _ => match together.range.far(form) {
                 FarForm::Series { order } => {
                     self.add_series(simd, work, together, order, false);
@@ -132,7 +132,7 @@ impl Superposition {
                 }
                 FarForm::Expansion { degree } => {
                     let what = Expanded { expansion: together.expansion(&work.frame.blocks), degree };
-                    self.totals.add(simd, rotation, points, ByPairs::of(what));
+                    self.totals.add_pairs(simd, rotation, points, &what);
                 }
             },
         }
@@ -146,7 +146,7 @@ impl Superposition {
         for index in together.blocks.clone() {
             let mut made = None;
             let source = Distributed::of(work.frame, index, order, &mut made);
-            self.partial.add(simd, work.frame.to_scene.rotation(), points, ByPairs::of(source));
+            self.partial.add_pairs(simd, work.frame.to_scene.rotation(), points, &source);
         }
     }
 
@@ -188,7 +188,7 @@ impl Superposition {
                         }
                         FarForm::Expansion { degree } => {
                             let what = Expanded { expansion: together.expansion(&work.frame.blocks), degree };
-                            self.add_gathered(simd, work, points, ByPairs::of(what));
+                            self.add_gathered_pairs(simd, work, points, &what);
                         }
                     }
                 }
@@ -202,15 +202,15 @@ impl Superposition {
     fn add_tile<S: Simd>(&mut self, simd: S, work: Work, index: usize, form: Form, chosen: &[u32]) {
         match form {
             NEAR => self.add_near(work, &work.frame.blocks[index], chosen),
-            MIDDLE => self.add_gathered(simd, work, chosen, ByItself::of(work.frame, index)),
-            OUTER => self.add_gathered(simd, work, chosen, Small::of(work.frame, index)),
+            MIDDLE => self.add_gathered_pairs(simd, work, chosen, &ByItself::of(work.frame, index)),
+            OUTER => self.add_gathered_pairs(simd, work, chosen, &Small::of(work.frame, index)),
             _ => {
                 let FarForm::Series { order } = work.frame.table.tiles[index].range.far(form) else {
                     unreachable!("a tile by itself has a series only")
                 };
                 let mut made = None;
                 let source = Distributed::of(work.frame, index, order, &mut made);
-                self.add_gathered(simd, work, chosen, ByPairs::of(source));
+                self.add_gathered_pairs(simd, work, chosen, &source);
             }
         }
     }
@@ -219,6 +219,12 @@ impl Superposition {
     fn add_gathered<S: Simd>(&mut self, simd: S, work: Work, chosen: &[u32], source: impl Source<S>) {
         let rotation = work.frame.to_scene.rotation();
         self.totals.add_some(simd, rotation, &self.gathered.axes, chosen, source);
+    }
+
+    #[inline(always)]
+    fn add_gathered_pairs<S: Simd>(&mut self, simd: S, work: Work, chosen: &[u32], what: &impl Pairwise<S>) {
+        let rotation = work.frame.to_scene.rotation();
+        self.totals.add_some_pairs(simd, rotation, &self.gathered.axes, chosen, what);
     }
 
     /// The kernel of one point.
@@ -270,68 +276,57 @@ impl<S: Simd> Source<S> for Middle<'_, S> {
     }
 }
 
+/// What has a field, mu0 H in its own frame, and computes it at two vectors of points at a time: operations on one then fill the time that
+/// those on the other wait.
+pub(super) trait Pairwise<S: Simd> {
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2];
+}
+
 /// A tile by itself.
-struct ByItself<S: Simd> {
-    tile: Alone,
-    state: Option<[Place<S>; 2]>,
-}
+struct ByItself(Alone);
 
-impl<S: Simd> ByItself<S> {
+impl ByItself {
     fn of(frame: &Frame, index: usize) -> Self {
-        ByItself { tile: Alone::of(&frame.blocks[index], frame.table.tiles[index].range.scale), state: None }
+        ByItself(Alone::of(&frame.blocks[index], frame.table.tiles[index].range.scale))
     }
 }
 
-impl<S: Simd> Source<S> for ByItself<S> {
+impl<S: Simd> Pairwise<S> for ByItself {
     #[inline(always)]
-    fn start(&mut self, simd: S, [first, second]: [[Lanes<S>; 3]; 2]) {
-        self.state = Some([self.tile.place(simd, first), self.tile.place(simd, second)]);
-    }
-
-    #[inline(always)]
-    fn field(&mut self, simd: S, ahead: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
-        let [current, next] = self.state.expect("started");
-        let ratios = self.tile.ratios(simd, &current);
-        let field = self.tile.field(simd, &ratios);
-        self.state = Some([next, self.tile.place(simd, ahead)]);
-        field
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+        let place = self.0.place(simd, side_by_side(points));
+        separate(self.0.field(simd, &self.0.ratios(simd, &place)))
     }
 }
 
 /// A tile by itself whose elements are all small.
-struct Small<S: Simd> {
-    tile: Alone,
-    state: Option<(Ratios<S>, Place<S>)>,
-}
+struct Small(Alone);
 
-impl<S: Simd> Small<S> {
+impl Small {
     fn of(frame: &Frame, index: usize) -> Self {
-        Small { tile: Alone::of(&frame.blocks[index], frame.table.tiles[index].range.scale), state: None }
+        Small(Alone::of(&frame.blocks[index], frame.table.tiles[index].range.scale))
     }
 }
 
-impl<S: Simd> Source<S> for Small<S> {
+impl<S: Simd> Pairwise<S> for Small {
     #[inline(always)]
-    fn start(&mut self, simd: S, [first, second]: [[Lanes<S>; 3]; 2]) {
-        let ratios = self.tile.ratios(simd, &self.tile.place(simd, first));
-        self.state = Some((ratios, self.tile.place(simd, second)));
-    }
-
-    /// The division comes first, then the square roots, which take the same unit, then what waits for neither, last what waits for the
-    /// division.
-    #[inline(always)]
-    fn field(&mut self, simd: S, ahead: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
-        let (ratios, place) = self.state.expect("started");
-        let inverse = self.tile.common_inverse(simd, &ratios);
-        let ahead = self.tile.place(simd, ahead);
-        self.state = Some((self.tile.ratios(simd, &place), ahead));
-        self.tile.field_of_small(simd, &ratios, inverse)
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+        let place = self.0.place(simd, side_by_side(points));
+        let ratios = self.0.ratios(simd, &place);
+        let inverse = self.0.common_inverse(simd, &ratios);
+        separate(self.0.field_of_small(simd, &ratios, inverse))
     }
 }
 
-/// What computes the field at two vectors of points at a time.
-trait Pairwise<S: Simd> {
-    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2];
+#[inline(always)]
+fn side_by_side<S: Simd>([first, second]: [[Lanes<S>; 3]; 2]) -> [Two<S>; 3] {
+    [Two([first[0], second[0]]), Two([first[1], second[1]]), Two([first[2], second[2]])]
+}
+
+#[inline(always)]
+fn separate<S: Simd>([x, y, z]: [Two<S>; 3]) -> [[Lanes<S>; 3]; 2] {
+    let (Two([x, x_2]), Two([y, y_2]), Two([z, z_2])) = (x, y, z);
+    [[x, y, z], [x_2, y_2, z_2]]
 }
 
 /// A tile many sizes away.
@@ -366,38 +361,5 @@ impl<S: Simd> Pairwise<S> for Expanded<'_> {
     #[inline(always)]
     fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
         self.expansion.fields(simd, self.degree, points)
-    }
-}
-
-/// Gives the fields one by one.
-struct ByPairs<S: Simd, P> {
-    what: P,
-    points: Option<[[Lanes<S>; 3]; 2]>,
-    /// The field at the second of two vectors, computed with the first.
-    kept: Option<[Lanes<S>; 3]>,
-}
-
-impl<S: Simd, P> ByPairs<S, P> {
-    fn of(what: P) -> Self {
-        ByPairs { what, points: None, kept: None }
-    }
-}
-
-impl<S: Simd, P: Pairwise<S>> Source<S> for ByPairs<S, P> {
-    #[inline(always)]
-    fn start(&mut self, _: S, first: [[Lanes<S>; 3]; 2]) {
-        self.points = Some(first);
-    }
-
-    #[inline(always)]
-    fn field(&mut self, simd: S, ahead: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
-        let [current, next] = self.points.expect("started");
-        self.points = Some([next, ahead]);
-        if let Some(field) = self.kept.take() {
-            return field;
-        }
-        let [field, after] = self.what.fields(simd, [current, next]);
-        self.kept = Some(after);
-        field
     }
 }

@@ -5,7 +5,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use super::expansion::Expansion;
 use super::functions::{angle, artanh_of_ratio};
 use super::instruction_set::InstructionSet;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Number};
 use crate::block::{Block, Local};
 use crate::kernel::{Part, cuboid_field};
 use crate::tolerances::EXPANSION_DEGREES;
@@ -25,11 +25,7 @@ fn apply<S: Simd>(simd: S, function: Function, a: f64, b: f64) -> f64 {
     let result = match function {
         Function::Artanh => artanh_of_ratio(simd, a, b),
         Function::Angle => angle(simd, a, b),
-        Function::Root => {
-            let [first, second] = Lanes::roots(a, b);
-            assert_eq!(second.lane(0), second.lane(Lanes::<S>::LEN - 1));
-            first
-        }
+        Function::Root => a.root(simd),
     };
     result.lane(0)
 }

@@ -3,8 +3,8 @@
 use fearless_simd::prelude::*;
 use glam::{DMat3, DVec3};
 
-use super::lanes::{LONGEST_VECTOR, Lanes};
-use super::superposition::Source;
+use super::lanes::{LONGEST_VECTOR, Lanes, Number};
+use super::superposition::{Pairwise, Source};
 use crate::two_sum::TwoSum;
 
 /// Sum and carry of each component.
@@ -52,17 +52,40 @@ impl Totals {
         mut source: impl Source<S>,
     ) {
         source.start(simd, [load(simd, points, 0), load(simd, points, 1)]);
-        for start in (0..points[0].len()).step_by(Lanes::<S>::LEN) {
-            let end = start + Lanes::<S>::LEN;
-            let ahead = load(simd, points, start / Lanes::<S>::LEN + 2);
-            let field = in_scene::<S>(rotation, source.field(simd, ahead));
-            for (axis, term) in field.into_iter().enumerate() {
-                let (sums, carries) = (&mut self.sums[axis][start..end], &mut self.carries[axis][start..end]);
-                let before = Lanes::<S>::load(simd, sums);
-                let (sum, low) = before.two_sum(term);
-                sum.store(sums);
-                (Lanes::<S>::load(simd, carries) + low).store(carries);
+        for number in 0..points[0].len() / Lanes::<S>::LEN {
+            let field = source.field(simd, load(simd, points, number + 2));
+            self.add_vector(simd, number, in_scene::<S>(rotation, field));
+        }
+    }
+
+    /// The same of what takes two vectors at a time.
+    #[inline(always)]
+    pub(super) fn add_pairs<S: Simd>(
+        &mut self,
+        simd: S,
+        rotation: Option<&DMat3>,
+        points: &[Vec<f64>; 3],
+        what: &impl Pairwise<S>,
+    ) {
+        let count = points[0].len() / Lanes::<S>::LEN;
+        for number in (0..count).step_by(2) {
+            let [first, second] = what.fields(simd, [load(simd, points, number), load(simd, points, number + 1)]);
+            self.add_vector(simd, number, in_scene::<S>(rotation, first));
+            if number + 1 < count {
+                self.add_vector(simd, number + 1, in_scene::<S>(rotation, second));
             }
+        }
+    }
+
+    #[inline(always)]
+    fn add_vector<S: Simd>(&mut self, simd: S, number: usize, field: [Lanes<S>; 3]) {
+        let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
+        for (axis, term) in field.into_iter().enumerate() {
+            let (sums, carries) = (&mut self.sums[axis][start..end], &mut self.carries[axis][start..end]);
+            let before = Lanes::<S>::load(simd, sums);
+            let (sum, low) = before.two_sum(term);
+            sum.store(sums);
+            (Lanes::<S>::load(simd, carries) + low).store(carries);
         }
     }
 
@@ -109,19 +132,42 @@ impl Totals {
     ) {
         source.start(simd, [load(simd, points, 0), load(simd, points, 1)]);
         for (number, chosen) in chosen.chunks(Lanes::<S>::LEN).enumerate() {
-            let field = in_scene::<S>(rotation, source.field(simd, load(simd, points, number + 2)));
-            // The present sums side by side, as the points are.
-            let mut sums = [[0.0; LONGEST_VECTOR]; 3];
-            for (axis, term) in field.into_iter().enumerate() {
-                for (sum, &index) in sums[axis].iter_mut().zip(chosen) {
-                    *sum = self.sums[axis][index as usize];
-                }
-                let before = Lanes::<S>::load(simd, &sums[axis][..Lanes::<S>::LEN]);
-                let (sum, low) = before.two_sum(term);
-                for (lane, &index) in chosen.iter().enumerate() {
-                    self.sums[axis][index as usize] = sum.lane(lane);
-                    self.carries[axis][index as usize] += low.lane(lane);
-                }
+            let field = source.field(simd, load(simd, points, number + 2));
+            self.add_at(simd, chosen, in_scene::<S>(rotation, field));
+        }
+    }
+
+    /// The same of what takes two vectors at a time.
+    #[inline(always)]
+    pub(super) fn add_some_pairs<S: Simd>(
+        &mut self,
+        simd: S,
+        rotation: Option<&DMat3>,
+        points: &[Vec<f64>; 3],
+        chosen: &[u32],
+        what: &impl Pairwise<S>,
+    ) {
+        for (pair, chosen) in chosen.chunks(2 * Lanes::<S>::LEN).enumerate() {
+            let [first, second] = what.fields(simd, [load(simd, points, 2 * pair), load(simd, points, 2 * pair + 1)]);
+            let (chosen, others) = chosen.split_at(chosen.len().min(Lanes::<S>::LEN));
+            self.add_at(simd, chosen, in_scene::<S>(rotation, first));
+            self.add_at(simd, others, in_scene::<S>(rotation, second));
+        }
+    }
+
+    #[inline(always)]
+    fn add_at<S: Simd>(&mut self, simd: S, chosen: &[u32], field: [Lanes<S>; 3]) {
+        // The present sums side by side, as the points are.
+        let mut sums = [[0.0; LONGEST_VECTOR]; 3];
+        for (axis, term) in field.into_iter().enumerate() {
+            for (sum, &index) in sums[axis].iter_mut().zip(chosen) {
+                *sum = self.sums[axis][index as usize];
+            }
+            let before = Lanes::<S>::load(simd, &sums[axis][..Lanes::<S>::LEN]);
+            let (sum, low) = before.two_sum(term);
+            for (lane, &index) in chosen.iter().enumerate() {
+                self.sums[axis][index as usize] = sum.lane(lane);
+                self.carries[axis][index as usize] += low.lane(lane);
             }
         }
     }
