@@ -126,6 +126,11 @@ impl Superposition {
             MIDDLE => self.totals.add_pairs(simd, rotation, points, &ByItself::of(work.frame, tile)),
             OUTER => self.totals.add_pairs(simd, rotation, points, &Small::of(work.frame, tile)),
             _ => match together.range.far(form) {
+                FarForm::Series { order } if together.cluster.is_none() => {
+                    let mut made = None;
+                    let source = Distributed::of(work.frame, tile, order, &mut made);
+                    self.totals.add_pairs(simd, rotation, points, &source);
+                }
                 FarForm::Series { order } => {
                     self.add_series(simd, work, together, order, false);
                     self.totals.add_totals(simd, &self.partial);
@@ -158,6 +163,10 @@ impl Superposition {
         for form in chosen.forms() {
             let points = chosen.points(form);
             match (form, &together.cluster) {
+                (_, None) => {
+                    self.gathered.gather(work.local, points);
+                    self.add_tile(simd, work, together.blocks.start, form, points);
+                }
                 (NEAR, Some(_)) => {
                     let mut chosen_by_tile = std::mem::take(&mut self.chosen_by_tile);
                     self.gathered_near.gather(work.local, points);
@@ -174,10 +183,6 @@ impl Superposition {
                 (MIDDLE, Some(cluster)) => {
                     self.gathered.gather(work.local, points);
                     self.add_gathered(simd, work, points, Middle { tables, cluster, next: None });
-                }
-                (NEAR | MIDDLE | OUTER, _) => {
-                    self.gathered.gather(work.local, points);
-                    self.add_tile(simd, work, together.blocks.start, form, points);
                 }
                 _ => {
                     self.gathered.gather(work.local, points);
