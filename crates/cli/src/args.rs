@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
+use magsplice::field::{Accuracy, Tolerance};
 
 /// Exact simulation of spliced magnet films.
 ///
@@ -45,6 +46,41 @@ pub(crate) struct FieldArgs {
     /// Which quantity
     #[arg(long, value_enum, default_value = "b")]
     pub(crate) quantity: QuantityArg,
+    #[command(flatten)]
+    pub(crate) accuracy: AccuracyArg,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct AccuracyArg {
+    /// Largest error of B that is accepted: a fraction of |B| such as 1e-6, or with a unit, such as 10nT (T, mT, uT, nT)
+    ///
+    /// Without it the field is exact. With it the program takes the cheapest way that keeps the tolerance at every point, which pays for grids of many
+    /// points, or names the points at which it cannot be kept. J and the gradient are always exact.
+    #[arg(long, value_name = "TOLERANCE", value_parser = tolerance)]
+    within: Option<Tolerance>,
+}
+
+impl AccuracyArg {
+    pub(crate) fn get(&self) -> Accuracy {
+        self.within.map_or(Accuracy::Exact, Accuracy::Within)
+    }
+}
+
+/// Units of a tolerance that is not a fraction, in tesla; longer names first.
+const UNITS_T: [(&str, f64); 4] = [("mT", 1e-3), ("uT", 1e-6), ("nT", 1e-9), ("T", 1.0)];
+
+fn tolerance(text: &str) -> Result<Tolerance, String> {
+    let unit = UNITS_T.iter().find_map(|(name, in_t)| Some((text.strip_suffix(name)?.trim_end(), in_t)));
+    let number = unit.map_or(text, |(number, _)| number);
+    let value: f64 = number.parse().map_err(|_| {
+        "must be a number, a fraction of |B| such as 1e-6, or with one of the units T, mT, uT, nT, such as 10nT"
+            .to_owned()
+    })?;
+    let tolerance = match unit {
+        Some((_, in_t)) => Tolerance::absolute_t(value * in_t),
+        None => Tolerance::relative(value),
+    };
+    tolerance.map_err(|error| error.to_string())
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -81,6 +117,8 @@ pub(crate) struct LayoutArgs {
     /// How to write the result
     #[arg(long, value_enum, default_value = "text")]
     pub(crate) format: Format,
+    #[command(flatten)]
+    pub(crate) accuracy: AccuracyArg,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]

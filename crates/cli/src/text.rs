@@ -3,11 +3,11 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use magsplice::FilmError;
 use magsplice::decouple::Decoupling;
 use magsplice::field::{Comparison, IdealFilm};
 use magsplice::layout::{Layout, NamedTile, WorkingVolume};
 use magsplice::prelude::DVec3;
+use magsplice::{Film, FilmError};
 use serde::Serialize;
 
 use crate::failure::{Failure, PRINTED_FAULTS};
@@ -23,13 +23,14 @@ pub(crate) fn json(report: &impl Serialize) -> String {
     text
 }
 
-/// Name, hash and working volume.
-pub(crate) fn header(layout: &Layout, volume: &WorkingVolume) -> String {
+/// Name, hash, working volume, and how exact its field is.
+pub(crate) fn header(film: &Film, volume: &WorkingVolume) -> String {
+    let layout = film.layout();
     let (l, u, s) = (volume.lower_mm, volume.upper_mm, volume.step_mm);
     let step = if s.x == s.y && s.x == s.z { format!("{}", s.x) } else { format!("{}, {}, {}", s.x, s.y, s.z) };
     let tiles = tile_count(layout);
     format!(
-        "{}: {tiles}, sha256 {}\nworking volume: x {} .. {}, y {} .. {}, z {} .. {} mm, step {step} mm, {} points\n",
+        "{}: {tiles}, sha256 {}\nworking volume: x {} .. {}, y {} .. {}, z {} .. {} mm, step {step} mm, {} points\naccuracy: {}\n",
         layout.name,
         &layout.sha256[..12],
         l.x,
@@ -38,7 +39,8 @@ pub(crate) fn header(layout: &Layout, volume: &WorkingVolume) -> String {
         u.y,
         l.z,
         u.z,
-        volume.grid.len()
+        volume.grid.len(),
+        film.scene().accuracy()
     )
 }
 

@@ -43,6 +43,7 @@ mod seam;
 mod tile;
 mod tolerances;
 mod two_sum;
+mod within;
 
 pub use batch::instruction_set::{InstructionSet, MissingInstructions};
 pub use compare::{Comparison, ComparisonError};
@@ -54,3 +55,4 @@ pub use quantity::{MU_0, Quantity};
 pub use scene::{Cause, Scene};
 pub use tile::{Tile, TileFault, TileFaults};
 pub use tolerances::{MAX_LENGTH, MAX_POLARIZATION_T, MIN_ASPECT, MIN_SIZE, UNIT_NORM_TOLERANCE};
+pub use within::accuracy::{Accuracy, InvalidTolerance, Tolerance};

@@ -8,11 +8,13 @@ use crate::batch::Superposition;
 use crate::batch::instruction_set::{InstructionSet, MissingInstructions};
 use crate::block::{Block, Placed};
 use crate::edge_policy::Edges;
-use crate::kernel::{Part, cuboid_gradient};
+use crate::kernel::{Part, cuboid_field, cuboid_gradient};
 use crate::quantity::{MU_0, Quantity};
 use crate::tile::Tile;
 use crate::tolerances::{MAX_LENGTH, REGROUPED_PARTS};
 use crate::two_sum::RunningSum;
+use crate::within::accuracy::Accuracy;
+use crate::within::magnitude::{Box3, most_field_t};
 
 /// Tiles prepared for evaluation. Their fields add up; tiles do not influence each other.
 ///
@@ -34,12 +36,15 @@ use crate::two_sum::RunningSum;
 #[derive(Clone, Debug)]
 pub struct Scene {
     arrangement: Arrangement,
-    tiles: usize,
+    tiles: Vec<Tile>,
+    /// Around each tile.
+    boxes: Vec<Box3>,
     level: Level,
+    accuracy: Accuracy,
 }
 
 /// Why there is no field at a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cause {
     /// The point is on an exposed edge or corner, where the field grows without bound like the logarithm of the distance.
     Unbounded {
@@ -54,17 +59,70 @@ pub enum Cause {
     },
     /// A coordinate of the point is not finite, or beyond [`MAX_LENGTH`]; or the result is beyond the range of numbers.
     OutOfRange,
+    /// The tolerance cannot be kept: the exact field has at most this error in tesla, and that is more.
+    TooExact {
+        /// The bound of the exact field's error.
+        bound_t: f64,
+    },
 }
 
 impl Scene {
     /// Prepares tiles for evaluation. Indices of tiles in answers are positions in `tiles`.
     pub fn new(tiles: &[Tile]) -> Scene {
-        Scene { arrangement: Arrangement::of(tiles), tiles: tiles.len(), level: Level::new() }
+        Scene {
+            arrangement: Arrangement::of(tiles),
+            tiles: tiles.to_vec(),
+            boxes: tiles.iter().map(Box3::of_tile).collect(),
+            level: Level::new(),
+            accuracy: Accuracy::Exact,
+        }
     }
 
     /// How many tiles there are.
     pub fn tile_count(&self) -> usize {
-        self.tiles
+        self.tiles.len()
+    }
+
+    pub(crate) fn tiles(&self) -> &[Tile] {
+        &self.tiles
+    }
+
+    pub(crate) fn boxes(&self) -> &[Box3] {
+        &self.boxes
+    }
+
+    pub(crate) fn level(&self) -> Level {
+        self.level
+    }
+
+    /// The same scene evaluated to this accuracy by [`Scene::field_into`] and [`Scene::field_on_grid`]. Single points, gradients and J are exact
+    /// in any case.
+    pub fn with_accuracy(self, accuracy: Accuracy) -> Scene {
+        Scene { accuracy, ..self }
+    }
+
+    /// How exact fields are made.
+    pub fn accuracy(&self) -> Accuracy {
+        self.accuracy
+    }
+
+    /// At most [`Scene::magnitude_t`], without computing a field.
+    pub(crate) fn most_magnitude_t(&self, point: DVec3) -> f64 {
+        let at = Box3 { lower: point, upper: point };
+        self.boxes.iter().zip(&self.tiles).map(|(around, tile)| most_field_t(tile, around.gap(&at).length())).sum()
+    }
+
+    /// The sum over tiles of the magnitudes of the fields that the components of J make alone at a point, in tesla: what errors are
+    /// measured by.
+    pub(crate) fn magnitude_t(&self, point: DVec3) -> f64 {
+        let magnitudes = self.sum_over_tiles::<1>(point, |block, placed, _| {
+            let parts = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
+                let own = cuboid_field(&placed.offsets, (block.polarization_t * axis).to_array(), Part::Density);
+                DVec3::from(own).length()
+            });
+            [parts.iter().sum()]
+        });
+        magnitudes.map_or(f64::INFINITY, |(sum, _)| sum[0])
     }
 
     /// Whether so many parts take their own forms that points of a batch should be neighbours.

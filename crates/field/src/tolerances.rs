@@ -174,6 +174,47 @@ pub(crate) const REGROUPED_POINTS: usize = 16_384;
 /// Batches for each thread, where there are points enough: the more, the more evenly they are shared out.
 pub(crate) const BATCHES_PER_THREAD: usize = 8;
 
+/// The error of the exact field, as a fraction of the sum over tiles of the fields that the components of J make alone: what
+/// [`Scene`](crate::Scene) promises.
+pub(crate) const EXACT_BOUND: f64 = 2e-14;
+
+/// The largest field of a tile over its J, each component: |T_ij| grows by ln(2) / 2 pi each time a point comes closer to an edge by half, and no face is
+/// closer than [`FACE_NUDGE`] squared.
+pub(crate) const LARGEST_FIELD_OVER_J: f64 = 30.0;
+
+/// Chebyshev expansions are not tried for fewer points: their nodes would be as many.
+pub(crate) const FITTED_POINTS: usize = 1000;
+
+/// An expansion is made if it serves at least so many points for each exact value it takes.
+pub(crate) const POINTS_PER_NODE: usize = 2;
+
+/// Nodes along an axis, at least, so that the fall of the coefficients can be seen.
+pub(crate) const LEAST_NODES: usize = 6;
+
+/// Nodes along an axis, at most: a box that needs more is divided.
+pub(crate) const MOST_NODES: usize = 64;
+
+/// How often the number of nodes is raised until the estimate of the error is small enough.
+pub(crate) const FIT_ROUNDS: usize = 4;
+
+/// What each axis of an expansion may leave out, as a fraction of the error wanted: a quarter is for rounding.
+pub(crate) const SHARE_OF_AXIS: f64 = 0.25;
+
+/// The first number of nodes leaves out so many times less on lines: coefficients in a box are added up over the other axes, whatever
+/// their sign.
+pub(crate) const TAIL_MARGIN: f64 = 4.0;
+
+/// Coefficients are not assumed to fall faster than by this from one to the next, whatever the last ones do,
+pub(crate) const LEAST_DECAY: f64 = 0.1;
+/// nor is a tail summed that falls more slowly than this.
+pub(crate) const MOST_DECAY: f64 = 0.95;
+
+/// Points of a box at which an expansion is compared with the exact field before it is used.
+pub(crate) const CHECKED_POINTS: usize = 24;
+
+/// Where |B| is below this fraction of its most in a box, points get the exact field rather than the box more nodes.
+pub(crate) const LOWEST_FIELD_SHARE: f64 = 1e-2;
+
 const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }

@@ -4,7 +4,9 @@ use std::fmt;
 
 use glam::DVec3;
 use magsplice_decouple::{Decoupling, DecouplingError};
-use magsplice_field::{Cause, Comparison, ComparisonError, IdealFilm, PointError, PointErrors, Quantity, Scene};
+use magsplice_field::{
+    Accuracy, Cause, Comparison, ComparisonError, IdealFilm, PointError, PointErrors, Quantity, Scene,
+};
 use magsplice_layout::{Layout, WorkingVolume};
 
 /// A layout with its scene prepared.
@@ -34,6 +36,11 @@ impl<'a> Film<'a> {
         Film { layout, scene: Scene::new(&layout.bare_tiles()) }
     }
 
+    /// The same film with fields of the working volume to this accuracy.
+    pub fn with_accuracy(self, accuracy: Accuracy) -> Film<'a> {
+        Film { scene: self.scene.with_accuracy(accuracy), ..self }
+    }
+
     /// The layout it was made from.
     pub fn layout(&self) -> &'a Layout {
         self.layout
@@ -60,14 +67,14 @@ impl<'a> Film<'a> {
         self.layout.ideal.as_ref().ok_or(FilmError::Missing("ideal"))
     }
 
-    /// B in tesla on the grid of the working volume, z fastest.
+    /// B in tesla on the grid of the working volume, z fastest, to the film's accuracy.
     ///
     /// # Errors
     /// If there is no working volume, or no field at some of its points.
     pub fn volume_field_t(&self) -> Result<Vec<DVec3>, FilmError> {
-        let points: Vec<DVec3> = self.volume()?.grid.points().collect();
-        let mut field = vec![DVec3::ZERO; points.len()];
-        self.scene.field_into(Quantity::FluxDensity, &points, &mut field).map_err(FilmError::Points)?;
+        let grid = &self.volume()?.grid;
+        let mut field = vec![DVec3::ZERO; grid.len()];
+        self.scene.field_on_grid(Quantity::FluxDensity, grid, &mut field).map_err(FilmError::Points)?;
         Ok(field)
     }
 
@@ -99,7 +106,7 @@ impl<'a> Film<'a> {
             .map_err(FilmError::Decoupling)
     }
 
-    /// B in tesla at the reference point of the working volume.
+    /// B in tesla at the reference point of the working volume, exactly.
     ///
     /// # Errors
     /// If there is no working volume, or no field at the point.

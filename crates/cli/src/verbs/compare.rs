@@ -13,7 +13,7 @@ use crate::verbs::decouple::Source;
 
 pub(crate) fn run(args: &LayoutArgs) -> Result<(), Failure> {
     let layout = Layout::read(&args.layout)?;
-    let film = Film::new(&layout);
+    let film = Film::new(&layout).with_accuracy(args.accuracy.get());
     let failed = |error| text::film_failure(&args.layout, &layout, error);
     // Whether there is something to compare with is known before the field is computed.
     film.ideal().map_err(failed)?;
@@ -21,11 +21,11 @@ pub(crate) fn run(args: &LayoutArgs) -> Result<(), Failure> {
     let comparison = film.compare(&field).map_err(failed)?;
     match args.format {
         Format::Json => {
-            output::print(&text::json(&Report { source: Source::of(&layout), comparison: (&comparison).into() }))
+            output::print(&text::json(&Report { source: Source::of(&film), comparison: (&comparison).into() }))
         }
         Format::Text => {
             let volume = film.volume().map_err(failed)?;
-            output::print(&format!("{}\n{}", text::header(&layout, volume), text::comparison(&comparison)))
+            output::print(&format!("{}\n{}", text::header(&film, volume), text::comparison(&comparison)))
         }
     }
 }

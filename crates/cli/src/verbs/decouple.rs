@@ -2,6 +2,7 @@
 
 use magsplice::Film;
 use magsplice::decouple::PerParameter;
+use magsplice::field::{Accuracy, Tolerance};
 use magsplice::layout::Layout;
 use magsplice::prelude::DVec3;
 use serde::Serialize;
@@ -14,7 +15,7 @@ use crate::verbs::compare::ComparisonReport;
 
 pub(crate) fn run(args: &LayoutArgs) -> Result<(), Failure> {
     let layout = Layout::read(&args.layout)?;
-    let film = Film::new(&layout);
+    let film = Film::new(&layout).with_accuracy(args.accuracy.get());
     let failed = |error| text::film_failure(&args.layout, &layout, error);
     let ideal = film.ideal().map_err(failed)?;
     let volume = film.volume().map_err(failed)?;
@@ -24,7 +25,7 @@ pub(crate) fn run(args: &LayoutArgs) -> Result<(), Failure> {
     let k = ideal.wavenumber();
     if args.format == Format::Json {
         let report = Report {
-            source: Source::of(&layout),
+            source: Source::of(&film),
             points: volume.grid.len(),
             reference_mm: volume.reference_mm.to_array(),
             uniformity_rmse: decoupling.uniformity_rmse.into(),
@@ -38,7 +39,7 @@ pub(crate) fn run(args: &LayoutArgs) -> Result<(), Failure> {
     }
     let at_reference = film.reference_field_t().map_err(failed)?;
     let sections = [
-        text::header(&layout, volume),
+        text::header(&film, volume),
         text::field(&field, volume, at_reference, ideal),
         text::comparison(&comparison),
         text::decoupling(&decoupling, volume, k),
@@ -53,15 +54,39 @@ pub(crate) struct Source<'a> {
     sha256: &'a str,
     version: &'static str,
     tiles: usize,
+    accuracy: AccuracyReport,
 }
 
-impl Source<'_> {
-    pub(crate) fn of(layout: &Layout) -> Source<'_> {
+/// How exact the field of the working volume is.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+enum AccuracyReport {
+    Exact,
+    /// At most this fraction of |B| off at every point.
+    Relative(f64),
+    /// At most so many tesla off at every point.
+    AbsoluteT(f64),
+}
+
+impl From<Accuracy> for AccuracyReport {
+    fn from(accuracy: Accuracy) -> AccuracyReport {
+        match accuracy {
+            Accuracy::Exact => AccuracyReport::Exact,
+            Accuracy::Within(Tolerance::Relative(fraction)) => AccuracyReport::Relative(fraction),
+            Accuracy::Within(Tolerance::AbsoluteT(error_t)) => AccuracyReport::AbsoluteT(error_t),
+        }
+    }
+}
+
+impl<'a> Source<'a> {
+    pub(crate) fn of(film: &Film<'a>) -> Source<'a> {
+        let layout = film.layout();
         Source {
             layout: &layout.name,
             sha256: &layout.sha256,
             version: env!("CARGO_PKG_VERSION"),
             tiles: layout.tiles.len(),
+            accuracy: film.scene().accuracy().into(),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use magsplice::field::{Cause, PointErrors, Quantity, Scene};
+use magsplice::field::{Accuracy, Cause, PointErrors, Quantity, Scene};
 use magsplice::layout::Layout;
 use magsplice::prelude::{DMat3, DVec3};
 use magsplice::{Film, FilmError};
@@ -17,7 +17,7 @@ const BATCH: usize = 1 << 16;
 
 pub(crate) fn run(args: &FieldArgs) -> Result<(), Failure> {
     let layout = Layout::read(&args.layout)?;
-    let film = Film::new(&layout);
+    let film = Film::new(&layout).with_accuracy(args.accuracy.get());
     match &args.points {
         Some(path) => at_points(args, &film, path),
         None => on_grid(args, &film),
@@ -55,12 +55,28 @@ fn on_grid(args: &FieldArgs, film: &Film) -> Result<(), Failure> {
     let grid = film.volume().map_err(missing)?.grid;
     let mut table = Table::begin(args)?;
     let mut faults = Faults::default();
-    for start in (0..grid.len()).step_by(BATCH) {
-        let points: Vec<DVec3> = (start..grid.len().min(start + BATCH)).map(|i| grid.point(i)).collect();
-        let errors = table.rows(film.scene(), &points, faults.is_empty())?;
+    let mut add = |errors: PointErrors| {
         for error in errors.0 {
             let (p, cause) = (error.point, cause_in_words(error.cause, film.layout()));
             faults.add(0, format!("point ({}, {}, {}) mm of the working volume: {cause}", p.x, p.y, p.z));
+        }
+        faults.is_empty()
+    };
+    match (film.scene().accuracy(), quantity(args.quantity)) {
+        // The cheaper ways see the grid as a whole.
+        (Accuracy::Within(_), Some(quantity)) => {
+            let points: Vec<DVec3> = grid.points().collect();
+            let mut field = vec![DVec3::ZERO; points.len()];
+            let evaluated = film.scene().field_on_grid(quantity, &grid, &mut field);
+            let rows = points.iter().zip(field.iter().map(DVec3::to_array));
+            add(write_rows(&mut table.output, evaluated, rows, true)?);
+        }
+        _ => {
+            let mut complete = true;
+            for start in (0..grid.len()).step_by(BATCH) {
+                let points: Vec<DVec3> = (start..grid.len().min(start + BATCH)).map(|i| grid.point(i)).collect();
+                complete = add(table.rows(film.scene(), &points, complete)?);
+            }
         }
     }
     if faults.is_empty() { table.output.finish() } else { Err(faults.failure(args.layout.display().to_string())) }
@@ -76,7 +92,7 @@ pub(crate) fn cause_in_words(cause: Cause, layout: &Layout) -> String {
             "the gradient cannot be resolved on an edge that tile \"{}\" shares with others",
             layout.tiles[tile].name
         ),
-        Cause::OutOfRange => cause.to_string(),
+        Cause::OutOfRange | Cause::TooExact { .. } => cause.to_string(),
     }
 }
 
@@ -97,22 +113,27 @@ impl Table {
 
     /// Evaluates points and, as long as there is a table to complete, writes their rows.
     fn rows(&mut self, scene: &Scene, points: &[DVec3], complete: bool) -> Result<PointErrors, Failure> {
-        let quantity = match self.quantity {
-            QuantityArg::B => Quantity::FluxDensity,
-            QuantityArg::H => Quantity::FieldStrength,
-            QuantityArg::J => Quantity::Polarization,
-            QuantityArg::Gradient => {
-                self.gradient.resize(points.len(), DMat3::ZERO);
-                let evaluated = scene.flux_density_gradient_into(points, &mut self.gradient);
-                // Row by row: the derivatives of one component of B together.
-                let rows = points.iter().zip(self.gradient.iter().map(|g| g.transpose().to_cols_array()));
-                return write_rows(&mut self.output, evaluated, rows, complete);
-            }
+        let Some(quantity) = quantity(self.quantity) else {
+            self.gradient.resize(points.len(), DMat3::ZERO);
+            let evaluated = scene.flux_density_gradient_into(points, &mut self.gradient);
+            // Row by row: the derivatives of one component of B together.
+            let rows = points.iter().zip(self.gradient.iter().map(|g| g.transpose().to_cols_array()));
+            return write_rows(&mut self.output, evaluated, rows, complete);
         };
         self.field.resize(points.len(), DVec3::ZERO);
         let evaluated = scene.field_into(quantity, points, &mut self.field);
         let rows = points.iter().zip(self.field.iter().map(DVec3::to_array));
         write_rows(&mut self.output, evaluated, rows, complete)
+    }
+}
+
+/// `None` for the gradient.
+fn quantity(quantity: QuantityArg) -> Option<Quantity> {
+    match quantity {
+        QuantityArg::B => Some(Quantity::FluxDensity),
+        QuantityArg::H => Some(Quantity::FieldStrength),
+        QuantityArg::J => Some(Quantity::Polarization),
+        QuantityArg::Gradient => None,
     }
 }
 

@@ -246,6 +246,60 @@ fn check_lists_tiles_and_tells_findings_from_failures() {
 }
 
 #[test]
+fn a_tolerance_is_kept_and_named() {
+    let bench = Bench::new();
+    let fine = std::fs::read_to_string(shipped("published-film")).unwrap().replace("step_mm = 0.5", "step_mm = 0.125");
+    bench.write("fine.toml", &fine);
+    for (arguments, fraction, tesla) in [
+        (["fine.toml", "--within", "1e-5", "-o", "rough.csv"], 1e-5, 0.0),
+        (["fine.toml", "--within", "20 nT", "-o", "rough.csv"], 0.0, 20e-9),
+    ] {
+        for (command, path) in [
+            (&["field", "fine.toml", "-o", "exact.csv"][..], "exact.csv"),
+            (&[&["field"], &arguments[..]].concat(), "rough.csv"),
+        ] {
+            let said = bench.run(command);
+            assert_eq!((said.status, said.stderr.as_str()), (0, ""), "{path}");
+        }
+        let (exact, rough) = (rows(&bench.read("exact.csv")), rows(&bench.read("rough.csv")));
+        assert_eq!((exact.len(), rough.len()), (33 * 33 * 17, 33 * 33 * 17));
+        let mut worst = 0.0_f64;
+        for (exact, rough) in exact.iter().zip(&rough) {
+            assert_eq!(exact[..3], rough[..3]);
+            let error = (3..6).map(|c| (exact[c] - rough[c]).powi(2)).sum::<f64>().sqrt();
+            let length = exact[3..].iter().map(|c| c * c).sum::<f64>().sqrt();
+            assert!(error <= fraction * length + tesla, "off by {error} of {length}");
+            worst = worst.max(error);
+        }
+        assert!(worst > 0.0, "the exact field is no cheaper way");
+    }
+    let json = |arguments: &[&str]| -> Value {
+        let said = bench.run(&[&["decouple", "fine.toml", "--format", "json"], arguments].concat());
+        serde_json::from_str(&said.stdout).unwrap()
+    };
+    assert_eq!(json(&[])["accuracy"], "exact");
+    let within = json(&["--within", "2.5uT"]);
+    assert_eq!(within["accuracy"], serde_json::json!({ "absolute_t": 2.5e-6 }));
+    let apart =
+        within["uniformity_rmse"]["r_x"].as_f64().unwrap() - json(&[])["uniformity_rmse"]["r_x"].as_f64().unwrap();
+    assert!(apart != 0.0 && apart.abs() < 1e-3, "{apart}");
+    let said = bench.run(&["decouple", "fine.toml", "--within", "1e-7"]);
+    assert!(said.stdout.contains("\naccuracy: within 1e-7 of |B|\n"), "{}", said.stdout);
+    let said = bench.run(&["compare", "fine.toml", "--within", "1e-15"]);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.stderr.contains("(-2, -2, -5) mm: the tolerance cannot be kept: even the exact field"),
+        "{}",
+        said.stderr
+    );
+    for wrong in ["0", "-1e-3", "nan", "1e-6 kT", "T", ""] {
+        let said = bench.run(&["field", "fine.toml", &format!("--within={wrong}")]);
+        assert_eq!((said.status, said.stdout.as_str()), (2, ""), "{wrong}");
+        assert!(said.stderr.contains("must be a"), "{wrong}: {}", said.stderr);
+    }
+}
+
+#[test]
 fn wrong_arguments_are_refused() {
     let bench = Bench::new();
     assert_eq!(bench.run(&[]).status, 2);

@@ -5,7 +5,7 @@ use std::ops::{Add, Mul, Sub};
 use fearless_simd::prelude::*;
 
 /// The most doubles in a vector of any instruction set.
-pub(super) const LONGEST_VECTOR: usize = 8;
+pub(crate) const LONGEST_VECTOR: usize = 8;
 
 /// As bits, less half the bits of x: about 1 / root of x (Lomont).
 const RECIPROCAL_ROOT: f64 = f64::from_bits(0x5fe6_eb50_c7b5_37a9);
@@ -14,7 +14,7 @@ const ROOT_CORRECTION: [f64; 4] =
     [2.189_332_781_995_891, -2.191_720_726_753_980_7, 1.315_441_291_758_012_3, -0.313_054_093_377_317_9];
 
 /// What a formula is computed with: a vector, or two of them, whose operations do not wait for each other.
-pub(super) trait Number:
+pub(crate) trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Sub<f64, Output = Self> + Mul<f64, Output = Self>
 {
     type Instructions: Simd;
@@ -37,24 +37,24 @@ pub(super) trait Number:
 
 /// As many doubles as the processor computes with at a time.
 #[derive(Clone, Copy)]
-pub(super) struct Lanes<S: Simd>(pub(super) S::f64s);
+pub(crate) struct Lanes<S: Simd>(pub(crate) S::f64s);
 
 impl<S: Simd> Lanes<S> {
-    pub(super) const LEN: usize = S::f64s::LEN;
+    pub(crate) const LEN: usize = S::f64s::LEN;
 
     /// From [`Lanes::LEN`] values.
     #[inline(always)]
-    pub(super) fn load(simd: S, values: &[f64]) -> Self {
+    pub(crate) fn load(simd: S, values: &[f64]) -> Self {
         Lanes(S::f64s::from_slice(simd, values))
     }
 
     #[inline(always)]
-    pub(super) fn store(self, values: &mut [f64]) {
+    pub(crate) fn store(self, values: &mut [f64]) {
         self.0.store_slice(values);
     }
 
     #[inline(always)]
-    pub(super) fn lane(&self, index: usize) -> f64 {
+    pub(crate) fn lane(&self, index: usize) -> f64 {
         self.0[index]
     }
 
@@ -62,7 +62,7 @@ impl<S: Simd> Lanes<S> {
     ///
     /// By multiplications alone: with long vectors faster than the processor's root, which all units but one would wait for.
     #[inline(always)]
-    pub(super) fn root(self, simd: S) -> Self {
+    pub(crate) fn root(self, simd: S) -> Self {
         let Lanes(x) = self;
         if S::f64s::LEN <= 2 {
             return Lanes(x.sqrt());
@@ -82,41 +82,41 @@ impl<S: Simd> Lanes<S> {
 
     /// The rounded sum, and what was rounded away (Knuth).
     #[inline(always)]
-    pub(super) fn two_sum(self, term: Self) -> (Self, Self) {
+    pub(crate) fn two_sum(self, term: Self) -> (Self, Self) {
         let sum = self + term;
         let part = sum - self;
         (sum, (self - (sum - part)) + (term - part))
     }
 
     #[inline(always)]
-    pub(super) fn sqrt(self) -> Self {
+    pub(crate) fn sqrt(self) -> Self {
         Lanes(self.0.sqrt())
     }
 
     #[inline(always)]
-    pub(super) fn abs(self) -> Self {
+    pub(crate) fn abs(self) -> Self {
         Lanes(self.0.abs())
     }
 
     /// 1 where self >= limit, else 0.
     #[inline(always)]
-    pub(super) fn at_least(self, simd: S, limit: f64) -> Self {
+    pub(crate) fn at_least(self, simd: S, limit: f64) -> Self {
         Lanes(self.0.simd_ge(limit).select(S::f64s::splat(simd, 1.0), S::f64s::splat(simd, 0.0)))
     }
 
     /// 1 where self <= limit, else 0.
     #[inline(always)]
-    pub(super) fn at_most(self, simd: S, limit: f64) -> Self {
+    pub(crate) fn at_most(self, simd: S, limit: f64) -> Self {
         Lanes(self.0.simd_le(limit).select(S::f64s::splat(simd, 1.0), S::f64s::splat(simd, 0.0)))
     }
 
     #[inline(always)]
-    pub(super) fn min(self, other: Self) -> Self {
+    pub(crate) fn min(self, other: Self) -> Self {
         Lanes(self.0.min(other.0))
     }
 
     #[inline(always)]
-    pub(super) fn max(self, other: Self) -> Self {
+    pub(crate) fn max(self, other: Self) -> Self {
         Lanes(self.0.max(other.0))
     }
 }
@@ -167,7 +167,7 @@ impl<S: Simd> Number for Lanes<S> {
 
 /// Two vectors.
 #[derive(Clone, Copy)]
-pub(super) struct Two<S: Simd>(pub(super) [Lanes<S>; 2]);
+pub(crate) struct Two<S: Simd>(pub(crate) [Lanes<S>; 2]);
 
 impl<S: Simd> Number for Two<S> {
     type Instructions = S;

@@ -19,7 +19,7 @@ mod expansion;
 mod functions;
 mod harmonics;
 pub(crate) mod instruction_set;
-mod lanes;
+pub(crate) mod lanes;
 mod multipole;
 mod points;
 mod range;

@@ -1,0 +1,72 @@
+//! Chebyshev polynomials T_k on [-1, 1].
+
+use std::f64::consts::PI;
+
+/// The `count` zeros of T_count, falling.
+pub(super) fn nodes(count: usize) -> Vec<f64> {
+    (0..count).map(|i| (PI * (i as f64 + 0.5) / count as f64).cos()).collect()
+}
+
+/// Row k, entry i: what the value at node i adds to the coefficient of T_k of the polynomial through all of them.
+pub(super) fn transform(count: usize) -> Vec<Vec<f64>> {
+    let n = count as f64;
+    let entry = |k: usize, i: usize| {
+        let weight = if k == 0 { 1.0 } else { 2.0 };
+        // The angle reduced by whole turns while it is an integer.
+        let quarter_steps = (k * (2 * i + 1)) % (4 * count);
+        weight / n * (PI * quarter_steps as f64 / (2.0 * n)).cos()
+    };
+    (0..count).map(|k| (0..count).map(|i| entry(k, i)).collect()).collect()
+}
+
+/// T_0 to T_(count - 1) at x.
+pub(super) fn polynomials(x: f64, values: &mut [f64]) {
+    let (mut last, mut value) = (x, 1.0);
+    for entry in values {
+        *entry = value;
+        (last, value) = (value, 2.0 * x * value - last);
+    }
+}
+
+/// The factor by which coefficients fall from one to the next, at least, for a function on [-1, 1] with its nearest singularity at
+/// distance `aside` from the line, beyond its end by `beyond`: one over the sum of the half axes of the ellipse through it with foci -1 and 1.
+pub(super) fn decay(beyond: f64, aside: f64) -> f64 {
+    // Opposite to the line's middle, unless it lies beyond the end.
+    let x = if beyond > 0.0 { 1.0 + beyond } else { 0.0 };
+    let long_axis = 0.5 * ((x + 1.0).hypot(aside) + (x - 1.0).hypot(aside));
+    1.0 / (long_axis + (long_axis * long_axis - 1.0).max(0.0).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_polynomial_is_its_own_expansion() {
+        let function = |x: f64| 3.0 - x + 4.0 * x.powi(3);
+        let values: Vec<f64> = nodes(6).into_iter().map(function).collect();
+        let coefficients: Vec<f64> =
+            transform(6).iter().map(|row| row.iter().zip(&values).map(|(a, b)| a * b).sum()).collect();
+        // 4 x^3 = T_3 + 3 x
+        for (found, exact) in coefficients.iter().zip([3.0, 2.0, 0.0, 1.0, 0.0, 0.0]) {
+            assert!((found - exact).abs() < 1e-15);
+        }
+        let mut t = [0.0; 4];
+        polynomials(0.3, &mut t);
+        let found: f64 = coefficients.iter().zip(t).map(|(c, t)| c * t).sum();
+        assert!((found - function(0.3)).abs() < 2e-15);
+    }
+
+    /// 1 / (x - s) has coefficients that fall exactly like that.
+    #[test]
+    fn decay_is_that_of_a_pole() {
+        let values: Vec<f64> = nodes(40).into_iter().map(|x| 1.0 / (1.5 - x)).collect();
+        let rows = transform(40);
+        let coefficient = |k: usize| rows[k].iter().zip(&values).map(|(a, b)| a * b).sum::<f64>();
+        assert!((coefficient(9) / coefficient(8) - decay(0.5, 0.0)).abs() < 1e-10);
+        let values: Vec<f64> = nodes(60).into_iter().map(|x| 1.0 / (x * x + 0.49)).collect();
+        let rows = transform(60);
+        let coefficient = |k: usize| rows[k].iter().zip(&values).map(|(a, b)| a * b).sum::<f64>();
+        assert!(((coefficient(10) / coefficient(8)).abs().sqrt() - decay(0.0, 0.7)).abs() < 1e-10);
+    }
+}

@@ -1,0 +1,194 @@
+//! The field on the points of a regular grid, to a tolerance.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::accuracy::Tolerance;
+use super::chebyshev::polynomials;
+use super::combine::{padded, weighted_sum};
+use super::fit::{Fit, NoFit};
+use super::magnitude::Box3;
+use crate::evaluate::PointError;
+use crate::grid::Grid;
+use crate::quantity::{MU_0, Quantity};
+use crate::scene::Scene;
+use crate::tolerances::{FITTED_POINTS, POINTS_PER_NODE};
+
+/// A part of a grid: indices from and to, that excluded, along x, y, z.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    start: [usize; 3],
+    end: [usize; 3],
+}
+
+/// B or H at all points of the grid, z fastest; points that have none, with NaN there.
+pub(crate) fn on_grid(
+    scene: &Scene,
+    tolerance: Tolerance,
+    quantity: Quantity,
+    grid: &Grid,
+    field: &mut [DVec3],
+) -> Vec<PointError> {
+    let mut exact = Vec::new();
+    let whole = Part { start: [0; 3], end: grid.counts };
+    if !grid.is_empty() {
+        serve(scene, tolerance, grid, whole, field, &mut exact);
+    }
+    if quantity == Quantity::FieldStrength {
+        // No fitted point is in a tile.
+        field.par_iter_mut().for_each(|h| *h /= MU_0);
+    }
+    // Points for the exact field, whose tolerance is checked there.
+    exact.sort_unstable();
+    let points: Vec<DVec3> = exact.iter().map(|&index| grid.point(index)).collect();
+    let mut values = vec![DVec3::ZERO; points.len()];
+    let errors = scene.checked_exact_into(tolerance, quantity, &points, &mut values);
+    for (&index, value) in exact.iter().zip(values) {
+        field[index] = value;
+    }
+    errors.into_iter().map(|error| PointError { index: exact[error.index], ..error }).collect()
+}
+
+/// Fills in a part of the grid where it can be fitted, and names the points at which it cannot.
+fn serve(scene: &Scene, tolerance: Tolerance, grid: &Grid, part: Part, field: &mut [DVec3], exact: &mut Vec<usize>) {
+    let counts = part.counts();
+    let points = counts.iter().product::<usize>();
+    let fit = if points < FITTED_POINTS {
+        Err(NoFit::TooNear)
+    } else {
+        Fit::of(scene, part.region(grid), tolerance, points / POINTS_PER_NODE)
+    };
+    match fit {
+        Ok(fit) => evaluate(scene.level(), &fit, tolerance, grid, part, field, exact),
+        Err(NoFit::TooNear) if points >= 2 * FITTED_POINTS => {
+            let axis = part.longest_axis(grid);
+            let middle = usize::midpoint(part.start[axis], part.end[axis]);
+            let (mut low, mut high) = (part, part);
+            low.end[axis] = middle;
+            high.start[axis] = middle;
+            serve(scene, tolerance, grid, low, field, exact);
+            serve(scene, tolerance, grid, high, field, exact);
+        }
+        Err(_) => exact.extend(part.indices(grid)),
+    }
+}
+
+impl Part {
+    fn counts(&self) -> [usize; 3] {
+        [0, 1, 2].map(|axis: usize| self.end[axis] - self.start[axis])
+    }
+
+    fn region(&self, grid: &Grid) -> Box3 {
+        let corner = |at: fn(&Part, usize) -> usize| DVec3::from([0, 1, 2].map(|a| grid.coordinate(a, at(self, a))));
+        let (first, last) = (corner(|part, a| part.start[a]), corner(|part, a| part.end[a] - 1));
+        Box3 { lower: first.min(last), upper: first.max(last) }
+    }
+
+    fn longest_axis(&self, grid: &Grid) -> usize {
+        let size = self.region(grid).half_size();
+        let divisible = (0..3).filter(|&axis| self.end[axis] - self.start[axis] > 1);
+        divisible.max_by(|&a, &b| size[a].total_cmp(&size[b])).expect("several points")
+    }
+
+    fn indices(self, grid: &Grid) -> impl Iterator<Item = usize> {
+        let [_, ny, nz] = grid.counts;
+        let Part { start, end } = self;
+        (start[0]..end[0]).flat_map(move |i| {
+            (start[1]..end[1]).flat_map(move |j| (start[2]..end[2]).map(move |k| (i * ny + j) * nz + k))
+        })
+    }
+}
+
+/// The polynomials of a fit at the grid's coordinates along its axes.
+struct Tables {
+    /// For each coordinate along x and along y the values of all polynomials.
+    along_x: Vec<Vec<f64>>,
+    along_y: Vec<Vec<f64>>,
+    /// For each polynomial along z the values at all coordinates.
+    along_z: Vec<f64>,
+}
+
+impl Tables {
+    fn of(fit: &Fit, grid: &Grid, part: Part) -> Tables {
+        let (centre, half) = (fit.region.centre(), fit.region.half_size());
+        let values = |axis: usize, index: usize| {
+            let mut values = vec![0.0; fit.counts[axis]];
+            let offset = grid.coordinate(axis, index) - centre[axis];
+            polynomials(if half[axis] > 0.0 { offset / half[axis] } else { 0.0 }, &mut values);
+            values
+        };
+        let along = |axis: usize| (part.start[axis]..part.end[axis]).map(|i| values(axis, i)).collect::<Vec<_>>();
+        let room = padded(part.counts()[2]);
+        let mut along_z = vec![0.0; fit.counts[2] * room];
+        for (k, values) in along(2).into_iter().enumerate() {
+            for (c, value) in values.into_iter().enumerate() {
+                along_z[c * room + k] = value;
+            }
+        }
+        Tables { along_x: along(0), along_y: along(1), along_z }
+    }
+}
+
+/// The expansion at the points of a part; those at which it does not keep the tolerance are named.
+fn evaluate(
+    level: Level,
+    fit: &Fit,
+    tolerance: Tolerance,
+    grid: &Grid,
+    part: Part,
+    field: &mut [DVec3],
+    exact: &mut Vec<usize>,
+) {
+    let tables = Tables::of(fit, grid, part);
+    let [_, ny, nz] = grid.counts;
+    let planes = field.par_chunks_mut(ny * nz).enumerate().skip(part.start[0]).take(part.counts()[0]);
+    let missed: Vec<usize> = planes
+        .flat_map_iter(|(i, field)| {
+            let mut missed = Vec::new();
+            let weights = &tables.along_x[i - part.start[0]];
+            dispatch!(level, simd => plane(simd, fit, &tables, weights, part, nz, field));
+            for j in part.start[1]..part.end[1] {
+                for k in part.start[2]..part.end[2] {
+                    if !tolerance.is_kept(field[j * nz + k], fit.error_t) {
+                        missed.push((i * ny + j) * nz + k);
+                    }
+                }
+            }
+            missed
+        })
+        .collect();
+    exact.extend(missed);
+}
+
+/// One plane of constant x: first over the polynomials along x, then along y, then along z.
+#[inline(always)]
+fn plane<S: Simd>(
+    simd: S,
+    fit: &Fit,
+    tables: &Tables,
+    weights: &[f64],
+    part: Part,
+    stride: usize,
+    field: &mut [DVec3],
+) {
+    let (slab, degrees, room) = (Fit::slab(fit.counts), fit.counts[2], padded(part.counts()[2]));
+    let mut in_plane = [0, 1, 2].map(|_| vec![0.0; slab]);
+    for (sum, coefficients) in in_plane.iter_mut().zip(&fit.coefficients) {
+        weighted_sum(simd, weights, coefficients, sum);
+    }
+    let mut on_line = vec![0.0; padded(degrees)];
+    let mut values = [0, 1, 2].map(|_| vec![0.0; room]);
+    for (j, weights) in (part.start[1]..).zip(&tables.along_y) {
+        for (values, coefficients) in values.iter_mut().zip(&in_plane) {
+            weighted_sum(simd, weights, coefficients, &mut on_line);
+            weighted_sum(simd, &on_line[..degrees], &tables.along_z, values);
+        }
+        let [x, y, z] = &values;
+        let line = &mut field[j * stride + part.start[2]..j * stride + part.end[2]];
+        for (field, ((x, y), z)) in line.iter_mut().zip(x.iter().zip(y).zip(z)) {
+            *field = DVec3::new(*x, *y, *z);
+        }
+    }
+}
