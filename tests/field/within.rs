@@ -1,7 +1,7 @@
 //! A tolerance is kept at every point, or the point is named.
 
 use glam::{DQuat, DVec3};
-use magsplice_field::{Accuracy, Cause, Grid, MU_0, Quantity, Scene, Tile, Tolerance};
+use magsplice_field::{Accuracy, Cause, FittedField, FittedFieldError, Grid, MU_0, Quantity, Scene, Tile, Tolerance};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use rayon::ThreadPoolBuilder;
@@ -133,4 +133,72 @@ fn only_positive_tolerances() {
     for wrong in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
         assert!(Tolerance::relative(wrong).is_err() && Tolerance::absolute_t(wrong).is_err());
     }
+}
+
+/// Points spread over a box, its corners first.
+fn spread(lower: DVec3, upper: DVec3, count: usize) -> Vec<DVec3> {
+    let corner = |n: usize| DVec3::from([0, 1, 2].map(|bit| if n >> bit & 1 == 1 { 1.0 } else { 0.0 }));
+    let inner = |n: usize| DVec3::from([0.819_172_5, 0.671_043_6, 0.549_700_5].map(|step| (step * n as f64).fract()));
+    let place = |n: usize| if n < 8 { corner(n) } else { inner(n) };
+    (0..count).map(|n| lower + (upper - lower) * place(n)).map(|p| p.clamp(lower, upper)).collect()
+}
+
+#[test]
+fn fitted_fields_keep_their_bounds() {
+    let boxes = (
+        prop::collection::vec(tile(), 1..6),
+        prop::array::uniform3(-14.0..14.0_f64),
+        prop::array::uniform3((-1.0..0.5_f64).prop_map(|d| 10_f64.powf(d))),
+        (-9.0..-2.0_f64).prop_map(|d| 10_f64.powf(d)),
+    );
+    let fitted = std::cell::Cell::new(0);
+    TestRunner::new(Config { cases: 400, failure_persistence: None, ..Config::default() })
+        .run(&boxes, |(tiles, centre, half, fraction)| {
+            let (centre, half) = (DVec3::from(centre), DVec3::from(half));
+            let (scene, tolerance) = (Scene::new(&tiles), Tolerance::Relative(fraction));
+            let Ok(found) = FittedField::new(&scene, centre - half, centre + half, tolerance) else { return Ok(()) };
+            fitted.set(fitted.get() + 1);
+            let points = spread(centre - half, centre + half, 500);
+            let mut field = vec![DVec3::ZERO; points.len()];
+            let refused = found.flux_density_into(&points, &mut field).err().unwrap_or_default();
+            prop_assert!(refused.iter().all(|error| !error.outside && field[error.index].is_nan()));
+            for (point, b) in points.iter().zip(field) {
+                let exact = scene.field(Quantity::FluxDensity, *point).expect("no tile is there");
+                let alone = found.flux_density(*point).expect("inside");
+                let error = (alone - exact).length();
+                prop_assert!(error <= found.error_t(), "off by {error:e}, not {:e}", found.error_t());
+                if !b.is_nan() {
+                    prop_assert!((b - exact).length() <= (fraction + EXACT) * exact.length());
+                    prop_assert!((b - alone).length() <= 1e-13 * exact.length() + 0.01 * found.error_t());
+                }
+                let gradient = scene.flux_density_gradient(*point).expect("no tile is there");
+                let off = (found.flux_density_gradient(*point).expect("inside") - gradient).to_cols_array();
+                let off = off.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+                prop_assert!(off <= found.gradient_error_t(), "{off:e}, not {:e}", found.gradient_error_t());
+            }
+            Ok(())
+        })
+        .expect("the bounds hold");
+    assert!(fitted.get() > 100, "only {} boxes were fitted", fitted.get());
+}
+
+#[test]
+fn a_fitted_field_refuses_what_it_cannot_do() {
+    let scene = Scene::new(&film());
+    let (lower, upper) = (DVec3::new(-2.0, -2.0, -5.0), DVec3::new(2.0, 2.0, -3.0));
+    let made = |lower, upper, fraction| FittedField::new(&scene, lower, upper, Tolerance::Relative(fraction));
+    assert_eq!(made(lower, upper.with_z(0.5), 1e-3).unwrap_err(), FittedFieldError::TooNear);
+    assert_eq!(made(lower, upper, 1e-14).unwrap_err(), FittedFieldError::TooExact);
+    assert_eq!(made(upper, lower, 1e-3).unwrap_err(), FittedFieldError::NoBox);
+    assert_eq!(made(lower, upper.with_x(f64::NAN), 1e-3).unwrap_err(), FittedFieldError::NoBox);
+    let fitted = made(lower, upper, 1e-6).unwrap();
+    assert!(fitted.flux_density(upper).is_some() && fitted.flux_density(upper + 1e-9).is_none());
+    assert!(fitted.flux_density_gradient(lower - 1e-9).is_none());
+    let points = [lower, DVec3::new(0.0, 3.0, -4.0), upper, DVec3::NAN];
+    let mut field = [DVec3::ZERO; 4];
+    let errors = fitted.flux_density_into(&points, &mut field).unwrap_err();
+    assert_eq!(errors.iter().map(|e| (e.index, e.outside)).collect::<Vec<_>>(), [(1, true), (3, true)]);
+    assert!(field[0].is_finite() && field[1].is_nan() && field[2].is_finite());
+    assert_eq!(errors[0].to_string(), "point 1 at (0, 3, -4): outside the box");
+    assert!(fitted.memory_bytes() < 1 << 21);
 }

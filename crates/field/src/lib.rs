@@ -2,6 +2,7 @@
 //!
 //! * [`Tile`]: a cuboid with position, size, polarization and rotation.
 //! * [`Scene`]: tiles together; B, H and J at a point or at many points in parallel.
+//! * [`Accuracy`]: exact, or as cheap as a tolerance allows; [`FittedField`]: a box prepared for repeated look-ups.
 //! * [`IdealFilm`]: the sinusoidally magnetized film a spliced film stands in for (Dai 2024, Eqs. 1 and 2).
 //! * [`Comparison`]: how far one field is from another.
 //! * [`Grid`]: regular points.
@@ -56,3 +57,4 @@ pub use scene::{Cause, Scene};
 pub use tile::{Tile, TileFault, TileFaults};
 pub use tolerances::{MAX_LENGTH, MAX_POLARIZATION_T, MIN_ASPECT, MIN_SIZE, UNIT_NORM_TOLERANCE};
 pub use within::accuracy::{Accuracy, InvalidTolerance, Tolerance};
+pub use within::fitted_field::{FittedField, FittedFieldError, LookUpError};

@@ -215,6 +215,21 @@ pub(crate) const CHECKED_POINTS: usize = 24;
 /// Where |B| is below this fraction of its most in a box, points get the exact field rather than the box more nodes.
 pub(crate) const LOWEST_FIELD_SHARE: f64 = 1e-2;
 
+/// Terms of a cell's expansion along each axis. Fewer make more cells, which no longer fit the second cache; more take longer for each point.
+pub(crate) const CELL_NODES: usize = 8;
+
+/// Cells of a box, at most: 100 MB.
+pub(crate) const MOST_CELLS: usize = 8192;
+
+/// How often cells are made smaller until their error is small enough.
+pub(crate) const CELL_ROUNDS: usize = 12;
+
+/// Exact values for a box to be looked up in, at most.
+pub(crate) const MOST_FITTED_NODES: usize = 200_000;
+
+/// Points sorted by cell together, at least and at most: the more, the more share a cell's coefficients.
+pub(crate) const LOOKED_UP_TOGETHER: [usize; 2] = [1 << 10, 1 << 15];
+
 const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }

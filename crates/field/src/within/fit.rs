@@ -23,6 +23,8 @@ pub(crate) struct Fit {
     pub(super) coefficients: [Vec<f64>; 3],
     /// At most the length of the error, in tesla.
     pub(crate) error_t: f64,
+    /// The error that was to be reached.
+    pub(super) wanted_t: f64,
 }
 
 /// Why a box has no expansion.
@@ -73,7 +75,7 @@ impl Fit {
             let truncated_t: f64 = tails.iter().map(|tail| tail.sum_t).sum();
             let error_t = truncated_t + noise_t;
             if error_t <= wanted_t {
-                let fit = Fit { region, counts, coefficients, error_t };
+                let fit = Fit { region, counts, coefficients, error_t, wanted_t };
                 if fit.holds(scene) {
                     return Ok(fit);
                 }
@@ -297,8 +299,8 @@ impl Samples {
 
 /// What the coefficients not taken may add up to.
 #[derive(Clone, Copy)]
-struct Tail {
-    sum_t: f64,
+pub(super) struct Tail {
+    pub(super) sum_t: f64,
     decay: f64,
 }
 
@@ -319,9 +321,15 @@ fn tail(coefficients: &[Vec<f64>; 3], counts: [usize; 3], axis: usize) -> Tail {
             }
         }
     }
-    let last = |back: usize| sums[count - back].length();
+    tail_of(&sums.iter().map(|sum| sum.length()).collect::<Vec<f64>>())
+}
+
+/// See [`tail`]; of the sums of the magnitudes of coefficients by degree.
+pub(super) fn tail_of(sums: &[f64]) -> Tail {
+    let last = |back: usize| sums[sums.len() - back];
     let (end, before) = (last(1).max(last(2)), last(3).max(last(4)));
     let decay = if before > 0.0 { (end / before).sqrt().clamp(LEAST_DECAY, MOST_DECAY) } else { LEAST_DECAY };
+    let next = (last(1) * decay).max(last(2) * decay * decay);
     // Those left out, and as much again, since they appear as lower ones at the nodes.
-    Tail { sum_t: 2.0 * end * decay / (1.0 - decay), decay }
+    Tail { sum_t: 2.0 * next / (1.0 - decay), decay }
 }

@@ -2,12 +2,14 @@
 //!
 //! | model | where | file |
 //! |---|---|---|
-//! | Chebyshev expansion of a box without tiles | points of a grid, repeated look-ups | `fit`, `on_grid`, `fitted_field` |
+//! | Chebyshev expansion of a box without tiles | points of a grid | `fit`, `on_grid` |
+//! | the same of cells of the box | repeated look-ups | `fitted_field` |
 //! | exact | points at which no other model keeps the tolerance | [`crate::batch`] |
 
 pub(crate) mod accuracy;
 mod chebyshev;
 mod combine;
 mod fit;
+pub(crate) mod fitted_field;
 pub(crate) mod magnitude;
 pub(crate) mod on_grid;
