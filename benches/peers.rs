@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use glam::DVec3;
-use magsplice::field::{InstructionSet, Quantity, Scene};
+use magsplice::field::{Accuracy, InstructionSet, Quantity, Scene, Tolerance};
 use magsplice_benches::{Magba, Workload, workloads};
 use nalgebra::Vector3;
 
@@ -27,23 +27,39 @@ fn main() {
     let named = |set: &&InstructionSet| std::env::args().any(|a| a == format!("--{set:?}").to_lowercase());
     let set = *sets.iter().find(named).unwrap_or(&sets[0]);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
-    for workload in workloads().into_iter().filter(|w| w.name.contains(&wanted)) {
+    for (workload, accuracy) in workloads().into_iter().flat_map(variants).filter(|(w, _)| w.name.contains(&wanted)) {
         let pairs = if workload.pairs() > LARGE_RUN { FEW_PAIRS } else { PAIRS };
         let (workload, pairs) = if once { (workload.thinned(20_000), 1) } else { (workload, pairs) };
-        pool.install(|| compare(workload, set, pairs));
+        pool.install(|| compare(workload, accuracy, set, pairs));
     }
 }
 
-fn compare(workload: Workload, set: InstructionSet, pairs: usize) {
-    let Workload { name, tiles, points } = workload;
-    let scene = Scene::new(&tiles).with_instruction_set(set).expect("available");
+/// Each workload as it is; the film also to a tolerance, on the grid that its points are.
+fn variants(workload: Workload) -> Vec<(Workload, Accuracy)> {
+    let mut variants = Vec::new();
+    if workload.name == "film-exact" {
+        let within = Accuracy::Within(Tolerance::relative(1e-9).expect("a tolerance"));
+        variants.push((Workload { name: "film-within-1e-9", ..workload.clone() }, within));
+    }
+    variants.insert(0, (workload, Accuracy::Exact));
+    variants
+}
+
+fn compare(workload: Workload, accuracy: Accuracy, set: InstructionSet, pairs: usize) {
+    let Workload { name, tiles, points, grid } = workload;
+    let scene = Scene::new(&tiles).with_instruction_set(set).expect("available").with_accuracy(accuracy);
     let magba = Magba::new(&tiles, &points);
     let (mut ours, mut theirs) = (vec![DVec3::ZERO; points.len()], vec![Vector3::zeros(); points.len()]);
     let mut fastest = f64::INFINITY;
     let mut ratios: Vec<f64> = (0..pairs)
         .map(|_| {
             let start = Instant::now();
-            scene.field_into(Quantity::FluxDensity, black_box(&points), &mut ours).expect("bounded");
+            match (accuracy, &grid) {
+                (Accuracy::Within(_), Some(grid)) => {
+                    scene.field_on_grid(Quantity::FluxDensity, black_box(grid), &mut ours).expect("bounded");
+                }
+                _ => scene.field_into(Quantity::FluxDensity, black_box(&points), &mut ours).expect("bounded"),
+            }
             let own = start.elapsed();
             let start = Instant::now();
             magba.field(&mut theirs);
@@ -57,7 +73,7 @@ fn compare(workload: Workload, set: InstructionSet, pairs: usize) {
     let mut apart: Vec<f64> = apart.collect();
     apart.sort_by(f64::total_cmp);
     println!(
-        "ratio: {} = {:.2}   ({} tiles, {} points, {:.2} ns per pair; the fields are apart by {:.1e} in the median)",
+        "ratio: {} = {:.2}   ({} tiles, {} points, {:.3} ns per pair; the fields are apart by {:.1e} in the median)",
         name,
         ratios[ratios.len() / 2],
         tiles.len(),

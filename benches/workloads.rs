@@ -1,13 +1,14 @@
 //! The scenes on which speed is compared.
 
 use glam::{DQuat, DVec3};
-use magsplice::field::Tile;
+use magsplice::field::{Grid, Tile};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::{shipped_layout, working_volume};
 
 /// Tiles, and the points at which their field is wanted.
+#[derive(Clone)]
 pub struct Workload {
     /// As it is printed.
     pub name: &'static str,
@@ -15,12 +16,23 @@ pub struct Workload {
     pub tiles: Vec<Tile>,
     /// In any order.
     pub points: Vec<DVec3>,
+    /// The grid that the points are, if they are one.
+    pub grid: Option<Grid>,
 }
 
 impl Workload {
     /// The same with evenly thinned points, so that they keep their distribution, and at most so many tile-point pairs.
     pub fn thinned(mut self, most_pairs: usize) -> Workload {
         let keep = (most_pairs / self.tiles.len()).clamp(1, self.points.len());
+        if let Some(grid) = &mut self.grid {
+            // As many along each axis, as nearly as may be.
+            while grid.len() > keep {
+                let axis = (0..3).max_by_key(|&axis| grid.counts[axis]).expect("three axes");
+                grid.counts[axis] -= 1;
+            }
+            self.points = grid.points().collect();
+            return self;
+        }
         self.points = (0..keep).map(|i| self.points[i * self.points.len() / keep]).collect();
         self
     }
@@ -34,7 +46,8 @@ impl Workload {
 /// All of them.
 pub fn workloads() -> Vec<Workload> {
     let film = shipped_layout("published-film").bare_tiles();
-    let grid: Vec<DVec3> = working_volume([81, 81, 41]).points().collect();
+    let volume = working_volume([81, 81, 41]);
+    let grid: Vec<DVec3> = volume.points().collect();
     let mut random = ChaCha8Rng::seed_from_u64(4);
     let mut within = |reach: f64| DVec3::from([0, 1, 2].map(|_| random.random_range(-reach..reach)));
     // Different in every tile, so that no two are one block.
@@ -54,14 +67,20 @@ pub fn workloads() -> Vec<Workload> {
     let below: Vec<DVec3> =
         (0..10_000).map(|_| within(40.0) * DVec3::new(1.0, 1.0, 0.02) - DVec3::new(0.0, 0.0, 4.0)).collect();
     vec![
-        Workload { name: "film-exact", tiles: film.clone(), points: grid.clone() },
+        Workload { name: "film-exact", tiles: film.clone(), points: grid.clone(), grid: Some(volume) },
         Workload {
             name: "film-general-polarization",
             tiles: film.iter().enumerate().map(general).collect(),
             points: grid.clone(),
+            grid: Some(volume),
         },
-        Workload { name: "film-rotated", tiles: film.iter().enumerate().map(turned).collect(), points: grid },
-        Workload { name: "one-tile", tiles: vec![one], points: near_and_far },
-        Workload { name: "many-tiles", tiles: lattice.collect(), points: below },
+        Workload {
+            name: "film-rotated",
+            tiles: film.iter().enumerate().map(turned).collect(),
+            points: grid,
+            grid: Some(volume),
+        },
+        Workload { name: "one-tile", tiles: vec![one], points: near_and_far, grid: None },
+        Workload { name: "many-tiles", tiles: lattice.collect(), points: below, grid: None },
     ]
 }

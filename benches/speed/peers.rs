@@ -31,7 +31,7 @@ pub(crate) fn measure(python: Option<&Path>, effort: Effort) -> Result<Vec<Row>,
 
 fn row(workload: Workload, python: Option<&Path>, effort: Effort) -> Result<Row, String> {
     let pairs = workload.pairs() as f64;
-    let Workload { name, tiles, points } = workload;
+    let Workload { name, tiles, points, .. } = workload;
     let scene = Scene::new(&tiles);
     let magba = Magba::new(&tiles, &points);
     let mut magpylib = python.map(|python| Magpylib::start(python, &tiles, &points)).transpose()?;

@@ -200,10 +200,6 @@ pub(crate) const FIT_ROUNDS: usize = 4;
 /// What each axis of an expansion may leave out, as a fraction of the error wanted: a quarter is for rounding.
 pub(crate) const SHARE_OF_AXIS: f64 = 0.25;
 
-/// The first number of nodes leaves out so many times less on lines: coefficients in a box are added up over the other axes, whatever
-/// their sign.
-pub(crate) const TAIL_MARGIN: f64 = 4.0;
-
 /// Coefficients are not assumed to fall faster than by this from one to the next, whatever the last ones do,
 pub(crate) const LEAST_DECAY: f64 = 0.1;
 /// nor is a tail summed that falls more slowly than this.

@@ -10,7 +10,7 @@ use crate::quantity::Quantity;
 use crate::scene::Scene;
 use crate::tolerances::{
     CHECKED_POINTS, EXACT_BOUND, FIT_ROUNDS, LEAST_DECAY, LEAST_NODES, LOWEST_FIELD_SHARE, MOST_DECAY, MOST_NODES,
-    SHARE_OF_AXIS, TAIL_MARGIN,
+    SHARE_OF_AXIS,
 };
 
 /// B in a box as a sum of products of Chebyshev polynomials.
@@ -70,11 +70,11 @@ impl Fit {
             if noise_t > 0.5 * wanted_t {
                 return Err(NoFit::TooExact);
             }
-            let coefficients = samples.coefficients(scene);
-            let tails = [0, 1, 2].map(|axis| tail(&coefficients, counts, axis));
+            let tails = [0, 1, 2].map(|axis| samples.tail(axis));
             let truncated_t: f64 = tails.iter().map(|tail| tail.sum_t).sum();
             let error_t = truncated_t + noise_t;
             if error_t <= wanted_t {
+                let coefficients = samples.coefficients(scene);
                 let fit = Fit { region, counts, coefficients, error_t, wanted_t };
                 if fit.holds(scene) {
                     return Ok(fit);
@@ -193,7 +193,7 @@ impl Lines {
 
     /// Along each axis, how many nodes leave an error that is the axis's share; `None` if the lines do not show it.
     fn counts(&self, tolerance: Tolerance) -> Option<[usize; 3]> {
-        let share_t = SHARE_OF_AXIS * wanted_t(tolerance, self.least_t, self.most_t) / TAIL_MARGIN;
+        let share_t = SHARE_OF_AXIS * wanted_t(tolerance, self.least_t, self.most_t);
         let mut counts = [1; 3];
         for (count, coefficients) in counts.iter_mut().zip(&self.coefficients_t) {
             if coefficients.is_empty() {
@@ -269,6 +269,37 @@ impl Samples {
         Some(Samples { counts, values_t, least_t, most_t })
     }
 
+    /// What is left out along an axis: the expansions along all lines of nodes are looked at, which tell more than the sum of the coefficients of the box,
+    /// whatever their sign.
+    fn tail(&self, axis: usize) -> Tail {
+        let count = self.counts[axis];
+        if count == 1 {
+            return Tail { sum_t: 0.0, decay: LEAST_DECAY };
+        }
+        let [nx, ny, nz] = self.counts;
+        let room = padded(nz);
+        let step = [ny * room, room, 1][axis];
+        let [along, across] =
+            [[1, 2], [0, 2], [0, 1]][axis].map(|other| (self.counts[other], [ny * room, room, 1][other]));
+        debug_assert_eq!(along.0 * across.0 * count, nx * ny * nz);
+        let last = LEAST_NODES - 2;
+        let rows = transform(count).split_off(count - last);
+        let mut sizes = vec![0.0_f64; last];
+        for i in 0..along.0 {
+            for j in 0..across.0 {
+                let start = i * along.1 + j * across.1;
+                for (size, row) in sizes.iter_mut().zip(&rows) {
+                    let coefficient = [0, 1, 2].map(|component: usize| -> f64 {
+                        let values = self.values_t[component][start..].iter().step_by(step);
+                        row.iter().zip(values).map(|(weight, value)| weight * value).sum()
+                    });
+                    *size = size.max(DVec3::from(coefficient).length());
+                }
+            }
+        }
+        tail_of(&sizes)
+    }
+
     fn coefficients(self, scene: &Scene) -> [Vec<f64>; 3] {
         let [nx, _, nz] = self.counts;
         let (room, slab) = (padded(nz), Fit::slab(self.counts));
@@ -304,29 +335,10 @@ pub(super) struct Tail {
     decay: f64,
 }
 
-/// Along one axis, from how the last coefficients fall. Two neighbours are taken together, since those of odd or of even
+/// Along one axis, from how the last of the `sizes` of terms fall, by degree. Two neighbours are taken together, since those of odd or of even
 /// functions are zero.
-fn tail(coefficients: &[Vec<f64>; 3], counts: [usize; 3], axis: usize) -> Tail {
-    let count = counts[axis];
-    if count == 1 {
-        return Tail { sum_t: 0.0, decay: LEAST_DECAY };
-    }
-    let [_, ny, nz] = counts;
-    let room = padded(nz);
-    let mut sums = vec![DVec3::ZERO; count];
-    for (component, coefficients) in coefficients.iter().enumerate() {
-        for (row, coefficients) in coefficients.chunks_exact(room).enumerate() {
-            for (c, coefficient) in coefficients[..nz].iter().enumerate() {
-                sums[[row / ny, row % ny, c][axis]][component] += coefficient.abs();
-            }
-        }
-    }
-    tail_of(&sums.iter().map(|sum| sum.length()).collect::<Vec<f64>>())
-}
-
-/// See [`tail`]; of the sums of the magnitudes of coefficients by degree.
-pub(super) fn tail_of(sums: &[f64]) -> Tail {
-    let last = |back: usize| sums[sums.len() - back];
+pub(super) fn tail_of(sizes: &[f64]) -> Tail {
+    let last = |back: usize| sizes[sizes.len() - back];
     let (end, before) = (last(1).max(last(2)), last(3).max(last(4)));
     let decay = if before > 0.0 { (end / before).sqrt().clamp(LEAST_DECAY, MOST_DECAY) } else { LEAST_DECAY };
     let next = (last(1) * decay).max(last(2) * decay * decay);

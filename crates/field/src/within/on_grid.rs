@@ -146,15 +146,14 @@ fn evaluate(
     let planes = field.par_chunks_mut(ny * nz).enumerate().skip(part.start[0]).take(part.counts()[0]);
     let missed: Vec<usize> = planes
         .flat_map_iter(|(i, field)| {
-            let mut missed = Vec::new();
             let weights = &tables.along_x[i - part.start[0]];
-            dispatch!(level, simd => plane(simd, fit, &tables, weights, part, nz, field));
-            for j in part.start[1]..part.end[1] {
-                for k in part.start[2]..part.end[2] {
-                    if !tolerance.is_kept(field[j * nz + k], fit.error_t) {
-                        missed.push((i * ny + j) * nz + k);
-                    }
-                }
+            let weakest_t = dispatch!(level, simd => plane(simd, fit, &tables, weights, part, nz, field));
+            let mut missed = Vec::new();
+            if !tolerance.is_kept(DVec3::X * weakest_t, fit.error_t) {
+                let in_plane =
+                    Part { start: [i, part.start[1], part.start[2]], end: [i + 1, part.end[1], part.end[2]] };
+                let kept = |index: &usize| tolerance.is_kept(field[index - i * ny * nz], fit.error_t);
+                missed.extend(in_plane.indices(grid).filter(|index| !kept(index)));
             }
             missed
         })
@@ -162,7 +161,7 @@ fn evaluate(
     exact.extend(missed);
 }
 
-/// One plane of constant x: first over the polynomials along x, then along y, then along z.
+/// One plane of constant x: first over the polynomials along x, then along y, then along z. Returns the least |B| in it.
 #[inline(always)]
 fn plane<S: Simd>(
     simd: S,
@@ -172,7 +171,7 @@ fn plane<S: Simd>(
     part: Part,
     stride: usize,
     field: &mut [DVec3],
-) {
+) -> f64 {
     let (slab, degrees, room) = (Fit::slab(fit.counts), fit.counts[2], padded(part.counts()[2]));
     let mut in_plane = [0, 1, 2].map(|_| vec![0.0; slab]);
     for (sum, coefficients) in in_plane.iter_mut().zip(&fit.coefficients) {
@@ -180,6 +179,7 @@ fn plane<S: Simd>(
     }
     let mut on_line = vec![0.0; padded(degrees)];
     let mut values = [0, 1, 2].map(|_| vec![0.0; room]);
+    let mut least_square = f64::INFINITY;
     for (j, weights) in (part.start[1]..).zip(&tables.along_y) {
         for (values, coefficients) in values.iter_mut().zip(&in_plane) {
             weighted_sum(simd, weights, coefficients, &mut on_line);
@@ -189,6 +189,8 @@ fn plane<S: Simd>(
         let line = &mut field[j * stride + part.start[2]..j * stride + part.end[2]];
         for (field, ((x, y), z)) in line.iter_mut().zip(x.iter().zip(y).zip(z)) {
             *field = DVec3::new(*x, *y, *z);
+            least_square = least_square.min(field.length_squared());
         }
     }
+    least_square.sqrt()
 }

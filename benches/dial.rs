@@ -1,0 +1,88 @@
+//! What a tolerance is worth: magsplice against its own exact field, one thread, in one process.
+//!
+//! `cargo bench -p magsplice-benches --bench dial` prints for each case `ratio: <case> = <exact time / time>`, the median over interleaved pairs of runs,
+//! with the largest error found. `-- --test` runs each case once on fewer points.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use glam::DVec3;
+use magsplice::field::{Accuracy, FittedField, Grid, Quantity, Scene, Tolerance};
+use magsplice_benches::{shipped_layout, working_volume};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Interleaved pairs of runs; the median ratio is printed.
+const PAIRS: usize = 15;
+
+/// Look-ups in the prepared volume.
+const LOOK_UPS: usize = 100_000;
+
+fn main() {
+    let once = std::env::args().any(|a| a == "--test");
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
+    pool.install(|| {
+        let scene = Scene::new(&shipped_layout("published-film").bare_tiles());
+        let (pairs, volume) =
+            if once { (1, working_volume([21, 21, 11])) } else { (PAIRS, working_volume([81, 81, 41])) };
+        for exponent in [2, 4, 6, 9] {
+            on_grid(&scene, &volume, 10_f64.powi(-exponent), &format!("film-within-1e-{exponent}"), pairs);
+        }
+        for exponent in [3, 6, 9] {
+            let count = if once { LOOK_UPS / 100 } else { LOOK_UPS };
+            look_ups(&scene, &volume, 10_f64.powi(-exponent), &format!("film-look-ups-1e-{exponent}"), count, pairs);
+        }
+    });
+}
+
+fn on_grid(scene: &Scene, grid: &Grid, fraction: f64, name: &str, pairs: usize) {
+    let within = scene.clone().with_accuracy(Accuracy::Within(Tolerance::relative(fraction).expect("a tolerance")));
+    let field = |scene: &Scene, field: &mut [DVec3]| {
+        scene.field_on_grid(Quantity::FluxDensity, black_box(grid), field).expect("bounded");
+    };
+    report(name, grid.len(), pairs, |values| field(scene, values), |values| field(&within, values));
+}
+
+fn look_ups(scene: &Scene, grid: &Grid, fraction: f64, name: &str, count: usize, pairs: usize) {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let points: Vec<DVec3> = (0..count)
+        .map(|_| DVec3::from([0, 1, 2].map(|axis: usize| random.random_range(grid.lower[axis]..grid.upper[axis]))))
+        .collect();
+    let tolerance = Tolerance::relative(fraction).expect("a tolerance");
+    let start = Instant::now();
+    let fitted = FittedField::new(scene, grid.lower, grid.upper, tolerance).expect("no tile is near");
+    let made = start.elapsed();
+    report(
+        name,
+        count,
+        pairs,
+        |field| scene.field_into(Quantity::FluxDensity, black_box(&points), field).expect("bounded"),
+        |field| fitted.flux_density_into(black_box(&points), field).expect("in the box"),
+    );
+    let cells = fitted.cells();
+    println!("       made in {:.1} ms, {cells:?} cells, {} kB", 1e3 * made.as_secs_f64(), fitted.memory_bytes() / 1000);
+}
+
+fn report(name: &str, points: usize, pairs: usize, exact: impl Fn(&mut [DVec3]), within: impl Fn(&mut [DVec3])) {
+    let (mut truth, mut field) = (vec![DVec3::ZERO; points], vec![DVec3::ZERO; points]);
+    let mut seconds = Vec::new();
+    let mut ratios: Vec<f64> = (0..pairs)
+        .map(|_| {
+            let start = Instant::now();
+            within(&mut field);
+            let own = start.elapsed().as_secs_f64();
+            let start = Instant::now();
+            exact(&mut truth);
+            seconds.push(own);
+            start.elapsed().as_secs_f64() / own
+        })
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    seconds.sort_by(f64::total_cmp);
+    let worst = truth.iter().zip(&field).map(|(a, b)| (*a - *b).length() / a.length()).fold(0.0, f64::max);
+    println!(
+        "ratio: {name} = {:.1}   ({points} points, {:.1} ns each; the largest error is {worst:.1e} of |B|)",
+        ratios[pairs / 2],
+        1e9 * seconds[pairs / 2] / points as f64
+    );
+}
