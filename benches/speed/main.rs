@@ -37,6 +37,8 @@ struct Args {
 struct Effort {
     /// Tile-point pairs in a run.
     pairs: usize,
+    /// The same beside the peers: enough that many tiles have thousands of points too.
+    peer_pairs: usize,
     /// Interleaved runs.
     runs: usize,
 }
@@ -44,7 +46,11 @@ struct Effort {
 fn main() -> ExitCode {
     let args = Args::parse();
     let docs = args.output.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs"));
-    let effort = if args.once { Effort { pairs: 20_000, runs: 1 } } else { Effort { pairs: 3_000_000, runs: 7 } };
+    let effort = if args.once {
+        Effort { pairs: 20_000, peer_pairs: 20_000, runs: 1 }
+    } else {
+        Effort { pairs: 3_000_000, peer_pairs: 20_000_000, runs: 7 }
+    };
     let python = (!args.without_magpylib).then_some(args.python);
     match write(&docs, python.as_deref(), effort) {
         Ok(()) => ExitCode::SUCCESS,

@@ -26,7 +26,7 @@ pub(crate) struct Row {
 }
 
 pub(crate) fn measure(python: Option<&Path>, effort: Effort) -> Result<Vec<Row>, String> {
-    workloads().into_iter().map(|workload| row(workload.thinned(effort.pairs), python, effort)).collect()
+    workloads().into_iter().map(|workload| row(workload.thinned(effort.peer_pairs), python, effort)).collect()
 }
 
 fn row(workload: Workload, python: Option<&Path>, effort: Effort) -> Result<Row, String> {
