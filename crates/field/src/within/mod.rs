@@ -3,10 +3,11 @@
 //! | model | where | file |
 //! |---|---|---|
 //! | Chebyshev expansion of a box without tiles | points of a grid | `fit`, `on_grid` |
-//! | the same of cells of the box | repeated look-ups | `fitted_field` |
+//! | the same of cells of the box | repeated look-ups | `fitted_field`, `cells` |
 //! | exact | points at which no other model keeps the tolerance | [`crate::batch`] |
 
 pub(crate) mod accuracy;
+mod cells;
 mod chebyshev;
 mod combine;
 mod fit;
