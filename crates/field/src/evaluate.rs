@@ -94,19 +94,20 @@ impl Scene {
         let mut errors = self.exact_field_into(quantity, points, field).err().map_or(Vec::new(), |errors| errors.0);
         let in_tesla = if quantity == Quantity::FieldStrength { MU_0 } else { 1.0 };
         let most_t: f64 = self.tiles().iter().map(|tile| most_field_t(tile, 0.0)).sum();
-        for (index, (&point, value)) in points.iter().zip(field).enumerate() {
+        let checked = points.par_iter().zip(field).enumerate().filter_map(|(index, (&point, value))| {
             // Sums that are surely too large spare nearly all points the right one.
             let is_kept = |magnitude_t: f64| tolerance.is_kept(*value * in_tesla, EXACT_BOUND * magnitude_t);
             if value.is_nan() || is_kept(most_t) || is_kept(self.most_magnitude_t(point)) {
-                continue;
+                return None;
             }
             let magnitude_t = self.magnitude_t(point);
-            if !is_kept(magnitude_t) {
-                let cause = Cause::TooExact { bound_t: EXACT_BOUND * magnitude_t };
-                errors.push(PointError { index, point, cause });
-                *value = DVec3::NAN;
+            if is_kept(magnitude_t) {
+                return None;
             }
-        }
+            *value = DVec3::NAN;
+            Some(PointError { index, point, cause: Cause::TooExact { bound_t: EXACT_BOUND * magnitude_t } })
+        });
+        errors.extend(checked.collect::<Vec<PointError>>());
         errors.sort_by_key(|error| error.index);
         errors
     }
