@@ -52,7 +52,7 @@ pub(crate) struct FieldArgs {
 
 #[derive(clap::Args)]
 pub(crate) struct AccuracyArg {
-    /// Largest error of B that is accepted: a fraction of |B| such as 1e-6, or with a unit, such as 10nT (T, mT, uT, nT)
+    /// Largest error of B (of mu0 H for H) that is accepted: a fraction of |B| such as 1e-6, or with a unit, such as 10nT (T, mT, uT, nT)
     ///
     /// Without it the field is exact. With it the program takes the cheapest way that keeps the tolerance at every point, which pays for grids of many
     /// points, or names the points at which it cannot be kept. J and the gradient are always exact.
