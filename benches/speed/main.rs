@@ -49,7 +49,7 @@ fn main() -> ExitCode {
     let effort = if args.once {
         Effort { pairs: 20_000, peer_pairs: 20_000, runs: 1 }
     } else {
-        Effort { pairs: 3_000_000, peer_pairs: 20_000_000, runs: 7 }
+        Effort { pairs: 3_000_000, peer_pairs: 8_000_000, runs: 7 }
     };
     let python = (!args.without_magpylib).then_some(args.python);
     match write(&docs, python.as_deref(), effort) {
