@@ -97,6 +97,9 @@ impl Scene {
 
     /// The same scene evaluated to this accuracy by [`Scene::field_into`] and [`Scene::field_on_grid`]. Single points, gradients and J are exact
     /// in any case.
+    ///
+    /// Whether exact values keep a tolerance is decided by 2e-14 of the sum over tiles. The rounding of points in the frames of rotated tiles (see
+    /// Accuracy above) is not in that: beside rotated tiles far from others of their orientation a tolerance near it may be missed.
     pub fn with_accuracy(self, accuracy: Accuracy) -> Scene {
         Scene { accuracy, ..self }
     }

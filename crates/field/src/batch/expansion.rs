@@ -133,7 +133,8 @@ pub(super) fn radius(blocks: &[Block], centre: [f64; 3]) -> f64 {
     blocks.iter().map(corner).fold(0.0, f64::max)
 }
 
-/// How many terms of the series in the size of a tile matter, whose half diagonal is this fraction of the least distance.
+/// How many terms of the series in the size of a tile matter, whose half diagonal is this fraction of the least distance. Half the degree is all
+/// there are: further derivatives vanish.
 fn terms(ratio: f64) -> usize {
     let left_out = |terms: usize| (2 * terms + 4) as f64 * (ratio * ratio).powi(terms as i32 + 1);
     (0..HIGHEST_DEGREE / 2).find(|&terms| left_out(terms) < NEGLIGIBLE_TERM).unwrap_or(HIGHEST_DEGREE / 2)

@@ -25,8 +25,8 @@ use crate::tolerances::{CELL_NODES, CELL_ROUNDS, LOOKED_UP_TOGETHER, MOST_CELLS,
 /// volume. See [`FittedField::memory_bytes`].
 ///
 /// # Accuracy
-/// [`FittedField::error_t`] at most at each point of the box, estimated from the last coefficients of each cell, doubled for what appears as lower ones,
-/// and checked against the exact field at points of the box. For a relative tolerance it is small beside |B| wherever |B| is at least a hundredth of
+/// [`FittedField::error_t`] at most at each point of the box: the estimate for the expansion of the whole box, which is checked against the exact field at
+/// points of it, and that for its cells; both from the last coefficients, doubled for what appears as lower ones (docs/physics.md, section 5). For a relative tolerance it is small beside |B| wherever |B| is at least a hundredth of
 /// its most in the box; [`FittedField::flux_density_into`] names the points where the tolerance does not hold.
 #[derive(Clone, Debug)]
 pub struct FittedField {
@@ -134,7 +134,8 @@ impl FittedField {
         self.error_t
     }
 
-    /// The most a component of the gradient may be off in the box, in tesla per unit of length.
+    /// The most a component of the gradient may be off in the box, in tesla per unit of length: estimated from [`FittedField::error_t`], and
+    /// usually many times too large.
     pub fn gradient_error_t(&self) -> f64 {
         self.gradient_error_t
     }
@@ -149,7 +150,7 @@ impl FittedField {
         self.coefficients.len() * size_of::<f64>()
     }
 
-    /// B at a point, in tesla; `None` outside the box.
+    /// B at a point, in tesla, off by at most [`FittedField::error_t`] whatever |B| is there; `None` outside the box.
     pub fn flux_density(&self, point: DVec3) -> Option<DVec3> {
         let (cell, place) = self.cell_and_place(point)?;
         let along = place.to_array().map(|t| {
@@ -160,7 +161,8 @@ impl FittedField {
         Some(self.sum(cell, &along))
     }
 
-    /// The gradient of B at a point: column j is dB/dx_j, in tesla per unit of length; `None` outside the box.
+    /// The gradient of B at a point: column j is dB/dx_j, in tesla per unit of length, off by at most
+    /// [`FittedField::gradient_error_t`]; `None` outside the box.
     pub fn flux_density_gradient(&self, point: DVec3) -> Option<DMat3> {
         let (cell, place) = self.cell_and_place(point)?;
         let half = self.region.half_size();
