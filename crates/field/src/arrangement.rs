@@ -9,6 +9,7 @@ use crate::orientation::Orientations;
 use crate::seam::{Plane, joined};
 use crate::tile::Tile;
 use crate::tolerances::{POINT_ROUNDINGS, ROTATED_SEAM_ROUNDINGS, SEAM_ROUNDINGS, UNIT_ROUNDOFF};
+use crate::two_sum::TwoSum;
 
 /// Blocks in their frames.
 #[derive(Clone, Debug)]
@@ -111,6 +112,16 @@ impl Arrangement {
     pub(crate) fn axis(&self, frame: &Frame, axis: usize) -> Result<usize, (DVec3, DVec3)> {
         let axis = &self.axes[frame.axes[axis]];
         axis.scene.ok_or((axis.direction, axis.origin))
+    }
+
+    /// Where the middle of a block is that is of `tile`, or of it and others merged: from the tile, so that little is rounded.
+    pub(crate) fn centre_in_scene(&self, frame: &Frame, block: &Block, tile: &Tile) -> DVec3 {
+        let offset = [0, 1, 2].map(|axis: usize| {
+            let from = TwoSum::exact(self.axes[frame.axes[axis]].coordinate(tile.position()));
+            let [low, high] = block.faces[axis].map(|face| face.minus(from).value());
+            0.5 * low + 0.5 * high
+        });
+        tile.position() + frame.to_scene.vector(DVec3::from(offset))
     }
 
     /// How far each coordinate of `point` in `frame` may be off.

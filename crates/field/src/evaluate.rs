@@ -10,6 +10,7 @@ use crate::quantity::{MU_0, Quantity};
 use crate::scene::{Cause, Scene};
 use crate::tolerances::{BATCHES_PER_THREAD, EXACT_BOUND, POINTS_PER_BATCH, REGROUPED_POINTS};
 use crate::within::accuracy::{Accuracy, Tolerance};
+use crate::within::at_points::at_points;
 use crate::within::magnitude::most_field_t;
 use crate::within::on_grid::on_grid;
 
@@ -44,7 +45,7 @@ impl Scene {
         match (self.accuracy(), quantity) {
             (Accuracy::Within(tolerance), Quantity::FluxDensity | Quantity::FieldStrength) => {
                 assert_eq!(points.len(), field.len(), "one value per point");
-                none_or(self.checked_exact_into(tolerance, quantity, points, field))
+                none_or(at_points(self, tolerance, quantity, points, field))
             }
             _ => self.exact_field_into(quantity, points, field),
         }
@@ -79,12 +80,30 @@ impl Scene {
         field: &mut [DVec3],
     ) -> Result<(), PointErrors> {
         for_each_batch(points, field, self.is_divided(), |points, field, failed| {
-            self.field_of_batch(quantity, points, field, failed);
+            self.field_of_batch(quantity, None, points, field, failed);
         })
     }
 
+    /// The exact field at the points with these indices, where it keeps the tolerance.
+    pub(crate) fn exact_at(
+        &self,
+        tolerance: Tolerance,
+        quantity: Quantity,
+        points: &[DVec3],
+        indices: &[usize],
+        field: &mut [DVec3],
+    ) -> Vec<PointError> {
+        let chosen: Vec<DVec3> = indices.iter().map(|&index| points[index]).collect();
+        let mut values = vec![DVec3::ZERO; chosen.len()];
+        let errors = self.checked_exact_into(tolerance, quantity, &chosen, &mut values);
+        for (&index, value) in indices.iter().zip(values) {
+            field[index] = value;
+        }
+        errors.into_iter().map(|error| PointError { index: indices[error.index], ..error }).collect()
+    }
+
     /// The exact field, where it keeps the tolerance.
-    pub(crate) fn checked_exact_into(
+    fn checked_exact_into(
         &self,
         tolerance: Tolerance,
         quantity: Quantity,
@@ -148,7 +167,7 @@ fn for_each_batch<T: Send + Copy + Default>(
     if regroup && points.len() > size {
         let stretches = points.chunks(REGROUPED_POINTS).zip(values.chunks_mut(REGROUPED_POINTS));
         for (stretch, (points, values)) in stretches.enumerate() {
-            let order = neighbours_together(points, size);
+            let order = neighbours_together(points, (0..points.len() as u32).collect(), size);
             let regrouped: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
             let mut results = vec![T::default(); points.len()];
             let start = stretch * REGROUPED_POINTS;
@@ -194,9 +213,8 @@ fn in_batches<T: Send>(
         .collect()
 }
 
-/// The indices of points in an order in which each `size` of them, from the first on, are neighbours.
-fn neighbours_together(points: &[DVec3], size: usize) -> Vec<u32> {
-    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+/// Indices of points in an order in which each `size` of them, from the first on, are neighbours.
+pub(crate) fn neighbours_together(points: &[DVec3], mut order: Vec<u32>, size: usize) -> Vec<u32> {
     divide(points, &mut order, size);
     order
 }

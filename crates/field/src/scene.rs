@@ -1,11 +1,15 @@
 //! Tiles together: the superposed field of a film.
 
+use std::sync::OnceLock;
+
 use fearless_simd::Level;
 use glam::{DMat3, DVec3};
 
 use crate::arrangement::{Arrangement, ToScene};
 use crate::batch::Superposition;
+use crate::batch::assignment::Assignment;
 use crate::batch::instruction_set::{InstructionSet, MissingInstructions};
+use crate::batch::tree::Tree;
 use crate::block::{Block, Placed};
 use crate::edge_policy::Edges;
 use crate::kernel::{Part, cuboid_field, cuboid_gradient};
@@ -41,6 +45,8 @@ pub struct Scene {
     boxes: Vec<Box3>,
     level: Level,
     accuracy: Accuracy,
+    /// Made when first needed.
+    tree: OnceLock<Tree>,
 }
 
 /// Why there is no field at a point.
@@ -75,6 +81,7 @@ impl Scene {
             boxes: tiles.iter().map(Box3::of_tile).collect(),
             level: Level::new(),
             accuracy: Accuracy::Exact,
+            tree: OnceLock::new(),
         }
     }
 
@@ -101,7 +108,15 @@ impl Scene {
     /// Whether exact values keep a tolerance is decided by 2e-14 of the sum over tiles. The rounding of points in the frames of rotated tiles (see
     /// Accuracy above) is not in that: beside rotated tiles far from others of their orientation a tolerance near it may be missed.
     pub fn with_accuracy(self, accuracy: Accuracy) -> Scene {
-        Scene { accuracy, ..self }
+        Scene { accuracy, tree: OnceLock::new(), ..self }
+    }
+
+    /// For the tolerance of the scene.
+    pub(crate) fn tree(&self) -> &Tree {
+        self.tree.get_or_init(|| {
+            let most_j_t = self.tiles.iter().map(|tile| tile.polarization_t().length()).fold(0.0, f64::max);
+            Tree::of(self.level, &self.arrangement, &self.tiles, self.accuracy.degree(most_j_t))
+        })
     }
 
     /// How exact fields are made.
@@ -139,7 +154,7 @@ impl Scene {
     /// If the processor lacks them.
     pub fn with_instruction_set(self, set: InstructionSet) -> Result<Scene, MissingInstructions> {
         let level = set.detected().ok_or(MissingInstructions(set))?;
-        Ok(Scene { level, ..self })
+        Ok(Scene { level, tree: OnceLock::new(), ..self })
     }
 
     /// The field at one point, digit for digit what [`Scene::field_into`] gives there.
@@ -148,14 +163,16 @@ impl Scene {
     /// If the field is unbounded at the point or the point is not a finite number; never a value that is not finite.
     pub fn field(&self, quantity: Quantity, point: DVec3) -> Result<DVec3, Cause> {
         let (mut field, mut failure) = ([DVec3::NAN], None);
-        self.field_of_batch(quantity, &[point], &mut field, &mut |_, cause| failure = Some(cause));
+        self.field_of_batch(quantity, None, &[point], &mut field, &mut |_, cause| failure = Some(cause));
         failure.map_or(Ok(field[0]), Err)
     }
 
-    /// The field at each point of a batch; points without one are handed to `failed`, and their field is NaN.
+    /// The field at each point of a batch, or of those parts of the tree that have been assigned to it; points without one are handed to `failed`, and their
+    /// field is NaN.
     pub(crate) fn field_of_batch(
         &self,
         quantity: Quantity,
+        assigned: Option<&Assignment>,
         points: &[DVec3],
         field: &mut [DVec3],
         failed: &mut dyn FnMut(usize, Cause),
@@ -174,7 +191,8 @@ impl Scene {
             }
         };
         Superposition::of_this_thread(|superposition| {
-            superposition.add_up(self.level, &self.arrangement, part, points, field);
+            let assigned = assigned.map(|assignment| (self.tree(), assignment));
+            superposition.add_up(self.level, &self.arrangement, assigned, part, points, field);
             if part == Part::Strength {
                 field.iter_mut().for_each(|h| *h /= MU_0);
             }

@@ -111,12 +111,63 @@ pub(crate) const HIGHEST_DEGREE: usize = 39;
 /// Nearer the degrees rise so fast that tiles one by one cost less.
 pub(crate) const NEAREST_EXPANSION: f64 = 3.0;
 
-/// A term of a series that is smaller than this fraction of the sum is left out.
-pub(crate) const NEGLIGIBLE_TERM: f64 = 1e-17;
-
 /// What the closed form takes for a tile of a cluster, in multiply-adds of vectors: measured on the published film. It only decides which form
 /// is taken where several would do.
 pub(crate) const CLOSED_FORM_COST: f64 = 215.0;
+
+/// The same for a tile by itself.
+pub(crate) const ALONE_COST: f64 = 690.0;
+
+/// What an expansion of degree p takes for (p + 2) (p + 3), in the same unit: six sums and three operations for the recurrence, of half as many terms.
+pub(crate) const NODE_COST: f64 = 4.5;
+
+/// A node of the tree is not asked for its moments nearer than this many of its radii: no degree would do.
+pub(crate) const NEAREST_NODE: f64 = 1.2;
+
+/// Degrees beyond the binary logarithm of a tolerance, for the factors that grow with the degree.
+pub(crate) const ADDED_DEGREES: f64 = 12.0;
+
+/// Degrees of a tree, at least.
+pub(crate) const LEAST_DEGREE: usize = 6;
+
+/// Points that parts of a tree are assigned to together: more share the choice, fewer lie closer together and leave more of the tiles far away.
+pub(crate) const ASSIGNED_POINTS: usize = 256;
+
+/// Of these the points at which the field is found roughly first.
+pub(crate) const SAMPLED_POINTS: usize = 16;
+
+/// What the first rough field may leave out, as a fraction of the largest J.
+pub(crate) const ROUGH_FIELD_OVER_J: f64 = 1e-3;
+
+/// Nodes among which it is divided, where nothing better is known.
+pub(crate) const ROUGH_NODES: f64 = 16.0;
+
+/// What nodes leave out of what each may, on average: degrees are whole numbers.
+pub(crate) const USED_SHARE: f64 = 0.5;
+
+/// A rough field must be so many times what it leaves out.
+pub(crate) const CLEAR_OF_ERROR: f64 = 4.0;
+
+/// Where it is not, or where a tolerance has been missed, at most this fraction may be left out the next time.
+pub(crate) const ROUGH_STEP: f64 = 1e-2;
+
+/// Of the tolerance, what may be left out at the weakest of some points: between them the field may be weaker.
+pub(crate) const SAFE_SHARE: f64 = 0.7;
+
+/// Tries, after which points get the exact field.
+pub(crate) const ASSIGNMENT_ROUNDS: usize = 4;
+
+/// The distance from which an expansion serves is found to this many halvings of the way across the points.
+pub(crate) const DISTANCE_BISECTIONS: usize = 8;
+
+/// Of so many tiles at most each one's distances are taken at its corners to bound what an expansion leaves out, of more at the farthest only.
+pub(crate) const CORNERED_TILES: usize = 64;
+
+/// To a tolerance the closed form of tiles together goes so many times farther than [`MIDDLE_REACH`]: its error grows with that ratio.
+pub(crate) const STRETCH: f64 = 2.0;
+
+/// The error of what a tree leaves to the exact field, as [`EXACT_BOUND`].
+pub(crate) const STRETCHED_BOUND: f64 = STRETCH * EXACT_BOUND;
 
 /// The series ends at this square of the distance in sizes, so that no power of the distance overflows; the kernel of one point goes on.
 pub(crate) const FARTHEST: f64 = power_of_two(200);

@@ -1,16 +1,16 @@
 //! Tiles together far away: the expansion of their field in irregular solid harmonics, in the lanes of a vector (docs/physics.md,
 //! section 2.8).
 
-use std::collections::HashMap;
 use std::sync::LazyLock;
 
+use fearless_simd::Level;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use super::harmonics::{Moments, moments_of_tiles};
+use super::harmonics::{Moments, Source};
 use super::lanes::{Lanes, Number};
 use crate::block::Block;
-use crate::tolerances::{HIGHEST_DEGREE, NEAREST_EXPANSION, NEGLIGIBLE_TERM};
+use crate::tolerances::HIGHEST_DEGREE;
 use crate::two_sum::TwoSum;
 
 /// The degree of the field is one higher than that of the potential.
@@ -21,16 +21,18 @@ const FIELD_DEGREE: usize = HIGHEST_DEGREE + 1;
 pub(super) struct Expansion {
     centre: [f64; 3],
     scale: f64,
-    /// Real and negative imaginary parts for x, y, z: row after row of equal order, by degree from that of the order on.
-    coefficients: Vec<[f64; 6]>,
+    /// That of the potential.
+    degree: usize,
+    /// Real and imaginary parts of (2l - 1)!! M_(l-1)m, row after row of equal order m, see [`Expansion::row`].
+    moments: Vec<[f64; 2]>,
 }
 
-/// Where the row of an order begins.
+/// Where the factors of an order begin.
 fn row(order: usize) -> usize {
     order * (2 * FIELD_DEGREE + 3 - order) / 2
 }
 
-/// How the polynomials follow from each other (Eq. P24), in rows as the coefficients.
+/// How the polynomials follow from each other (Eq. P24): row after row of equal order, by degree from that of the order on.
 static RECURRENCE: LazyLock<Vec<f64>> = LazyLock::new(|| {
     let mut factors = Vec::with_capacity(row(FIELD_DEGREE + 1));
     for order in 0..=FIELD_DEGREE {
@@ -45,65 +47,70 @@ static RECURRENCE: LazyLock<Vec<f64>> = LazyLock::new(|| {
 
 impl Expansion {
     /// Of blocks of one frame; lengths are multiplied by `scale`.
-    pub(super) fn of(blocks: &[Block], centre: [f64; 3], scale: f64) -> Expansion {
-        let mut shapes: HashMap<[u64; 3], usize> = HashMap::new();
-        let mut alike: Vec<Alike> = Vec::new();
-        for block in blocks {
-            let shape = *shapes.entry(block.size.map(f64::to_bits)).or_insert_with(|| {
-                alike.push(Alike { size: block.size.map(|s| s * scale), tiles: Vec::new() });
-                alike.len() - 1
+    pub(super) fn of(level: Level, blocks: &[Block], centre: [f64; 3], scale: f64) -> Expansion {
+        let source = |block: &Block| {
+            let middle = [0, 1, 2].map(|axis: usize| {
+                let [low, high] = block.faces[axis].map(|face| face.minus(TwoSum::exact(centre[axis])).value());
+                0.5 * low + 0.5 * high
             });
-            let middle = |axis: usize| {
-                let [low, high] = block.faces[axis];
-                let offset = |face: TwoSum| face.minus(TwoSum::exact(centre[axis])).value();
-                (0.5 * offset(low) + 0.5 * offset(high)) * scale
-            };
-            alike[shape].tiles.push((DVec3::from([0, 1, 2].map(middle)), block.polarization_t));
-        }
-        let radius = radius(blocks, centre) * scale;
-        let mut moments = Moments::new(HIGHEST_DEGREE);
-        for Alike { size, tiles } in alike {
-            let half_diagonal = 0.5 * DVec3::from(size).length();
-            let terms = terms(half_diagonal / ((NEAREST_EXPANSION - 1.0) * radius));
-            moments.add(&moments_of_tiles(size, &tiles, HIGHEST_DEGREE, terms));
-        }
-        Expansion { centre, scale, coefficients: coefficients(&moments) }
+            Source::new(DVec3::from(middle) * scale, DVec3::from(block.size) * scale, None, block.polarization_t)
+        };
+        let sources: Vec<Source> = blocks.iter().map(source).collect();
+        Expansion::of_moments(&Moments::of(level, &sources, HIGHEST_DEGREE), centre, scale)
     }
 
-    /// mu0 H of the tiles, in their frame, from the potential up to `degree`, at two vectors of points: each coefficient is fetched
-    /// once for both.
+    /// Of the moments about a point of what has been scaled.
+    pub(super) fn of_moments(moments: &Moments, centre: [f64; 3], scale: f64) -> Expansion {
+        let degree = moments.degree();
+        let mut odd_factorials = vec![1.0];
+        for l in 1..=degree + 1 {
+            odd_factorials.push(odd_factorials[l - 1] * (2 * l - 1) as f64);
+        }
+        let rows = (0..=degree + 2).flat_map(|order| (first_degree(order)..=degree + 1).map(move |l| (order, l)));
+        let moments = rows
+            .map(
+                |(order, l)| {
+                    if l < 2 { [0.0; 2] } else { moments.at(l - 1, order).map(|part| part * odd_factorials[l]) }
+                },
+            )
+            .collect();
+        Expansion { centre, scale, degree, moments }
+    }
+
+    /// The moments of an order, for the degrees of the field from `from` on.
+    #[inline(always)]
+    fn row(&self, order: usize, from: usize) -> &[[f64; 2]] {
+        let (first, last) = (first_degree(order), self.degree + 1);
+        let before = order * (last + 1) - first * first.saturating_sub(1) / 2;
+        &self.moments[before + from - first..before + last + 1 - first]
+    }
+
+    /// mu0 H of the tiles, in their frame, from the potential up to `degree`, at two vectors of points.
     #[inline(always)]
     pub(super) fn fields<S: Simd>(&self, simd: S, degree: usize, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
         let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
         let places = [Place::of(simd, self, points[0]), Place::of(simd, self, points[1])];
         let mut phase = [[one, zero]; 2];
         let mut field = [[zero; 3]; 2];
-        let recurrence = &RECURRENCE[..];
         for order in 0..=degree + 1 {
-            let span = row(order)..row(order) + degree + 2 - order;
-            let (coefficients, factors) = (&self.coefficients[span.clone()], &recurrence[span]);
-            let (mut last, mut polynomial) = ([zero; 2], [one; 2]);
-            let mut sums = [[zero; 6]; 2];
-            for (coefficients, factor) in coefficients.iter().zip(factors) {
-                for (part, coefficient) in coefficients.iter().enumerate() {
-                    let coefficient = Lanes::<S>::splat(simd, *coefficient);
-                    sums[0][part] = polynomial[0].mul_add(coefficient, sums[0][part]);
-                    sums[1][part] = polynomial[1].mul_add(coefficient, sums[1][part]);
-                }
-                for at in 0..2 {
-                    let back = (places[at].inverse_square * last[at]) * -*factor;
-                    let next = polynomial[at].mul_add(places[at].along, back);
-                    (last[at], polynomial[at]) = (polynomial[at], next);
-                }
-            }
+            let count = degree + 2 - order;
+            let factors = &RECURRENCE[row(order)..row(order) + count];
+            // The real and imaginary parts of the own order, of the next and of the one before.
+            let rows = [order, order + 1, order.saturating_sub(1)].map(|other| &self.row(other, order)[..count]);
+            let sums = row_sums(simd, &places, rows, factors);
             for at in 0..2 {
+                let [own_re, own_im, above_re, above_im, below_re, below_im] = sums[at];
                 let [re, im] = phase[at];
-                for axis in 0..3 {
-                    field[at][axis] =
-                        sums[at][2 * axis].mul_add(re, sums[at][2 * axis + 1].mul_add(im, field[at][axis]));
+                let [x, y, z] = &mut field[at];
+                if order == 0 {
+                    (*x, *y, *z) = (*x - above_re, *y + above_im, *z + own_re);
+                } else {
+                    *x = (below_re - above_re).mul_add(re, (above_im - below_im).mul_add(im, *x));
+                    *y = (below_im + above_im).mul_add(re, (below_re + above_re).mul_add(im, *y));
+                    *z = own_re.mul_add(re + re, *z) - own_im * (im + im);
                 }
-                let [x, y] = places[at].across;
-                phase[at] = [re.mul_sub(x, im * y), re.mul_add(y, im * x)];
+                let [across_x, across_y] = places[at].across;
+                phase[at] = [re.mul_sub(across_x, im * across_y), re.mul_add(across_y, im * across_x)];
             }
         }
         for at in 0..2 {
@@ -115,10 +122,31 @@ impl Expansion {
     }
 }
 
-/// Tiles with the same sides: centre and polarization.
-struct Alike {
-    size: [f64; 3],
-    tiles: Vec<(DVec3, DVec3)>,
+/// The lowest degree of the field to which an order of the potential's moments belongs.
+fn first_degree(order: usize) -> usize {
+    order.saturating_sub(1)
+}
+
+/// Sums over degrees of polynomial times moment, at two vectors of points: each moment is fetched once for both.
+#[inline(always)]
+fn row_sums<S: Simd>(simd: S, places: &[Place<S>; 2], rows: [&[[f64; 2]]; 3], factors: &[f64]) -> [[Lanes<S>; 6]; 2] {
+    let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+    let (mut last, mut polynomial) = ([zero; 2], [one; 2]);
+    let mut sums = [[zero; 6]; 2];
+    let [own, above, below] = rows;
+    for (((own, above), below), factor) in own.iter().zip(above).zip(below).zip(factors) {
+        for (part, moment) in [own[0], own[1], above[0], above[1], below[0], below[1]].into_iter().enumerate() {
+            let moment = Lanes::<S>::splat(simd, moment);
+            sums[0][part] = polynomial[0].mul_add(moment, sums[0][part]);
+            sums[1][part] = polynomial[1].mul_add(moment, sums[1][part]);
+        }
+        for at in 0..2 {
+            let back = (places[at].inverse_square * last[at]) * -*factor;
+            let next = polynomial[at].mul_add(places[at].along, back);
+            (last[at], polynomial[at]) = (polynomial[at], next);
+        }
+    }
+    sums
 }
 
 /// The distance of the farthest corner from `centre`.
@@ -131,41 +159,6 @@ pub(super) fn radius(blocks: &[Block], centre: [f64; 3]) -> f64 {
         DVec3::from([0, 1, 2].map(reach)).length()
     };
     blocks.iter().map(corner).fold(0.0, f64::max)
-}
-
-/// How many terms of the series in the size of a tile matter, whose half diagonal is this fraction of the least distance. Half the degree is all
-/// there are: further derivatives vanish.
-fn terms(ratio: f64) -> usize {
-    let left_out = |terms: usize| (2 * terms + 4) as f64 * (ratio * ratio).powi(terms as i32 + 1);
-    (0..HIGHEST_DEGREE / 2).find(|&terms| left_out(terms) < NEGLIGIBLE_TERM).unwrap_or(HIGHEST_DEGREE / 2)
-}
-
-/// Eq. P23, with what makes the polynomials' first coefficients one.
-fn coefficients(moments: &Moments) -> Vec<[f64; 6]> {
-    let mut odd_factorials = vec![1.0];
-    for degree in 1..=FIELD_DEGREE {
-        odd_factorials.push(odd_factorials[degree - 1] * (2 * degree - 1) as f64);
-    }
-    let mut coefficients = Vec::with_capacity(row(FIELD_DEGREE + 1));
-    for order in 0..=FIELD_DEGREE {
-        for (degree, odd_factorial) in (order..).zip(&odd_factorials[order..]) {
-            if degree < 2 {
-                coefficients.push([0.0; 6]);
-                continue;
-            }
-            let m = order as isize;
-            let [own, above] = [moments.at(degree - 1, m), moments.at(degree - 1, m + 1)];
-            let parts = if order == 0 {
-                [-above[0], 0.0, above[1], 0.0, own[0], 0.0]
-            } else {
-                let below = moments.at(degree - 1, m - 1);
-                let (x, y) = ([below[0] - above[0], below[1] - above[1]], [below[1] + above[1], -below[0] - above[0]]);
-                [x[0], -x[1], y[0], -y[1], 2.0 * own[0], -2.0 * own[1]]
-            };
-            coefficients.push(parts.map(|part| part * odd_factorial));
-        }
-    }
-    coefficients
 }
 
 /// Where points lie relative to the centre.

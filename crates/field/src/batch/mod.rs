@@ -12,6 +12,7 @@
 //! their number, order, or division among threads.
 
 mod alone;
+pub(crate) mod assignment;
 mod bars;
 mod closed_form;
 mod cluster;
@@ -27,6 +28,7 @@ mod superposition;
 pub(crate) mod table;
 mod terms;
 mod totals;
+pub(crate) mod tree;
 
 pub(crate) use superposition::Superposition;
 

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use super::lanes::{LONGEST_VECTOR, Lanes, Number};
-use super::range::{FORMS, Form, Range};
+use super::range::{BEYOND, FORMS, Form, Range};
 use crate::arrangement::{Arrangement, Frame};
 use crate::scene::is_in_range;
 
@@ -129,10 +129,22 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
-    /// All the first `count` points.
+    /// All the first `count` points, the closed form perhaps `stretched`. Those `beyond` a sphere, given by its centre and squared radius in the coordinates that come with it, have the form
+    /// [`BEYOND`].
     #[inline(always)]
-    pub(super) fn sort_all<S: Simd>(&mut self, simd: S, range: &Range, points: &Coordinates, count: usize) {
-        self.find_forms(simd, range, points);
+    pub(super) fn sort_all<S: Simd>(
+        &mut self,
+        simd: S,
+        range: &Range,
+        points: &Coordinates,
+        count: usize,
+        stretched: bool,
+        beyond: Option<(&Coordinates, ([f64; 3], f64))>,
+    ) {
+        self.find_forms(simd, range, points, stretched);
+        if let Some((points, sphere)) = beyond {
+            self.find_beyond(simd, points, sphere);
+        }
         for index in 0..count {
             let form = if !points.out_of_range.is_empty() && points.axes[0][index].is_nan() {
                 FORMS
@@ -146,19 +158,32 @@ impl Chosen {
     /// Points that have these indices in the batch.
     #[inline(always)]
     pub(super) fn sort<S: Simd>(&mut self, simd: S, range: &Range, points: &Coordinates, indices: &[u32]) {
-        self.find_forms(simd, range, points);
+        self.find_forms(simd, range, points, false);
         for (number, &index) in indices.iter().enumerate() {
             self.add(self.forms[number] as usize, index);
         }
     }
 
     #[inline(always)]
-    fn find_forms<S: Simd>(&mut self, simd: S, range: &Range, points: &Coordinates) {
+    fn find_forms<S: Simd>(&mut self, simd: S, range: &Range, points: &Coordinates, stretched: bool) {
         self.stretch = points.padded();
         self.indices.resize((FORMS + 1) * self.stretch, 0);
         self.counts = [0; FORMS + 1];
         self.forms.resize(self.stretch, 0.0);
-        range.forms(simd, &points.axes, &mut self.forms);
+        range.forms(simd, &points.axes, stretched, &mut self.forms);
+    }
+
+    #[inline(always)]
+    fn find_beyond<S: Simd>(&mut self, simd: S, points: &Coordinates, (centre, square): ([f64; 3], f64)) {
+        let [x, y, z] = &points.axes;
+        for (number, forms) in self.forms.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
+            let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
+            let x = Lanes::<S>::load(simd, &x[start..end]) - centre[0];
+            let y = Lanes::<S>::load(simd, &y[start..end]) - centre[1];
+            let z = Lanes::<S>::load(simd, &z[start..end]) - centre[2];
+            let far = z.mul_add(z, y.mul_add(y, x * x)).at_least(simd, square);
+            (Lanes::<S>::load(simd, forms).max(far * f64::from(BEYOND))).store(forms);
+        }
     }
 
     #[inline(always)]

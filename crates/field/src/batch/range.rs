@@ -7,7 +7,7 @@ use super::lanes::{Lanes, Number};
 use crate::block::Block;
 use crate::tolerances::{
     CLOSED_FORM_COST, EXPANSION_DEGREES, FARTHEST, FORM_MARGIN, GROUP_DISTANCE, LONGEST_NEEDLE, MIDDLE_REACH,
-    MULTIPOLE_ORDERS, NEAR_FRACTION, PRODUCT_RANGE, SMALL_ANGLE,
+    MULTIPOLE_ORDERS, NEAR_FRACTION, PRODUCT_RANGE, SMALL_ANGLE, STRETCH,
 };
 
 /// The form, as a number to sort points by: from [`FAR`] on positions in [`Range::far`].
@@ -20,8 +20,10 @@ pub(super) const MIDDLE: Form = 1;
 pub(super) const OUTER: Form = 2;
 /// The first of those far away.
 pub(super) const FAR: Form = 3;
+/// An expansion to a tolerance, see [`super::assignment`].
+pub(super) const BEYOND: Form = FAR + MOST_STEPS as Form;
 /// How many there may be.
-pub(super) const FORMS: usize = FAR as usize + MOST_STEPS;
+pub(super) const FORMS: usize = BEYOND as usize + 1;
 /// One for each distance at which another form may begin: that of each order and degree, and the end of the closed form.
 const MOST_STEPS: usize = MULTIPOLE_ORDERS.len() + EXPANSION_DEGREES.len() + 1;
 
@@ -62,6 +64,8 @@ pub(super) struct Range {
     outer: f64,
     /// Square of the greatest distance from the centre for the closed form.
     middle: f64,
+    /// The same to a tolerance that leaves room for [`crate::tolerances::STRETCHED_BOUND`].
+    stretched: f64,
     /// Squares of the distances from the centre at which another form begins, and which.
     far: Vec<(f64, FarForm)>,
 }
@@ -79,6 +83,7 @@ impl Range {
             near: (NEAR_FRACTION * shape.largest).powi(2),
             outer: (shape.volume / SMALL_ANGLE).cbrt().powi(2),
             middle: middle * middle,
+            stretched: middle * middle,
             far: series(|half_diagonals| half_diagonals * shape.half_diagonal).map(squared).collect(),
         }
     }
@@ -114,6 +119,7 @@ impl Range {
         let is_needle = |s: &Shape| s.largest > LONGEST_NEEDLE * s.second;
         let reach = if shapes.iter().any(is_needle) { 0.0 } else { (MIDDLE_REACH * second).min(PRODUCT_RANGE) };
         let middle = (reach - radius).max(0.0);
+        let stretched = ((STRETCH * reach).min(PRODUCT_RANGE) - radius).max(0.0);
         let half_diagonal = most_of(|s| s.half_diagonal);
         let sphere = expansion::radius(blocks, centre) * scale;
         let expansions =
@@ -127,6 +133,7 @@ impl Range {
             near: near * near,
             outer: f64::INFINITY,
             middle: middle * middle,
+            stretched: stretched * stretched,
             far: cheapest(&candidates, tiles, middle).into_iter().map(squared).collect(),
         }
     }
@@ -136,9 +143,10 @@ impl Range {
         self.middle >= self.half_size.iter().map(|h| h * h).sum()
     }
 
-    /// The form at each of the points, given by axis in whole vectors. Any, where the point is not a number.
+    /// The form at each of the points, given by axis in whole vectors. Any, where the point is not a number. The closed form may be `stretched`.
     #[inline(always)]
-    pub(super) fn forms<S: Simd>(&self, simd: S, [x, y, z]: &[Vec<f64>; 3], forms: &mut [f64]) {
+    pub(super) fn forms<S: Simd>(&self, simd: S, [x, y, z]: &[Vec<f64>; 3], stretched: bool, forms: &mut [f64]) {
+        let last = if stretched { self.stretched } else { self.middle };
         let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
         for (number, forms) in forms.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
             let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
@@ -151,7 +159,7 @@ impl Range {
                 distance = offset.mul_add(offset, distance);
             }
             // One where it holds, zero where not.
-            let reached = gap.at_least(simd, self.near) * distance.at_most(simd, self.middle);
+            let reached = gap.at_least(simd, self.near) * distance.at_most(simd, last);
             let middle = reached * gap.at_least(simd, self.outer).scale_add(f64::from(OUTER - MIDDLE), one);
             let mut far = distance.at_least(simd, self.far[0].0) * f64::from(FAR - 1);
             for (least, _) in &self.far {
@@ -253,6 +261,6 @@ fn largest(lengths: [f64; 3]) -> f64 {
 }
 
 /// The power of two that takes a normal number into [1, 2).
-fn power_of_two_reciprocal(length: f64) -> f64 {
+pub(super) fn power_of_two_reciprocal(length: f64) -> f64 {
     f64::from_bits((2046 << 52) - (length.to_bits() & (0x7ff << 52)))
 }

@@ -9,15 +9,17 @@ use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
 use super::alone::Alone;
+use super::assignment::{Assignment, Near};
 use super::closed_form::Tables;
 use super::cluster::Cluster;
 use super::expansion::Expansion;
 use super::lanes::{Lanes, Two};
 use super::multipole::{self, Distant, Series};
 use super::points::{Chosen, Coordinates};
-use super::range::{FarForm, Form, MIDDLE, NEAR, OUTER};
+use super::range::{BEYOND, FarForm, Form, MIDDLE, NEAR, OUTER};
 use super::table::Together;
 use super::totals::Totals;
+use super::tree::Tree;
 use crate::arrangement::{Arrangement, Frame};
 use crate::block::{Block, Local};
 use crate::edge_policy::Edges;
@@ -51,6 +53,8 @@ struct Work<'a> {
     part: Part,
     points: &'a [DVec3],
     local: &'a Coordinates,
+    /// Whether the closed form may go farther, for a tolerance.
+    stretched: bool,
 }
 
 impl Superposition {
@@ -62,11 +66,13 @@ impl Superposition {
         ROOM.with_borrow_mut(work)
     }
 
-    /// The tiles added up at all `points`; not a number where a point is out of range.
+    /// The tiles added up at all `points`, or those parts of a tree that have been assigned to them; not a number where a point is out of
+    /// range.
     pub(crate) fn add_up(
         &mut self,
         level: Level,
         arrangement: &Arrangement,
+        assigned: Option<(&Tree, &Assignment)>,
         part: Part,
         points: &[DVec3],
         field: &mut [DVec3],
@@ -75,7 +81,7 @@ impl Superposition {
         self.points.set(points);
         self.totals.start(self.points.padded());
         if !points.is_empty() {
-            dispatch!(level, simd => self.add_frames(simd, arrangement, part, points));
+            dispatch!(level, simd => self.add_frames(simd, arrangement, assigned, part, points));
         }
         self.totals.write(field);
         for &index in self.points.out_of_range() {
@@ -94,18 +100,31 @@ impl Superposition {
     }
 
     #[inline(always)]
-    fn add_frames<S: Simd>(&mut self, simd: S, arrangement: &Arrangement, part: Part, points: &[DVec3]) {
+    fn add_frames<S: Simd>(
+        &mut self,
+        simd: S,
+        arrangement: &Arrangement,
+        assigned: Option<(&Tree, &Assignment)>,
+        part: Part,
+        points: &[DVec3],
+    ) {
         let kept = self.tables.take().and_then(|tables| tables.downcast::<Tables<S>>().ok());
         let mut tables = kept.unwrap_or_else(|| Box::new(Tables::new(simd)));
-        for frame in arrangement.frames() {
+        if let Some((tree, assignment)) = assigned {
+            for &(node, degree) in &assignment.expanded {
+                let what = Expanded { expansion: tree.expansion(node), degree };
+                self.totals.add_pairs(simd, None, &self.points.axes, &what);
+            }
+        }
+        for (frame, wanted) in parts(arrangement, assigned) {
             let mut local = std::mem::take(&mut self.local);
             local.set_in_frame(simd, arrangement, frame, &self.points);
-            let work = Work { arrangement, frame, part, points, local: &local };
+            let work = Work { arrangement, frame, part, points, local: &local, stretched: assigned.is_some() };
             let (low, high) = local.reach(simd);
-            for together in &frame.table.clusters {
+            for (together, beyond) in wanted {
                 match together.range.form_of_box(low, high) {
-                    Some(form) => self.add_at_all(simd, &mut tables, work, together, form),
-                    None => self.add_by_form(simd, &mut tables, work, together),
+                    Some(form) if beyond.is_none() => self.add_at_all(simd, &mut tables, work, together, form),
+                    _ => self.add_by_form(simd, &mut tables, work, together, beyond),
                 }
             }
             self.local = local;
@@ -136,7 +155,7 @@ impl Superposition {
                     self.totals.add_totals(simd, &self.partial);
                 }
                 FarForm::Expansion { degree } => {
-                    let what = Expanded { expansion: together.expansion(&work.frame.blocks), degree };
+                    let what = Expanded { expansion: together.expansion(simd.level(), &work.frame.blocks), degree };
                     self.totals.add_pairs(simd, rotation, points, &what);
                 }
             },
@@ -157,12 +176,26 @@ impl Superposition {
 
     /// Tiles that need different forms at different points.
     #[inline(always)]
-    fn add_by_form<S: Simd>(&mut self, simd: S, tables: &mut Tables<S>, work: Work, together: &Together) {
+    fn add_by_form<S: Simd>(
+        &mut self,
+        simd: S,
+        tables: &mut Tables<S>,
+        work: Work,
+        together: &Together,
+        beyond: Option<Beyond>,
+    ) {
         let mut chosen = std::mem::take(&mut self.chosen);
-        chosen.sort_all(simd, &together.range, work.local, work.points.len());
+        let sphere = beyond.map(|of| (&self.points, of.sphere));
+        chosen.sort_all(simd, &together.range, work.local, work.points.len(), work.stretched, sphere);
         for form in chosen.forms() {
             let points = chosen.points(form);
             match (form, &together.cluster) {
+                (BEYOND, _) => {
+                    let of = beyond.expect("only then there are such points");
+                    self.gathered.gather(&self.points, points);
+                    let what = Expanded { expansion: of.expansion, degree: of.degree };
+                    self.totals.add_some_pairs(simd, None, &self.gathered.axes, points, &what);
+                }
                 (_, None) => {
                     self.gathered.gather(work.local, points);
                     self.add_tile(simd, work, together.blocks.start, form, points);
@@ -192,7 +225,8 @@ impl Superposition {
                             self.totals.add_totals_at(&self.partial, points);
                         }
                         FarForm::Expansion { degree } => {
-                            let what = Expanded { expansion: together.expansion(&work.frame.blocks), degree };
+                            let what =
+                                Expanded { expansion: together.expansion(simd.level(), &work.frame.blocks), degree };
                             self.add_gathered_pairs(simd, work, points, &what);
                         }
                     }
@@ -248,6 +282,42 @@ impl Superposition {
             }
         }
     }
+}
+
+/// A part of a tree that is taken by its expansion outside a sphere around its centre.
+#[derive(Clone, Copy)]
+struct Beyond<'a> {
+    sphere: ([f64; 3], f64),
+    expansion: &'a Expansion,
+    degree: usize,
+}
+
+type Wanted<'a> = (&'a Frame, Vec<(&'a Together, Option<Beyond<'a>>)>);
+
+/// All frames with their tiles, or with those that are assigned.
+fn parts<'a>(arrangement: &'a Arrangement, assigned: Option<(&'a Tree, &'a Assignment)>) -> Vec<Wanted<'a>> {
+    let frames = arrangement.frames();
+    let Some((tree, assignment)) = assigned else {
+        return frames
+            .iter()
+            .map(|f| (f, f.table.clusters.iter().map(|together| (together, None)).collect()))
+            .collect();
+    };
+    let frame_of = |near: &Near| tree.items[near.item].frame;
+    let of_frames = assignment.near.chunk_by(|a, b| frame_of(a) == frame_of(b));
+    let with_clusters = of_frames.map(|parts| {
+        let frame = &frames[frame_of(&parts[0])];
+        let part = |near: &Near| {
+            let beyond = near.beyond.map(|(distance, degree)| Beyond {
+                sphere: (tree.nodes[near.node].centre.to_array(), distance * distance),
+                expansion: tree.expansion(near.node),
+                degree,
+            });
+            (&frame.table.clusters[tree.items[near.item].together], beyond)
+        };
+        (frame, parts.iter().map(part).collect())
+    });
+    with_clusters.collect()
 }
 
 /// What has a field, mu0 H in its own frame, at vector after vector of points. It is told of them two vectors ahead, so that it can prepare

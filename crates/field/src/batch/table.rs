@@ -4,6 +4,8 @@ use std::collections::HashMap;
 use std::ops::Range as Span;
 use std::sync::OnceLock;
 
+use fearless_simd::Level;
+
 use super::bars::decomposed;
 use super::cluster::Cluster;
 use super::expansion::Expansion;
@@ -45,8 +47,9 @@ impl Together {
     }
 
     /// The expansion of these of a frame's `blocks`.
-    pub(super) fn expansion(&self, blocks: &[Block]) -> &Expansion {
-        self.expansion.get_or_init(|| Expansion::of(&blocks[self.blocks.clone()], self.range.centre, self.range.scale))
+    pub(super) fn expansion(&self, level: Level, blocks: &[Block]) -> &Expansion {
+        let own = || &blocks[self.blocks.clone()];
+        self.expansion.get_or_init(|| Expansion::of(level, own(), self.range.centre, self.range.scale))
     }
 }
 

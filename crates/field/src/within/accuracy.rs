@@ -4,6 +4,8 @@ use std::fmt;
 
 use glam::DVec3;
 
+use crate::tolerances::{ADDED_DEGREES, HIGHEST_DEGREE, LEAST_DEGREE};
+
 /// How exact a field is wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Accuracy {
@@ -50,6 +52,19 @@ impl Tolerance {
             Tolerance::Relative(fraction) => error_t <= fraction * (value_t.length() - error_t),
             Tolerance::AbsoluteT(most) => error_t <= most,
         }
+    }
+}
+
+impl Accuracy {
+    /// The degree up to which expansions of tiles whose |J| is at most this pay: it leaves out about the tolerance at twice the radius.
+    pub(crate) fn degree(self, most_j_t: f64) -> usize {
+        let fraction = match self {
+            Accuracy::Exact => return HIGHEST_DEGREE,
+            Accuracy::Within(Tolerance::Relative(fraction)) => fraction,
+            Accuracy::Within(Tolerance::AbsoluteT(error_t)) => error_t / most_j_t,
+        };
+        let degree = ADDED_DEGREES - fraction.log2();
+        if degree > LEAST_DEGREE as f64 { degree.min(HIGHEST_DEGREE as f64) as usize } else { LEAST_DEGREE }
     }
 }
 

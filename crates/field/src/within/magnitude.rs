@@ -22,6 +22,12 @@ impl Box3 {
         Box3 { lower: tile.position() - reach, upper: tile.position() + reach }
     }
 
+    /// Around points.
+    pub(crate) fn around(points: &[DVec3]) -> Box3 {
+        let lower = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        Box3 { lower, upper: points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) }
+    }
+
     pub(crate) fn half_size(&self) -> DVec3 {
         0.5 * (self.upper - self.lower)
     }

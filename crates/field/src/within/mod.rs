@@ -4,9 +4,11 @@
 //! |---|---|---|
 //! | Chebyshev expansion of a box without tiles | points of a grid | `fit`, `on_grid` |
 //! | the same of cells of the box | repeated look-ups | `fitted_field`, `cells` |
+//! | expansions of nodes of a tree over the tiles | other points | `at_points`, [`crate::batch`] |
 //! | exact | points at which no other model keeps the tolerance | [`crate::batch`] |
 
 pub(crate) mod accuracy;
+pub(crate) mod at_points;
 mod cells;
 mod chebyshev;
 mod combine;

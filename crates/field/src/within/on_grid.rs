@@ -6,6 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::accuracy::Tolerance;
+use super::at_points::at_points;
 use super::chebyshev::polynomials;
 use super::combine::{padded, weighted_sum};
 use super::fit::{Fit, NoFit};
@@ -44,7 +45,7 @@ pub(crate) fn on_grid(
     exact.sort_unstable();
     let points: Vec<DVec3> = exact.iter().map(|&index| grid.point(index)).collect();
     let mut values = vec![DVec3::ZERO; points.len()];
-    let errors = scene.checked_exact_into(tolerance, quantity, &points, &mut values);
+    let errors = at_points(scene, tolerance, quantity, &points, &mut values);
     for (&index, value) in exact.iter().zip(values) {
         field[index] = value;
     }

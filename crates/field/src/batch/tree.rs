@@ -1,0 +1,354 @@
+//! A tree over all tiles of a scene: neighbours together, with an expansion of their field outside a sphere around them (docs/physics.md, section 5.2).
+
+use std::f64::consts::PI;
+use std::ops::Range as Span;
+use std::sync::OnceLock;
+
+use fearless_simd::Level;
+use glam::{DMat3, DVec3};
+
+use super::expansion::Expansion;
+use super::harmonics::{Moments, Source};
+use super::range::power_of_two_reciprocal;
+use crate::arrangement::Arrangement;
+use crate::tile::Tile;
+use crate::tolerances::{
+    ALONE_COST, CLOSED_FORM_COST, CORNERED_TILES, DISTANCE_BISECTIONS, FARTHEST, HIGHEST_DEGREE, LARGEST_FIELD_OVER_J,
+    NEAREST_NODE, NODE_COST,
+};
+use crate::within::magnitude::Box3;
+
+/// Nodes above each other, the first of them all tiles.
+#[derive(Clone, Debug)]
+pub(crate) struct Tree {
+    level: Level,
+    /// From each frame to the scene.
+    rotations: Vec<Option<DMat3>>,
+    /// Those of each item one after the other.
+    bodies: Vec<Body>,
+    pub(super) items: Vec<Item>,
+    pub(super) nodes: Vec<Node>,
+}
+
+/// A block in the scene's frame.
+#[derive(Clone, Debug)]
+struct Body {
+    centre: DVec3,
+    size: DVec3,
+    frame: usize,
+    polarization_t: DVec3,
+    half_diagonal: f64,
+}
+
+/// What the exact field takes together: tiles that share corners, or one by itself.
+#[derive(Clone, Debug)]
+pub(super) struct Item {
+    /// Index of its frame.
+    pub(super) frame: usize,
+    /// Index in the frame's table.
+    pub(super) together: usize,
+    bodies: Span<usize>,
+}
+
+/// Items next to each other.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub(super) items: Span<usize>,
+    bodies: Span<usize>,
+    pub(super) centre: DVec3,
+    /// Of a sphere around all of it.
+    radius: f64,
+    /// A power of two that takes the radius to order one.
+    scale: f64,
+    /// The sum of |J| V / 4 pi, scaled.
+    strength_t: f64,
+    /// The highest degree that costs less than its tiles one by one.
+    degree: usize,
+    /// The two halves.
+    pub(super) halves: Option<[usize; 2]>,
+    /// The sum over tiles of |J| V / 4 pi times the mean of distance^degree from the centre, at most; scaled. Found when first needed.
+    reach_t: OnceLock<f64>,
+    /// Made when first needed.
+    outside: OnceLock<Outside>,
+}
+
+/// The field of a node outside its sphere.
+#[derive(Clone, Debug)]
+struct Outside {
+    moments: Moments,
+    expansion: Expansion,
+    /// At most the field of each degree at distance 1, scaled.
+    powers: Vec<f64>,
+}
+
+impl Tree {
+    /// Of the tiles arranged, with expansions up to `degree` where they pay.
+    pub(crate) fn of(level: Level, arrangement: &Arrangement, tiles: &[Tile], degree: usize) -> Tree {
+        let mut unsorted: Vec<(Vec<Body>, usize, usize)> = Vec::new();
+        for (index, frame) in arrangement.frames().iter().enumerate() {
+            for (together, of) in frame.table.clusters.iter().enumerate() {
+                let bodies = of.blocks.clone().map(|block| {
+                    let block = &frame.blocks[block];
+                    let size = DVec3::from(block.size);
+                    Body {
+                        centre: arrangement.centre_in_scene(frame, block, &tiles[block.tile]),
+                        size,
+                        frame: index,
+                        polarization_t: frame.to_scene.vector(block.polarization_t),
+                        half_diagonal: 0.5 * size.length(),
+                    }
+                });
+                unsorted.push((bodies.collect(), index, together));
+            }
+        }
+        let centres: Vec<DVec3> = unsorted.iter().map(|(bodies, ..)| around(bodies).centre()).collect();
+        let mut order: Vec<usize> = (0..unsorted.len()).collect();
+        let rotations = arrangement.frames().iter().map(|frame| frame.to_scene.rotation().copied()).collect();
+        let mut tree = Tree { level, rotations, bodies: Vec::new(), items: Vec::new(), nodes: Vec::new() };
+        let mut halves = Vec::new();
+        if !order.is_empty() {
+            bisect(&centres, &mut order, 0, &mut halves);
+        }
+        for index in order {
+            let (bodies, frame, together) = std::mem::take(&mut unsorted[index]);
+            let start = tree.bodies.len();
+            tree.bodies.extend(bodies);
+            tree.items.push(Item { frame, together, bodies: start..tree.bodies.len() });
+        }
+        for (items, halves) in halves {
+            tree.add_node(items, halves, degree);
+        }
+        tree
+    }
+
+    fn add_node(&mut self, items: Span<usize>, halves: Option<[usize; 2]>, degree: usize) {
+        let span = self.items[items.start].bodies.start..self.items[items.end - 1].bodies.end;
+        let bodies = &self.bodies[span.clone()];
+        let around = around(bodies);
+        let centre = around.centre();
+        let radius = bodies.iter().map(|b| (b.centre - centre).length() + b.half_diagonal).fold(0.0, f64::max);
+        let scale = power_of_two_reciprocal(radius);
+        let strength_t = bodies.iter().map(|body| body.strength_t(scale)).sum();
+        let cost: f64 = self.items[items.clone()].iter().map(Item::cost).sum();
+        let pays = |degree: &usize| NODE_COST * ((degree + 2) * (degree + 3)) as f64 <= cost;
+        let degree = (1..=degree.min(HIGHEST_DEGREE)).take_while(pays).last().unwrap_or(1);
+        self.nodes.push(Node {
+            items,
+            bodies: span,
+            centre,
+            radius,
+            scale,
+            strength_t,
+            degree,
+            halves,
+            reach_t: OnceLock::new(),
+            outside: OnceLock::new(),
+        });
+    }
+
+    /// The lowest degree, and the most it leaves out in tesla, that leaves out no more than `allowed_t` of a node's field at all points of a box; 0 if all
+    /// of it may be left out.
+    pub(super) fn degree(&self, node: usize, points: &Box3, allowed_t: f64) -> Option<(usize, f64)> {
+        let of = &self.nodes[node];
+        let distance = of.distance(points);
+        if distance < NEAREST_NODE * of.radius * of.scale || distance * distance > FARTHEST {
+            return None;
+        }
+        let beyond_t = self.beyond_t(node, distance);
+        if beyond_t > allowed_t {
+            return None;
+        }
+        let over = 1.0 / distance;
+        let mut power = over * over;
+        let mut by_degree = [0.0; HIGHEST_DEGREE + 1];
+        let outside = self.outside(node);
+        for (field_t, at_1) in by_degree.iter_mut().zip(&outside.powers) {
+            *field_t = at_1 * power;
+            power *= over;
+        }
+        let (mut degree, mut left_out_t) = (of.degree, beyond_t);
+        while degree > 0 && left_out_t + by_degree[degree] <= allowed_t {
+            left_out_t += by_degree[degree];
+            degree -= 1;
+        }
+        Some((degree, left_out_t))
+    }
+
+    /// The distance from a node's centre from which its expansion leaves out no more than `allowed_t`, and its degree; `None` if all points of a box are
+    /// nearer.
+    pub(super) fn least_distance(&self, node: usize, points: &Box3, allowed_t: f64) -> Option<(f64, usize)> {
+        let of = &self.nodes[node];
+        let centre = of.centre;
+        let farthest = (points.upper - centre).abs().max((points.lower - centre).abs()).length() * of.scale;
+        let (mut short, mut enough) = (of.distance(points).max(NEAREST_NODE * of.radius * of.scale), farthest);
+        if farthest * farthest > FARTHEST || short >= enough || self.beyond_t(node, farthest) > allowed_t {
+            return None;
+        }
+        for _ in 0..DISTANCE_BISECTIONS {
+            let middle = 0.5 * (short + enough);
+            if self.beyond_t(node, middle) <= allowed_t {
+                enough = middle;
+            } else {
+                short = middle;
+            }
+        }
+        Some((enough / of.scale, of.degree))
+    }
+
+    /// At most the sum over a node's tiles of the magnitudes of their fields in a box outside its sphere, in tesla.
+    pub(super) fn most_of_node_t(&self, node: usize, points: &Box3) -> f64 {
+        let of = &self.nodes[node];
+        2.0 * 3.0_f64.sqrt() * of.strength_t / (of.distance(points) - of.radius * of.scale).powi(3)
+    }
+
+    /// The same of an item, anywhere.
+    pub(super) fn most_of_item_t(&self, item: usize, points: &Box3) -> f64 {
+        let most = |body: &Body| {
+            let gap =
+                (points.gap(&Box3 { lower: body.centre, upper: body.centre }).length() - body.half_diagonal).max(0.0);
+            let dipoles = (body.size / gap).element_product() / (2.0 * PI);
+            body.polarization_t.length() * 3.0_f64.sqrt() * dipoles.min(LARGEST_FIELD_OVER_J)
+        };
+        self.bodies[self.items[item].bodies.clone()].iter().map(most).sum()
+    }
+
+    /// How many tiles an item has.
+    pub(super) fn tiles_of_item(&self, item: usize) -> usize {
+        self.items[item].bodies.len()
+    }
+
+    /// How many tiles a node has.
+    pub(super) fn tiles_of_node(&self, node: usize) -> usize {
+        self.nodes[node].bodies.len()
+    }
+
+    /// The largest |J|, in tesla.
+    pub(crate) fn largest_j_t(&self) -> f64 {
+        self.bodies.iter().map(|b| b.polarization_t.length()).fold(0.0, f64::max)
+    }
+
+    pub(super) fn expansion(&self, node: usize) -> &Expansion {
+        &self.outside(node).expansion
+    }
+
+    fn outside(&self, node: usize) -> &Outside {
+        let of = &self.nodes[node];
+        of.outside.get_or_init(|| {
+            let moments = match of.halves {
+                Some(halves) if halves.iter().all(|&half| self.nodes[half].degree == of.degree) => {
+                    let mut moments = Moments::new(of.degree);
+                    for half in halves {
+                        let lower = &self.nodes[half];
+                        let own = self.outside(half).moments.clone().rescaled(of.scale / lower.scale);
+                        moments.add(&own.moved((lower.centre - of.centre) * of.scale));
+                    }
+                    moments
+                }
+                _ => self.moments_of_bodies(of),
+            };
+            Outside {
+                expansion: Expansion::of_moments(&moments, of.centre.to_array(), of.scale),
+                powers: moments.powers(),
+                moments,
+            }
+        })
+    }
+
+    /// At most the field in tesla of all degrees beyond a node's own at a scaled distance: the magnitudes of dipoles' fields by degree, summed as the geometric
+    /// series they stay below.
+    fn beyond_t(&self, node: usize, distance: f64) -> f64 {
+        let of = &self.nodes[node];
+        let l = (of.degree + 1) as f64;
+        let over = 1.0 / distance;
+        let next = self.reach_t(of) * l * ((l + 1.0) * (2.0 * l + 1.0)).sqrt() * over.powi(of.degree as i32 + 3);
+        let fall = of.radius * of.scale * over * (1.0 + 2.5 / l);
+        if fall < 1.0 { next / (1.0 - fall) } else { f64::INFINITY }
+    }
+
+    fn reach_t(&self, node: &Node) -> f64 {
+        let power = node.degree as i32;
+        *node.reach_t.get_or_init(|| {
+            let bodies = &self.bodies[node.bodies.clone()];
+            let reach = |body: &Body| {
+                let mean = if bodies.len() <= CORNERED_TILES {
+                    body.mean_power(self.rotations[body.frame].as_ref(), node.centre, node.scale, power)
+                } else {
+                    (((body.centre - node.centre).length() + body.half_diagonal) * node.scale).powi(power)
+                };
+                body.strength_t(node.scale) * mean
+            };
+            bodies.iter().map(reach).sum()
+        })
+    }
+
+    fn moments_of_bodies(&self, node: &Node) -> Moments {
+        let source = |body: &Body| {
+            let (centre, size) = ((body.centre - node.centre) * node.scale, body.size * node.scale);
+            Source::new(centre, size, self.rotations[body.frame].as_ref(), body.polarization_t)
+        };
+        let sources: Vec<Source> = self.bodies[node.bodies.clone()].iter().map(source).collect();
+        Moments::of(self.level, &sources, node.degree)
+    }
+}
+
+impl Item {
+    /// What the closed form takes at a vector of points, in multiply-adds.
+    fn cost(&self) -> f64 {
+        if self.bodies.len() == 1 { ALONE_COST } else { CLOSED_FORM_COST * self.bodies.len() as f64 }
+    }
+}
+
+impl Node {
+    /// From its centre to the nearest of the points, scaled.
+    fn distance(&self, points: &Box3) -> f64 {
+        points.gap(&Box3 { lower: self.centre, upper: self.centre }).length() * self.scale
+    }
+}
+
+impl Body {
+    /// |J| V / 4 pi, lengths scaled.
+    fn strength_t(&self, scale: f64) -> f64 {
+        self.polarization_t.length() * (self.size * scale).element_product() / (4.0 * PI)
+    }
+
+    /// At most the mean over it of distance^power from a centre, lengths scaled: |x|^power is convex, so its mean is at most that of the corners.
+    fn mean_power(&self, rotation: Option<&DMat3>, centre: DVec3, scale: f64, power: i32) -> f64 {
+        let half = 0.5 * self.size;
+        let along = |axis: DVec3| rotation.map_or(axis, |rotation| *rotation * axis);
+        let (x, y, z) = (along(DVec3::X * half.x), along(DVec3::Y * half.y), along(DVec3::Z * half.z));
+        let middle = self.centre - centre;
+        let corners = [x + y + z, x + y - z, x - y + z, x - y - z].map(|corner| {
+            [middle + corner, middle - corner].map(|from| (from.length() * scale).powi(power)).iter().sum::<f64>()
+        });
+        corners.iter().sum::<f64>() / 8.0
+    }
+}
+
+fn around(bodies: &[Body]) -> Box3 {
+    let lower = bodies.iter().map(|b| b.centre - b.half_diagonal).fold(DVec3::INFINITY, DVec3::min);
+    let upper = bodies.iter().map(|b| b.centre + b.half_diagonal).fold(DVec3::NEG_INFINITY, DVec3::max);
+    Box3 { lower, upper }
+}
+
+/// Halves of halves of what `order` names, across the axis along which the centres reach farthest: stretches of the new order, each before its halves.
+fn bisect(
+    centres: &[DVec3],
+    order: &mut [usize],
+    start: usize,
+    stretches: &mut Vec<(Span<usize>, Option<[usize; 2]>)>,
+) -> usize {
+    let own = stretches.len();
+    stretches.push((start..start + order.len(), None));
+    if order.len() > 1 {
+        let lower = order.iter().map(|&i| centres[i]).fold(DVec3::INFINITY, DVec3::min);
+        let upper = order.iter().map(|&i| centres[i]).fold(DVec3::NEG_INFINITY, DVec3::max);
+        let axis = (upper - lower).max_position();
+        let middle = order.len() / 2;
+        let along = |index: usize| centres[index][axis];
+        order.select_nth_unstable_by(middle, |&a, &b| along(a).total_cmp(&along(b)).then(a.cmp(&b)));
+        let (low, high) = order.split_at_mut(middle);
+        let halves = [bisect(centres, low, start, stretches), bisect(centres, high, start + middle, stretches)];
+        stretches[own].1 = Some(halves);
+    }
+    own
+}

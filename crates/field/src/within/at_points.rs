@@ -1,0 +1,172 @@
+//! The field at points anywhere, to a tolerance: tiles far away by expansions of nodes of a tree (docs/physics.md, section 5.2).
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::accuracy::Tolerance;
+use super::magnitude::Box3;
+use crate::batch::assignment::Assignment;
+use crate::evaluate::{PointError, neighbours_together};
+use crate::quantity::{MU_0, Quantity};
+use crate::scene::{Cause, Scene, is_in_range};
+use crate::tolerances::{
+    ASSIGNED_POINTS, ASSIGNMENT_ROUNDS, CLEAR_OF_ERROR, ROUGH_FIELD_OVER_J, ROUGH_NODES, ROUGH_STEP, SAFE_SHARE,
+    SAMPLED_POINTS, STRETCHED_BOUND, USED_SHARE,
+};
+
+/// B or H at all points; points that have none, with NaN there.
+pub(crate) fn at_points(
+    scene: &Scene,
+    tolerance: Tolerance,
+    quantity: Quantity,
+    points: &[DVec3],
+    field: &mut [DVec3],
+) -> Vec<PointError> {
+    let usable: Vec<u32> = (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect();
+    let order = neighbours_together(points, usable, ASSIGNED_POINTS);
+    let near: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
+    let mut values = vec![DVec3::NAN; near.len()];
+    let batches = near.par_chunks(ASSIGNED_POINTS).zip(values.par_chunks_mut(ASSIGNED_POINTS)).enumerate();
+    let outcomes: Vec<Outcome> = batches
+        .map(|(number, (points, values))| {
+            let mut batch = Batch { scene, tolerance, quantity, points, values, outcome: Outcome::default() };
+            batch.serve();
+            batch.outcome.shifted(number * ASSIGNED_POINTS)
+        })
+        .collect();
+    field.fill(DVec3::NAN);
+    for (&index, value) in order.iter().zip(values) {
+        field[index as usize] = value;
+    }
+    let place = |position: usize| order[position] as usize;
+    let failed = outcomes.iter().flat_map(|outcome| &outcome.failed);
+    let mut errors: Vec<PointError> = failed
+        .map(|&(position, cause)| PointError { index: place(position), point: points[place(position)], cause })
+        .collect();
+    let out_of_range = (0..points.len()).filter(|&index| !is_in_range(points[index]));
+    let mut exact: Vec<usize> = outcomes.iter().flat_map(|outcome| &outcome.missed).map(|&p| place(p)).collect();
+    exact.extend(out_of_range);
+    exact.sort_unstable();
+    errors.extend(scene.exact_at(tolerance, quantity, points, &exact, field));
+    errors.sort_by_key(|error| error.index);
+    errors
+}
+
+/// Points that lie together.
+struct Batch<'a> {
+    scene: &'a Scene,
+    tolerance: Tolerance,
+    quantity: Quantity,
+    points: &'a [DVec3],
+    values: &'a mut [DVec3],
+    outcome: Outcome,
+}
+
+/// What has not been served.
+#[derive(Default)]
+struct Outcome {
+    /// Points at which the tolerance was not reached.
+    missed: Vec<usize>,
+    /// Points that have no field.
+    failed: Vec<(usize, Cause)>,
+}
+
+impl Outcome {
+    fn shifted(mut self, by: usize) -> Outcome {
+        self.missed.iter_mut().for_each(|index| *index += by);
+        self.failed.iter_mut().for_each(|(index, _)| *index += by);
+        self
+    }
+}
+
+/// What an assignment may leave out.
+#[derive(Clone, Copy)]
+struct Allowance {
+    whole_t: f64,
+    /// Nodes among which it is divided.
+    nodes: f64,
+}
+
+impl Batch<'_> {
+    fn serve(&mut self) {
+        let mut open: Vec<usize> = (0..self.points.len()).collect();
+        let mut allowance = match self.tolerance {
+            Tolerance::AbsoluteT(error_t) => Allowance { whole_t: SAFE_SHARE * error_t, nodes: ROUGH_NODES },
+            Tolerance::Relative(fraction) => self.estimate(fraction),
+        };
+        for _ in 0..ASSIGNMENT_ROUNDS {
+            let points: Vec<DVec3> = open.iter().map(|&index| self.points[index]).collect();
+            let (assignment, values, failed) = self.evaluate(&points, allowance);
+            if std::env::var("STAT").is_ok() {
+                eprintln!(
+                    "round points {} nodes {} degree sum {} tiles {:?} left {:e} allowed {:e} magn {:e}",
+                    points.len(),
+                    assignment.expanded.len(),
+                    assignment.expanded.iter().map(|e| e.1).sum::<usize>(),
+                    assignment.tiles,
+                    assignment.left_out_t,
+                    allowance.whole_t,
+                    assignment.magnitude_t
+                );
+            }
+            let error_t = assignment.left_out_t + STRETCHED_BOUND * assignment.magnitude_t;
+            let mut least_t = f64::INFINITY;
+            let mut missed = Vec::new();
+            for (&index, value) in open.iter().zip(values) {
+                self.values[index] = value;
+                let b = value * self.in_tesla();
+                if !value.is_nan() && !self.tolerance.is_kept(b, error_t) {
+                    least_t = least_t.min(b.length());
+                    missed.push(index);
+                }
+            }
+            self.outcome.failed.extend(failed.into_iter().map(|(number, cause)| (open[number], cause)));
+            open = missed;
+            if open.is_empty() || assignment.left_out_t == 0.0 {
+                break;
+            }
+            let nodes = USED_SHARE * assignment.expansions() as f64 + ROUGH_NODES;
+            let wanted_t = match self.tolerance {
+                Tolerance::Relative(fraction) => fraction * least_t,
+                Tolerance::AbsoluteT(error_t) => error_t,
+            };
+            // Less than before in any case.
+            allowance = Allowance { whole_t: (SAFE_SHARE * wanted_t).min(ROUGH_STEP * assignment.left_out_t), nodes };
+        }
+        self.outcome.missed = open;
+    }
+
+    /// From a rough field at some of the points, what may be left out.
+    fn estimate(&self, fraction: f64) -> Allowance {
+        let step = self.points.len().div_ceil(SAMPLED_POINTS);
+        let some: Vec<DVec3> = self.points.iter().copied().step_by(step).collect();
+        let mut allowance =
+            Allowance { whole_t: ROUGH_FIELD_OVER_J * self.scene.tree().largest_j_t(), nodes: ROUGH_NODES };
+        for _ in 0..ASSIGNMENT_ROUNDS {
+            let (assignment, values, _) = self.evaluate(&some, allowance);
+            let lengths = values.iter().filter(|b| !b.is_nan()).map(|b| b.length() * self.in_tesla());
+            let least_t = lengths.fold(f64::INFINITY, f64::min);
+            let nodes = USED_SHARE * assignment.expansions() as f64 + ROUGH_NODES;
+            if assignment.left_out_t == 0.0 || least_t > CLEAR_OF_ERROR * assignment.left_out_t {
+                let whole_t = if least_t.is_finite() { SAFE_SHARE * fraction * least_t } else { allowance.whole_t };
+                return Allowance { whole_t, nodes };
+            }
+            allowance = Allowance { whole_t: ROUGH_STEP * assignment.left_out_t.min(allowance.whole_t), nodes };
+        }
+        allowance
+    }
+
+    fn evaluate(&self, points: &[DVec3], allowance: Allowance) -> (Assignment, Vec<DVec3>, Vec<(usize, Cause)>) {
+        let region = Box3::around(points);
+        let assignment = Assignment::of(self.scene.tree(), &region, allowance.whole_t / allowance.nodes);
+        let (mut values, mut failed) = (vec![DVec3::NAN; points.len()], Vec::new());
+        self.scene.field_of_batch(self.quantity, Some(&assignment), points, &mut values, &mut |index, cause| {
+            failed.push((index, cause));
+        });
+        (assignment, values, failed)
+    }
+
+    fn in_tesla(&self) -> f64 {
+        if self.quantity == Quantity::FieldStrength { MU_0 } else { 1.0 }
+    }
+}
