@@ -26,6 +26,7 @@ pub(crate) enum Verb {
     #[command(after_help = "Example:\n  magsplice decouple layouts/published-film.toml --format json")]
     Decouple(LayoutArgs),
     Check(CheckArgs),
+    Tiles(TilesArgs),
 }
 
 /// Compute the field at points, as CSV.
@@ -127,13 +128,36 @@ pub(crate) enum Format {
     Json,
 }
 
-/// Read and validate layouts, and list their tiles.
+/// Validate layouts, and hold their films against what their [expect] tables state.
 ///
-/// Exit status: 0 all fine, 1 something that is allowed but rarely meant, 2 a layout that cannot be used.
+/// One line per expectation, with the value found, its bound and the margin. Exit status: 0 all fine, 1 an expectation that is not met or something that
+/// is allowed but rarely meant, 2 a layout that cannot be used or an expectation that cannot be evaluated.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  magsplice check layouts/*.toml")]
+#[command(after_help = "Example:\n  magsplice check layouts/*.toml --format junit > checks.xml")]
 pub(crate) struct CheckArgs {
     /// Layout files
     #[arg(required = true)]
     pub(crate) layouts: Vec<PathBuf>,
+    /// How to write the result
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: CheckFormat,
+    /// First rewrite the field baselines the layouts name, whole or not at all
+    #[arg(long)]
+    pub(crate) update: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub(crate) enum CheckFormat {
+    Text,
+    Json,
+    /// JUnit XML, for build systems
+    Junit,
+}
+
+/// List the tiles of a layout.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice tiles layouts/published-film.toml")]
+pub(crate) struct TilesArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
 }

@@ -3,6 +3,7 @@
 //! Exit status: 0 fine, 1 a finding of `check`, 2 the work could not be done.
 
 mod args;
+mod baseline;
 mod failure;
 mod interrupt;
 mod output;
@@ -22,6 +23,7 @@ fn main() -> ExitCode {
         Verb::Field(args) => verbs::field::run(&args),
         Verb::Compare(args) => verbs::compare::run(&args),
         Verb::Decouple(args) => verbs::decouple::run(&args),
+        Verb::Tiles(args) => verbs::tiles::run(&args),
         Verb::Check(args) => return ExitCode::from(verbs::check::run(&args)),
     };
     match done {

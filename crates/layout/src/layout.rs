@@ -8,8 +8,9 @@ use magsplice_field::{Grid, IdealFilm, Tile};
 use sha2::{Digest, Sha256};
 
 use crate::error::LayoutError;
+use crate::expectations::Expectations;
 use crate::resolve;
-use crate::written::{Ideal, LayoutFile, Rotation, Step, TileEntry, Volume};
+use crate::written::{Expect, Ideal, LayoutFile, Rotation, Step, TileEntry, Volume};
 
 /// A spliced film or any other arrangement of block magnets, and what it is to be judged by.
 ///
@@ -25,6 +26,8 @@ pub struct Layout {
     pub ideal: Option<IdealFilm>,
     /// Where its field is used.
     pub volume: Option<WorkingVolume>,
+    /// What it must meet.
+    pub expectations: Expectations,
     /// Its tiles, repetition written out, none overlapping another.
     pub tiles: Vec<NamedTile>,
     /// SHA-256 of the file's bytes in hexadecimal.
@@ -105,6 +108,7 @@ impl Layout {
                 amplitude_t: film.amplitude_t(),
             }),
             volume: self.volume.as_ref().map(written_volume),
+            expect: self.expectations.written(),
             tile: self.tiles.iter().map(written_tile).collect(),
         };
         toml::to_string(&plain).expect("numbers and strings can always be written as TOML")
@@ -121,6 +125,8 @@ struct Plain<'a> {
     ideal: Option<Ideal>,
     #[serde(skip_serializing_if = "Option::is_none")]
     volume: Option<Volume>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    expect: Option<Expect>,
     tile: Vec<TileEntry>,
 }
 

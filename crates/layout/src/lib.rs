@@ -25,6 +25,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 mod error;
+mod expectations;
 mod findings;
 mod lattice;
 mod layout;
@@ -34,5 +35,6 @@ mod volume;
 mod written;
 
 pub use error::{LayoutError, Problem};
+pub use expectations::{Expectations, ExpectedField};
 pub use layout::{Layout, NamedTile, WorkingVolume};
 pub use written::Rotation;

@@ -13,6 +13,7 @@ pub(crate) struct LayoutFile {
     pub(crate) description: Option<String>,
     pub(crate) ideal: Option<Spanned<Ideal>>,
     pub(crate) volume: Option<Spanned<Volume>>,
+    pub(crate) expect: Option<Spanned<Expect>>,
     #[serde(default)]
     pub(crate) kind: BTreeMap<String, Spanned<Kind>>,
     #[serde(default)]
@@ -45,6 +46,43 @@ pub(crate) struct Volume {
 pub(crate) enum Step {
     Same(f64),
     PerAxis([f64; 3]),
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Expect {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) uniformity_rmse: Option<UniformityBounds>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) amplitude: Option<Least>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) field: Option<FieldBaseline>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) clearance_mm: Option<Least>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct UniformityBounds {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) r_x: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) r_y: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) s_z: Option<f64>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Least {
+    pub(crate) min: f64,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FieldBaseline {
+    pub(crate) file: String,
+    pub(crate) within: f64,
 }
 
 #[derive(Deserialize)]

@@ -4,3 +4,4 @@ pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod decouple;
 pub(crate) mod field;
+pub(crate) mod tiles;

@@ -2,6 +2,7 @@
 
 mod bad_layouts;
 mod bad_points;
+mod checks;
 mod results;
 
 use std::fs;

@@ -224,13 +224,16 @@ fn compare_as_text_and_json() {
 }
 
 #[test]
-fn check_lists_tiles_and_tells_findings_from_failures() {
-    let bench = Bench::new();
-    let said = bench.run(&["check", &shipped("published-film"), &shipped("single-tile")]);
+fn tiles_of_the_published_film() {
+    let said = Bench::new().run(&["tiles", &shipped("published-film")]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     assert_eq!(said.stdout.lines().filter(|l| l.starts_with("  film-x")).count(), 56);
     assert!(said.stdout.contains("  film-x2-y1  3.3 x 0.85 x 1"), "{}", said.stdout);
+}
 
+#[test]
+fn check_tells_findings_from_failures() {
+    let bench = Bench::new();
     let tile = "format = 1\nname = \"idle\"\n[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\n";
     bench.write("idle.toml", &format!("{tile}polarization_t = [0, 0, 0]\n"));
     let said = bench.run(&["check", "idle.toml"]);
