@@ -27,6 +27,10 @@ pub(crate) enum Verb {
     Decouple(LayoutArgs),
     Check(CheckArgs),
     Tiles(TilesArgs),
+    Init(InitArgs),
+    /// Print a JSON Schema of layout files, for editors.
+    #[command(after_help = "Example:\n  magsplice schema > layout.schema.json")]
+    Schema,
 }
 
 /// Compute the field at points, as CSV.
@@ -67,18 +71,19 @@ impl AccuracyArg {
     }
 }
 
-/// Units of a tolerance that is not a fraction, in tesla; longer names first.
-const UNITS_T: [(&str, f64); 4] = [("mT", 1e-3), ("uT", 1e-6), ("nT", 1e-9), ("T", 1.0)];
+/// Units of a tolerance that is not a fraction, how many make a tesla; longer names first.
+const UNITS: [(&str, f64); 4] = [("mT", 1e3), ("uT", 1e6), ("nT", 1e9), ("T", 1.0)];
 
 fn tolerance(text: &str) -> Result<Tolerance, String> {
-    let unit = UNITS_T.iter().find_map(|(name, in_t)| Some((text.strip_suffix(name)?.trim_end(), in_t)));
+    let unit = UNITS.iter().find_map(|(name, per_t)| Some((text.strip_suffix(name)?.trim_end(), per_t)));
     let number = unit.map_or(text, |(number, _)| number);
     let value: f64 = number.parse().map_err(|_| {
         "must be a number, a fraction of |B| such as 1e-6, or with one of the units T, mT, uT, nT, such as 10nT"
             .to_owned()
     })?;
     let tolerance = match unit {
-        Some((_, in_t)) => Tolerance::absolute_t(value * in_t),
+        // Divided, so that 2.5 uT are 2.5e-6 T to the last digit.
+        Some((_, per_t)) => Tolerance::absolute_t(value / per_t),
         None => Tolerance::relative(value),
     };
     tolerance.map_err(|error| error.to_string())
@@ -154,10 +159,24 @@ pub(crate) enum CheckFormat {
     Junit,
 }
 
-/// List the tiles of a layout.
+/// List the tiles of a layout, and its bill of materials.
+///
+/// The bill counts pieces: tiles that differ only in where they are and how they are turned are the same.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice tiles layouts/published-film.toml")]
 pub(crate) struct TilesArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
+    /// How to write the result; json is the plain form of the layout file, one entry per tile
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: Format,
+}
+
+/// Write a commented layout to start from; never overwrites.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice init my-film.toml")]
+pub(crate) struct InitArgs {
+    /// File to write, - for standard output
+    #[arg(default_value = "film.toml")]
+    pub(crate) file: PathBuf,
 }

@@ -24,6 +24,8 @@ fn main() -> ExitCode {
         Verb::Compare(args) => verbs::compare::run(&args),
         Verb::Decouple(args) => verbs::decouple::run(&args),
         Verb::Tiles(args) => verbs::tiles::run(&args),
+        Verb::Init(args) => verbs::init::run(&args),
+        Verb::Schema => verbs::schema::run(),
         Verb::Check(args) => return ExitCode::from(verbs::check::run(&args)),
     };
     match done {

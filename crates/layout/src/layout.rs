@@ -98,7 +98,12 @@ impl Layout {
 
     /// The layout in the plain form, one `[[tile]]` per tile: parsing it gives the same tiles, bit by bit.
     pub fn to_toml(&self) -> String {
-        let plain = Plain {
+        toml::to_string(&self.plain()).expect("numbers and strings can always be written as TOML")
+    }
+
+    /// The same for any other format: an object with the keys of a layout file.
+    pub fn plain(&self) -> Plain<'_> {
+        Plain {
             format: resolve::FORMAT,
             name: &self.name,
             description: self.description.as_deref(),
@@ -110,13 +115,13 @@ impl Layout {
             volume: self.volume.as_ref().map(written_volume),
             expect: self.expectations.written(),
             tile: self.tiles.iter().map(written_tile).collect(),
-        };
-        toml::to_string(&plain).expect("numbers and strings can always be written as TOML")
+        }
     }
 }
 
+/// A layout in the plain form, ready to be written.
 #[derive(serde::Serialize)]
-struct Plain<'a> {
+pub struct Plain<'a> {
     format: i64,
     name: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -4,4 +4,6 @@ pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod decouple;
 pub(crate) mod field;
+pub(crate) mod init;
+pub(crate) mod schema;
 pub(crate) mod tiles;

@@ -3,27 +3,45 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use magsplice::layout::{Layout, NamedTile};
+use magsplice::layout::{Layout, NamedTile, Part};
 use magsplice::prelude::DVec3;
 
-use crate::args::TilesArgs;
+use crate::args::{Format, TilesArgs};
 use crate::failure::Failure;
 use crate::output;
-use crate::text::tile_count;
+use crate::text::{self, tile_count};
 
 pub(crate) fn run(args: &TilesArgs) -> Result<(), Failure> {
     let layout = Layout::read(&args.layout)?;
-    output::print(&listed(&args.layout, &layout))
+    match args.format {
+        Format::Json => output::print(&text::json(&layout.plain())),
+        Format::Text => output::print(&format!("{}\n{}", listed(&args.layout, &layout), bill(&layout))),
+    }
 }
 
 /// The tiles of a layout, one line each.
 fn listed(path: &Path, layout: &Layout) -> String {
     let head = ["tile", "size, mm", "centre, mm", "polarization in its own frame, T", "rotation"].map(str::to_owned);
-    let rows: Vec<[String; 5]> = std::iter::once(head).chain(layout.tiles.iter().map(tile_row)).collect();
-    let width = |column: usize| rows.iter().map(|row| row[column].len()).max().unwrap_or(0);
-    let widths = [0, 1, 2, 3].map(width);
-    let mut text = format!("{}: {}, {}\n", path.display(), layout.name, tile_count(layout));
-    for row in &rows {
+    let rows = std::iter::once(head).chain(layout.tiles.iter().map(tile_row)).collect();
+    format!("{}: {}, {}\n{}", path.display(), layout.name, tile_count(layout), table(rows))
+}
+
+/// How many pieces of which size, strength and direction.
+fn bill(layout: &Layout) -> String {
+    let head = ["pieces", "size, mm", "strength, T", "direction along its sides", "such as"].map(str::to_owned);
+    let row = |part: Part| {
+        let size = part.size_mm.to_array().map(short).join(" x ");
+        [part.count.to_string(), size, short(part.strength_t), triple(part.direction), part.example]
+    };
+    let rows = std::iter::once(head).chain(layout.parts().into_iter().map(row)).collect();
+    format!("bill of materials\n{}", table(rows))
+}
+
+/// Rows in columns as wide as they must be.
+fn table(rows: Vec<[String; 5]>) -> String {
+    let widths = [0, 1, 2, 3].map(|column| rows.iter().map(|row| row[column].len()).max().unwrap_or(0));
+    let mut text = String::new();
+    for row in rows {
         let mut line = String::new();
         for (cell, width) in row.iter().zip(widths) {
             let _ = write!(line, "  {cell:<width$}");

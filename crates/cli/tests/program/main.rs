@@ -4,6 +4,7 @@ mod bad_layouts;
 mod bad_points;
 mod checks;
 mod results;
+mod start;
 
 use std::fs;
 use std::path::{Path, PathBuf};

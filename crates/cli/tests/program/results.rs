@@ -229,6 +229,15 @@ fn tiles_of_the_published_film() {
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     assert_eq!(said.stdout.lines().filter(|l| l.starts_with("  film-x")).count(), 56);
     assert!(said.stdout.contains("  film-x2-y1  3.3 x 0.85 x 1"), "{}", said.stdout);
+    // Dai 2024, Table 1: 16 squares, 24 strips, 16 strips at the rim.
+    let bill = said.stdout.split("bill of materials\n").nth(1).expect("a bill");
+    let rows: Vec<String> = bill.lines().skip(1).map(|l| l.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+    let known = [
+        "16 3.3 x 3.3 x 1 0.12 (0.707107, 0.707107, 0) film-x2-y2",
+        "24 3.3 x 1.7 x 1 0.12 (1, 0, 0) film-x2-y3",
+        "16 3.3 x 0.85 x 1 0.12 (1, 0, 0) film-x1-y2",
+    ];
+    assert_eq!(rows, known);
 }
 
 #[test]
