@@ -11,9 +11,32 @@ use magsplice::field::{Accuracy, Tolerance};
 /// the ideal sinusoidal film, and how well it decouples.
 #[derive(Parser)]
 #[command(name = "magsplice", version, max_term_width = 100)]
+#[command(after_help = "Example:\n  magsplice init film.toml\n  magsplice decouple film.toml")]
 pub(crate) struct Args {
+    #[command(flatten)]
+    pub(crate) common: Common,
     #[command(subcommand)]
     pub(crate) verb: Verb,
+}
+
+/// What every verb takes.
+#[derive(clap::Args)]
+#[command(next_help_heading = "With every command")]
+pub(crate) struct Common {
+    /// How many threads compute [default: one per processor]; the results are the same
+    #[arg(long, global = true, value_name = "N", value_parser = threads)]
+    pub(crate) threads: Option<usize>,
+    /// Only results and errors: no progress, no remarks, and of check only what fails
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
+}
+
+/// More threads than any machine this is meant for has processors.
+const MAX_THREADS: usize = 1024;
+
+fn threads(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|n| (1..=MAX_THREADS).contains(n));
+    number.ok_or_else(|| format!("must be a whole number from 1 to {MAX_THREADS}"))
 }
 
 #[derive(Subcommand)]
@@ -31,6 +54,7 @@ pub(crate) enum Verb {
     /// Print a JSON Schema of layout files, for editors.
     #[command(after_help = "Example:\n  magsplice schema > layout.schema.json")]
     Schema,
+    Completions(CompletionsArgs),
 }
 
 /// Compute the field at points, as CSV.
@@ -179,4 +203,12 @@ pub(crate) struct InitArgs {
     /// File to write, - for standard output
     #[arg(default_value = "film.toml")]
     pub(crate) file: PathBuf,
+}
+
+/// Print a script that lets a shell complete arguments.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice completions bash > ~/.local/share/bash-completion/completions/magsplice")]
+pub(crate) struct CompletionsArgs {
+    /// Which shell
+    pub(crate) shell: clap_complete::Shell,
 }

@@ -8,6 +8,7 @@ mod failure;
 mod interrupt;
 mod output;
 mod points;
+mod progress;
 mod text;
 mod verbs;
 
@@ -19,14 +20,22 @@ use args::{Args, Verb};
 use failure::Failure;
 
 fn main() -> ExitCode {
-    let done = match Args::parse().verb {
-        Verb::Field(args) => verbs::field::run(&args),
+    let Args { common, verb } = Args::parse();
+    if let Some(count) = common.threads
+        && let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(count).build_global()
+    {
+        failure::tell(&format_args!("cannot start {count} threads: {error}"));
+        return ExitCode::from(2);
+    }
+    let done = match verb {
+        Verb::Field(args) => verbs::field::run(&args, common.quiet),
         Verb::Compare(args) => verbs::compare::run(&args),
         Verb::Decouple(args) => verbs::decouple::run(&args),
         Verb::Tiles(args) => verbs::tiles::run(&args),
-        Verb::Init(args) => verbs::init::run(&args),
+        Verb::Init(args) => verbs::init::run(&args, common.quiet),
         Verb::Schema => verbs::schema::run(),
-        Verb::Check(args) => return ExitCode::from(verbs::check::run(&args)),
+        Verb::Completions(args) => verbs::completions::run(&args),
+        Verb::Check(args) => return ExitCode::from(verbs::check::run(&args, common.quiet)),
     };
     match done {
         // A reader that closes the pipe early, such as `head`, has what it wanted.

@@ -8,12 +8,14 @@ use crate::args::InitArgs;
 use crate::failure::{self, Failure};
 use crate::output;
 
-pub(crate) fn run(args: &InitArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &InitArgs, quiet: bool) -> Result<(), Failure> {
     if args.file == Path::new("-") {
         return output::print(COMMENTED_LAYOUT);
     }
     output::create(&args.file, COMMENTED_LAYOUT)?;
-    let file = args.file.display();
-    failure::tell(&format_args!("wrote {file}; try `magsplice check {file}`, `magsplice decouple {file}`"));
+    if !quiet {
+        let file = args.file.display();
+        failure::tell(&format_args!("wrote {file}; try `magsplice check {file}`, `magsplice decouple {file}`"));
+    }
     Ok(())
 }

@@ -70,3 +70,54 @@ fn schema_is_json() {
     assert_eq!(json["$schema"], "https://json-schema.org/draft/2020-12/schema");
     assert!(json["properties"]["tile"].is_object());
 }
+
+#[test]
+fn threads_are_refused_in_words() {
+    for wrong in ["0", "-1", "many", "1025", "1.5"] {
+        let said = Bench::new().run(&["check", &shipped("single-tile"), &format!("--threads={wrong}")]);
+        assert_eq!((said.status, said.stdout.as_str()), (2, ""), "{wrong}");
+        assert!(said.stderr.contains("must be a whole number from 1 to 1024"), "{wrong}: {}", said.stderr);
+    }
+    assert_eq!(Bench::new().run(&["--threads", "2", "check", &shipped("single-tile")]).status, 0);
+}
+
+#[test]
+fn quiet_is_results_and_errors_only() {
+    let bench = Bench::new();
+    let said = bench.run(&["init", "--quiet"]);
+    assert_eq!((said.status, said.stdout.as_str(), said.stderr.as_str()), (0, "", ""));
+    let said = bench.run(&["check", "-q", "film.toml"]);
+    assert_eq!((said.status, said.stdout.as_str(), said.stderr.as_str()), (0, "", ""));
+    let strict = bench.read("film.toml").replace("s_z = 0.05", "s_z = 0.01");
+    bench.write("strict.toml", &format!("{strict}[kind.idle]\nsize_mm = [1, 1, 1]\n"));
+    let said = bench.run(&["check", "-q", "film.toml", "strict.toml"]);
+    assert_eq!(said.status, 1);
+    assert_eq!(said.stdout.lines().count(), 2, "{}", said.stdout);
+    assert!(
+        said.stdout.starts_with("strict.toml: my film, 56 tiles\n  FAILED  uniformity_rmse.s_z"),
+        "{}",
+        said.stdout
+    );
+    assert!(said.stderr.contains("kind \"idle\" is declared"), "findings are results: {}", said.stderr);
+    assert!(bench.run(&["field", "-q", "nowhere.toml"]).stderr.contains("cannot read nowhere.toml"));
+}
+
+/// The script of bash, in bash.
+#[test]
+fn completions() {
+    let bench = Bench::new();
+    let script = bench.run(&["completions", "bash"]).stdout;
+    bench.write("magsplice.bash", &script);
+    let ask = "source magsplice.bash; COMP_WORDS=(magsplice dec); COMP_CWORD=1; _magsplice magsplice dec magsplice; \
+               echo ${COMPREPLY[@]}; COMP_WORDS=(magsplice check --fo); COMP_CWORD=2; _magsplice magsplice --fo check; \
+               echo ${COMPREPLY[@]}";
+    let output = std::process::Command::new("bash").args(["-c", ask]).current_dir(bench.path("")).output();
+    let output = output.expect("bash runs");
+    assert_eq!(String::from_utf8_lossy(&output.stdout), "decouple\n--format\n");
+    for shell in ["zsh", "fish", "powershell", "elvish"] {
+        let said = bench.run(&["completions", shell]);
+        assert_eq!(said.status, 0);
+        assert!(["decouple", "check", "tiles"].iter().all(|verb| said.stdout.contains(verb)), "{shell}");
+    }
+    assert_eq!(bench.run(&["completions", "dos"]).status, 2);
+}

@@ -4,8 +4,10 @@ mod json;
 mod junit;
 mod text;
 
+use std::io;
 use std::path::{Path, PathBuf};
 
+use anstream::{AutoStream, ColorChoice};
 use magsplice::Film;
 use magsplice::expect::{Baseline, Expectation, Outcome};
 use magsplice::layout::Layout;
@@ -67,16 +69,18 @@ impl Checked {
 }
 
 /// Exit status: the highest of 0 (fine), 1 (a finding), 2 (could not be used) over all layouts.
-pub(crate) fn run(args: &CheckArgs) -> u8 {
+pub(crate) fn run(args: &CheckArgs, quiet: bool) -> u8 {
     let mut status = Status::Fine;
+    // Not into files and pipes, nor where NO_COLOR forbids it.
+    let colours = AutoStream::choice(&io::stdout()) != ColorChoice::Never;
     let mut printed = Ok(());
     let mut all = Vec::new();
     for path in &args.layouts {
-        let checked = check(path, args.update);
+        let checked = check(path, args.update, quiet);
         status = status.max(checked.status());
         if args.format == CheckFormat::Text {
             // Each as soon as it is known, findings even if nobody reads on.
-            printed = printed.and_then(|()| output::print(&text::of(&checked)));
+            printed = printed.and_then(|()| output::print(&text::of(&checked, quiet, colours)));
         }
         tell(&checked);
         all.push(checked);
@@ -95,7 +99,7 @@ pub(crate) fn run(args: &CheckArgs) -> u8 {
     }
 }
 
-fn check(path: &Path, update: bool) -> Checked {
+fn check(path: &Path, update: bool, quiet: bool) -> Checked {
     let mut checked =
         Checked { path: path.to_owned(), layout: Layout::read(path).map_err(|e| e.to_string()), lines: Vec::new() };
     let Ok(layout) = &checked.layout else { return checked };
@@ -103,7 +107,7 @@ fn check(path: &Path, update: bool) -> Checked {
         return checked;
     }
     let film = Film::new(layout);
-    let baseline = baseline(path, &film, update);
+    let baseline = baseline(path, &film, update, quiet);
     for (expectation, outcome) in film.outcomes(baseline.as_ref().and_then(|b| b.as_ref().ok())) {
         let outcome = match (&baseline, expectation) {
             (Some(Err(failure)), Expectation::Field) => Err(failure.to_string()),
@@ -115,7 +119,7 @@ fn check(path: &Path, update: bool) -> Checked {
 }
 
 /// The baseline of the layout, if it has one; written anew first if that is asked for.
-fn baseline(path: &Path, film: &Film, update: bool) -> Option<Result<Baseline, Failure>> {
+fn baseline(path: &Path, film: &Film, update: bool, quiet: bool) -> Option<Result<Baseline, Failure>> {
     let expected = film.layout().expectations.field.as_ref()?;
     // Relative to the layout, wherever the program was started.
     let file = path.parent().unwrap_or(Path::new("")).join(&expected.file);
@@ -124,7 +128,9 @@ fn baseline(path: &Path, film: &Film, update: bool) -> Option<Result<Baseline, F
         let field_t = film.volume_field_t().map_err(failed)?;
         let grid = &film.volume().map_err(failed)?.grid;
         baseline::write(&file, path, grid, &field_t)?;
-        failure::tell(&format_args!("wrote {}, {} points", file.display(), grid.len()));
+        if !quiet {
+            failure::tell(&format_args!("wrote {}, {} points", file.display(), grid.len()));
+        }
         Ok(())
     };
     let rewritten = if update { rewrite() } else { Ok(()) };
