@@ -33,12 +33,14 @@ impl Progress {
 
     /// So many more points are done.
     pub(crate) fn advance(&mut self, points: usize) {
-        if self.due.is_some_and(|due| Instant::now() >= due) {
+        self.bar.inc(points as u64);
+        let more = self.bar.length().is_none_or(|all| self.bar.position() < all);
+        if more && self.due.is_some_and(|due| Instant::now() >= due) {
             self.due = None;
             // Draws nothing where standard error is no terminal.
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
+            self.bar.tick();
         }
-        self.bar.inc(points as u64);
     }
 }
 

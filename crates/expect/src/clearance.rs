@@ -45,6 +45,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
     use glam::DQuat;
+    use proptest::prelude::*;
 
     const LOWER: DVec3 = DVec3::new(-2.0, -2.0, -5.0);
     const UPPER: DVec3 = DVec3::new(2.0, 2.0, -3.0);
@@ -89,5 +90,16 @@ mod tests {
         // Turned by 45 degrees about x, the edge between the sides 1.7 and 1 points down by (1.7 + 1) / 2 / sqrt 2.
         let turned = tile([0.0, 0.0, 0.5]).rotated(DQuat::from_rotation_x(45_f64.to_radians())).unwrap();
         assert_relative_eq!(clearance(&[turned]).distance, 3.5 - 1.35 / 2_f64.sqrt(), max_relative = 1e-14);
+    }
+
+    proptest! {
+        /// Leaving out tiles that are certainly further leaves out no other.
+        #[test]
+        fn many_tiles_as_one_by_one(tiles in prop::collection::vec((prop::array::uniform3(-15.0..15.0_f64), -3.0..3.0_f64), 2..20)) {
+            let turned = |(at, angle): ([f64; 3], f64)| tile(at).rotated(DQuat::from_rotation_x(angle)).unwrap();
+            let tiles: Vec<Tile> = tiles.into_iter().map(turned).collect();
+            let alone = tiles.iter().map(|t| clearance(&[*t]).distance).fold(f64::INFINITY, f64::min);
+            prop_assert_eq!(clearance(&tiles).distance, alone);
+        }
     }
 }

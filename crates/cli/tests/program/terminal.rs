@@ -90,6 +90,7 @@ fn progress_of_long_work() {
     assert_eq!(bench.files(), ["large.toml"]);
 }
 
+/// Work of a single batch has no progress to show, however slow.
 #[test]
 fn no_progress_of_short_work() {
     let bench = Bench::new();
