@@ -268,3 +268,71 @@ fn findings() {
     assert_eq!(layout.volume.unwrap().grid.counts, [4, 3, 11]);
     assert!((layout.volume.unwrap().grid.upper.x - 0.9).abs() < 1e-15);
 }
+
+const TABLES: &str = "[ideal]\nwavelength_mm = 10\nthickness_mm = 1\namplitude_t = 0.12\n\
+                      [volume]\nx_mm = [-2, 2]\ny_mm = [-2, 2]\nz_mm = [-5, -3]\nstep_mm = 1\n";
+const TILE: &str = "[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
+
+#[test]
+fn expectations_as_written() {
+    let expect = "[expect]\nuniformity_rmse = { r_x = 0.065, s_z = 0.042 }\namplitude = { min = 0.80 }\n\
+                  field = { file = \"published.field.csv\", within = 1e-9 }\nclearance_mm = { min = 0.0 }\n";
+    let found = layout(&format!("{TABLES}{expect}{TILE}"));
+    let expected = found.expectations.clone();
+    assert_eq!(expected.uniformity_rmse, [Some(0.065), None, Some(0.042)]);
+    assert_eq!((expected.least_amplitude, expected.least_clearance_mm), (Some(0.8), Some(0.0)));
+    let field = expected.field.unwrap();
+    assert_eq!((field.file.to_str(), field.within), (Some("published.field.csv"), 1e-9));
+    // The plain form keeps them.
+    assert_eq!(Layout::parse(&found.to_toml(), "plain").unwrap().expectations, found.expectations);
+    assert!(layout(TILE).expectations.is_empty() && !layout(TILE).to_toml().contains("expect"));
+}
+
+#[test]
+fn faults_of_expectations() {
+    let cases = [
+        (
+            TABLES,
+            "",
+            &["expect: is empty, must give at least one of uniformity_rmse, amplitude, field, clearance_mm"][..],
+        ),
+        (TABLES, "uniformity_rmse = {}", &["uniformity_rmse is empty, must give at least one of r_x, r_y, s_z"]),
+        (
+            TABLES,
+            "uniformity_rmse = { r_x = -1, r_y = nan, s_z = inf }\namplitude = { min = nan }\n\
+             field = { file = \"\", within = 0 }\nclearance_mm = { min = -inf }",
+            &[
+                "test.toml: line 12: expect: uniformity_rmse.r_x = -1, must be a finite number of at least 0",
+                "uniformity_rmse.r_y = NaN, must be",
+                "uniformity_rmse.s_z = inf, must be",
+                "amplitude.min = NaN, must be a finite number",
+                "clearance_mm.min = -inf, must be a finite number",
+                "field.file is empty, must name a CSV file",
+                "field.within = 0, must be a finite number greater than 0",
+            ],
+        ),
+        (
+            "",
+            "uniformity_rmse = { r_x = 1 }\namplitude = { min = 1 }\nclearance_mm = { min = 0 }",
+            &[
+                "expect: uniformity_rmse needs the table [ideal], which the layout does not have",
+                "expect: uniformity_rmse needs the table [volume]",
+                "expect: amplitude needs the table [ideal]",
+                "expect: amplitude needs the table [volume]",
+                "expect: clearance_mm needs the table [volume]",
+            ],
+        ),
+        (TABLES, "uniformity_rmse = { r_z = 1 }", &["unknown field `r_z`"]),
+        (TABLES, "clearance_mm = { max = 1 }", &["unknown field `max`"]),
+        (TABLES, "amplitude = 0.8", &["invalid type"]),
+        (TABLES, "field = { file = \"a.csv\" }", &["missing field `within`"]),
+    ];
+    for (tables, expect, messages) in cases {
+        let text = message(&format!("{tables}[expect]\n{expect}\n{TILE}"));
+        for message in messages {
+            assert!(text.contains(message), "{expect}: not said: {message}\nsaid: {text}");
+        }
+        let problems = text.lines().filter(|l| l.contains("expect: ")).count();
+        assert!(problems == 0 || problems == messages.len(), "{expect}: {text}");
+    }
+}

@@ -11,9 +11,32 @@ use magsplice::field::{Accuracy, Tolerance};
 /// the ideal sinusoidal film, and how well it decouples.
 #[derive(Parser)]
 #[command(name = "magsplice", version, max_term_width = 100)]
+#[command(after_help = "Example:\n  magsplice init film.toml\n  magsplice decouple film.toml")]
 pub(crate) struct Args {
+    #[command(flatten)]
+    pub(crate) common: Common,
     #[command(subcommand)]
     pub(crate) verb: Verb,
+}
+
+/// What every verb takes.
+#[derive(clap::Args)]
+#[command(next_help_heading = "With every command")]
+pub(crate) struct Common {
+    /// How many threads compute [default: one per processor]; the results are the same
+    #[arg(long, global = true, value_name = "N", value_parser = threads)]
+    pub(crate) threads: Option<usize>,
+    /// Only results and errors: no progress, no remarks, and of check only what fails
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
+}
+
+/// More threads than any machine this is meant for has processors.
+const MAX_THREADS: usize = 1024;
+
+fn threads(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|n| (1..=MAX_THREADS).contains(n));
+    number.ok_or_else(|| format!("must be a whole number from 1 to {MAX_THREADS}"))
 }
 
 #[derive(Subcommand)]
@@ -26,6 +49,12 @@ pub(crate) enum Verb {
     #[command(after_help = "Example:\n  magsplice decouple layouts/published-film.toml --format json")]
     Decouple(LayoutArgs),
     Check(CheckArgs),
+    Tiles(TilesArgs),
+    Init(InitArgs),
+    /// Print a JSON Schema of layout files, for editors.
+    #[command(after_help = "Example:\n  magsplice schema > layout.schema.json")]
+    Schema,
+    Completions(CompletionsArgs),
 }
 
 /// Compute the field at points, as CSV.
@@ -66,18 +95,19 @@ impl AccuracyArg {
     }
 }
 
-/// Units of a tolerance that is not a fraction, in tesla; longer names first.
-const UNITS_T: [(&str, f64); 4] = [("mT", 1e-3), ("uT", 1e-6), ("nT", 1e-9), ("T", 1.0)];
+/// Units of a tolerance that is not a fraction, how many make a tesla; longer names first.
+const UNITS: [(&str, f64); 4] = [("mT", 1e3), ("uT", 1e6), ("nT", 1e9), ("T", 1.0)];
 
 fn tolerance(text: &str) -> Result<Tolerance, String> {
-    let unit = UNITS_T.iter().find_map(|(name, in_t)| Some((text.strip_suffix(name)?.trim_end(), in_t)));
+    let unit = UNITS.iter().find_map(|(name, per_t)| Some((text.strip_suffix(name)?.trim_end(), per_t)));
     let number = unit.map_or(text, |(number, _)| number);
     let value: f64 = number.parse().map_err(|_| {
         "must be a number, a fraction of |B| such as 1e-6, or with one of the units T, mT, uT, nT, such as 10nT"
             .to_owned()
     })?;
     let tolerance = match unit {
-        Some((_, in_t)) => Tolerance::absolute_t(value * in_t),
+        // Divided, so that 2.5 uT are 2.5e-6 T to the last digit.
+        Some((_, per_t)) => Tolerance::absolute_t(value / per_t),
         None => Tolerance::relative(value),
     };
     tolerance.map_err(|error| error.to_string())
@@ -127,13 +157,58 @@ pub(crate) enum Format {
     Json,
 }
 
-/// Read and validate layouts, and list their tiles.
+/// Validate layouts, and hold their films against what their [expect] tables state.
 ///
-/// Exit status: 0 all fine, 1 something that is allowed but rarely meant, 2 a layout that cannot be used.
+/// One line per expectation, with the value found, its bound and the margin. Exit status: 0 all fine, 1 an expectation that is not met or something that
+/// is allowed but rarely meant, 2 a layout that cannot be used or an expectation that cannot be evaluated.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  magsplice check layouts/*.toml")]
+#[command(after_help = "Example:\n  magsplice check layouts/*.toml --format junit > checks.xml")]
 pub(crate) struct CheckArgs {
     /// Layout files
     #[arg(required = true)]
     pub(crate) layouts: Vec<PathBuf>,
+    /// How to write the result
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: CheckFormat,
+    /// First rewrite the field baselines the layouts name, whole or not at all
+    #[arg(long)]
+    pub(crate) update: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub(crate) enum CheckFormat {
+    Text,
+    Json,
+    /// JUnit XML, for build systems
+    Junit,
+}
+
+/// List the tiles of a layout, and its bill of materials.
+///
+/// The bill counts pieces: tiles that differ only in where they are and how they are turned are the same.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice tiles layouts/published-film.toml")]
+pub(crate) struct TilesArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// How to write the result; json is the plain form of the layout file, one entry per tile
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: Format,
+}
+
+/// Write a commented layout to start from; never overwrites.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice init my-film.toml")]
+pub(crate) struct InitArgs {
+    /// File to write, - for standard output
+    #[arg(default_value = "film.toml")]
+    pub(crate) file: PathBuf,
+}
+
+/// Print a script that lets a shell complete arguments.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice completions bash > ~/.local/share/bash-completion/completions/magsplice")]
+pub(crate) struct CompletionsArgs {
+    /// Which shell
+    pub(crate) shell: clap_complete::Shell,
 }

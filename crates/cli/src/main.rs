@@ -3,10 +3,12 @@
 //! Exit status: 0 fine, 1 a finding of `check`, 2 the work could not be done.
 
 mod args;
+mod baseline;
 mod failure;
 mod interrupt;
 mod output;
 mod points;
+mod progress;
 mod text;
 mod verbs;
 
@@ -18,11 +20,22 @@ use args::{Args, Verb};
 use failure::Failure;
 
 fn main() -> ExitCode {
-    let done = match Args::parse().verb {
-        Verb::Field(args) => verbs::field::run(&args),
+    let Args { common, verb } = Args::parse();
+    if let Some(count) = common.threads
+        && let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(count).build_global()
+    {
+        failure::tell(&format_args!("cannot start {count} threads: {error}"));
+        return ExitCode::from(2);
+    }
+    let done = match verb {
+        Verb::Field(args) => verbs::field::run(&args, common.quiet),
         Verb::Compare(args) => verbs::compare::run(&args),
         Verb::Decouple(args) => verbs::decouple::run(&args),
-        Verb::Check(args) => return ExitCode::from(verbs::check::run(&args)),
+        Verb::Tiles(args) => verbs::tiles::run(&args),
+        Verb::Init(args) => verbs::init::run(&args, common.quiet),
+        Verb::Schema => verbs::schema::run(),
+        Verb::Completions(args) => verbs::completions::run(&args),
+        Verb::Check(args) => return ExitCode::from(verbs::check::run(&args, common.quiet)),
     };
     match done {
         // A reader that closes the pipe early, such as `head`, has what it wanted.

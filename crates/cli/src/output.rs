@@ -48,15 +48,7 @@ impl Output {
         if existing.as_ref().is_some_and(|m| m.permissions().readonly()) {
             return Err(refused("it is read-only"));
         }
-        let folder = destination.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".magsplice-");
-        if let Some(permissions) = existing.map(|m| m.permissions()).or(new_file_permissions()) {
-            builder.permissions(permissions);
-        }
-        // The error of the library names the temporary file, which nobody knows.
-        let file = builder.tempfile_in(folder).map_err(|e| failed(io::Error::from(e.kind())))?;
-        interrupt::remove_if_interrupted(file.path());
+        let file = beside(&destination, existing.map(|m| m.permissions())).map_err(failed)?;
         Ok(Output::File { writer: BufWriter::new(file), destination })
     }
 
@@ -90,6 +82,35 @@ impl Output {
             }
         }
     }
+}
+
+/// A temporary file in the folder of `destination`, gone after an interruption.
+fn beside(destination: &Path, permissions: Option<fs::Permissions>) -> io::Result<NamedTempFile> {
+    let folder = destination.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".magsplice-");
+    if let Some(permissions) = permissions.or(new_file_permissions()) {
+        builder.permissions(permissions);
+    }
+    // The error of the library names the temporary file, which nobody knows.
+    let file = builder.tempfile_in(folder).map_err(|e| io::Error::from(e.kind()))?;
+    interrupt::remove_if_interrupted(file.path());
+    Ok(file)
+}
+
+/// Writes a file that must not be there yet, whole or not at all.
+pub(crate) fn create(path: &Path, text: &str) -> Result<(), Failure> {
+    let written = beside(path, None).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        file.persist_noclobber(path).map_err(|e| e.error)
+    });
+    written.map(drop).map_err(|error| {
+        let error = match error.kind() {
+            io::ErrorKind::AlreadyExists => io::Error::other("it is there already, and is left as it is"),
+            _ => error,
+        };
+        Failure::Write { target: path.display().to_string(), error }
+    })
 }
 
 /// Where a path leads, through links, whether or not there is something at its end.

@@ -113,7 +113,7 @@ fn point(record: &StringRecord, columns: [usize; 3], line: u64) -> Result<DVec3,
     }
 }
 
-fn read_error(error: &csv::Error) -> String {
+pub(crate) fn read_error(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::Io(io) => format!("cannot read: {io}"),
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {

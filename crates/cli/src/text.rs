@@ -5,7 +5,7 @@ use std::path::Path;
 
 use magsplice::decouple::Decoupling;
 use magsplice::field::{Comparison, IdealFilm};
-use magsplice::layout::{Layout, NamedTile, WorkingVolume};
+use magsplice::layout::{Layout, WorkingVolume};
 use magsplice::prelude::DVec3;
 use magsplice::{Film, FilmError};
 use serde::Serialize;
@@ -44,7 +44,7 @@ pub(crate) fn header(film: &Film, volume: &WorkingVolume) -> String {
     )
 }
 
-fn tile_count(layout: &Layout) -> String {
+pub(crate) fn tile_count(layout: &Layout) -> String {
     match layout.tiles.len() {
         1 => "1 tile".to_owned(),
         n => format!("{n} tiles"),
@@ -119,52 +119,12 @@ fn row(text: &mut String, label: &str, v: DVec3) {
 }
 
 /// Six decimals, or six digits where those would not show it or not fit.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
         format!("{:.6}", value + 0.0)
     } else {
         format!("{value:.5e}")
     }
-}
-
-/// The tiles of a layout, one line each.
-pub(crate) fn tiles(path: &Path, layout: &Layout) -> String {
-    let head = ["tile", "size, mm", "centre, mm", "polarization in its own frame, T", "rotation"].map(str::to_owned);
-    let rows: Vec<[String; 5]> = std::iter::once(head).chain(layout.tiles.iter().map(tile_row)).collect();
-    let width = |column: usize| rows.iter().map(|row| row[column].len()).max().unwrap_or(0);
-    let widths = [0, 1, 2, 3].map(width);
-    let mut text = format!("{}: {}, {}\n", path.display(), layout.name, tile_count(layout));
-    for row in &rows {
-        let mut line = String::new();
-        for (cell, width) in row.iter().zip(widths) {
-            let _ = write!(line, "  {cell:<width$}");
-        }
-        let _ = writeln!(text, "{}", format!("{line}  {}", row[4]).trim_end());
-    }
-    text
-}
-
-fn tile_row(named: &NamedTile) -> [String; 5] {
-    let NamedTile { name, tile, rotation, .. } = named;
-    let turn =
-        rotation.map_or(String::new(), |r| format!("{} deg about {}", short(r.angle_deg), triple(r.axis.into())));
-    let size = tile.size().to_array().map(short).join(" x ");
-    [name.clone(), size, triple(tile.position()), triple(tile.polarization_t()), turn]
-}
-
-fn triple(v: DVec3) -> String {
-    let [x, y, z] = v.to_array().map(short);
-    format!("({x}, {y}, {z})")
-}
-
-/// Six decimals without the zeros that say nothing; very large and very small numbers with six digits.
-fn short(value: f64) -> String {
-    if value != 0.0 && !(1e-4..1e7).contains(&value.abs()) {
-        return format!("{value:.5e}");
-    }
-    let text = format!("{value:.6}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
 /// A film's error with its file, and with tiles by name.

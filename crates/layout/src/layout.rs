@@ -8,8 +8,9 @@ use magsplice_field::{Grid, IdealFilm, Tile};
 use sha2::{Digest, Sha256};
 
 use crate::error::LayoutError;
+use crate::expectations::Expectations;
 use crate::resolve;
-use crate::written::{Ideal, LayoutFile, Rotation, Step, TileEntry, Volume};
+use crate::written::{Expect, Ideal, LayoutFile, Rotation, Step, TileEntry, Volume};
 
 /// A spliced film or any other arrangement of block magnets, and what it is to be judged by.
 ///
@@ -25,6 +26,8 @@ pub struct Layout {
     pub ideal: Option<IdealFilm>,
     /// Where its field is used.
     pub volume: Option<WorkingVolume>,
+    /// What it must meet.
+    pub expectations: Expectations,
     /// Its tiles, repetition written out, none overlapping another.
     pub tiles: Vec<NamedTile>,
     /// SHA-256 of the file's bytes in hexadecimal.
@@ -95,7 +98,12 @@ impl Layout {
 
     /// The layout in the plain form, one `[[tile]]` per tile: parsing it gives the same tiles, bit by bit.
     pub fn to_toml(&self) -> String {
-        let plain = Plain {
+        toml::to_string(&self.plain()).expect("numbers and strings can always be written as TOML")
+    }
+
+    /// The same for any other format: an object with the keys of a layout file.
+    pub fn plain(&self) -> Plain<'_> {
+        Plain {
             format: resolve::FORMAT,
             name: &self.name,
             description: self.description.as_deref(),
@@ -105,14 +113,15 @@ impl Layout {
                 amplitude_t: film.amplitude_t(),
             }),
             volume: self.volume.as_ref().map(written_volume),
+            expect: self.expectations.written(),
             tile: self.tiles.iter().map(written_tile).collect(),
-        };
-        toml::to_string(&plain).expect("numbers and strings can always be written as TOML")
+        }
     }
 }
 
+/// A layout in the plain form, ready to be written.
 #[derive(serde::Serialize)]
-struct Plain<'a> {
+pub struct Plain<'a> {
     format: i64,
     name: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -121,6 +130,8 @@ struct Plain<'a> {
     ideal: Option<Ideal>,
     #[serde(skip_serializing_if = "Option::is_none")]
     volume: Option<Volume>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    expect: Option<Expect>,
     tile: Vec<TileEntry>,
 }
 

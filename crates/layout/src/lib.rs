@@ -25,14 +25,23 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 mod error;
+mod expectations;
 mod findings;
 mod lattice;
 mod layout;
+mod parts;
 mod repeat;
 mod resolve;
+mod schema;
 mod volume;
 mod written;
 
 pub use error::{LayoutError, Problem};
-pub use layout::{Layout, NamedTile, WorkingVolume};
+pub use expectations::{Expectations, ExpectedField};
+pub use layout::{Layout, NamedTile, Plain, WorkingVolume};
+pub use parts::Part;
+pub use schema::schema;
 pub use written::Rotation;
+
+/// A layout with a comment on every key, to start from.
+pub const COMMENTED_LAYOUT: &str = include_str!("commented.toml");

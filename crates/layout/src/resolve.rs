@@ -7,6 +7,7 @@ use glam::{DQuat, DVec3};
 use magsplice_field::{IdealFilm, IdealFilmFault, Tile, TileFault, overlaps};
 
 use crate::error::Problem;
+use crate::expectations::{self, Present};
 use crate::findings;
 use crate::lattice;
 use crate::layout::{Layout, NamedTile};
@@ -46,10 +47,15 @@ pub(crate) fn layout(file: LayoutFile, text: &str, sha256: String) -> Result<Lay
         let message = format!("format = {}, must be {FORMAT}, the only one this version reads", file.format.get_ref());
         problems.add(Some(&file.format.span()), "layout", message);
     }
+    let present = Present { ideal: file.ideal.is_some(), volume: file.volume.is_some() };
     let ideal = file.ideal.and_then(|ideal| ideal_film(ideal.get_ref(), &ideal.span(), &mut problems));
     let mut findings = Vec::new();
     let volume =
         file.volume.and_then(|volume| volume::resolve(volume.get_ref(), &volume.span(), &mut problems, &mut findings));
+    let expectations = file.expect.map_or_else(Default::default, |expect| {
+        let span = expect.span();
+        expectations::resolve(expect.into_inner(), &span, &present, &mut problems)
+    });
     for (name, kind) in &file.kind {
         check_kind(kind.get_ref(), &kind.span(), &format!("kind \"{name}\""), &mut problems);
         if !file.tile.iter().any(|tile| tile.get_ref().kind.as_ref() == Some(name)) {
@@ -92,7 +98,7 @@ pub(crate) fn layout(file: LayoutFile, text: &str, sha256: String) -> Result<Lay
         return Err(problems.found);
     }
     findings.extend(findings::of_tiles(&tiles, volume.as_ref()));
-    Ok(Layout { name: file.name, description: file.description, ideal, volume, tiles, sha256, findings })
+    Ok(Layout { name: file.name, description: file.description, ideal, volume, expectations, tiles, sha256, findings })
 }
 
 fn ideal_film(ideal: &Ideal, span: &Range<usize>, problems: &mut Problems) -> Option<IdealFilm> {

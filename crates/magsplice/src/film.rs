@@ -4,6 +4,7 @@ use std::fmt;
 
 use glam::DVec3;
 use magsplice_decouple::{Decoupling, DecouplingError};
+use magsplice_expect::OtherPoints;
 use magsplice_field::{
     Accuracy, Cause, Comparison, ComparisonError, IdealFilm, PointError, PointErrors, Quantity, Scene,
 };
@@ -28,6 +29,12 @@ pub enum FilmError {
     Comparison(ComparisonError),
     /// The decoupling parameters cannot be evaluated.
     Decoupling(DecouplingError),
+    /// There is no baseline to hold the field against.
+    NoBaseline,
+    /// The baseline is of other points than the working volume has.
+    OtherPoints(OtherPoints),
+    /// There are no tiles.
+    NoTiles,
 }
 
 impl<'a> Film<'a> {
@@ -130,6 +137,9 @@ impl fmt::Display for FilmError {
             ),
             FilmError::Comparison(error) => error.fmt(f),
             FilmError::Decoupling(error) => error.fmt(f),
+            FilmError::NoBaseline => f.write_str("there is no baseline to hold the field against"),
+            FilmError::OtherPoints(error) => error.fmt(f),
+            FilmError::NoTiles => f.write_str("there are no tiles"),
         }
     }
 }

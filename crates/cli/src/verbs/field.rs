@@ -11,24 +11,26 @@ use crate::args::{FieldArgs, QuantityArg};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::points::{Faults, PointFile};
+use crate::progress::Progress;
 
 /// Points evaluated and written at a time. Bounds memory, and is enough work for every thread.
 const BATCH: usize = 1 << 16;
 
-pub(crate) fn run(args: &FieldArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
     let layout = Layout::read(&args.layout)?;
     let film = Film::new(&layout).with_accuracy(args.accuracy.get());
     match &args.points {
-        Some(path) => at_points(args, &film, path),
-        None => on_grid(args, &film),
+        Some(path) => at_points(args, &film, path, quiet),
+        None => on_grid(args, &film, quiet),
     }
 }
 
-fn at_points(args: &FieldArgs, film: &Film, path: &Path) -> Result<(), Failure> {
+fn at_points(args: &FieldArgs, film: &Film, path: &Path, quiet: bool) -> Result<(), Failure> {
     let mut file = PointFile::open(path)?;
     let mut table = Table::begin(args)?;
     let mut faults = Faults::default();
     let (mut points, mut lines) = (Vec::new(), Vec::new());
+    let mut progress = Progress::new(None, args.output.as_deref(), quiet);
     loop {
         let more = file.read(BATCH, &mut points, &mut lines, &mut faults)?;
         let errors = table.rows(film.scene(), &points, faults.is_empty())?;
@@ -37,6 +39,7 @@ fn at_points(args: &FieldArgs, film: &Film, path: &Path) -> Result<(), Failure> 
             let p = error.point;
             faults.add(line, format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z));
         }
+        progress.advance(points.len());
         if !more {
             break;
         }
@@ -44,7 +47,7 @@ fn at_points(args: &FieldArgs, film: &Film, path: &Path) -> Result<(), Failure> 
     if faults.is_empty() { table.output.finish() } else { Err(faults.failure(path.display().to_string())) }
 }
 
-fn on_grid(args: &FieldArgs, film: &Film) -> Result<(), Failure> {
+fn on_grid(args: &FieldArgs, film: &Film, quiet: bool) -> Result<(), Failure> {
     let missing = |error: FilmError| match error {
         FilmError::Missing(_) => Failure::Points {
             path: args.layout.clone(),
@@ -73,9 +76,11 @@ fn on_grid(args: &FieldArgs, film: &Film) -> Result<(), Failure> {
         }
         _ => {
             let mut complete = true;
+            let mut progress = Progress::new(Some(grid.len()), args.output.as_deref(), quiet);
             for start in (0..grid.len()).step_by(BATCH) {
                 let points: Vec<DVec3> = (start..grid.len().min(start + BATCH)).map(|i| grid.point(i)).collect();
                 complete = add(table.rows(film.scene(), &points, complete)?);
+                progress.advance(points.len());
             }
         }
     }

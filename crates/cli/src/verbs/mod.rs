@@ -2,5 +2,9 @@
 
 pub(crate) mod check;
 pub(crate) mod compare;
+pub(crate) mod completions;
 pub(crate) mod decouple;
 pub(crate) mod field;
+pub(crate) mod init;
+pub(crate) mod schema;
+pub(crate) mod tiles;

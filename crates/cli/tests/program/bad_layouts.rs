@@ -13,7 +13,8 @@ fn refused(text: &str, messages: &[&str]) {
     let bench = Bench::new();
     bench.write("bad.toml", text);
     bench.write("out.csv", "was here before\n");
-    let calls: [&[&str]; 4] = [
+    let calls: [&[&str]; 5] = [
+        &["tiles", "bad.toml"],
         &["field", "bad.toml", "-o", "out.csv"],
         &["compare", "bad.toml"],
         &["decouple", "bad.toml", "--format", "json"],
@@ -32,7 +33,7 @@ fn refused(text: &str, messages: &[&str]) {
 #[test]
 fn missing_file() {
     let bench = Bench::new();
-    for verb in ["field", "compare", "decouple", "check"] {
+    for verb in ["field", "compare", "decouple", "check", "tiles"] {
         bench.run(&[verb, "nowhere.toml"]).refuses("cannot read nowhere.toml: No such file or directory");
     }
     bench.run(&["check", "."]).refuses("cannot read .: ");

@@ -2,7 +2,12 @@
 
 mod bad_layouts;
 mod bad_points;
+mod checks;
+mod help;
 mod results;
+mod start;
+#[cfg(target_os = "linux")]
+mod terminal;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -224,13 +224,25 @@ fn compare_as_text_and_json() {
 }
 
 #[test]
-fn check_lists_tiles_and_tells_findings_from_failures() {
-    let bench = Bench::new();
-    let said = bench.run(&["check", &shipped("published-film"), &shipped("single-tile")]);
+fn tiles_of_the_published_film() {
+    let said = Bench::new().run(&["tiles", &shipped("published-film")]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     assert_eq!(said.stdout.lines().filter(|l| l.starts_with("  film-x")).count(), 56);
     assert!(said.stdout.contains("  film-x2-y1  3.3 x 0.85 x 1"), "{}", said.stdout);
+    // Dai 2024, Table 1: 16 squares, 24 strips, 16 strips at the rim.
+    let bill = said.stdout.split("bill of materials\n").nth(1).expect("a bill");
+    let rows: Vec<String> = bill.lines().skip(1).map(|l| l.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+    let known = [
+        "16 3.3 x 3.3 x 1 0.12 (0.707107, 0.707107, 0) film-x2-y2",
+        "24 3.3 x 1.7 x 1 0.12 (1, 0, 0) film-x2-y3",
+        "16 3.3 x 0.85 x 1 0.12 (1, 0, 0) film-x1-y2",
+    ];
+    assert_eq!(rows, known);
+}
 
+#[test]
+fn check_tells_findings_from_failures() {
+    let bench = Bench::new();
     let tile = "format = 1\nname = \"idle\"\n[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\n";
     bench.write("idle.toml", &format!("{tile}polarization_t = [0, 0, 0]\n"));
     let said = bench.run(&["check", "idle.toml"]);

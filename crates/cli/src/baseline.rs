@@ -1,0 +1,65 @@
+//! A baseline: the field of a working volume in a CSV file, as `magsplice field` writes it.
+
+use std::path::Path;
+
+use magsplice::expect::Baseline;
+use magsplice::field::Grid;
+use magsplice::prelude::DVec3;
+
+use crate::args::QuantityArg;
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::points::{Faults, read_error};
+
+const COLUMNS: [&str; 6] = ["x_mm", "y_mm", "z_mm", "bx_t", "by_t", "bz_t"];
+
+/// Reads a baseline, or says everything that is wrong with it.
+pub(crate) fn read(path: &Path) -> Result<Baseline, Failure> {
+    let failed = |message: String| Failure::Points { path: path.to_owned(), message };
+    let file = std::fs::File::open(path)
+        .map_err(|e| failed(format!("cannot read this baseline: {e} (`magsplice check --update` writes it)")))?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
+    let header = reader.headers().map_err(|e| failed(read_error(&e)))?;
+    let places = COLUMNS.map(|column| header.iter().position(|h| h == column));
+    let missing: Vec<&str> = COLUMNS.into_iter().zip(places).filter(|(_, at)| at.is_none()).map(|(c, _)| c).collect();
+    if !missing.is_empty() {
+        return Err(failed(format!("line 1: no column {}, must have {}", missing.join(", "), COLUMNS.join(","))));
+    }
+    let places = places.map(|at| at.expect("no column is missing"));
+    let mut baseline = Baseline::default();
+    let mut faults = Faults::default();
+    for record in reader.records() {
+        let record = match record {
+            Ok(record) => record,
+            Err(error) if error.is_io_error() => return Err(failed(read_error(&error))),
+            Err(error) => {
+                faults.add(error.position().map_or(0, csv::Position::line), read_error(&error));
+                continue;
+            }
+        };
+        let values = places.map(|at| record[at].parse::<f64>().ok().filter(|value| value.is_finite()));
+        if let [Some(x), Some(y), Some(z), Some(bx), Some(by), Some(bz)] = values {
+            baseline.points.push(DVec3::new(x, y, z));
+            baseline.field_t.push(DVec3::new(bx, by, bz));
+            continue;
+        }
+        let line = record.position().map_or(0, csv::Position::line);
+        let wrong = (0..COLUMNS.len()).filter(|&i| values[i].is_none());
+        let wrong: Vec<String> = wrong.map(|i| format!("{} = \"{}\"", COLUMNS[i], &record[places[i]])).collect();
+        faults.add(line, format!("line {line}: {}, must be a finite number", wrong.join(", ")));
+    }
+    if faults.is_empty() { Ok(baseline) } else { Err(faults.failure(path.display().to_string())) }
+}
+
+/// Writes the field of a grid over a baseline, whole or not at all.
+pub(crate) fn write(path: &Path, layout: &Path, grid: &Grid, field_t: &[DVec3]) -> Result<(), Failure> {
+    let mut output = Output::open(Some(path), &[layout])?;
+    output.write(|w| {
+        writeln!(w, "x_mm,y_mm,z_mm,{}", QuantityArg::B.columns())?;
+        // Debug prints the shortest digits that read back to the same number.
+        grid.points()
+            .zip(field_t)
+            .try_for_each(|(p, b)| writeln!(w, "{:?},{:?},{:?},{:?},{:?},{:?}", p.x, p.y, p.z, b.x, b.y, b.z))
+    })?;
+    output.finish()
+}

@@ -1,0 +1,21 @@
+//! `magsplice init`: a commented layout to start from.
+
+use std::path::Path;
+
+use magsplice::layout::COMMENTED_LAYOUT;
+
+use crate::args::InitArgs;
+use crate::failure::{self, Failure};
+use crate::output;
+
+pub(crate) fn run(args: &InitArgs, quiet: bool) -> Result<(), Failure> {
+    if args.file == Path::new("-") {
+        return output::print(COMMENTED_LAYOUT);
+    }
+    output::create(&args.file, COMMENTED_LAYOUT)?;
+    if !quiet {
+        let file = args.file.display();
+        failure::tell(&format_args!("wrote {file}; try `magsplice check {file}`, `magsplice decouple {file}`"));
+    }
+    Ok(())
+}

@@ -1,0 +1,209 @@
+//! `check`: expectations, baselines, reports for build systems.
+
+use serde_json::{Value, json};
+
+use crate::{Bench, shipped};
+
+/// The published film and its baseline, in a folder of their own below the one the program runs in.
+fn published(bench: &Bench, change: impl Fn(String) -> String) {
+    std::fs::create_dir_all(bench.path("films")).unwrap();
+    let layout = shipped("published-film");
+    bench.write("films/film.toml", &change(std::fs::read_to_string(&layout).unwrap()));
+    std::fs::copy(
+        layout.replace("published-film.toml", "published.field.csv"),
+        bench.path("films/published.field.csv"),
+    )
+    .unwrap();
+}
+
+fn report(bench: &Bench, arguments: &[&str]) -> (i32, Value) {
+    let said = bench.run(&[&["check", "--format", "json"], arguments].concat());
+    (said.status, serde_json::from_str(&said.stdout).unwrap())
+}
+
+/// What a report says of the expectation of this name, of its first layout.
+fn expectation<'a>(report: &'a Value, name: &str) -> &'a Value {
+    let all = report["layouts"][0]["expectations"].as_array().unwrap();
+    all.iter().find(|e| e["expectation"] == name).unwrap_or_else(|| panic!("no {name} in {all:?}"))
+}
+
+#[test]
+fn one_line_per_expectation_with_value_bound_and_margin() {
+    let bench = Bench::new();
+    published(&bench, |text| text);
+    let said = bench.run(&["check", "films/film.toml"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    let lines: Vec<Vec<&str>> = said.stdout.lines().map(|l| l.split_whitespace().collect()).collect();
+    assert_eq!(lines[0].join(" "), "films/film.toml: published film, 56 tiles");
+    assert_eq!(lines[1].join(" "), "ok uniformity_rmse.r_x 0.062872 at most 0.0629 margin 2.83687e-5");
+    let keys: Vec<&str> = lines[1..].iter().map(|l| l[1]).collect();
+    let known =
+        ["uniformity_rmse.r_x", "uniformity_rmse.r_y", "uniformity_rmse.s_z", "amplitude", "field", "clearance_mm"];
+    assert_eq!(keys, known);
+    assert_eq!(lines[6][1..6], ["clearance_mm", "3.000000", "at", "least", "3.0"]);
+    assert!(said.stdout.lines().all(|l| l.len() <= 100), "fits a wide terminal: {}", said.stdout);
+
+    let bare = bench.run(&["check", &shipped("single-tile"), "films/film.toml"]);
+    assert!(bare.stdout.contains("clearance_mm  0.500000  at least 0.5"), "{}", bare.stdout);
+}
+
+#[test]
+fn what_is_not_as_expected_is_a_finding() {
+    let bench = Bench::new();
+    published(&bench, |text| {
+        text.replace("s_z = 0.0399", "s_z = 0.0398")
+            .replace("min = 0.8187", "min = 0.9")
+            .replace("min = 3.0", "min = 3.5")
+    });
+    let said = bench.run(&["check", "films/film.toml"]);
+    assert_eq!((said.status, said.stderr.as_str()), (1, ""));
+    let failed: Vec<&str> = said.stdout.lines().filter(|l| l.starts_with("  FAILED")).collect();
+    assert_eq!(failed.len(), 3, "{}", said.stdout);
+    for (line, part) in failed.iter().zip(["margin -8.83778e-5", "margin -0.081270", "margin -0.500000"]) {
+        assert!(line.contains(part), "{line}");
+    }
+    let (status, json) = report(&bench, &["films/film.toml"]);
+    assert_eq!((status, &json["layouts"][0]["status"]), (1, &json!("failed")));
+    let s_z = expectation(&json, "uniformity_rmse.s_z");
+    assert_eq!((&s_z["status"], &s_z["at_most"], &s_z["error"]), (&json!("failed"), &json!(0.0398), &Value::Null));
+    let (value, margin) = (s_z["value"].as_f64().unwrap(), s_z["margin"].as_f64().unwrap());
+    assert!((value - 0.039888).abs() < 1e-6 && margin == 0.0398 - value);
+    let clearance = expectation(&json, "clearance_mm");
+    assert_eq!((&clearance["at_least"], &clearance["value"]), (&json!(3.5), &json!(3.0)));
+    assert!(clearance["tile"].as_str().unwrap().starts_with("film-x"));
+    assert_eq!(expectation(&json, "uniformity_rmse.r_x")["status"], "ok");
+}
+
+#[test]
+fn a_changed_film_differs_from_its_baseline_until_it_is_updated() {
+    let bench = Bench::new();
+    published(&bench, |text| text.replace("0.85, 3.3", "0.8500001, 3.3"));
+    let (status, json) = report(&bench, &["films/film.toml"]);
+    assert_eq!(status, 1);
+    let field = expectation(&json, "field");
+    assert_eq!((&field["status"], &field["at_most"]), (&json!("failed"), &json!(1e-12)));
+    assert!(field["value"].as_f64().unwrap() > 1e-9 && field["at_mm"].as_array().unwrap().len() == 3);
+    // Three digits of a film without a change of its shape do not fail the other expectations.
+    assert_eq!(expectation(&json, "amplitude")["status"], "ok");
+
+    let before = bench.read("films/published.field.csv");
+    let said = bench.run(&["check", "--update", "films/film.toml"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, "magsplice: wrote films/published.field.csv, 405 points\n"));
+    assert_ne!(bench.read("films/published.field.csv"), before);
+    // Exactly what `field` writes.
+    assert_eq!(bench.read("films/published.field.csv"), bench.run(&["field", "films/film.toml"]).stdout);
+    assert_eq!(report(&bench, &["films/film.toml"]).0, 0);
+    assert_eq!(bench.files(), ["films"]);
+    assert_eq!(std::fs::read_dir(bench.path("films")).unwrap().count(), 2);
+}
+
+#[test]
+fn a_baseline_that_cannot_be_used_is_no_finding() {
+    let bench = Bench::new();
+    published(&bench, |text| text);
+    let good = bench.read("films/published.field.csv");
+    let second = good.lines().nth(1).unwrap().to_owned();
+    for (text, message) in [
+        (
+            None,
+            "films/published.field.csv: cannot read this baseline: No such file or directory (os error 2) (`magsplice check --update` writes it)",
+        ),
+        (Some(String::new()), "published.field.csv: line 1: no column x_mm, y_mm, z_mm, bx_t, by_t, bz_t, must have"),
+        (Some(good.replace("by_t", "by_mt")), "line 1: no column by_t, must have x_mm,y_mm,z_mm,bx_t,by_t,bz_t"),
+        (
+            Some(good.replace(&second, "0,0,-5,1,nan,x")),
+            "line 2: by_t = \"nan\", bz_t = \"x\", must be a finite number",
+        ),
+        (Some(good.replace(&second, "0,0,-5,1")), "line 2: has 4 fields, must have 6"),
+        (Some(good.replace(&format!("{second}\n"), "")), "the baseline has 404 points and the working volume 405"),
+        (
+            Some(good.replace(&second, "0,0,-5,1,1,1")),
+            "point 1 of the baseline is (0, 0, -5) mm and of the working volume (-2, -2, -5)",
+        ),
+    ] {
+        match &text {
+            None => std::fs::remove_file(bench.path("films/published.field.csv")).unwrap(),
+            Some(text) => drop(bench.write("films/published.field.csv", text)),
+        }
+        let said = bench.run(&["check", "films/film.toml"]);
+        assert_eq!(said.status, 2, "{message}: {}", said.stdout);
+        assert!(
+            said.stderr.starts_with("magsplice: ") && said.stderr.contains(message),
+            "{message:?} is not in {:?}",
+            said.stderr
+        );
+        assert_eq!(said.stderr.matches('\n').count(), 1);
+        // The rest is evaluated.
+        assert!(
+            said.stdout.contains("  ERROR   field") && said.stdout.matches("  ok  ").count() == 5,
+            "{}",
+            said.stdout
+        );
+    }
+}
+
+#[test]
+fn an_update_never_takes_what_was_there_without_giving_something() {
+    let bench = Bench::new();
+    // The baseline would be the layout itself.
+    published(&bench, |text| text.replace("published.field.csv", "film.toml"));
+    let layout = bench.read("films/film.toml");
+    let said = bench.run(&["check", "--update", "films/film.toml"]);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.stderr.contains("cannot write films/film.toml: it is the input, which would be lost"),
+        "{}",
+        said.stderr
+    );
+    assert_eq!(bench.read("films/film.toml"), layout);
+    // A point of the volume on an exposed edge has no field.
+    published(&bench, |text| {
+        text.replace("[[lattice]]", "[[tile]]\nname = \"in the way\"\nposition_mm = [0, 0, -4.5]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n[[lattice]]")
+    });
+    let baseline = bench.read("films/published.field.csv");
+    let said = bench.run(&["check", "--update", "films/film.toml"]);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.stderr.contains("mm: the field is unbounded there, on an exposed edge of tile \"in the way\""),
+        "{}",
+        said.stderr
+    );
+    assert_eq!(bench.read("films/published.field.csv"), baseline);
+    // One cause is told once, for five expectations; the clearance says how far the tile would have to move.
+    assert_eq!(said.stderr.matches("(-0.5, -0.5, -5) mm").count(), 1, "{}", said.stderr);
+    assert!(
+        said.stdout.contains("FAILED  clearance_mm") && said.stdout.contains("-1.000000  at least 3.0"),
+        "{}",
+        said.stdout
+    );
+    assert!(said.stdout.contains("tile \"in the way\""));
+}
+
+#[test]
+fn reports_hold_findings_and_failures_of_all_layouts() {
+    let bench = Bench::new();
+    published(&bench, |text| text.replace("min = 3.0", "min = 4.0"));
+    let tile = "[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\n";
+    bench.write("idle.toml", &format!("format = 1\nname = \"a < b & c\"\n{tile}polarization_t = [0, 0, 0]\n"));
+    bench.write("broken.toml", &format!("format = 1\nname = \"broken\"\n{tile}"));
+    let all = ["films/film.toml", "idle.toml", "broken.toml"];
+    let (status, json) = report(&bench, &all);
+    assert_eq!((status, json["version"].as_str()), (2, Some(env!("CARGO_PKG_VERSION"))));
+    let of = |key: &str| json["layouts"].as_array().unwrap().iter().map(|l| l[key].clone()).collect::<Vec<Value>>();
+    assert_eq!(of("status"), ["failed", "failed", "error"]);
+    assert_eq!(of("findings"), [json!([]), json!(["tile \"tile-1\" has no polarization, so no field"]), json!([])]);
+    assert!(of("error")[2].as_str().unwrap().contains("broken.toml: line 3: tile \"tile-1\": has no polarization"));
+
+    let said = bench.run(&[&["check", "--format", "junit"], &all[..]].concat());
+    assert_eq!(said.status, 2);
+    let xml = &said.stdout;
+    assert!(xml.starts_with("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"), "{xml}");
+    assert!(
+        xml.contains("<testsuites name=\"magsplice check\" tests=\"9\" skipped=\"0\" failures=\"2\" errors=\"1\">"),
+        "{xml}"
+    );
+    assert!(xml.contains("<testcase name=\"clearance_mm\" classname=\"films/film.toml\">\n            <failure message=\"3.0, at least 4.0, margin -1.0 tile"), "{xml}");
+    assert!(xml.contains("<failure message=\"tile &quot;tile-1&quot; has no polarization"), "{xml}");
+    assert!(xml.contains("<error message=\"broken.toml: line 3: "), "{xml}");
+    assert!(xml.contains("at most 1e-12, margin "), "{xml}");
+}

@@ -1,0 +1,127 @@
+//! What is different on a terminal: colours and progress.
+
+use std::fs::{File, OpenOptions};
+use std::io::Read;
+use std::os::fd::OwnedFd;
+use std::process::{Child, Command, Stdio};
+
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+
+use crate::{Bench, shipped};
+
+/// A terminal: what the program is given, and what a person sees.
+fn terminal() -> (OwnedFd, File) {
+    let seen = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a terminal");
+    grantpt(&seen).expect("a terminal");
+    unlockpt(&seen).expect("a terminal");
+    let name = ptsname(&seen, Vec::new()).expect("a name").into_string().expect("UTF-8");
+    let given = OpenOptions::new().read(true).write(true).open(name).expect("the other side");
+    (given.into(), seen.into())
+}
+
+fn program(bench: &Bench, arguments: &[&str]) -> Command {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_magsplice"));
+    program.args(arguments).current_dir(bench.path("")).env("TERM", "xterm");
+    for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "CI"] {
+        program.env_remove(name);
+    }
+    program
+}
+
+/// What is seen until the program ends or `enough` is.
+fn watch(mut seen: File, enough: impl Fn(&str) -> bool) -> String {
+    let (mut text, mut buffer) = (String::new(), [0; 4096]);
+    // Reading fails when the other side is closed.
+    while let Ok(length @ 1..) = seen.read(&mut buffer) {
+        text.push_str(&String::from_utf8_lossy(&buffer[..length]));
+        if enough(&text) {
+            break;
+        }
+    }
+    text
+}
+
+fn on_a_terminal(bench: &Bench, arguments: &[&str], no_color: Option<&str>) -> String {
+    let (given, seen) = terminal();
+    let mut program = program(bench, arguments);
+    if let Some(value) = no_color {
+        program.env("NO_COLOR", value);
+    }
+    let mut child: Child = program.stdin(Stdio::null()).stdout(given).stderr(Stdio::null()).spawn().expect("it starts");
+    // Drops the other copy of the terminal, so that the end of the program is seen.
+    drop(program);
+    let text = watch(seen, |_| false);
+    child.wait().expect("it ends");
+    text
+}
+
+#[test]
+fn colours_are_for_terminals_and_respect_no_color() {
+    let bench = Bench::new();
+    let layout = shipped("published-film");
+    let green = "  \u{1b}[32mok    \u{1b}[0m  amplitude";
+    assert!(on_a_terminal(&bench, &["check", &layout], None).contains(green));
+    let plain = on_a_terminal(&bench, &["check", &layout], Some("1"));
+    assert!(!plain.contains('\u{1b}') && plain.contains("  ok      amplitude"), "{plain}");
+    let piped = program(&bench, &["check", &layout]).output().expect("it runs");
+    assert_eq!(plain.replace("\r\n", "\n"), String::from_utf8(piped.stdout).expect("UTF-8"));
+    // clap's help as well.
+    assert!(on_a_terminal(&bench, &["--help"], None).contains('\u{1b}'));
+    assert!(!on_a_terminal(&bench, &["--help"], Some("1")).contains('\u{1b}'));
+}
+
+/// Long work: a bar on a terminal, and after an interruption neither a half file nor a temporary one.
+#[test]
+fn progress_of_long_work() {
+    let bench = Bench::new();
+    let volume = "[volume]\nx_mm = [-4, 4]\ny_mm = [-4, 4]\nz_mm = [-8, -1]\nstep_mm = 0.02\n";
+    let tile = "[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
+    bench.write("large.toml", &format!("format = 1\nname = \"large\"\n{volume}{tile}"));
+    let (given, seen) = terminal();
+    let mut program = program(&bench, &["field", "large.toml", "-o", "out.csv", "--threads", "1"]);
+    let mut child = program.stdin(Stdio::null()).stdout(Stdio::null()).stderr(given).spawn().expect("it starts");
+    drop(program);
+    let text = watch(seen, |text| text.contains(" left"));
+    // 401 x 401 x 351 of them.
+    assert!(text.contains(" of 56,441,151 points, "), "{text:?}");
+    let interrupted = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+    assert!(interrupted.success());
+    assert_eq!(child.wait().expect("it ends").code(), Some(130));
+    assert_eq!(bench.files(), ["large.toml"]);
+}
+
+/// Work of a single batch has no progress to show, however slow.
+#[test]
+fn no_progress_of_short_work() {
+    let bench = Bench::new();
+    let (given, seen) = terminal();
+    let mut program = program(&bench, &["field", &shipped("single-tile"), "-o", "out.csv"]);
+    let mut child = program.stdin(Stdio::null()).stdout(Stdio::null()).stderr(given).spawn().expect("it starts");
+    drop(program);
+    assert_eq!(watch(seen, |_| false), "");
+    assert!(child.wait().expect("it ends").success());
+}
+
+/// As many threads as asked for, and the same digits.
+#[test]
+fn threads() {
+    let bench = Bench::new();
+    let volume = "[volume]\nx_mm = [-4, 4]\ny_mm = [-4, 4]\nz_mm = [-8, -1]\nstep_mm = 0.05\n";
+    let tile = "[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
+    bench.write("large.toml", &format!("format = 1\nname = \"large\"\n{volume}{tile}"));
+    let mut firsts = Vec::new();
+    for count in [1, 3] {
+        let mut program = program(&bench, &["field", "large.toml", "--threads", &count.to_string()]);
+        let mut child = program.stdout(Stdio::piped()).spawn().expect("it starts");
+        // The rest is not read, so the program waits, its threads with it.
+        let mut first = vec![0; 10_000];
+        child.stdout.as_mut().expect("piped").read_exact(&mut first).expect("results");
+        let threads = std::fs::read_dir(format!("/proc/{}/task", child.id())).expect("threads").count();
+        child.kill().expect("it runs");
+        child.wait().expect("it ends");
+        // Beside the one that writes.
+        assert_eq!(threads, count + 1);
+        firsts.push(first);
+    }
+    assert!(firsts[0] == firsts[1]);
+}

@@ -1,0 +1,153 @@
+//! A field as it was, to hold another against.
+
+use std::fmt;
+
+use glam::DVec3;
+
+/// Values of B at points of a working volume.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Baseline {
+    /// The points, in millimetres.
+    pub points: Vec<DVec3>,
+    /// B at each of them, in tesla.
+    pub field_t: Vec<DVec3>,
+}
+
+/// The largest difference of a field from its baseline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Difference {
+    /// The length of the difference of the two values of B over the length of the longer one: 0 for equal values, at most 2.
+    pub relative: f64,
+    /// The first point where it is as large.
+    pub at: DVec3,
+}
+
+/// Why a field and a baseline cannot be compared: they are not at the same points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OtherPoints {
+    /// There are more or fewer.
+    Count {
+        /// In the baseline.
+        baseline: usize,
+        /// In the working volume.
+        volume: usize,
+    },
+    /// A point is another one.
+    Point {
+        /// Counted from 0.
+        index: usize,
+        /// In the baseline, in millimetres.
+        baseline: DVec3,
+        /// In the working volume, in millimetres.
+        volume: DVec3,
+    },
+}
+
+impl Baseline {
+    /// How far `field_t`, in tesla at `points` in millimetres, is from the baseline.
+    ///
+    /// # Errors
+    /// If the points are not those of the baseline, in its order and to the last digit.
+    ///
+    /// # Panics
+    /// If `field_t` does not have one value per point, or the baseline does not.
+    pub fn difference(
+        &self,
+        points: impl ExactSizeIterator<Item = DVec3>,
+        field_t: &[DVec3],
+    ) -> Result<Difference, OtherPoints> {
+        assert_eq!(points.len(), field_t.len(), "one field value per point");
+        assert_eq!(self.points.len(), self.field_t.len(), "one field value per point of the baseline");
+        if points.len() != self.points.len() {
+            return Err(OtherPoints::Count { baseline: self.points.len(), volume: points.len() });
+        }
+        let mut worst = Difference { relative: 0.0, at: DVec3::ZERO };
+        for (index, (volume, &baseline)) in points.zip(&self.points).enumerate() {
+            if volume != baseline {
+                return Err(OtherPoints::Point { index, baseline, volume });
+            }
+            let relative = relative(field_t[index], self.field_t[index]);
+            if relative > worst.relative {
+                worst = Difference { relative, at: volume };
+            }
+        }
+        Ok(worst)
+    }
+}
+
+fn relative(one: DVec3, other: DVec3) -> f64 {
+    // Scaled, so that squares neither overflow nor vanish.
+    let largest = one.abs().max_element().max(other.abs().max_element());
+    if largest == 0.0 {
+        return 0.0;
+    }
+    let (one, other) = (one / largest, other / largest);
+    one.distance(other) / one.length().max(other.length())
+}
+
+impl fmt::Display for OtherPoints {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            OtherPoints::Count { baseline, volume } => {
+                write!(f, "the baseline has {baseline} points and the working volume {volume}, must have the same")
+            }
+            OtherPoints::Point { index, baseline: b, volume: v } => write!(
+                f,
+                "point {} of the baseline is ({}, {}, {}) mm and of the working volume ({}, {}, {}) mm, must be the same",
+                index + 1,
+                b.x,
+                b.y,
+                b.z,
+                v.x,
+                v.y,
+                v.z
+            ),
+        }
+    }
+}
+
+impl std::error::Error for OtherPoints {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn baseline(field_t: &[DVec3]) -> Baseline {
+        let points = (0..field_t.len()).map(|i| DVec3::new(i as f64, 0.0, -1.0)).collect();
+        Baseline { points, field_t: field_t.to_vec() }
+    }
+
+    fn difference(now: &[DVec3], before: &[DVec3]) -> Difference {
+        let baseline = baseline(before);
+        baseline.difference(baseline.points.clone().into_iter(), now).unwrap()
+    }
+
+    /// Relative to |B| at the point: the point with the larger difference in tesla is not the worst one.
+    #[test]
+    fn the_worst_point_relative_to_its_own_field() {
+        let before = [DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 1e-3), DVec3::ZERO];
+        let now = [DVec3::new(1.0, 1e-6, 0.0), DVec3::new(1e-8, 0.0, 1e-3), DVec3::ZERO];
+        let found = difference(&now, &before);
+        assert!((found.relative - 1e-5).abs() < 1e-12, "{found:?}");
+        assert_eq!(found.at.x, 1.0);
+        assert_eq!(difference(&before, &before).relative, 0.0);
+    }
+
+    #[test]
+    fn a_field_from_nothing_or_out_of_scale_is_a_finite_difference() {
+        assert_eq!(difference(&[DVec3::X], &[DVec3::ZERO]).relative, 1.0);
+        assert_eq!(difference(&[1e-200 * DVec3::X], &[-1e-200 * DVec3::X]).relative, 2.0);
+        assert_eq!(difference(&[1e300 * DVec3::X], &[1e-300 * DVec3::Y]).relative, 1.0);
+    }
+
+    #[test]
+    fn other_points_are_not_compared() {
+        let baseline = baseline(&[DVec3::X, DVec3::X]);
+        let fewer = baseline.difference([DVec3::ZERO].into_iter(), &[DVec3::X]);
+        assert_eq!(fewer, Err(OtherPoints::Count { baseline: 2, volume: 1 }));
+        let mut points = baseline.points.clone();
+        points[1].z = f64::next_up(-1.0);
+        let moved = baseline.difference(points.iter().copied(), &[DVec3::X; 2]).unwrap_err();
+        assert!(moved.to_string().starts_with("point 2 of the baseline is (1, 0, -1) mm and"), "{moved}");
+    }
+}

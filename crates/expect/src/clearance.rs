@@ -1,0 +1,105 @@
+//! How near tiles come to the working volume.
+
+use glam::DVec3;
+use magsplice_field::{Tile, overlap};
+
+use crate::cuboid::Cuboid;
+
+/// The least distance between a box and tiles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clearance {
+    /// The smallest distance between a point of the box and a point of a tile. Negative if a tile reaches into the box: then
+    /// minus the shortest way by which it would have to move to leave it.
+    pub distance: f64,
+    /// Index of the tile that comes nearest.
+    pub tile: usize,
+}
+
+impl Clearance {
+    /// The clearance of the box from `lower` to `upper`; `None` if there are no tiles.
+    ///
+    /// # Accuracy
+    /// That of the tiles' corners, a few units of round-off of the coordinates.
+    pub fn of(tiles: &[Tile], lower: DVec3, upper: DVec3) -> Option<Clearance> {
+        let region = Cuboid::between(lower, upper);
+        // A box too thin to be a tile has no depth to speak of.
+        let solid = Tile::new(0.5 * (lower + upper), upper - lower, DVec3::ZERO).ok();
+        let mut least: Option<Clearance> = None;
+        for (index, tile) in tiles.iter().enumerate() {
+            let own = Cuboid::of(tile);
+            if least.is_some_and(|l| region.certainly_beyond(&own, l.distance)) {
+                continue;
+            }
+            let depth = solid.and_then(|solid| overlap(&solid, tile)).map(|(depth, _)| depth);
+            let distance = depth.map_or_else(|| region.distance(&own), |depth| -depth);
+            if least.is_none_or(|l| distance < l.distance) {
+                least = Some(Clearance { distance, tile: index });
+            }
+        }
+        least
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use glam::DQuat;
+    use proptest::prelude::*;
+
+    const LOWER: DVec3 = DVec3::new(-2.0, -2.0, -5.0);
+    const UPPER: DVec3 = DVec3::new(2.0, 2.0, -3.0);
+
+    fn tile(position: [f64; 3]) -> Tile {
+        Tile::new(position.into(), DVec3::new(3.3, 1.7, 1.0), DVec3::X).unwrap()
+    }
+
+    fn clearance(tiles: &[Tile]) -> Clearance {
+        Clearance::of(tiles, LOWER, UPPER).unwrap()
+    }
+
+    #[test]
+    fn above_beside_and_off_a_corner() {
+        assert_eq!(clearance(&[tile([0.0, 0.0, 0.5])]), Clearance { distance: 3.0, tile: 0 });
+        assert_relative_eq!(clearance(&[tile([0.0, 4.0, -4.0])]).distance, 4.0 - 0.85 - 2.0);
+        // A corner, off by (3, 4, 12).
+        let off = [2.0 + 3.0 + 1.65, 2.0 + 4.0 + 0.85, -3.0 + 12.0 + 0.5];
+        assert_relative_eq!(clearance(&[tile(off)]).distance, 13.0, max_relative = 1e-15);
+        assert_eq!(Clearance::of(&[], LOWER, UPPER), None);
+    }
+
+    #[test]
+    fn touching_is_zero_and_inside_is_negative() {
+        assert_eq!(clearance(&[tile([0.0, 0.0, -2.5])]).distance, 0.0);
+        let found = clearance(&[tile([0.0, 0.0, 0.5]), tile([0.0, 0.0, -2.75])]);
+        assert_eq!((found.distance, found.tile), (-0.25, 1));
+    }
+
+    #[test]
+    fn the_nearest_of_many_whatever_their_order() {
+        let mut tiles: Vec<Tile> = (0..20).map(|i| tile([4.0 * f64::from(i) - 40.0, 0.0, 0.5])).collect();
+        assert_relative_eq!(clearance(&tiles).distance, 3.0);
+        tiles.push(tile([0.0, 0.0, -1.5]));
+        assert_eq!(clearance(&tiles), Clearance { distance: 1.0, tile: 20 });
+        tiles.reverse();
+        assert_eq!(clearance(&tiles), Clearance { distance: 1.0, tile: 0 });
+    }
+
+    #[test]
+    fn a_turned_tile_comes_nearer_with_its_edge() {
+        // Turned by 45 degrees about x, the edge between the sides 1.7 and 1 points down by (1.7 + 1) / 2 / sqrt 2.
+        let turned = tile([0.0, 0.0, 0.5]).rotated(DQuat::from_rotation_x(45_f64.to_radians())).unwrap();
+        assert_relative_eq!(clearance(&[turned]).distance, 3.5 - 1.35 / 2_f64.sqrt(), max_relative = 1e-14);
+    }
+
+    proptest! {
+        /// Leaving out tiles that are certainly further leaves out no other.
+        #[test]
+        fn many_tiles_as_one_by_one(tiles in prop::collection::vec((prop::array::uniform3(-15.0..15.0_f64), -3.0..3.0_f64), 2..20)) {
+            let turned = |(at, angle): ([f64; 3], f64)| tile(at).rotated(DQuat::from_rotation_x(angle)).unwrap();
+            let tiles: Vec<Tile> = tiles.into_iter().map(turned).collect();
+            let alone = tiles.iter().map(|t| clearance(&[*t]).distance).fold(f64::INFINITY, f64::min);
+            prop_assert_eq!(clearance(&tiles).distance, alone);
+        }
+    }
+}

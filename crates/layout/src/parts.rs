@@ -1,0 +1,190 @@
+//! The bill of materials: how many pieces of magnet of each kind a layout takes.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use magsplice_field::Tile;
+
+use crate::layout::Layout;
+
+/// Digits to which sizes, strengths and directions are the same piece; beyond them is round-off.
+const SAME_DIGITS: i32 = 9;
+
+/// Pieces that differ only in where they are and how they are turned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// How many the layout takes.
+    pub count: usize,
+    /// Side lengths in millimetres: the third as the first such tile has it, the longer of the others before the shorter.
+    pub size_mm: DVec3,
+    /// Magnitude of the polarization, in tesla.
+    pub strength_t: f64,
+    /// Unit vector of the polarization along these sides; zero without polarization.
+    pub direction: DVec3,
+    /// Name of the first tile of this kind.
+    pub example: String,
+}
+
+impl Layout {
+    /// Its pieces, largest first. A tile turned in any way, such as upside down to point backwards, is the same piece; its mirror image is not.
+    pub fn parts(&self) -> Vec<Part> {
+        let mut parts: BTreeMap<Piece, (usize, usize)> = BTreeMap::new();
+        for (index, named) in self.tiles.iter().enumerate() {
+            // Whichever way it lies, turned into the same position.
+            let piece = Piece::of(&named.tile).turned(quarter_turns());
+            parts.entry(piece).or_insert((0, index)).0 += 1;
+        }
+        let part = |(count, first): (usize, usize)| {
+            let named = &self.tiles[first];
+            let flat = quarter_turns().filter(|turn| turn(DVec3::Z).z != 0.0);
+            let Piece([x, y, z, strength, u, v, w]) = Piece::of(&named.tile).turned(flat);
+            Part {
+                count,
+                size_mm: DVec3::new(x.0, y.0, z.0),
+                strength_t: strength.0,
+                direction: DVec3::new(u.0, v.0, w.0).normalize_or_zero(),
+                example: named.name.clone(),
+            }
+        };
+        parts.into_values().map(part).collect()
+    }
+}
+
+/// Size, strength and direction of a tile, without round-off.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Piece([Descending; 7]);
+
+impl Piece {
+    fn of(tile: &Tile) -> Piece {
+        let polarization = tile.polarization_t();
+        // Scaled, so that squares neither overflow nor vanish.
+        let largest = polarization.abs().max_element();
+        let scaled = if largest > 0.0 { polarization / largest } else { DVec3::ZERO };
+        let direction = scaled.normalize_or_zero().map(|c| rounded(c, SAME_DIGITS));
+        Piece::new(tile.size().map(to_digits), to_digits(largest * scaled.length()), direction)
+    }
+
+    fn new(size: DVec3, strength: f64, direction: DVec3) -> Piece {
+        // Adding zero makes -0 a 0.
+        let direction = direction + DVec3::ZERO;
+        Piece([size.x, size.y, size.z, strength, direction.x, direction.y, direction.z].map(Descending))
+    }
+
+    /// The one of these turns in which the sides descend and the direction leads.
+    fn turned(self, turns: impl Iterator<Item = impl Fn(DVec3) -> DVec3>) -> Piece {
+        let Piece([x, y, z, strength, u, v, w]) = self;
+        let (size, direction) = (DVec3::new(x.0, y.0, z.0), DVec3::new(u.0, v.0, w.0));
+        turns.map(|turn| Piece::new(turn(size).abs(), strength.0, turn(direction))).min().unwrap_or(self)
+    }
+}
+
+/// The 24 rotations that map axes onto axes.
+fn quarter_turns() -> impl Iterator<Item = impl Fn(DVec3) -> DVec3> {
+    const ORDERS: [([usize; 3], bool); 6] = [
+        ([0, 1, 2], false),
+        ([1, 2, 0], false),
+        ([2, 0, 1], false),
+        ([0, 2, 1], true),
+        ([2, 1, 0], true),
+        ([1, 0, 2], true),
+    ];
+    let all = ORDERS.into_iter().flat_map(|order| (0..8_u32).map(move |signs| (order, signs)));
+    // An exchange of two axes and a reflection each change the hand; a rotation has an even number of them.
+    all.filter(|((_, exchange), signs)| (signs.count_ones() % 2 == 1) == *exchange).map(|((order, _), signs)| {
+        move |v: DVec3| {
+            let component = |axis: usize| if signs >> axis & 1 == 1 { -v[order[axis]] } else { v[order[axis]] };
+            DVec3::new(component(0), component(1), component(2))
+        }
+    })
+}
+
+fn to_digits(value: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { rounded(value, SAME_DIGITS - 1 - value.abs().log10().floor() as i32) }
+}
+
+fn rounded(value: f64, decimals: i32) -> f64 {
+    // By decimal digits, so that 3.3 stays 3.3; very large and very small numbers keep all of theirs.
+    match usize::try_from(decimals) {
+        Ok(decimals) => format!("{value:.decimals$}").parse().unwrap_or(value),
+        Err(_) => value,
+    }
+}
+
+/// Numbers in descending order.
+#[derive(Clone, Copy, PartialEq)]
+struct Descending(f64);
+
+impl Eq for Descending {}
+
+impl Ord for Descending {
+    fn cmp(&self, other: &Descending) -> std::cmp::Ordering {
+        other.0.total_cmp(&self.0)
+    }
+}
+
+impl PartialOrd for Descending {
+    fn partial_cmp(&self, other: &Descending) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parts(tiles: &str) -> Vec<Part> {
+        let text = format!("format = 1\nname = \"test\"\n{tiles}");
+        Layout::parse(&text, "test").unwrap_or_else(|e| panic!("{e}")).parts()
+    }
+
+    fn tile(place: i32, size: &str, polarization: &str) -> String {
+        format!("[[tile]]\nposition_mm = [{place}, 0, 0]\nsize_mm = [{size}]\npolarization_t = [{polarization}]\n")
+    }
+
+    #[test]
+    fn there_are_24_quarter_turns_and_all_are_rotations() {
+        let axes = DVec3::AXES;
+        let mut seen: Vec<[DVec3; 3]> = quarter_turns().map(|turn| axes.map(&turn)).collect();
+        assert!(seen.iter().all(|[x, y, z]| x.cross(*y) == *z));
+        assert_eq!(seen.len(), 24);
+        seen.sort_by_key(|[x, y, z]| format!("{x}{y}{z}").replace("-0,", "0,"));
+        seen.dedup();
+        assert_eq!(seen.len(), 24);
+    }
+
+    #[test]
+    fn turned_pieces_are_one_part() {
+        let same =
+            [tile(0, "3, 2, 1", "0.1, 0, 0"), tile(9, "2, 3, 1", "0, -0.1, 0"), tile(18, "1, 2, 3", "0, 0, 0.1")];
+        let found = parts(&same.concat());
+        assert_eq!(found.len(), 1, "{found:?}");
+        let Part { count, size_mm, strength_t, direction, example } = &found[0];
+        assert_eq!((*count, *size_mm, *strength_t), (3, DVec3::new(3.0, 2.0, 1.0), 0.1));
+        assert_eq!((*direction, example.as_str()), (DVec3::X, "tile-1"));
+    }
+
+    #[test]
+    fn size_strength_direction_and_hand_tell_parts_apart() {
+        let others = [
+            tile(0, "3, 2, 1", "0.1, 0, 0"),
+            tile(9, "3, 2, 1", "0, 0.1, 0"),
+            tile(18, "3, 2, 1", "0.2, 0, 0"),
+            tile(27, "3, 2, 1.5", "0.1, 0, 0"),
+            tile(36, "3, 2, 1", "0.1, 0.2, 0.3"),
+            tile(45, "3, 2, 1", "0.1, 0.2, -0.3"),
+            tile(54, "3, 2, 1", "0, 0, 0"),
+        ];
+        assert_eq!(parts(&others.concat()).len(), others.len());
+        // A box with a polarization along a plane of symmetry is its own mirror image.
+        assert_eq!(parts(&[tile(0, "3, 2, 1", "1, 2, 0"), tile(9, "3, 2, 1", "1, -2, 0")].concat()).len(), 1);
+    }
+
+    #[test]
+    fn round_off_makes_no_parts() {
+        let near =
+            [tile(0, "3.3, 1, 1", "0.3, 0, 0"), tile(9, "3.3000000000000003, 1, 1", "0.30000000000000004, 0, 0")];
+        assert_eq!(parts(&near.concat()).len(), 1);
+        let tiny = [tile(0, "1e-20, 1e-20, 1e-20", "1e-200, 0, 0"), tile(9, "2e-20, 1e-20, 1e-20", "1e-200, 0, 0")];
+        assert_eq!(parts(&tiny.concat()).len(), 2);
+    }
+}

@@ -1,0 +1,181 @@
+//! The JSON Schema of layout files against the files.
+
+use std::fs;
+use std::path::Path;
+
+use jsonschema::Validator;
+use magsplice::layout::{COMMENTED_LAYOUT, Layout, schema};
+use serde_json::{Value, json};
+
+fn validator() -> Validator {
+    jsonschema::draft202012::new(schema().as_value()).expect("a valid schema")
+}
+
+fn documents() -> Vec<(String, String)> {
+    let mut all = vec![("the commented layout".to_owned(), COMMENTED_LAYOUT.to_owned())];
+    for entry in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../layouts")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|e| e == "toml") {
+            all.push((path.display().to_string(), fs::read_to_string(path).unwrap()));
+        }
+    }
+    assert!(all.len() >= 6, "{}", all.len());
+    // Every key there is.
+    all.push(("every key".to_owned(), EVERY_KEY.to_owned()));
+    all
+}
+
+const EVERY_KEY: &str = r#"
+format = 1
+name = "every key"
+description = "as little as possible"
+[ideal]
+wavelength_mm = 10
+thickness_mm = 1
+amplitude_t = 0.12
+[volume]
+x_mm = [-2, 2]
+y_mm = [-2, 2]
+z_mm = [-5, -3]
+step_mm = [0.5, 0.5, 1]
+reference_mm = [0, 0, -5]
+[expect]
+uniformity_rmse = { r_x = 1, r_y = 1, s_z = 1 }
+amplitude = { min = 0 }
+field = { file = "a.csv", within = 1e-9 }
+clearance_mm = { min = 0 }
+[kind.square]
+size_mm = [1, 1, 1]
+strength_t = 0.12
+[kind.up]
+size_mm = [1, 1, 1]
+polarization_t = [0, 0, 1]
+[[tile]]
+name = "a"
+kind = "square"
+direction = [1, 0, 0]
+position_mm = [20, 20, 0]
+rotation = { axis = [0, 0, 1], angle_deg = 30 }
+grid = { count = [2, 2, 1], pitch_mm = [3, 3, 0], alternate = ["x"] }
+mirror = { axes = ["x"], at_mm = [0, 0, 0], polarization = "axial" }
+[[tile]]
+kind = "up"
+position_mm = [20, 0, 20]
+[[tile]]
+position_mm = [40, 0, 20]
+size_mm = [1, 1, 1]
+strength_t = 1
+direction = [0, 0, 1]
+[[tile]]
+position_mm = [60, 0, 20]
+size_mm = [1, 1, 1]
+polarization_t = [0, 0, 1]
+[[lattice]]
+name = "l"
+start_mm = [0, 0, 0]
+height_mm = 1
+strength_t = 1
+x = [{ widths_mm = [1], pattern = [1], times = 2 }]
+y = [{ widths_mm = [1], pattern = [1] }]
+[[lattice]]
+start_mm = [0, 0, 4]
+height_mm = 1
+component_t = 1
+x = [{ widths_mm = [1], pattern = [1] }]
+"#;
+
+fn as_json(text: &str) -> Value {
+    toml::from_str(text).expect("TOML")
+}
+
+#[test]
+fn every_shipped_layout_is_valid_and_so_is_its_plain_form() {
+    let validator = validator();
+    for (name, text) in documents() {
+        let layout = Layout::parse(&text, &name).unwrap_or_else(|e| panic!("{e}"));
+        for document in [as_json(&text), as_json(&layout.to_toml()), serde_json::to_value(layout.plain()).unwrap()] {
+            let errors: Vec<String> =
+                validator.iter_errors(&document).map(|e| format!("{}: {e}", e.instance_path())).collect();
+            assert_eq!(errors, [""; 0], "{name}");
+        }
+    }
+}
+
+/// All objects of a document, by their JSON pointers.
+fn objects(value: &Value, at: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Object(members) => {
+            found.push(at.to_owned());
+            members.iter().for_each(|(key, member)| objects(member, &format!("{at}/{key}"), found));
+        }
+        Value::Array(items) => {
+            items.iter().enumerate().for_each(|(i, item)| objects(item, &format!("{at}/{i}"), found));
+        }
+        _ => {}
+    }
+}
+
+/// A wrong key in any table, a missing one and a wrong type are refused, as the program refuses them.
+#[test]
+fn the_schema_refuses_what_the_program_refuses() {
+    let validator = validator();
+    let document = as_json(EVERY_KEY);
+    let mut places = Vec::new();
+    objects(&document, "", &mut places);
+    // A kind may have any name.
+    places.retain(|place| place != "/kind");
+    assert!(places.len() > 20, "{places:?}");
+    let refused = |document: &Value, what: &str| {
+        assert!(!validator.is_valid(document), "{what} passes the schema");
+        let text = toml::to_string(document).unwrap();
+        assert!(Layout::parse(&text, "changed").is_err(), "{what} passes the program");
+    };
+    for place in &places {
+        let mut wrong = document.clone();
+        wrong.pointer_mut(place).unwrap().as_object_mut().unwrap().insert("colour".to_owned(), json!("red"));
+        refused(&wrong, &format!("{place}/colour"));
+    }
+    for (place, value) in [
+        ("/format", json!(2)),
+        ("/name", json!(3)),
+        ("/tile/0/position_mm", json!([1, 2])),
+        ("/tile/0/grid/count", json!([1, -2, 1])),
+        ("/tile/0/mirror/axes", json!(["w"])),
+        ("/tile/0/mirror/polarization", json!("kept")),
+        ("/volume/step_mm", json!("fine")),
+        ("/lattice/0/x/0/times", json!(1.5)),
+    ] {
+        let mut wrong = document.clone();
+        *wrong.pointer_mut(place).unwrap() = value;
+        refused(&wrong, place);
+    }
+    for (table, key) in
+        [("", "format"), ("", "name"), ("/tile/0", "position_mm"), ("/lattice/0", "x"), ("/expect/field", "within")]
+    {
+        let mut wrong = document.clone();
+        wrong.pointer_mut(table).unwrap().as_object_mut().unwrap().remove(key).unwrap();
+        refused(&wrong, key);
+    }
+}
+
+#[test]
+fn every_key_is_described() {
+    fn described(value: &Value, at: &str, keys: &mut usize) {
+        if let Some(properties) = value.get("properties").and_then(Value::as_object) {
+            for (key, property) in properties {
+                let description = property.get("description").and_then(Value::as_str).unwrap_or("");
+                assert!(description.len() > 5 && description.ends_with('.'), "{at}/{key}: {description:?}");
+                *keys += 1;
+            }
+        }
+        match value {
+            Value::Object(members) => members.iter().for_each(|(key, v)| described(v, &format!("{at}/{key}"), keys)),
+            Value::Array(items) => items.iter().for_each(|v| described(v, at, keys)),
+            _ => {}
+        }
+        assert_ne!(value, &json!("null"), "{at}: TOML has no null");
+    }
+    let mut keys = 0;
+    described(schema().as_value(), "", &mut keys);
+    assert!(keys > 45, "{keys}");
+}
