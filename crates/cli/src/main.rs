@@ -4,6 +4,8 @@
 
 mod args;
 mod failure;
+#[cfg(feature = "report")]
+mod folder;
 mod interrupt;
 mod output;
 mod points;
@@ -22,6 +24,8 @@ fn main() -> ExitCode {
         Verb::Field(args) => verbs::field::run(&args),
         Verb::Compare(args) => verbs::compare::run(&args),
         Verb::Decouple(args) => verbs::decouple::run(&args),
+        #[cfg(feature = "report")]
+        Verb::Report(args) => verbs::report::run(&args),
         Verb::Check(args) => return ExitCode::from(verbs::check::run(&args)),
     };
     match done {

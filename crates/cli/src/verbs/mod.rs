@@ -4,3 +4,5 @@ pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod decouple;
 pub(crate) mod field;
+#[cfg(feature = "report")]
+pub(crate) mod report;
