@@ -139,7 +139,7 @@ function showTiles(data) {
       gl.drawArrays(mode, 0, count);
     };
     gl.enable(gl.POLYGON_OFFSET_FILL);
-    gl.polygonOffset(1, 1);
+    gl.polygonOffset(1.5, 8);
     show(buffers[0], gl.TRIANGLES);
     show(buffers[1], gl.LINES);
     // Arrows are inside their tiles: they show through.

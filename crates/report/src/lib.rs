@@ -8,6 +8,7 @@
 
 mod arrow;
 mod colours;
+mod drafts;
 mod figure;
 mod figures;
 mod image;

@@ -3,33 +3,18 @@
 use std::fmt;
 
 use glam::DVec3;
-use magsplice::layout::NamedTile;
 use magsplice::{Film, FilmError};
+use rayon::prelude::*;
 
+use crate::drafts::{Draft, FIGURE_NAMES, drafts};
 use crate::figure::Figure;
-use crate::figures::{AXES, along_axes, drawn_tiles, field_maps, layout_from_above, parameter_maps, vectors};
+use crate::figures::drawn_tiles;
 use crate::page::page;
-use crate::survey::{Slice, Survey};
+use crate::survey::Survey;
 use crate::typeset;
-
-/// Side of the maps of parameters on planes of equal z, and room of those on upright planes, in pixels.
-const LEVEL_PX: [f64; 2] = [220.0, 220.0];
-const UPRIGHT_PX: [f64; 2] = [340.0, 200.0];
 
 /// Name of the page.
 const PAGE_NAME: &str = "report.html";
-/// Names of all figures, whether or not a layout has them.
-const FIGURE_NAMES: [&str; 8] = [
-    "layout",
-    "vectors",
-    "field-lowest",
-    "field-middle",
-    "field-highest",
-    "parameters-level",
-    "parameters-upright",
-    "parameters-along-axes",
-];
-
 /// Results as the program prints them elsewhere.
 #[derive(Clone, Copy, Debug)]
 pub struct Numbers<'a> {
@@ -72,7 +57,14 @@ impl Report {
         let survey = Survey::of(film).map_err(ReportError::Film)?;
         let layout = film.layout();
         let tiles = drawn_tiles(&layout.tiles, layout.volume.as_ref().map_or(DVec3::ZERO, |v| v.reference_mm));
-        let figures = figures(film, &tiles, survey.as_ref())?;
+        let options = typeset::options();
+        let figures = drafts(film, &tiles, survey.as_ref())?
+            .into_par_iter()
+            .map(|Draft { name, caption, svg }| {
+                let figure = Figure::new(name, caption, &svg, &options);
+                figure.map_err(|message| ReportError::Drawing { figure: name.to_owned(), message })
+            })
+            .collect::<Result<Vec<Figure>, ReportError>>()?;
         let absent = absent(film);
         let html = page(film, survey.as_ref(), &tiles, &figures, &absent, numbers);
         Ok(Report { figures, html, absent })
@@ -111,72 +103,6 @@ fn absent(film: &Film) -> Vec<String> {
     absent
 }
 
-fn figures(film: &Film, tiles: &[&NamedTile], survey: Option<&Survey>) -> Result<Vec<Figure>, ReportError> {
-    let options = typeset::options();
-    let mut figures = Vec::new();
-    let mut add = |name: &str, caption: String, drawn: Result<String, String>| {
-        debug_assert!(FIGURE_NAMES.contains(&name), "{name}");
-        let figure = drawn.and_then(|svg| Figure::new(name, caption, &svg, &options));
-        figures.push(figure.map_err(|message| ReportError::Drawing { figure: name.to_owned(), message })?);
-        Ok(())
-    };
-    let layout = film.layout();
-    let volume = layout.volume.as_ref();
-    let caption = "The tiles from above, their polarization and their names.".to_owned();
-    add("layout", caption, layout_from_above::draw(tiles, layout.tiles.len(), volume))?;
-    let Some(survey) = survey else { return Ok(figures) };
-
-    let caption = "The field in three planes. Length and colour of an arrow follow the logarithm of the field's component in the plane; dashed: the \
-                   working volume."
-        .to_owned();
-    add("vectors", caption, vectors::draw(film, tiles, survey.volume))?;
-
-    let volume = survey.volume;
-    let slice = |normal: usize, at_mm: f64| Slice::of(film, volume, normal, at_mm).map_err(ReportError::Film);
-    let planes = survey.z_planes();
-    let mut level = Vec::new();
-    for &k in &planes {
-        let z_mm = volume.grid.coordinate(2, k);
-        level.push((slice(2, z_mm)?, z_mm));
-    }
-    for (place, (slice, z_mm)) in ["lowest", "middle", "highest"].into_iter().zip(&level) {
-        let place = if level.len() == 2 && place == "middle" { "highest" } else { place };
-        let what = if survey.against_ideal.is_some() {
-            "the spliced film, of the ideal film (Eq. 2) on the same scale, and their difference"
-        } else {
-            "the film"
-        };
-        let caption = format!("B of {what}, at z = {z_mm} mm.");
-        add(&format!("field-{place}"), caption, field_maps::draw(survey, slice, *z_mm))?;
-    }
-    let Some(against) = &survey.against_ideal else { return Ok(figures) };
-
-    let titled =
-        |(slice, z_mm): (Slice, f64)| (slice, format!("{} = {} mm", typeset::variable("z"), typeset::number(z_mm)));
-    let level: Vec<(Slice, String)> = level.into_iter().map(titled).collect();
-    let caption =
-        "The decoupling parameters on planes of equal z: R_x should depend on x only, R_y on y, S_z on z.".to_owned();
-    add("parameters-level", caption, parameter_maps::draw(against, &level, LEVEL_PX))?;
-
-    let middle = 0.5 * (volume.lower_mm + volume.upper_mm);
-    let mut upright = Vec::new();
-    for normal in [1, 0] {
-        let title = format!("{} = {} mm", typeset::variable(AXES[normal]), typeset::number(middle[normal]));
-        upright.push((slice(normal, middle[normal])?, title));
-    }
-    let caption =
-        "The decoupling parameters on the two upright planes through the middle of the working volume.".to_owned();
-    add("parameters-upright", caption, parameter_maps::draw(against, &upright, UPRIGHT_PX))?;
-
-    if let Some(drawn) = along_axes::draw(survey) {
-        let caption = "Each decoupling parameter along its own axis against the straight line of the ideal film, and its spread over the two other axes, on \
-                       which it should not depend."
-            .to_owned();
-        add("parameters-along-axes", caption, drawn)?;
-    }
-    Ok(figures)
-}
-
 impl fmt::Display for ReportError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -187,3 +113,102 @@ impl fmt::Display for ReportError {
 }
 
 impl std::error::Error for ReportError {}
+
+#[cfg(test)]
+mod tests {
+    use resvg::usvg::{Group, Node, Rect, Tree};
+
+    use super::*;
+    use magsplice::layout::Layout;
+
+    fn texts(group: &Group, found: &mut Vec<(String, Rect)>) {
+        for node in group.children() {
+            match node {
+                Node::Group(group) => texts(group, found),
+                Node::Text(text) => {
+                    let letters = text.chunks().iter().map(|chunk| chunk.text().trim()).collect::<String>();
+                    found.push((letters, text.abs_bounding_box()));
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Whether two texts cover each other by more than the empty space that boxes of letters have.
+    fn meet(a: &Rect, b: &Rect) -> bool {
+        let across = a.right().min(b.right()) - a.left().max(b.left());
+        let along = a.bottom().min(b.bottom()) - a.top().max(b.top());
+        across > 1.0 && along > 3.5
+    }
+
+    fn turned() -> String {
+        let tiles = [
+            ("north <&> 'ß'", [0.0, 0.0, 0.5], [6.0, 2.0, 1.0], [0.1, 0.0, 0.05], 30.0),
+            ("up", [-5.0, 4.0, 0.5], [3.0, 3.0, 1.0], [0.0, 0.0, 0.12], 0.0),
+            ("none", [-5.0, -4.0, 0.5], [2.0, 3.0, 1.0], [0.0, 0.0, 0.0], 0.0),
+            ("diagonal", [5.0, -4.0, 0.5], [3.0, 3.0, 1.0], [0.08, 0.08, -0.05], 45.0),
+        ];
+        let tile = |(name, position, size, polarization, angle): &(&str, [f64; 3], [f64; 3], [f64; 3], f64)| {
+            format!(
+                "[[tile]]\nname = \"{name}\"\nposition_mm = {position:?}\nsize_mm = {size:?}\npolarization_t = {polarization:?}\n\
+                 rotation = {{ axis = [0.0, 0.0, 1.0], angle_deg = {angle:?} }}\n"
+            )
+        };
+        "format = 1\nname = \"turned\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n[volume]\n\
+         x_mm = [-2.0, 2.0]\ny_mm = [-1.0, 1.0]\nz_mm = [-5.0, -3.5]\nstep_mm = 0.25\n"
+            .to_owned()
+            + &tiles.iter().map(tile).collect::<String>()
+    }
+
+    /// No text of any figure is cut off by the sheet's end or covers another; every text has a letter of its font.
+    #[test]
+    fn texts_have_room() {
+        let shipped = ["published-film", "film-40mm", "single-tile"].map(|name| {
+            let path = format!("{}/../../layouts/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+            std::fs::read_to_string(path).unwrap()
+        });
+        let options = typeset::options();
+        let mut seen = 0;
+        for text in shipped.into_iter().chain([turned()]) {
+            let layout = Layout::parse(&text, "layout").unwrap();
+            let film = Film::new(&layout);
+            let survey = Survey::of(&film).unwrap();
+            let tiles = drawn_tiles(&layout.tiles, DVec3::ZERO);
+            for Draft { name, svg, .. } in drafts(&film, &tiles, survey.as_ref()).unwrap() {
+                let tree = Tree::from_str(&svg, &options).unwrap();
+                let mut found = Vec::new();
+                texts(tree.root(), &mut found);
+                let sheet = tree.size();
+                for (i, (text, bounds)) in found.iter().enumerate() {
+                    let inside = bounds.left() >= 0.0
+                        && bounds.top() >= 0.0
+                        && bounds.right() <= sheet.width()
+                        && bounds.bottom() <= sheet.height();
+                    assert!(inside, "{}, {name}: {text:?} at {bounds:?} leaves the sheet", layout.name);
+                    for (other, others) in &found[..i] {
+                        let apart = !meet(bounds, others);
+                        assert!(
+                            apart,
+                            "{}, {name}: {text:?} at {bounds:?} covers {other:?} at {others:?}",
+                            layout.name
+                        );
+                    }
+                }
+                seen += found.len();
+            }
+        }
+        assert!(seen > 500, "{seen} texts");
+    }
+
+    #[test]
+    fn tiles_carry_their_names() {
+        let layout = Layout::parse(&turned(), "layout").unwrap();
+        let film = Film::new(&layout);
+        let tiles = drawn_tiles(&layout.tiles, DVec3::ZERO);
+        let drafts = drafts(&film, &tiles, None).unwrap();
+        assert_eq!(drafts.len(), 1);
+        for name in ["north &lt;&amp;&gt; &apos;ß&apos;", "up", "none", "diagonal"] {
+            assert!(drafts[0].svg.contains(&format!("\n{name}\n")), "{name}");
+        }
+    }
+}
