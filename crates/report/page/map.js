@@ -104,9 +104,10 @@ function showMap(data) {
     for (let i = 0; i < xs.length; i++) {
       for (let j = 0; j < ys.length; j++) {
         paper.fillStyle = colour(at(map, i, j));
-        const [left, top] = [px(xSides[i]), py(ySides[j + 1])];
-        // A little more, so that no gap shows between cells.
-        paper.fillRect(left, top, px(xSides[i + 1]) - left + 0.5, py(ySides[j]) - top + 0.5);
+        // Whole pixels, so that no gap shows between cells.
+        const [left, right] = [xSides[i], xSides[i + 1]].map((x) => Math.round(px(x)));
+        const [top, bottom] = [ySides[j + 1], ySides[j]].map((y) => Math.round(py(y)));
+        paper.fillRect(left, top, right - left, bottom - top);
       }
     }
     paper.strokeStyle = paper.fillStyle = "#1e1e1e";

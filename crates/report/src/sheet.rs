@@ -19,8 +19,10 @@ pub(crate) fn units(px: f64) -> i32 {
     (px * UNITS_PER_PX).round() as i32
 }
 
+pub(crate) type DrawError = DrawingAreaErrorKind<std::io::Error>;
+
 /// What drawing may end with.
-pub(crate) type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+pub(crate) type Drawn = Result<(), DrawError>;
 
 /// Lengths are in pixels, from the upper left corner, 96 to the inch.
 pub(crate) struct Sheet<'a> {

@@ -2,6 +2,8 @@
 
 mod bad_layouts;
 mod bad_points;
+#[cfg(feature = "report")]
+mod report;
 mod results;
 
 use std::fs;

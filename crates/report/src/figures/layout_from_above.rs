@@ -3,23 +3,24 @@
 use glam::{DVec2, DVec3};
 use magsplice::layout::{NamedTile, WorkingVolume};
 use plotters::prelude::RGBColor;
-use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::arrow::arrow;
 use crate::colours::{Directions, light, plot};
 use crate::panel::{BELOW_PX, Beside, LEFT_PX, Panel};
 use crate::sheet::{Drawn, INK, LETTERS, Lettering, Sheet, sheet};
 use crate::solid::{bounds, from_above};
-use crate::typeset::{number, plain, variable};
+use crate::typeset::plain;
+
+use super::layout_key::Key;
 
 /// Room for the drawing and for the key at its right, in pixels.
 const ROOM_PX: f64 = 740.0;
 const KEY_PX: f64 = 190.0;
 const TOP_PX: f64 = 14.0;
-/// The longest arrow of the key.
-const MOST_KEY_PX: f64 = 105.0;
 /// Empty space around the tiles, as a fraction of the drawing.
 const MARGIN: f64 = 0.03;
+/// Half the narrower side of the drawing at least, as a fraction of the wider.
+const NARROWEST: f64 = 0.06;
 
 /// Letters of names, in pixels: smaller ones are left out.
 const NAME_PX: [f64; 2] = [7.5, 12.0];
@@ -28,7 +29,7 @@ const LETTER_WIDTH: f64 = 0.56;
 /// How far towards its name an arrow may reach, as a fraction of the distance.
 const TO_NAME: f64 = 0.75;
 /// Components below this fraction of the largest |J| are not drawn.
-const VANISHING: f64 = 1e-6;
+pub(super) const VANISHING: f64 = 1e-6;
 
 pub(crate) fn draw(tiles: &[&NamedTile], all: usize, volume: Option<&WorkingVolume>) -> Result<String, String> {
     let most_t = tiles.iter().map(|named| named.tile.polarization_t().length()).fold(0.0, f64::max);
@@ -37,8 +38,9 @@ pub(crate) fn draw(tiles: &[&NamedTile], all: usize, volume: Option<&WorkingVolu
         Some(v) => (low.min(v.lower_mm), high.max(v.upper_mm)),
         None => (low, high),
     };
-    let margin = MARGIN * (high - low).truncate().max_element();
-    let (low, high) = (low - margin, high + margin);
+    let (longest, middle) = ((high - low).truncate().max_element(), 0.5 * (low + high));
+    let half = (0.5 * (high - low)).max(DVec3::splat(NARROWEST * longest)) + MARGIN * longest;
+    let (low, high) = (middle - half, middle + half);
     let extents = [high.x - low.x, high.y - low.y];
     let per_mm = ROOM_PX / extents[0].max(extents[1]);
     let panel = Panel {
@@ -82,7 +84,17 @@ pub(crate) fn draw(tiles: &[&NamedTile], all: usize, volume: Option<&WorkingVolu
             n if n == tiles.len() => vec!["Tiles too small for".to_owned(), "their names".to_owned()],
             n => vec![format!("Tiles: {}\u{2026}", plain(prefix)), format!("({n} without room for it)")],
         };
-        picture.key(sheet, arrow_mm, volume.is_some(), tiles, all, &names)
+        let key = Key {
+            left: panel.right() + 24.0,
+            top: TOP_PX,
+            arrow_px: arrow_mm * panel.px_per_x(),
+            most_t,
+            tiles,
+            all,
+            volume: volume.is_some(),
+            names: &names,
+        };
+        key.draw(sheet, &picture.directions)
     })
 }
 
@@ -205,87 +217,10 @@ impl Picture {
         let letters = LETTERS.sized(self.letters_px(named, prefix)).centred();
         sheet.text(self.px(at), &name, Lettering { upright, colour: RGBColor(50, 50, 50), ..letters })
     }
-
-    fn key(
-        &self,
-        sheet: &Sheet,
-        arrow_mm: f64,
-        volume: bool,
-        tiles: &[&NamedTile],
-        all: usize,
-        names: &[String],
-    ) -> Drawn {
-        let left = self.panel.right() + 24.0;
-        let (mut y, wheel) = (TOP_PX + 10.0, 46.0);
-        sheet.text([left, y], "Direction of polarization", LETTERS)?;
-        y += 24.0 + wheel;
-        let centre = [left + wheel + 18.0, y];
-        let sectors = 48;
-        for i in 0..sectors {
-            let angle = |i: i32| f64::from(i) / f64::from(sectors) * std::f64::consts::TAU;
-            let (from, to, middle) = (angle(i) - 0.01, angle(i + 1), 0.5 * (angle(i) + angle(i + 1)));
-            let rim = |angle: f64, r: f64| [centre[0] + r * angle.cos(), centre[1] - r * angle.sin()];
-            let colour = light(self.directions.colour(DVec3::new(middle.cos(), middle.sin(), 0.0)));
-            let inner = 0.45 * wheel;
-            sheet.fill(&[rim(from, wheel), rim(to, wheel), rim(to, inner), rim(from, inner)], colour)?;
-        }
-        for (text, dx, dy) in [("x", 1.0, 0.0), ("y", 0.0, -1.0)] {
-            let letters = LETTERS.centred();
-            sheet.text([centre[0] + dx * (wheel + 10.0), centre[1] + dy * (wheel + 9.0)], &variable(text), letters)?;
-            let tip = [centre[0] + dx * 0.4 * wheel, centre[1] + dy * 0.4 * wheel];
-            arrow(sheet, centre, tip, 1.2, INK)?;
-        }
-        y += wheel + 34.0;
-        let strength = |t: f64| format!("{} T", number(digits(t)));
-        let any_in_plane = tiles.iter().any(|named| self.in_plane(named).is_some());
-        if any_in_plane {
-            let length = (arrow_mm * self.panel.px_per_x()).min(MOST_KEY_PX);
-            arrow(sheet, [left, y], [left + length, y], (0.05 * length).clamp(1.2, 2.6), INK)?;
-            let as_long = arrow_mm * self.panel.px_per_x() <= MOST_KEY_PX;
-            let text = if as_long { strength(self.most_t) } else { "in the plane".to_owned() };
-            sheet.text([left + length + 8.0, y], &text, LETTERS)?;
-            y += 26.0;
-        }
-        let vertical = |up: bool| {
-            move |named: &&&NamedTile| {
-                let z = named.tile.scene_polarization_t().z;
-                if up { z > VANISHING * self.most_t } else { z < -VANISHING * self.most_t }
-            }
-        };
-        for (up, text) in [(true, "up, to the viewer"), (false, "down")] {
-            if tiles.iter().any(|named| vertical(up)(&named)) {
-                upright_mark(sheet, [left + 10.0, y], 8.0, up)?;
-                sheet.text([left + 28.0, y], text, LETTERS)?;
-                y += 26.0;
-            }
-        }
-        if volume {
-            corner_marks(sheet, [left, y - 8.0], [left + 24.0, y + 8.0], 5.0)?;
-            sheet.text([left + 34.0, y], "working volume", LETTERS)?;
-            y += 30.0;
-        }
-        let mut lines = vec![if all == 1 { "1 tile".to_owned() } else { format!("{all} tiles") }];
-        if tiles.len() < all {
-            lines.push(format!("drawn: the {} nearest", tiles.len()));
-        }
-        let least_t = tiles.iter().map(|named| named.tile.polarization_t().length()).fold(f64::MAX, f64::min);
-        if self.most_t - least_t <= 1e-9 * self.most_t {
-            let each = if all == 1 { "" } else { " in each" };
-            lines.push(format!("|{}| = {}{each}", variable("J"), strength(self.most_t)));
-        } else {
-            lines.push(format!("|{}| = {} to {}", variable("J"), strength(least_t), strength(self.most_t)));
-        }
-        lines.extend_from_slice(names);
-        for line in lines {
-            sheet.text([left, y], &line, Lettering { across: HPos::Left, along: VPos::Center, ..LETTERS })?;
-            y += 20.0;
-        }
-        Ok(())
-    }
 }
 
 /// The corners of a rectangle, which hide less than its sides.
-fn corner_marks(sheet: &Sheet, [left, top]: [f64; 2], [right, bottom]: [f64; 2], most_px: f64) -> Drawn {
+pub(super) fn corner_marks(sheet: &Sheet, [left, top]: [f64; 2], [right, bottom]: [f64; 2], most_px: f64) -> Drawn {
     let length = most_px.min(0.4 * (right - left)).min(0.4 * (bottom - top));
     for (x, inwards) in [(left, length), (right, -length)] {
         for (y, down) in [(top, length), (bottom, -length)] {
@@ -298,7 +233,7 @@ fn corner_marks(sheet: &Sheet, [left, top]: [f64; 2], [right, bottom]: [f64; 2],
 }
 
 /// The tip of an arrow towards the viewer, or its feathers.
-fn upright_mark(sheet: &Sheet, at: [f64; 2], radius: f64, up: bool) -> Drawn {
+pub(super) fn upright_mark(sheet: &Sheet, at: [f64; 2], radius: f64, up: bool) -> Drawn {
     sheet.disc(at, radius, RGBColor(255, 255, 255))?;
     sheet.ring(at, radius, INK, (0.16 * radius).max(0.4))?;
     if up {
@@ -309,11 +244,6 @@ fn upright_mark(sheet: &Sheet, at: [f64; 2], radius: f64, up: bool) -> Drawn {
         sheet.line(&[[at[0] - dx, at[1] - dy], [at[0] + dx, at[1] + dy]], INK, (0.16 * radius).max(0.4))?;
     }
     Ok(())
-}
-
-/// Four digits of a number.
-fn digits(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
 }
 
 fn area(polygon: &[DVec2]) -> f64 {

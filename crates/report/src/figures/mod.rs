@@ -3,6 +3,7 @@
 pub(crate) mod along_axes;
 pub(crate) mod field_maps;
 pub(crate) mod layout_from_above;
+mod layout_key;
 pub(crate) mod parameter_maps;
 pub(crate) mod vectors;
 

@@ -16,10 +16,11 @@ use crate::units::flux_unit;
 
 use super::AXES;
 
-/// Width and height of the two upright views at most, and of any view at least, in pixels.
+/// Width and height of the two upright views at most, in pixels.
 const WIDE_PX: f64 = 560.0;
 const HIGH_PX: f64 = 270.0;
-const LEAST_PX: f64 = 90.0;
+/// The shortest side of a view, as a fraction of the longest.
+const NARROWEST: f64 = 0.2;
 const TOP_PX: f64 = 34.0;
 /// Distance of neighbouring arrows, in pixels, and the length of the longest.
 const PITCH_PX: f64 = 17.5;
@@ -65,14 +66,20 @@ pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) ->
     } else {
         z
     };
-    let [x, y] = [window(0), window(1)];
+    // Never so narrow that lengths would have different scales.
+    let widest = [window(0), window(1), z].map(|[low, high]| high - low).into_iter().fold(0.0, f64::max);
+    let wide_enough = |[low, high]: [f64; 2]| {
+        let more = (0.5 * (NARROWEST * widest - (high - low))).max(0.0);
+        [low - more, high + more]
+    };
+    let [x, y, z] = [window(0), window(1), z].map(wide_enough);
     let per_mm = (WIDE_PX / (x[1] - x[0])).min(WIDE_PX / (y[1] - y[0])).min(HIGH_PX / (z[1] - z[0]));
-    let height = (per_mm * (z[1] - z[0])).max(LEAST_PX);
+    let height = per_mm * (z[1] - z[0]);
     let left = LEFT_PX + 6.0;
     let upright = |horizontal: [f64; 2], top: f64| Panel {
         left,
         top,
-        width: (per_mm * (horizontal[1] - horizontal[0])).max(LEAST_PX),
+        width: per_mm * (horizontal[1] - horizontal[0]),
         height,
         x: horizontal,
         y: z,
@@ -84,8 +91,8 @@ pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) ->
     let third = Panel {
         left: first.right().max(second.right()) + LEFT_PX + 28.0,
         top: TOP_PX,
-        width: (per_mm * (x[1] - x[0])).max(LEAST_PX),
-        height: (per_mm * (y[1] - y[0])).max(LEAST_PX),
+        width: per_mm * (x[1] - x[0]),
+        height: per_mm * (y[1] - y[0]),
         x,
         y,
     };
