@@ -22,6 +22,9 @@ const NUMBERS: f64 = 12.0;
 /// A number on an axis for so many pixels, at most.
 const PX_PER_NUMBER: f64 = 34.0;
 
+/// A side of a panel is at least this fraction of its room, or its axis had no numbers.
+const LEAST_OF_ROOM: f64 = 0.45;
+
 /// A rectangle of a sheet, in pixels, with a range of values along each side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Panel {
@@ -217,5 +220,5 @@ fn most_numbers(px: f64) -> usize {
 pub(crate) fn equal_scale(room_px: [f64; 2], extents_mm: [f64; 2]) -> [f64; 2] {
     let per_mm = (room_px[0] / extents_mm[0]).min(room_px[1] / extents_mm[1]);
     // A sliver would not be readable; its scales then differ.
-    [0, 1].map(|i| (per_mm * extents_mm[i]).max(0.12 * room_px[i]))
+    [0, 1].map(|i| (per_mm * extents_mm[i]).max(LEAST_OF_ROOM * room_px[i]))
 }

@@ -200,6 +200,27 @@ mod tests {
         assert!(seen > 500, "{seen} texts");
     }
 
+    /// Below the published film B_x falls along x and B_y along y: red is positive, up is more y.
+    #[test]
+    fn maps_are_the_right_way_round() {
+        let path = format!("{}/../../layouts/published-film.toml", env!("CARGO_MANIFEST_DIR"));
+        let layout = Layout::read(path.as_ref()).unwrap();
+        let film = Film::new(&layout);
+        let survey = Survey::of(&film).unwrap();
+        let drafts = drafts(&film, &[], survey.as_ref()).unwrap();
+        let draft = drafts.iter().find(|draft| draft.name == "field-lowest").unwrap();
+        let figure = Figure::new(draft.name, String::new(), &draft.svg, &typeset::options()).unwrap();
+        let png = resvg::tiny_skia::Pixmap::decode_png(&figure.png).unwrap();
+        // In pixels of the SVG, three of the PNG: the first column of maps, 220 wide and high, from (58, 52) on, 238 apart.
+        let is_red = |x: u32, y: u32| {
+            let pixel = png.pixel(3 * (58 + x), 3 * (52 + y)).unwrap();
+            assert!(pixel.red().abs_diff(pixel.blue()) > 60, "{pixel:?}");
+            pixel.red() > pixel.blue()
+        };
+        assert!(is_red(10, 110) && !is_red(210, 110));
+        assert!(!is_red(110, 238 + 10) && is_red(110, 238 + 210));
+    }
+
     #[test]
     fn tiles_carry_their_names() {
         let layout = Layout::parse(&turned(), "layout").unwrap();

@@ -1,5 +1,6 @@
 //! Letters: symbols with subscripts, and the font.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use resvg::usvg::{Options, fontdb};
@@ -24,10 +25,14 @@ pub(crate) fn variable(letter: &str) -> String {
     symbol(letter, "")
 }
 
-/// Words of the layout's author: without our marks and without characters that XML does not have.
+/// What the fonts have of letters: Latin, Greek, Cyrillic, punctuation.
+const LETTERS: [RangeInclusive<char>; 5] =
+    [' '..='~', '\u{a0}'..='\u{24f}', '\u{370}'..='\u{3ff}', '\u{400}'..='\u{45f}', '\u{2010}'..='\u{2027}'];
+
+/// Words of the layout's author, with a mark for what the fonts do not have; our marks are among that, and characters that XML does not have.
 pub(crate) fn plain(text: &str) -> String {
-    let foreign = |c: char| c.is_control() || matches!(c, SYMBOL | SUBSCRIPT | END | '\u{fffe}' | '\u{ffff}');
-    text.chars().map(|c| if foreign(c) { '\u{fffd}' } else { c }).collect()
+    let known = |c: char| LETTERS.iter().any(|range| range.contains(&c));
+    text.chars().map(|c| if known(c) { c } else { '\u{fffd}' }).collect()
 }
 
 /// SVG with the marks turned into elements.
@@ -81,6 +86,6 @@ mod tests {
 
     #[test]
     fn names_cannot_be_taken_for_marks() {
-        assert_eq!(plain("a\u{e000}b\u{1}\n"), "a\u{fffd}b\u{fffd}\u{fffd}");
+        assert_eq!(plain("a\u{e000}b\u{1}\n\u{78c1}ß"), "a\u{fffd}b\u{fffd}\u{fffd}\u{fffd}ß");
     }
 }

@@ -22,6 +22,8 @@ const HIGH_PX: f64 = 270.0;
 /// The shortest side of a view, as a fraction of the longest.
 const NARROWEST: f64 = 0.2;
 const TOP_PX: f64 = 34.0;
+/// A colour bar as high as its name is long.
+const LEAST_BAR_PX: f64 = 190.0;
 /// Distance of neighbouring arrows, in pixels, and the length of the longest.
 const PITCH_PX: f64 = 17.5;
 const LONGEST_PX: f64 = 19.0;
@@ -133,8 +135,7 @@ pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) ->
             }
             view.frame(sheet)?;
         }
-        // As high as both upright views.
-        let bar = Panel { top: TOP_PX, height: third.height, ..third };
+        let bar = Panel { height: third.height.max(LEAST_BAR_PX), ..third };
         let name = format!("|{}| in the plane of view ({})", variable("B"), unit.name);
         bar.logarithmic_bar(sheet, 14.0, scale, &name)
     })
