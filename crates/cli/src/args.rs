@@ -48,6 +48,8 @@ pub(crate) enum Verb {
     /// Evaluate the film: its field, its distance from the ideal film, and its decoupling error.
     #[command(after_help = "Example:\n  magsplice decouple layouts/published-film.toml --format json")]
     Decouple(LayoutArgs),
+    #[cfg(feature = "report")]
+    Report(ReportArgs),
     Check(CheckArgs),
     Tiles(TilesArgs),
     Init(InitArgs),
@@ -147,6 +149,24 @@ pub(crate) struct LayoutArgs {
     /// How to write the result
     #[arg(long, value_enum, default_value = "text")]
     pub(crate) format: Format,
+    #[command(flatten)]
+    pub(crate) accuracy: AccuracyArg,
+}
+
+/// Draw the film and its field: figures as SVG and PNG, and one page with all of them.
+///
+/// The figures of Dai 2024 for any layout: the tiles from above, field vectors in three views, B beside the ideal film on planes, the decoupling
+/// parameters through the working volume and along their axes. The page report.html needs no network and no other file: numbers, a view of the
+/// tiles to turn, maps to point at. The folder appears whole or not at all; a report that is there is replaced.
+#[cfg(feature = "report")]
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice report layouts/published-film.toml -o report")]
+pub(crate) struct ReportArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// Folder to write: new, empty, or with a report that is replaced
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) accuracy: AccuracyArg,
 }

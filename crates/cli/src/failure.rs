@@ -26,6 +26,11 @@ pub(crate) enum Failure {
         path: PathBuf,
         message: String,
     },
+    #[cfg(feature = "report")]
+    Report {
+        layout: PathBuf,
+        message: String,
+    },
     /// Lines of a point file, or points, that have no field.
     Faults {
         place: String,
@@ -50,6 +55,8 @@ impl fmt::Display for Failure {
         match self {
             Failure::Layout(error) => error.fmt(f),
             Failure::Film { layout, error } => write!(f, "{}: {error}", layout.display()),
+            #[cfg(feature = "report")]
+            Failure::Report { layout, message } => write!(f, "{}: {message}", layout.display()),
             Failure::Points { path, message } => write!(f, "{}: {message}", path.display()),
             Failure::Faults { place, faults, more } => {
                 for (i, fault) in faults.iter().enumerate() {

@@ -10,7 +10,7 @@ const INTERRUPTED: i32 = 130;
 static TEMPORARY: Mutex<Option<PathBuf>> = Mutex::new(None);
 static HANDLER: Once = Once::new();
 
-/// From now on an interruption (Ctrl-C, termination, hang-up) removes this file before the program ends.
+/// From now on an interruption (Ctrl-C, termination, hang-up) removes this file or folder before the program ends.
 pub(crate) fn remove_if_interrupted(path: &Path) {
     if let Ok(mut temporary) = TEMPORARY.lock() {
         *temporary = Some(path.to_owned());
@@ -19,9 +19,16 @@ pub(crate) fn remove_if_interrupted(path: &Path) {
         // Without a handler the program works all the same; only the temporary file would stay.
         let _ = ctrlc::set_handler(|| {
             if let Ok(temporary) = TEMPORARY.lock() {
-                let _ = temporary.as_ref().map(fs::remove_file);
+                let _ = temporary.as_ref().map(|path| fs::remove_file(path).or_else(|_| fs::remove_dir_all(path)));
             }
             std::process::exit(INTERRUPTED);
         });
     });
+}
+
+/// Does something that must be done as a whole; an interruption waits for it.
+#[cfg(feature = "report")]
+pub(crate) fn uninterrupted<T>(work: impl FnOnce() -> T) -> T {
+    let _held = TEMPORARY.lock();
+    work()
 }

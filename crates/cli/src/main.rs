@@ -5,6 +5,8 @@
 mod args;
 mod baseline;
 mod failure;
+#[cfg(feature = "report")]
+mod folder;
 mod interrupt;
 mod output;
 mod points;
@@ -36,6 +38,8 @@ fn main() -> ExitCode {
         Verb::Schema => verbs::schema::run(),
         Verb::Completions(args) => verbs::completions::run(&args),
         Verb::Check(args) => return ExitCode::from(verbs::check::run(&args, common.quiet)),
+        #[cfg(feature = "report")]
+        Verb::Report(args) => verbs::report::run(&args),
     };
     match done {
         // A reader that closes the pipe early, such as `head`, has what it wanted.

@@ -51,12 +51,17 @@ pub(crate) fn tile_count(layout: &Layout) -> String {
     }
 }
 
-/// The field at the reference point, beside the ideal film's, and its range over the volume.
-pub(crate) fn field(field_t: &[DVec3], volume: &WorkingVolume, at_reference: DVec3, ideal: &IdealFilm) -> String {
+/// The field at the reference point, beside the ideal film's if there is one, and its range over the volume.
+pub(crate) fn field(
+    field_t: &[DVec3],
+    volume: &WorkingVolume,
+    at_reference: DVec3,
+    ideal: Option<&IdealFilm>,
+) -> String {
     let r = volume.reference_mm;
     let mut text = format!("{:<38}{:>13}{:>13}{:>13}\n", "field, mT", "B_x", "B_y", "B_z");
     row(&mut text, &format!("  at the reference ({}, {}, {}) mm", r.x, r.y, r.z), at_reference * MT);
-    if let Some(b) = ideal.flux_density_t(r) {
+    if let Some(b) = ideal.and_then(|film| film.flux_density_t(r)) {
         row(&mut text, "  ideal film (Eq. 2) there", b * MT);
     }
     let least = field_t.iter().copied().reduce(DVec3::min).unwrap_or_default();

@@ -42,6 +42,19 @@ pub struct Decoupling {
     pub ideal_rmse: PerParameter,
 }
 
+/// A parameter over one plane normal to its own axis, where it should be constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OverPlane {
+    /// Its mean.
+    pub mean: f64,
+    /// Its population standard deviation.
+    pub deviation: f64,
+    /// Its least value.
+    pub least: f64,
+    /// Its largest value.
+    pub most: f64,
+}
+
 /// Why there are no decoupling errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DecouplingError {
@@ -98,31 +111,47 @@ impl Decoupling {
         if singular.len() == grid.len() {
             return Err(DecouplingError::AllSingular);
         }
-        let uniformity_rmse = PerParameter {
-            r_x: mean_spread(&parameters, Axis(0), |p| p.r_x),
-            r_y: mean_spread(&parameters, Axis(1), |p| p.r_y),
-            s_z: mean_spread(&parameters, Axis(2), |p| p.s_z),
-        };
+        let [r_x, r_y, s_z] = [0, 1, 2].map(|axis| mean_deviation(&over_planes(&parameters, axis)));
+        let uniformity_rmse = PerParameter { r_x, r_y, s_z };
         let ideal_rmse = ideal_rmse(&parameters, &at_reference, grid, reference, ideal.wavenumber());
         Ok(Decoupling { parameters, at_reference, singular, uniformity_rmse, ideal_rmse })
     }
+
+    /// For each plane of the grid normal to `axis` (0, 1, 2 for x, y, z) the parameter that should follow that axis only; `None` where all points
+    /// of the plane are singular. The mean of the deviations is [`Decoupling::uniformity_rmse`].
+    ///
+    /// # Panics
+    /// If `axis` is above 2.
+    pub fn over_planes(&self, axis: usize) -> Vec<Option<OverPlane>> {
+        over_planes(&self.parameters, axis)
+    }
 }
 
-/// Standard deviation over each plane normal to `axis`, averaged over the planes that have any regular point.
-fn mean_spread(parameters: &Array3<Option<Parameters>>, axis: Axis, of: impl Fn(&Parameters) -> f64) -> f64 {
-    let spreads: Vec<f64> = parameters.axis_iter(axis).filter_map(|plane| spread(&plane, &of)).collect();
-    spreads.iter().sum::<f64>() / spreads.len() as f64
+fn over_planes(parameters: &Array3<Option<Parameters>>, axis: usize) -> Vec<Option<OverPlane>> {
+    let of: [fn(&Parameters) -> f64; 3] = [|p| p.r_x, |p| p.r_y, |p| p.s_z];
+    parameters.axis_iter(Axis(axis)).map(|plane| over_plane(&plane, of[axis])).collect()
 }
 
-/// Population standard deviation, in two passes so that a constant plane gives zero.
-fn spread(plane: &ArrayView2<Option<Parameters>>, of: impl Fn(&Parameters) -> f64) -> Option<f64> {
+/// The deviations averaged over the planes that have any regular point.
+fn mean_deviation(planes: &[Option<OverPlane>]) -> f64 {
+    let deviations: Vec<f64> = planes.iter().flatten().map(|plane| plane.deviation).collect();
+    deviations.iter().sum::<f64>() / deviations.len() as f64
+}
+
+/// In two passes, so that a constant plane has no deviation.
+fn over_plane(plane: &ArrayView2<Option<Parameters>>, of: fn(&Parameters) -> f64) -> Option<OverPlane> {
     let values: Vec<f64> = plane.iter().flatten().map(of).collect();
     if values.is_empty() {
         return None;
     }
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
-    Some((values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count).sqrt())
+    Some(OverPlane {
+        mean,
+        deviation: (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count).sqrt(),
+        least: values.iter().copied().fold(f64::INFINITY, f64::min),
+        most: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    })
 }
 
 fn ideal_rmse(
@@ -217,6 +246,10 @@ mod tests {
         assert_relative_eq!(d.ideal_rmse.s_z, e / 75.0_f64.sqrt(), max_relative = 1e-9);
         assert_relative_eq!(d.ideal_rmse.as_lengths(film().wavenumber()).z, e / 75.0_f64.sqrt() / film().wavenumber());
         assert!(d.uniformity_rmse.r_x < 1e-13);
+        let plane = d.over_planes(2)[1].unwrap();
+        assert_relative_eq!(plane.most - plane.least, e, max_relative = 1e-9);
+        assert_relative_eq!(plane.mean - plane.least, e / 25.0, max_relative = 1e-9);
+        assert_relative_eq!(plane.deviation, 3.0 * d.uniformity_rmse.s_z, max_relative = 1e-9);
     }
 
     #[test]

@@ -26,5 +26,5 @@
 mod decoupling;
 mod parameters;
 
-pub use decoupling::{Decoupling, DecouplingError, PerParameter};
+pub use decoupling::{Decoupling, DecouplingError, OverPlane, PerParameter};
 pub use parameters::{Branch, Parameters};

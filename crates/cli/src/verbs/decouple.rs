@@ -1,10 +1,10 @@
 //! `magsplice decouple`: field, distance from the ideal film and decoupling error of a film.
 
-use magsplice::Film;
-use magsplice::decouple::PerParameter;
-use magsplice::field::{Accuracy, Tolerance};
-use magsplice::layout::Layout;
+use magsplice::decouple::{Decoupling, PerParameter};
+use magsplice::field::{Accuracy, Comparison, IdealFilm, Tolerance};
+use magsplice::layout::{Layout, WorkingVolume};
 use magsplice::prelude::DVec3;
+use magsplice::{Film, FilmError};
 use serde::Serialize;
 
 use crate::args::{Format, LayoutArgs};
@@ -17,15 +17,38 @@ pub(crate) fn run(args: &LayoutArgs) -> Result<(), Failure> {
     let layout = Layout::read(&args.layout)?;
     let film = Film::new(&layout).with_accuracy(args.accuracy.get());
     let failed = |error| text::film_failure(&args.layout, &layout, error);
-    let ideal = film.ideal().map_err(failed)?;
-    let volume = film.volume().map_err(failed)?;
-    let field = film.volume_field_t().map_err(failed)?;
-    let comparison = film.compare(&field).map_err(failed)?;
-    let decoupling = film.decouple(&field).map_err(failed)?;
-    let k = ideal.wavenumber();
-    if args.format == Format::Json {
-        let report = Report {
-            source: Source::of(&film),
+    let evaluated = Evaluated::of(&film).map_err(failed)?;
+    output::print(&match args.format {
+        Format::Json => evaluated.json(),
+        Format::Text => evaluated.text().map_err(failed)?,
+    })
+}
+
+/// A film with all its numbers.
+pub(crate) struct Evaluated<'a> {
+    film: &'a Film<'a>,
+    ideal: &'a IdealFilm,
+    volume: &'a WorkingVolume,
+    field_t: Vec<DVec3>,
+    comparison: Comparison,
+    decoupling: Decoupling,
+}
+
+impl<'a> Evaluated<'a> {
+    pub(crate) fn of(film: &'a Film<'a>) -> Result<Evaluated<'a>, FilmError> {
+        let ideal = film.ideal()?;
+        let volume = film.volume()?;
+        let field_t = film.volume_field_t()?;
+        let comparison = film.compare(&field_t)?;
+        let decoupling = film.decouple(&field_t)?;
+        Ok(Evaluated { film, ideal, volume, field_t, comparison, decoupling })
+    }
+
+    pub(crate) fn json(&self) -> String {
+        let Evaluated { film, ideal, volume, comparison, decoupling, .. } = self;
+        let k = ideal.wavenumber();
+        text::json(&Report {
+            source: Source::of(film),
             points: volume.grid.len(),
             reference_mm: volume.reference_mm.to_array(),
             uniformity_rmse: decoupling.uniformity_rmse.into(),
@@ -33,18 +56,21 @@ pub(crate) fn run(args: &LayoutArgs) -> Result<(), Failure> {
             ideal_rmse: decoupling.ideal_rmse.into(),
             displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(k).into(),
             singular_points_mm: decoupling.singular.iter().map(DVec3::to_array).collect(),
-            comparison: (&comparison).into(),
-        };
-        return output::print(&text::json(&report));
+            comparison: comparison.into(),
+        })
     }
-    let at_reference = film.reference_field_t().map_err(failed)?;
-    let sections = [
-        text::header(&film, volume),
-        text::field(&field, volume, at_reference, ideal),
-        text::comparison(&comparison),
-        text::decoupling(&decoupling, volume, k),
-    ];
-    output::print(&sections.join("\n"))
+
+    pub(crate) fn text(&self) -> Result<String, FilmError> {
+        let Evaluated { film, ideal, volume, field_t, comparison, decoupling } = self;
+        let at_reference = film.reference_field_t()?;
+        let sections = [
+            text::header(film, volume),
+            text::field(field_t, volume, at_reference, Some(ideal)),
+            text::comparison(comparison),
+            text::decoupling(decoupling, volume, ideal.wavenumber()),
+        ];
+        Ok(sections.join("\n"))
+    }
 }
 
 /// What a result was made from and by.

@@ -15,7 +15,9 @@ pub(crate) fn run(args: &InitArgs, quiet: bool) -> Result<(), Failure> {
     output::create(&args.file, COMMENTED_LAYOUT)?;
     if !quiet {
         let file = args.file.display();
-        failure::tell(&format_args!("wrote {file}; try `magsplice check {file}`, `magsplice decouple {file}`"));
+        let look =
+            if cfg!(feature = "report") { format!(", `magsplice report {file} -o report`") } else { String::new() };
+        failure::tell(&format_args!("wrote {file}; try `magsplice check {file}`, `magsplice decouple {file}`{look}"));
     }
     Ok(())
 }

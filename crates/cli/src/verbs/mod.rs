@@ -6,5 +6,7 @@ pub(crate) mod completions;
 pub(crate) mod decouple;
 pub(crate) mod field;
 pub(crate) mod init;
+#[cfg(feature = "report")]
+pub(crate) mod report;
 pub(crate) mod schema;
 pub(crate) mod tiles;

@@ -4,6 +4,8 @@ mod bad_layouts;
 mod bad_points;
 mod checks;
 mod help;
+#[cfg(feature = "report")]
+mod report;
 mod results;
 mod start;
 #[cfg(target_os = "linux")]

@@ -1,0 +1,88 @@
+//! A folder of results that appears whole or not at all.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::failure::Failure;
+use crate::interrupt;
+
+/// A folder to be written: filled beside its destination, and moved there by [`Folder::finish`].
+pub(crate) struct Folder {
+    filled: TempDir,
+    destination: PathBuf,
+}
+
+impl Folder {
+    /// Opens `path`, which must be free, an empty folder, or a folder in which all is `ours`, to be replaced.
+    pub(crate) fn open(path: &Path, ours: impl Fn(&str) -> bool) -> Result<Folder, Failure> {
+        let failed = |error: io::Error| Failure::Write { target: path.display().to_string(), error };
+        // A link stays one.
+        let destination = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".magsplice-");
+        match fs::metadata(&destination) {
+            Ok(there) if !there.is_dir() => return Err(failed(io::Error::from(io::ErrorKind::NotADirectory))),
+            Ok(there) if there.permissions().readonly() => {
+                return Err(failed(io::Error::other("it is read-only")));
+            }
+            Ok(there) => {
+                for entry in fs::read_dir(&destination).map_err(failed)? {
+                    let entry = entry.map_err(failed)?;
+                    let name = entry.file_name();
+                    let is_ours =
+                        name.to_str().is_some_and(&ours) && entry.file_type().is_ok_and(|kind| kind.is_file());
+                    if !is_ours {
+                        let why = format!("it holds {}, which is not of a report and would be lost", name.display());
+                        return Err(failed(io::Error::other(why)));
+                    }
+                }
+                builder.permissions(there.permissions());
+            }
+            Err(_) if fs::symlink_metadata(&destination).is_ok() => {
+                return Err(failed(io::Error::other("it is a link that leads nowhere")));
+            }
+            Err(_) => {
+                #[cfg(unix)]
+                builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
+            }
+        }
+        let beside = destination.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        // The error of the library names the temporary folder, which nobody knows.
+        let filled = builder.tempdir_in(beside).map_err(|e| failed(io::Error::from(e.kind())))?;
+        interrupt::remove_if_interrupted(filled.path());
+        Ok(Folder { filled, destination })
+    }
+
+    /// Writes one file.
+    pub(crate) fn write(&self, name: &str, contents: &[u8]) -> Result<(), Failure> {
+        let target = || self.destination.join(name).display().to_string();
+        fs::write(self.filled.path().join(name), contents).map_err(|error| Failure::Write { target: target(), error })
+    }
+
+    /// Puts the folder in its place. Without this call it never appears.
+    pub(crate) fn finish(self) -> Result<(), Failure> {
+        let Folder { filled, destination } = self;
+        let failed = |error| Failure::Write { target: destination.display().to_string(), error };
+        interrupt::uninterrupted(|| {
+            if !destination.exists() {
+                fs::rename(filled.path(), &destination)?;
+            } else {
+                // What was there goes aside, and comes back if its successor cannot take the place.
+                let aside = filled.path().with_extension("old");
+                fs::rename(&destination, &aside)?;
+                if let Err(error) = fs::rename(filled.path(), &destination) {
+                    fs::rename(&aside, &destination)?;
+                    return Err(error);
+                }
+                fs::remove_dir_all(&aside)?;
+            }
+            // It is no longer where it would be removed.
+            let _ = filled.keep();
+            Ok(())
+        })
+        .map_err(failed)
+    }
+}

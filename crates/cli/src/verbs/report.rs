@@ -1,0 +1,53 @@
+//! `magsplice report`: figures and a page, in a folder.
+
+use std::fmt::Write;
+
+use magsplice::layout::Layout;
+use magsplice::{Film, FilmError};
+use magsplice_report::{Numbers, Report, ReportError};
+
+use crate::args::ReportArgs;
+use crate::failure::Failure;
+use crate::folder::Folder;
+use crate::output;
+use crate::text;
+use crate::verbs::decouple::{Evaluated, Source};
+
+pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
+    let layout = Layout::read(&args.layout)?;
+    let film = Film::new(&layout).with_accuracy(args.accuracy.get());
+    let failed = |error| text::film_failure(&args.layout, &layout, error);
+    // Whether the folder can be written is known before anything is computed.
+    let folder = Folder::open(&args.output, Report::is_file_of_one)?;
+    let (text, json) = numbers(&film).map_err(failed)?;
+    let report = Report::of(&film, Numbers { text: &text, json: &json }).map_err(|error| match error {
+        ReportError::Film(error) => failed(error),
+        ReportError::Drawing { .. } => Failure::Report { layout: args.layout.clone(), message: error.to_string() },
+    })?;
+    for (name, contents) in report.files() {
+        folder.write(&name, contents)?;
+    }
+    folder.finish()?;
+    let page = args.output.join("report.html");
+    let mut said = format!("{}: {} figures, each also as SVG and PNG\n", page.display(), report.figures.len());
+    for what in &report.absent {
+        let _ = writeln!(said, "absent: {what}");
+    }
+    output::print(&said)
+}
+
+/// The numbers that the layout allows for, as text and as JSON.
+fn numbers(film: &Film) -> Result<(String, String), FilmError> {
+    if film.ideal().is_ok() && film.volume().is_ok() {
+        let evaluated = Evaluated::of(film)?;
+        return Ok((evaluated.text()?, evaluated.json()));
+    }
+    let json = text::json(&Source::of(film));
+    let Ok(volume) = film.volume() else {
+        let layout = film.layout();
+        let tiles = text::tile_count(layout);
+        return Ok((format!("{}: {tiles}, sha256 {}\n", layout.name, &layout.sha256[..12]), json));
+    };
+    let field = text::field(&film.volume_field_t()?, volume, film.reference_field_t()?, None);
+    Ok((format!("{}\n{field}", text::header(film, volume)), json))
+}

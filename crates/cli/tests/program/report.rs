@@ -1,0 +1,170 @@
+//! `report`: figures and the page. What a browser makes of the page is tested by tests/browser.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::{Bench, shipped};
+
+const FIGURES: [&str; 8] = [
+    "field-highest",
+    "field-lowest",
+    "field-middle",
+    "layout",
+    "parameters-along-axes",
+    "parameters-level",
+    "parameters-upright",
+    "vectors",
+];
+
+fn files(bench: &Bench, folder: &str) -> Vec<String> {
+    let entries = fs::read_dir(bench.path(folder)).expect("a readable folder");
+    let mut names: Vec<String> =
+        entries.map(|e| e.expect("an entry").file_name().into_string().expect("UTF-8")).collect();
+    names.sort();
+    names
+}
+
+/// What is between the start tag of an element with this id and its end.
+fn element<'a>(page: &'a str, id: &str) -> &'a str {
+    let start = page.find(&format!("id=\"{id}\"")).unwrap_or_else(|| panic!("no element {id}"));
+    let text = &page[start..][page[start..].find('>').expect("a tag ends") + 1..];
+    &text[..text.find("</").expect("an element ends")]
+}
+
+#[test]
+fn figures_of_the_published_film() {
+    let bench = Bench::new();
+    let said = bench.run(&["report", &shipped("published-film"), "-o", "out"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    assert!(said.stdout.contains("report.html: 8 figures"), "{}", said.stdout);
+    let mut expected: Vec<String> =
+        FIGURES.iter().flat_map(|name| [format!("{name}.png"), format!("{name}.svg")]).collect();
+    expected.push("report.html".to_owned());
+    expected.sort();
+    assert_eq!(files(&bench, "out"), expected);
+    let page = bench.read("out/report.html");
+    for name in FIGURES {
+        let svg = bench.read(&format!("out/{name}.svg"));
+        let xml = roxmltree::Document::parse(&svg).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let side = |name: &str| xml.root_element().attribute(name).expect("a size").parse::<f64>().expect("a number");
+        let (width, height) = (side("width"), side("height"));
+        assert!(width > 600.0 && height > 250.0, "{name}: {width} x {height}");
+        // Letters are outlines, so that no machine's fonts matter.
+        assert!(!xml.descendants().any(|node| node.has_tag_name("text")) && !svg.contains("font-family"), "{name}");
+        assert!(xml.descendants().filter(|node| node.tag_name().name() == "path").count() > 50, "{name}");
+        let png = fs::read(bench.path(&format!("out/{name}.png"))).unwrap();
+        assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
+        let pixels = |at: usize| f64::from(u32::from_be_bytes(png[at..at + 4].try_into().unwrap()));
+        assert_eq!((pixels(16), pixels(20)), ((3.0 * width).ceil(), (3.0 * height).ceil()), "{name}");
+        assert!(page.contains(&format!("<figure id=\"{name}\"><img")), "{name}");
+    }
+    // Nothing is fetched.
+    for outside in ["http://", "https://", "<link rel=\"style", "@import", "<script src"] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+}
+
+#[test]
+fn numbers_on_the_page_are_those_of_decouple_and_field() {
+    let bench = Bench::new();
+    let layout = shipped("published-film");
+    for accuracy in [&[][..], &["--within", "1e-6"]] {
+        let run = |verb: &[&str]| bench.run(&[verb, accuracy].concat());
+        assert_eq!(run(&["report", &layout, "-o", "out"]).status, 0);
+        let page = bench.read("out/report.html");
+        assert_eq!(element(&page, "numbers"), run(&["decouple", &layout]).stdout);
+        let json = |text: &str| serde_json::from_str::<Value>(text).expect("JSON");
+        let decoupled = json(&run(&["decouple", &layout, "--format", "json"]).stdout);
+        assert_eq!(json(element(&page, "numbers-json")), decoupled);
+        assert_eq!(element(&page, "sha256"), decoupled["sha256"]);
+        let exact = page.contains("<dd>exact</dd>");
+        assert_eq!((exact, page.contains("<dd>within 1e-6 of |B|</dd>")), (accuracy.is_empty(), !accuracy.is_empty()));
+        // The maps, point by point.
+        let data = json(element(&page, "data"));
+        let field = run(&["field", &layout]).stdout;
+        let rows: Vec<Vec<f64>> =
+            field.lines().skip(1).map(|l| l.split(',').map(|c| c.parse().unwrap()).collect()).collect();
+        for (component, name) in ["B_x", "B_y", "B_z"].into_iter().enumerate() {
+            let map = data["maps"].as_array().unwrap().iter().find(|map| map["name"] == name).unwrap();
+            let values: Vec<f64> = map["values"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+            assert_eq!(values.len(), rows.len());
+            for (value, row) in values.iter().zip(&rows) {
+                // The page has all digits; serde_json reads them to the last but one.
+                let b = row[3 + component];
+                assert!((value - b).abs() <= f64::EPSILON * b.abs(), "{name}: {value}, not {b}");
+            }
+        }
+        assert_eq!(data["volume"]["z_mm"], serde_json::json!([-5.0, -4.5, -4.0, -3.5, -3.0]));
+    }
+}
+
+#[test]
+fn what_a_layout_lacks_is_said() {
+    let bench = Bench::new();
+    let said = bench.run(&["report", &shipped("single-tile"), "-o", "out"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    assert!(said.stdout.contains("absent: no comparison and no decoupling: the layout has no [ideal] table"));
+    assert_eq!(files(&bench, "out").len(), 2 * 5 + 1);
+    let page = bench.read("out/report.html");
+    assert!(page.contains("class=\"absent\"") && element(&page, "numbers").contains("least in the volume"));
+    let tile = "[[tile]]\nposition_mm = [0, 0, 0.5]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
+    bench.write("tiles.toml", &format!("format = 1\nname = \"</script> & <b>\"\n{tile}"));
+    let said = bench.run(&["report", "tiles.toml", "-o", "tiles"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    assert!(said.stdout.contains("absent: no field and no decoupling: the layout has no [volume] table"));
+    assert_eq!(files(&bench, "tiles"), ["layout.png", "layout.svg", "report.html"]);
+    let page = bench.read("tiles/report.html");
+    assert!(page.contains("<title>&lt;/script&gt; &amp; &lt;b&gt;</title>"));
+    // The three scripts and no more end: a name cannot end one.
+    assert_eq!(page.matches("</script>").count(), 3);
+}
+
+#[test]
+fn a_report_is_replaced_as_a_whole_and_nothing_else_is() {
+    let bench = Bench::new();
+    let report = |layout: &str, folder: &str| bench.run(&["report", &shipped(layout), "-o", folder]);
+    assert_eq!(report("published-film", "out").status, 0);
+    // The figures that the single tile does not have go with the report they belong to.
+    assert_eq!(report("single-tile", "out").status, 0);
+    assert_eq!(files(&bench, "out").len(), 2 * 5 + 1);
+    assert_eq!(bench.files(), ["out"]);
+
+    fs::create_dir(bench.path("mine")).unwrap();
+    bench.write("mine/notes.txt", "keep");
+    bench.write("mine/layout.svg", "an older figure");
+    report("single-tile", "mine").refuses("it holds notes.txt, which is not of a report and would be lost");
+    assert_eq!(files(&bench, "mine"), ["layout.svg", "notes.txt"]);
+    assert_eq!(
+        (bench.read("mine/notes.txt"), bench.read("mine/layout.svg")),
+        ("keep".into(), "an older figure".into())
+    );
+
+    bench.write("file", "keep");
+    report("single-tile", "file").refuses("cannot write file");
+    assert_eq!(bench.read("file"), "keep");
+    report("single-tile", "no/such/folder").refuses("cannot write no/such/folder");
+    assert_eq!(bench.files(), ["file", "mine", "out"]);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        std::os::unix::fs::symlink(bench.path("out"), bench.path("link")).unwrap();
+        assert_eq!(report("single-tile", "link").status, 0);
+        assert!(bench.path("link").symlink_metadata().unwrap().is_symlink());
+        // Readable like any other new folder.
+        fs::create_dir(bench.path("plain")).unwrap();
+        let mode = |name: &str| fs::metadata(bench.path(name)).unwrap().permissions().mode();
+        assert_eq!(mode("out"), mode("plain"));
+    }
+}
+
+#[test]
+fn what_cannot_be_evaluated_leaves_no_folder() {
+    let bench = Bench::new();
+    let text = fs::read_to_string(shipped("published-film")).unwrap();
+    bench.write("inside.toml", &text.replace("z_mm = [-5.0, -3.0]", "z_mm = [-5.0, 3.0]"));
+    bench.run(&["report", "inside.toml", "-o", "out"]).refuses("not below the film");
+    bench.write("wide.toml", &text.replace("x_mm = [-2.0, 2.0]", "x_mm = [-6.0, 6.0]"));
+    bench.run(&["report", "wide.toml", "-o", "out"]).refuses("must stay below half a wavelength");
+    assert_eq!(bench.files(), ["inside.toml", "wide.toml"]);
+}

@@ -1,0 +1,119 @@
+//! The key of the layout's figure.
+
+use glam::DVec3;
+use magsplice::layout::NamedTile;
+
+use crate::arrow::arrow;
+use crate::colours::{Directions, light};
+use crate::sheet::{DrawError, Drawn, INK, LETTERS, Sheet};
+use crate::typeset::{number, variable};
+
+use super::layout_from_above::{VANISHING, corner_marks, upright_mark};
+
+/// The longest arrow, in pixels.
+const MOST_ARROW_PX: f64 = 105.0;
+
+pub(super) struct Key<'a> {
+    pub(super) left: f64,
+    pub(super) top: f64,
+    /// The length of the arrow of the strongest tile, in pixels.
+    pub(super) arrow_px: f64,
+    pub(super) most_t: f64,
+    /// Those that are drawn.
+    pub(super) tiles: &'a [&'a NamedTile],
+    /// How many there are.
+    pub(super) all: usize,
+    /// Whether a working volume is drawn.
+    pub(super) volume: bool,
+    /// What there is to say about names, line by line.
+    pub(super) names: &'a [String],
+}
+
+impl Key<'_> {
+    pub(super) fn draw(&self, sheet: &Sheet, directions: &Directions) -> Drawn {
+        let left = self.left;
+        let mut y = self.top + 10.0;
+        sheet.text([left, y], "Direction of polarization", LETTERS)?;
+        y = self.wheel(sheet, directions, y + 24.0)? + 34.0;
+        y = self.marks(sheet, y)?;
+        for line in self.lines() {
+            sheet.text([left, y], &line, LETTERS)?;
+            y += 20.0;
+        }
+        Ok(())
+    }
+
+    /// The colours of directions, from `y` down; gives where it ends.
+    fn wheel(&self, sheet: &Sheet, directions: &Directions, y: f64) -> Result<f64, DrawError> {
+        let (left, wheel) = (self.left, 46.0);
+        let y = y + wheel;
+        let centre = [left + wheel + 18.0, y];
+        let sectors = 48;
+        for i in 0..sectors {
+            let angle = |i: i32| f64::from(i) / f64::from(sectors) * std::f64::consts::TAU;
+            let (from, to, middle) = (angle(i) - 0.01, angle(i + 1), 0.5 * (angle(i) + angle(i + 1)));
+            let rim = |angle: f64, r: f64| [centre[0] + r * angle.cos(), centre[1] - r * angle.sin()];
+            let colour = light(directions.colour(DVec3::new(middle.cos(), middle.sin(), 0.0)));
+            let inner = 0.45 * wheel;
+            sheet.fill(&[rim(from, wheel), rim(to, wheel), rim(to, inner), rim(from, inner)], colour)?;
+        }
+        for (text, dx, dy) in [("x", 1.0, 0.0), ("y", 0.0, -1.0)] {
+            let letters = LETTERS.centred();
+            sheet.text([centre[0] + dx * (wheel + 10.0), centre[1] + dy * (wheel + 9.0)], &variable(text), letters)?;
+            let tip = [centre[0] + dx * 0.4 * wheel, centre[1] + dy * 0.4 * wheel];
+            arrow(sheet, centre, tip, 1.2, INK)?;
+        }
+        Ok(y + wheel)
+    }
+
+    /// What arrows and other marks mean.
+    fn marks(&self, sheet: &Sheet, mut y: f64) -> Result<f64, DrawError> {
+        let left = self.left;
+        let polarization = |named: &&NamedTile| named.tile.scene_polarization_t() / self.most_t;
+        if self.tiles.iter().any(|named| polarization(named).truncate().length() > VANISHING) {
+            let length = self.arrow_px.min(MOST_ARROW_PX);
+            arrow(sheet, [left, y], [left + length, y], (0.05 * length).clamp(1.2, 2.6), INK)?;
+            let as_long = self.arrow_px <= MOST_ARROW_PX;
+            let text = if as_long { strength(self.most_t) } else { "in the plane".to_owned() };
+            sheet.text([left + length + 8.0, y], &text, LETTERS)?;
+            y += 26.0;
+        }
+        for (sign, text) in [(1.0, "up, to the viewer"), (-1.0, "down")] {
+            if self.tiles.iter().any(|named| sign * polarization(named).z > VANISHING) {
+                upright_mark(sheet, [left + 10.0, y], 8.0, sign > 0.0)?;
+                sheet.text([left + 28.0, y], text, LETTERS)?;
+                y += 26.0;
+            }
+        }
+        if self.volume {
+            corner_marks(sheet, [left, y - 8.0], [left + 24.0, y + 8.0], 5.0)?;
+            sheet.text([left + 34.0, y], "working volume", LETTERS)?;
+            y += 30.0;
+        }
+        Ok(y)
+    }
+
+    /// How many tiles of what strength, and which names they have.
+    fn lines(&self) -> Vec<String> {
+        let (tiles, all) = (self.tiles, self.all);
+        let mut lines = vec![if all == 1 { "1 tile".to_owned() } else { format!("{all} tiles") }];
+        if tiles.len() < all {
+            lines.push(format!("drawn: the {} nearest", tiles.len()));
+        }
+        let least_t = tiles.iter().map(|named| named.tile.polarization_t().length()).fold(f64::MAX, f64::min);
+        if self.most_t - least_t <= 1e-9 * self.most_t {
+            let each = if all == 1 { "" } else { " in each" };
+            lines.push(format!("|{}| = {}{each}", variable("J"), strength(self.most_t)));
+        } else {
+            lines.push(format!("|{}| = {} to {}", variable("J"), strength(least_t), strength(self.most_t)));
+        }
+        lines.extend_from_slice(self.names);
+        lines
+    }
+}
+
+/// A polarization with four digits.
+fn strength(value_t: f64) -> String {
+    let digits = format!("{value_t:.3e}").parse().unwrap_or(value_t);
+    format!("{} T", number(digits))
+}

@@ -1,0 +1,220 @@
+//! Field vectors below the film in three views, with arrows whose length follows the logarithm of the field (Dai 2024, Fig. 3).
+
+use glam::DVec3;
+use magsplice::Film;
+use magsplice::field::Quantity;
+use magsplice::layout::{NamedTile, WorkingVolume};
+use plotters::prelude::RGBColor;
+
+use crate::arrow::arrow;
+use crate::colours::{Directions, Kind, Scale, light, plot};
+use crate::panel::{BAR_PX, BELOW_PX, Beside, LEFT_PX, Panel};
+use crate::sheet::{Drawn, INK, LETTERS, Sheet, sheet};
+use crate::solid::{bounds, cut, in_plane};
+use crate::typeset::{number, variable};
+use crate::units::flux_unit;
+
+use super::AXES;
+
+/// Width and height of the two upright views at most, in pixels.
+const WIDE_PX: f64 = 560.0;
+const HIGH_PX: f64 = 270.0;
+/// The shortest side of a view, as a fraction of the longest.
+const NARROWEST: f64 = 0.2;
+const TOP_PX: f64 = 34.0;
+/// A colour bar as high as its name is long.
+const LEAST_BAR_PX: f64 = 190.0;
+/// Distance of neighbouring arrows, in pixels, and the length of the longest.
+const PITCH_PX: f64 = 17.5;
+const LONGEST_PX: f64 = 19.0;
+/// The shortest arrow as a fraction of the longest: fields `DECADES` below the largest and less.
+const SHORTEST: f64 = 0.28;
+const DECADES: f64 = 2.0;
+/// The views reach so many half widths of the working volume from its middle, or to the end of the film.
+const REACH: f64 = 5.0;
+
+/// A plane in which the field is drawn.
+struct View {
+    panel: Panel,
+    normal: usize,
+    at_mm: f64,
+    /// Where arrows may start, along the second axis of the plane.
+    arrows: [f64; 2],
+}
+
+struct Vector {
+    at: [f64; 2],
+    /// In the plane of the view.
+    field_t: [f64; 2],
+}
+
+pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) -> Result<String, String> {
+    let [film_low, film_high] =
+        bounds(tiles.iter().map(|named| &named.tile)).unwrap_or([volume.lower_mm, volume.upper_mm]);
+    let middle = 0.5 * (volume.lower_mm + volume.upper_mm);
+    let half_volume = 0.5 * (volume.upper_mm - volume.lower_mm);
+    let window = |axis: usize| {
+        let film_half = (film_high[axis] - middle[axis]).max(middle[axis] - film_low[axis]);
+        let half = film_half.clamp(half_volume[axis], REACH * half_volume[axis]) * 1.03;
+        [middle[axis] - half, middle[axis] + half]
+    };
+    // From the volume to the film and through it; arrows stay outside of it, unless the volume is within.
+    let margin = 0.06 * (film_high.z.max(volume.upper_mm.z) - film_low.z.min(volume.lower_mm.z));
+    let z = [film_low.z.min(volume.lower_mm.z) - margin, film_high.z.max(volume.upper_mm.z) + margin];
+    let between = if volume.upper_mm.z <= film_low.z {
+        [z[0], film_low.z]
+    } else if volume.lower_mm.z >= film_high.z {
+        [film_high.z, z[1]]
+    } else {
+        z
+    };
+    // Never so narrow that lengths would have different scales.
+    let widest = [window(0), window(1), z].map(|[low, high]| high - low).into_iter().fold(0.0, f64::max);
+    let wide_enough = |[low, high]: [f64; 2]| {
+        let more = (0.5 * (NARROWEST * widest - (high - low))).max(0.0);
+        [low - more, high + more]
+    };
+    let [x, y, z] = [window(0), window(1), z].map(wide_enough);
+    let per_mm = (WIDE_PX / (x[1] - x[0])).min(WIDE_PX / (y[1] - y[0])).min(HIGH_PX / (z[1] - z[0]));
+    let height = per_mm * (z[1] - z[0]);
+    let left = LEFT_PX + 6.0;
+    let upright = |horizontal: [f64; 2], top: f64| Panel {
+        left,
+        top,
+        width: per_mm * (horizontal[1] - horizontal[0]),
+        height,
+        x: horizontal,
+        y: z,
+    };
+    let first = upright(x, TOP_PX);
+    let second = upright(y, first.bottom() + BELOW_PX + TOP_PX);
+    let room = second.bottom() - TOP_PX;
+    let per_mm = (room / (y[1] - y[0])).min(WIDE_PX / (x[1] - x[0]));
+    let third = Panel {
+        left: first.right().max(second.right()) + LEFT_PX + 28.0,
+        top: TOP_PX,
+        width: per_mm * (x[1] - x[0]),
+        height: per_mm * (y[1] - y[0]),
+        x,
+        y,
+    };
+    let views = [
+        View { panel: first, normal: 1, at_mm: middle.y, arrows: between },
+        View { panel: second, normal: 0, at_mm: middle.x, arrows: between },
+        View { panel: third, normal: 2, at_mm: middle.z, arrows: y },
+    ];
+    let vectors: Vec<Vec<Vector>> = views.iter().map(|view| view.vectors(film)).collect();
+    let strengths = || vectors.iter().flatten().map(Vector::strength_t).filter(|b| *b > 0.0);
+    let most_t = strengths().fold(0.0, f64::max);
+    let unit = flux_unit(most_t);
+    let least_t = strengths().fold(most_t, f64::min).max(most_t * 10_f64.powf(-DECADES));
+    let decade = |t: f64| (t * unit.per_t).log10();
+    let scale = if most_t > 0.0 {
+        Scale { low: decade(least_t).min(decade(most_t) - 0.5), high: decade(most_t), kind: Kind::Lines }
+    } else {
+        Scale { low: 0.0, high: 1.0, kind: Kind::Lines }
+    };
+    let size = [third.right() + 14.0 + BAR_PX, second.bottom().max(third.bottom()) + BELOW_PX + 6.0];
+    sheet(size, |sheet| {
+        for (view, vectors) in views.iter().zip(&vectors) {
+            view.draw(sheet, tiles, volume)?;
+            let map = scale.map();
+            for vector in vectors {
+                let strength = vector.strength_t();
+                // Round-off has a direction too.
+                if strength <= 1e-9 * most_t {
+                    continue;
+                }
+                let level = decade(strength).max(scale.low);
+                let share = (level - scale.low) / (scale.high - scale.low);
+                let length = LONGEST_PX * (SHORTEST + (1.0 - SHORTEST) * share);
+                let [x, y] = view.panel.at(vector.at[0], vector.at[1]);
+                let half = vector.field_t.map(|b| 0.5 * length * b / strength);
+                let colour = plot(map.colour(level));
+                arrow(sheet, [x - half[0], y + half[1]], [x + half[0], y - half[1]], 1.5, colour)?;
+            }
+            view.frame(sheet)?;
+        }
+        let bar = Panel { height: third.height.max(LEAST_BAR_PX), ..third };
+        let name = format!("|{}| in the plane of view ({})", variable("B"), unit.name);
+        bar.logarithmic_bar(sheet, 14.0, scale, &name)
+    })
+}
+
+impl View {
+    /// The field at regular points of the view; none where it is unbounded, or beyond the arrows' range.
+    fn vectors(&self, film: &Film) -> Vec<Vector> {
+        let [u, v] = in_plane(self.normal);
+        let counts = [self.panel.width, self.panel.height].map(|px| ((px / PITCH_PX).floor() as usize).max(2));
+        let along =
+            |range: [f64; 2], i: usize, n: usize| range[0] + (i as f64 + 0.5) / n as f64 * (range[1] - range[0]);
+        let mut points = Vec::new();
+        for i in 0..counts[0] {
+            for j in 0..counts[1] {
+                let mut p = DVec3::ZERO;
+                p[self.normal] = self.at_mm;
+                p[u] = along(self.panel.x, i, counts[0]);
+                p[v] = along(self.panel.y, j, counts[1]);
+                if (self.arrows[0]..=self.arrows[1]).contains(&p[v]) {
+                    points.push(p);
+                }
+            }
+        }
+        let mut field = vec![DVec3::ZERO; points.len()];
+        // Points without a field are not a number, and have no arrow.
+        let _ = film.scene().field_into(Quantity::FluxDensity, &points, &mut field);
+        let vector = |(p, b): (&DVec3, &DVec3)| Vector { at: [p[u], p[v]], field_t: [b[u], b[v]] };
+        points.iter().zip(&field).filter(|(_, b)| b.is_finite()).map(vector).collect()
+    }
+
+    fn clipped(&self, p: [f64; 2]) -> [f64; 2] {
+        let [x, y] = [p[0].clamp(self.panel.x[0], self.panel.x[1]), p[1].clamp(self.panel.y[0], self.panel.y[1])];
+        self.panel.at(x, y)
+    }
+
+    /// The tiles the plane cuts and the working volume.
+    fn draw(&self, sheet: &Sheet, tiles: &[&NamedTile], volume: &WorkingVolume) -> Drawn {
+        let [u, v] = in_plane(self.normal);
+        let directions = Directions::new();
+        for named in tiles {
+            let section = cut(&named.tile, self.normal, self.at_mm);
+            if section.len() < 3 || !section.iter().any(|p| self.panel.contains(p.x, p.y)) {
+                continue;
+            }
+            let outline: Vec<[f64; 2]> = section.iter().map(|p| self.clipped(p.to_array())).collect();
+            let j = named.tile.scene_polarization_t();
+            sheet.fill(&outline, light(directions.colour(j)))?;
+            sheet.outline(&outline, RGBColor(90, 90, 90), 0.7)?;
+            let in_view = [j[u], j[v]];
+            let strength = in_view[0].hypot(in_view[1]);
+            let sides = [0, 1].map(|axis| {
+                let of = |p: &[f64; 2]| p[axis];
+                outline.iter().map(of).fold(f64::MIN, f64::max) - outline.iter().map(of).fold(f64::MAX, f64::min)
+            });
+            let length = 0.7 * sides[0].min(26.0).min(if in_view[1].abs() > 0.5 * strength { sides[1] } else { 26.0 });
+            if strength > 0.3 * j.length() && length > 4.0 {
+                let centre = outline.iter().fold([0.0; 2], |c, p| [c[0] + p[0], c[1] + p[1]]);
+                let [x, y] = centre.map(|c| c / outline.len() as f64);
+                let half = in_view.map(|c| 0.5 * length * c / strength);
+                arrow(sheet, [x - half[0], y + half[1]], [x + half[0], y - half[1]], 1.3, INK)?;
+            }
+        }
+        let (l, h) = (volume.lower_mm, volume.upper_mm);
+        let corners = [[l[u], l[v]], [h[u], l[v]], [h[u], h[v]], [l[u], h[v]]].map(|[x, y]| self.panel.at(x, y));
+        sheet.dashed_outline(&corners, INK, 1.2)
+    }
+
+    fn frame(&self, sheet: &Sheet) -> Drawn {
+        let [across, along] = in_plane(self.normal).map(|axis| Beside::Length(AXES[axis]));
+        self.panel.axes(sheet, across, along)?;
+        let plane = format!("{} = {} mm", variable(AXES[self.normal]), number(self.at_mm));
+        let title = if self.normal == 2 { format!("{plane}, from above") } else { plane };
+        sheet.text([self.panel.left, self.panel.top - 13.0], &title, LETTERS)
+    }
+}
+
+impl Vector {
+    fn strength_t(&self) -> f64 {
+        self.field_t[0].hypot(self.field_t[1])
+    }
+}

@@ -1,0 +1,146 @@
+//! A sheet of paper that plotters draws on, in SVG.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use crate::image::Image;
+use crate::typeset;
+
+/// plotters places everything at whole units; so many of them make a pixel, or lines would be jagged.
+const UNITS_PER_PX: f64 = 10.0;
+
+/// plotters writes this fraction of a font's size into the SVG.
+const FONT_SIZE_WRITTEN: f64 = 1.24;
+
+pub(crate) const INK: RGBColor = RGBColor(30, 30, 30);
+
+pub(crate) fn units(px: f64) -> i32 {
+    (px * UNITS_PER_PX).round() as i32
+}
+
+pub(crate) type DrawError = DrawingAreaErrorKind<std::io::Error>;
+
+/// What drawing may end with.
+pub(crate) type Drawn = Result<(), DrawError>;
+
+/// Lengths are in pixels, from the upper left corner, 96 to the inch.
+pub(crate) struct Sheet<'a> {
+    pub(crate) area: DrawingArea<SVGBackend<'a>, Shift>,
+    /// SVG elements below everything else.
+    images: String,
+}
+
+/// Where a text is relative to its point, and how large.
+#[derive(Clone, Copy)]
+pub(crate) struct Lettering {
+    pub(crate) size: f64,
+    pub(crate) across: HPos,
+    pub(crate) along: VPos,
+    pub(crate) upright: bool,
+    pub(crate) colour: RGBColor,
+}
+
+pub(crate) const LETTERS: Lettering =
+    Lettering { size: 13.0, across: HPos::Left, along: VPos::Center, upright: false, colour: INK };
+
+impl Lettering {
+    pub(crate) fn sized(self, size: f64) -> Lettering {
+        Lettering { size, ..self }
+    }
+
+    pub(crate) fn centred(self) -> Lettering {
+        Lettering { across: HPos::Center, ..self }
+    }
+
+    pub(crate) fn style<'b>(self) -> TextStyle<'b> {
+        let transform = if self.upright { FontTransform::Rotate270 } else { FontTransform::None };
+        let size = self.size * UNITS_PER_PX * FONT_SIZE_WRITTEN;
+        let font = FontDesc::new(FontFamily::Name(typeset::FAMILY), size, FontStyle::Normal).transform(transform);
+        TextStyle { font, color: self.colour.to_backend_color(), pos: Pos::new(self.across, self.along) }
+    }
+}
+
+/// Draws on a sheet of this width and height; the SVG has its letters as text.
+pub(crate) fn sheet([width, height]: [f64; 2], draw: impl FnOnce(&mut Sheet) -> Drawn) -> Result<String, String> {
+    let mut drawn = String::new();
+    let size = (units(width) as u32, units(height) as u32);
+    let images = {
+        let area = SVGBackend::with_string(&mut drawn, size).into_drawing_area();
+        let mut sheet = Sheet { area, images: String::new() };
+        draw(&mut sheet).map_err(|e| e.to_string())?;
+        sheet.area.present().map_err(|e| e.to_string())?;
+        sheet.images
+    };
+    let elements = drawn.split_once('\n').map_or("", |(_, elements)| elements);
+    let head = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\">\n\
+         <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
+        size.0, size.1
+    );
+    Ok(head + &images + &typeset::marked_up(elements))
+}
+
+impl Sheet<'_> {
+    /// An image, below all that is drawn.
+    pub(crate) fn image(&mut self, [left, top, width, height]: [f64; 4], image: &Image) {
+        self.images += &format!(
+            "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" href=\"{}\"/>\n",
+            units(left),
+            units(top),
+            units(width),
+            units(height),
+            image.data_url()
+        );
+    }
+
+    pub(crate) fn text(&self, at: [f64; 2], text: &str, letters: Lettering) -> Drawn {
+        self.area.draw_text(text, &letters.style(), whole(at))
+    }
+
+    pub(crate) fn fill(&self, corners: &[[f64; 2]], colour: RGBColor) -> Drawn {
+        self.area.draw(&Polygon::new(corners.iter().copied().map(whole).collect::<Vec<_>>(), colour.filled()))
+    }
+
+    pub(crate) fn line(&self, points: &[[f64; 2]], colour: RGBColor, width: f64) -> Drawn {
+        let style = colour.stroke_width(units(width) as u32);
+        self.area.draw(&PathElement::new(points.iter().copied().map(whole).collect::<Vec<_>>(), style))
+    }
+
+    /// The closed outline of a polygon.
+    pub(crate) fn outline(&self, corners: &[[f64; 2]], colour: RGBColor, width: f64) -> Drawn {
+        let closed: Vec<[f64; 2]> = corners.iter().chain(corners.first()).copied().collect();
+        self.line(&closed, colour, width)
+    }
+
+    /// The same in dashes.
+    pub(crate) fn dashed_outline(&self, corners: &[[f64; 2]], colour: RGBColor, width: f64) -> Drawn {
+        const DASH_PX: f64 = 5.0;
+        for (index, from) in corners.iter().enumerate() {
+            let to = corners[(index + 1) % corners.len()];
+            let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+            // An odd number of pieces, so that a corner has a dash on both sides.
+            let pieces = 2 * (length / DASH_PX / 2.0).floor() as usize + 1;
+            let at = |piece: usize| {
+                let t = piece as f64 / pieces as f64;
+                [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])]
+            };
+            for piece in (0..pieces).step_by(2) {
+                self.line(&[at(piece), at(piece + 1)], colour, width)?;
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn disc(&self, centre: [f64; 2], radius: f64, colour: RGBColor) -> Drawn {
+        self.area.draw(&Circle::new(whole(centre), units(radius), colour.filled()))
+    }
+
+    pub(crate) fn ring(&self, centre: [f64; 2], radius: f64, colour: RGBColor, width: f64) -> Drawn {
+        self.area.draw(&Circle::new(whole(centre), units(radius), colour.stroke_width(units(width) as u32)))
+    }
+}
+
+fn whole([x, y]: [f64; 2]) -> (i32, i32) {
+    (units(x), units(y))
+}

@@ -1,0 +1,103 @@
+//! Shapes of tiles: seen from above, and cut by a plane.
+
+use glam::{DVec2, DVec3};
+use magsplice::prelude::Tile;
+
+/// The eight corners in the scene's frame; bits 0, 1, 2 of the index choose the upper end along the tile's x, y, z.
+pub(crate) fn corners(tile: &Tile) -> [DVec3; 8] {
+    std::array::from_fn(|i| {
+        let side = DVec3::from([0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 0.5 } else { -0.5 }));
+        tile.position() + tile.rotation() * (side * tile.size())
+    })
+}
+
+/// The least box along the axes around all tiles: lower and upper corner.
+pub(crate) fn bounds<'a>(tiles: impl Iterator<Item = &'a Tile>) -> Option<[DVec3; 2]> {
+    tiles.flat_map(corners).map(|c| [c, c]).reduce(|[low, high], [c, _]| [low.min(c), high.max(c)])
+}
+
+/// The outline from above, counter-clockwise.
+pub(crate) fn from_above(tile: &Tile) -> Vec<DVec2> {
+    hull(corners(tile).iter().map(|c| c.truncate()).collect())
+}
+
+/// The cut with the plane where coordinate `normal` is `at`, in the two other coordinates in their order.
+pub(crate) fn cut(tile: &Tile, normal: usize, at: f64) -> Vec<DVec2> {
+    let corners = corners(tile);
+    let [u, v] = in_plane(normal);
+    let mut points = Vec::new();
+    for from in 0..8 {
+        for axis in 0..3 {
+            let to = from | 1 << axis;
+            let (a, b) = (corners[from], corners[to]);
+            if to == from || (a[normal] - at) * (b[normal] - at) > 0.0 {
+                continue;
+            }
+            let length = b[normal] - a[normal];
+            // An edge in the plane gives both of its ends.
+            for t in if length == 0.0 { [0.0, 1.0] } else { [(at - a[normal]) / length; 2] } {
+                let point = a + t * (b - a);
+                points.push(DVec2::new(point[u], point[v]));
+            }
+        }
+    }
+    hull(points)
+}
+
+/// The other two axes, in their order.
+pub(crate) fn in_plane(normal: usize) -> [usize; 2] {
+    [[1, 2], [0, 2], [0, 1]][normal]
+}
+
+/// The convex hull, counter-clockwise (Andrew's monotone chain).
+fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
+    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    points.dedup();
+    if points.len() < 3 {
+        return points;
+    }
+    let half = |points: &mut dyn Iterator<Item = DVec2>| {
+        let mut chain: Vec<DVec2> = Vec::new();
+        for p in points {
+            while let [.., a, b] = chain[..] {
+                if (b - a).perp_dot(p - b) > 0.0 {
+                    break;
+                }
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut outline = half(&mut points.iter().copied());
+    outline.extend(half(&mut points.iter().rev().copied()));
+    outline
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DQuat;
+
+    fn area(polygon: &[DVec2]) -> f64 {
+        let next = polygon.iter().cycle().skip(1);
+        0.5 * polygon.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f64>()
+    }
+
+    #[test]
+    fn outlines_and_cuts() {
+        let tile = Tile::new(DVec3::new(1.0, 2.0, 0.5), DVec3::new(3.0, 2.0, 1.0), DVec3::X).unwrap();
+        assert_eq!(from_above(&tile).len(), 4);
+        assert!((area(&from_above(&tile)) - 6.0).abs() < 1e-12);
+        assert!((area(&cut(&tile, 1, 2.5)) - 3.0).abs() < 1e-12);
+        assert!(cut(&tile, 1, 3.5).len() < 3);
+        let turned = tile.rotated(DQuat::from_rotation_z(0.5)).unwrap();
+        assert!((area(&from_above(&turned)) - 6.0).abs() < 1e-12);
+        // A cube on its corner: the cut through its middle is a hexagon.
+        let cube = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::X).unwrap();
+        let up = DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::Z);
+        let hexagon = cut(&cube.rotated(up).unwrap(), 2, 0.0);
+        assert!((area(&hexagon) - 0.75 * 3.0_f64.sqrt()).abs() < 1e-12, "{hexagon:?}");
+    }
+}
