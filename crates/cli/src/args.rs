@@ -48,6 +48,7 @@ pub(crate) enum Verb {
     /// Evaluate the film: its field, its distance from the ideal film, and its decoupling error.
     #[command(after_help = "Example:\n  magsplice decouple layouts/published-film.toml --format json")]
     Decouple(LayoutArgs),
+    Plan(PlanArgs),
     #[cfg(feature = "report")]
     Report(ReportArgs),
     Check(CheckArgs),
@@ -146,6 +147,26 @@ impl QuantityArg {
 pub(crate) struct LayoutArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
+    /// How to write the result
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: Format,
+    #[command(flatten)]
+    pub(crate) accuracy: AccuracyArg,
+}
+
+/// Tell which models a tolerance is kept with, and what each leaves out and costs.
+///
+/// For the points that `field` would take. Costs are multiply-adds counted, in units of one exact value of one tile at one point. Expansions are made to see whether
+/// they hold, so a plan takes a part of the time of the evaluation. Points where the field turns out too weak for what was left out are
+/// evaluated more exactly later on; the plan does not know them yet.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice plan layouts/film-80mm.toml --within 1e-6")]
+pub(crate) struct PlanArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// CSV file with columns x_mm, y_mm, z_mm, - for standard input [default: the grid of the working volume]
+    #[arg(long, value_name = "CSV")]
+    pub(crate) points: Option<PathBuf>,
     /// How to write the result
     #[arg(long, value_enum, default_value = "text")]
     pub(crate) format: Format,

@@ -38,6 +38,7 @@ fn main() -> ExitCode {
         Verb::Schema => verbs::schema::run(),
         Verb::Completions(args) => verbs::completions::run(&args),
         Verb::Check(args) => return ExitCode::from(verbs::check::run(&args, common.quiet)),
+        Verb::Plan(args) => verbs::plan::run(&args),
         #[cfg(feature = "report")]
         Verb::Report(args) => verbs::report::run(&args),
     };

@@ -2,7 +2,8 @@
 //!
 //! * [`Tile`]: a cuboid with position, size, polarization and rotation.
 //! * [`Scene`]: tiles together; B, H and J at a point or at many points in parallel.
-//! * [`Accuracy`]: exact, or as cheap as a tolerance allows; [`FittedField`]: a box prepared for repeated look-ups.
+//! * [`Accuracy`]: exact, or as cheap as a tolerance allows; [`Plan`]: by which models; [`FittedField`]: a box prepared for repeated look-ups.
+//! * [`PolarizationMap`]: the field at given points as a linear map of the tiles' polarizations.
 //! * [`IdealFilm`]: the sinusoidally magnetized film a spliced film stands in for (Dai 2024, Eqs. 1 and 2).
 //! * [`Comparison`]: how far one field is from another.
 //! * [`Grid`]: regular points.
@@ -38,6 +39,7 @@ mod kernel;
 mod merge;
 mod orientation;
 mod overlap;
+mod polarization_map;
 mod quantity;
 mod scene;
 mod seam;
@@ -52,9 +54,11 @@ pub use evaluate::{PointError, PointErrors};
 pub use grid::Grid;
 pub use ideal::{IdealFilm, IdealFilmFault};
 pub use overlap::{Overlap, overlap, overlaps};
+pub use polarization_map::{PolarizationMap, PolarizationMapError};
 pub use quantity::{MU_0, Quantity};
 pub use scene::{Cause, Scene};
 pub use tile::{Tile, TileFault, TileFaults};
 pub use tolerances::{MAX_LENGTH, MAX_POLARIZATION_T, MIN_ASPECT, MIN_SIZE, UNIT_NORM_TOLERANCE};
 pub use within::accuracy::{Accuracy, InvalidTolerance, Tolerance};
 pub use within::fitted_field::{FittedField, FittedFieldError, LookUpError};
+pub use within::plan::{Model, Plan, PlannedPart};

@@ -233,6 +233,12 @@ pub(crate) const EXACT_BOUND: f64 = 2e-14;
 /// closer than [`FACE_NUDGE`] squared.
 pub(crate) const LARGEST_FIELD_OVER_J: f64 = 30.0;
 
+/// Points that one thread takes at a time when a [`PolarizationMap`](crate::PolarizationMap) is applied: to share them out costs less than they do.
+pub(crate) const POINTS_PER_TASK: usize = 64;
+
+/// Sums of a scalar product that do not wait for each other.
+pub(crate) const CHAINS: usize = 8;
+
 /// Chebyshev expansions are not tried for fewer points: their nodes would be as many.
 pub(crate) const FITTED_POINTS: usize = 1000;
 

@@ -6,6 +6,7 @@ pub(crate) mod completions;
 pub(crate) mod decouple;
 pub(crate) mod field;
 pub(crate) mod init;
+pub(crate) mod plan;
 #[cfg(feature = "report")]
 pub(crate) mod report;
 pub(crate) mod schema;

@@ -374,3 +374,46 @@ fn an_interruption_leaves_no_file() {
     assert_eq!(bench.files(), ["large.toml", "out.csv"]);
     assert_eq!(bench.read("out.csv"), "before");
 }
+
+#[test]
+fn a_plan_says_what_serves_which_points_and_what_is_left_out() {
+    let bench = Bench::new();
+    let film = shipped("published-film");
+    let said = bench.run(&["plan", &film, "--within", "1e-6"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    for line in [
+        "405 points of the working volume",
+        "accuracy: within 1e-6 of |B|",
+        "left out       nothing",
+        "(1.0 times as many)",
+    ] {
+        assert!(said.stdout.contains(line), "{line:?} is not in {}", said.stdout);
+    }
+    // A finer grid is worth an expansion.
+    let fine = std::fs::read_to_string(&film)
+        .expect("a shipped layout")
+        .replace("step_mm = 0.5", "step_mm = 0.1")
+        .replace("published.field.csv", "fine.csv");
+    let fine = bench.write("fine.toml", &fine);
+    let said = bench.run(&["plan", fine.to_str().expect("UTF-8"), "--within", "10nT", "--format", "json"]);
+    let plan: Value = serde_json::from_str(&said.stdout).expect("JSON");
+    let part = &plan["parts"][0];
+    assert_eq!((plan["parts"].as_array().map(Vec::len), part["model"].as_str()), (Some(1), Some("chebyshev")));
+    assert_eq!((part["points"].as_u64(), part["distance_mm"].as_f64()), (Some(41 * 41 * 21), Some(3.0)));
+    assert!(part["error_t"].as_f64().expect("a number") <= 1e-8);
+    let (cost, exact) = (plan["cost"].as_f64().expect("a number"), plan["exact_cost"].as_f64().expect("a number"));
+    assert_eq!(exact, 56.0 * 41.0 * 41.0 * 21.0);
+    assert!(10.0 * cost < exact, "{cost}");
+    // Points without a volume, and neither.
+    let tile = "format = 1\nname = \"t\"\n[[tile]]\nname = \"t\"\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
+    let tile = bench.write("tile.toml", tile);
+    let tile = tile.to_str().expect("UTF-8");
+    bench.write("p.csv", "x_mm,y_mm,z_mm\n0,0,50\n1,0,60\n");
+    let said = bench.run(&["plan", tile, "--points", "p.csv", "--within", "1e-4"]);
+    assert!(
+        said.stdout.contains("2 points of p.csv") && said.stdout.contains("1.0 of 1 by 1.0 expansions of degree 1.0"),
+        "{}",
+        said.stdout
+    );
+    bench.run(&["plan", tile, "--within", "1e-4"]).refuses("the layout has no [volume] table to take points from");
+}

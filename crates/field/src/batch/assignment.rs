@@ -7,7 +7,7 @@ use crate::within::magnitude::Box3;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Assignment {
     /// Nodes taken by their expansions, with the degree.
-    pub(crate) expanded: Vec<(usize, usize)>,
+    pub(super) expanded: Vec<(usize, usize)>,
     /// Items taken exactly at points near them, those of one frame together.
     pub(super) near: Vec<Near>,
     /// At most what all degrees left out add up to, in tesla.
@@ -65,6 +65,16 @@ impl Assignment {
         }
         assignment.near.sort_by_key(|near| (tree.items[near.item].frame, near.item));
         assignment
+    }
+
+    /// Whether nothing is left out.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.expansions() == 0 && self.tiles[2] == 0
+    }
+
+    /// The expansions' degrees.
+    pub(crate) fn degrees(&self) -> impl Iterator<Item = usize> {
+        self.expanded.iter().map(|(_, degree)| *degree)
     }
 
     /// How many expansions there are, some for some of the points only.

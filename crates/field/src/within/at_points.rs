@@ -52,6 +52,21 @@ pub(crate) fn at_points(
     errors
 }
 
+/// The first parts that [`at_points`] tries for each batch of points, with the number of points.
+pub(super) fn assignments(scene: &Scene, tolerance: Tolerance, points: &[DVec3]) -> Vec<(usize, Assignment)> {
+    let usable = (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect();
+    let order = neighbours_together(points, usable, ASSIGNED_POINTS);
+    let batches = order.par_chunks(ASSIGNED_POINTS).map(|order| {
+        let points: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
+        let mut values = vec![DVec3::NAN; points.len()];
+        let quantity = Quantity::FluxDensity;
+        let batch =
+            Batch { scene, tolerance, quantity, points: &points, values: &mut values, outcome: Outcome::default() };
+        (points.len(), batch.assigned(&points, batch.first_allowance()))
+    });
+    batches.collect()
+}
+
 /// Points that lie together.
 struct Batch<'a> {
     scene: &'a Scene,
@@ -90,25 +105,10 @@ struct Allowance {
 impl Batch<'_> {
     fn serve(&mut self) {
         let mut open: Vec<usize> = (0..self.points.len()).collect();
-        let mut allowance = match self.tolerance {
-            Tolerance::AbsoluteT(error_t) => Allowance { whole_t: SAFE_SHARE * error_t, nodes: ROUGH_NODES },
-            Tolerance::Relative(fraction) => self.estimate(fraction),
-        };
+        let mut allowance = self.first_allowance();
         for _ in 0..ASSIGNMENT_ROUNDS {
             let points: Vec<DVec3> = open.iter().map(|&index| self.points[index]).collect();
             let (assignment, values, failed) = self.evaluate(&points, allowance);
-            if std::env::var("STAT").is_ok() {
-                eprintln!(
-                    "round points {} nodes {} degree sum {} tiles {:?} left {:e} allowed {:e} magn {:e}",
-                    points.len(),
-                    assignment.expanded.len(),
-                    assignment.expanded.iter().map(|e| e.1).sum::<usize>(),
-                    assignment.tiles,
-                    assignment.left_out_t,
-                    allowance.whole_t,
-                    assignment.magnitude_t
-                );
-            }
             let error_t = assignment.left_out_t + STRETCHED_BOUND * assignment.magnitude_t;
             let mut least_t = f64::INFINITY;
             let mut missed = Vec::new();
@@ -136,6 +136,13 @@ impl Batch<'_> {
         self.outcome.missed = open;
     }
 
+    fn first_allowance(&self) -> Allowance {
+        match self.tolerance {
+            Tolerance::AbsoluteT(error_t) => Allowance { whole_t: SAFE_SHARE * error_t, nodes: ROUGH_NODES },
+            Tolerance::Relative(fraction) => self.estimate(fraction),
+        }
+    }
+
     /// From a rough field at some of the points, what may be left out.
     fn estimate(&self, fraction: f64) -> Allowance {
         let step = self.points.len().div_ceil(SAMPLED_POINTS);
@@ -157,13 +164,16 @@ impl Batch<'_> {
     }
 
     fn evaluate(&self, points: &[DVec3], allowance: Allowance) -> (Assignment, Vec<DVec3>, Vec<(usize, Cause)>) {
-        let region = Box3::around(points);
-        let assignment = Assignment::of(self.scene.tree(), &region, allowance.whole_t / allowance.nodes);
+        let assignment = self.assigned(points, allowance);
         let (mut values, mut failed) = (vec![DVec3::NAN; points.len()], Vec::new());
         self.scene.field_of_batch(self.quantity, Some(&assignment), points, &mut values, &mut |index, cause| {
             failed.push((index, cause));
         });
         (assignment, values, failed)
+    }
+
+    fn assigned(&self, points: &[DVec3], allowance: Allowance) -> Assignment {
+        Assignment::of(self.scene.tree(), &Box3::around(points), allowance.whole_t / allowance.nodes)
     }
 
     fn in_tesla(&self) -> f64 {

@@ -16,3 +16,4 @@ mod fit;
 pub(crate) mod fitted_field;
 pub(crate) mod magnitude;
 pub(crate) mod on_grid;
+pub(crate) mod plan;

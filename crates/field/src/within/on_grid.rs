@@ -19,7 +19,7 @@ use crate::tolerances::{FITTED_POINTS, POINTS_PER_NODE};
 
 /// A part of a grid: indices from and to, that excluded, along x, y, z.
 #[derive(Clone, Copy, Debug)]
-struct Part {
+pub(super) struct Part {
     start: [usize; 3],
     end: [usize; 3],
 }
@@ -32,16 +32,15 @@ pub(crate) fn on_grid(
     grid: &Grid,
     field: &mut [DVec3],
 ) -> Vec<PointError> {
-    let mut exact = Vec::new();
-    let whole = Part { start: [0; 3], end: grid.counts };
-    if !grid.is_empty() {
-        serve(scene, tolerance, grid, whole, field, &mut exact);
+    let (fitted, rest) = divided(scene, tolerance, grid);
+    let mut exact: Vec<usize> = rest.iter().flat_map(|part| part.indices(grid)).collect();
+    for (part, fit) in &fitted {
+        evaluate(scene.level(), fit, tolerance, grid, *part, field, &mut exact);
     }
     if quantity == Quantity::FieldStrength {
         // No fitted point is in a tile.
         field.par_iter_mut().for_each(|h| *h /= MU_0);
     }
-    // Points for the exact field, whose tolerance is checked there.
     exact.sort_unstable();
     let points: Vec<DVec3> = exact.iter().map(|&index| grid.point(index)).collect();
     let mut values = vec![DVec3::ZERO; points.len()];
@@ -52,32 +51,50 @@ pub(crate) fn on_grid(
     errors.into_iter().map(|error| PointError { index: exact[error.index], ..error }).collect()
 }
 
-/// Fills in a part of the grid where it can be fitted, and names the points at which it cannot.
-fn serve(scene: &Scene, tolerance: Tolerance, grid: &Grid, part: Part, field: &mut [DVec3], exact: &mut Vec<usize>) {
-    let counts = part.counts();
-    let points = counts.iter().product::<usize>();
+/// The grid in parts: those that an expansion serves, and those that none does.
+pub(super) fn divided(scene: &Scene, tolerance: Tolerance, grid: &Grid) -> (Vec<(Part, Fit)>, Vec<Part>) {
+    let (mut fitted, mut rest) = (Vec::new(), Vec::new());
+    if !grid.is_empty() {
+        divide(scene, tolerance, grid, Part { start: [0; 3], end: grid.counts }, &mut fitted, &mut rest);
+    }
+    (fitted, rest)
+}
+
+fn divide(
+    scene: &Scene,
+    tolerance: Tolerance,
+    grid: &Grid,
+    part: Part,
+    fitted: &mut Vec<(Part, Fit)>,
+    rest: &mut Vec<Part>,
+) {
+    let points = part.len();
     let fit = if points < FITTED_POINTS {
         Err(NoFit::TooNear)
     } else {
         Fit::of(scene, part.region(grid), tolerance, points / POINTS_PER_NODE)
     };
     match fit {
-        Ok(fit) => evaluate(scene.level(), &fit, tolerance, grid, part, field, exact),
+        Ok(fit) => fitted.push((part, fit)),
         Err(NoFit::TooNear) if points >= 2 * FITTED_POINTS => {
             let axis = part.longest_axis(grid);
             let middle = usize::midpoint(part.start[axis], part.end[axis]);
             let (mut low, mut high) = (part, part);
             low.end[axis] = middle;
             high.start[axis] = middle;
-            serve(scene, tolerance, grid, low, field, exact);
-            serve(scene, tolerance, grid, high, field, exact);
+            divide(scene, tolerance, grid, low, fitted, rest);
+            divide(scene, tolerance, grid, high, fitted, rest);
         }
-        Err(_) => exact.extend(part.indices(grid)),
+        Err(_) => rest.push(part),
     }
 }
 
 impl Part {
-    fn counts(&self) -> [usize; 3] {
+    pub(super) fn len(&self) -> usize {
+        self.counts().iter().product()
+    }
+
+    pub(super) fn counts(&self) -> [usize; 3] {
         [0, 1, 2].map(|axis: usize| self.end[axis] - self.start[axis])
     }
 
@@ -93,7 +110,7 @@ impl Part {
         divisible.max_by(|&a, &b| size[a].total_cmp(&size[b])).expect("several points")
     }
 
-    fn indices(self, grid: &Grid) -> impl Iterator<Item = usize> {
+    pub(super) fn indices(self, grid: &Grid) -> impl Iterator<Item = usize> {
         let [_, ny, nz] = grid.counts;
         let Part { start, end } = self;
         (start[0]..end[0]).flat_map(move |i| {

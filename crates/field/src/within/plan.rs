@@ -1,0 +1,163 @@
+//! What a tolerance makes of a scene and points: which model serves which, what it leaves out, what it costs.
+
+use glam::DVec3;
+
+use super::accuracy::{Accuracy, Tolerance};
+use super::at_points::assignments;
+use super::fit::Fit;
+use super::on_grid::{Part, divided};
+use crate::batch::assignment::Assignment;
+use crate::grid::Grid;
+use crate::scene::Scene;
+use crate::tolerances::{CLOSED_FORM_COST, NODE_COST};
+
+/// Which models serve points to the accuracy of a scene.
+///
+/// It is what an evaluation of B begins with. Points at which the field turns out too weak for what was left out are then evaluated again, leaving out less.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Which model serves how many points.
+    pub parts: Vec<PlannedPart>,
+    /// What the exact field of all tiles at all points costs; as [`PlannedPart::cost`].
+    pub exact_cost: f64,
+}
+
+/// Points that one model serves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedPart {
+    /// What serves them.
+    pub model: Model,
+    /// How many there are.
+    pub points: usize,
+    /// About how many exact values of one tile at one point cost as much: multiply-adds counted, not times measured.
+    pub cost: f64,
+}
+
+/// What a field is computed by.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Model {
+    /// The exact field of all tiles.
+    Exact,
+    /// A Chebyshev expansion of the field in a box (docs/physics.md, section 5).
+    Chebyshev {
+        /// The least coordinates of the box.
+        lower: DVec3,
+        /// The greatest.
+        upper: DVec3,
+        /// Polynomials along x, y, z.
+        terms: [usize; 3],
+        /// At most the error of B in tesla.
+        error_t: f64,
+        /// From the box to the nearest tile.
+        distance: f64,
+    },
+    /// Tiles together by expansions in solid harmonics, near ones exactly (docs/physics.md, section 5.2). Averages are over points.
+    Tree {
+        /// Expansions for a point, on average.
+        expansions: f64,
+        /// Their degree, on average.
+        degree: f64,
+        /// Tiles that expansions stand for, on average.
+        expanded_tiles: f64,
+        /// Tiles taken exactly where they are too near for an expansion, on average at most.
+        exact_tiles: f64,
+        /// Tiles not taken at all, on average.
+        ignored_tiles: f64,
+        /// At most what all that was left out amounts to at any of the points, in tesla.
+        left_out_t: f64,
+        /// Of that, at most what the tiles not taken at all would have added.
+        ignored_t: f64,
+    },
+}
+
+impl Plan {
+    /// The sum over parts.
+    pub fn cost(&self) -> f64 {
+        self.parts.iter().map(|part| part.cost).sum()
+    }
+}
+
+impl Scene {
+    /// How [`Scene::field_on_grid`] serves a grid. Expansions are made to see whether they hold, so that this takes a part of the time of the evaluation.
+    pub fn plan_on_grid(&self, grid: &Grid) -> Plan {
+        let exact_cost = exact_cost(self, grid.len());
+        let Accuracy::Within(tolerance) = self.accuracy() else {
+            return Plan { parts: vec![exact(self, grid.len())], exact_cost };
+        };
+        let (fitted, rest) = divided(self, tolerance, grid);
+        let mut parts: Vec<PlannedPart> = fitted.iter().map(|(part, fit)| chebyshev(self, *part, fit)).collect();
+        let points: Vec<DVec3> = rest.iter().flat_map(|part| part.indices(grid)).map(|i| grid.point(i)).collect();
+        parts.extend(of_points(self, tolerance, &points));
+        Plan { parts, exact_cost }
+    }
+
+    /// How [`Scene::field_into`] serves points. What the tree needs is made, and the field at some of the points, so that this takes a part of the time
+    /// of the evaluation. Points out of range are left out.
+    pub fn plan_at_points(&self, points: &[DVec3]) -> Plan {
+        let parts = match self.accuracy() {
+            Accuracy::Exact => vec![exact(self, points.len())],
+            Accuracy::Within(tolerance) => of_points(self, tolerance, points),
+        };
+        Plan { parts, exact_cost: exact_cost(self, points.len()) }
+    }
+}
+
+fn exact_cost(scene: &Scene, points: usize) -> f64 {
+    (scene.tile_count() * points) as f64
+}
+
+fn exact(scene: &Scene, points: usize) -> PlannedPart {
+    PlannedPart { model: Model::Exact, points, cost: exact_cost(scene, points) }
+}
+
+fn chebyshev(scene: &Scene, part: Part, fit: &Fit) -> PlannedPart {
+    let [x, y, z] = fit.counts.map(|count| count as f64);
+    let [nx, ny, nz] = part.counts().map(|count| count as f64);
+    // Sums over the terms along x for each plane, along y for each line, along z for each point, of three components.
+    let sums = 3.0 * (nx * x * y * z + nx * ny * y * z + nx * ny * nz * z);
+    let gaps = scene.boxes().iter().map(|tile| tile.gap(&fit.region).length());
+    let model = Model::Chebyshev {
+        lower: fit.region.lower,
+        upper: fit.region.upper,
+        terms: fit.counts,
+        error_t: fit.error_t,
+        distance: gaps.fold(f64::INFINITY, f64::min),
+    };
+    let samples = fit.counts.iter().product::<usize>();
+    PlannedPart { model, points: part.len(), cost: exact_cost(scene, samples) + sums / CLOSED_FORM_COST }
+}
+
+fn of_points(scene: &Scene, tolerance: Tolerance, points: &[DVec3]) -> Vec<PlannedPart> {
+    let (by_tree, alone): (Vec<_>, Vec<_>) =
+        assignments(scene, tolerance, points).into_iter().partition(|(_, assignment)| !assignment.is_exact());
+    let mut parts = Vec::new();
+    if !by_tree.is_empty() {
+        parts.push(tree(&by_tree));
+    }
+    let points = alone.iter().map(|(points, _)| points).sum();
+    if points > 0 {
+        parts.push(exact(scene, points));
+    }
+    parts
+}
+
+fn tree(batches: &[(usize, Assignment)]) -> PlannedPart {
+    let points: usize = batches.iter().map(|(points, _)| points).sum();
+    let total = |number: &dyn Fn(&Assignment) -> f64| -> f64 {
+        batches.iter().map(|(points, assignment)| *points as f64 * number(assignment)).sum()
+    };
+    let mean = |number: &dyn Fn(&Assignment) -> f64| total(number) / points as f64;
+    let most = |number: fn(&Assignment) -> f64| batches.iter().map(|(_, a)| number(a)).fold(0.0, f64::max);
+    let expansions = mean(&|a| a.degrees().count() as f64);
+    let terms = |a: &Assignment| a.degrees().map(|p| NODE_COST * ((p + 2) * (p + 3)) as f64).sum::<f64>();
+    let model = Model::Tree {
+        expansions,
+        degree: mean(&|a| a.degrees().sum::<usize>() as f64) / expansions.max(f64::MIN_POSITIVE),
+        expanded_tiles: mean(&|a| a.tiles[0] as f64),
+        exact_tiles: mean(&|a| a.tiles[1] as f64),
+        ignored_tiles: mean(&|a| a.tiles[2] as f64),
+        left_out_t: most(|a| a.left_out_t),
+        ignored_t: most(|a| a.ignored_t),
+    };
+    PlannedPart { model, points, cost: total(&|a| a.tiles[1] as f64 + terms(a) / CLOSED_FORM_COST) }
+}

@@ -1,0 +1,93 @@
+//! What a plan says of an evaluation holds for it.
+
+use glam::DVec3;
+use magsplice_field::{Accuracy, Grid, Model, Quantity, Scene, Tile, Tolerance};
+
+fn film(across: usize) -> Vec<Tile> {
+    let tile = |n: usize| {
+        let (x, y) = ((n % across) as f64 - 0.5 * across as f64, (n / across) as f64 - 0.5 * across as f64);
+        let j = DVec3::new((0.6 * x).sin(), (0.6 * y).sin(), 0.2) * 0.12;
+        Tile::new(DVec3::new(x, y, 0.5), DVec3::ONE, j).expect("a valid tile")
+    };
+    (0..across * across).map(tile).collect()
+}
+
+fn within(tiles: &[Tile], tolerance: Tolerance) -> Scene {
+    Scene::new(tiles).with_accuracy(Accuracy::Within(tolerance))
+}
+
+fn largest_error_t(scene: &Scene, points: &[DVec3], field: &[DVec3]) -> f64 {
+    let mut exact = vec![DVec3::ZERO; points.len()];
+    scene
+        .clone()
+        .with_accuracy(Accuracy::Exact)
+        .field_into(Quantity::FluxDensity, points, &mut exact)
+        .expect("bounded");
+    field.iter().zip(exact).map(|(a, b)| (*a - b).length()).fold(0.0, f64::max)
+}
+
+#[test]
+fn an_exact_scene_is_planned_exact() {
+    let grid = Grid { lower: DVec3::splat(-2.0), upper: DVec3::splat(-1.0), counts: [3, 4, 5] };
+    let plan = Scene::new(&film(4)).plan_on_grid(&grid);
+    assert_eq!(plan.parts.len(), 1);
+    assert_eq!((&plan.parts[0].model, plan.parts[0].points), (&Model::Exact, 60));
+    assert_eq!((plan.cost(), plan.exact_cost), (960.0, 960.0));
+}
+
+/// A grid that reaches from far below a film into it: every point is in one part, and each part keeps its own bound.
+#[test]
+fn parts_of_a_grid_cover_it_and_keep_their_bounds() {
+    let tolerance = Tolerance::absolute_t(1e-7).expect("positive");
+    let scene = within(&film(6), tolerance);
+    let grid = Grid { lower: DVec3::new(-2.1, -2.2, -7.0), upper: DVec3::new(2.0, 2.3, 0.4), counts: [31, 32, 61] };
+    let plan = scene.plan_on_grid(&grid);
+    assert_eq!(plan.parts.iter().map(|part| part.points).sum::<usize>(), grid.len());
+    let mut field = vec![DVec3::ZERO; grid.len()];
+    scene.field_on_grid(Quantity::FluxDensity, &grid, &mut field).expect("bounded");
+    let mut boxes = 0;
+    for part in &plan.parts {
+        let Model::Chebyshev { lower, upper, terms, error_t, distance } = part.model else { continue };
+        boxes += 1;
+        assert!(error_t <= 1e-7 && terms.iter().product::<usize>() <= part.points);
+        // The film begins at z = 0.
+        assert!((distance - -upper.z).abs() < 1e-12, "{distance} above {upper}");
+        let inside: Vec<usize> =
+            (0..grid.len()).filter(|&i| grid.point(i).cmpge(lower).all() && grid.point(i).cmple(upper).all()).collect();
+        assert_eq!(inside.len(), part.points);
+        let (points, values): (Vec<DVec3>, Vec<DVec3>) = inside.iter().map(|&i| (grid.point(i), field[i])).unzip();
+        let found_t = largest_error_t(&scene, &points, &values);
+        assert!(found_t <= error_t && found_t > 1e-4 * error_t, "{found_t:e} where {error_t:e} was planned");
+    }
+    assert!(boxes > 0 && plan.cost() < 0.5 * plan.exact_cost, "{boxes} boxes");
+    assert!(plan.parts.iter().any(|part| !matches!(part.model, Model::Chebyshev { .. })), "nothing near the film");
+}
+
+#[test]
+fn what_the_tree_leaves_out_is_at_most_what_is_planned() {
+    // A crumb far away that may be forgotten.
+    let crumb = Tile::new(DVec3::new(0.0, 0.0, -300.0), DVec3::splat(0.5), 0.3 * DVec3::X).expect("a valid tile");
+    let tiles: Vec<Tile> = film(30).into_iter().chain([crumb]).collect();
+    let points: Vec<DVec3> = (0..2000)
+        .map(|n| {
+            let turn = f64::from(n);
+            DVec3::new(12.0 * (1.7 * turn).sin(), 12.0 * (2.9 * turn).sin(), -4.0 - (0.7 * turn).cos())
+        })
+        .collect();
+    let scene = within(&tiles, Tolerance::relative(1e-4).expect("positive"));
+    let plan = scene.plan_at_points(&points);
+    let [part] = &plan.parts[..] else { panic!("{plan:?}") };
+    let Model::Tree { expanded_tiles, exact_tiles, ignored_tiles, left_out_t, ignored_t, .. } = part.model else {
+        panic!("{part:?}")
+    };
+    assert!((expanded_tiles + exact_tiles + ignored_tiles - tiles.len() as f64).abs() < 1e-9);
+    assert!(ignored_tiles >= 1.0 && ignored_t <= left_out_t);
+    let mut of_crumb = vec![DVec3::ZERO; points.len()];
+    Scene::new(&[crumb]).field_into(Quantity::FluxDensity, &points, &mut of_crumb).expect("bounded");
+    let most_t = of_crumb.iter().map(|b| b.length()).fold(0.0, f64::max);
+    assert!(most_t <= ignored_t, "{most_t:e} was ignored, not {ignored_t:e}");
+    let mut field = vec![DVec3::ZERO; points.len()];
+    scene.field_into(Quantity::FluxDensity, &points, &mut field).expect("bounded");
+    let found_t = largest_error_t(&scene, &points, &field);
+    assert!(found_t <= left_out_t && found_t > 0.0, "{found_t:e} where {left_out_t:e} was planned");
+}
