@@ -2,13 +2,18 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 
+use super::assignment::Assignment;
 use super::expansion::Expansion;
 use super::functions::{angle, artanh_of_ratio};
 use super::instruction_set::InstructionSet;
 use super::lanes::{Lanes, Number};
+use super::tree::Tree;
+use crate::arrangement::Arrangement;
 use crate::block::{Block, Local};
 use crate::kernel::{Part, cuboid_field};
+use crate::tile::Tile;
 use crate::tolerances::EXPANSION_DEGREES;
+use crate::within::magnitude::Box3;
 use glam::DVec3;
 
 #[derive(Clone, Copy)]
@@ -158,4 +163,67 @@ fn expansions_are_as_accurate_as_their_degrees() {
     let (level, (degree, distance)) = (Level::new(), EXPANSION_DEGREES[2]);
     let nearer = error(level, &Expansion::of(level, &blocks, centre, 0.25), degree, 0.4 * distance);
     assert!(nearer > 5e-15, "degree {degree} is good for {nearer:e} much nearer than {distance} radii");
+}
+
+/// Two small tiles whose dipoles point outwards leave out nearly the most that tiles can: what a node may leave out is a bound, and a close one.
+#[test]
+fn nodes_leave_out_no_more_than_they_say_and_not_much_less() {
+    let level = Level::new();
+    let turn = glam::DQuat::from_rotation_arc(DVec3::X, DVec3::new(0.4, -0.5, 0.8).normalize());
+    let outwards = [-1.0, 1.0].map(|sign: f64| {
+        let tile = Tile::new(turn * DVec3::X * sign, DVec3::splat(0.02), DVec3::X * sign).expect("a valid tile");
+        tile.rotated(turn).expect("a rotation")
+    });
+    let arrangement = Arrangement::of(&outwards);
+    let tree = Tree::of(level, &arrangement, &outwards, 15);
+    let scene = crate::scene::Scene::new(&outwards);
+    let mut seen = [false; 16];
+    for distance in [1.3, 1.6, 2.0, 3.0, 8.0, 40.0] {
+        let point = turn * DVec3::X * distance;
+        let exact = scene.field(crate::quantity::Quantity::FluxDensity, point).expect("outside");
+        for exponent in 0..60 {
+            let allowed_t = 0.1 * 0.5_f64.powi(exponent);
+            let at = Box3 { lower: point, upper: point };
+            let Some((degree, left_out_t)) = tree.degree(0, &at, allowed_t) else { continue };
+            assert!(left_out_t <= allowed_t);
+            let found = if degree == 0 {
+                DVec3::ZERO
+            } else {
+                dispatch!(level, simd => expanded(simd, tree.expansion(0), degree, point))
+            };
+            let error_t = (found - exact).length();
+            let rounding = 1e-13 * exact.length();
+            assert!(error_t <= left_out_t + rounding, "degree {degree} at {distance}: {error_t:e} of {left_out_t:e}");
+            assert!(
+                error_t + rounding >= 0.15 * left_out_t,
+                "degree {degree} at {distance}: {error_t:e} of {left_out_t:e}"
+            );
+            seen[degree] = true;
+        }
+    }
+    // The parts of odd degree vanish by symmetry, so that none of them is the last that is needed.
+    assert_eq!(seen.iter().filter(|seen| **seen).count(), 8, "{seen:?}");
+}
+
+/// Every tile is served once, whatever may be left out.
+#[test]
+fn assignments_take_every_tile_once() {
+    let tiles: Vec<Tile> = (0..300)
+        .map(|n| {
+            let turn = f64::from(n);
+            let at = DVec3::new((1.3 * turn).sin(), (2.1 * turn).sin(), (0.7 * turn).cos()) * 10.0;
+            Tile::new(at, DVec3::new(0.5, 1.0, 0.3), DVec3::new(0.1, turn.cos(), 0.2)).expect("a valid tile")
+        })
+        .collect();
+    let arrangement = Arrangement::of(&tiles);
+    let tree = Tree::of(Level::new(), &arrangement, &tiles, 20);
+    let points = Box3 { lower: DVec3::new(-1.0, 2.0, 3.0), upper: DVec3::new(0.5, 4.0, 5.0) };
+    let mut last = 0;
+    for exponent in 0..12 {
+        let assignment = Assignment::of(&tree, &points, 10_f64.powi(-exponent));
+        assert_eq!(assignment.tiles.iter().sum::<usize>(), tiles.len());
+        assert!(assignment.tiles[1] >= last, "the less may be left out, the more tiles are near");
+        last = assignment.tiles[1];
+    }
+    assert!(last > 10 && last < 290, "{last} tiles are near");
 }
