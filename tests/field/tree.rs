@@ -1,7 +1,7 @@
 //! A tolerance is kept at lists of points too, by whatever parts of the tree over the tiles serve them.
 
 use glam::{DQuat, DVec3};
-use magsplice_field::{Accuracy, Cause, MU_0, Quantity, Scene, Tile, Tolerance};
+use magsplice_field::{Accuracy, Cause, MU_0, Model, Quantity, Scene, Tile, Tolerance};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use rand::{Rng, SeedableRng};
@@ -147,6 +147,31 @@ fn points_without_a_field_are_named_as_in_the_exact_field() {
     assert_eq!(expected.iter().map(|(index, _)| *index).collect::<Vec<_>>(), [7, 9, 2999]);
     let within = exact.with_accuracy(Accuracy::Within(Tolerance::Relative(1e-5)));
     assert_eq!(field(&within, Quantity::FluxDensity, &points).1, expected);
+}
+
+/// So many that the box around them is expanded.
+#[test]
+fn many_points_of_a_box_without_tiles_keep_their_tolerance() {
+    let (tiles, _) = film();
+    let mut random = ChaCha8Rng::seed_from_u64(9);
+    let points: Vec<DVec3> =
+        (0..30_000).map(|_| DVec3::from([-2.0, -2.0, -8.0].map(|from| from + random.random_range(0.0..4.0)))).collect();
+    let scene = Scene::new(&tiles[..80]);
+    let (exact, _) = field(&scene, Quantity::FluxDensity, &points);
+    let tolerance = Tolerance::Relative(1e-7);
+    let within = scene.with_accuracy(Accuracy::Within(tolerance));
+    let plan = within.plan_at_points(&points);
+    assert!(matches!(plan.parts[0].model, Model::Cells { .. }), "{plan:?}");
+    let (b, errors) = field(&within, Quantity::FluxDensity, &points);
+    let (h, _) = field(&within, Quantity::FieldStrength, &points);
+    assert_eq!(errors, []);
+    let mut largest = 0.0_f64;
+    for ((b, h), exact) in b.iter().zip(h).zip(&exact) {
+        largest = largest.max((*b - *exact).length() / exact.length());
+        assert!((*b - h * MU_0).length() <= 1e-15 * exact.length());
+    }
+    // It is no exact field either.
+    assert!(largest <= 1e-7 && largest > 1e-13, "{largest:e}");
 }
 
 #[test]

@@ -130,6 +130,16 @@ pub(crate) const ADDED_DEGREES: f64 = 12.0;
 /// Degrees of a tree, at least.
 pub(crate) const LEAST_DEGREE: usize = 6;
 
+/// Points of a list that are sorted together, at most: 400 MB of copies.
+pub(crate) const POINTS_TOGETHER: usize = 1 << 22;
+
+/// The box around a list of fewer points is not expanded to look them up,
+pub(crate) const LOOKED_UP_POINTS: usize = 20_000;
+/// nor if there are fewer tiles, which exactly take no longer than to look a point up,
+pub(crate) const LOOKED_UP_TILES: usize = 24;
+/// nor by more exact values than one for so many points.
+pub(crate) const POINTS_PER_FITTED_NODE: usize = 4;
+
 /// Points that parts of a tree are assigned to together: more share the choice, fewer lie closer together and leave more of the tiles far away.
 pub(crate) const ASSIGNED_POINTS: usize = 256;
 

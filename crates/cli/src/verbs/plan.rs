@@ -101,6 +101,15 @@ fn describe(text: &mut String, part: &PlannedPart, tiles: usize) {
                 ("why", format!("no tile is nearer than {} mm", text::number(*distance))),
             ],
         ),
+        Model::Cells { lower: l, upper: u, cells: [x, y, z], error_t, distance } => (
+            "Chebyshev expansions of the cells of the box",
+            vec![
+                ("box", format!("x {} .. {}, y {} .. {}, z {} .. {} mm", l.x, u.x, l.y, u.y, l.z, u.z)),
+                ("cells", format!("{x} x {y} x {z}")),
+                ("error", format!("at most {error_t:.1e} T")),
+                ("why", format!("no tile is nearer than {} mm, and the points are many", text::number(*distance))),
+            ],
+        ),
         Model::Tree { expansions, degree, expanded_tiles, exact_tiles, ignored_tiles, left_out_t, ignored_t } => (
             "groups of tiles by expansions in solid harmonics, on average",
             vec![
@@ -170,6 +179,13 @@ enum ModelReport {
         error_t: f64,
         distance_mm: f64,
     },
+    Cells {
+        lower_mm: [f64; 3],
+        upper_mm: [f64; 3],
+        cells: [usize; 3],
+        error_t: f64,
+        distance_mm: f64,
+    },
     Tree {
         expansions: f64,
         degree: f64,
@@ -189,6 +205,13 @@ impl From<&PlannedPart> for PartReport {
                 lower_mm: lower.to_array(),
                 upper_mm: upper.to_array(),
                 terms,
+                error_t,
+                distance_mm: distance,
+            },
+            Model::Cells { lower, upper, cells, error_t, distance } => ModelReport::Cells {
+                lower_mm: lower.to_array(),
+                upper_mm: upper.to_array(),
+                cells,
                 error_t,
                 distance_mm: distance,
             },

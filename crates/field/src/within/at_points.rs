@@ -1,17 +1,20 @@
-//! The field at points anywhere, to a tolerance: tiles far away by expansions of nodes of a tree (docs/physics.md, section 5.2).
+//! The field at points anywhere, to a tolerance: many points of a box without tiles by its expansion, others with tiles far away by expansions of
+//! nodes of a tree (docs/physics.md, section 5.2).
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::accuracy::Tolerance;
+use super::fitted_field::FittedField;
 use super::magnitude::Box3;
 use crate::batch::assignment::Assignment;
 use crate::evaluate::{PointError, neighbours_together};
 use crate::quantity::{MU_0, Quantity};
 use crate::scene::{Cause, Scene, is_in_range};
 use crate::tolerances::{
-    ASSIGNED_POINTS, ASSIGNMENT_ROUNDS, CLEAR_OF_ERROR, ROUGH_FIELD_OVER_J, ROUGH_NODES, ROUGH_STEP, SAFE_SHARE,
-    SAMPLED_POINTS, STRETCHED_BOUND, USED_SHARE,
+    ASSIGNED_POINTS, ASSIGNMENT_ROUNDS, CLEAR_OF_ERROR, LOOKED_UP_POINTS, LOOKED_UP_TILES, POINTS_PER_FITTED_NODE,
+    POINTS_TOGETHER, ROUGH_FIELD_OVER_J, ROUGH_NODES, ROUGH_STEP, SAFE_SHARE, SAMPLED_POINTS, STRETCHED_BOUND,
+    USED_SHARE,
 };
 
 /// B or H at all points; points that have none, with NaN there.
@@ -22,7 +25,33 @@ pub(crate) fn at_points(
     points: &[DVec3],
     field: &mut [DVec3],
 ) -> Vec<PointError> {
-    let usable: Vec<u32> = (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect();
+    let together = points.chunks(POINTS_TOGETHER).zip(field.chunks_mut(POINTS_TOGETHER)).enumerate();
+    let errors = together.flat_map(|(number, (points, field))| {
+        let errors = at_some_points(scene, tolerance, quantity, points, field);
+        errors.into_iter().map(move |error| PointError { index: number * POINTS_TOGETHER + error.index, ..error })
+    });
+    errors.collect()
+}
+
+fn at_some_points(
+    scene: &Scene,
+    tolerance: Tolerance,
+    quantity: Quantity,
+    points: &[DVec3],
+    field: &mut [DVec3],
+) -> Vec<PointError> {
+    field.fill(DVec3::NAN);
+    let usable: Vec<u32> = match fitted(scene, tolerance, points) {
+        Some(fitted) => {
+            // All others are in the box, where |B| is large enough.
+            let weak = fitted.flux_density_into(points, field).err().unwrap_or_default();
+            if quantity == Quantity::FieldStrength {
+                field.par_iter_mut().for_each(|h| *h /= MU_0);
+            }
+            weak.into_iter().map(|error| error.index as u32).collect()
+        }
+        None => (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect(),
+    };
     let order = neighbours_together(points, usable, ASSIGNED_POINTS);
     let near: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
     let mut values = vec![DVec3::NAN; near.len()];
@@ -34,7 +63,6 @@ pub(crate) fn at_points(
             batch.outcome.shifted(number * ASSIGNED_POINTS)
         })
         .collect();
-    field.fill(DVec3::NAN);
     for (&index, value) in order.iter().zip(values) {
         field[index as usize] = value;
     }
@@ -50,6 +78,16 @@ pub(crate) fn at_points(
     errors.extend(scene.exact_at(tolerance, quantity, points, &exact, field));
     errors.sort_by_key(|error| error.index);
     errors
+}
+
+/// An expansion of the box around so many points that it pays, if there is one.
+pub(super) fn fitted(scene: &Scene, tolerance: Tolerance, points: &[DVec3]) -> Option<FittedField> {
+    let pays = points.len() >= LOOKED_UP_POINTS && scene.tile_count() >= LOOKED_UP_TILES;
+    if !pays || !points.iter().all(|point| is_in_range(*point)) {
+        return None;
+    }
+    let Box3 { lower, upper } = Box3::around(points);
+    FittedField::of(scene, lower, upper, tolerance, points.len() / POINTS_PER_FITTED_NODE).ok()
 }
 
 /// The first parts that [`at_points`] tries for each batch of points, with the number of points.

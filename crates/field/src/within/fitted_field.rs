@@ -33,6 +33,7 @@ pub struct FittedField {
     region: Box3,
     tolerance: Tolerance,
     cells: [usize; 3],
+    exact_values: usize,
     cells_per_length: DVec3,
     /// Cell by cell, then component, then degrees along x, y, z, those along z filled up with zeros.
     coefficients: Vec<f64>,
@@ -74,6 +75,17 @@ impl FittedField {
         upper: DVec3,
         tolerance: Tolerance,
     ) -> Result<FittedField, FittedFieldError> {
+        FittedField::of(scene, lower, upper, tolerance, MOST_FITTED_NODES)
+    }
+
+    /// By at most `most_nodes` exact values.
+    pub(super) fn of(
+        scene: &Scene,
+        lower: DVec3,
+        upper: DVec3,
+        tolerance: Tolerance,
+        most_nodes: usize,
+    ) -> Result<FittedField, FittedFieldError> {
         if !(lower.is_finite() && upper.is_finite() && lower.cmplt(upper).all()) {
             return Err(FittedFieldError::NoBox);
         }
@@ -83,7 +95,7 @@ impl FittedField {
             Tolerance::Relative(fraction) => Tolerance::Relative(share * fraction),
             Tolerance::AbsoluteT(error_t) => Tolerance::AbsoluteT(share * error_t),
         };
-        let fit = Fit::of(scene, region, half_of(0.5), MOST_FITTED_NODES).map_err(|why| match why {
+        let fit = Fit::of(scene, region, half_of(0.5), most_nodes).map_err(|why| match why {
             NoFit::TooNear => FittedFieldError::TooNear,
             NoFit::TooExact => FittedFieldError::TooExact,
         })?;
@@ -110,6 +122,7 @@ impl FittedField {
                     region,
                     tolerance,
                     cells,
+                    exact_values: fit.counts.iter().product(),
                     cells_per_length,
                     coefficients,
                     error_t,
@@ -143,6 +156,11 @@ impl FittedField {
     /// How many cells there are along x, y, z.
     pub fn cells(&self) -> [usize; 3] {
         self.cells
+    }
+
+    /// How many exact values it was made from.
+    pub fn exact_values(&self) -> usize {
+        self.exact_values
     }
 
     /// What it occupies.

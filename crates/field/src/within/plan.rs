@@ -3,13 +3,14 @@
 use glam::DVec3;
 
 use super::accuracy::{Accuracy, Tolerance};
-use super::at_points::assignments;
+use super::at_points::{assignments, fitted};
 use super::fit::Fit;
+use super::magnitude::Box3;
 use super::on_grid::{Part, divided};
 use crate::batch::assignment::Assignment;
 use crate::grid::Grid;
 use crate::scene::Scene;
-use crate::tolerances::{CLOSED_FORM_COST, NODE_COST};
+use crate::tolerances::{CELL_NODES, CLOSED_FORM_COST, NODE_COST, POINTS_TOGETHER};
 
 /// Which models serve points to the accuracy of a scene.
 ///
@@ -46,6 +47,19 @@ pub enum Model {
         upper: DVec3,
         /// Polynomials along x, y, z.
         terms: [usize; 3],
+        /// At most the error of B in tesla.
+        error_t: f64,
+        /// From the box to the nearest tile.
+        distance: f64,
+    },
+    /// The same of the cells of a box, for points that are no grid.
+    Cells {
+        /// The least coordinates of the box.
+        lower: DVec3,
+        /// The greatest.
+        upper: DVec3,
+        /// Cells along x, y, z.
+        cells: [usize; 3],
         /// At most the error of B in tesla.
         error_t: f64,
         /// From the box to the nearest tile.
@@ -115,19 +129,39 @@ fn chebyshev(scene: &Scene, part: Part, fit: &Fit) -> PlannedPart {
     let [nx, ny, nz] = part.counts().map(|count| count as f64);
     // Sums over the terms along x for each plane, along y for each line, along z for each point, of three components.
     let sums = 3.0 * (nx * x * y * z + nx * ny * y * z + nx * ny * nz * z);
-    let gaps = scene.boxes().iter().map(|tile| tile.gap(&fit.region).length());
     let model = Model::Chebyshev {
         lower: fit.region.lower,
         upper: fit.region.upper,
         terms: fit.counts,
         error_t: fit.error_t,
-        distance: gaps.fold(f64::INFINITY, f64::min),
+        distance: distance(scene, &fit.region),
     };
     let samples = fit.counts.iter().product::<usize>();
     PlannedPart { model, points: part.len(), cost: exact_cost(scene, samples) + sums / CLOSED_FORM_COST }
 }
 
+fn distance(scene: &Scene, region: &Box3) -> f64 {
+    scene.boxes().iter().map(|tile| tile.gap(region).length()).fold(f64::INFINITY, f64::min)
+}
+
 fn of_points(scene: &Scene, tolerance: Tolerance, points: &[DVec3]) -> Vec<PlannedPart> {
+    points.chunks(POINTS_TOGETHER).flat_map(|points| of_some_points(scene, tolerance, points)).collect()
+}
+
+fn of_some_points(scene: &Scene, tolerance: Tolerance, points: &[DVec3]) -> Vec<PlannedPart> {
+    if let Some(fitted) = fitted(scene, tolerance, points) {
+        let region = Box3::around(points);
+        let model = Model::Cells {
+            lower: region.lower,
+            upper: region.upper,
+            cells: fitted.cells(),
+            error_t: fitted.error_t(),
+            distance: distance(scene, &region),
+        };
+        let per_point = 3.0 * (CELL_NODES as f64).powi(3) / CLOSED_FORM_COST;
+        let cost = exact_cost(scene, fitted.exact_values()) + per_point * points.len() as f64;
+        return vec![PlannedPart { model, points: points.len(), cost }];
+    }
     let (by_tree, alone): (Vec<_>, Vec<_>) =
         assignments(scene, tolerance, points).into_iter().partition(|(_, assignment)| !assignment.is_exact());
     let mut parts = Vec::new();
