@@ -5,6 +5,7 @@
 mod args;
 mod baseline;
 mod failure;
+mod formats;
 mod interrupt;
 mod output;
 mod points;
@@ -30,7 +31,7 @@ fn main() -> ExitCode {
     let done = match verb {
         Verb::Field(args) => verbs::field::run(&args, common.quiet),
         Verb::Compare(args) => verbs::compare::run(&args),
-        Verb::Decouple(args) => verbs::decouple::run(&args),
+        Verb::Decouple(args) => verbs::decouple::run(&args, common.quiet),
         Verb::Tiles(args) => verbs::tiles::run(&args),
         Verb::Init(args) => verbs::init::run(&args, common.quiet),
         Verb::Schema => verbs::schema::run(),

@@ -3,48 +3,90 @@
 use magsplice::Film;
 use magsplice::decouple::PerParameter;
 use magsplice::field::{Accuracy, Tolerance};
-use magsplice::layout::Layout;
-use magsplice::prelude::DVec3;
+use magsplice::layout::{Layout, WorkingVolume};
+use magsplice::prelude::{DVec3, Decoupling, Parameters as AtPoint};
+use magsplice_export::{Points, Quantity, Table, Value};
 use serde::Serialize;
 
-use crate::args::{Format, LayoutArgs};
-use crate::failure::Failure;
-use crate::output;
+use crate::args::{DecoupleArgs, QuantityArg};
+use crate::failure::{self, Failure};
+use crate::formats::{self, ReportFormat, TableFormat};
+use crate::output::Output;
 use crate::text;
 use crate::verbs::compare::ComparisonReport;
 
-pub(crate) fn run(args: &LayoutArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
+    let format = formats::choose(args.format, args.output.as_deref(), ReportFormat::Text)?;
     let layout = Layout::read(&args.layout)?;
     let film = Film::new(&layout).with_accuracy(args.accuracy.get());
     let failed = |error| text::film_failure(&args.layout, &layout, error);
     let ideal = film.ideal().map_err(failed)?;
     let volume = film.volume().map_err(failed)?;
+    let mut output = Output::open(args.output.as_deref(), &[&args.layout])?;
     let field = film.volume_field_t().map_err(failed)?;
     let comparison = film.compare(&field).map_err(failed)?;
     let decoupling = film.decouple(&field).map_err(failed)?;
     let k = ideal.wavenumber();
-    if args.format == Format::Json {
-        let report = Report {
-            source: Source::of(&film),
-            points: volume.grid.len(),
-            reference_mm: volume.reference_mm.to_array(),
-            uniformity_rmse: decoupling.uniformity_rmse.into(),
-            uniformity_rmse_mm: decoupling.uniformity_rmse.as_lengths(k).into(),
-            ideal_rmse: decoupling.ideal_rmse.into(),
-            displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(k).into(),
-            singular_points_mm: decoupling.singular.iter().map(DVec3::to_array).collect(),
-            comparison: (&comparison).into(),
-        };
-        return output::print(&text::json(&report));
+    let ReportFormat::Table(format) = format else {
+        let at_reference = film.reference_field_t().map_err(failed)?;
+        let sections = [
+            text::header(&film, volume),
+            text::field(&field, volume, at_reference, ideal),
+            text::comparison(&comparison),
+            text::decoupling(&decoupling, volume, k),
+        ];
+        output.write(|w| w.write_all(sections.join("\n").as_bytes()))?;
+        return output.finish();
+    };
+    let table = table(&film, volume, &field, &decoupling);
+    let report = Report {
+        source: Source::of(&film),
+        points: volume.grid.len(),
+        reference_mm: volume.reference_mm.to_array(),
+        uniformity_rmse: decoupling.uniformity_rmse.into(),
+        uniformity_rmse_mm: decoupling.uniformity_rmse.as_lengths(k).into(),
+        ideal_rmse: decoupling.ideal_rmse.into(),
+        displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(k).into(),
+        singular_points_mm: decoupling.singular.iter().map(DVec3::to_array).collect(),
+        comparison: (&comparison).into(),
+        shape: table.points.shape(),
+        columns: &table,
+    };
+    formats::write(&table, &report, format, &mut output)?;
+    output.finish()?;
+    let singular = decoupling.singular.len();
+    if singular > 0 && !quiet && format != TableFormat::Json {
+        let points = if singular == 1 { "point has" } else { "points have" };
+        failure::tell(&format_args!("{singular} singular {points} B_z = 0: their R_x, R_y, S_z are written as NaN"));
     }
-    let at_reference = film.reference_field_t().map_err(failed)?;
-    let sections = [
-        text::header(&film, volume),
-        text::field(&field, volume, at_reference, ideal),
-        text::comparison(&comparison),
-        text::decoupling(&decoupling, volume, k),
-    ];
-    output::print(&sections.join("\n"))
+    Ok(())
+}
+
+/// B and the parameters at every point of the volume.
+fn table(film: &Film, volume: &WorkingVolume, field_t: &[DVec3], decoupling: &Decoupling) -> Table {
+    let (b, b_components) = QuantityArg::B.names();
+    let parameter = |components: &'static [&'static str; 1], of: fn(&AtPoint) -> f64| {
+        let values = decoupling.parameters.iter().map(|p| p.as_ref().map_or(f64::NAN, of)).collect();
+        Quantity { name: components[0], components, values }
+    };
+    let all = |p: PerParameter| Value::Numbers(vec![p.r_x, p.r_y, p.s_z]);
+    let mut metadata = formats::metadata(film);
+    metadata.extend([
+        ("reference_mm", Value::Numbers(volume.reference_mm.to_array().to_vec())),
+        ("uniformity_rmse", all(decoupling.uniformity_rmse)),
+        ("ideal_rmse", all(decoupling.ideal_rmse)),
+        ("singular_points", Value::Count(decoupling.singular.len())),
+    ]);
+    Table {
+        points: Points::Grid(volume.grid),
+        quantities: vec![
+            Quantity { name: b, components: b_components, values: field_t.iter().flat_map(DVec3::to_array).collect() },
+            parameter(&["r_x_rad"], |p| p.r_x),
+            parameter(&["r_y_rad"], |p| p.r_y),
+            parameter(&["s_z"], |p| p.s_z),
+        ],
+        metadata,
+    }
 }
 
 /// What a result was made from and by.
@@ -106,6 +148,9 @@ struct Report<'a> {
     displacement_rmse_mm: Lengths,
     singular_points_mm: Vec<[f64; 3]>,
     comparison: ComparisonReport,
+    /// Of the columns as an array: counts along x, y, z.
+    shape: Vec<usize>,
+    columns: &'a Table,
 }
 
 #[derive(Serialize)]
