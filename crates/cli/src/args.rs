@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand, ValueEnum};
 use magsplice::field::{Accuracy, Tolerance};
 
-use crate::formats::{ReportFormat, TableFormat};
+use crate::formats::{ExportFormat, ReportFormat, TableFormat};
 
 /// Exact simulation of spliced magnet films.
 ///
@@ -50,6 +50,7 @@ pub(crate) enum Verb {
     Decouple(DecoupleArgs),
     Check(CheckArgs),
     Tiles(TilesArgs),
+    Export(ExportArgs),
     Init(InitArgs),
     /// Print a JSON Schema of layout files, for editors.
     #[command(after_help = "Example:\n  magsplice schema > layout.schema.json")]
@@ -227,6 +228,22 @@ pub(crate) struct TilesArgs {
     /// How to write the result; json is the plain form of the layout file, one entry per tile
     #[arg(long, value_enum, default_value = "text")]
     pub(crate) format: Format,
+}
+
+/// Write the film for another program.
+///
+/// For magpylib this is a Python script that rebuilds the film and prints its field, for ParaView the faces of the tiles with their polarization.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice export layouts/published-film.toml --to magpylib -o film.py")]
+pub(crate) struct ExportArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// For which program [default: as the ending of the file says]
+    #[arg(long, value_enum, required_unless_present = "output")]
+    pub(crate) to: Option<ExportFormat>,
+    /// File to write, whole or not at all; - for standard output, the default
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
 }
 
 /// Write a commented layout to start from; never overwrites.

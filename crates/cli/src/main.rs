@@ -33,6 +33,7 @@ fn main() -> ExitCode {
         Verb::Compare(args) => verbs::compare::run(&args),
         Verb::Decouple(args) => verbs::decouple::run(&args, common.quiet),
         Verb::Tiles(args) => verbs::tiles::run(&args),
+        Verb::Export(args) => verbs::export::run(&args),
         Verb::Init(args) => verbs::init::run(&args, common.quiet),
         Verb::Schema => verbs::schema::run(),
         Verb::Completions(args) => verbs::completions::run(&args),

@@ -16,7 +16,10 @@ use crate::text;
 use crate::verbs::compare::ComparisonReport;
 
 pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
-    let format = formats::choose(args.format, args.output.as_deref(), ReportFormat::Text)?;
+    let format = formats::choose(args.format, args.output.as_deref(), Some(ReportFormat::Text))?;
+    if let ReportFormat::Table(format) = format {
+        formats::accept(format, args.output.as_deref(), true)?;
+    }
     let layout = Layout::read(&args.layout)?;
     let film = Film::new(&layout).with_accuracy(args.accuracy.get());
     let failed = |error| text::film_failure(&args.layout, &layout, error);

@@ -121,7 +121,8 @@ struct Results {
 impl Results {
     /// Opens the output. `points` are those of the table if they are known, else none.
     fn begin(args: &FieldArgs, film: &Film, points: Points) -> Result<Results, Failure> {
-        let format = formats::choose(args.format, args.output.as_deref(), TableFormat::Csv)?;
+        let format = formats::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
+        formats::accept(format, args.output.as_deref(), matches!(points, Points::Grid(_)))?;
         let (name, components) = args.quantity.names();
         let inputs: Vec<&Path> = std::iter::once(&args.layout).chain(&args.points).map(PathBuf::as_path).collect();
         let mut output = Output::open(args.output.as_deref(), &inputs)?;
