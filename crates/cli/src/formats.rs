@@ -172,8 +172,8 @@ pub(crate) fn choose<F: FileFormat>(asked: Option<F>, output: Option<&Path>, def
             ));
         }
         (Some(asked), None, Some(ending)) if asked.is_known_by_ending() => {
-            let (endings, name) = (endings(&[asked]), asked.name());
-            return refused(format!("programs would not take .{ending} for {name}: use {endings}"));
+            let (name, endings) = (asked.name(), endings(&[asked]));
+            return refused(format!("programs tell {name} by its ending, and .{ending} is another format: use {endings}"));
         }
         (None, None, Some(ending)) => {
             let (endings, option) = (endings(formats), F::OPTION);
@@ -205,7 +205,7 @@ pub(crate) fn accept(format: TableFormat, output: Option<&Path>, on_grid: bool) 
     let ended = |path: &Path| path.extension().is_none_or(|e| e.eq_ignore_ascii_case(ending));
     if let Some(path) = output.filter(|path| format == TableFormat::Vtk && !ended(path)) {
         return Err(Failure::Format(format!(
-            "{}: {kind}, and programs would not take this ending for it: use .{ending}",
+            "{}: {kind}, which programs tell by the ending: use .{ending}",
             path.display()
         )));
     }

@@ -54,7 +54,9 @@ def main():
     points_mm = [] if REFERENCE_MM is None else [REFERENCE_MM]
     if len(sys.argv) > 1:
         with open(sys.argv[1], newline="", encoding="utf-8") as file:
-            for row in csv.DictReader(file, skipinitialspace=True):
+            rows = csv.DictReader(file)
+            rows.fieldnames = [name.strip() for name in rows.fieldnames]
+            for row in rows:
                 points_mm.append([float(row[name]) for name in ("x_mm", "y_mm", "z_mm")])
     print("x_mm,y_mm,z_mm,bx_t,by_t,bz_t")
     if points_mm:
