@@ -173,7 +173,9 @@ pub(crate) fn choose<F: FileFormat>(asked: Option<F>, output: Option<&Path>, def
         }
         (Some(asked), None, Some(ending)) if asked.is_known_by_ending() => {
             let (name, endings) = (asked.name(), endings(&[asked]));
-            return refused(format!("programs tell {name} by its ending, and .{ending} is another format: use {endings}"));
+            return refused(format!(
+                "programs tell {name} by its ending, and .{ending} is another format: use {endings}"
+            ));
         }
         (None, None, Some(ending)) => {
             let (endings, option) = (endings(formats), F::OPTION);
