@@ -147,3 +147,14 @@ fn export_writes_every_tile() {
     assert_eq!((said.status, said.stdout.as_str()), (0, ""));
     assert!(bench.read("bare.py").contains("\nREFERENCE_MM = None\n"));
 }
+
+/// One clear message, also where an archive is left half written.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told_once() {
+    for format in ["csv", "json", "npy", "npz", "vtk"] {
+        let said = Bench::new().run(&["field", &shipped("single-tile"), "--format", format, "-o", "/dev/full"]);
+        said.refuses("cannot write /dev/full: No space left on device");
+        assert_eq!(said.stderr.lines().count(), 1, "{format}: {}", said.stderr);
+    }
+}
