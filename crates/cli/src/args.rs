@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand, ValueEnum};
 use magsplice::field::{Accuracy, Tolerance};
 
+use crate::formats::{ExportFormat, ReportFormat, TableFormat};
+
 /// Exact simulation of spliced magnet films.
 ///
 /// Reads a layout file (TOML; lengths in mm, polarization in T) and computes the magnetic field of its tiles, its distance from
@@ -45,14 +47,13 @@ pub(crate) enum Verb {
     /// Compare the field with the ideal film (Eq. 2) over the working volume.
     #[command(after_help = "Example:\n  magsplice compare layouts/published-film.toml")]
     Compare(LayoutArgs),
-    /// Evaluate the film: its field, its distance from the ideal film, and its decoupling error.
-    #[command(after_help = "Example:\n  magsplice decouple layouts/published-film.toml --format json")]
-    Decouple(LayoutArgs),
+    Decouple(DecoupleArgs),
     Plan(PlanArgs),
     #[cfg(feature = "report")]
     Report(ReportArgs),
     Check(CheckArgs),
     Tiles(TilesArgs),
+    Export(ExportArgs),
     Init(InitArgs),
     /// Print a JSON Schema of layout files, for editors.
     #[command(after_help = "Example:\n  magsplice schema > layout.schema.json")]
@@ -60,7 +61,7 @@ pub(crate) enum Verb {
     Completions(CompletionsArgs),
 }
 
-/// Compute the field at points, as CSV.
+/// Compute the field at points, as CSV or in a file of another tool.
 ///
 /// Points are read from the columns x_mm, y_mm, z_mm of a CSV file (other columns are ignored), or are the grid of the layout's
 /// working volume. They are written in the order given, with digits that read back to the same numbers.
@@ -73,8 +74,11 @@ pub(crate) struct FieldArgs {
     #[arg(long, value_name = "CSV")]
     pub(crate) points: Option<PathBuf>,
     /// File to write, whole or not at all; - for standard output, the default
-    #[arg(short, long, value_name = "CSV")]
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    /// How to write the result [default: as the ending of the file says, else csv]
+    #[arg(long, value_enum)]
+    pub(crate) format: Option<TableFormat>,
     /// Which quantity
     #[arg(long, value_enum, default_value = "b")]
     pub(crate) quantity: QuantityArg,
@@ -129,16 +133,26 @@ pub(crate) enum QuantityArg {
 }
 
 impl QuantityArg {
-    /// Names of the columns, with unit.
-    pub(crate) fn columns(self) -> &'static str {
+    /// Its name with unit, as a vector or tensor, and those of its columns.
+    pub(crate) fn names(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            QuantityArg::B => "bx_t,by_t,bz_t",
-            QuantityArg::H => "hx_a_per_m,hy_a_per_m,hz_a_per_m",
-            QuantityArg::J => "jx_t,jy_t,jz_t",
-            QuantityArg::Gradient => {
-                "dbx_dx_t_per_mm,dbx_dy_t_per_mm,dbx_dz_t_per_mm,dby_dx_t_per_mm,dby_dy_t_per_mm,dby_dz_t_per_mm,\
-                 dbz_dx_t_per_mm,dbz_dy_t_per_mm,dbz_dz_t_per_mm"
-            }
+            QuantityArg::B => ("b_t", &["bx_t", "by_t", "bz_t"]),
+            QuantityArg::H => ("h_a_per_m", &["hx_a_per_m", "hy_a_per_m", "hz_a_per_m"]),
+            QuantityArg::J => ("j_t", &["jx_t", "jy_t", "jz_t"]),
+            QuantityArg::Gradient => (
+                "gradient_b_t_per_mm",
+                &[
+                    "dbx_dx_t_per_mm",
+                    "dbx_dy_t_per_mm",
+                    "dbx_dz_t_per_mm",
+                    "dby_dx_t_per_mm",
+                    "dby_dy_t_per_mm",
+                    "dby_dz_t_per_mm",
+                    "dbz_dx_t_per_mm",
+                    "dbz_dy_t_per_mm",
+                    "dbz_dz_t_per_mm",
+                ],
+            ),
         }
     }
 }
@@ -150,6 +164,26 @@ pub(crate) struct LayoutArgs {
     /// How to write the result
     #[arg(long, value_enum, default_value = "text")]
     pub(crate) format: Format,
+    #[command(flatten)]
+    pub(crate) accuracy: AccuracyArg,
+}
+
+/// Evaluate the film: its field, its distance from the ideal film, and its decoupling error.
+///
+/// As text this is a report. As JSON it is the report with every point of the working volume; the other formats hold the points: B, R_x, R_y, S_z.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  magsplice decouple layouts/published-film.toml\n  magsplice decouple layouts/published-film.toml -o film.npz"
+)]
+pub(crate) struct DecoupleArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// File to write, whole or not at all; - for standard output, the default
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// How to write the result [default: as the ending of the file says, else text]
+    #[arg(long, value_enum)]
+    pub(crate) format: Option<ReportFormat>,
     #[command(flatten)]
     pub(crate) accuracy: AccuracyArg,
 }
@@ -235,6 +269,22 @@ pub(crate) struct TilesArgs {
     /// How to write the result; json is the plain form of the layout file, one entry per tile
     #[arg(long, value_enum, default_value = "text")]
     pub(crate) format: Format,
+}
+
+/// Write the film for another program.
+///
+/// For magpylib this is a Python script that rebuilds the film and prints its field, for ParaView the faces of the tiles with their polarization.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice export layouts/published-film.toml --to magpylib -o film.py")]
+pub(crate) struct ExportArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// For which program [default: as the ending of the file says]
+    #[arg(long, value_enum, required_unless_present = "output")]
+    pub(crate) to: Option<ExportFormat>,
+    /// File to write, whole or not at all; - for standard output, the default
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
 }
 
 /// Write a commented layout to start from; never overwrites.

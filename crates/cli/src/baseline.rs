@@ -6,7 +6,6 @@ use magsplice::expect::Baseline;
 use magsplice::field::Grid;
 use magsplice::prelude::DVec3;
 
-use crate::args::QuantityArg;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::points::{Faults, read_error};
@@ -55,7 +54,7 @@ pub(crate) fn read(path: &Path) -> Result<Baseline, Failure> {
 pub(crate) fn write(path: &Path, layout: &Path, grid: &Grid, field_t: &[DVec3]) -> Result<(), Failure> {
     let mut output = Output::open(Some(path), &[layout])?;
     output.write(|w| {
-        writeln!(w, "x_mm,y_mm,z_mm,{}", QuantityArg::B.columns())?;
+        writeln!(w, "{}", COLUMNS.join(","))?;
         // Debug prints the shortest digits that read back to the same number.
         grid.points()
             .zip(field_t)

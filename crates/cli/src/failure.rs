@@ -37,6 +37,8 @@ pub(crate) enum Failure {
         faults: Vec<String>,
         more: usize,
     },
+    /// What was asked for cannot be written so.
+    Format(String),
     Write {
         target: String,
         error: io::Error,
@@ -68,6 +70,7 @@ impl fmt::Display for Failure {
                 }
                 Ok(())
             }
+            Failure::Format(message) => f.write_str(message),
             Failure::Write { target, error } => write!(f, "cannot write {target}: {error}"),
             Failure::PipeClosed => f.write_str("the reader of the output closed it"),
         }

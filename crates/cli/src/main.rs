@@ -7,6 +7,7 @@ mod baseline;
 mod failure;
 #[cfg(feature = "report")]
 mod folder;
+mod formats;
 mod interrupt;
 mod output;
 mod points;
@@ -32,8 +33,9 @@ fn main() -> ExitCode {
     let done = match verb {
         Verb::Field(args) => verbs::field::run(&args, common.quiet),
         Verb::Compare(args) => verbs::compare::run(&args),
-        Verb::Decouple(args) => verbs::decouple::run(&args),
+        Verb::Decouple(args) => verbs::decouple::run(&args, common.quiet),
         Verb::Tiles(args) => verbs::tiles::run(&args),
+        Verb::Export(args) => verbs::export::run(&args),
         Verb::Init(args) => verbs::init::run(&args, common.quiet),
         Verb::Schema => verbs::schema::run(),
         Verb::Completions(args) => verbs::completions::run(&args),

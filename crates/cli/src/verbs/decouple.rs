@@ -1,27 +1,46 @@
 //! `magsplice decouple`: field, distance from the ideal film and decoupling error of a film.
 
-use magsplice::decouple::{Decoupling, PerParameter};
+use magsplice::decouple::PerParameter;
 use magsplice::field::{Accuracy, Comparison, IdealFilm, Tolerance};
 use magsplice::layout::{Layout, WorkingVolume};
-use magsplice::prelude::DVec3;
+use magsplice::prelude::{DVec3, Decoupling, Parameters as AtPoint};
 use magsplice::{Film, FilmError};
+use magsplice_export::{Points, Quantity, Table, Value};
 use serde::Serialize;
 
-use crate::args::{Format, LayoutArgs};
-use crate::failure::Failure;
-use crate::output;
+use crate::args::{DecoupleArgs, QuantityArg};
+use crate::failure::{self, Failure};
+use crate::formats::{self, ReportFormat, TableFormat};
+use crate::output::Output;
 use crate::text;
 use crate::verbs::compare::ComparisonReport;
 
-pub(crate) fn run(args: &LayoutArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
+    let format = formats::choose(args.format, args.output.as_deref(), Some(ReportFormat::Text))?;
+    if let ReportFormat::Table(format) = format {
+        formats::accept(format, args.output.as_deref(), true)?;
+    }
     let layout = Layout::read(&args.layout)?;
     let film = Film::new(&layout).with_accuracy(args.accuracy.get());
     let failed = |error| text::film_failure(&args.layout, &layout, error);
+    film.ideal().and(film.volume().map(|_| ())).map_err(failed)?;
+    // Whether the file can be written is known before anything is computed.
+    let mut output = Output::open(args.output.as_deref(), &[&args.layout])?;
     let evaluated = Evaluated::of(&film).map_err(failed)?;
-    output::print(&match args.format {
-        Format::Json => evaluated.json(),
-        Format::Text => evaluated.text().map_err(failed)?,
-    })
+    let ReportFormat::Table(format) = format else {
+        let text = evaluated.text().map_err(failed)?;
+        output.write(|w| w.write_all(text.as_bytes()))?;
+        return output.finish();
+    };
+    let table = evaluated.table();
+    formats::write(&table, &evaluated.report(Some(&table)), format, &mut output)?;
+    output.finish()?;
+    let singular = evaluated.decoupling.singular.len();
+    if singular > 0 && !quiet && format != TableFormat::Json {
+        let points = if singular == 1 { "point has" } else { "points have" };
+        failure::tell(&format_args!("{singular} singular {points} B_z = 0: their R_x, R_y, S_z are written as NaN"));
+    }
+    Ok(())
 }
 
 /// A film with all its numbers.
@@ -44,10 +63,18 @@ impl<'a> Evaluated<'a> {
         Ok(Evaluated { film, ideal, volume, field_t, comparison, decoupling })
     }
 
+    #[cfg(feature = "report")]
     pub(crate) fn json(&self) -> String {
+        text::json(&self.report(None))
+    }
+
+    fn report<'t>(&self, table: Option<&'t Table>) -> Report<'t>
+    where
+        'a: 't,
+    {
         let Evaluated { film, ideal, volume, comparison, decoupling, .. } = self;
         let k = ideal.wavenumber();
-        text::json(&Report {
+        Report {
             source: Source::of(film),
             points: volume.grid.len(),
             reference_mm: volume.reference_mm.to_array(),
@@ -57,7 +84,8 @@ impl<'a> Evaluated<'a> {
             displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(k).into(),
             singular_points_mm: decoupling.singular.iter().map(DVec3::to_array).collect(),
             comparison: comparison.into(),
-        })
+            table: table.map(|table| Columns { shape: table.points.shape(), columns: table }),
+        }
     }
 
     pub(crate) fn text(&self) -> Result<String, FilmError> {
@@ -70,6 +98,38 @@ impl<'a> Evaluated<'a> {
             text::decoupling(decoupling, volume, ideal.wavenumber()),
         ];
         Ok(sections.join("\n"))
+    }
+
+    /// B and the parameters at every point of the volume.
+    fn table(&self) -> Table {
+        let Evaluated { film, volume, field_t, decoupling, .. } = self;
+        let (b, b_components) = QuantityArg::B.names();
+        let parameter = |components: &'static [&'static str; 1], of: fn(&AtPoint) -> f64| {
+            let values = decoupling.parameters.iter().map(|p| p.as_ref().map_or(f64::NAN, of)).collect();
+            Quantity { name: components[0], components, values }
+        };
+        let all = |p: PerParameter| Value::Numbers(vec![p.r_x, p.r_y, p.s_z]);
+        let mut metadata = formats::metadata(film);
+        metadata.extend([
+            ("reference_mm", Value::Numbers(volume.reference_mm.to_array().to_vec())),
+            ("uniformity_rmse", all(decoupling.uniformity_rmse)),
+            ("ideal_rmse", all(decoupling.ideal_rmse)),
+            ("singular_points", Value::Count(decoupling.singular.len())),
+        ]);
+        Table {
+            points: Points::Grid(volume.grid),
+            quantities: vec![
+                Quantity {
+                    name: b,
+                    components: b_components,
+                    values: field_t.iter().flat_map(DVec3::to_array).collect(),
+                },
+                parameter(&["r_x_rad"], |p| p.r_x),
+                parameter(&["r_y_rad"], |p| p.r_y),
+                parameter(&["s_z"], |p| p.s_z),
+            ],
+            metadata,
+        }
     }
 }
 
@@ -132,6 +192,16 @@ struct Report<'a> {
     displacement_rmse_mm: Lengths,
     singular_points_mm: Vec<[f64; 3]>,
     comparison: ComparisonReport,
+    /// Every point, where that is asked for.
+    #[serde(flatten)]
+    table: Option<Columns<'a>>,
+}
+
+#[derive(Serialize)]
+struct Columns<'a> {
+    /// Of the columns as an array: counts along x, y, z.
+    shape: Vec<usize>,
+    columns: &'a Table,
 }
 
 #[derive(Serialize)]

@@ -1,4 +1,4 @@
-//! `magsplice field`: the field at points, as CSV.
+//! `magsplice field`: the field at points.
 
 use std::path::{Path, PathBuf};
 
@@ -6,19 +6,28 @@ use magsplice::field::{Accuracy, Cause, PointErrors, Quantity, Scene};
 use magsplice::layout::Layout;
 use magsplice::prelude::{DMat3, DVec3};
 use magsplice::{Film, FilmError};
+use magsplice_export::{Points, Quantity as Columns, Table, csv};
+use serde::Serialize;
 
 use crate::args::{FieldArgs, QuantityArg};
 use crate::failure::Failure;
+use crate::formats::{self, TableFormat};
 use crate::output::Output;
 use crate::points::{Faults, PointFile};
 use crate::progress::Progress;
+use crate::verbs::decouple::Source;
 
 /// Points evaluated and written at a time. Bounds memory, and is enough work for every thread.
 const BATCH: usize = 1 << 16;
 
 pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
     let layout = Layout::read(&args.layout)?;
-    let film = Film::new(&layout).with_accuracy(args.accuracy.get());
+    let accuracy = match args.quantity {
+        QuantityArg::B | QuantityArg::H => args.accuracy.get(),
+        // These are so in any case, and the file says it.
+        QuantityArg::J | QuantityArg::Gradient => Accuracy::Exact,
+    };
+    let film = Film::new(&layout).with_accuracy(accuracy);
     match &args.points {
         Some(path) => at_points(args, &film, path, quiet),
         None => on_grid(args, &film, quiet),
@@ -27,13 +36,13 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
 
 fn at_points(args: &FieldArgs, film: &Film, path: &Path, quiet: bool) -> Result<(), Failure> {
     let mut file = PointFile::open(path)?;
-    let mut table = Table::begin(args)?;
+    let mut results = Results::begin(args, film, Points::Scattered(Vec::new()))?;
     let mut faults = Faults::default();
     let (mut points, mut lines) = (Vec::new(), Vec::new());
     let mut progress = Progress::new(None, args.output.as_deref(), quiet);
     loop {
         let more = file.read(BATCH, &mut points, &mut lines, &mut faults)?;
-        let errors = table.rows(film.scene(), &points, faults.is_empty())?;
+        let errors = results.rows(film.scene(), &points, faults.is_empty())?;
         for error in errors.0 {
             let (line, cause) = (lines[error.index], cause_in_words(error.cause, film.layout()));
             let p = error.point;
@@ -44,7 +53,7 @@ fn at_points(args: &FieldArgs, film: &Film, path: &Path, quiet: bool) -> Result<
             break;
         }
     }
-    if faults.is_empty() { table.output.finish() } else { Err(faults.failure(path.display().to_string())) }
+    if faults.is_empty() { results.finish(film) } else { Err(faults.failure(path.display().to_string())) }
 }
 
 fn on_grid(args: &FieldArgs, film: &Film, quiet: bool) -> Result<(), Failure> {
@@ -56,7 +65,7 @@ fn on_grid(args: &FieldArgs, film: &Film, quiet: bool) -> Result<(), Failure> {
         error => Failure::Film { layout: args.layout.clone(), error },
     };
     let grid = film.volume().map_err(missing)?.grid;
-    let mut table = Table::begin(args)?;
+    let mut results = Results::begin(args, film, Points::Grid(grid))?;
     let mut faults = Faults::default();
     let mut add = |errors: PointErrors| {
         for error in errors.0 {
@@ -71,20 +80,19 @@ fn on_grid(args: &FieldArgs, film: &Film, quiet: bool) -> Result<(), Failure> {
             let points: Vec<DVec3> = grid.points().collect();
             let mut field = vec![DVec3::ZERO; points.len()];
             let evaluated = film.scene().field_on_grid(quantity, &grid, &mut field);
-            let rows = points.iter().zip(field.iter().map(DVec3::to_array));
-            add(write_rows(&mut table.output, evaluated, rows, true)?);
+            add(results.add(evaluated, &points, field.iter().flat_map(DVec3::to_array), true)?);
         }
         _ => {
             let mut complete = true;
             let mut progress = Progress::new(Some(grid.len()), args.output.as_deref(), quiet);
             for start in (0..grid.len()).step_by(BATCH) {
                 let points: Vec<DVec3> = (start..grid.len().min(start + BATCH)).map(|i| grid.point(i)).collect();
-                complete = add(table.rows(film.scene(), &points, complete)?);
+                complete = add(results.rows(film.scene(), &points, complete)?);
                 progress.advance(points.len());
             }
         }
     }
-    if faults.is_empty() { table.output.finish() } else { Err(faults.failure(args.layout.display().to_string())) }
+    if faults.is_empty() { results.finish(film) } else { Err(faults.failure(args.layout.display().to_string())) }
 }
 
 /// Why there is no field, with the tile's name.
@@ -101,35 +109,95 @@ pub(crate) fn cause_in_words(cause: Cause, layout: &Layout) -> String {
     }
 }
 
-struct Table {
+/// The field on its way out: rows of CSV batch by batch, other formats as a whole.
+struct Results {
     output: Output,
+    format: TableFormat,
     quantity: QuantityArg,
-    field: Vec<DVec3>,
-    gradient: Vec<DMat3>,
+    /// What is not written yet.
+    table: Table,
 }
 
-impl Table {
-    fn begin(args: &FieldArgs) -> Result<Table, Failure> {
+impl Results {
+    /// Opens the output. `points` are those of the table if they are known, else none.
+    fn begin(args: &FieldArgs, film: &Film, points: Points) -> Result<Results, Failure> {
+        let format = formats::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
+        formats::accept(format, args.output.as_deref(), matches!(points, Points::Grid(_)))?;
+        let (name, components) = args.quantity.names();
         let inputs: Vec<&Path> = std::iter::once(&args.layout).chain(&args.points).map(PathBuf::as_path).collect();
         let mut output = Output::open(args.output.as_deref(), &inputs)?;
-        output.write(|w| writeln!(w, "x_mm,y_mm,z_mm,{}", args.quantity.columns()))?;
-        Ok(Table { output, quantity: args.quantity, field: Vec::new(), gradient: Vec::new() })
+        let mut table = Table {
+            points: Points::Scattered(Vec::new()),
+            quantities: vec![Columns { name, components, values: Vec::new() }],
+            metadata: formats::metadata(film),
+        };
+        if format == TableFormat::Csv {
+            output.write(|w| csv::header(&table, w))?;
+        } else {
+            table.points = points;
+        }
+        Ok(Results { output, format, quantity: args.quantity, table })
     }
 
-    /// Evaluates points and, as long as there is a table to complete, writes their rows.
+    /// Evaluates further points and, as long as there is a table to complete, adds their rows.
     fn rows(&mut self, scene: &Scene, points: &[DVec3], complete: bool) -> Result<PointErrors, Failure> {
         let Some(quantity) = quantity(self.quantity) else {
-            self.gradient.resize(points.len(), DMat3::ZERO);
-            let evaluated = scene.flux_density_gradient_into(points, &mut self.gradient);
+            let mut gradient = vec![DMat3::ZERO; points.len()];
+            let evaluated = scene.flux_density_gradient_into(points, &mut gradient);
             // Row by row: the derivatives of one component of B together.
-            let rows = points.iter().zip(self.gradient.iter().map(|g| g.transpose().to_cols_array()));
-            return write_rows(&mut self.output, evaluated, rows, complete);
+            return self.add(evaluated, points, gradient.iter().flat_map(|g| g.transpose().to_cols_array()), complete);
         };
-        self.field.resize(points.len(), DVec3::ZERO);
-        let evaluated = scene.field_into(quantity, points, &mut self.field);
-        let rows = points.iter().zip(self.field.iter().map(DVec3::to_array));
-        write_rows(&mut self.output, evaluated, rows, complete)
+        let mut field = vec![DVec3::ZERO; points.len()];
+        let evaluated = scene.field_into(quantity, points, &mut field);
+        self.add(evaluated, points, field.iter().flat_map(DVec3::to_array), complete)
     }
+
+    fn add(
+        &mut self,
+        evaluated: Result<(), PointErrors>,
+        points: &[DVec3],
+        values: impl Iterator<Item = f64>,
+        complete: bool,
+    ) -> Result<PointErrors, Failure> {
+        if let Err(errors) = evaluated {
+            return Ok(errors);
+        }
+        if complete {
+            if let Points::Scattered(known) = &mut self.table.points {
+                known.extend(points);
+            }
+            self.table.quantities[0].values.extend(values);
+            if self.format == TableFormat::Csv {
+                self.output.write(|w| csv::rows(&self.table, w))?;
+                self.table.points = Points::Scattered(Vec::new());
+                self.table.quantities[0].values.clear();
+            }
+        }
+        Ok(PointErrors(Vec::new()))
+    }
+
+    fn finish(mut self, film: &Film) -> Result<(), Failure> {
+        if self.format != TableFormat::Csv {
+            let report = Report {
+                source: Source::of(film),
+                points: self.table.points.len(),
+                shape: self.table.points.shape(),
+                columns: &self.table,
+            };
+            formats::write(&self.table, &report, self.format, &mut self.output)?;
+        }
+        self.output.finish()
+    }
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    source: Source<'a>,
+    points: usize,
+    /// Of the columns as an array: counts along x, y, z on a grid.
+    shape: Vec<usize>,
+    columns: &'a Table,
 }
 
 /// `None` for the gradient.
@@ -140,26 +208,4 @@ fn quantity(quantity: QuantityArg) -> Option<Quantity> {
         QuantityArg::J => Some(Quantity::Polarization),
         QuantityArg::Gradient => None,
     }
-}
-
-fn write_rows<'a, const N: usize>(
-    output: &mut Output,
-    evaluated: Result<(), PointErrors>,
-    mut rows: impl Iterator<Item = (&'a DVec3, [f64; N])>,
-    complete: bool,
-) -> Result<PointErrors, Failure> {
-    if let Err(errors) = evaluated {
-        return Ok(errors);
-    }
-    if complete {
-        // Debug prints the shortest digits that read back to the same number, with an exponent where that is shorter.
-        output.write(|w| {
-            rows.try_for_each(|(p, values)| {
-                write!(w, "{:?},{:?},{:?}", p.x, p.y, p.z)?;
-                values.iter().try_for_each(|value| write!(w, ",{value:?}"))?;
-                writeln!(w)
-            })
-        })?;
-    }
-    Ok(PointErrors(Vec::new()))
 }

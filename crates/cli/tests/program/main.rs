@@ -3,6 +3,7 @@
 mod bad_layouts;
 mod bad_points;
 mod checks;
+mod formats;
 mod help;
 #[cfg(feature = "report")]
 mod report;

@@ -125,3 +125,26 @@ fn threads() {
     }
     assert!(firsts[0] == firsts[1]);
 }
+
+#[test]
+fn binary_formats_are_not_for_terminals() {
+    let bench = Bench::new();
+    let layout = shipped("published-film");
+    for arguments in [
+        ["field", &layout, "--format", "npz"],
+        ["decouple", &layout, "--format", "vtk"],
+        ["export", &layout, "--to", "vtk"],
+    ] {
+        let (given, seen) = terminal();
+        let mut program = program(&bench, &arguments);
+        let child = program.stdin(Stdio::null()).stdout(given).stderr(Stdio::piped()).spawn().expect("it starts");
+        drop(program);
+        assert_eq!(watch(seen, |_| false), "", "{arguments:?}");
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(output.status.code(), Some(2));
+        let said = String::from_utf8(output.stderr).expect("UTF-8");
+        assert!(said.contains("is binary and would go to the terminal: give a file with -o"), "{said}");
+    }
+    // Text is.
+    assert!(on_a_terminal(&bench, &["export", &layout, "--to", "magpylib"], None).starts_with("\"\"\"A film of block"));
+}

@@ -1,0 +1,74 @@
+//! A film as a Python script for magpylib.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use glam::DVec3;
+use magsplice_layout::{Layout, NamedTile};
+
+/// What the script does, with the places of its data in `{}`.
+const SCRIPT: &str = include_str!("magpylib.py");
+
+/// Writes a script that rebuilds the film in magpylib, and when run prints B at the reference point of the working volume and at the points of a CSV file.
+///
+/// # Accuracy
+/// Tiles have the digits of the layout; the script divides lengths by 1000, rounded once, since magpylib takes metres.
+///
+/// # Errors
+/// Those of the writer.
+pub fn script(layout: &Layout, version: &str, w: &mut dyn Write) -> io::Result<()> {
+    let reference = layout.volume.map_or("None".to_owned(), |volume| tuple(volume.reference_mm));
+    let mut tiles = String::new();
+    for tile in &layout.tiles {
+        let _ = writeln!(tiles, "    {},", entry(tile));
+    }
+    let text = SCRIPT
+        .replace("\"{version}\"", &literal(version))
+        .replace("\"{sha256}\"", &literal(&layout.sha256))
+        .replace("\"{reference}\"", &reference)
+        .replace("    \"{tiles}\",\n", &tiles)
+        // Last: a name may hold anything.
+        .replacen("\"{layout}\"", &literal(&layout.name), 1);
+    w.write_all(text.as_bytes())
+}
+
+fn entry(named: &NamedTile) -> String {
+    let (tile, rotation) = (&named.tile, named.tile.rotation());
+    let quaternion = format!("({:?}, {:?}, {:?}, {:?})", rotation.x, rotation.y, rotation.z, rotation.w);
+    let vectors = [tile.position(), tile.size(), tile.polarization_t()].map(tuple).join(", ");
+    format!("({}, {vectors}, {quaternion})", literal(&named.name))
+}
+
+/// Shortest digits that read back to the same numbers, as Python prints them too.
+fn tuple(v: DVec3) -> String {
+    format!("({:?}, {:?}, {:?})", v.x, v.y, v.z)
+}
+
+/// A text as Python writes it: the escapes of JSON are among Python's.
+fn literal(text: &str) -> String {
+    serde_json::to_string(text).expect("text can always be written")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_place_is_filled_and_names_stay_inside_their_quotes() {
+        let name = r#"\"\"\"\n{tiles}\nimport os #"#;
+        let text = format!(
+            "format = 1\nname = \"{name}\"\n[[tile]]\nname = \"{name}\"\nposition_mm = [0.1, 0, 1e-9]\n\
+             size_mm = [1, 2, 3]\npolarization_t = [0, 0, 0.12]\n"
+        );
+        let layout = Layout::parse(&text, "test").unwrap();
+        let mut script = Vec::new();
+        super::script(&layout, "1.2.3", &mut script).unwrap();
+        let script = String::from_utf8(script).unwrap();
+        assert!(script.contains(&format!("\nLAYOUT = \"{name}\"\n")), "{script}");
+        assert!(script.contains("\nREFERENCE_MM = None\n") && script.contains("\nPROGRAM = \"1.2.3\"\n"), "{script}");
+        let line = "(0.1, 0.0, 1e-9), (1.0, 2.0, 3.0), (0.0, 0.0, 0.12), (0.0, 0.0, 0.0, 1.0)),\n";
+        assert!(script.contains(&format!("    (\"{name}\", {line}")), "{script}");
+        assert_eq!(script.matches("import os").count(), script.matches(name).count());
+        assert_eq!(script.lines().filter(|l| l.starts_with("import os")).count(), 0);
+    }
+}

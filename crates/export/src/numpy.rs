@@ -1,0 +1,87 @@
+//! Tables as NPY and NPZ, for NumPy. npyz writes the headers; the data are plain numbers.
+
+use std::io::{self, BufWriter, Write};
+
+use npyz::npz::file_name_from_array_name;
+use npyz::{DType, Field, TypeStr, WriteOptions, WriterBuilder};
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+use crate::table::{Table, Value};
+
+/// Writes one array of records whose fields are the columns, in the shape of the points. It has no place for metadata.
+///
+/// # Errors
+/// Those of the writer.
+pub fn npy(table: &Table, w: &mut dyn Write) -> io::Result<()> {
+    let columns = table.columns();
+    let fields = columns.iter().map(|column| Field { name: column.name.to_owned(), dtype: scalar("<f8") });
+    header(DType::Record(fields.collect()), &table.points.shape(), w)?;
+    (0..table.points.len()).try_for_each(|row| numbers(columns.iter().map(|column| column.get(row)), w))
+}
+
+/// Writes an archive with one array per column, in the shape of the points, and one per fact.
+///
+/// # Errors
+/// Those of the writer.
+pub fn npz(table: &Table, w: &mut dyn Write) -> io::Result<()> {
+    // Not compressed, as by numpy.savez: digits of fields look random.
+    let mut archive = ZipWriter::new_stream(w);
+    let begin = |archive: &mut ZipWriter<_>, name: &str, bytes: usize| {
+        let options = SimpleFileOptions::default()
+            .compression_method(zip::CompressionMethod::Stored)
+            .large_file(bytes as u64 >= u64::from(u32::MAX) / 2);
+        archive.start_file(file_name_from_array_name(name), options)
+    };
+    let shape = table.points.shape();
+    for column in table.columns() {
+        begin(&mut archive, column.name, 8 * table.points.len())?;
+        let mut entry = BufWriter::new(&mut archive);
+        header(scalar("<f8"), &shape, &mut entry)?;
+        numbers(column.values(), &mut entry)?;
+        entry.flush()?;
+    }
+    for (name, value) in &table.metadata {
+        begin(&mut archive, name, 0)?;
+        fact(value, &mut archive)?;
+    }
+    archive.finish()?;
+    Ok(())
+}
+
+fn fact(value: &Value, w: &mut dyn Write) -> io::Result<()> {
+    match value {
+        Value::Text(text) => {
+            let points: Vec<u32> = text.chars().map(u32::from).collect();
+            // NumPy's own strings are never of length 0.
+            let length = points.len().max(1);
+            header(scalar(&format!("<U{length}")), &[], w)?;
+            let padded = points.into_iter().chain(std::iter::repeat(0)).take(length);
+            padded.into_iter().try_for_each(|point| w.write_all(&point.to_le_bytes()))
+        }
+        Value::Count(count) => {
+            header(scalar("<i8"), &[], w)?;
+            w.write_all(&(*count as u64).to_le_bytes())
+        }
+        Value::Numbers(values) => {
+            header(scalar("<f8"), &[values.len()], w)?;
+            numbers(values.iter().copied(), w)
+        }
+    }
+}
+
+fn scalar(text: &str) -> DType {
+    DType::Plain(text.parse::<TypeStr>().expect("a type of NumPy"))
+}
+
+fn header(dtype: DType, shape: &[usize], w: &mut dyn Write) -> io::Result<()> {
+    let shape: Vec<u64> = shape.iter().map(|&n| n as u64).collect();
+    WriteOptions::new_header_only().dtype(dtype).shape(&shape).writer(w).write_header_only().map(drop)
+}
+
+fn numbers(values: impl Iterator<Item = f64>, w: &mut dyn Write) -> io::Result<()> {
+    for value in values {
+        w.write_all(&value.to_le_bytes())?;
+    }
+    Ok(())
+}

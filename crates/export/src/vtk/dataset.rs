@@ -1,0 +1,124 @@
+//! A file of VTK: a head in XML that names arrays, then the numbers of the arrays.
+//!
+//! Format: <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
+
+use std::io::{self, Write};
+
+use crate::table::{Metadata, Value};
+
+/// A dataset of one piece.
+pub(super) struct Dataset<'a> {
+    /// Its type, such as `PolyData`.
+    pub(super) kind: &'static str,
+    /// Attributes of the dataset and of its piece.
+    pub(super) attributes: [String; 2],
+    /// Sections of the piece and their arrays.
+    pub(super) sections: Vec<(&'static str, Vec<Array<'a>>)>,
+    pub(super) metadata: &'a Metadata,
+}
+
+/// A named list of tuples.
+pub(super) struct Array<'a> {
+    pub(super) name: &'a str,
+    /// Names of the numbers in a tuple; none if there is one number.
+    pub(super) components: &'static [&'static str],
+    pub(super) values: Values<'a>,
+}
+
+pub(super) enum Values<'a> {
+    /// So many numbers, made when they are written.
+    Float64(usize, Box<dyn Iterator<Item = f64> + 'a>),
+    Int64(usize, Box<dyn Iterator<Item = usize> + 'a>),
+    Texts(Vec<&'a str>),
+}
+
+impl Dataset<'_> {
+    pub(super) fn write(self, w: &mut dyn Write) -> io::Result<()> {
+        let Dataset { kind, attributes: [of_dataset, of_piece], sections, metadata } = self;
+        writeln!(w, "<?xml version=\"1.0\"?>")?;
+        let version = "version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"";
+        writeln!(w, "<VTKFile type=\"{kind}\" {version}>\n<{kind} {of_dataset}>\n<FieldData>")?;
+        for (name, value) in metadata {
+            fact(name, value, w)?;
+        }
+        writeln!(w, "</FieldData>\n<Piece {of_piece}>")?;
+        let mut offset = 0;
+        let mut appended = Vec::new();
+        for (section, arrays) in sections {
+            writeln!(w, "<{section}>")?;
+            for array in arrays {
+                offset += array.head(offset, w)?;
+                appended.push(array.values);
+            }
+            writeln!(w, "</{section}>")?;
+        }
+        write!(w, "</Piece>\n</{kind}>\n<AppendedData encoding=\"raw\">\n_")?;
+        appended.into_iter().try_for_each(|values| values.append(w))?;
+        writeln!(w, "\n</AppendedData>\n</VTKFile>")
+    }
+}
+
+impl Array<'_> {
+    /// Writes what the array is, and returns how many bytes it will append.
+    fn head(&self, offset: usize, w: &mut dyn Write) -> io::Result<usize> {
+        let name = self.name;
+        let (kind, count) = match &self.values {
+            Values::Texts(texts) => {
+                strings(name, texts, w)?;
+                return Ok(0);
+            }
+            Values::Float64(count, _) => ("Float64", *count),
+            Values::Int64(count, _) => ("Int64", *count),
+        };
+        write!(
+            w,
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{}\"",
+            self.components.len().max(1)
+        )?;
+        for (i, component) in self.components.iter().enumerate() {
+            write!(w, " ComponentName{i}=\"{component}\"")?;
+        }
+        writeln!(w, " format=\"appended\" offset=\"{offset}\"/>")?;
+        Ok(8 + 8 * count)
+    }
+}
+
+impl Values<'_> {
+    fn append(self, w: &mut dyn Write) -> io::Result<()> {
+        let mut append = |number: [u8; 8]| w.write_all(&number);
+        match self {
+            Values::Texts(_) => Ok(()),
+            Values::Float64(count, mut values) => {
+                append((8 * count as u64).to_le_bytes())?;
+                values.try_for_each(|value| append(value.to_le_bytes()))
+            }
+            Values::Int64(count, mut values) => {
+                append((8 * count as u64).to_le_bytes())?;
+                values.try_for_each(|value| append((value as u64).to_le_bytes()))
+            }
+        }
+    }
+}
+
+fn fact(name: &str, value: &Value, w: &mut dyn Write) -> io::Result<()> {
+    let (kind, count, numbers) = match value {
+        Value::Text(text) => return strings(name, &[text], w),
+        Value::Count(count) => ("Int64", 1, count.to_string()),
+        Value::Numbers(values) => {
+            let numbers: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+            ("Float64", values.len(), numbers.join(" "))
+        }
+    };
+    let head = format!("type=\"{kind}\" Name=\"{name}\" NumberOfTuples=\"{count}\" format=\"ascii\"");
+    writeln!(w, "<DataArray {head}>{numbers}</DataArray>")
+}
+
+/// Texts as VTK writes them: the numbers of their bytes, a zero after each text.
+fn strings(name: &str, texts: &[&str], w: &mut dyn Write) -> io::Result<()> {
+    write!(w, "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"{}\" format=\"ascii\">", texts.len())?;
+    for text in texts {
+        text.bytes().try_for_each(|byte| write!(w, "{byte} "))?;
+        write!(w, "0 ")?;
+    }
+    writeln!(w, "</Array>")
+}
