@@ -140,6 +140,9 @@ pub(crate) const LOOKED_UP_TILES: usize = 24;
 /// nor by more exact values than one for so many points.
 pub(crate) const POINTS_PER_FITTED_NODE: usize = 4;
 
+/// Of fewer tiles the exact field takes no longer than to sort points into batches.
+pub(crate) const TREE_TILES: usize = 64;
+
 /// Points that parts of a tree are assigned to together: more share the choice, fewer lie closer together and leave more of the tiles far away.
 pub(crate) const ASSIGNED_POINTS: usize = 256;
 

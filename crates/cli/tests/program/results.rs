@@ -408,10 +408,10 @@ fn a_plan_says_what_serves_which_points_and_what_is_left_out() {
     let tile = "format = 1\nname = \"t\"\n[[tile]]\nname = \"t\"\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
     let tile = bench.write("tile.toml", tile);
     let tile = tile.to_str().expect("UTF-8");
-    bench.write("p.csv", "x_mm,y_mm,z_mm\n0,0,50\n1,0,60\n");
-    let said = bench.run(&["plan", tile, "--points", "p.csv", "--within", "1e-4"]);
+    bench.write("p.csv", "x_mm,y_mm,z_mm\n0,0,-500\n1,0,-600\n");
+    let said = bench.run(&["plan", &shipped("film-80mm"), "--points", "p.csv", "--within", "1e-4"]);
     assert!(
-        said.stdout.contains("2 points of p.csv") && said.stdout.contains("1.0 of 1 by 1.0 expansions of degree 1.0"),
+        said.stdout.contains("2 points of p.csv") && said.stdout.contains("800 of 800 by 1.0 expansions of degree"),
         "{}",
         said.stdout
     );

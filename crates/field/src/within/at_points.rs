@@ -14,7 +14,7 @@ use crate::scene::{Cause, Scene, is_in_range};
 use crate::tolerances::{
     ASSIGNED_POINTS, ASSIGNMENT_ROUNDS, CLEAR_OF_ERROR, LOOKED_UP_POINTS, LOOKED_UP_TILES, POINTS_PER_FITTED_NODE,
     POINTS_TOGETHER, ROUGH_FIELD_OVER_J, ROUGH_NODES, ROUGH_STEP, SAFE_SHARE, SAMPLED_POINTS, STRETCHED_BOUND,
-    USED_SHARE,
+    TREE_TILES, USED_SHARE,
 };
 
 /// B or H at all points; points that have none, with NaN there.
@@ -49,6 +49,10 @@ fn at_some_points(
                 field.par_iter_mut().for_each(|h| *h /= MU_0);
             }
             weak.into_iter().map(|error| error.index as u32).collect()
+        }
+        None if scene.tile_count() < TREE_TILES => {
+            let all: Vec<usize> = (0..points.len()).collect();
+            return scene.exact_at(tolerance, quantity, points, &all, field);
         }
         None => (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect(),
     };
@@ -150,17 +154,20 @@ impl Batch<'_> {
             let error_t = assignment.left_out_t + STRETCHED_BOUND * assignment.magnitude_t;
             let mut least_t = f64::INFINITY;
             let mut missed = Vec::new();
+            let mut may_be_reached = false;
             for (&index, value) in open.iter().zip(values) {
                 self.values[index] = value;
                 let b = value * self.in_tesla();
                 if !value.is_nan() && !self.tolerance.is_kept(b, error_t) {
                     least_t = least_t.min(b.length());
                     missed.push(index);
+                    may_be_reached |= !self.tolerance.is_kept(b, assignment.left_out_t);
                 }
             }
             self.outcome.failed.extend(failed.into_iter().map(|(number, cause)| (open[number], cause)));
             open = missed;
-            if open.is_empty() || assignment.left_out_t == 0.0 {
+            // Against rounding it does not help to leave out less.
+            if !may_be_reached {
                 break;
             }
             let nodes = USED_SHARE * assignment.expansions() as f64 + ROUGH_NODES;

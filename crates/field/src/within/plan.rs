@@ -10,7 +10,7 @@ use super::on_grid::{Part, divided};
 use crate::batch::assignment::Assignment;
 use crate::grid::Grid;
 use crate::scene::Scene;
-use crate::tolerances::{CELL_NODES, CLOSED_FORM_COST, NODE_COST, POINTS_TOGETHER};
+use crate::tolerances::{CELL_NODES, CLOSED_FORM_COST, NODE_COST, POINTS_TOGETHER, TREE_TILES};
 
 /// Which models serve points to the accuracy of a scene.
 ///
@@ -161,6 +161,9 @@ fn of_some_points(scene: &Scene, tolerance: Tolerance, points: &[DVec3]) -> Vec<
         let per_point = 3.0 * (CELL_NODES as f64).powi(3) / CLOSED_FORM_COST;
         let cost = exact_cost(scene, fitted.exact_values()) + per_point * points.len() as f64;
         return vec![PlannedPart { model, points: points.len(), cost }];
+    }
+    if scene.tile_count() < TREE_TILES {
+        return if points.is_empty() { Vec::new() } else { vec![exact(scene, points.len())] };
     }
     let (by_tree, alone): (Vec<_>, Vec<_>) =
         assignments(scene, tolerance, points).into_iter().partition(|(_, assignment)| !assignment.is_exact());
