@@ -1,5 +1,6 @@
 //! What benchmarks share: the scenes they measure.
 
+mod growth;
 mod magba_scene;
 mod workloads;
 
@@ -9,8 +10,9 @@ use glam::DVec3;
 use magsplice::field::Grid;
 use magsplice::layout::Layout;
 
+pub use growth::{Growth, growth};
 pub use magba_scene::Magba;
-pub use workloads::{Workload, workloads};
+pub use workloads::{Workload, evenly_thinned, points_below, square_film, workloads};
 
 /// A layout shipped with the project.
 ///
@@ -24,4 +26,13 @@ pub fn shipped_layout(name: &str) -> Layout {
 /// The published working volume on `counts` points.
 pub fn working_volume(counts: [usize; 3]) -> Grid {
     Grid { lower: DVec3::new(-2.0, -2.0, -5.0), upper: DVec3::new(2.0, 2.0, -3.0), counts }
+}
+
+/// The middle one of times or ratios.
+///
+/// # Panics
+/// If there is none.
+pub fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
 }
