@@ -74,12 +74,12 @@ fn one_millionth() -> Tolerance {
     Tolerance::relative(1e-6).expect("a tolerance")
 }
 
-/// The exact time is that of evenly thinned points times how many they stand for.
+/// The exact time is that of a part of the points times how many they stand for.
 fn large_film((side, runs): (usize, usize)) {
     let film = growth(side, one_millionth(), runs);
     println!(
         "ratio: 1e{:.0}-tiles-within-1e-6 = {:.1}   ({} tiles, as many points; {:.1} with everything counted, scene and tree made; exact time scaled from {} \
-         evenly thinned points; the largest error there is {:.1e} of |B|)",
+         points; the largest error there is {:.1e} of |B|)",
         (film.tiles as f64).log10(),
         film.exact_s / film.again_s,
         film.tiles,

@@ -1,7 +1,9 @@
-//! What benchmarks share: the scenes they measure.
+//! What benchmarks and pages share: the scenes they measure, and the peers.
 
 mod growth;
 mod magba_scene;
+mod magpylib_scene;
+mod page_args;
 mod workloads;
 
 use std::path::Path;
@@ -12,6 +14,8 @@ use magsplice::layout::Layout;
 
 pub use growth::{Growth, growth};
 pub use magba_scene::Magba;
+pub use magpylib_scene::Magpylib;
+pub use page_args::{PageArgs, exit_code};
 pub use workloads::{Workload, evenly_thinned, points_below, square_film, workloads};
 
 /// A layout shipped with the project.
