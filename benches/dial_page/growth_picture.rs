@@ -47,7 +47,7 @@ pub(crate) fn draw(path: &Path, films: &[Growth]) -> Result<(), String> {
         let style = RGBColor(120, 120, 120).stroke_width(3);
         chart.draw_series(DashedLineSeries::new([at(first), at(last)], dashes, 10, style)).map_err(failed)?;
         let (x, y) = at(last);
-        let label = Text::new(name, (1.12 * x, y), ("sans-serif", 28).into_font().color(&BLACK).pos(MIDDLE));
+        let label = Text::new(name, (1.2 * x, y), ("sans-serif", 28).into_font().color(&BLACK).pos(MIDDLE));
         chart.draw_series([label]).map_err(failed)?;
     }
     type Curve = (&'static str, fn(&Growth) -> f64, RGBColor);

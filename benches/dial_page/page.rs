@@ -52,7 +52,7 @@ fn how(page: &mut String, panels: &[Panel], with_magpylib: bool, effort: Effort)
 ## How it was measured
 
 All programs in binary64 on one thread, in turns, within one process (magpylib in a Python that waits for its turn); medians of {} runs ({} of the peers), after one that is not counted; what takes more than {} s is timed once. Times are
-of the machine that wrote this page (best instructions: {:?}); ratios carry over. Grids have {nx} x {ny} x {nz} points, lists and look-ups {} random points ({} among the random tiles). Time on a grid includes making its
+of the machine that wrote this page (best instructions: {:?}); ratios carry over, but rows that differ by less than a factor of two may do so by noise. Grids have {nx} x {ny} x {nz} points, lists and look-ups {} random points ({} among the random tiles). Time on a grid includes making its
 expansion; lists are evaluated again with the same scene, and look-ups after their box was prepared, which the tables state.
 magba 0.7.3 by its batch call, one tile after the other.{magpylib} Peers take the same time for every point, and were run on a part of them.
 
@@ -192,7 +192,8 @@ fn growing(page: &mut String, films: &[Growth]) {
 ## Growth
 
 Square films of unit cubes with as many random points 3 to 5 below them, within {GROWING:.0e}. *Everything* is the scene from its tiles and the first evaluation, which makes the tree; *again* the same points once
-more. The exact field of large films was computed for some neighbourhoods of points as dense as in the whole list, and its time scaled by their number (hollow in the picture). Errors are the largest
+more. The exact field of large films was computed for some neighbourhoods of points as dense as in the whole list, and its time scaled by their number (hollow in the picture); single points of
+the list, far from each other, would take it several times longer. Errors are the largest
 on these points. `cargo bench -p magsplice-benches --bench dial` prints the same.
 
 ![Seconds against the number of tiles and points](pictures/accuracy-and-speed-growth.svg)
