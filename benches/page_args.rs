@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Arguments of all of them.
+/// Measures, and writes a page of docs/ with its pictures.
 #[derive(clap::Args)]
 pub struct PageArgs {
     /// A Python that can import magpylib
