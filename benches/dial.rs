@@ -1,19 +1,24 @@
 //! What a tolerance is worth: magsplice against its own exact field, one thread, in one process.
 //!
 //! `cargo bench -p magsplice-benches --bench dial` prints for each case `ratio: <case> = <exact time / time>`, the median over interleaved pairs of runs,
-//! with the largest error found. `-- --test` runs each case once on fewer points.
+//! with the largest error found. `growth:` lines are films with as many points as tiles, and `exponent:` lines the power of that number with which times grow.
+//! `-- --test` runs each case once, smaller.
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use glam::DVec3;
 use magsplice::field::{Accuracy, FittedField, Grid, Quantity, Scene, Tolerance};
-use magsplice_benches::{shipped_layout, working_volume};
+use magsplice_benches::{Growth, growth, median, shipped_layout, working_volume};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Interleaved pairs of runs; the median ratio is printed.
 const PAIRS: usize = 15;
+
+/// Tiles along each side of the films whose time is compared with the exact field's, and by which growth is seen, with runs of everything.
+const LARGE_FILM: (usize, usize) = (316, 5);
+const FILMS: [(usize, usize); 4] = [(32, 15), (100, 7), (316, 3), (1000, 1)];
 
 /// Look-ups in the prepared volume.
 const LOOK_UPS: usize = 100_000;
@@ -32,6 +37,8 @@ fn main() {
             let count = if once { LOOK_UPS / 100 } else { LOOK_UPS };
             look_ups(&scene, &volume, 10_f64.powi(-exponent), &format!("film-look-ups-1e-{exponent}"), count, pairs);
         }
+        large_film(if once { (32, 1) } else { LARGE_FILM });
+        growing_films(if once { &[(10, 1), (32, 1)] } else { &FILMS });
     });
 }
 
@@ -63,10 +70,49 @@ fn look_ups(scene: &Scene, grid: &Grid, fraction: f64, name: &str, count: usize,
     println!("       made in {:.1} ms, {cells:?} cells, {} kB", 1e3 * made.as_secs_f64(), fitted.memory_bytes() / 1000);
 }
 
+fn one_millionth() -> Tolerance {
+    Tolerance::relative(1e-6).expect("a tolerance")
+}
+
+/// The exact time is that of a part of the points times how many they stand for.
+fn large_film((side, runs): (usize, usize)) {
+    let film = growth(side, one_millionth(), runs);
+    println!(
+        "ratio: 1e{:.0}-tiles-within-1e-6 = {:.1}   ({} tiles, as many points; {:.1} with everything counted, scene and tree made; exact time scaled from {} \
+         points; the largest error there is {:.1e} of |B|)",
+        (film.tiles as f64).log10(),
+        film.exact_s / film.again_s,
+        film.tiles,
+        film.exact_everything_s() / film.everything_s(),
+        film.exact_points,
+        film.worst
+    );
+}
+
+fn growing_films(films: &[(usize, usize)]) {
+    let films: Vec<Growth> = films.iter().map(|&(side, runs)| growth(side, one_millionth(), runs)).collect();
+    for film in &films {
+        println!(
+            "growth: {} tiles and points within 1e-6   scene {:.3e} s, first evaluation {:.3e} s, second {:.3e} s; exact {:.3e} s, scaled from {} points; \
+             the largest error there is {:.1e} of |B|",
+            film.tiles, film.scene_s, film.first_s, film.again_s, film.exact_s, film.exact_points, film.worst
+        );
+    }
+    let ends = films.iter().zip(&films[1..]).chain(films.first().zip(films.last()).filter(|_| films.len() > 2));
+    for (smaller, larger) in ends {
+        let [from, to] = [smaller, larger].map(|film| (film.tiles as f64).log10());
+        println!(
+            "exponent: 1e{from:.0} to 1e{to:.0} = {:.2} for the second evaluation, {:.2} for everything",
+            smaller.exponent_to(larger, |film| film.again_s),
+            smaller.exponent_to(larger, Growth::everything_s)
+        );
+    }
+}
+
 fn report(name: &str, points: usize, pairs: usize, exact: impl Fn(&mut [DVec3]), within: impl Fn(&mut [DVec3])) {
     let (mut truth, mut field) = (vec![DVec3::ZERO; points], vec![DVec3::ZERO; points]);
     let mut seconds = Vec::new();
-    let mut ratios: Vec<f64> = (0..pairs)
+    let ratios: Vec<f64> = (0..pairs)
         .map(|_| {
             let start = Instant::now();
             within(&mut field);
@@ -77,12 +123,10 @@ fn report(name: &str, points: usize, pairs: usize, exact: impl Fn(&mut [DVec3]),
             start.elapsed().as_secs_f64() / own
         })
         .collect();
-    ratios.sort_by(f64::total_cmp);
-    seconds.sort_by(f64::total_cmp);
     let worst = truth.iter().zip(&field).map(|(a, b)| (*a - *b).length() / a.length()).fold(0.0, f64::max);
     println!(
         "ratio: {name} = {:.1}   ({points} points, {:.1} ns each; the largest error is {worst:.1e} of |B|)",
-        ratios[pairs / 2],
-        1e9 * seconds[pairs / 2] / points as f64
+        median(ratios),
+        1e9 * median(seconds) / points as f64
     );
 }

@@ -33,7 +33,7 @@ impl Workload {
             self.points = grid.points().collect();
             return self;
         }
-        self.points = (0..keep).map(|i| self.points[i * self.points.len() / keep]).collect();
+        self.points = evenly_thinned(&self.points, keep).into_iter().map(|index| self.points[index]).collect();
         self
     }
 
@@ -59,11 +59,6 @@ pub fn workloads() -> Vec<Workload> {
         |(i, t): (usize, &Tile)| t.rotated(DQuat::from_rotation_z(1e-3 * (i as f64 + 1.0))).expect("a rotation");
     let one = Tile::new(DVec3::ZERO, DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7)).expect("a valid tile");
     let near_and_far: Vec<DVec3> = (0..1_000_000).map(|i| within(if i % 2 == 0 { 4.0 } else { 40.0 })).collect();
-    let lattice = (0..10_000).map(|i| {
-        let (x, y) = (f64::from(i % 100) - 49.5, f64::from(i / 100) - 49.5);
-        let j = DVec3::new((0.6 * x).sin(), (0.6 * y).sin(), 0.0).normalize() * 0.12;
-        Tile::new(DVec3::new(x, y, 0.5), DVec3::ONE, j).expect("a valid tile")
-    });
     let below: Vec<DVec3> =
         (0..10_000).map(|_| within(40.0) * DVec3::new(1.0, 1.0, 0.02) - DVec3::new(0.0, 0.0, 4.0)).collect();
     vec![
@@ -81,6 +76,34 @@ pub fn workloads() -> Vec<Workload> {
             grid: Some(volume),
         },
         Workload { name: "one-tile", tiles: vec![one], points: near_and_far, grid: None },
-        Workload { name: "many-tiles", tiles: lattice.collect(), points: below, grid: None },
+        Workload { name: "many-tiles", tiles: square_film(100), points: below, grid: None },
     ]
+}
+
+/// Indices of at most so many points, at least one, that keep their distribution.
+pub fn evenly_thinned(points: &[DVec3], most: usize) -> Vec<usize> {
+    let keep = most.clamp(1, points.len());
+    (0..keep).map(|i| i * points.len() / keep).collect()
+}
+
+/// `side` x `side` unit cubes of different polarization in the plane, their lower faces at z = 0.
+pub fn square_film(side: usize) -> Vec<Tile> {
+    let middle = 0.5 * (side as f64 - 1.0);
+    let tile = |n: usize| {
+        let (x, y) = ((n % side) as f64 - middle, (n / side) as f64 - middle);
+        let j = DVec3::new((0.6 * x).sin(), (0.6 * y).sin(), 0.0).normalize() * 0.12;
+        Tile::new(DVec3::new(x, y, 0.5), DVec3::ONE, j).expect("a valid tile")
+    };
+    (0..side * side).map(tile).collect()
+}
+
+/// Random points 3 to 5 below a [`square_film`], not beyond nine tenths of its half side.
+pub fn points_below(side: usize, count: usize) -> Vec<DVec3> {
+    let mut random = ChaCha8Rng::seed_from_u64(6);
+    let reach = 0.45 * side as f64;
+    let point = |_| {
+        let [x, y] = [0, 1].map(|_| random.random_range(-reach..reach));
+        DVec3::new(x, y, random.random_range(-5.0..-3.0))
+    };
+    (0..count).map(point).collect()
 }

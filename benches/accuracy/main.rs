@@ -12,37 +12,24 @@ mod regions;
 mod seams;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
+use magsplice_benches::{PageArgs, exit_code};
 
 use peers::Peers;
 
 #[derive(Parser)]
 struct Args {
-    /// A Python that can import magpylib
-    #[arg(long, default_value = "python3")]
-    python: PathBuf,
-    /// Leave magpylib out
-    #[arg(long)]
-    without_magpylib: bool,
-    /// Folder to write accuracy.md and pictures/ to [default: docs]
-    #[arg(long)]
-    output: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageArgs,
 }
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    let docs = args.output.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs"));
-    let peers = Peers { python: (!args.without_magpylib).then_some(args.python) };
-    match write(&docs, &peers) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("accuracy: {message}");
-            ExitCode::from(2)
-        }
-    }
+    let peers = Peers { python: args.page.python().map(Path::to_path_buf) };
+    exit_code("accuracy", write(&args.page.docs(), &peers))
 }
 
 fn write(docs: &Path, peers: &Peers) -> Result<(), String> {

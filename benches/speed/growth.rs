@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use glam::DVec3;
 use magsplice::field::{Quantity, Scene, Tile};
-use magsplice_benches::{shipped_layout, working_volume};
+use magsplice_benches::{median, shipped_layout, working_volume};
 
-use crate::{Effort, median};
+use crate::Effort;
 
 /// Nanoseconds for a tile and a point at a number of them.
 pub(crate) struct At {

@@ -7,9 +7,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 use magsplice::field::{InstructionSet, Quantity, Scene};
-use magsplice_benches::{shipped_layout, working_volume};
+use magsplice_benches::{median, shipped_layout, working_volume};
 
-use crate::{Effort, median};
+use crate::Effort;
 
 /// Operations for one vector of points on the published film, counted in the source: 48 cuboids stand for its 56 tiles, with 22 planes, 192 corners, 96
 /// elements off the diagonal and 48 on it, in 23 groups.

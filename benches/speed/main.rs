@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p magsplice-benches --bin speed`
 //!
-//! magpylib is run by `benches/speed/magpylib_times.py`, which needs a Python with magpylib (`--python`, by default `python3`).
+//! magpylib is run by `benches/magpylib_scene.py`, which needs a Python with magpylib (`--python`, by default `python3`).
 
 mod growth;
 mod limit;
@@ -11,25 +11,19 @@ mod peers;
 mod picture;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
+use magsplice_benches::{PageArgs, exit_code};
 
 #[derive(Parser)]
 struct Args {
-    /// A Python that can import magpylib
-    #[arg(long, default_value = "python3")]
-    python: PathBuf,
-    /// Leave magpylib out
-    #[arg(long)]
-    without_magpylib: bool,
+    #[command(flatten)]
+    page: PageArgs,
     /// Everything once on few points, to see that it works
     #[arg(long)]
     once: bool,
-    /// Folder to write speed.md and pictures/ to [default: docs]
-    #[arg(long)]
-    output: Option<PathBuf>,
 }
 
 /// How much is measured.
@@ -45,20 +39,12 @@ struct Effort {
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    let docs = args.output.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs"));
     let effort = if args.once {
         Effort { pairs: 20_000, peer_pairs: 20_000, runs: 1 }
     } else {
         Effort { pairs: 3_000_000, peer_pairs: 8_000_000, runs: 7 }
     };
-    let python = (!args.without_magpylib).then_some(args.python);
-    match write(&docs, python.as_deref(), effort) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("speed: {message}");
-            ExitCode::from(2)
-        }
-    }
+    exit_code("speed", write(&args.page.docs(), args.page.python(), effort))
 }
 
 fn write(docs: &Path, python: Option<&Path>, effort: Effort) -> Result<(), String> {
@@ -74,9 +60,4 @@ fn write(docs: &Path, python: Option<&Path>, effort: Effort) -> Result<(), Strin
     picture::draw_peers(&pictures.join("speed.svg"), &rows)?;
     picture::draw_growth(&pictures.join("growth.svg"), &tiles, &points)?;
     fs::write(docs.join("speed.md"), page::text(&rows, &tiles, &points, &threads, &limit)).map_err(io)
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }

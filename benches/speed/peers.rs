@@ -1,18 +1,15 @@
 //! The same scene by three programs, one after the other, again and again.
 
-use std::fmt::Write as _;
 use std::hint::black_box;
-use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
 use std::time::Instant;
 
 use glam::DVec3;
 use magsplice::field::{Quantity, Scene};
-use magsplice_benches::{Magba, Workload, workloads};
+use magsplice_benches::{Magba, Magpylib, Workload, median, workloads};
 use nalgebra::Vector3;
 
-use crate::{Effort, median};
+use crate::Effort;
 
 /// One scene.
 pub(crate) struct Row {
@@ -59,67 +56,4 @@ fn row(workload: Workload, python: Option<&Path>, effort: Effort) -> Result<Row,
         ratios: [ratio(1), ratio(2)],
         ns: seconds.map(|s| (!s.is_empty()).then(|| 1e9 * median(s) / pairs)),
     })
-}
-
-/// A Python that waits for its turn.
-struct Magpylib {
-    child: Child,
-    _files: [tempfile::NamedTempFile; 2],
-}
-
-impl Magpylib {
-    fn start(python: &Path, tiles: &[magsplice::field::Tile], points: &[DVec3]) -> Result<Magpylib, String> {
-        let mut table = [String::new(), String::new()];
-        for tile in tiles {
-            let numbers = [tile.size(), tile.polarization_t(), tile.position()].map(|v| v.to_array()).concat();
-            let all: Vec<String> =
-                numbers.iter().chain(&tile.rotation().to_array()).map(|n| format!("{n:?}")).collect();
-            let _ = writeln!(table[0], "{}", all.join(","));
-        }
-        for point in points {
-            let _ = writeln!(table[1], "{:?},{:?},{:?}", point.x, point.y, point.z);
-        }
-        let file = |text: &String| {
-            let mut file = tempfile::NamedTempFile::new().map_err(|e| e.to_string())?;
-            file.write_all(text.as_bytes()).map_err(|e| e.to_string())?;
-            Ok::<_, String>(file)
-        };
-        let files = [file(&table[0])?, file(&table[1])?];
-        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("speed/magpylib_times.py");
-        let child = Command::new(python)
-            .arg(script)
-            .args(files.iter().map(|f| f.path()))
-            .env("OMP_NUM_THREADS", "1")
-            // Without these numpy gives its large arrays back to the system and takes them again, at twice the time.
-            .env("MALLOC_MMAP_THRESHOLD_", "1000000000")
-            .env("MALLOC_TRIM_THRESHOLD_", "1000000000")
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .map_err(|e| format!("cannot run {}: {e}", python.display()))?;
-        Ok(Magpylib { child, _files: files })
-    }
-
-    /// Seconds of one run.
-    fn run(&mut self) -> Result<f64, String> {
-        let failed = |e: &dyn std::fmt::Display| {
-            format!("magpylib's script failed (pip install magpylib, or --without-magpylib): {e}")
-        };
-        let input = self.child.stdin.as_mut().expect("piped");
-        writeln!(input, "run").and_then(|()| input.flush()).map_err(|e| failed(&e))?;
-        let mut line = Vec::new();
-        // One byte at a time: what is read ahead would be lost with the reader.
-        BufReader::with_capacity(1, self.child.stdout.as_mut().expect("piped"))
-            .read_until(b'\n', &mut line)
-            .map_err(|e| failed(&e))?;
-        String::from_utf8_lossy(&line).trim().parse().map_err(|e| failed(&e))
-    }
-}
-
-impl Drop for Magpylib {
-    fn drop(&mut self) {
-        // It ends with its input; if not, there is nothing to lose.
-        drop(self.child.stdin.take());
-        let _ = self.child.wait();
-    }
 }

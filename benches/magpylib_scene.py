@@ -1,8 +1,8 @@
-"""Times magpylib's core function on a scene, once for every line on standard input.
+"""Times magpylib's core function on a scene, once for every line `run` on standard input.
 
-Usage: magpylib_times.py TILES.csv POINTS.csv
+Usage: magpylib_scene.py TILES.csv POINTS.csv
 TILES.csv holds size, polarization, position and rotation (quaternion x, y, z, w) of each tile, POINTS.csv the points, in metres and tesla.
-Prints the seconds of each run on a line of its own. magpylib adds up tiles in a loop over its core function, which is its fastest way.
+Prints the seconds of each run on a line of its own; after a line `field`, B of the last run, three lines for each point. magpylib adds up tiles in a loop over its core function, which is its fastest way.
 """
 
 import sys
@@ -35,9 +35,12 @@ def field(tiles, points):
 def main():
     tiles = np.loadtxt(sys.argv[1], delimiter=",", ndmin=2)
     points = np.loadtxt(sys.argv[2], delimiter=",", ndmin=2)
-    for _ in sys.stdin:
+    for line in sys.stdin:
+        if line.strip() == "field":
+            print("\n".join(repr(float(b)) for b in found.flat), flush=True)
+            continue
         start = time.perf_counter()
-        field(tiles, points)
+        found = field(tiles, points)
         print(time.perf_counter() - start, flush=True)
 
 

@@ -1,0 +1,99 @@
+//! A scene as magpylib takes it, in a Python beside this program.
+
+use std::fmt::Write as _;
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, Stdio};
+
+use glam::DVec3;
+use magsplice::field::Tile;
+
+/// A Python that waits for its turn.
+pub struct Magpylib {
+    child: Child,
+    answers: BufReader<ChildStdout>,
+    points: usize,
+    _files: [tempfile::NamedTempFile; 2],
+}
+
+impl Magpylib {
+    /// Tiles and points.
+    ///
+    /// # Errors
+    /// If Python cannot be run.
+    pub fn start(python: &Path, tiles: &[Tile], points: &[DVec3]) -> Result<Magpylib, String> {
+        let mut table = [String::new(), String::new()];
+        for tile in tiles {
+            let numbers = [tile.size(), tile.polarization_t(), tile.position()].map(|v| v.to_array()).concat();
+            let all: Vec<String> =
+                numbers.iter().chain(&tile.rotation().to_array()).map(|n| format!("{n:?}")).collect();
+            let _ = writeln!(table[0], "{}", all.join(","));
+        }
+        for point in points {
+            let _ = writeln!(table[1], "{:?},{:?},{:?}", point.x, point.y, point.z);
+        }
+        let file = |text: &String| {
+            let mut file = tempfile::NamedTempFile::new().map_err(|e| e.to_string())?;
+            file.write_all(text.as_bytes()).map_err(|e| e.to_string())?;
+            Ok::<_, String>(file)
+        };
+        let files = [file(&table[0])?, file(&table[1])?];
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("magpylib_scene.py");
+        let mut child = Command::new(python)
+            .arg(script)
+            .args(files.iter().map(|f| f.path()))
+            .env("OMP_NUM_THREADS", "1")
+            // Without these numpy gives its large arrays back to the system and takes them again, at twice the time.
+            .env("MALLOC_MMAP_THRESHOLD_", "1000000000")
+            .env("MALLOC_TRIM_THRESHOLD_", "1000000000")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .map_err(|e| format!("cannot run {}: {e}", python.display()))?;
+        let answers = BufReader::new(child.stdout.take().expect("piped"));
+        Ok(Magpylib { child, answers, points: points.len(), _files: files })
+    }
+
+    /// Seconds of one run.
+    ///
+    /// # Errors
+    /// If the script failed.
+    pub fn run(&mut self) -> Result<f64, String> {
+        self.number_after("run")
+    }
+
+    /// B in tesla at all points, as the last run left it.
+    ///
+    /// # Errors
+    /// If the script failed.
+    pub fn field(&mut self) -> Result<Vec<DVec3>, String> {
+        let first = self.number_after("field")?;
+        let rest = (1..3 * self.points).map(|_| self.number());
+        let numbers: Vec<f64> = std::iter::once(Ok(first)).chain(rest).collect::<Result<_, _>>()?;
+        Ok(numbers.chunks_exact(3).map(DVec3::from_slice).collect())
+    }
+
+    fn number_after(&mut self, command: &str) -> Result<f64, String> {
+        let input = self.child.stdin.as_mut().expect("piped");
+        writeln!(input, "{command}").and_then(|()| input.flush()).map_err(|e| failed(&e))?;
+        self.number()
+    }
+
+    fn number(&mut self) -> Result<f64, String> {
+        let mut line = String::new();
+        self.answers.read_line(&mut line).map_err(|e| failed(&e))?;
+        line.trim().parse().map_err(|e| failed(&e))
+    }
+}
+
+fn failed(e: &dyn std::fmt::Display) -> String {
+    format!("magpylib's script failed (pip install magpylib, or --without-magpylib): {e}")
+}
+
+impl Drop for Magpylib {
+    fn drop(&mut self) {
+        // It ends with its input; if not, there is nothing to lose.
+        drop(self.child.stdin.take());
+        let _ = self.child.wait();
+    }
+}
