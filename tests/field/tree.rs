@@ -65,7 +65,7 @@ fn allowed(tolerance: Tolerance, exact: DVec3) -> f64 {
 #[test]
 fn random_heaps_keep_random_tolerances() {
     let scenes = (any::<u64>(), 3_usize..12, 0.0..2.5_f64, -60.0..60.0_f64, any::<bool>(), tolerance());
-    TestRunner::new(Config { cases: 1_000, failure_persistence: None, ..Config::default() })
+    TestRunner::new(Config { cases: 600, failure_persistence: None, ..Config::default() })
         .run(&scenes, |(seed, count, spread, unit, turned, tolerance)| {
             let (tiles, points) = heaps(seed, count, 10_f64.powf(spread), 10_f64.powf(unit), turned);
             let scene = Scene::new(&tiles);

@@ -65,6 +65,15 @@ impl Block {
         (largest * scale >= VANISHING_SIZE).then(|| Placed { offsets: offsets.map(|o| o.scaled(scale)), scale })
     }
 
+    /// How far away a point is; zero within.
+    pub(crate) fn gap(&self, point: &Local) -> f64 {
+        let along = [0, 1, 2].map(|axis: usize| {
+            let ([low, high], at) = (self.faces[axis], point.coordinates[axis]);
+            (low.hi - at).max(at - high.hi).max(0.0)
+        });
+        DVec3::from(along).length()
+    }
+
     fn offsets(&self, axis: usize, coordinate: f64, roundoff: f64) -> Offsets<f64> {
         let point = TwoSum::exact(coordinate);
         let from_low = point.minus(self.faces[axis][0]);

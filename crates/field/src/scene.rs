@@ -10,15 +10,15 @@ use crate::batch::Superposition;
 use crate::batch::assignment::Assignment;
 use crate::batch::instruction_set::{InstructionSet, MissingInstructions};
 use crate::batch::tree::Tree;
-use crate::block::{Block, Placed};
+use crate::block::{Block, Local, Placed};
 use crate::edge_policy::Edges;
 use crate::kernel::{Part, cuboid_field, cuboid_gradient};
 use crate::quantity::{MU_0, Quantity};
 use crate::tile::Tile;
-use crate::tolerances::{MAX_LENGTH, REGROUPED_PARTS};
+use crate::tolerances::{DIPOLE_DISTANCE, MAX_LENGTH, REGROUPED_PARTS};
 use crate::two_sum::RunningSum;
 use crate::within::accuracy::Accuracy;
-use crate::within::magnitude::{Box3, most_field_t};
+use crate::within::magnitude::{Box3, most_field_of_t, most_field_t};
 
 /// Tiles prepared for evaluation. Their fields add up; tiles do not influence each other.
 ///
@@ -130,17 +130,24 @@ impl Scene {
         self.boxes.iter().zip(&self.tiles).map(|(around, tile)| most_field_t(tile, around.gap(&at).length())).sum()
     }
 
-    /// The sum over tiles of the magnitudes of the fields that the components of J make alone at a point, in tesla: what errors are
-    /// measured by.
+    /// At most the sum over tiles of the magnitudes of the fields that the components of J make alone at a point, in tesla: what errors are
+    /// measured by. Of tiles many sizes away it is the bound of dipoles, at most four times too large; of near ones it is computed.
     pub(crate) fn magnitude_t(&self, point: DVec3) -> f64 {
-        let magnitudes = self.sum_over_tiles::<1>(point, |block, placed, _| {
-            let parts = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
+        let own = |block: &Block, local: &Local| {
+            let gap = block.gap(local);
+            let half_diagonal = 0.5 * DVec3::from(block.size).length();
+            if gap > DIPOLE_DISTANCE * half_diagonal {
+                return most_field_of_t(DVec3::from(block.size), block.polarization_t, gap);
+            }
+            let Some(placed) = block.place(local) else { return 0.0 };
+            let of_component = |axis: DVec3| {
                 let own = cuboid_field(&placed.offsets, (block.polarization_t * axis).to_array(), Part::Density);
                 DVec3::from(own).length()
-            });
-            [parts.iter().sum()]
-        });
-        magnitudes.map_or(f64::INFINITY, |(sum, _)| sum[0])
+            };
+            DVec3::AXES.into_iter().map(of_component).sum()
+        };
+        let of_frames = self.arrangement.locals(point);
+        of_frames.map(|(frame, local)| frame.blocks.iter().map(|block| own(block, &local)).sum::<f64>()).sum()
     }
 
     /// Whether so many parts take their own forms that points of a batch should be neighbours.

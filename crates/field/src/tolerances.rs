@@ -242,6 +242,10 @@ pub(crate) const BATCHES_PER_THREAD: usize = 8;
 /// [`Scene`](crate::Scene) promises.
 pub(crate) const EXACT_BOUND: f64 = 2e-14;
 
+/// From so many half diagonals on the field of a tile counts as that of dipoles on their axis, as near as its nearest point: at most 2 (1 + 1 / 4)^3 = 4 times too
+/// large.
+pub(crate) const DIPOLE_DISTANCE: f64 = 4.0;
+
 /// The largest field of a tile over its J, each component: |T_ij| grows by ln(2) / 2 pi each time a point comes closer to an edge by half, and no face is
 /// closer than [`FACE_NUDGE`] squared.
 pub(crate) const LARGEST_FIELD_OVER_J: f64 = 30.0;

@@ -43,9 +43,14 @@ impl Box3 {
 }
 
 /// At most the sum of the magnitudes of the fields of a tile's components of J, in tesla, from a distance on.
+pub(crate) fn most_field_t(tile: &Tile, distance: f64) -> f64 {
+    most_field_of_t(tile.size(), tile.polarization_t(), distance)
+}
+
+/// The same of a cuboid with these sides and this polarization.
 ///
 /// |mu0 H| of a dipole m at r is at most 2 m / 4 pi r^3.
-pub(crate) fn most_field_t(tile: &Tile, distance: f64) -> f64 {
-    let dipoles = tile.size().element_product() / (2.0 * std::f64::consts::PI * distance.powi(3));
-    tile.polarization_t().abs().element_sum() * dipoles.min(LARGEST_FIELD_OVER_J)
+pub(crate) fn most_field_of_t(size: DVec3, polarization_t: DVec3, distance: f64) -> f64 {
+    let dipoles = (size / distance).element_product() / (2.0 * std::f64::consts::PI);
+    polarization_t.abs().element_sum() * dipoles.min(LARGEST_FIELD_OVER_J)
 }
