@@ -1,6 +1,6 @@
 //! Figures of a film and its field, and a page that shows them.
 //!
-//! The last step before the program: [`Report::of`] takes a prepared [`Film`] and the numbers as the program prints them, and gives the
+//! The last step before the program: [`Report::of`] takes a prepared [`Film`](magsplice::Film) and the numbers as the program prints them, and gives the
 //! figures of Dai 2024 for it as SVG and PNG, and one HTML page that holds everything. plotters draws; colours are readable in print
 //! and by the colour-blind; letters are outlines of the one font in `fonts/`, so that a figure is the same everywhere.
 //!
