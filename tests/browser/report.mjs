@@ -43,7 +43,10 @@ try {
   if (withIdeal) {
     assert.equal(await page.locator("#numbers").textContent(), run("decouple", layout));
     const numbers = JSON.parse(await page.locator("#numbers-json").textContent());
-    assert.deepEqual(numbers, JSON.parse(run("decouple", layout, "--format", "json")));
+    // The page has every point elsewhere, in its maps.
+    const { columns, shape, ...report } = JSON.parse(run("decouple", layout, "--format", "json"));
+    assert.ok(columns && shape);
+    assert.deepEqual(numbers, report);
   }
   assert.equal(await page.locator(".absent").count(), withIdeal ? 0 : inVolume ? 1 : 2);
 
