@@ -26,6 +26,8 @@ pub(crate) struct Tree {
     rotations: Vec<Option<DMat3>>,
     /// Those of each item one after the other.
     bodies: Vec<Body>,
+    /// The largest |J|, in tesla.
+    largest_j_t: f64,
     pub(super) items: Vec<Item>,
     pub(super) nodes: Vec<Node>,
 }
@@ -104,7 +106,8 @@ impl Tree {
         let centres: Vec<DVec3> = unsorted.iter().map(|(bodies, ..)| around(bodies).centre()).collect();
         let mut order: Vec<usize> = (0..unsorted.len()).collect();
         let rotations = arrangement.frames().iter().map(|frame| frame.to_scene.rotation().copied()).collect();
-        let mut tree = Tree { level, rotations, bodies: Vec::new(), items: Vec::new(), nodes: Vec::new() };
+        let largest_j_t = tiles.iter().map(|tile| tile.polarization_t().length()).fold(0.0, f64::max);
+        let mut tree = Tree { level, rotations, bodies: Vec::new(), largest_j_t, items: Vec::new(), nodes: Vec::new() };
         let mut halves = Vec::new();
         if !order.is_empty() {
             bisect(&centres, &mut order, 0, &mut halves);
@@ -224,7 +227,7 @@ impl Tree {
 
     /// The largest |J|, in tesla.
     pub(crate) fn largest_j_t(&self) -> f64 {
-        self.bodies.iter().map(|b| b.polarization_t.length()).fold(0.0, f64::max)
+        self.largest_j_t
     }
 
     pub(super) fn expansion(&self, node: usize) -> &Expansion {
