@@ -294,7 +294,9 @@ fn faults_of_expectations() {
         (
             TABLES,
             "",
-            &["expect: is empty, must give at least one of uniformity_rmse, amplitude, field, clearance_mm"][..],
+            &[
+                "expect: is empty, must give at least one of uniformity_rmse, displacement_rmse_mm, amplitude, field, clearance_mm",
+            ][..],
         ),
         (TABLES, "uniformity_rmse = {}", &["uniformity_rmse is empty, must give at least one of r_x, r_y, s_z"]),
         (

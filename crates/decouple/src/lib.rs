@@ -27,4 +27,4 @@ mod decoupling;
 mod parameters;
 
 pub use decoupling::{Decoupling, DecouplingError, OverPlane, PerParameter};
-pub use parameters::{Branch, Parameters};
+pub use parameters::{Branch, ParameterSlopes, Parameters};

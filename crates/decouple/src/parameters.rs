@@ -24,6 +24,17 @@ pub struct Parameters {
     pub s_z: f64,
 }
 
+/// The derivatives of the decoupling parameters by the components of B, per tesla.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParameterSlopes {
+    /// Of R_x.
+    pub r_x: DVec3,
+    /// Of R_y.
+    pub r_y: DVec3,
+    /// Of S_z.
+    pub s_z: DVec3,
+}
+
 /// Which of the two branches of the arctangents holds: the sign of B_z on the axis x = y = 0.
 ///
 /// The quotient B_x / C_x loses the sign of C_x, and with it half a turn: C_x changes sign at a quarter of a wavelength, which
@@ -64,6 +75,26 @@ impl Parameters {
             r_y: (sign * b.y + 0.0).atan2(sign * c_y),
             s_z: c_y.hypot(b.y).ln() + largest.ln(),
         })
+    }
+
+    /// The same with their derivatives by the components of B, for designers and for the propagation of errors.
+    pub fn with_slopes(b_t: DVec3, branch: Branch) -> Option<(Parameters, ParameterSlopes)> {
+        let parameters = Parameters::of(b_t, branch)?;
+        let largest = b_t.abs().max_element();
+        let b = b_t / largest;
+        let shear = (b.y - b.x) * (b.y + b.x);
+        let c_x = (b.z * b.z + shear) / (2.0 * b.z);
+        let c_y = (b.z * b.z - shear) / (2.0 * b.z);
+        let (by_x, by_y) = (b.x / b.z, b.y / b.z);
+        let c_x_slope = DVec3::new(-by_x, by_y, 1.0 - c_x / b.z);
+        let c_y_slope = DVec3::new(by_x, -by_y, 1.0 - c_y / b.z);
+        let (x_square, y_square) = (c_x * c_x + b.x * b.x, c_y * c_y + b.y * b.y);
+        let slopes = ParameterSlopes {
+            r_x: (c_x * DVec3::X - b.x * c_x_slope) / x_square / largest,
+            r_y: (c_y * DVec3::Y - b.y * c_y_slope) / y_square / largest,
+            s_z: (c_y * c_y_slope + b.y * DVec3::Y) / y_square / largest,
+        };
+        Some((parameters, slopes))
     }
 
     /// The displacement that leads from `before` to these parameters: dx = -dR_x / k, dy = -dR_y / k, dz = dS_z / k (Eq. 14).
@@ -117,6 +148,30 @@ mod tests {
         let (from, to) = (DVec3::new(-2.2, 0.3, -5.0), DVec3::new(2.4, -1.0, -3.5));
         let found = at(to).displacement_from(&at(from), film.wavenumber());
         assert_abs_diff_eq!(found.distance(to - from), 0.0, epsilon = 1e-13);
+    }
+
+    proptest! {
+        /// Against central differences: their error is of the order h^2 and round-off / h, here both below 1e-9 of the slopes of parameters whose
+        /// C is not small.
+        #[test]
+        fn slopes_are_derivatives(x in -0.9..0.9_f64, y in -0.9..0.9_f64, size in -6..6_i32, reversed in any::<bool>()) {
+            let sign = if reversed { -1.0 } else { 1.0 };
+            let unit = 10_f64.powi(size);
+            let b = DVec3::new(x, y, sign) * unit;
+            let branch = Branch(sign);
+            let (p, slopes) = Parameters::with_slopes(b, branch).unwrap();
+            prop_assert_eq!(Some(p), Parameters::of(b, branch));
+            let h = 1e-5 * unit;
+            for axis in 0..3 {
+                let step = h * DVec3::AXES[axis];
+                let [above, below] = [b + step, b - step].map(|b| Parameters::of(b, branch).unwrap());
+                let differences =
+                    [half_turn(above.r_x - below.r_x), half_turn(above.r_y - below.r_y), above.s_z - below.s_z];
+                for (difference, slope) in differences.into_iter().zip([slopes.r_x, slopes.r_y, slopes.s_z]) {
+                    prop_assert!((difference / (2.0 * h) - slope[axis]).abs() * unit < 1e-7);
+                }
+            }
+        }
     }
 
     #[test]

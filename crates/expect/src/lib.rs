@@ -20,4 +20,6 @@ mod outcome;
 
 pub use baseline::{Baseline, Difference, OtherPoints};
 pub use clearance::Clearance;
-pub use outcome::{Bound, Expectation, Outcome, Parameter, Place, amplitude, clearance, field, uniformity};
+pub use outcome::{
+    Bound, Expectation, Outcome, Parameter, Place, amplitude, clearance, displacement, field, uniformity,
+};

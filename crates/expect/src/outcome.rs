@@ -14,6 +14,8 @@ use crate::clearance::Clearance;
 pub enum Expectation {
     /// Uniformity RMSE of one decoupling parameter.
     UniformityRmse(Parameter),
+    /// RMSE of the displacement along one axis (0, 1, 2 for x, y, z), in millimetres.
+    DisplacementRmse(usize),
     /// Best-fit amplitude against the ideal film.
     Amplitude,
     /// The largest difference from the baseline, as a fraction of |B|.
@@ -92,10 +94,12 @@ impl Expectation {
     pub fn all_of(expected: &Expectations) -> Vec<Expectation> {
         let uniformity = Parameter::ALL.into_iter().zip(expected.uniformity_rmse);
         let uniformity = uniformity.filter(|(_, bound)| bound.is_some()).map(|(p, _)| Expectation::UniformityRmse(p));
+        let displacement = (0..3).filter(|&axis| expected.displacement_rmse_mm[axis].is_some());
+        let displacement = displacement.map(Expectation::DisplacementRmse);
         let amplitude = expected.least_amplitude.map(|_| Expectation::Amplitude);
         let field = expected.field.as_ref().map(|_| Expectation::Field);
         let clearance = expected.least_clearance_mm.map(|_| Expectation::Clearance);
-        uniformity.chain(amplitude).chain(field).chain(clearance).collect()
+        uniformity.chain(displacement).chain(amplitude).chain(field).chain(clearance).collect()
     }
 }
 
@@ -109,6 +113,15 @@ pub fn uniformity(expected: &Expectations, parameter: Parameter, found: &PerPara
     };
     let expectation = Expectation::UniformityRmse(parameter);
     Some(Outcome { expectation, value, bound: Bound::AtMost(most?), place: None })
+}
+
+/// The RMSE of the displacement along an axis, in millimetres; `None` if nothing is expected of it.
+///
+/// # Panics
+/// If `axis` is above 2.
+pub fn displacement(expected: &Expectations, axis: usize, found_mm: DVec3) -> Option<Outcome> {
+    let bound = Bound::AtMost(expected.displacement_rmse_mm[axis]?);
+    Some(Outcome { expectation: Expectation::DisplacementRmse(axis), value: found_mm[axis], bound, place: None })
 }
 
 /// The best-fit amplitude; `None` if nothing is expected of it.
@@ -137,6 +150,9 @@ impl fmt::Display for Expectation {
             Expectation::UniformityRmse(Parameter::Rx) => "uniformity_rmse.r_x",
             Expectation::UniformityRmse(Parameter::Ry) => "uniformity_rmse.r_y",
             Expectation::UniformityRmse(Parameter::Sz) => "uniformity_rmse.s_z",
+            Expectation::DisplacementRmse(0) => "displacement_rmse_mm.x",
+            Expectation::DisplacementRmse(1) => "displacement_rmse_mm.y",
+            Expectation::DisplacementRmse(_) => "displacement_rmse_mm.z",
             Expectation::Amplitude => "amplitude",
             Expectation::Field => "field",
             Expectation::Clearance => "clearance_mm",
@@ -165,6 +181,15 @@ mod tests {
             );
         }
         assert!(!outcome(f64::NAN, Bound::AtMost(1.0)).is_met() && !outcome(f64::NAN, Bound::AtLeast(1.0)).is_met());
+    }
+
+    #[test]
+    fn each_axis_has_its_own_bound() {
+        let expected = Expectations { displacement_rmse_mm: [Some(1.0), None, Some(3.0)], ..Expectations::default() };
+        let found = [0, 1, 2].map(|axis| displacement(&expected, axis, DVec3::new(0.5, 20.0, 30.0)));
+        assert_eq!(found.map(|o| o.map(|o| (o.value, o.is_met()))), [Some((0.5, true)), None, Some((30.0, false))]);
+        let names: Vec<String> = Expectation::all_of(&expected).iter().map(Expectation::to_string).collect();
+        assert_eq!(names, ["displacement_rmse_mm.x", "displacement_rmse_mm.z"]);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! * [`Scene`]: tiles together; B, H and J at a point or at many points in parallel.
 //! * [`Accuracy`]: exact, or as cheap as a tolerance allows; [`Plan`]: by which models; [`FittedField`]: a box prepared for repeated look-ups.
 //! * [`PolarizationMap`]: the field at given points as a linear map of the tiles' polarizations.
+//! * [`FaceSlopes`]: how the field changes as the faces of a tile move.
 //! * [`IdealFilm`]: the sinusoidally magnetized film a spliced film stands in for (Dai 2024, Eqs. 1 and 2).
 //! * [`Comparison`]: how far one field is from another.
 //! * [`Grid`]: regular points.
@@ -33,6 +34,7 @@ mod block;
 mod compare;
 mod edge_policy;
 mod evaluate;
+mod face_slopes;
 mod grid;
 mod ideal;
 mod kernel;
@@ -51,6 +53,7 @@ mod within;
 pub use batch::instruction_set::{InstructionSet, MissingInstructions};
 pub use compare::{Comparison, ComparisonError};
 pub use evaluate::{PointError, PointErrors};
+pub use face_slopes::FaceSlopes;
 pub use grid::Grid;
 pub use ideal::{IdealFilm, IdealFilmFault};
 pub use overlap::{Overlap, overlap, overlaps};

@@ -7,10 +7,11 @@ use glam::DVec3;
 use magsplice_field::{Grid, IdealFilm, Tile};
 use sha2::{Digest, Sha256};
 
+use crate::brief::Brief;
 use crate::error::LayoutError;
 use crate::expectations::Expectations;
 use crate::resolve;
-use crate::written::{Expect, Ideal, LayoutFile, Rotation, Step, TileEntry, Volume};
+use crate::written::{Design, Expect, Ideal, LayoutFile, Rotation, Step, TileEntry, Volume};
 
 /// A spliced film or any other arrangement of block magnets, and what it is to be judged by.
 ///
@@ -28,6 +29,10 @@ pub struct Layout {
     pub volume: Option<WorkingVolume>,
     /// What it must meet.
     pub expectations: Expectations,
+    /// What may change to make it better, and what is wanted.
+    pub brief: Option<Brief>,
+    /// How it came about, one line for each step.
+    pub history: Vec<String>,
     /// Its tiles, repetition written out, none overlapping another.
     pub tiles: Vec<NamedTile>,
     /// SHA-256 of the file's bytes in hexadecimal.
@@ -107,6 +112,7 @@ impl Layout {
             format: resolve::FORMAT,
             name: &self.name,
             description: self.description.as_deref(),
+            history: &self.history,
             ideal: self.ideal.map(|film| Ideal {
                 wavelength_mm: film.wavelength(),
                 thickness_mm: film.thickness(),
@@ -114,6 +120,7 @@ impl Layout {
             }),
             volume: self.volume.as_ref().map(written_volume),
             expect: self.expectations.written(),
+            design: self.brief.as_ref().map(Brief::written),
             tile: self.tiles.iter().map(written_tile).collect(),
         }
     }
@@ -126,12 +133,16 @@ pub struct Plain<'a> {
     name: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]
     description: Option<&'a str>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    history: &'a [String],
     #[serde(skip_serializing_if = "Option::is_none")]
     ideal: Option<Ideal>,
     #[serde(skip_serializing_if = "Option::is_none")]
     volume: Option<Volume>,
     #[serde(skip_serializing_if = "Option::is_none")]
     expect: Option<Expect>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    design: Option<Design>,
     tile: Vec<TileEntry>,
 }
 

@@ -24,6 +24,7 @@
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+mod brief;
 mod error;
 mod expectations;
 mod findings;
@@ -36,6 +37,7 @@ mod schema;
 mod volume;
 mod written;
 
+pub use brief::{Brief, Goal, StockPart, Symmetry, Vary};
 pub use error::{LayoutError, Problem};
 pub use expectations::{Expectations, ExpectedField};
 pub use layout::{Layout, NamedTile, Plain, WorkingVolume};

@@ -6,6 +6,7 @@ use std::ops::Range;
 use glam::{DQuat, DVec3};
 use magsplice_field::{IdealFilm, IdealFilmFault, Tile, TileFault, overlaps};
 
+use crate::brief;
 use crate::error::Problem;
 use crate::expectations::{self, Present};
 use crate::findings;
@@ -56,6 +57,10 @@ pub(crate) fn layout(file: LayoutFile, text: &str, sha256: String) -> Result<Lay
         let span = expect.span();
         expectations::resolve(expect.into_inner(), &span, &present, &mut problems)
     });
+    let design = file.design.and_then(|design| {
+        let span = design.span();
+        brief::resolve(design.into_inner(), &span, [present.ideal, present.volume], &mut problems)
+    });
     for (name, kind) in &file.kind {
         check_kind(kind.get_ref(), &kind.span(), &format!("kind \"{name}\""), &mut problems);
         if !file.tile.iter().any(|tile| tile.get_ref().kind.as_ref() == Some(name)) {
@@ -98,7 +103,18 @@ pub(crate) fn layout(file: LayoutFile, text: &str, sha256: String) -> Result<Lay
         return Err(problems.found);
     }
     findings.extend(findings::of_tiles(&tiles, volume.as_ref()));
-    Ok(Layout { name: file.name, description: file.description, ideal, volume, expectations, tiles, sha256, findings })
+    Ok(Layout {
+        name: file.name,
+        description: file.description,
+        ideal,
+        volume,
+        expectations,
+        brief: design,
+        history: file.history,
+        tiles,
+        sha256,
+        findings,
+    })
 }
 
 fn ideal_film(ideal: &Ideal, span: &Range<usize>, problems: &mut Problems) -> Option<IdealFilm> {

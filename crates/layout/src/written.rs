@@ -29,6 +29,12 @@ pub(crate) struct LayoutFile {
     /// What the film must meet; evaluated by check.
     #[schemars(with = "Option<Expect>")]
     pub(crate) expect: Option<Spanned<Expect>>,
+    /// What may change to make the film better, and what is wanted; used by design.
+    #[schemars(with = "Option<Design>")]
+    pub(crate) design: Option<Spanned<Design>>,
+    /// How the layout came about, one line for each step.
+    #[serde(default)]
+    pub(crate) history: Vec<String>,
     /// Sizes and strengths by name, for the tiles that name them.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, Kind>")]
@@ -88,6 +94,9 @@ pub(crate) struct Expect {
     /// Upper bounds of the uniformity RMSE.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) uniformity_rmse: Option<UniformityBounds>,
+    /// Upper bounds of the RMSE of displacement.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) displacement_rmse_mm: Option<DisplacementBounds>,
     /// Lower bound of the best-fit amplitude against the ideal film.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) amplitude: Option<Least>,
@@ -114,6 +123,21 @@ pub(crate) struct UniformityBounds {
     pub(crate) s_z: Option<f64>,
 }
 
+/// Upper bounds, at least one.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DisplacementBounds {
+    /// Along x, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) x: Option<f64>,
+    /// Along y, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) y: Option<f64>,
+    /// Along z, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) z: Option<f64>,
+}
+
 /// A lower bound.
 #[derive(Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -130,6 +154,163 @@ pub(crate) struct FieldBaseline {
     pub(crate) file: String,
     /// Largest difference at any point, as a fraction of |B| there.
     pub(crate) within: f64,
+}
+
+/// What may change to make the film better, and what is wanted.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Design {
+    /// What may change.
+    pub(crate) vary: Vec<Variable>,
+    /// Which symmetry the film has and keeps; default none.
+    #[serde(default)]
+    pub(crate) symmetry: Symmetry,
+    /// What is to become small; default uniformity.
+    #[serde(default)]
+    pub(crate) goal: Goal,
+    /// How much the errors of R_x, R_y and S_z count; default 1 each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) weights: Option<Weights>,
+    /// Lower bound of the best-fit amplitude against the ideal film.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) amplitude: Option<Least>,
+    /// What the tiles must stay within; default: their own extent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) outline_mm: Option<Outline>,
+    /// Shortest side of a tile along x and y, in mm; default: the shortest there is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) smallest_cut_mm: Option<f64>,
+    /// Least distance of neighbouring tiles, in mm; default 0.
+    #[serde(default)]
+    pub(crate) gap_mm: f64,
+    /// Bounds of the thickness, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) thickness_mm: Option<Bounds>,
+    /// Bounds of the magnitude of the polarization, in T.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) strength_t: Option<Bounds>,
+    /// Faces are rounded to multiples of this, in mm; default 0.001.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) resolution_mm: Option<f64>,
+    /// Directions are rounded to multiples of this, in degrees; default 0.01.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) resolution_deg: Option<f64>,
+    /// Step of the points the film is designed on, in mm; default: that of the volume, or coarser.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) step_mm: Option<f64>,
+    /// At most so many distinct parts: sizes with a direction, however they are turned.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) parts: Option<usize>,
+    /// Parts that are at hand; others are made only as far as `parts` allows.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) stock: Vec<Stock>,
+    /// Magnitudes of the polarization that are at hand, in T; default: any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) stock_strengths_t: Vec<f64>,
+    /// From how many points the search starts; default 8.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) starts: Option<usize>,
+    /// Which random numbers vary these points; default 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) seed: Option<u64>,
+}
+
+/// What of the tiles may change.
+#[derive(Clone, Copy, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Variable {
+    /// Sides along x and y, about the tile's centre.
+    Size,
+    /// Centres along x and y.
+    Position,
+    /// Lines on which faces of tiles lie: all faces of a line move together.
+    Cut,
+    /// The upper faces, all at the same height together.
+    Thickness,
+    /// The angle of the polarization in the plane of the film.
+    Direction,
+    /// The angle of the polarization out of the plane of the film.
+    Tilt,
+    /// The magnitude of the polarization.
+    Strength,
+}
+
+/// What the film is mapped onto itself by, arrows on its tiles included.
+#[derive(Clone, Copy, Default, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Symmetry {
+    /// Nothing.
+    #[default]
+    None,
+    /// Mirrors at x = 0 and y = 0.
+    Mirror,
+    /// These and the exchange of x and y.
+    FourFold,
+}
+
+/// What is to become small.
+#[derive(Clone, Copy, Default, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Goal {
+    /// The uniformity RMSE of R_x, R_y, S_z.
+    #[default]
+    Uniformity,
+    /// The RMSE of displacement against the true one.
+    Displacement,
+    /// The RMSE of B against Eq. 2 times amplitude.min, or times 1.
+    Field,
+}
+
+/// How much errors count.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Weights {
+    /// Of R_x.
+    #[serde(default = "one")]
+    pub(crate) r_x: f64,
+    /// Of R_y.
+    #[serde(default = "one")]
+    pub(crate) r_y: f64,
+    /// Of S_z.
+    #[serde(default = "one")]
+    pub(crate) s_z: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// A rectangle.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Outline {
+    /// Lower and upper end along x, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) x: Option<[f64; 2]>,
+    /// Lower and upper end along y, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) y: Option<[f64; 2]>,
+}
+
+/// A lower and an upper bound.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Bounds {
+    /// Not less.
+    pub(crate) min: f64,
+    /// Not more.
+    pub(crate) max: f64,
+}
+
+/// A tile that can be had, as thick as the film.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Stock {
+    /// Its sides in the plane of the film, in mm.
+    pub(crate) size_mm: [f64; 2],
+    /// Angle of its polarization from the first side towards the second, in degrees; default 0.
+    #[serde(default)]
+    pub(crate) direction_deg: f64,
 }
 
 /// What tiles of one kind have in common.

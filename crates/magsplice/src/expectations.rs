@@ -19,13 +19,17 @@ impl Film<'_> {
         let field = if all.iter().any(uses_field) { self.volume_field_t() } else { Ok(Vec::new()) };
         let field = field.as_deref().map_err(Clone::clone);
         let decoupling =
-            all.iter().any(|e| matches!(e, Expectation::UniformityRmse(_))).then(|| self.decouple(field.clone()?));
+            all.iter().any(|e| matches!(e, Expectation::UniformityRmse(_) | Expectation::DisplacementRmse(_)));
+        let decoupling = decoupling.then(|| self.decouple(field.clone()?));
+        let decoupling = || decoupling.as_ref().expect("evaluated if expected").as_ref().map_err(Clone::clone);
         let outcome = |expectation: Expectation| -> Result<Outcome, FilmError> {
             let outcome = match expectation {
                 Expectation::UniformityRmse(parameter) => {
-                    let decoupling =
-                        decoupling.as_ref().expect("evaluated if expected").as_ref().map_err(Clone::clone)?;
-                    expect::uniformity(expected, parameter, &decoupling.uniformity_rmse)
+                    expect::uniformity(expected, parameter, &decoupling()?.uniformity_rmse)
+                }
+                Expectation::DisplacementRmse(axis) => {
+                    let found = decoupling()?.ideal_rmse.as_lengths(self.ideal()?.wavenumber());
+                    expect::displacement(expected, axis, found)
                 }
                 Expectation::Amplitude => expect::amplitude(expected, self.compare(field.clone()?)?.amplitude),
                 Expectation::Field => {

@@ -1,0 +1,199 @@
+//! A film from nothing: the pattern of Dai 2024, Fig. 5, for any wavelength and outline, to be designed further.
+
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+use glam::DVec3;
+use magsplice_field::{IdealFilm, Tile};
+use magsplice_layout::{Brief, Goal, Layout, Symmetry, Vary};
+
+use crate::error::DesignError;
+
+/// What is wanted of a film. Lengths in millimetres, polarization in tesla.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// Wavelength of the ideal film.
+    pub wavelength_mm: f64,
+    /// Extent of the film along x and y.
+    pub film_mm: [f64; 2],
+    /// Its thickness.
+    pub thickness_mm: f64,
+    /// Magnitude of the polarization of every tile, and amplitude of the ideal film.
+    pub remanence_t: f64,
+    /// Extent of the working volume along x and y.
+    pub range_mm: [f64; 2],
+    /// Least and largest distance of the sensor below the film.
+    pub distance_mm: [f64; 2],
+    /// Shortest side of a tile.
+    pub smallest_cut_mm: f64,
+    /// Least distance of neighbouring tiles.
+    pub gap_mm: f64,
+    /// Least best-fit amplitude against the ideal film.
+    pub least_amplitude: f64,
+    /// At most so many distinct parts.
+    pub parts: Option<usize>,
+    /// What is to become small.
+    pub goal: Goal,
+    /// From how many points the search starts.
+    pub starts: usize,
+    /// Which random numbers vary them.
+    pub seed: u64,
+}
+
+/// Wide intervals are this fraction of the wavelength: then the pattern has no third harmonic (docs/domain: Dai 2024, section 2).
+const WIDE: f64 = 1.0 / 3.0;
+
+/// Points of the working volume along each axis.
+const POINTS: [usize; 3] = [9, 9, 5];
+
+impl Request {
+    /// The layout to begin the design with: intervals of a third of the wavelength about the crests of the ideal polarization, of a sixth about its zeros.
+    ///
+    /// # Errors
+    /// All at once: lengths that are not positive, a film smaller than a quarter of the wavelength, a working volume in which B_z of the ideal film vanishes.
+    pub fn layout(&self) -> Result<Layout, DesignError> {
+        self.check()?;
+        let cuts = [0, 1].map(|axis| self.intervals(axis));
+        let mut tiles = String::new();
+        let (height, j) = (self.thickness_mm, self.remanence_t);
+        for (i, (x, along_x)) in cuts[0].iter().enumerate() {
+            for (k, (y, along_y)) in cuts[1].iter().enumerate() {
+                let direction = DVec3::new(*along_x, *along_y, 0.0);
+                if direction == DVec3::ZERO {
+                    continue;
+                }
+                let centre = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]), 0.5 * height];
+                let size = [x[1] - x[0], y[1] - y[0], height];
+                let _ = write!(
+                    tiles,
+                    "[[tile]]\nname = \"x{}-y{}\"\nposition_mm = {centre:?}\nsize_mm = {size:?}\nstrength_t = {j:?}\ndirection = {:?}\n\n",
+                    i + 1,
+                    k + 1,
+                    direction.to_array()
+                );
+            }
+        }
+        let [x, y] = self.range_mm.map(|range| 0.5 * range);
+        let [near, far] = self.distance_mm;
+        let extents = [2.0 * x, 2.0 * y, far - near];
+        let steps = [0, 1, 2].map(|axis| extents[axis] / (POINTS[axis] - 1) as f64);
+        let text = format!(
+            "format = 1\nname = \"spliced film\"\n\n[ideal]\nwavelength_mm = {:?}\nthickness_mm = {height:?}\namplitude_t = {j:?}\n\n[volume]\n\
+             x_mm = [{:?}, {x:?}]\ny_mm = [{:?}, {y:?}]\nz_mm = [{:?}, {:?}]\nstep_mm = {steps:?}\nreference_mm = [0.0, 0.0, {:?}]\n\n{tiles}",
+            self.wavelength_mm, -x, -y, -far, -near, -far
+        );
+        let mut layout =
+            Layout::parse(&text, "spliced film").map_err(|error| DesignError::Request(vec![error.to_string()]))?;
+        let [width, depth] = self.film_mm;
+        layout.name = format!("{width} x {depth} mm for a wavelength of {} mm", self.wavelength_mm);
+        layout.brief = Some(self.brief());
+        Ok(layout)
+    }
+
+    fn brief(&self) -> Brief {
+        let square = self.film_mm[0] == self.film_mm[1] && self.range_mm[0] == self.range_mm[1];
+        Brief {
+            vary: Vary { size: true, position: true, direction: true, ..Vary::default() },
+            symmetry: if square { Symmetry::FourFold } else { Symmetry::Mirror },
+            goal: self.goal,
+            weights: [1.0; 3],
+            least_amplitude: Some(self.least_amplitude),
+            outline_mm: self.film_mm.map(|extent| Some([-0.5 * extent, 0.5 * extent])),
+            smallest_cut_mm: Some(self.smallest_cut_mm),
+            gap_mm: self.gap_mm,
+            parts: self.parts,
+            starts: self.starts,
+            seed: self.seed,
+            ..Brief::default()
+        }
+    }
+
+    /// Intervals along an axis with the sign of the ideal polarization, 0 about its zeros.
+    fn intervals(&self, axis: usize) -> Vec<([f64; 2], f64)> {
+        let (wavelength, edge) = (self.wavelength_mm, 0.5 * self.film_mm[axis]);
+        let half_wide = 0.5 * WIDE * wavelength;
+        let crests = (edge / (0.5 * wavelength)).ceil() as i64 + 1;
+        // Ends of the wide intervals; the others lie between them.
+        let mut cuts = vec![-edge];
+        for crest in -crests..crests {
+            let centre = (crest as f64 + 0.5) * 0.5 * wavelength;
+            cuts.extend([centre - half_wide, centre + half_wide]);
+        }
+        cuts.push(edge);
+        cuts.retain(|cut| cut.abs() <= edge);
+        cuts.sort_by(f64::total_cmp);
+        // Slivers at the rim belong to what is beside them.
+        let sliver = |a: f64, b: f64| b - a < self.smallest_cut_mm;
+        while cuts.len() > 2 && sliver(cuts[0], cuts[1]) {
+            cuts.remove(1);
+            cuts.remove(cuts.len() - 2);
+        }
+        let signed = |ends: &[f64]| {
+            let centre = 0.5 * (ends[0] + ends[1]);
+            let phase = (TAU * centre / wavelength).sin();
+            // Wide intervals are centred within a twelfth of the wavelength of a crest, narrow ones of a zero.
+            ([ends[0], ends[1]], if phase.abs() > 0.7 { phase.signum() } else { 0.0 })
+        };
+        cuts.windows(2).map(signed).collect()
+    }
+
+    fn check(&self) -> Result<(), DesignError> {
+        let mut problems = Vec::new();
+        let positive = [
+            ("wavelength", self.wavelength_mm),
+            ("film, along x", self.film_mm[0]),
+            ("film, along y", self.film_mm[1]),
+            ("thickness", self.thickness_mm),
+            ("range, along x", self.range_mm[0]),
+            ("range, along y", self.range_mm[1]),
+            ("distance, the nearest", self.distance_mm[0]),
+            ("smallest cut", self.smallest_cut_mm),
+        ];
+        for (name, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                problems.push(format!("{name}: {value} mm, must be a finite number greater than 0"));
+            }
+        }
+        if !(self.remanence_t > 0.0 && self.remanence_t.is_finite()) {
+            problems.push(format!("remanence: {} T, must be a finite number greater than 0", self.remanence_t));
+        }
+        if !(self.distance_mm[0] < self.distance_mm[1]) {
+            let [near, far] = self.distance_mm;
+            problems.push(format!("distance: {near} to {far} mm, the first must be less than the second"));
+        }
+        if problems.is_empty() {
+            let quarter = 0.25 * self.wavelength_mm;
+            for (axis, extent) in ["x", "y"].into_iter().zip(self.film_mm) {
+                // Short of it the film has no crest on either side.
+                if 0.5 * extent < quarter + 0.5 * WIDE * self.wavelength_mm {
+                    problems.push(format!(
+                        "film: {extent} mm along {axis}, must be at least {:.4} mm, two thirds of the wavelength and a half, to hold the crests about the middle",
+                        2.0 * quarter + WIDE * self.wavelength_mm
+                    ));
+                }
+            }
+            // cos kx + cos ky vanishes first where x + y is half a wavelength.
+            let reach = 0.5 * (self.range_mm[0] + self.range_mm[1]);
+            if reach >= 0.5 * self.wavelength_mm {
+                problems.push(format!(
+                    "range: {} x {} mm reaches points where B_z vanishes; half the sum of both must be less than half the wavelength, {} mm",
+                    self.range_mm[0],
+                    self.range_mm[1],
+                    0.5 * self.wavelength_mm
+                ));
+            }
+            if self.smallest_cut_mm > 0.25 * self.wavelength_mm {
+                problems.push(format!(
+                    "smallest cut: {} mm, must be at most a quarter of the wavelength, {quarter} mm",
+                    self.smallest_cut_mm
+                ));
+            }
+            if IdealFilm::new(self.wavelength_mm, self.thickness_mm, self.remanence_t).is_err()
+                || Tile::new(DVec3::ZERO, DVec3::splat(self.thickness_mm), DVec3::X * self.remanence_t).is_err()
+            {
+                problems.push("wavelength, thickness and remanence: out of range".to_owned());
+            }
+        }
+        if problems.is_empty() { Ok(()) } else { Err(DesignError::Request(problems)) }
+    }
+}
