@@ -75,6 +75,27 @@ impl Oracle {
         DMat3::from_cols(columns[0], columns[1], columns[2])
     }
 
+    /// The derivatives of B of an unrotated tile by the coordinates of its lower and upper faces, by axis, by central differences.
+    pub fn face_slopes(&mut self, tile: &Tile, point: DVec3) -> [DMat3; 2] {
+        let there = offsets(tile, point);
+        let nearest = smallest(there.iter().flatten());
+        let step = mul(&nearest, &power_of_two(STEP_EXPONENT));
+        let twice = add(&step, &step);
+        // Of the offsets, that from the upper face comes first.
+        [1, 0].map(|end: usize| {
+            let columns = [0, 1, 2].map(|axis: usize| {
+                let [above, below] = [&step, &step.neg()].map(|h| {
+                    let mut moved = there.clone();
+                    // A face further up is less far below the point.
+                    moved[axis][end] = sub(&moved[axis][end], h);
+                    self.strength(&moved, tile.polarization_t()).0
+                });
+                rounded(&[0, 1, 2].map(|i| div(&sub(&above[i], &below[i]), &twice)))
+            });
+            DMat3::from_cols(columns[0], columns[1], columns[2])
+        })
+    }
+
     /// mu0 H, and whether the point is inside. `offsets` are from the faces at +a and at -a to the point, along each axis.
     fn strength(&mut self, offsets: &[[BigFloat; 2]; 3], j: DVec3) -> ([BigFloat; 3], bool) {
         let distance = |i: usize, k: usize, l: usize| {

@@ -11,6 +11,7 @@ mod colours;
 mod drafts;
 mod figure;
 mod figures;
+mod front;
 mod image;
 mod page;
 mod panel;
@@ -22,4 +23,5 @@ mod typeset;
 mod units;
 
 pub use figure::Figure;
+pub use front::{Axis, Front, FrontFilm};
 pub use report::{Numbers, Report, ReportError};

@@ -2,6 +2,7 @@
 
 pub(crate) mod along_axes;
 pub(crate) mod field_maps;
+pub(crate) mod front;
 pub(crate) mod layout_from_above;
 mod layout_key;
 pub(crate) mod parameter_maps;

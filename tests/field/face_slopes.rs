@@ -1,0 +1,121 @@
+//! The derivatives by faces are those of the field.
+
+use glam::{DMat3, DQuat, DVec3};
+use magsplice_field::{FaceSlopes, Quantity, Scene, Tile};
+use magsplice_tests::oracle::Oracle;
+use proptest::prelude::*;
+
+fn vector(reach: f64) -> impl Strategy<Value = DVec3> {
+    prop::array::uniform3(-reach..reach).prop_map(DVec3::from)
+}
+
+/// What the edges contribute, added up without their signs: the rule of their accuracy. Each edge of length l at distance d gives at most l / d^2 for a current and as
+/// much for a charge, and for the gradient of neither more.
+fn magnitude(tile: &Tile, point: DVec3) -> f64 {
+    let (half, local) = (0.5 * tile.size(), point - tile.position());
+    let mut sum = 0.0;
+    for axis in 0..3 {
+        for (a, b) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let rho = (local[next] - a * half[next]).hypot(local[last] - b * half[last]);
+            // The integral of 1 / r^2 over the edge, which bounds both of them.
+            let (from, to) = (-half[axis] - local[axis], half[axis] - local[axis]);
+            sum +=
+                if rho > 0.0 { ((to / rho).atan() - (from / rho).atan()) / rho } else { (1.0 / from - 1.0 / to).abs() };
+        }
+    }
+    2.0 * sum * tile.polarization_t().length() / (4.0 * std::f64::consts::PI)
+}
+
+fn worst(found: &FaceSlopes, truth: [DMat3; 2]) -> f64 {
+    let difference = [found.lower - truth[0], found.upper - truth[1]];
+    difference.iter().flat_map(|m| [m.x_axis, m.y_axis, m.z_axis]).map(DVec3::length).fold(0.0, f64::max)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    /// Against differences of the textbook formula in 130 digits, inside and outside.
+    #[test]
+    fn slopes_are_those_of_the_oracle(size in vector(1.0), place in vector(4.0), j in vector(1.0), centre in vector(3.0)) {
+        let tile = Tile::new(centre, size.map(|d| 10_f64.powf(d)), j).expect("a valid tile");
+        let point = centre + place;
+        let found = FaceSlopes::of(&tile, point).expect("no point on an edge");
+        let truth = Oracle::new().face_slopes(&tile, point);
+        // The corners as the field has them are rounded once; near an edge that is amplified by one over the distance.
+        let edge = nearest_edge(&tile, point);
+        let corners = f64::EPSILON * (centre.length() + place.length() + tile.size().length()) / edge;
+        let allowed = (32.0 * f64::EPSILON + 4.0 * corners) * magnitude(&tile, point);
+        prop_assert!(worst(&found, truth) <= allowed, "{} of {allowed}: {found:?} is not {truth:?}", worst(&found, truth));
+    }
+
+    /// Moving both faces of every axis moves the tile, against which the point moves back.
+    #[test]
+    fn both_faces_together_are_minus_the_gradient(
+        size in vector(1.0), place in vector(9.0), j in vector(1.0), turn in vector(2.0),
+    ) {
+        let turn = DQuat::from_scaled_axis(turn);
+        let tile = Tile::new(DVec3::ZERO, size.map(|d| 10_f64.powf(d)), j).and_then(|t| t.rotated(turn)).expect("a valid tile");
+        let slopes = FaceSlopes::of(&tile, place).expect("no point on an edge");
+        let gradient = Scene::new(&[tile]).flux_density_gradient(place).expect("no point on an edge");
+        // Columns are by the tile's own axes.
+        let moved = (slopes.lower + slopes.upper) * DMat3::from_quat(turn.inverse());
+        let local = turn.inverse() * place;
+        let flat = Tile::new(DVec3::ZERO, tile.size(), j).expect("a valid tile");
+        let allowed = (64.0 * f64::EPSILON + 8.0 * f64::EPSILON * (place.length() + tile.size().length()) / nearest_edge(&flat, local)) * magnitude(&flat, local);
+        let error = (moved + gradient).to_cols_array().iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+        prop_assert!(error <= allowed, "{error} of {allowed}");
+    }
+
+    /// A face moved by a little adds a thin tile with the same polarization.
+    #[test]
+    fn a_moved_face_is_a_thin_tile(place in vector(5.0), j in vector(1.0), axis in 0..3_usize) {
+        prop_assume!(place.abs().max_element() > 2.0);
+        let thin = 1e-4;
+        let mut size = DVec3::new(1.0, 2.0, 0.5);
+        let tile = Tile::new(DVec3::ZERO, size, j).expect("a valid tile");
+        let mut centre = DVec3::ZERO;
+        centre[axis] = 0.5 * size[axis] + 0.5 * thin;
+        size[axis] = thin;
+        let layer = Tile::new(centre, size, j).expect("a valid tile");
+        let field = Scene::new(&[layer]).field(Quantity::FluxDensity, place).expect("outside") / thin;
+        let slope = FaceSlopes::of(&tile, place).expect("outside").upper.col(axis);
+        // The face in the middle of the layer is half of it away: the field of a layer falls no faster than by its own size over at most a unit of length.
+        prop_assert!((field - slope).length() <= 10.0 * thin * slope.length().max(0.01 * j.length()));
+    }
+}
+
+/// The distance from a point to the nearest edge of an unrotated tile.
+fn nearest_edge(tile: &Tile, point: DVec3) -> f64 {
+    let (half, local) = (0.5 * tile.size(), point - tile.position());
+    let mut nearest = f64::INFINITY;
+    for axis in 0..3 {
+        for (a, b) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let beyond = (local[axis].abs() - half[axis]).max(0.0);
+            let across = (local[next] - a * half[next]).hypot(local[last] - b * half[last]);
+            nearest = nearest.min(across.hypot(beyond));
+        }
+    }
+    nearest
+}
+
+#[test]
+fn on_an_edge_there_are_none() {
+    let tile = Tile::new(DVec3::ZERO, DVec3::splat(2.0), DVec3::ONE).unwrap();
+    assert_eq!(FaceSlopes::of(&tile, DVec3::new(1.0, 0.3, -1.0)), None);
+    // In line with an edge, beyond it, and on a face they are bounded.
+    assert!(FaceSlopes::of(&tile, DVec3::new(1.0, 1.5, -1.0)).is_some());
+    assert!(FaceSlopes::of(&tile, DVec3::new(1.0, 0.3, 0.2)).is_some());
+}
+
+#[test]
+fn units_of_length_do_not_matter() {
+    let at = |unit: f64| {
+        let tile = Tile::new(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0) * unit, DVec3::ONE).unwrap();
+        FaceSlopes::of(&tile, DVec3::new(4.0, 1.0, -2.0) * unit).unwrap().upper * unit
+    };
+    for unit in [2_f64.powi(600), 2_f64.powi(-600)] {
+        assert_eq!(at(unit), at(1.0));
+    }
+}
