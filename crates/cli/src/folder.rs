@@ -51,15 +51,17 @@ impl Folder {
         }
         let beside = destination.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         // The error of the library names the temporary folder, which nobody knows.
-        let filled = builder.tempdir_in(beside).map_err(|e| failed(io::Error::from(e.kind())))?;
-        interrupt::remove_if_interrupted(filled.path());
+        let filled = interrupt::temporary(|| builder.tempdir_in(beside));
+        let filled = filled.map_err(|e| failed(io::Error::from(e.kind())))?;
         Ok(Folder { filled, destination })
     }
 
     /// Writes one file.
     pub(crate) fn write(&self, name: &str, contents: &[u8]) -> Result<(), Failure> {
         let target = || self.destination.join(name).display().to_string();
-        fs::write(self.filled.path().join(name), contents).map_err(|error| Failure::Write { target: target(), error })
+        // A folder that is being removed gets no more files.
+        let written = interrupt::uninterrupted(|| fs::write(self.filled.path().join(name), contents));
+        written.map_err(|error| Failure::Write { target: target(), error })
     }
 
     /// Puts the folder in its place. Without this call it never appears.

@@ -32,17 +32,17 @@ fn main() -> ExitCode {
     }
     let done = match verb {
         Verb::Field(args) => verbs::field::run(&args, common.quiet),
-        Verb::Compare(args) => verbs::compare::run(&args),
+        Verb::Compare(args) => verbs::compare::run(&args, common.quiet),
         Verb::Decouple(args) => verbs::decouple::run(&args, common.quiet),
-        Verb::Tiles(args) => verbs::tiles::run(&args),
-        Verb::Export(args) => verbs::export::run(&args),
+        Verb::Tiles(args) => verbs::tiles::run(&args, common.quiet),
+        Verb::Export(args) => verbs::export::run(&args, common.quiet),
         Verb::Init(args) => verbs::init::run(&args, common.quiet),
         Verb::Schema => verbs::schema::run(),
         Verb::Completions(args) => verbs::completions::run(&args),
         Verb::Check(args) => return ExitCode::from(verbs::check::run(&args, common.quiet)),
-        Verb::Plan(args) => verbs::plan::run(&args),
+        Verb::Plan(args) => verbs::plan::run(&args, common.quiet),
         #[cfg(feature = "report")]
-        Verb::Report(args) => verbs::report::run(&args),
+        Verb::Report(args) => verbs::report::run(&args, common.quiet),
     };
     match done {
         // A reader that closes the pipe early, such as `head`, has what it wanted.

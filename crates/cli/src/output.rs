@@ -93,9 +93,7 @@ fn beside(destination: &Path, permissions: Option<fs::Permissions>) -> io::Resul
         builder.permissions(permissions);
     }
     // The error of the library names the temporary file, which nobody knows.
-    let file = builder.tempfile_in(folder).map_err(|e| io::Error::from(e.kind()))?;
-    interrupt::remove_if_interrupted(file.path());
-    Ok(file)
+    interrupt::temporary(|| builder.tempfile_in(folder)).map_err(|e| io::Error::from(e.kind()))
 }
 
 /// Writes a file that must not be there yet, whole or not at all.

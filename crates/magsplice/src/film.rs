@@ -6,14 +6,24 @@ use glam::DVec3;
 use magsplice_decouple::{Decoupling, DecouplingError};
 use magsplice_expect::OtherPoints;
 use magsplice_field::{
-    Accuracy, Cause, Comparison, ComparisonError, IdealFilm, PointError, PointErrors, Quantity, Scene,
+    Accuracy, Cause, Comparison, ComparisonError, Grid, IdealFilm, PointError, PointErrors, Quantity, Scene,
 };
 use magsplice_layout::{Layout, WorkingVolume};
+
+use crate::stage::Stage;
+
+/// Points of a working volume evaluated between two words about progress, as long as tiles are few.
+const STRETCH_POINTS: usize = 1 << 16;
+/// Values of a tile at a point between two words about progress, where tiles are many: some seconds.
+const STRETCH_VALUES: usize = 1 << 30;
+/// However many the tiles are: enough work for every thread.
+const LEAST_STRETCH_POINTS: usize = 1 << 14;
 
 /// A layout with its scene prepared.
 pub struct Film<'a> {
     layout: &'a Layout,
     scene: Scene,
+    progress: Option<&'a (dyn Fn(Stage) + Sync)>,
 }
 
 /// Why a film could not be evaluated.
@@ -40,12 +50,24 @@ pub enum FilmError {
 impl<'a> Film<'a> {
     /// Prepares the tiles of a layout for evaluation.
     pub fn new(layout: &'a Layout) -> Film<'a> {
-        Film { layout, scene: Scene::new(&layout.bare_tiles()) }
+        Film { layout, scene: Scene::new(&layout.bare_tiles()), progress: None }
     }
 
     /// The same film with fields of the working volume to this accuracy.
     pub fn with_accuracy(self, accuracy: Accuracy) -> Film<'a> {
         Film { scene: self.scene.with_accuracy(accuracy), ..self }
+    }
+
+    /// The same film, which calls `progress` now and then while it is evaluated.
+    pub fn with_progress(self, progress: &'a (dyn Fn(Stage) + Sync)) -> Film<'a> {
+        Film { progress: Some(progress), ..self }
+    }
+
+    /// Says how far some work on this film is.
+    pub fn tell(&self, stage: Stage) {
+        if let Some(progress) = self.progress {
+            progress(stage);
+        }
     }
 
     /// The layout it was made from.
@@ -81,8 +103,30 @@ impl<'a> Film<'a> {
     pub fn volume_field_t(&self) -> Result<Vec<DVec3>, FilmError> {
         let grid = &self.volume()?.grid;
         let mut field = vec![DVec3::ZERO; grid.len()];
-        self.scene.field_on_grid(Quantity::FluxDensity, grid, &mut field).map_err(FilmError::Points)?;
-        Ok(field)
+        let evaluated = match self.scene.accuracy() {
+            Accuracy::Exact => self.exact_field_t(grid, &mut field),
+            // The cheaper ways see the grid as a whole.
+            Accuracy::Within(_) => {
+                self.tell(Stage::uncounted("field"));
+                self.scene.field_on_grid(Quantity::FluxDensity, grid, &mut field)
+            }
+        };
+        evaluated.map(|()| field).map_err(FilmError::Points)
+    }
+
+    /// Stretch by stretch, which no digit depends on.
+    fn exact_field_t(&self, grid: &Grid, field: &mut [DVec3]) -> Result<(), PointErrors> {
+        let stretch = (STRETCH_VALUES / self.scene.tile_count().max(1)).clamp(LEAST_STRETCH_POINTS, STRETCH_POINTS);
+        let mut errors = Vec::new();
+        for (number, field) in field.chunks_mut(stretch).enumerate() {
+            let start = number * stretch;
+            self.tell(Stage { name: "field", done: start, of: Some(grid.len()), unit: "points" });
+            let points: Vec<DVec3> = (start..start + field.len()).map(|index| grid.point(index)).collect();
+            if let Err(PointErrors(found)) = self.scene.field_into(Quantity::FluxDensity, &points, field) {
+                errors.extend(found.into_iter().map(|error| PointError { index: start + error.index, ..error }));
+            }
+        }
+        if errors.is_empty() { Ok(()) } else { Err(PointErrors(errors)) }
     }
 
     /// The field against Eq. 2 over the working volume; `field_t` as [`Film::volume_field_t`] gives it.
@@ -91,6 +135,7 @@ impl<'a> Film<'a> {
     /// If the layout has no ideal film or volume, or the volume is not below the film.
     pub fn compare(&self, field_t: &[DVec3]) -> Result<Comparison, FilmError> {
         let (ideal, volume) = (self.ideal()?, self.volume()?);
+        self.tell(Stage::uncounted("comparison with the ideal film"));
         let points: Vec<DVec3> = volume.grid.points().collect();
         let reference = points
             .iter()
@@ -109,6 +154,7 @@ impl<'a> Film<'a> {
         if ideal.flux_density_t(reference).is_none() {
             return Err(FilmError::NotBelow(reference));
         }
+        self.tell(Stage::uncounted("decoupling parameters"));
         Decoupling::of(&volume.grid, field_t, (reference, self.reference_field_t()?), ideal)
             .map_err(FilmError::Decoupling)
     }

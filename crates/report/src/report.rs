@@ -1,9 +1,10 @@
 //! All figures of a film, and the page.
 
 use std::fmt;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
-use magsplice::{Film, FilmError};
+use magsplice::{Film, FilmError, Stage};
 use rayon::prelude::*;
 
 use crate::drafts::{Draft, FIGURE_NAMES, drafts};
@@ -58,13 +59,19 @@ impl Report {
         let layout = film.layout();
         let tiles = drawn_tiles(&layout.tiles, layout.volume.as_ref().map_or(DVec3::ZERO, |v| v.reference_mm));
         let options = typeset::options();
-        let figures = drafts(film, &tiles, survey.as_ref())?
+        let drafts = drafts(film, &tiles, survey.as_ref())?;
+        let (rendered, all) = (AtomicUsize::new(0), drafts.len());
+        let tell = |done: usize| film.tell(Stage { name: "rendering", done, of: Some(all), unit: "figures" });
+        tell(0);
+        let figures = drafts
             .into_par_iter()
             .map(|Draft { name, caption, svg }| {
                 let figure = Figure::new(name, caption, &svg, &options);
+                tell(rendered.fetch_add(1, Ordering::Relaxed) + 1);
                 figure.map_err(|message| ReportError::Drawing { figure: name.to_owned(), message })
             })
             .collect::<Result<Vec<Figure>, ReportError>>()?;
+        film.tell(Stage::uncounted("page"));
         let absent = absent(film);
         let html = page(film, survey.as_ref(), &tiles, &figures, &absent, numbers);
         Ok(Report { figures, html, absent })

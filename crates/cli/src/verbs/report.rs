@@ -3,19 +3,22 @@
 use std::fmt::Write;
 
 use magsplice::layout::Layout;
-use magsplice::{Film, FilmError};
+use magsplice::{Film, FilmError, Stage};
 use magsplice_report::{Numbers, Report, ReportError};
 
 use crate::args::ReportArgs;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::output;
+use crate::progress::Progress;
 use crate::text;
 use crate::verbs::decouple::{Evaluated, Source};
 
-pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
+    let progress = Progress::start(!quiet);
+    let tell = |stage: Stage| progress.show(stage);
     let layout = Layout::read(&args.layout)?;
-    let film = Film::new(&layout).with_accuracy(args.accuracy.get());
+    let film = Film::new(&layout).with_accuracy(args.accuracy.get()).with_progress(&tell);
     let failed = |error| text::film_failure(&args.layout, &layout, error);
     // Whether the folder can be written is known before anything is computed.
     let folder = Folder::open(&args.output, Report::is_file_of_one)?;
@@ -28,6 +31,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
         folder.write(&name, contents)?;
     }
     folder.finish()?;
+    progress.end();
     let page = args.output.join("report.html");
     let mut said = format!("{}: {} figures, each also as SVG and PNG\n", page.display(), report.figures.len());
     for what in &report.absent {
