@@ -92,7 +92,7 @@ pub(crate) struct AccuracyArg {
     ///
     /// Without it the field is exact. With it the program takes the cheapest way that keeps the tolerance at every point, which pays for grids of many
     /// points, or names the points at which it cannot be kept. J and the gradient are always exact.
-    #[arg(long, value_name = "TOLERANCE", value_parser = tolerance)]
+    #[arg(long, value_name = "TOLERANCE", value_parser = tolerance, allow_hyphen_values = true)]
     within: Option<Tolerance>,
 }
 

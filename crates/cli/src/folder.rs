@@ -8,6 +8,7 @@ use tempfile::TempDir;
 
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::output::folder_of;
 
 /// A folder to be written: filled beside its destination, and moved there by [`Folder::finish`].
 pub(crate) struct Folder {
@@ -49,7 +50,7 @@ impl Folder {
                 builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
             }
         }
-        let beside = destination.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let beside = folder_of(&destination).map_err(failed)?;
         // The error of the library names the temporary folder, which nobody knows.
         let filled = interrupt::temporary(|| builder.tempdir_in(beside));
         let filled = filled.map_err(|e| failed(io::Error::from(e.kind())))?;

@@ -1,12 +1,13 @@
 //! How far long work is, on a terminal only.
 
+use std::fmt::Write;
 use std::io::{IsTerminal, stderr};
 use std::sync::Mutex;
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use magsplice::Stage;
 
 /// Work that is done sooner shows no bar.
@@ -37,23 +38,16 @@ impl Progress {
     pub(crate) fn show(&self, stage: Stage) {
         let Ok(mut last) = self.stage.lock() else { return };
         if last.is_none_or(|last| (last.name, last.of) != (stage.name, stage.of)) {
-            let Stage { name, of, unit, .. } = stage;
-            let template = match (of, unit) {
-                (Some(_), _) => {
-                    format!("{{prefix}}{name} {{wide_bar}} {{human_pos}} of {{human_len}} {unit}, {{eta}} left")
-                }
-                (None, "") => format!("{{spinner}} {{prefix}}{name}, {{elapsed}}"),
-                (None, _) => format!("{{spinner}} {{prefix}}{name}: {{human_pos}} {unit} in {{elapsed}}"),
-            };
-            self.bar.set_style(ProgressStyle::with_template(&template).expect("a valid template"));
-            match of {
-                Some(all) => self.bar.set_length(all as u64),
-                None => self.bar.unset_length(),
-            }
-            // Time that is left is told from the time of this stage.
-            self.bar.reset();
+            // Times are those of this stage.
+            self.bar.reset_elapsed();
+            self.bar.reset_eta();
+            self.bar.set_style(style(&stage));
         }
-        self.bar.set_position(stage.done as u64);
+        // Both at once: one of them would be drawn beside the other of the stage before.
+        self.bar.update(|state| {
+            state.set_pos(stage.done as u64);
+            state.set_len(stage.of.unwrap_or(0) as u64);
+        });
         *last = Some(stage);
     }
 
@@ -79,6 +73,22 @@ impl Progress {
             self.bar.finish_and_clear();
         }
     }
+}
+
+fn style(stage: &Stage) -> ProgressStyle {
+    let Stage { name, of, unit, .. } = stage;
+    let template = match (of, *unit) {
+        (Some(_), _) => format!("{{prefix}}{name} {{wide_bar}} {{human_pos}} of {{human_len}} {unit}{{left}}"),
+        (None, "") => format!("{{spinner}} {{prefix}}{name}, {{elapsed}}"),
+        (None, _) => format!("{{spinner}} {{prefix}}{name}: {{human_pos}} {unit} in {{elapsed}}"),
+    };
+    let style = ProgressStyle::with_template(&template).expect("a valid template");
+    style.with_key("left", |state: &ProgressState, text: &mut dyn Write| {
+        // Nothing can be told from nothing.
+        if state.pos() > 0 {
+            let _ = write!(text, ", {:#} left", HumanDuration(state.eta()));
+        }
+    })
 }
 
 /// A thread of its own, for work that says nothing while it goes on.

@@ -12,12 +12,10 @@ use magsplice_layout::{Layout, WorkingVolume};
 
 use crate::stage::Stage;
 
-/// Points of a working volume evaluated between two words about progress, as long as tiles are few.
-const STRETCH_POINTS: usize = 1 << 16;
-/// Values of a tile at a point between two words about progress, where tiles are many: some seconds.
-const STRETCH_VALUES: usize = 1 << 30;
-/// However many the tiles are: enough work for every thread.
-const LEAST_STRETCH_POINTS: usize = 1 << 14;
+/// Points evaluated between two words about progress, at least and at most: enough work for every thread, and room to choose neighbours from.
+const STRETCH_POINTS: [usize; 2] = [1 << 14, 1 << 16];
+/// Values of a tile at a point between two words, within these limits: about a tenth of a second.
+const STRETCH_VALUES: usize = 1 << 24;
 
 /// A layout with its scene prepared.
 pub struct Film<'a> {
@@ -116,7 +114,8 @@ impl<'a> Film<'a> {
 
     /// Stretch by stretch, which no digit depends on.
     fn exact_field_t(&self, grid: &Grid, field: &mut [DVec3]) -> Result<(), PointErrors> {
-        let stretch = (STRETCH_VALUES / self.scene.tile_count().max(1)).clamp(LEAST_STRETCH_POINTS, STRETCH_POINTS);
+        let [least, most] = STRETCH_POINTS;
+        let stretch = (STRETCH_VALUES / self.scene.tile_count().max(1)).clamp(least, most);
         let mut errors = Vec::new();
         for (number, field) in field.chunks_mut(stretch).enumerate() {
             let start = number * stretch;

@@ -21,7 +21,7 @@ fn large(bench: &Bench, tiles: &str) {
     bench.write("large.toml", &format!("format = 1\nname = \"large\"\n{IDEAL}{volume}{EXPECT}{tiles}"));
 }
 
-const POINTS: &str = " of 8,200,851 points, ";
+const POINTS: &str = " of 8,200,851 points";
 const ONE_TILE: &str = "[[tile]]\nposition_mm = [0, 0, 0.5]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
 
 fn many_tiles() -> String {
@@ -92,7 +92,7 @@ fn a_bar_over_points_and_no_trace_of_what_was_interrupted() {
     }
     for (verb, stage) in verbs {
         let (mut child, seen) = start(&bench, &verb);
-        let text = watch(seen, |text| text.contains(" left"));
+        let text = watch(seen, |text| text.contains(POINTS));
         assert!(text.contains(stage) && text.contains(POINTS), "{verb:?}: {text:?}");
         assert!(is_interrupted(interrupt(&mut child)), "{verb:?}");
         assert_as_before(&bench, &before, &verb);
