@@ -13,7 +13,9 @@ use crate::formats::{ExportFormat, ReportFormat, TableFormat};
 /// the ideal sinusoidal film, and how well it decouples.
 #[derive(Parser)]
 #[command(name = "magsplice", version, max_term_width = 100)]
-#[command(after_help = "Example:\n  magsplice init film.toml\n  magsplice decouple film.toml")]
+#[command(
+    after_help = "Example:\n  magsplice init film.toml\n  magsplice report film.toml -o report\n  magsplice decouple film.toml"
+)]
 pub(crate) struct Args {
     #[command(flatten)]
     pub(crate) common: Common,

@@ -1,6 +1,6 @@
 //! The program `magsplice`. Results go to standard output, everything else to standard error.
 //!
-//! Exit status: 0 fine, 1 a finding of `check`, 2 the work could not be done.
+//! Exit status: 0 fine, 1 a finding of `check`, 2 the work could not be done, 130 it was interrupted.
 
 mod args;
 mod baseline;

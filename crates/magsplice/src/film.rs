@@ -190,3 +190,62 @@ impl fmt::Display for FilmError {
 }
 
 impl std::error::Error for FilmError {}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Mutex;
+
+    use magsplice_field::Tolerance;
+
+    use super::*;
+
+    /// 51 x 51 x 51 points, 3 stretches, of a box from `z_mm` on.
+    fn layout(z_mm: f64) -> Layout {
+        let text = format!(
+            "format = 1\nname = \"one\"\n[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n\
+             [volume]\nx_mm = [-2.5, 2.5]\ny_mm = [-2.5, 2.5]\nz_mm = [{z_mm:?}, {:?}]\nstep_mm = 0.1\n",
+            z_mm + 5.0
+        );
+        Layout::parse(&text, "layout").unwrap()
+    }
+
+    /// What the film gives, and what its scene gives for all points at once.
+    fn both(layout: &Layout, accuracy: Accuracy) -> [Result<Vec<DVec3>, FilmError>; 2] {
+        let film = Film::new(layout).with_accuracy(accuracy);
+        let grid = &film.volume().unwrap().grid;
+        let mut field = vec![DVec3::ZERO; grid.len()];
+        let at_once = film.scene().field_on_grid(Quantity::FluxDensity, grid, &mut field);
+        [film.volume_field_t(), at_once.map(|()| field).map_err(FilmError::Points)]
+    }
+
+    #[test]
+    fn stretches_change_no_digit_and_no_error() {
+        let below = layout(-6.0);
+        for accuracy in [Accuracy::Exact, Accuracy::Within(Tolerance::relative(1e-6).unwrap())] {
+            let [film, scene] = both(&below, accuracy);
+            assert!(film.is_ok() && film == scene);
+        }
+        // Edges of the tile are among the points.
+        let [film, scene] = both(&layout(-3.5), Accuracy::Exact);
+        let Err(FilmError::Points(errors)) = &film else { panic!("{film:?}") };
+        assert!(
+            errors.0.first().unwrap().index < STRETCH_POINTS[1] && errors.0.last().unwrap().index > STRETCH_POINTS[1]
+        );
+        assert_eq!(film, scene);
+    }
+
+    #[test]
+    fn what_is_done_is_told() {
+        let layout = layout(-6.0);
+        let told = Mutex::new(Vec::new());
+        let progress = |stage: Stage| told.lock().unwrap().push(stage);
+        let film = Film::new(&layout).with_progress(&progress);
+        film.volume_field_t().unwrap();
+        let stage = |done| Stage { name: "field", done, of: Some(132_651), unit: "points" };
+        assert_eq!(*told.lock().unwrap(), [stage(0), stage(65_536), stage(131_072)]);
+        told.lock().unwrap().clear();
+        let film = film.with_accuracy(Accuracy::Within(Tolerance::relative(1e-6).unwrap()));
+        film.volume_field_t().unwrap();
+        assert_eq!(*told.lock().unwrap(), [Stage::uncounted("field")]);
+    }
+}
