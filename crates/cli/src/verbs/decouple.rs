@@ -73,6 +73,11 @@ impl<'a> Evaluated<'a> {
     }
 
     #[cfg(feature = "report")]
+    pub(crate) fn into_field_t(self) -> Vec<DVec3> {
+        self.field_t
+    }
+
+    #[cfg(feature = "report")]
     pub(crate) fn json(&self) -> String {
         text::json(&self.report(None))
     }
