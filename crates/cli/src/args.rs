@@ -7,13 +7,19 @@ use magsplice::field::{Accuracy, Tolerance};
 
 use crate::formats::{ExportFormat, ReportFormat, TableFormat};
 
+const FIRST_STEPS: &str = if cfg!(feature = "report") {
+    "Example:\n  magsplice init film.toml\n  magsplice report film.toml -o report\n  magsplice decouple film.toml"
+} else {
+    "Example:\n  magsplice init film.toml\n  magsplice decouple film.toml"
+};
+
 /// Exact simulation of spliced magnet films.
 ///
 /// Reads a layout file (TOML; lengths in mm, polarization in T) and computes the magnetic field of its tiles, its distance from
 /// the ideal sinusoidal film, and how well it decouples.
 #[derive(Parser)]
 #[command(name = "magsplice", version, max_term_width = 100)]
-#[command(after_help = "Example:\n  magsplice init film.toml\n  magsplice decouple film.toml")]
+#[command(after_help = FIRST_STEPS)]
 pub(crate) struct Args {
     #[command(flatten)]
     pub(crate) common: Common,
@@ -92,7 +98,7 @@ pub(crate) struct AccuracyArg {
     ///
     /// Without it the field is exact. With it the program takes the cheapest way that keeps the tolerance at every point, which pays for grids of many
     /// points, or names the points at which it cannot be kept. J and the gradient are always exact.
-    #[arg(long, value_name = "TOLERANCE", value_parser = tolerance)]
+    #[arg(long, value_name = "TOLERANCE", value_parser = tolerance, allow_hyphen_values = true)]
     within: Option<Tolerance>,
 }
 

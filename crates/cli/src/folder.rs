@@ -8,6 +8,7 @@ use tempfile::TempDir;
 
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::output::folder_of;
 
 /// A folder to be written: filled beside its destination, and moved there by [`Folder::finish`].
 pub(crate) struct Folder {
@@ -49,17 +50,19 @@ impl Folder {
                 builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
             }
         }
-        let beside = destination.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let beside = folder_of(&destination).map_err(failed)?;
         // The error of the library names the temporary folder, which nobody knows.
-        let filled = builder.tempdir_in(beside).map_err(|e| failed(io::Error::from(e.kind())))?;
-        interrupt::remove_if_interrupted(filled.path());
+        let filled = interrupt::temporary(|| builder.tempdir_in(beside));
+        let filled = filled.map_err(|e| failed(io::Error::from(e.kind())))?;
         Ok(Folder { filled, destination })
     }
 
     /// Writes one file.
     pub(crate) fn write(&self, name: &str, contents: &[u8]) -> Result<(), Failure> {
         let target = || self.destination.join(name).display().to_string();
-        fs::write(self.filled.path().join(name), contents).map_err(|error| Failure::Write { target: target(), error })
+        // A folder that is being removed gets no more files.
+        let written = interrupt::uninterrupted(|| fs::write(self.filled.path().join(name), contents));
+        written.map_err(|error| Failure::Write { target: target(), error })
     }
 
     /// Puts the folder in its place. Without this call it never appears.

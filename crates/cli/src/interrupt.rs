@@ -1,8 +1,9 @@
 //! An interrupted program leaves no temporary file behind.
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, Once};
+use std::sync::{Mutex, Once, PoisonError};
 
 /// The exit status of a program ended by Ctrl-C, as shells give it.
 const INTERRUPTED: i32 = 130;
@@ -10,20 +11,24 @@ const INTERRUPTED: i32 = 130;
 static TEMPORARY: Mutex<Option<PathBuf>> = Mutex::new(None);
 static HANDLER: Once = Once::new();
 
-/// From now on an interruption (Ctrl-C, termination, hang-up) removes this file or folder before the program ends.
-pub(crate) fn remove_if_interrupted(path: &Path) {
-    if let Ok(mut temporary) = TEMPORARY.lock() {
-        *temporary = Some(path.to_owned());
-    }
+/// Makes a file or folder that an interruption (Ctrl-C, termination, hang-up) removes from now on, before the program ends.
+pub(crate) fn temporary<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     HANDLER.call_once(|| {
         // Without a handler the program works all the same; only the temporary file would stay.
         let _ = ctrlc::set_handler(|| {
-            if let Ok(temporary) = TEMPORARY.lock() {
-                let _ = temporary.as_ref().map(|path| fs::remove_file(path).or_else(|_| fs::remove_dir_all(path)));
+            // Held to the end, so that no other is made meanwhile.
+            let temporary = TEMPORARY.lock();
+            if let Ok(Some(path)) = temporary.as_deref() {
+                let _ = fs::remove_file(path).or_else(|_| fs::remove_dir_all(path));
             }
             std::process::exit(INTERRUPTED);
         });
     });
+    // An interruption in between waits until it is known what to remove.
+    let mut temporary = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
+    let made = make()?;
+    *temporary = Some(made.as_ref().to_owned());
+    Ok(made)
 }
 
 /// Does something that must be done as a whole; an interruption waits for it.

@@ -1,6 +1,6 @@
 //! The program `magsplice`. Results go to standard output, everything else to standard error.
 //!
-//! Exit status: 0 fine, 1 a finding of `check`, 2 the work could not be done.
+//! Exit status: 0 fine, 1 a finding of `check`, 2 the work could not be done, 130 it was interrupted.
 
 mod args;
 mod baseline;
@@ -32,17 +32,17 @@ fn main() -> ExitCode {
     }
     let done = match verb {
         Verb::Field(args) => verbs::field::run(&args, common.quiet),
-        Verb::Compare(args) => verbs::compare::run(&args),
+        Verb::Compare(args) => verbs::compare::run(&args, common.quiet),
         Verb::Decouple(args) => verbs::decouple::run(&args, common.quiet),
-        Verb::Tiles(args) => verbs::tiles::run(&args),
-        Verb::Export(args) => verbs::export::run(&args),
+        Verb::Tiles(args) => verbs::tiles::run(&args, common.quiet),
+        Verb::Export(args) => verbs::export::run(&args, common.quiet),
         Verb::Init(args) => verbs::init::run(&args, common.quiet),
         Verb::Schema => verbs::schema::run(),
         Verb::Completions(args) => verbs::completions::run(&args),
         Verb::Check(args) => return ExitCode::from(verbs::check::run(&args, common.quiet)),
-        Verb::Plan(args) => verbs::plan::run(&args),
+        Verb::Plan(args) => verbs::plan::run(&args, common.quiet),
         #[cfg(feature = "report")]
-        Verb::Report(args) => verbs::report::run(&args),
+        Verb::Report(args) => verbs::report::run(&args, common.quiet),
     };
     match done {
         // A reader that closes the pipe early, such as `head`, has what it wanted.

@@ -86,16 +86,24 @@ impl Output {
 
 /// A temporary file in the folder of `destination`, gone after an interruption.
 fn beside(destination: &Path, permissions: Option<fs::Permissions>) -> io::Result<NamedTempFile> {
-    let folder = destination.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder_of(destination)?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(".magsplice-");
     if let Some(permissions) = permissions.or(new_file_permissions()) {
         builder.permissions(permissions);
     }
     // The error of the library names the temporary file, which nobody knows.
-    let file = builder.tempfile_in(folder).map_err(|e| io::Error::from(e.kind()))?;
-    interrupt::remove_if_interrupted(file.path());
-    Ok(file)
+    interrupt::temporary(|| builder.tempfile_in(folder)).map_err(|e| io::Error::from(e.kind()))
+}
+
+/// The folder a destination is in.
+pub(crate) fn folder_of(destination: &Path) -> io::Result<&Path> {
+    let folder = destination.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if folder.is_dir() {
+        return Ok(folder);
+    }
+    let why = if folder.exists() { "is not a folder" } else { "does not exist" };
+    Err(io::Error::other(format!("{} {why}", folder.display())))
 }
 
 /// Writes a file that must not be there yet, whole or not at all.

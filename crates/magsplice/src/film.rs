@@ -6,14 +6,22 @@ use glam::DVec3;
 use magsplice_decouple::{Decoupling, DecouplingError};
 use magsplice_expect::OtherPoints;
 use magsplice_field::{
-    Accuracy, Cause, Comparison, ComparisonError, IdealFilm, PointError, PointErrors, Quantity, Scene,
+    Accuracy, Cause, Comparison, ComparisonError, Grid, IdealFilm, PointError, PointErrors, Quantity, Scene,
 };
 use magsplice_layout::{Layout, WorkingVolume};
+
+use crate::stage::Stage;
+
+/// Points evaluated between two words about progress, at least and at most: enough work for every thread, and room to choose neighbours from.
+const STRETCH_POINTS: [usize; 2] = [1 << 14, 1 << 16];
+/// Values of a tile at a point between two words, within these limits: about a tenth of a second.
+const STRETCH_VALUES: usize = 1 << 24;
 
 /// A layout with its scene prepared.
 pub struct Film<'a> {
     layout: &'a Layout,
     scene: Scene,
+    progress: Option<&'a (dyn Fn(Stage) + Sync)>,
 }
 
 /// Why a film could not be evaluated.
@@ -40,12 +48,24 @@ pub enum FilmError {
 impl<'a> Film<'a> {
     /// Prepares the tiles of a layout for evaluation.
     pub fn new(layout: &'a Layout) -> Film<'a> {
-        Film { layout, scene: Scene::new(&layout.bare_tiles()) }
+        Film { layout, scene: Scene::new(&layout.bare_tiles()), progress: None }
     }
 
     /// The same film with fields of the working volume to this accuracy.
     pub fn with_accuracy(self, accuracy: Accuracy) -> Film<'a> {
         Film { scene: self.scene.with_accuracy(accuracy), ..self }
+    }
+
+    /// The same film, which calls `progress` now and then while it is evaluated.
+    pub fn with_progress(self, progress: &'a (dyn Fn(Stage) + Sync)) -> Film<'a> {
+        Film { progress: Some(progress), ..self }
+    }
+
+    /// Says how far some work on this film is.
+    pub fn tell(&self, stage: Stage) {
+        if let Some(progress) = self.progress {
+            progress(stage);
+        }
     }
 
     /// The layout it was made from.
@@ -81,8 +101,31 @@ impl<'a> Film<'a> {
     pub fn volume_field_t(&self) -> Result<Vec<DVec3>, FilmError> {
         let grid = &self.volume()?.grid;
         let mut field = vec![DVec3::ZERO; grid.len()];
-        self.scene.field_on_grid(Quantity::FluxDensity, grid, &mut field).map_err(FilmError::Points)?;
-        Ok(field)
+        let evaluated = match self.scene.accuracy() {
+            Accuracy::Exact => self.exact_field_t(grid, &mut field),
+            // The cheaper ways see the grid as a whole.
+            Accuracy::Within(_) => {
+                self.tell(Stage::uncounted("field"));
+                self.scene.field_on_grid(Quantity::FluxDensity, grid, &mut field)
+            }
+        };
+        evaluated.map(|()| field).map_err(FilmError::Points)
+    }
+
+    /// Stretch by stretch, which no digit depends on.
+    fn exact_field_t(&self, grid: &Grid, field: &mut [DVec3]) -> Result<(), PointErrors> {
+        let [least, most] = STRETCH_POINTS;
+        let stretch = (STRETCH_VALUES / self.scene.tile_count().max(1)).clamp(least, most);
+        let mut errors = Vec::new();
+        for (number, field) in field.chunks_mut(stretch).enumerate() {
+            let start = number * stretch;
+            self.tell(Stage { name: "field", done: start, of: Some(grid.len()), unit: "points" });
+            let points: Vec<DVec3> = (start..start + field.len()).map(|index| grid.point(index)).collect();
+            if let Err(PointErrors(found)) = self.scene.field_into(Quantity::FluxDensity, &points, field) {
+                errors.extend(found.into_iter().map(|error| PointError { index: start + error.index, ..error }));
+            }
+        }
+        if errors.is_empty() { Ok(()) } else { Err(PointErrors(errors)) }
     }
 
     /// The field against Eq. 2 over the working volume; `field_t` as [`Film::volume_field_t`] gives it.
@@ -91,6 +134,7 @@ impl<'a> Film<'a> {
     /// If the layout has no ideal film or volume, or the volume is not below the film.
     pub fn compare(&self, field_t: &[DVec3]) -> Result<Comparison, FilmError> {
         let (ideal, volume) = (self.ideal()?, self.volume()?);
+        self.tell(Stage::uncounted("comparison with the ideal film"));
         let points: Vec<DVec3> = volume.grid.points().collect();
         let reference = points
             .iter()
@@ -109,6 +153,7 @@ impl<'a> Film<'a> {
         if ideal.flux_density_t(reference).is_none() {
             return Err(FilmError::NotBelow(reference));
         }
+        self.tell(Stage::uncounted("decoupling parameters"));
         Decoupling::of(&volume.grid, field_t, (reference, self.reference_field_t()?), ideal)
             .map_err(FilmError::Decoupling)
     }
@@ -145,3 +190,62 @@ impl fmt::Display for FilmError {
 }
 
 impl std::error::Error for FilmError {}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Mutex;
+
+    use magsplice_field::Tolerance;
+
+    use super::*;
+
+    /// 51 x 51 x 51 points, 3 stretches, of a box from `z_mm` on.
+    fn layout(z_mm: f64) -> Layout {
+        let text = format!(
+            "format = 1\nname = \"one\"\n[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n\
+             [volume]\nx_mm = [-2.5, 2.5]\ny_mm = [-2.5, 2.5]\nz_mm = [{z_mm:?}, {:?}]\nstep_mm = 0.1\n",
+            z_mm + 5.0
+        );
+        Layout::parse(&text, "layout").unwrap()
+    }
+
+    /// What the film gives, and what its scene gives for all points at once.
+    fn both(layout: &Layout, accuracy: Accuracy) -> [Result<Vec<DVec3>, FilmError>; 2] {
+        let film = Film::new(layout).with_accuracy(accuracy);
+        let grid = &film.volume().unwrap().grid;
+        let mut field = vec![DVec3::ZERO; grid.len()];
+        let at_once = film.scene().field_on_grid(Quantity::FluxDensity, grid, &mut field);
+        [film.volume_field_t(), at_once.map(|()| field).map_err(FilmError::Points)]
+    }
+
+    #[test]
+    fn stretches_change_no_digit_and_no_error() {
+        let below = layout(-6.0);
+        for accuracy in [Accuracy::Exact, Accuracy::Within(Tolerance::relative(1e-6).unwrap())] {
+            let [film, scene] = both(&below, accuracy);
+            assert!(film.is_ok() && film == scene);
+        }
+        // Edges of the tile are among the points.
+        let [film, scene] = both(&layout(-3.5), Accuracy::Exact);
+        let Err(FilmError::Points(errors)) = &film else { panic!("{film:?}") };
+        assert!(
+            errors.0.first().unwrap().index < STRETCH_POINTS[1] && errors.0.last().unwrap().index > STRETCH_POINTS[1]
+        );
+        assert_eq!(film, scene);
+    }
+
+    #[test]
+    fn what_is_done_is_told() {
+        let layout = layout(-6.0);
+        let told = Mutex::new(Vec::new());
+        let progress = |stage: Stage| told.lock().unwrap().push(stage);
+        let film = Film::new(&layout).with_progress(&progress);
+        film.volume_field_t().unwrap();
+        let stage = |done| Stage { name: "field", done, of: Some(132_651), unit: "points" };
+        assert_eq!(*told.lock().unwrap(), [stage(0), stage(65_536), stage(131_072)]);
+        told.lock().unwrap().clear();
+        let film = film.with_accuracy(Accuracy::Within(Tolerance::relative(1e-6).unwrap()));
+        film.volume_field_t().unwrap();
+        assert_eq!(*told.lock().unwrap(), [Stage::uncounted("field")]);
+    }
+}

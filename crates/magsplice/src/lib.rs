@@ -27,12 +27,14 @@
 
 mod expectations;
 mod film;
+mod stage;
 
 pub use film::{Film, FilmError};
 pub use magsplice_decouple as decouple;
 pub use magsplice_expect as expect;
 pub use magsplice_field as field;
 pub use magsplice_layout as layout;
+pub use stage::Stage;
 
 /// What most programs need.
 pub mod prelude {

@@ -109,7 +109,7 @@ function showTiles(data) {
     return [buffer, numbers.length / 9];
   });
   const place = (name) => gl.getUniformLocation(program, name);
-  const start = { round: -0.5, over: 0.95, close: 1.3 };
+  const start = { round: -0.5, over: 0.95, close: 1.2 };
   const pose = { ...start };
 
   function draw() {

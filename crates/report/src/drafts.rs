@@ -1,7 +1,7 @@
 //! The figures of a report, as SVG with letters as text.
 
-use magsplice::Film;
 use magsplice::layout::NamedTile;
+use magsplice::{Film, Stage};
 
 use crate::figures::{AXES, along_axes, field_maps, layout_from_above, parameter_maps, vectors};
 use crate::report::ReportError;
@@ -33,12 +33,22 @@ pub(crate) struct Draft {
     pub(crate) svg: String,
 }
 
+/// How many figures there will be.
+fn expected(survey: Option<&Survey>) -> usize {
+    // Layout, vectors, one for each plane; three of the parameters.
+    survey.map_or(1, |survey| 2 + survey.z_planes().len() + survey.against_ideal.as_ref().map_or(0, |_| 3))
+}
+
 /// Draws everything the layout allows for.
 pub(crate) fn drafts(film: &Film, tiles: &[&NamedTile], survey: Option<&Survey>) -> Result<Vec<Draft>, ReportError> {
     let mut drafts = Vec::new();
+    let expected = expected(survey);
+    let say = |done: usize| film.tell(Stage { name: "drawing", done, of: Some(expected), unit: "figures" });
+    say(0);
     let mut add = |name: &'static str, caption: String, drawn: Result<String, String>| {
         let svg = drawn.map_err(|message| ReportError::Drawing { figure: name.to_owned(), message })?;
         drafts.push(Draft { name, caption, svg });
+        say(drafts.len());
         Ok(())
     };
     let layout = film.layout();

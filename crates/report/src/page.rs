@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::colours::{Directions, Kind, Rgb, table};
 use crate::figure::Figure;
+use crate::figures::AXES;
 use crate::image::data_url;
 use crate::report::Numbers;
 use crate::survey::Survey;
@@ -140,11 +141,10 @@ fn facts(film: &Film, survey: Option<&Survey>, drawn: usize) -> String {
         let (l, u, s) = (v.lower_mm, v.upper_mm, v.step_mm);
         let ranges = format!("x {} .. {}, y {} .. {}, z {} .. {} mm", l.x, u.x, l.y, u.y, l.z, u.z);
         let step = if s.x == s.y && s.x == s.z { format!("{}", s.x) } else { format!("{}, {}, {}", s.x, s.y, s.z) };
-        let thinned = if every == [1; 3] {
-            String::new()
-        } else {
-            format!("; the map on this page shows every {}, {}, {}th point along x, y, z", every[0], every[1], every[2])
-        };
+        let along = AXES.iter().zip(every).filter(|(_, every)| *every > 1);
+        let along: Vec<String> = along.map(|(axis, every)| format!("one point of {every} along {axis}")).collect();
+        let thinned =
+            if along.is_empty() { String::new() } else { format!("; the map on this page shows {}", along.join(", ")) };
         let text = format!("{ranges}, step {step} mm, {} points{thinned}", v.grid.len());
         facts.push(("Working volume", text));
     }

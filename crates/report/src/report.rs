@@ -1,9 +1,10 @@
 //! All figures of a film, and the page.
 
 use std::fmt;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
-use magsplice::{Film, FilmError};
+use magsplice::{Film, FilmError, Stage};
 use rayon::prelude::*;
 
 use crate::drafts::{Draft, FIGURE_NAMES, drafts};
@@ -49,22 +50,31 @@ pub enum ReportError {
 }
 
 impl Report {
-    /// Draws everything the layout allows for.
+    /// Draws everything the layout allows for. `field_t` is the field of the working volume as [`Film::volume_field_t`] gives it, if it is known already.
     ///
     /// # Errors
     /// If the film cannot be evaluated, see [`FilmError`].
-    pub fn of(film: &Film, numbers: Numbers) -> Result<Report, ReportError> {
-        let survey = Survey::of(film).map_err(ReportError::Film)?;
+    ///
+    /// # Panics
+    /// If `field_t` has not one value for each point of the working volume.
+    pub fn of(film: &Film, field_t: Option<Vec<DVec3>>, numbers: Numbers) -> Result<Report, ReportError> {
+        let survey = Survey::of(film, field_t).map_err(ReportError::Film)?;
         let layout = film.layout();
         let tiles = drawn_tiles(&layout.tiles, layout.volume.as_ref().map_or(DVec3::ZERO, |v| v.reference_mm));
         let options = typeset::options();
-        let figures = drafts(film, &tiles, survey.as_ref())?
+        let drafts = drafts(film, &tiles, survey.as_ref())?;
+        let (rendered, all) = (AtomicUsize::new(0), drafts.len());
+        let tell = |done: usize| film.tell(Stage { name: "rendering", done, of: Some(all), unit: "figures" });
+        tell(0);
+        let figures = drafts
             .into_par_iter()
             .map(|Draft { name, caption, svg }| {
                 let figure = Figure::new(name, caption, &svg, &options);
+                tell(rendered.fetch_add(1, Ordering::Relaxed) + 1);
                 figure.map_err(|message| ReportError::Drawing { figure: name.to_owned(), message })
             })
             .collect::<Result<Vec<Figure>, ReportError>>()?;
+        film.tell(Stage::uncounted("page"));
         let absent = absent(film);
         let html = page(film, survey.as_ref(), &tiles, &figures, &absent, numbers);
         Ok(Report { figures, html, absent })
@@ -172,7 +182,7 @@ mod tests {
         for text in shipped.into_iter().chain([turned()]) {
             let layout = Layout::parse(&text, "layout").unwrap();
             let film = Film::new(&layout);
-            let survey = Survey::of(&film).unwrap();
+            let survey = Survey::of(&film, None).unwrap();
             let tiles = drawn_tiles(&layout.tiles, DVec3::ZERO);
             for Draft { name, svg, .. } in drafts(&film, &tiles, survey.as_ref()).unwrap() {
                 let tree = Tree::from_str(&svg, &options).unwrap();
@@ -206,7 +216,7 @@ mod tests {
         let path = format!("{}/../../layouts/published-film.toml", env!("CARGO_MANIFEST_DIR"));
         let layout = Layout::read(path.as_ref()).unwrap();
         let film = Film::new(&layout);
-        let survey = Survey::of(&film).unwrap();
+        let survey = Survey::of(&film, None).unwrap();
         let drafts = drafts(&film, &[], survey.as_ref()).unwrap();
         let draft = drafts.iter().find(|draft| draft.name == "field-lowest").unwrap();
         let figure = Figure::new(draft.name, String::new(), &draft.svg, &typeset::options()).unwrap();

@@ -29,10 +29,11 @@ pub(crate) struct AgainstIdeal<'a> {
 }
 
 impl<'a> Survey<'a> {
-    /// `None` if the layout has no working volume.
-    pub(crate) fn of(film: &Film<'a>) -> Result<Option<Survey<'a>>, FilmError> {
+    /// `None` if the layout has no working volume. `field_t` is its field, if it is known already.
+    pub(crate) fn of(film: &Film<'a>, field_t: Option<Vec<DVec3>>) -> Result<Option<Survey<'a>>, FilmError> {
         let Ok(volume) = film.volume() else { return Ok(None) };
-        let field_t = film.volume_field_t()?;
+        let field_t = field_t.map_or_else(|| film.volume_field_t(), Ok)?;
+        assert_eq!(field_t.len(), volume.grid.len(), "one value per point");
         let against_ideal = match film.ideal() {
             Ok(ideal) => {
                 let decoupling = film.decouple(&field_t)?;

@@ -1,24 +1,28 @@
 //! `magsplice compare`: the field against the ideal film.
 
-use magsplice::Film;
 use magsplice::field::Comparison;
 use magsplice::layout::Layout;
+use magsplice::{Film, Stage};
 use serde::Serialize;
 
 use crate::args::{Format, LayoutArgs};
 use crate::failure::Failure;
 use crate::output;
+use crate::progress::Progress;
 use crate::text;
 use crate::verbs::decouple::Source;
 
-pub(crate) fn run(args: &LayoutArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &LayoutArgs, quiet: bool) -> Result<(), Failure> {
+    let progress = Progress::start(!quiet);
+    let tell = |stage: Stage| progress.show(stage);
     let layout = Layout::read(&args.layout)?;
-    let film = Film::new(&layout).with_accuracy(args.accuracy.get());
+    let film = Film::new(&layout).with_accuracy(args.accuracy.get()).with_progress(&tell);
     let failed = |error| text::film_failure(&args.layout, &layout, error);
     // Whether there is something to compare with is known before the field is computed.
     film.ideal().map_err(failed)?;
     let field = film.volume_field_t().map_err(failed)?;
     let comparison = film.compare(&field).map_err(failed)?;
+    progress.end();
     match args.format {
         Format::Json => {
             output::print(&text::json(&Report { source: Source::of(&film), comparison: (&comparison).into() }))

@@ -4,7 +4,7 @@ use magsplice::decouple::PerParameter;
 use magsplice::field::{Accuracy, Comparison, IdealFilm, Tolerance};
 use magsplice::layout::{Layout, WorkingVolume};
 use magsplice::prelude::{DVec3, Decoupling, Parameters as AtPoint};
-use magsplice::{Film, FilmError};
+use magsplice::{Film, FilmError, Stage};
 use magsplice_export::{Points, Quantity, Table, Value};
 use serde::Serialize;
 
@@ -12,6 +12,7 @@ use crate::args::{DecoupleArgs, QuantityArg};
 use crate::failure::{self, Failure};
 use crate::formats::{self, ReportFormat, TableFormat};
 use crate::output::Output;
+use crate::progress::Progress;
 use crate::text;
 use crate::verbs::compare::ComparisonReport;
 
@@ -20,8 +21,10 @@ pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
     if let ReportFormat::Table(format) = format {
         formats::accept(format, args.output.as_deref(), true)?;
     }
+    let progress = Progress::start(!quiet);
+    let tell = |stage: Stage| progress.show(stage);
     let layout = Layout::read(&args.layout)?;
-    let film = Film::new(&layout).with_accuracy(args.accuracy.get());
+    let film = Film::new(&layout).with_accuracy(args.accuracy.get()).with_progress(&tell);
     let failed = |error| text::film_failure(&args.layout, &layout, error);
     film.ideal().and(film.volume().map(|_| ())).map_err(failed)?;
     // Whether the file can be written is known before anything is computed.
@@ -29,12 +32,18 @@ pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
     let evaluated = Evaluated::of(&film).map_err(failed)?;
     let ReportFormat::Table(format) = format else {
         let text = evaluated.text().map_err(failed)?;
+        progress.end();
         output.write(|w| w.write_all(text.as_bytes()))?;
         return output.finish();
     };
     let table = evaluated.table();
+    match &output {
+        Output::Stdout(_) => progress.end(),
+        _ => progress.show(Stage::uncounted("writing")),
+    }
     formats::write(&table, &evaluated.report(Some(&table)), format, &mut output)?;
     output.finish()?;
+    progress.end();
     let singular = evaluated.decoupling.singular.len();
     if singular > 0 && !quiet && format != TableFormat::Json {
         let points = if singular == 1 { "point has" } else { "points have" };
@@ -61,6 +70,11 @@ impl<'a> Evaluated<'a> {
         let comparison = film.compare(&field_t)?;
         let decoupling = film.decouple(&field_t)?;
         Ok(Evaluated { film, ideal, volume, field_t, comparison, decoupling })
+    }
+
+    #[cfg(feature = "report")]
+    pub(crate) fn into_field_t(self) -> Vec<DVec3> {
+        self.field_t
     }
 
     #[cfg(feature = "report")]

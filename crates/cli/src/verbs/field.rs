@@ -1,11 +1,12 @@
 //! `magsplice field`: the field at points.
 
+use std::io::{IsTerminal, stdin, stdout};
 use std::path::{Path, PathBuf};
 
 use magsplice::field::{Accuracy, Cause, PointErrors, Quantity, Scene};
 use magsplice::layout::Layout;
 use magsplice::prelude::{DMat3, DVec3};
-use magsplice::{Film, FilmError};
+use magsplice::{Film, FilmError, Stage};
 use magsplice_export::{Points, Quantity as Columns, Table, csv};
 use serde::Serialize;
 
@@ -21,6 +22,10 @@ use crate::verbs::decouple::Source;
 const BATCH: usize = 1 << 16;
 
 pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
+    // Not among results on the same terminal, nor among points that are typed there.
+    let results = args.output.as_deref().is_none_or(is_standard) && stdout().is_terminal();
+    let points = args.points.as_deref().is_some_and(is_standard) && stdin().is_terminal();
+    let progress = Progress::start(!quiet && !results && !points);
     let layout = Layout::read(&args.layout)?;
     let accuracy = match args.quantity {
         QuantityArg::B | QuantityArg::H => args.accuracy.get(),
@@ -29,17 +34,21 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
     };
     let film = Film::new(&layout).with_accuracy(accuracy);
     match &args.points {
-        Some(path) => at_points(args, &film, path, quiet),
-        None => on_grid(args, &film, quiet),
+        Some(path) => at_points(args, &film, path, &progress),
+        None => on_grid(args, &film, &progress),
     }
 }
 
-fn at_points(args: &FieldArgs, film: &Film, path: &Path, quiet: bool) -> Result<(), Failure> {
+fn is_standard(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+fn at_points(args: &FieldArgs, film: &Film, path: &Path, progress: &Progress) -> Result<(), Failure> {
     let mut file = PointFile::open(path)?;
     let mut results = Results::begin(args, film, Points::Scattered(Vec::new()))?;
     let mut faults = Faults::default();
     let (mut points, mut lines) = (Vec::new(), Vec::new());
-    let mut progress = Progress::new(None, args.output.as_deref(), quiet);
+    let mut done = 0;
     loop {
         let more = file.read(BATCH, &mut points, &mut lines, &mut faults)?;
         let errors = results.rows(film.scene(), &points, faults.is_empty())?;
@@ -48,7 +57,8 @@ fn at_points(args: &FieldArgs, film: &Film, path: &Path, quiet: bool) -> Result<
             let p = error.point;
             faults.add(line, format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z));
         }
-        progress.advance(points.len());
+        done += points.len();
+        progress.show(Stage { name: "field", done, of: None, unit: "points" });
         if !more {
             break;
         }
@@ -56,7 +66,7 @@ fn at_points(args: &FieldArgs, film: &Film, path: &Path, quiet: bool) -> Result<
     if faults.is_empty() { results.finish(film) } else { Err(faults.failure(path.display().to_string())) }
 }
 
-fn on_grid(args: &FieldArgs, film: &Film, quiet: bool) -> Result<(), Failure> {
+fn on_grid(args: &FieldArgs, film: &Film, progress: &Progress) -> Result<(), Failure> {
     let missing = |error: FilmError| match error {
         FilmError::Missing(_) => Failure::Points {
             path: args.layout.clone(),
@@ -79,16 +89,16 @@ fn on_grid(args: &FieldArgs, film: &Film, quiet: bool) -> Result<(), Failure> {
         (Accuracy::Within(_), Some(quantity)) => {
             let points: Vec<DVec3> = grid.points().collect();
             let mut field = vec![DVec3::ZERO; points.len()];
+            progress.show(Stage::uncounted("field"));
             let evaluated = film.scene().field_on_grid(quantity, &grid, &mut field);
             add(results.add(evaluated, &points, field.iter().flat_map(DVec3::to_array), true)?);
         }
         _ => {
             let mut complete = true;
-            let mut progress = Progress::new(Some(grid.len()), args.output.as_deref(), quiet);
             for start in (0..grid.len()).step_by(BATCH) {
+                progress.show(Stage { name: "field", done: start, of: Some(grid.len()), unit: "points" });
                 let points: Vec<DVec3> = (start..grid.len().min(start + BATCH)).map(|i| grid.point(i)).collect();
                 complete = add(results.rows(film.scene(), &points, complete)?);
-                progress.advance(points.len());
             }
         }
     }

@@ -1,34 +1,46 @@
 //! `magsplice plan`: which models a tolerance is kept with, what they leave out, and what they cost.
 
 use std::fmt::Write;
+use std::io::{IsTerminal, stdin};
 use std::path::Path;
 
 use magsplice::field::{Model, Plan, PlannedPart};
 use magsplice::layout::Layout;
 use magsplice::prelude::DVec3;
-use magsplice::{Film, FilmError};
+use magsplice::{Film, FilmError, Stage};
 use serde::Serialize;
 
 use crate::args::{Format, PlanArgs};
 use crate::failure::Failure;
 use crate::output;
 use crate::points::{Faults, PointFile};
+use crate::progress::Progress;
 use crate::text;
 use crate::verbs::decouple::Source;
 
 /// Points read at a time.
 const BATCH: usize = 1 << 16;
 
-pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
+    // Not among points that are typed.
+    let typed = args.points.as_deref() == Some(Path::new("-")) && stdin().is_terminal();
+    let progress = Progress::start(!quiet && !typed);
     let layout = Layout::read(&args.layout)?;
     let film = Film::new(&layout).with_accuracy(args.accuracy.get());
+    let plan_stage = Stage::uncounted("plan");
     let (plan, where_to) = match &args.points {
-        Some(path) => (film.scene().plan_at_points(&points(path)?), format!("points of {}", path.display())),
+        Some(path) => {
+            let points = points(path)?;
+            progress.show(plan_stage);
+            (film.scene().plan_at_points(&points), format!("points of {}", path.display()))
+        }
         None => {
             let volume = film.volume().map_err(|error| missing(args, error))?;
+            progress.show(plan_stage);
             (film.scene().plan_on_grid(&volume.grid), "points of the working volume".to_owned())
         }
     };
+    progress.end();
     output::print(&match args.format {
         Format::Text => in_words(&film, &plan, &where_to),
         Format::Json => text::json(&Report {

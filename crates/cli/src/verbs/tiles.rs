@@ -9,14 +9,18 @@ use magsplice::prelude::DVec3;
 use crate::args::{Format, TilesArgs};
 use crate::failure::Failure;
 use crate::output;
+use crate::progress::Progress;
 use crate::text::{self, tile_count};
 
-pub(crate) fn run(args: &TilesArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &TilesArgs, quiet: bool) -> Result<(), Failure> {
+    let progress = Progress::start(!quiet);
     let layout = Layout::read(&args.layout)?;
-    match args.format {
-        Format::Json => output::print(&text::json(&layout.plain())),
-        Format::Text => output::print(&format!("{}\n{}", listed(&args.layout, &layout), bill(&layout))),
-    }
+    let text = match args.format {
+        Format::Json => text::json(&layout.plain()),
+        Format::Text => format!("{}\n{}", listed(&args.layout, &layout), bill(&layout)),
+    };
+    progress.end();
+    output::print(&text)
 }
 
 /// The tiles of a layout, one line each.

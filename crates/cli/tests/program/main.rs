@@ -5,6 +5,8 @@ mod bad_points;
 mod checks;
 mod formats;
 mod help;
+#[cfg(target_os = "linux")]
+mod progress;
 #[cfg(feature = "report")]
 mod report;
 mod results;

@@ -124,6 +124,24 @@ fn what_a_layout_lacks_is_said() {
 }
 
 #[test]
+fn a_page_of_many_points_says_which_it_shows() {
+    let bench = Bench::new();
+    let text = fs::read_to_string(shipped("single-tile")).unwrap();
+    let (before, volume) = text.split_once("[volume]").unwrap();
+    let (_, after) = volume.split_once("\n\n").unwrap();
+    for (step_mm, shown) in [
+        ("0.2", "18491 points</dd>"),
+        ("[0.1, 0.2, 0.2]", "36531 points; the map on this page shows one point of 2 along x</dd>"),
+        ("[0.02, 0.1, 0.1]", "; the map on this page shows one point of 10 along x, one point of 3 along y</dd>"),
+    ] {
+        let volume = format!("[volume]\nx_mm = [-4, 4]\ny_mm = [-4, 4]\nz_mm = [-3, -1]\nstep_mm = {step_mm}\n\n");
+        bench.write("fine.toml", &format!("{before}{volume}{after}"));
+        assert_eq!(bench.run(&["report", "fine.toml", "-o", "out"]).status, 0);
+        assert!(bench.read("out/report.html").contains(shown), "{step_mm}: {shown}");
+    }
+}
+
+#[test]
 fn a_report_is_replaced_as_a_whole_and_nothing_else_is() {
     let bench = Bench::new();
     let report = |layout: &str, folder: &str| bench.run(&["report", &shipped(layout), "-o", folder]);

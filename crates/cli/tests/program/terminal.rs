@@ -1,4 +1,4 @@
-//! What is different on a terminal: colours and progress.
+//! What is different on a terminal: colours, and what it cannot show. Progress is in progress.rs.
 
 use std::fs::{File, OpenOptions};
 use std::io::Read;
@@ -10,7 +10,7 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use crate::{Bench, shipped};
 
 /// A terminal: what the program is given, and what a person sees.
-fn terminal() -> (OwnedFd, File) {
+pub(crate) fn terminal() -> (OwnedFd, File) {
     let seen = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a terminal");
     grantpt(&seen).expect("a terminal");
     unlockpt(&seen).expect("a terminal");
@@ -19,7 +19,7 @@ fn terminal() -> (OwnedFd, File) {
     (given.into(), seen.into())
 }
 
-fn program(bench: &Bench, arguments: &[&str]) -> Command {
+pub(crate) fn program(bench: &Bench, arguments: &[&str]) -> Command {
     let mut program = Command::new(env!("CARGO_BIN_EXE_magsplice"));
     program.args(arguments).current_dir(bench.path("")).env("TERM", "xterm");
     for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "CI"] {
@@ -29,7 +29,7 @@ fn program(bench: &Bench, arguments: &[&str]) -> Command {
 }
 
 /// What is seen until the program ends or `enough` is.
-fn watch(mut seen: File, enough: impl Fn(&str) -> bool) -> String {
+pub(crate) fn watch(mut seen: File, enough: impl Fn(&str) -> bool) -> String {
     let (mut text, mut buffer) = (String::new(), [0; 4096]);
     // Reading fails when the other side is closed.
     while let Ok(length @ 1..) = seen.read(&mut buffer) {
@@ -70,38 +70,6 @@ fn colours_are_for_terminals_and_respect_no_color() {
     assert!(!on_a_terminal(&bench, &["--help"], Some("1")).contains('\u{1b}'));
 }
 
-/// Long work: a bar on a terminal, and after an interruption neither a half file nor a temporary one.
-#[test]
-fn progress_of_long_work() {
-    let bench = Bench::new();
-    let volume = "[volume]\nx_mm = [-4, 4]\ny_mm = [-4, 4]\nz_mm = [-8, -1]\nstep_mm = 0.02\n";
-    let tile = "[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
-    bench.write("large.toml", &format!("format = 1\nname = \"large\"\n{volume}{tile}"));
-    let (given, seen) = terminal();
-    let mut program = program(&bench, &["field", "large.toml", "-o", "out.csv", "--threads", "1"]);
-    let mut child = program.stdin(Stdio::null()).stdout(Stdio::null()).stderr(given).spawn().expect("it starts");
-    drop(program);
-    let text = watch(seen, |text| text.contains(" left"));
-    // 401 x 401 x 351 of them.
-    assert!(text.contains(" of 56,441,151 points, "), "{text:?}");
-    let interrupted = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
-    assert!(interrupted.success());
-    assert_eq!(child.wait().expect("it ends").code(), Some(130));
-    assert_eq!(bench.files(), ["large.toml"]);
-}
-
-/// Work of a single batch has no progress to show, however slow.
-#[test]
-fn no_progress_of_short_work() {
-    let bench = Bench::new();
-    let (given, seen) = terminal();
-    let mut program = program(&bench, &["field", &shipped("single-tile"), "-o", "out.csv"]);
-    let mut child = program.stdin(Stdio::null()).stdout(Stdio::null()).stderr(given).spawn().expect("it starts");
-    drop(program);
-    assert_eq!(watch(seen, |_| false), "");
-    assert!(child.wait().expect("it ends").success());
-}
-
 /// As many threads as asked for, and the same digits.
 #[test]
 fn threads() {
@@ -112,7 +80,8 @@ fn threads() {
     let mut firsts = Vec::new();
     for count in [1, 3] {
         let mut program = program(&bench, &["field", "large.toml", "--threads", &count.to_string()]);
-        let mut child = program.stdout(Stdio::piped()).spawn().expect("it starts");
+        // Progress on a terminal is one thread more.
+        let mut child = program.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("it starts");
         // The rest is not read, so the program waits, its threads with it.
         let mut first = vec![0; 10_000];
         child.stdout.as_mut().expect("piped").read_exact(&mut first).expect("results");

@@ -4,18 +4,20 @@ mod json;
 mod junit;
 mod text;
 
+use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use anstream::{AutoStream, ColorChoice};
-use magsplice::Film;
 use magsplice::expect::{Baseline, Expectation, Outcome};
 use magsplice::layout::Layout;
+use magsplice::{Film, Stage};
 
 use crate::args::{CheckArgs, CheckFormat};
 use crate::baseline;
 use crate::failure::{self, Failure};
 use crate::output;
+use crate::progress::Progress;
 use crate::text::film_failure;
 
 /// What was found of one layout.
@@ -75,16 +77,23 @@ pub(crate) fn run(args: &CheckArgs, quiet: bool) -> u8 {
     let colours = AutoStream::choice(&io::stdout()) != ColorChoice::Never;
     let mut printed = Ok(());
     let mut all = Vec::new();
-    for path in &args.layouts {
-        let checked = check(path, args.update, quiet);
-        status = status.max(checked.status());
-        if args.format == CheckFormat::Text {
-            // Each as soon as it is known, findings even if nobody reads on.
-            printed = printed.and_then(|()| output::print(&text::of(&checked, quiet, colours)));
+    let progress = Progress::start(!quiet);
+    for (number, path) in args.layouts.iter().enumerate() {
+        if args.layouts.len() > 1 {
+            progress.of(format!("{} ({} of {}): ", path.display(), number + 1, args.layouts.len()));
         }
-        tell(&checked);
+        let checked = check(path, args.update, quiet, &progress);
+        status = status.max(checked.status());
+        progress.aside(|| {
+            if args.format == CheckFormat::Text && printed.is_ok() {
+                // Each as soon as it is known, findings even if nobody reads on.
+                printed = output::print(&text::of(&checked, quiet, colours));
+            }
+            tell(&checked);
+        });
         all.push(checked);
     }
+    progress.end();
     let printed = match args.format {
         CheckFormat::Text => printed,
         CheckFormat::Json => output::print(&json::of(&all)),
@@ -99,15 +108,20 @@ pub(crate) fn run(args: &CheckArgs, quiet: bool) -> u8 {
     }
 }
 
-fn check(path: &Path, update: bool, quiet: bool) -> Checked {
+fn check(path: &Path, update: bool, quiet: bool, progress: &Progress) -> Checked {
     let mut checked =
         Checked { path: path.to_owned(), layout: Layout::read(path).map_err(|e| e.to_string()), lines: Vec::new() };
     let Ok(layout) = &checked.layout else { return checked };
     if layout.expectations.is_empty() {
         return checked;
     }
-    let film = Film::new(layout);
-    let baseline = baseline(path, &film, update, quiet);
+    let tell = |stage: Stage| progress.show(stage);
+    let film = Film::new(layout).with_progress(&tell);
+    let baseline = baseline(path, &film, update, |remark| {
+        if !quiet {
+            progress.aside(|| failure::tell(&remark));
+        }
+    });
     for (expectation, outcome) in film.outcomes(baseline.as_ref().and_then(|b| b.as_ref().ok())) {
         let outcome = match (&baseline, expectation) {
             (Some(Err(failure)), Expectation::Field) => Err(failure.to_string()),
@@ -119,7 +133,12 @@ fn check(path: &Path, update: bool, quiet: bool) -> Checked {
 }
 
 /// The baseline of the layout, if it has one; written anew first if that is asked for.
-fn baseline(path: &Path, film: &Film, update: bool, quiet: bool) -> Option<Result<Baseline, Failure>> {
+fn baseline(
+    path: &Path,
+    film: &Film,
+    update: bool,
+    remark: impl Fn(fmt::Arguments),
+) -> Option<Result<Baseline, Failure>> {
     let expected = film.layout().expectations.field.as_ref()?;
     // Relative to the layout, wherever the program was started.
     let file = path.parent().unwrap_or(Path::new("")).join(&expected.file);
@@ -128,9 +147,7 @@ fn baseline(path: &Path, film: &Film, update: bool, quiet: bool) -> Option<Resul
         let field_t = film.volume_field_t().map_err(failed)?;
         let grid = &film.volume().map_err(failed)?.grid;
         baseline::write(&file, path, grid, &field_t)?;
-        if !quiet {
-            failure::tell(&format_args!("wrote {}, {} points", file.display(), grid.len()));
-        }
+        remark(format_args!("wrote {}, {} points", file.display(), grid.len()));
         Ok(())
     };
     let rewritten = if update { rewrite() } else { Ok(()) };
