@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
+use magsplice::design::Request;
 use magsplice::field::{Accuracy, Tolerance};
+use magsplice::layout::Goal;
 
 use crate::formats::{ExportFormat, ReportFormat, TableFormat};
 
@@ -58,6 +60,8 @@ pub(crate) enum Verb {
     #[cfg(feature = "report")]
     Report(ReportArgs),
     Check(CheckArgs),
+    Design(DesignArgs),
+    Splice(SplicedArgs),
     Tiles(TilesArgs),
     Export(ExportArgs),
     Init(InitArgs),
@@ -262,6 +266,144 @@ pub(crate) enum CheckFormat {
     Json,
     /// JUnit XML, for build systems
     Junit,
+}
+
+/// Search for a better film, as the table [design] of the layout asks.
+///
+/// The result is a complete layout: the tiles found, what it reached as what it must meet, and a line of history. Faces and angles are rounded to the resolution of
+/// [design]. Ctrl-C ends the search with the best film so far. Exit status: 0 fine, 1 an amplitude or a number of parts that was not reached, 2 no film.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  magsplice design film.toml -o better.toml\n  magsplice design film.toml --front -o front"
+)]
+pub(crate) struct DesignArgs {
+    /// Layout file with a table [design]
+    pub(crate) layout: PathBuf,
+    /// File to write, whole or not at all, - for standard output, the default; with --front a folder
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// Instead of one film find the trade: films for several amplitudes, and films of fewer and fewer parts, as tables, figures and layouts
+    #[arg(long)]
+    pub(crate) front: bool,
+    /// Least amplitudes of the front
+    #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "front", value_parser = fraction,
+        default_value = "0.4,0.45,0.5,0.55,0.6,0.65,0.7,0.75,0.8,0.85")]
+    pub(crate) amplitudes: Vec<f64>,
+    /// How to say what was found
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: Format,
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|value: &f64| *value > 0.0 && value.is_finite());
+    number.ok_or_else(|| "must be a number greater than 0".to_owned())
+}
+
+/// Find a film from nothing, for an ideal film of this wavelength.
+///
+/// Begins with the pattern of Dai 2024, Fig. 5: intervals of a third of the wavelength about the crests of the ideal polarization, of a sixth about its zeros; then
+/// searches as design does, with sizes, positions and directions free. Lengths in mm.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice splice --wavelength 10 --film 20x20 --parts 3 -o film.toml")]
+pub(crate) struct SplicedArgs {
+    /// Wavelength of the ideal film, in mm
+    #[arg(long, value_name = "MM")]
+    wavelength: f64,
+    /// Extent of the film along x and y, in mm, such as 20x20
+    #[arg(long, value_name = "XxY", value_parser = extents)]
+    film: [f64; 2],
+    /// At most so many distinct parts [default: any number]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    parts: Option<u32>,
+    /// Thickness of the film, in mm [default: a tenth of the wavelength]
+    #[arg(long, value_name = "MM")]
+    thickness: Option<f64>,
+    /// Polarization of every tile, in T
+    #[arg(long, value_name = "T", default_value_t = 0.12)]
+    remanence: f64,
+    /// Extent of the working volume along x and y, in mm [default: two fifths of the wavelength each]
+    #[arg(long, value_name = "XxY", value_parser = extents)]
+    range: Option<[f64; 2]>,
+    /// Least and largest distance of the sensor below the film, in mm [default: 0.3 and 0.5 of the wavelength]
+    #[arg(long, value_name = "A..B", value_parser = interval)]
+    distance: Option<[f64; 2]>,
+    /// Shortest side of a tile, in mm [default: 0.08 of the wavelength]
+    #[arg(long, value_name = "MM")]
+    smallest_cut: Option<f64>,
+    /// Least distance of neighbouring tiles, in mm
+    #[arg(long, value_name = "MM", default_value_t = 0.0)]
+    gap: f64,
+    /// Least amplitude of the field, of that of an ideal film as strong as the tiles
+    #[arg(long, value_name = "FRACTION", value_parser = fraction, default_value_t = 0.65)]
+    amplitude: f64,
+    /// What is to become small
+    #[arg(long, value_enum, default_value = "displacement")]
+    goal: GoalArg,
+    /// From how many points the search starts
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    starts: u32,
+    /// Which random numbers vary them
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// File to write, whole or not at all; - for standard output, the default
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// How to say what was found
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: Format,
+}
+
+impl SplicedArgs {
+    pub(crate) fn request(&self) -> Request {
+        let lambda = self.wavelength;
+        Request {
+            wavelength_mm: lambda,
+            film_mm: self.film,
+            thickness_mm: self.thickness.unwrap_or(rounded(0.1 * lambda)),
+            remanence_t: self.remanence,
+            range_mm: self.range.unwrap_or([rounded(0.4 * lambda); 2]),
+            distance_mm: self.distance.unwrap_or([rounded(0.3 * lambda), rounded(0.5 * lambda)]),
+            smallest_cut_mm: self.smallest_cut.unwrap_or(rounded(0.08 * lambda)),
+            gap_mm: self.gap,
+            least_amplitude: self.amplitude,
+            parts: self.parts.map(|parts| parts as usize),
+            goal: match self.goal {
+                GoalArg::Uniformity => Goal::Uniformity,
+                GoalArg::Displacement => Goal::Displacement,
+                GoalArg::Field => Goal::Field,
+            },
+            starts: self.starts as usize,
+            seed: self.seed,
+        }
+    }
+}
+
+/// A default as a person would write it.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum GoalArg {
+    /// The uniformity RMSE of R_x, R_y, S_z
+    Uniformity,
+    /// The RMSE of displacement against the true one
+    Displacement,
+    /// The RMSE of B against the ideal film times the amplitude
+    Field,
+}
+
+fn extents(text: &str) -> Result<[f64; 2], String> {
+    pair(text, "x").ok_or_else(|| "must be two numbers with an x between them, such as 20x20".to_owned())
+}
+
+fn interval(text: &str) -> Result<[f64; 2], String> {
+    pair(text, "..").ok_or_else(|| "must be two numbers with .. between them, such as 3..5".to_owned())
+}
+
+fn pair(text: &str, between: &str) -> Option<[f64; 2]> {
+    let (first, second) = text.split_once(between)?;
+    Some([first.trim().parse().ok()?, second.trim().parse().ok()?])
 }
 
 /// List the tiles of a layout, and its bill of materials.

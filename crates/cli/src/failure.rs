@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use magsplice::FilmError;
+use magsplice::design::DesignError;
 use magsplice::layout::LayoutError;
 
 /// At most this many faults of one kind are printed; the rest are counted.
@@ -21,6 +22,10 @@ pub(crate) enum Failure {
     Film {
         layout: PathBuf,
         error: FilmError,
+    },
+    Design {
+        place: String,
+        error: DesignError,
     },
     Points {
         path: PathBuf,
@@ -57,6 +62,7 @@ impl fmt::Display for Failure {
         match self {
             Failure::Layout(error) => error.fmt(f),
             Failure::Film { layout, error } => write!(f, "{}: {error}", layout.display()),
+            Failure::Design { place, error } => write!(f, "{place}: {error}"),
             #[cfg(feature = "report")]
             Failure::Report { layout, message } => write!(f, "{}: {message}", layout.display()),
             Failure::Points { path, message } => write!(f, "{}: {message}", path.display()),

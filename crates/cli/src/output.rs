@@ -52,6 +52,11 @@ impl Output {
         Ok(Output::File { writer: BufWriter::new(file), destination })
     }
 
+    /// Whether this is standard output.
+    pub(crate) fn is_standard(&self) -> bool {
+        matches!(self, Output::Stdout(_))
+    }
+
     /// Writes through `write`, telling a closed pipe from a failure.
     pub(crate) fn write(&mut self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
         let result = match self {

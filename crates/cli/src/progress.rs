@@ -57,6 +57,11 @@ impl Progress {
         self.show(Stage::uncounted("reading the layout"));
     }
 
+    /// What is known so far, before the name of the stage.
+    pub(crate) fn best(&self, what: String) {
+        self.bar.set_prefix(what);
+    }
+
     /// Writes to the terminal without meeting the bar there.
     pub(crate) fn aside<T>(&self, write: impl FnOnce() -> T) -> T {
         self.bar.suspend(write)

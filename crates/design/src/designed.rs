@@ -39,6 +39,11 @@ impl Setting<'_> {
         figures.ideal_rmse.as_lengths(self.ideal.wavenumber()).to_array()
     }
 
+    /// Uniformity errors as displacements along x, y, z.
+    pub fn uniformity_mm(&self, figures: &Figures) -> [f64; 3] {
+        figures.uniformity_rmse.as_lengths(self.ideal.wavenumber()).to_array()
+    }
+
     fn told_of(&self, outcome: &Outcome, program: &str) -> String {
         let errors = |figures: &Figures| {
             let PerParameter { r_x, r_y, s_z } = figures.uniformity_rmse;

@@ -1,7 +1,7 @@
 //! Exact simulation of spliced magnet films, from a layout file to the decoupling error.
 //!
 //! The library as one crate: [`layout`] reads files, [`field`] computes fields and compares them, [`decouple`] judges them, [`expect`] holds them
-//! against what the layout states, and [`Film`] runs the whole way for one layout. The [`prelude`] holds what most programs need.
+//! against what the layout states, [`design`] searches for better films, and [`Film`] runs the whole way for one layout. The [`prelude`] holds what most programs need.
 //!
 //! # Units
 //! Lengths in millimetres, as in layout files; flux density and polarization in tesla.
@@ -31,6 +31,7 @@ mod stage;
 
 pub use film::{Film, FilmError};
 pub use magsplice_decouple as decouple;
+pub use magsplice_design as design;
 pub use magsplice_expect as expect;
 pub use magsplice_field as field;
 pub use magsplice_layout as layout;

@@ -4,6 +4,7 @@ pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod completions;
 pub(crate) mod decouple;
+pub(crate) mod design;
 pub(crate) mod export;
 pub(crate) mod field;
 pub(crate) mod init;

@@ -70,7 +70,7 @@ pub(crate) fn draw(front: &Front) -> Result<String, String> {
                 mark(sheet, series, point)?;
             }
         }
-        for film in &front.before {
+        if let Some(film) = &front.before {
             let errors = SERIES.each_ref().map(|series| (series.of)(film).max(low).log10());
             for (series, error) in SERIES.iter().zip(errors) {
                 mark(sheet, series, panel.at(film.at, error))?;

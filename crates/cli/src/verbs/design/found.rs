@@ -1,0 +1,74 @@
+//! A film found, as JSON.
+
+use magsplice::decouple::PerParameter;
+use magsplice::design::{Figures, Outcome, Setting, Stage};
+use serde::Serialize;
+
+/// [`Outcome`] with units in its keys.
+#[derive(Serialize)]
+pub(crate) struct Found {
+    before: FiguresReport,
+    after: FiguresReport,
+    five_times_finer: FiguresReport,
+    stages: Vec<StageReport>,
+    parts: usize,
+    starts_that_agree: usize,
+    short_of: Vec<String>,
+    interrupted: bool,
+}
+
+#[derive(Serialize)]
+struct FiguresReport {
+    points: usize,
+    uniformity_rmse: [f64; 3],
+    ideal_rmse: [f64; 3],
+    displacement_rmse_mm: [f64; 3],
+    amplitude: f64,
+    scaled_relative_rmse: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct StageReport {
+    stage: &'static str,
+    uniformity_rmse: [f64; 3],
+}
+
+impl Found {
+    pub(crate) fn of(setting: &Setting, outcome: &Outcome) -> Found {
+        let figures = |f: &Figures| FiguresReport {
+            points: f.points,
+            uniformity_rmse: array(f.uniformity_rmse),
+            ideal_rmse: array(f.ideal_rmse),
+            displacement_rmse_mm: setting.displacement_mm(f),
+            amplitude: f.amplitude,
+            scaled_relative_rmse: f.scaled_relative_rmse,
+        };
+        let stage = |(stage, uniformity): &(Stage, PerParameter)| StageReport {
+            stage: stage_name(*stage),
+            uniformity_rmse: array(*uniformity),
+        };
+        Found {
+            before: figures(&outcome.before),
+            after: figures(&outcome.after),
+            five_times_finer: figures(&outcome.finer),
+            stages: outcome.stages.iter().map(stage).collect(),
+            parts: outcome.parts,
+            starts_that_agree: outcome.agreeing_starts,
+            short_of: outcome.short_of.clone(),
+            interrupted: outcome.interrupted,
+        }
+    }
+}
+
+pub(super) fn stage_name(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Starts => "searched",
+        Stage::Strengths => "strengths of the stock",
+        Stage::Parts(_) => "fewer parts",
+        Stage::Rounding => "rounded",
+    }
+}
+
+pub(super) fn array(p: PerParameter) -> [f64; 3] {
+    [p.r_x, p.r_y, p.s_z]
+}
