@@ -2,6 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use magsplice_layout::Goal;
+
 use crate::objective::{Errors, Objective};
 use crate::pattern::{Kind, Pattern};
 use crate::quadratic::Quadratic;
@@ -47,7 +49,8 @@ impl Problem {
     }
 
     fn found(&self, at: Vec<f64>, errors: &Errors) -> Found {
-        let lack = self.least_amplitude.map_or(0.0, |least| (least - errors.amplitude).max(0.0));
+        let amplitude = errors.amplitudes.iter().map(|(amplitude, _)| *amplitude).fold(f64::INFINITY, f64::min);
+        let lack = self.least_amplitude.map_or(0.0, |least| (least - amplitude).max(0.0));
         Found { at, loss: errors.loss(), lack }
     }
 
@@ -67,6 +70,11 @@ impl Problem {
     /// The longest steps of all variables of a pattern.
     pub(crate) fn steps(&self, pattern: &Pattern) -> Vec<f64> {
         pattern.kinds.iter().map(|kind| self.step(*kind)).collect()
+    }
+
+    /// Whether errors are linear in the variables, with constant bounds.
+    fn is_linear(&self, pattern: &Pattern) -> bool {
+        self.objective.goal == Goal::Field && pattern.kinds.iter().all(|kind| *kind == Kind::Strength)
     }
 
     fn rules(&self, pattern: &Pattern, at: &[f64]) -> Vec<Rule> {
@@ -111,8 +119,10 @@ impl Problem {
     ) -> Option<Found> {
         let mut errors = self.errors(pattern, &at, true)?;
         let mut found = self.found(at, &errors);
-        let steps = self.steps(pattern);
-        let mut damping = FIRST_DAMPING;
+        // A linear problem is solved as one: by a single step as long as it may be.
+        let linear = self.is_linear(pattern);
+        let steps = if linear { vec![f64::INFINITY; found.at.len()] } else { self.steps(pattern) };
+        let mut damping = if linear { LEAST_DAMPING } else { FIRST_DAMPING };
         let mut merits = vec![found.merit()];
         while merits.len() <= most_steps && damping <= MOST_DAMPING && !found.at.is_empty() {
             let rules: Vec<Rule> =
@@ -131,7 +141,7 @@ impl Problem {
             damping = (damping * LESS_DAMPING).max(LEAST_DAMPING);
             found = better;
             merits.push(found.merit());
-            if watch(&found).is_break() {
+            if watch(&found).is_break() || linear {
                 break;
             }
             let before = merits.len().checked_sub(1 + PATIENCE).map(|index| merits[index]);
@@ -157,11 +167,12 @@ impl Problem {
                 }
             }
         }
-        let largest = (0..n).map(|i| curvature[i * all + i] * steps[i] * steps[i]).fold(0.0, f64::max);
+        // In units of the steps, so that damping does not depend on units; a part for every variable alike, for those that change nothing.
+        let unit = |i: usize| if steps[i].is_finite() { steps[i] } else { 1.0 };
+        let largest = (0..n).map(|i| curvature[i * all + i] * unit(i) * unit(i)).fold(0.0, f64::max);
         for i in 0..n {
-            // By the steps, so that damping does not depend on units; a part for every variable alike, for those that change nothing.
             let own = curvature[i * all + i];
-            curvature[i * all + i] += damping * (own + LEAST_CURVATURE * largest / (steps[i] * steps[i]));
+            curvature[i * all + i] += damping * (own + LEAST_CURVATURE * largest / (unit(i) * unit(i)));
         }
         let mut limits = around(rules, at);
         for (i, step) in steps.iter().enumerate().filter(|(_, step)| step.is_finite()) {
@@ -170,9 +181,11 @@ impl Problem {
         }
         if let Some(least) = self.least_amplitude {
             gradient[n] = price;
-            let mut terms: Vec<(usize, f64)> = errors.amplitude_slopes.iter().copied().enumerate().collect();
-            terms.push((n, 1.0));
-            limits.push((terms, least - errors.amplitude));
+            for (amplitude, slopes) in &errors.amplitudes {
+                let mut terms: Vec<(usize, f64)> = slopes.iter().copied().enumerate().collect();
+                terms.push((n, 1.0));
+                limits.push((terms, least - amplitude));
+            }
             limits.push((vec![(n, 1.0)], 0.0));
         }
         Quadratic { curvature, gradient, rules: limits }

@@ -10,6 +10,7 @@ use crate::error::DesignError;
 use crate::parts;
 use crate::search::{Outcome, Progress, Stage, Watch};
 use crate::setting::Setting;
+use crate::tolerances::MOST_STEPS;
 
 /// The best films found for one wish after another.
 #[derive(Clone, Debug)]
@@ -47,20 +48,18 @@ impl Setting<'_> {
             let (parts, stock) = (None, Vec::new());
             let brief = Brief { least_amplitude: Some(amplitude), parts, stock, starts: STARTS, ..self.brief.clone() };
             let setting = Setting::with_brief(self.layout, brief)?;
-            let mut best = setting.best_of_starts(&watch)?.best;
+            let mut starts = setting.best_of_starts(&watch)?;
             // With the field itself as the goal the films are for one amplitude each.
             if let Some(before) = before.filter(|_| self.brief.goal != Goal::Field) {
                 let at = setting.problem.nearest(&setting.pattern, &before.at).unwrap_or(before.at);
                 let go_on = &mut |_: &Found| ControlFlow::Continue(());
-                let again = setting.problem.descend(&setting.pattern, at, crate::tolerances::MOST_STEPS, go_on);
-                best = again
-                    .into_iter()
-                    .chain([best])
-                    .min_by(|a, b| a.merit().total_cmp(&b.merit()))
-                    .ok_or(DesignError::Singular)?;
+                let again = setting.problem.descend(&setting.pattern, at, MOST_STEPS, go_on);
+                if let Some(again) = again.filter(|again| again.merit() < starts.best.merit()) {
+                    starts.best = again;
+                }
             }
-            by_amplitude.insert(0, (amplitude, setting.finished(best.clone(), 1, &watch)?));
-            before = Some(best);
+            before = Some(starts.best.clone());
+            by_amplitude.insert(0, (amplitude, setting.finished(starts, &watch)?));
             if stop.load(Ordering::Relaxed) {
                 break;
             }

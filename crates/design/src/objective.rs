@@ -19,6 +19,8 @@ pub(crate) struct Objective {
     pub(crate) ideal_field_t: Vec<DVec3>,
     /// What the field is to be of it, where the field is the goal; else the least amplitude there is to be, if any.
     pub(crate) amplitude: Option<f64>,
+    /// For each grid on which an amplitude is asked for, how much each point of the sampling counts.
+    pub(crate) amplitude_weights: Vec<Vec<f64>>,
 }
 
 /// The errors of a film: their squares add up to what is to become small.
@@ -27,9 +29,8 @@ pub(crate) struct Errors {
     pub(crate) values: Vec<f64>,
     /// Their derivatives, variable fastest.
     pub(crate) slopes: Vec<f64>,
-    /// The best-fit amplitude and its derivatives.
-    pub(crate) amplitude: f64,
-    pub(crate) amplitude_slopes: Vec<f64>,
+    /// The best-fit amplitudes over the grids they are asked for on, with their derivatives.
+    pub(crate) amplitudes: Vec<(f64, Vec<f64>)>,
 }
 
 impl Errors {
@@ -42,24 +43,25 @@ impl Errors {
 impl Objective {
     /// `None` where B_z = 0 at some point, so that the parameters do not exist.
     pub(crate) fn errors(&self, sampling: &Sampling, field: &Field) -> Option<Errors> {
-        let (amplitude, amplitude_slopes) = self.amplitude(sampling, field);
+        let amplitudes =
+            self.amplitude_weights.iter().map(|weights| self.amplitude(weights, sampling, field)).collect();
         let (values, slopes) = match self.goal {
             Goal::Field => self.field_errors(sampling, field),
             Goal::Uniformity => self.uniformity_errors(sampling, field)?,
             Goal::Displacement => self.displacement_errors(sampling, field)?,
         };
-        Some(Errors { values, slopes, amplitude, amplitude_slopes })
+        Some(Errors { values, slopes, amplitudes })
     }
 
-    fn amplitude(&self, sampling: &Sampling, field: &Field) -> (f64, Vec<f64>) {
+    fn amplitude(&self, weights: &[f64], sampling: &Sampling, field: &Field) -> (f64, Vec<f64>) {
         let (mut product, mut square) = (0.0, 0.0);
         let mut slopes = vec![0.0; field.variables];
-        for &(index, _) in sampling.images() {
+        for (&(index, _), weight) in sampling.images().iter().zip(weights) {
             let ideal = self.ideal_field_t[index];
-            product += ideal.dot(field.flux_density_t[index]);
-            square += ideal.length_squared();
+            product += weight * ideal.dot(field.flux_density_t[index]);
+            square += weight * ideal.length_squared();
             for (slope, by) in slopes.iter_mut().zip(field.slopes_at(index)) {
-                *slope += ideal.dot(*by);
+                *slope += weight * ideal.dot(*by);
             }
         }
         slopes.iter_mut().for_each(|slope| *slope /= square);

@@ -45,7 +45,15 @@ fn rounded_tile(setting: &Setting, shape: &Shape, at: &[f64]) -> Option<Tile> {
                 place(&side, step)
             };
             // On a lower face that stays the centre follows the size.
-            position[axis] = if axis == 2 { decimal(lower.at(at) + 0.5 * size[axis]) } else { place(&centre, step) };
+            position[axis] = match axis {
+                2 => decimal(lower.at(at) + 0.5 * size[axis]),
+                _ if free(&centre) => {
+                    let [low, high] = setting.problem.bounds.outline_mm[axis];
+                    let half = 0.5 * size[axis];
+                    decimal(place(&centre, step).min(high - half).max(low + half))
+                }
+                _ => centre.constant,
+            };
         }
     }
     let strength = shape.strength.at(at);

@@ -1,6 +1,6 @@
 //! What every film of a design must keep, as linear inequalities of the variables.
 
-use magsplice_layout::Brief;
+use magsplice_layout::{Brief, Symmetry};
 
 use crate::affine::Affine;
 use crate::pattern::{Pattern, Shape};
@@ -44,9 +44,20 @@ impl Bounds {
                 [low.min(lower), high.max(upper)]
             })
         };
+        let mut outline_mm = [0, 1].map(|axis| brief.outline_mm[axis].unwrap_or_else(|| extent(axis)));
+        // What holds for a tile holds for its images.
+        let within = |[low, high]: [f64; 2]| high.min(-low);
+        match brief.symmetry {
+            Symmetry::None => {}
+            Symmetry::Mirror => outline_mm = outline_mm.map(|range| [-within(range), within(range)]),
+            Symmetry::FourFold => {
+                let half = within(outline_mm[0]).min(within(outline_mm[1]));
+                outline_mm = [[-half, half]; 2];
+            }
+        }
         let shortest = tiles.iter().map(|tile| tile.size().x.min(tile.size().y)).fold(f64::INFINITY, f64::min);
         Bounds {
-            outline_mm: [0, 1].map(|axis| brief.outline_mm[axis].unwrap_or_else(|| extent(axis))),
+            outline_mm,
             smallest_cut_mm: brief.smallest_cut_mm.unwrap_or(shortest),
             gap_mm: brief.gap_mm,
             thickness_mm: brief.vary.thickness.then_some(brief.thickness_mm),
@@ -63,11 +74,9 @@ impl Bounds {
                 let side = upper.minus(lower);
                 rules.push(at_least(&side, self.smallest_cut_mm, Meaning::ShortestSide(tile)));
             }
-            for &(operation, index) in &shape.orbit.images {
-                for ([lower, upper], [low, high]) in shape.image_faces(operation).iter().zip(self.outline_mm) {
-                    rules.push(at_least(lower, low, Meaning::Outline(index)));
-                    rules.push(at_most(upper, high, Meaning::Outline(index)));
-                }
+            for ([lower, upper], [low, high]) in shape.faces[..2].iter().zip(self.outline_mm) {
+                rules.push(at_least(lower, low, Meaning::Outline(tile)));
+                rules.push(at_most(upper, high, Meaning::Outline(tile)));
             }
             if let Some([least, most]) = self.thickness_mm {
                 let height = shape.faces[2][1].minus(&shape.faces[2][0]);

@@ -61,6 +61,23 @@ impl Sampling {
         &self.computed
     }
 
+    /// How much each point of the grid counts where sums go over the points of another grid in the same region: a smooth function there is interpolated from here.
+    pub(crate) fn weights_of(&self, other: &Grid) -> Vec<f64> {
+        let along = [0, 1, 2].map(|axis| {
+            let nodes: Vec<f64> = (0..self.grid.counts[axis]).map(|i| self.grid.coordinate(axis, i)).collect();
+            let mut weights = vec![0.0; nodes.len()];
+            for i in 0..other.counts[axis] {
+                interpolate(&nodes, other.coordinate(axis, i), &mut weights);
+            }
+            weights
+        });
+        let weight = |index: usize| {
+            let [i, j, k] = self.grid.indices(index);
+            along[0][i] * along[1][j] * along[2][k]
+        };
+        (0..self.grid.len()).map(weight).collect()
+    }
+
     /// For each point of the grid the index of the computed one and what maps it there.
     pub(crate) fn images(&self) -> &[(usize, Operation)] {
         &self.images
@@ -113,6 +130,20 @@ impl Sampling {
             }
         }
         Some(Field { flux_density_t, slopes, variables })
+    }
+}
+
+/// Nodes that a value is interpolated from: with nine over two fifths of a wavelength the error is below 1e-6.
+const NODES: usize = 9;
+
+/// Adds to the weights of nodes what Lagrange's polynomial through those about `at` gives them there.
+fn interpolate(nodes: &[f64], at: f64, weights: &mut [f64]) {
+    let count = nodes.len().min(NODES);
+    let below = nodes.partition_point(|node| *node <= at);
+    let first = below.saturating_sub(count.div_ceil(2)).min(nodes.len() - count);
+    for i in first..first + count {
+        let others = (first..first + count).filter(|&k| k != i);
+        weights[i] += others.map(|k| (at - nodes[k]) / (nodes[i] - nodes[k])).product::<f64>();
     }
 }
 

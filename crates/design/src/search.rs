@@ -80,13 +80,14 @@ impl Setting<'_> {
     /// If no film keeps the rules, or the film to start from has no field or no parameters.
     pub fn search(&self, watch: Watch) -> Result<Outcome, DesignError> {
         self.figures(&self.tiles)?;
-        let BestOfStarts { best, agreeing, .. } = self.best_of_starts(watch)?;
-        self.finished(best, agreeing, watch)
+        let best = self.best_of_starts(watch)?;
+        self.finished(best, watch)
     }
 
     /// The stages after the starts.
-    pub(crate) fn finished(&self, best: Found, agreeing: usize, watch: Watch) -> Result<Outcome, DesignError> {
-        let stop = AtomicBool::new(false);
+    pub(crate) fn finished(&self, best: BestOfStarts, watch: Watch) -> Result<Outcome, DesignError> {
+        let BestOfStarts { best, agreeing, interrupted } = best;
+        let stop = AtomicBool::new(interrupted);
         let watch = |progress: Progress| {
             if stop.load(Ordering::Relaxed) || watch(progress).is_break() {
                 stop.store(true, Ordering::Relaxed);
@@ -192,7 +193,7 @@ impl Setting<'_> {
         // Errors within a tenth: squares within a fifth.
         let agreeing = merits().filter(|merit| *merit <= 1.2 * least).count();
         let best = all.into_iter().flatten().min_by(|a, b| a.merit().total_cmp(&b.merit()));
-        Ok(BestOfStarts { best: best.ok_or(DesignError::Singular)?, agreeing })
+        Ok(BestOfStarts { best: best.ok_or(DesignError::Singular)?, agreeing, interrupted: shared.stopped() })
     }
 
     /// A start away from the first one; `None` if none near there keeps the rules.
@@ -240,6 +241,7 @@ pub(crate) struct BestOfStarts {
     pub(crate) best: Found,
     /// How many starts came near it.
     pub(crate) agreeing: usize,
+    pub(crate) interrupted: bool,
 }
 
 /// What descents that run at the same time tell together.

@@ -61,6 +61,7 @@ impl<'a> Setting<'a> {
             ideal,
             ideal_field_t,
             amplitude: brief.least_amplitude,
+            amplitude_weights: [volume.grid, finer(&sampling.grid)].map(|grid| sampling.weights_of(&grid)).to_vec(),
         };
         let mut bounds = Bounds::of(&brief, &tiles);
         if brief.vary.position && !brief.vary.size {
@@ -93,8 +94,7 @@ impl<'a> Setting<'a> {
 
     /// The same region five times finer, to see that nothing hides between these points.
     pub fn finer_grid(&self) -> Grid {
-        let grid = self.grid();
-        Grid { counts: grid.counts.map(|n| FINER * (n - 1) + 1), ..*grid }
+        finer(self.grid())
     }
 
     /// The least amplitude asked for.
@@ -134,6 +134,10 @@ impl<'a> Setting<'a> {
 
 /// How much finer the grid is on which a design is confirmed.
 const FINER: usize = 5;
+
+fn finer(grid: &Grid) -> Grid {
+    Grid { counts: grid.counts.map(|n| FINER * (n - 1) + 1), ..*grid }
+}
 
 /// The region of the volume, with the step asked for or with as few points as are enough.
 fn design_grid(volume: &WorkingVolume, step_mm: Option<f64>) -> Grid {
