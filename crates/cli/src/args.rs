@@ -287,7 +287,7 @@ pub(crate) struct DesignArgs {
     pub(crate) front: bool,
     /// Least amplitudes of the front
     #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "front", value_parser = fraction,
-        default_value = "0.4,0.45,0.5,0.55,0.6,0.65,0.7,0.75,0.8,0.85")]
+        default_value = "0.6,0.7,0.8,0.85,0.9,0.95,1.0,1.05")]
     pub(crate) amplitudes: Vec<f64>,
     /// How to say what was found
     #[arg(long, value_enum, default_value = "text")]

@@ -54,7 +54,7 @@ impl Problem {
         Found { at, loss: errors.loss(), lack }
     }
 
-    fn errors(&self, pattern: &Pattern, at: &[f64], with_slopes: bool) -> Option<Errors> {
+    pub(crate) fn errors(&self, pattern: &Pattern, at: &[f64], with_slopes: bool) -> Option<Errors> {
         self.objective.errors(&self.sampling, &self.sampling.field(pattern, at, with_slopes)?)
     }
 
@@ -77,7 +77,7 @@ impl Problem {
         self.objective.goal == Goal::Field && pattern.kinds.iter().all(|kind| *kind == Kind::Strength)
     }
 
-    fn rules(&self, pattern: &Pattern, at: &[f64]) -> Vec<Rule> {
+    pub(crate) fn rules(&self, pattern: &Pattern, at: &[f64]) -> Vec<Rule> {
         let mut rules = self.bounds.of_tiles(pattern);
         // Each of two tiles may move and grow by a step.
         let reach = self.bounds.gap_mm + 4.0 * self.step(Kind::Length);

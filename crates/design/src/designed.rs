@@ -10,6 +10,9 @@ use crate::setting::Setting;
 /// Expectations leave this much to what is measured, as a fraction: round-off and other points.
 const ROOM: f64 = 0.01;
 
+/// Ends the names of films that were searched for.
+const DESIGNED: &str = ", designed";
+
 impl Setting<'_> {
     /// The layout of a film found: the tiles, what it reached as what it must meet, and a line of history. `program` is who found it, such as "magsplice 1.0 design".
     ///
@@ -19,6 +22,11 @@ impl Setting<'_> {
         for (named, tile) in layout.tiles.iter_mut().zip(&outcome.tiles) {
             (named.tile, named.kind) = (*tile, None);
         }
+        if !layout.name.ends_with(DESIGNED) {
+            layout.name += DESIGNED;
+        }
+        // What its author says is of the film before.
+        layout.description = None;
         let PerParameter { r_x, r_y, s_z } = outcome.after.uniformity_rmse;
         layout.expectations = Expectations {
             uniformity_rmse: [r_x, r_y, s_z].map(|reached| Some(up_to_three_digits(reached * (1.0 + ROOM)))),

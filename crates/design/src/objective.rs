@@ -168,3 +168,115 @@ fn add(into: &mut [f64], factor: f64, row: &[f64]) {
         *sum += factor * value;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::setting::Setting;
+    use magsplice_layout::{Goal, Layout};
+
+    /// Everything free at once, no symmetry lost on it: central differences in every variable, for every goal.
+    ///
+    /// With steps of 1e-5 of a millimetre, a radian or a tesla times the strength the differences are off by the third derivative times 1e-10 and by round-off over 1e-5: below 1e-7
+    /// of the largest slope of a variable.
+    #[test]
+    fn slopes_are_derivatives() {
+        let text = |design: &str, tiles: &str| {
+            format!(
+                "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n[volume]\nx_mm = [-1.5, 2.0]\ny_mm = [-1.0, 1.0]\n\
+                 z_mm = [-5.0, -3.0]\nstep_mm = 1.0\n[design]\n{design}\nthickness_mm = {{ min = 0.5, max = 2.0 }}\nstrength_t = {{ min = 0.0, max = 1.0 }}\n{tiles}"
+            )
+        };
+        let mirrored = "[[tile]]\nposition_mm = [2.5, 2.3, 0.5]\nsize_mm = [3.0, 2.0, 1.0]\npolarization_t = [0.12, 0.05, 0.01]\nmirror = { axes = [\"x\", \"y\"] }\n\
+                        [[tile]]\nposition_mm = [6.0, 0.0, 0.6]\nsize_mm = [2.0, 1.0, 1.2]\npolarization_t = [-0.1, 0.0, 0.02]\nmirror = { axes = [\"x\"] }\n";
+        let alone = "[[tile]]\nposition_mm = [1.5, 0.3, 0.5]\nsize_mm = [3.0, 2.0, 1.0]\npolarization_t = [0.12, 0.05, 0.01]\n\
+                     [[tile]]\nposition_mm = [-2.0, -0.4, 0.5]\nsize_mm = [2.0, 2.5, 1.0]\npolarization_t = [-0.1, 0.03, 0.0]\n";
+        let all = "\"thickness\", \"direction\", \"tilt\", \"strength\"]";
+        for (vary, symmetry, tiles) in [
+            (format!("vary = [\"size\", \"position\", {all}"), "mirror", mirrored),
+            (format!("vary = [\"cut\", {all}"), "mirror", mirrored),
+            (format!("vary = [\"size\", {all}"), "none", alone),
+            (format!("vary = [\"position\", {all}"), "none", alone),
+        ] {
+            for goal in [Goal::Uniformity, Goal::Displacement, Goal::Field] {
+                let text = text(
+                    &format!("{vary}\nsymmetry = \"{symmetry}\"\nweights = {{ r_x = 1.0, r_y = 2.0, s_z = 0.5 }}"),
+                    tiles,
+                );
+                let layout = Layout::parse(&text, "test").unwrap_or_else(|e| panic!("{e}"));
+                let mut brief = layout.brief.clone().unwrap();
+                brief.goal = goal;
+                let setting = Setting::with_brief(&layout, brief).unwrap();
+                assert!(setting.free() >= 8, "{}", setting.free());
+                let (pattern, sampling) = (&setting.pattern, &setting.problem.sampling);
+                let errors = |at: &[f64], with_slopes: bool| {
+                    setting
+                        .problem
+                        .objective
+                        .errors(sampling, &sampling.field(pattern, at, with_slopes).unwrap())
+                        .unwrap()
+                };
+                let at = &pattern.start;
+                let (here, n) = (errors(at, true), at.len());
+                for variable in 0..n {
+                    let h = 1e-5;
+                    let moved = |by: f64| {
+                        let mut at = at.clone();
+                        at[variable] += by;
+                        errors(&at, false)
+                    };
+                    let [above, below] = [h, -h].map(moved);
+                    let slopes: Vec<f64> = here.slopes.iter().skip(variable).step_by(n).copied().collect();
+                    let largest = slopes.iter().fold(0.0_f64, |most, slope| most.max(slope.abs()));
+                    assert!(largest > 0.0, "variable {variable} of {vary} changes nothing");
+                    for (row, slope) in slopes.iter().enumerate() {
+                        let difference = (above.values[row] - below.values[row]) / (2.0 * h);
+                        assert!(
+                            (difference - slope).abs() <= 1e-6 * largest,
+                            "{goal:?}, variable {variable} of {vary}, row {row}: {difference} is not {slope}"
+                        );
+                    }
+                    for (index, (_, slopes)) in here.amplitudes.iter().enumerate() {
+                        let difference = (above.amplitudes[index].0 - below.amplitudes[index].0) / (2.0 * h);
+                        assert!((difference - slopes[variable]).abs() <= 1e-7 * slopes[variable].abs().max(1e-2));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Amplitudes by weights are those over the other grid.
+    #[test]
+    fn weights_stand_for_a_finer_grid() {
+        let layout = Layout::read("../../layouts/published-film.toml".as_ref()).unwrap_or_else(|e| panic!("{e}"));
+        let setting = Setting::of(&layout).unwrap();
+        let field = setting.problem.sampling.field(&setting.pattern, &setting.pattern.start, false).unwrap();
+        let errors = setting.problem.objective.errors(&setting.problem.sampling, &field).unwrap();
+        let exact = crate::Figures::of(
+            &layout.bare_tiles(),
+            &setting.finer_grid(),
+            layout.volume.unwrap().reference_mm,
+            &layout.ideal.unwrap(),
+        );
+        let exact = exact.unwrap().amplitude;
+        // The coarse grid and the finer one differ by 7e-3.
+        assert!((errors.amplitudes[1].0 - exact).abs() < 2e-5, "{} is not {exact}", errors.amplitudes[1].0);
+        assert!((errors.amplitudes[0].0 - exact).abs() > 1e-4, "the grids differ");
+    }
+
+    /// Symmetry saves points and changes nothing.
+    #[test]
+    fn images_of_points_have_the_images_of_the_field() {
+        let layout = Layout::read("../../layouts/published-film.toml".as_ref()).unwrap_or_else(|e| panic!("{e}"));
+        let setting = Setting::of(&layout).unwrap();
+        let sampling = &setting.problem.sampling;
+        assert_eq!(sampling.grid.len(), 405);
+        // 15 points of an eighth of each plane, and the reference.
+        assert_eq!(sampling.computed().len(), 15 * 5 + 1);
+        let field = sampling.field(&setting.pattern, &setting.pattern.start, false).unwrap();
+        let scene = magsplice_field::Scene::new(&layout.bare_tiles());
+        for (point, &(index, operation)) in sampling.grid.points().zip(sampling.images()) {
+            let exact = scene.field(magsplice_field::Quantity::FluxDensity, point).unwrap();
+            assert!((operation.of(field.flux_density_t[index]) - exact).length() < 1e-15);
+        }
+    }
+}

@@ -386,9 +386,7 @@ impl Division {
                 tilt: Affine::constant(0.0),
                 strength: strength.clone(),
                 unit: placed.lies.of(unit_vector([in_degrees, 0.0])),
-                rotation: shape.rotation,
-                by_centre: true,
-                shares_size: true,
+                as_it_was: shape.as_it_was,
             });
         }
         pattern

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use magsplice_field::Tile;
 use magsplice_layout::{Brief, Symmetry, Vary};
 
@@ -31,13 +31,10 @@ pub(crate) struct Shape {
     /// Out of the plane towards z, in radians.
     pub(crate) tilt: Affine,
     pub(crate) strength: Affine,
-    /// Unit vector of the polarization of the tile it was made from, which holds to the last digit while no angle is free.
+    /// Unit vector of the polarization, which holds to the last digit while no angle is free.
     pub(crate) unit: DVec3,
-    pub(crate) rotation: DQuat,
-    /// Whether centre and size are rounded, not the faces: where one of them stays or is shared.
-    pub(crate) by_centre: bool,
-    /// Whether other tiles have the same size by intent.
-    pub(crate) shares_size: bool,
+    /// The tile it was made from.
+    pub(crate) as_it_was: Tile,
 }
 
 /// A film with some of its numbers free.
@@ -76,11 +73,19 @@ impl Shape {
         [0, 1].map(|end| DVec3::from([0, 1, 2].map(|axis| self.faces[axis][end].at(at))))
     }
 
+    /// Whether the faces normal to an axis, which are constants, are not those of the tile it was made from.
+    pub(crate) fn faces_moved(&self, axis: usize) -> bool {
+        let half = 0.5 * self.as_it_was.size()[axis];
+        let centre = self.as_it_was.position()[axis];
+        let [lower, upper] = &self.faces[axis];
+        lower.constant != centre - half || upper.constant != centre + half
+    }
+
     /// `None` where a side is not positive.
     pub(crate) fn tile(&self, at: &[f64]) -> Option<Tile> {
         let [lower, upper] = self.corners(at);
         let tile = Tile::new(0.5 * (lower + upper), upper - lower, self.polarization_t(at)).ok()?;
-        tile.rotated(self.rotation).ok()
+        tile.rotated(self.as_it_was.rotation()).ok()
     }
 
     /// Lower and upper faces along x and y of an image.
@@ -166,9 +171,7 @@ impl Making {
             tilt: if tilts { self.variable(Kind::Angle, tilt) } else { Affine::constant(tilt) },
             strength: if scales { self.variable(Kind::Strength, j.length()) } else { Affine::constant(j.length()) },
             unit: j.normalize_or_zero(),
-            rotation: tile.rotation(),
-            by_centre: brief.vary.size != brief.vary.position,
-            shares_size: false,
+            as_it_was: *tile,
         }
     }
 

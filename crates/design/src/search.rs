@@ -152,7 +152,8 @@ impl Setting<'_> {
     ) -> Result<(Vec<Tile>, [Figures; 2]), DesignError> {
         let mut rounds = 0;
         loop {
-            let tiles = rounding::rounded(&self, pattern, &found).ok_or(DesignError::NoField)?;
+            let at = rounding::rounded(&self, pattern, &found.at);
+            let tiles = rounding::tiles(pattern, &at).ok_or(DesignError::NoField)?;
             let figures = [self.figures(&tiles)?, self.finer_figures(&tiles)?];
             let short = self.brief.least_amplitude.map_or(0.0, |least| least - least_amplitude(&figures));
             let more = Progress {

@@ -44,6 +44,9 @@ pub(crate) const MOST_STEPS: usize = 150;
 /// Rules are kept to this: what the solver of quadratic programs leaves, far below the resolution of films, which are rounded so that they keep them.
 pub(crate) const KEPT_MM: f64 = 1e-6;
 
+/// So often a rounded film is improved by the linear model about it.
+pub(crate) const ROUNDINGS: usize = 4;
+
 /// So often a rounded film whose amplitude is short is designed for more.
 pub(crate) const ROUNDS_OF_AMPLITUDE: usize = 4;
 

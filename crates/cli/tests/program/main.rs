@@ -3,6 +3,7 @@
 mod bad_layouts;
 mod bad_points;
 mod checks;
+mod design;
 mod formats;
 mod help;
 #[cfg(target_os = "linux")]
@@ -82,6 +83,15 @@ impl Said {
         assert_eq!((self.status, self.stdout.as_str()), (2, ""), "stderr: {}", self.stderr);
         assert!(self.stderr.contains(message), "{message:?} is not in {:?}", self.stderr);
         assert!(self.stderr.starts_with("magsplice: ") && !self.stderr.contains("panicked"), "{:?}", self.stderr);
+    }
+}
+
+impl Said {
+    /// Asserts that the arguments were refused, with these words.
+    #[track_caller]
+    fn refuses_arguments(&self, message: &str) {
+        assert_eq!((self.status, self.stdout.as_str()), (2, ""), "stderr: {}", self.stderr);
+        assert!(self.stderr.contains(message), "{message:?} is not in {:?}", self.stderr);
     }
 }
 

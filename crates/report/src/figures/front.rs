@@ -58,7 +58,8 @@ pub(crate) fn draw(front: &Front) -> Result<String, String> {
         width: WIDTH_PX,
         height: HEIGHT_PX,
         x: [first - margin, last + margin],
-        y: [low.log10() - 0.15, high.log10() + 0.15],
+        // Room for a word above the film before.
+        y: [low.log10() - 0.15, high.log10() + if front.before.is_some() { 0.4 } else { 0.15 }],
     };
     sheet([LEFT_PX + WIDTH_PX + RIGHT_PX, TOP_PX + HEIGHT_PX + BELOW_PX + 8.0], |sheet| {
         decades(sheet, &panel)?;
