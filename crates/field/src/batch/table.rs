@@ -1,10 +1,10 @@
 //! The tiles of one frame prepared for many points.
 
-use std::collections::HashMap;
 use std::ops::Range as Span;
 use std::sync::OnceLock;
 
 use fearless_simd::Level;
+use rustc_hash::FxHashMap;
 
 use super::bars::decomposed;
 use super::cluster::Cluster;
@@ -58,7 +58,7 @@ impl FrameTable {
     pub(crate) fn of(blocks: &mut [Block]) -> FrameTable {
         let mut table = FrameTable::default();
         table.divide(blocks, 0);
-        let mut known: HashMap<[u64; 3], u32> = HashMap::new();
+        let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
         for block in &*blocks {
             let next = known.len() as u32;
             let shape = *known.entry(block.size.map(f64::to_bits)).or_insert(next);
