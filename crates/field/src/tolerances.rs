@@ -143,8 +143,12 @@ pub(crate) const POINTS_PER_FITTED_NODE: usize = 4;
 /// Of fewer tiles the exact field takes no longer than to sort points into batches.
 pub(crate) const TREE_TILES: usize = 64;
 
-/// Points that parts of a tree are assigned to together: more share the choice, fewer lie closer together and leave more of the tiles far away.
-pub(crate) const ASSIGNED_POINTS: usize = 256;
+/// Points for which is estimated together what may be left out, and of which those with a weak field are served together again.
+pub(crate) const ESTIMATED_POINTS: usize = 256;
+
+/// Of these the points that parts of a tree are assigned to together: more share the choice, fewer lie closer together, leave more of the tiles far away, and
+/// need lower degrees of expansions.
+pub(crate) const ASSIGNED_POINTS: usize = 64;
 
 /// Of these the points at which the field is found roughly first.
 pub(crate) const SAMPLED_POINTS: usize = 16;
