@@ -211,6 +211,30 @@ fn fitted_fields_keep_their_bounds() {
     assert!(fitted.get() > 100, "only {} boxes were fitted", fitted.get());
 }
 
+/// Boxes of all proportions, and cells that are no cubes; one tile turned.
+#[test]
+fn fitted_fields_have_neither_divergence_nor_curl() {
+    let mut tiles = film();
+    tiles.push(tiles[7].rotated(DQuat::from_rotation_y(0.4)).expect("a rotation"));
+    let scene = Scene::new(&tiles);
+    for (size, fraction) in
+        [([4.0, 4.0, 2.0], 1e-9), ([6.0, 0.01, 1.0], 1e-7), ([1e-5, 1e-5, 2.0], 1e-6), ([3.0, 1.0, 1e-9], 1e-5)]
+    {
+        let (size, lower) = (DVec3::from(size), DVec3::new(-2.0, -1.5, -5.0));
+        let fitted = FittedField::new(&scene, lower, lower + size, Tolerance::Relative(fraction)).expect("far enough");
+        for point in spread(lower, lower + size, 100) {
+            let slopes = fitted.flux_density_gradient(point).expect("inside");
+            let most = slopes.to_cols_array().iter().fold(0.0_f64, |most, slope| most.max(slope.abs()));
+            let divergence = slopes.x_axis.x + slopes.y_axis.y + slopes.z_axis.z;
+            let curl = slopes - slopes.transpose();
+            assert!(divergence.abs() <= 1e-12 * most, "{divergence:e} of {most:e}");
+            assert!(curl.to_cols_array().iter().all(|c| c.abs() <= 1e-12 * most), "{curl} of {most:e}");
+            let (b, exact) = (fitted.flux_density(point).expect("inside"), scene.field(Quantity::FluxDensity, point));
+            assert!((b - exact.expect("no tile is there")).length() <= fitted.error_t());
+        }
+    }
+}
+
 #[test]
 fn a_fitted_field_refuses_what_it_cannot_do() {
     let scene = Scene::new(&film());

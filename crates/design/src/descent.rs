@@ -109,7 +109,7 @@ impl Problem {
         }
     }
 
-    /// Goes down from `at`, which keeps the rules, until nothing is gained any more or `watch` breaks off; it is told of every step.
+    /// Goes down from `at`, which keeps the rules, until nothing is gained any more or `watch` breaks off; it is told of every step, better or not.
     pub(crate) fn descend(
         &self,
         pattern: &Pattern,
@@ -136,6 +136,9 @@ impl Problem {
             });
             let Some(better) = better else {
                 damping *= MORE_DAMPING;
+                if watch(&found).is_break() {
+                    break;
+                }
                 continue;
             };
             damping = (damping * LESS_DAMPING).max(LEAST_DAMPING);

@@ -180,6 +180,10 @@ impl Setting<'_> {
         let all: Vec<Option<Found>> = (0..self.brief.starts)
             .into_par_iter()
             .map(|index| {
+                // The first is always tried: there is to be a film.
+                if index > 0 && shared.stopped() {
+                    return None;
+                }
                 let start = if index == 0 { Some(first.clone()) } else { self.start(&first, index) };
                 let found = start.and_then(|at| {
                     let mut tell = |found: &Found| shared.tell(self.root_mean_square(found), found.lack == 0.0);

@@ -3,7 +3,7 @@
 //! On the seam inside a uniform body nothing happens, but the terms of the two blocks grow without bound there and cancel. Merged,
 //! they are not computed at all: the field has no seam, its gradient is exact, and there is less to do.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use crate::block::Block;
 use crate::two_sum::TwoSum;
@@ -32,7 +32,7 @@ pub(crate) fn merged(blocks: &[Block]) -> Vec<Block> {
 }
 
 fn merge_along(blocks: &mut [Option<Block>], axis: usize) {
-    let mut by_lower: HashMap<Contact, usize> = HashMap::new();
+    let mut by_lower: FxHashMap<Contact, usize> = FxHashMap::default();
     for (index, block) in blocks.iter().enumerate() {
         by_lower.insert(contact(block.as_ref().expect("only whole blocks are kept"), axis, 0), index);
     }

@@ -4,9 +4,8 @@
 //! turns are computed in one frame. Frames that have an axis in common, such as those of tiles turned about z, share the numbers
 //! along it. So faces of touching tiles can be compared, and a seam between them found.
 
-use std::collections::HashMap;
-
 use glam::{DMat3, DQuat, DVec3};
+use rustc_hash::FxHashMap;
 
 use crate::tolerances::{DIRECTION_CELL, SAME_ROTATION};
 
@@ -50,7 +49,7 @@ impl Orientations {
             directions.index_and_sign(axis);
         }
         let mut frames = vec![[0, 1, 2]];
-        let mut known = HashMap::from([([0, 1, 2], 0)]);
+        let mut known = FxHashMap::from_iter([([0, 1, 2], 0)]);
         let mut members = Vec::with_capacity(rotations.len());
         for rotation in rotations {
             let matrix = DMat3::from_quat(*rotation);
@@ -79,7 +78,7 @@ impl Orientations {
 #[derive(Default)]
 struct Directions {
     found: Vec<DVec3>,
-    by_cell: HashMap<[i64; 3], Vec<usize>>,
+    by_cell: FxHashMap<[i64; 3], Vec<usize>>,
 }
 
 impl Directions {

@@ -129,7 +129,7 @@ impl PolarizationMap {
 }
 
 /// The scalar product, in an order that does not depend on the processor.
-fn product(row: &[f64], j: &[f64]) -> f64 {
+pub(crate) fn product(row: &[f64], j: &[f64]) -> f64 {
     let mut sums = [0.0; CHAINS];
     let (rows, rest) = row.as_chunks::<CHAINS>();
     let (js, rest_j) = j.as_chunks::<CHAINS>();

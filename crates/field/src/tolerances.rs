@@ -143,8 +143,12 @@ pub(crate) const POINTS_PER_FITTED_NODE: usize = 4;
 /// Of fewer tiles the exact field takes no longer than to sort points into batches.
 pub(crate) const TREE_TILES: usize = 64;
 
-/// Points that parts of a tree are assigned to together: more share the choice, fewer lie closer together and leave more of the tiles far away.
-pub(crate) const ASSIGNED_POINTS: usize = 256;
+/// Points for which is estimated together what may be left out, and of which those with a weak field are served together again.
+pub(crate) const ESTIMATED_POINTS: usize = 256;
+
+/// Of these the points that parts of a tree are assigned to together: more share the choice, fewer lie closer together, leave more of the tiles far away, and
+/// need lower degrees of expansions.
+pub(crate) const ASSIGNED_POINTS: usize = 64;
 
 /// Of these the points at which the field is found roughly first.
 pub(crate) const SAMPLED_POINTS: usize = 16;
@@ -161,7 +165,7 @@ pub(crate) const USED_SHARE: f64 = 0.5;
 /// A rough field must be so many times what it leaves out.
 pub(crate) const CLEAR_OF_ERROR: f64 = 4.0;
 
-/// Where it is not, or where a tolerance has been missed, at most this fraction may be left out the next time.
+/// Where it is not, at most this fraction may be left out the next time.
 pub(crate) const ROUGH_STEP: f64 = 1e-2;
 
 /// Of the tolerance, what may be left out at the weakest of some points: between them the field may be weaker.
@@ -285,10 +289,14 @@ pub(crate) const CHECKED_POINTS: usize = 24;
 /// Where |B| is below this fraction of its most in a box, points get the exact field rather than the box more nodes.
 pub(crate) const LOWEST_FIELD_SHARE: f64 = 1e-2;
 
-/// Terms of a cell's expansion along each axis. Fewer make more cells, which no longer fit the second cache; more take longer for each point.
-pub(crate) const CELL_NODES: usize = 8;
+/// The degree of the field in a cell. Lower ones make more cells, which no longer fit the second cache and get fewer points each; higher ones take longer
+/// for each point.
+pub(crate) const CELL_DEGREE: usize = 9;
 
-/// Cells of a box, at most: 100 MB.
+/// What a cell leaves out falls with its size to this power, as a first guess: that of the next degree, 10, is reached only by small cells.
+pub(crate) const CELL_FALL: f64 = 7.0;
+
+/// Cells of a box, at most: 22 MB.
 pub(crate) const MOST_CELLS: usize = 8192;
 
 /// How often cells are made smaller until their error is small enough.
@@ -298,7 +306,7 @@ pub(crate) const CELL_ROUNDS: usize = 12;
 pub(crate) const MOST_FITTED_NODES: usize = 200_000;
 
 /// Points sorted by cell together, at least and at most: the more, the more share a cell's coefficients.
-pub(crate) const LOOKED_UP_TOGETHER: [usize; 2] = [1 << 10, 1 << 15];
+pub(crate) const LOOKED_UP_TOGETHER: [usize; 2] = [1 << 10, 1 << 14];
 
 const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)

@@ -114,7 +114,7 @@ fn describe(text: &mut String, part: &PlannedPart, tiles: usize) {
             ],
         ),
         Model::Cells { lower: l, upper: u, cells: [x, y, z], error_t, distance } => (
-            "Chebyshev expansions of the cells of the box",
+            "harmonic potentials of the cells of the box",
             vec![
                 ("box", format!("x {} .. {}, y {} .. {}, z {} .. {} mm", l.x, u.x, l.y, u.y, l.z, u.z)),
                 ("cells", format!("{x} x {y} x {z}")),

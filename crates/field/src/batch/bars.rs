@@ -3,9 +3,8 @@
 //! Where tiles in a row share one component of J in different strength, a bar over all of them with the least strength and cuboids for the rest
 //! are fewer. Only strengths of one sign are taken apart, so the parts add up and nothing cancels.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 use crate::block::Block;
 use crate::tolerances::LONGEST_NEEDLE;
@@ -38,7 +37,7 @@ fn element_count(j: DVec3) -> usize {
 /// The part of the blocks with this component of J, in bars along one axis.
 fn rows(blocks: &[Block], component: usize, along: usize) -> Vec<Block> {
     let magnetized = blocks.iter().filter(|block| block.polarization_t[component] != 0.0);
-    let mut by_outline: HashMap<[[u64; 4]; 2], Vec<&Block>> = HashMap::new();
+    let mut by_outline: FxHashMap<[[u64; 4]; 2], Vec<&Block>> = FxHashMap::default();
     for block in magnetized {
         let outline = [1, 2].map(|next| {
             let [low, high] = block.faces[(along + next) % 3];

@@ -1,6 +1,6 @@
 //! Tiles of one frame prepared for the closed form in vectors: shared corners, and groups of equal strength.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use super::terms::{AA, Group, NO_GROUP, Terms, TileTerms};
 use crate::block::Block;
@@ -63,7 +63,7 @@ impl Cluster {
 struct Groups {
     all: Vec<Group>,
     /// Number, tiles and volume of the one that takes the next term.
-    open: HashMap<(bool, [u64; 3]), (u16, usize, f64)>,
+    open: FxHashMap<(bool, [u64; 3]), (u16, usize, f64)>,
     most_volume: f64,
     largest_volume: f64,
 }
@@ -96,8 +96,8 @@ impl Groups {
 struct Numbers {
     planes: Vec<(usize, TwoSum)>,
     corners: Vec<[u16; 3]>,
-    known_planes: [HashMap<[u64; 2], u16>; 3],
-    known_corners: HashMap<[u16; 3], u16>,
+    known_planes: [FxHashMap<[u64; 2], u16>; 3],
+    known_corners: FxHashMap<[u16; 3], u16>,
 }
 
 impl Numbers {

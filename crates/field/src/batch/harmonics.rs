@@ -1,12 +1,14 @@
 //! Moments of tiles in regular solid harmonics (docs/physics.md, section 2.8).
 
-use std::collections::HashMap;
+use std::any::Any;
+use std::cell::RefCell;
 use std::f64::consts::PI;
 use std::ops::{Add, Mul, Sub};
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::{DMat3, DVec3};
+use rustc_hash::FxHashMap;
 
 use super::lanes::{LONGEST_VECTOR, Lanes, Number};
 
@@ -118,11 +120,14 @@ impl Moments {
         let degree = self.degree();
         let shapes = Shapes::of(sources);
         let mut points: Vec<Triangle<f64>> = shapes.half_sides.iter().map(|_| Triangle::new(degree, 0.0)).collect();
-        let mut room = [0, 1, 2].map(|_| Triangle::new(degree, zero));
+        // What is not written anew is zero in all of them.
+        let kept = ROOM.take().and_then(|room| room.downcast::<[Triangle<Lanes<S>>; 3]>().ok());
+        let kept = kept.filter(|room| room[0].degree == degree);
+        let mut room = kept.unwrap_or_else(|| Box::new([0, 1, 2].map(|_| Triangle::new(degree, zero))));
         for (sources, shapes) in sources.chunks(Lanes::<S>::LEN).zip(shapes.of_source.chunks(Lanes::<S>::LEN)) {
             let centre = side_by_side(simd, sources, |source| source.centre);
             let moment = side_by_side(simd, sources, |source| source.polarization_t * (source.volume() / (4.0 * PI)));
-            let [harmonics, potential, _] = &mut room;
+            let [harmonics, potential, _] = &mut *room;
             harmonics.set_harmonics(centre, zero, Lanes::<S>::splat(simd, 1.0));
             potential.set_derivative(harmonics, Along::Any(moment), degree);
             for (lane, &shape) in shapes.iter().enumerate() {
@@ -130,7 +135,7 @@ impl Moments {
             }
         }
         for (points, half_sides) in points.chunks(Lanes::<S>::LEN).zip(shapes.half_sides.chunks(Lanes::<S>::LEN)) {
-            let [potential, before, derived] = &mut room;
+            let [potential, before, derived] = &mut *room;
             potential.set_lanes(simd, points);
             for axis in 0..3 {
                 before.re.copy_from_slice(&potential.re);
@@ -150,9 +155,15 @@ impl Moments {
                 self.0.add_lane(potential, lane);
             }
         }
+        ROOM.set(Some(room));
         // The moments are of conjugate harmonics.
         self.0.im.iter_mut().for_each(|im| *im = -*im);
     }
+}
+
+thread_local! {
+    /// Three triangles of the vectors last used: 300 kB, too much to be asked of the system for each group of tiles.
+    static ROOM: RefCell<Option<Box<dyn Any>>> = const { RefCell::new(None) };
 }
 
 /// Which sources have the same sides.
@@ -163,7 +174,7 @@ struct Shapes {
 
 impl Shapes {
     fn of(sources: &[Source]) -> Shapes {
-        let mut known: HashMap<[u64; 9], usize> = HashMap::new();
+        let mut known: FxHashMap<[u64; 9], usize> = FxHashMap::default();
         let mut shapes = Shapes { half_sides: Vec::new(), of_source: Vec::new() };
         for source in sources {
             let [x, y, z] = source.half_sides.map(|side| side.to_array().map(f64::to_bits));
@@ -191,13 +202,16 @@ fn side_by_side<S: Simd, T>(simd: S, things: &[T], vector: impl Fn(&T) -> DVec3)
 }
 
 /// What harmonics are computed with: a double, or one for each of several tiles.
-trait Scalar: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self> {}
+pub(crate) trait Scalar:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self>
+{
+}
 
 impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Mul<f64, Output = T>> Scalar for T {}
 
 /// A vector along which something is derived; those along an axis take less.
 #[derive(Clone, Copy)]
-enum Along<N> {
+pub(crate) enum Along<N> {
     X(N),
     Y(N),
     Z(N),
@@ -206,7 +220,7 @@ enum Along<N> {
 
 /// Complex numbers by degree l and order m. Rows have room for the orders -1, l + 1 and l + 2, so that all three neighbours in the row before exist.
 #[derive(Clone, Debug)]
-struct Triangle<N> {
+pub(crate) struct Triangle<N> {
     degree: usize,
     re: Vec<N>,
     im: Vec<N>,
@@ -214,7 +228,7 @@ struct Triangle<N> {
 
 impl<N: Scalar> Triangle<N> {
     #[inline(always)]
-    fn new(degree: usize, zero: N) -> Triangle<N> {
+    pub(crate) fn new(degree: usize, zero: N) -> Triangle<N> {
         let count = row_start(degree + 1);
         Triangle { degree, re: vec![zero; count], im: vec![zero; count] }
     }
@@ -254,7 +268,7 @@ impl<N: Scalar> Triangle<N> {
 
     /// The harmonics R at a point.
     #[inline(always)]
-    fn set_harmonics(&mut self, [x, y, z]: [N; 3], zero: N, one: N) {
+    pub(crate) fn set_harmonics(&mut self, [x, y, z]: [N; 3], zero: N, one: N) {
         let square = x * x + y * y + z * z;
         self.set(0, 0, [one, zero]);
         self.complete_row(0);
@@ -277,7 +291,7 @@ impl<N: Scalar> Triangle<N> {
 
     /// The derivative of the harmonics of the degree before (Eq. P22).
     #[inline(always)]
-    fn derivative(&self, along: Along<N>, l: usize, m: usize) -> [N; 2] {
+    pub(crate) fn derivative(&self, along: Along<N>, l: usize, m: usize) -> [N; 2] {
         let place = self.place(l - 1, m);
         let (re, im) = (&self.re[place - 1..place + 2], &self.im[place - 1..place + 2]);
         match along {

@@ -18,7 +18,7 @@ mod closed_form;
 mod cluster;
 mod expansion;
 mod functions;
-mod harmonics;
+pub(crate) mod harmonics;
 pub(crate) mod instruction_set;
 pub(crate) mod lanes;
 mod multipole;

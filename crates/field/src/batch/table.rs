@@ -1,10 +1,11 @@
 //! The tiles of one frame prepared for many points.
 
-use std::collections::HashMap;
+use std::cmp::Ordering;
 use std::ops::Range as Span;
 use std::sync::OnceLock;
 
 use fearless_simd::Level;
+use rustc_hash::FxHashMap;
 
 use super::bars::decomposed;
 use super::cluster::Cluster;
@@ -57,8 +58,11 @@ impl FrameTable {
     /// Brings `blocks` into an order in which neighbours are close to each other, and prepares them.
     pub(crate) fn of(blocks: &mut [Block]) -> FrameTable {
         let mut table = FrameTable::default();
-        table.divide(blocks, 0);
-        let mut known: HashMap<[u64; 3], u32> = HashMap::new();
+        let mut places: Vec<Place> = blocks.iter().enumerate().map(|(index, block)| Place::of(index, block)).collect();
+        let mut ordered = Vec::with_capacity(blocks.len());
+        table.divide(blocks, &mut places, None, &mut ordered);
+        blocks.clone_from_slice(&ordered);
+        let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
         for block in &*blocks {
             let next = known.len() as u32;
             let shape = *known.entry(block.size.map(f64::to_bits)).or_insert(next);
@@ -83,47 +87,77 @@ impl FrameTable {
         self.series.get(self.tiles[block].shape as usize)
     }
 
-    fn divide(&mut self, blocks: &mut [Block], start: usize) {
+    /// Brings the `blocks` at some places, which are sorted along `axes` if these are given, into order.
+    fn divide(&mut self, blocks: &[Block], places: &mut [Place], axes: Option<[usize; 3]>, ordered: &mut Vec<Block>) {
+        let start = ordered.len();
+        if places.len() <= TILES_PER_CLUSTER {
+            if let Some(axes) = axes {
+                places.sort_unstable_by(|a, b| a.compare(b, axes));
+            }
+            ordered.extend(places.iter().map(|place| blocks[place.index].clone()));
+            if self.take_together(&ordered[start..], start) {
+                return;
+            }
+            ordered.truncate(start);
+        }
+        let axes = longest_first(places);
+        let (low, high) = halved(places, axes);
+        self.divide(blocks, low, Some(axes), ordered);
+        self.divide(blocks, high, Some(axes), ordered);
+    }
+
+    /// Whether blocks that are now at `start` are none, one, or some that one form serves.
+    fn take_together(&mut self, blocks: &[Block], start: usize) -> bool {
         match blocks {
             [] => {}
-            [block] => {
-                let range = Range::of_tile(block);
-                self.clusters.push(Together::new(start..start + 1, range, None));
-            }
+            [block] => self.clusters.push(Together::new(start..start + 1, Range::of_tile(block), None)),
             _ => {
-                if blocks.len() <= TILES_PER_CLUSTER {
-                    let parts = decomposed(blocks);
-                    if let Some(cluster) = Cluster::of(&parts, Range::scale_of(&parts)) {
-                        let range = Range::of_tiles(&parts, blocks.len(), cluster.largest_group_volume);
-                        if range.is_compact() {
-                            let blocks = start..start + blocks.len();
-                            self.clusters.push(Together::new(blocks, range, Some(cluster)));
-                            return;
-                        }
-                    }
+                let parts = decomposed(blocks);
+                let Some(cluster) = Cluster::of(&parts, Range::scale_of(&parts)) else { return false };
+                let range = Range::of_tiles(&parts, blocks.len(), cluster.largest_group_volume);
+                if !range.is_compact() {
+                    return false;
                 }
-                let middle = blocks.len() / 2;
-                sort_along_longest(blocks);
-                let (low, high) = blocks.split_at_mut(middle);
-                self.divide(low, start);
-                self.divide(high, start + middle);
+                self.clusters.push(Together::new(start..start + blocks.len(), range, Some(cluster)));
             }
         }
+        true
     }
 }
 
-/// Sorts by position along the axis on which the blocks reach farthest, ties along the next axes.
-fn sort_along_longest(blocks: &mut [Block]) {
-    let at = |block: &Block, axis: usize| 0.5 * block.faces[axis][0].hi + 0.5 * block.faces[axis][1].hi;
+/// Where a block is: what is sorted instead of the blocks, which are ten times larger.
+#[derive(Clone, Copy)]
+struct Place {
+    centre: [f64; 3],
+    index: usize,
+}
+
+impl Place {
+    fn of(index: usize, block: &Block) -> Place {
+        Place { centre: block.faces.map(|[low, high]| 0.5 * low.hi + 0.5 * high.hi), index }
+    }
+
+    /// By position along axes, those of one position as they were.
+    fn compare(&self, other: &Place, axes: [usize; 3]) -> Ordering {
+        let along = axes.map(|axis| self.centre[axis].total_cmp(&other.centre[axis]));
+        along[0].then(along[1]).then(along[2]).then(self.index.cmp(&other.index))
+    }
+}
+
+/// The axis along which the places reach farthest, and those that follow it.
+fn longest_first(places: &[Place]) -> [usize; 3] {
     let reach = |axis: usize| {
-        let positions = blocks.iter().map(|b| at(b, axis));
+        let positions = places.iter().map(|place| place.centre[axis]);
         positions.clone().fold(f64::NEG_INFINITY, f64::max) * 0.5 - positions.fold(f64::INFINITY, f64::min) * 0.5
     };
     let reaches = [0, 1, 2].map(reach);
     let longest = (0..3).max_by(|&a, &b| reaches[a].total_cmp(&reaches[b])).expect("three axes");
-    let axes = [longest, (longest + 1) % 3, (longest + 2) % 3];
-    blocks.sort_by(|a, b| {
-        let along = axes.map(|axis| at(a, axis).total_cmp(&at(b, axis)));
-        along[0].then(along[1]).then(along[2])
-    });
+    [longest, (longest + 1) % 3, (longest + 2) % 3]
+}
+
+/// Those that come first along axes, and the others.
+fn halved(places: &mut [Place], axes: [usize; 3]) -> (&mut [Place], &mut [Place]) {
+    let middle = places.len() / 2;
+    places.select_nth_unstable_by(middle, |a, b| a.compare(b, axes));
+    places.split_at_mut(middle)
 }

@@ -12,9 +12,9 @@ use crate::evaluate::{PointError, neighbours_together};
 use crate::quantity::{MU_0, Quantity};
 use crate::scene::{Cause, Scene, is_in_range};
 use crate::tolerances::{
-    ASSIGNED_POINTS, ASSIGNMENT_ROUNDS, CLEAR_OF_ERROR, LOOKED_UP_POINTS, LOOKED_UP_TILES, POINTS_PER_FITTED_NODE,
-    POINTS_TOGETHER, ROUGH_FIELD_OVER_J, ROUGH_NODES, ROUGH_STEP, SAFE_SHARE, SAMPLED_POINTS, STRETCHED_BOUND,
-    TREE_TILES, USED_SHARE,
+    ASSIGNED_POINTS, ASSIGNMENT_ROUNDS, CLEAR_OF_ERROR, ESTIMATED_POINTS, LOOKED_UP_POINTS, LOOKED_UP_TILES,
+    POINTS_PER_FITTED_NODE, POINTS_TOGETHER, ROUGH_FIELD_OVER_J, ROUGH_NODES, ROUGH_STEP, SAFE_SHARE, SAMPLED_POINTS,
+    STRETCHED_BOUND, TREE_TILES, USED_SHARE,
 };
 
 /// B or H at all points; points that have none, with NaN there.
@@ -56,15 +56,15 @@ fn at_some_points(
         }
         None => (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect(),
     };
-    let order = neighbours_together(points, usable, ASSIGNED_POINTS);
+    let order = batches_together(points, usable);
     let near: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
     let mut values = vec![DVec3::NAN; near.len()];
-    let batches = near.par_chunks(ASSIGNED_POINTS).zip(values.par_chunks_mut(ASSIGNED_POINTS)).enumerate();
+    let batches = near.par_chunks(ESTIMATED_POINTS).zip(values.par_chunks_mut(ESTIMATED_POINTS)).enumerate();
     let outcomes: Vec<Outcome> = batches
         .map(|(number, (points, values))| {
             let mut batch = Batch { scene, tolerance, quantity, points, values, outcome: Outcome::default() };
             batch.serve();
-            batch.outcome.shifted(number * ASSIGNED_POINTS)
+            batch.outcome.shifted(number * ESTIMATED_POINTS)
         })
         .collect();
     for (&index, value) in order.iter().zip(values) {
@@ -97,16 +97,28 @@ pub(super) fn fitted(scene: &Scene, tolerance: Tolerance, points: &[DVec3]) -> O
 /// The first parts that [`at_points`] tries for each batch of points, with the number of points.
 pub(super) fn assignments(scene: &Scene, tolerance: Tolerance, points: &[DVec3]) -> Vec<(usize, Assignment)> {
     let usable = (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect();
-    let order = neighbours_together(points, usable, ASSIGNED_POINTS);
-    let batches = order.par_chunks(ASSIGNED_POINTS).map(|order| {
+    let order = batches_together(points, usable);
+    let batches = order.par_chunks(ESTIMATED_POINTS).flat_map_iter(|order| {
         let points: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
         let mut values = vec![DVec3::NAN; points.len()];
         let quantity = Quantity::FluxDensity;
         let batch =
             Batch { scene, tolerance, quantity, points: &points, values: &mut values, outcome: Outcome::default() };
-        (points.len(), batch.assigned(&points, batch.first_allowance()))
+        let allowance = batch.first_allowance();
+        let parts = points.chunks(ASSIGNED_POINTS);
+        parts.map(|points| (points.len(), batch.assigned(points, allowance))).collect::<Vec<_>>()
     });
     batches.collect()
+}
+
+/// An order in which neighbours follow each other: all points of a batch, and of these those that share an assignment.
+fn batches_together(points: &[DVec3], usable: Vec<u32>) -> Vec<u32> {
+    let mut order = neighbours_together(points, usable, ESTIMATED_POINTS);
+    for batch in order.chunks_mut(ESTIMATED_POINTS) {
+        let parts = neighbours_together(points, batch.to_vec(), ASSIGNED_POINTS);
+        batch.copy_from_slice(&parts);
+    }
+    order
 }
 
 /// Points that lie together.
@@ -136,6 +148,25 @@ impl Outcome {
     }
 }
 
+/// What the next round is about.
+struct Next {
+    /// Points at which the tolerance has not been reached.
+    missed: Vec<usize>,
+    /// The least |B| there.
+    least_t: f64,
+    /// Whether more than rounding is in the way.
+    may_be_reached: bool,
+    /// The most that was left out, and the most expansions, of any points that shared an assignment.
+    left_out_t: f64,
+    expansions: usize,
+}
+
+impl Default for Next {
+    fn default() -> Next {
+        Next { missed: Vec::new(), least_t: f64::INFINITY, may_be_reached: false, left_out_t: 0.0, expansions: 0 }
+    }
+}
+
 /// What an assignment may leave out.
 #[derive(Clone, Copy)]
 struct Allowance {
@@ -146,39 +177,49 @@ struct Allowance {
 
 impl Batch<'_> {
     fn serve(&mut self) {
-        let mut open: Vec<usize> = (0..self.points.len()).collect();
+        let all: Vec<usize> = (0..self.points.len()).collect();
         let mut allowance = self.first_allowance();
-        for _ in 0..ASSIGNMENT_ROUNDS {
-            let points: Vec<DVec3> = open.iter().map(|&index| self.points[index]).collect();
-            let (assignment, values, failed) = self.evaluate(&points, allowance);
-            let error_t = assignment.left_out_t + STRETCHED_BOUND * assignment.magnitude_t;
-            let mut least_t = f64::INFINITY;
-            let mut missed = Vec::new();
-            let mut may_be_reached = false;
-            for (&index, value) in open.iter().zip(values) {
-                self.values[index] = value;
-                let b = value * self.in_tesla();
-                if !value.is_nan() && !self.tolerance.is_kept(b, error_t) {
-                    least_t = least_t.min(b.length());
-                    missed.push(index);
-                    may_be_reached |= !self.tolerance.is_kept(b, assignment.left_out_t);
-                }
-            }
-            self.outcome.failed.extend(failed.into_iter().map(|(number, cause)| (open[number], cause)));
-            open = missed;
+        let mut next = Next::default();
+        for part in all.chunks(ASSIGNED_POINTS) {
+            self.serve_some(part, allowance, &mut next);
+        }
+        // Points at which the field is weak are few, and taken together from here on.
+        for _ in 1..ASSIGNMENT_ROUNDS {
             // Against rounding it does not help to leave out less.
-            if !may_be_reached {
+            if !next.may_be_reached {
                 break;
             }
-            let nodes = USED_SHARE * assignment.expansions() as f64 + ROUGH_NODES;
             let wanted_t = match self.tolerance {
-                Tolerance::Relative(fraction) => fraction * least_t,
+                Tolerance::Relative(fraction) => fraction * next.least_t,
                 Tolerance::AbsoluteT(error_t) => error_t,
             };
+            let nodes = USED_SHARE * next.expansions as f64 + ROUGH_NODES;
             // Less than before in any case.
-            allowance = Allowance { whole_t: (SAFE_SHARE * wanted_t).min(ROUGH_STEP * assignment.left_out_t), nodes };
+            let whole_t = SAFE_SHARE * wanted_t.min(next.left_out_t);
+            allowance = Allowance { whole_t, nodes };
+            let open = std::mem::take(&mut next).missed;
+            self.serve_some(&open, allowance, &mut next);
         }
-        self.outcome.missed = open;
+        self.outcome.missed = next.missed;
+    }
+
+    /// Points that share an assignment.
+    fn serve_some(&mut self, open: &[usize], allowance: Allowance, next: &mut Next) {
+        let points: Vec<DVec3> = open.iter().map(|&index| self.points[index]).collect();
+        let (assignment, values, failed) = self.evaluate(&points, allowance);
+        let error_t = assignment.left_out_t + STRETCHED_BOUND * assignment.magnitude_t;
+        for (&index, value) in open.iter().zip(values) {
+            self.values[index] = value;
+            let b = value * self.in_tesla();
+            if !value.is_nan() && !self.tolerance.is_kept(b, error_t) {
+                next.least_t = next.least_t.min(b.length());
+                next.missed.push(index);
+                next.may_be_reached |= !self.tolerance.is_kept(b, assignment.left_out_t);
+            }
+        }
+        self.outcome.failed.extend(failed.into_iter().map(|(number, cause)| (open[number], cause)));
+        next.left_out_t = next.left_out_t.max(assignment.left_out_t);
+        next.expansions = next.expansions.max(assignment.expansions());
     }
 
     fn first_allowance(&self) -> Allowance {

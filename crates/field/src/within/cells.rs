@@ -1,163 +1,275 @@
-//! The cells of a box: their expansions, and the field in them.
+//! The cells of a box: the harmonic potentials in them, from the expansion of the whole box, and what they leave out.
 
 use fearless_simd::Level;
-use fearless_simd::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::chebyshev::{nodes, polynomials, transform};
 use super::combine::{combine, padded};
 use super::fit::{Fit, tail_of};
-use crate::batch::lanes::{LONGEST_VECTOR, Lanes, Number};
-use crate::tolerances::CELL_NODES;
+use super::harmonic::{CELL, Potential, harmonics};
+use crate::polarization_map::product;
+use crate::tolerances::CELL_DEGREE;
 
-/// Room for the coefficients of equal degree along x and y.
-const LINE: usize = CELL_NODES.next_multiple_of(LONGEST_VECTOR);
-/// Room for the coefficients of one component in a cell.
-const COMPONENT: usize = CELL_NODES * CELL_NODES * LINE;
-/// Room for those of a cell.
-pub(super) const CELL: usize = 3 * COMPONENT;
+/// Nodes of a cell along each axis: no fewer, or the gradients of the potentials are not told from each other.
+const NODES: usize = if CELL_DEGREE % 2 == 1 { CELL_DEGREE + 1 } else { CELL_DEGREE + 2 };
+/// Of them on one side of the middle, as many as there are even degrees, or odd ones.
+const HALF: usize = NODES / 2;
+/// Coefficients that are even or odd along the axes alike.
+const ALIKE: usize = HALF * HALF * HALF;
+/// Coefficients of one component.
+const COMPONENT: usize = 8 * ALIKE;
 
-/// The sum over the degrees of a cell's coefficients times a number for each degree along x, y and z.
-#[inline(always)]
-pub(super) fn sum_of_products<S: Simd>(simd: S, coefficients: &[f64], [x, y, z]: &[[f64; CELL_NODES]; 3]) -> DVec3 {
-    let length = Lanes::<S>::LEN;
-    let mut along_z = [0.0; LINE];
-    along_z[..CELL_NODES].copy_from_slice(z);
-    let mut field = [0.0; 3];
-    for (field, coefficients) in field.iter_mut().zip(coefficients.chunks_exact(COMPONENT)) {
-        for start in (0..LINE).step_by(length) {
-            // Sums that do not wait for each other.
-            let mut sums = [Lanes::<S>::splat(simd, 0.0); CELL_NODES];
-            for (plane, x) in coefficients.chunks_exact(CELL_NODES * LINE).zip(x) {
-                for ((sum, line), y) in sums.iter_mut().zip(plane.chunks_exact(LINE)).zip(y) {
-                    *sum = Lanes::<S>::load(simd, &line[start..start + length]).scale_add(x * y, *sum);
-                }
-            }
-            let mut total = sums[0];
-            for sum in &sums[1..] {
-                total = total + *sum;
-            }
-            let total = total * Lanes::<S>::load(simd, &along_z[start..start + length]);
-            for lane in 0..length {
-                *field += total.lane(lane);
-            }
-        }
-    }
-    DVec3::from(field)
+/// Of a gradient what is left beside those before, as a fraction of it, below which it is none of its own: far above round-off. Only in cells that are
+/// thousands of times longer than wide are there such.
+const OF_ITS_OWN: f64 = 1e-10;
+
+/// All cells of a box, one shape.
+pub(super) struct Cells {
+    /// [`CELL`] numbers for each.
+    pub(super) numbers: Vec<f64>,
+    /// At most what any of them leaves out of the expansion of the box, in tesla.
+    pub(super) left_out_t: f64,
 }
 
-/// All points of a cell, two vectors at a time.
-#[inline(always)]
-pub(super) fn in_cell<S: Simd>(
-    simd: S,
-    coefficients: &[f64],
-    order: &[u32],
-    places: &[(u32, DVec3)],
-    field: &mut [DVec3],
-) {
-    let length = Lanes::<S>::LEN;
-    for order in order.chunks(2 * length) {
-        let mut coordinates = [[0.0; 2 * LONGEST_VECTOR]; 3];
-        for (lane, &index) in order.iter().enumerate() {
-            for (axis, c) in places[index as usize].1.to_array().into_iter().enumerate() {
-                coordinates[axis][lane] = c;
-            }
-        }
-        let mut along = [[[Lanes::<S>::splat(simd, 0.0); 2]; CELL_NODES]; 3];
-        for (axis, along) in along.iter_mut().enumerate() {
-            for half in 0..2 {
-                let t = Lanes::<S>::load(simd, &coordinates[axis][half * length..(half + 1) * length]);
-                let (mut last, mut value) = (t, Lanes::<S>::splat(simd, 1.0));
-                for entry in along.iter_mut() {
-                    entry[half] = value;
-                    (last, value) = (value, (t * 2.0).mul_sub(value, last));
-                }
-            }
-        }
-        for component in 0..3 {
-            let coefficients = &coefficients[component * COMPONENT..(component + 1) * COMPONENT];
-            let mut sum = [Lanes::<S>::splat(simd, 0.0); 2];
-            for (plane, x) in coefficients.chunks_exact(CELL_NODES * LINE).zip(&along[0]) {
-                let mut in_plane = [Lanes::<S>::splat(simd, 0.0); 2];
-                for (line, y) in plane.chunks_exact(LINE).zip(&along[1]) {
-                    let mut on_line = [Lanes::<S>::splat(simd, 0.0); 2];
-                    for (c, z) in line.iter().zip(&along[2]) {
-                        on_line[0] = z[0].scale_add(*c, on_line[0]);
-                        on_line[1] = z[1].scale_add(*c, on_line[1]);
-                    }
-                    in_plane[0] = on_line[0].mul_add(y[0], in_plane[0]);
-                    in_plane[1] = on_line[1].mul_add(y[1], in_plane[1]);
-                }
-                sum[0] = in_plane[0].mul_add(x[0], sum[0]);
-                sum[1] = in_plane[1].mul_add(x[1], sum[1]);
-            }
-            for (lane, &index) in order.iter().enumerate() {
-                field[index as usize][component] = sum[lane / length].lane(lane % length);
-            }
-        }
-    }
-}
-
-/// The coefficients of all cells, from those of the whole box.
-pub(super) fn divided(level: Level, fit: &Fit, cells: [usize; 3]) -> Vec<f64> {
-    // Along each axis, cell by cell, what each coefficient of the box adds to each of the cell's.
-    let along = [0, 1, 2].map(|axis: usize| -> Vec<Vec<Vec<f64>>> {
-        (0..cells[axis]).map(|cell| restriction(fit.counts[axis], cell, cells[axis])).collect()
-    });
-    let (slab, room) = (Fit::slab(fit.counts), padded(fit.counts[2]));
-    let mut coefficients = vec![0.0; cells.iter().product::<usize>() * CELL];
-    let cell_rows = coefficients.par_chunks_mut(cells[1] * cells[2] * CELL).zip(&along[0]);
-    cell_rows.for_each(|(coefficients, along_x)| {
-        let (mut plane, mut line) = (vec![0.0; slab], vec![0.0; room]);
-        for component in 0..3 {
-            for (a, weights) in along_x.iter().enumerate() {
-                combine(level, weights, &fit.coefficients[component], &mut plane);
-                for (j, along_y) in along[1].iter().enumerate() {
-                    for (b, weights) in along_y.iter().enumerate() {
-                        combine(level, weights, &plane, &mut line);
-                        for (k, along_z) in along[2].iter().enumerate() {
-                            let start = (j * cells[2] + k) * CELL + component * COMPONENT + (a * CELL_NODES + b) * LINE;
-                            for (c, weights) in along_z.iter().enumerate() {
-                                coefficients[start + c] = weights.iter().zip(&line).map(|(w, v)| w * v).sum();
+impl Cells {
+    /// The box of a fit divided. Lengths are multiplied by `scale`.
+    pub(super) fn of(level: Level, fit: &Fit, counts: [usize; 3], scale: f64) -> Cells {
+        let half = fit.region.half_size() * scale / DVec3::from(counts.map(|count| count as f64));
+        let shape = Shape::of(half);
+        let along = [0, 1, 2].map(|axis| Along::of(fit.counts[axis], counts[axis]));
+        let (slab, room) = (Fit::slab(fit.counts), padded(fit.counts[2]));
+        let in_row = counts[1] * counts[2];
+        let mut numbers = vec![0.0; counts[0] * in_row * CELL];
+        let rows = numbers.par_chunks_mut(in_row * CELL).enumerate();
+        let left_out = rows.map(|(i, numbers)| {
+            let (mut plane, mut line) = (vec![0.0; slab], vec![0.0; room]);
+            let mut along_z = vec![0.0; padded(NODES * counts[2])];
+            // Cell by cell, then component, then coefficients by whether they are even or odd along x, y, z.
+            let mut coefficients = vec![0.0; in_row * 3 * COMPONENT];
+            for component in 0..3 {
+                for a in 0..NODES {
+                    combine(level, along[0].row(i * NODES + a), &fit.coefficients[component], &mut plane);
+                    for jb in 0..counts[1] * NODES {
+                        let (j, b) = (jb / NODES, jb % NODES);
+                        combine(level, along[1].row(jb), &plane, &mut line);
+                        combine(level, &line[..fit.counts[2]], &along[2].columns, &mut along_z);
+                        for (k, along_z) in along_z.chunks_exact(NODES).take(counts[2]).enumerate() {
+                            let start = ((j * counts[2] + k) * 3 + component) * COMPONENT;
+                            for (c, value) in along_z.iter().enumerate() {
+                                coefficients[start + place([a, b, c])] = *value;
                             }
                         }
                     }
                 }
             }
-        }
-    });
-    coefficients
-}
-
-/// Row k: what coefficient c of an expansion on [-1, 1] adds to coefficient k of one of its `cells` equal parts.
-fn restriction(count: usize, cell: usize, cells: usize) -> Vec<Vec<f64>> {
-    let mut at_nodes = vec![vec![0.0; count]; CELL_NODES];
-    for (node, values) in nodes(CELL_NODES).into_iter().zip(&mut at_nodes) {
-        polynomials((2.0 * cell as f64 + 1.0 + node) / cells as f64 - 1.0, values);
+            let cells = coefficients.chunks_exact(3 * COMPONENT).zip(numbers.chunks_exact_mut(CELL));
+            cells.map(|(coefficients, numbers)| shape.divide(level, coefficients, numbers)).fold(0.0, f64::max)
+        });
+        let left_out_t = left_out.reduce(|| 0.0, f64::max);
+        Cells { numbers, left_out_t }
     }
-    let rows = transform(CELL_NODES);
-    rows.iter()
-        .map(|row| (0..count).map(|c| row.iter().zip(&at_nodes).map(|(w, values)| w * values[c]).sum()).collect())
-        .collect()
 }
 
-/// Along each axis, the most that is left out in any cell, as [`Fit`] estimates it.
-pub(super) fn tails_t(coefficients: &[f64]) -> DVec3 {
-    coefficients.chunks_exact(CELL).map(cell_tails_t).fold(DVec3::ZERO, DVec3::max)
+/// Where a coefficient of these degrees is: even and odd degrees apart.
+fn place([a, b, c]: [usize; 3]) -> usize {
+    let alike = (a % 2) * 4 + (b % 2) * 2 + c % 2;
+    alike * ALIKE + ((a / 2) * HALF + b / 2) * HALF + c / 2
 }
 
-fn cell_tails_t(coefficients: &[f64]) -> DVec3 {
-    let mut sums = [[DVec3::ZERO; CELL_NODES]; 3];
-    for (index, coefficient) in coefficients.iter().enumerate() {
-        let (component, index) = (index / COMPONENT, index % COMPONENT);
-        let degrees = [index / (CELL_NODES * LINE), index / LINE % CELL_NODES, index % LINE];
-        if degrees[2] >= CELL_NODES {
-            continue;
+/// What each coefficient of a box adds to those of its cells along an axis.
+struct Along {
+    count: usize,
+    /// For each coefficient of each cell one number for each of the box.
+    rows: Vec<f64>,
+    /// The same the other way round.
+    columns: Vec<f64>,
+}
+
+impl Along {
+    fn of(count: usize, cells: usize) -> Along {
+        let transform = transform(NODES);
+        let (mut rows, room) = (vec![0.0; cells * NODES * count], padded(cells * NODES));
+        let mut columns = vec![0.0; count * room];
+        for cell in 0..cells {
+            let mut at_nodes = vec![vec![0.0; count]; NODES];
+            for (node, values) in nodes(NODES).into_iter().zip(&mut at_nodes) {
+                polynomials((2.0 * cell as f64 + 1.0 + node) / cells as f64 - 1.0, values);
+            }
+            for (degree, weights) in transform.iter().enumerate() {
+                for of_box in 0..count {
+                    let sum = weights.iter().zip(&at_nodes).map(|(w, values)| w * values[of_box]).sum();
+                    rows[(cell * NODES + degree) * count + of_box] = sum;
+                    columns[of_box * room + cell * NODES + degree] = sum;
+                }
+            }
         }
-        for (axis, degree) in degrees.into_iter().enumerate() {
-            sums[axis][degree][component] += coefficient.abs();
+        Along { count, rows, columns }
+    }
+
+    fn row(&self, index: usize) -> &[f64] {
+        &self.rows[index * self.count..(index + 1) * self.count]
+    }
+}
+
+/// What is the same for all cells of a shape: their potentials, those that are even or odd along the axes alike together.
+struct Shape {
+    classes: Vec<Class>,
+}
+
+/// Potentials that are even or odd along the axes alike. Their gradients need only coefficients that are so too.
+struct Class {
+    odd: [bool; 3],
+    /// Of each potential the numbers that its gradient is made of.
+    parts: Vec<Vec<(usize, f64)>>,
+    /// For each coefficient what it adds to each potential: those that leave the least sum of squares.
+    amounts: Vec<f64>,
+    /// For each potential the coefficients of its gradient.
+    gradients: Vec<f64>,
+}
+
+/// Room for the coefficients of a class.
+fn room() -> usize {
+    padded(3 * ALIKE)
+}
+
+impl Shape {
+    /// With the half sides `half`.
+    fn of(half: DVec3) -> Shape {
+        // All harmonics at the nodes of one octant, and from values there to coefficients.
+        let (nodes, transform) = (nodes(NODES), transform(NODES));
+        let octant: Vec<_> = (0..ALIKE)
+            .map(|n| {
+                let [i, j, k] = [n / (HALF * HALF), n / HALF % HALF, n % HALF];
+                harmonics(CELL_DEGREE, half * DVec3::new(nodes[i], nodes[j], nodes[k]))
+            })
+            .collect();
+        let class = |number: usize| {
+            let odd = [number & 4 != 0, number & 2 != 0, number & 1 != 0];
+            let potentials: Vec<Potential> = Potential::all().filter(|potential| potential.odd() == odd).collect();
+            let mut gradients = vec![0.0; potentials.len() * room()];
+            for (potential, coefficients) in potentials.iter().zip(gradients.chunks_exact_mut(room())) {
+                let values: Vec<DVec3> = octant.iter().map(|harmonics| potential.gradient(harmonics)).collect();
+                for component in 0..3 {
+                    let mut values: Vec<f64> = values.iter().map(|b| b[component]).collect();
+                    // Along z, then y, then x: the axis that is done comes first, and all others move up.
+                    for axis in [2, 1, 0] {
+                        let odd = usize::from(odd[axis] != (component == axis));
+                        let mut turned = vec![0.0; ALIKE];
+                        for (n, values) in values.chunks_exact(HALF).enumerate() {
+                            for degree in 0..HALF {
+                                let row = &transform[2 * degree + odd][..HALF];
+                                let sum: f64 = row.iter().zip(values).map(|(w, v)| w * v).sum();
+                                turned[degree * HALF * HALF + n] = 2.0 * sum;
+                            }
+                        }
+                        values = turned;
+                    }
+                    coefficients[component * ALIKE..(component + 1) * ALIKE].copy_from_slice(&values);
+                }
+            }
+            let amounts = least_squares(&gradients, potentials.len());
+            Class { odd, parts: potentials.iter().map(Potential::parts).collect(), amounts, gradients }
+        };
+        Shape { classes: (0..8).map(class).collect() }
+    }
+
+    /// The numbers of a cell from its coefficients; at most what they leave out, in tesla.
+    fn divide(&self, level: Level, coefficients: &[f64], numbers: &mut [f64]) -> f64 {
+        let (mut own, mut found) = (vec![0.0; room()], vec![0.0; room()]);
+        let mut left_out = DVec3::ZERO;
+        for class in &self.classes {
+            for (component, own) in own.chunks_exact_mut(ALIKE).take(3).enumerate() {
+                own.copy_from_slice(class.coefficients(coefficients, component));
+            }
+            let mut amounts = vec![0.0; padded(class.parts.len())];
+            combine(level, &own, &class.amounts, &mut amounts);
+            let amounts = &amounts[..class.parts.len()];
+            combine(level, amounts, &class.gradients, &mut found);
+            for (component, (own, found)) in own.chunks_exact(ALIKE).zip(found.chunks_exact(ALIKE)).take(3).enumerate()
+            {
+                left_out[component] += own.iter().zip(found).map(|(own, found)| (own - found).abs()).sum::<f64>();
+            }
+            for (parts, amount) in class.parts.iter().zip(amounts) {
+                for &(place, factor) in parts {
+                    numbers[place] += amount * factor;
+                }
+            }
+        }
+        left_out.length() + tails_t(coefficients)
+    }
+}
+
+impl Class {
+    /// A component's coefficients that are odd where the gradients of these potentials are.
+    fn coefficients<'a>(&self, all: &'a [f64], component: usize) -> &'a [f64] {
+        let odd = [0, 1, 2].map(|axis: usize| usize::from(self.odd[axis] != (axis == component)));
+        let start = component * COMPONENT + (odd[0] * 4 + odd[1] * 2 + odd[2]) * ALIKE;
+        &all[start..start + ALIKE]
+    }
+}
+
+/// At most what the nodes of a cell do not tell, as [`Fit`] estimates it.
+fn tails_t(coefficients: &[f64]) -> f64 {
+    let mut sums = [[DVec3::ZERO; NODES]; 3];
+    for (component, coefficients) in coefficients.chunks_exact(COMPONENT).enumerate() {
+        for (alike, coefficients) in coefficients.chunks_exact(ALIKE).enumerate() {
+            let [x, y, z] = [alike / 4, alike / 2 % 2, alike % 2];
+            for (i, plane) in coefficients.chunks_exact(HALF * HALF).enumerate() {
+                for (j, line) in plane.chunks_exact(HALF).enumerate() {
+                    let mut on_line = 0.0;
+                    for (k, coefficient) in line.iter().enumerate() {
+                        on_line += coefficient.abs();
+                        sums[2][2 * k + z][component] += coefficient.abs();
+                    }
+                    sums[0][2 * i + x][component] += on_line;
+                    sums[1][2 * j + y][component] += on_line;
+                }
+            }
         }
     }
-    DVec3::from(sums.map(|sums| tail_of(&sums.map(|s| s.length())).sum_t))
+    sums.iter().map(|sums| tail_of(&sums.map(|s| s.length())).sum_t).sum()
+}
+
+/// For rows that are not alike, what each entry of a vector adds to the factors with which their sum comes closest to it: room for all rows for each entry.
+///
+/// By orthogonal directions (Gram and Schmidt, twice each).
+fn least_squares(rows: &[f64], count: usize) -> Vec<f64> {
+    let length = rows.len() / count;
+    let mut directions: Vec<Vec<f64>> = Vec::with_capacity(count);
+    // Row j is the sum over i <= j of triangle[j][i] times direction i.
+    let mut triangle = vec![vec![0.0; count]; count];
+    for (row, factors) in rows.chunks_exact(length).zip(&mut triangle) {
+        let mut rest = row.to_vec();
+        for _ in 0..2 {
+            for (direction, factor) in directions.iter().zip(&mut *factors) {
+                let along = product(direction, &rest);
+                *factor += along;
+                rest.iter_mut().zip(direction).for_each(|(rest, d)| *rest -= along * d);
+            }
+        }
+        let [whole, size] = [row, &rest].map(|row| product(row, row).sqrt());
+        // Without a direction it gets nothing.
+        let (size, over) = if size > OF_ITS_OWN * whole { (size, 1.0 / size) } else { (1.0, 0.0) };
+        factors[directions.len()] = size;
+        rest.iter_mut().for_each(|r| *r *= over);
+        directions.push(rest);
+    }
+    // The factors solve triangle^T factors = directions . vector, from the last on, for all entries at a time.
+    for i in (0..count).rev() {
+        let (upper, lower) = directions.split_at_mut(i + 1);
+        let own = &mut upper[i];
+        for (below, row) in lower.iter().zip(&triangle[i + 1..]) {
+            own.iter_mut().zip(below).for_each(|(own, below)| *own -= row[i] * below);
+        }
+        own.iter_mut().for_each(|own| *own /= triangle[i][i]);
+    }
+    let room = padded(count);
+    let mut by_entry = vec![0.0; length * room];
+    for (row, factors) in directions.iter().enumerate() {
+        for (entry, factor) in factors.iter().enumerate() {
+            by_entry[entry * room + row] = *factor;
+        }
+    }
+    by_entry
 }

@@ -22,15 +22,33 @@ pub(super) fn combine(level: Level, weights: &[f64], rows: &[f64], sum: &mut [f6
 #[inline(always)]
 pub(super) fn weighted_sum<S: Simd>(simd: S, weights: &[f64], rows: &[f64], sum: &mut [f64]) {
     let (length, stride) = (Lanes::<S>::LEN, sum.len());
-    for (number, sum) in sum.chunks_exact_mut(2 * length).enumerate() {
-        let start = 2 * length * number;
-        let mut sums = [Lanes::<S>::splat(simd, 0.0); 2];
-        for (weight, row) in weights.iter().zip(rows.chunks_exact(stride)) {
-            let row = &row[start..start + 2 * length];
-            sums[0] = Lanes::<S>::load(simd, &row[..length]).scale_add(*weight, sums[0]);
-            sums[1] = Lanes::<S>::load(simd, &row[length..]).scale_add(*weight, sums[1]);
+    let wide = sum.len() / (4 * length) * (4 * length);
+    for start in (0..wide).step_by(4 * length) {
+        strip::<S, 4>(simd, weights, rows, stride, start, sum);
+    }
+    for start in (wide..stride).step_by(2 * length) {
+        strip::<S, 2>(simd, weights, rows, stride, start, sum);
+    }
+}
+
+/// `N` vectors of the sum, which do not wait for each other.
+#[inline(always)]
+fn strip<S: Simd, const N: usize>(
+    simd: S,
+    weights: &[f64],
+    rows: &[f64],
+    stride: usize,
+    start: usize,
+    sum: &mut [f64],
+) {
+    let length = Lanes::<S>::LEN;
+    let mut sums = [Lanes::<S>::splat(simd, 0.0); N];
+    for (weight, row) in weights.iter().zip(rows.chunks_exact(stride)) {
+        for (sum, row) in sums.iter_mut().zip(row[start..start + N * length].chunks_exact(length)) {
+            *sum = Lanes::<S>::load(simd, row).scale_add(*weight, *sum);
         }
-        sums[0].store(&mut sum[..length]);
-        sums[1].store(&mut sum[length..]);
+    }
+    for (value, sum) in sums.iter().zip(sum[start..start + N * length].chunks_exact_mut(length)) {
+        value.store(sum);
     }
 }

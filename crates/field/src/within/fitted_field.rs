@@ -2,31 +2,35 @@
 
 use std::fmt;
 
+use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::accuracy::Tolerance;
-use super::cells::{CELL, divided, in_cell, sum_of_products, tails_t};
-use super::chebyshev::polynomials;
+use super::cells::Cells;
 use super::fit::{Fit, NoFit};
+use super::harmonic::{CELL, field as harmonic_field, fields, gradient};
 use super::magnitude::Box3;
+use crate::batch::lanes::{LONGEST_VECTOR, Lanes, Number};
 use crate::scene::Scene;
-use crate::tolerances::{CELL_NODES, CELL_ROUNDS, LOOKED_UP_TOGETHER, MOST_CELLS, MOST_FITTED_NODES};
+use crate::tolerances::{CELL_DEGREE, CELL_FALL, CELL_ROUNDS, LOOKED_UP_TOGETHER, MOST_CELLS, MOST_FITTED_NODES};
 
-/// B in a box without tiles, prepared for repeated look-ups: the box is divided into cells, each with a Chebyshev expansion of 8 x 8 x 8 terms.
+/// B in a box without tiles, prepared for repeated look-ups: the box is divided into cells, and in each the field is the gradient of one harmonic
+/// polynomial of degree 10, without divergence or curl.
 ///
 /// # Cost
-/// Making it takes some thousand exact values. A look-up among many, which are sorted by cell, takes 1800 multiply-adds of vectors for as many points
-/// as a vector has lanes, whatever the number of tiles; a single one as many for itself.
+/// Making it takes some thousand exact values. A look-up among many, which are sorted by cell, takes 600 multiply-adds of vectors for as many points
+/// as a vector has lanes, whatever the number of tiles; a single one 300 for itself.
 ///
 /// # Memory
-/// 12 kB for each cell; their number grows with the inverse tolerance, to some hundred cells for a fraction of 1e-9 in the published working
+/// 2.7 kB for each cell; their number grows with the inverse tolerance, to 400 cells for a fraction of 1e-9 in the published working
 /// volume. See [`FittedField::memory_bytes`].
 ///
 /// # Accuracy
 /// [`FittedField::error_t`] at most at each point of the box: the estimate for the expansion of the whole box, which is checked against the exact field at
-/// points of it, and that for its cells; both from the last coefficients, doubled for what appears as lower ones (docs/physics.md, section 5). For a relative tolerance it is small beside |B| wherever |B| is at least a hundredth of
+/// points of it, from the last coefficients, doubled for what appears as lower ones; and what its cells leave out of that expansion, the sum of the coefficients of the
+/// difference (docs/physics.md, section 5). For a relative tolerance it is small beside |B| wherever |B| is at least a hundredth of
 /// its most in the box; [`FittedField::flux_density_into`] names the points where the tolerance does not hold.
 #[derive(Clone, Debug)]
 pub struct FittedField {
@@ -34,9 +38,11 @@ pub struct FittedField {
     tolerance: Tolerance,
     cells: [usize; 3],
     exact_values: usize,
-    cells_per_length: DVec3,
-    /// Cell by cell, then component, then degrees along x, y, z, those along z filled up with zeros.
-    coefficients: Vec<f64>,
+    cell_size: DVec3,
+    /// One over half the longest side of a cell.
+    scale: f64,
+    /// [`CELL`] for each cell.
+    numbers: Vec<f64>,
     error_t: f64,
     gradient_error_t: f64,
     level: Level,
@@ -99,44 +105,45 @@ impl FittedField {
             NoFit::TooNear => FittedFieldError::TooNear,
             NoFit::TooExact => FittedFieldError::TooExact,
         })?;
-        let mut cells = [1; 3];
+        let size = upper - lower;
+        let mut cells = [1_usize; 3];
         for _ in 0..CELL_ROUNDS {
             if cells.iter().product::<usize>() > MOST_CELLS {
                 return Err(FittedFieldError::TooNear);
             }
-            let coefficients = divided(scene.level(), &fit, cells);
-            let tails = tails_t(&coefficients);
-            let error_t = fit.error_t + tails.element_sum();
-            if tails.element_sum() <= fit.wanted_t {
-                let half = region.half_size();
+            let cell_size = size / DVec3::from(cells.map(|count| count as f64));
+            // The half of a cell's longest side becomes one.
+            let scale = 2.0 / cell_size.max_element();
+            let Cells { numbers, left_out_t } = Cells::of(scene.level(), &fit, cells, scale);
+            let error_t = fit.error_t + left_out_t;
+            if left_out_t <= fit.wanted_t {
                 let per_length = |axis: usize| {
-                    let (whole, cell) = (fit.counts[axis] as f64, CELL_NODES as f64);
-                    whole.powi(2).max(cell.powi(2) * cells[axis] as f64) / half[axis]
+                    let (whole, cell) = (fit.counts[axis] as f64, (CELL_DEGREE + 1) as f64);
+                    2.0 * (whole.powi(2) / size[axis]).max(cell.powi(2) / cell_size[axis])
                 };
                 // A polynomial's slope is at most degree^2 times its values in the half length, and so the slope of what is left out, twice for
                 // higher degrees.
                 let gradient_error_t = 2.0 * error_t * [0, 1, 2].map(per_length).into_iter().fold(0.0, f64::max);
-                let level = scene.level();
-                let cells_per_length = DVec3::from(cells.map(|count| count as f64)) / (2.0 * half);
                 return Ok(FittedField {
                     region,
                     tolerance,
                     cells,
                     exact_values: fit.counts.iter().product(),
-                    cells_per_length,
-                    coefficients,
+                    cell_size,
+                    scale,
+                    numbers,
                     error_t,
                     gradient_error_t,
-                    level,
+                    level: scene.level(),
                 });
             }
-            for axis in 0..3 {
-                let excess = tails[axis] / (fit.wanted_t / 3.0);
-                if excess > 1.0 {
-                    // Coefficients of the next degree fall with the cell's size to that power.
-                    let finer = excess.powf(1.0 / CELL_NODES as f64).min(3.0);
-                    cells[axis] = (cells[axis] as f64 * finer).ceil().max(cells[axis] as f64 + 1.0) as usize;
-                }
+            // Cells are as nearly cubes as may be.
+            let finer = (left_out_t / fit.wanted_t).powf(1.0 / CELL_FALL);
+            let side = cell_size.max_element() / finer;
+            let before = cells;
+            cells = [0, 1, 2].map(|axis: usize| before[axis].max((size[axis] / side).ceil() as usize));
+            if cells == before {
+                cells = before.map(|count| count + 1);
             }
         }
         Err(FittedFieldError::TooNear)
@@ -165,49 +172,27 @@ impl FittedField {
 
     /// What it occupies.
     pub fn memory_bytes(&self) -> usize {
-        self.coefficients.len() * size_of::<f64>()
+        self.numbers.len() * size_of::<f64>()
     }
 
     /// B at a point, in tesla, off by at most [`FittedField::error_t`] whatever |B| is there; `None` outside the box.
     pub fn flux_density(&self, point: DVec3) -> Option<DVec3> {
-        let (cell, place) = self.cell_and_place(point)?;
-        let along = place.to_array().map(|t| {
-            let mut values = [0.0; CELL_NODES];
-            polynomials(t, &mut values);
-            values
-        });
-        Some(self.sum(cell, &along))
+        if !self.is_inside(point) {
+            return None;
+        }
+        let (numbers, centre) = self.numbers_and_centre(self.cell(point));
+        let place = (point - DVec3::from(centre)) * self.scale;
+        Some(dispatch!(self.level, simd => harmonic_field(simd, numbers, place)))
     }
 
     /// The gradient of B at a point: column j is dB/dx_j, in tesla per unit of length, off by at most
-    /// [`FittedField::gradient_error_t`]; `None` outside the box.
+    /// [`FittedField::gradient_error_t`]; `None` outside the box. Like that of the field itself it has no trace and is symmetric.
     pub fn flux_density_gradient(&self, point: DVec3) -> Option<DMat3> {
-        let (cell, place) = self.cell_and_place(point)?;
-        let half = self.region.half_size();
-        let values = place.to_array().map(|t| {
-            let mut values = [0.0; CELL_NODES];
-            polynomials(t, &mut values);
-            values
-        });
-        let mut columns = [DVec3::ZERO; 3];
-        for (axis, column) in columns.iter_mut().enumerate() {
-            let mut along = values;
-            // T_k' = 2 k T_(k-1) + k / (k-2) T_(k-2)'
-            let mut slopes = [0.0; CELL_NODES];
-            (slopes[1], slopes[2]) = (1.0, 4.0 * values[axis][1]);
-            for k in 3..CELL_NODES {
-                let k_ = k as f64;
-                slopes[k] = 2.0 * k_ * values[axis][k - 1] + k_ / (k_ - 2.0) * slopes[k - 2];
-            }
-            along[axis] = slopes;
-            *column = self.sum(cell, &along) * (self.cells[axis] as f64 / half[axis]);
+        if !self.is_inside(point) {
+            return None;
         }
-        Some(DMat3::from_cols_array_2d(&columns.map(|c| c.to_array())))
-    }
-
-    fn sum(&self, cell: usize, along: &[[f64; CELL_NODES]; 3]) -> DVec3 {
-        let coefficients = &self.coefficients[cell * CELL..(cell + 1) * CELL];
-        dispatch!(self.level, simd => sum_of_products(simd, coefficients, along))
+        let (numbers, centre) = self.numbers_and_centre(self.cell(point));
+        Some(gradient(numbers, (point - DVec3::from(centre)) * self.scale) * self.scale)
     }
 
     /// B at many points, in parallel.
@@ -227,9 +212,12 @@ impl FittedField {
             .zip(field.par_chunks_mut(size))
             .enumerate()
             .flat_map_iter(|(number, (points, field))| {
-                self.look_up(points, field);
-                let start = number * size;
+                let weakest_t = self.look_up(points, field);
                 let mut errors = Vec::new();
+                if self.tolerance.is_kept(DVec3::X * weakest_t, self.error_t) {
+                    return errors;
+                }
+                let start = number * size;
                 for (index, (field, &point)) in field.iter_mut().zip(points).enumerate() {
                     let outside = field.is_nan();
                     if outside || !self.tolerance.is_kept(*field, self.error_t) {
@@ -243,50 +231,98 @@ impl FittedField {
         if errors.is_empty() { Ok(()) } else { Err(errors) }
     }
 
-    /// The cell a point is in, and where in it, from -1 to 1.
-    #[inline(always)]
-    fn cell_and_place(&self, point: DVec3) -> Option<(usize, DVec3)> {
-        if !(self.region.lower.cmple(point).all() && point.cmple(self.region.upper).all()) {
-            return None;
-        }
-        let position = (point - self.region.lower) * self.cells_per_length;
-        let index = |axis: usize| (position[axis] as u32).min(self.cells[axis] as u32 - 1);
-        let index = [index(0), index(1), index(2)];
-        let [i, j, k] = index.map(|i| i as usize);
-        let place = 2.0 * (position - DVec3::from(index.map(f64::from))) - 1.0;
-        Some(((i * self.cells[1] + j) * self.cells[2] + k, place))
+    fn is_inside(&self, point: DVec3) -> bool {
+        self.region.lower.cmple(point).all() && point.cmple(self.region.upper).all()
     }
 
-    /// The points sorted by cell, so that those of one fill vectors; not a number outside the box.
-    fn look_up(&self, points: &[DVec3], field: &mut [DVec3]) {
+    /// The cell that a point of the box is in, or next to by rounding.
+    #[inline(always)]
+    fn cell(&self, point: DVec3) -> usize {
+        let position = (point - self.region.lower) / self.cell_size;
+        let index = |axis: usize| (position[axis] as u32).min(self.cells[axis] as u32 - 1) as usize;
+        (index(0) * self.cells[1] + index(1)) * self.cells[2] + index(2)
+    }
+
+    fn numbers_and_centre(&self, cell: usize) -> (&[f64], [f64; 3]) {
+        let [_, ny, nz] = self.cells;
+        let index = DVec3::new((cell / (ny * nz)) as f64, (cell / nz % ny) as f64, (cell % nz) as f64);
+        let centre = self.region.lower + (index + 0.5) * self.cell_size;
+        (&self.numbers[cell * CELL..(cell + 1) * CELL], centre.to_array())
+    }
+
+    /// Not a number outside the box. The least |B|, not a number if any point is outside.
+    fn look_up(&self, points: &[DVec3], field: &mut [DVec3]) -> f64 {
+        dispatch!(self.level, simd => self.look_up_by(simd, points, field))
+    }
+
+    /// The points sorted by cell, so that those of one fill vectors.
+    #[inline(always)]
+    fn look_up_by<S: Simd>(&self, simd: S, points: &[DVec3], field: &mut [DVec3]) -> f64 {
         let outside = self.cells.iter().product::<usize>();
         let mut starts = vec![0_u32; outside + 2];
-        let mut places = Vec::with_capacity(points.len());
+        let mut cells = Vec::with_capacity(points.len());
         for &point in points {
-            let (cell, place) = self.cell_and_place(point).unwrap_or((outside, DVec3::NAN));
+            let cell = if self.is_inside(point) { self.cell(point) } else { outside };
             starts[cell + 1] += 1;
-            places.push((cell as u32, place));
+            cells.push(cell as u32);
         }
         for cell in 0..=outside {
             starts[cell + 1] += starts[cell];
         }
         let mut order = vec![0_u32; points.len()];
         let mut next = starts.clone();
-        for (index, (cell, _)) in (0..).zip(&places) {
-            let next = &mut next[*cell as usize];
+        for (index, &cell) in (0..).zip(&cells) {
+            let next = &mut next[cell as usize];
             order[*next as usize] = index;
             *next += 1;
         }
+        let mut least_square = f64::INFINITY;
         for cell in 0..outside {
             let order = &order[starts[cell] as usize..starts[cell + 1] as usize];
             if !order.is_empty() {
-                let coefficients = &self.coefficients[cell * CELL..(cell + 1) * CELL];
-                dispatch!(self.level, simd => in_cell(simd, coefficients, order, &places, field));
+                least_square = least_square.min(self.in_cell(simd, cell, order, points, field));
             }
         }
         for &index in &order[starts[outside] as usize..] {
             field[index as usize] = DVec3::NAN;
+            least_square = f64::NAN;
         }
+        least_square.sqrt()
+    }
+
+    /// All points of a cell, two vectors at a time; the least square of |B|.
+    #[inline(always)]
+    fn in_cell<S: Simd>(&self, simd: S, cell: usize, order: &[u32], points: &[DVec3], field: &mut [DVec3]) -> f64 {
+        let length = Lanes::<S>::LEN;
+        let (numbers, centre) = self.numbers_and_centre(cell);
+        let mut least = Lanes::<S>::splat(simd, f64::INFINITY);
+        for order in order.chunks(2 * length) {
+            let mut room = [[0.0; 2 * LONGEST_VECTOR]; 3];
+            for lane in 0..2 * length {
+                // The last again where there is none.
+                let point = points[order[lane.min(order.len() - 1)] as usize];
+                (room[0][lane], room[1][lane], room[2][lane]) = (point.x, point.y, point.z);
+            }
+            let mut places = [[Lanes::<S>::splat(simd, 0.0); 3]; 2];
+            for (half, place) in places.iter_mut().enumerate() {
+                for ((place, room), centre) in place.iter_mut().zip(&room).zip(centre) {
+                    let coordinate = Lanes::<S>::load(simd, &room[half * length..(half + 1) * length]);
+                    *place = (coordinate - centre) * self.scale;
+                }
+            }
+            let values = fields(simd, numbers, places);
+            for (half, values) in values.iter().enumerate() {
+                let [x, y, z] = *values;
+                least = least.min(z.mul_add(z, y.mul_add(y, x * x)));
+                for (room, value) in room.iter_mut().zip(values) {
+                    value.store(&mut room[half * length..(half + 1) * length]);
+                }
+            }
+            for (lane, &index) in order.iter().enumerate() {
+                field[index as usize] = DVec3::new(room[0][lane], room[1][lane], room[2][lane]);
+            }
+        }
+        (0..length).map(|lane| least.lane(lane)).fold(f64::INFINITY, f64::min)
     }
 }
 

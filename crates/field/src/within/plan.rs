@@ -5,12 +5,13 @@ use glam::DVec3;
 use super::accuracy::{Accuracy, Tolerance};
 use super::at_points::{assignments, fitted};
 use super::fit::Fit;
+use super::harmonic::LOOK_UP_COST;
 use super::magnitude::Box3;
 use super::on_grid::{Part, divided};
 use crate::batch::assignment::Assignment;
 use crate::grid::Grid;
 use crate::scene::Scene;
-use crate::tolerances::{CELL_NODES, CLOSED_FORM_COST, NODE_COST, POINTS_TOGETHER, TREE_TILES};
+use crate::tolerances::{CLOSED_FORM_COST, NODE_COST, POINTS_TOGETHER, TREE_TILES};
 
 /// Which models serve points to the accuracy of a scene.
 ///
@@ -52,7 +53,7 @@ pub enum Model {
         /// From the box to the nearest tile.
         distance: f64,
     },
-    /// The same of the cells of a box, for points that are no grid.
+    /// Harmonic potentials of the cells of a box, for points that are no grid.
     Cells {
         /// The least coordinates of the box.
         lower: DVec3,
@@ -158,7 +159,7 @@ fn of_some_points(scene: &Scene, tolerance: Tolerance, points: &[DVec3]) -> Vec<
             error_t: fitted.error_t(),
             distance: distance(scene, &region),
         };
-        let per_point = 3.0 * (CELL_NODES as f64).powi(3) / CLOSED_FORM_COST;
+        let per_point = LOOK_UP_COST as f64 / CLOSED_FORM_COST;
         let cost = exact_cost(scene, fitted.exact_values()) + per_point * points.len() as f64;
         return vec![PlannedPart { model, points: points.len(), cost }];
     }

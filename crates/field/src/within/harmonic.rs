@@ -1,0 +1,218 @@
+//! The field in a small box without tiles as the gradient of one harmonic potential (docs/physics.md, section 5.1): a third of the numbers that three
+//! components by themselves would take, fewer terms for each, and neither divergence nor curl.
+
+use fearless_simd::prelude::*;
+use glam::{DMat3, DVec3};
+
+use crate::batch::harmonics::{Along, Triangle};
+use crate::batch::lanes::{LONGEST_VECTOR, Lanes, Number};
+use crate::tolerances::CELL_DEGREE;
+
+/// Pairs of degree l and order m, 0 <= m <= l <= [`CELL_DEGREE`].
+const PAIRS: usize = (CELL_DEGREE + 1) * (CELL_DEGREE + 2) / 2;
+/// For each pair the factors of the real and the imaginary part in each component.
+const PARTS: usize = 6;
+/// Numbers of a cell: pair after pair, equal orders together, and room for the longest vector from the last pair on.
+pub(super) const CELL: usize = (PARTS * PAIRS + LONGEST_VECTOR - PARTS).next_multiple_of(LONGEST_VECTOR);
+
+/// Multiply-adds of vectors for a vector of points: six sums and three operations of the recurrence for each pair, and ten for each order.
+pub(super) const LOOK_UP_COST: usize = 9 * PAIRS + 10 * (CELL_DEGREE + 1);
+
+/// How the polynomials follow from each other (Eq. P24), pair after pair: from this degree to the next.
+const RECURRENCE: [f64; PAIRS] = {
+    let mut factors = [0.0; PAIRS];
+    let (mut pair, mut order) = (0, 0);
+    while order <= CELL_DEGREE {
+        let mut degree = order;
+        while degree <= CELL_DEGREE {
+            let (l, m) = (degree as f64, order as f64);
+            factors[pair] = (l * l - m * m) / (4.0 * l * l - 1.0);
+            pair += 1;
+            degree += 1;
+        }
+        order += 1;
+    }
+    factors
+};
+
+/// R_lm over the polynomial of the recurrence times (x + i y)^m, pair after pair.
+const LEADING: [f64; PAIRS] = {
+    let mut factors = [1.0; PAIRS];
+    let (mut pair, mut order, mut first) = (0, 0, 1.0);
+    while order <= CELL_DEGREE {
+        let mut degree = order;
+        while degree <= CELL_DEGREE {
+            let (l, m) = (degree as f64, order as f64);
+            factors[pair] = if degree == order { first } else { factors[pair - 1] * (2.0 * l - 1.0) / (l * l - m * m) };
+            pair += 1;
+            degree += 1;
+        }
+        order += 1;
+        first *= 0.5 / order as f64;
+    }
+    factors
+};
+
+/// A real potential: the real or the imaginary part of R_lm.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Potential {
+    degree: usize,
+    order: usize,
+    imaginary: bool,
+}
+
+impl Potential {
+    /// All whose field is no more than of degree [`CELL_DEGREE`].
+    pub(super) fn all() -> impl Iterator<Item = Potential> {
+        let orders = (1..=CELL_DEGREE + 1).flat_map(|degree| (0..=degree).map(move |order| (degree, order)));
+        orders.flat_map(|(degree, order)| {
+            let parts = [false, true].into_iter().take(if order == 0 { 1 } else { 2 });
+            parts.map(move |imaginary| Potential { degree, order, imaginary })
+        })
+    }
+
+    /// Whether it is odd in x, y and z.
+    pub(super) fn odd(&self) -> [bool; 3] {
+        [(self.order + usize::from(self.imaginary)) % 2 == 1, self.imaginary, (self.degree - self.order) % 2 == 1]
+    }
+
+    /// Its gradient where the harmonics are these.
+    pub(super) fn gradient(&self, harmonics: &Triangle<f64>) -> DVec3 {
+        let along = |along| harmonics.derivative(along, self.degree, self.order)[usize::from(self.imaginary)];
+        DVec3::new(along(Along::X(1.0)), along(Along::Y(1.0)), along(Along::Z(1.0)))
+    }
+
+    /// Which of a cell's numbers its gradient is made of, with the factor of each (Eq. P22).
+    pub(super) fn parts(&self) -> Vec<(usize, f64)> {
+        let Potential { degree, order, imaginary } = *self;
+        let l = degree - 1;
+        let part = |component: usize, order: usize, imaginary: bool, factor: f64| {
+            (order <= l && !(imaginary && order == 0)).then(|| {
+                let pair = pair(l, order);
+                (PARTS * pair + 2 * component + usize::from(imaginary), factor * LEADING[pair])
+            })
+        };
+        let own = part(2, order, imaginary, 1.0);
+        let others = if order == 0 {
+            [part(0, 1, false, -1.0), part(1, 1, true, -1.0), None, None]
+        } else {
+            let sign = if imaginary { 0.5 } else { -0.5 };
+            [
+                part(0, order - 1, imaginary, 0.5),
+                part(0, order + 1, imaginary, -0.5),
+                part(1, order - 1, !imaginary, sign),
+                part(1, order + 1, !imaginary, sign),
+            ]
+        };
+        others.into_iter().chain([own]).flatten().collect()
+    }
+}
+
+/// The place of a pair among all.
+fn pair(l: usize, m: usize) -> usize {
+    m * (CELL_DEGREE + 1) - m * m.saturating_sub(1) / 2 + l - m
+}
+
+/// The harmonics at a place up to so many degrees.
+pub(super) fn harmonics(degree: usize, place: DVec3) -> Triangle<f64> {
+    let mut harmonics = Triangle::new(degree, 0.0);
+    harmonics.set_harmonics(place.to_array(), 0.0, 1.0);
+    harmonics
+}
+
+/// The field of a cell's numbers at two vectors of places: each number is fetched once for both.
+#[inline(always)]
+pub(super) fn fields<S: Simd>(simd: S, numbers: &[f64], places: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+    let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+    let mut square = [zero; 2];
+    for (square, [x, y, z]) in square.iter_mut().zip(places) {
+        *square = z.mul_add(z, y.mul_add(y, x * x));
+    }
+    let mut phase = [[one, zero]; 2];
+    let mut field = [[zero; 3]; 2];
+    let mut pairs = numbers.chunks_exact(PARTS).zip(&RECURRENCE);
+    for order in 0..=CELL_DEGREE {
+        let (mut last, mut polynomial) = ([zero; 2], [one; 2]);
+        let mut sums = [[zero; PARTS]; 2];
+        for (numbers, factor) in pairs.by_ref().take(CELL_DEGREE + 1 - order) {
+            for (part, number) in numbers.iter().enumerate() {
+                for at in 0..2 {
+                    sums[at][part] = polynomial[at].scale_add(*number, sums[at][part]);
+                }
+            }
+            for at in 0..2 {
+                let back = (square[at] * -*factor) * last[at];
+                (last[at], polynomial[at]) = (polynomial[at], polynomial[at].mul_add(places[at][2], back));
+            }
+        }
+        for at in 0..2 {
+            let [re, im] = phase[at];
+            for (component, field) in field[at].iter_mut().enumerate() {
+                let [own_re, own_im] = [sums[at][2 * component], sums[at][2 * component + 1]];
+                *field = own_im.mul_add(im, own_re.mul_add(re, *field));
+            }
+            let [x, y, _] = places[at];
+            phase[at] = [re.mul_sub(x, im * y), re.mul_add(y, im * x)];
+        }
+    }
+    field
+}
+
+/// The same at one place: the parts of a pair are the lanes.
+#[inline(always)]
+pub(super) fn field<S: Simd>(simd: S, numbers: &[f64], place: DVec3) -> DVec3 {
+    let length = Lanes::<S>::LEN;
+    let load = |values: &[f64; LONGEST_VECTOR]| Lanes::<S>::load(simd, &values[..length]);
+    // Real and imaginary parts in turns, and the imaginary ones first.
+    let mut phases = [load(&[1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0]), load(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0])];
+    let [x, y] = [place.x, place.y];
+    let turns = [load(&[-y, y, -y, y, -y, y, -y, y]), load(&[y, -y, y, -y, y, -y, y, -y])];
+    let square = place.length_squared();
+    // Vectors that hold all parts.
+    const MOST: usize = LONGEST_VECTOR / 2;
+    let count = PARTS.div_ceil(length);
+    let mut totals = [Lanes::<S>::splat(simd, 0.0); MOST];
+    let mut pair = 0;
+    for order in 0..=CELL_DEGREE {
+        let (mut last, mut polynomial) = (0.0, 1.0);
+        let mut sums = [Lanes::<S>::splat(simd, 0.0); MOST];
+        for _ in order..=CELL_DEGREE {
+            let numbers = &numbers[PARTS * pair..PARTS * pair + LONGEST_VECTOR];
+            for (sum, numbers) in sums[..count].iter_mut().zip(numbers.chunks_exact(length)) {
+                *sum = Lanes::<S>::load(simd, numbers).scale_add(polynomial, *sum);
+            }
+            let next = polynomial * place.z - square * RECURRENCE[pair] * last;
+            (last, polynomial) = (polynomial, next);
+            pair += 1;
+        }
+        for (total, sum) in totals[..count].iter_mut().zip(sums) {
+            *total = sum.mul_add(phases[0], *total);
+        }
+        let [own, other] = phases;
+        phases = [own.scale_add(x, other * turns[0]), other.scale_add(x, own * turns[1])];
+    }
+    let mut parts = [0.0; LONGEST_VECTOR];
+    for (total, parts) in totals[..count].iter().zip(parts.chunks_exact_mut(length)) {
+        total.store(parts);
+    }
+    DVec3::new(parts[0] + parts[1], parts[2] + parts[3], parts[4] + parts[5])
+}
+
+/// The gradient of the field of a cell's numbers, in its own unit of length: column j is that along axis j.
+pub(super) fn gradient(numbers: &[f64], place: DVec3) -> DMat3 {
+    let harmonics = harmonics(CELL_DEGREE, place);
+    let axes = [Along::X(1.0), Along::Y(1.0), Along::Z(1.0)];
+    let mut columns = [DVec3::ZERO; 3];
+    for l in 1..=CELL_DEGREE {
+        for m in 0..=l {
+            let pair = pair(l, m);
+            let (numbers, over) = (&numbers[PARTS * pair..][..PARTS], 1.0 / LEADING[pair]);
+            let [re, im] = [0, 1].map(|part| DVec3::new(numbers[part], numbers[2 + part], numbers[4 + part]) * over);
+            for (column, axis) in columns.iter_mut().zip(axes) {
+                let slope = harmonics.derivative(axis, l, m);
+                *column += re * slope[0] + im * slope[1];
+            }
+        }
+    }
+    DMat3::from_cols_array_2d(&columns.map(|c| c.to_array()))
+}
