@@ -4,7 +4,7 @@
 //!
 //! Moved tiles may reach into each other, which no layout may, so this does not go through files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -47,7 +47,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-fn measure(path: &PathBuf, args: &Args) -> Result<(), String> {
+fn measure(path: &Path, args: &Args) -> Result<(), String> {
     let layout = Layout::read(path).map_err(|error| error.to_string())?;
     let (Some(ideal), Some(volume)) = (layout.ideal, layout.volume) else {
         return Err("has no [ideal] or no [volume]".to_owned());
