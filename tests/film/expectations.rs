@@ -106,7 +106,7 @@ fn what_cannot_be_evaluated_hides_nothing() {
     for (expectation, outcome) in outcomes {
         match expectation {
             Expectation::UniformityRmse(_) | Expectation::DisplacementRmse(_) => {
-                assert!(matches!(outcome, Err(FilmError::NotBelow(_))), "{outcome:?}")
+                assert!(matches!(outcome, Err(FilmError::NotBelow(_))), "{outcome:?}");
             }
             Expectation::Field => assert_eq!(outcome, Err(FilmError::NoBaseline)),
             Expectation::Amplitude | Expectation::Clearance => assert!(outcome.unwrap().is_met()),

@@ -7,7 +7,7 @@ use crate::colours::{BLUE, VERMILION};
 use crate::panel::{BELOW_PX, Beside, LEFT_PX, Panel};
 use crate::sheet::{LETTERS, sheet};
 use crate::survey::{AgainstIdeal, Survey};
-use crate::typeset::symbol;
+use crate::typeset::{self, symbol};
 
 use super::AXES;
 use super::parameter_maps::{names, value};
@@ -74,7 +74,7 @@ pub(crate) fn draw(survey: &Survey) -> Option<Result<String, String>> {
             }
             panel.axes(sheet, Beside::Length(AXES[which]), Beside::Named(&names()[which]))?;
             let parameter = [symbol("R", "x"), symbol("R", "y"), symbol("S", "z")];
-            let title = format!("uniformity RMSE of {}: {:.4}", parameter[which], uniformity[which]);
+            let title = format!("uniformity RMSE of {}: {}", parameter[which], rounded(uniformity[which]));
             panel.title(sheet, &title)?;
         }
         Ok(())
@@ -92,6 +92,14 @@ fn planes(survey: &Survey, against: &AgainstIdeal, which: usize) -> Vec<Plane> {
             Some(Plane { at_mm, over: over?, ideal: value(&ideal, which) })
         })
         .collect()
+}
+
+/// Four decimals, or three digits where those would not show it.
+fn rounded(value: f64) -> String {
+    if value == 0.0 || value >= 1e-2 {
+        return format!("{value:.4}");
+    }
+    typeset::number(format!("{value:.2e}").parse().unwrap_or(value))
 }
 
 /// The range of values with a margin, never empty.
