@@ -1,5 +1,6 @@
 //! A film found, as a layout.
 
+use glam::DVec3;
 use magsplice_decouple::PerParameter;
 use magsplice_layout::{Expectations, Layout};
 
@@ -16,12 +17,14 @@ const DESIGNED: &str = ", designed";
 impl Setting<'_> {
     /// The layout of a film found: the tiles, what it reached as what it must meet, and a line of history. `program` is who found it, such as "magsplice 1.0 design".
     ///
-    /// A baseline of the field is left out: it belongs to the film before.
+    /// A baseline of the field is left out, since it belongs to the film before, and so are tiles whose strength has become 0.
     pub fn layout_of(&self, outcome: &Outcome, program: &str) -> Layout {
         let mut layout = self.layout.clone();
         for (named, tile) in layout.tiles.iter_mut().zip(&outcome.tiles) {
             (named.tile, named.kind) = (*tile, None);
         }
+        // A tile without polarization is none.
+        layout.tiles.retain(|named| named.tile.polarization_t() != DVec3::ZERO);
         if !layout.name.ends_with(DESIGNED) {
             layout.name += DESIGNED;
         }

@@ -75,7 +75,9 @@ impl Setting<'_> {
         let mut setting = self.clone();
         let best = setting.best_of_starts(watch)?.best;
         setting.leave_room_for_rounding();
-        let levels = parts::levels(&setting, &setting.pattern, &best, 1, watch);
+        // Down to what is at hand, or to a single part.
+        let least = usize::from(self.brief.stock.is_empty());
+        let levels = parts::levels(&setting, &setting.pattern, &best, least, watch);
         let outcome = |level: parts::Parted| {
             let stages = vec![(Stage::Parts(level.count()), self.uniformity(&level.pattern, &level.found)?)];
             let brief = Brief { parts: None, ..setting.brief.clone() };

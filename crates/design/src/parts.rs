@@ -87,6 +87,7 @@ struct Division {
 pub(crate) fn distinct(layout: &Layout, tiles: &[Tile]) -> usize {
     let mut layout = layout.clone();
     layout.tiles.iter_mut().zip(tiles).for_each(|(named, tile)| named.tile = *tile);
+    layout.tiles.retain(|named| named.tile.polarization_t() != DVec3::ZERO);
     layout.parts().len()
 }
 

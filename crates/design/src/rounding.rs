@@ -11,7 +11,7 @@ use crate::rules::Rule;
 use crate::setting::Setting;
 use crate::tolerances::{KEPT_MM, ROUNDINGS};
 
-/// The variables at multiples of the resolution, near `at`, so that the film is as good as it can be made by changing one of them by one multiple at a time. Strengths stay.
+/// The variables at multiples of the resolution, near `at`, so that the film is as good as it can be made by changing one of them by one multiple at a time.
 pub(crate) fn rounded(setting: &Setting, pattern: &Pattern, at: &[f64]) -> Vec<f64> {
     let steps: Vec<Option<f64>> = pattern.kinds.iter().map(|kind| step(setting, *kind)).collect();
     let mut best: Vec<f64> =
@@ -50,7 +50,9 @@ fn step(setting: &Setting, kind: Kind) -> Option<f64> {
     match kind {
         Kind::Length => Some(setting.brief.resolution_mm),
         Kind::Angle => Some(setting.brief.resolution_deg.to_radians()),
-        Kind::Strength => None,
+        Kind::Strength => {
+            setting.problem.bounds.strength_t.map(|[_, most]| STRENGTH_STEP * most).filter(|step| *step > 0.0)
+        }
     }
 }
 
@@ -158,6 +160,9 @@ impl<'a> Lattice<'a> {
     }
 }
 
+/// Strengths are rounded to multiples of this fraction of the largest allowed: finer than magnets are alike, and a tile that is not needed has none.
+const STRENGTH_STEP: f64 = 1e-5;
+
 /// More would be a search of its own.
 const MOST_MOVES_PER_VARIABLE: usize = 20;
 
@@ -204,9 +209,11 @@ fn tile(shape: &Shape, at: &[f64]) -> Option<Tile> {
     let free_angle = !shape.direction.terms.is_empty() || !shape.tilt.terms.is_empty();
     let j = if free_angle {
         let in_degrees = [&shape.direction, &shape.tilt].map(|angle| decimal(angle.at(at).to_degrees()));
-        shape.strength.at(at) * unit_vector(in_degrees)
-    } else {
+        decimal(shape.strength.at(at)) * unit_vector(in_degrees)
+    } else if shape.strength.terms.is_empty() {
         shape.polarization_t(at)
+    } else {
+        decimal(shape.strength.at(at)) * shape.unit
     };
     Tile::new(position, size, j).ok()?.rotated(shape.as_it_was.rotation()).ok()
 }

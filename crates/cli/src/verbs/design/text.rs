@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use magsplice::design::{Front, Outcome, Setting};
+use magsplice::prelude::DVec3;
 
 use super::found::{array, stage_name};
 use crate::text::number;
@@ -12,9 +13,12 @@ use crate::text::number;
 pub(crate) fn outcome(setting: &Setting, outcome: &Outcome, path: Option<&Path>) -> String {
     let [nx, ny, nz] = setting.grid().counts;
     let mut text = format!(
-        "{} free numbers in {}, designed on {nx} x {ny} x {nz} points; {}\n\n",
-        setting.free(),
-        count(setting.orbits(), "tile that differs by symmetry", "tiles that differ by symmetry"),
+        "{} in {}, designed on {nx} x {ny} x {nz} points; {}\n\n",
+        count(setting.free(), "free number", "free numbers"),
+        match (setting.orbits(), outcome.tiles.len()) {
+            (orbits, tiles) if orbits == tiles => count(tiles, "tile", "tiles"),
+            (orbits, tiles) => format!("{orbits} tiles, whose images are the other {}", tiles - orbits),
+        },
         count(outcome.agreeing_starts, "start found this film", "starts found this film or one as good"),
     );
     let columns = [&outcome.before, &outcome.after, &outcome.finer];
@@ -37,7 +41,8 @@ pub(crate) fn outcome(setting: &Setting, outcome: &Outcome, path: Option<&Path>)
     for (stage, uniformity) in &outcome.stages {
         line(&mut text, stage_name(*stage), array(*uniformity).map(number));
     }
-    let tiles = count(outcome.tiles.len(), "tile", "tiles");
+    let magnetized = outcome.tiles.iter().filter(|tile| tile.polarization_t() != DVec3::ZERO).count();
+    let tiles = count(magnetized, "tile", "tiles");
     let _ = writeln!(text, "\n{tiles} of {}", count(outcome.parts, "part", "distinct parts"));
     for short in &outcome.short_of {
         let _ = writeln!(text, "not reached: {short}");
