@@ -12,6 +12,7 @@
 mod affine;
 mod descent;
 mod designed;
+mod division;
 mod error;
 mod figures;
 mod front;
