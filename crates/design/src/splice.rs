@@ -40,7 +40,7 @@ pub struct Request {
     pub seed: u64,
 }
 
-/// Wide intervals are this fraction of the wavelength: then the pattern has no third harmonic (docs/domain: Dai 2024, section 2).
+/// Wide intervals are this fraction of the wavelength: two thirds of a half-wave at full strength have no third harmonic (Dai 2024, Fig. 5, has 3.3 of 5 mm).
 const WIDE: f64 = 1.0 / 3.0;
 
 /// Points of the working volume along each axis.
