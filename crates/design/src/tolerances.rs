@@ -15,8 +15,8 @@ pub(crate) const STRONGEST_STEP: f64 = 0.3;
 /// Starts differ from the layout by normal deviates of this fraction of the longest step: far enough to reach other basins, near enough that tiles keep their neighbours.
 pub(crate) const SPREAD_OF_STARTS: f64 = 1.0;
 
-/// The design grid has at most so many points along x and y, and along z: the field is smooth on the scale of a fifth of the wavelength, and a grid five times finer
-/// changes the errors found by some percent (docs/design.md).
+/// The design grid has at most so many points along x and y, and along z: the field is smooth on the scale of a fifth of the wavelength, and on a grid five times finer
+/// the errors of the films found are no larger (docs/design.md).
 pub(crate) const POINTS_ALONG: [usize; 3] = [9, 9, 5];
 
 /// A film whose amplitude is short by a counts as if the sum of its squared errors were larger by this times a, as a fraction. It must be above what amplitude is worth: on the published

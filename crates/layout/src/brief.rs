@@ -102,7 +102,7 @@ pub struct StockPart {
 const RESOLUTION_MM: f64 = 0.001;
 const RESOLUTION_DEG: f64 = 0.01;
 
-/// Enough to find the same best film from most seeds on the published one; see docs/design.md.
+/// On the published film from one to all of them end near the best, by the goal; see docs/design.md.
 const STARTS: usize = 8;
 const MAX_STARTS: usize = 10_000;
 
