@@ -2,13 +2,17 @@
 //! of 130 digits.
 
 use glam::{DQuat, DVec3};
-use magsplice_field::{InstructionSet, Quantity, Scene, Tile};
-use magsplice_tests::oracle::Oracle;
+use magsplice_field::{InstructionSet, MU_0, Quantity, Scene, Tile};
+use magsplice_tests::oracle::{Field, Oracle};
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, TestRunner};
 
 /// Of the sum over tiles of the fields that the components of J make alone: what `Scene` promises.
 const WORST: f64 = 2e-14;
+
+/// The same of a compact tile alone, in it or beside it.
+const BESIDE: f64 = 6e-15;
 
 fn tile(position: DVec3, size: DVec3, j: DVec3) -> Tile {
     Tile::new(position, size, j).expect("a valid tile")
@@ -135,6 +139,53 @@ fn plates_needles_and_cubes_together() {
         tile(DVec3::new(-3.0, 0.0, 1.0), DVec3::new(0.02, 0.03, 0.01), DVec3::new(5.0, 3.0, -4.0)),
     ];
     check("mixture", &tiles, &around(), 0.0);
+}
+
+/// In a compact tile and beside it, down to a hair from its faces, edges and corners, B and H. The tile is at the origin, so that no coordinate is rounded.
+#[test]
+fn random_points_in_tiles_and_beside_them() {
+    let mut oracle = Oracle::new();
+    let mut random = TestRunner::deterministic();
+    let scenes = (
+        prop::array::uniform3((-0.45..0.45_f64).prop_map(|d| 10_f64.powf(d))),
+        prop::array::uniform3(prop_oneof![Just(0.0), -1.0..1.0_f64]),
+        // Along each axis anywhere from the middle to beside the tile, or close to a face of it.
+        prop::array::uniform3(prop_oneof![
+            (-1.1..1.1_f64).prop_map(|at| (at, 0.0)),
+            (-14.0..-1.0_f64, any::<bool>(), any::<bool>()).prop_map(|(decades, upper, outside)| {
+                let step = 10_f64.powf(decades) * if outside { 1.0 } else { -1.0 };
+                if upper { (1.0, step) } else { (-1.0, -step) }
+            }),
+        ]),
+    );
+    for _ in 0..1500 {
+        let (size, j, place) = scenes.new_tree(&mut random).expect("a scene").current();
+        let (size, j) = (DVec3::from(size), DVec3::from(j));
+        if j == DVec3::ZERO {
+            continue;
+        }
+        let point = DVec3::from([0, 1, 2].map(|axis: usize| 0.5 * size[axis] * place[axis].0 + place[axis].1));
+        let tile = tile(DVec3::ZERO, size, j);
+        let components = DVec3::AXES.into_iter().filter(|axis| axis.dot(j) != 0.0);
+        let alone = components.map(|axis| Tile::new(DVec3::ZERO, size, j * axis).expect("a valid tile"));
+        let exact: Vec<Field> = alone.map(|tile| oracle.field(&tile, point)).collect();
+        for set in InstructionSet::available() {
+            let scene = Scene::new(&[tile]).with_instruction_set(set).expect("available");
+            for (quantity, own) in [
+                (Quantity::FluxDensity, (|field: &Field| field.flux_density_t) as fn(&Field) -> DVec3),
+                (Quantity::FieldStrength, |field| field.strength_t),
+            ] {
+                let in_tesla = if quantity == Quantity::FieldStrength { MU_0 } else { 1.0 };
+                let found = scene.field(quantity, point).expect("off the edges") * in_tesla;
+                let magnitude: f64 = exact.iter().map(|field| own(field).length()).sum();
+                let error = (found - exact.iter().map(own).sum::<DVec3>()).length() / magnitude;
+                assert!(
+                    error <= BESIDE,
+                    "{set:?}: {quantity:?} is off by {error:e} at {point} of a tile of {size}, J {j}"
+                );
+            }
+        }
+    }
 }
 
 /// One tile of random shape at random distance, most often where forms change.

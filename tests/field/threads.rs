@@ -1,6 +1,6 @@
 //! The result does not depend on how the work is divided.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use magsplice_field::{Cause, InstructionSet, Quantity, Scene, Tile};
 use rayon::ThreadPoolBuilder;
 
@@ -26,10 +26,16 @@ fn points() -> Vec<DVec3> {
 #[test]
 fn bit_identical_for_any_number_of_threads_and_any_batch() {
     for set in InstructionSet::available() {
-        for scene in [scene(), film(), scattered(&[])] {
+        for scene in [scene(), film(), scattered(&[]), one_tile()] {
             identical(&scene.with_instruction_set(set).expect("available"));
         }
     }
+}
+
+/// A turned tile in reach of all forms: points are in it, beside it, and up to twenty half diagonals away.
+fn one_tile() -> Scene {
+    let tile = Tile::new(DVec3::new(2.0, 3.0, -1.6), DVec3::new(0.9, 0.7, 0.5), DVec3::new(0.3, -0.5, 0.7));
+    Scene::new(&[tile.expect("a valid tile").rotated(DQuat::from_rotation_x(0.3)).expect("a rotation")])
 }
 
 /// A sheet of touching tiles, so that tiles share corners and groups.

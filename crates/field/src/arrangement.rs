@@ -108,6 +108,12 @@ impl Arrangement {
         &self.frames
     }
 
+    /// The frame of the only tile there is, if there are no more.
+    pub(crate) fn only_tile(&self) -> Option<&Frame> {
+        let [frame] = &self.frames[..] else { return None };
+        (frame.blocks.len() == 1).then_some(frame)
+    }
+
     /// The direction of one axis of `frame` and the point coordinates are measured from, or which of the scene's axes it is.
     pub(crate) fn axis(&self, frame: &Frame, axis: usize) -> Result<usize, (DVec3, DVec3)> {
         let axis = &self.axes[frame.axes[axis]];

@@ -79,7 +79,7 @@ impl Scene {
         points: &[DVec3],
         field: &mut [DVec3],
     ) -> Result<(), PointErrors> {
-        for_each_batch(points, field, self.is_divided(), |points, field, failed| {
+        for_each_batch(points, field, self.batches(), |points, field, failed| {
             self.field_of_batch(quantity, None, points, field, failed);
         })
     }
@@ -139,7 +139,8 @@ impl Scene {
     /// # Panics
     /// If the two slices differ in length.
     pub fn flux_density_gradient_into(&self, points: &[DVec3], gradient: &mut [DMat3]) -> Result<(), PointErrors> {
-        for_each_batch(points, gradient, false, |points, gradient, failed| {
+        let batches = Batches { most: POINTS_PER_BATCH[1], regroup: false };
+        for_each_batch(points, gradient, batches, |points, gradient, failed| {
             for (index, (&point, gradient)) in points.iter().zip(gradient).enumerate() {
                 *gradient = self.flux_density_gradient(point).unwrap_or_else(|cause| {
                     failed(index, cause);
@@ -150,21 +151,28 @@ impl Scene {
     }
 }
 
-/// Has `evaluate` fill in the values of batch after batch and name the points of the batch that have none. If `regroup`, each batch is of neighbours,
-/// not of points that follow each other.
+/// How points are divided.
+#[derive(Clone, Copy)]
+pub(crate) struct Batches {
+    /// Points of one, at most.
+    pub(crate) most: usize,
+    /// Whether each is of neighbours, not of points that follow each other.
+    pub(crate) regroup: bool,
+}
+
+/// Has `evaluate` fill in the values of batch after batch and name the points of the batch that have none.
 fn for_each_batch<T: Send + Copy + Default>(
     points: &[DVec3],
     values: &mut [T],
-    regroup: bool,
+    batches: Batches,
     evaluate: impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, Cause)) + Sync + Send,
 ) -> Result<(), PointErrors> {
     assert_eq!(points.len(), values.len(), "one value per point");
     let threads = rayon::current_num_threads();
-    let batches = if threads > 1 { BATCHES_PER_THREAD * threads } else { 1 };
-    let [least, most] = POINTS_PER_BATCH;
-    let size = (points.len() / batches).clamp(least, most);
+    let count = if threads > 1 { BATCHES_PER_THREAD * threads } else { 1 };
+    let size = (points.len() / count).clamp(POINTS_PER_BATCH[0], batches.most);
     let mut errors = Vec::new();
-    if regroup && points.len() > size {
+    if batches.regroup && points.len() > size {
         let stretches = points.chunks(REGROUPED_POINTS).zip(values.chunks_mut(REGROUPED_POINTS));
         for (stretch, (points, values)) in stretches.enumerate() {
             let order = neighbours_together(points, (0..points.len() as u32).collect(), size);

@@ -12,10 +12,11 @@ use crate::batch::instruction_set::{InstructionSet, MissingInstructions};
 use crate::batch::tree::Tree;
 use crate::block::{Block, Local, Placed};
 use crate::edge_policy::Edges;
+use crate::evaluate::Batches;
 use crate::kernel::{Part, cuboid_field, cuboid_gradient};
 use crate::quantity::{MU_0, Quantity};
 use crate::tile::Tile;
-use crate::tolerances::{DIPOLE_DISTANCE, MAX_LENGTH, REGROUPED_PARTS};
+use crate::tolerances::{DIPOLE_DISTANCE, MAX_LENGTH, POINTS_OF_ONE_TILE, POINTS_PER_BATCH, REGROUPED_PARTS};
 use crate::two_sum::RunningSum;
 use crate::within::accuracy::Accuracy;
 use crate::within::magnitude::{Box3, most_field_of_t, most_field_t};
@@ -150,9 +151,12 @@ impl Scene {
         of_frames.map(|(frame, local)| frame.blocks.iter().map(|block| own(block, &local)).sum::<f64>()).sum()
     }
 
-    /// Whether so many parts take their own forms that points of a batch should be neighbours.
-    pub(crate) fn is_divided(&self) -> bool {
-        self.arrangement.frames().iter().map(|frame| frame.table.parts()).sum::<usize>() >= REGROUPED_PARTS
+    /// How points are divided for the exact field.
+    pub(crate) fn batches(&self) -> Batches {
+        let parts = self.arrangement.frames().iter().map(|frame| frame.table.parts()).sum::<usize>();
+        let most = if self.arrangement.only_tile().is_some() { POINTS_OF_ONE_TILE } else { POINTS_PER_BATCH[1] };
+        // So many parts take their own forms that points of a batch should be neighbours.
+        Batches { most, regroup: parts >= REGROUPED_PARTS }
     }
 
     /// The same scene computed with these instructions instead of the best ones the processor has.
@@ -208,6 +212,9 @@ impl Scene {
                     failed(index, Cause::Unbounded { tile: self.tile_with_edge_at(points[index], edges) });
                     field[index] = DVec3::NAN;
                 }
+            }
+            if superposition.is_finite() {
+                return;
             }
             for (index, field) in field.iter_mut().enumerate() {
                 // Where the point is out of range, or the result.

@@ -85,7 +85,14 @@ pub(crate) const ROUNDED_SPREAD: f64 = 1e-14;
 /// numbers cost digits like 1 / distance^2.
 pub(crate) const NEAR_FRACTION: f64 = 0.08;
 
-/// It ends this many second largest sides from the tile's middle: its error grows with that ratio.
+/// Nearer, and inside, terms are added up in vectors, of tiles whose smallest side is at least this fraction of the largest: then no column of the
+/// tensor is so small there that round-off of the terms would matter.
+pub(crate) const BESIDE_ASPECT: f64 = 0.1;
+
+/// That needs points at least this fraction of the largest side off the planes of all faces: products of eight such lengths stay normal numbers.
+pub(crate) const LEAST_OFFSET: f64 = power_of_two(-40);
+
+/// The closed form in vectors ends this many second largest sides from the tile's middle: its error grows with that ratio.
 pub(crate) const MIDDLE_REACH: f64 = 15.0;
 
 /// It does not serve tiles whose largest side is more than this many times the second: what they lose is at least that ratio.
@@ -231,6 +238,12 @@ pub(crate) const KEPT_SERIES: usize = 4096;
 /// Points that one thread takes at a time, at least and at most: small enough to share out 405 points, large enough for full vectors of each
 /// form, small enough for the first caches.
 pub(crate) const POINTS_PER_BATCH: [usize; 2] = [64, 512];
+
+/// Points of a scene of one tile that one thread takes at a time, at most: each form's last vectors are not full.
+pub(crate) const POINTS_OF_ONE_TILE: usize = 8192;
+
+/// Of these the points whose forms are found together; a power of two. Their queues stay in the first caches.
+pub(crate) const STREAMED_POINTS: usize = 32;
 
 /// Scenes divided into at least so many parts have the points of a batch chosen so that they lie together and one form serves most parts at
 /// all of them.

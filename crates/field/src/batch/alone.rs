@@ -18,6 +18,9 @@ pub(super) struct Alone {
     coefficients: [[f64; 3]; 6],
 }
 
+/// What J with three components needs.
+const GENERAL: [bool; 6] = [true, true, true, true, true, false];
+
 /// Where points lie relative to the tile, in its scale.
 #[derive(Clone, Copy)]
 pub(super) struct Place<N> {
@@ -118,11 +121,33 @@ impl Alone {
     /// mu0 H of the tile, in its frame.
     #[inline(always)]
     pub(super) fn field<N: Functions>(&self, simd: N::Instructions, Ratios(ratios): &Ratios<N>) -> [N; 3] {
+        if self.wanted == GENERAL {
+            let [ab, ac, bc, aa, bb, _] = *ratios;
+            let first = N::artanh_of_ratio(simd, ab[0], ab[1]);
+            let second = N::artanh_of_ratio(simd, ac[0], ac[1]);
+            let third = N::artanh_of_ratio(simd, bc[0], bc[1]);
+            let fourth = N::angle(simd, aa[1], aa[0]);
+            let fifth = N::angle(simd, bb[1], bb[0]);
+            let two = first.denominator * second.denominator;
+            let three = two * third.denominator;
+            let four = three * fourth.denominator;
+            let mut inverse = N::splat(simd, 1.0).over(four * fifth.denominator);
+            let mut sum = [N::splat(simd, 0.0); 3];
+            add(&mut sum, fifth.value(simd, fifth.numerator * (inverse * four)), &self.coefficients[BB]);
+            inverse = inverse * fifth.denominator;
+            add(&mut sum, fourth.value(simd, fourth.numerator * (inverse * three)), &self.coefficients[AA]);
+            inverse = inverse * fourth.denominator;
+            add(&mut sum, third.value(simd, third.numerator * (inverse * two)), &self.coefficients[BC]);
+            inverse = inverse * third.denominator;
+            add(&mut sum, second.value(simd, second.numerator * (inverse * first.denominator)), &self.coefficients[AC]);
+            add(&mut sum, first.value(simd, first.numerator * (inverse * second.denominator)), &self.coefficients[AB]);
+            return sum;
+        }
         let mut sum = [N::splat(simd, 0.0); 3];
         for (element, &[n, m]) in ratios.iter().enumerate() {
             if self.wanted[element] {
-                let half = if element < AA { N::artanh_of_ratio(simd, n, m) } else { N::angle(simd, m, n) };
-                add(&mut sum, half, &self.coefficients[element]);
+                let reduced = if element < AA { N::artanh_of_ratio(simd, n, m) } else { N::angle(simd, m, n) };
+                add(&mut sum, reduced.divided(simd), &self.coefficients[element]);
             }
         }
         sum

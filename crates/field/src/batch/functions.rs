@@ -18,38 +18,85 @@ const TAN_3_PI_16: f64 = 0.668_178_637_919_298_9;
 /// tan(pi / 8)
 const TAN_PI_8: f64 = std::f64::consts::SQRT_2 - 1.0;
 
+/// A value base + sign * series(numerator / denominator): what a function is once its argument has been reduced. Several may share a division.
+#[derive(Clone, Copy)]
+pub(super) struct Reduced<N> {
+    pub(super) numerator: N,
+    pub(super) denominator: N,
+    base: N,
+    /// 1 or -1, of angles; logarithms need none.
+    sign: Option<N>,
+}
+
+impl<N: Number> Reduced<N> {
+    /// The value, from the quotient of numerator and denominator.
+    #[inline(always)]
+    pub(super) fn value(&self, simd: N::Instructions, quotient: N) -> N {
+        match self.sign {
+            None => self.base + odd_series(simd, quotient, 1.0),
+            Some(sign) => odd_series(simd, quotient, -1.0).mul_add(sign, self.base),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn divided(&self, simd: N::Instructions) -> N {
+        self.value(simd, self.numerator.over(self.denominator))
+    }
+}
+
 /// The functions, of one vector or two.
 pub(super) trait Functions: Number {
-    /// See [`artanh_of_ratio`].
-    fn artanh_of_ratio(simd: Self::Instructions, n: Self, m: Self) -> Self;
-    /// See [`angle`].
-    fn angle(simd: Self::Instructions, re: Self, im: Self) -> Self;
+    /// artanh(n / m), |n| < m.
+    fn artanh_of_ratio(simd: Self::Instructions, n: Self, m: Self) -> Reduced<Self>;
+    /// The angle of re + i im, between -pi and pi.
+    fn angle(simd: Self::Instructions, re: Self, im: Self) -> Reduced<Self>;
 }
 
 impl<S: Simd> Functions for Lanes<S> {
     #[inline(always)]
-    fn artanh_of_ratio(simd: S, n: Self, m: Self) -> Self {
-        artanh_of_ratio(simd, n, m)
+    fn artanh_of_ratio(simd: S, n: Self, m: Self) -> Reduced<Self> {
+        let (power, base) = nearest_power(m + n, m - n);
+        let one = Lanes::<S>::splat(simd, 1.0);
+        let (sum, difference) = (one + power, one - power);
+        Reduced {
+            numerator: m.mul_add(difference, n * sum),
+            denominator: n.mul_add(difference, m * sum),
+            base,
+            sign: None,
+        }
     }
 
     #[inline(always)]
-    fn angle(simd: S, re: Self, im: Self) -> Self {
-        angle(simd, re, im)
+    fn angle(simd: S, re: Self, im: Self) -> Reduced<Self> {
+        reduced_angle(simd, re, im)
     }
 }
 
 impl<S: Simd> Functions for Two<S> {
     #[inline(always)]
-    fn artanh_of_ratio(simd: S, Two([n, n_2]): Self, Two([m, m_2]): Self) -> Self {
-        Two([artanh_of_ratio(simd, n, m), artanh_of_ratio(simd, n_2, m_2)])
+    fn artanh_of_ratio(simd: S, Two([n, n_2]): Self, Two([m, m_2]): Self) -> Reduced<Self> {
+        let (first, second) = (Lanes::artanh_of_ratio(simd, n, m), Lanes::artanh_of_ratio(simd, n_2, m_2));
+        Reduced {
+            numerator: Two([first.numerator, second.numerator]),
+            denominator: Two([first.denominator, second.denominator]),
+            base: Two([first.base, second.base]),
+            sign: None,
+        }
     }
 
     #[inline(always)]
-    fn angle(simd: S, Two([re, re_2]): Self, Two([im, im_2]): Self) -> Self {
-        Two([angle(simd, re, im), angle(simd, re_2, im_2)])
+    fn angle(simd: S, Two([re, re_2]): Self, Two([im, im_2]): Self) -> Reduced<Self> {
+        let (first, second) = (reduced_angle(simd, re, im), reduced_angle(simd, re_2, im_2));
+        Reduced {
+            numerator: Two([first.numerator, second.numerator]),
+            denominator: Two([first.denominator, second.denominator]),
+            base: Two([first.base, second.base]),
+            sign: first.sign.zip(second.sign).map(|(first, second)| Two([first, second])),
+        }
     }
 }
 
+const SIGN: u64 = 1 << 63;
 const EXPONENT_ONE: u64 = 1023 << 52;
 const EXPONENT_HALF: u64 = 1 << 51;
 const EXPONENT_MASK: u64 = 0x7ff << 52;
@@ -58,24 +105,35 @@ const INTEGER: u64 = 1075 << 52;
 const INTEGER_OFFSET: f64 = 4_503_599_627_370_496.0 + 1023.0;
 
 /// artanh(n / m), |n| < m.
-///
-/// With E the power of two nearest to (m + n) / (m - n), artanh(n / m) = ln(E) / 2 + artanh(s), s small and without cancellation.
 #[inline(always)]
-pub(super) fn artanh_of_ratio<S: Simd>(simd: S, Lanes(n): Lanes<S>, Lanes(m): Lanes<S>) -> Lanes<S> {
-    let one = S::f64s::splat(simd, 1.0);
-    let (above, below) = ((m + n).to_bits(), (m - n).to_bits());
+pub(super) fn artanh_of_ratio<S: Simd>(simd: S, n: Lanes<S>, m: Lanes<S>) -> Lanes<S> {
+    Lanes::artanh_of_ratio(simd, n, m).divided(simd)
+}
+
+/// ln(a / b) / 2 of positive numbers.
+#[inline(always)]
+pub(super) fn half_logarithm_of_ratio<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>) -> Lanes<S> {
+    let (power, base) = nearest_power(a, b);
+    Reduced { numerator: a - power * b, denominator: a + power * b, base, sign: None }.divided(simd)
+}
+
+/// The power of two E nearest to a / b, and ln(E) / 2: ln(a / b) / 2 = ln(E) / 2 + artanh(s), s = (a - E b) / (a + E b) small and without cancellation.
+#[inline(always)]
+fn nearest_power<S: Simd>(Lanes(a): Lanes<S>, Lanes(b): Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     // The difference of the bits is that of the logarithms, to 9 %.
-    let power = (above - below + (EXPONENT_ONE + EXPONENT_HALF)) & EXPONENT_MASK;
+    let power = (a.to_bits() - b.to_bits() + (EXPONENT_ONE + EXPONENT_HALF)) & EXPONENT_MASK;
     let exponent = S::f64s::from_bits((power >> 52) | INTEGER) - INTEGER_OFFSET;
-    let power = S::f64s::from_bits(power);
-    let (sum, difference) = (one + power, one - power);
-    let s = m.mul_add(difference, n * sum) / n.mul_add(difference, m * sum);
-    Lanes(exponent.mul_add(0.5 * LN_2, odd_series(simd, Lanes(s), 1.0).0))
+    (Lanes(S::f64s::from_bits(power)), Lanes(exponent * (0.5 * LN_2)))
 }
 
 /// The angle of re + i im, between -pi and pi.
 #[inline(always)]
-pub(super) fn angle<S: Simd>(simd: S, Lanes(re): Lanes<S>, Lanes(im): Lanes<S>) -> Lanes<S> {
+pub(super) fn angle<S: Simd>(simd: S, re: Lanes<S>, im: Lanes<S>) -> Lanes<S> {
+    reduced_angle(simd, re, im).divided(simd)
+}
+
+#[inline(always)]
+fn reduced_angle<S: Simd>(simd: S, Lanes(re): Lanes<S>, Lanes(im): Lanes<S>) -> Reduced<Lanes<S>> {
     let zero = S::f64s::splat(simd, 0.0);
     let (x, y) = (re.abs(), im.abs());
     let steep = y.simd_gt(x);
@@ -86,11 +144,17 @@ pub(super) fn angle<S: Simd>(simd: S, Lanes(re): Lanes<S>, Lanes(im): Lanes<S>) 
     let tangent = beyond_second.select(second, beyond_first.select(first, zero));
     let (first, second) = (S::f64s::splat(simd, FRAC_PI_8), S::f64s::splat(simd, FRAC_PI_4));
     let taken_off = beyond_second.select(second, beyond_first.select(first, zero));
-    let s = (low - tangent * high) / tangent.mul_add(low, high);
-    let acute = taken_off + odd_series(simd, Lanes(s), -1.0).0;
-    let right = steep.select(zero - acute + FRAC_PI_2, acute);
+    let right = steep.select(zero - taken_off + FRAC_PI_2, taken_off);
     let half_turn = re.simd_lt(zero).select(zero - right + PI, right);
-    Lanes(half_turn.copysign(im))
+    // Each of the three reflections turns the sign of what is left.
+    let one = S::f64s::splat(simd, 1.0);
+    let reflected = steep.select(zero - one, one).to_bits() ^ ((re.to_bits() ^ im.to_bits()) & SIGN);
+    Reduced {
+        numerator: Lanes(low - tangent * high),
+        denominator: Lanes(tangent.mul_add(low, high)),
+        base: Lanes(half_turn.copysign(im)),
+        sign: Some(Lanes(S::f64s::from_bits(reflected))),
+    }
 }
 
 /// The sum of sign^k s^(2k+1) / (2k+1): artanh(s) for sign 1, arctan(s) for sign -1. The first term left out is below 2e-17 of the sum

@@ -7,6 +7,9 @@ use fearless_simd::prelude::*;
 /// The most doubles in a vector of any instruction set.
 pub(crate) const LONGEST_VECTOR: usize = 8;
 
+/// Points are filled up to whole pairs of the longest vectors.
+pub(crate) const PAIR: usize = 2 * LONGEST_VECTOR;
+
 /// As bits, less half the bits of x: about 1 / root of x (Lomont).
 const RECIPROCAL_ROOT: f64 = f64::from_bits(0x5fe6_eb50_c7b5_37a9);
 /// Minimax polynomial for w^(-1/2) between 0.932 and 1.070, in relative error.
@@ -98,10 +101,28 @@ impl<S: Simd> Lanes<S> {
         Lanes(self.0.abs())
     }
 
+    /// 1 or -1.
+    #[inline(always)]
+    pub(crate) fn sign(self, simd: S) -> Self {
+        Lanes(S::f64s::splat(simd, 1.0).copysign(self.0))
+    }
+
     /// 1 where self >= limit, else 0.
     #[inline(always)]
     pub(crate) fn at_least(self, simd: S, limit: f64) -> Self {
         Lanes(self.0.simd_ge(limit).select(S::f64s::splat(simd, 1.0), S::f64s::splat(simd, 0.0)))
+    }
+
+    /// `this` where self >= limit, else `other`.
+    #[inline(always)]
+    pub(crate) fn where_at_least(self, limit: f64, this: Self, other: Self) -> Self {
+        Lanes(self.0.simd_ge(limit).select(this.0, other.0))
+    }
+
+    /// `this` where self > limit, else `other`.
+    #[inline(always)]
+    pub(crate) fn where_more(self, limit: f64, this: Self, other: Self) -> Self {
+        Lanes(self.0.simd_gt(limit).select(this.0, other.0))
     }
 
     /// 1 where self <= limit, else 0.

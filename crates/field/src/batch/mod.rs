@@ -3,10 +3,13 @@
 //!
 //! | form | where | file |
 //! |---|---|---|
-//! | the kernel of one point | in a tile or beside it | [`crate::kernel`] |
+//! | the kernel of one point | in a tile or beside it, if it is a plate or a needle or the point in a plane of its faces | [`crate::kernel`] |
+//! | terms of edges and corners in vectors | otherwise in a tile or beside it | `beside` |
 //! | closed form in vectors, tiles that share corners together or a tile by itself | up to 15 of its sides | `closed_form`, `alone` |
 //! | multipole series in vectors, tile by tile | beyond | `multipole` |
 //! | expansion in solid harmonics, many tiles together | from three radii of the sphere around them on | `expansion`, `harmonics` |
+//!
+//! A tile that is alone in its scene has no sums: its points wait in queues until there are vectors of one form (`streams`).
 //!
 //! Which form serves a tile at a point depends on the two alone, and so does every digit of the answer: neither on the other points, nor on
 //! their number, order, or division among threads.
@@ -14,6 +17,7 @@
 mod alone;
 pub(crate) mod assignment;
 mod bars;
+mod beside;
 mod closed_form;
 mod cluster;
 mod expansion;
@@ -22,8 +26,10 @@ pub(crate) mod harmonics;
 pub(crate) mod instruction_set;
 pub(crate) mod lanes;
 mod multipole;
+mod one_tile;
 mod points;
 mod range;
+mod streams;
 mod superposition;
 pub(crate) mod table;
 mod terms;

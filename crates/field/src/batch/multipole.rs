@@ -14,9 +14,9 @@ use crate::two_sum::TwoSum;
 /// if off the diagonal. A polynomial in sigma = (half diagonal / r)^2, whose coefficients are polynomials in u = x^2/r^2 and v = y^2/r^2.
 #[derive(Clone, Debug)]
 pub(super) struct Series {
-    /// Order by order, of the monomials of degree up to the order: of all five elements.
+    /// Order by order, of the monomials of degree up to the order: of all five elements. As [`low_place`] says.
     low: [[f64; 5]; low_start(HIGHEST_ORDER + 1)],
-    /// Of the monomials of the next degree: of the two diagonal ones.
+    /// Of the monomials of the next degree, the highest power of v first: of the two diagonal ones.
     high: [[f64; 2]; high_start(HIGHEST_ORDER + 1)],
 }
 
@@ -28,6 +28,12 @@ const fn low_start(order: usize) -> usize {
 /// See [`low_start`].
 const fn high_start(order: usize) -> usize {
     order * (order + 3) / 2
+}
+
+/// Where u^a v^b is among the coefficients of an order: as Horner's scheme needs them, row after row of equal b, the highest powers first.
+const fn low_place(order: usize, a: usize, b: usize) -> usize {
+    let row = order - b;
+    low_start(order) + row * (row + 1) / 2 + row - a
 }
 
 /// Derivatives beyond the moments' own, along x, y, z.
@@ -43,8 +49,6 @@ const fn monomial_count(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
-const MOST_MONOMIALS: usize = monomial_count(HIGHEST_ORDER + 1);
-
 impl Series {
     /// For a cuboid of these side lengths.
     pub(super) fn of(size: [f64; 3]) -> Series {
@@ -55,15 +59,18 @@ impl Series {
         let mut series =
             Series { low: [[0.0; 5]; low_start(HIGHEST_ORDER + 1)], high: [[0.0; 2]; high_start(HIGHEST_ORDER + 1)] };
         for (order, moments) in MOMENTS.iter().enumerate() {
-            let count = monomial_count(order);
             for moment in moments {
                 // The moment of a cuboid, by derivatives: half side^(2a) / (2a + 1)!
                 let weight: f64 = (0..3).map(|axis| share[axis].powi(moment.powers[axis] as i32)).product();
                 for (element, polynomial) in moment.polynomials.iter().enumerate() {
-                    for (monomial, c) in polynomial.iter().enumerate() {
-                        match monomial.checked_sub(count) {
-                            None => series.low[low_start(order) + monomial][element] += weight * c,
-                            Some(next) => series.high[high_start(order) + next][element] += weight * c,
+                    for b in 0..=degree(element, order) {
+                        for a in 0..=degree(element, order) - b {
+                            let term = weight * polynomial[monomial_index(a, b)];
+                            if a + b <= order {
+                                series.low[low_place(order, a, b)][element] += term;
+                            } else {
+                                series.high[high_start(order) + order + 1 - b][element] += term;
+                            }
                         }
                     }
                 }
@@ -186,28 +193,20 @@ pub(super) fn fields<S: Simd>(
     let (first, second) = (Place::of(simd, tile, points[0]), Place::of(simd, tile, points[1]));
     let (u, v) = ([first.u, second.u], [first.v, second.v]);
     let sigma = [first.sigma, second.sigma];
-    let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
-    let mut sums = Sums { monomials: [[one; 2]; MOST_MONOMIALS], elements: [[zero; 2]; 5] };
-    sums.extend::<1>(u, v);
-    sums.extend::<2>(u, v);
-    sums.extend::<3>(u, v);
-    sums.extend::<4>(u, v);
-    if order >= 4 {
-        sums.extend::<5>(u, v);
-        if order >= 5 {
-            sums.extend::<6>(u, v);
-            if order >= 6 {
-                sums.extend::<7>(u, v);
-                sums.add::<6>(simd, series, sigma);
-            }
-            sums.add::<5>(simd, series, sigma);
-        }
-        sums.add::<4>(simd, series, sigma);
+    let mut sums = Sums { u, v, sigma, elements: [[Lanes::<S>::splat(simd, 0.0); 2]; 5] };
+    if order >= 6 {
+        sums.add::<6>(simd, series);
     }
-    sums.add::<3>(simd, series, sigma);
-    sums.add::<2>(simd, series, sigma);
-    sums.add::<1>(simd, series, sigma);
-    sums.add::<0>(simd, series, sigma);
+    if order >= 5 {
+        sums.add::<5>(simd, series);
+    }
+    if order >= 4 {
+        sums.add::<4>(simd, series);
+    }
+    sums.add::<3>(simd, series);
+    sums.add::<2>(simd, series);
+    sums.add::<1>(simd, series);
+    sums.add::<0>(simd, series);
     let [xx, yy, xy, xz, yz] = sums.elements;
     [
         first.field([xx[0], yy[0], xy[0], xz[0], yz[0]], tile.moment),
@@ -256,47 +255,48 @@ impl<S: Simd> Place<S> {
     }
 }
 
-/// Every loop has a fixed number of turns, so that none is left in the program.
+/// At two vectors of points, so that sums do not wait for each other.
 struct Sums<S: Simd> {
-    monomials: [[Lanes<S>; 2]; MOST_MONOMIALS],
+    u: [Lanes<S>; 2],
+    v: [Lanes<S>; 2],
+    sigma: [Lanes<S>; 2],
     elements: [[Lanes<S>; 2]; 5],
 }
 
 impl<S: Simd> Sums<S> {
-    /// The monomials of one more degree.
+    /// sigma times the sums so far, and one order's polynomials, by Horner's scheme in v of Horner's scheme in u.
     #[inline(always)]
-    fn extend<const DEGREE: usize>(&mut self, u: [Lanes<S>; 2], v: [Lanes<S>; 2]) {
-        let (start, before) = (monomial_index(DEGREE, 0), monomial_index(DEGREE - 1, 0));
-        for b in 0..DEGREE {
-            let [first, second] = self.monomials[before + b];
-            self.monomials[start + b] = [first * u[0], second * u[1]];
+    fn add<const ORDER: usize>(&mut self, simd: S, series: &Series) {
+        let low = &series.low[low_start(ORDER)..low_start(ORDER + 1)];
+        let high = &series.high[high_start(ORDER)..high_start(ORDER + 1)];
+        let zero = Lanes::<S>::splat(simd, 0.0);
+        let (mut polynomials, mut sums) = ([[zero; 2]; 5], [[zero; 2]; 5]);
+        for (polynomial, top) in polynomials.iter_mut().zip(&high[0]) {
+            *polynomial = [Lanes::<S>::splat(simd, *top); 2];
         }
-        let [first, second] = self.monomials[before + DEGREE - 1];
-        self.monomials[start + DEGREE] = [first * v[0], second * v[1]];
-    }
-
-    /// sigma times the sums so far, and one order's polynomials.
-    #[inline(always)]
-    fn add<const ORDER: usize>(&mut self, simd: S, series: &Series, sigma: [Lanes<S>; 2]) {
-        let mut polynomials = [[Lanes::<S>::splat(simd, 0.0); 2]; 5];
-        for monomial in 0..monomial_count(ORDER) {
-            let coefficients = &series.low[low_start(ORDER) + monomial];
-            let [first, second] = self.monomials[monomial];
-            for (polynomial, coefficient) in polynomials.iter_mut().zip(coefficients) {
-                let coefficient = Lanes::<S>::splat(simd, *coefficient);
-                *polynomial = [first.mul_add(coefficient, polynomial[0]), second.mul_add(coefficient, polynomial[1])];
+        let mut start = 0;
+        for row in 0..=ORDER {
+            for (sum, first) in sums.iter_mut().zip(&low[start]) {
+                *sum = [Lanes::<S>::splat(simd, *first); 2];
             }
-        }
-        for next in 0..ORDER + 2 {
-            let coefficients = &series.high[high_start(ORDER) + next];
-            let [first, second] = self.monomials[monomial_count(ORDER) + next];
-            for (polynomial, coefficient) in polynomials.iter_mut().zip(coefficients) {
-                let coefficient = Lanes::<S>::splat(simd, *coefficient);
-                *polynomial = [first.mul_add(coefficient, polynomial[0]), second.mul_add(coefficient, polynomial[1])];
+            for (sum, top) in sums.iter_mut().zip(&high[row + 1]) {
+                let top = Lanes::<S>::splat(simd, *top);
+                *sum = [top.mul_add(self.u[0], sum[0]), top.mul_add(self.u[1], sum[1])];
+            }
+            for coefficients in &low[start + 1..start + 1 + row] {
+                for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
+                    let coefficient = Lanes::<S>::splat(simd, *coefficient);
+                    *sum = [sum[0].mul_add(self.u[0], coefficient), sum[1].mul_add(self.u[1], coefficient)];
+                }
+            }
+            start += row + 1;
+            for (polynomial, sum) in polynomials.iter_mut().zip(sums) {
+                *polynomial = [polynomial[0].mul_add(self.v[0], sum[0]), polynomial[1].mul_add(self.v[1], sum[1])];
             }
         }
         for (element, polynomial) in self.elements.iter_mut().zip(polynomials) {
-            *element = [element[0].mul_add(sigma[0], polynomial[0]), element[1].mul_add(sigma[1], polynomial[1])];
+            *element =
+                [element[0].mul_add(self.sigma[0], polynomial[0]), element[1].mul_add(self.sigma[1], polynomial[1])];
         }
     }
 }

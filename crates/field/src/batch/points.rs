@@ -3,12 +3,13 @@
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use super::lanes::{LONGEST_VECTOR, Lanes, Number};
+use super::lanes::{Lanes, Number, PAIR};
 use super::range::{BEYOND, FORMS, Form, Range};
 use crate::arrangement::{Arrangement, Frame};
 use crate::scene::is_in_range;
+use crate::tolerances::MAX_LENGTH;
 
-/// Points by axis, filled up to whole vectors; not a number where the point is out of range.
+/// Points by axis, filled up to whole pairs of vectors; not a number where the point is out of range.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Coordinates {
     pub(super) axes: [Vec<f64>; 3],
@@ -23,16 +24,18 @@ impl Coordinates {
 
     pub(super) fn set(&mut self, points: &[DVec3]) {
         let last = points.last().copied().unwrap_or_default();
-        let whole = points.len().next_multiple_of(LONGEST_VECTOR);
+        let whole = points.len().next_multiple_of(PAIR);
         let [x, y, z] = &mut self.axes;
         for coordinates in [&mut *x, &mut *y, &mut *z] {
             coordinates.resize(whole, 0.0);
         }
-        let mut in_range = true;
         for (((x, y), z), point) in x.iter_mut().zip(y).zip(z).zip(points) {
             (*x, *y, *z) = (point.x, point.y, point.z);
-            in_range &= is_in_range(*point);
         }
+        // Without a branch, so that it is done in vectors.
+        let are_in_range =
+            |axis: &Vec<f64>| axis[..points.len()].iter().fold(true, |all, c| all & (c.abs() <= MAX_LENGTH));
+        let in_range = self.axes.iter().all(are_in_range);
         for (coordinates, last) in self.axes.iter_mut().zip(last.to_array()) {
             coordinates[points.len()..].fill(last);
         }
@@ -103,10 +106,10 @@ impl Coordinates {
         (lows, highs)
     }
 
-    /// The coordinates of chosen points, filled up to whole vectors.
+    /// The coordinates of chosen points, filled up to whole pairs of vectors.
     #[inline(always)]
     pub(super) fn gather(&mut self, points: &Coordinates, chosen: &[u32]) {
-        let whole = chosen.len().next_multiple_of(LONGEST_VECTOR);
+        let whole = chosen.len().next_multiple_of(PAIR);
         for (from, to) in points.axes.iter().zip(&mut self.axes) {
             to.resize(whole, 0.0);
             for (to, &index) in to.iter_mut().zip(chosen) {

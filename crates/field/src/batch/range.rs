@@ -147,7 +147,13 @@ impl Range {
     #[inline(always)]
     pub(super) fn forms<S: Simd>(&self, simd: S, [x, y, z]: &[Vec<f64>; 3], stretched: bool, forms: &mut [f64]) {
         let last = if stretched { self.stretched } else { self.middle };
-        let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+        let zero = Lanes::<S>::splat(simd, 0.0);
+        let middle = Lanes::<S>::splat(simd, f64::from(MIDDLE));
+        let outer = Lanes::<S>::splat(simd, f64::from(OUTER));
+        let mut steps = [zero; MOST_STEPS];
+        for (number, step) in steps.iter_mut().enumerate() {
+            *step = Lanes::<S>::splat(simd, f64::from(FAR + number as Form));
+        }
         for (number, forms) in forms.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
             let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
             let point = [&x[start..end], &y[start..end], &z[start..end]];
@@ -158,14 +164,12 @@ impl Range {
                 gap = beyond.mul_add(beyond, gap);
                 distance = offset.mul_add(offset, distance);
             }
-            // One where it holds, zero where not.
             let reached = gap.at_least(simd, self.near) * distance.at_most(simd, last);
-            let middle = reached * gap.at_least(simd, self.outer).scale_add(f64::from(OUTER - MIDDLE), one);
-            let mut far = distance.at_least(simd, self.far[0].0) * f64::from(FAR - 1);
-            for (least, _) in &self.far {
-                far = far + distance.at_least(simd, *least);
+            let mut form = reached * gap.where_at_least(self.outer, outer, middle);
+            for (step, (least, _)) in steps.iter().zip(&self.far) {
+                form = distance.where_at_least(*least, *step, form);
             }
-            let form = middle.max(far * distance.at_most(simd, FARTHEST));
+            let form = distance.where_more(FARTHEST, zero, form);
             form.store(forms);
         }
     }
@@ -180,6 +184,11 @@ impl Range {
         } else {
             NEAR
         }
+    }
+
+    /// The last of the forms that occur, but for those to a tolerance.
+    pub(super) fn last_form(&self) -> Form {
+        FAR + self.far.len() as Form - 1
     }
 
     /// What a form from [`FAR`] on is.

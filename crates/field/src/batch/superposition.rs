@@ -8,15 +8,16 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
-use super::alone::Alone;
 use super::assignment::{Assignment, Near};
+use super::beside::Beside;
 use super::closed_form::Tables;
 use super::cluster::Cluster;
 use super::expansion::Expansion;
-use super::lanes::{Lanes, Two};
-use super::multipole::{self, Distant, Series};
+use super::lanes::Lanes;
+use super::one_tile::{Distributed, OneTile, Pairwise};
 use super::points::{Chosen, Coordinates};
-use super::range::{BEYOND, FarForm, Form, MIDDLE, NEAR, OUTER};
+use super::range::{BEYOND, FarForm, Form, MIDDLE, NEAR};
+use super::streams::Streams;
 use super::table::Together;
 use super::totals::Totals;
 use super::tree::Tree;
@@ -41,6 +42,12 @@ pub(crate) struct Superposition {
     gathered: Coordinates,
     /// The points near a cluster.
     gathered_near: Coordinates,
+    /// Those beside a tile.
+    chosen_beside: Vec<u32>,
+    /// Of a tile by itself.
+    fields: [Vec<f64>; 3],
+    streams: Streams,
+    finite: bool,
     /// The [`Tables`] of the instruction set last used.
     tables: Option<Box<dyn Any + Send>>,
 }
@@ -78,6 +85,11 @@ impl Superposition {
         field: &mut [DVec3],
     ) {
         self.edges.clear();
+        self.finite = false;
+        if let (Some(frame), None) = (arrangement.only_tile(), assigned) {
+            self.finite = self.streams.evaluate(level, (arrangement, frame), part, points, field, &mut self.edges);
+            return;
+        }
         self.points.set(points);
         self.totals.start(self.points.padded());
         if !points.is_empty() {
@@ -92,6 +104,11 @@ impl Superposition {
     /// The points on edge lines, in order, and the edges they lie on.
     pub(crate) fn edges(&self) -> impl Iterator<Item = (usize, &Edges)> {
         self.edges.iter().map(|(index, edges)| (*index, edges))
+    }
+
+    /// Whether all values are known to be finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.finite
     }
 
     /// Whether the field is unbounded at a point.
@@ -140,16 +157,14 @@ impl Superposition {
             self.totals.add(simd, rotation, points, Middle { tables, cluster, next: None });
             return;
         }
-        let tile = together.blocks.start;
         match form {
-            MIDDLE => self.totals.add_pairs(simd, rotation, points, &ByItself::of(work.frame, tile)),
-            OUTER => self.totals.add_pairs(simd, rotation, points, &Small::of(work.frame, tile)),
+            _ if together.cluster.is_none() => {
+                let mut made = None;
+                let tile = OneTile::of(work.frame, together.blocks.start, &mut made);
+                tile.fields(simd, form, views(points), room(&mut self.fields, points[0].len()));
+                self.totals.add_fields(simd, rotation, &self.fields);
+            }
             _ => match together.range.far(form) {
-                FarForm::Series { order } if together.cluster.is_none() => {
-                    let mut made = None;
-                    let source = Distributed::of(work.frame, tile, order, &mut made);
-                    self.totals.add_pairs(simd, rotation, points, &source);
-                }
                 FarForm::Series { order } => {
                     self.add_series(simd, work, together, order, false);
                     self.totals.add_totals(simd, &self.partial);
@@ -240,16 +255,13 @@ impl Superposition {
     #[inline(always)]
     fn add_tile<S: Simd>(&mut self, simd: S, work: Work, index: usize, form: Form, chosen: &[u32]) {
         match form {
-            NEAR => self.add_near(work, &work.frame.blocks[index], chosen),
-            MIDDLE => self.add_gathered_pairs(simd, work, chosen, &ByItself::of(work.frame, index)),
-            OUTER => self.add_gathered_pairs(simd, work, chosen, &Small::of(work.frame, index)),
+            NEAR => self.add_near(simd, work, index, chosen),
             _ => {
-                let FarForm::Series { order } = work.frame.table.tiles[index].range.far(form) else {
-                    unreachable!("a tile by itself has a series only")
-                };
                 let mut made = None;
-                let source = Distributed::of(work.frame, index, order, &mut made);
-                self.add_gathered_pairs(simd, work, chosen, &source);
+                let tile = OneTile::of(work.frame, index, &mut made);
+                let points = &self.gathered.axes;
+                tile.fields(simd, form, views(points), room(&mut self.fields, points[0].len()));
+                self.totals.add_fields_at(work.frame.to_scene.rotation(), &self.fields, chosen);
             }
         }
     }
@@ -266,22 +278,60 @@ impl Superposition {
         self.totals.add_some_pairs(simd, rotation, &self.gathered.axes, chosen, what);
     }
 
-    /// The kernel of one point.
-    fn add_near(&mut self, work: Work, block: &Block, chosen: &[u32]) {
+    /// Points beside a tile: in vectors if they are off its planes, else the kernel of one point.
+    #[inline(always)]
+    fn add_near<S: Simd>(&mut self, simd: S, work: Work, index: usize, chosen: &[u32]) {
+        let block = &work.frame.blocks[index];
+        let beside = Beside::of(block, work.part);
         let [x, y, z] = &work.local.axes;
-        for index in chosen.iter().map(|&index| index as usize) {
+        self.chosen_beside.clear();
+        for &point in chosen {
+            let index = point as usize;
             let at = Local {
                 coordinates: [x[index], y[index], z[index]],
                 roundoff: work.arrangement.roundoff(work.frame, work.points[index]),
             };
-            let Some(placed) = block.place(&at) else { continue };
-            let own = cuboid_field(&placed.offsets, block.polarization_t.to_array(), work.part);
-            self.totals.add_one(index, work.frame.to_scene.vector(DVec3::from_array(own)).to_array());
-            if placed.on_edge_line() {
-                self.edges.entry(index).or_default().add(block, &placed, &work.frame.to_scene);
+            if beside.as_ref().is_some_and(|beside| beside.serves(&at)) {
+                self.chosen_beside.push(point);
+            } else {
+                let own = near_field(block, &at, work.frame, work.part, || self.edges.entry(index).or_default());
+                self.totals.add_one(index, own.to_array());
             }
         }
+        if let (Some(beside), false) = (beside, self.chosen_beside.is_empty()) {
+            self.gathered.gather(work.local, &self.chosen_beside);
+            let points = &self.gathered.axes;
+            beside.fields(simd, views(points), room(&mut self.fields, points[0].len()));
+            self.totals.add_fields_at(work.frame.to_scene.rotation(), &self.fields, &self.chosen_beside);
+        }
     }
+}
+
+/// B or mu0 H of a block by the kernel of one point, in the scene's frame. If the point is on the line of an edge, that is added to what `edges` gives.
+pub(super) fn near_field<'a>(
+    block: &Block,
+    at: &Local,
+    frame: &Frame,
+    part: Part,
+    edges: impl FnOnce() -> &'a mut Edges,
+) -> DVec3 {
+    let Some(placed) = block.place(at) else { return DVec3::ZERO };
+    let own = cuboid_field(&placed.offsets, block.polarization_t.to_array(), part);
+    if placed.on_edge_line() {
+        edges().add(block, &placed, &frame.to_scene);
+    }
+    frame.to_scene.vector(DVec3::from_array(own))
+}
+
+fn views(points: &[Vec<f64>; 3]) -> [&[f64]; 3] {
+    let [x, y, z] = points;
+    [x, y, z]
+}
+
+fn room(fields: &mut [Vec<f64>; 3], count: usize) -> [&mut [f64]; 3] {
+    fields.iter_mut().for_each(|values| values.resize(count, 0.0));
+    let [x, y, z] = fields;
+    [x, y, z]
 }
 
 /// A part of a tree that is taken by its expansion outside a sphere around its centre.
@@ -348,81 +398,6 @@ impl<S: Simd> Source<S> for Middle<'_, S> {
     fn field(&mut self, simd: S, ahead: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let next = self.next.replace(ahead).expect("started");
         self.tables.field(simd, self.cluster, next)
-    }
-}
-
-/// What has a field, mu0 H in its own frame, and computes it at two vectors of points at a time: operations on one then fill the time that
-/// those on the other wait.
-pub(super) trait Pairwise<S: Simd> {
-    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2];
-}
-
-/// A tile by itself.
-struct ByItself(Alone);
-
-impl ByItself {
-    fn of(frame: &Frame, index: usize) -> Self {
-        ByItself(Alone::of(&frame.blocks[index], frame.table.tiles[index].range.scale))
-    }
-}
-
-impl<S: Simd> Pairwise<S> for ByItself {
-    #[inline(always)]
-    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
-        let place = self.0.place(simd, side_by_side(points));
-        separate(self.0.field(simd, &self.0.ratios(simd, &place)))
-    }
-}
-
-/// A tile by itself whose elements are all small.
-struct Small(Alone);
-
-impl Small {
-    fn of(frame: &Frame, index: usize) -> Self {
-        Small(Alone::of(&frame.blocks[index], frame.table.tiles[index].range.scale))
-    }
-}
-
-impl<S: Simd> Pairwise<S> for Small {
-    #[inline(always)]
-    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
-        let place = self.0.place(simd, side_by_side(points));
-        let ratios = self.0.ratios(simd, &place);
-        let inverse = self.0.common_inverse(simd, &ratios);
-        separate(self.0.field_of_small(simd, &ratios, inverse))
-    }
-}
-
-#[inline(always)]
-fn side_by_side<S: Simd>([first, second]: [[Lanes<S>; 3]; 2]) -> [Two<S>; 3] {
-    [Two([first[0], second[0]]), Two([first[1], second[1]]), Two([first[2], second[2]])]
-}
-
-#[inline(always)]
-fn separate<S: Simd>([x, y, z]: [Two<S>; 3]) -> [[Lanes<S>; 3]; 2] {
-    let (Two([x, x_2]), Two([y, y_2]), Two([z, z_2])) = (x, y, z);
-    [[x, y, z], [x_2, y_2, z_2]]
-}
-
-/// A tile many sizes away.
-struct Distributed<'a> {
-    tile: &'a Distant,
-    series: &'a Series,
-    order: usize,
-}
-
-impl<'a> Distributed<'a> {
-    /// The series of its shape is `made` if it is not kept.
-    fn of(frame: &'a Frame, index: usize, order: usize, made: &'a mut Option<Series>) -> Self {
-        let series = frame.table.series(index).unwrap_or_else(|| made.insert(Series::of(frame.blocks[index].size)));
-        Distributed { tile: &frame.table.tiles[index].far, series, order }
-    }
-}
-
-impl<S: Simd> Pairwise<S> for Distributed<'_> {
-    #[inline(always)]
-    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
-        multipole::fields(simd, self.tile, self.series, self.order, points)
     }
 }
 

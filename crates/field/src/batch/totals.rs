@@ -4,7 +4,8 @@ use fearless_simd::prelude::*;
 use glam::{DMat3, DVec3};
 
 use super::lanes::{LONGEST_VECTOR, Lanes, Number};
-use super::superposition::{Pairwise, Source};
+use super::one_tile::Pairwise;
+use super::superposition::Source;
 use crate::two_sum::TwoSum;
 
 /// Sum and carry of each component.
@@ -117,6 +118,22 @@ impl Totals {
                 let carry = &mut self.carries[axis][index as usize];
                 *carry = (*carry + step.lo) + low;
             }
+        }
+    }
+
+    /// Adds fields at all points, given by component.
+    #[inline(always)]
+    pub(super) fn add_fields<S: Simd>(&mut self, simd: S, rotation: Option<&DMat3>, fields: &[Vec<f64>; 3]) {
+        for number in 0..self.sums[0].len() / Lanes::<S>::LEN {
+            self.add_vector(simd, number, in_scene::<S>(rotation, load(simd, fields, number)));
+        }
+    }
+
+    /// Adds fields at the points with the indices `chosen`.
+    pub(super) fn add_fields_at(&mut self, rotation: Option<&DMat3>, [x, y, z]: &[Vec<f64>; 3], chosen: &[u32]) {
+        for (((x, y), z), &index) in x.iter().zip(y).zip(z).zip(chosen) {
+            let own = DVec3::new(*x, *y, *z);
+            self.add_one(index as usize, rotation.map_or(own, |rotation| *rotation * own).to_array());
         }
     }
 

@@ -1,0 +1,133 @@
+//! One tile by itself at points that have the same form.
+
+use fearless_simd::prelude::*;
+
+use super::alone::Alone;
+use super::lanes::{Lanes, Two};
+use super::multipole::{self, Distant, Series};
+use super::range::{FarForm, Form, MIDDLE, NEAR, OUTER, Range};
+use crate::arrangement::Frame;
+
+/// What has a field, mu0 H in its own frame, and computes it at two vectors of points at a time: operations on one then fill the time that
+/// those on the other wait.
+pub(super) trait Pairwise<S: Simd> {
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2];
+}
+
+/// A tile in all its forms but the one for points beside it.
+pub(super) struct OneTile<'a> {
+    range: &'a Range,
+    alone: Alone,
+    distant: &'a Distant,
+    series: &'a Series,
+}
+
+impl<'a> OneTile<'a> {
+    /// The series of its shape is `made` if it is not kept.
+    pub(super) fn of(frame: &'a Frame, index: usize, made: &'a mut Option<Series>) -> OneTile<'a> {
+        let (block, tile) = (&frame.blocks[index], &frame.table.tiles[index]);
+        OneTile {
+            range: &tile.range,
+            alone: Alone::of(block, tile.range.scale),
+            distant: &tile.far,
+            series: frame.table.series(index).unwrap_or_else(|| made.insert(Series::of(block.size))),
+        }
+    }
+
+    /// Where its forms serve.
+    pub(super) fn range(&self) -> &Range {
+        self.range
+    }
+
+    /// mu0 H, in the tile's frame, at points given by axis. As many values as there are points, a multiple of [`PAIR`](super::lanes::PAIR).
+    #[inline(always)]
+    pub(super) fn fields<S: Simd>(&self, simd: S, form: Form, points: [&[f64]; 3], fields: [&mut [f64]; 3]) {
+        match form {
+            NEAR => unreachable!("points beside a tile have no form of this kind"),
+            MIDDLE => in_pairs(simd, &ClosedForm(&self.alone), points, fields),
+            OUTER => in_pairs(simd, &SmallElements(&self.alone), points, fields),
+            _ => {
+                let FarForm::Series { order } = self.range.far(form) else {
+                    unreachable!("a tile by itself has a series only")
+                };
+                let what = Distributed { tile: self.distant, series: self.series, order };
+                in_pairs(simd, &what, points, fields);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn in_pairs<S: Simd>(simd: S, what: &impl Pairwise<S>, [x, y, z]: [&[f64]; 3], fields: [&mut [f64]; 3]) {
+    let len = Lanes::<S>::LEN;
+    let [fx, fy, fz] = fields;
+    let points = x.chunks_exact(2 * len).zip(y.chunks_exact(2 * len)).zip(z.chunks_exact(2 * len));
+    let fields = fx.chunks_exact_mut(2 * len).zip(fy.chunks_exact_mut(2 * len)).zip(fz.chunks_exact_mut(2 * len));
+    for (((x, y), z), ((fx, fy), fz)) in points.zip(fields) {
+        let load = [Lanes::load(simd, &x[..len]), Lanes::load(simd, &y[..len]), Lanes::load(simd, &z[..len])];
+        let load_2 = [Lanes::load(simd, &x[len..]), Lanes::load(simd, &y[len..]), Lanes::load(simd, &z[len..])];
+        let [first, second] = what.fields(simd, [load, load_2]);
+        first[0].store(&mut fx[..len]);
+        first[1].store(&mut fy[..len]);
+        first[2].store(&mut fz[..len]);
+        second[0].store(&mut fx[len..]);
+        second[1].store(&mut fy[len..]);
+        second[2].store(&mut fz[len..]);
+    }
+}
+
+struct ClosedForm<'a>(&'a Alone);
+
+impl<S: Simd> Pairwise<S> for ClosedForm<'_> {
+    #[inline(always)]
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+        let place = self.0.place(simd, side_by_side(points));
+        separate(self.0.field(simd, &self.0.ratios(simd, &place)))
+    }
+}
+
+/// The same where all elements are small.
+struct SmallElements<'a>(&'a Alone);
+
+impl<S: Simd> Pairwise<S> for SmallElements<'_> {
+    #[inline(always)]
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+        let place = self.0.place(simd, side_by_side(points));
+        let ratios = self.0.ratios(simd, &place);
+        let inverse = self.0.common_inverse(simd, &ratios);
+        separate(self.0.field_of_small(simd, &ratios, inverse))
+    }
+}
+
+#[inline(always)]
+fn side_by_side<S: Simd>([first, second]: [[Lanes<S>; 3]; 2]) -> [Two<S>; 3] {
+    [Two([first[0], second[0]]), Two([first[1], second[1]]), Two([first[2], second[2]])]
+}
+
+#[inline(always)]
+fn separate<S: Simd>([x, y, z]: [Two<S>; 3]) -> [[Lanes<S>; 3]; 2] {
+    let (Two([x, x_2]), Two([y, y_2]), Two([z, z_2])) = (x, y, z);
+    [[x, y, z], [x_2, y_2, z_2]]
+}
+
+/// Many sizes away.
+pub(super) struct Distributed<'a> {
+    tile: &'a Distant,
+    series: &'a Series,
+    order: usize,
+}
+
+impl<'a> Distributed<'a> {
+    /// The series of its shape is `made` if it is not kept.
+    pub(super) fn of(frame: &'a Frame, index: usize, order: usize, made: &'a mut Option<Series>) -> Self {
+        let series = frame.table.series(index).unwrap_or_else(|| made.insert(Series::of(frame.blocks[index].size)));
+        Distributed { tile: &frame.table.tiles[index].far, series, order }
+    }
+}
+
+impl<S: Simd> Pairwise<S> for Distributed<'_> {
+    #[inline(always)]
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+        multipole::fields(simd, self.tile, self.series, self.order, points)
+    }
+}
