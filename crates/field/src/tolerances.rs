@@ -128,11 +128,28 @@ pub(crate) const ALONE_COST: f64 = 690.0;
 /// What an expansion of degree p takes for (p + 2) (p + 3), in the same unit: six sums and three operations for the recurrence, of half as many terms.
 pub(crate) const NODE_COST: f64 = 4.5;
 
+/// The highest degree of the field around a batch of points to which nodes are translated. What a translation takes grows with its third power, and higher
+/// ones serve hardly more nodes: those nearer are so near that their own degree is high.
+pub(crate) const HIGHEST_LOCAL_DEGREE: usize = 24;
+
+/// Of the points of a batch so many neighbours share the degree of a node's expansion: what two of the longest vectors hold.
+pub(crate) const POINTS_PER_DEGREE: usize = 16;
+
+/// What a translation leaves out, as a fraction of what its node's own expansion may.
+pub(crate) const TRANSLATED_SHARE: f64 = 0.1;
+
+/// Fewer points are not worth a translation: each takes as much as the expansion at so many.
+pub(crate) const TRANSLATED_POINTS: usize = 32;
+
+/// How far the spheres on which the field of a translated node is bounded stay from its centre, in its radii: the farther, the weaker the field on them; the nearer,
+/// the larger the sphere, and the lower the degree. The best of them is taken.
+pub(crate) const SPHERE_GAPS: [f64; 4] = [1.0, 1.4, 2.0, 3.0];
+
 /// A node of the tree is not asked for its moments nearer than this many of its radii: no degree would do.
 pub(crate) const NEAREST_NODE: f64 = 1.2;
 
 /// Degrees beyond the binary logarithm of a tolerance, for the factors that grow with the degree.
-pub(crate) const ADDED_DEGREES: f64 = 12.0;
+pub(crate) const ADDED_DEGREES: f64 = 16.0;
 
 /// Degrees of a tree, at least.
 pub(crate) const LEAST_DEGREE: usize = 6;
@@ -151,11 +168,11 @@ pub(crate) const POINTS_PER_FITTED_NODE: usize = 4;
 pub(crate) const TREE_TILES: usize = 64;
 
 /// Points for which is estimated together what may be left out, and of which those with a weak field are served together again.
-pub(crate) const ESTIMATED_POINTS: usize = 256;
+pub(crate) const ESTIMATED_POINTS: usize = 512;
 
 /// Of these the points that parts of a tree are assigned to together: more share the choice, fewer lie closer together, leave more of the tiles far away, and
 /// need lower degrees of expansions.
-pub(crate) const ASSIGNED_POINTS: usize = 64;
+pub(crate) const ASSIGNED_POINTS: usize = 128;
 
 /// Of these the points at which the field is found roughly first.
 pub(crate) const SAMPLED_POINTS: usize = 16;
@@ -167,7 +184,7 @@ pub(crate) const ROUGH_FIELD_OVER_J: f64 = 1e-3;
 pub(crate) const ROUGH_NODES: f64 = 16.0;
 
 /// What nodes leave out of what each may, on average: degrees are whole numbers.
-pub(crate) const USED_SHARE: f64 = 0.5;
+pub(crate) const USED_SHARE: f64 = 0.7;
 
 /// A rough field must be so many times what it leaves out.
 pub(crate) const CLEAR_OF_ERROR: f64 = 4.0;
@@ -202,6 +219,12 @@ pub(crate) const SMALL_ANGLE: f64 = 0.2;
 
 /// Whether one form serves all points of a box is decided with this relative margin, far above the round-off in the decision for a point.
 pub(crate) const FORM_MARGIN: f64 = 1e-9;
+
+/// The same of groups of tiles together, to a tolerance: half the series does, and on films points are rarely nearer.
+pub(crate) const SMALLER_ANGLE: f64 = 0.05;
+
+/// Then four groups of at most so many tiles share a division: products of 12 lengths for each, between 1 / [`PRODUCT_RANGE`] and this, stay in range.
+pub(crate) const SMALL_GROUP: usize = 4;
 
 /// T_ii is taken from the faces across i itself if the tile is at least this fraction of its second side thick there, else from the trace.
 pub(crate) const DIRECT_DIAGONAL: f64 = 0.5;

@@ -1,13 +1,21 @@
 //! Which parts of a tree serve a batch of points, and how.
 
+use glam::DVec3;
+
 use super::tree::Tree;
+use crate::tolerances::{TRANSLATED_POINTS, TRANSLATED_SHARE};
 use crate::within::magnitude::Box3;
 
 /// For points that lie together, the parts of a tree that add up to the field there.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Assignment {
-    /// Nodes taken by their expansions, with the degree.
-    pub(super) expanded: Vec<(usize, usize)>,
+    /// Nodes taken by their expansions.
+    pub(super) expanded: Vec<Nearest>,
+    /// Nodes translated to the middle of the points.
+    pub(super) translated: Vec<Translated>,
+    /// That, and the distance of the farthest corner of the box around them.
+    pub(super) middle: DVec3,
+    pub(super) reach: f64,
     /// Items taken exactly at points near them, those of one frame together.
     pub(super) near: Vec<Near>,
     /// At most what all degrees left out add up to, in tesla.
@@ -20,20 +28,37 @@ pub(crate) struct Assignment {
     pub(crate) tiles: [usize; 3],
 }
 
+/// A node that is taken by its expansion.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Nearest {
+    pub(super) node: usize,
+    /// The degree at the nearest of the points, and at most what it leaves out there, in tesla. No lower degree leaves out more than that at points farther away.
+    pub(super) degree: usize,
+    pub(super) left_out_t: f64,
+}
+
+/// A node that is taken by its expansion translated to the middle of the points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Translated {
+    pub(super) node: usize,
+    pub(super) degree: usize,
+    /// Of the field around the middle.
+    pub(super) local_degree: usize,
+}
+
 /// An item that is taken exactly, at least at some points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Near {
     pub(super) item: usize,
-    /// That of the item alone.
-    pub(super) node: usize,
-    /// The distance from which its expansion of a degree is taken instead.
-    pub(super) beyond: Option<(f64, usize)>,
+    /// The distance from which its expansion is taken instead.
+    pub(super) beyond: Option<(f64, Nearest)>,
 }
 
 impl Assignment {
-    /// Of the nodes farthest up that leave out no more than `allowed_t` each.
-    pub(crate) fn of(tree: &Tree, points: &Box3, allowed_t: f64) -> Assignment {
-        let mut assignment = Assignment::default();
+    /// Of the nodes farthest up that leave out no more than `allowed_t` each. Of many points those far away are translated.
+    pub(crate) fn of(tree: &Tree, points: &Box3, count: usize, allowed_t: f64) -> Assignment {
+        let (middle, reach) = (points.centre(), points.half_size().length());
+        let mut assignment = Assignment { middle, reach, ..Assignment::default() };
         let mut waiting: Vec<usize> = (0..tree.nodes.len().min(1)).collect();
         while let Some(index) = waiting.pop() {
             if let Some((degree, left_out_t)) = tree.degree(index, points, allowed_t) {
@@ -41,8 +66,17 @@ impl Assignment {
                 assignment.left_out_t += left_out_t;
                 assignment.magnitude_t += tree.most_of_node_t(index, points);
                 if degree > 0 {
-                    assignment.expanded.push((index, degree));
                     assignment.tiles[0] += tiles;
+                    let share_t = TRANSLATED_SHARE * allowed_t;
+                    let local = (count >= TRANSLATED_POINTS)
+                        .then(|| tree.local_degree(index, degree, middle, reach, share_t))
+                        .flatten();
+                    if let Some((local_degree, left_out_t)) = local {
+                        assignment.left_out_t += left_out_t;
+                        assignment.translated.push(Translated { node: index, degree, local_degree });
+                    } else {
+                        assignment.expanded.push(Nearest { node: index, degree, left_out_t });
+                    }
                 } else {
                     assignment.ignored_t += left_out_t;
                     assignment.tiles[2] += tiles;
@@ -53,16 +87,18 @@ impl Assignment {
                 Some([low, high]) => waiting.extend([high, low]),
                 None => {
                     let item = tree.nodes[index].items.start;
-                    let beyond = tree.least_distance(index, points, allowed_t);
-                    if beyond.is_some() {
+                    let beyond = tree.least_distance(index, points, allowed_t).map(|(distance, degree)| {
                         assignment.left_out_t += allowed_t;
-                    }
-                    assignment.near.push(Near { item, node: index, beyond });
+                        (distance, Nearest { node: index, degree, left_out_t: allowed_t })
+                    });
+                    assignment.near.push(Near { item, beyond });
                     assignment.tiles[1] += tree.tiles_of_item(item);
                     assignment.magnitude_t += tree.most_of_item_t(item, points);
                 }
             }
         }
+        // Nodes that are translated at the same time take the highest of their degrees.
+        assignment.translated.sort_by_key(|of| (of.local_degree, of.degree, of.node));
         assignment.near.sort_by_key(|near| (tree.items[near.item].frame, near.item));
         assignment
     }
@@ -74,11 +110,11 @@ impl Assignment {
 
     /// The expansions' degrees.
     pub(crate) fn degrees(&self) -> impl Iterator<Item = usize> {
-        self.expanded.iter().map(|(_, degree)| *degree)
+        self.expanded.iter().map(|of| of.degree).chain(self.translated.iter().map(|of| of.degree))
     }
 
     /// How many expansions there are, some for some of the points only.
     pub(crate) fn expansions(&self) -> usize {
-        self.expanded.len() + self.near.iter().filter(|near| near.beyond.is_some()).count()
+        self.expanded.len() + self.translated.len() + self.near.iter().filter(|near| near.beyond.is_some()).count()
     }
 }

@@ -7,9 +7,9 @@
 use fearless_simd::prelude::*;
 
 use super::cluster::Cluster;
-use super::functions::{angle, artanh_of_ratio};
+use super::functions::{angle, artanh_of_ratio, short_odd_series};
 use super::lanes::{Lanes, Number};
-use super::terms::{AA, AB, AC, BB, BC, CC, NO_GROUP, TileTerms};
+use super::terms::{AA, AB, AC, BB, BC, CC, Group, NO_GROUP, TileTerms};
 use crate::tolerances::{MOST_CORNERS, MOST_GROUPS, MOST_PLANES};
 
 /// Tables of vectors, kept between calls. Their length is fixed, so that an index masked to it needs no check.
@@ -108,9 +108,10 @@ impl<S: Simd> Tables<S> {
         }
     }
 
-    /// mu0 H of the tiles of `cluster`, in their frame, at the points given as `next` before (or to [`Tables::start`]), which are outside them.
+    /// mu0 H of the tiles of `cluster`, in their frame, at the points given as `next` before (or to [`Tables::start`]), which are outside them; perhaps so far
+    /// that all elements are `small`.
     #[inline(always)]
-    pub(super) fn field(&mut self, simd: S, cluster: &Cluster, next: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+    pub(super) fn field(&mut self, simd: S, cluster: &Cluster, next: [Lanes<S>; 3], small: bool) -> [Lanes<S>; 3] {
         let [even, odd] = &mut *self.places;
         let (current, upcoming) = if self.next == 0 { (even, odd) } else { (odd, even) };
         self.next = 1 - self.next;
@@ -123,6 +124,9 @@ impl<S: Simd> Tables<S> {
             Upcoming { places: upcoming, corners: &cluster.corners, step: cluster.corner_pairs_per_step, known: 0 };
         for tile in &cluster.tiles {
             multiply(tile, current, &mut upcoming, &mut self.products);
+        }
+        if small {
+            return self.products.sum_of_small(simd, &cluster.groups);
         }
         let mut sum = [zero; 3];
         for (group, [a, b]) in cluster.groups.iter().zip(&self.products.0[..]) {
@@ -214,6 +218,28 @@ fn multiply<S: Simd>(tile: &TileTerms, places: &Places<S>, upcoming: &mut Upcomi
 }
 
 impl<S: Simd> Products<S> {
+    /// What all groups add where none has a half angle beyond [`SMALLER_ANGLE`](crate::tolerances::SMALLER_ANGLE): four of them share a division.
+    #[inline(always)]
+    fn sum_of_small(&mut self, simd: S, groups: &[Group]) -> [Lanes<S>; 3] {
+        let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+        let mut sum = [zero; 3];
+        for (groups, products) in groups.chunks(4).zip(self.0.chunks_exact_mut(4)) {
+            products[groups.len()..].fill([one, zero]);
+            let [[a, n], [b, p], [c, q], [d, r]] = [products[0], products[1], products[2], products[3]];
+            let (ab, cd) = (a * b, c * d);
+            let inverse = one.over(ab * cd);
+            let (over_ab, over_cd) = (inverse * cd, inverse * ab);
+            let ratios = [n * (over_ab * b), p * (over_ab * a), q * (over_cd * d), r * (over_cd * c)];
+            for (group, ratio) in groups.iter().zip(ratios) {
+                let half = short_odd_series(simd, ratio, if group.diagonal { -1.0 } else { 1.0 });
+                for (sum, coefficient) in sum.iter_mut().zip(group.coefficient) {
+                    *sum = half.scale_add(coefficient, *sum);
+                }
+            }
+        }
+        sum
+    }
+
     #[inline(always)]
     fn add_logarithm(&mut self, number: u16, [n, m]: [Lanes<S>; 2]) {
         let [a, b] = self.0[group(number)];

@@ -22,6 +22,8 @@ pub(super) struct Cluster {
     pub(super) groups: Vec<Group>,
     /// The volume of the tiles of one group, at most; scaled.
     pub(super) largest_group_volume: f64,
+    /// How many they are, at most.
+    pub(super) largest_group: usize,
 }
 
 impl Cluster {
@@ -54,6 +56,7 @@ impl Cluster {
             tiles,
             groups: groups.all,
             largest_group_volume: groups.largest_volume,
+            largest_group: groups.largest,
         })
     }
 }
@@ -66,6 +69,7 @@ struct Groups {
     open: FxHashMap<(bool, [u64; 3]), (u16, usize, f64)>,
     most_volume: f64,
     largest_volume: f64,
+    largest: usize,
 }
 
 impl Groups {
@@ -86,6 +90,7 @@ impl Groups {
             }
         };
         self.largest_volume = self.largest_volume.max(volume);
+        self.largest = self.largest.max(tiles);
         self.open.insert(key, (number, tiles, volume));
         number
     }

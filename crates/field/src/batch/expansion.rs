@@ -88,38 +88,67 @@ impl Expansion {
     /// mu0 H of the tiles, in their frame, from the potential up to `degree`, at two vectors of points.
     #[inline(always)]
     pub(super) fn fields<S: Simd>(&self, simd: S, degree: usize, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
-        let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
-        let places = [Place::of(simd, self, points[0]), Place::of(simd, self, points[1])];
-        let mut phase = [[one, zero]; 2];
-        let mut field = [[zero; 3]; 2];
-        for order in 0..=degree + 1 {
-            let count = degree + 2 - order;
-            let factors = &RECURRENCE[row(order)..row(order) + count];
-            // The real and imaginary parts of the own order, of the next and of the one before.
-            let rows = [order, order + 1, order.saturating_sub(1)].map(|other| &self.row(other, order)[..count]);
-            let sums = row_sums(simd, &places, rows, factors);
-            for at in 0..2 {
-                let [own_re, own_im, above_re, above_im, below_re, below_im] = sums[at];
-                let [re, im] = phase[at];
-                let [x, y, z] = &mut field[at];
-                if order == 0 {
-                    (*x, *y, *z) = (*x - above_re, *y + above_im, *z + own_re);
-                } else {
-                    *x = (below_re - above_re).mul_add(re, (above_im - below_im).mul_add(im, *x));
-                    *y = (below_im + above_im).mul_add(re, (below_re + above_re).mul_add(im, *y));
-                    *z = own_re.mul_add(re + re, *z) - own_im * (im + im);
-                }
-                let [across_x, across_y] = places[at].across;
-                phase[at] = [re.mul_sub(across_x, im * across_y), re.mul_add(across_y, im * across_x)];
-            }
-        }
-        for at in 0..2 {
-            for component in &mut field[at] {
-                *component = *component * places[at].inverse_distance;
-            }
-        }
-        field
+        let [(first, over_first), (second, over_second)] = points.map(|point| self.place(simd, point));
+        // Those of the own order, of the next and of the one before.
+        let rows = |order: usize| [order, order + 1, order.saturating_sub(1)].map(|other| self.row(other, order));
+        let [first, second] = fields_of_rows(simd, &[first, second], degree + 1, rows);
+        [first.map(|component| component * over_first), second.map(|component| component * over_second)]
     }
+
+    /// Where a point lies relative to the centre, and the inverse of its distance.
+    #[inline(always)]
+    fn place<S: Simd>(&self, simd: S, mut point: [Lanes<S>; 3]) -> (Place<S>, Lanes<S>) {
+        for (coordinate, centre) in point.iter_mut().zip(&self.centre) {
+            *coordinate = (*coordinate - *centre) * self.scale;
+        }
+        let [x, y, z] = point;
+        let square = Lanes::<S>::splat(simd, 1.0).over(z.mul_add(z, y.mul_add(y, x * x)));
+        (Place { square, along: z * square, across: [x * square, y * square] }, square.sqrt())
+    }
+}
+
+/// What the polynomials of an expansion are made of, z / r^2 and so on; or of one around its centre, z and so on.
+pub(super) struct Place<S: Simd> {
+    /// 1 / r^2, or r^2
+    pub(super) square: Lanes<S>,
+    /// z / r^2
+    pub(super) along: Lanes<S>,
+    /// x / r^2 and y / r^2
+    pub(super) across: [Lanes<S>; 2],
+}
+
+/// The field (Eq. P23) up to `degree` at two vectors of points. `rows` gives the coefficients of an order, of the next and of the one before, from the degree
+/// of the order on.
+#[inline(always)]
+pub(super) fn fields_of_rows<'a, S: Simd>(
+    simd: S,
+    places: &[Place<S>; 2],
+    degree: usize,
+    rows: impl Fn(usize) -> [&'a [[f64; 2]]; 3],
+) -> [[Lanes<S>; 3]; 2] {
+    let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+    let mut phase = [[one, zero]; 2];
+    let mut field = [[zero; 3]; 2];
+    for order in 0..=degree {
+        let count = degree + 1 - order;
+        let factors = &RECURRENCE[row(order)..row(order) + count];
+        let sums = row_sums(simd, places, rows(order).map(|row| &row[..count]), factors);
+        for at in 0..2 {
+            let [own_re, own_im, above_re, above_im, below_re, below_im] = sums[at];
+            let [re, im] = phase[at];
+            let [x, y, z] = &mut field[at];
+            if order == 0 {
+                (*x, *y, *z) = (*x - above_re, *y + above_im, *z + own_re);
+            } else {
+                *x = (below_re - above_re).mul_add(re, (above_im - below_im).mul_add(im, *x));
+                *y = (below_im + above_im).mul_add(re, (below_re + above_re).mul_add(im, *y));
+                *z = own_re.mul_add(re + re, *z) - own_im * (im + im);
+            }
+            let [across_x, across_y] = places[at].across;
+            phase[at] = [re.mul_sub(across_x, im * across_y), re.mul_add(across_y, im * across_x)];
+        }
+    }
+    field
 }
 
 /// The lowest degree of the field to which an order of the potential's moments belongs.
@@ -141,7 +170,7 @@ fn row_sums<S: Simd>(simd: S, places: &[Place<S>; 2], rows: [&[[f64; 2]]; 3], fa
             sums[1][part] = polynomial[1].mul_add(moment, sums[1][part]);
         }
         for at in 0..2 {
-            let back = (places[at].inverse_square * last[at]) * -*factor;
+            let back = (places[at].square * last[at]) * -*factor;
             let next = polynomial[at].mul_add(places[at].along, back);
             (last[at], polynomial[at]) = (polynomial[at], next);
         }
@@ -159,31 +188,4 @@ pub(super) fn radius(blocks: &[Block], centre: [f64; 3]) -> f64 {
         DVec3::from([0, 1, 2].map(reach)).length()
     };
     blocks.iter().map(corner).fold(0.0, f64::max)
-}
-
-/// Where points lie relative to the centre.
-struct Place<S: Simd> {
-    inverse_distance: Lanes<S>,
-    inverse_square: Lanes<S>,
-    /// z / r^2
-    along: Lanes<S>,
-    /// x / r^2 and y / r^2
-    across: [Lanes<S>; 2],
-}
-
-impl<S: Simd> Place<S> {
-    #[inline(always)]
-    fn of(simd: S, expansion: &Expansion, mut point: [Lanes<S>; 3]) -> Place<S> {
-        for (coordinate, centre) in point.iter_mut().zip(&expansion.centre) {
-            *coordinate = (*coordinate - *centre) * expansion.scale;
-        }
-        let [x, y, z] = point;
-        let inverse_square = Lanes::<S>::splat(simd, 1.0).over(z.mul_add(z, y.mul_add(y, x * x)));
-        Place {
-            inverse_distance: inverse_square.sqrt(),
-            inverse_square,
-            along: z * inverse_square,
-            across: [x * inverse_square, y * inverse_square],
-        }
-    }
 }

@@ -168,3 +168,14 @@ pub(super) fn odd_series<N: Number>(simd: N::Instructions, s: N, sign: f64) -> N
     }
     (s * z).mul_add(sum, s)
 }
+
+/// The same for |s| < 0.051.
+#[inline(always)]
+pub(super) fn short_odd_series<N: Number>(simd: N::Instructions, s: N, sign: f64) -> N {
+    let z = s * s * sign;
+    let mut sum = N::splat(simd, 1.0 / 11.0);
+    for odd in [9.0, 7.0, 5.0, 3.0] {
+        sum = sum.mul_add_constant(z, 1.0 / odd);
+    }
+    (s * z).mul_add(sum, s)
+}

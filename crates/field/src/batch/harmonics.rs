@@ -63,6 +63,12 @@ impl Moments {
         if m > l { [0.0; 2] } else { self.0.at(l, m) }
     }
 
+    /// The real and the imaginary parts of a degree, by order.
+    pub(super) fn row(&self, l: usize) -> [&[f64]; 2] {
+        let row = self.0.place(l, 0)..self.0.place(l, l) + 1;
+        [&self.0.re[row.clone()], &self.0.im[row]]
+    }
+
     /// Adds other ones of the same degree.
     pub(super) fn add(&mut self, other: &Moments) {
         let Moments(Triangle { re, im, .. }) = self;

@@ -25,6 +25,7 @@ mod functions;
 pub(crate) mod harmonics;
 pub(crate) mod instruction_set;
 pub(crate) mod lanes;
+mod local;
 mod multipole;
 mod one_tile;
 mod points;
@@ -34,6 +35,7 @@ mod superposition;
 pub(crate) mod table;
 mod terms;
 mod totals;
+mod translation;
 pub(crate) mod tree;
 
 pub(crate) use superposition::Superposition;

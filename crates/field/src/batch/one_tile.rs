@@ -14,6 +14,13 @@ pub(super) trait Pairwise<S: Simd> {
     fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2];
 }
 
+impl<S: Simd, P: Pairwise<S>> Pairwise<S> for &P {
+    #[inline(always)]
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+        (**self).fields(simd, points)
+    }
+}
+
 /// A tile in all its forms but the one for points beside it.
 pub(super) struct OneTile<'a> {
     range: &'a Range,

@@ -7,7 +7,7 @@ use super::lanes::{Lanes, Number};
 use crate::block::Block;
 use crate::tolerances::{
     CLOSED_FORM_COST, EXPANSION_DEGREES, FARTHEST, FORM_MARGIN, GROUP_DISTANCE, LONGEST_NEEDLE, MIDDLE_REACH,
-    MULTIPOLE_ORDERS, NEAR_FRACTION, PRODUCT_RANGE, SMALL_ANGLE, STRETCH,
+    MULTIPOLE_ORDERS, NEAR_FRACTION, PRODUCT_RANGE, SMALL_ANGLE, SMALL_GROUP, SMALLER_ANGLE, STRETCH,
 };
 
 /// The form, as a number to sort points by: from [`FAR`] on positions in [`Range::far`].
@@ -16,7 +16,7 @@ pub(super) type Form = u8;
 pub(super) const NEAR: Form = 0;
 /// The closed form in vectors.
 pub(super) const MIDDLE: Form = 1;
-/// The same where each element is small. Only of a tile alone.
+/// The same where each element is small: of a tile alone, and to a tolerance of tiles together.
 pub(super) const OUTER: Form = 2;
 /// The first of those far away.
 pub(super) const FAR: Form = 3;
@@ -62,6 +62,8 @@ pub(super) struct Range {
     near: f64,
     /// Square of the least distance from the box at which each element of a tile alone is small.
     outer: f64,
+    /// The same to a tolerance, of each group of tiles together.
+    small: f64,
     /// Square of the greatest distance from the centre for the closed form.
     middle: f64,
     /// The same to a tolerance that leaves room for [`crate::tolerances::STRETCHED_BOUND`].
@@ -76,12 +78,14 @@ impl Range {
         let scale = power_of_two_reciprocal(largest(block.size));
         let shape = Shape::of(block, scale);
         let middle = if shape.largest <= LONGEST_NEEDLE * shape.second { MIDDLE_REACH * shape.second } else { 0.0 };
+        let outer = (shape.volume / SMALL_ANGLE).cbrt().powi(2);
         Range {
             scale,
             centre: [0.5 * x0 + 0.5 * x1, 0.5 * y0 + 0.5 * y1, 0.5 * z0 + 0.5 * z1],
             half_size: block.size.map(|s| 0.5 * s * scale),
             near: (NEAR_FRACTION * shape.largest).powi(2),
-            outer: (shape.volume / SMALL_ANGLE).cbrt().powi(2),
+            outer,
+            small: outer,
             middle: middle * middle,
             stretched: middle * middle,
             far: series(|half_diagonals| half_diagonals * shape.half_diagonal).map(squared).collect(),
@@ -103,8 +107,8 @@ impl Range {
     }
 
     /// Of tiles together: each point that is not [`NEAR`] has the same form for all of them. `group_volume` is that of the tiles that share a
-    /// series, scaled. `blocks` are what the closed form takes, `tiles` as how many the other forms take them.
-    pub(super) fn of_tiles(blocks: &[Block], tiles: usize, group_volume: f64) -> Range {
+    /// series, scaled, and `group_tiles` their number. `blocks` are what the closed form takes, `tiles` as how many the other forms take them.
+    pub(super) fn of_tiles(blocks: &[Block], tiles: usize, group_volume: f64, group_tiles: usize) -> Range {
         let (centre, half) = Range::around(blocks);
         let scale = Range::scale_of(blocks);
         let half_size = half.map(|h| h * scale);
@@ -132,6 +136,11 @@ impl Range {
             half_size,
             near: near * near,
             outer: f64::INFINITY,
+            small: if group_tiles > SMALL_GROUP {
+                f64::INFINITY
+            } else {
+                (group_volume / SMALLER_ANGLE).cbrt().powi(2)
+            },
             middle: middle * middle,
             stretched: stretched * stretched,
             far: cheapest(&candidates, tiles, middle).into_iter().map(squared).collect(),
@@ -146,7 +155,7 @@ impl Range {
     /// The form at each of the points, given by axis in whole vectors. Any, where the point is not a number. The closed form may be `stretched`.
     #[inline(always)]
     pub(super) fn forms<S: Simd>(&self, simd: S, [x, y, z]: &[Vec<f64>; 3], stretched: bool, forms: &mut [f64]) {
-        let last = if stretched { self.stretched } else { self.middle };
+        let (last, outer_from) = self.closed_form(stretched);
         let zero = Lanes::<S>::splat(simd, 0.0);
         let middle = Lanes::<S>::splat(simd, f64::from(MIDDLE));
         let outer = Lanes::<S>::splat(simd, f64::from(OUTER));
@@ -165,7 +174,7 @@ impl Range {
                 distance = offset.mul_add(offset, distance);
             }
             let reached = gap.at_least(simd, self.near) * distance.at_most(simd, last);
-            let mut form = reached * gap.where_at_least(self.outer, outer, middle);
+            let mut form = reached * gap.where_at_least(outer_from, outer, middle);
             for (step, (least, _)) in steps.iter().zip(&self.far) {
                 form = distance.where_at_least(*least, *step, form);
             }
@@ -174,13 +183,20 @@ impl Range {
         }
     }
 
+    /// Where it ends, and from where its elements are small.
     #[inline(always)]
-    fn form(&self, gap: f64, distance: f64) -> Form {
+    fn closed_form(&self, stretched: bool) -> (f64, f64) {
+        if stretched { (self.stretched, self.small) } else { (self.middle, self.outer) }
+    }
+
+    #[inline(always)]
+    fn form(&self, gap: f64, distance: f64, stretched: bool) -> Form {
+        let (last, outer) = self.closed_form(stretched);
         let passed = self.far.iter().map(|&(least, _)| u8::from(distance >= least)).sum::<u8>();
         if passed > 0 && distance <= FARTHEST {
             FAR + passed - 1
-        } else if gap >= self.near && distance <= self.middle {
-            if gap >= self.outer { OUTER } else { MIDDLE }
+        } else if gap >= self.near && distance <= last {
+            if gap >= outer { OUTER } else { MIDDLE }
         } else {
             NEAR
         }
@@ -197,7 +213,7 @@ impl Range {
     }
 
     /// The form of all points in a box, if it is certainly the same and not [`NEAR`].
-    pub(super) fn form_of_box(&self, low: [f64; 3], high: [f64; 3]) -> Option<Form> {
+    pub(super) fn form_of_box(&self, low: [f64; 3], high: [f64; 3], stretched: bool) -> Option<Form> {
         let (mut gap, mut nearest, mut farthest) = (0.0, 0.0, 0.0);
         for axis in 0..3 {
             let [low, high] = [low[axis], high[axis]].map(|c| (c - self.centre[axis]) * self.scale);
@@ -210,7 +226,7 @@ impl Range {
         // So much that no point decides differently by round-off.
         let (gap, nearest, farthest) =
             (gap * (1.0 - FORM_MARGIN), nearest * (1.0 - FORM_MARGIN), farthest * (1.0 + FORM_MARGIN));
-        let (form, other) = (self.form(gap, nearest), self.form(gap, farthest));
+        let (form, other) = (self.form(gap, nearest, stretched), self.form(gap, farthest, stretched));
         (form == other && form != NEAR && farthest <= FARTHEST).then_some(form)
     }
 }

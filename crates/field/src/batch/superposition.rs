@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
-use super::assignment::{Assignment, Near};
+use super::assignment::{Assignment, Near, Nearest};
 use super::beside::Beside;
 use super::closed_form::Tables;
 use super::cluster::Cluster;
@@ -16,15 +16,17 @@ use super::expansion::Expansion;
 use super::lanes::Lanes;
 use super::one_tile::{Distributed, OneTile, Pairwise};
 use super::points::{Chosen, Coordinates};
-use super::range::{BEYOND, FarForm, Form, MIDDLE, NEAR};
+use super::range::{BEYOND, FarForm, Form, MIDDLE, NEAR, OUTER};
 use super::streams::Streams;
 use super::table::Together;
 use super::totals::Totals;
+use super::translation::translated;
 use super::tree::Tree;
 use crate::arrangement::{Arrangement, Frame};
 use crate::block::{Block, Local};
 use crate::edge_policy::Edges;
 use crate::kernel::{Part, cuboid_field};
+use crate::tolerances::POINTS_PER_DEGREE;
 
 /// Room for a batch of points; nothing in it grows with the number of tiles.
 #[derive(Default)]
@@ -48,6 +50,8 @@ pub(crate) struct Superposition {
     fields: [Vec<f64>; 3],
     streams: Streams,
     finite: bool,
+    /// Those of an expansion, by points.
+    degrees: Vec<usize>,
     /// The [`Tables`] of the instruction set last used.
     tables: Option<Box<dyn Any + Send>>,
 }
@@ -128,9 +132,14 @@ impl Superposition {
         let kept = self.tables.take().and_then(|tables| tables.downcast::<Tables<S>>().ok());
         let mut tables = kept.unwrap_or_else(|| Box::new(Tables::new(simd)));
         if let Some((tree, assignment)) = assigned {
-            for &(node, degree) in &assignment.expanded {
-                let what = Expanded { expansion: tree.expansion(node), degree };
-                self.totals.add_pairs(simd, None, &self.points.axes, &what);
+            for what in &assignment.expanded {
+                let (expansion, points) = (tree.expansion(what.node), &self.points.axes);
+                tree.set_degrees(what, points, &mut self.degrees);
+                let degree = |index: usize| self.degrees[index / POINTS_PER_DEGREE];
+                self.totals.add_varied_pairs(simd, None, points, |index| Expanded { expansion, degree: degree(index) });
+            }
+            if let Some(local) = translated(simd, tree, &assignment.translated, assignment.middle, assignment.reach) {
+                self.totals.add_pairs(simd, None, &self.points.axes, &local);
             }
         }
         for (frame, wanted) in parts(arrangement, assigned) {
@@ -139,7 +148,7 @@ impl Superposition {
             let work = Work { arrangement, frame, part, points, local: &local, stretched: assigned.is_some() };
             let (low, high) = local.reach(simd);
             for (together, beyond) in wanted {
-                match together.range.form_of_box(low, high) {
+                match together.range.form_of_box(low, high, work.stretched) {
                     Some(form) if beyond.is_none() => self.add_at_all(simd, &mut tables, work, together, form),
                     _ => self.add_by_form(simd, &mut tables, work, together, beyond),
                 }
@@ -153,8 +162,9 @@ impl Superposition {
     #[inline(always)]
     fn add_at_all<S: Simd>(&mut self, simd: S, tables: &mut Tables<S>, work: Work, together: &Together, form: Form) {
         let (rotation, points) = (work.frame.to_scene.rotation(), &work.local.axes);
-        if let (MIDDLE, Some(cluster)) = (form, &together.cluster) {
-            self.totals.add(simd, rotation, points, Middle { tables, cluster, next: None });
+        if let (MIDDLE | OUTER, Some(cluster)) = (form, &together.cluster) {
+            let source = Middle { tables, cluster, small: form == OUTER, next: None };
+            self.totals.add(simd, rotation, points, source);
             return;
         }
         match form {
@@ -208,8 +218,11 @@ impl Superposition {
                 (BEYOND, _) => {
                     let of = beyond.expect("only then there are such points");
                     self.gathered.gather(&self.points, points);
-                    let what = Expanded { expansion: of.expansion, degree: of.degree };
-                    self.totals.add_some_pairs(simd, None, &self.gathered.axes, points, &what);
+                    let (expansion, gathered) = (of.tree.expansion(of.what.node), &self.gathered.axes);
+                    of.tree.set_degrees(&of.what, gathered, &mut self.degrees);
+                    let degree = |index: usize| self.degrees[index / POINTS_PER_DEGREE];
+                    let what = |index| Expanded { expansion, degree: degree(index) };
+                    self.totals.add_some_varied_pairs(simd, None, gathered, points, what);
                 }
                 (_, None) => {
                     self.gathered.gather(work.local, points);
@@ -228,9 +241,10 @@ impl Superposition {
                     }
                     self.chosen_by_tile = chosen_by_tile;
                 }
-                (MIDDLE, Some(cluster)) => {
+                (MIDDLE | OUTER, Some(cluster)) => {
                     self.gathered.gather(work.local, points);
-                    self.add_gathered(simd, work, points, Middle { tables, cluster, next: None });
+                    let source = Middle { tables, cluster, small: form == OUTER, next: None };
+                    self.add_gathered(simd, work, points, source);
                 }
                 _ => {
                     self.gathered.gather(work.local, points);
@@ -338,8 +352,8 @@ fn room(fields: &mut [Vec<f64>; 3], count: usize) -> [&mut [f64]; 3] {
 #[derive(Clone, Copy)]
 struct Beyond<'a> {
     sphere: ([f64; 3], f64),
-    expansion: &'a Expansion,
-    degree: usize,
+    tree: &'a Tree,
+    what: Nearest,
 }
 
 type Wanted<'a> = (&'a Frame, Vec<(&'a Together, Option<Beyond<'a>>)>);
@@ -358,10 +372,10 @@ fn parts<'a>(arrangement: &'a Arrangement, assigned: Option<(&'a Tree, &'a Assig
     let with_clusters = of_frames.map(|parts| {
         let frame = &frames[frame_of(&parts[0])];
         let part = |near: &Near| {
-            let beyond = near.beyond.map(|(distance, degree)| Beyond {
-                sphere: (tree.nodes[near.node].centre.to_array(), distance * distance),
-                expansion: tree.expansion(near.node),
-                degree,
+            let beyond = near.beyond.map(|(distance, what)| Beyond {
+                sphere: (tree.nodes[what.node].centre.to_array(), distance * distance),
+                tree,
+                what,
             });
             (&frame.table.clusters[tree.items[near.item].together], beyond)
         };
@@ -384,6 +398,8 @@ pub(super) trait Source<S: Simd> {
 struct Middle<'a, S: Simd> {
     tables: &'a mut Tables<S>,
     cluster: &'a Cluster,
+    /// Whether all elements are small.
+    small: bool,
     next: Option<[Lanes<S>; 3]>,
 }
 
@@ -397,14 +413,14 @@ impl<S: Simd> Source<S> for Middle<'_, S> {
     #[inline(always)]
     fn field(&mut self, simd: S, ahead: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let next = self.next.replace(ahead).expect("started");
-        self.tables.field(simd, self.cluster, next)
+        self.tables.field(simd, self.cluster, next, self.small)
     }
 }
 
 /// Tiles together, radii of the sphere around them away.
-struct Expanded<'a> {
-    expansion: &'a Expansion,
-    degree: usize,
+pub(super) struct Expanded<'a> {
+    pub(super) expansion: &'a Expansion,
+    pub(super) degree: usize,
 }
 
 impl<S: Simd> Pairwise<S> for Expanded<'_> {

@@ -114,7 +114,7 @@ impl FrameTable {
             _ => {
                 let parts = decomposed(blocks);
                 let Some(cluster) = Cluster::of(&parts, Range::scale_of(&parts)) else { return false };
-                let range = Range::of_tiles(&parts, blocks.len(), cluster.largest_group_volume);
+                let range = Range::of_tiles(&parts, blocks.len(), cluster.largest_group_volume, cluster.largest_group);
                 if !range.is_compact() {
                     return false;
                 }

@@ -2,11 +2,14 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 
-use super::assignment::Assignment;
+use super::assignment::{Assignment, Translated};
 use super::expansion::Expansion;
 use super::functions::{angle, artanh_of_ratio};
 use super::instruction_set::InstructionSet;
 use super::lanes::{Lanes, Number};
+use super::one_tile::Pairwise;
+use super::superposition::{Expanded, Superposition};
+use super::translation::translated;
 use super::tree::Tree;
 use crate::arrangement::Arrangement;
 use crate::block::{Block, Local};
@@ -205,6 +208,118 @@ fn nodes_leave_out_no_more_than_they_say_and_not_much_less() {
     assert_eq!(seen.iter().filter(|seen| **seen).count(), 8, "{seen:?}");
 }
 
+/// Tiles in a plane, as many different polarizations, and a tree over them.
+fn sheet() -> (Arrangement, Tree) {
+    let tiles: Vec<Tile> = (0..1600)
+        .map(|n| {
+            let (x, y) = (f64::from(n % 40) - 19.5, f64::from(n / 40) - 19.5);
+            let j = DVec3::new((0.6 * x + 0.1 * y).sin(), (0.6 * y + 0.1 * x).sin(), 0.2 + 0.1 * (x * y).sin());
+            Tile::new(DVec3::new(x, y, 0.5), DVec3::ONE, j).expect("a valid tile")
+        })
+        .collect();
+    let arrangement = Arrangement::of(&tiles);
+    let tree = Tree::of(Level::new(), &arrangement, &tiles, 30);
+    (arrangement, tree)
+}
+
+#[inline(always)]
+fn one<S: Simd>(simd: S, what: &impl Pairwise<S>, point: DVec3) -> DVec3 {
+    let lanes = point.to_array().map(|c| Lanes::<S>::splat(simd, c));
+    DVec3::from(what.fields(simd, [lanes, lanes])[0].map(|component| component.lane(0)))
+}
+
+/// A node's expansion and the same translated differ by at most what the translation is said to leave out, and not by much less everywhere.
+#[test]
+fn translations_leave_out_no_more_than_they_say() {
+    let (_, tree) = sheet();
+    let (middle, reach) = (DVec3::new(31.0, 12.0, -4.0), 5.0);
+    let directions = (0..40).map(|n| {
+        let turn = f64::from(n);
+        DVec3::new((1.3 * turn).sin(), (2.1 * turn).cos(), (0.7 * turn).cos()).normalize()
+    });
+    let points: Vec<DVec3> = directions.map(|direction| middle + reach * direction).collect();
+    let mut translations = 0;
+    let mut closest = 0.0_f64;
+    for node in 0..tree.nodes.len() {
+        for exponent in [2, 4, 6, 8, 10] {
+            let Some((local_degree, left_out_t)) = tree.local_degree(node, 18, middle, reach, 10_f64.powi(-exponent))
+            else {
+                continue;
+            };
+            translations += 1;
+            let what = Translated { node, degree: 18, local_degree };
+            let toward = middle + reach * (tree.nodes[node].centre - middle).normalize();
+            let points = || points.iter().copied().chain([toward]);
+            for level in levels() {
+                let errors: Vec<f64> = dispatch!(level, simd => {
+                    let local = translated(simd, &tree, &[what], middle, reach).expect("one node");
+                    let own = Expanded { expansion: tree.expansion(node), degree: 18 };
+                    points().map(|at| (one(simd, &local, at) - one(simd, &own, at)).length()).collect()
+                });
+                let error_t = errors.into_iter().fold(0.0, f64::max);
+                assert!(error_t <= left_out_t + 1e-14, "{error_t:e}, not {left_out_t:e}, with {local_degree}");
+                closest = closest.max(error_t / left_out_t);
+            }
+        }
+    }
+    assert!(translations > 100 && closest > 0.05, "{translations} translations, {closest}");
+}
+
+/// Many nodes at a time add up to what they are one by one, whatever their degrees.
+#[test]
+fn nodes_are_translated_together() {
+    let (_, tree) = sheet();
+    let (middle, reach) = (DVec3::new(36.0, -3.0, -4.0), 2.0);
+    let degree = |node: usize| tree.local_degree(node, 6 + node % 9, middle, reach, 1e-9);
+    let all = (0..tree.nodes.len())
+        .filter_map(|node| Some(Translated { node, degree: 6 + node % 9, local_degree: degree(node)?.0 }));
+    let all: Vec<Translated> = all.collect();
+    assert!(all.len() > 20);
+    let highest = all.iter().map(|of| of.local_degree).max();
+    for level in levels() {
+        for at in [middle, middle + 1.1, middle + DVec3::new(-1.0, 1.5, 0.5)] {
+            let [together, alone] = dispatch!(level, simd => {
+                let together = one(simd, &translated(simd, &tree, &all, middle, reach).expect("nodes"), at);
+                let alone = all.iter().map(|of| {
+                    let of = Translated { local_degree: highest.expect("nodes"), ..*of };
+                    one(simd, &translated(simd, &tree, &[of], middle, reach).expect("one node"), at)
+                });
+                [together, alone.sum()]
+            });
+            // Degrees that some do not need are taken of none beyond the highest of those that are translated at the same time.
+            assert!((together - alone).length() <= 1e-9 * all.len() as f64, "{together} is not {alone}");
+        }
+    }
+}
+
+/// Points that are near all tiles get the field that the exact mode gives them, but for its rounding.
+#[test]
+fn near_tiles_have_the_same_field_to_a_tolerance() {
+    let (arrangement, tree) = sheet();
+    let points: Vec<DVec3> = (0..64)
+        .map(|n| {
+            let turn = f64::from(n);
+            DVec3::new(3.0 * (1.3 * turn).sin(), 3.0 * (2.1 * turn).cos(), -2.6 - 2.5 * (0.7 * turn).cos())
+        })
+        .collect();
+    let assignment = Assignment::of(&tree, &Box3::around(&points), points.len(), 0.0);
+    assert_eq!(assignment.tiles, [0, 1600, 0]);
+    for level in levels() {
+        let field = |assigned| {
+            let mut field = vec![DVec3::ZERO; points.len()];
+            let part = Part::Density;
+            Superposition::of_this_thread(|room| {
+                room.add_up(level, &arrangement, assigned, part, &points, &mut field);
+            });
+            field
+        };
+        for (exact, near) in field(None).into_iter().zip(field(Some((&tree, &assignment)))) {
+            // The sum over tiles is about one.
+            assert!((exact - near).length() <= 2e-14, "{near} is not {exact}");
+        }
+    }
+}
+
 /// Every tile is served once, whatever may be left out.
 #[test]
 fn assignments_take_every_tile_once() {
@@ -220,7 +335,7 @@ fn assignments_take_every_tile_once() {
     let points = Box3 { lower: DVec3::new(-1.0, 2.0, 3.0), upper: DVec3::new(0.5, 4.0, 5.0) };
     let mut last = 0;
     for exponent in 0..12 {
-        let assignment = Assignment::of(&tree, &points, 10_f64.powi(-exponent));
+        let assignment = Assignment::of(&tree, &points, 1, 10_f64.powi(-exponent));
         assert_eq!(assignment.tiles.iter().sum::<usize>(), tiles.len());
         assert!(assignment.tiles[1] >= last, "the less may be left out, the more tiles are near");
         last = assignment.tiles[1];

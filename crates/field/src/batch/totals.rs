@@ -68,9 +68,22 @@ impl Totals {
         points: &[Vec<f64>; 3],
         what: &impl Pairwise<S>,
     ) {
+        self.add_varied_pairs(simd, rotation, points, |_| what);
+    }
+
+    /// The same of what depends on the index of the first point of both vectors.
+    #[inline(always)]
+    pub(super) fn add_varied_pairs<S: Simd, P: Pairwise<S>>(
+        &mut self,
+        simd: S,
+        rotation: Option<&DMat3>,
+        points: &[Vec<f64>; 3],
+        what: impl Fn(usize) -> P,
+    ) {
         let count = points[0].len() / Lanes::<S>::LEN;
         for number in (0..count).step_by(2) {
-            let [first, second] = what.fields(simd, [load(simd, points, number), load(simd, points, number + 1)]);
+            let [first, second] = what(number * Lanes::<S>::LEN)
+                .fields(simd, [load(simd, points, number), load(simd, points, number + 1)]);
             self.add_vector(simd, number, in_scene::<S>(rotation, first));
             if number + 1 < count {
                 self.add_vector(simd, number + 1, in_scene::<S>(rotation, second));
@@ -164,8 +177,23 @@ impl Totals {
         chosen: &[u32],
         what: &impl Pairwise<S>,
     ) {
+        self.add_some_varied_pairs(simd, rotation, points, chosen, |_| what);
+    }
+
+    /// See [`Totals::add_varied_pairs`]; the index is that among the chosen.
+    #[inline(always)]
+    pub(super) fn add_some_varied_pairs<S: Simd, P: Pairwise<S>>(
+        &mut self,
+        simd: S,
+        rotation: Option<&DMat3>,
+        points: &[Vec<f64>; 3],
+        chosen: &[u32],
+        what: impl Fn(usize) -> P,
+    ) {
         for (pair, chosen) in chosen.chunks(2 * Lanes::<S>::LEN).enumerate() {
-            let [first, second] = what.fields(simd, [load(simd, points, 2 * pair), load(simd, points, 2 * pair + 1)]);
+            let start = 2 * pair * Lanes::<S>::LEN;
+            let [first, second] =
+                what(start).fields(simd, [load(simd, points, 2 * pair), load(simd, points, 2 * pair + 1)]);
             let (chosen, others) = chosen.split_at(chosen.len().min(Lanes::<S>::LEN));
             self.add_at(simd, chosen, in_scene::<S>(rotation, first));
             self.add_at(simd, others, in_scene::<S>(rotation, second));

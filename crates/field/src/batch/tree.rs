@@ -2,19 +2,21 @@
 
 use std::f64::consts::PI;
 use std::ops::Range as Span;
-use std::sync::OnceLock;
+use std::sync::{LazyLock, OnceLock};
 
 use fearless_simd::Level;
 use glam::{DMat3, DVec3};
 
+use super::assignment::{Nearest, Translated};
 use super::expansion::Expansion;
 use super::harmonics::{Moments, Source};
 use super::range::power_of_two_reciprocal;
+use super::translation::Shift;
 use crate::arrangement::Arrangement;
 use crate::tile::Tile;
 use crate::tolerances::{
-    ALONE_COST, CLOSED_FORM_COST, CORNERED_TILES, DISTANCE_BISECTIONS, FARTHEST, HIGHEST_DEGREE, LARGEST_FIELD_OVER_J,
-    NEAREST_NODE, NODE_COST,
+    ALONE_COST, CLOSED_FORM_COST, CORNERED_TILES, DISTANCE_BISECTIONS, FARTHEST, HIGHEST_DEGREE, HIGHEST_LOCAL_DEGREE,
+    LARGEST_FIELD_OVER_J, NEAREST_NODE, NODE_COST, POINTS_PER_DEGREE, SPHERE_GAPS,
 };
 use crate::within::magnitude::Box3;
 
@@ -81,7 +83,15 @@ struct Outside {
     expansion: Expansion,
     /// At most the field of each degree at distance 1, scaled.
     powers: Vec<f64>,
+    /// The same over the root of a degree and one.
+    means: Vec<f64>,
 }
+
+/// Of the degree after each, 2n + 1 under the root, and the factor by which that grows from there on at most.
+static NEXT_DEGREES: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
+    let next = (0..=HIGHEST_LOCAL_DEGREE).map(|degree| (2 * degree + 3) as f64);
+    next.map(|next| [next.sqrt(), (1.0 + 2.0 / next).sqrt()]).collect()
+});
 
 impl Tree {
     /// Of the tiles arranged, with expansions up to `degree` where they pay.
@@ -152,8 +162,12 @@ impl Tree {
     /// The lowest degree, and the most it leaves out in tesla, that leaves out no more than `allowed_t` of a node's field at all points of a box; 0 if all
     /// of it may be left out.
     pub(super) fn degree(&self, node: usize, points: &Box3, allowed_t: f64) -> Option<(usize, f64)> {
+        self.degree_from(node, self.nodes[node].distance(points), allowed_t)
+    }
+
+    /// The same from a scaled distance on.
+    fn degree_from(&self, node: usize, distance: f64, allowed_t: f64) -> Option<(usize, f64)> {
         let of = &self.nodes[node];
-        let distance = of.distance(points);
         if distance < NEAREST_NODE * of.radius * of.scale || distance * distance > FARTHEST {
             return None;
         }
@@ -175,6 +189,84 @@ impl Tree {
             degree -= 1;
         }
         Some((degree, left_out_t))
+    }
+
+    /// The degree for each [`POINTS_PER_DEGREE`] points, given by axis.
+    pub(super) fn set_degrees(&self, what: &Nearest, [x, y, z]: &[Vec<f64>; 3], degrees: &mut Vec<usize>) {
+        let of = &self.nodes[what.node];
+        let points = x.chunks(POINTS_PER_DEGREE).zip(y.chunks(POINTS_PER_DEGREE)).zip(z.chunks(POINTS_PER_DEGREE));
+        degrees.clear();
+        degrees.extend(points.map(|((x, y), z)| {
+            let squares = x.iter().zip(y).zip(z).map(|((x, y), z)| {
+                let [x, y, z] = [x - of.centre.x, y - of.centre.y, z - of.centre.z];
+                x * x + y * y + z * z
+            });
+            let nearest = squares.fold(f64::INFINITY, |least, square| if square < least { square } else { least });
+            let degree = self.degree_from(what.node, nearest.sqrt() * of.scale, what.left_out_t);
+            degree.map_or(what.degree, |(degree, _)| degree.min(what.degree))
+        }));
+    }
+
+    /// The lowest degree of the field around `middle`, and the most it leaves out in tesla, that within `reach` of it leaves out no more than `allowed_t` of a
+    /// node's expansion of this degree; `None` if it were too high.
+    pub(super) fn local_degree(
+        &self,
+        node: usize,
+        degree: usize,
+        middle: DVec3,
+        reach: f64,
+        allowed_t: f64,
+    ) -> Option<(usize, f64)> {
+        let of = &self.nodes[node];
+        let (distance, reach, radius) =
+            ((middle - of.centre).length() * of.scale, reach * of.scale, of.radius * of.scale);
+        if distance * distance > FARTHEST {
+            return None;
+        }
+        let gaps = SPHERE_GAPS.map(|gap| gap * radius);
+        let overs = gaps.map(|gap| 1.0 / gap);
+        let mut means_t = [0.0; SPHERE_GAPS.len()];
+        for mean in self.outside(node).means[1..=degree].iter().rev() {
+            for (sum, over) in means_t.iter_mut().zip(overs) {
+                *sum = (*sum + mean) * over;
+            }
+        }
+        let mut best = None;
+        for ((gap, over), mean_t) in gaps.into_iter().zip(overs).zip(means_t) {
+            let sphere = distance - gap;
+            if sphere <= reach {
+                continue;
+            }
+            let ratio = reach / sphere;
+            let most = best.map_or(HIGHEST_LOCAL_DEGREE, |(degree, _)| degree);
+            // The root of the mean square of the field on the sphere, at most.
+            let mut power = mean_t * over / (2.0 * (distance * sphere).sqrt());
+            for (local_degree, [root, growth]) in NEXT_DEGREES[..=most].iter().enumerate() {
+                // The degree that comes next, and what follows it.
+                power *= ratio;
+                let rest = 1.0 - ratio * growth;
+                if rest > 0.0 && power * root <= allowed_t * rest {
+                    let left_out_t = power * root / rest;
+                    if best.is_none_or(|(degree, least_t)| local_degree < degree || left_out_t < least_t) {
+                        best = Some((local_degree, left_out_t));
+                    }
+                    break;
+                }
+            }
+        }
+        best
+    }
+
+    /// A node's expansion to be translated to `middle`, where lengths are multiplied by `scale`.
+    pub(super) fn shift(&self, of: &Translated, middle: DVec3, scale: f64) -> Shift<'_> {
+        let node = &self.nodes[of.node];
+        Shift {
+            moments: &self.outside(of.node).moments,
+            degree: of.degree,
+            local_degree: of.local_degree,
+            offset: (middle - node.centre) * node.scale,
+            unit: scale / node.scale,
+        }
     }
 
     /// The distance from a node's centre from which its expansion leaves out no more than `allowed_t`, and its degree; `None` if all points of a box are
@@ -249,9 +341,11 @@ impl Tree {
                 }
                 _ => self.moments_of_bodies(of),
             };
+            let powers = moments.powers();
             Outside {
                 expansion: Expansion::of_moments(&moments, of.centre.to_array(), of.scale),
-                powers: moments.powers(),
+                means: powers.iter().enumerate().map(|(l, power)| power / (l as f64 + 1.0).sqrt()).collect(),
+                powers,
                 moments,
             }
         })

@@ -13,8 +13,8 @@ use crate::quantity::{MU_0, Quantity};
 use crate::scene::{Cause, Scene, is_in_range};
 use crate::tolerances::{
     ASSIGNED_POINTS, ASSIGNMENT_ROUNDS, CLEAR_OF_ERROR, ESTIMATED_POINTS, LOOKED_UP_POINTS, LOOKED_UP_TILES,
-    POINTS_PER_FITTED_NODE, POINTS_TOGETHER, ROUGH_FIELD_OVER_J, ROUGH_NODES, ROUGH_STEP, SAFE_SHARE, SAMPLED_POINTS,
-    STRETCHED_BOUND, TREE_TILES, USED_SHARE,
+    POINTS_PER_DEGREE, POINTS_PER_FITTED_NODE, POINTS_TOGETHER, ROUGH_FIELD_OVER_J, ROUGH_NODES, ROUGH_STEP,
+    SAFE_SHARE, SAMPLED_POINTS, STRETCHED_BOUND, TREE_TILES, USED_SHARE,
 };
 
 /// B or H at all points; points that have none, with NaN there.
@@ -117,6 +117,10 @@ fn batches_together(points: &[DVec3], usable: Vec<u32>) -> Vec<u32> {
     for batch in order.chunks_mut(ESTIMATED_POINTS) {
         let parts = neighbours_together(points, batch.to_vec(), ASSIGNED_POINTS);
         batch.copy_from_slice(&parts);
+        for part in batch.chunks_mut(ASSIGNED_POINTS) {
+            let parts = neighbours_together(points, part.to_vec(), POINTS_PER_DEGREE);
+            part.copy_from_slice(&parts);
+        }
     }
     order
 }
@@ -259,7 +263,7 @@ impl Batch<'_> {
     }
 
     fn assigned(&self, points: &[DVec3], allowance: Allowance) -> Assignment {
-        Assignment::of(self.scene.tree(), &Box3::around(points), allowance.whole_t / allowance.nodes)
+        Assignment::of(self.scene.tree(), &Box3::around(points), points.len(), allowance.whole_t / allowance.nodes)
     }
 
     fn in_tesla(&self) -> f64 {

@@ -1,0 +1,79 @@
+//! The field of tiles far away around a point without tiles: an expansion in regular solid harmonics, in the lanes of a vector (docs/physics.md,
+//! section 5.2).
+
+use std::sync::LazyLock;
+
+use fearless_simd::prelude::*;
+use glam::DVec3;
+
+use super::expansion::{Place, fields_of_rows};
+use super::lanes::{Lanes, Number};
+use super::one_tile::Pairwise;
+use crate::tolerances::HIGHEST_LOCAL_DEGREE;
+
+/// R_lm over the polynomial of the recurrence times (x + i y)^m (Eq. P31), row after row of equal degree: (2l - 1)!! / (l + m)! (l - m)!.
+static LEADING: LazyLock<Vec<f64>> = LazyLock::new(|| {
+    let mut factors = vec![1.0];
+    for l in 1..=HIGHEST_LOCAL_DEGREE {
+        for m in 0..l {
+            factors.push(factors[place(l - 1, m)] * (2 * l - 1) as f64 / ((l + m) * (l - m)) as f64);
+        }
+        factors.push(factors[place(l - 1, l - 1)] * 0.5 / l as f64);
+    }
+    factors
+});
+
+/// Where a pair of degree and order is in rows of equal degree.
+pub(super) fn place(l: usize, m: usize) -> usize {
+    l * (l + 1) / 2 + m
+}
+
+/// A field that is a polynomial.
+pub(super) struct Local {
+    centre: DVec3,
+    scale: f64,
+    /// That of the field.
+    degree: usize,
+    /// Of each order by itself, of the next and of the one before: rows of equal order, by degree of the field from the order on.
+    rows: [Vec<[f64; 2]>; 3],
+}
+
+impl Local {
+    /// From the coefficients of the regular harmonics in the potential, by degree and order as [`place`] has them; lengths are multiplied by `scale`.
+    pub(super) fn new(degree: usize, centre: DVec3, scale: f64, potential: &[[f64; 2]]) -> Local {
+        // Of each pair the field's share of the harmonic of one degree more and some order.
+        let part = |sign: f64, order: fn(usize) -> Option<usize>| {
+            let pairs = (0..=degree).flat_map(|m| (m..=degree).map(move |l| (l, m)));
+            let pairs = pairs.map(|(l, m)| {
+                order(m).map_or([0.0; 2], |order| {
+                    let factor = sign * LEADING[place(l, m)];
+                    potential[place(l + 1, order)].map(|part| part * factor)
+                })
+            });
+            pairs.collect()
+        };
+        let rows = [part(-1.0, Some), part(1.0, |m| Some(m + 1)), part(1.0, |m| m.checked_sub(1))];
+        Local { centre, scale, degree, rows }
+    }
+
+    fn row_start(&self, order: usize) -> usize {
+        order * (2 * self.degree + 3 - order) / 2
+    }
+}
+
+impl<S: Simd> Pairwise<S> for Local {
+    #[inline(always)]
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+        let places = points.map(|mut point| {
+            for (coordinate, centre) in point.iter_mut().zip(self.centre.to_array()) {
+                *coordinate = (*coordinate - centre) * self.scale;
+            }
+            let [x, y, z] = point;
+            Place { square: z.mul_add(z, y.mul_add(y, x * x)), along: z, across: [x, y] }
+        });
+        fields_of_rows(simd, &places, self.degree, |order| {
+            let start = self.row_start(order);
+            [&self.rows[0][start..], &self.rows[1][start..], &self.rows[2][start..]]
+        })
+    }
+}

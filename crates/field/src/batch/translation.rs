@@ -1,0 +1,390 @@
+//! Expansions of many nodes far from a batch of points added up as one expansion around the batch, several nodes at a time (docs/physics.md, section 5.2).
+
+use std::any::Any;
+use std::cell::RefCell;
+use std::sync::LazyLock;
+
+use fearless_simd::prelude::*;
+use glam::DVec3;
+
+use super::assignment::Translated;
+use super::harmonics::Moments;
+use super::lanes::{LONGEST_VECTOR, Lanes, Number};
+use super::local::{Local, place};
+use super::range::power_of_two_reciprocal;
+use super::tree::Tree;
+use crate::tolerances::{HIGHEST_DEGREE, HIGHEST_LOCAL_DEGREE};
+
+/// The highest degree of potentials on both sides.
+const MOST: usize = if HIGHEST_DEGREE > HIGHEST_LOCAL_DEGREE { HIGHEST_DEGREE } else { HIGHEST_LOCAL_DEGREE + 1 };
+
+/// Outputs that are summed at the same time, at most.
+const BLOCK: usize = 8;
+
+/// A node that is translated.
+#[derive(Clone, Copy)]
+pub(super) struct Shift<'a> {
+    pub(super) moments: &'a Moments,
+    /// The degree up to which they are taken.
+    pub(super) degree: usize,
+    /// The degree of the field around the new centre.
+    pub(super) local_degree: usize,
+    /// To the new centre, in the unit of the moments.
+    pub(super) offset: DVec3,
+    /// That unit over the one of the local expansion.
+    pub(super) unit: f64,
+}
+
+/// (l - m)! (l + m)! under the root, row after row of equal degree.
+static NORMS: LazyLock<Vec<f64>> = LazyLock::new(|| {
+    let mut root_factorials = vec![1.0];
+    for n in 1..=2 * MOST {
+        root_factorials.push(root_factorials[n - 1] * (n as f64).sqrt());
+    }
+    let pairs = (0..=MOST).flat_map(|l| (0..=l).map(move |m| (l, m)));
+    pairs.map(|(l, m)| root_factorials[l - m] * root_factorials[l + m]).collect()
+});
+
+/// That of a pair, by which moments are multiplied and coefficients of local expansions divided: rotations then keep the sum of squares of a degree.
+fn norm(l: usize, m: usize) -> f64 {
+    NORMS[place(l, m)]
+}
+
+/// What a degree's coefficients become when x and z change places (Eq. P36), of the real and of the imaginary parts.
+static SWAPS: LazyLock<Vec<[Swap; 2]>> = LazyLock::new(swaps);
+
+/// Half of a swap's factors are zero: those of even orders go to even ones, or all to odd ones.
+struct Swap {
+    /// By the parity of the order that goes in: order after order, what each order that comes out gets.
+    factors: [Vec<f64>; 2],
+}
+
+/// From degree to degree in whole numbers, 2^l times as large, so that no digit is lost.
+fn swaps() -> Vec<[Swap; 2]> {
+    let mut last: Vec<Vec<i128>> = vec![vec![1]];
+    let mut swaps = Vec::new();
+    for degree in 0..=MOST {
+        if degree > 0 {
+            last = next_swap(&last);
+        }
+        let scale = 0.5_f64.powi(degree as i32);
+        let factor = |part: usize, m: usize, to: usize| {
+            let sign = if m.is_multiple_of(2) == (part == 0) { 1 } else { -1 };
+            let other = if m == 0 { 0 } else { sign * last[degree - m][to] };
+            (last[degree + m][to] + other) as f64 * (norm(degree, m) / norm(degree, to) * scale)
+        };
+        let factor = &factor;
+        swaps.push([0, 1].map(|part| Swap {
+            factors: [0, 1].map(|parity| {
+                let inputs = (first(part, parity)..=degree).step_by(2);
+                let outputs = || (first_out(degree, part, parity)..=degree).step_by(2);
+                inputs.flat_map(|m| outputs().map(move |to| factor(part, m, to))).collect()
+            }),
+        }));
+    }
+    swaps
+}
+
+/// Orders from -l to l go in, orders from 0 to l come out.
+fn next_swap(last: &[Vec<i128>]) -> Vec<Vec<i128>> {
+    let before = (last.len() / 2) as isize;
+    let degree = before + 1;
+    let at = |m: isize, to: isize| {
+        if m.abs() > before || to > before { 0 } else { last[(m + before) as usize][to as usize] }
+    };
+    let new = |m: isize, to: isize| {
+        if to < degree {
+            at(m - 1, to) - at(m + 1, to)
+        } else {
+            2 * at(m, to - 1) + at(m + 1, to - 1) + at(m - 1, to - 1)
+        }
+    };
+    (-degree..=degree).map(|m| (0..=degree).map(|to| new(m, to)).collect()).collect()
+}
+
+/// The lowest order of a parity; imaginary parts of order 0 are zero.
+fn first(part: usize, parity: usize) -> usize {
+    if part == 1 && parity == 0 { 2 } else { parity }
+}
+
+/// The lowest order that those of a parity go to.
+fn first_out(degree: usize, part: usize, parity: usize) -> usize {
+    first(part, (parity + degree + part) % 2)
+}
+
+/// What moments become along the z axis (Eq. P35), (-1)^(n + m) (l + n)! over the norms of both: by order, degree after degree that comes out, each degree that goes in.
+static ALONG: LazyLock<Vec<Vec<f64>>> = LazyLock::new(|| {
+    let binomial = {
+        let mut rows = vec![vec![1.0]];
+        for n in 1..=2 * MOST {
+            let last: &Vec<f64> = &rows[n - 1];
+            let at = |k: usize| if k < last.len() { last[k] } else { 0.0 };
+            rows.push((0..=n).map(|k| at(k) + if k > 0 { at(k - 1) } else { 0.0 }).collect());
+        }
+        rows
+    };
+    let factor = |l: usize, n: usize, m: usize| {
+        // (l + n)! / norms = the root of two binomials: (l + n)! / (l - m)! (n + m)! and with -m.
+        let size = (binomial[l + n][l - m] * binomial[l + n][l + m]).sqrt();
+        if (n + m).is_multiple_of(2) { size } else { -size }
+    };
+    let factor = &factor;
+    let order = |m: usize| {
+        let outputs = m.max(1)..=HIGHEST_LOCAL_DEGREE + 1;
+        outputs.flat_map(|n| (m.max(1)..=HIGHEST_DEGREE).map(move |l| factor(l, n, m))).collect()
+    };
+    (0..=HIGHEST_DEGREE.min(HIGHEST_LOCAL_DEGREE + 1)).map(order).collect()
+});
+
+/// The orders of one degree, real and imaginary parts.
+type Row<S> = [[Lanes<S>; MOST + 1]; 2];
+
+/// Room for the nodes that are translated at a time.
+struct Room<S: Simd> {
+    /// Moments as they come, node beside node; real and imaginary parts, row after row of equal degree.
+    moments: [Vec<f64>; 2],
+    /// The same turned.
+    sources: [Vec<Lanes<S>>; 2],
+    /// What they become around the new centres.
+    targets: [Vec<Lanes<S>>; 2],
+    /// The sum over nodes, one in each lane.
+    sums: [Vec<Lanes<S>>; 2],
+}
+
+thread_local! {
+    /// That of the instruction set last used: 200 kB.
+    static ROOM: RefCell<Option<Box<dyn Any>>> = const { RefCell::new(None) };
+}
+
+/// The field within `reach` of the middle of some points of all nodes that are translated there.
+#[inline(always)]
+pub(super) fn translated<S: Simd>(
+    simd: S,
+    tree: &Tree,
+    nodes: &[Translated],
+    middle: DVec3,
+    reach: f64,
+) -> Option<Local> {
+    let degree = nodes.iter().map(|of| of.local_degree).max()?;
+    let scale = power_of_two_reciprocal(reach);
+    let shifts: Vec<Shift> = nodes.iter().map(|of| tree.shift(of, middle, scale)).collect();
+    Some(summed(simd, &shifts, degree, middle, scale))
+}
+
+/// The field of nodes around a centre, up to `degree`. Those that need nearly the same degrees should follow each other.
+#[inline(always)]
+fn summed<S: Simd>(simd: S, shifts: &[Shift], degree: usize, centre: DVec3, scale: f64) -> Local {
+    let zero = Lanes::<S>::splat(simd, 0.0);
+    let mut room: Box<Room<S>> = ROOM.take().and_then(|room| room.downcast().ok()).unwrap_or_else(|| {
+        let empty = || [0, 1].map(|_| vec![zero; place(MOST + 1, 0)]);
+        let moments = [0, 1].map(|_| vec![0.0; place(MOST + 1, 0) * Lanes::<S>::LEN]);
+        Box::new(Room { moments, sources: empty(), targets: empty(), sums: empty() })
+    });
+    for sums in &mut room.sums {
+        sums[..place(degree + 2, 0)].fill(zero);
+    }
+    for shifts in shifts.chunks(Lanes::<S>::LEN) {
+        room.add(simd, shifts);
+    }
+    let sum = |part: usize, l: usize, m: usize| {
+        let lanes = &room.sums[part][place(l, m)];
+        (0..Lanes::<S>::LEN).map(|lane| lanes.lane(lane)).sum::<f64>()
+    };
+    let pairs = (0..=degree + 1).flat_map(|l| (0..=l).map(move |m| (l, m)));
+    let potential: Vec<[f64; 2]> =
+        pairs.map(|(l, m)| [sum(0, l, m), sum(1, l, m)].map(|sum| sum * norm(l, m))).collect();
+    let local = Local::new(degree, centre, scale, &potential);
+    ROOM.set(Some(room));
+    local
+}
+
+impl<S: Simd> Room<S> {
+    /// One node in each lane.
+    #[inline(always)]
+    fn add(&mut self, simd: S, shifts: &[Shift]) {
+        let zero = Lanes::<S>::splat(simd, 0.0);
+        let degree = shifts.iter().map(|shift| shift.degree).max().unwrap_or(0);
+        let local_degree = shifts.iter().map(|shift| shift.local_degree).max().unwrap_or(0);
+        let [over, fall] = lanes_of(simd, shifts, |shift| {
+            let over = 1.0 / shift.offset.length();
+            [over, over / shift.unit]
+        });
+        // Turned about z so that the new centre lies above the y axis, and after the swap so that it lies on the x axis.
+        let turns = lanes_of(simd, shifts, |shift| {
+            let DVec3 { x, y, z } = shift.offset;
+            let (across, distance) = (x.hypot(y), shift.offset.length());
+            let [cos, sin] = if across > 0.0 { [y / across, -x / across] } else { [1.0, 0.0] };
+            [cos, sin, z / distance, across / distance]
+        });
+        let most = degree.max(local_degree + 1);
+        let about = [powers(simd, [turns[0], turns[1]], most), powers(simd, [turns[2], turns[3]], most)];
+        let (mut even, mut odd): (Row<S>, Row<S>) = ([[zero; MOST + 1]; 2], [[zero; MOST + 1]; 2]);
+        self.set_moments(shifts, degree);
+        let mut power = over * over;
+        for l in 1..=degree {
+            power = power * over;
+            for (row, moments) in even.iter_mut().zip(&self.moments) {
+                let moments = moments[place(l, 0) * Lanes::<S>::LEN..].chunks_exact(Lanes::<S>::LEN);
+                for ((row, moments), norm) in row.iter_mut().zip(moments).zip(&NORMS[place(l, 0)..=place(l, l)]) {
+                    *row = Lanes::<S>::load(simd, moments) * power * *norm;
+                }
+            }
+            turn(&mut even, &about[0], l, 1.0);
+            swap(simd, l, &even, &mut odd);
+            turn(&mut odd, &about[1], l, 1.0);
+            swap(simd, l, &odd, &mut even);
+            for (kept, row) in self.sources.iter_mut().zip(&even) {
+                kept[place(l, 0)..=place(l, l)].copy_from_slice(&row[..=l]);
+            }
+        }
+        for m in 0..=local_degree + 1 {
+            let (mut n, last) = (m.max(1), local_degree + 1);
+            while n <= last {
+                match last + 1 - n {
+                    1 => self.along::<1>(simd, m, n, degree),
+                    2 => self.along::<2>(simd, m, n, degree),
+                    3 => self.along::<3>(simd, m, n, degree),
+                    _ => self.along::<4>(simd, m, n, degree),
+                }
+                n += 4;
+            }
+        }
+        let mut power = Lanes::<S>::splat(simd, 1.0);
+        for n in 1..=local_degree + 1 {
+            for (row, targets) in even.iter_mut().zip(&self.targets) {
+                row[..=n].copy_from_slice(&targets[place(n, 0)..=place(n, n)]);
+            }
+            swap(simd, n, &even, &mut odd);
+            turn(&mut odd, &about[1], n, -1.0);
+            swap(simd, n, &odd, &mut even);
+            turn(&mut even, &about[0], n, -1.0);
+            for (sums, row) in self.sums.iter_mut().zip(&even) {
+                for (sum, value) in sums[place(n, 0)..=place(n, n)].iter_mut().zip(row) {
+                    *sum = value.mul_add(power, *sum);
+                }
+            }
+            power = power * fall;
+        }
+    }
+
+    fn set_moments(&mut self, shifts: &[Shift], degree: usize) {
+        for (part, room) in self.moments.iter_mut().enumerate() {
+            room[..place(degree + 1, 0) * Lanes::<S>::LEN].fill(0.0);
+            for (lane, shift) in shifts.iter().enumerate() {
+                for l in 1..=shift.degree {
+                    let room = room[place(l, 0) * Lanes::<S>::LEN + lane..].iter_mut().step_by(Lanes::<S>::LEN);
+                    room.zip(shift.moments.row(l)[part]).for_each(|(room, moment)| *room = *moment);
+                }
+            }
+        }
+    }
+
+    /// An order of the degrees from `n` on from that of all degrees of the nodes.
+    #[inline(always)]
+    fn along<const N: usize>(&mut self, simd: S, m: usize, n: usize, degree: usize) {
+        let mut sums = [[Lanes::<S>::splat(simd, 0.0); 2]; N];
+        let from = m.max(1);
+        let inputs = HIGHEST_DEGREE + 1 - from;
+        let factors: [&[f64]; N] =
+            std::array::from_fn(|k| &ALONG[m][(n + k - from) * inputs..][..(degree + 1).saturating_sub(from)]);
+        for l in from..=degree {
+            let [re, im] = [0, 1].map(|part: usize| self.sources[part][place(l, m)]);
+            for (sum, factors) in sums.iter_mut().zip(factors) {
+                let factor = factors[l - from];
+                *sum = [re.scale_add(factor, sum[0]), im.scale_add(factor, sum[1])];
+            }
+        }
+        for (k, [re, im]) in sums.into_iter().enumerate() {
+            let at = place(n + k, m);
+            (self.targets[0][at], self.targets[1][at]) = (re, im);
+        }
+    }
+}
+
+/// Times a power of the phases by order, or of their conjugates.
+#[inline(always)]
+fn turn<S: Simd>(row: &mut Row<S>, phases: &Row<S>, l: usize, sign: f64) {
+    for m in 1..=l {
+        let (re, im) = (row[0][m], row[1][m]);
+        let (cos, sin) = (phases[0][m], phases[1][m] * sign);
+        row[0][m] = re.mul_sub(cos, im * sin);
+        row[1][m] = re.mul_add(sin, im * cos);
+    }
+}
+
+/// Of a number on the unit circle.
+#[inline(always)]
+fn powers<S: Simd>(simd: S, [cos, sin]: [Lanes<S>; 2], most: usize) -> Row<S> {
+    let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+    let mut powers = [[one; MOST + 1], [zero; MOST + 1]];
+    for m in 1..=most {
+        let (re, im) = (powers[0][m - 1], powers[1][m - 1]);
+        powers[0][m] = re.mul_sub(cos, im * sin);
+        powers[1][m] = re.mul_add(sin, im * cos);
+    }
+    powers
+}
+
+/// x and z change places.
+#[inline(always)]
+fn swap<S: Simd>(simd: S, l: usize, row: &Row<S>, to: &mut Row<S>) {
+    to[1][0] = Lanes::splat(simd, 0.0);
+    for (part, (row, to)) in row.iter().zip(to).enumerate() {
+        for parity in 0..2 {
+            let factors = &SWAPS[l][part].factors[parity];
+            let (from, into) = (first(part, parity), first_out(l, part, parity));
+            if into > l || from > l {
+                continue;
+            }
+            let outputs = (l - into) / 2 + 1;
+            let inputs = &row[from..=l];
+            let block = outputs.div_ceil(outputs.div_ceil(BLOCK));
+            for start in (0..outputs).step_by(block) {
+                let (factors, into) = (&factors[start..], into + 2 * start);
+                match block.min(outputs - start) {
+                    1 => sums::<S, 1>(simd, factors, outputs, inputs, &mut to[into..]),
+                    2 => sums::<S, 2>(simd, factors, outputs, inputs, &mut to[into..]),
+                    3 => sums::<S, 3>(simd, factors, outputs, inputs, &mut to[into..]),
+                    4 => sums::<S, 4>(simd, factors, outputs, inputs, &mut to[into..]),
+                    5 => sums::<S, 5>(simd, factors, outputs, inputs, &mut to[into..]),
+                    6 => sums::<S, 6>(simd, factors, outputs, inputs, &mut to[into..]),
+                    7 => sums::<S, 7>(simd, factors, outputs, inputs, &mut to[into..]),
+                    _ => sums::<S, BLOCK>(simd, factors, outputs, inputs, &mut to[into..]),
+                }
+            }
+        }
+    }
+}
+
+/// Sums over every other input of factor times input, for every other output.
+#[inline(always)]
+fn sums<S: Simd, const N: usize>(
+    simd: S,
+    factors: &[f64],
+    stride: usize,
+    inputs: &[Lanes<S>],
+    outputs: &mut [Lanes<S>],
+) {
+    let mut sums = [Lanes::<S>::splat(simd, 0.0); N];
+    for (input, factors) in inputs.iter().step_by(2).zip(factors.chunks(stride)) {
+        for (sum, factor) in sums.iter_mut().zip(&factors[..N]) {
+            *sum = input.scale_add(*factor, *sum);
+        }
+    }
+    for (output, sum) in outputs.iter_mut().step_by(2).zip(sums) {
+        *output = sum;
+    }
+}
+
+/// Numbers of each node side by side, those of the first where there are fewer nodes than lanes.
+#[inline(always)]
+fn lanes_of<S: Simd, const N: usize>(simd: S, shifts: &[Shift], numbers: impl Fn(&Shift) -> [f64; N]) -> [Lanes<S>; N] {
+    let first = numbers(&shifts[0]);
+    let mut values = first.map(|number| [number; LONGEST_VECTOR]);
+    for (lane, shift) in shifts.iter().enumerate() {
+        for (values, number) in values.iter_mut().zip(numbers(shift)) {
+            values[lane] = number;
+        }
+    }
+    values.map(|values| Lanes::<S>::load(simd, &values[..Lanes::<S>::LEN]))
+}
