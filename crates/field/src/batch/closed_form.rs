@@ -163,11 +163,14 @@ impl<S: Simd> Upcoming<'_, S> {
 /// Multiplies the terms of one tile onto the products of their groups.
 #[inline(always)]
 fn multiply<S: Simd>(tile: &TileTerms, places: &Places<S>, upcoming: &mut Upcoming<S>, products: &mut Products<S>) {
-    let [a, b, c, d, e, f, g, h] = tile.corners.map(corner);
+    let [a, b, c, d, e, f, g, h] = tile.corners;
     let r = &places.distances;
     // Bits 2, 1, 0: low or high along a, b, c.
-    let r = [r[a], r[b], r[c], r[d], r[e], r[f], r[g], r[h]];
-    let [a0, a1, b0, b1, c0, c1] = tile.planes.map(plane);
+    let low = [r[corner(a)], r[corner(b)], r[corner(c)], r[corner(d)]];
+    let high = [r[corner(e)], r[corner(f)], r[corner(g)], r[corner(h)]];
+    let r = [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]];
+    let [a0, a1, b0, b1, c0, c1] = tile.planes;
+    let (a0, a1, b0, b1, c0, c1) = (plane(a0), plane(a1), plane(b0), plane(b1), plane(c0), plane(c1));
     let (offset, square) = (&places.offsets, &places.squares);
     let (a0, a1) = ([offset[a0], square[a0]], [offset[a1], square[a1]]);
     let (b0, b1) = ([offset[b0], square[b0]], [offset[b1], square[b1]]);

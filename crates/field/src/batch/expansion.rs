@@ -88,11 +88,13 @@ impl Expansion {
     /// mu0 H of the tiles, in their frame, from the potential up to `degree`, at two vectors of points.
     #[inline(always)]
     pub(super) fn fields<S: Simd>(&self, simd: S, degree: usize, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
-        let [(first, over_first), (second, over_second)] = points.map(|point| self.place(simd, point));
+        // Not by `map`: operations on vectors in a closure are calls.
+        let (first, over_first) = self.place(simd, points[0]);
+        let (second, over_second) = self.place(simd, points[1]);
         // Those of the own order, of the next and of the one before.
         let rows = |order: usize| [order, order + 1, order.saturating_sub(1)].map(|other| self.row(other, order));
-        let [first, second] = fields_of_rows(simd, &[first, second], degree + 1, rows);
-        [first.map(|component| component * over_first), second.map(|component| component * over_second)]
+        let [[x, y, z], [x_2, y_2, z_2]] = fields_of_rows(simd, &[first, second], degree + 1, rows);
+        [[x * over_first, y * over_first, z * over_first], [x_2 * over_second, y_2 * over_second, z_2 * over_second]]
     }
 
     /// Where a point lies relative to the centre, and the inverse of its distance.

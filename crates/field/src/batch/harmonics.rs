@@ -204,7 +204,9 @@ fn side_by_side<S: Simd, T>(simd: S, things: &[T], vector: impl Fn(&T) -> DVec3)
             values[lane] = value;
         }
     }
-    values.map(|values| Lanes::<S>::load(simd, &values[..Lanes::<S>::LEN]))
+    let [x, y, z] = &values;
+    let len = Lanes::<S>::LEN;
+    [Lanes::load(simd, &x[..len]), Lanes::load(simd, &y[..len]), Lanes::load(simd, &z[..len])]
 }
 
 /// What harmonics are computed with: a double, or one for each of several tiles.

@@ -56,6 +56,15 @@ impl Local {
         Local { centre, scale, degree, rows }
     }
 
+    #[inline(always)]
+    fn place<S: Simd>(&self, mut point: [Lanes<S>; 3]) -> Place<S> {
+        for (coordinate, centre) in point.iter_mut().zip(self.centre.to_array()) {
+            *coordinate = (*coordinate - centre) * self.scale;
+        }
+        let [x, y, z] = point;
+        Place { square: z.mul_add(z, y.mul_add(y, x * x)), along: z, across: [x, y] }
+    }
+
     fn row_start(&self, order: usize) -> usize {
         order * (2 * self.degree + 3 - order) / 2
     }
@@ -64,13 +73,7 @@ impl Local {
 impl<S: Simd> Pairwise<S> for Local {
     #[inline(always)]
     fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
-        let places = points.map(|mut point| {
-            for (coordinate, centre) in point.iter_mut().zip(self.centre.to_array()) {
-                *coordinate = (*coordinate - centre) * self.scale;
-            }
-            let [x, y, z] = point;
-            Place { square: z.mul_add(z, y.mul_add(y, x * x)), along: z, across: [x, y] }
-        });
+        let places = [self.place(points[0]), self.place(points[1])];
         fields_of_rows(simd, &places, self.degree, |order| {
             let start = self.row_start(order);
             [&self.rows[0][start..], &self.rows[1][start..], &self.rows[2][start..]]

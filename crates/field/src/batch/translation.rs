@@ -288,7 +288,7 @@ impl<S: Simd> Room<S> {
         let factors: [&[f64]; N] =
             std::array::from_fn(|k| &ALONG[m][(n + k - from) * inputs..][..(degree + 1).saturating_sub(from)]);
         for l in from..=degree {
-            let [re, im] = [0, 1].map(|part: usize| self.sources[part][place(l, m)]);
+            let (re, im) = (self.sources[0][place(l, m)], self.sources[1][place(l, m)]);
             for (sum, factors) in sums.iter_mut().zip(factors) {
                 let factor = factors[l - from];
                 *sum = [re.scale_add(factor, sum[0]), im.scale_add(factor, sum[1])];
@@ -386,5 +386,9 @@ fn lanes_of<S: Simd, const N: usize>(simd: S, shifts: &[Shift], numbers: impl Fn
             values[lane] = number;
         }
     }
-    values.map(|values| Lanes::<S>::load(simd, &values[..Lanes::<S>::LEN]))
+    let mut lanes = [Lanes::<S>::splat(simd, 0.0); N];
+    for (lanes, values) in lanes.iter_mut().zip(&values) {
+        *lanes = Lanes::load(simd, &values[..Lanes::<S>::LEN]);
+    }
+    lanes
 }

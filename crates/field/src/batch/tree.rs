@@ -175,17 +175,13 @@ impl Tree {
         if beyond_t > allowed_t {
             return None;
         }
-        let over = 1.0 / distance;
-        let mut power = over * over;
-        let mut by_degree = [0.0; HIGHEST_DEGREE + 1];
-        let outside = self.outside(node);
-        for (field_t, at_1) in by_degree.iter_mut().zip(&outside.powers) {
-            *field_t = at_1 * power;
-            power *= over;
-        }
+        let powers = &self.outside(node).powers;
         let (mut degree, mut left_out_t) = (of.degree, beyond_t);
-        while degree > 0 && left_out_t + by_degree[degree] <= allowed_t {
-            left_out_t += by_degree[degree];
+        let mut power = (1.0 / distance).powi(degree as i32 + 2);
+        // From the highest degree down, as most are kept.
+        while degree > 0 && left_out_t + powers[degree] * power <= allowed_t {
+            left_out_t += powers[degree] * power;
+            power *= distance;
             degree -= 1;
         }
         Some((degree, left_out_t))
