@@ -79,6 +79,7 @@ impl Streams {
         let tile = OneTile::of(frame, 0, &mut made);
         let beside = Beside::of(&frame.blocks[0], part);
         self.queues.resize_with(FORMS + 1, Queue::default);
+        self.queues.iter_mut().for_each(|queue| queue.count = 0);
         let work = Work { arrangement, frame, part, points, tile: &tile, beside: beside.as_ref() };
         self.finite = true;
         dispatch!(level, simd => self.run(simd, work, field, edges));
