@@ -150,14 +150,14 @@ fn gradient_of_random_tiles() {
     });
 }
 
-/// Beside a plane of symmetry a component of B vanishes; beside the tile, where the kernel of one point serves, what is left of it has as
-/// many right digits as the rest.
+/// Beside a plane of symmetry a component of B vanishes; beside a plate, where the kernel of one point serves, what is left of it has as
+/// many right digits as the rest. (Elsewhere it is right to a fraction of the field.)
 #[test]
 fn small_components_keep_their_digits() {
     let mut oracle = Oracle::new();
-    let tile = Tile::new(DVec3::new(0.1, 0.3, -0.7), DVec3::new(3.3, 1.7, 1.0), DVec3::Y).expect("a valid tile");
+    let tile = Tile::new(DVec3::new(0.1, 0.3, -0.7), DVec3::new(3.3, 1.7, 0.2), DVec3::Y).expect("a valid tile");
     for offset in [1e-3, -1e-7, 3e-12, -1e-15] {
-        let point = tile.position() + DVec3::new(offset, 0.9, 0.6);
+        let point = tile.position() + DVec3::new(offset, 0.9, 0.2);
         let found = Scene::new(&[tile]).field(Quantity::FluxDensity, point).expect("bounded");
         let exact = oracle.field(&tile, point).flux_density_t;
         assert!((found.x - exact.x).abs() <= 4e-15 * exact.x.abs(), "{} is not {}", found.x, exact.x);
