@@ -177,12 +177,14 @@ impl Tree {
         }
         let powers = &self.outside(node).powers;
         let (mut degree, mut left_out_t) = (of.degree, beyond_t);
-        let mut power = (1.0 / distance).powi(degree as i32 + 2);
+        let over = |degree: usize| (1.0 / distance).powi(degree as i32 + 2);
+        let mut power = over(degree);
         // From the highest degree down, as most are kept.
         while degree > 0 && left_out_t + powers[degree] * power <= allowed_t {
             left_out_t += powers[degree] * power;
-            power *= distance;
             degree -= 1;
+            // So far away that the high degrees vanish the low ones do not.
+            power = if power.is_normal() { power * distance } else { over(degree) };
         }
         Some((degree, left_out_t))
     }
