@@ -106,6 +106,10 @@ pub(crate) const MULTIPOLE_ORDERS: [(usize, f64); 4] = [(6, 13.0), (5, 20.0), (4
 /// The highest of them.
 pub(crate) const HIGHEST_ORDER: usize = 6;
 
+/// From here on the highest order of a series is in single precision: what rounding makes of its terms is at most 3e-15 of the field, for the worst needle at the
+/// nearest distance.
+pub(crate) const FIRST_SINGLE_ORDER: usize = 4;
+
 /// Degrees of the expansion of tiles together, and the distance in radii of the sphere around them from which each is enough, nearer ones first. A dipole in
 /// the sphere has a field of at least 1 / (d + 1)^3 there; of it what is left out after degree p is at most the sum over l > p of
 /// 2 (l + 1/2)^2 / d^(l - 1) (1 + 1 / d)^3, which is below 5e-15 for each of these.
@@ -217,6 +221,9 @@ pub(crate) const FARTHEST: f64 = power_of_two(200);
 /// dV / 2 pi r^3. Series in it then need no reduction.
 pub(crate) const SMALL_ANGLE: f64 = 0.2;
 
+/// The distance from its centre from which a tile's elements are small is found to this many halvings of its half diagonal.
+pub(crate) const RADIUS_BISECTIONS: usize = 7;
+
 /// Whether one form serves all points of a box is decided with this relative margin, far above the round-off in the decision for a point.
 pub(crate) const FORM_MARGIN: f64 = 1e-9;
 
@@ -255,7 +262,7 @@ pub(crate) const MOST_PLANES: usize = 128;
 /// See [`MOST_CORNERS`].
 pub(crate) const MOST_GROUPS: usize = 256;
 
-/// Shapes whose multipole series are kept, 4 kB each. In a scene with more they are made when needed.
+/// Shapes whose multipole series are kept, 6 kB each. In a scene with more they are made when needed.
 pub(crate) const KEPT_SERIES: usize = 4096;
 
 /// Points that one thread takes at a time, at least and at most: small enough to share out 405 points, large enough for full vectors of each
@@ -267,6 +274,13 @@ pub(crate) const POINTS_OF_ONE_TILE: usize = 8192;
 
 /// Of these the points whose forms are found together; a power of two. Their queues stay in the first caches.
 pub(crate) const STREAMED_POINTS: usize = 32;
+
+/// How many points ahead memory is asked for: longer than it takes to come, and short of what the first caches hold.
+pub(crate) const FETCHED_AHEAD: usize = 96;
+
+/// Points are brought together by form unless, as they lie, at most one pair of vectors of so many has points of several forms: each of these is
+/// then served once for each form.
+pub(crate) const MIXED_SHARE: usize = 4;
 
 /// Scenes divided into at least so many parts have the points of a batch chosen so that they lie together and one form serves most parts at
 /// all of them.

@@ -188,7 +188,7 @@ impl Alone {
                 let [n, m] = ratios[element];
                 let s = n * (inverse * products[element]);
                 inverse = inverse * m;
-                let half = odd_series(simd, s, if element < AA { 1.0 } else { -1.0 });
+                let half = odd_series(simd, s, element >= AA);
                 add(&mut sum, half, &self.coefficients[element]);
             }
         }

@@ -234,7 +234,7 @@ impl<S: Simd> Products<S> {
             let (over_ab, over_cd) = (inverse * cd, inverse * ab);
             let ratios = [n * (over_ab * b), p * (over_ab * a), q * (over_cd * d), r * (over_cd * c)];
             for (group, ratio) in groups.iter().zip(ratios) {
-                let half = short_odd_series(simd, ratio, if group.diagonal { -1.0 } else { 1.0 });
+                let half = short_odd_series(simd, ratio, group.diagonal);
                 for (sum, coefficient) in sum.iter_mut().zip(group.coefficient) {
                     *sum = half.scale_add(coefficient, *sum);
                 }
@@ -259,8 +259,8 @@ impl<S: Simd> Products<S> {
 /// Numerator and denominator of tanh(2 pi T_ij) of a tile, from the edges on its low and its high side along j (Eq. P18).
 #[inline(always)]
 pub(super) fn ratio_of_edges<N: Number>(step: N, (p_low, e_low): (N, N), (p_high, e_high): (N, N)) -> [N; 2] {
-    let n = step * p_high.mul_sub(e_low, p_low * e_high);
-    [n, e_low.mul_sub(e_high, (step * step) * (p_low * p_high))]
+    let (low, high) = (step * p_low, step * p_high);
+    [high.mul_sub(e_low, low * e_high), e_low.mul_sub(e_high, low * high)]
 }
 
 /// Numerator and denominator of tan(2 pi T_ii) of a tile: the angle of the high face less that of the low one (Eq. P19).

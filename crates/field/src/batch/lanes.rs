@@ -77,10 +77,10 @@ impl<S: Simd> Lanes<S> {
         // square^(-1/2) on the interval of 3.5 % around 1, to 8e-7 in the largest error.
         let [a, b, c, d] = ROOT_CORRECTION;
         let correction = square.mul_add(square.mul_add(square.mul_add(d, c), b), a);
-        let (root, rate) = (product * correction, (estimate * -0.5) * correction);
-        // Newton's iteration twice.
-        let root = root.mul_sub(root, x).mul_add(rate, root);
-        Lanes(root.mul_sub(root, x).mul_add(rate, root))
+        let (root, reciprocal) = (product * correction, estimate * correction);
+        // root (1 + h)^(-1/2) to the second order in h = root^2 / x - 1, which is below 2e-6.
+        let h = root.mul_sub(reciprocal, 1.0);
+        Lanes((root * h).mul_add(h.mul_add(0.375, -0.5), root))
     }
 
     /// The rounded sum, and what was rounded away (Knuth).
@@ -183,6 +183,64 @@ impl<S: Simd> Number for Lanes<S> {
     #[inline(always)]
     fn root(self, simd: S) -> Self {
         Lanes::root(self, simd)
+    }
+}
+
+/// What Horner's scheme needs, in double precision or single.
+pub(crate) trait Horner: Copy {
+    type Instructions: Simd;
+    type Coefficient: Copy + Default;
+
+    fn coefficient(simd: Self::Instructions, value: Self::Coefficient) -> Self;
+    /// self * factor + term
+    fn times_and(self, factor: Self, term: Self) -> Self;
+}
+
+impl<S: Simd> Horner for Two<S> {
+    type Instructions = S;
+    type Coefficient = f64;
+
+    #[inline(always)]
+    fn coefficient(simd: S, value: f64) -> Self {
+        Two([Lanes::splat(simd, value); 2])
+    }
+
+    #[inline(always)]
+    fn times_and(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, term)
+    }
+}
+
+/// Two vectors in single precision, which are one.
+#[derive(Clone, Copy)]
+pub(crate) struct Singles<S: Simd>(S::f32s);
+
+impl<S: Simd> Singles<S> {
+    /// Rounded.
+    #[inline(always)]
+    pub(crate) fn of(Two([low, high]): Two<S>) -> Self {
+        Singles(low.0.narrow(high.0))
+    }
+
+    #[inline(always)]
+    pub(crate) fn widened(self) -> Two<S> {
+        let (low, high) = self.0.widen();
+        Two([Lanes(low), Lanes(high)])
+    }
+}
+
+impl<S: Simd> Horner for Singles<S> {
+    type Instructions = S;
+    type Coefficient = f32;
+
+    #[inline(always)]
+    fn coefficient(simd: S, value: f32) -> Self {
+        Singles(S::f32s::splat(simd, value))
+    }
+
+    #[inline(always)]
+    fn times_and(self, factor: Self, term: Self) -> Self {
+        Singles(self.0.mul_add(factor.0, term.0))
     }
 }
 

@@ -5,9 +5,9 @@ use std::sync::LazyLock;
 
 use fearless_simd::prelude::*;
 
-use super::lanes::{Lanes, Number};
+use super::lanes::{Horner, Lanes, Number, Singles, Two};
 use crate::block::Block;
-use crate::tolerances::HIGHEST_ORDER;
+use crate::tolerances::{FIRST_SINGLE_ORDER, HIGHEST_ORDER};
 use crate::two_sum::TwoSum;
 
 /// The series of five elements of one shape's tensor, xx, yy, xy, xz, yz, divided by V / 4 pi r^3 and by the factor xy/r^2, xz/r^2, yz/r^2
@@ -18,7 +18,13 @@ pub(super) struct Series {
     low: [[f64; 5]; low_start(HIGHEST_ORDER + 1)],
     /// Of the monomials of the next degree, the highest power of v first: of the two diagonal ones.
     high: [[f64; 2]; high_start(HIGHEST_ORDER + 1)],
+    /// The same from [`FIRST_SINGLE_ORDER`] on, in single precision and in powers of u - 1/3 and v - 1/3, which cancel far less.
+    single_low: [[f32; 5]; low_start(HIGHEST_ORDER + 1) - low_start(FIRST_SINGLE_ORDER)],
+    single_high: [[f32; 2]; high_start(HIGHEST_ORDER + 1) - high_start(FIRST_SINGLE_ORDER)],
 }
+
+/// About the middle of what u and v may be, where u + v <= 1.
+const THIRD: f64 = 1.0 / 3.0;
 
 /// Where the coefficients of an order begin.
 const fn low_start(order: usize) -> usize {
@@ -56,8 +62,12 @@ impl Series {
         let squares = size.map(|s| (s / largest) * (s / largest));
         let total: f64 = squares.iter().sum();
         let share = squares.map(|s| s / total);
-        let mut series =
-            Series { low: [[0.0; 5]; low_start(HIGHEST_ORDER + 1)], high: [[0.0; 2]; high_start(HIGHEST_ORDER + 1)] };
+        let mut series = Series {
+            low: [[0.0; 5]; low_start(HIGHEST_ORDER + 1)],
+            high: [[0.0; 2]; high_start(HIGHEST_ORDER + 1)],
+            single_low: [[0.0; 5]; low_start(HIGHEST_ORDER + 1) - low_start(FIRST_SINGLE_ORDER)],
+            single_high: [[0.0; 2]; high_start(HIGHEST_ORDER + 1) - high_start(FIRST_SINGLE_ORDER)],
+        };
         for (order, moments) in MOMENTS.iter().enumerate() {
             for moment in moments {
                 // The moment of a cuboid, by derivatives: half side^(2a) / (2a + 1)!
@@ -76,8 +86,85 @@ impl Series {
                 }
             }
         }
+        for order in FIRST_SINGLE_ORDER..=HIGHEST_ORDER {
+            for element in 0..5 {
+                for b in 0..=degree(element, order) {
+                    for a in 0..=degree(element, order) - b {
+                        let single = series.about_middle(order, element, [a, b]) as f32;
+                        if a + b <= order {
+                            series.single_low[low_place(order, a, b) - low_start(FIRST_SINGLE_ORDER)][element] = single;
+                        } else {
+                            let place = high_start(order) + order + 1 - b;
+                            series.single_high[place - high_start(FIRST_SINGLE_ORDER)][element] = single;
+                        }
+                    }
+                }
+            }
+        }
         series
     }
+
+    /// The coefficient of (u - 1/3)^a (v - 1/3)^b.
+    fn about_middle(&self, order: usize, element: usize, [a, b]: [usize; 2]) -> f64 {
+        let degree = degree(element, order);
+        let mut sum = 0.0;
+        for d in b..=degree {
+            for c in a..=degree - d {
+                let coefficient = if c + d <= order {
+                    self.low[low_place(order, c, d)][element]
+                } else {
+                    self.high[high_start(order) + order + 1 - d][element]
+                };
+                sum += coefficient * choose(c, a) * choose(d, b) * THIRD.powi((c - a + d - b) as i32);
+            }
+        }
+        sum
+    }
+
+    /// The largest sum of the magnitudes of one order's monomials in single precision, of any element.
+    #[cfg(test)]
+    pub(super) fn magnitude(&self, order: usize, [u, v]: [f64; 2]) -> f64 {
+        let (low, high) = (low_start(FIRST_SINGLE_ORDER), high_start(FIRST_SINGLE_ORDER));
+        let power = |a: usize, b: usize| (u - THIRD).abs().powi(a as i32) * (v - THIRD).abs().powi(b as i32);
+        let mut sums = [0.0; 5];
+        for b in 0..=order {
+            for a in 0..=order - b {
+                let coefficients = self.single_low[low_place(order, a, b) - low];
+                sums.iter_mut().zip(coefficients).for_each(|(sum, c)| *sum += f64::from(c.abs()) * power(a, b));
+            }
+        }
+        for b in 0..=order + 1 {
+            let coefficients = self.single_high[high_start(order) + order + 1 - b - high];
+            let power = power(order + 1 - b, b);
+            sums.iter_mut().zip(coefficients).for_each(|(sum, c)| *sum += f64::from(c.abs()) * power);
+        }
+        sums.into_iter().fold(0.0, f64::max)
+    }
+
+    /// One order's coefficients.
+    #[inline(always)]
+    fn doubles<const ORDER: usize>(&self) -> Coefficients<'_, f64> {
+        Coefficients {
+            low: &self.low[low_start(ORDER)..low_start(ORDER + 1)],
+            high: &self.high[high_start(ORDER)..high_start(ORDER + 1)],
+        }
+    }
+
+    /// See [`Series::doubles`].
+    #[inline(always)]
+    fn singles<const ORDER: usize>(&self) -> Coefficients<'_, f32> {
+        let (low, high) = (low_start(FIRST_SINGLE_ORDER), high_start(FIRST_SINGLE_ORDER));
+        Coefficients {
+            low: &self.single_low[low_start(ORDER) - low..low_start(ORDER + 1) - low],
+            high: &self.single_high[high_start(ORDER) - high..high_start(ORDER + 1) - high],
+        }
+    }
+}
+
+/// One order's, as [`Series`] has them.
+struct Coefficients<'a, C> {
+    low: &'a [[C; 5]],
+    high: &'a [[C; 2]],
 }
 
 /// One moment <x^2a y^2b z^2c> and the polynomials of the derivatives of 1/r it comes with.
@@ -148,6 +235,10 @@ const fn monomial_index(a: usize, b: usize) -> usize {
     degree * (degree + 1) / 2 + b
 }
 
+fn choose(n: usize, k: usize) -> f64 {
+    factorial(n) / (factorial(k) * factorial(n - k))
+}
+
 fn factorial(n: usize) -> f64 {
     (1..=n).map(|k| k as f64).product()
 }
@@ -191,23 +282,30 @@ pub(super) fn fields<S: Simd>(
     points: [[Lanes<S>; 3]; 2],
 ) -> [[Lanes<S>; 3]; 2] {
     let (first, second) = (Place::of(simd, tile, points[0]), Place::of(simd, tile, points[1]));
-    let (u, v) = ([first.u, second.u], [first.v, second.v]);
-    let sigma = [first.sigma, second.sigma];
-    let mut sums = Sums { u, v, sigma, elements: [[Lanes::<S>::splat(simd, 0.0); 2]; 5] };
-    if order >= 6 {
-        sums.add::<6>(simd, series);
+    let (u, v) = (Two([first.u, second.u]), Two([first.v, second.v]));
+    let mut sums = Sums::new(simd, u, v, Two([first.sigma, second.sigma]));
+    if order >= FIRST_SINGLE_ORDER {
+        let mut singles = Sums::new(simd, Singles::of(u - THIRD), Singles::of(v - THIRD), Singles::of(sums.sigma));
+        match order {
+            6.. => singles.add::<6>(simd, series.singles::<6>()),
+            5 => singles.add::<5>(simd, series.singles::<5>()),
+            _ => singles.add::<4>(simd, series.singles::<4>()),
+        }
+        for (double, single) in sums.elements.iter_mut().zip(singles.elements) {
+            *double = single.widened();
+        }
+        if order >= 6 {
+            sums.add::<5>(simd, series.doubles::<5>());
+        }
+        if order >= 5 {
+            sums.add::<4>(simd, series.doubles::<4>());
+        }
     }
-    if order >= 5 {
-        sums.add::<5>(simd, series);
-    }
-    if order >= 4 {
-        sums.add::<4>(simd, series);
-    }
-    sums.add::<3>(simd, series);
-    sums.add::<2>(simd, series);
-    sums.add::<1>(simd, series);
-    sums.add::<0>(simd, series);
-    let [xx, yy, xy, xz, yz] = sums.elements;
+    sums.add::<3>(simd, series.doubles::<3>());
+    sums.add::<2>(simd, series.doubles::<2>());
+    sums.add::<1>(simd, series.doubles::<1>());
+    sums.add::<0>(simd, series.doubles::<0>());
+    let [Two(xx), Two(yy), Two(xy), Two(xz), Two(yz)] = sums.elements;
     [
         first.field([xx[0], yy[0], xy[0], xz[0], yz[0]], tile.moment),
         second.field([xx[1], yy[1], xy[1], xz[1], yz[1]], tile.moment),
@@ -255,48 +353,52 @@ impl<S: Simd> Place<S> {
     }
 }
 
-/// At two vectors of points, so that sums do not wait for each other.
-struct Sums<S: Simd> {
-    u: [Lanes<S>; 2],
-    v: [Lanes<S>; 2],
-    sigma: [Lanes<S>; 2],
-    elements: [[Lanes<S>; 2]; 5],
+/// The five elements so far.
+struct Sums<N> {
+    u: N,
+    v: N,
+    sigma: N,
+    elements: [N; 5],
 }
 
-impl<S: Simd> Sums<S> {
+impl<N: Horner> Sums<N> {
+    #[inline(always)]
+    fn new(simd: N::Instructions, u: N, v: N, sigma: N) -> Sums<N> {
+        Sums { u, v, sigma, elements: [N::coefficient(simd, N::Coefficient::default()); 5] }
+    }
+
     /// sigma times the sums so far, and one order's polynomials, by Horner's scheme in v of Horner's scheme in u.
     #[inline(always)]
-    fn add<const ORDER: usize>(&mut self, simd: S, series: &Series) {
-        let low = &series.low[low_start(ORDER)..low_start(ORDER + 1)];
-        let high = &series.high[high_start(ORDER)..high_start(ORDER + 1)];
-        let zero = Lanes::<S>::splat(simd, 0.0);
-        let (mut polynomials, mut sums) = ([[zero; 2]; 5], [[zero; 2]; 5]);
+    fn add<const ORDER: usize>(
+        &mut self,
+        simd: N::Instructions,
+        Coefficients { low, high }: Coefficients<N::Coefficient>,
+    ) {
+        let zero = N::coefficient(simd, N::Coefficient::default());
+        let (mut polynomials, mut sums) = ([zero; 5], [zero; 5]);
         for (polynomial, top) in polynomials.iter_mut().zip(&high[0]) {
-            *polynomial = [Lanes::<S>::splat(simd, *top); 2];
+            *polynomial = N::coefficient(simd, *top);
         }
         let mut start = 0;
         for row in 0..=ORDER {
             for (sum, first) in sums.iter_mut().zip(&low[start]) {
-                *sum = [Lanes::<S>::splat(simd, *first); 2];
+                *sum = N::coefficient(simd, *first);
             }
             for (sum, top) in sums.iter_mut().zip(&high[row + 1]) {
-                let top = Lanes::<S>::splat(simd, *top);
-                *sum = [top.mul_add(self.u[0], sum[0]), top.mul_add(self.u[1], sum[1])];
+                *sum = N::coefficient(simd, *top).times_and(self.u, *sum);
             }
             for coefficients in &low[start + 1..start + 1 + row] {
                 for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
-                    let coefficient = Lanes::<S>::splat(simd, *coefficient);
-                    *sum = [sum[0].mul_add(self.u[0], coefficient), sum[1].mul_add(self.u[1], coefficient)];
+                    *sum = sum.times_and(self.u, N::coefficient(simd, *coefficient));
                 }
             }
             start += row + 1;
             for (polynomial, sum) in polynomials.iter_mut().zip(sums) {
-                *polynomial = [polynomial[0].mul_add(self.v[0], sum[0]), polynomial[1].mul_add(self.v[1], sum[1])];
+                *polynomial = polynomial.times_and(self.v, sum);
             }
         }
         for (element, polynomial) in self.elements.iter_mut().zip(polynomials) {
-            *element =
-                [element[0].mul_add(self.sigma[0], polynomial[0]), element[1].mul_add(self.sigma[1], polynomial[1])];
+            *element = element.times_and(self.sigma, polynomial);
         }
     }
 }

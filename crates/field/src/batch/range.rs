@@ -7,7 +7,8 @@ use super::lanes::{Lanes, Number};
 use crate::block::Block;
 use crate::tolerances::{
     CLOSED_FORM_COST, EXPANSION_DEGREES, FARTHEST, FORM_MARGIN, GROUP_DISTANCE, LONGEST_NEEDLE, MIDDLE_REACH,
-    MULTIPOLE_ORDERS, NEAR_FRACTION, PRODUCT_RANGE, SMALL_ANGLE, SMALL_GROUP, SMALLER_ANGLE, STRETCH,
+    MULTIPOLE_ORDERS, NEAR_FRACTION, PRODUCT_RANGE, RADIUS_BISECTIONS, SMALL_ANGLE, SMALL_GROUP, SMALLER_ANGLE,
+    STRETCH,
 };
 
 /// The form, as a number to sort points by: from [`FAR`] on positions in [`Range::far`].
@@ -60,8 +61,10 @@ pub(super) struct Range {
     half_size: [f64; 3],
     /// Square of the least distance from the box for the closed form.
     near: f64,
-    /// Square of the least distance from the box at which each element of a tile alone is small.
+    /// Square of the least distance from the box at which each element of a tile alone is small,
     outer: f64,
+    /// and from the centre; either is enough.
+    outer_radius: f64,
     /// The same to a tolerance, of each group of tiles together.
     small: f64,
     /// Square of the greatest distance from the centre for the closed form.
@@ -85,6 +88,7 @@ impl Range {
             half_size: block.size.map(|s| 0.5 * s * scale),
             near: (NEAR_FRACTION * shape.largest).powi(2),
             outer,
+            outer_radius: shape.small_from().powi(2),
             small: outer,
             middle: middle * middle,
             stretched: middle * middle,
@@ -136,6 +140,7 @@ impl Range {
             half_size,
             near: near * near,
             outer: f64::INFINITY,
+            outer_radius: f64::INFINITY,
             small: if group_tiles > SMALL_GROUP {
                 f64::INFINITY
             } else {
@@ -174,7 +179,8 @@ impl Range {
                 distance = offset.mul_add(offset, distance);
             }
             let reached = gap.at_least(simd, self.near) * distance.at_most(simd, last);
-            let mut form = reached * gap.where_at_least(outer_from, outer, middle);
+            let by_radius = distance.where_at_least(self.outer_radius, outer, middle);
+            let mut form = reached * gap.where_at_least(outer_from, outer, by_radius);
             for (step, (least, _)) in steps.iter().zip(&self.far) {
                 form = distance.where_at_least(*least, *step, form);
             }
@@ -196,7 +202,7 @@ impl Range {
         if passed > 0 && distance <= FARTHEST {
             FAR + passed - 1
         } else if gap >= self.near && distance <= last {
-            if gap >= outer { OUTER } else { MIDDLE }
+            if gap >= outer || distance >= self.outer_radius { OUTER } else { MIDDLE }
         } else {
             NEAR
         }
@@ -214,19 +220,20 @@ impl Range {
 
     /// The form of all points in a box, if it is certainly the same and not [`NEAR`].
     pub(super) fn form_of_box(&self, low: [f64; 3], high: [f64; 3], stretched: bool) -> Option<Form> {
-        let (mut gap, mut nearest, mut farthest) = (0.0, 0.0, 0.0);
+        let (mut gap, mut widest, mut nearest, mut farthest) = (0.0, 0.0, 0.0, 0.0);
         for axis in 0..3 {
             let [low, high] = [low[axis], high[axis]].map(|c| (c - self.centre[axis]) * self.scale);
             let least = low.max(-high).max(0.0);
             let most = high.max(-low);
             gap += (least - self.half_size[axis]).max(0.0).powi(2);
+            widest += (most - self.half_size[axis]).max(0.0).powi(2);
             nearest += least * least;
             farthest += most * most;
         }
         // So much that no point decides differently by round-off.
-        let (gap, nearest, farthest) =
-            (gap * (1.0 - FORM_MARGIN), nearest * (1.0 - FORM_MARGIN), farthest * (1.0 + FORM_MARGIN));
-        let (form, other) = (self.form(gap, nearest, stretched), self.form(gap, farthest, stretched));
+        let (gap, nearest) = (gap * (1.0 - FORM_MARGIN), nearest * (1.0 - FORM_MARGIN));
+        let (widest, farthest) = (widest * (1.0 + FORM_MARGIN), farthest * (1.0 + FORM_MARGIN));
+        let (form, other) = (self.form(gap, nearest, stretched), self.form(widest, farthest, stretched));
         (form == other && form != NEAR && farthest <= FARTHEST).then_some(form)
     }
 }
@@ -264,6 +271,8 @@ struct Shape {
     largest: f64,
     second: f64,
     half_diagonal: f64,
+    /// The mean of the fourth power of the distance from the centre, over that of the half diagonal.
+    fourth_moment: f64,
     volume: f64,
 }
 
@@ -272,12 +281,40 @@ impl Shape {
         let mut sides = block.size.map(|s| s * scale);
         sides.sort_by(f64::total_cmp);
         let [third, second, largest] = sides;
+        let [a, b, c] = sides.map(|s| 0.25 * s * s);
+        let square = a + b + c;
         Shape {
             largest,
             second,
-            half_diagonal: 0.5 * sides.iter().map(|s| s * s).sum::<f64>().sqrt(),
+            half_diagonal: square.sqrt(),
+            fourth_moment: ((a * a + b * b + c * c) / 5.0 + (a * b + b * c + c * a) / 4.5) / (square * square),
             volume: third * second * largest,
         }
+    }
+
+    /// A distance from the centre from which on no element has half of 4 pi T beyond [`SMALL_ANGLE`].
+    ///
+    /// With q the half diagonal over it that is at most the integral of dV / |r - r'|^3 <= V / r^3 (1 + 2 q^2 + m (S - 1 - 6 q^2)), m the fourth moment: the part of
+    /// even degree l in r' is at most (l + 1) (l + 2) / 2 (r' / r)^l of 1 / r^3, their sum S over all l where r' is the half diagonal; odd ones cancel, and from
+    /// l = 4 on the mean of r'^l is at most m of its largest value.
+    fn small_from(&self) -> f64 {
+        let bound = |radius: f64| {
+            let q = self.half_diagonal / radius;
+            let sum = 0.5 * ((1.0 - q).powi(-3) + (1.0 + q).powi(-3));
+            self.volume / radius.powi(3) * (1.0 + 2.0 * q * q + self.fourth_moment * (sum - 1.0 - 6.0 * q * q))
+        };
+        // It is nowhere nearer, and certainly there.
+        let mut low = (self.volume / SMALL_ANGLE).cbrt();
+        let mut high = low + self.half_diagonal;
+        for _ in 0..RADIUS_BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if middle > self.half_diagonal && bound(middle) <= SMALL_ANGLE {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        high
     }
 }
 

@@ -17,10 +17,13 @@ use crate::arrangement::{Arrangement, Frame};
 use crate::block::Local;
 use crate::edge_policy::Edges;
 use crate::kernel::Part;
-use crate::tolerances::STREAMED_POINTS;
+use crate::tolerances::{FETCHED_AHEAD, STREAMED_POINTS};
 
 /// What a queue holds at most: what a run leaves, and one stretch of points. A power of two, so that an index masked to it needs no check.
 const CAPACITY: usize = 2 * STREAMED_POINTS;
+
+/// Points in a line of a cache, at least.
+const POINTS_PER_FETCH: usize = 2;
 
 /// The form of points beside the tile but off the planes of its faces.
 const BESIDE: Form = FORMS as Form;
@@ -117,6 +120,7 @@ impl Streams {
     /// Brings each point of a stretch that begins at `start` into the queue of its form.
     #[inline(always)]
     fn sort<S: Simd>(&mut self, simd: S, work: Work, start: usize, stretch: &[DVec3], field: &mut [DVec3]) {
+        fetch_ahead(work.points, field, start + FETCHED_AHEAD);
         self.points.set(stretch);
         let local = if work.frame.to_scene.rotation().is_some() {
             self.local.set_in_frame(simd, work.arrangement, work.frame, &self.points);
@@ -193,6 +197,18 @@ impl Streams {
         }
         queue.remove(count);
     }
+}
+
+/// Asks for the memory of a stretch that will be served later: what the processor asks for by itself ends with each page.
+#[inline(always)]
+fn fetch_ahead(points: &[DVec3], field: &[DVec3], start: usize) {
+    let end = (start + STREAMED_POINTS).min(points.len());
+    let mut read = 0;
+    for index in (start..end).step_by(POINTS_PER_FETCH) {
+        read |= points[index].x.to_bits() | field[index].x.to_bits();
+    }
+    // Or nothing would be read.
+    std::hint::black_box(read);
 }
 
 /// A small whole number, read off its digits below 2^52.

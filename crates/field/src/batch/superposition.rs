@@ -13,10 +13,10 @@ use super::beside::Beside;
 use super::closed_form::Tables;
 use super::cluster::Cluster;
 use super::expansion::Expansion;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, PAIR};
 use super::one_tile::{Distributed, OneTile, Pairwise};
 use super::points::{Chosen, Coordinates};
-use super::range::{BEYOND, FarForm, Form, MIDDLE, NEAR, OUTER};
+use super::range::{BEYOND, FORMS, FarForm, Form, MIDDLE, NEAR, OUTER};
 use super::streams::Streams;
 use super::table::Together;
 use super::totals::Totals;
@@ -26,7 +26,7 @@ use crate::arrangement::{Arrangement, Frame};
 use crate::block::{Block, Local};
 use crate::edge_policy::Edges;
 use crate::kernel::{Part, cuboid_field};
-use crate::tolerances::POINTS_PER_DEGREE;
+use crate::tolerances::{MIXED_SHARE, POINTS_PER_DEGREE};
 
 /// Room for a batch of points; nothing in it grows with the number of tiles.
 #[derive(Default)]
@@ -48,12 +48,24 @@ pub(crate) struct Superposition {
     chosen_beside: Vec<u32>,
     /// Of a tile by itself.
     fields: [Vec<f64>; 3],
+    forms: Vec<f64>,
+    stretches: Vec<Stretch>,
+    near: Vec<u32>,
     streams: Streams,
     finite: bool,
     /// Those of an expansion, by points.
     degrees: Vec<usize>,
     /// The [`Tables`] of the instruction set last used.
     tables: Option<Box<dyn Any + Send>>,
+}
+
+/// Points of a batch that lie together, whole pairs of vectors, and a form of a tile that serves all of them, or some.
+#[derive(Clone, Debug)]
+struct Stretch {
+    form: Form,
+    range: std::ops::Range<usize>,
+    /// Whether some have another form.
+    mixed: bool,
 }
 
 /// What stays the same for a frame.
@@ -148,8 +160,12 @@ impl Superposition {
             let work = Work { arrangement, frame, part, points, local: &local, stretched: assigned.is_some() };
             let (low, high) = local.reach(simd);
             for (together, beyond) in wanted {
-                match together.range.form_of_box(low, high, work.stretched) {
-                    Some(form) if beyond.is_none() => self.add_at_all(simd, &mut tables, work, together, form),
+                let form = together.range.form_of_box(low, high, work.stretched).filter(|_| beyond.is_none());
+                match (form, &together.cluster) {
+                    (form, None) if self.find_stretches(simd, work, together, form, beyond.is_some()) => {
+                        self.add_in_place(simd, work, together.blocks.start);
+                    }
+                    (Some(form), Some(cluster)) => self.add_at_all(simd, &mut tables, work, together, cluster, form),
                     _ => self.add_by_form(simd, &mut tables, work, together, beyond),
                 }
             }
@@ -158,32 +174,123 @@ impl Superposition {
         self.tables = Some(tables);
     }
 
+    /// Divides the points, as they lie, into stretches of one form of a tile by itself: all of them, if it is given. Returns whether that is worth while.
+    #[inline(always)]
+    fn find_stretches<S: Simd>(
+        &mut self,
+        simd: S,
+        work: Work,
+        together: &Together,
+        form: Option<Form>,
+        beyond: bool,
+    ) -> bool {
+        let pair = 2 * Lanes::<S>::LEN;
+        let count = work.local.padded();
+        self.stretches.clear();
+        if let Some(form) = form {
+            self.stretches.push(Stretch { form, range: 0..count, mixed: false });
+            return true;
+        }
+        if beyond {
+            return false;
+        }
+        self.forms.resize(count, 0.0);
+        together.range.forms(simd, &work.local.axes, work.stretched, &mut self.forms);
+        let most_mixed = count / pair / MIXED_SHARE;
+        let mut mixed = 0;
+        for (number, forms) in self.forms.chunks_exact(pair).enumerate() {
+            let (start, end) = (number * pair, (number + 1) * pair);
+            let form = forms[0] as Form;
+            if forms.iter().fold(true, |all, other| all & (*other == forms[0])) {
+                match self.stretches.last_mut() {
+                    Some(last) if last.form == form && !last.mixed => last.range.end = end,
+                    _ => self.stretches.push(Stretch { form, range: start..end, mixed: false }),
+                }
+                continue;
+            }
+            mixed += 1;
+            if mixed > most_mixed {
+                return false;
+            }
+            let present = forms.iter().fold(0_u64, |present, form| present | 1 << (*form as u64));
+            let forms = (0..FORMS as Form).filter(|form| present >> form & 1 == 1);
+            self.stretches.extend(forms.map(|form| Stretch { form, range: start..end, mixed: true }));
+        }
+        true
+    }
+
+    /// A tile by itself, in its stretches.
+    #[inline(always)]
+    fn add_in_place<S: Simd>(&mut self, simd: S, work: Work, index: usize) {
+        let mut made = None;
+        let tile = OneTile::of(work.frame, index, &mut made);
+        let points = &work.local.axes;
+        let mut near = std::mem::take(&mut self.near);
+        near.clear();
+        let mut mixed = [[0.0; PAIR]; 3];
+        self.fields.iter_mut().for_each(|values| values.resize(points[0].len(), 0.0));
+        for stretch in &self.stretches {
+            let range = stretch.range.clone();
+            let is_served = |index: &usize| self.forms[*index] == f64::from(stretch.form);
+            if stretch.form == NEAR {
+                let served = range.clone().filter(|index| !stretch.mixed || is_served(index));
+                let known = served.filter(|&index| index < work.points.len() && !points[0][index].is_nan());
+                near.extend(known.map(|index| index as u32));
+                for values in &mut self.fields {
+                    values[range.clone()].fill(0.0);
+                }
+                continue;
+            }
+            let [x, y, z] = points.each_ref().map(|axis| &axis[range.clone()]);
+            let fields = if stretch.mixed {
+                mixed.each_mut().map(|axis| &mut axis[..range.len()])
+            } else {
+                self.fields.each_mut().map(|axis| &mut axis[range.clone()])
+            };
+            tile.fields(simd, stretch.form, [x, y, z], fields);
+            if stretch.mixed {
+                for (values, mixed) in self.fields.iter_mut().zip(&mixed) {
+                    for (index, value) in range.clone().zip(mixed) {
+                        if is_served(&index) {
+                            values[index] = *value;
+                        }
+                    }
+                }
+            }
+        }
+        self.totals.add_fields(simd, work.frame.to_scene.rotation(), &self.fields);
+        if !near.is_empty() {
+            self.add_near(simd, work, index, &near);
+        }
+        self.near = near;
+    }
+
     /// Tiles that one form serves at all points.
     #[inline(always)]
-    fn add_at_all<S: Simd>(&mut self, simd: S, tables: &mut Tables<S>, work: Work, together: &Together, form: Form) {
+    fn add_at_all<S: Simd>(
+        &mut self,
+        simd: S,
+        tables: &mut Tables<S>,
+        work: Work,
+        together: &Together,
+        cluster: &Cluster,
+        form: Form,
+    ) {
         let (rotation, points) = (work.frame.to_scene.rotation(), &work.local.axes);
-        if let (MIDDLE | OUTER, Some(cluster)) = (form, &together.cluster) {
+        if let MIDDLE | OUTER = form {
             let source = Middle { tables, cluster, small: form == OUTER, next: None };
             self.totals.add(simd, rotation, points, source);
             return;
         }
-        match form {
-            _ if together.cluster.is_none() => {
-                let mut made = None;
-                let tile = OneTile::of(work.frame, together.blocks.start, &mut made);
-                tile.fields(simd, form, views(points), room(&mut self.fields, points[0].len()));
-                self.totals.add_fields(simd, rotation, &self.fields);
+        match together.range.far(form) {
+            FarForm::Series { order } => {
+                self.add_series(simd, work, together, order, false);
+                self.totals.add_totals(simd, &self.partial);
             }
-            _ => match together.range.far(form) {
-                FarForm::Series { order } => {
-                    self.add_series(simd, work, together, order, false);
-                    self.totals.add_totals(simd, &self.partial);
-                }
-                FarForm::Expansion { degree } => {
-                    let what = Expanded { expansion: together.expansion(simd.level(), &work.frame.blocks), degree };
-                    self.totals.add_pairs(simd, rotation, points, &what);
-                }
-            },
+            FarForm::Expansion { degree } => {
+                let what = Expanded { expansion: together.expansion(simd.level(), &work.frame.blocks), degree };
+                self.totals.add_pairs(simd, rotation, points, &what);
+            }
         }
     }
 
@@ -275,7 +382,7 @@ impl Superposition {
                 let tile = OneTile::of(work.frame, index, &mut made);
                 let points = &self.gathered.axes;
                 tile.fields(simd, form, views(points), room(&mut self.fields, points[0].len()));
-                self.totals.add_fields_at(work.frame.to_scene.rotation(), &self.fields, chosen);
+                self.totals.add_fields_at(simd, work.frame.to_scene.rotation(), &mut self.fields, chosen);
             }
         }
     }
@@ -316,7 +423,7 @@ impl Superposition {
             self.gathered.gather(work.local, &self.chosen_beside);
             let points = &self.gathered.axes;
             beside.fields(simd, views(points), room(&mut self.fields, points[0].len()));
-            self.totals.add_fields_at(work.frame.to_scene.rotation(), &self.fields, &self.chosen_beside);
+            self.totals.add_fields_at(simd, work.frame.to_scene.rotation(), &mut self.fields, &self.chosen_beside);
         }
     }
 }

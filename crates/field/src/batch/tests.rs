@@ -7,7 +7,9 @@ use super::expansion::Expansion;
 use super::functions::{angle, artanh_of_ratio};
 use super::instruction_set::InstructionSet;
 use super::lanes::{Lanes, Number};
+use super::multipole::Series;
 use super::one_tile::Pairwise;
+use super::range::{OUTER, Range};
 use super::superposition::{Expanded, Superposition};
 use super::translation::translated;
 use super::tree::Tree;
@@ -15,7 +17,7 @@ use crate::arrangement::Arrangement;
 use crate::block::{Block, Local};
 use crate::kernel::{Part, cuboid_field};
 use crate::tile::Tile;
-use crate::tolerances::EXPANSION_DEGREES;
+use crate::tolerances::{EXPANSION_DEGREES, FIRST_SINGLE_ORDER, MULTIPOLE_ORDERS, SMALL_ANGLE};
 use crate::within::magnitude::Box3;
 use glam::DVec3;
 
@@ -90,6 +92,61 @@ fn angle_has_its_accuracy_all_around() {
                 }
             }
         }
+    }
+}
+
+/// What single precision makes of the order it is used for, at the nearest distance and in the worst direction: the bound that `FIRST_SINGLE_ORDER` states,
+/// and not far below it.
+#[test]
+fn orders_in_single_precision_are_accurate_enough() {
+    let mut worst = 0.0_f64;
+    for size in [[1.0, 1e-3, 1e-3], [1e-3, 1.0, 1e-3], [1e-3, 1e-3, 1.0], [1.0, 1.0, 1e-3], [1e-3, 1.0, 1.0], [1.0; 3]]
+    {
+        let series = Series::of(size);
+        for (order, half_diagonals) in MULTIPOLE_ORDERS.into_iter().filter(|(order, _)| *order >= FIRST_SINGLE_ORDER) {
+            // A monomial has u or v, each rounded, for each of its degrees and a sum for each, and the coefficient and the last sum.
+            let roundings = 2.0 * (order + 1) as f64 + 1.0;
+            let share = 0.5 * f64::from(f32::EPSILON) * roundings * half_diagonals.powi(-2 * order as i32);
+            for step in 0..21 * 21 {
+                let (u, v) = (f64::from(step % 21) / 20.0, f64::from(step / 21) / 20.0);
+                if u + v <= 1.0 {
+                    worst = worst.max(share * series.magnitude(order, [u, v]));
+                }
+            }
+        }
+    }
+    assert!((1e-15..3e-15).contains(&worst), "{worst:e}");
+}
+
+/// Where elements count as small they are, and not all far smaller, whatever the tile.
+#[test]
+fn elements_are_small_where_they_count_as_small() {
+    for size in [[1.0; 3], [3.3, 1.7, 1.0], [5.0, 1.0, 1.0], [8.0, 8.0, 1.0], [4.0, 3.0, 0.2]] {
+        let largest_half = |point: [f64; 3]| {
+            let mut largest = 0.0_f64;
+            for axis in 0..3 {
+                let block = Block::new(0, DVec3::ZERO, DVec3::from(size), DVec3::AXES[axis], 0.1);
+                let placed = block.place(&Local { coordinates: point, roundoff: [0.0; 3] }).expect("near enough");
+                let column = cuboid_field(&placed.offsets, DVec3::AXES[axis].to_array(), Part::Strength);
+                largest =
+                    column.into_iter().fold(largest, |most, value| most.max(2.0 * std::f64::consts::PI * value.abs()));
+            }
+            largest
+        };
+        let range = Range::of_tile(&Block::new(0, DVec3::ZERO, DVec3::from(size), DVec3::Z, 0.1));
+        let (mut count, mut largest) = (0, 0.0_f64);
+        for n in 0..4000 {
+            let turn = f64::from(n);
+            let direction = DVec3::new((1.3 * turn).sin(), (2.9 * turn).cos(), (0.7 * turn).sin()).normalize();
+            let point = (direction * (1.0 + 9.0 * (0.37 * turn).fract())).to_array();
+            if range.form_of_box(point, point, false) == Some(OUTER) {
+                let half = largest_half(point);
+                assert!(half <= SMALL_ANGLE, "{half} at {point:?} of {size:?}");
+                count += 1;
+                largest = largest.max(half);
+            }
+        }
+        assert!(count > 100 && largest > 0.1 * SMALL_ANGLE, "{count} points, {largest} of {size:?}");
     }
 }
 

@@ -142,11 +142,26 @@ impl Totals {
         }
     }
 
-    /// Adds fields at the points with the indices `chosen`.
-    pub(super) fn add_fields_at(&mut self, rotation: Option<&DMat3>, [x, y, z]: &[Vec<f64>; 3], chosen: &[u32]) {
+    /// Adds fields at the points with the indices `chosen`, which are turned in place.
+    #[inline(always)]
+    pub(super) fn add_fields_at<S: Simd>(
+        &mut self,
+        simd: S,
+        rotation: Option<&DMat3>,
+        fields: &mut [Vec<f64>; 3],
+        chosen: &[u32],
+    ) {
+        if rotation.is_some() {
+            for number in 0..fields[0].len() / Lanes::<S>::LEN {
+                let turned = in_scene(rotation, load(simd, fields, number));
+                for (values, turned) in fields.iter_mut().zip(turned) {
+                    turned.store(&mut values[number * Lanes::<S>::LEN..(number + 1) * Lanes::<S>::LEN]);
+                }
+            }
+        }
+        let [x, y, z] = fields;
         for (((x, y), z), &index) in x.iter().zip(y).zip(z).zip(chosen) {
-            let own = DVec3::new(*x, *y, *z);
-            self.add_one(index as usize, rotation.map_or(own, |rotation| *rotation * own).to_array());
+            self.add_one(index as usize, [*x, *y, *z]);
         }
     }
 
