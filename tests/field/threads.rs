@@ -26,7 +26,7 @@ fn points() -> Vec<DVec3> {
 #[test]
 fn bit_identical_for_any_number_of_threads_and_any_batch() {
     for set in InstructionSet::available() {
-        for scene in [scene(), film(), scattered(&[]), one_tile()] {
+        for scene in [scene(), film(), scattered(&[]), one_tile(), turned_tiles()] {
             identical(&scene.with_instruction_set(set).expect("available"));
         }
     }
@@ -36,6 +36,19 @@ fn bit_identical_for_any_number_of_threads_and_any_batch() {
 fn one_tile() -> Scene {
     let tile = Tile::new(DVec3::new(2.0, 3.0, -1.6), DVec3::new(0.9, 0.7, 0.5), DVec3::new(0.3, -0.5, 0.7));
     Scene::new(&[tile.expect("a valid tile").rotated(DQuat::from_rotation_x(0.3)).expect("a rotation")])
+}
+
+/// Tiles turned each by its own angle, which the points lie near enough to that batches need several forms of most.
+fn turned_tiles() -> Scene {
+    let tiles: Vec<Tile> = (0..6)
+        .map(|i| {
+            let turn = f64::from(i);
+            let position = DVec3::new(2.0 * turn, 3.0 + 4.0 * turn.sin(), 0.3 * turn);
+            let tile = Tile::new(position, DVec3::new(1.1, 0.8, 0.6), DVec3::new(0.3, 0.2 * turn - 0.5, 0.7));
+            tile.expect("a valid tile").rotated(DQuat::from_rotation_y(0.2 + 0.1 * turn)).expect("a rotation")
+        })
+        .collect();
+    Scene::new(&tiles)
 }
 
 /// A sheet of touching tiles, so that tiles share corners and groups.
