@@ -240,7 +240,7 @@ fn single(page: &mut String, precision: &Precision, effort: Effort) {
     let _ = write!(
         page,
         "
-## Why there is no single precision
+## Why the closed form is not in single precision
 
 The usual closed form, a sum of logarithms and arctangents over the corners of a tile, takes differences of nearly equal numbers, and loses three digits for each decade of distance. In binary32 there are seven to
 lose. The same formula in both precisions, {} random tiles for each distance:
