@@ -62,20 +62,25 @@ impl Beside {
     }
 
     /// B or mu0 H of the tile, in its frame, at points given by axis in whole vectors.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn fields<S: Simd>(&self, simd: S, [x, y, z]: [&[f64]; 3], [fx, fy, fz]: [&mut [f64]; 3]) {
-        for start in (0..x.len()).step_by(Lanes::<S>::LEN) {
-            let lanes = start..start + Lanes::<S>::LEN;
-            let point = [
-                Lanes::load(simd, &x[lanes.clone()]),
-                Lanes::load(simd, &y[lanes.clone()]),
-                Lanes::load(simd, &z[lanes.clone()]),
-            ];
-            let field = self.field(simd, point);
-            field[0].store(&mut fx[lanes.clone()]);
-            field[1].store(&mut fy[lanes.clone()]);
-            field[2].store(&mut fz[lanes]);
-        }
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for start in (0..x.len()).step_by(Lanes::<S>::LEN) {
+                    let lanes = start..start + Lanes::<S>::LEN;
+                    let point = [
+                        Lanes::load(simd, &x[lanes.clone()]),
+                        Lanes::load(simd, &y[lanes.clone()]),
+                        Lanes::load(simd, &z[lanes.clone()]),
+                    ];
+                    let field = self.field(simd, point);
+                    field[0].store(&mut fx[lanes.clone()]);
+                    field[1].store(&mut fy[lanes.clone()]);
+                    field[2].store(&mut fz[lanes]);
+                }
+            },
+        );
     }
 
     #[inline(always)]

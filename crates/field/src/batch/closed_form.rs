@@ -4,6 +4,8 @@
 //! What remains loses the factor distance / size of the tile's second side. Each element is a number of a split-complex or a complex
 //! plane, whose products add logarithms or angles: tiles with one strength share a division and a series.
 
+use std::any::Any;
+
 use fearless_simd::prelude::*;
 
 use super::cluster::Cluster;
@@ -12,8 +14,51 @@ use super::lanes::{Lanes, Number};
 use super::terms::{AA, AB, AC, BB, BC, CC, Group, NO_GROUP, TileTerms};
 use crate::tolerances::{MOST_CORNERS, MOST_GROUPS, MOST_PLANES};
 
+/// Room for the [`Tables`] of the instruction set last used.
+#[derive(Default)]
+pub(super) struct KeptTables(Option<Box<dyn Any + Send>>);
+
+impl KeptTables {
+    /// mu0 H of the tiles of `cluster`, in their frame, at points outside them, given by axis in whole vectors; perhaps so far that all elements are
+    /// `small`.
+    #[inline(never)]
+    pub(super) fn fields<S: Simd>(
+        &mut self,
+        simd: S,
+        cluster: &Cluster,
+        small: bool,
+        [x, y, z]: [&[f64]; 3],
+        [fx, fy, fz]: [&mut [f64]; 3],
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let kept = self.0.take().and_then(|tables| tables.downcast::<Tables<S>>().ok());
+                let mut tables = kept.unwrap_or_else(|| Box::new(Tables::new(simd)));
+                tables.start(cluster, load(simd, [x, y, z], 0));
+                for start in (0..x.len()).step_by(Lanes::<S>::LEN) {
+                    let end = start + Lanes::<S>::LEN;
+                    // After the last points the first again, to have something to prepare.
+                    let next = if end < x.len() { end } else { 0 };
+                    let field = tables.field(simd, cluster, load(simd, [x, y, z], next), small);
+                    field[0].store(&mut fx[start..end]);
+                    field[1].store(&mut fy[start..end]);
+                    field[2].store(&mut fz[start..end]);
+                }
+                self.0 = Some(tables);
+            },
+        );
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, points: [&[f64]; 3], start: usize) -> [Lanes<S>; 3] {
+    let [x, y, z] = points.map(|axis| &axis[start..start + Lanes::<S>::LEN]);
+    [Lanes::load(simd, x), Lanes::load(simd, y), Lanes::load(simd, z)]
+}
+
 /// Tables of vectors, kept between calls. Their length is fixed, so that an index masked to it needs no check.
-pub(super) struct Tables<S: Simd> {
+struct Tables<S: Simd> {
     /// Of the points at work and of those after them, which are made at the same time: square roots and products then overlap.
     places: Box<[Places<S>; 2]>,
     /// Which of the two is that of the points after them.
@@ -89,7 +134,7 @@ impl<S: Simd> Places<S> {
 
 impl<S: Simd> Tables<S> {
     #[inline(always)]
-    pub(super) fn new(simd: S) -> Tables<S> {
+    fn new(simd: S) -> Tables<S> {
         let zero = Lanes::<S>::splat(simd, 0.0);
         Tables {
             places: Box::new([Places::new(simd), Places::new(simd)]),
@@ -100,7 +145,7 @@ impl<S: Simd> Tables<S> {
 
     /// Begins with the first points.
     #[inline(always)]
-    pub(super) fn start(&mut self, cluster: &Cluster, first: [Lanes<S>; 3]) {
+    fn start(&mut self, cluster: &Cluster, first: [Lanes<S>; 3]) {
         let next = &mut self.places[self.next];
         next.set_offsets(cluster, first);
         for (index, planes) in (0..).step_by(2).zip(&cluster.corners) {
@@ -111,7 +156,7 @@ impl<S: Simd> Tables<S> {
     /// mu0 H of the tiles of `cluster`, in their frame, at the points given as `next` before (or to [`Tables::start`]), which are outside them; perhaps so far
     /// that all elements are `small`.
     #[inline(always)]
-    pub(super) fn field(&mut self, simd: S, cluster: &Cluster, next: [Lanes<S>; 3], small: bool) -> [Lanes<S>; 3] {
+    fn field(&mut self, simd: S, cluster: &Cluster, next: [Lanes<S>; 3], small: bool) -> [Lanes<S>; 3] {
         let [even, odd] = &mut *self.places;
         let (current, upcoming) = if self.next == 0 { (even, odd) } else { (odd, even) };
         self.next = 1 - self.next;

@@ -9,8 +9,9 @@ use glam::DVec3;
 
 use super::harmonics::{Moments, Source};
 use super::lanes::{Lanes, Number};
+use super::pairwise::each_pair;
 use crate::block::Block;
-use crate::tolerances::HIGHEST_DEGREE;
+use crate::tolerances::{HIGHEST_DEGREE, POINTS_PER_DEGREE};
 use crate::two_sum::TwoSum;
 
 /// The degree of the field is one higher than that of the potential.
@@ -85,9 +86,31 @@ impl Expansion {
         &self.moments[before + from - first..before + last + 1 - first]
     }
 
-    /// mu0 H of the tiles, in their frame, from the potential up to `degree`, at two vectors of points.
+    /// mu0 H of the tiles, in their frame, at points given by axis, from the potential up to the degrees that each [`POINTS_PER_DEGREE`] points have.
+    #[inline(never)]
+    pub(super) fn fields<S: Simd>(&self, simd: S, degrees: &[usize], points: [&[f64]; 3], fields: [&mut [f64]; 3]) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                each_pair(
+                    simd,
+                    #[inline(always)]
+                    |first, pair| self.fields_of_pair(simd, degrees[first / POINTS_PER_DEGREE], pair),
+                    points,
+                    fields,
+                );
+            },
+        );
+    }
+
+    /// The same at two vectors of points.
     #[inline(always)]
-    pub(super) fn fields<S: Simd>(&self, simd: S, degree: usize, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+    pub(super) fn fields_of_pair<S: Simd>(
+        &self,
+        simd: S,
+        degree: usize,
+        points: [[Lanes<S>; 3]; 2],
+    ) -> [[Lanes<S>; 3]; 2] {
         // Not by `map`: operations on vectors in a closure are calls.
         let (first, over_first) = self.place(simd, points[0]);
         let (second, over_second) = self.place(simd, points[1]);

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::expansion::{Place, fields_of_rows};
 use super::lanes::{Lanes, Number};
-use super::one_tile::Pairwise;
+use super::pairwise::Pairwise;
 use crate::tolerances::HIGHEST_LOCAL_DEGREE;
 
 /// R_lm over the polynomial of the recurrence times (x + i y)^m (Eq. P31), row after row of equal degree: (2l - 1)!! / (l + m)! (l - m)!.

@@ -5,21 +5,9 @@ use fearless_simd::prelude::*;
 use super::alone::Alone;
 use super::lanes::{Lanes, Two};
 use super::multipole::{self, Distant, Series};
+use super::pairwise::{Pairwise, fields_of};
 use super::range::{FarForm, Form, MIDDLE, NEAR, OUTER, Range};
 use crate::arrangement::Frame;
-
-/// What has a field, mu0 H in its own frame, and computes it at two vectors of points at a time: operations on one then fill the time that
-/// those on the other wait.
-pub(super) trait Pairwise<S: Simd> {
-    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2];
-}
-
-impl<S: Simd, P: Pairwise<S>> Pairwise<S> for &P {
-    #[inline(always)]
-    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
-        (**self).fields(simd, points)
-    }
-}
 
 /// A tile in all its forms but the one for points beside it.
 pub(super) struct OneTile<'a> {
@@ -47,39 +35,19 @@ impl<'a> OneTile<'a> {
     }
 
     /// mu0 H, in the tile's frame, at points given by axis. As many values as there are points, a multiple of [`PAIR`](super::lanes::PAIR).
-    #[inline(always)]
     pub(super) fn fields<S: Simd>(&self, simd: S, form: Form, points: [&[f64]; 3], fields: [&mut [f64]; 3]) {
         match form {
             NEAR => unreachable!("points beside a tile have no form of this kind"),
-            MIDDLE => in_pairs(simd, &ClosedForm(&self.alone), points, fields),
-            OUTER => in_pairs(simd, &SmallElements(&self.alone), points, fields),
+            MIDDLE => fields_of(simd, &ClosedForm(&self.alone), points, fields),
+            OUTER => fields_of(simd, &SmallElements(&self.alone), points, fields),
             _ => {
                 let FarForm::Series { order } = self.range.far(form) else {
                     unreachable!("a tile by itself has a series only")
                 };
                 let what = Distributed { tile: self.distant, series: self.series, order };
-                in_pairs(simd, &what, points, fields);
+                fields_of(simd, &what, points, fields);
             }
         }
-    }
-}
-
-#[inline(always)]
-fn in_pairs<S: Simd>(simd: S, what: &impl Pairwise<S>, [x, y, z]: [&[f64]; 3], fields: [&mut [f64]; 3]) {
-    let len = Lanes::<S>::LEN;
-    let [fx, fy, fz] = fields;
-    let points = x.chunks_exact(2 * len).zip(y.chunks_exact(2 * len)).zip(z.chunks_exact(2 * len));
-    let fields = fx.chunks_exact_mut(2 * len).zip(fy.chunks_exact_mut(2 * len)).zip(fz.chunks_exact_mut(2 * len));
-    for (((x, y), z), ((fx, fy), fz)) in points.zip(fields) {
-        let load = [Lanes::load(simd, &x[..len]), Lanes::load(simd, &y[..len]), Lanes::load(simd, &z[..len])];
-        let load_2 = [Lanes::load(simd, &x[len..]), Lanes::load(simd, &y[len..]), Lanes::load(simd, &z[len..])];
-        let [first, second] = what.fields(simd, [load, load_2]);
-        first[0].store(&mut fx[..len]);
-        first[1].store(&mut fy[..len]);
-        first[2].store(&mut fz[..len]);
-        second[0].store(&mut fx[len..]);
-        second[1].store(&mut fy[len..]);
-        second[2].store(&mut fz[len..]);
     }
 }
 

@@ -1,6 +1,7 @@
 //! A batch of points by coordinate, and sorted by form.
 
 use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
 use super::lanes::{Lanes, Number, PAIR};
@@ -107,7 +108,6 @@ impl Coordinates {
     }
 
     /// The coordinates of chosen points, filled up to whole pairs of vectors.
-    #[inline(always)]
     pub(super) fn gather(&mut self, points: &Coordinates, chosen: &[u32]) {
         let whole = chosen.len().next_multiple_of(PAIR);
         for (from, to) in points.axes.iter().zip(&mut self.axes) {
@@ -134,19 +134,18 @@ pub(super) struct Chosen {
 impl Chosen {
     /// All the first `count` points, the closed form perhaps `stretched`. Those `beyond` a sphere, given by its centre and squared radius in the coordinates that come with it, have the form
     /// [`BEYOND`].
-    #[inline(always)]
-    pub(super) fn sort_all<S: Simd>(
+    pub(super) fn sort_all(
         &mut self,
-        simd: S,
+        level: Level,
         range: &Range,
         points: &Coordinates,
         count: usize,
         stretched: bool,
         beyond: Option<(&Coordinates, ([f64; 3], f64))>,
     ) {
-        self.find_forms(simd, range, points, stretched);
+        self.find_forms(level, range, points, stretched);
         if let Some((points, sphere)) = beyond {
-            self.find_beyond(simd, points, sphere);
+            dispatch!(level, simd => self.find_beyond(simd, points, sphere));
         }
         for index in 0..count {
             let form = if !points.out_of_range.is_empty() && points.axes[0][index].is_nan() {
@@ -159,21 +158,19 @@ impl Chosen {
     }
 
     /// Points that have these indices in the batch.
-    #[inline(always)]
-    pub(super) fn sort<S: Simd>(&mut self, simd: S, range: &Range, points: &Coordinates, indices: &[u32]) {
-        self.find_forms(simd, range, points, false);
+    pub(super) fn sort(&mut self, level: Level, range: &Range, points: &Coordinates, indices: &[u32]) {
+        self.find_forms(level, range, points, false);
         for (number, &index) in indices.iter().enumerate() {
             self.add(self.forms[number] as usize, index);
         }
     }
 
-    #[inline(always)]
-    fn find_forms<S: Simd>(&mut self, simd: S, range: &Range, points: &Coordinates, stretched: bool) {
+    fn find_forms(&mut self, level: Level, range: &Range, points: &Coordinates, stretched: bool) {
         self.stretch = points.padded();
         self.indices.resize((FORMS + 1) * self.stretch, 0);
         self.counts = [0; FORMS + 1];
         self.forms.resize(self.stretch, 0.0);
-        range.forms(simd, &points.axes, stretched, &mut self.forms);
+        dispatch!(level, simd => range.forms(simd, &points.axes, stretched, &mut self.forms));
     }
 
     #[inline(always)]

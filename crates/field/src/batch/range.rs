@@ -158,35 +158,40 @@ impl Range {
     }
 
     /// The form at each of the points, given by axis in whole vectors. Any, where the point is not a number. The closed form may be `stretched`.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn forms<S: Simd>(&self, simd: S, [x, y, z]: &[Vec<f64>; 3], stretched: bool, forms: &mut [f64]) {
-        let (last, outer_from) = self.closed_form(stretched);
-        let zero = Lanes::<S>::splat(simd, 0.0);
-        let middle = Lanes::<S>::splat(simd, f64::from(MIDDLE));
-        let outer = Lanes::<S>::splat(simd, f64::from(OUTER));
-        let mut steps = [zero; MOST_STEPS];
-        for (number, step) in steps.iter_mut().enumerate() {
-            *step = Lanes::<S>::splat(simd, f64::from(FAR + number as Form));
-        }
-        for (number, forms) in forms.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
-            let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
-            let point = [&x[start..end], &y[start..end], &z[start..end]];
-            let (mut gap, mut distance) = (zero, zero);
-            for (axis, coordinates) in point.into_iter().enumerate() {
-                let offset = ((Lanes::<S>::load(simd, coordinates) - self.centre[axis]) * self.scale).abs();
-                let beyond = (offset - self.half_size[axis]).max(zero);
-                gap = beyond.mul_add(beyond, gap);
-                distance = offset.mul_add(offset, distance);
-            }
-            let reached = gap.at_least(simd, self.near) * distance.at_most(simd, last);
-            let by_radius = distance.where_at_least(self.outer_radius, outer, middle);
-            let mut form = reached * gap.where_at_least(outer_from, outer, by_radius);
-            for (step, (least, _)) in steps.iter().zip(&self.far) {
-                form = distance.where_at_least(*least, *step, form);
-            }
-            let form = distance.where_more(FARTHEST, zero, form);
-            form.store(forms);
-        }
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let (last, outer_from) = self.closed_form(stretched);
+                let zero = Lanes::<S>::splat(simd, 0.0);
+                let middle = Lanes::<S>::splat(simd, f64::from(MIDDLE));
+                let outer = Lanes::<S>::splat(simd, f64::from(OUTER));
+                let mut steps = [zero; MOST_STEPS];
+                for (number, step) in steps.iter_mut().enumerate() {
+                    *step = Lanes::<S>::splat(simd, f64::from(FAR + number as Form));
+                }
+                for (number, forms) in forms.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
+                    let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
+                    let point = [&x[start..end], &y[start..end], &z[start..end]];
+                    let (mut gap, mut distance) = (zero, zero);
+                    for (axis, coordinates) in point.into_iter().enumerate() {
+                        let offset = ((Lanes::<S>::load(simd, coordinates) - self.centre[axis]) * self.scale).abs();
+                        let beyond = (offset - self.half_size[axis]).max(zero);
+                        gap = beyond.mul_add(beyond, gap);
+                        distance = offset.mul_add(offset, distance);
+                    }
+                    let reached = gap.at_least(simd, self.near) * distance.at_most(simd, last);
+                    let by_radius = distance.where_at_least(self.outer_radius, outer, middle);
+                    let mut form = reached * gap.where_at_least(outer_from, outer, by_radius);
+                    for (step, (least, _)) in steps.iter().zip(&self.far) {
+                        form = distance.where_at_least(*least, *step, form);
+                    }
+                    let form = distance.where_more(FARTHEST, zero, form);
+                    form.store(forms);
+                }
+            },
+        );
     }
 
     /// Where it ends, and from where its elements are small.

@@ -1,23 +1,21 @@
 //! The tiles of a scene added up at a batch of points.
 
-use std::any::Any;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
 use super::assignment::{Assignment, Near, Nearest};
 use super::beside::Beside;
-use super::closed_form::Tables;
+use super::closed_form::KeptTables;
 use super::cluster::Cluster;
-use super::expansion::Expansion;
-use super::lanes::{Lanes, PAIR};
-use super::one_tile::{Distributed, OneTile, Pairwise};
+use super::one_tile::{Distributed, OneTile};
+use super::pairwise::fields_of;
 use super::points::{Chosen, Coordinates};
-use super::range::{BEYOND, FORMS, FarForm, Form, MIDDLE, NEAR, OUTER};
+use super::range::{BEYOND, FarForm, Form, MIDDLE, NEAR, OUTER};
 use super::streams::Streams;
+use super::stretches::Stretches;
 use super::table::Together;
 use super::totals::Totals;
 use super::translation::translated;
@@ -26,7 +24,7 @@ use crate::arrangement::{Arrangement, Frame};
 use crate::block::{Block, Local};
 use crate::edge_policy::Edges;
 use crate::kernel::{Part, cuboid_field};
-use crate::tolerances::{MIXED_SHARE, POINTS_PER_DEGREE};
+use crate::tolerances::POINTS_PER_DEGREE;
 
 /// Room for a batch of points; nothing in it grows with the number of tiles.
 #[derive(Default)]
@@ -46,31 +44,21 @@ pub(crate) struct Superposition {
     gathered_near: Coordinates,
     /// Those beside a tile.
     chosen_beside: Vec<u32>,
-    /// Of a tile by itself.
+    /// Of what is at work, in its frame.
     fields: [Vec<f64>; 3],
-    forms: Vec<f64>,
-    stretches: Vec<Stretch>,
+    stretches: Stretches,
     near: Vec<u32>,
     streams: Streams,
     finite: bool,
     /// Those of an expansion, by points.
     degrees: Vec<usize>,
-    /// The [`Tables`] of the instruction set last used.
-    tables: Option<Box<dyn Any + Send>>,
-}
-
-/// Points of a batch that lie together, whole pairs of vectors, and a form of a tile that serves all of them, or some.
-#[derive(Clone, Debug)]
-struct Stretch {
-    form: Form,
-    range: std::ops::Range<usize>,
-    /// Whether some have another form.
-    mixed: bool,
+    tables: KeptTables,
 }
 
 /// What stays the same for a frame.
 #[derive(Clone, Copy)]
 struct Work<'a> {
+    level: Level,
     arrangement: &'a Arrangement,
     frame: &'a Frame,
     part: Part,
@@ -109,7 +97,7 @@ impl Superposition {
         self.points.set(points);
         self.totals.start(self.points.padded());
         if !points.is_empty() {
-            dispatch!(level, simd => self.add_frames(simd, arrangement, assigned, part, points));
+            self.add_frames(level, arrangement, assigned, part, points);
         }
         self.totals.write(field);
         for &index in self.points.out_of_range() {
@@ -132,276 +120,177 @@ impl Superposition {
         self.edges.get(&index).is_some_and(Edges::exposed)
     }
 
-    #[inline(always)]
-    fn add_frames<S: Simd>(
+    fn add_frames(
         &mut self,
-        simd: S,
+        level: Level,
         arrangement: &Arrangement,
         assigned: Option<(&Tree, &Assignment)>,
         part: Part,
         points: &[DVec3],
     ) {
-        let kept = self.tables.take().and_then(|tables| tables.downcast::<Tables<S>>().ok());
-        let mut tables = kept.unwrap_or_else(|| Box::new(Tables::new(simd)));
         if let Some((tree, assignment)) = assigned {
-            for what in &assignment.expanded {
-                let (expansion, points) = (tree.expansion(what.node), &self.points.axes);
-                tree.set_degrees(what, points, &mut self.degrees);
-                let degree = |index: usize| self.degrees[index / POINTS_PER_DEGREE];
-                self.totals.add_varied_pairs(simd, None, points, |index| Expanded { expansion, degree: degree(index) });
-            }
-            if let Some(local) = translated(simd, tree, &assignment.translated, assignment.middle, assignment.reach) {
-                self.totals.add_pairs(simd, None, &self.points.axes, &local);
-            }
+            self.add_expansions(level, tree, assignment);
         }
         for (frame, wanted) in parts(arrangement, assigned) {
             let mut local = std::mem::take(&mut self.local);
-            local.set_in_frame(simd, arrangement, frame, &self.points);
-            let work = Work { arrangement, frame, part, points, local: &local, stretched: assigned.is_some() };
-            let (low, high) = local.reach(simd);
+            let (low, high) = dispatch!(level, simd => {
+                local.set_in_frame(simd, arrangement, frame, &self.points);
+                local.reach(simd)
+            });
+            let work = Work { level, arrangement, frame, part, points, local: &local, stretched: assigned.is_some() };
             for (together, beyond) in wanted {
                 let form = together.range.form_of_box(low, high, work.stretched).filter(|_| beyond.is_none());
                 match (form, &together.cluster) {
-                    (form, None) if self.find_stretches(simd, work, together, form, beyond.is_some()) => {
-                        self.add_in_place(simd, work, together.blocks.start);
+                    (Some(form), Some(cluster)) => self.add_together(work, together, cluster, form, None),
+                    (form, None) if beyond.is_none() && self.divide(work, together, form) => {
+                        self.add_in_place(work, together.blocks.start);
                     }
-                    (Some(form), Some(cluster)) => self.add_at_all(simd, &mut tables, work, together, cluster, form),
-                    _ => self.add_by_form(simd, &mut tables, work, together, beyond),
+                    _ => self.add_by_form(work, together, beyond),
                 }
             }
             self.local = local;
         }
-        self.tables = Some(tables);
+    }
+
+    /// What a tree's nodes far away have at all points.
+    fn add_expansions(&mut self, level: Level, tree: &Tree, assignment: &Assignment) {
+        let points = &self.points.axes;
+        for what in &assignment.expanded {
+            tree.set_degrees(what, points, &mut self.degrees);
+            let (expansion, fields) = (tree.expansion(what.node), room(&mut self.fields, points[0].len()));
+            dispatch!(level, simd => expansion.fields(simd, &self.degrees, views(points), fields));
+            self.totals.add_fields(level, None, &self.fields);
+        }
+        let local = dispatch!(level, simd => {
+            translated(simd, tree, &assignment.translated, assignment.middle, assignment.reach)
+        });
+        if let Some(local) = local {
+            let fields = room(&mut self.fields, points[0].len());
+            dispatch!(level, simd => fields_of(simd, &local, views(points), fields));
+            self.totals.add_fields(level, None, &self.fields);
+        }
     }
 
     /// Divides the points, as they lie, into stretches of one form of a tile by itself: all of them, if it is given. Returns whether that is worth while.
-    #[inline(always)]
-    fn find_stretches<S: Simd>(
-        &mut self,
-        simd: S,
-        work: Work,
-        together: &Together,
-        form: Option<Form>,
-        beyond: bool,
-    ) -> bool {
-        let pair = 2 * Lanes::<S>::LEN;
-        let count = work.local.padded();
-        self.stretches.clear();
+    fn divide(&mut self, work: Work, together: &Together, form: Option<Form>) -> bool {
         if let Some(form) = form {
-            self.stretches.push(Stretch { form, range: 0..count, mixed: false });
+            self.stretches.set_all(form, work.local.padded());
             return true;
         }
-        if beyond {
-            return false;
-        }
-        self.forms.resize(count, 0.0);
-        together.range.forms(simd, &work.local.axes, work.stretched, &mut self.forms);
-        let most_mixed = count / pair / MIXED_SHARE;
-        let mut mixed = 0;
-        for (number, forms) in self.forms.chunks_exact(pair).enumerate() {
-            let (start, end) = (number * pair, (number + 1) * pair);
-            let form = forms[0] as Form;
-            if forms.iter().fold(true, |all, other| all & (*other == forms[0])) {
-                match self.stretches.last_mut() {
-                    Some(last) if last.form == form && !last.mixed => last.range.end = end,
-                    _ => self.stretches.push(Stretch { form, range: start..end, mixed: false }),
-                }
-                continue;
-            }
-            mixed += 1;
-            if mixed > most_mixed {
-                return false;
-            }
-            let present = forms.iter().fold(0_u64, |present, form| present | 1 << (*form as u64));
-            let forms = (0..FORMS as Form).filter(|form| present >> form & 1 == 1);
-            self.stretches.extend(forms.map(|form| Stretch { form, range: start..end, mixed: true }));
-        }
-        true
+        self.stretches.divide(work.level, &together.range, &work.local.axes, work.stretched)
     }
 
     /// A tile by itself, in its stretches.
-    #[inline(always)]
-    fn add_in_place<S: Simd>(&mut self, simd: S, work: Work, index: usize) {
+    fn add_in_place(&mut self, work: Work, index: usize) {
         let mut made = None;
         let tile = OneTile::of(work.frame, index, &mut made);
         let points = &work.local.axes;
         let mut near = std::mem::take(&mut self.near);
         near.clear();
-        let mut mixed = [[0.0; PAIR]; 3];
-        self.fields.iter_mut().for_each(|values| values.resize(points[0].len(), 0.0));
-        for stretch in &self.stretches {
-            let range = stretch.range.clone();
-            let is_served = |index: &usize| self.forms[*index] == f64::from(stretch.form);
-            if stretch.form == NEAR {
-                let served = range.clone().filter(|index| !stretch.mixed || is_served(index));
-                let known = served.filter(|&index| index < work.points.len() && !points[0][index].is_nan());
-                near.extend(known.map(|index| index as u32));
-                for values in &mut self.fields {
-                    values[range.clone()].fill(0.0);
-                }
-                continue;
-            }
-            let [x, y, z] = points.each_ref().map(|axis| &axis[range.clone()]);
-            let fields = if stretch.mixed {
-                mixed.each_mut().map(|axis| &mut axis[..range.len()])
-            } else {
-                self.fields.each_mut().map(|axis| &mut axis[range.clone()])
-            };
-            tile.fields(simd, stretch.form, [x, y, z], fields);
-            if stretch.mixed {
-                for (values, mixed) in self.fields.iter_mut().zip(&mixed) {
-                    for (index, value) in range.clone().zip(mixed) {
-                        if is_served(&index) {
-                            values[index] = *value;
-                        }
-                    }
-                }
-            }
-        }
-        self.totals.add_fields(simd, work.frame.to_scene.rotation(), &self.fields);
+        self.stretches.fields(work.level, &tile, points, &mut self.fields, &mut near);
+        self.totals.add_fields(work.level, work.frame.to_scene.rotation(), &self.fields);
+        near.retain(|&index| (index as usize) < work.points.len() && !points[0][index as usize].is_nan());
         if !near.is_empty() {
-            self.add_near(simd, work, index, &near);
+            self.add_near(work, index, &near);
         }
         self.near = near;
     }
 
-    /// Tiles that one form serves at all points.
-    #[inline(always)]
-    fn add_at_all<S: Simd>(
-        &mut self,
-        simd: S,
-        tables: &mut Tables<S>,
-        work: Work,
-        together: &Together,
-        cluster: &Cluster,
-        form: Form,
-    ) {
-        let (rotation, points) = (work.frame.to_scene.rotation(), &work.local.axes);
+    /// Tiles together in one form, at all points or at the chosen ones, which have been gathered.
+    fn add_together(&mut self, work: Work, together: &Together, cluster: &Cluster, form: Form, chosen: Option<&[u32]>) {
+        let points = if chosen.is_some() { &self.gathered.axes } else { &work.local.axes };
+        let (level, rotation, count) = (work.level, work.frame.to_scene.rotation(), points[0].len());
+        let fields = room(&mut self.fields, count);
         if let MIDDLE | OUTER = form {
-            let source = Middle { tables, cluster, small: form == OUTER, next: None };
-            self.totals.add(simd, rotation, points, source);
-            return;
-        }
-        match together.range.far(form) {
-            FarForm::Series { order } => {
-                self.add_series(simd, work, together, order, false);
-                self.totals.add_totals(simd, &self.partial);
+            let (tables, small) = (&mut self.tables, form == OUTER);
+            dispatch!(level, simd => tables.fields(simd, cluster, small, views(points), fields));
+        } else {
+            match together.range.far(form) {
+                FarForm::Expansion { degree } => {
+                    let expansion = together.expansion(level, &work.frame.blocks);
+                    self.degrees.clear();
+                    self.degrees.resize(count.div_ceil(POINTS_PER_DEGREE), degree);
+                    dispatch!(level, simd => expansion.fields(simd, &self.degrees, views(points), fields));
+                }
+                FarForm::Series { order } => {
+                    self.partial.start(count);
+                    for index in together.blocks.clone() {
+                        let mut made = None;
+                        let what = Distributed::of(work.frame, index, order, &mut made);
+                        let fields = room(&mut self.fields, count);
+                        dispatch!(level, simd => fields_of(simd, &what, views(points), fields));
+                        self.partial.add_fields(level, rotation, &self.fields);
+                    }
+                    return match chosen {
+                        None => self.totals.add_totals(level, &self.partial),
+                        Some(chosen) => self.totals.add_totals_at(&self.partial, chosen),
+                    };
+                }
             }
-            FarForm::Expansion { degree } => {
-                let what = Expanded { expansion: together.expansion(simd.level(), &work.frame.blocks), degree };
-                self.totals.add_pairs(simd, rotation, points, &what);
-            }
         }
-    }
-
-    /// The series of all tiles of a cluster, at all points or at gathered ones, into the partial sums.
-    #[inline(always)]
-    fn add_series<S: Simd>(&mut self, simd: S, work: Work, together: &Together, order: usize, gathered: bool) {
-        let points = if gathered { &self.gathered.axes } else { &work.local.axes };
-        self.partial.start(points[0].len());
-        for index in together.blocks.clone() {
-            let mut made = None;
-            let source = Distributed::of(work.frame, index, order, &mut made);
-            self.partial.add_pairs(simd, work.frame.to_scene.rotation(), points, &source);
+        match chosen {
+            None => self.totals.add_fields(level, rotation, &self.fields),
+            Some(chosen) => self.totals.add_fields_at(level, rotation, &mut self.fields, chosen),
         }
     }
 
     /// Tiles that need different forms at different points.
-    #[inline(always)]
-    fn add_by_form<S: Simd>(
-        &mut self,
-        simd: S,
-        tables: &mut Tables<S>,
-        work: Work,
-        together: &Together,
-        beyond: Option<Beyond>,
-    ) {
+    fn add_by_form(&mut self, work: Work, together: &Together, beyond: Option<Beyond>) {
         let mut chosen = std::mem::take(&mut self.chosen);
         let sphere = beyond.map(|of| (&self.points, of.sphere));
-        chosen.sort_all(simd, &together.range, work.local, work.points.len(), work.stretched, sphere);
+        chosen.sort_all(work.level, &together.range, work.local, work.points.len(), work.stretched, sphere);
         for form in chosen.forms() {
             let points = chosen.points(form);
             match (form, &together.cluster) {
-                (BEYOND, _) => {
-                    let of = beyond.expect("only then there are such points");
-                    self.gathered.gather(&self.points, points);
-                    let (expansion, gathered) = (of.tree.expansion(of.what.node), &self.gathered.axes);
-                    of.tree.set_degrees(&of.what, gathered, &mut self.degrees);
-                    let degree = |index: usize| self.degrees[index / POINTS_PER_DEGREE];
-                    let what = |index| Expanded { expansion, degree: degree(index) };
-                    self.totals.add_some_varied_pairs(simd, None, gathered, points, what);
-                }
-                (_, None) => {
-                    self.gathered.gather(work.local, points);
-                    self.add_tile(simd, work, together.blocks.start, form, points);
-                }
+                (BEYOND, _) => self.add_beyond(work, beyond.expect("only then there are such points"), points),
+                (_, None) => self.add_tile(work, together.blocks.start, form, points),
                 (NEAR, Some(_)) => {
                     let mut chosen_by_tile = std::mem::take(&mut self.chosen_by_tile);
                     self.gathered_near.gather(work.local, points);
                     for index in together.blocks.clone() {
-                        chosen_by_tile.sort(simd, &work.frame.table.tiles[index].range, &self.gathered_near, points);
+                        let range = &work.frame.table.tiles[index].range;
+                        chosen_by_tile.sort(work.level, range, &self.gathered_near, points);
                         for form in chosen_by_tile.forms() {
-                            let points = chosen_by_tile.points(form);
-                            self.gathered.gather(work.local, points);
-                            self.add_tile(simd, work, index, form, points);
+                            self.add_tile(work, index, form, chosen_by_tile.points(form));
                         }
                     }
                     self.chosen_by_tile = chosen_by_tile;
                 }
-                (MIDDLE | OUTER, Some(cluster)) => {
+                (_, Some(cluster)) => {
                     self.gathered.gather(work.local, points);
-                    let source = Middle { tables, cluster, small: form == OUTER, next: None };
-                    self.add_gathered(simd, work, points, source);
-                }
-                _ => {
-                    self.gathered.gather(work.local, points);
-                    match together.range.far(form) {
-                        FarForm::Series { order } => {
-                            self.add_series(simd, work, together, order, true);
-                            self.totals.add_totals_at(&self.partial, points);
-                        }
-                        FarForm::Expansion { degree } => {
-                            let what =
-                                Expanded { expansion: together.expansion(simd.level(), &work.frame.blocks), degree };
-                            self.add_gathered_pairs(simd, work, points, &what);
-                        }
-                    }
+                    self.add_together(work, together, cluster, form, Some(points));
                 }
             }
         }
         self.chosen = chosen;
     }
 
-    /// One tile at the chosen points, which have been gathered.
-    #[inline(always)]
-    fn add_tile<S: Simd>(&mut self, simd: S, work: Work, index: usize, form: Form, chosen: &[u32]) {
-        match form {
-            NEAR => self.add_near(simd, work, index, chosen),
-            _ => {
-                let mut made = None;
-                let tile = OneTile::of(work.frame, index, &mut made);
-                let points = &self.gathered.axes;
-                tile.fields(simd, form, views(points), room(&mut self.fields, points[0].len()));
-                self.totals.add_fields_at(simd, work.frame.to_scene.rotation(), &mut self.fields, chosen);
-            }
+    /// A part of a tree by its expansion at the chosen points.
+    fn add_beyond(&mut self, work: Work, of: Beyond, chosen: &[u32]) {
+        self.gathered.gather(&self.points, chosen);
+        let points = &self.gathered.axes;
+        of.tree.set_degrees(&of.what, points, &mut self.degrees);
+        let (expansion, fields) = (of.tree.expansion(of.what.node), room(&mut self.fields, points[0].len()));
+        dispatch!(work.level, simd => expansion.fields(simd, &self.degrees, views(points), fields));
+        self.totals.add_fields_at(work.level, None, &mut self.fields, chosen);
+    }
+
+    /// One tile at the chosen points.
+    fn add_tile(&mut self, work: Work, index: usize, form: Form, chosen: &[u32]) {
+        if form == NEAR {
+            return self.add_near(work, index, chosen);
         }
-    }
-
-    #[inline(always)]
-    fn add_gathered<S: Simd>(&mut self, simd: S, work: Work, chosen: &[u32], source: impl Source<S>) {
-        let rotation = work.frame.to_scene.rotation();
-        self.totals.add_some(simd, rotation, &self.gathered.axes, chosen, source);
-    }
-
-    #[inline(always)]
-    fn add_gathered_pairs<S: Simd>(&mut self, simd: S, work: Work, chosen: &[u32], what: &impl Pairwise<S>) {
-        let rotation = work.frame.to_scene.rotation();
-        self.totals.add_some_pairs(simd, rotation, &self.gathered.axes, chosen, what);
+        let mut made = None;
+        let tile = OneTile::of(work.frame, index, &mut made);
+        self.gathered.gather(work.local, chosen);
+        let points = &self.gathered.axes;
+        let fields = room(&mut self.fields, points[0].len());
+        dispatch!(work.level, simd => tile.fields(simd, form, views(points), fields));
+        self.totals.add_fields_at(work.level, work.frame.to_scene.rotation(), &mut self.fields, chosen);
     }
 
     /// Points beside a tile: in vectors if they are off its planes, else the kernel of one point.
-    #[inline(always)]
-    fn add_near<S: Simd>(&mut self, simd: S, work: Work, index: usize, chosen: &[u32]) {
+    fn add_near(&mut self, work: Work, index: usize, chosen: &[u32]) {
         let block = &work.frame.blocks[index];
         let beside = Beside::of(block, work.part);
         let [x, y, z] = &work.local.axes;
@@ -422,8 +311,14 @@ impl Superposition {
         if let (Some(beside), false) = (beside, self.chosen_beside.is_empty()) {
             self.gathered.gather(work.local, &self.chosen_beside);
             let points = &self.gathered.axes;
-            beside.fields(simd, views(points), room(&mut self.fields, points[0].len()));
-            self.totals.add_fields_at(simd, work.frame.to_scene.rotation(), &mut self.fields, &self.chosen_beside);
+            let fields = room(&mut self.fields, points[0].len());
+            dispatch!(work.level, simd => beside.fields(simd, views(points), fields));
+            self.totals.add_fields_at(
+                work.level,
+                work.frame.to_scene.rotation(),
+                &mut self.fields,
+                &self.chosen_beside,
+            );
         }
     }
 }
@@ -489,50 +384,4 @@ fn parts<'a>(arrangement: &'a Arrangement, assigned: Option<(&'a Tree, &'a Assig
         (frame, parts.iter().map(part).collect())
     });
     with_clusters.collect()
-}
-
-/// What has a field, mu0 H in its own frame, at vector after vector of points. It is told of them two vectors ahead, so that it can prepare
-/// them while it waits for quotients.
-pub(super) trait Source<S: Simd> {
-    /// Begins with the first two vectors of points.
-    fn start(&mut self, simd: S, first: [[Lanes<S>; 3]; 2]);
-
-    /// The field at the first of the vectors handed over that it has not yet been given for. `ahead` is the third of them.
-    fn field(&mut self, simd: S, ahead: [Lanes<S>; 3]) -> [Lanes<S>; 3];
-}
-
-/// Tiles together.
-struct Middle<'a, S: Simd> {
-    tables: &'a mut Tables<S>,
-    cluster: &'a Cluster,
-    /// Whether all elements are small.
-    small: bool,
-    next: Option<[Lanes<S>; 3]>,
-}
-
-impl<S: Simd> Source<S> for Middle<'_, S> {
-    #[inline(always)]
-    fn start(&mut self, _: S, first: [[Lanes<S>; 3]; 2]) {
-        self.tables.start(self.cluster, first[0]);
-        self.next = Some(first[1]);
-    }
-
-    #[inline(always)]
-    fn field(&mut self, simd: S, ahead: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
-        let next = self.next.replace(ahead).expect("started");
-        self.tables.field(simd, self.cluster, next, self.small)
-    }
-}
-
-/// Tiles together, radii of the sphere around them away.
-pub(super) struct Expanded<'a> {
-    pub(super) expansion: &'a Expansion,
-    pub(super) degree: usize,
-}
-
-impl<S: Simd> Pairwise<S> for Expanded<'_> {
-    #[inline(always)]
-    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
-        self.expansion.fields(simd, self.degree, points)
-    }
 }

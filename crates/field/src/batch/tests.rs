@@ -8,9 +8,9 @@ use super::functions::{angle, artanh_of_ratio};
 use super::instruction_set::InstructionSet;
 use super::lanes::{Lanes, Number};
 use super::multipole::Series;
-use super::one_tile::Pairwise;
+use super::pairwise::Pairwise;
 use super::range::{OUTER, Range};
-use super::superposition::{Expanded, Superposition};
+use super::superposition::Superposition;
 use super::translation::translated;
 use super::tree::Tree;
 use crate::arrangement::Arrangement;
@@ -164,7 +164,7 @@ fn roots_are_right_to_the_last_place() {
 #[inline(always)]
 fn expanded<S: Simd>(simd: S, expansion: &Expansion, degree: usize, point: DVec3) -> DVec3 {
     let lanes = point.to_array().map(|c| Lanes::<S>::splat(simd, c));
-    let [first, second] = expansion.fields(simd, degree, [lanes, lanes]);
+    let [first, second] = expansion.fields_of_pair(simd, degree, [lanes, lanes]);
     for axis in 0..3 {
         assert_eq!(first[axis].lane(0), second[axis].lane(Lanes::<S>::LEN - 1));
     }
@@ -310,8 +310,8 @@ fn translations_leave_out_no_more_than_they_say() {
             for level in levels() {
                 let errors: Vec<f64> = dispatch!(level, simd => {
                     let local = translated(simd, &tree, &[what], middle, reach).expect("one node");
-                    let own = Expanded { expansion: tree.expansion(node), degree: 18 };
-                    points().map(|at| (one(simd, &local, at) - one(simd, &own, at)).length()).collect()
+                    let own = |at| expanded(simd, tree.expansion(node), 18, at);
+                    points().map(|at| (one(simd, &local, at) - own(at)).length()).collect()
                 });
                 let error_t = errors.into_iter().fold(0.0, f64::max);
                 assert!(error_t <= left_out_t + 1e-14, "{error_t:e}, not {left_out_t:e}, with {local_degree}");

@@ -1,11 +1,10 @@
 //! Running sums over tiles at a batch of points, without loss (Neumaier), in the scene's frame.
 
 use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
 use glam::{DMat3, DVec3};
 
-use super::lanes::{LONGEST_VECTOR, Lanes, Number};
-use super::one_tile::Pairwise;
-use super::superposition::Source;
+use super::lanes::{Lanes, Number};
 use crate::two_sum::TwoSum;
 
 /// Sum and carry of each component.
@@ -43,54 +42,6 @@ impl Totals {
         }
     }
 
-    /// Adds the field of `source` at all points, given by axis and filled up to whole vectors.
-    #[inline(always)]
-    pub(super) fn add<S: Simd>(
-        &mut self,
-        simd: S,
-        rotation: Option<&DMat3>,
-        points: &[Vec<f64>; 3],
-        mut source: impl Source<S>,
-    ) {
-        source.start(simd, [load(simd, points, 0), load(simd, points, 1)]);
-        for number in 0..points[0].len() / Lanes::<S>::LEN {
-            let field = source.field(simd, load(simd, points, number + 2));
-            self.add_vector(simd, number, in_scene::<S>(rotation, field));
-        }
-    }
-
-    /// The same of what takes two vectors at a time.
-    #[inline(always)]
-    pub(super) fn add_pairs<S: Simd>(
-        &mut self,
-        simd: S,
-        rotation: Option<&DMat3>,
-        points: &[Vec<f64>; 3],
-        what: &impl Pairwise<S>,
-    ) {
-        self.add_varied_pairs(simd, rotation, points, |_| what);
-    }
-
-    /// The same of what depends on the index of the first point of both vectors.
-    #[inline(always)]
-    pub(super) fn add_varied_pairs<S: Simd, P: Pairwise<S>>(
-        &mut self,
-        simd: S,
-        rotation: Option<&DMat3>,
-        points: &[Vec<f64>; 3],
-        what: impl Fn(usize) -> P,
-    ) {
-        let count = points[0].len() / Lanes::<S>::LEN;
-        for number in (0..count).step_by(2) {
-            let [first, second] = what(number * Lanes::<S>::LEN)
-                .fields(simd, [load(simd, points, number), load(simd, points, number + 1)]);
-            self.add_vector(simd, number, in_scene::<S>(rotation, first));
-            if number + 1 < count {
-                self.add_vector(simd, number + 1, in_scene::<S>(rotation, second));
-            }
-        }
-    }
-
     #[inline(always)]
     fn add_vector<S: Simd>(&mut self, simd: S, number: usize, field: [Lanes<S>; 3]) {
         let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
@@ -104,8 +55,12 @@ impl Totals {
     }
 
     /// Adds other sums at the same points.
+    pub(super) fn add_totals(&mut self, level: Level, other: &Totals) {
+        dispatch!(level, simd => self.add_totals_by(simd, other));
+    }
+
     #[inline(always)]
-    pub(super) fn add_totals<S: Simd>(&mut self, simd: S, other: &Totals) {
+    fn add_totals_by<S: Simd>(&mut self, simd: S, other: &Totals) {
         for axis in 0..3 {
             let own = self.sums[axis]
                 .chunks_exact_mut(Lanes::<S>::LEN)
@@ -134,111 +89,49 @@ impl Totals {
         }
     }
 
-    /// Adds fields at all points, given by component.
+    /// Adds fields of a frame at all points, given by component.
+    pub(super) fn add_fields(&mut self, level: Level, rotation: Option<&DMat3>, fields: &[Vec<f64>; 3]) {
+        dispatch!(level, simd => self.add_fields_by(simd, rotation, fields));
+    }
+
     #[inline(always)]
-    pub(super) fn add_fields<S: Simd>(&mut self, simd: S, rotation: Option<&DMat3>, fields: &[Vec<f64>; 3]) {
+    fn add_fields_by<S: Simd>(&mut self, simd: S, rotation: Option<&DMat3>, fields: &[Vec<f64>; 3]) {
         for number in 0..self.sums[0].len() / Lanes::<S>::LEN {
             self.add_vector(simd, number, in_scene::<S>(rotation, load(simd, fields, number)));
         }
     }
 
-    /// Adds fields at the points with the indices `chosen`, which are turned in place.
-    #[inline(always)]
-    pub(super) fn add_fields_at<S: Simd>(
+    /// Adds fields of a frame at the points with the indices `chosen`; they are turned in place.
+    pub(super) fn add_fields_at(
         &mut self,
-        simd: S,
+        level: Level,
         rotation: Option<&DMat3>,
         fields: &mut [Vec<f64>; 3],
         chosen: &[u32],
     ) {
         if rotation.is_some() {
-            for number in 0..fields[0].len() / Lanes::<S>::LEN {
-                let turned = in_scene(rotation, load(simd, fields, number));
-                for (values, turned) in fields.iter_mut().zip(turned) {
-                    turned.store(&mut values[number * Lanes::<S>::LEN..(number + 1) * Lanes::<S>::LEN]);
-                }
-            }
+            dispatch!(level, simd => turn(simd, rotation, fields));
         }
         let [x, y, z] = fields;
         for (((x, y), z), &index) in x.iter().zip(y).zip(z).zip(chosen) {
             self.add_one(index as usize, [*x, *y, *z]);
         }
     }
+}
 
-    /// Adds the field of `source` at the points with the indices `chosen`.
-    #[inline(always)]
-    pub(super) fn add_some<S: Simd>(
-        &mut self,
-        simd: S,
-        rotation: Option<&DMat3>,
-        points: &[Vec<f64>; 3],
-        chosen: &[u32],
-        mut source: impl Source<S>,
-    ) {
-        source.start(simd, [load(simd, points, 0), load(simd, points, 1)]);
-        for (number, chosen) in chosen.chunks(Lanes::<S>::LEN).enumerate() {
-            let field = source.field(simd, load(simd, points, number + 2));
-            self.add_at(simd, chosen, in_scene::<S>(rotation, field));
-        }
-    }
-
-    /// The same of what takes two vectors at a time.
-    #[inline(always)]
-    pub(super) fn add_some_pairs<S: Simd>(
-        &mut self,
-        simd: S,
-        rotation: Option<&DMat3>,
-        points: &[Vec<f64>; 3],
-        chosen: &[u32],
-        what: &impl Pairwise<S>,
-    ) {
-        self.add_some_varied_pairs(simd, rotation, points, chosen, |_| what);
-    }
-
-    /// See [`Totals::add_varied_pairs`]; the index is that among the chosen.
-    #[inline(always)]
-    pub(super) fn add_some_varied_pairs<S: Simd, P: Pairwise<S>>(
-        &mut self,
-        simd: S,
-        rotation: Option<&DMat3>,
-        points: &[Vec<f64>; 3],
-        chosen: &[u32],
-        what: impl Fn(usize) -> P,
-    ) {
-        for (pair, chosen) in chosen.chunks(2 * Lanes::<S>::LEN).enumerate() {
-            let start = 2 * pair * Lanes::<S>::LEN;
-            let [first, second] =
-                what(start).fields(simd, [load(simd, points, 2 * pair), load(simd, points, 2 * pair + 1)]);
-            let (chosen, others) = chosen.split_at(chosen.len().min(Lanes::<S>::LEN));
-            self.add_at(simd, chosen, in_scene::<S>(rotation, first));
-            self.add_at(simd, others, in_scene::<S>(rotation, second));
-        }
-    }
-
-    #[inline(always)]
-    fn add_at<S: Simd>(&mut self, simd: S, chosen: &[u32], field: [Lanes<S>; 3]) {
-        // The present sums side by side, as the points are.
-        let mut sums = [[0.0; LONGEST_VECTOR]; 3];
-        for (axis, term) in field.into_iter().enumerate() {
-            for (sum, &index) in sums[axis].iter_mut().zip(chosen) {
-                *sum = self.sums[axis][index as usize];
-            }
-            let before = Lanes::<S>::load(simd, &sums[axis][..Lanes::<S>::LEN]);
-            let (sum, low) = before.two_sum(term);
-            for (lane, &index) in chosen.iter().enumerate() {
-                self.sums[axis][index as usize] = sum.lane(lane);
-                self.carries[axis][index as usize] += low.lane(lane);
-            }
+#[inline(always)]
+fn turn<S: Simd>(simd: S, rotation: Option<&DMat3>, fields: &mut [Vec<f64>; 3]) {
+    for number in 0..fields[0].len() / Lanes::<S>::LEN {
+        let turned = in_scene(rotation, load(simd, fields, number));
+        for (values, turned) in fields.iter_mut().zip(turned) {
+            turned.store(&mut values[number * Lanes::<S>::LEN..(number + 1) * Lanes::<S>::LEN]);
         }
     }
 }
 
-/// One vector of points; beyond the last the first again, to have something to prepare.
 #[inline(always)]
 fn load<S: Simd>(simd: S, [x, y, z]: &[Vec<f64>; 3], number: usize) -> [Lanes<S>; 3] {
-    let start = number * Lanes::<S>::LEN;
-    let start = if start < x.len() { start } else { 0 };
-    let end = start + Lanes::<S>::LEN;
+    let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
     [Lanes::load(simd, &x[start..end]), Lanes::load(simd, &y[start..end]), Lanes::load(simd, &z[start..end])]
 }
 
