@@ -90,7 +90,10 @@ fn identical(scene: &Scene) {
                     scene.field_into(Quantity::FluxDensity, points, field).unwrap();
                 }
             });
-            assert_eq!(field, alone, "{threads} threads, batches of {batch}");
+            if let Some(index) = (0..points.len()).find(|&index| field[index] != alone[index]) {
+                let (point, found, alone) = (points[index], field[index], alone[index]);
+                panic!("{found} is not {alone} at {point} with {threads} threads and batches of {batch}");
+            }
         }
     }
 }

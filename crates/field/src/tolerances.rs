@@ -101,14 +101,17 @@ pub(crate) const LONGEST_NEEDLE: f64 = 10.0;
 /// Orders of the multipole series in (half diagonal / distance)^2, and the distance in half diagonals from which each is enough, nearer ones
 /// first. What is left out after order n is at most (n + 2) / distance^(2n + 2) of the field, which for a needle is below 3e-15 from here on, for
 /// compact tiles far less.
-pub(crate) const MULTIPOLE_ORDERS: [(usize, f64); 4] = [(6, 13.0), (5, 20.0), (4, 34.0), (3, 90.0)];
+pub(crate) const MULTIPOLE_ORDERS: [(usize, f64); 5] = [(8, 7.3), (6, 13.0), (5, 20.0), (4, 34.0), (3, 90.0)];
 
 /// The highest of them.
-pub(crate) const HIGHEST_ORDER: usize = 6;
+pub(crate) const HIGHEST_ORDER: usize = 8;
 
-/// From here on the highest order of a series is in single precision: what rounding makes of its terms is at most 3e-15 of the field, for the worst needle at the
-/// nearest distance.
-pub(crate) const FIRST_SINGLE_ORDER: usize = 4;
+/// What the orders of a series that are in single precision may be off by, together and in the worst case, as a fraction of the field: with what is left out
+/// less than half of [`EXACT_BOUND`], and what occurs is a tenth of it.
+pub(crate) const SINGLE_PRECISION_BOUND: f64 = 5e-15;
+
+/// No lower order ever is: where the third is the last, it is 2e-12 of the field, but the second 1e-8.
+pub(crate) const LEAST_SINGLE_ORDER: usize = 3;
 
 /// Degrees of the expansion of tiles together, and the distance in radii of the sphere around them from which each is enough, nearer ones first. A dipole in
 /// the sphere has a field of at least 1 / (d + 1)^3 there; of it what is left out after degree p is at most the sum over l > p of
@@ -262,7 +265,7 @@ pub(crate) const MOST_PLANES: usize = 128;
 /// See [`MOST_CORNERS`].
 pub(crate) const MOST_GROUPS: usize = 256;
 
-/// Shapes whose multipole series are kept, 6 kB each. In a scene with more they are made when needed.
+/// Shapes whose multipole series are kept, 10 kB each. In a scene with more they are made when needed.
 pub(crate) const KEPT_SERIES: usize = 4096;
 
 /// Points that one thread takes at a time, at least and at most: small enough to share out 405 points, large enough for full vectors of each

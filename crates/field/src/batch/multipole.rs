@@ -6,201 +6,229 @@ use std::sync::LazyLock;
 use fearless_simd::prelude::*;
 
 use super::lanes::{Horner, Lanes, Number, Singles, Two};
+use super::pairwise::Pairwise;
 use crate::block::Block;
-use crate::tolerances::{FIRST_SINGLE_ORDER, HIGHEST_ORDER};
+use crate::tolerances::{HIGHEST_ORDER, LEAST_SINGLE_ORDER, MULTIPOLE_ORDERS, SINGLE_PRECISION_BOUND};
 use crate::two_sum::TwoSum;
 
-/// The series of five elements of one shape's tensor, xx, yy, xy, xz, yz, divided by V / 4 pi r^3 and by the factor xy/r^2, xz/r^2, yz/r^2
-/// if off the diagonal. A polynomial in sigma = (half diagonal / r)^2, whose coefficients are polynomials in u = x^2/r^2 and v = y^2/r^2.
+/// A_x, A_y, P_xy, P_xz and P_yz (Eq. P39).
+const POLYNOMIALS: usize = 5;
+
+/// The series of one shape: polynomials in sigma = (half diagonal / r)^2, whose coefficients are polynomials in u - 1/3 and v - 1/3,
+/// u = x^2/r^2 and v = y^2/r^2.
 #[derive(Clone, Debug)]
 pub(super) struct Series {
-    /// Order by order, of the monomials of degree up to the order: of all five elements. As [`low_place`] says.
-    low: [[f64; 5]; low_start(HIGHEST_ORDER + 1)],
-    /// Of the monomials of the next degree, the highest power of v first: of the two diagonal ones.
-    high: [[f64; 2]; high_start(HIGHEST_ORDER + 1)],
-    /// The same from [`FIRST_SINGLE_ORDER`] on, in single precision and in powers of u - 1/3 and v - 1/3, which cancel far less.
-    single_low: [[f32; 5]; low_start(HIGHEST_ORDER + 1) - low_start(FIRST_SINGLE_ORDER)],
-    single_high: [[f32; 2]; high_start(HIGHEST_ORDER + 1) - high_start(FIRST_SINGLE_ORDER)],
+    /// Order after order of sigma, as [`place`] has them.
+    doubles: [[f64; POLYNOMIALS]; start(HIGHEST_ORDER + 1)],
+    /// The same from [`LEAST_SINGLE_ORDER`] on, rounded.
+    singles: [[f32; POLYNOMIALS]; start(HIGHEST_ORDER + 1) - start(LEAST_SINGLE_ORDER)],
+    /// From which of its orders on a series that ends with an order is in single precision.
+    first_single: [usize; HIGHEST_ORDER + 1],
 }
 
-/// About the middle of what u and v may be, where u + v <= 1.
+/// The middle of what u and v may be, where u + v <= 1: powers of what they are off it cancel least.
 const THIRD: f64 = 1.0 / 3.0;
 
 /// Where the coefficients of an order begin.
-const fn low_start(order: usize) -> usize {
+const fn start(order: usize) -> usize {
     order * (order + 1) * (order + 2) / 6
 }
 
-/// See [`low_start`].
-const fn high_start(order: usize) -> usize {
-    order * (order + 3) / 2
-}
-
 /// Where u^a v^b is among the coefficients of an order: as Horner's scheme needs them, row after row of equal b, the highest powers first.
-const fn low_place(order: usize, a: usize, b: usize) -> usize {
+const fn place(order: usize, a: usize, b: usize) -> usize {
     let row = order - b;
-    low_start(order) + row * (row + 1) / 2 + row - a
-}
-
-/// Derivatives beyond the moments' own, along x, y, z.
-const ELEMENTS: [[usize; 3]; 5] = [[2, 0, 0], [0, 2, 0], [1, 1, 0], [1, 0, 1], [0, 1, 1]];
-
-/// One unit of sigma to this order has polynomials of this degree in u and v.
-const fn degree(element: usize, order: usize) -> usize {
-    if element < 2 { order + 1 } else { order }
-}
-
-/// Monomials u^a v^b of degree at most `degree`, ordered by degree.
-const fn monomial_count(degree: usize) -> usize {
-    (degree + 1) * (degree + 2) / 2
+    row * (row + 1) / 2 + row - a
 }
 
 impl Series {
-    /// For a cuboid of these side lengths.
-    pub(super) fn of(size: [f64; 3]) -> Series {
+    /// For a cuboid of these side lengths, to this order.
+    pub(super) fn of(size: [f64; 3], highest: usize) -> Series {
         let largest = size.iter().copied().fold(0.0, f64::max);
         let squares = size.map(|s| (s / largest) * (s / largest));
         let total: f64 = squares.iter().sum();
         let share = squares.map(|s| s / total);
         let mut series = Series {
-            low: [[0.0; 5]; low_start(HIGHEST_ORDER + 1)],
-            high: [[0.0; 2]; high_start(HIGHEST_ORDER + 1)],
-            single_low: [[0.0; 5]; low_start(HIGHEST_ORDER + 1) - low_start(FIRST_SINGLE_ORDER)],
-            single_high: [[0.0; 2]; high_start(HIGHEST_ORDER + 1) - high_start(FIRST_SINGLE_ORDER)],
+            doubles: [[0.0; POLYNOMIALS]; start(HIGHEST_ORDER + 1)],
+            singles: [[0.0; POLYNOMIALS]; start(HIGHEST_ORDER + 1) - start(LEAST_SINGLE_ORDER)],
+            first_single: [0; HIGHEST_ORDER + 1],
         };
-        for (order, moments) in MOMENTS.iter().enumerate() {
-            for moment in moments {
-                // The moment of a cuboid, by derivatives: half side^(2a) / (2a + 1)!
+        for (order, moments) in MOMENTS.iter().enumerate().take(highest + 1) {
+            for moment in &**moments {
                 let weight: f64 = (0..3).map(|axis| share[axis].powi(moment.powers[axis] as i32)).product();
-                for (element, polynomial) in moment.polynomials.iter().enumerate() {
-                    for b in 0..=degree(element, order) {
-                        for a in 0..=degree(element, order) - b {
-                            let term = weight * polynomial[monomial_index(a, b)];
-                            if a + b <= order {
-                                series.low[low_place(order, a, b)][element] += term;
-                            } else {
-                                series.high[high_start(order) + order + 1 - b][element] += term;
-                            }
-                        }
+                let sums = &mut series.doubles[start(order)..start(order + 1)];
+                for (sums, coefficients) in sums.iter_mut().zip(&moment.coefficients) {
+                    for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
+                        *sum += weight * coefficient;
                     }
                 }
             }
         }
-        for order in FIRST_SINGLE_ORDER..=HIGHEST_ORDER {
-            for element in 0..5 {
-                for b in 0..=degree(element, order) {
-                    for a in 0..=degree(element, order) - b {
-                        let single = series.about_middle(order, element, [a, b]) as f32;
-                        if a + b <= order {
-                            series.single_low[low_place(order, a, b) - low_start(FIRST_SINGLE_ORDER)][element] = single;
-                        } else {
-                            let place = high_start(order) + order + 1 - b;
-                            series.single_high[place - high_start(FIRST_SINGLE_ORDER)][element] = single;
-                        }
-                    }
-                }
-            }
+        for (single, double) in series.singles.iter_mut().zip(&series.doubles[start(LEAST_SINGLE_ORDER)..]) {
+            *single = double.map(|coefficient| coefficient as f32);
+        }
+        for (order, half_diagonals) in MULTIPOLE_ORDERS.into_iter().filter(|(order, _)| *order <= highest) {
+            series.first_single[order] = series.first_single(order, half_diagonals);
         }
         series
     }
 
-    /// The coefficient of (u - 1/3)^a (v - 1/3)^b.
-    fn about_middle(&self, order: usize, element: usize, [a, b]: [usize; 2]) -> f64 {
-        let degree = degree(element, order);
-        let mut sum = 0.0;
-        for d in b..=degree {
-            for c in a..=degree - d {
-                let coefficient = if c + d <= order {
-                    self.low[low_place(order, c, d)][element]
-                } else {
-                    self.high[high_start(order) + order + 1 - d][element]
-                };
-                sum += coefficient * choose(c, a) * choose(d, b) * THIRD.powi((c - a + d - b) as i32);
+    /// The first order that may be in single precision with all later ones up to `last`, so many half diagonals away.
+    fn first_single(&self, last: usize, half_diagonals: f64) -> usize {
+        let mut first = last + 1;
+        let mut bound = 0.0;
+        while first > LEAST_SINGLE_ORDER {
+            bound += self.rounding(first - 1) * half_diagonals.powi(-2 * (first as i32 - 1));
+            if bound > SINGLE_PRECISION_BOUND {
+                break;
             }
+            first -= 1;
         }
-        sum
+        first
     }
 
-    /// The largest sum of the magnitudes of one order's monomials in single precision, of any element.
-    #[cfg(test)]
-    pub(super) fn magnitude(&self, order: usize, [u, v]: [f64; 2]) -> f64 {
-        let (low, high) = (low_start(FIRST_SINGLE_ORDER), high_start(FIRST_SINGLE_ORDER));
-        let power = |a: usize, b: usize| (u - THIRD).abs().powi(a as i32) * (v - THIRD).abs().powi(b as i32);
-        let mut sums = [0.0; 5];
+    /// The most that single precision makes of an order, of a dipole's least field.
+    fn rounding(&self, order: usize) -> f64 {
+        // A monomial has u or v, each rounded, for each of its degrees and a sum for each, and the coefficient and the last sum.
+        let roundings = (2 * order + 3) as f64;
+        let coefficients = &self.doubles[start(order)..start(order + 1)];
+        let mut magnitudes = [0.0; POLYNOMIALS];
         for b in 0..=order {
             for a in 0..=order - b {
-                let coefficients = self.single_low[low_place(order, a, b) - low];
-                sums.iter_mut().zip(coefficients).for_each(|(sum, c)| *sum += f64::from(c.abs()) * power(a, b));
+                let largest = largest_monomial(a, b);
+                for (magnitude, coefficient) in magnitudes.iter_mut().zip(coefficients[place(order, a, b)]) {
+                    *magnitude += coefficient.abs() * largest;
+                }
             }
         }
-        for b in 0..=order + 1 {
-            let coefficients = self.single_high[high_start(order) + order + 1 - b - high];
-            let power = power(order + 1 - b, b);
-            sums.iter_mut().zip(coefficients).for_each(|(sum, c)| *sum += f64::from(c.abs()) * power);
-        }
-        sums.into_iter().fold(0.0, f64::max)
+        0.5 * f64::from(f32::EPSILON) * roundings * magnitudes.into_iter().fold(0.0, f64::max)
+    }
+
+    /// How many orders of a series that ends with `last` are in single precision.
+    #[cfg(test)]
+    pub(super) fn singles_of(&self, last: usize) -> usize {
+        last + 1 - self.first_single[last]
     }
 
     /// One order's coefficients.
     #[inline(always)]
-    fn doubles<const ORDER: usize>(&self) -> Coefficients<'_, f64> {
-        Coefficients {
-            low: &self.low[low_start(ORDER)..low_start(ORDER + 1)],
-            high: &self.high[high_start(ORDER)..high_start(ORDER + 1)],
-        }
+    fn doubles<const ORDER: usize>(&self) -> &[[f64; POLYNOMIALS]] {
+        &self.doubles[start(ORDER)..start(ORDER + 1)]
     }
 
     /// See [`Series::doubles`].
     #[inline(always)]
-    fn singles<const ORDER: usize>(&self) -> Coefficients<'_, f32> {
-        let (low, high) = (low_start(FIRST_SINGLE_ORDER), high_start(FIRST_SINGLE_ORDER));
-        Coefficients {
-            low: &self.single_low[low_start(ORDER) - low..low_start(ORDER + 1) - low],
-            high: &self.single_high[high_start(ORDER) - high..high_start(ORDER + 1) - high],
-        }
+    fn singles<const ORDER: usize>(&self) -> &[[f32; POLYNOMIALS]] {
+        let before = start(LEAST_SINGLE_ORDER);
+        &self.singles[start(ORDER) - before..start(ORDER + 1) - before]
     }
 }
 
-/// One order's, as [`Series`] has them.
-struct Coefficients<'a, C> {
-    low: &'a [[C; 5]],
-    high: &'a [[C; 2]],
+/// The most that |u - 1/3|^a |v - 1/3|^b may be: neither is above 2/3, nor their sum above 1.
+fn largest_monomial(a: usize, b: usize) -> f64 {
+    if a + b == 0 {
+        return 1.0;
+    }
+    let share = (a as f64 / (a + b) as f64).clamp(THIRD, 2.0 * THIRD);
+    share.powi(a as i32) * (1.0 - share).powi(b as i32)
 }
 
 /// One moment <x^2a y^2b z^2c> and the polynomials of the derivatives of 1/r it comes with.
 struct Moment {
     powers: [usize; 3],
-    polynomials: [Vec<f64>; 5],
+    /// As [`place`] has them.
+    coefficients: Vec<[f64; POLYNOMIALS]>,
 }
 
-/// By order a + b + c.
-static MOMENTS: LazyLock<Vec<Vec<Moment>>> = LazyLock::new(|| {
-    (0..=HIGHEST_ORDER)
-        .map(|order| {
-            let pairs = (0..=order).flat_map(|a| (0..=order - a).map(move |b| [a, b, order - a - b]));
-            pairs.map(Moment::of).collect()
-        })
-        .collect()
-});
+/// By order a + b + c; the highest ones are rarely needed.
+static MOMENTS: [LazyLock<Vec<Moment>>; HIGHEST_ORDER + 1] = [
+    LazyLock::new(|| moments(0)),
+    LazyLock::new(|| moments(1)),
+    LazyLock::new(|| moments(2)),
+    LazyLock::new(|| moments(3)),
+    LazyLock::new(|| moments(4)),
+    LazyLock::new(|| moments(5)),
+    LazyLock::new(|| moments(6)),
+    LazyLock::new(|| moments(7)),
+    LazyLock::new(|| moments(8)),
+];
+
+fn moments(order: usize) -> Vec<Moment> {
+    let pairs = (0..=order).flat_map(|a| (0..=order - a).map(move |b| [a, b, order - a - b]));
+    pairs.map(Moment::of).collect()
+}
 
 impl Moment {
     fn of(powers: [usize; 3]) -> Moment {
+        let order: usize = powers.iter().sum();
+        // The moment of a cuboid, by derivatives: half side^(2a) / (2a + 1)!
         let over: f64 = powers.iter().map(|&a| factorial(2 * a + 1)).product();
-        let polynomials = [0, 1, 2, 3, 4].map(|element: usize| {
-            let derivative = [0, 1, 2].map(|axis| 2 * powers[axis] + ELEMENTS[element][axis]);
-            let order = powers.iter().sum();
-            let polynomial = derivative_of_reciprocal_distance(derivative, degree(element, order));
-            polynomial.into_iter().map(|c| c / over).collect()
-        });
-        Moment { powers, polynomials }
+        let element = |i: usize, j: usize| {
+            let mut derivative = powers.map(|power| 2 * power);
+            derivative[i] += 1;
+            derivative[j] += 1;
+            derivative_of_reciprocal_distance(derivative)
+        };
+        let [xx, yy, xy, xz, yz] = [(0, 0), (1, 1), (0, 1), (0, 2), (1, 2)].map(|(i, j)| element(i, j));
+        // Eq. P39; w = 1 - u - v
+        let mut polynomials = [xx, yy, xy, xz, yz];
+        for b in 0..=order {
+            for a in 0..=order - b {
+                let at = |element: usize| polynomials[element].0[a][b];
+                let (xy, xz, yz) = (at(2), at(3), at(4));
+                let [ax, ay, ..] = &mut polynomials;
+                for (sum, u, v, w) in [(ax, 0.0, xy, xz), (ay, xy, 0.0, yz)] {
+                    sum.0[a][b] += w;
+                    sum.0[a + 1][b] += u - w;
+                    sum.0[a][b + 1] += v - w;
+                }
+            }
+        }
+        let mut coefficients = vec![[0.0; POLYNOMIALS]; (order + 1) * (order + 2) / 2];
+        for (number, polynomial) in polynomials.into_iter().enumerate() {
+            // Those of degree order + 1 are zero now.
+            let about_middle = polynomial.about_middle(order);
+            for b in 0..=order {
+                for a in 0..=order - b {
+                    coefficients[place(order, a, b)][number] = about_middle.0[a][b] / over;
+                }
+            }
+        }
+        Moment { powers, coefficients }
+    }
+}
+
+/// The coefficients of u^a v^b.
+#[derive(Clone, Copy)]
+struct Polynomial([[f64; HIGHEST_ORDER + 2]; HIGHEST_ORDER + 2]);
+
+impl Polynomial {
+    /// In powers of u - 1/3 and v - 1/3, of which there are none higher than `degree`.
+    fn about_middle(mut self, degree: usize) -> Polynomial {
+        let Polynomial(rows) = &mut self;
+        for step in 0..degree {
+            for a in (step..degree).rev() {
+                let next = rows[a + 1];
+                for (own, next) in rows[a].iter_mut().zip(next) {
+                    *own += next * THIRD;
+                }
+            }
+        }
+        for row in &mut rows[..=degree] {
+            for step in 0..degree {
+                for b in (step..degree).rev() {
+                    row[b] += row[b + 1] * THIRD;
+                }
+            }
+        }
+        self
     }
 }
 
 /// r^(n+1) times the derivative of 1/r of n-th order, without odd powers, as a polynomial in u and v, w = 1 - u - v:
 /// with D = (x^2 + y^2 + z^2)^(-1/2) each axis gives a sum over j of (alpha! / j! (alpha - 2j)!) (2x)^(alpha - 2j) D^(alpha - j).
-fn derivative_of_reciprocal_distance(derivative: [usize; 3], degree: usize) -> Vec<f64> {
+fn derivative_of_reciprocal_distance(derivative: [usize; 3]) -> Polynomial {
     let order: usize = derivative.iter().sum();
-    let mut sum = vec![0.0; monomial_count(degree)];
+    let mut sum = Polynomial([[0.0; HIGHEST_ORDER + 2]; HIGHEST_ORDER + 2]);
     let [x, y, z] = derivative;
     for i in 0..=x / 2 {
         for j in 0..=y / 2 {
@@ -220,23 +248,13 @@ fn derivative_of_reciprocal_distance(derivative: [usize; 3], degree: usize) -> V
                     for n in 0..=p - m {
                         let sign = if (m + n).is_multiple_of(2) { 1.0 } else { -1.0 };
                         let ways = factorial(p) / (factorial(m) * factorial(n) * factorial(p - m - n));
-                        sum[monomial_index(a + m, b + n)] += c * sign * ways;
+                        sum.0[a + m][b + n] += c * sign * ways;
                     }
                 }
             }
         }
     }
     sum
-}
-
-/// Position of u^a v^b.
-const fn monomial_index(a: usize, b: usize) -> usize {
-    let degree = a + b;
-    degree * (degree + 1) / 2 + b
-}
-
-fn choose(n: usize, k: usize) -> f64 {
-    factorial(n) / (factorial(k) * factorial(n - k))
 }
 
 fn factorial(n: usize) -> f64 {
@@ -271,51 +289,64 @@ impl Distant {
     }
 }
 
-/// mu0 H of the tile, in its frame, from its series to the given order in sigma, at two vectors of points: each coefficient is fetched once for
-/// both.
-#[inline(always)]
-pub(super) fn fields<S: Simd>(
-    simd: S,
-    tile: &Distant,
-    series: &Series,
-    order: usize,
-    points: [[Lanes<S>; 3]; 2],
-) -> [[Lanes<S>; 3]; 2] {
-    let (first, second) = (Place::of(simd, tile, points[0]), Place::of(simd, tile, points[1]));
-    let (u, v) = (Two([first.u, second.u]), Two([first.v, second.v]));
-    let mut sums = Sums::new(simd, u, v, Two([first.sigma, second.sigma]));
-    if order >= FIRST_SINGLE_ORDER {
-        let mut singles = Sums::new(simd, Singles::of(u - THIRD), Singles::of(v - THIRD), Singles::of(sums.sigma));
-        match order {
-            6.. => singles.add::<6>(simd, series.singles::<6>()),
-            5 => singles.add::<5>(simd, series.singles::<5>()),
-            _ => singles.add::<4>(simd, series.singles::<4>()),
+/// A tile's series to an order in sigma.
+pub(super) struct Distributed<'a> {
+    pub(super) tile: &'a Distant,
+    pub(super) series: &'a Series,
+    pub(super) order: usize,
+}
+
+impl<S: Simd> Pairwise<S> for Distributed<'_> {
+    /// Each coefficient is fetched once for both vectors.
+    #[inline(always)]
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+        let Distributed { tile, series, order } = *self;
+        let (first, second) = (Place::of(simd, tile, points[0]), Place::of(simd, tile, points[1]));
+        let (u, v) = (Two([first.u, second.u]), Two([first.v, second.v]));
+        let mut sums = Sums::new(simd, u, v, Two([first.sigma, second.sigma]));
+        let first_single = series.first_single[order];
+        if first_single <= order {
+            let mut singles = Sums::new(simd, Singles::of(u), Singles::of(v), Singles::of(sums.sigma));
+            for order in (first_single..=order).rev() {
+                match order {
+                    8 => singles.add::<8>(simd, series.singles::<8>()),
+                    7 => singles.add::<7>(simd, series.singles::<7>()),
+                    6 => singles.add::<6>(simd, series.singles::<6>()),
+                    5 => singles.add::<5>(simd, series.singles::<5>()),
+                    4 => singles.add::<4>(simd, series.singles::<4>()),
+                    _ => singles.add::<3>(simd, series.singles::<3>()),
+                }
+            }
+            for (double, single) in sums.polynomials.iter_mut().zip(singles.polynomials) {
+                *double = single.widened();
+            }
         }
-        for (double, single) in sums.elements.iter_mut().zip(singles.elements) {
-            *double = single.widened();
+        for order in (3..first_single).rev() {
+            match order {
+                8 => sums.add::<8>(simd, series.doubles::<8>()),
+                7 => sums.add::<7>(simd, series.doubles::<7>()),
+                6 => sums.add::<6>(simd, series.doubles::<6>()),
+                5 => sums.add::<5>(simd, series.doubles::<5>()),
+                4 => sums.add::<4>(simd, series.doubles::<4>()),
+                _ => sums.add::<3>(simd, series.doubles::<3>()),
+            }
         }
-        if order >= 6 {
-            sums.add::<5>(simd, series.doubles::<5>());
-        }
-        if order >= 5 {
-            sums.add::<4>(simd, series.doubles::<4>());
-        }
+        sums.add::<2>(simd, series.doubles::<2>());
+        sums.add::<1>(simd, series.doubles::<1>());
+        sums.add::<0>(simd, series.doubles::<0>());
+        let [Two(ax), Two(ay), Two(xy), Two(xz), Two(yz)] = sums.polynomials;
+        [
+            first.field([ax[0], ay[0], xy[0], xz[0], yz[0]], tile.moment),
+            second.field([ax[1], ay[1], xy[1], xz[1], yz[1]], tile.moment),
+        ]
     }
-    sums.add::<3>(simd, series.doubles::<3>());
-    sums.add::<2>(simd, series.doubles::<2>());
-    sums.add::<1>(simd, series.doubles::<1>());
-    sums.add::<0>(simd, series.doubles::<0>());
-    let [Two(xx), Two(yy), Two(xy), Two(xz), Two(yz)] = sums.elements;
-    [
-        first.field([xx[0], yy[0], xy[0], xz[0], yz[0]], tile.moment),
-        second.field([xx[1], yy[1], xy[1], xz[1], yz[1]], tile.moment),
-    ]
 }
 
 /// Where points lie relative to a tile.
 struct Place<S: Simd> {
     offset: [Lanes<S>; 3],
     inverse_square: Lanes<S>,
+    /// Less 1/3.
     u: Lanes<S>,
     v: Lanes<S>,
     sigma: Lanes<S>,
@@ -333,61 +364,60 @@ impl<S: Simd> Place<S> {
         Place {
             offset: point,
             inverse_square,
-            u: x2 * inverse_square,
-            v: y2 * inverse_square,
+            u: x2.mul_sub_constant(inverse_square, THIRD),
+            v: y2.mul_sub_constant(inverse_square, THIRD),
             sigma: inverse_square * tile.half_diagonal_squared,
         }
     }
 
+    /// Eq. P40.
     #[inline(always)]
-    fn field(&self, [xx, yy, xy, xz, yz]: [Lanes<S>; 5], [jx, jy, jz]: [f64; 3]) -> [Lanes<S>; 3] {
-        let [x, y, z] = self.offset;
-        let (x_over, y_over) = (x * self.inverse_square, y * self.inverse_square);
-        let (xy, xz, yz) = (xy * (x_over * y), xz * (x_over * z), yz * (y_over * z));
+    fn field(&self, [ax, ay, xy, xz, yz]: [Lanes<S>; POLYNOMIALS], [jx, jy, jz]: [f64; 3]) -> [Lanes<S>; 3] {
+        let ([x, y, z], u, v) = (self.offset, self.u, self.v);
+        let (x_over, y_over, z_over) = (x * self.inverse_square, y * self.inverse_square, z * self.inverse_square);
+        // u + v = (u - 1/3) + (v - 1/3) + 2/3, and so on.
+        let trace = (xy + xz + yz).scale_add(2.0 * THIRD, (u + v) * xy) - v.mul_add(xz, u * yz);
+        let az = trace - (ax + ay);
+        let xy = xy * x.scale_add(jy, y * -jx);
+        let xz = xz * x.scale_add(jz, z * -jx);
+        let yz = yz * y.scale_add(jz, z * -jy);
         let cube = self.inverse_square * self.inverse_square.sqrt();
         [
-            xx.scale_add(jx, xy.scale_add(jy, xz * jz)) * cube,
-            xy.scale_add(jx, yy.scale_add(jy, yz * jz)) * cube,
-            xz.scale_add(jx, yz.scale_add(jy, (xx + yy) * -jz)) * cube,
+            xy.mul_add(y_over, xz.mul_add(z_over, ax * jx)) * cube,
+            yz.mul_add(z_over, (ay * jy) - xy * x_over) * cube,
+            ((az * jz) - xz.mul_add(x_over, yz * y_over)) * cube,
         ]
     }
 }
 
-/// The five elements so far.
+/// The polynomials so far.
 struct Sums<N> {
     u: N,
     v: N,
     sigma: N,
-    elements: [N; 5],
+    polynomials: [N; POLYNOMIALS],
 }
 
 impl<N: Horner> Sums<N> {
     #[inline(always)]
     fn new(simd: N::Instructions, u: N, v: N, sigma: N) -> Sums<N> {
-        Sums { u, v, sigma, elements: [N::coefficient(simd, N::Coefficient::default()); 5] }
+        Sums { u, v, sigma, polynomials: [N::coefficient(simd, N::Coefficient::default()); POLYNOMIALS] }
     }
 
     /// sigma times the sums so far, and one order's polynomials, by Horner's scheme in v of Horner's scheme in u.
     #[inline(always)]
-    fn add<const ORDER: usize>(
-        &mut self,
-        simd: N::Instructions,
-        Coefficients { low, high }: Coefficients<N::Coefficient>,
-    ) {
-        let zero = N::coefficient(simd, N::Coefficient::default());
-        let (mut polynomials, mut sums) = ([zero; 5], [zero; 5]);
-        for (polynomial, top) in polynomials.iter_mut().zip(&high[0]) {
-            *polynomial = N::coefficient(simd, *top);
+    fn add<const ORDER: usize>(&mut self, simd: N::Instructions, coefficients: &[[N::Coefficient; POLYNOMIALS]]) {
+        let mut polynomials = [N::coefficient(simd, N::Coefficient::default()); POLYNOMIALS];
+        let mut sums = polynomials;
+        for (polynomial, first) in polynomials.iter_mut().zip(&coefficients[0]) {
+            *polynomial = N::coefficient(simd, *first);
         }
-        let mut start = 0;
-        for row in 0..=ORDER {
-            for (sum, first) in sums.iter_mut().zip(&low[start]) {
+        let mut start = 1;
+        for row in 1..=ORDER {
+            for (sum, first) in sums.iter_mut().zip(&coefficients[start]) {
                 *sum = N::coefficient(simd, *first);
             }
-            for (sum, top) in sums.iter_mut().zip(&high[row + 1]) {
-                *sum = N::coefficient(simd, *top).times_and(self.u, *sum);
-            }
-            for coefficients in &low[start + 1..start + 1 + row] {
+            for coefficients in &coefficients[start + 1..=start + row] {
                 for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
                     *sum = sum.times_and(self.u, N::coefficient(simd, *coefficient));
                 }
@@ -397,8 +427,8 @@ impl<N: Horner> Sums<N> {
                 *polynomial = polynomial.times_and(self.v, sum);
             }
         }
-        for (element, polynomial) in self.elements.iter_mut().zip(polynomials) {
-            *element = element.times_and(self.sigma, polynomial);
+        for (sum, polynomial) in self.polynomials.iter_mut().zip(polynomials) {
+            *sum = sum.times_and(self.sigma, polynomial);
         }
     }
 }

@@ -4,10 +4,16 @@ use fearless_simd::prelude::*;
 
 use super::alone::Alone;
 use super::lanes::{Lanes, Two};
-use super::multipole::{self, Distant, Series};
+use super::multipole::{Distant, Distributed, Series};
 use super::pairwise::{Pairwise, fields_of};
 use super::range::{FarForm, Form, MIDDLE, NEAR, OUTER, Range};
 use crate::arrangement::Frame;
+
+/// That of a tile's shape, `made` if it is not kept.
+pub(super) fn series<'a>(frame: &'a Frame, index: usize, made: &'a mut Option<Series>) -> &'a Series {
+    let (block, range) = (&frame.blocks[index], &frame.table.tiles[index].range);
+    frame.table.series(index).unwrap_or_else(|| made.insert(Series::of(block.size, range.highest_order())))
+}
 
 /// A tile in all its forms but the one for points beside it.
 pub(super) struct OneTile<'a> {
@@ -25,7 +31,7 @@ impl<'a> OneTile<'a> {
             range: &tile.range,
             alone: Alone::of(block, tile.range.scale),
             distant: &tile.far,
-            series: frame.table.series(index).unwrap_or_else(|| made.insert(Series::of(block.size))),
+            series: series(frame, index, made),
         }
     }
 
@@ -83,26 +89,4 @@ fn side_by_side<S: Simd>([first, second]: [[Lanes<S>; 3]; 2]) -> [Two<S>; 3] {
 fn separate<S: Simd>([x, y, z]: [Two<S>; 3]) -> [[Lanes<S>; 3]; 2] {
     let (Two([x, x_2]), Two([y, y_2]), Two([z, z_2])) = (x, y, z);
     [[x, y, z], [x_2, y_2, z_2]]
-}
-
-/// Many sizes away.
-pub(super) struct Distributed<'a> {
-    tile: &'a Distant,
-    series: &'a Series,
-    order: usize,
-}
-
-impl<'a> Distributed<'a> {
-    /// The series of its shape is `made` if it is not kept.
-    pub(super) fn of(frame: &'a Frame, index: usize, order: usize, made: &'a mut Option<Series>) -> Self {
-        let series = frame.table.series(index).unwrap_or_else(|| made.insert(Series::of(frame.blocks[index].size)));
-        Distributed { tile: &frame.table.tiles[index].far, series, order }
-    }
-}
-
-impl<S: Simd> Pairwise<S> for Distributed<'_> {
-    #[inline(always)]
-    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
-        multipole::fields(simd, self.tile, self.series, self.order, points)
-    }
 }

@@ -6,9 +6,9 @@ use super::expansion;
 use super::lanes::{Lanes, Number};
 use crate::block::Block;
 use crate::tolerances::{
-    CLOSED_FORM_COST, EXPANSION_DEGREES, FARTHEST, FORM_MARGIN, GROUP_DISTANCE, LONGEST_NEEDLE, MIDDLE_REACH,
-    MULTIPOLE_ORDERS, NEAR_FRACTION, PRODUCT_RANGE, RADIUS_BISECTIONS, SMALL_ANGLE, SMALL_GROUP, SMALLER_ANGLE,
-    STRETCH,
+    ALONE_COST, CLOSED_FORM_COST, EXPANSION_DEGREES, FARTHEST, FORM_MARGIN, GROUP_DISTANCE, LONGEST_NEEDLE,
+    MIDDLE_REACH, MULTIPOLE_ORDERS, NEAR_FRACTION, PRODUCT_RANGE, RADIUS_BISECTIONS, SMALL_ANGLE, SMALL_GROUP,
+    SMALLER_ANGLE, STRETCH,
 };
 
 /// The form, as a number to sort points by: from [`FAR`] on positions in [`Range::far`].
@@ -41,11 +41,7 @@ impl FarForm {
     /// The multiply-adds of one vector for so many tiles, about.
     fn cost(self, tiles: usize) -> f64 {
         match self {
-            FarForm::Series { order } => {
-                let low = 5 * (order + 1) * (order + 2) * (order + 3) / 6;
-                let high = (order + 1) * (order + 4);
-                (tiles * (low + high + 60)) as f64
-            }
+            FarForm::Series { order } => (tiles * (5 * (order + 1) * (order + 2) * (order + 3) / 6 + 60)) as f64,
             // Six sums and three for the recurrence.
             FarForm::Expansion { degree } => (9 * (degree + 2) * (degree + 3) / 2 + 60) as f64,
         }
@@ -92,7 +88,7 @@ impl Range {
             small: outer,
             middle: middle * middle,
             stretched: middle * middle,
-            far: series(|half_diagonals| half_diagonals * shape.half_diagonal).map(squared).collect(),
+            far: far_of_tile(&shape, middle).into_iter().map(squared).collect(),
         }
     }
 
@@ -132,8 +128,10 @@ impl Range {
         let sphere = expansion::radius(blocks, centre) * scale;
         let expansions =
             EXPANSION_DEGREES.into_iter().map(|(degree, radii)| (radii * sphere, FarForm::Expansion { degree }));
+        // Orders that take long are for tiles by themselves, as which all are taken where no form serves them together.
+        let series = series(|half_diagonals| half_diagonals * half_diagonal + radius);
         let candidates: Vec<(f64, FarForm)> =
-            series(|half_diagonals| half_diagonals * half_diagonal + radius).chain(expansions).collect();
+            series.filter(|(_, form)| form.cost(1) <= ALONE_COST).chain(expansions).collect();
         Range {
             scale,
             centre,
@@ -218,6 +216,12 @@ impl Range {
         FAR + self.far.len() as Form - 1
     }
 
+    /// That of the series which begins nearest.
+    pub(super) fn highest_order(&self) -> usize {
+        let order = |form: &FarForm| if let FarForm::Series { order } = form { *order } else { 0 };
+        self.far.iter().map(|(_, form)| order(form)).max().unwrap_or(0)
+    }
+
     /// What a form from [`FAR`] on is.
     pub(super) fn far(&self, form: Form) -> FarForm {
         self.far[usize::from(form - FAR)].1
@@ -248,6 +252,18 @@ fn series(distance: impl Fn(f64) -> f64) -> impl Iterator<Item = (f64, FarForm)>
     MULTIPOLE_ORDERS
         .into_iter()
         .map(move |(order, half_diagonals)| (distance(half_diagonals), FarForm::Series { order }))
+}
+
+/// The series of a tile by itself, whose closed form ends at `middle`: an order that takes longer than that does not begin before.
+fn far_of_tile(shape: &Shape, middle: f64) -> Vec<(f64, FarForm)> {
+    let mut steps: Vec<(f64, FarForm)> = Vec::new();
+    for (distance, form) in series(|half_diagonals| half_diagonals * shape.half_diagonal) {
+        let distance = if form.cost(1) > ALONE_COST { distance.max(middle) } else { distance };
+        // What begins no later is cheaper.
+        steps.retain(|(earlier, _)| *earlier < distance);
+        steps.push((distance, form));
+    }
+    steps
 }
 
 fn squared((distance, form): (f64, FarForm)) -> (f64, FarForm) {

@@ -10,7 +10,8 @@ use super::assignment::{Assignment, Near, Nearest};
 use super::beside::Beside;
 use super::closed_form::KeptTables;
 use super::cluster::Cluster;
-use super::one_tile::{Distributed, OneTile};
+use super::multipole::Distributed;
+use super::one_tile::{OneTile, series};
 use super::pairwise::fields_of;
 use super::points::{Chosen, Coordinates};
 use super::range::{BEYOND, FarForm, Form, MIDDLE, NEAR, OUTER};
@@ -216,7 +217,8 @@ impl Superposition {
                     self.partial.start(count);
                     for index in together.blocks.clone() {
                         let mut made = None;
-                        let what = Distributed::of(work.frame, index, order, &mut made);
+                        let (tile, series) = (&work.frame.table.tiles[index].far, series(work.frame, index, &mut made));
+                        let what = Distributed { tile, series, order };
                         let fields = room(&mut self.fields, count);
                         dispatch!(level, simd => fields_of(simd, &what, views(points), fields));
                         self.partial.add_fields(level, rotation, &self.fields);

@@ -72,7 +72,10 @@ impl FrameTable {
         if known.len() <= KEPT_SERIES {
             let mut shapes: Vec<([u64; 3], u32)> = known.into_iter().collect();
             shapes.sort_by_key(|shape| shape.1);
-            table.series = shapes.into_iter().map(|(size, _)| Series::of(size.map(f64::from_bits))).collect();
+            let orders: FxHashMap<u32, usize> =
+                table.tiles.iter().map(|tile| (tile.shape, tile.range.highest_order())).collect();
+            let series = |(size, shape): ([u64; 3], u32)| Series::of(size.map(f64::from_bits), orders[&shape]);
+            table.series = shapes.into_iter().map(series).collect();
         }
         table
     }
