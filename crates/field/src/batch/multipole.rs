@@ -177,7 +177,7 @@ impl Moment {
                 let (xy, xz, yz) = (at(2), at(3), at(4));
                 let [ax, ay, ..] = &mut polynomials;
                 for (sum, u, v, w) in [(ax, 0.0, xy, xz), (ay, xy, 0.0, yz)] {
-                    sum.0[a][b] += w;
+                    sum.0[a][b] += w - xy;
                     sum.0[a + 1][b] += u - w;
                     sum.0[a][b + 1] += v - w;
                 }
@@ -370,22 +370,20 @@ impl<S: Simd> Place<S> {
         }
     }
 
-    /// Eq. P40.
+    /// From the polynomials (Eq. P39).
     #[inline(always)]
     fn field(&self, [ax, ay, xy, xz, yz]: [Lanes<S>; POLYNOMIALS], [jx, jy, jz]: [f64; 3]) -> [Lanes<S>; 3] {
-        let ([x, y, z], u, v) = (self.offset, self.u, self.v);
+        let [x, y, z] = self.offset;
         let (x_over, y_over, z_over) = (x * self.inverse_square, y * self.inverse_square, z * self.inverse_square);
-        // u + v = (u - 1/3) + (v - 1/3) + 2/3, and so on.
-        let trace = (xy + xz + yz).scale_add(2.0 * THIRD, (u + v) * xy) - v.mul_add(xz, u * yz);
-        let az = trace - (ax + ay);
-        let xy = xy * x.scale_add(jy, y * -jx);
-        let xz = xz * x.scale_add(jz, z * -jx);
-        let yz = yz * y.scale_add(jz, z * -jy);
+        let w = z * z_over;
+        let xx = (x * x_over).mul_add(xy, w.mul_add(xy - xz, ax));
+        let yy = (y * y_over).mul_add(xy, w.mul_add(xy - yz, ay));
+        let (xy, xz, yz) = (xy * (x_over * y), xz * (x_over * z), yz * (y_over * z));
         let cube = self.inverse_square * self.inverse_square.sqrt();
         [
-            xy.mul_add(y_over, xz.mul_add(z_over, ax * jx)) * cube,
-            yz.mul_add(z_over, (ay * jy) - xy * x_over) * cube,
-            ((az * jz) - xz.mul_add(x_over, yz * y_over)) * cube,
+            xx.scale_add(jx, xy.scale_add(jy, xz * jz)) * cube,
+            xy.scale_add(jx, yy.scale_add(jy, yz * jz)) * cube,
+            xz.scale_add(jx, yz.scale_add(jy, (xx + yy) * -jz)) * cube,
         ]
     }
 }
