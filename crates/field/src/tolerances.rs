@@ -107,7 +107,7 @@ pub(crate) const MULTIPOLE_ORDERS: [(usize, f64); 5] = [(8, 7.3), (6, 13.0), (5,
 pub(crate) const HIGHEST_ORDER: usize = 8;
 
 /// What the orders of a series that are in single precision may be off by, together and in the worst case, as a fraction of the field: with what is left out
-/// less than half of [`EXACT_BOUND`], and what occurs is a tenth of it.
+/// less than half of [`EXACT_BOUND`]. It counts multiply-adds as one rounding; instructions without them have half as many again.
 pub(crate) const SINGLE_PRECISION_BOUND: f64 = 5e-15;
 
 /// No lower order ever is: where the third is the last, it is 2e-12 of the field, but the second 1e-8.

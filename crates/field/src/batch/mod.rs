@@ -31,6 +31,7 @@ mod one_tile;
 mod pairwise;
 mod points;
 mod range;
+mod series;
 mod streams;
 mod stretches;
 mod superposition;

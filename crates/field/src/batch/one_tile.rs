@@ -4,9 +4,10 @@ use fearless_simd::prelude::*;
 
 use super::alone::Alone;
 use super::lanes::{Lanes, Two};
-use super::multipole::{Distant, Distributed, Series};
+use super::multipole::{Distant, Distributed};
 use super::pairwise::{Pairwise, fields_of};
 use super::range::{FarForm, Form, MIDDLE, NEAR, OUTER, Range};
+use super::series::Series;
 use crate::arrangement::Frame;
 
 /// That of a tile's shape, `made` if it is not kept.

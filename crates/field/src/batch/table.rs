@@ -10,8 +10,9 @@ use rustc_hash::FxHashMap;
 use super::bars::decomposed;
 use super::cluster::Cluster;
 use super::expansion::Expansion;
-use super::multipole::{Distant, Series};
+use super::multipole::Distant;
 use super::range::Range;
+use super::series::Series;
 use crate::block::Block;
 use crate::tolerances::{KEPT_SERIES, TILES_PER_CLUSTER};
 

@@ -7,9 +7,10 @@ use super::expansion::Expansion;
 use super::functions::{angle, artanh_of_ratio};
 use super::instruction_set::InstructionSet;
 use super::lanes::{Lanes, Number};
-use super::multipole::{Distant, Distributed, Series};
+use super::multipole::{Distant, Distributed};
 use super::pairwise::Pairwise;
 use super::range::{FORMS, MIDDLE, OUTER, Range};
+use super::series::Series;
 use super::superposition::Superposition;
 use super::translation::translated;
 use super::tree::Tree;
@@ -109,7 +110,8 @@ fn series_are_right_from_where_they_begin() {
             let tile = Distant::of(&block, 1.0);
             let half_diagonal = 0.5 * DVec3::from(size).length();
             for (order, half_diagonals) in MULTIPOLE_ORDERS {
-                (fewest, most) = (fewest.min(series.singles_of(order)), most.max(series.singles_of(order)));
+                let singles = order + 1 - series.first_single_of(order);
+                (fewest, most) = (fewest.min(singles), most.max(singles));
                 let what = Distributed { tile: &tile, series: &series, order };
                 for n in 0..50 {
                     let turn = f64::from(n);
