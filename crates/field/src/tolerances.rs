@@ -275,11 +275,11 @@ pub(crate) const POINTS_PER_BATCH: [usize; 2] = [64, 512];
 /// Points of a scene of one tile that one thread takes at a time, at most: each form's last vectors are not full.
 pub(crate) const POINTS_OF_ONE_TILE: usize = 8192;
 
-/// Of these the points whose forms are found together; a power of two. Their queues stay in the first caches.
-pub(crate) const STREAMED_POINTS: usize = 32;
+/// Of these the points whose forms are found together: so many that most forms have full vectors, so few that their queues stay in the first caches.
+pub(crate) const STREAMED_POINTS: usize = 256;
 
-/// How many points ahead memory is asked for: longer than it takes to come, and short of what the first caches hold.
-pub(crate) const FETCHED_AHEAD: usize = 96;
+/// How many points ahead memory is asked for: longer than it takes to come, and short of what the second cache holds.
+pub(crate) const FETCHED_AHEAD: usize = 512;
 
 /// Points are brought together by form unless, as they lie, at most one pair of vectors of so many has points of several forms: each of these is
 /// then served once for each form.

@@ -60,7 +60,8 @@ impl Alone {
         }
         let [[a0, a1], [b0, b1], [c0, c1]] = planes;
         let (ab00, ab01, ab10, ab11) = (a0[1] + b0[1], a0[1] + b1[1], a1[1] + b0[1], a1[1] + b1[1]);
-        let (r000, r001) = ((ab00 + c0[1]).root(simd), (ab00 + c1[1]).root(simd));
+        // The processor's unit for roots works beside those that multiply; more than two would have to wait for it.
+        let (r000, r001) = ((ab00 + c0[1]).sqrt(), (ab00 + c1[1]).sqrt());
         let (r010, r011) = ((ab01 + c0[1]).root(simd), (ab01 + c1[1]).root(simd));
         let (r100, r101) = ((ab10 + c0[1]).root(simd), (ab10 + c1[1]).root(simd));
         let (r110, r111) = ((ab11 + c0[1]).root(simd), (ab11 + c1[1]).root(simd));

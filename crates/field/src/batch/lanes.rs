@@ -34,6 +34,8 @@ pub(crate) trait Number:
     /// self * factor + term
     fn mul_add_constant(self, factor: Self, term: f64) -> Self;
     fn over(self, divisor: Self) -> Self;
+    /// The processor's own.
+    fn sqrt(self) -> Self;
     /// See [`Lanes::root`].
     fn root(self, simd: Self::Instructions) -> Self;
 }
@@ -181,6 +183,11 @@ impl<S: Simd> Number for Lanes<S> {
     }
 
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        Lanes::sqrt(self)
+    }
+
+    #[inline(always)]
     fn root(self, simd: S) -> Self {
         Lanes::root(self, simd)
     }
@@ -290,6 +297,12 @@ impl<S: Simd> Number for Two<S> {
     fn over(self, divisor: Self) -> Self {
         let ([a, b], [c, d]) = (self.0, divisor.0);
         Two([a.over(c), b.over(d)])
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let [a, b] = self.0;
+        Two([a.sqrt(), b.sqrt()])
     }
 
     #[inline(always)]

@@ -9,11 +9,12 @@
 //! | multipole series in vectors, tile by tile | beyond | `multipole` |
 //! | expansion in solid harmonics, many tiles together | from three radii of the sphere around them on | `expansion`, `harmonics` |
 //!
-//! A tile that is alone in its scene has no sums: its points wait in queues until there are vectors of one form (`streams`).
+//! A tile that is alone in its scene has no sums: its points wait in queues until there are vectors of one form (`streams`, `queues`).
 //!
 //! Which form serves a tile at a point depends on the two alone, and so does every digit of the answer: neither on the other points, nor on
 //! their number, order, or division among threads.
 
+mod ahead;
 mod alone;
 pub(crate) mod assignment;
 mod bars;
@@ -30,6 +31,7 @@ mod multipole;
 mod one_tile;
 mod pairwise;
 mod points;
+mod queues;
 mod range;
 mod series;
 mod streams;

@@ -2,6 +2,7 @@
 
 use fearless_simd::prelude::*;
 
+use super::ahead::Ahead;
 use super::alone::Alone;
 use super::lanes::{Lanes, Two};
 use super::multipole::{Distant, Distributed};
@@ -42,17 +43,25 @@ impl<'a> OneTile<'a> {
     }
 
     /// mu0 H, in the tile's frame, at points given by axis. As many values as there are points, a multiple of [`PAIR`](super::lanes::PAIR).
-    pub(super) fn fields<S: Simd>(&self, simd: S, form: Form, points: [&[f64]; 3], fields: [&mut [f64]; 3]) {
+    /// Each pair of vectors asks for memory `ahead`.
+    pub(super) fn fields<S: Simd>(
+        &self,
+        simd: S,
+        form: Form,
+        points: [&[f64]; 3],
+        fields: [&mut [f64]; 3],
+        ahead: &mut Ahead,
+    ) {
         match form {
             NEAR => unreachable!("points beside a tile have no form of this kind"),
-            MIDDLE => fields_of(simd, &ClosedForm(&self.alone), points, fields),
-            OUTER => fields_of(simd, &SmallElements(&self.alone), points, fields),
+            MIDDLE => fields_of(simd, &ClosedForm(&self.alone), points, fields, ahead),
+            OUTER => fields_of(simd, &SmallElements(&self.alone), points, fields, ahead),
             _ => {
                 let FarForm::Series { order } = self.range.far(form) else {
                     unreachable!("a tile by itself has a series only")
                 };
                 let what = Distributed { tile: self.distant, series: self.series, order };
-                fields_of(simd, &what, points, fields);
+                fields_of(simd, &what, points, fields, ahead);
             }
         }
     }

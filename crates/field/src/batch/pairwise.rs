@@ -2,6 +2,7 @@
 
 use fearless_simd::prelude::*;
 
+use super::ahead::Ahead;
 use super::lanes::Lanes;
 
 /// What has a field, mu0 H in its own frame, and computes it at two vectors of points at a time: operations on one then fill the time that
@@ -10,18 +11,28 @@ pub(super) trait Pairwise<S: Simd> {
     fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2];
 }
 
-/// The field at points given by axis: as many values as there are points, a multiple of [`PAIR`](super::lanes::PAIR).
+/// The field at points given by axis: as many values as there are points, a multiple of [`PAIR`](super::lanes::PAIR). Each pair of vectors asks for
+/// memory `ahead`.
 ///
 /// Compiled once for each kind and instruction set: what is expanded where it is called takes the compiler minutes.
 #[inline(never)]
-pub(super) fn fields_of<S: Simd, P: Pairwise<S>>(simd: S, what: &P, points: [&[f64]; 3], fields: [&mut [f64]; 3]) {
+pub(super) fn fields_of<S: Simd, P: Pairwise<S>>(
+    simd: S,
+    what: &P,
+    points: [&[f64]; 3],
+    fields: [&mut [f64]; 3],
+    ahead: &mut Ahead,
+) {
     simd.vectorize(
         #[inline(always)]
         || {
             each_pair(
                 simd,
                 #[inline(always)]
-                |_, pair| what.fields(simd, pair),
+                |_, pair| {
+                    ahead.ask();
+                    what.fields(simd, pair)
+                },
                 points,
                 fields,
             );
@@ -33,7 +44,7 @@ pub(super) fn fields_of<S: Simd, P: Pairwise<S>>(simd: S, what: &P, points: [&[f
 #[inline(always)]
 pub(super) fn each_pair<S: Simd>(
     simd: S,
-    field: impl Fn(usize, [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2],
+    mut field: impl FnMut(usize, [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2],
     [x, y, z]: [&[f64]; 3],
     [fx, fy, fz]: [&mut [f64]; 3],
 ) {

@@ -23,30 +23,45 @@ impl Coordinates {
         self.axes[0].len()
     }
 
-    pub(super) fn set(&mut self, points: &[DVec3]) {
-        let last = points.last().copied().unwrap_or_default();
-        let whole = points.len().next_multiple_of(PAIR);
-        let [x, y, z] = &mut self.axes;
-        for coordinates in [&mut *x, &mut *y, &mut *z] {
-            coordinates.resize(whole, 0.0);
-        }
-        for (((x, y), z), point) in x.iter_mut().zip(y).zip(z).zip(points) {
-            (*x, *y, *z) = (point.x, point.y, point.z);
-        }
-        // Without a branch, so that it is done in vectors.
-        let are_in_range =
-            |axis: &Vec<f64>| axis[..points.len()].iter().fold(true, |all, c| all & (c.abs() <= MAX_LENGTH));
-        let in_range = self.axes.iter().all(are_in_range);
-        for (coordinates, last) in self.axes.iter_mut().zip(last.to_array()) {
-            coordinates[points.len()..].fill(last);
-        }
+    /// In vectors, without a branch for each point.
+    #[inline(always)]
+    pub(super) fn set<S: Simd>(&mut self, simd: S, points: &[DVec3]) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.copy(points),
+        );
         self.out_of_range.clear();
-        if !in_range {
+        if !self.are_in_range(simd) {
             self.out_of_range.extend((0..points.len()).filter(|&index| !is_in_range(points[index])));
             for &index in &self.out_of_range {
                 self.axes.iter_mut().for_each(|coordinates| coordinates[index] = f64::NAN);
             }
         }
+    }
+
+    #[inline(always)]
+    fn copy(&mut self, points: &[DVec3]) {
+        let last = points.last().copied().unwrap_or_default();
+        let whole = points.len().next_multiple_of(PAIR);
+        let [x, y, z] = &mut self.axes;
+        for (coordinates, last) in [&mut *x, &mut *y, &mut *z].into_iter().zip(last.to_array()) {
+            coordinates.resize(whole, 0.0);
+            coordinates[points.len()..].fill(last);
+        }
+        for (((x, y), z), point) in x.iter_mut().zip(y).zip(z).zip(points) {
+            (*x, *y, *z) = (point.x, point.y, point.z);
+        }
+    }
+
+    #[inline(always)]
+    fn are_in_range<S: Simd>(&self, simd: S) -> bool {
+        let mut all = Lanes::<S>::splat(simd, 1.0);
+        for axis in &self.axes {
+            for lanes in axis.chunks_exact(Lanes::<S>::LEN) {
+                all = all * Lanes::<S>::load(simd, lanes).abs().at_most(simd, MAX_LENGTH);
+            }
+        }
+        (0..Lanes::<S>::LEN).all(|lane| all.lane(lane) != 0.0)
     }
 
     pub(super) fn out_of_range(&self) -> &[usize] {

@@ -7,11 +7,13 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
+use super::ahead::Ahead;
 use super::beside::Beside;
 use super::lanes::PAIR;
 use super::one_tile::OneTile;
 use super::points::Coordinates;
-use super::range::{FORMS, Form, NEAR};
+use super::queues::{OWN_QUEUE, Queues};
+use super::range::{Form, NEAR};
 use super::superposition::near_field;
 use crate::arrangement::{Arrangement, Frame};
 use crate::block::Local;
@@ -19,40 +21,21 @@ use crate::edge_policy::Edges;
 use crate::kernel::Part;
 use crate::tolerances::{FETCHED_AHEAD, STREAMED_POINTS};
 
-/// What a queue holds at most: what a run leaves, and one stretch of points. A power of two, so that an index masked to it needs no check.
-const CAPACITY: usize = 2 * STREAMED_POINTS;
-
-/// Points in a line of a cache, at least.
-const POINTS_PER_FETCH: usize = 2;
-
 /// The form of points beside the tile but off the planes of its faces.
-const BESIDE: Form = FORMS as Form;
+const BESIDE: Form = OWN_QUEUE;
 
-/// Room for the queues; nothing in it grows with the number of points.
+/// Room for the points at work; nothing in it grows with their number.
 #[derive(Debug, Default)]
 pub(super) struct Streams {
     points: Coordinates,
     local: Coordinates,
     forms: Vec<f64>,
-    queues: Vec<Queue>,
+    queues: Queues,
     fields: [Vec<f64>; 3],
     /// Whether all of the field in vectors has been finite.
     finite: bool,
-}
-
-/// Points that wait for their form.
-#[derive(Debug)]
-struct Queue {
-    /// Positions in the list.
-    places: [u32; CAPACITY],
-    axes: [[f64; CAPACITY]; 3],
-    count: usize,
-}
-
-impl Default for Queue {
-    fn default() -> Queue {
-        Queue { places: [0; CAPACITY], axes: [[0.0; CAPACITY]; 3], count: 0 }
-    }
+    /// Memory has been asked for up to this point.
+    asked: usize,
 }
 
 /// What stays the same for all points.
@@ -81,10 +64,9 @@ impl Streams {
         let mut made = None;
         let tile = OneTile::of(frame, 0, &mut made);
         let beside = Beside::of(&frame.blocks[0], part);
-        self.queues.resize_with(FORMS + 1, Queue::default);
-        self.queues.iter_mut().for_each(|queue| queue.count = 0);
+        self.queues.clear();
         let work = Work { arrangement, frame, part, points, tile: &tile, beside: beside.as_ref() };
-        self.finite = true;
+        (self.finite, self.asked) = (true, 0);
         dispatch!(level, simd => self.run(simd, work, field, edges));
         self.finite
     }
@@ -92,7 +74,7 @@ impl Streams {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, work: Work, field: &mut [DVec3], edges: &mut BTreeMap<usize, Edges>) {
         for values in &mut self.fields {
-            values.resize(CAPACITY, 0.0);
+            values.resize(STREAMED_POINTS + PAIR, 0.0);
         }
         let forms = (NEAR + 1..=work.tile.range().last_form()).chain([BESIDE]);
         let stretches = work.points.len().div_ceil(STREAMED_POINTS);
@@ -100,15 +82,15 @@ impl Streams {
         for number in 0..=stretches {
             if let Some(start) = (number < stretches).then_some(number * STREAMED_POINTS) {
                 let end = (start + STREAMED_POINTS).min(work.points.len());
+                self.asked = self.asked.max(start + FETCHED_AHEAD);
                 self.sort(simd, work, start, &work.points[start..end], field);
                 self.divide_near(work, field, edges);
             }
             for form in forms.clone() {
-                let queue = &mut self.queues[usize::from(form)];
-                let mut count = queue.count / PAIR * PAIR;
-                if number == stretches && count < queue.count {
-                    queue.fill_up();
-                    count = queue.count;
+                let mut count = self.queues.count(form) / PAIR * PAIR;
+                if number == stretches && count < self.queues.count(form) {
+                    self.queues.fill_up(form);
+                    count = self.queues.count(form);
                 }
                 if count > 0 {
                     self.serve(simd, work, form, count, field);
@@ -120,8 +102,7 @@ impl Streams {
     /// Brings each point of a stretch that begins at `start` into the queue of its form.
     #[inline(always)]
     fn sort<S: Simd>(&mut self, simd: S, work: Work, start: usize, stretch: &[DVec3], field: &mut [DVec3]) {
-        fetch_ahead(work.points, field, start + FETCHED_AHEAD);
-        self.points.set(stretch);
+        self.points.set(simd, stretch);
         let local = if work.frame.to_scene.rotation().is_some() {
             self.local.set_in_frame(simd, work.arrangement, work.frame, &self.points);
             &self.local
@@ -131,23 +112,19 @@ impl Streams {
         self.forms.resize(STREAMED_POINTS, 0.0);
         let forms = &mut self.forms[..local.padded()];
         work.tile.range().forms(simd, &local.axes, false, forms);
-        let [x, y, z] = &local.axes;
         let count = stretch.len();
-        let (forms, x, y, z) = (&forms[..count], &x[..count], &y[..count], &z[..count]);
+        let axes = local.axes.each_ref().map(|axis| &axis[..count]);
         if self.points.out_of_range().is_empty() {
-            for index in 0..count {
-                let queue = &mut self.queues[queue_of(forms[index])];
-                queue.push((start + index) as u32, [x[index], y[index], z[index]]);
-            }
+            self.queues.join_all(start, &forms[..count], axes);
             return;
         }
         self.finite = false;
         for index in 0..count {
-            if x[index].is_nan() {
+            let coordinates = axes.map(|axis| axis[index]);
+            if coordinates[0].is_nan() {
                 field[start + index] = DVec3::NAN;
             } else {
-                let queue = &mut self.queues[queue_of(forms[index])];
-                queue.push((start + index) as u32, [x[index], y[index], z[index]]);
+                self.queues.join(forms[index] as Form, start + index, coordinates);
             }
         }
     }
@@ -155,98 +132,43 @@ impl Streams {
     /// Of the points beside the tile, those off its planes join a queue of their own; the others, which are few, get the kernel of one point.
     #[inline(always)]
     fn divide_near(&mut self, work: Work, field: &mut [DVec3], edges: &mut BTreeMap<usize, Edges>) {
-        let (before, others) = self.queues.split_at_mut(usize::from(BESIDE));
-        let (near, beside) = (&mut before[usize::from(NEAR)], &mut others[0]);
-        for waiting in 0..std::mem::take(&mut near.count) {
-            let (place, coordinates) = near.at(waiting);
+        for waiting in 0..self.queues.count(NEAR) {
+            let (place, coordinates) = self.queues.at(NEAR, waiting);
             let roundoff = work.arrangement.roundoff(work.frame, work.points[place]);
             let at = Local { coordinates, roundoff };
             if work.beside.is_some_and(|beside| beside.serves(&at)) {
-                beside.push(place as u32, coordinates);
+                self.queues.join(BESIDE, place, coordinates);
             } else {
                 let block = &work.frame.blocks[0];
                 self.finite = false;
                 field[place] = near_field(block, &at, work.frame, work.part, || edges.entry(place).or_default());
             }
         }
+        self.queues.empty(NEAR);
     }
 
     /// The first `count` points that wait for a form; what is behind them moves up.
     #[inline(always)]
     fn serve<S: Simd>(&mut self, simd: S, work: Work, form: Form, count: usize, field: &mut [DVec3]) {
-        let queue = &mut self.queues[usize::from(form)];
-        let whole = count.next_multiple_of(PAIR);
-        let [x, y, z] = &queue.axes;
-        let points = [&x[..whole], &y[..whole], &z[..whole]];
-        let [fx, fy, fz] = &mut self.fields;
-        let fields = [&mut fx[..whole], &mut fy[..whole], &mut fz[..whole]];
+        let points = self.queues.points(form).map(|axis| &axis[..count.next_multiple_of(PAIR)]);
+        let [fx, fy, fz] = self.fields.each_mut().map(|values| &mut values[..points[0].len()]);
+        let mut ahead = Ahead::of(work.points, field, self.asked);
         match work.beside {
-            Some(beside) if form == BESIDE => beside.fields(simd, points, fields),
-            _ => work.tile.fields(simd, form, points, fields),
+            Some(beside) if form == BESIDE => beside.fields(simd, points, [&mut *fx, &mut *fy, &mut *fz]),
+            _ => work.tile.fields(simd, form, points, [&mut *fx, &mut *fy, &mut *fz], &mut ahead),
         }
+        self.asked = ahead.next();
         let (fx, fy, fz) = (&fx[..count], &fy[..count], &fz[..count]);
         // Without a branch, so that it is done in vectors.
         let sums = fx.iter().zip(fy).zip(fz).map(|((x, y), z)| x.abs() + y.abs() + z.abs());
         self.finite &= sums.fold(true, |all, sum| all & (sum < f64::INFINITY));
-        let places = queue.places[..count].iter().zip(fx).zip(fy).zip(fz);
+        let places = self.queues.places(form)[..count].iter().zip(fx).zip(fy).zip(fz);
         match work.frame.to_scene.rotation() {
             None => places.for_each(|(((&place, x), y), z)| field[place as usize] = DVec3::new(*x, *y, *z)),
             Some(to_scene) => {
                 places.for_each(|(((&place, x), y), z)| field[place as usize] = *to_scene * DVec3::new(*x, *y, *z));
             }
         }
-        queue.remove(count);
-    }
-}
-
-/// Asks for the memory of a stretch that will be served later: what the processor asks for by itself ends with each page.
-#[inline(always)]
-fn fetch_ahead(points: &[DVec3], field: &[DVec3], start: usize) {
-    let end = (start + STREAMED_POINTS).min(points.len());
-    let mut read = 0;
-    for index in (start..end).step_by(POINTS_PER_FETCH) {
-        read |= points[index].x.to_bits() | field[index].x.to_bits();
-    }
-    // Or nothing would be read.
-    std::hint::black_box(read);
-}
-
-/// A small whole number, read off its digits below 2^52.
-#[inline(always)]
-fn queue_of(form: f64) -> usize {
-    const LAST_DIGITS: f64 = 4_503_599_627_370_496.0;
-    (form + LAST_DIGITS).to_bits() as usize & 0xff
-}
-
-impl Queue {
-    #[inline(always)]
-    fn push(&mut self, place: u32, coordinates: [f64; 3]) {
-        let end = self.count & (CAPACITY - 1);
-        self.places[end] = place;
-        for (axis, coordinate) in coordinates.into_iter().enumerate() {
-            self.axes[axis][end] = coordinate;
-        }
-        self.count += 1;
-    }
-
-    fn at(&self, index: usize) -> (usize, [f64; 3]) {
-        let [x, y, z] = &self.axes;
-        (self.places[index] as usize, [x[index], y[index], z[index]])
-    }
-
-    /// Repeats the last point up to whole pairs of vectors.
-    fn fill_up(&mut self) {
-        for axis in &mut self.axes {
-            let last = axis[self.count - 1];
-            axis[self.count..self.count.next_multiple_of(PAIR)].fill(last);
-        }
-    }
-
-    /// The first `count` points, when less than a [`PAIR`] are left.
-    fn remove(&mut self, count: usize) {
-        // A fixed number of them is moved without a call.
-        self.places.copy_within(count..count + PAIR, 0);
-        self.axes.iter_mut().for_each(|axis| axis.copy_within(count..count + PAIR, 0));
-        self.count -= count;
+        self.queues.remove(form, count);
     }
 }

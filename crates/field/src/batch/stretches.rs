@@ -2,6 +2,7 @@
 
 use fearless_simd::{Level, dispatch};
 
+use super::ahead::Ahead;
 use super::lanes::PAIR;
 use super::one_tile::OneTile;
 use super::range::{FORMS, Form, NEAR, Range};
@@ -83,7 +84,7 @@ impl Stretches {
             } else {
                 fields.each_mut().map(|axis| &mut axis[range.clone()])
             };
-            dispatch!(level, simd => tile.fields(simd, *form, [x, y, z], served));
+            dispatch!(level, simd => tile.fields(simd, *form, [x, y, z], served, &mut Ahead::nothing()));
             if *is_mixed {
                 for (values, mixed) in fields.iter_mut().zip(&mixed) {
                     for (index, value) in range.clone().zip(mixed).filter(|(index, _)| is_served(index)) {

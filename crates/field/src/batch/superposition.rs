@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
+use super::ahead::Ahead;
 use super::assignment::{Assignment, Near, Nearest};
 use super::beside::Beside;
 use super::closed_form::KeptTables;
@@ -95,7 +96,7 @@ impl Superposition {
             self.finite = self.streams.evaluate(level, (arrangement, frame), part, points, field, &mut self.edges);
             return;
         }
-        self.points.set(points);
+        dispatch!(level, simd => self.points.set(simd, points));
         self.totals.start(self.points.padded());
         if !points.is_empty() {
             self.add_frames(level, arrangement, assigned, part, points);
@@ -167,7 +168,7 @@ impl Superposition {
         });
         if let Some(local) = local {
             let fields = room(&mut self.fields, points[0].len());
-            dispatch!(level, simd => fields_of(simd, &local, views(points), fields));
+            dispatch!(level, simd => fields_of(simd, &local, views(points), fields, &mut Ahead::nothing()));
             self.totals.add_fields(level, None, &self.fields);
         }
     }
@@ -220,7 +221,7 @@ impl Superposition {
                         let (tile, series) = (&work.frame.table.tiles[index].far, series(work.frame, index, &mut made));
                         let what = Distributed { tile, series, order };
                         let fields = room(&mut self.fields, count);
-                        dispatch!(level, simd => fields_of(simd, &what, views(points), fields));
+                        dispatch!(level, simd => fields_of(simd, &what, views(points), fields, &mut Ahead::nothing()));
                         self.partial.add_fields(level, rotation, &self.fields);
                     }
                     return match chosen {
@@ -287,7 +288,7 @@ impl Superposition {
         self.gathered.gather(work.local, chosen);
         let points = &self.gathered.axes;
         let fields = room(&mut self.fields, points[0].len());
-        dispatch!(work.level, simd => tile.fields(simd, form, views(points), fields));
+        dispatch!(work.level, simd => tile.fields(simd, form, views(points), fields, &mut Ahead::nothing()));
         self.totals.add_fields_at(work.level, work.frame.to_scene.rotation(), &mut self.fields, chosen);
     }
 
