@@ -145,25 +145,14 @@ impl Alone {
             return sum;
         }
         let mut sum = [N::splat(simd, 0.0); 3];
-        for (element, &[n, m]) in ratios.iter().enumerate() {
-            if self.wanted[element] {
-                let reduced = if element < AA { N::artanh_of_ratio(simd, n, m) } else { N::angle(simd, m, n) };
-                add(&mut sum, reduced.divided(simd), &self.coefficients[element]);
-            }
-        }
+        add_elements(simd, self.wanted, ratios, &self.coefficients, &mut sum);
         sum
     }
 
     /// One division for all elements: one over the product of their denominators.
     #[inline(always)]
     pub(super) fn common_inverse<N: Functions>(&self, simd: N::Instructions, Ratios(ratios): &Ratios<N>) -> N {
-        let mut product = N::splat(simd, 1.0);
-        for (element, &[_, m]) in ratios.iter().enumerate() {
-            if self.wanted[element] {
-                product = product * m;
-            }
-        }
-        N::splat(simd, 1.0).over(product)
+        common_inverse(simd, self.wanted, ratios)
     }
 
     /// mu0 H of the tile, in its frame, where no element's half of 4 pi T is beyond [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE).
@@ -172,28 +161,70 @@ impl Alone {
         &self,
         simd: N::Instructions,
         Ratios(ratios): &Ratios<N>,
-        mut inverse: N,
+        inverse: N,
     ) -> [N; 3] {
-        let (zero, one) = (N::splat(simd, 0.0), N::splat(simd, 1.0));
-        let mut products = [one; 6];
-        let mut product = one;
-        for (element, &[_, m]) in ratios.iter().enumerate() {
-            products[element] = product;
-            if self.wanted[element] {
-                product = product * m;
-            }
-        }
-        let mut sum = [zero; 3];
-        for element in (0..6).rev() {
-            if self.wanted[element] {
-                let [n, m] = ratios[element];
-                let s = n * (inverse * products[element]);
-                inverse = inverse * m;
-                let half = odd_series(simd, s, element >= AA);
-                add(&mut sum, half, &self.coefficients[element]);
-            }
-        }
+        let mut sum = [N::splat(simd, 0.0); 3];
+        add_small_elements(simd, self.wanted, ratios, inverse, odd_series, &self.coefficients, &mut sum);
         sum
+    }
+}
+
+/// What the wanted elements add to mu0 H.
+#[inline(always)]
+pub(super) fn add_elements<N: Functions>(
+    simd: N::Instructions,
+    wanted: [bool; 6],
+    ratios: &[[N; 2]; 6],
+    coefficients: &[[f64; 3]; 6],
+    sum: &mut [N; 3],
+) {
+    for (element, &[n, m]) in ratios.iter().enumerate() {
+        if wanted[element] {
+            let reduced = if element < AA { N::artanh_of_ratio(simd, n, m) } else { N::angle(simd, m, n) };
+            add(sum, reduced.divided(simd), &coefficients[element]);
+        }
+    }
+}
+
+/// One over the product of the denominators of the wanted elements.
+#[inline(always)]
+pub(super) fn common_inverse<N: Functions>(simd: N::Instructions, wanted: [bool; 6], ratios: &[[N; 2]; 6]) -> N {
+    let mut product = N::splat(simd, 1.0);
+    for (element, &[_, m]) in ratios.iter().enumerate() {
+        if wanted[element] {
+            product = product * m;
+        }
+    }
+    N::splat(simd, 1.0).over(product)
+}
+
+/// What the wanted elements add to mu0 H where `series` serves each of them.
+#[inline(always)]
+pub(super) fn add_small_elements<N: Functions>(
+    simd: N::Instructions,
+    wanted: [bool; 6],
+    ratios: &[[N; 2]; 6],
+    mut inverse: N,
+    series: impl Fn(N::Instructions, N, bool) -> N,
+    coefficients: &[[f64; 3]; 6],
+    sum: &mut [N; 3],
+) {
+    let one = N::splat(simd, 1.0);
+    let mut products = [one; 6];
+    let mut product = one;
+    for (element, &[_, m]) in ratios.iter().enumerate() {
+        products[element] = product;
+        if wanted[element] {
+            product = product * m;
+        }
+    }
+    for element in (0..6).rev() {
+        if wanted[element] {
+            let [n, m] = ratios[element];
+            let s = n * (inverse * products[element]);
+            inverse = inverse * m;
+            add(sum, series(simd, s, element >= AA), &coefficients[element]);
+        }
     }
 }
 

@@ -2,16 +2,18 @@
 //!
 //! As in [`kernel`](crate::kernel) differences are taken before the logarithm and the arctangent, but only as far as that needs no division.
 //! What remains loses the factor distance / size of the tile's second side. Each element is a number of a split-complex or a complex
-//! plane, whose products add logarithms or angles: tiles with one strength share a division and a series.
+//! plane, whose products add logarithms or angles: tiles with one strength share a division and a series. What has a strength of its own shares the division
+//! with what else the tile has of that kind.
 
 use std::any::Any;
 
 use fearless_simd::prelude::*;
 
+use super::alone::{add_elements, add_small_elements, common_inverse};
 use super::cluster::Cluster;
 use super::functions::{angle, artanh_of_ratio, short_odd_series};
 use super::lanes::{Lanes, Number};
-use super::terms::{AA, AB, AC, BB, BC, CC, Group, NO_GROUP, TileTerms};
+use super::terms::{AA, AB, AC, BB, BC, CC, Group, NO_GROUP, OWN, TileTerms};
 use crate::tolerances::{MOST_CORNERS, MOST_GROUPS, MOST_PLANES};
 
 /// Room for the [`Tables`] of the instruction set last used.
@@ -167,13 +169,25 @@ impl<S: Simd> Tables<S> {
         }
         let mut upcoming =
             Upcoming { places: upcoming, corners: &cluster.corners, step: cluster.corner_pairs_per_step, known: 0 };
+        let mut sum = [zero; 3];
         for tile in &cluster.tiles {
-            multiply(tile, current, &mut upcoming, &mut self.products);
+            if !tile.has_own {
+                multiply::<S, false>(simd, tile, current, &mut upcoming, &mut self.products);
+                continue;
+            }
+            let own = multiply::<S, true>(simd, tile, current, &mut upcoming, &mut self.products);
+            let is_own = tile.groups.map(|number| number == OWN);
+            if small {
+                let inverse = common_inverse(simd, is_own, &own);
+                add_small_elements(simd, is_own, &own, inverse, short_odd_series, &tile.coefficients, &mut sum);
+            } else {
+                add_elements(simd, is_own, &own, &tile.coefficients, &mut sum);
+            }
         }
         if small {
-            return self.products.sum_of_small(simd, &cluster.groups);
+            self.products.add_small(simd, &cluster.groups, &mut sum);
+            return sum;
         }
-        let mut sum = [zero; 3];
         for (group, [a, b]) in cluster.groups.iter().zip(&self.products.0[..]) {
             let half = if group.diagonal { angle(simd, *a, *b) } else { artanh_of_ratio(simd, *b, *a) };
             for (sum, coefficient) in sum.iter_mut().zip(group.coefficient) {
@@ -205,9 +219,17 @@ impl<S: Simd> Upcoming<'_, S> {
     }
 }
 
-/// Multiplies the terms of one tile onto the products of their groups.
+/// Multiplies the terms of one tile onto the products of their groups. What has no group, if there is such a term, is given back: numerators and denominators
+/// by element.
 #[inline(always)]
-fn multiply<S: Simd>(tile: &TileTerms, places: &Places<S>, upcoming: &mut Upcoming<S>, products: &mut Products<S>) {
+fn multiply<S: Simd, const HAS_OWN: bool>(
+    simd: S,
+    tile: &TileTerms,
+    places: &Places<S>,
+    upcoming: &mut Upcoming<S>,
+    products: &mut Products<S>,
+) -> [[Lanes<S>; 2]; 6] {
+    let mut own = [[Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0)]; 6];
     let [a, b, c, d, e, f, g, h] = tile.corners;
     let r = &places.distances;
     // Bits 2, 1, 0: low or high along a, b, c.
@@ -227,13 +249,13 @@ fn multiply<S: Simd>(tile: &TileTerms, places: &Places<S>, upcoming: &mut Upcomi
         let step = (b0[0] + b1[0]) * tile.factors[AB];
         let low = edge_pair([along_b[0], along_b[1]], [along_c[0], along_c[1]], tile.squares[2]);
         let high = edge_pair([along_b[2], along_b[3]], [along_c[2], along_c[3]], tile.squares[2]);
-        products.add_logarithm(tile.groups[AB], ratio_of_edges(step, low, high));
+        place::<S, HAS_OWN>(tile, AB, ratio_of_edges(step, low, high), products, &mut own);
     }
     if tile.groups[AC] != NO_GROUP {
         let step = (c0[0] + c1[0]) * tile.factors[AC];
         let low = edge_pair([along_c[0], along_c[1]], [along_b[0], along_b[1]], tile.squares[1]);
         let high = edge_pair([along_c[2], along_c[3]], [along_b[2], along_b[3]], tile.squares[1]);
-        products.add_logarithm(tile.groups[AC], ratio_of_edges(step, low, high));
+        place::<S, HAS_OWN>(tile, AC, ratio_of_edges(step, low, high), products, &mut own);
     }
     if tile.groups[BC] != NO_GROUP {
         // Bits along b, c.
@@ -241,36 +263,55 @@ fn multiply<S: Simd>(tile: &TileTerms, places: &Places<S>, upcoming: &mut Upcomi
         let step = (c0[0] + c1[0]) * tile.factors[BC];
         let low = edge_pair([along_c[0], along_c[2]], [along_a[0], along_a[1]], tile.squares[0]);
         let high = edge_pair([along_c[1], along_c[3]], [along_a[2], along_a[3]], tile.squares[0]);
-        products.add_logarithm(tile.groups[BC], ratio_of_edges(step, low, high));
+        place::<S, HAS_OWN>(tile, BC, ratio_of_edges(step, low, high), products, &mut own);
     }
     upcoming.advance();
     if tile.groups[AA] != NO_GROUP {
         let across = across(b0, b1, c0, c1);
         let low = face([r[0], r[1], r[2], r[3]], a0, across, tile.factors[AA]);
         let high = face([r[4], r[5], r[6], r[7]], a1, across, tile.factors[AA]);
-        products.add_angle(tile.groups[AA], angle_of_faces(low, high));
+        place::<S, HAS_OWN>(tile, AA, angle_of_faces(low, high), products, &mut own);
     }
     if tile.groups[BB] != NO_GROUP {
         let across = across(c0, c1, a0, a1);
         let low = face([r[0], r[4], r[1], r[5]], b0, across, tile.factors[BB]);
         let high = face([r[2], r[6], r[3], r[7]], b1, across, tile.factors[BB]);
-        products.add_angle(tile.groups[BB], angle_of_faces(low, high));
+        place::<S, HAS_OWN>(tile, BB, angle_of_faces(low, high), products, &mut own);
     }
     if tile.groups[CC] != NO_GROUP {
         let across = across(a0, a1, b0, b1);
         let low = face([r[0], r[2], r[4], r[6]], c0, across, tile.factors[CC]);
         let high = face([r[1], r[3], r[5], r[7]], c1, across, tile.factors[CC]);
-        products.add_angle(tile.groups[CC], angle_of_faces(low, high));
+        place::<S, HAS_OWN>(tile, CC, angle_of_faces(low, high), products, &mut own);
     }
     upcoming.advance();
+    own
+}
+
+/// Onto the product of its group, or into `own`.
+#[inline(always)]
+fn place<S: Simd, const HAS_OWN: bool>(
+    tile: &TileTerms,
+    element: usize,
+    ratio: [Lanes<S>; 2],
+    products: &mut Products<S>,
+    own: &mut [[Lanes<S>; 2]; 6],
+) {
+    let number = tile.groups[element];
+    if HAS_OWN && number == OWN {
+        own[element] = ratio;
+    } else if element < AA {
+        products.add_logarithm(number, ratio);
+    } else {
+        products.add_angle(number, ratio);
+    }
 }
 
 impl<S: Simd> Products<S> {
     /// What all groups add where none has a half angle beyond [`SMALLER_ANGLE`](crate::tolerances::SMALLER_ANGLE): four of them share a division.
     #[inline(always)]
-    fn sum_of_small(&mut self, simd: S, groups: &[Group]) -> [Lanes<S>; 3] {
+    fn add_small(&mut self, simd: S, groups: &[Group], sum: &mut [Lanes<S>; 3]) {
         let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
-        let mut sum = [zero; 3];
         for (groups, products) in groups.chunks(4).zip(self.0.chunks_exact_mut(4)) {
             products[groups.len()..].fill([one, zero]);
             let [[a, n], [b, p], [c, q], [d, r]] = [products[0], products[1], products[2], products[3]];
@@ -285,7 +326,6 @@ impl<S: Simd> Products<S> {
                 }
             }
         }
-        sum
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::terms::{AA, Group, NO_GROUP, Terms, TileTerms};
+use super::terms::{AA, Group, NO_GROUP, OWN, Terms, TileTerms};
 use crate::block::Block;
 use crate::tolerances::{GROUP_DISTANCE, GROUP_THICKNESSES, MOST_CORNERS, MOST_GROUPS, MOST_PLANES, TILES_PER_GROUP};
 use crate::two_sum::TwoSum;
@@ -20,7 +20,7 @@ pub(super) struct Cluster {
     pub(super) corner_pairs_per_step: usize,
     pub(super) tiles: Vec<TileTerms>,
     pub(super) groups: Vec<Group>,
-    /// The volume of the tiles of one group, at most; scaled.
+    /// The volume of the tiles of one group, or of one tile, at most; scaled.
     pub(super) largest_group_volume: f64,
     /// How many they are, at most.
     pub(super) largest_group: usize,
@@ -33,7 +33,7 @@ impl Cluster {
         let thickest = blocks.iter().map(thickness).fold(0.0, f64::max);
         let most_volume = (GROUP_THICKNESSES / GROUP_DISTANCE * thickest).powi(3);
         let (mut numbers, mut groups) = (Numbers::default(), Groups { most_volume, ..Groups::default() });
-        let tiles: Vec<TileTerms> = blocks
+        let mut tiles: Vec<TileTerms> = blocks
             .iter()
             .map(|block| {
                 let (planes, corners) = numbers.place(block);
@@ -42,6 +42,7 @@ impl Cluster {
                 terms.placed(planes, corners, numbers)
             })
             .collect();
+        groups.leave_alone(&mut tiles);
         let fits = numbers.corners.len() <= MOST_CORNERS
             && numbers.planes.len() <= MOST_PLANES
             && groups.all.len() <= MOST_GROUPS;
@@ -93,6 +94,33 @@ impl Groups {
         self.largest = self.largest.max(tiles);
         self.open.insert(key, (number, tiles, volume));
         number
+    }
+
+    /// Elements that are the only ones of their group need none.
+    fn leave_alone(&mut self, tiles: &mut [TileTerms]) {
+        let mut counts = vec![0; self.all.len()];
+        for number in tiles.iter().flat_map(|tile| tile.groups).filter(|number| *number != NO_GROUP) {
+            counts[usize::from(number)] += 1;
+        }
+        let mut left = 0;
+        let numbers: Vec<u16> = counts
+            .iter()
+            .map(|&count| {
+                left += u16::from(count > 1);
+                if count > 1 { left - 1 } else { OWN }
+            })
+            .collect();
+        for tile in tiles {
+            for number in tile.groups.iter_mut().filter(|number| **number != NO_GROUP) {
+                *number = numbers[usize::from(*number)];
+            }
+            tile.has_own = tile.groups.contains(&OWN);
+        }
+        let mut number = 0;
+        self.all.retain(|_| {
+            number += 1;
+            counts[number - 1] > 1
+        });
     }
 }
 

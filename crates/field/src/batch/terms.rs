@@ -20,15 +20,22 @@ pub(super) struct TileTerms {
     pub(super) corners: [u16; 8],
     /// Low and high plane along a, b, c.
     pub(super) planes: [u16; 6],
-    /// By element; [`NO_GROUP`] where it is not needed.
+    /// By element; [`NO_GROUP`] where it is not needed, [`OWN`] where no other tile's has its strength.
     pub(super) groups: [u16; 6],
+    /// Whether there is such an element.
+    pub(super) has_own: bool,
+    /// By element: what one unit of half of 4 pi T adds to mu0 H, in tesla.
+    pub(super) coefficients: [[f64; 3]; 6],
     /// Off the diagonal the length of the edges times the size across, on it the area of the faces. Scaled, with the sign of the term.
     pub(super) factors: [f64; 6],
     /// Squares of the sizes along a, b, c, scaled.
     pub(super) squares: [f64; 3],
 }
 
+/// See [`TileTerms::groups`].
 pub(super) const NO_GROUP: u16 = u16::MAX;
+/// See [`TileTerms::groups`].
+pub(super) const OWN: u16 = u16::MAX - 1;
 
 /// Terms that differ in sign at most and share a division and a series.
 #[derive(Clone, Copy, Debug)]
@@ -123,6 +130,8 @@ impl Terms {
             }),
             planes: [0, 1, 2, 3, 4, 5].map(|n: usize| planes[self.axes[n / 2]][n % 2]),
             groups,
+            has_own: false,
+            coefficients: [0, 1, 2, 3, 4, 5].map(|element| self.group(element).coefficient),
             factors: self.factors,
             squares: self.squares,
         }
