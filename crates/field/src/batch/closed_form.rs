@@ -2,8 +2,8 @@
 //!
 //! As in [`kernel`](crate::kernel) differences are taken before the logarithm and the arctangent, but only as far as that needs no division.
 //! What remains loses the factor distance / size of the tile's second side. Each element is a number of a split-complex or a complex
-//! plane, whose products add logarithms or angles: tiles with one strength share a division and a series. What has a strength of its own shares the division
-//! with what else the tile has of that kind.
+//! plane, whose products add logarithms or angles: tiles with one strength share a division and a series. What has a strength of its own is
+//! multiplied onto nothing; to a tolerance it shares the division with what else the tile has of that kind.
 
 use std::any::Any;
 
