@@ -21,6 +21,7 @@ mod bars;
 mod beside;
 mod closed_form;
 mod cluster;
+mod column;
 mod expansion;
 mod functions;
 pub(crate) mod harmonics;

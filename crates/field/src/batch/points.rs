@@ -4,6 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
+use super::column::{Column, views};
 use super::lanes::{Lanes, Number, PAIR};
 use super::range::{BEYOND, FORMS, Form, Range};
 use crate::arrangement::{Arrangement, Frame};
@@ -11,9 +12,9 @@ use crate::scene::is_in_range;
 use crate::tolerances::MAX_LENGTH;
 
 /// Points by axis, filled up to whole pairs of vectors; not a number where the point is out of range.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct Coordinates {
-    pub(super) axes: [Vec<f64>; 3],
+    pub(super) axes: [Column; 3],
     /// Those that are not numbers.
     out_of_range: Vec<usize>,
 }
@@ -45,10 +46,10 @@ impl Coordinates {
         let whole = points.len().next_multiple_of(PAIR);
         let [x, y, z] = &mut self.axes;
         for (coordinates, last) in [&mut *x, &mut *y, &mut *z].into_iter().zip(last.to_array()) {
-            coordinates.resize(whole, 0.0);
+            coordinates.set_len(whole);
             coordinates[points.len()..].fill(last);
         }
-        for (((x, y), z), point) in x.iter_mut().zip(y).zip(z).zip(points) {
+        for (((x, y), z), point) in x.iter_mut().zip(y.iter_mut()).zip(z.iter_mut()).zip(points) {
             (*x, *y, *z) = (point.x, point.y, point.z);
         }
     }
@@ -82,12 +83,12 @@ impl Coordinates {
         for (axis, coordinates) in self.axes.iter_mut().enumerate() {
             let (direction, origin) = match arrangement.axis(frame, axis) {
                 Ok(scene) => {
-                    coordinates.clone_from(&points.axes[scene]);
+                    coordinates.copy_from(&points.axes[scene]);
                     continue;
                 }
                 Err(measured) => measured,
             };
-            coordinates.resize(x.len(), 0.0);
+            coordinates.set_len(x.len());
             for (number, coordinates) in coordinates.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
                 let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
                 let x = (Lanes::<S>::load(simd, &x[start..end]) - origin.x) * direction.x;
@@ -126,7 +127,7 @@ impl Coordinates {
     pub(super) fn gather(&mut self, points: &Coordinates, chosen: &[u32]) {
         let whole = chosen.len().next_multiple_of(PAIR);
         for (from, to) in points.axes.iter().zip(&mut self.axes) {
-            to.resize(whole, 0.0);
+            to.set_len(whole);
             for (to, &index) in to.iter_mut().zip(chosen) {
                 *to = from[index as usize];
             }
@@ -137,13 +138,13 @@ impl Coordinates {
 }
 
 /// Indices of points by form.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct Chosen {
     /// One stretch for each form, then one for points that have none.
     indices: Vec<u32>,
     counts: [usize; FORMS + 1],
     stretch: usize,
-    forms: Vec<f64>,
+    forms: Column,
 }
 
 impl Chosen {
@@ -184,8 +185,8 @@ impl Chosen {
         self.stretch = points.padded();
         self.indices.resize((FORMS + 1) * self.stretch, 0);
         self.counts = [0; FORMS + 1];
-        self.forms.resize(self.stretch, 0.0);
-        dispatch!(level, simd => range.forms(simd, &points.axes, stretched, &mut self.forms));
+        self.forms.set_len(self.stretch);
+        dispatch!(level, simd => range.forms(simd, views(&points.axes), stretched, &mut self.forms));
     }
 
     #[inline(always)]

@@ -14,6 +14,7 @@ const QUEUES: usize = FORMS + 1;
 /// queues do not all begin in those that exclude each other.
 const LENGTH: usize = STREAMED_POINTS + 2 * PAIR + LONGEST_VECTOR;
 const ROOM: usize = QUEUES * LENGTH;
+const _: () = assert!(LENGTH.is_multiple_of(LONGEST_VECTOR));
 
 /// How many of a few points have each form is counted in one number, so that no point waits until the one before is counted in memory.
 const DIGITS: usize = 8;
@@ -26,17 +27,22 @@ const _: () = assert!(FORMS * DIGITS <= u64::BITS as usize);
 pub(super) struct Queues {
     /// Positions in the list of all points.
     places: Box<[u32; ROOM]>,
-    axes: Box<[[f64; ROOM]; 3]>,
+    axes: Box<Axes>,
     counts: [usize; QUEUES],
     /// Where each point's form is counted.
     shifts: [u8; STREAMED_POINTS],
 }
 
+/// Coordinates, each queue's from the start of a cache line on.
+#[derive(Debug)]
+#[repr(align(64))]
+struct Axes([[f64; ROOM]; 3]);
+
 impl Default for Queues {
     fn default() -> Queues {
         Queues {
             places: Box::new([0; ROOM]),
-            axes: Box::new([[0.0; ROOM]; 3]),
+            axes: Box::new(Axes([[0.0; ROOM]; 3])),
             counts: [0; QUEUES],
             shifts: [0; STREAMED_POINTS],
         }
@@ -61,7 +67,7 @@ impl Queues {
             *shift = (form * DIGITS as f64 + LAST_DIGITS).to_bits() as u8;
         }
         let Queues { places, axes: queued, counts, shifts } = self;
-        let (places, [x_queued, y_queued, z_queued]) = (&mut **places, &mut **queued);
+        let (places, [x_queued, y_queued, z_queued]) = (&mut **places, &mut queued.0);
         let [x, y, z] = axes.map(|axis| axis.chunks(COUNTED_POINTS));
         for (((shifts, x), y), z) in shifts[..forms.len()].chunks(COUNTED_POINTS).zip(x).zip(y).zip(z) {
             let mut ends = [0; u64::BITS as usize];
@@ -89,7 +95,7 @@ impl Queues {
         let queue = usize::from(queue);
         let slot = queue * LENGTH + self.counts[queue];
         self.places[slot] = place as u32;
-        for (axis, coordinate) in self.axes.iter_mut().zip(coordinates) {
+        for (axis, coordinate) in self.axes.0.iter_mut().zip(coordinates) {
             axis[slot] = coordinate;
         }
         self.counts[queue] += 1;
@@ -98,14 +104,14 @@ impl Queues {
     /// Position in the list, and coordinates.
     pub(super) fn at(&self, queue: Form, index: usize) -> (usize, [f64; 3]) {
         let slot = usize::from(queue) * LENGTH + index;
-        (self.places[slot] as usize, self.axes.each_ref().map(|axis| axis[slot]))
+        (self.places[slot] as usize, self.axes.0.each_ref().map(|axis| axis[slot]))
     }
 
     /// By axis, all that wait and what follows them up to whole pairs of vectors.
     #[inline(always)]
     pub(super) fn points(&self, queue: Form) -> [&[f64]; 3] {
         let (start, count) = (usize::from(queue) * LENGTH, self.count(queue).next_multiple_of(PAIR));
-        self.axes.each_ref().map(|axis| &axis[start..start + count])
+        self.axes.0.each_ref().map(|axis| &axis[start..start + count])
     }
 
     /// Positions in the list.
@@ -118,7 +124,7 @@ impl Queues {
     /// Repeats the last point up to whole pairs of vectors.
     pub(super) fn fill_up(&mut self, queue: Form) {
         let (start, count) = (usize::from(queue) * LENGTH, self.count(queue));
-        for axis in &mut self.axes[..] {
+        for axis in &mut self.axes.0 {
             let last = axis[start + count - 1];
             axis[start + count..start + count.next_multiple_of(PAIR)].fill(last);
         }
@@ -131,7 +137,7 @@ impl Queues {
         // A fixed number of them is moved without a call.
         let rest = start + count..start + count + PAIR;
         self.places.copy_within(rest.clone(), start);
-        self.axes.iter_mut().for_each(|axis| axis.copy_within(rest.clone(), start));
+        self.axes.0.iter_mut().for_each(|axis| axis.copy_within(rest.clone(), start));
         self.counts[usize::from(queue)] -= count;
     }
 

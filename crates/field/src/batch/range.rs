@@ -157,7 +157,7 @@ impl Range {
 
     /// The form at each of the points, given by axis in whole vectors. Any, where the point is not a number. The closed form may be `stretched`.
     #[inline(never)]
-    pub(super) fn forms<S: Simd>(&self, simd: S, [x, y, z]: &[Vec<f64>; 3], stretched: bool, forms: &mut [f64]) {
+    pub(super) fn forms<S: Simd>(&self, simd: S, [x, y, z]: [&[f64]; 3], stretched: bool, forms: &mut [f64]) {
         simd.vectorize(
             #[inline(always)]
             || {

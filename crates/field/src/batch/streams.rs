@@ -9,6 +9,7 @@ use glam::DVec3;
 
 use super::ahead::Ahead;
 use super::beside::Beside;
+use super::column::{Column, room, views};
 use super::lanes::PAIR;
 use super::one_tile::OneTile;
 use super::points::Coordinates;
@@ -29,9 +30,9 @@ const BESIDE: Form = OWN_QUEUE;
 pub(super) struct Streams {
     points: Coordinates,
     local: Coordinates,
-    forms: Vec<f64>,
+    forms: Column,
     queues: Queues,
-    fields: [Vec<f64>; 3],
+    fields: [Column; 3],
     /// Whether all of the field in vectors has been finite.
     finite: bool,
     /// Memory has been asked for up to this point.
@@ -73,9 +74,7 @@ impl Streams {
 
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, work: Work, field: &mut [DVec3], edges: &mut BTreeMap<usize, Edges>) {
-        for values in &mut self.fields {
-            values.resize(STREAMED_POINTS + PAIR, 0.0);
-        }
+        room(&mut self.fields, STREAMED_POINTS + PAIR);
         let forms = (NEAR + 1..=work.tile.range().last_form()).chain([BESIDE]);
         let stretches = work.points.len().div_ceil(STREAMED_POINTS);
         // Once more than there are stretches, for what is left.
@@ -109,9 +108,9 @@ impl Streams {
         } else {
             &self.points
         };
-        self.forms.resize(STREAMED_POINTS, 0.0);
+        self.forms.set_len(STREAMED_POINTS);
         let forms = &mut self.forms[..local.padded()];
-        work.tile.range().forms(simd, &local.axes, false, forms);
+        work.tile.range().forms(simd, views(&local.axes), false, forms);
         let count = stretch.len();
         let axes = local.axes.each_ref().map(|axis| &axis[..count]);
         if self.points.out_of_range().is_empty() {

@@ -3,6 +3,7 @@
 use fearless_simd::{Level, dispatch};
 
 use super::ahead::Ahead;
+use super::column::{Column, room, views};
 use super::lanes::PAIR;
 use super::one_tile::OneTile;
 use super::range::{FORMS, Form, NEAR, Range};
@@ -18,10 +19,10 @@ struct Stretch {
 }
 
 /// The stretches of a batch; nothing in them grows with the number of tiles.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct Stretches {
     stretches: Vec<Stretch>,
-    forms: Vec<f64>,
+    forms: Column,
 }
 
 impl Stretches {
@@ -32,11 +33,11 @@ impl Stretches {
     }
 
     /// Divides points, given by axis in whole pairs of vectors. Returns whether that is worth while.
-    pub(super) fn divide(&mut self, level: Level, range: &Range, points: &[Vec<f64>; 3], stretched: bool) -> bool {
+    pub(super) fn divide(&mut self, level: Level, range: &Range, points: &[Column; 3], stretched: bool) -> bool {
         let count = points[0].len();
         self.stretches.clear();
-        self.forms.resize(count, 0.0);
-        dispatch!(level, simd => range.forms(simd, points, stretched, &mut self.forms));
+        self.forms.set_len(count);
+        dispatch!(level, simd => range.forms(simd, views(points), stretched, &mut self.forms));
         let most_mixed = count / PAIR / MIXED_SHARE;
         let mut mixed = 0;
         for (number, forms) in self.forms.chunks_exact(PAIR).enumerate() {
@@ -65,12 +66,12 @@ impl Stretches {
         &self,
         level: Level,
         tile: &OneTile,
-        points: &[Vec<f64>; 3],
-        fields: &mut [Vec<f64>; 3],
+        points: &[Column; 3],
+        fields: &mut [Column; 3],
         near: &mut Vec<u32>,
     ) {
         let mut mixed = [[0.0; PAIR]; 3];
-        fields.iter_mut().for_each(|values| values.resize(points[0].len(), 0.0));
+        room(fields, points[0].len());
         for Stretch { form, range, mixed: is_mixed } in &self.stretches {
             let is_served = |index: &usize| !is_mixed || self.forms[*index] == f64::from(*form);
             if *form == NEAR {

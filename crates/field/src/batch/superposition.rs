@@ -11,6 +11,7 @@ use super::assignment::{Assignment, Near, Nearest};
 use super::beside::Beside;
 use super::closed_form::KeptTables;
 use super::cluster::Cluster;
+use super::column::{Column, room, views};
 use super::multipole::Distributed;
 use super::one_tile::{OneTile, series};
 use super::pairwise::fields_of;
@@ -47,7 +48,7 @@ pub(crate) struct Superposition {
     /// Those beside a tile.
     chosen_beside: Vec<u32>,
     /// Of what is at work, in its frame.
-    fields: [Vec<f64>; 3],
+    fields: [Column; 3],
     stretches: Stretches,
     near: Vec<u32>,
     streams: Streams,
@@ -158,7 +159,7 @@ impl Superposition {
     fn add_expansions(&mut self, level: Level, tree: &Tree, assignment: &Assignment) {
         let points = &self.points.axes;
         for what in &assignment.expanded {
-            tree.set_degrees(what, points, &mut self.degrees);
+            tree.set_degrees(what, views(points), &mut self.degrees);
             let (expansion, fields) = (tree.expansion(what.node), room(&mut self.fields, points[0].len()));
             dispatch!(level, simd => expansion.fields(simd, &self.degrees, views(points), fields));
             self.totals.add_fields(level, None, &self.fields);
@@ -272,7 +273,7 @@ impl Superposition {
     fn add_beyond(&mut self, work: Work, of: Beyond, chosen: &[u32]) {
         self.gathered.gather(&self.points, chosen);
         let points = &self.gathered.axes;
-        of.tree.set_degrees(&of.what, points, &mut self.degrees);
+        of.tree.set_degrees(&of.what, views(points), &mut self.degrees);
         let (expansion, fields) = (of.tree.expansion(of.what.node), room(&mut self.fields, points[0].len()));
         dispatch!(work.level, simd => expansion.fields(simd, &self.degrees, views(points), fields));
         self.totals.add_fields_at(work.level, None, &mut self.fields, chosen);
@@ -340,17 +341,6 @@ pub(super) fn near_field<'a>(
         edges().add(block, &placed, &frame.to_scene);
     }
     frame.to_scene.vector(DVec3::from_array(own))
-}
-
-fn views(points: &[Vec<f64>; 3]) -> [&[f64]; 3] {
-    let [x, y, z] = points;
-    [x, y, z]
-}
-
-fn room(fields: &mut [Vec<f64>; 3], count: usize) -> [&mut [f64]; 3] {
-    fields.iter_mut().for_each(|values| values.resize(count, 0.0));
-    let [x, y, z] = fields;
-    [x, y, z]
 }
 
 /// A part of a tree that is taken by its expansion outside a sphere around its centre.

@@ -184,7 +184,7 @@ fn boxes_have_the_form_that_all_their_points_have() {
             let axes = [0, 1, 2].map(|axis: usize| points.iter().map(|point| point[axis]).collect::<Vec<f64>>());
             for level in levels() {
                 let mut forms = [0.0; 32];
-                dispatch!(level, simd => range.forms(simd, &axes, false, &mut forms));
+                dispatch!(level, simd => range.forms(simd, axes.each_ref().map(|axis| &axis[..]), false, &mut forms));
                 assert!(
                     forms.iter().all(|own| *own == f64::from(form)),
                     "{forms:?}, not {form}, {half} around {centre}"

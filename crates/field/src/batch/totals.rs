@@ -4,21 +4,21 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::{DMat3, DVec3};
 
+use super::column::{Column, views};
 use super::lanes::{Lanes, Number};
 use crate::two_sum::TwoSum;
 
 /// Sum and carry of each component.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct Totals {
-    sums: [Vec<f64>; 3],
-    carries: [Vec<f64>; 3],
+    sums: [Column; 3],
+    carries: [Column; 3],
 }
 
 impl Totals {
     pub(super) fn start(&mut self, count: usize) {
         for values in self.sums.iter_mut().chain(&mut self.carries) {
-            values.clear();
-            values.resize(count, 0.0);
+            values.fill_with(0.0, count);
         }
     }
 
@@ -39,18 +39,6 @@ impl Totals {
             let step = TwoSum::of(self.sums[axis][index], term);
             self.sums[axis][index] = step.hi;
             self.carries[axis][index] += step.lo;
-        }
-    }
-
-    #[inline(always)]
-    fn add_vector<S: Simd>(&mut self, simd: S, number: usize, field: [Lanes<S>; 3]) {
-        let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
-        for (axis, term) in field.into_iter().enumerate() {
-            let (sums, carries) = (&mut self.sums[axis][start..end], &mut self.carries[axis][start..end]);
-            let before = Lanes::<S>::load(simd, sums);
-            let (sum, low) = before.two_sum(term);
-            sum.store(sums);
-            (Lanes::<S>::load(simd, carries) + low).store(carries);
         }
     }
 
@@ -79,7 +67,7 @@ impl Totals {
     /// Adds other sums, which are those at the points with the indices `chosen`.
     pub(super) fn add_totals_at(&mut self, other: &Totals, chosen: &[u32]) {
         for axis in 0..3 {
-            let terms = other.sums[axis].iter().zip(&other.carries[axis]);
+            let terms = other.sums[axis].iter().zip(other.carries[axis].iter());
             for ((term, low), &index) in terms.zip(chosen) {
                 let step = TwoSum::of(self.sums[axis][index as usize], *term);
                 self.sums[axis][index as usize] = step.hi;
@@ -90,14 +78,23 @@ impl Totals {
     }
 
     /// Adds fields of a frame at all points, given by component.
-    pub(super) fn add_fields(&mut self, level: Level, rotation: Option<&DMat3>, fields: &[Vec<f64>; 3]) {
+    pub(super) fn add_fields(&mut self, level: Level, rotation: Option<&DMat3>, fields: &[Column; 3]) {
         dispatch!(level, simd => self.add_fields_by(simd, rotation, fields));
     }
 
     #[inline(always)]
-    fn add_fields_by<S: Simd>(&mut self, simd: S, rotation: Option<&DMat3>, fields: &[Vec<f64>; 3]) {
-        for number in 0..self.sums[0].len() / Lanes::<S>::LEN {
-            self.add_vector(simd, number, in_scene::<S>(rotation, load(simd, fields, number)));
+    fn add_fields_by<S: Simd>(&mut self, simd: S, rotation: Option<&DMat3>, fields: &[Column; 3]) {
+        let len = Lanes::<S>::LEN;
+        let [x, y, z] = views(fields);
+        let fields = x.chunks_exact(len).zip(y.chunks_exact(len)).zip(z.chunks_exact(len));
+        let [x, y, z] = self.sums.each_mut().map(|sums| sums.chunks_exact_mut(len));
+        let [p, q, r] = self.carries.each_mut().map(|carries| carries.chunks_exact_mut(len));
+        for (((x, y), z), (((sx, sy), sz), ((p, q), r))) in fields.zip(x.zip(y).zip(z).zip(p.zip(q).zip(r))) {
+            let own = [Lanes::load(simd, x), Lanes::load(simd, y), Lanes::load(simd, z)];
+            let [x, y, z] = in_scene::<S>(rotation, own);
+            add_vector(simd, x, sx, p);
+            add_vector(simd, y, sy, q);
+            add_vector(simd, z, sz, r);
         }
     }
 
@@ -106,21 +103,28 @@ impl Totals {
         &mut self,
         level: Level,
         rotation: Option<&DMat3>,
-        fields: &mut [Vec<f64>; 3],
+        fields: &mut [Column; 3],
         chosen: &[u32],
     ) {
         if rotation.is_some() {
             dispatch!(level, simd => turn(simd, rotation, fields));
         }
         let [x, y, z] = fields;
-        for (((x, y), z), &index) in x.iter().zip(y).zip(z).zip(chosen) {
+        for (((x, y), z), &index) in x.iter().zip(y.iter()).zip(z.iter()).zip(chosen) {
             self.add_one(index as usize, [*x, *y, *z]);
         }
     }
 }
 
 #[inline(always)]
-fn turn<S: Simd>(simd: S, rotation: Option<&DMat3>, fields: &mut [Vec<f64>; 3]) {
+fn add_vector<S: Simd>(simd: S, term: Lanes<S>, sums: &mut [f64], carries: &mut [f64]) {
+    let (sum, low) = Lanes::<S>::load(simd, sums).two_sum(term);
+    sum.store(sums);
+    (Lanes::<S>::load(simd, carries) + low).store(carries);
+}
+
+#[inline(always)]
+fn turn<S: Simd>(simd: S, rotation: Option<&DMat3>, fields: &mut [Column; 3]) {
     for number in 0..fields[0].len() / Lanes::<S>::LEN {
         let turned = in_scene(rotation, load(simd, fields, number));
         for (values, turned) in fields.iter_mut().zip(turned) {
@@ -130,7 +134,7 @@ fn turn<S: Simd>(simd: S, rotation: Option<&DMat3>, fields: &mut [Vec<f64>; 3]) 
 }
 
 #[inline(always)]
-fn load<S: Simd>(simd: S, [x, y, z]: &[Vec<f64>; 3], number: usize) -> [Lanes<S>; 3] {
+fn load<S: Simd>(simd: S, [x, y, z]: &[Column; 3], number: usize) -> [Lanes<S>; 3] {
     let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
     [Lanes::load(simd, &x[start..end]), Lanes::load(simd, &y[start..end]), Lanes::load(simd, &z[start..end])]
 }

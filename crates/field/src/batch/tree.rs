@@ -190,7 +190,7 @@ impl Tree {
     }
 
     /// The degree for each [`POINTS_PER_DEGREE`] points, given by axis.
-    pub(super) fn set_degrees(&self, what: &Nearest, [x, y, z]: &[Vec<f64>; 3], degrees: &mut Vec<usize>) {
+    pub(super) fn set_degrees(&self, what: &Nearest, [x, y, z]: [&[f64]; 3], degrees: &mut Vec<usize>) {
         let of = &self.nodes[what.node];
         let points = x.chunks(POINTS_PER_DEGREE).zip(y.chunks(POINTS_PER_DEGREE)).zip(z.chunks(POINTS_PER_DEGREE));
         degrees.clear();
