@@ -4,6 +4,7 @@ mod growth;
 mod magba_scene;
 mod magpylib_scene;
 mod page_args;
+mod threads;
 mod workloads;
 
 use std::path::Path;
@@ -16,6 +17,7 @@ pub use growth::{Growth, growth};
 pub use magba_scene::Magba;
 pub use magpylib_scene::Magpylib;
 pub use page_args::{PageArgs, exit_code};
+pub use threads::{Speedup, speedups};
 pub use workloads::{Workload, evenly_thinned, points_below, square_film, workloads};
 
 /// A layout shipped with the project.

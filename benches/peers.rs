@@ -1,15 +1,16 @@
 //! magsplice against magba 0.7.3's best call, one thread, in one process.
 //!
 //! `cargo bench -p magsplice-benches --bench peers` prints for each workload `ratio: <workload> = <magba time / magsplice time>`, the median
-//! over interleaved pairs of runs, and how far the two fields are apart. `-- --test` runs each workload once on few points, `-- NAME` those with
-//! this in their name, `-- --avx2` (or another instruction set) with these instructions instead of the best.
+//! over interleaved pairs of runs, and how far the two fields are apart, then how many times faster more threads are than one, beside as
+//! many scenes at the same time that share nothing (`-- --threads`: only that). `-- --test` runs each workload once on few points, `-- NAME` those with this in their
+//! name, `-- --avx2` (or another instruction set) with these instructions instead of the best.
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use glam::DVec3;
 use magsplice::field::{Accuracy, InstructionSet, Quantity, Scene, Tolerance};
-use magsplice_benches::{Magba, Workload, workloads};
+use magsplice_benches::{Magba, Speedup, Workload, speedups, workloads};
 use nalgebra::Vector3;
 
 /// Interleaved pairs of runs; the median ratio is printed.
@@ -20,17 +21,35 @@ const LARGE_RUN: usize = 20_000_000;
 /// See [`LARGE_RUN`].
 const FEW_PAIRS: usize = 3;
 
+/// Runs with threads; they vary more, because other programs need only one of the processors to disturb them.
+const THREAD_RUNS: usize = 25;
+
 fn main() {
     let once = std::env::args().any(|a| a == "--test");
     let wanted = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_default();
     let sets = InstructionSet::available();
+    let threads_only = std::env::args().any(|a| a == "--threads");
     let named = |set: &&InstructionSet| std::env::args().any(|a| a == format!("--{set:?}").to_lowercase());
     let set = *sets.iter().find(named).unwrap_or(&sets[0]);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
-    for (workload, accuracy) in workloads().into_iter().flat_map(variants).filter(|(w, _)| w.name.contains(&wanted)) {
+    let peers = workloads().into_iter().filter(|_| !threads_only).flat_map(variants);
+    for (workload, accuracy) in peers.filter(|(w, _)| w.name.contains(&wanted)) {
         let pairs = if workload.pairs() > LARGE_RUN { FEW_PAIRS } else { PAIRS };
         let (workload, pairs) = if once { (workload.thinned(20_000), 1) } else { (workload, pairs) };
         pool.install(|| compare(workload, accuracy, set, pairs));
+    }
+    for workload in workloads().into_iter().filter(|w| w.name.contains(&wanted)) {
+        threads(workload, once);
+    }
+}
+
+fn threads(workload: Workload, once: bool) {
+    let (workload, runs) = if once { (workload.thinned(20_000), 1) } else { (workload, THREAD_RUNS) };
+    for Speedup { threads, times, apart } in speedups(&workload, runs) {
+        let name = workload.name;
+        println!(
+            "threads: {name}, {threads} threads = {times:.2}   ({threads} scenes at the same time, one thread each = {apart:.2})"
+        );
     }
 }
 

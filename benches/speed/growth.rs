@@ -1,11 +1,11 @@
-//! How time grows with tiles, points and threads.
+//! How time grows with tiles and points, and falls with threads.
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use glam::DVec3;
 use magsplice::field::{Quantity, Scene, Tile};
-use magsplice_benches::{median, shipped_layout, working_volume};
+use magsplice_benches::{Speedup, median, shipped_layout, speedups, working_volume, workloads};
 
 use crate::Effort;
 
@@ -77,22 +77,8 @@ pub(crate) fn by_points(effort: Effort) -> Vec<At> {
         .collect()
 }
 
-/// How many times faster than one thread, interleaved.
-pub(crate) fn by_threads(effort: Effort) -> Result<Vec<(usize, f64)>, String> {
-    let (scene, tiles) = film();
-    let points: Vec<DVec3> = working_volume([81, 81, 41]).points().take(4 * effort.pairs / tiles).collect();
-    let available = std::thread::available_parallelism().map_or(1, usize::from);
-    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string());
-    let one = pool(1)?;
-    let counts = std::iter::successors(Some(2), |n| Some(2 * n)).take_while(|n| *n <= available);
-    counts
-        .map(|threads| {
-            let many = pool(threads)?;
-            let pair = || {
-                let alone = one.install(|| time(&scene, &points, 1));
-                alone / many.install(|| time(&scene, &points, 1))
-            };
-            Ok((threads, median(std::iter::repeat_with(pair).take(effort.runs).collect())))
-        })
-        .collect()
+/// The published film with more threads than one.
+pub(crate) fn by_threads(effort: Effort) -> Vec<Speedup> {
+    let film = workloads().into_iter().find(|workload| workload.name == "film-exact").expect("a film");
+    speedups(&film.thinned(4 * effort.pairs), 3 * effort.runs)
 }

@@ -52,7 +52,7 @@ fn write(docs: &Path, python: Option<&Path>, effort: Effort) -> Result<(), Strin
     let rows = one_thread.install(|| peers::measure(python, effort))?;
     let tiles = one_thread.install(|| growth::by_tiles(effort));
     let points = one_thread.install(|| growth::by_points(effort));
-    let threads = growth::by_threads(effort)?;
+    let threads = growth::by_threads(effort);
     let limit = one_thread.install(|| limit::measure(effort));
     let pictures = docs.join("pictures");
     let io = |e: std::io::Error| e.to_string();

@@ -2,11 +2,13 @@
 
 use std::fmt::Write;
 
+use magsplice_benches::Speedup;
+
 use crate::growth::At;
 use crate::limit::{DIVISIONS, Limit, OTHERS, ROOTS};
 use crate::peers::Row;
 
-pub(crate) fn text(rows: &[Row], tiles: &[At], points: &[At], threads: &[(usize, f64)], limit: &Limit) -> String {
+pub(crate) fn text(rows: &[Row], tiles: &[At], points: &[At], threads: &[Speedup], limit: &Limit) -> String {
     let mut page = String::from(HEAD);
     page.push_str(
         "| scene | tiles | points | magsplice, ns | magba, ns | magpylib, ns | times magba | times magpylib |\n",
@@ -29,9 +31,9 @@ pub(crate) fn text(rows: &[Row], tiles: &[At], points: &[At], threads: &[(usize,
             let _ = writeln!(page, "| {} | {:.1} |", at.count, at.ns);
         }
     }
-    page.push_str("\n| threads | times one thread |\n|---|---|\n| 1 | 1 |\n");
-    for (threads, ratio) in threads {
-        let _ = writeln!(page, "| {threads} | {ratio:.2} |");
+    page.push_str("\n| threads | times one thread | as many scenes at the same time |\n|---|---|---|\n| 1 | 1 | 1 |\n");
+    for Speedup { threads, times, apart } in threads {
+        let _ = writeln!(page, "| {threads} | {times:.2} | {apart:.2} |");
     }
     let Limit { set, lanes, root_ns, division_ns, multiply_add_ns, measured_ns } = limit;
     let _ = write!(
@@ -77,7 +79,8 @@ angle; `one-tile` one tile with three components of J at random points, half of 
 const GROWTH: &str = "
 ## Growth
 
-Sheets of unit cubes of different J, at points 2 to 4 below them; the published film at points of its working volume; the same with threads.
+Sheets of unit cubes of different J, at points 2 to 4 below them; the published film at points of its working volume; the same with more threads than
+one, and what the machine gives so many: as many scenes at the same time that share nothing.
 
 ![Time for a tile and a point against their numbers](pictures/growth.svg)
 ";
