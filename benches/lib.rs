@@ -15,7 +15,7 @@ use magsplice::layout::Layout;
 
 pub use growth::{Growth, growth};
 pub use magba_scene::Magba;
-pub use magpylib_scene::Magpylib;
+pub use magpylib_scene::{Magpylib, magpylib_version};
 pub use page_args::{PageArgs, exit_code};
 pub use threads::{Speedup, speedups};
 pub use workloads::{Workload, evenly_thinned, points_below, square_film, workloads};

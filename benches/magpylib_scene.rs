@@ -86,6 +86,21 @@ impl Magpylib {
     }
 }
 
+/// Of the magpylib that a Python has.
+///
+/// # Errors
+/// If it has none.
+pub fn magpylib_version(python: &Path) -> Result<String, String> {
+    let script = "import magpylib; print(magpylib.__version__)";
+    let output = Command::new(python).args(["-c", script]).output();
+    let output = output.map_err(|e| format!("cannot run {}: {e}", python.display()))?;
+    if output.status.success() {
+        Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    } else {
+        Err(failed(&String::from_utf8_lossy(&output.stderr)))
+    }
+}
+
 fn failed(e: &dyn std::fmt::Display) -> String {
     format!("magpylib's script failed (pip install magpylib, or --without-magpylib): {e}")
 }

@@ -16,7 +16,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use magsplice_benches::{PageArgs, exit_code};
+use magsplice_benches::{PageArgs, exit_code, magpylib_version};
 
 use peers::Peers;
 
@@ -33,6 +33,7 @@ fn main() -> ExitCode {
 }
 
 fn write(docs: &Path, peers: &Peers) -> Result<(), String> {
+    let magpylib = peers.python.as_deref().map(magpylib_version).transpose()?;
     let regions = regions::measure(peers)?;
     let distance = curves::by_distance(peers)?;
     let closeness = curves::by_closeness(peers)?;
@@ -41,5 +42,6 @@ fn write(docs: &Path, peers: &Peers) -> Result<(), String> {
     let io = |e: std::io::Error| e.to_string();
     fs::create_dir_all(&pictures).map_err(io)?;
     picture::draw(&pictures.join("accuracy.svg"), &distance, &closeness)?;
-    fs::write(docs.join("accuracy.md"), page::text(peers, &regions, &distance, &closeness, &seams)).map_err(io)
+    fs::write(docs.join("accuracy.md"), page::text(magpylib.as_deref(), &regions, &distance, &closeness, &seams))
+        .map_err(io)
 }

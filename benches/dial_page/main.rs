@@ -20,7 +20,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use magsplice::field::Tolerance;
-use magsplice_benches::{Growth, PageArgs, exit_code, growth};
+use magsplice_benches::{Growth, PageArgs, exit_code, growth, magpylib_version};
 
 use measure::{Measurements, measure};
 
@@ -106,6 +106,7 @@ fn main() -> ExitCode {
 }
 
 fn write(docs: &Path, python: Option<&Path>, effort: Effort) -> Result<(), String> {
+    let magpylib = python.map(magpylib_version).transpose()?;
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| e.to_string())?;
     let panel = |scene: scenes::Scene| {
         let at = |place| measure(&scene.tiles, place, python, effort);
@@ -123,6 +124,6 @@ fn write(docs: &Path, python: Option<&Path>, effort: Effort) -> Result<(), Strin
     fs::create_dir_all(&pictures).map_err(io)?;
     picture::draw(&pictures.join("accuracy-and-speed.svg"), &panels)?;
     growth_picture::draw(&pictures.join("accuracy-and-speed-growth.svg"), &films)?;
-    let text = page::text(&panels, &films, &precision, python.is_some(), effort);
+    let text = page::text(&panels, &films, &precision, magpylib.as_deref(), effort);
     fs::write(docs.join("accuracy-and-speed.md"), text).map_err(io)
 }

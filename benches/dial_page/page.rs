@@ -19,12 +19,12 @@ pub(crate) fn text(
     panels: &[Panel],
     films: &[Growth],
     precision: &Precision,
-    with_magpylib: bool,
+    magpylib: Option<&str>,
     effort: Effort,
 ) -> String {
     let mut page = String::from(HEAD);
-    how(&mut page, panels, with_magpylib, effort);
-    comparison(&mut page, panels, with_magpylib);
+    how(&mut page, panels, magpylib, effort);
+    comparison(&mut page, panels, magpylib.is_some());
     page.push_str(TABLES);
     for panel in panels {
         for (place, at) in panel.scene.places.iter().zip(&panel.measurements) {
@@ -39,11 +39,10 @@ pub(crate) fn text(
     page
 }
 
-fn how(page: &mut String, panels: &[Panel], with_magpylib: bool, effort: Effort) {
-    let magpylib = if with_magpylib {
-        " magpylib 6.1.0 by its core function in a loop over tiles, its fastest way."
-    } else {
-        " magpylib was left out."
+fn how(page: &mut String, panels: &[Panel], magpylib: Option<&str>, effort: Effort) {
+    let magpylib = match magpylib {
+        Some(version) => format!(" magpylib {version} by its core function in a loop over tiles, its fastest way."),
+        None => " magpylib was left out.".to_owned(),
     };
     let [nx, ny, nz] = effort.grid;
     let _ = write!(

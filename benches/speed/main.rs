@@ -15,7 +15,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use magsplice_benches::{PageArgs, exit_code};
+use magsplice_benches::{PageArgs, exit_code, magpylib_version};
 
 #[derive(Parser)]
 struct Args {
@@ -48,6 +48,7 @@ fn main() -> ExitCode {
 }
 
 fn write(docs: &Path, python: Option<&Path>, effort: Effort) -> Result<(), String> {
+    let magpylib = python.map(magpylib_version).transpose()?;
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| e.to_string())?;
     let rows = one_thread.install(|| peers::measure(python, effort))?;
     let tiles = one_thread.install(|| growth::by_tiles(effort));
@@ -59,5 +60,6 @@ fn write(docs: &Path, python: Option<&Path>, effort: Effort) -> Result<(), Strin
     fs::create_dir_all(&pictures).map_err(io)?;
     picture::draw_peers(&pictures.join("speed.svg"), &rows)?;
     picture::draw_growth(&pictures.join("growth.svg"), &tiles, &points)?;
-    fs::write(docs.join("speed.md"), page::text(&rows, &tiles, &points, &threads, &limit)).map_err(io)
+    fs::write(docs.join("speed.md"), page::text(magpylib.as_deref(), &rows, &tiles, &points, &threads, &limit))
+        .map_err(io)
 }
