@@ -36,6 +36,16 @@ impl Source {
     }
 }
 
+/// Of the potential as a function of z above and below the centre. That of a flat film is even with J in its plane, and odd with J across.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Parity {
+    Neither,
+    /// There is no moment with l + m odd,
+    Even,
+    /// or none with l + m even.
+    Odd,
+}
+
 /// The moments M of the scalar potential (Eq. P21), by degree l and order m, 0 <= m <= l; those of order -m are (-1)^m times their conjugates.
 #[derive(Clone, Debug)]
 pub(super) struct Moments(Triangle<f64>);
@@ -61,6 +71,17 @@ impl Moments {
     /// Real and imaginary part; zero beyond m = l.
     pub(super) fn at(&self, l: usize, m: usize) -> [f64; 2] {
         if m > l { [0.0; 2] } else { self.0.at(l, m) }
+    }
+
+    /// Which of them are zero to the last digit.
+    pub(super) fn parity(&self) -> Parity {
+        let pairs = || (0..=self.degree()).flat_map(|l| (0..=l).map(move |m| (l, m)));
+        let are_zero = |odd: usize| pairs().all(|(l, m)| (l + m) % 2 != odd || self.at(l, m) == [0.0; 2]);
+        match (are_zero(1), are_zero(0)) {
+            (true, _) => Parity::Even,
+            (false, true) => Parity::Odd,
+            (false, false) => Parity::Neither,
+        }
     }
 
     /// The real and the imaginary parts of a degree, by order.

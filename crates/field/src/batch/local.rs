@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use super::expansion::{Place, fields_of_rows};
+use super::expansion::{ALL, Place, fields_of_rows};
 use super::lanes::{Lanes, Number};
 use super::pairwise::Pairwise;
 use crate::tolerances::HIGHEST_LOCAL_DEGREE;
@@ -74,7 +74,7 @@ impl<S: Simd> Pairwise<S> for Local {
     #[inline(always)]
     fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
         let places = [self.place(points[0]), self.place(points[1])];
-        fields_of_rows(simd, &places, self.degree, |order| {
+        fields_of_rows::<S, ALL>(simd, &places, self.degree, |order| {
             let start = self.row_start(order);
             [&self.rows[0][start..], &self.rows[1][start..], &self.rows[2][start..]]
         })

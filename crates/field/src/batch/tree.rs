@@ -137,8 +137,7 @@ impl Tree {
     fn add_node(&mut self, items: Span<usize>, halves: Option<[usize; 2]>, degree: usize) {
         let span = self.items[items.start].bodies.start..self.items[items.end - 1].bodies.end;
         let bodies = &self.bodies[span.clone()];
-        let around = around(bodies);
-        let centre = around.centre();
+        let centre = middle_of(bodies);
         let radius = bodies.iter().map(|b| (b.centre - centre).length() + b.half_diagonal).fold(0.0, f64::max);
         let scale = power_of_two_reciprocal(radius);
         let strength_t = bodies.iter().map(|body| body.strength_t(scale)).sum();
@@ -417,6 +416,13 @@ impl Body {
         });
         corners.iter().sum::<f64>() / 8.0
     }
+}
+
+/// That of the box around them; along an axis on which all have the same, exactly that, so that what vanishes by symmetry vanishes to the last digit.
+fn middle_of(bodies: &[Body]) -> DVec3 {
+    let (first, middle) = (bodies[0].centre, around(bodies).centre());
+    let level = |axis: usize| bodies.iter().all(|body| body.centre[axis] == first[axis]);
+    DVec3::from([0, 1, 2].map(|axis: usize| if level(axis) { first[axis] } else { middle[axis] }))
 }
 
 fn around(bodies: &[Body]) -> Box3 {
