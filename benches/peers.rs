@@ -1,9 +1,11 @@
-//! magsplice against magba 0.7.3's best call, one thread, in one process.
+//! magsplice against magba 0.7.3's best call, one thread, in one process; then more threads against one.
 //!
 //! `cargo bench -p magsplice-benches --bench peers` prints for each workload `ratio: <workload> = <magba time / magsplice time>`, the median
-//! over interleaved pairs of runs, and how far the two fields are apart, then how many times faster more threads are than one, beside as
-//! many scenes at the same time that share nothing (`-- --threads`: only that). `-- --test` runs each workload once on few points, `-- NAME` those with this in their
-//! name, `-- --avx2` (or another instruction set) with these instructions instead of the best.
+//! over interleaved pairs of runs, and how far the two fields are apart. Then `threads: <workload>, <n> threads = <time of one / time of n>`, beside the
+//! same for n scenes at the same time that share nothing, the most that the machine gives.
+//!
+//! `-- --test` runs each workload once on few points, `-- NAME` those with this in their name, `-- --threads` leaves magba out, `-- --avx2` (or another
+//! instruction set) compares with magba by these instructions instead of the best.
 
 use std::hint::black_box;
 use std::time::Instant;
