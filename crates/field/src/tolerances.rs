@@ -135,6 +135,9 @@ pub(crate) const ALONE_COST: f64 = 690.0;
 /// What an expansion of degree p takes for (p + 2) (p + 3), in the same unit: six sums and three operations for the recurrence, of half as many terms.
 pub(crate) const NODE_COST: f64 = 4.5;
 
+/// The same of a flat film: half of the sums.
+pub(crate) const FLAT_NODE_COST: f64 = 3.0;
+
 /// The highest degree of the field around a batch of points to which nodes are translated. What a translation takes grows with its third power, and higher
 /// ones serve hardly more nodes: those nearer are so near that their own degree is high.
 pub(crate) const HIGHEST_LOCAL_DEGREE: usize = 24;
@@ -144,6 +147,9 @@ pub(crate) const POINTS_PER_DEGREE: usize = 16;
 
 /// What a translation leaves out, as a fraction of what its node's own expansion may.
 pub(crate) const TRANSLATED_SHARE: f64 = 0.1;
+
+/// The round-off of an item is not found more closely than to this fraction of what a node may leave out.
+pub(crate) const CERTAIN_SHARE: f64 = 1e-3;
 
 /// Fewer points are not worth a translation: each takes as much as the expansion at so many.
 pub(crate) const TRANSLATED_POINTS: usize = 32;
@@ -174,12 +180,20 @@ pub(crate) const POINTS_PER_FITTED_NODE: usize = 4;
 /// Of fewer tiles the exact field takes no longer than to sort points into batches.
 pub(crate) const TREE_TILES: usize = 64;
 
-/// Points for which is estimated together what may be left out, and of which those with a weak field are served together again.
-pub(crate) const ESTIMATED_POINTS: usize = 512;
+/// Points that one thread serves one after the other, at least and at most: what may be left out at the first of them is estimated, at others told from those
+/// before; those with a weak field are served together again.
+pub(crate) const POINTS_PER_ROUND: [usize; 2] = [256, 2048];
+
+/// So many rounds are shared out among threads evenly, where there are points enough.
+pub(crate) const ROUNDS_TO_SHARE: usize = 64;
 
 /// Of these the points that parts of a tree are assigned to together: more share the choice, fewer lie closer together, leave more of the tiles far away, and
 /// need lower degrees of expansions.
 pub(crate) const ASSIGNED_POINTS: usize = 128;
+
+/// One of so many points may have a field too weak for what is left out, and is served again. Each of these takes as long as five others; to halve their
+/// number takes 3 % more for all.
+pub(crate) const POINTS_PER_WEAK: usize = 32;
 
 /// Of these the points at which the field is found roughly first.
 pub(crate) const SAMPLED_POINTS: usize = 16;
@@ -257,6 +271,12 @@ pub(crate) const PRODUCT_RANGE: f64 = 16.0;
 
 /// Tiles that share tables of corners, at most. Large enough to share most corners, small enough for the tables to stay in the first caches.
 pub(crate) const TILES_PER_CLUSTER: usize = 64;
+
+/// The same in a tree, to a tolerance. Fewer have a smaller sphere around them, so that their expansion serves nearer to them; but there are more of them.
+pub(crate) const TILES_PER_ITEM: usize = 32;
+
+/// Of these so many neighbours get their expansions together: what the longest vectors hold.
+pub(crate) const ITEMS_EXPANDED: usize = 8;
 
 /// Lengths of those tables; powers of two. Tiles that need longer ones are divided further.
 pub(crate) const MOST_CORNERS: usize = 512;

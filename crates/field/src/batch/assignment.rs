@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::tree::Tree;
-use crate::tolerances::{TRANSLATED_POINTS, TRANSLATED_SHARE};
+use crate::tolerances::{CERTAIN_SHARE, STRETCHED_BOUND, TRANSLATED_POINTS, TRANSLATED_SHARE};
 use crate::within::magnitude::Box3;
 
 /// For points that lie together, the parts of a tree that add up to the field there.
@@ -32,7 +32,9 @@ pub(crate) struct Assignment {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest {
     pub(super) node: usize,
-    /// The degree at the nearest of the points, and at most what it leaves out there, in tesla. No lower degree leaves out more than that at points farther away.
+    /// From its centre to the nearest of the points, scaled.
+    pub(super) distance: f64,
+    /// The degree there, and at most what it leaves out there, in tesla. No lower degree leaves out more than that at points farther away.
     pub(super) degree: usize,
     pub(super) left_out_t: f64,
 }
@@ -61,7 +63,8 @@ impl Assignment {
         let mut assignment = Assignment { middle, reach, ..Assignment::default() };
         let mut waiting: Vec<usize> = (0..tree.nodes.len().min(1)).collect();
         while let Some(index) = waiting.pop() {
-            if let Some((degree, left_out_t)) = tree.degree(index, points, allowed_t) {
+            if let Some(nearest) = tree.nearest(index, points, allowed_t) {
+                let Nearest { degree, left_out_t, .. } = nearest;
                 let tiles = tree.tiles_of_node(index);
                 assignment.left_out_t += left_out_t;
                 assignment.magnitude_t += tree.most_of_node_t(index, points);
@@ -75,7 +78,7 @@ impl Assignment {
                         assignment.left_out_t += left_out_t;
                         assignment.translated.push(Translated { node: index, degree, local_degree });
                     } else {
-                        assignment.expanded.push(Nearest { node: index, degree, left_out_t });
+                        assignment.expanded.push(nearest);
                     }
                 } else {
                     assignment.ignored_t += left_out_t;
@@ -87,13 +90,12 @@ impl Assignment {
                 Some([low, high]) => waiting.extend([high, low]),
                 None => {
                     let item = tree.nodes[index].items.start;
-                    let beyond = tree.least_distance(index, points, allowed_t).map(|(distance, degree)| {
-                        assignment.left_out_t += allowed_t;
-                        (distance, Nearest { node: index, degree, left_out_t: allowed_t })
-                    });
+                    let beyond = tree.least_distance(index, points, allowed_t);
+                    assignment.left_out_t += beyond.map_or(0.0, |(_, nearest)| nearest.left_out_t);
                     assignment.near.push(Near { item, beyond });
                     assignment.tiles[1] += tree.tiles_of_item(item);
-                    assignment.magnitude_t += tree.most_of_item_t(item, points);
+                    assignment.magnitude_t +=
+                        tree.most_of_item_t(index, points, CERTAIN_SHARE / STRETCHED_BOUND * allowed_t);
                 }
             }
         }

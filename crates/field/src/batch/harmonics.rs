@@ -58,9 +58,14 @@ impl Moments {
 
     /// Of cuboids. The same digits with all instructions.
     pub(super) fn of(level: Level, sources: &[Source], degree: usize) -> Moments {
-        let mut moments = Moments::new(degree);
-        dispatch!(level, simd => moments.add_sources(simd, sources));
-        moments.0.complete();
+        Moments::of_each(level, &[sources], degree).pop().expect("one group")
+    }
+
+    /// Of groups of cuboids; several take less together than one by one.
+    pub(super) fn of_each(level: Level, groups: &[&[Source]], degree: usize) -> Vec<Moments> {
+        let mut moments = vec![Moments::new(degree); groups.len()];
+        dispatch!(level, simd => add_sources(simd, groups, degree, &mut moments));
+        moments.iter_mut().for_each(|moments| moments.0.complete());
         moments
     }
 
@@ -88,6 +93,12 @@ impl Moments {
     pub(super) fn row(&self, l: usize) -> [&[f64]; 2] {
         let row = self.0.place(l, 0)..self.0.place(l, l) + 1;
         [&self.0.re[row.clone()], &self.0.im[row]]
+    }
+
+    /// Those of no higher degree.
+    pub(super) fn up_to(&self, degree: usize) -> Moments {
+        let count = row_start(degree + 1);
+        Moments(Triangle { degree, re: self.0.re[..count].to_vec(), im: self.0.im[..count].to_vec() })
     }
 
     /// Adds other ones of the same degree.
@@ -138,19 +149,23 @@ impl Moments {
         };
         (0..=self.degree()).map(power).collect()
     }
+}
 
-    /// As many cuboids, and as many of their shapes, at a time as a vector is long. Products are rounded before they are added, and sums are taken in the order
-    /// of the sources, so that no digit depends on the instructions.
-    #[inline(always)]
-    fn add_sources<S: Simd>(&mut self, simd: S, sources: &[Source]) {
-        let zero = Lanes::<S>::splat(simd, 0.0);
-        let degree = self.degree();
+/// As many cuboids, and as many of their shapes, at a time as a vector is long. Products are rounded before they are added, and sums are taken in the order
+/// of the sources, so that no digit depends on the instructions, nor on which groups are taken together.
+#[inline(always)]
+fn add_sources<S: Simd>(simd: S, groups: &[&[Source]], degree: usize, moments: &mut [Moments]) {
+    let zero = Lanes::<S>::splat(simd, 0.0);
+    // What is not written anew is zero in all of them.
+    let kept = ROOM.take().and_then(|room| room.downcast::<[Triangle<Lanes<S>>; 3]>().ok());
+    let kept = kept.filter(|room| room[0].degree == degree);
+    let mut room = kept.unwrap_or_else(|| Box::new([0, 1, 2].map(|_| Triangle::new(degree, zero))));
+    let mut waiting: Vec<Dipoles> = Vec::new();
+    for (group, sources) in groups.iter().enumerate() {
         let shapes = Shapes::of(sources);
-        let mut points: Vec<Triangle<f64>> = shapes.half_sides.iter().map(|_| Triangle::new(degree, 0.0)).collect();
-        // What is not written anew is zero in all of them.
-        let kept = ROOM.take().and_then(|room| room.downcast::<[Triangle<Lanes<S>>; 3]>().ok());
-        let kept = kept.filter(|room| room[0].degree == degree);
-        let mut room = kept.unwrap_or_else(|| Box::new([0, 1, 2].map(|_| Triangle::new(degree, zero))));
+        let own = waiting.len();
+        let dipoles = |&half_sides| Dipoles { group, half_sides, moments: Triangle::new(degree, 0.0) };
+        waiting.extend(shapes.half_sides.iter().map(dipoles));
         for (sources, shapes) in sources.chunks(Lanes::<S>::LEN).zip(shapes.of_source.chunks(Lanes::<S>::LEN)) {
             let centre = side_by_side(simd, sources, |source| source.centre);
             let moment = side_by_side(simd, sources, |source| source.polarization_t * (source.volume() / (4.0 * PI)));
@@ -158,34 +173,49 @@ impl Moments {
             harmonics.set_harmonics(centre, zero, Lanes::<S>::splat(simd, 1.0));
             potential.set_derivative(harmonics, Along::Any(moment), degree);
             for (lane, &shape) in shapes.iter().enumerate() {
-                points[shape].add_lane(potential, lane);
+                waiting[own + shape].moments.add_lane(potential, lane);
             }
         }
-        for (points, half_sides) in points.chunks(Lanes::<S>::LEN).zip(shapes.half_sides.chunks(Lanes::<S>::LEN)) {
-            let [potential, before, derived] = &mut *room;
-            potential.set_lanes(simd, points);
-            for axis in 0..3 {
-                before.re.copy_from_slice(&potential.re);
-                before.im.copy_from_slice(&potential.im);
-                let half = side_by_side(simd, half_sides, |sides| sides[axis]);
-                let aligned =
-                    half_sides.iter().all(|sides| sides[axis].abs() == DVec3::AXES[axis] * sides[axis].length());
-                let along = match (aligned, axis) {
-                    (false, _) => Along::Any(half),
-                    (true, 0) => Along::X(half[0]),
-                    (true, 1) => Along::Y(half[1]),
-                    (true, _) => Along::Z(half[2]),
-                };
-                potential.spread(before, derived, along);
-            }
-            for lane in 0..points.len() {
-                self.0.add_lane(potential, lane);
-            }
+        let is_last = group + 1 == groups.len();
+        let whole = if is_last { waiting.len() } else { waiting.len() / Lanes::<S>::LEN * Lanes::<S>::LEN };
+        for dipoles in waiting[..whole].chunks(Lanes::<S>::LEN) {
+            add_spread(simd, &mut room, dipoles, moments);
         }
-        ROOM.set(Some(room));
-        // The moments are of conjugate harmonics.
-        self.0.im.iter_mut().for_each(|im| *im = -*im);
+        waiting.drain(..whole);
     }
+    ROOM.set(Some(room));
+}
+
+/// Spreads dipoles at the middles of cuboids over these, one shape in each lane.
+#[inline(always)]
+fn add_spread<S: Simd>(simd: S, room: &mut [Triangle<Lanes<S>>; 3], dipoles: &[Dipoles], moments: &mut [Moments]) {
+    let [potential, before, derived] = room;
+    potential.set_lanes(simd, dipoles);
+    for axis in 0..3 {
+        before.re.copy_from_slice(&potential.re);
+        before.im.copy_from_slice(&potential.im);
+        let half = side_by_side(simd, dipoles, |dipoles| dipoles.half_sides[axis]);
+        let is_aligned = |sides: &[DVec3; 3]| sides[axis].abs() == DVec3::AXES[axis] * sides[axis].length();
+        let along = match (dipoles.iter().all(|dipoles| is_aligned(&dipoles.half_sides)), axis) {
+            (false, _) => Along::Any(half),
+            (true, 0) => Along::X(half[0]),
+            (true, 1) => Along::Y(half[1]),
+            (true, _) => Along::Z(half[2]),
+        };
+        potential.spread(before, derived, along);
+    }
+    // The moments are of conjugate harmonics.
+    potential.im.iter_mut().for_each(|im| *im = *im * -1.0);
+    for (lane, dipoles) in dipoles.iter().enumerate() {
+        moments[dipoles.group].0.add_lane(potential, lane);
+    }
+}
+
+/// The cuboids of one shape in a group, each as a dipole in its middle.
+struct Dipoles {
+    group: usize,
+    half_sides: [DVec3; 3],
+    moments: Triangle<f64>,
 }
 
 thread_local! {
@@ -391,11 +421,11 @@ impl Triangle<f64> {
 impl<S: Simd> Triangle<Lanes<S>> {
     /// Becomes as many as there are lanes, side by side.
     #[inline(always)]
-    fn set_lanes(&mut self, simd: S, triangles: &[Triangle<f64>]) {
+    fn set_lanes(&mut self, simd: S, dipoles: &[Dipoles]) {
         let mut values = [[0.0; LONGEST_VECTOR]; 2];
         for place in 0..self.re.len() {
-            for (lane, triangle) in triangles.iter().enumerate() {
-                (values[0][lane], values[1][lane]) = (triangle.re[place], triangle.im[place]);
+            for (lane, Dipoles { moments, .. }) in dipoles.iter().enumerate() {
+                (values[0][lane], values[1][lane]) = (moments.re[place], moments.im[place]);
             }
             self.re[place] = Lanes::<S>::load(simd, &values[0][..Lanes::<S>::LEN]);
             self.im[place] = Lanes::<S>::load(simd, &values[1][..Lanes::<S>::LEN]);

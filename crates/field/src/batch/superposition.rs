@@ -372,7 +372,7 @@ fn parts<'a>(arrangement: &'a Arrangement, assigned: Option<(&'a Tree, &'a Assig
                 tree,
                 what,
             });
-            (&frame.table.clusters[tree.items[near.item].together], beyond)
+            (tree.items[near.item].together(frame), beyond)
         };
         (frame, parts.iter().map(part).collect())
     });

@@ -5,7 +5,7 @@ use std::ops::Range as Span;
 use std::sync::OnceLock;
 
 use fearless_simd::Level;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::bars::decomposed;
 use super::cluster::Cluster;
@@ -14,7 +14,7 @@ use super::multipole::Distant;
 use super::range::Range;
 use super::series::Series;
 use crate::block::Block;
-use crate::tolerances::{KEPT_SERIES, TILES_PER_CLUSTER};
+use crate::tolerances::{KEPT_SERIES, MOST_PLANES, TILES_PER_CLUSTER, TILES_PER_ITEM};
 
 /// Clusters of neighbouring tiles, and the series of their shapes.
 #[derive(Clone, Debug, Default)]
@@ -44,8 +44,33 @@ pub(super) struct Together {
 }
 
 impl Together {
-    fn new(blocks: Span<usize>, range: Range, cluster: Option<Cluster>) -> Together {
-        Together { blocks, range, cluster, expansion: OnceLock::new() }
+    /// Of some of a frame's blocks, from `start` on; `None` if they do not fit.
+    fn of(blocks: &[Block], start: usize) -> Option<Together> {
+        let (range, cluster) = if let [block] = blocks {
+            (Range::of_tile(block), None)
+        } else {
+            let parts = decomposed(blocks);
+            let cluster = Cluster::of(&parts, Range::scale_of(&parts))?;
+            let range = Range::of_tiles(&parts, blocks.len(), cluster.largest_group_volume, cluster.largest_group);
+            (range, Some(cluster))
+        };
+        Some(Together { blocks: start..start + blocks.len(), range, cluster, expansion: OnceLock::new() })
+    }
+
+    /// Two halves of these of a frame's `blocks`, if they are many and both fit whatever they share.
+    pub(super) fn halves(&self, blocks: &[Block]) -> Option<[Span<usize>; 2]> {
+        let Span { start, end } = self.blocks;
+        let middle = start + (end - start) / 2;
+        let halves = [start..middle, middle..end];
+        let fit = halves.iter().all(|half| most_planes(&blocks[half.clone()]) <= MOST_PLANES);
+        (end - start > TILES_PER_ITEM && fit).then_some(halves)
+    }
+
+    /// One of the [`Together::halves`].
+    pub(super) fn half(blocks: &[Block], half: Span<usize>) -> Together {
+        // Of so few tiles corners and groups fit as well: 32 tiles have 256 corners and 192 elements, and bars instead of them have fewer elements, each
+        // 3 of them 8 corners.
+        Together::of(&blocks[half.clone()], half.start).expect("halves that fit")
     }
 
     /// The expansion of these of a frame's `blocks`.
@@ -61,7 +86,7 @@ impl FrameTable {
         let mut table = FrameTable::default();
         let mut places: Vec<Place> = blocks.iter().enumerate().map(|(index, block)| Place::of(index, block)).collect();
         let mut ordered = Vec::with_capacity(blocks.len());
-        table.divide(blocks, &mut places, None, &mut ordered);
+        table.divide(blocks, &mut places, true, &mut ordered);
         blocks.clone_from_slice(&ordered);
         let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
         for block in &*blocks {
@@ -91,11 +116,13 @@ impl FrameTable {
         self.series.get(self.tiles[block].shape as usize)
     }
 
-    /// Brings the `blocks` at some places, which are sorted along `axes` if these are given, into order.
-    fn divide(&mut self, blocks: &[Block], places: &mut [Place], axes: Option<[usize; 3]>, ordered: &mut Vec<Block>) {
+    /// Brings the `blocks` at some places into order; those of all places, if they are together, remain in theirs.
+    fn divide(&mut self, blocks: &[Block], places: &mut [Place], are_all: bool, ordered: &mut Vec<Block>) {
         let start = ordered.len();
         if places.len() <= TILES_PER_CLUSTER {
-            if let Some(axes) = axes {
+            if !are_all {
+                // Along their own longest axis, so that halves of them are compact.
+                let axes = longest_first(places);
                 places.sort_unstable_by(|a, b| a.compare(b, axes));
             }
             ordered.extend(places.iter().map(|place| blocks[place.index].clone()));
@@ -106,27 +133,31 @@ impl FrameTable {
         }
         let axes = longest_first(places);
         let (low, high) = halved(places, axes);
-        self.divide(blocks, low, Some(axes), ordered);
-        self.divide(blocks, high, Some(axes), ordered);
+        self.divide(blocks, low, false, ordered);
+        self.divide(blocks, high, false, ordered);
     }
 
     /// Whether blocks that are now at `start` are none, one, or some that one form serves.
     fn take_together(&mut self, blocks: &[Block], start: usize) -> bool {
-        match blocks {
-            [] => {}
-            [block] => self.clusters.push(Together::new(start..start + 1, Range::of_tile(block), None)),
-            _ => {
-                let parts = decomposed(blocks);
-                let Some(cluster) = Cluster::of(&parts, Range::scale_of(&parts)) else { return false };
-                let range = Range::of_tiles(&parts, blocks.len(), cluster.largest_group_volume, cluster.largest_group);
-                if !range.is_compact() {
-                    return false;
-                }
-                self.clusters.push(Together::new(start..start + blocks.len(), range, Some(cluster)));
-            }
+        if blocks.is_empty() {
+            return true;
         }
-        true
+        match Together::of(blocks, start) {
+            Some(together) if together.cluster.is_none() || together.range.is_compact() => {
+                self.clusters.push(together);
+                true
+            }
+            _ => false,
+        }
     }
+}
+
+/// How many planes the faces of blocks and of bars over some of them lie in, at most.
+fn most_planes(blocks: &[Block]) -> usize {
+    let faces = blocks.iter().flat_map(|block| (0..3).flat_map(|axis| block.faces[axis].map(|face| (axis, face))));
+    let planes: FxHashSet<(usize, [u64; 2])> =
+        faces.map(|(axis, face)| (axis, [face.hi, face.lo].map(f64::to_bits))).collect();
+    planes.len()
 }
 
 /// Where a block is: what is sorted instead of the blocks, which are ten times larger.

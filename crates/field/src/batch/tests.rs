@@ -2,7 +2,7 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 
-use super::assignment::{Assignment, Translated};
+use super::assignment::{Assignment, Nearest, Translated};
 use super::expansion::Expansion;
 use super::functions::{angle, artanh_of_ratio};
 use super::instruction_set::InstructionSet;
@@ -321,13 +321,14 @@ fn nodes_leave_out_no_more_than_they_say_and_not_much_less() {
         for exponent in 0..60 {
             let allowed_t = 0.1 * 0.5_f64.powi(exponent);
             let at = Box3 { lower: point, upper: point };
-            let Some((degree, left_out_t)) = tree.degree(0, &at, allowed_t) else { continue };
+            let Some(nearest) = tree.nearest(0, &at, allowed_t) else { continue };
+            let Nearest { degree, left_out_t, .. } = nearest;
             assert!(left_out_t <= allowed_t);
-            let found = if degree == 0 {
-                DVec3::ZERO
-            } else {
-                dispatch!(level, simd => expanded(simd, tree.expansion(0), degree, point))
+            let field = |degree: usize, point: DVec3| match degree {
+                0 => DVec3::ZERO,
+                _ => dispatch!(level, simd => expanded(simd, tree.expansion(0), degree, point)),
             };
+            let found = field(degree, point);
             let error_t = (found - exact).length();
             let rounding = 1e-13 * exact.length();
             assert!(error_t <= left_out_t + rounding, "degree {degree} at {distance}: {error_t:e} of {left_out_t:e}");
@@ -336,6 +337,21 @@ fn nodes_leave_out_no_more_than_they_say_and_not_much_less() {
                 "degree {degree} at {distance}: {error_t:e} of {left_out_t:e}"
             );
             seen[degree] = true;
+            // Degrees found from that for points farther away.
+            let mut last = degree;
+            for times in [1.0, 1.02, 1.1, 1.3, 2.0, 7.0, 1e4, 1e60] {
+                let farther = point * times;
+                let mut degrees = Vec::new();
+                let [x, y, z] = farther.to_array().map(|coordinate| [coordinate; 16]);
+                tree.set_degrees(&nearest, [&x, &y, &z], &mut degrees);
+                let &[own] = &degrees[..] else { panic!("one degree for 16 points: {degrees:?}") };
+                assert!(own <= last, "{own} after {last}, {times} times as far as {distance}");
+                let exact = scene.field(crate::quantity::Quantity::FluxDensity, farther).expect("outside");
+                let error_t = (field(own, farther) - exact).length();
+                assert!(error_t <= left_out_t + 1e-13 * exact.length(), "degree {own}: {error_t:e} of {left_out_t:e}");
+                last = own;
+            }
+            assert_eq!(last, 0, "nothing is needed there");
         }
     }
     // The parts of odd degree vanish by symmetry, so that none of them is the last that is needed.

@@ -267,13 +267,17 @@ impl<S: Simd> Room<S> {
         }
     }
 
+    /// Zero where a node has no such degree, and in lanes that are left.
     fn set_moments(&mut self, shifts: &[Shift], degree: usize) {
         for (part, room) in self.moments.iter_mut().enumerate() {
-            room[..place(degree + 1, 0) * Lanes::<S>::LEN].fill(0.0);
-            for (lane, shift) in shifts.iter().enumerate() {
-                for l in 1..=shift.degree {
-                    let room = room[place(l, 0) * Lanes::<S>::LEN + lane..].iter_mut().step_by(Lanes::<S>::LEN);
-                    room.zip(shift.moments.row(l)[part]).for_each(|(room, moment)| *room = *moment);
+            for l in 1..=degree {
+                let rows: [&[f64]; LONGEST_VECTOR] = std::array::from_fn(|lane| match shifts.get(lane) {
+                    Some(shift) if l <= shift.degree => shift.moments.row(l)[part],
+                    _ => &[0.0; MOST + 1][..=l],
+                });
+                let room = room[place(l, 0) * Lanes::<S>::LEN..].chunks_exact_mut(Lanes::<S>::LEN);
+                for (m, room) in room.take(l + 1).enumerate() {
+                    room.iter_mut().zip(&rows).for_each(|(value, row)| *value = row[m]);
                 }
             }
         }

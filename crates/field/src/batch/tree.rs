@@ -5,18 +5,20 @@ use std::ops::Range as Span;
 use std::sync::{LazyLock, OnceLock};
 
 use fearless_simd::Level;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3, Vec3Swizzles};
 
 use super::assignment::{Nearest, Translated};
 use super::expansion::Expansion;
 use super::harmonics::{Moments, Source};
 use super::range::power_of_two_reciprocal;
+use super::table::Together;
 use super::translation::Shift;
-use crate::arrangement::Arrangement;
+use crate::arrangement::{Arrangement, Frame};
 use crate::tile::Tile;
 use crate::tolerances::{
-    ALONE_COST, CLOSED_FORM_COST, CORNERED_TILES, DISTANCE_BISECTIONS, FARTHEST, HIGHEST_DEGREE, HIGHEST_LOCAL_DEGREE,
-    LARGEST_FIELD_OVER_J, NEAREST_NODE, NODE_COST, POINTS_PER_DEGREE, SPHERE_GAPS,
+    ALONE_COST, CLOSED_FORM_COST, CORNERED_TILES, DISTANCE_BISECTIONS, FARTHEST, FLAT_NODE_COST, HIGHEST_DEGREE,
+    HIGHEST_LOCAL_DEGREE, ITEMS_EXPANDED, LARGEST_FIELD_OVER_J, NEAREST_NODE, NODE_COST, POINTS_PER_DEGREE,
+    SPHERE_GAPS,
 };
 use crate::within::magnitude::Box3;
 
@@ -32,6 +34,10 @@ pub(crate) struct Tree {
     largest_j_t: f64,
     pub(super) items: Vec<Item>,
     pub(super) nodes: Vec<Node>,
+    /// The nodes that are one item, by item.
+    leaves: Vec<usize>,
+    /// What these are outside, so many items together; made when one of them is first needed.
+    outside_leaves: Vec<OnceLock<Vec<Outside>>>,
 }
 
 /// A block in the scene's frame.
@@ -49,9 +55,21 @@ struct Body {
 pub(super) struct Item {
     /// Index of its frame.
     pub(super) frame: usize,
-    /// Index in the frame's table.
-    pub(super) together: usize,
+    taken: Taken,
     bodies: Span<usize>,
+}
+
+/// Where the forms of an item are.
+#[derive(Clone, Debug)]
+enum Taken {
+    /// At this index of the frame's table.
+    InTable(usize),
+    /// Here, as it is a half of what is in the table.
+    Half {
+        blocks: Span<usize>,
+        /// Made when first needed.
+        made: OnceLock<Box<Together>>,
+    },
 }
 
 /// Items next to each other.
@@ -68,11 +86,13 @@ pub(super) struct Node {
     strength_t: f64,
     /// The highest degree that costs less than its tiles one by one.
     degree: usize,
+    /// That of twice as many tiles, up to which its moments are known: those of the node above it come from them.
+    known_degree: usize,
     /// The two halves.
     pub(super) halves: Option<[usize; 2]>,
     /// The sum over tiles of |J| V / 4 pi times the mean of distance^degree from the centre, at most; scaled. Found when first needed.
     reach_t: OnceLock<f64>,
-    /// Made when first needed.
+    /// Made when first needed, if it has halves.
     outside: OnceLock<Outside>,
 }
 
@@ -96,10 +116,10 @@ static NEXT_DEGREES: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
 impl Tree {
     /// Of the tiles arranged, with expansions up to `degree` where they pay.
     pub(crate) fn of(level: Level, arrangement: &Arrangement, tiles: &[Tile], degree: usize) -> Tree {
-        let mut unsorted: Vec<(Vec<Body>, usize, usize)> = Vec::new();
+        let mut unsorted: Vec<Option<(Vec<Body>, usize, Taken)>> = Vec::new();
         for (index, frame) in arrangement.frames().iter().enumerate() {
-            for (together, of) in frame.table.clusters.iter().enumerate() {
-                let bodies = of.blocks.clone().map(|block| {
+            for (blocks, taken) in items_of(frame) {
+                let bodies = blocks.map(|block| {
                     let block = &frame.blocks[block];
                     let size = DVec3::from(block.size);
                     Body {
@@ -110,27 +130,37 @@ impl Tree {
                         half_diagonal: 0.5 * size.length(),
                     }
                 });
-                unsorted.push((bodies.collect(), index, together));
+                unsorted.push(Some((bodies.collect(), index, taken)));
             }
         }
-        let centres: Vec<DVec3> = unsorted.iter().map(|(bodies, ..)| around(bodies).centre()).collect();
+        let centres: Vec<DVec3> = unsorted.iter().flatten().map(|(bodies, ..)| around(bodies).centre()).collect();
         let mut order: Vec<usize> = (0..unsorted.len()).collect();
         let rotations = arrangement.frames().iter().map(|frame| frame.to_scene.rotation().copied()).collect();
         let largest_j_t = tiles.iter().map(|tile| tile.polarization_t().length()).fold(0.0, f64::max);
-        let mut tree = Tree { level, rotations, bodies: Vec::new(), largest_j_t, items: Vec::new(), nodes: Vec::new() };
+        let mut tree = Tree {
+            level,
+            rotations,
+            bodies: Vec::new(),
+            largest_j_t,
+            items: Vec::new(),
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+            outside_leaves: Vec::new(),
+        };
         let mut halves = Vec::new();
         if !order.is_empty() {
             bisect(&centres, &mut order, 0, &mut halves);
         }
         for index in order {
-            let (bodies, frame, together) = std::mem::take(&mut unsorted[index]);
+            let (bodies, frame, taken) = unsorted[index].take().expect("each once");
             let start = tree.bodies.len();
             tree.bodies.extend(bodies);
-            tree.items.push(Item { frame, together, bodies: start..tree.bodies.len() });
+            tree.items.push(Item { frame, taken, bodies: start..tree.bodies.len() });
         }
         for (items, halves) in halves {
             tree.add_node(items, halves, degree);
         }
+        tree.outside_leaves.resize_with(tree.items.len().div_ceil(ITEMS_EXPANDED), OnceLock::new);
         tree
     }
 
@@ -142,8 +172,15 @@ impl Tree {
         let scale = power_of_two_reciprocal(radius);
         let strength_t = bodies.iter().map(|body| body.strength_t(scale)).sum();
         let cost: f64 = self.items[items.clone()].iter().map(Item::cost).sum();
-        let pays = |degree: &usize| NODE_COST * ((degree + 2) * (degree + 3)) as f64 <= cost;
-        let degree = (1..=degree.min(HIGHEST_DEGREE)).take_while(pays).last().unwrap_or(1);
+        let node_cost = if self.is_flat(bodies) { FLAT_NODE_COST } else { NODE_COST };
+        let highest = |cost: f64| {
+            let pays = |degree: &usize| node_cost * ((degree + 2) * (degree + 3)) as f64 <= cost;
+            (1..=degree.min(HIGHEST_DEGREE)).take_while(pays).last().unwrap_or(1)
+        };
+        if halves.is_none() {
+            debug_assert_eq!(self.leaves.len(), items.start, "leaves come in the order of their items");
+            self.leaves.push(self.nodes.len());
+        }
         self.nodes.push(Node {
             items,
             bodies: span,
@@ -151,22 +188,28 @@ impl Tree {
             radius,
             scale,
             strength_t,
-            degree,
+            degree: highest(cost),
+            known_degree: highest(2.0 * cost),
             halves,
             reach_t: OnceLock::new(),
             outside: OnceLock::new(),
         });
     }
 
-    /// The lowest degree, and the most it leaves out in tesla, that leaves out no more than `allowed_t` of a node's field at all points of a box; 0 if all
-    /// of it may be left out.
-    pub(super) fn degree(&self, node: usize, points: &Box3, allowed_t: f64) -> Option<(usize, f64)> {
-        self.degree_from(node, self.nodes[node].distance(points), allowed_t)
+    /// Whether the moments have a [parity](super::harmonics::Parity): tiles in one plane, not tilted, with J in it or across.
+    fn is_flat(&self, bodies: &[Body]) -> bool {
+        let upright = |body: &Body| self.rotations[body.frame].is_none_or(|turn| turn.z_axis.xy() == DVec2::ZERO);
+        let level = |body: &Body| body.centre.z == bodies[0].centre.z;
+        let j_t = |body: &Body| body.polarization_t;
+        bodies.iter().all(|body| level(body) && upright(body))
+            && (bodies.iter().all(|body| j_t(body).z == 0.0) || bodies.iter().all(|body| j_t(body).xy() == DVec2::ZERO))
     }
 
-    /// The same from a scaled distance on.
-    fn degree_from(&self, node: usize, distance: f64, allowed_t: f64) -> Option<(usize, f64)> {
+    /// The lowest degree, and the most it leaves out in tesla, that leaves out no more than `allowed_t` of a node's field at all points of a box; 0 if all
+    /// of it may be left out.
+    pub(super) fn nearest(&self, node: usize, points: &Box3, allowed_t: f64) -> Option<Nearest> {
         let of = &self.nodes[node];
+        let distance = of.distance(points);
         if distance < NEAREST_NODE * of.radius * of.scale || distance * distance > FARTHEST {
             return None;
         }
@@ -175,33 +218,49 @@ impl Tree {
             return None;
         }
         let powers = &self.outside(node).powers;
-        let (mut degree, mut left_out_t) = (of.degree, beyond_t);
-        let over = |degree: usize| (1.0 / distance).powi(degree as i32 + 2);
-        let mut power = over(degree);
+        let (mut degree, mut left_out_t, mut term) = (of.degree, beyond_t, Falling::from(of.degree, distance));
         // From the highest degree down, as most are kept.
-        while degree > 0 && left_out_t + powers[degree] * power <= allowed_t {
-            left_out_t += powers[degree] * power;
+        while degree > 0 && left_out_t + powers[degree] * term.power <= allowed_t {
+            left_out_t += powers[degree] * term.power;
             degree -= 1;
-            // So far away that the high degrees vanish the low ones do not.
-            power = if power.is_normal() { power * distance } else { over(degree) };
+            term.lower();
         }
-        Some((degree, left_out_t))
+        Some(Nearest { node, distance, degree, left_out_t })
     }
 
     /// The degree for each [`POINTS_PER_DEGREE`] points, given by axis.
     pub(super) fn set_degrees(&self, what: &Nearest, [x, y, z]: [&[f64]; 3], degrees: &mut Vec<usize>) {
         let of = &self.nodes[what.node];
+        let left_out_t = self.left_out_from(what);
         let points = x.chunks(POINTS_PER_DEGREE).zip(y.chunks(POINTS_PER_DEGREE)).zip(z.chunks(POINTS_PER_DEGREE));
         degrees.clear();
         degrees.extend(points.map(|((x, y), z)| {
-            let squares = x.iter().zip(y).zip(z).map(|((x, y), z)| {
-                let [x, y, z] = [x - of.centre.x, y - of.centre.y, z - of.centre.z];
-                x * x + y * y + z * z
-            });
-            let nearest = squares.fold(f64::INFINITY, |least, square| if square < least { square } else { least });
-            let degree = self.degree_from(what.node, nearest.sqrt() * of.scale, what.left_out_t);
-            degree.map_or(what.degree, |(degree, _)| degree.min(what.degree))
+            let times = least_square(of.centre, [x, y, z]).sqrt() * of.scale / what.distance;
+            let (mut degree, mut power) = (what.degree, times.powi(-(what.degree as i32 + 3)));
+            while degree > 0 {
+                // Where that vanishes a lower power may not.
+                let lower = if power.is_normal() { power * times } else { times.powi(-(degree as i32 + 2)) };
+                if left_out_t[degree - 1] * lower > what.left_out_t {
+                    break;
+                }
+                (degree, power) = (degree - 1, lower);
+            }
+            degree
         }));
+    }
+
+    /// What each degree of a node's expansion leaves out at the nearest points, at most, in tesla; n times farther it is less by n^(degree + 3) at least.
+    fn left_out_from(&self, what: &Nearest) -> [f64; HIGHEST_DEGREE + 1] {
+        let powers = &self.outside(what.node).powers;
+        let mut left_out_t = [0.0; HIGHEST_DEGREE + 1];
+        let highest = self.nodes[what.node].degree;
+        left_out_t[highest] = self.beyond_t(what.node, what.distance);
+        let mut terms_t = Falling::from(highest, what.distance);
+        for degree in (0..highest).rev() {
+            left_out_t[degree] = left_out_t[degree + 1] + powers[degree + 1] * terms_t.power;
+            terms_t.lower();
+        }
+        left_out_t
     }
 
     /// The lowest degree of the field around `middle`, and the most it leaves out in tesla, that within `reach` of it leaves out no more than `allowed_t` of a
@@ -238,6 +297,10 @@ impl Tree {
             let most = best.map_or(HIGHEST_LOCAL_DEGREE, |(degree, _)| degree);
             // The root of the mean square of the field on the sphere, at most.
             let mut power = mean_t * over / (2.0 * (distance * sphere).sqrt());
+            let [root, growth] = NEXT_DEGREES[most];
+            if power * ratio.powi(most as i32 + 1) * root > allowed_t * (1.0 - ratio * growth) {
+                continue;
+            }
             for (local_degree, [root, growth]) in NEXT_DEGREES[..=most].iter().enumerate() {
                 // The degree that comes next, and what follows it.
                 power *= ratio;
@@ -266,9 +329,8 @@ impl Tree {
         }
     }
 
-    /// The distance from a node's centre from which its expansion leaves out no more than `allowed_t`, and its degree; `None` if all points of a box are
-    /// nearer.
-    pub(super) fn least_distance(&self, node: usize, points: &Box3, allowed_t: f64) -> Option<(f64, usize)> {
+    /// The distance from a node's centre from which its expansion leaves out no more than `allowed_t`; `None` if all points of a box are nearer.
+    pub(super) fn least_distance(&self, node: usize, points: &Box3, allowed_t: f64) -> Option<(f64, Nearest)> {
         let of = &self.nodes[node];
         let centre = of.centre;
         let farthest = (points.upper - centre).abs().max((points.lower - centre).abs()).length() * of.scale;
@@ -284,7 +346,8 @@ impl Tree {
                 short = middle;
             }
         }
-        Some((enough / of.scale, of.degree))
+        let nearest = Nearest { node, distance: enough, degree: of.degree, left_out_t: allowed_t };
+        Some((enough / of.scale, nearest))
     }
 
     /// At most the sum over a node's tiles of the magnitudes of their fields in a box outside its sphere, in tesla.
@@ -293,8 +356,13 @@ impl Tree {
         2.0 * 3.0_f64.sqrt() * of.strength_t / (of.distance(points) - of.radius * of.scale).powi(3)
     }
 
-    /// The same of an item, anywhere.
-    pub(super) fn most_of_item_t(&self, item: usize, points: &Box3) -> f64 {
+    /// The same of the node of an item, anywhere; not found more closely than to `enough_t`.
+    pub(super) fn most_of_item_t(&self, node: usize, points: &Box3, enough_t: f64) -> f64 {
+        let (of, item) = (&self.nodes[node], self.nodes[node].items.start);
+        let outside_t = self.most_of_node_t(node, points);
+        if of.distance(points) > of.radius * of.scale && outside_t <= enough_t {
+            return outside_t;
+        }
         let most = |body: &Body| {
             let gap =
                 (points.gap(&Box3 { lower: body.centre, upper: body.centre }).length() - body.half_diagonal).max(0.0);
@@ -325,27 +393,36 @@ impl Tree {
 
     fn outside(&self, node: usize) -> &Outside {
         let of = &self.nodes[node];
+        let Some(halves) = of.halves else {
+            let [group, place] = [of.items.start / ITEMS_EXPANDED, of.items.start % ITEMS_EXPANDED];
+            return &self.outside_leaves[group].get_or_init(|| self.outside_of_leaves(group))[place];
+        };
         of.outside.get_or_init(|| {
-            let moments = match of.halves {
-                Some(halves) if halves.iter().all(|&half| self.nodes[half].degree == of.degree) => {
-                    let mut moments = Moments::new(of.degree);
-                    for half in halves {
-                        let lower = &self.nodes[half];
-                        let own = self.outside(half).moments.clone().rescaled(of.scale / lower.scale);
-                        moments.add(&own.moved((lower.centre - of.centre) * of.scale));
-                    }
-                    moments
-                }
-                _ => self.moments_of_bodies(of),
-            };
-            let powers = moments.powers();
-            Outside {
-                expansion: Expansion::of_moments(&moments, of.centre.to_array(), of.scale),
-                means: powers.iter().enumerate().map(|(l, power)| power / (l as f64 + 1.0).sqrt()).collect(),
-                powers,
-                moments,
+            if halves.iter().any(|&half| self.nodes[half].known_degree < of.known_degree) {
+                return Outside::new(of, Moments::of(self.level, &self.sources(of), of.known_degree));
             }
+            let mut moments = Moments::new(of.known_degree);
+            for half in halves {
+                let lower = &self.nodes[half];
+                let own = self.outside(half).moments.up_to(of.known_degree).rescaled(of.scale / lower.scale);
+                moments.add(&own.moved((lower.centre - of.centre) * of.scale));
+            }
+            Outside::new(of, moments)
         })
+    }
+
+    fn outside_of_leaves(&self, group: usize) -> Vec<Outside> {
+        let items = group * ITEMS_EXPANDED..self.items.len().min((group + 1) * ITEMS_EXPANDED);
+        let nodes: Vec<&Node> = self.leaves[items].iter().map(|&leaf| &self.nodes[leaf]).collect();
+        let sources: Vec<Vec<Source>> = nodes.iter().map(|node| self.sources(node)).collect();
+        let groups: Vec<&[Source]> = sources.iter().map(|sources| &sources[..]).collect();
+        let degree = nodes.iter().map(|node| node.known_degree).max().unwrap_or(0);
+        let moments = Moments::of_each(self.level, &groups, degree);
+        nodes
+            .into_iter()
+            .zip(moments)
+            .map(|(node, moments)| Outside::new(node, moments.up_to(node.known_degree)))
+            .collect()
     }
 
     /// At most the field in tesla of all degrees beyond a node's own at a scaled distance: the magnitudes of dipoles' fields by degree, summed as the geometric
@@ -375,17 +452,38 @@ impl Tree {
         })
     }
 
-    fn moments_of_bodies(&self, node: &Node) -> Moments {
+    fn sources(&self, node: &Node) -> Vec<Source> {
         let source = |body: &Body| {
             let (centre, size) = ((body.centre - node.centre) * node.scale, body.size * node.scale);
             Source::new(centre, size, self.rotations[body.frame].as_ref(), body.polarization_t)
         };
-        let sources: Vec<Source> = self.bodies[node.bodies.clone()].iter().map(source).collect();
-        Moments::of(self.level, &sources, node.degree)
+        self.bodies[node.bodies.clone()].iter().map(source).collect()
+    }
+}
+
+impl Outside {
+    fn new(node: &Node, moments: Moments) -> Outside {
+        let powers = moments.powers();
+        Outside {
+            expansion: Expansion::of_moments(&moments, node.centre.to_array(), node.scale),
+            means: powers.iter().enumerate().map(|(l, power)| power / (l as f64 + 1.0).sqrt()).collect(),
+            powers,
+            moments,
+        }
     }
 }
 
 impl Item {
+    /// The forms that serve it.
+    pub(super) fn together<'a>(&'a self, frame: &'a Frame) -> &'a Together {
+        match &self.taken {
+            Taken::InTable(index) => &frame.table.clusters[*index],
+            Taken::Half { blocks, made } => {
+                made.get_or_init(|| Box::new(Together::half(&frame.blocks, blocks.clone())))
+            }
+        }
+    }
+
     /// What the closed form takes at a vector of points, in multiply-adds.
     fn cost(&self) -> f64 {
         if self.bodies.len() == 1 { ALONE_COST } else { CLOSED_FORM_COST * self.bodies.len() as f64 }
@@ -416,6 +514,51 @@ impl Body {
         });
         corners.iter().sum::<f64>() / 8.0
     }
+}
+
+/// The powers of an inverse distance with which the field of each degree falls, from a degree down.
+struct Falling {
+    degree: usize,
+    distance: f64,
+    /// distance^-(degree + 2)
+    power: f64,
+}
+
+impl Falling {
+    fn from(degree: usize, distance: f64) -> Falling {
+        Falling { degree, distance, power: distance.powi(-(degree as i32 + 2)) }
+    }
+
+    fn lower(&mut self) {
+        self.degree -= 1;
+        // So far away that the high degrees vanish the low ones do not.
+        let follows = self.power.is_normal();
+        self.power = if follows { self.power * self.distance } else { self.distance.powi(-(self.degree as i32 + 2)) };
+    }
+}
+
+/// Of the distances of points from a centre; those that are no numbers do not count.
+fn least_square(centre: DVec3, [x, y, z]: [&[f64]; 3]) -> f64 {
+    // Several at a time.
+    let mut least = [f64::INFINITY; 4];
+    for ((x, y), z) in x.chunks(least.len()).zip(y.chunks(least.len())).zip(z.chunks(least.len())) {
+        for (least, ((x, y), z)) in least.iter_mut().zip(x.iter().zip(y).zip(z)) {
+            let [x, y, z] = [x - centre.x, y - centre.y, z - centre.z];
+            let square = x * x + y * y + z * z;
+            *least = if square < *least { square } else { *least };
+        }
+    }
+    least.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// What is together in a frame's table, or its halves.
+fn items_of(frame: &Frame) -> impl Iterator<Item = (Span<usize>, Taken)> {
+    frame.table.clusters.iter().enumerate().flat_map(|(index, of)| match of.halves(&frame.blocks) {
+        Some(halves) => {
+            halves.map(|blocks| (blocks.clone(), Taken::Half { blocks, made: OnceLock::new() })).into_iter().collect()
+        }
+        None => vec![(of.blocks.clone(), Taken::InTable(index))],
+    })
 }
 
 /// That of the box around them; along an axis on which all have the same, exactly that, so that what vanishes by symmetry vanishes to the last digit.

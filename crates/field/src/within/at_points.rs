@@ -12,9 +12,9 @@ use crate::evaluate::{PointError, neighbours_together};
 use crate::quantity::{MU_0, Quantity};
 use crate::scene::{Cause, Scene, is_in_range};
 use crate::tolerances::{
-    ASSIGNED_POINTS, ASSIGNMENT_ROUNDS, CLEAR_OF_ERROR, ESTIMATED_POINTS, LOOKED_UP_POINTS, LOOKED_UP_TILES,
-    POINTS_PER_DEGREE, POINTS_PER_FITTED_NODE, POINTS_TOGETHER, ROUGH_FIELD_OVER_J, ROUGH_NODES, ROUGH_STEP,
-    SAFE_SHARE, SAMPLED_POINTS, STRETCHED_BOUND, TREE_TILES, USED_SHARE,
+    ASSIGNED_POINTS, ASSIGNMENT_ROUNDS, CLEAR_OF_ERROR, LOOKED_UP_POINTS, LOOKED_UP_TILES, POINTS_PER_DEGREE,
+    POINTS_PER_FITTED_NODE, POINTS_PER_ROUND, POINTS_PER_WEAK, POINTS_TOGETHER, ROUGH_FIELD_OVER_J, ROUGH_NODES,
+    ROUGH_STEP, ROUNDS_TO_SHARE, SAFE_SHARE, SAMPLED_POINTS, STRETCHED_BOUND, TREE_TILES, USED_SHARE,
 };
 
 /// B or H at all points; points that have none, with NaN there.
@@ -56,15 +56,16 @@ fn at_some_points(
         }
         None => (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect(),
     };
-    let order = batches_together(points, usable);
+    let size = batch_size(usable.len());
+    let order = batches_together(points, usable, size);
     let near: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
     let mut values = vec![DVec3::NAN; near.len()];
-    let batches = near.par_chunks(ESTIMATED_POINTS).zip(values.par_chunks_mut(ESTIMATED_POINTS)).enumerate();
+    let batches = near.par_chunks(size).zip(values.par_chunks_mut(size)).enumerate();
     let outcomes: Vec<Outcome> = batches
         .map(|(number, (points, values))| {
             let mut batch = Batch { scene, tolerance, quantity, points, values, outcome: Outcome::default() };
             batch.serve();
-            batch.outcome.shifted(number * ESTIMATED_POINTS)
+            batch.outcome.shifted(number * size)
         })
         .collect();
     for (&index, value) in order.iter().zip(values) {
@@ -94,27 +95,30 @@ pub(super) fn fitted(scene: &Scene, tolerance: Tolerance, points: &[DVec3]) -> O
     FittedField::of(scene, lower, upper, tolerance, points.len() / POINTS_PER_FITTED_NODE).ok()
 }
 
-/// The first parts that [`at_points`] tries for each batch of points, with the number of points.
+/// What [`at_points`] tries first for each batch of points, with the number of points; but what may be left out is estimated for each anew.
 pub(super) fn assignments(scene: &Scene, tolerance: Tolerance, points: &[DVec3]) -> Vec<(usize, Assignment)> {
-    let usable = (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect();
-    let order = batches_together(points, usable);
-    let batches = order.par_chunks(ESTIMATED_POINTS).flat_map_iter(|order| {
+    let usable: Vec<u32> = (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect();
+    let size = batch_size(usable.len());
+    let order = batches_together(points, usable, size);
+    let batches = order.par_chunks(ASSIGNED_POINTS).map(|order| {
         let points: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
-        let mut values = vec![DVec3::NAN; points.len()];
         let quantity = Quantity::FluxDensity;
-        let batch =
-            Batch { scene, tolerance, quantity, points: &points, values: &mut values, outcome: Outcome::default() };
-        let allowance = batch.first_allowance();
-        let parts = points.chunks(ASSIGNED_POINTS);
-        parts.map(|points| (points.len(), batch.assigned(points, allowance))).collect::<Vec<_>>()
+        let batch = Batch { scene, tolerance, quantity, points: &points, values: &mut [], outcome: Outcome::default() };
+        (points.len(), batch.assigned(&points, batch.first_allowance(&points)))
     });
     batches.collect()
 }
 
+/// So few points that there are batches enough to share out, and otherwise so many that weak fields are found together.
+fn batch_size(points: usize) -> usize {
+    let [least, most] = POINTS_PER_ROUND;
+    points.div_ceil(ROUNDS_TO_SHARE).next_multiple_of(ASSIGNED_POINTS).clamp(least, most)
+}
+
 /// An order in which neighbours follow each other: all points of a batch, and of these those that share an assignment.
-fn batches_together(points: &[DVec3], usable: Vec<u32>) -> Vec<u32> {
-    let mut order = neighbours_together(points, usable, ESTIMATED_POINTS);
-    for batch in order.chunks_mut(ESTIMATED_POINTS) {
+fn batches_together(points: &[DVec3], usable: Vec<u32>, size: usize) -> Vec<u32> {
+    let mut order = neighbours_together(points, usable, size);
+    for batch in order.chunks_mut(size) {
         let parts = neighbours_together(points, batch.to_vec(), ASSIGNED_POINTS);
         batch.copy_from_slice(&parts);
         for part in batch.chunks_mut(ASSIGNED_POINTS) {
@@ -156,18 +160,17 @@ impl Outcome {
 struct Next {
     /// Points at which the tolerance has not been reached.
     missed: Vec<usize>,
-    /// The least |B| there.
-    least_t: f64,
     /// Whether more than rounding is in the way.
     may_be_reached: bool,
-    /// The most that was left out, and the most expansions, of any points that shared an assignment.
+    /// The least that was left out of any of them.
     left_out_t: f64,
-    expansions: usize,
+    /// Among how many nodes what may be left out is to be divided.
+    nodes: f64,
 }
 
 impl Default for Next {
     fn default() -> Next {
-        Next { missed: Vec::new(), least_t: f64::INFINITY, may_be_reached: false, left_out_t: 0.0, expansions: 0 }
+        Next { missed: Vec::new(), may_be_reached: false, left_out_t: f64::INFINITY, nodes: ROUGH_NODES }
     }
 }
 
@@ -182,10 +185,11 @@ struct Allowance {
 impl Batch<'_> {
     fn serve(&mut self) {
         let all: Vec<usize> = (0..self.points.len()).collect();
-        let mut allowance = self.first_allowance();
-        let mut next = Next::default();
+        let (mut next, mut allowance) = (Next::default(), None);
         for part in all.chunks(ASSIGNED_POINTS) {
-            self.serve_some(part, allowance, &mut next);
+            let own = allowance.unwrap_or_else(|| self.first_allowance(&self.points[..part.len()]));
+            // The field hardly changes from these points to the next.
+            allowance = Some(self.serve_some(part, own, &mut next));
         }
         // Points at which the field is weak are few, and taken together from here on.
         for _ in 1..ASSIGNMENT_ROUNDS {
@@ -193,57 +197,80 @@ impl Batch<'_> {
             if !next.may_be_reached {
                 break;
             }
-            let wanted_t = match self.tolerance {
-                Tolerance::Relative(fraction) => fraction * next.least_t,
-                Tolerance::AbsoluteT(error_t) => error_t,
-            };
-            let nodes = USED_SHARE * next.expansions as f64 + ROUGH_NODES;
-            // Less than before in any case.
-            let whole_t = SAFE_SHARE * wanted_t.min(next.left_out_t);
-            allowance = Allowance { whole_t, nodes };
-            let open = std::mem::take(&mut next).missed;
-            self.serve_some(&open, allowance, &mut next);
+            let last = std::mem::take(&mut next);
+            for open in last.missed.chunks(ASSIGNED_POINTS) {
+                let lengths = open.iter().map(|&index| self.values[index].length() * self.in_tesla());
+                let wanted_t = self.wanted_t(lengths.fold(f64::INFINITY, f64::min));
+                // Less than before in any case.
+                let whole_t = SAFE_SHARE * wanted_t.min(last.left_out_t);
+                self.serve_some(open, Allowance { whole_t, nodes: last.nodes }, &mut next);
+            }
         }
         self.outcome.missed = next.missed;
     }
 
-    /// Points that share an assignment.
-    fn serve_some(&mut self, open: &[usize], allowance: Allowance, next: &mut Next) {
+    /// Points that share an assignment. Returns what may be left out where the field is like that at these.
+    fn serve_some(&mut self, open: &[usize], allowance: Allowance, next: &mut Next) -> Allowance {
         let points: Vec<DVec3> = open.iter().map(|&index| self.points[index]).collect();
         let (assignment, values, failed) = self.evaluate(&points, allowance);
         let error_t = assignment.left_out_t + STRETCHED_BOUND * assignment.magnitude_t;
+        let mut lengths_t = Vec::with_capacity(values.len());
         for (&index, value) in open.iter().zip(values) {
             self.values[index] = value;
             let b = value * self.in_tesla();
-            if !value.is_nan() && !self.tolerance.is_kept(b, error_t) {
-                next.least_t = next.least_t.min(b.length());
+            if value.is_nan() {
+                continue;
+            }
+            lengths_t.push(b.length());
+            if !self.tolerance.is_kept(b, error_t) {
                 next.missed.push(index);
                 next.may_be_reached |= !self.tolerance.is_kept(b, assignment.left_out_t);
+                next.left_out_t = next.left_out_t.min(assignment.left_out_t);
             }
         }
+        let nodes = nodes_like(&assignment);
+        next.nodes = next.nodes.max(nodes);
         self.outcome.failed.extend(failed.into_iter().map(|(number, cause)| (open[number], cause)));
-        next.left_out_t = next.left_out_t.max(assignment.left_out_t);
-        next.expansions = next.expansions.max(assignment.expansions());
+        if lengths_t.is_empty() {
+            return allowance;
+        }
+        let weak = lengths_t.len() / POINTS_PER_WEAK;
+        let weak_t = *lengths_t.select_nth_unstable_by(weak, f64::total_cmp).1;
+        // Less than rounding is of no use, as where the field vanishes by symmetry.
+        let rounding_t = STRETCHED_BOUND * assignment.magnitude_t;
+        Allowance { whole_t: (SAFE_SHARE * self.wanted_t(weak_t)).max(rounding_t), nodes }
     }
 
-    fn first_allowance(&self) -> Allowance {
+    /// The tolerance in tesla.
+    fn wanted_t(&self, b_t: f64) -> f64 {
         match self.tolerance {
-            Tolerance::AbsoluteT(error_t) => Allowance { whole_t: SAFE_SHARE * error_t, nodes: ROUGH_NODES },
-            Tolerance::Relative(fraction) => self.estimate(fraction),
+            Tolerance::Relative(fraction) => fraction * b_t,
+            Tolerance::AbsoluteT(error_t) => error_t,
+        }
+    }
+
+    fn first_allowance(&self, points: &[DVec3]) -> Allowance {
+        match self.tolerance {
+            Tolerance::AbsoluteT(error_t) => {
+                let whole_t = SAFE_SHARE * error_t;
+                let like = self.assigned(points, Allowance { whole_t, nodes: ROUGH_NODES });
+                Allowance { whole_t, nodes: nodes_like(&like) }
+            }
+            Tolerance::Relative(fraction) => self.estimate(points, fraction),
         }
     }
 
     /// From a rough field at some of the points, what may be left out.
-    fn estimate(&self, fraction: f64) -> Allowance {
-        let step = self.points.len().div_ceil(SAMPLED_POINTS);
-        let some: Vec<DVec3> = self.points.iter().copied().step_by(step).collect();
+    fn estimate(&self, points: &[DVec3], fraction: f64) -> Allowance {
+        let step = points.len().div_ceil(SAMPLED_POINTS);
+        let some: Vec<DVec3> = points.iter().copied().step_by(step).collect();
         let mut allowance =
             Allowance { whole_t: ROUGH_FIELD_OVER_J * self.scene.tree().largest_j_t(), nodes: ROUGH_NODES };
         for _ in 0..ASSIGNMENT_ROUNDS {
             let (assignment, values, _) = self.evaluate(&some, allowance);
             let lengths = values.iter().filter(|b| !b.is_nan()).map(|b| b.length() * self.in_tesla());
             let least_t = lengths.fold(f64::INFINITY, f64::min);
-            let nodes = USED_SHARE * assignment.expansions() as f64 + ROUGH_NODES;
+            let nodes = nodes_like(&assignment);
             if assignment.left_out_t == 0.0 || least_t > CLEAR_OF_ERROR * assignment.left_out_t {
                 let whole_t = if least_t.is_finite() { SAFE_SHARE * fraction * least_t } else { allowance.whole_t };
                 return Allowance { whole_t, nodes };
@@ -269,4 +296,9 @@ impl Batch<'_> {
     fn in_tesla(&self) -> f64 {
         if self.quantity == Quantity::FieldStrength { MU_0 } else { 1.0 }
     }
+}
+
+/// Among how many nodes an allowance is to be divided, if an assignment will be about like this one.
+fn nodes_like(assignment: &Assignment) -> f64 {
+    USED_SHARE * assignment.expansions() as f64 + ROUGH_NODES
 }
