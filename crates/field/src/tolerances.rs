@@ -272,10 +272,14 @@ pub(crate) const PRODUCT_RANGE: f64 = 16.0;
 /// Tiles that share tables of corners, at most. Large enough to share most corners, small enough for the tables to stay in the first caches.
 pub(crate) const TILES_PER_CLUSTER: usize = 64;
 
-/// The same in a tree, to a tolerance. Fewer have a smaller sphere around them, so that their expansion serves nearer to them; but there are more of them.
+/// Of more that are long a tree takes the halves: their spheres are smaller, so that expansions serve nearer to them.
 pub(crate) const TILES_PER_ITEM: usize = 32;
 
-/// Of these so many neighbours get their expansions together: what the longest vectors hold.
+/// That pays where the radius of the halves is at most this fraction of the whole's: for rows and for rectangles of 3 : 2 and longer. Halves of a square would have
+/// four fifths, and be twice as many nodes.
+pub(crate) const HALVED_RADIUS: f64 = 0.7;
+
+/// So many neighbours in a tree get their expansions together: what the longest vectors hold.
 pub(crate) const ITEMS_EXPANDED: usize = 8;
 
 /// Lengths of those tables; powers of two. Tiles that need longer ones are divided further.

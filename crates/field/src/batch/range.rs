@@ -101,6 +101,12 @@ impl Range {
         (middle, [0, 1, 2].map(|axis: usize| 0.5 * most[axis] - 0.5 * least[axis]))
     }
 
+    /// Of the sphere around that box.
+    pub(super) fn radius_of(blocks: &[Block]) -> f64 {
+        let [x, y, z] = Range::around(blocks).1;
+        x.hypot(y).hypot(z)
+    }
+
     /// The scale of tiles together.
     pub(super) fn scale_of(blocks: &[Block]) -> f64 {
         power_of_two_reciprocal(largest(Range::around(blocks).1))

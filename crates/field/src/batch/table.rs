@@ -14,7 +14,7 @@ use super::multipole::Distant;
 use super::range::Range;
 use super::series::Series;
 use crate::block::Block;
-use crate::tolerances::{KEPT_SERIES, MOST_PLANES, TILES_PER_CLUSTER, TILES_PER_ITEM};
+use crate::tolerances::{HALVED_RADIUS, KEPT_SERIES, MOST_PLANES, TILES_PER_CLUSTER, TILES_PER_ITEM};
 
 /// Clusters of neighbouring tiles, and the series of their shapes.
 #[derive(Clone, Debug, Default)]
@@ -57,13 +57,17 @@ impl Together {
         Some(Together { blocks: start..start + blocks.len(), range, cluster, expansion: OnceLock::new() })
     }
 
-    /// Two halves of these of a frame's `blocks`, if they are many and both fit whatever they share.
+    /// Two halves of these of a frame's `blocks`, if they are many, much smaller, and fit whatever they share.
     pub(super) fn halves(&self, blocks: &[Block]) -> Option<[Span<usize>; 2]> {
         let Span { start, end } = self.blocks;
         let middle = start + (end - start) / 2;
         let halves = [start..middle, middle..end];
-        let fit = halves.iter().all(|half| most_planes(&blocks[half.clone()]) <= MOST_PLANES);
-        (end - start > TILES_PER_ITEM && fit).then_some(halves)
+        let radius = Range::radius_of(&blocks[start..end]);
+        let serves = |half: &Span<usize>| {
+            let blocks = &blocks[half.clone()];
+            Range::radius_of(blocks) <= HALVED_RADIUS * radius && most_planes(blocks) <= MOST_PLANES
+        };
+        (end - start > TILES_PER_ITEM && halves.iter().all(serves)).then_some(halves)
     }
 
     /// One of the [`Together::halves`].

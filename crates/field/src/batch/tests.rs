@@ -5,6 +5,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use super::assignment::{Assignment, Nearest, Translated};
 use super::expansion::Expansion;
 use super::functions::{angle, artanh_of_ratio};
+use super::harmonics::{Moments, Source};
 use super::instruction_set::InstructionSet;
 use super::lanes::{Lanes, Number};
 use super::multipole::{Distant, Distributed};
@@ -356,6 +357,32 @@ fn nodes_leave_out_no_more_than_they_say_and_not_much_less() {
     }
     // The parts of odd degree vanish by symmetry, so that none of them is the last that is needed.
     assert_eq!(seen.iter().filter(|seen| **seen).count(), 8, "{seen:?}");
+}
+
+#[test]
+fn moments_of_groups_together_have_the_digits_of_each() {
+    let source = |n: usize| {
+        let t = n as f64;
+        let turn = glam::DMat3::from_rotation_z(if n % 5 == 4 { 0.3 } else { 0.0 });
+        let size = DVec3::new(0.1, 0.2, 0.1 + 0.05 * (n % 3) as f64);
+        Source::new(DVec3::new(t.sin(), t.cos(), 0.1 * t.sin()), size, Some(&turn), DVec3::new(1.0, t.cos(), 0.3))
+    };
+    let sources: Vec<Source> = (0..71).map(source).collect();
+    let groups = [&sources[..1], &sources[1..40], &sources[40..40], &sources[40..]];
+    for set in InstructionSet::available() {
+        let level = set.detected().expect("available");
+        let together = Moments::of_each(level, &groups, 11);
+        assert_eq!(together.len(), groups.len());
+        for (group, together) in groups.iter().zip(together) {
+            let own = Moments::of(level, group, 11);
+            for l in 0..=11 {
+                assert_eq!(together.row(l), own.row(l), "degree {l} of {} tiles with {set:?}", group.len());
+            }
+            for l in 0..=7 {
+                assert_eq!(together.up_to(7).row(l), own.row(l));
+            }
+        }
+    }
 }
 
 /// Tiles in a plane, as many different polarizations, and a tree over them.

@@ -164,13 +164,11 @@ struct Next {
     may_be_reached: bool,
     /// The least that was left out of any of them.
     left_out_t: f64,
-    /// Among how many nodes what may be left out is to be divided.
-    nodes: f64,
 }
 
 impl Default for Next {
     fn default() -> Next {
-        Next { missed: Vec::new(), may_be_reached: false, left_out_t: f64::INFINITY, nodes: ROUGH_NODES }
+        Next { missed: Vec::new(), may_be_reached: false, left_out_t: f64::INFINITY }
     }
 }
 
@@ -203,7 +201,10 @@ impl Batch<'_> {
                 let wanted_t = self.wanted_t(lengths.fold(f64::INFINITY, f64::min));
                 // Less than before in any case.
                 let whole_t = SAFE_SHARE * wanted_t.min(last.left_out_t);
-                self.serve_some(open, Allowance { whole_t, nodes: last.nodes }, &mut next);
+                let rough = Allowance { whole_t, nodes: ROUGH_NODES };
+                // They lie farther from each other, so that there are more nodes than before.
+                let nodes = nodes_like(&self.assigned(&self.points_of(open), rough));
+                self.serve_some(open, Allowance { whole_t, nodes }, &mut next);
             }
         }
         self.outcome.missed = next.missed;
@@ -211,9 +212,9 @@ impl Batch<'_> {
 
     /// Points that share an assignment. Returns what may be left out where the field is like that at these.
     fn serve_some(&mut self, open: &[usize], allowance: Allowance, next: &mut Next) -> Allowance {
-        let points: Vec<DVec3> = open.iter().map(|&index| self.points[index]).collect();
-        let (assignment, values, failed) = self.evaluate(&points, allowance);
-        let error_t = assignment.left_out_t + STRETCHED_BOUND * assignment.magnitude_t;
+        let (assignment, values, failed) = self.evaluate(&self.points_of(open), allowance);
+        let rounding_t = STRETCHED_BOUND * assignment.magnitude_t;
+        let error_t = assignment.left_out_t + rounding_t;
         let mut lengths_t = Vec::with_capacity(values.len());
         for (&index, value) in open.iter().zip(values) {
             self.values[index] = value;
@@ -224,12 +225,10 @@ impl Batch<'_> {
             lengths_t.push(b.length());
             if !self.tolerance.is_kept(b, error_t) {
                 next.missed.push(index);
-                next.may_be_reached |= !self.tolerance.is_kept(b, assignment.left_out_t);
+                next.may_be_reached |= self.tolerance.is_kept(b, rounding_t);
                 next.left_out_t = next.left_out_t.min(assignment.left_out_t);
             }
         }
-        let nodes = nodes_like(&assignment);
-        next.nodes = next.nodes.max(nodes);
         self.outcome.failed.extend(failed.into_iter().map(|(number, cause)| (open[number], cause)));
         if lengths_t.is_empty() {
             return allowance;
@@ -237,8 +236,12 @@ impl Batch<'_> {
         let weak = lengths_t.len() / POINTS_PER_WEAK;
         let weak_t = *lengths_t.select_nth_unstable_by(weak, f64::total_cmp).1;
         // Less than rounding is of no use, as where the field vanishes by symmetry.
-        let rounding_t = STRETCHED_BOUND * assignment.magnitude_t;
-        Allowance { whole_t: (SAFE_SHARE * self.wanted_t(weak_t)).max(rounding_t), nodes }
+        let whole_t = (SAFE_SHARE * self.wanted_t(weak_t)).max(rounding_t);
+        Allowance { whole_t, nodes: nodes_like(&assignment) }
+    }
+
+    fn points_of(&self, indices: &[usize]) -> Vec<DVec3> {
+        indices.iter().map(|&index| self.points[index]).collect()
     }
 
     /// The tolerance in tesla.
