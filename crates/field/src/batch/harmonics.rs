@@ -89,10 +89,15 @@ impl Moments {
         }
     }
 
-    /// The real and the imaginary parts of a degree, by order.
-    pub(super) fn row(&self, l: usize) -> [&[f64]; 2] {
-        let row = self.0.place(l, 0)..self.0.place(l, l) + 1;
-        [&self.0.re[row.clone()], &self.0.im[row]]
+    /// The real and the imaginary parts up to a degree, as [`Moments::place`] has them.
+    pub(super) fn parts(&self, degree: usize) -> [&[f64]; 2] {
+        let count = row_start(degree + 1);
+        [&self.0.re[..count], &self.0.im[..count]]
+    }
+
+    /// Where a pair of degree and order is.
+    pub(super) fn place(l: usize, m: usize) -> usize {
+        row_start(l) + 1 + m
     }
 
     /// Those of no higher degree.
@@ -294,7 +299,7 @@ impl<N: Scalar> Triangle<N> {
 
     #[inline(always)]
     fn place(&self, l: usize, m: usize) -> usize {
-        row_start(l) + 1 + m
+        Moments::place(l, m)
     }
 
     fn row(&self, l: usize) -> std::ops::Range<usize> {

@@ -53,6 +53,33 @@ impl<S: Simd> Lanes<S> {
         Lanes(S::f64s::from_slice(simd, values))
     }
 
+    /// From as many of the values as there are, and zeros.
+    #[inline(always)]
+    pub(crate) fn load_some(simd: S, values: &[f64]) -> Self {
+        if values.len() >= Self::LEN {
+            return Self::load(simd, &values[..Self::LEN]);
+        }
+        let mut filled = [0.0; LONGEST_VECTOR];
+        filled[..values.len()].copy_from_slice(values);
+        Self::load(simd, &filled[..Self::LEN])
+    }
+
+    /// The first, second and so on of as many vectors as one has lanes; the others stay.
+    #[inline(always)]
+    pub(crate) fn transposed(mut vectors: [Self; LONGEST_VECTOR]) -> [Self; LONGEST_VECTOR] {
+        let half = Self::LEN / 2;
+        // Each round takes the highest binary digit of a vector's number to the lowest of the lane's.
+        for _ in 0..Self::LEN.ilog2() {
+            let last = vectors;
+            for pair in 0..half {
+                let (Lanes(a), Lanes(b)) = (last[pair], last[pair + half]);
+                vectors[2 * pair] = Lanes(a.zip_low(b));
+                vectors[2 * pair + 1] = Lanes(a.zip_high(b));
+            }
+        }
+        vectors
+    }
+
     #[inline(always)]
     pub(crate) fn store(self, values: &mut [f64]) {
         self.0.store_slice(values);

@@ -18,8 +18,8 @@ use crate::tolerances::{HIGHEST_DEGREE, HIGHEST_LOCAL_DEGREE};
 /// The highest degree of potentials on both sides.
 const MOST: usize = if HIGHEST_DEGREE > HIGHEST_LOCAL_DEGREE { HIGHEST_DEGREE } else { HIGHEST_LOCAL_DEGREE + 1 };
 
-/// Outputs that are summed at the same time, at most.
-const BLOCK: usize = 8;
+/// Outputs that are summed at the same time; where fewer are left the others are zero, and written where nothing is read.
+const BLOCK: usize = 4;
 
 /// A node that is translated.
 #[derive(Clone, Copy)]
@@ -55,8 +55,8 @@ static SWAPS: LazyLock<Vec<[Swap; 2]>> = LazyLock::new(swaps);
 
 /// Half of a swap's factors are zero: those of even orders go to even ones, or all to odd ones.
 struct Swap {
-    /// By the parity of the order that goes in: order after order, what each order that comes out gets.
-    factors: [Vec<f64>; 2],
+    /// By the parity of the order that goes in: block after block of the orders that come out, what each gets from one that goes in after the other.
+    factors: [Vec<[f64; BLOCK]>; 2],
 }
 
 /// From degree to degree in whole numbers, 2^l times as large, so that no digit is lost.
@@ -76,9 +76,11 @@ fn swaps() -> Vec<[Swap; 2]> {
         let factor = &factor;
         swaps.push([0, 1].map(|part| Swap {
             factors: [0, 1].map(|parity| {
-                let inputs = (first(part, parity)..=degree).step_by(2);
-                let outputs = || (first_out(degree, part, parity)..=degree).step_by(2);
-                inputs.flat_map(|m| outputs().map(move |to| factor(part, m, to))).collect()
+                let inputs = || (first(part, parity)..=degree).step_by(2);
+                let blocks = (first_out(degree, part, parity)..=degree).step_by(2 * BLOCK);
+                let known = move |m: usize, to: usize| if to <= degree { factor(part, m, to) } else { 0.0 };
+                let from = move |m: usize, block: usize| std::array::from_fn(|k| known(m, block + 2 * k));
+                blocks.flat_map(|block| inputs().map(move |m| from(m, block))).collect()
             }),
         }));
     }
@@ -112,8 +114,9 @@ fn first_out(degree: usize, part: usize, parity: usize) -> usize {
     first(part, (parity + degree + part) % 2)
 }
 
-/// What moments become along the z axis (Eq. P35), (-1)^(n + m) (l + n)! over the norms of both: by order, degree after degree that comes out, each degree that goes in.
-static ALONG: LazyLock<Vec<Vec<f64>>> = LazyLock::new(|| {
+/// What moments become along the z axis (Eq. P35), (-1)^(n + m) (l + n)! over the norms of both: by order, block after block of the degrees that come out, each degree that
+/// goes in.
+static ALONG: LazyLock<Vec<Vec<[f64; BLOCK]>>> = LazyLock::new(|| {
     let binomial = {
         let mut rows = vec![vec![1.0]];
         for n in 1..=2 * MOST {
@@ -130,19 +133,22 @@ static ALONG: LazyLock<Vec<Vec<f64>>> = LazyLock::new(|| {
     };
     let factor = &factor;
     let order = |m: usize| {
-        let outputs = m.max(1)..=HIGHEST_LOCAL_DEGREE + 1;
-        outputs.flat_map(|n| (m.max(1)..=HIGHEST_DEGREE).map(move |l| factor(l, n, m))).collect()
+        let highest = HIGHEST_LOCAL_DEGREE + 1;
+        let blocks = (m.max(1)..=highest).step_by(BLOCK);
+        let known = move |l: usize, n: usize| if n <= highest { factor(l, n, m) } else { 0.0 };
+        let from = move |l: usize, block: usize| std::array::from_fn(|k| known(l, block + k));
+        blocks.flat_map(|block| (m.max(1)..=HIGHEST_DEGREE).map(move |l| from(l, block))).collect()
     };
     (0..=HIGHEST_DEGREE.min(HIGHEST_LOCAL_DEGREE + 1)).map(order).collect()
 });
 
-/// The orders of one degree, real and imaginary parts.
-type Row<S> = [[Lanes<S>; MOST + 1]; 2];
+/// The orders of one degree, real and imaginary parts, with room for what fills a block.
+type Row<S> = [[Lanes<S>; MOST + 1 + 2 * BLOCK]; 2];
 
 /// Room for the nodes that are translated at a time.
 struct Room<S: Simd> {
-    /// Moments as they come, node beside node; real and imaginary parts, row after row of equal degree.
-    moments: [Vec<f64>; 2],
+    /// Moments as they come; real and imaginary parts, as [`Moments::place`] has them.
+    moments: [Vec<Lanes<S>>; 2],
     /// The same turned.
     sources: [Vec<Lanes<S>>; 2],
     /// What they become around the new centres.
@@ -177,7 +183,7 @@ fn summed<S: Simd>(simd: S, shifts: &[Shift], degree: usize, centre: DVec3, scal
     let zero = Lanes::<S>::splat(simd, 0.0);
     let mut room: Box<Room<S>> = ROOM.take().and_then(|room| room.downcast().ok()).unwrap_or_else(|| {
         let empty = || [0, 1].map(|_| vec![zero; place(MOST + 1, 0)]);
-        let moments = [0, 1].map(|_| vec![0.0; place(MOST + 1, 0) * Lanes::<S>::LEN]);
+        let moments = [0, 1].map(|_| vec![zero; Moments::place(MOST + 1, 0).next_multiple_of(LONGEST_VECTOR)]);
         Box::new(Room { moments, sources: empty(), targets: empty(), sums: empty() })
     });
     for sums in &mut room.sums {
@@ -218,15 +224,16 @@ impl<S: Simd> Room<S> {
         });
         let most = degree.max(local_degree + 1);
         let about = [powers(simd, [turns[0], turns[1]], most), powers(simd, [turns[2], turns[3]], most)];
-        let (mut even, mut odd): (Row<S>, Row<S>) = ([[zero; MOST + 1]; 2], [[zero; MOST + 1]; 2]);
-        self.set_moments(shifts, degree);
+        let (mut even, mut odd): (Row<S>, Row<S>) =
+            ([[zero; MOST + 1 + 2 * BLOCK]; 2], [[zero; MOST + 1 + 2 * BLOCK]; 2]);
+        self.set_moments(simd, shifts, degree);
         let mut power = over * over;
         for l in 1..=degree {
             power = power * over;
             for (row, moments) in even.iter_mut().zip(&self.moments) {
-                let moments = moments[place(l, 0) * Lanes::<S>::LEN..].chunks_exact(Lanes::<S>::LEN);
-                for ((row, moments), norm) in row.iter_mut().zip(moments).zip(&NORMS[place(l, 0)..=place(l, l)]) {
-                    *row = Lanes::<S>::load(simd, moments) * power * *norm;
+                let moments = &moments[Moments::place(l, 0)..=Moments::place(l, l)];
+                for ((row, moment), norm) in row.iter_mut().zip(moments).zip(&NORMS[place(l, 0)..=place(l, l)]) {
+                    *row = *moment * power * *norm;
                 }
             }
             turn(&mut even, &about[0], l, 1.0);
@@ -238,16 +245,7 @@ impl<S: Simd> Room<S> {
             }
         }
         for m in 0..=local_degree + 1 {
-            let (mut n, last) = (m.max(1), local_degree + 1);
-            while n <= last {
-                match last + 1 - n {
-                    1 => self.along::<1>(simd, m, n, degree),
-                    2 => self.along::<2>(simd, m, n, degree),
-                    3 => self.along::<3>(simd, m, n, degree),
-                    _ => self.along::<4>(simd, m, n, degree),
-                }
-                n += 4;
-            }
+            self.along(simd, m, degree, local_degree);
         }
         let mut power = Lanes::<S>::splat(simd, 1.0);
         for n in 1..=local_degree + 1 {
@@ -268,39 +266,43 @@ impl<S: Simd> Room<S> {
     }
 
     /// Zero where a node has no such degree, and in lanes that are left.
-    fn set_moments(&mut self, shifts: &[Shift], degree: usize) {
+    #[inline(always)]
+    fn set_moments(&mut self, simd: S, shifts: &[Shift], degree: usize) {
+        let len = Lanes::<S>::LEN;
         for (part, room) in self.moments.iter_mut().enumerate() {
-            for l in 1..=degree {
-                let rows: [&[f64]; LONGEST_VECTOR] = std::array::from_fn(|lane| match shifts.get(lane) {
-                    Some(shift) if l <= shift.degree => shift.moments.row(l)[part],
-                    _ => &[0.0; MOST + 1][..=l],
-                });
-                let room = room[place(l, 0) * Lanes::<S>::LEN..].chunks_exact_mut(Lanes::<S>::LEN);
-                for (m, room) in room.take(l + 1).enumerate() {
-                    room.iter_mut().zip(&rows).for_each(|(value, row)| *value = row[m]);
+            let mut parts: [&[f64]; LONGEST_VECTOR] = [&[]; LONGEST_VECTOR];
+            for (own, shift) in parts.iter_mut().zip(shifts) {
+                *own = shift.moments.parts(shift.degree)[part];
+            }
+            for (number, room) in
+                room.chunks_exact_mut(len).take(Moments::place(degree + 1, 0).div_ceil(len)).enumerate()
+            {
+                let mut nodes = [Lanes::<S>::splat(simd, 0.0); LONGEST_VECTOR];
+                for (node, part) in nodes.iter_mut().zip(parts) {
+                    *node = Lanes::load_some(simd, part.get(number * len..).unwrap_or_default());
                 }
+                room.copy_from_slice(&Lanes::transposed(nodes)[..len]);
             }
         }
     }
 
-    /// An order of the degrees from `n` on from that of all degrees of the nodes.
+    /// An order of all degrees that come out from that of all degrees of the nodes.
     #[inline(always)]
-    fn along<const N: usize>(&mut self, simd: S, m: usize, n: usize, degree: usize) {
-        let mut sums = [[Lanes::<S>::splat(simd, 0.0); 2]; N];
+    fn along(&mut self, simd: S, m: usize, degree: usize, local_degree: usize) {
         let from = m.max(1);
-        let inputs = HIGHEST_DEGREE + 1 - from;
-        let factors: [&[f64]; N] =
-            std::array::from_fn(|k| &ALONG[m][(n + k - from) * inputs..][..(degree + 1).saturating_sub(from)]);
-        for l in from..=degree {
-            let (re, im) = (self.sources[0][place(l, m)], self.sources[1][place(l, m)]);
-            for (sum, factors) in sums.iter_mut().zip(factors) {
-                let factor = factors[l - from];
-                *sum = [re.scale_add(factor, sum[0]), im.scale_add(factor, sum[1])];
+        let blocks = (local_degree + 2 - from).div_ceil(BLOCK);
+        for (block, factors) in ALONG[m].chunks_exact(HIGHEST_DEGREE + 1 - from).take(blocks).enumerate() {
+            let mut sums = [[Lanes::<S>::splat(simd, 0.0); 2]; BLOCK];
+            for (l, factors) in (from..=degree).zip(factors) {
+                let (re, im) = (self.sources[0][place(l, m)], self.sources[1][place(l, m)]);
+                for (sum, factor) in sums.iter_mut().zip(factors) {
+                    *sum = [re.scale_add(*factor, sum[0]), im.scale_add(*factor, sum[1])];
+                }
             }
-        }
-        for (k, [re, im]) in sums.into_iter().enumerate() {
-            let at = place(n + k, m);
-            (self.targets[0][at], self.targets[1][at]) = (re, im);
+            for (k, [re, im]) in sums.into_iter().enumerate() {
+                let at = place(from + BLOCK * block + k, m);
+                (self.targets[0][at], self.targets[1][at]) = (re, im);
+            }
         }
     }
 }
@@ -320,7 +322,7 @@ fn turn<S: Simd>(row: &mut Row<S>, phases: &Row<S>, l: usize, sign: f64) {
 #[inline(always)]
 fn powers<S: Simd>(simd: S, [cos, sin]: [Lanes<S>; 2], most: usize) -> Row<S> {
     let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
-    let mut powers = [[one; MOST + 1], [zero; MOST + 1]];
+    let mut powers = [[one; MOST + 1 + 2 * BLOCK], [zero; MOST + 1 + 2 * BLOCK]];
     for m in 1..=most {
         let (re, im) = (powers[0][m - 1], powers[1][m - 1]);
         powers[0][m] = re.mul_sub(cos, im * sin);
@@ -335,48 +337,25 @@ fn swap<S: Simd>(simd: S, l: usize, row: &Row<S>, to: &mut Row<S>) {
     to[1][0] = Lanes::splat(simd, 0.0);
     for (part, (row, to)) in row.iter().zip(to).enumerate() {
         for parity in 0..2 {
-            let factors = &SWAPS[l][part].factors[parity];
             let (from, into) = (first(part, parity), first_out(l, part, parity));
-            if into > l || from > l {
+            if from > l || into > l {
                 continue;
             }
-            let outputs = (l - into) / 2 + 1;
             let inputs = &row[from..=l];
-            let block = outputs.div_ceil(outputs.div_ceil(BLOCK));
-            for start in (0..outputs).step_by(block) {
-                let (factors, into) = (&factors[start..], into + 2 * start);
-                match block.min(outputs - start) {
-                    1 => sums::<S, 1>(simd, factors, outputs, inputs, &mut to[into..]),
-                    2 => sums::<S, 2>(simd, factors, outputs, inputs, &mut to[into..]),
-                    3 => sums::<S, 3>(simd, factors, outputs, inputs, &mut to[into..]),
-                    4 => sums::<S, 4>(simd, factors, outputs, inputs, &mut to[into..]),
-                    5 => sums::<S, 5>(simd, factors, outputs, inputs, &mut to[into..]),
-                    6 => sums::<S, 6>(simd, factors, outputs, inputs, &mut to[into..]),
-                    7 => sums::<S, 7>(simd, factors, outputs, inputs, &mut to[into..]),
-                    _ => sums::<S, BLOCK>(simd, factors, outputs, inputs, &mut to[into..]),
+            let blocks = SWAPS[l][part].factors[parity].chunks_exact(inputs.len().div_ceil(2));
+            for (block, factors) in blocks.enumerate() {
+                let mut sums = [Lanes::<S>::splat(simd, 0.0); BLOCK];
+                for (input, factors) in inputs.iter().step_by(2).zip(factors) {
+                    for (sum, factor) in sums.iter_mut().zip(factors) {
+                        *sum = input.scale_add(*factor, *sum);
+                    }
+                }
+                let outputs = &mut to[into + 2 * BLOCK * block..][..2 * BLOCK];
+                for (output, sum) in outputs.iter_mut().step_by(2).zip(sums) {
+                    *output = sum;
                 }
             }
         }
-    }
-}
-
-/// Sums over every other input of factor times input, for every other output.
-#[inline(always)]
-fn sums<S: Simd, const N: usize>(
-    simd: S,
-    factors: &[f64],
-    stride: usize,
-    inputs: &[Lanes<S>],
-    outputs: &mut [Lanes<S>],
-) {
-    let mut sums = [Lanes::<S>::splat(simd, 0.0); N];
-    for (input, factors) in inputs.iter().step_by(2).zip(factors.chunks(stride)) {
-        for (sum, factor) in sums.iter_mut().zip(&factors[..N]) {
-            *sum = input.scale_add(*factor, *sum);
-        }
-    }
-    for (output, sum) in outputs.iter_mut().step_by(2).zip(sums) {
-        *output = sum;
     }
 }
 
