@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 
 use crate::arrangement::{Arrangement, ToScene};
 use crate::batch::Superposition;
-use crate::batch::assignment::Assignment;
+use crate::batch::assignment::Assigned;
 use crate::batch::instruction_set::{InstructionSet, MissingInstructions};
 use crate::batch::tree::Tree;
 use crate::block::{Block, Local, Placed};
@@ -183,7 +183,7 @@ impl Scene {
     pub(crate) fn field_of_batch(
         &self,
         quantity: Quantity,
-        assigned: Option<&Assignment>,
+        assigned: Option<Assigned>,
         points: &[DVec3],
         field: &mut [DVec3],
         failed: &mut dyn FnMut(usize, Cause),
@@ -202,7 +202,7 @@ impl Scene {
             }
         };
         Superposition::of_this_thread(|superposition| {
-            let assigned = assigned.map(|assignment| (self.tree(), assignment));
+            let assigned = assigned.map(|assigned| (self.tree(), assigned));
             superposition.add_up(self.level, &self.arrangement, assigned, part, points, field);
             if part == Part::Strength {
                 field.iter_mut().for_each(|h| *h /= MU_0);

@@ -204,8 +204,13 @@ pub(crate) const ROUGH_FIELD_OVER_J: f64 = 1e-3;
 /// Nodes among which it is divided, where nothing better is known.
 pub(crate) const ROUGH_NODES: f64 = 16.0;
 
-/// What nodes leave out of what each may, on average: degrees are whole numbers.
-pub(crate) const USED_SHARE: f64 = 0.7;
+/// What nodes leave out at a point of what each may, on average: the point is farther away than the nearest, and degrees are whole numbers.
+pub(crate) const USED_SHARE: f64 = 0.5;
+
+/// What is left out at the next points may be so many times the mean over those before,
+pub(crate) const LEFT_OUT_OVER_MEAN: f64 = 1.6;
+/// and so many times what each node may leave out more.
+pub(crate) const LEAST_SHARES: f64 = 2.0;
 
 /// A rough field must be so many times what it leaves out.
 pub(crate) const CLEAR_OF_ERROR: f64 = 4.0;

@@ -18,7 +18,7 @@ pub(crate) struct Assignment {
     pub(super) reach: f64,
     /// Items taken exactly at points near them, those of one frame together.
     pub(super) near: Vec<Near>,
-    /// At most what all degrees left out add up to, in tesla.
+    /// At most what all degrees left out add up to at any of the points, in tesla.
     pub(crate) left_out_t: f64,
     /// Of that, what whole nodes would have added.
     pub(crate) ignored_t: f64,
@@ -26,6 +26,13 @@ pub(crate) struct Assignment {
     pub(crate) magnitude_t: f64,
     /// Tiles taken by expansions, exactly, and not at all.
     pub(crate) tiles: [usize; 3],
+}
+
+/// What serves a batch of points.
+pub(crate) struct Assigned<'a> {
+    pub(crate) assignment: &'a Assignment,
+    /// Becomes at most what is left out at each of the points, in tesla.
+    pub(crate) left_out_t: &'a mut [f64],
 }
 
 /// A node that is taken by its expansion.
@@ -43,9 +50,14 @@ pub(super) struct Nearest {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Translated {
     pub(super) node: usize,
+    /// From its centre to the nearest of the points, scaled.
+    pub(super) distance: f64,
+    /// The degree, and at most what it leaves out there, in tesla.
     pub(super) degree: usize,
-    /// Of the field around the middle.
+    pub(super) left_out_t: f64,
+    /// Of the field around the middle, and at most what that leaves out anywhere.
     pub(super) local_degree: usize,
+    pub(super) local_left_out_t: f64,
 }
 
 /// An item that is taken exactly, at least at some points.
@@ -64,7 +76,7 @@ impl Assignment {
         let mut waiting: Vec<usize> = (0..tree.nodes.len().min(1)).collect();
         while let Some(index) = waiting.pop() {
             if let Some(nearest) = tree.nearest(index, points, allowed_t) {
-                let Nearest { degree, left_out_t, .. } = nearest;
+                let Nearest { node, distance, degree, left_out_t } = nearest;
                 let tiles = tree.tiles_of_node(index);
                 assignment.left_out_t += left_out_t;
                 assignment.magnitude_t += tree.most_of_node_t(index, points);
@@ -74,9 +86,16 @@ impl Assignment {
                     let local = (count >= TRANSLATED_POINTS)
                         .then(|| tree.local_degree(index, degree, middle, reach, share_t))
                         .flatten();
-                    if let Some((local_degree, left_out_t)) = local {
-                        assignment.left_out_t += left_out_t;
-                        assignment.translated.push(Translated { node: index, degree, local_degree });
+                    if let Some((local_degree, local_left_out_t)) = local {
+                        assignment.left_out_t += local_left_out_t;
+                        assignment.translated.push(Translated {
+                            node,
+                            distance,
+                            degree,
+                            left_out_t,
+                            local_degree,
+                            local_left_out_t,
+                        });
                     } else {
                         assignment.expanded.push(nearest);
                     }

@@ -7,7 +7,7 @@ use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
 use super::ahead::Ahead;
-use super::assignment::{Assignment, Near, Nearest};
+use super::assignment::{Assigned, Assignment, Near, Nearest};
 use super::beside::Beside;
 use super::closed_form::KeptTables;
 use super::cluster::Cluster;
@@ -22,7 +22,7 @@ use super::stretches::Stretches;
 use super::table::Together;
 use super::totals::Totals;
 use super::translation::translated;
-use super::tree::Tree;
+use super::tree::{Degrees, Tree};
 use crate::arrangement::{Arrangement, Frame};
 use crate::block::{Block, Local};
 use crate::edge_policy::Edges;
@@ -53,8 +53,10 @@ pub(crate) struct Superposition {
     near: Vec<u32>,
     streams: Streams,
     finite: bool,
-    /// Those of an expansion, by points.
-    degrees: Vec<usize>,
+    /// Those of an expansion.
+    degrees: Degrees,
+    /// At most what is left out at each of the points, in tesla.
+    left_out_t: Vec<f64>,
     tables: KeptTables,
 }
 
@@ -86,23 +88,27 @@ impl Superposition {
         &mut self,
         level: Level,
         arrangement: &Arrangement,
-        assigned: Option<(&Tree, &Assignment)>,
+        assigned: Option<(&Tree, Assigned)>,
         part: Part,
         points: &[DVec3],
         field: &mut [DVec3],
     ) {
         self.edges.clear();
         self.finite = false;
-        if let (Some(frame), None) = (arrangement.only_tile(), assigned) {
+        if let (Some(frame), None) = (arrangement.only_tile(), &assigned) {
             self.finite = self.streams.evaluate(level, (arrangement, frame), part, points, field, &mut self.edges);
             return;
         }
         dispatch!(level, simd => self.points.set(simd, points));
         self.totals.start(self.points.padded());
         if !points.is_empty() {
-            self.add_frames(level, arrangement, assigned, part, points);
+            let assignment = assigned.as_ref().map(|(tree, assigned)| (*tree, assigned.assignment));
+            self.add_frames(level, arrangement, assignment, part, points);
         }
         self.totals.write(field);
+        if let Some((_, assigned)) = assigned {
+            assigned.left_out_t.copy_from_slice(&self.left_out_t[..points.len()]);
+        }
         for &index in self.points.out_of_range() {
             field[index] = DVec3::NAN;
         }
@@ -158,11 +164,19 @@ impl Superposition {
     /// What a tree's nodes far away have at all points.
     fn add_expansions(&mut self, level: Level, tree: &Tree, assignment: &Assignment) {
         let points = &self.points.axes;
+        self.left_out_t.clear();
+        self.left_out_t.resize(points[0].len(), assignment.ignored_t);
         for what in &assignment.expanded {
             tree.set_degrees(what, views(points), &mut self.degrees);
             let (expansion, fields) = (tree.expansion(what.node), room(&mut self.fields, points[0].len()));
-            dispatch!(level, simd => expansion.fields(simd, &self.degrees, views(points), fields));
+            dispatch!(level, simd => expansion.fields(simd, &self.degrees.highest, views(points), fields));
             self.totals.add_fields(level, None, &self.fields);
+            for (points, own_t) in self.left_out_t.chunks_mut(POINTS_PER_DEGREE).zip(&self.degrees.left_out_t) {
+                points.iter_mut().for_each(|sum_t| *sum_t += own_t);
+            }
+        }
+        for of in &assignment.translated {
+            tree.add_left_out(of, views(points), &mut self.left_out_t);
         }
         let local = dispatch!(level, simd => {
             translated(simd, tree, &assignment.translated, assignment.middle, assignment.reach)
@@ -211,9 +225,10 @@ impl Superposition {
             match together.range.far(form) {
                 FarForm::Expansion { degree } => {
                     let expansion = together.expansion(level, &work.frame.blocks);
-                    self.degrees.clear();
-                    self.degrees.resize(count.div_ceil(POINTS_PER_DEGREE), degree);
-                    dispatch!(level, simd => expansion.fields(simd, &self.degrees, views(points), fields));
+                    let degrees = &mut self.degrees.highest;
+                    degrees.clear();
+                    degrees.resize(count.div_ceil(POINTS_PER_DEGREE), degree);
+                    dispatch!(level, simd => expansion.fields(simd, degrees, views(points), fields));
                 }
                 FarForm::Series { order } => {
                     self.partial.start(count);
@@ -275,8 +290,11 @@ impl Superposition {
         let points = &self.gathered.axes;
         of.tree.set_degrees(&of.what, views(points), &mut self.degrees);
         let (expansion, fields) = (of.tree.expansion(of.what.node), room(&mut self.fields, points[0].len()));
-        dispatch!(work.level, simd => expansion.fields(simd, &self.degrees, views(points), fields));
+        dispatch!(work.level, simd => expansion.fields(simd, &self.degrees.highest, views(points), fields));
         self.totals.add_fields_at(work.level, None, &mut self.fields, chosen);
+        for (chosen, own_t) in chosen.chunks(POINTS_PER_DEGREE).zip(&self.degrees.left_out_t) {
+            chosen.iter().for_each(|&index| self.left_out_t[index as usize] += own_t);
+        }
     }
 
     /// One tile at the chosen points.

@@ -2,7 +2,7 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 
-use super::assignment::{Assignment, Nearest, Translated};
+use super::assignment::{Assigned, Assignment, Near, Nearest, Translated};
 use super::expansion::Expansion;
 use super::functions::{angle, artanh_of_ratio};
 use super::harmonics::{Moments, Source};
@@ -14,7 +14,7 @@ use super::range::{FORMS, MIDDLE, OUTER, Range};
 use super::series::Series;
 use super::superposition::Superposition;
 use super::translation::translated;
-use super::tree::Tree;
+use super::tree::{Degrees, Tree};
 use crate::arrangement::Arrangement;
 use crate::block::{Block, Local};
 use crate::kernel::{Part, cuboid_field};
@@ -342,10 +342,12 @@ fn nodes_leave_out_no_more_than_they_say_and_not_much_less() {
             let mut last = degree;
             for times in [1.0, 1.02, 1.1, 1.3, 2.0, 7.0, 1e4, 1e60] {
                 let farther = point * times;
-                let mut degrees = Vec::new();
+                let mut degrees = Degrees::default();
                 let [x, y, z] = farther.to_array().map(|coordinate| [coordinate; 16]);
                 tree.set_degrees(&nearest, [&x, &y, &z], &mut degrees);
-                let &[own] = &degrees[..] else { panic!("one degree for 16 points: {degrees:?}") };
+                let (&[own], &[left_out_t]) = (&degrees.highest[..], &degrees.left_out_t[..]) else {
+                    panic!("one degree for 16 points: {degrees:?}")
+                };
                 assert!(own <= last, "{own} after {last}, {times} times as far as {distance}");
                 let exact = scene.field(crate::quantity::Quantity::FluxDensity, farther).expect("outside");
                 let error_t = (field(own, farther) - exact).length();
@@ -401,6 +403,11 @@ fn one<S: Simd>(simd: S, what: &impl Pairwise<S>, point: DVec3) -> DVec3 {
     DVec3::from(what.fields(simd, [lanes, lanes])[0].map(|component| component.lane(0)))
 }
 
+/// Of a node's expansion to a degree, of which nothing else is left out than by the translation.
+fn translation(node: usize, degree: usize, (local_degree, local_left_out_t): (usize, f64)) -> Translated {
+    Translated { node, distance: 1.0, degree, left_out_t: 0.0, local_degree, local_left_out_t }
+}
+
 /// A node's expansion and the same translated differ by at most what the translation is said to leave out, and not by much less everywhere.
 #[test]
 fn translations_leave_out_no_more_than_they_say() {
@@ -420,7 +427,7 @@ fn translations_leave_out_no_more_than_they_say() {
                 continue;
             };
             translations += 1;
-            let what = Translated { node, degree: 18, local_degree };
+            let what = translation(node, 18, (local_degree, left_out_t));
             let toward = middle + reach * (tree.nodes[node].centre - middle).normalize();
             let points = || points.iter().copied().chain([toward]);
             for level in levels() {
@@ -444,8 +451,7 @@ fn nodes_are_translated_together() {
     let (_, tree) = sheet();
     let (middle, reach) = (DVec3::new(36.0, -3.0, -4.0), 2.0);
     let degree = |node: usize| tree.local_degree(node, 6 + node % 9, middle, reach, 1e-9);
-    let all = (0..tree.nodes.len())
-        .filter_map(|node| Some(Translated { node, degree: 6 + node % 9, local_degree: degree(node)?.0 }));
+    let all = (0..tree.nodes.len()).filter_map(|node| Some(translation(node, 6 + node % 9, degree(node)?)));
     let all: Vec<Translated> = all.collect();
     assert!(all.len() > 20);
     let highest = all.iter().map(|of| of.local_degree).max();
@@ -478,19 +484,83 @@ fn near_tiles_have_the_same_field_to_a_tolerance() {
     let assignment = Assignment::of(&tree, &Box3::around(&points), points.len(), 0.0);
     assert_eq!(assignment.tiles, [0, 1600, 0]);
     for level in levels() {
-        let field = |assigned| {
-            let mut field = vec![DVec3::ZERO; points.len()];
-            let part = Part::Density;
-            Superposition::of_this_thread(|room| {
-                room.add_up(level, &arrangement, assigned, part, &points, &mut field);
-            });
-            field
-        };
-        for (exact, near) in field(None).into_iter().zip(field(Some((&tree, &assignment)))) {
+        let exact = added_up(level, &arrangement, None, &points).0;
+        let (near, left_out_t) = added_up(level, &arrangement, Some((&tree, &assignment)), &points);
+        for (exact, near) in exact.into_iter().zip(near) {
             // The sum over tiles is about one.
             assert!((exact - near).length() <= 2e-14, "{near} is not {exact}");
         }
+        assert!(left_out_t.iter().all(|left_out_t| *left_out_t == 0.0));
     }
+}
+
+/// B at points, and at most what is left out there.
+fn added_up(
+    level: Level,
+    arrangement: &Arrangement,
+    assigned: Option<(&Tree, &Assignment)>,
+    points: &[DVec3],
+) -> (Vec<DVec3>, Vec<f64>) {
+    let (mut field, mut left_out_t) = (vec![DVec3::ZERO; points.len()], vec![f64::NAN; points.len()]);
+    let assigned = assigned.map(|(tree, assignment)| (tree, Assigned { assignment, left_out_t: &mut left_out_t }));
+    Superposition::of_this_thread(|room| {
+        room.add_up(level, arrangement, assigned, Part::Density, points, &mut field);
+    });
+    (field, left_out_t)
+}
+
+/// Whole nodes, expansions at all points or beyond a sphere, and translated ones, each against the exact field of the same tiles; at points some of which are in a row far
+/// away from the others.
+#[test]
+fn no_more_is_left_out_at_a_point_than_is_said_there() {
+    let (arrangement, tree) = sheet();
+    let mut closest = [0.0_f64; 4];
+    for (middle, spread) in [(DVec3::new(3.0, -8.0, -2.0), 3.0), (DVec3::new(24.0, 21.0, -3.0), 6.0)] {
+        let point = |n: usize| {
+            let turn = n as f64;
+            let near = DVec3::new((1.3 * turn).sin(), (2.1 * turn).cos(), 0.3 * (0.7 * turn).cos());
+            middle + if n < 80 { spread * near } else { DVec3::new(0.1, 0.2, -0.4) * (turn - 79.0) }
+        };
+        let mut points: Vec<DVec3> = (0..101).map(point).collect();
+        points[57] = DVec3::splat(f64::NAN);
+        let usable: Vec<DVec3> = points.iter().copied().filter(|point| !point.is_nan()).collect();
+        let around = Box3::around(&usable);
+        for exponent in 1..12 {
+            let whole = Assignment::of(&tree, &around, points.len(), 10_f64.powi(-exponent));
+            let none = || Assignment { middle: whole.middle, reach: whole.reach, ..Assignment::default() };
+            let beyond: Vec<Near> = whole.near.iter().copied().filter(|near| near.beyond.is_some()).collect();
+            let expanded = Assignment { expanded: whole.expanded.clone(), ..none() };
+            let translated = Assignment { translated: whole.translated.clone(), ..none() };
+            let of_nodes = |nodes: Vec<usize>| -> Vec<usize> {
+                nodes.into_iter().flat_map(|node| tree.nodes[node].items.clone()).collect()
+            };
+            let mut served = [
+                (expanded, of_nodes(whole.expanded.iter().map(|of| of.node).collect())),
+                (translated, of_nodes(whole.translated.iter().map(|of| of.node).collect())),
+                (Assignment { near: beyond.clone(), ..none() }, beyond.iter().map(|near| near.item).collect()),
+                (Assignment { ignored_t: whole.ignored_t, ..none() }, Vec::new()),
+            ];
+            let is_served = |item: &usize| {
+                whole.near.iter().any(|near| near.item == *item) || served.iter().any(|(_, items)| items.contains(item))
+            };
+            served[3].1 = (0..tree.items.len()).filter(|item| !is_served(item)).collect();
+            for (kind, (assignment, mut items)) in served.into_iter().enumerate() {
+                items.sort_unstable();
+                let near = items.into_iter().map(|item| Near { item, beyond: None }).collect();
+                let exactly = Assignment { near, ..none() };
+                for level in levels() {
+                    let exact = added_up(level, &arrangement, Some((&tree, &exactly)), &points).0;
+                    let (field, left_out_t) = added_up(level, &arrangement, Some((&tree, &assignment)), &points);
+                    for (index, point) in points.iter().enumerate().filter(|(_, point)| !point.is_nan()) {
+                        let (error_t, most_t) = ((field[index] - exact[index]).length(), left_out_t[index]);
+                        assert!(error_t <= most_t + 4e-14, "{error_t:e}, not {most_t:e}, at {point}, kind {kind}");
+                        closest[kind] = closest[kind].max((error_t - 4e-14) / most_t);
+                    }
+                }
+            }
+        }
+    }
+    assert!(closest.iter().all(|closest| *closest > 0.1), "of what is said {closest:?} are left out");
 }
 
 /// Every tile is served once, whatever may be left out.

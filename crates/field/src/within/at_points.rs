@@ -7,14 +7,15 @@ use rayon::prelude::*;
 use super::accuracy::Tolerance;
 use super::fitted_field::FittedField;
 use super::magnitude::Box3;
-use crate::batch::assignment::Assignment;
+use crate::batch::assignment::{Assigned, Assignment};
 use crate::evaluate::{PointError, neighbours_together};
 use crate::quantity::{MU_0, Quantity};
 use crate::scene::{Cause, Scene, is_in_range};
 use crate::tolerances::{
-    ASSIGNED_POINTS, ASSIGNMENT_ROUNDS, CLEAR_OF_ERROR, LOOKED_UP_POINTS, LOOKED_UP_TILES, POINTS_PER_DEGREE,
-    POINTS_PER_FITTED_NODE, POINTS_PER_ROUND, POINTS_PER_WEAK, POINTS_TOGETHER, ROUGH_FIELD_OVER_J, ROUGH_NODES,
-    ROUGH_STEP, ROUNDS_TO_SHARE, SAFE_SHARE, SAMPLED_POINTS, STRETCHED_BOUND, TREE_TILES, USED_SHARE,
+    ASSIGNED_POINTS, ASSIGNMENT_ROUNDS, CLEAR_OF_ERROR, LEAST_SHARES, LEFT_OUT_OVER_MEAN, LOOKED_UP_POINTS,
+    LOOKED_UP_TILES, POINTS_PER_DEGREE, POINTS_PER_FITTED_NODE, POINTS_PER_ROUND, POINTS_PER_WEAK, POINTS_TOGETHER,
+    ROUGH_FIELD_OVER_J, ROUGH_NODES, ROUGH_STEP, ROUNDS_TO_SHARE, SAFE_SHARE, SAMPLED_POINTS, STRETCHED_BOUND,
+    TREE_TILES, USED_SHARE,
 };
 
 /// B or H at all points; points that have none, with NaN there.
@@ -160,9 +161,9 @@ impl Outcome {
 struct Next {
     /// Points at which the tolerance has not been reached.
     missed: Vec<usize>,
-    /// Whether more than rounding is in the way.
+    /// Whether more than rounding is in the way at any of them.
     may_be_reached: bool,
-    /// The least that was left out of any of them.
+    /// The least that was left out at any of those.
     left_out_t: f64,
 }
 
@@ -178,6 +179,24 @@ struct Allowance {
     whole_t: f64,
     /// Nodes among which it is divided.
     nodes: f64,
+}
+
+/// Points at which parts of a tree have been added up.
+struct Served {
+    assignment: Assignment,
+    values: Vec<DVec3>,
+    /// At most what was left out at each, in tesla.
+    left_out_t: Vec<f64>,
+    failed: Vec<(usize, Cause)>,
+}
+
+impl Served {
+    /// Among how many nodes the next allowance is to be divided so that about all of it is left out.
+    fn nodes(&self, allowance: Allowance) -> f64 {
+        let own_t = allowance.whole_t / allowance.nodes;
+        let mean_t = self.left_out_t.iter().sum::<f64>() / self.left_out_t.len() as f64;
+        LEFT_OUT_OVER_MEAN * mean_t / own_t + LEAST_SHARES
+    }
 }
 
 impl Batch<'_> {
@@ -212,24 +231,26 @@ impl Batch<'_> {
 
     /// Points that share an assignment. Returns what may be left out where the field is like that at these.
     fn serve_some(&mut self, open: &[usize], allowance: Allowance, next: &mut Next) -> Allowance {
-        let (assignment, values, failed) = self.evaluate(&self.points_of(open), allowance);
-        let rounding_t = STRETCHED_BOUND * assignment.magnitude_t;
-        let error_t = assignment.left_out_t + rounding_t;
-        let mut lengths_t = Vec::with_capacity(values.len());
-        for (&index, value) in open.iter().zip(values) {
+        let served = self.evaluate(&self.points_of(open), allowance);
+        let rounding_t = STRETCHED_BOUND * served.assignment.magnitude_t;
+        let mut lengths_t = Vec::with_capacity(open.len());
+        for ((&index, &value), &left_out_t) in open.iter().zip(&served.values).zip(&served.left_out_t) {
             self.values[index] = value;
             let b = value * self.in_tesla();
             if value.is_nan() {
                 continue;
             }
             lengths_t.push(b.length());
-            if !self.tolerance.is_kept(b, error_t) {
+            if !self.tolerance.is_kept(b, left_out_t + rounding_t) {
                 next.missed.push(index);
-                next.may_be_reached |= self.tolerance.is_kept(b, rounding_t);
-                next.left_out_t = next.left_out_t.min(assignment.left_out_t);
+                if self.tolerance.is_kept(b, rounding_t) {
+                    next.may_be_reached = true;
+                    next.left_out_t = next.left_out_t.min(left_out_t);
+                }
             }
         }
-        self.outcome.failed.extend(failed.into_iter().map(|(number, cause)| (open[number], cause)));
+        let nodes = served.nodes(allowance);
+        self.outcome.failed.extend(served.failed.into_iter().map(|(number, cause)| (open[number], cause)));
         if lengths_t.is_empty() {
             return allowance;
         }
@@ -237,7 +258,7 @@ impl Batch<'_> {
         let weak_t = *lengths_t.select_nth_unstable_by(weak, f64::total_cmp).1;
         // Less than rounding is of no use, as where the field vanishes by symmetry.
         let whole_t = (SAFE_SHARE * self.wanted_t(weak_t)).max(rounding_t);
-        Allowance { whole_t, nodes: nodes_like(&assignment) }
+        Allowance { whole_t, nodes }
     }
 
     fn points_of(&self, indices: &[usize]) -> Vec<DVec3> {
@@ -270,26 +291,32 @@ impl Batch<'_> {
         let mut allowance =
             Allowance { whole_t: ROUGH_FIELD_OVER_J * self.scene.tree().largest_j_t(), nodes: ROUGH_NODES };
         for _ in 0..ASSIGNMENT_ROUNDS {
-            let (assignment, values, _) = self.evaluate(&some, allowance);
-            let lengths = values.iter().filter(|b| !b.is_nan()).map(|b| b.length() * self.in_tesla());
+            let served = self.evaluate(&some, allowance);
+            let lengths = served.values.iter().filter(|b| !b.is_nan()).map(|b| b.length() * self.in_tesla());
             let least_t = lengths.fold(f64::INFINITY, f64::min);
-            let nodes = nodes_like(&assignment);
-            if assignment.left_out_t == 0.0 || least_t > CLEAR_OF_ERROR * assignment.left_out_t {
+            let (nodes, left_out_t) = (served.nodes(allowance), served.assignment.left_out_t);
+            if left_out_t == 0.0 || least_t > CLEAR_OF_ERROR * left_out_t {
                 let whole_t = if least_t.is_finite() { SAFE_SHARE * fraction * least_t } else { allowance.whole_t };
                 return Allowance { whole_t, nodes };
             }
-            allowance = Allowance { whole_t: ROUGH_STEP * assignment.left_out_t.min(allowance.whole_t), nodes };
+            allowance = Allowance { whole_t: ROUGH_STEP * left_out_t.min(allowance.whole_t), nodes };
         }
         allowance
     }
 
-    fn evaluate(&self, points: &[DVec3], allowance: Allowance) -> (Assignment, Vec<DVec3>, Vec<(usize, Cause)>) {
-        let assignment = self.assigned(points, allowance);
-        let (mut values, mut failed) = (vec![DVec3::NAN; points.len()], Vec::new());
-        self.scene.field_of_batch(self.quantity, Some(&assignment), points, &mut values, &mut |index, cause| {
+    fn evaluate(&self, points: &[DVec3], allowance: Allowance) -> Served {
+        let mut served = Served {
+            assignment: self.assigned(points, allowance),
+            values: vec![DVec3::NAN; points.len()],
+            left_out_t: vec![0.0; points.len()],
+            failed: Vec::new(),
+        };
+        let Served { assignment, values, left_out_t, failed } = &mut served;
+        let assigned = Some(Assigned { assignment, left_out_t });
+        self.scene.field_of_batch(self.quantity, assigned, points, values, &mut |index, cause| {
             failed.push((index, cause));
         });
-        (assignment, values, failed)
+        served
     }
 
     fn assigned(&self, points: &[DVec3], allowance: Allowance) -> Assignment {

@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 use std::ops::Range as Span;
-use std::sync::{LazyLock, OnceLock};
+use std::sync::OnceLock;
 
 use fearless_simd::Level;
 use glam::{DMat3, DVec2, DVec3, Vec3Swizzles};
 
-use super::assignment::{Nearest, Translated};
+use super::assignment::Translated;
 use super::expansion::Expansion;
 use super::harmonics::{Moments, Source};
 use super::range::power_of_two_reciprocal;
@@ -16,11 +16,13 @@ use super::translation::Shift;
 use crate::arrangement::{Arrangement, Frame};
 use crate::tile::Tile;
 use crate::tolerances::{
-    ALONE_COST, CLOSED_FORM_COST, CORNERED_TILES, DISTANCE_BISECTIONS, FARTHEST, FLAT_NODE_COST, HIGHEST_DEGREE,
-    HIGHEST_LOCAL_DEGREE, ITEMS_EXPANDED, LARGEST_FIELD_OVER_J, NEAREST_NODE, NODE_COST, POINTS_PER_DEGREE,
-    SPHERE_GAPS,
+    ALONE_COST, CLOSED_FORM_COST, FLAT_NODE_COST, HIGHEST_DEGREE, ITEMS_EXPANDED, LARGEST_FIELD_OVER_J, NODE_COST,
 };
 use crate::within::magnitude::Box3;
+
+mod degrees;
+
+pub(super) use degrees::Degrees;
 
 /// Nodes above each other, the first of them all tiles.
 #[derive(Clone, Debug)]
@@ -106,12 +108,6 @@ struct Outside {
     /// The same over the root of a degree and one.
     means: Vec<f64>,
 }
-
-/// Of the degree after each, 2n + 1 under the root, and the factor by which that grows from there on at most.
-static NEXT_DEGREES: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
-    let next = (0..=HIGHEST_LOCAL_DEGREE).map(|degree| (2 * degree + 3) as f64);
-    next.map(|next| [next.sqrt(), (1.0 + 2.0 / next).sqrt()]).collect()
-});
 
 impl Tree {
     /// Of the tiles arranged, with expansions up to `degree` where they pay.
@@ -205,118 +201,6 @@ impl Tree {
             && (bodies.iter().all(|body| j_t(body).z == 0.0) || bodies.iter().all(|body| j_t(body).xy() == DVec2::ZERO))
     }
 
-    /// The lowest degree, and the most it leaves out in tesla, that leaves out no more than `allowed_t` of a node's field at all points of a box; 0 if all
-    /// of it may be left out.
-    pub(super) fn nearest(&self, node: usize, points: &Box3, allowed_t: f64) -> Option<Nearest> {
-        let of = &self.nodes[node];
-        let distance = of.distance(points);
-        if distance < NEAREST_NODE * of.radius * of.scale || distance * distance > FARTHEST {
-            return None;
-        }
-        let beyond_t = self.beyond_t(node, distance);
-        if beyond_t > allowed_t {
-            return None;
-        }
-        let powers = &self.outside(node).powers;
-        let (mut degree, mut left_out_t, mut term) = (of.degree, beyond_t, Falling::from(of.degree, distance));
-        // From the highest degree down, as most are kept.
-        while degree > 0 && left_out_t + powers[degree] * term.power <= allowed_t {
-            left_out_t += powers[degree] * term.power;
-            degree -= 1;
-            term.lower();
-        }
-        Some(Nearest { node, distance, degree, left_out_t })
-    }
-
-    /// The degree for each [`POINTS_PER_DEGREE`] points, given by axis.
-    pub(super) fn set_degrees(&self, what: &Nearest, [x, y, z]: [&[f64]; 3], degrees: &mut Vec<usize>) {
-        let of = &self.nodes[what.node];
-        let left_out_t = self.left_out_from(what);
-        let points = x.chunks(POINTS_PER_DEGREE).zip(y.chunks(POINTS_PER_DEGREE)).zip(z.chunks(POINTS_PER_DEGREE));
-        degrees.clear();
-        degrees.extend(points.map(|((x, y), z)| {
-            let times = least_square(of.centre, [x, y, z]).sqrt() * of.scale / what.distance;
-            let (mut degree, mut power) = (what.degree, times.powi(-(what.degree as i32 + 3)));
-            while degree > 0 {
-                // Where that vanishes a lower power may not.
-                let lower = if power.is_normal() { power * times } else { times.powi(-(degree as i32 + 2)) };
-                if left_out_t[degree - 1] * lower > what.left_out_t {
-                    break;
-                }
-                (degree, power) = (degree - 1, lower);
-            }
-            degree
-        }));
-    }
-
-    /// What each degree of a node's expansion leaves out at the nearest points, at most, in tesla; n times farther it is less by n^(degree + 3) at least.
-    fn left_out_from(&self, what: &Nearest) -> [f64; HIGHEST_DEGREE + 1] {
-        let powers = &self.outside(what.node).powers;
-        let mut left_out_t = [0.0; HIGHEST_DEGREE + 1];
-        let highest = self.nodes[what.node].degree;
-        left_out_t[highest] = self.beyond_t(what.node, what.distance);
-        let mut terms_t = Falling::from(highest, what.distance);
-        for degree in (0..highest).rev() {
-            left_out_t[degree] = left_out_t[degree + 1] + powers[degree + 1] * terms_t.power;
-            terms_t.lower();
-        }
-        left_out_t
-    }
-
-    /// The lowest degree of the field around `middle`, and the most it leaves out in tesla, that within `reach` of it leaves out no more than `allowed_t` of a
-    /// node's expansion of this degree; `None` if it were too high.
-    pub(super) fn local_degree(
-        &self,
-        node: usize,
-        degree: usize,
-        middle: DVec3,
-        reach: f64,
-        allowed_t: f64,
-    ) -> Option<(usize, f64)> {
-        let of = &self.nodes[node];
-        let (distance, reach, radius) =
-            ((middle - of.centre).length() * of.scale, reach * of.scale, of.radius * of.scale);
-        if distance * distance > FARTHEST {
-            return None;
-        }
-        let gaps = SPHERE_GAPS.map(|gap| gap * radius);
-        let overs = gaps.map(|gap| 1.0 / gap);
-        let mut means_t = [0.0; SPHERE_GAPS.len()];
-        for mean in self.outside(node).means[1..=degree].iter().rev() {
-            for (sum, over) in means_t.iter_mut().zip(overs) {
-                *sum = (*sum + mean) * over;
-            }
-        }
-        let mut best = None;
-        for ((gap, over), mean_t) in gaps.into_iter().zip(overs).zip(means_t) {
-            let sphere = distance - gap;
-            if sphere <= reach {
-                continue;
-            }
-            let ratio = reach / sphere;
-            let most = best.map_or(HIGHEST_LOCAL_DEGREE, |(degree, _)| degree);
-            // The root of the mean square of the field on the sphere, at most.
-            let mut power = mean_t * over / (2.0 * (distance * sphere).sqrt());
-            let [root, growth] = NEXT_DEGREES[most];
-            if power * ratio.powi(most as i32 + 1) * root > allowed_t * (1.0 - ratio * growth) {
-                continue;
-            }
-            for (local_degree, [root, growth]) in NEXT_DEGREES[..=most].iter().enumerate() {
-                // The degree that comes next, and what follows it.
-                power *= ratio;
-                let rest = 1.0 - ratio * growth;
-                if rest > 0.0 && power * root <= allowed_t * rest {
-                    let left_out_t = power * root / rest;
-                    if best.is_none_or(|(degree, least_t)| local_degree < degree || left_out_t < least_t) {
-                        best = Some((local_degree, left_out_t));
-                    }
-                    break;
-                }
-            }
-        }
-        best
-    }
-
     /// A node's expansion to be translated to `middle`, where lengths are multiplied by `scale`.
     pub(super) fn shift(&self, of: &Translated, middle: DVec3, scale: f64) -> Shift<'_> {
         let node = &self.nodes[of.node];
@@ -327,27 +211,6 @@ impl Tree {
             offset: (middle - node.centre) * node.scale,
             unit: scale / node.scale,
         }
-    }
-
-    /// The distance from a node's centre from which its expansion leaves out no more than `allowed_t`; `None` if all points of a box are nearer.
-    pub(super) fn least_distance(&self, node: usize, points: &Box3, allowed_t: f64) -> Option<(f64, Nearest)> {
-        let of = &self.nodes[node];
-        let centre = of.centre;
-        let farthest = (points.upper - centre).abs().max((points.lower - centre).abs()).length() * of.scale;
-        let (mut short, mut enough) = (of.distance(points).max(NEAREST_NODE * of.radius * of.scale), farthest);
-        if farthest * farthest > FARTHEST || short >= enough || self.beyond_t(node, farthest) > allowed_t {
-            return None;
-        }
-        for _ in 0..DISTANCE_BISECTIONS {
-            let middle = 0.5 * (short + enough);
-            if self.beyond_t(node, middle) <= allowed_t {
-                enough = middle;
-            } else {
-                short = middle;
-            }
-        }
-        let nearest = Nearest { node, distance: enough, degree: of.degree, left_out_t: allowed_t };
-        Some((enough / of.scale, nearest))
     }
 
     /// At most the sum over a node's tiles of the magnitudes of their fields in a box outside its sphere, in tesla.
@@ -425,33 +288,6 @@ impl Tree {
             .collect()
     }
 
-    /// At most the field in tesla of all degrees beyond a node's own at a scaled distance: the magnitudes of dipoles' fields by degree, summed as the geometric
-    /// series they stay below.
-    fn beyond_t(&self, node: usize, distance: f64) -> f64 {
-        let of = &self.nodes[node];
-        let l = (of.degree + 1) as f64;
-        let over = 1.0 / distance;
-        let next = self.reach_t(of) * l * ((l + 1.0) * (2.0 * l + 1.0)).sqrt() * over.powi(of.degree as i32 + 3);
-        let fall = of.radius * of.scale * over * (1.0 + 2.5 / l);
-        if fall < 1.0 { next / (1.0 - fall) } else { f64::INFINITY }
-    }
-
-    fn reach_t(&self, node: &Node) -> f64 {
-        let power = node.degree as i32;
-        *node.reach_t.get_or_init(|| {
-            let bodies = &self.bodies[node.bodies.clone()];
-            let reach = |body: &Body| {
-                let mean = if bodies.len() <= CORNERED_TILES {
-                    body.mean_power(self.rotations[body.frame].as_ref(), node.centre, node.scale, power)
-                } else {
-                    (((body.centre - node.centre).length() + body.half_diagonal) * node.scale).powi(power)
-                };
-                body.strength_t(node.scale) * mean
-            };
-            bodies.iter().map(reach).sum()
-        })
-    }
-
     fn sources(&self, node: &Node) -> Vec<Source> {
         let source = |body: &Body| {
             let (centre, size) = ((body.centre - node.centre) * node.scale, body.size * node.scale);
@@ -514,41 +350,6 @@ impl Body {
         });
         corners.iter().sum::<f64>() / 8.0
     }
-}
-
-/// The powers of an inverse distance with which the field of each degree falls, from a degree down.
-struct Falling {
-    degree: usize,
-    distance: f64,
-    /// distance^-(degree + 2)
-    power: f64,
-}
-
-impl Falling {
-    fn from(degree: usize, distance: f64) -> Falling {
-        Falling { degree, distance, power: distance.powi(-(degree as i32 + 2)) }
-    }
-
-    fn lower(&mut self) {
-        self.degree -= 1;
-        // So far away that the high degrees vanish the low ones do not.
-        let follows = self.power.is_normal();
-        self.power = if follows { self.power * self.distance } else { self.distance.powi(-(self.degree as i32 + 2)) };
-    }
-}
-
-/// Of the distances of points from a centre; those that are no numbers do not count.
-fn least_square(centre: DVec3, [x, y, z]: [&[f64]; 3]) -> f64 {
-    // Several at a time.
-    let mut least = [f64::INFINITY; 4];
-    for ((x, y), z) in x.chunks(least.len()).zip(y.chunks(least.len())).zip(z.chunks(least.len())) {
-        for (least, ((x, y), z)) in least.iter_mut().zip(x.iter().zip(y).zip(z)) {
-            let [x, y, z] = [x - centre.x, y - centre.y, z - centre.z];
-            let square = x * x + y * y + z * z;
-            *least = if square < *least { square } else { *least };
-        }
-    }
-    least.into_iter().fold(f64::INFINITY, f64::min)
 }
 
 /// What is together in a frame's table, or its halves.
