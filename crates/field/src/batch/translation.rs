@@ -142,8 +142,11 @@ static ALONG: LazyLock<Vec<Vec<[f64; BLOCK]>>> = LazyLock::new(|| {
     (0..=HIGHEST_DEGREE.min(HIGHEST_LOCAL_DEGREE + 1)).map(order).collect()
 });
 
-/// The orders of one degree, real and imaginary parts, with room for what fills a block.
-type Row<S> = [[Lanes<S>; MOST + 1 + 2 * BLOCK]; 2];
+/// Of one degree, with room for what fills a block of every other order.
+const ORDERS: usize = MOST + 1 + 2 * BLOCK;
+
+/// The orders of one degree, real and imaginary parts.
+type Row<S> = [[Lanes<S>; ORDERS]; 2];
 
 /// Room for the nodes that are translated at a time.
 struct Room<S: Simd> {
@@ -224,8 +227,7 @@ impl<S: Simd> Room<S> {
         });
         let most = degree.max(local_degree + 1);
         let about = [powers(simd, [turns[0], turns[1]], most), powers(simd, [turns[2], turns[3]], most)];
-        let (mut even, mut odd): (Row<S>, Row<S>) =
-            ([[zero; MOST + 1 + 2 * BLOCK]; 2], [[zero; MOST + 1 + 2 * BLOCK]; 2]);
+        let (mut even, mut odd): (Row<S>, Row<S>) = ([[zero; ORDERS]; 2], [[zero; ORDERS]; 2]);
         self.set_moments(simd, shifts, degree);
         let mut power = over * over;
         for l in 1..=degree {
@@ -322,7 +324,7 @@ fn turn<S: Simd>(row: &mut Row<S>, phases: &Row<S>, l: usize, sign: f64) {
 #[inline(always)]
 fn powers<S: Simd>(simd: S, [cos, sin]: [Lanes<S>; 2], most: usize) -> Row<S> {
     let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
-    let mut powers = [[one; MOST + 1 + 2 * BLOCK], [zero; MOST + 1 + 2 * BLOCK]];
+    let mut powers = [[one; ORDERS], [zero; ORDERS]];
     for m in 1..=most {
         let (re, im) = (powers[0][m - 1], powers[1][m - 1]);
         powers[0][m] = re.mul_sub(cos, im * sin);
