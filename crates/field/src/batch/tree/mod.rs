@@ -21,6 +21,8 @@ use crate::tolerances::{
 use crate::within::magnitude::Box3;
 
 mod degrees;
+#[cfg(test)]
+mod tests;
 
 pub(super) use degrees::Degrees;
 
