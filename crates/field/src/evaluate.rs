@@ -175,7 +175,7 @@ fn for_each_batch<T: Send + Copy + Default>(
     if batches.regroup && points.len() > size {
         let stretches = points.chunks(REGROUPED_POINTS).zip(values.chunks_mut(REGROUPED_POINTS));
         for (stretch, (points, values)) in stretches.enumerate() {
-            let order = neighbours_together(points, (0..points.len() as u32).collect(), size);
+            let order = neighbours_together(points, 0..points.len() as u32, &[size]);
             let regrouped: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
             let mut results = vec![T::default(); points.len()];
             let start = stretch * REGROUPED_POINTS;
@@ -221,26 +221,38 @@ fn in_batches<T: Send>(
         .collect()
 }
 
-/// Indices of points in an order in which each `size` of them, from the first on, are neighbours.
-pub(crate) fn neighbours_together(points: &[DVec3], mut order: Vec<u32>, size: usize) -> Vec<u32> {
-    divide(points, &mut order, size);
-    order
+/// Indices of points in an order in which each so many of them, from the first on, are neighbours: of the points that the first of `sizes` puts together each so many as the
+/// next says, and so on.
+pub(crate) fn neighbours_together(points: &[DVec3], order: impl IntoIterator<Item = u32>, sizes: &[usize]) -> Vec<u32> {
+    // Side by side in memory, where they are compared again and again.
+    let mut placed: Vec<Placed> =
+        order.into_iter().map(|index| Placed { point: points[index as usize].to_array(), index }).collect();
+    divide(&mut placed, sizes);
+    placed.into_iter().map(|placed| placed.index).collect()
+}
+
+/// A point and its index.
+#[derive(Clone, Copy)]
+struct Placed {
+    point: [f64; 3],
+    index: u32,
 }
 
 /// Divides along the axis along which the points reach farthest.
-fn divide(points: &[DVec3], order: &mut [u32], size: usize) {
-    if order.len() <= size {
-        return;
+fn divide(placed: &mut [Placed], sizes: &[usize]) {
+    let Some((&size, smaller)) = sizes.split_first() else { return };
+    if placed.len() <= size {
+        return divide(placed, smaller);
     }
-    let at = |index: u32| points[index as usize];
-    let least = order.iter().map(|&i| at(i)).fold(DVec3::INFINITY, DVec3::min);
-    let most = order.iter().map(|&i| at(i)).fold(DVec3::NEG_INFINITY, DVec3::max);
+    let at = |placed: &Placed| DVec3::from_array(placed.point);
+    let least = placed.iter().map(at).fold(DVec3::INFINITY, DVec3::min);
+    let most = placed.iter().map(at).fold(DVec3::NEG_INFINITY, DVec3::max);
     let axis = (most - least).max_position();
-    let middle = order.len().div_ceil(size) / 2 * size;
-    order.select_nth_unstable_by(middle, |&a, &b| at(a)[axis].total_cmp(&at(b)[axis]));
-    let (low, high) = order.split_at_mut(middle);
-    divide(points, low, size);
-    divide(points, high, size);
+    let middle = placed.len().div_ceil(size) / 2 * size;
+    placed.select_nth_unstable_by(middle, |a, b| a.point[axis].total_cmp(&b.point[axis]));
+    let (low, high) = placed.split_at_mut(middle);
+    divide(low, sizes);
+    divide(high, sizes);
 }
 
 impl fmt::Display for Cause {

@@ -146,7 +146,7 @@ pub(crate) const HIGHEST_LOCAL_DEGREE: usize = 24;
 pub(crate) const POINTS_PER_DEGREE: usize = 16;
 
 /// What a translation leaves out, as a fraction of what its node's own expansion may.
-pub(crate) const TRANSLATED_SHARE: f64 = 0.1;
+pub(crate) const TRANSLATED_SHARE: f64 = 0.25;
 
 /// The round-off of an item is not found more closely than to this fraction of what a node may leave out.
 pub(crate) const CERTAIN_SHARE: f64 = 1e-3;
@@ -190,6 +190,16 @@ pub(crate) const ROUNDS_TO_SHARE: usize = 64;
 /// Of these the points that parts of a tree are assigned to together: more share the choice, fewer lie closer together, leave more of the tiles far away, and
 /// need lower degrees of expansions.
 pub(crate) const ASSIGNED_POINTS: usize = 128;
+
+/// So many neighbours, several parts to which the rest is assigned, have the nodes far from all of them translated to their common middle. From 256 to 1024 times hardly
+/// differ: the more share a translation, the fewer nodes are far enough.
+pub(crate) const FAR_POINTS: usize = 512;
+
+/// What such a node may leave out, of what one of the first part may: at the parts after it the field may be weaker.
+pub(crate) const FAR_SHARE: f64 = 0.7;
+
+/// A node is not asked for what is far if all of it is nearer to the middle than so many times the farthest of the points: no degree would do.
+pub(crate) const LEAST_FAR_REACHES: f64 = 1.5;
 
 /// One of so many points may have a field too weak for what is left out, and is served again. Each of these takes as long as five others; to halve their
 /// number takes 3 % more for all.

@@ -1,7 +1,10 @@
 //! Which parts of a tree serve a batch of points, and how.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
+use super::far::Far;
 use super::tree::Tree;
 use crate::tolerances::{CERTAIN_SHARE, STRETCHED_BOUND, TRANSLATED_POINTS, TRANSLATED_SHARE};
 use crate::within::magnitude::Box3;
@@ -9,6 +12,8 @@ use crate::within::magnitude::Box3;
 /// For points that lie together, the parts of a tree that add up to the field there.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Assignment {
+    /// What serves them and the other parts of more points.
+    pub(super) far: Option<Arc<Far>>,
     /// Nodes taken by their expansions.
     pub(super) expanded: Vec<Nearest>,
     /// Nodes translated to the middle of the points.
@@ -60,6 +65,17 @@ pub(super) struct Translated {
     pub(super) local_left_out_t: f64,
 }
 
+/// How a node serves points.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Service {
+    /// Not at all, as all of it may be left out.
+    Ignored,
+    /// By its expansion, translated to their middle: a field of this degree, and at most what that leaves out anywhere, in tesla.
+    Translated { degree: usize, left_out_t: f64 },
+    /// By its expansion.
+    Expanded,
+}
+
 /// An item that is taken exactly, at least at some points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Near {
@@ -69,40 +85,28 @@ pub(super) struct Near {
 }
 
 impl Assignment {
-    /// Of the nodes farthest up that leave out no more than `allowed_t` each. Of many points those far away are translated.
-    pub(crate) fn of(tree: &Tree, points: &Box3, count: usize, allowed_t: f64) -> Assignment {
-        let (middle, reach) = (points.centre(), points.half_size().length());
-        let mut assignment = Assignment { middle, reach, ..Assignment::default() };
+    /// Of nothing, to points in a box.
+    pub(super) fn around(points: &Box3) -> Assignment {
+        Assignment { middle: points.centre(), reach: points.half_size().length(), ..Assignment::default() }
+    }
+
+    /// Of the nodes farthest up that leave out no more than `allowed_t` each, but for those that are served for several parts of points together. Of many points those
+    /// far away are translated.
+    pub(crate) fn of(tree: &Tree, far: Option<&Arc<Far>>, points: &Box3, count: usize, allowed_t: f64) -> Assignment {
+        let mut assignment = Assignment::around(points);
         let mut waiting: Vec<usize> = (0..tree.nodes.len().min(1)).collect();
+        if let Some(far) = far {
+            waiting = far.rest.iter().rev().copied().collect();
+            assignment.left_out_t = far.assignment.left_out_t;
+            assignment.ignored_t = far.assignment.ignored_t;
+            assignment.magnitude_t = far.assignment.magnitude_t;
+            assignment.tiles = far.assignment.tiles;
+            assignment.far = Some(far.clone());
+        }
         while let Some(index) = waiting.pop() {
             if let Some(nearest) = tree.nearest(index, points, allowed_t) {
-                let Nearest { node, distance, degree, left_out_t } = nearest;
-                let tiles = tree.tiles_of_node(index);
-                assignment.left_out_t += left_out_t;
-                assignment.magnitude_t += tree.most_of_node_t(index, points);
-                if degree > 0 {
-                    assignment.tiles[0] += tiles;
-                    let share_t = TRANSLATED_SHARE * allowed_t;
-                    let local = (count >= TRANSLATED_POINTS)
-                        .then(|| tree.local_degree(index, degree, middle, reach, share_t))
-                        .flatten();
-                    if let Some((local_degree, local_left_out_t)) = local {
-                        assignment.left_out_t += local_left_out_t;
-                        assignment.translated.push(Translated {
-                            node,
-                            distance,
-                            degree,
-                            left_out_t,
-                            local_degree,
-                            local_left_out_t,
-                        });
-                    } else {
-                        assignment.expanded.push(nearest);
-                    }
-                } else {
-                    assignment.ignored_t += left_out_t;
-                    assignment.tiles[2] += tiles;
-                }
+                let service = assignment.service(tree, &nearest, count >= TRANSLATED_POINTS, allowed_t);
+                assignment.take(tree, points, nearest, service);
                 continue;
             }
             match tree.nodes[index].halves {
@@ -124,6 +128,36 @@ impl Assignment {
         assignment
     }
 
+    /// How a node serves the points.
+    pub(super) fn service(&self, tree: &Tree, of: &Nearest, may_translate: bool, allowed_t: f64) -> Service {
+        if of.degree == 0 {
+            return Service::Ignored;
+        }
+        let share_t = TRANSLATED_SHARE * allowed_t;
+        let local = may_translate.then(|| tree.local_degree(of.node, of.degree, self.middle, self.reach, share_t));
+        match local.flatten() {
+            Some((degree, left_out_t)) => Service::Translated { degree, left_out_t },
+            None => Service::Expanded,
+        }
+    }
+
+    /// Adds a node that serves the points.
+    pub(super) fn take(&mut self, tree: &Tree, points: &Box3, of: Nearest, service: Service) {
+        let Nearest { node, distance, degree, left_out_t } = of;
+        self.left_out_t += left_out_t;
+        self.magnitude_t += tree.most_of_node_t(node, points);
+        match service {
+            Service::Ignored => self.ignored_t += left_out_t,
+            Service::Translated { degree: local_degree, left_out_t: local_left_out_t } => {
+                self.left_out_t += local_left_out_t;
+                self.translated.push(Translated { node, distance, degree, left_out_t, local_degree, local_left_out_t });
+            }
+            Service::Expanded => self.expanded.push(of),
+        }
+        let kind = if let Service::Ignored = service { 2 } else { 0 };
+        self.tiles[kind] += tree.tiles_of_node(node);
+    }
+
     /// Whether nothing is left out.
     pub(crate) fn is_exact(&self) -> bool {
         self.expansions() == 0 && self.tiles[2] == 0
@@ -131,11 +165,12 @@ impl Assignment {
 
     /// The expansions' degrees.
     pub(crate) fn degrees(&self) -> impl Iterator<Item = usize> {
-        self.expanded.iter().map(|of| of.degree).chain(self.translated.iter().map(|of| of.degree))
+        let far = self.far.iter().flat_map(|far| &far.assignment.translated);
+        self.expanded.iter().map(|of| of.degree).chain(self.translated.iter().chain(far).map(|of| of.degree))
     }
 
     /// How many expansions there are, some for some of the points only.
     pub(crate) fn expansions(&self) -> usize {
-        self.expanded.len() + self.translated.len() + self.near.iter().filter(|near| near.beyond.is_some()).count()
+        self.degrees().count() + self.near.iter().filter(|near| near.beyond.is_some()).count()
     }
 }

@@ -150,7 +150,7 @@ impl Moments {
                 let [re, im] = self.at(l, m).map(|part| part * root_factorials[l - m] * root_factorials[l + m]);
                 (re * re + im * im) * if m == 0 { 1.0 } else { 2.0 }
             };
-            ((0..=l).map(square).sum::<f64>() * ((l + 1) * (2 * l + 1)) as f64).sqrt()
+            (l + 1) as f64 * (0..=l).map(square).sum::<f64>().sqrt()
         };
         (0..=self.degree()).map(power).collect()
     }

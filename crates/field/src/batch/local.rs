@@ -29,6 +29,7 @@ pub(super) fn place(l: usize, m: usize) -> usize {
 }
 
 /// A field that is a polynomial.
+#[derive(Debug)]
 pub(super) struct Local {
     centre: DVec3,
     scale: f64,
@@ -39,20 +40,22 @@ pub(super) struct Local {
 }
 
 impl Local {
-    /// From the coefficients of the regular harmonics in the potential, by degree and order as [`place`] has them; lengths are multiplied by `scale`.
-    pub(super) fn new(degree: usize, centre: DVec3, scale: f64, potential: &[[f64; 2]]) -> Local {
+    /// From the coefficients of the regular harmonics in the potential, real and imaginary parts by degree and order as [`place`] has them; lengths are multiplied by `scale`.
+    pub(super) fn new(degree: usize, centre: DVec3, scale: f64, [re, im]: [&[f64]; 2]) -> Local {
+        let count = place(degree + 1, 0);
+        let mut rows = [const { Vec::new() }; 3];
+        rows.iter_mut().for_each(|row| row.reserve(count));
+        let [own, above, below] = &mut rows;
         // Of each pair the field's share of the harmonic of one degree more and some order.
-        let part = |sign: f64, order: fn(usize) -> Option<usize>| {
-            let pairs = (0..=degree).flat_map(|m| (m..=degree).map(move |l| (l, m)));
-            let pairs = pairs.map(|(l, m)| {
-                order(m).map_or([0.0; 2], |order| {
-                    let factor = sign * LEADING[place(l, m)];
-                    potential[place(l + 1, order)].map(|part| part * factor)
-                })
-            });
-            pairs.collect()
-        };
-        let rows = [part(-1.0, Some), part(1.0, |m| Some(m + 1)), part(1.0, |m| m.checked_sub(1))];
+        for m in 0..=degree {
+            for l in m..=degree {
+                let factor = LEADING[place(l, m)];
+                let at = place(l + 1, m);
+                own.push([re[at] * -factor, im[at] * -factor]);
+                above.push([re[at + 1] * factor, im[at + 1] * factor]);
+                below.push(if m > 0 { [re[at - 1] * factor, im[at - 1] * factor] } else { [0.0; 2] });
+            }
+        }
         Local { centre, scale, degree, rows }
     }
 

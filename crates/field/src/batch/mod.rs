@@ -23,6 +23,7 @@ mod closed_form;
 mod cluster;
 mod column;
 mod expansion;
+pub(crate) mod far;
 mod functions;
 pub(crate) mod harmonics;
 pub(crate) mod instruction_set;

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::column::{Column, views};
 use super::lanes::{Lanes, Number, PAIR};
-use super::range::{BEYOND, FORMS, Form, Range};
+use super::range::{BEYOND, FORMS, Form, MIDDLE, OUTER, Range};
 use crate::arrangement::{Arrangement, Frame};
 use crate::scene::is_in_range;
 use crate::tolerances::MAX_LENGTH;
@@ -167,10 +167,38 @@ impl Chosen {
             let form = if !points.out_of_range.is_empty() && points.axes[0][index].is_nan() {
                 FORMS
             } else {
-                self.forms[index] as usize
+                (self.forms[index] as usize).min(BEYOND as usize)
             };
             self.add(form, index as u32);
         }
+        if beyond.is_some() {
+            self.fill_up();
+        }
+    }
+
+    /// Gives so many points beyond the sphere to the closed form that those left fill pairs of vectors, if its own last pair has room for them and it serves so many:
+    /// there they cost nothing, and a pair of the expansion is saved.
+    fn fill_up(&mut self) {
+        let Some(last) = [OUTER, MIDDLE].into_iter().find(|form| self.counts[usize::from(*form)] > 0) else { return };
+        let (last, beyond) = (usize::from(last), usize::from(BEYOND));
+        let (closed, spare) = (self.counts[last], self.counts[beyond] % PAIR);
+        let start = beyond * self.stretch;
+        let is_served = |index: u32| self.forms[index as usize] == (beyond + last) as f64;
+        let served = (start..start + self.counts[beyond]).rev().filter(|&at| is_served(self.indices[at]));
+        let room = closed.next_multiple_of(PAIR) - closed;
+        let Some(first) = spare.checked_sub(1).filter(|_| spare <= room).and_then(|before| served.clone().nth(before))
+        else {
+            return;
+        };
+        let (mut kept, mut taken) = (first, last * self.stretch + closed);
+        for at in first..start + self.counts[beyond] {
+            let index = self.indices[at];
+            let place = if is_served(index) { &mut taken } else { &mut kept };
+            self.indices[*place] = index;
+            *place += 1;
+        }
+        self.counts[beyond] -= spare;
+        self.counts[last] += spare;
     }
 
     /// Points that have these indices in the batch.
@@ -198,7 +226,7 @@ impl Chosen {
             let y = Lanes::<S>::load(simd, &y[start..end]) - centre[1];
             let z = Lanes::<S>::load(simd, &z[start..end]) - centre[2];
             let far = z.mul_add(z, y.mul_add(y, x * x)).at_least(simd, square);
-            (Lanes::<S>::load(simd, forms).max(far * f64::from(BEYOND))).store(forms);
+            (far.mul_add(Lanes::<S>::splat(simd, f64::from(BEYOND)), Lanes::<S>::load(simd, forms))).store(forms);
         }
     }
 

@@ -12,6 +12,7 @@ use super::beside::Beside;
 use super::closed_form::KeptTables;
 use super::cluster::Cluster;
 use super::column::{Column, room, views};
+use super::lanes::LONGEST_VECTOR;
 use super::multipole::Distributed;
 use super::one_tile::{OneTile, series};
 use super::pairwise::fields_of;
@@ -175,15 +176,17 @@ impl Superposition {
                 points.iter_mut().for_each(|sum_t| *sum_t += own_t);
             }
         }
-        for of in &assignment.translated {
-            tree.add_left_out(of, views(points), &mut self.left_out_t);
-        }
-        let local = dispatch!(level, simd => {
+        let own = dispatch!(level, simd => {
             translated(simd, tree, &assignment.translated, assignment.middle, assignment.reach)
         });
-        if let Some(local) = local {
+        let far = assignment.far.as_ref();
+        let nodes = assignment.translated.iter().chain(far.into_iter().flat_map(|far| &far.assignment.translated));
+        for of in nodes {
+            tree.add_left_out(of, views(points), &mut self.left_out_t);
+        }
+        for local in own.iter().chain(far.and_then(|far| far.local.as_ref())) {
             let fields = room(&mut self.fields, points[0].len());
-            dispatch!(level, simd => fields_of(simd, &local, views(points), fields, &mut Ahead::nothing()));
+            dispatch!(level, simd => fields_of(simd, local, views(points), fields, &mut Ahead::nothing()));
             self.totals.add_fields(level, None, &self.fields);
         }
     }
@@ -220,7 +223,10 @@ impl Superposition {
         let fields = room(&mut self.fields, count);
         if let MIDDLE | OUTER = form {
             let (tables, small) = (&mut self.tables, form == OUTER);
-            dispatch!(level, simd => tables.fields(simd, cluster, small, views(points), fields));
+            // Not those that only fill a pair of vectors.
+            let used = chosen.map_or(count, |chosen| chosen.len().next_multiple_of(LONGEST_VECTOR));
+            let points = views(points).map(|axis| &axis[..used]);
+            dispatch!(level, simd => tables.fields(simd, cluster, small, points, fields));
         } else {
             match together.range.far(form) {
                 FarForm::Expansion { degree } => {

@@ -142,11 +142,11 @@ static ALONG: LazyLock<Vec<Vec<[f64; BLOCK]>>> = LazyLock::new(|| {
     (0..=HIGHEST_DEGREE.min(HIGHEST_LOCAL_DEGREE + 1)).map(order).collect()
 });
 
-/// Of one degree, with room for what fills a block of every other order.
-const ORDERS: usize = MOST + 1 + 2 * BLOCK;
+/// Orders of one parity, with room for what fills a block.
+const ORDERS: usize = MOST / 2 + 1 + BLOCK;
 
-/// The orders of one degree, real and imaginary parts.
-type Row<S> = [[Lanes<S>; ORDERS]; 2];
+/// One degree: real and imaginary parts, of each the even orders and the odd ones.
+type Row<S> = [[[Lanes<S>; ORDERS]; 2]; 2];
 
 /// Room for the nodes that are translated at a time.
 struct Room<S: Simd> {
@@ -195,14 +195,12 @@ fn summed<S: Simd>(simd: S, shifts: &[Shift], degree: usize, centre: DVec3, scal
     for shifts in shifts.chunks(Lanes::<S>::LEN) {
         room.add(simd, shifts);
     }
-    let sum = |part: usize, l: usize, m: usize| {
-        let lanes = &room.sums[part][place(l, m)];
-        (0..Lanes::<S>::LEN).map(|lane| lanes.lane(lane)).sum::<f64>()
-    };
-    let pairs = (0..=degree + 1).flat_map(|l| (0..=l).map(move |m| (l, m)));
-    let potential: Vec<[f64; 2]> =
-        pairs.map(|(l, m)| [sum(0, l, m), sum(1, l, m)].map(|sum| sum * norm(l, m))).collect();
-    let local = Local::new(degree, centre, scale, &potential);
+    let count = place(degree + 2, 0);
+    let mut potential = room.sums.each_ref().map(|sums| lane_sums(&sums[..count]));
+    for part in &mut potential {
+        part.iter_mut().zip(&*NORMS).for_each(|(sum, norm)| *sum *= norm);
+    }
+    let local = Local::new(degree, centre, scale, potential.each_ref().map(|part| &part[..]));
     ROOM.set(Some(room));
     local
 }
@@ -227,23 +225,26 @@ impl<S: Simd> Room<S> {
         });
         let most = degree.max(local_degree + 1);
         let about = [powers(simd, [turns[0], turns[1]], most), powers(simd, [turns[2], turns[3]], most)];
-        let (mut even, mut odd): (Row<S>, Row<S>) = ([[zero; ORDERS]; 2], [[zero; ORDERS]; 2]);
+        let (mut row, mut swapped): (Row<S>, Row<S>) = ([[[zero; ORDERS]; 2]; 2], [[[zero; ORDERS]; 2]; 2]);
         self.set_moments(simd, shifts, degree);
         let mut power = over * over;
         for l in 1..=degree {
             power = power * over;
-            for (row, moments) in even.iter_mut().zip(&self.moments) {
+            let norms = &NORMS[place(l, 0)..=place(l, l)];
+            for (row, moments) in row.iter_mut().zip(&self.moments) {
                 let moments = &moments[Moments::place(l, 0)..=Moments::place(l, l)];
-                for ((row, moment), norm) in row.iter_mut().zip(moments).zip(&NORMS[place(l, 0)..=place(l, l)]) {
-                    *row = *moment * power * *norm;
+                for (m, (moment, norm)) in moments.iter().zip(norms).enumerate() {
+                    row[m % 2][m / 2] = *moment * power * *norm;
                 }
             }
-            turn(&mut even, &about[0], l, 1.0);
-            swap(simd, l, &even, &mut odd);
-            turn(&mut odd, &about[1], l, 1.0);
-            swap(simd, l, &odd, &mut even);
-            for (kept, row) in self.sources.iter_mut().zip(&even) {
-                kept[place(l, 0)..=place(l, l)].copy_from_slice(&row[..=l]);
+            turn(&mut row, &about[0], l, 1.0);
+            swap(simd, l, &row, &mut swapped);
+            turn(&mut swapped, &about[1], l, 1.0);
+            swap(simd, l, &swapped, &mut row);
+            for (kept, row) in self.sources.iter_mut().zip(&row) {
+                for (m, kept) in kept[place(l, 0)..=place(l, l)].iter_mut().enumerate() {
+                    *kept = row[m % 2][m / 2];
+                }
             }
         }
         for m in 0..=local_degree + 1 {
@@ -251,16 +252,18 @@ impl<S: Simd> Room<S> {
         }
         let mut power = Lanes::<S>::splat(simd, 1.0);
         for n in 1..=local_degree + 1 {
-            for (row, targets) in even.iter_mut().zip(&self.targets) {
-                row[..=n].copy_from_slice(&targets[place(n, 0)..=place(n, n)]);
+            for (row, targets) in row.iter_mut().zip(&self.targets) {
+                for (m, target) in targets[place(n, 0)..=place(n, n)].iter().enumerate() {
+                    row[m % 2][m / 2] = *target;
+                }
             }
-            swap(simd, n, &even, &mut odd);
-            turn(&mut odd, &about[1], n, -1.0);
-            swap(simd, n, &odd, &mut even);
-            turn(&mut even, &about[0], n, -1.0);
-            for (sums, row) in self.sums.iter_mut().zip(&even) {
-                for (sum, value) in sums[place(n, 0)..=place(n, n)].iter_mut().zip(row) {
-                    *sum = value.mul_add(power, *sum);
+            swap(simd, n, &row, &mut swapped);
+            turn(&mut swapped, &about[1], n, -1.0);
+            swap(simd, n, &swapped, &mut row);
+            turn(&mut row, &about[0], n, -1.0);
+            for (sums, row) in self.sums.iter_mut().zip(&row) {
+                for (m, sum) in sums[place(n, 0)..=place(n, n)].iter_mut().enumerate() {
+                    *sum = row[m % 2][m / 2].mul_add(power, *sum);
                 }
             }
             power = power * fall;
@@ -309,14 +312,34 @@ impl<S: Simd> Room<S> {
     }
 }
 
+/// The sum of the lanes of each.
+#[inline(always)]
+fn lane_sums<S: Simd>(vectors: &[Lanes<S>]) -> Vec<f64> {
+    let len = Lanes::<S>::LEN;
+    let mut sums = vec![0.0; vectors.len().next_multiple_of(len)];
+    for (sums, vectors) in sums.chunks_exact_mut(len).zip(vectors.chunks(len)) {
+        let mut some = [vectors[0]; LONGEST_VECTOR];
+        some[..vectors.len()].copy_from_slice(vectors);
+        let lanes = Lanes::transposed(some);
+        let mut sum = lanes[0];
+        for lane in &lanes[1..len] {
+            sum = sum + *lane;
+        }
+        sum.store(sums);
+    }
+    sums
+}
+
 /// Times a power of the phases by order, or of their conjugates.
 #[inline(always)]
-fn turn<S: Simd>(row: &mut Row<S>, phases: &Row<S>, l: usize, sign: f64) {
-    for m in 1..=l {
-        let (re, im) = (row[0][m], row[1][m]);
-        let (cos, sin) = (phases[0][m], phases[1][m] * sign);
-        row[0][m] = re.mul_sub(cos, im * sin);
-        row[1][m] = re.mul_add(sin, im * cos);
+fn turn<S: Simd>([re, im]: &mut Row<S>, [cos, sin]: &Row<S>, l: usize, sign: f64) {
+    for parity in 0..2 {
+        let orders = 0..(l + 2 - parity) / 2;
+        let own = re[parity][orders.clone()].iter_mut().zip(&mut im[parity][orders.clone()]);
+        for ((re, im), (cos, sin)) in own.zip(cos[parity][orders.clone()].iter().zip(&sin[parity][orders])) {
+            let sin = *sin * sign;
+            (*re, *im) = (re.mul_sub(*cos, *im * sin), re.mul_add(sin, *im * *cos));
+        }
     }
 }
 
@@ -324,11 +347,11 @@ fn turn<S: Simd>(row: &mut Row<S>, phases: &Row<S>, l: usize, sign: f64) {
 #[inline(always)]
 fn powers<S: Simd>(simd: S, [cos, sin]: [Lanes<S>; 2], most: usize) -> Row<S> {
     let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
-    let mut powers = [[one; ORDERS], [zero; ORDERS]];
+    let mut powers = [[[one; ORDERS]; 2], [[zero; ORDERS]; 2]];
+    let (mut re, mut im) = (one, zero);
     for m in 1..=most {
-        let (re, im) = (powers[0][m - 1], powers[1][m - 1]);
-        powers[0][m] = re.mul_sub(cos, im * sin);
-        powers[1][m] = re.mul_add(sin, im * cos);
+        (re, im) = (re.mul_sub(cos, im * sin), re.mul_add(sin, im * cos));
+        (powers[0][m % 2][m / 2], powers[1][m % 2][m / 2]) = (re, im);
     }
     powers
 }
@@ -336,26 +359,23 @@ fn powers<S: Simd>(simd: S, [cos, sin]: [Lanes<S>; 2], most: usize) -> Row<S> {
 /// x and z change places.
 #[inline(always)]
 fn swap<S: Simd>(simd: S, l: usize, row: &Row<S>, to: &mut Row<S>) {
-    to[1][0] = Lanes::splat(simd, 0.0);
+    to[1][0][0] = Lanes::splat(simd, 0.0);
     for (part, (row, to)) in row.iter().zip(to).enumerate() {
-        for parity in 0..2 {
+        for (parity, row) in row.iter().enumerate() {
             let (from, into) = (first(part, parity), first_out(l, part, parity));
             if from > l || into > l {
                 continue;
             }
-            let inputs = &row[from..=l];
-            let blocks = SWAPS[l][part].factors[parity].chunks_exact(inputs.len().div_ceil(2));
-            for (block, factors) in blocks.enumerate() {
+            let inputs = &row[from / 2..=(l - parity) / 2];
+            let blocks = SWAPS[l][part].factors[parity].chunks_exact(inputs.len());
+            for (factors, outputs) in blocks.zip(to[into % 2][into / 2..].chunks_exact_mut(BLOCK)) {
                 let mut sums = [Lanes::<S>::splat(simd, 0.0); BLOCK];
-                for (input, factors) in inputs.iter().step_by(2).zip(factors) {
+                for (input, factors) in inputs.iter().zip(factors) {
                     for (sum, factor) in sums.iter_mut().zip(factors) {
                         *sum = input.scale_add(*factor, *sum);
                     }
                 }
-                let outputs = &mut to[into + 2 * BLOCK * block..][..2 * BLOCK];
-                for (output, sum) in outputs.iter_mut().step_by(2).zip(sums) {
-                    *output = sum;
-                }
+                outputs.copy_from_slice(&sums);
             }
         }
     }

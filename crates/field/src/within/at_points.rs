@@ -1,6 +1,8 @@
 //! The field at points anywhere, to a tolerance: many points of a box without tiles by its expansion, others with tiles far away by expansions of
 //! nodes of a tree (docs/physics.md, section 5.2).
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -8,14 +10,15 @@ use super::accuracy::Tolerance;
 use super::fitted_field::FittedField;
 use super::magnitude::Box3;
 use crate::batch::assignment::{Assigned, Assignment};
+use crate::batch::far::Far;
 use crate::evaluate::{PointError, neighbours_together};
 use crate::quantity::{MU_0, Quantity};
 use crate::scene::{Cause, Scene, is_in_range};
 use crate::tolerances::{
-    ASSIGNED_POINTS, ASSIGNMENT_ROUNDS, CLEAR_OF_ERROR, LEAST_SHARES, LEFT_OUT_OVER_MEAN, LOOKED_UP_POINTS,
-    LOOKED_UP_TILES, POINTS_PER_DEGREE, POINTS_PER_FITTED_NODE, POINTS_PER_ROUND, POINTS_PER_WEAK, POINTS_TOGETHER,
-    ROUGH_FIELD_OVER_J, ROUGH_NODES, ROUGH_STEP, ROUNDS_TO_SHARE, SAFE_SHARE, SAMPLED_POINTS, STRETCHED_BOUND,
-    TREE_TILES, USED_SHARE,
+    ASSIGNED_POINTS, ASSIGNMENT_ROUNDS, CLEAR_OF_ERROR, FAR_POINTS, FAR_SHARE, LEAST_SHARES, LEFT_OUT_OVER_MEAN,
+    LOOKED_UP_POINTS, LOOKED_UP_TILES, POINTS_PER_DEGREE, POINTS_PER_FITTED_NODE, POINTS_PER_ROUND, POINTS_PER_WEAK,
+    POINTS_TOGETHER, ROUGH_FIELD_OVER_J, ROUGH_NODES, ROUGH_STEP, ROUNDS_TO_SHARE, SAFE_SHARE, SAMPLED_POINTS,
+    STRETCHED_BOUND, TREE_TILES, USED_SHARE,
 };
 
 /// B or H at all points; points that have none, with NaN there.
@@ -64,7 +67,7 @@ fn at_some_points(
     let batches = near.par_chunks(size).zip(values.par_chunks_mut(size)).enumerate();
     let outcomes: Vec<Outcome> = batches
         .map(|(number, (points, values))| {
-            let mut batch = Batch { scene, tolerance, quantity, points, values, outcome: Outcome::default() };
+            let mut batch = Batch::new(scene, tolerance, quantity, points, values);
             batch.serve();
             batch.outcome.shifted(number * size)
         })
@@ -96,18 +99,22 @@ pub(super) fn fitted(scene: &Scene, tolerance: Tolerance, points: &[DVec3]) -> O
     FittedField::of(scene, lower, upper, tolerance, points.len() / POINTS_PER_FITTED_NODE).ok()
 }
 
-/// What [`at_points`] tries first for each batch of points, with the number of points; but what may be left out is estimated for each anew.
+/// What [`at_points`] tries first for each part of the points, with its number of points; but what may be left out is estimated for each anew.
 pub(super) fn assignments(scene: &Scene, tolerance: Tolerance, points: &[DVec3]) -> Vec<(usize, Assignment)> {
     let usable: Vec<u32> = (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect();
     let size = batch_size(usable.len());
     let order = batches_together(points, usable, size);
-    let batches = order.par_chunks(ASSIGNED_POINTS).map(|order| {
+    let assignments = order.par_chunks(FAR_POINTS).flat_map_iter(|order| {
         let points: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
-        let quantity = Quantity::FluxDensity;
-        let batch = Batch { scene, tolerance, quantity, points: &points, values: &mut [], outcome: Outcome::default() };
-        (points.len(), batch.assigned(&points, batch.first_allowance(&points)))
+        let mut batch = Batch::new(scene, tolerance, Quantity::FluxDensity, &points, &mut []);
+        let parts = points.chunks(ASSIGNED_POINTS).map(|part| {
+            let allowance = batch.first_allowance(part);
+            batch.share(&points, part.len(), allowance);
+            (part.len(), batch.assigned(part, allowance))
+        });
+        parts.collect::<Vec<_>>()
     });
-    batches.collect()
+    assignments.collect()
 }
 
 /// So few points that there are batches enough to share out, and otherwise so many that weak fields are found together.
@@ -118,16 +125,7 @@ fn batch_size(points: usize) -> usize {
 
 /// An order in which neighbours follow each other: all points of a batch, and of these those that share an assignment.
 fn batches_together(points: &[DVec3], usable: Vec<u32>, size: usize) -> Vec<u32> {
-    let mut order = neighbours_together(points, usable, size);
-    for batch in order.chunks_mut(size) {
-        let parts = neighbours_together(points, batch.to_vec(), ASSIGNED_POINTS);
-        batch.copy_from_slice(&parts);
-        for part in batch.chunks_mut(ASSIGNED_POINTS) {
-            let parts = neighbours_together(points, part.to_vec(), POINTS_PER_DEGREE);
-            part.copy_from_slice(&parts);
-        }
-    }
-    order
+    neighbours_together(points, usable, &[size, FAR_POINTS, ASSIGNED_POINTS, POINTS_PER_DEGREE])
 }
 
 /// Points that lie together.
@@ -136,6 +134,8 @@ struct Batch<'a> {
     tolerance: Tolerance,
     quantity: Quantity,
     points: &'a [DVec3],
+    /// What serves the parts at work together.
+    far: Option<Arc<Far>>,
     values: &'a mut [DVec3],
     outcome: Outcome,
 }
@@ -199,14 +199,28 @@ impl Served {
     }
 }
 
-impl Batch<'_> {
+impl<'a> Batch<'a> {
+    fn new(
+        scene: &'a Scene,
+        tolerance: Tolerance,
+        quantity: Quantity,
+        points: &'a [DVec3],
+        values: &'a mut [DVec3],
+    ) -> Batch<'a> {
+        Batch { scene, tolerance, quantity, points, far: None, values, outcome: Outcome::default() }
+    }
+
     fn serve(&mut self) {
         let all: Vec<usize> = (0..self.points.len()).collect();
         let (mut next, mut allowance) = (Next::default(), None);
-        for part in all.chunks(ASSIGNED_POINTS) {
-            let own = allowance.unwrap_or_else(|| self.first_allowance(&self.points[..part.len()]));
-            // The field hardly changes from these points to the next.
-            allowance = Some(self.serve_some(part, own, &mut next));
+        for together in all.chunks(FAR_POINTS) {
+            for part in together.chunks(ASSIGNED_POINTS) {
+                let own = allowance.unwrap_or_else(|| self.first_allowance(&self.points[..part.len()]));
+                self.share(&self.points[together[0]..][..together.len()], part.len(), own);
+                // The field hardly changes from these points to the next.
+                allowance = Some(self.serve_some(part, own, &mut next));
+            }
+            self.far = None;
         }
         // Points at which the field is weak are few, and taken together from here on.
         for _ in 1..ASSIGNMENT_ROUNDS {
@@ -319,8 +333,22 @@ impl Batch<'_> {
         served
     }
 
+    /// What is far from points is served for all of them together, from the first part on, if they have several.
+    fn share(&mut self, points: &[DVec3], part: usize, allowance: Allowance) {
+        if self.far.is_none() && points.len() > part {
+            let allowed_t = FAR_SHARE * allowance.whole_t / allowance.nodes;
+            self.far = Some(Arc::new(Far::of(self.scene.tree(), &Box3::around(points), allowed_t)));
+        }
+    }
+
     fn assigned(&self, points: &[DVec3], allowance: Allowance) -> Assignment {
-        Assignment::of(self.scene.tree(), &Box3::around(points), points.len(), allowance.whole_t / allowance.nodes)
+        Assignment::of(
+            self.scene.tree(),
+            self.far.as_ref(),
+            &Box3::around(points),
+            points.len(),
+            allowance.whole_t / allowance.nodes,
+        )
     }
 
     fn in_tesla(&self) -> f64 {

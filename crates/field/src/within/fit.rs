@@ -40,14 +40,11 @@ impl Fit {
     /// To the tolerance, by at most `most_nodes` exact values.
     pub(crate) fn of(scene: &Scene, region: Box3, tolerance: Tolerance, most_nodes: usize) -> Result<Fit, NoFit> {
         let half = region.half_size();
-        let (decays, magnitude_t) = surroundings(scene, &region);
+        let (decays, magnitude_t) = surroundings(scene, &region)?;
         let relative = match tolerance {
             Tolerance::Relative(fraction) => fraction,
             Tolerance::AbsoluteT(error_t) => error_t / magnitude_t,
         };
-        if decays.iter().any(|&decay| decay > MOST_DECAY) {
-            return Err(NoFit::TooNear);
-        }
         // What the geometry lets expect, as if nothing but the fall of the coefficients mattered.
         let expected = decays.map(|decay| (relative.min(0.5).ln() / decay.ln()).ceil());
         let expected = [0, 1, 2].map(|axis: usize| if half[axis] == 0.0 { 1.0 } else { expected[axis] });
@@ -213,8 +210,9 @@ impl Lines {
     }
 }
 
-/// How fast coefficients fall along each axis, and at most the sum of the magnitudes of the tiles' fields in the box, in tesla.
-fn surroundings(scene: &Scene, region: &Box3) -> ([f64; 3], f64) {
+/// How fast coefficients fall along each axis, and at most the sum of the magnitudes of the tiles' fields in the box, in tesla. Not all
+/// tiles are asked if one is too near.
+fn surroundings(scene: &Scene, region: &Box3) -> Result<([f64; 3], f64), NoFit> {
     let half = region.half_size();
     let (mut decays, mut magnitude_t) = ([0.0_f64; 3], 0.0);
     for (tile, around) in scene.tiles().iter().zip(scene.boxes()) {
@@ -225,10 +223,13 @@ fn surroundings(scene: &Scene, region: &Box3) -> ([f64; 3], f64) {
             let aside = aside[0].hypot(aside[1]);
             if half[axis] > 0.0 {
                 decays[axis] = decays[axis].max(decay(gap[axis] / half[axis], aside / half[axis]));
+                if decays[axis] > MOST_DECAY {
+                    return Err(NoFit::TooNear);
+                }
             }
         }
     }
-    (decays, magnitude_t)
+    Ok((decays, magnitude_t))
 }
 
 /// At most how much interpolation at so many nodes enlarges errors of the values.

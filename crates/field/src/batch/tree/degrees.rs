@@ -28,10 +28,10 @@ impl Degrees {
     }
 }
 
-/// Of the degree after each, 2n + 1 under the root, and the factor by which that grows from there on at most.
+/// Of the degree after each, n + 1 under the root, and the factor by which that grows from there on at most.
 static NEXT_DEGREES: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
-    let next = (0..=HIGHEST_LOCAL_DEGREE).map(|degree| (2 * degree + 3) as f64);
-    next.map(|next| [next.sqrt(), (1.0 + 2.0 / next).sqrt()]).collect()
+    let next = (0..=HIGHEST_LOCAL_DEGREE).map(|degree| (degree + 2) as f64);
+    next.map(|next| [next.sqrt(), (1.0 + 1.0 / next).sqrt()]).collect()
 });
 
 impl Tree {
@@ -214,8 +214,8 @@ impl Tree {
         let of = &self.nodes[node];
         let l = (of.degree + 1) as f64;
         let over = 1.0 / own.distance;
-        let next = self.reach_t(of) * l * ((l + 1.0) * (2.0 * l + 1.0)).sqrt() * own.power * over;
-        let fall = of.radius * of.scale * over * (1.0 + 2.5 / l);
+        let next = self.reach_t(of) * l * (l + 1.0) * own.power * over;
+        let fall = of.radius * of.scale * over * (1.0 + 2.0 / l);
         if fall < 1.0 { next / (1.0 - fall) } else { f64::INFINITY }
     }
 

@@ -84,6 +84,8 @@ pub(super) struct Node {
     pub(super) centre: DVec3,
     /// Of a sphere around all of it.
     radius: f64,
+    /// A box around all of it.
+    bounds: Box3,
     /// A power of two that takes the radius to order one.
     scale: f64,
     /// The sum of |J| V / 4 pi, scaled.
@@ -184,6 +186,7 @@ impl Tree {
             bodies: span,
             centre,
             radius,
+            bounds: around(bodies),
             scale,
             strength_t,
             degree: highest(cost),
@@ -203,6 +206,17 @@ impl Tree {
             && (bodies.iter().all(|body| j_t(body).z == 0.0) || bodies.iter().all(|body| j_t(body).xy() == DVec2::ZERO))
     }
 
+    /// The instructions that make what is needed.
+    pub(super) fn level(&self) -> Level {
+        self.level
+    }
+
+    /// Whether any of a node may lie farther than `reach` from `middle`.
+    pub(super) fn reaches_beyond(&self, node: usize, middle: DVec3, reach: f64) -> bool {
+        let of = &self.nodes[node];
+        (middle - of.centre).length() + of.radius > reach
+    }
+
     /// A node's expansion to be translated to `middle`, where lengths are multiplied by `scale`.
     pub(super) fn shift(&self, of: &Translated, middle: DVec3, scale: f64) -> Shift<'_> {
         let node = &self.nodes[of.node];
@@ -215,17 +229,18 @@ impl Tree {
         }
     }
 
-    /// At most the sum over a node's tiles of the magnitudes of their fields in a box outside its sphere, in tesla.
+    /// At most the sum over a node's tiles of the magnitudes of their fields in a box outside its sphere or its box, in tesla; without bound in both.
     pub(super) fn most_of_node_t(&self, node: usize, points: &Box3) -> f64 {
         let of = &self.nodes[node];
-        2.0 * 3.0_f64.sqrt() * of.strength_t / (of.distance(points) - of.radius * of.scale).powi(3)
+        let gap = (of.distance(points) - of.radius * of.scale).max(points.gap(&of.bounds).length() * of.scale);
+        2.0 * 3.0_f64.sqrt() * of.strength_t / gap.powi(3)
     }
 
     /// The same of the node of an item, anywhere; not found more closely than to `enough_t`.
     pub(super) fn most_of_item_t(&self, node: usize, points: &Box3, enough_t: f64) -> f64 {
-        let (of, item) = (&self.nodes[node], self.nodes[node].items.start);
+        let item = self.nodes[node].items.start;
         let outside_t = self.most_of_node_t(node, points);
-        if of.distance(points) > of.radius * of.scale && outside_t <= enough_t {
+        if outside_t <= enough_t {
             return outside_t;
         }
         let most = |body: &Body| {

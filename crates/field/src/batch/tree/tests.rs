@@ -1,11 +1,14 @@
 //! What a tree leaves out against exact fields, for each kind of instructions.
 
+use std::sync::Arc;
+
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
 use super::{Degrees, Tree};
 use crate::arrangement::Arrangement;
 use crate::batch::assignment::{Assigned, Assignment, Near, Nearest, Translated};
+use crate::batch::far::Far;
 use crate::batch::superposition::Superposition;
 use crate::batch::tests::{expanded, levels, one};
 use crate::batch::translation::translated;
@@ -45,7 +48,7 @@ fn nodes_leave_out_no_more_than_they_say_and_not_much_less() {
             let rounding = 1e-13 * exact.length();
             assert!(error_t <= left_out_t + rounding, "degree {degree} at {distance}: {error_t:e} of {left_out_t:e}");
             assert!(
-                error_t + rounding >= 0.15 * left_out_t,
+                error_t + rounding >= 0.3 * left_out_t,
                 "degree {degree} at {distance}: {error_t:e} of {left_out_t:e}"
             );
             seen[degree] = true;
@@ -125,7 +128,7 @@ fn translations_leave_out_no_more_than_they_say() {
             }
         }
     }
-    assert!(translations > 100 && closest > 0.05, "{translations} translations, {closest}");
+    assert!(translations > 100 && closest > 0.1, "{translations} translations, {closest}");
 }
 
 /// Many nodes at a time add up to what they are one by one, whatever their degrees.
@@ -164,7 +167,7 @@ fn near_tiles_have_the_same_field_to_a_tolerance() {
             DVec3::new(3.0 * (1.3 * turn).sin(), 3.0 * (2.1 * turn).cos(), -2.6 - 2.5 * (0.7 * turn).cos())
         })
         .collect();
-    let assignment = Assignment::of(&tree, &Box3::around(&points), points.len(), 0.0);
+    let assignment = Assignment::of(&tree, None, &Box3::around(&points), points.len(), 0.0);
     assert_eq!(assignment.tiles, [0, 1600, 0]);
     for level in levels() {
         let exact = added_up(level, &arrangement, None, &points).0;
@@ -192,14 +195,14 @@ fn added_up(
     (field, left_out_t)
 }
 
-/// Whole nodes, expansions at all points or beyond a sphere, and translated ones, each against the exact field of the same tiles; at points some of which are in a row far
+/// Whole nodes, expansions at all points or beyond a sphere, translated ones, and what is translated for several parts of points, each against the exact field of the same tiles; at points some of which are in a row far
 /// away from the others.
 #[test]
 fn no_more_is_left_out_at_a_point_than_is_said_there() {
     let (arrangement, tree) = sheet();
     // Of both fields, whose tiles add up to about one.
     let rounding_t = 2.0 * EXACT_BOUND;
-    let mut closest = [0.0_f64; 4];
+    let mut closest = [0.0_f64; 5];
     for (middle, spread) in [(DVec3::new(3.0, -8.0, -2.0), 3.0), (DVec3::new(24.0, 21.0, -3.0), 6.0)] {
         let point = |n: usize| {
             let turn = n as f64;
@@ -211,7 +214,8 @@ fn no_more_is_left_out_at_a_point_than_is_said_there() {
         let usable: Vec<DVec3> = points.iter().copied().filter(|point| !point.is_nan()).collect();
         let around = Box3::around(&usable);
         for exponent in 1..12 {
-            let whole = Assignment::of(&tree, &around, points.len(), 10_f64.powi(-exponent));
+            let allowed_t = 10_f64.powi(-exponent);
+            let whole = Assignment::of(&tree, None, &around, points.len(), allowed_t);
             let none = || Assignment { middle: whole.middle, reach: whole.reach, ..Assignment::default() };
             let beyond: Vec<Near> = whole.near.iter().copied().filter(|near| near.beyond.is_some()).collect();
             let expanded = Assignment { expanded: whole.expanded.clone(), ..none() };
@@ -219,14 +223,20 @@ fn no_more_is_left_out_at_a_point_than_is_said_there() {
             let of_nodes = |nodes: Vec<usize>| -> Vec<usize> {
                 nodes.into_iter().flat_map(|node| tree.nodes[node].items.clone()).collect()
             };
+            let far = Arc::new(Far::of(&tree, &around, allowed_t));
+            let is_far = |item: &usize| !far.rest.iter().any(|&node| tree.nodes[node].items.contains(item));
+            let far_items: Vec<usize> = (0..tree.items.len()).filter(is_far).collect();
+            let shared = Assignment { far: Some(far.clone()), ignored_t: far.assignment.ignored_t, ..none() };
             let mut served = [
                 (expanded, of_nodes(whole.expanded.iter().map(|of| of.node).collect())),
                 (translated, of_nodes(whole.translated.iter().map(|of| of.node).collect())),
                 (Assignment { near: beyond.clone(), ..none() }, beyond.iter().map(|near| near.item).collect()),
                 (Assignment { ignored_t: whole.ignored_t, ..none() }, Vec::new()),
+                (shared, far_items),
             ];
             let is_served = |item: &usize| {
-                whole.near.iter().any(|near| near.item == *item) || served.iter().any(|(_, items)| items.contains(item))
+                whole.near.iter().any(|near| near.item == *item)
+                    || served[..3].iter().any(|(_, items)| items.contains(item))
             };
             served[3].1 = (0..tree.items.len()).filter(|item| !is_served(item)).collect();
             for (kind, (assignment, mut items)) in served.into_iter().enumerate() {
@@ -261,12 +271,22 @@ fn assignments_take_every_tile_once() {
     let arrangement = Arrangement::of(&tiles);
     let tree = Tree::of(Level::new(), &arrangement, &tiles, 20);
     let points = Box3 { lower: DVec3::new(-1.0, 2.0, 3.0), upper: DVec3::new(0.5, 4.0, 5.0) };
-    let mut last = 0;
+    let more_points = Box3 { lower: DVec3::new(-1.5, 1.0, 3.0), upper: DVec3::new(0.5, 4.0, 6.0) };
+    let (mut last, mut far_nodes) = (0, 0);
     for exponent in 0..12 {
-        let assignment = Assignment::of(&tree, &points, 1, 10_f64.powi(-exponent));
+        let allowed_t = 10_f64.powi(-exponent);
+        let assignment = Assignment::of(&tree, None, &points, 1, allowed_t);
         assert_eq!(assignment.tiles.iter().sum::<usize>(), tiles.len());
+        let far = Arc::new(Far::of(&tree, &more_points, allowed_t));
+        let rest = Assignment::of(&tree, Some(&far), &points, 1, allowed_t);
+        assert_eq!(rest.tiles.iter().sum::<usize>(), tiles.len());
+        let nodes = rest.expanded.iter().map(|of| of.node).chain(far.assignment.translated.iter().map(|of| of.node));
+        let tiles_of_nodes: usize = nodes.map(|node| tree.tiles_of_node(node)).sum();
+        assert_eq!(tiles_of_nodes, rest.tiles[0], "nodes and what of them is far do not both count");
+        far_nodes += far.assignment.translated.len();
         assert!(assignment.tiles[1] >= last, "the less may be left out, the more tiles are near");
         last = assignment.tiles[1];
     }
     assert!(last > 10 && last < 290, "{last} tiles are near");
+    assert!(far_nodes > 20, "{far_nodes} nodes are far");
 }
