@@ -130,19 +130,29 @@ pub(super) fn fields<S: Simd>(simd: S, numbers: &[f64], places: [[Lanes<S>; 3]; 
     }
     let mut phase = [[one, zero]; 2];
     let mut field = [[zero; 3]; 2];
-    let mut pairs = numbers.chunks_exact(PARTS).zip(&RECURRENCE);
+    let mut rows = (numbers, &RECURRENCE[..]);
     for order in 0..=CELL_DEGREE {
-        let (mut last, mut polynomial) = ([zero; 2], [one; 2]);
+        let count = CELL_DEGREE + 1 - order;
+        let (numbers, factors);
+        (numbers, rows.0) = rows.0.split_at(PARTS * count);
+        (factors, rows.1) = rows.1.split_at(count);
+        let mut numbers = numbers.chunks_exact(PARTS);
         let mut sums = [[zero; PARTS]; 2];
-        for (numbers, factor) in pairs.by_ref().take(CELL_DEGREE + 1 - order) {
-            for (part, number) in numbers.iter().enumerate() {
-                for at in 0..2 {
-                    sums[at][part] = polynomial[at].scale_add(*number, sums[at][part]);
-                }
-            }
+        // The polynomial of the first degree is 1, that of the next z.
+        for (part, number) in numbers.next().into_iter().flatten().enumerate() {
+            let sum = Lanes::splat(simd, *number);
+            (sums[0][part], sums[1][part]) = (sum, sum);
+        }
+        let (mut last, mut polynomial) = ([one; 2], [places[0][2], places[1][2]]);
+        for (degree, numbers) in numbers.enumerate() {
             for at in 0..2 {
-                let back = (square[at] * -*factor) * last[at];
-                (last[at], polynomial[at]) = (polynomial[at], polynomial[at].mul_add(places[at][2], back));
+                if degree > 0 {
+                    let back = (square[at] * -factors[degree]) * last[at];
+                    (last[at], polynomial[at]) = (polynomial[at], polynomial[at].mul_add(places[at][2], back));
+                }
+                for (sum, number) in sums[at].iter_mut().zip(numbers) {
+                    *sum = polynomial[at].scale_add(*number, *sum);
+                }
             }
         }
         for at in 0..2 {
