@@ -399,7 +399,7 @@ pub(crate) const CELL_ROUNDS: usize = 12;
 pub(crate) const MOST_FITTED_NODES: usize = 200_000;
 
 /// Points sorted by cell together, at least and at most: the more, the more share a cell's coefficients.
-pub(crate) const LOOKED_UP_TOGETHER: [usize; 2] = [1 << 10, 1 << 14];
+pub(crate) const LOOKED_UP_TOGETHER: [usize; 2] = [1 << 10, 1 << 16];
 
 const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)

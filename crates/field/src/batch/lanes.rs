@@ -126,6 +126,11 @@ impl<S: Simd> Lanes<S> {
     }
 
     #[inline(always)]
+    pub(crate) fn floor(self) -> Self {
+        Lanes(self.0.floor())
+    }
+
+    #[inline(always)]
     pub(crate) fn abs(self) -> Self {
         Lanes(self.0.abs())
     }

@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -10,9 +9,8 @@ use rayon::prelude::*;
 use super::accuracy::Tolerance;
 use super::cells::Cells;
 use super::fit::{Fit, NoFit};
-use super::harmonic::{CELL, field as harmonic_field, fields, gradient};
+use super::harmonic::{CELL, field as harmonic_field, gradient};
 use super::magnitude::Box3;
-use crate::batch::lanes::{LONGEST_VECTOR, Lanes, Number};
 use crate::scene::Scene;
 use crate::tolerances::{CELL_DEGREE, CELL_FALL, CELL_ROUNDS, LOOKED_UP_TOGETHER, MOST_CELLS, MOST_FITTED_NODES};
 
@@ -20,7 +18,7 @@ use crate::tolerances::{CELL_DEGREE, CELL_FALL, CELL_ROUNDS, LOOKED_UP_TOGETHER,
 /// polynomial of degree 10, without divergence or curl.
 ///
 /// # Cost
-/// Making it takes some thousand exact values. A look-up among many, which are sorted by cell, takes 600 multiply-adds of vectors for as many points
+/// Making it takes some thousand exact values. A look-up among many, which are sorted by cell, takes 500 operations of vectors for as many points
 /// as a vector has lanes, whatever the number of tiles; a single one 300 for itself.
 ///
 /// # Memory
@@ -34,18 +32,20 @@ use crate::tolerances::{CELL_DEGREE, CELL_FALL, CELL_ROUNDS, LOOKED_UP_TOGETHER,
 /// its most in the box; [`FittedField::flux_density_into`] names the points where the tolerance does not hold.
 #[derive(Clone, Debug)]
 pub struct FittedField {
-    region: Box3,
+    pub(super) region: Box3,
     tolerance: Tolerance,
-    cells: [usize; 3],
+    pub(super) cells: [usize; 3],
     exact_values: usize,
     cell_size: DVec3,
+    /// One over it, and finite.
+    pub(super) per_cell: DVec3,
     /// One over half the longest side of a cell.
-    scale: f64,
+    pub(super) scale: f64,
     /// [`CELL`] for each cell.
-    numbers: Vec<f64>,
+    pub(super) numbers: Vec<f64>,
     error_t: f64,
     gradient_error_t: f64,
-    level: Level,
+    pub(super) level: Level,
 }
 
 /// Why a box cannot be prepared.
@@ -130,6 +130,7 @@ impl FittedField {
                     cells,
                     exact_values: fit.counts.iter().product(),
                     cell_size,
+                    per_cell: cell_size.recip().min(DVec3::MAX),
                     scale,
                     numbers,
                     error_t,
@@ -238,91 +239,16 @@ impl FittedField {
     /// The cell that a point of the box is in, or next to by rounding.
     #[inline(always)]
     fn cell(&self, point: DVec3) -> usize {
-        let position = (point - self.region.lower) / self.cell_size;
-        let index = |axis: usize| (position[axis] as u32).min(self.cells[axis] as u32 - 1) as usize;
-        (index(0) * self.cells[1] + index(1)) * self.cells[2] + index(2)
+        let position = (point - self.region.lower) * self.per_cell;
+        let [i, j, k] = [0, 1, 2].map(|axis: usize| (position[axis] as usize).min(self.cells[axis] - 1));
+        (i * self.cells[1] + j) * self.cells[2] + k
     }
 
-    fn numbers_and_centre(&self, cell: usize) -> (&[f64], [f64; 3]) {
+    pub(super) fn numbers_and_centre(&self, cell: usize) -> (&[f64], [f64; 3]) {
         let [_, ny, nz] = self.cells;
         let index = DVec3::new((cell / (ny * nz)) as f64, (cell / nz % ny) as f64, (cell % nz) as f64);
         let centre = self.region.lower + (index + 0.5) * self.cell_size;
         (&self.numbers[cell * CELL..(cell + 1) * CELL], centre.to_array())
-    }
-
-    /// Not a number outside the box. The least |B|, not a number if any point is outside.
-    fn look_up(&self, points: &[DVec3], field: &mut [DVec3]) -> f64 {
-        dispatch!(self.level, simd => self.look_up_by(simd, points, field))
-    }
-
-    /// The points sorted by cell, so that those of one fill vectors.
-    #[inline(always)]
-    fn look_up_by<S: Simd>(&self, simd: S, points: &[DVec3], field: &mut [DVec3]) -> f64 {
-        let outside = self.cells.iter().product::<usize>();
-        let mut starts = vec![0_u32; outside + 2];
-        let mut cells = Vec::with_capacity(points.len());
-        for &point in points {
-            let cell = if self.is_inside(point) { self.cell(point) } else { outside };
-            starts[cell + 1] += 1;
-            cells.push(cell as u32);
-        }
-        for cell in 0..=outside {
-            starts[cell + 1] += starts[cell];
-        }
-        let mut order = vec![0_u32; points.len()];
-        let mut next = starts.clone();
-        for (index, &cell) in (0..).zip(&cells) {
-            let next = &mut next[cell as usize];
-            order[*next as usize] = index;
-            *next += 1;
-        }
-        let mut least_square = f64::INFINITY;
-        for cell in 0..outside {
-            let order = &order[starts[cell] as usize..starts[cell + 1] as usize];
-            if !order.is_empty() {
-                least_square = least_square.min(self.in_cell(simd, cell, order, points, field));
-            }
-        }
-        for &index in &order[starts[outside] as usize..] {
-            field[index as usize] = DVec3::NAN;
-            least_square = f64::NAN;
-        }
-        least_square.sqrt()
-    }
-
-    /// All points of a cell, two vectors at a time; the least square of |B|.
-    #[inline(always)]
-    fn in_cell<S: Simd>(&self, simd: S, cell: usize, order: &[u32], points: &[DVec3], field: &mut [DVec3]) -> f64 {
-        let length = Lanes::<S>::LEN;
-        let (numbers, centre) = self.numbers_and_centre(cell);
-        let mut least = Lanes::<S>::splat(simd, f64::INFINITY);
-        for order in order.chunks(2 * length) {
-            let mut room = [[0.0; 2 * LONGEST_VECTOR]; 3];
-            for lane in 0..2 * length {
-                // The last again where there is none.
-                let point = points[order[lane.min(order.len() - 1)] as usize];
-                (room[0][lane], room[1][lane], room[2][lane]) = (point.x, point.y, point.z);
-            }
-            let mut places = [[Lanes::<S>::splat(simd, 0.0); 3]; 2];
-            for (half, place) in places.iter_mut().enumerate() {
-                for ((place, room), centre) in place.iter_mut().zip(&room).zip(centre) {
-                    let coordinate = Lanes::<S>::load(simd, &room[half * length..(half + 1) * length]);
-                    *place = (coordinate - centre) * self.scale;
-                }
-            }
-            let values = fields(simd, numbers, places);
-            for (half, values) in values.iter().enumerate() {
-                let [x, y, z] = *values;
-                least = least.min(z.mul_add(z, y.mul_add(y, x * x)));
-                for (room, value) in room.iter_mut().zip(values) {
-                    value.store(&mut room[half * length..(half + 1) * length]);
-                }
-            }
-            for (lane, &index) in order.iter().enumerate() {
-                field[index as usize] = DVec3::new(room[0][lane], room[1][lane], room[2][lane]);
-            }
-        }
-        (0..length).map(|lane| least.lane(lane)).fold(f64::INFINITY, f64::min)
     }
 }
 

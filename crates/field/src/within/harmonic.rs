@@ -15,18 +15,18 @@ const PARTS: usize = 6;
 /// Numbers of a cell: pair after pair, equal orders together, and room for the longest vector from the last pair on.
 pub(super) const CELL: usize = (PARTS * PAIRS + LONGEST_VECTOR - PARTS).next_multiple_of(LONGEST_VECTOR);
 
-/// Multiply-adds of vectors for a vector of points: six sums and three operations of the recurrence for each pair, and ten for each order.
-pub(super) const LOOK_UP_COST: usize = 9 * PAIRS + 10 * (CELL_DEGREE + 1);
+/// Operations of vectors for a vector of points: for each pair but the first of an order six sums, or three of order 0, and three of the recurrence; and about
+/// twelve for each order.
+pub(super) const LOOK_UP_COST: usize = 9 * (PAIRS - CELL_DEGREE - 1) - 3 * CELL_DEGREE + 12 * (CELL_DEGREE + 1);
 
-/// How the polynomials follow from each other (Eq. P24), pair after pair: from this degree to the next.
-const RECURRENCE: [f64; PAIRS] = {
-    let mut factors = [0.0; PAIRS];
+/// The factors of the recurrence (Eq. P31), pair after pair, from this degree to the next: 2 l + 1 and l^2 - m^2.
+const RECURRENCE: [[f64; 2]; PAIRS] = {
+    let mut factors = [[0.0; 2]; PAIRS];
     let (mut pair, mut order) = (0, 0);
     while order <= CELL_DEGREE {
         let mut degree = order;
         while degree <= CELL_DEGREE {
-            let (l, m) = (degree as f64, order as f64);
-            factors[pair] = (l * l - m * m) / (4.0 * l * l - 1.0);
+            factors[pair] = [(2 * degree + 1) as f64, (degree * degree - order * order) as f64];
             pair += 1;
             degree += 1;
         }
@@ -42,8 +42,7 @@ const LEADING: [f64; PAIRS] = {
     while order <= CELL_DEGREE {
         let mut degree = order;
         while degree <= CELL_DEGREE {
-            let (l, m) = (degree as f64, order as f64);
-            factors[pair] = if degree == order { first } else { factors[pair - 1] * (2.0 * l - 1.0) / (l * l - m * m) };
+            factors[pair] = if degree == order { first } else { factors[pair - 1] / RECURRENCE[pair][1] };
             pair += 1;
             degree += 1;
         }
@@ -123,38 +122,25 @@ pub(super) fn harmonics(degree: usize, place: DVec3) -> Triangle<f64> {
 /// The field of a cell's numbers at two vectors of places: each number is fetched once for both.
 #[inline(always)]
 pub(super) fn fields<S: Simd>(simd: S, numbers: &[f64], places: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
-    let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
-    let mut square = [zero; 2];
-    for (square, [x, y, z]) in square.iter_mut().zip(places) {
-        *square = z.mul_add(z, y.mul_add(y, x * x));
+    let zero = Lanes::<S>::splat(simd, 0.0);
+    let mut steps = [[[zero; 2]; 2]; CELL_DEGREE];
+    let squares = places.map(|[x, y, z]| z.mul_add(z, y.mul_add(y, x * x)));
+    for at in 0..2 {
+        let (z, square) = (places[at][2], squares[at]);
+        for (degree, step) in (0..).zip(&mut steps) {
+            let degree = f64::from(degree);
+            step[at] = [z * (2.0 * degree + 1.0), square * (degree * degree)];
+        }
     }
-    let mut phase = [[one, zero]; 2];
-    let mut field = [[zero; 3]; 2];
-    let mut rows = (numbers, &RECURRENCE[..]);
-    for order in 0..=CELL_DEGREE {
-        let count = CELL_DEGREE + 1 - order;
-        let (numbers, factors);
-        (numbers, rows.0) = rows.0.split_at(PARTS * count);
-        (factors, rows.1) = rows.1.split_at(count);
-        let mut numbers = numbers.chunks_exact(PARTS);
-        let mut sums = [[zero; PARTS]; 2];
-        // The polynomial of the first degree is 1, that of the next z.
-        for (part, number) in numbers.next().into_iter().flatten().enumerate() {
-            let sum = Lanes::splat(simd, *number);
-            (sums[0][part], sums[1][part]) = (sum, sum);
-        }
-        let (mut last, mut polynomial) = ([one; 2], [places[0][2], places[1][2]]);
-        for (degree, numbers) in numbers.enumerate() {
-            for at in 0..2 {
-                if degree > 0 {
-                    let back = (square[at] * -factors[degree]) * last[at];
-                    (last[at], polynomial[at]) = (polynomial[at], polynomial[at].mul_add(places[at][2], back));
-                }
-                for (sum, number) in sums[at].iter_mut().zip(numbers) {
-                    *sum = polynomial[at].scale_add(*number, *sum);
-                }
-            }
-        }
+    let (first, rest) = numbers.split_at(PARTS * (CELL_DEGREE + 1));
+    // Of order 0 no number has an imaginary part.
+    let mut field = row_sums::<S, { PARTS / 2 }>(simd, 0, first, squares, &steps);
+    let mut phase = places.map(|[x, y, _]| [x, y]);
+    let mut rest = rest;
+    for order in 1..=CELL_DEGREE {
+        let own;
+        (own, rest) = rest.split_at(PARTS * (CELL_DEGREE + 1 - order));
+        let sums = row_sums::<S, PARTS>(simd, order, own, squares, &steps);
         for at in 0..2 {
             let [re, im] = phase[at];
             for (component, field) in field[at].iter_mut().enumerate() {
@@ -166,6 +152,47 @@ pub(super) fn fields<S: Simd>(simd: S, numbers: &[f64], places: [[Lanes<S>; 3]; 
         }
     }
     field
+}
+
+/// For each of the parts, of which all or every other one are wanted, the sum over degrees of its number times the polynomial. `steps` are
+/// (2 l + 1) z and l^2 r^2 for each degree l from 0 on.
+#[inline(always)]
+fn row_sums<S: Simd, const WANTED: usize>(
+    simd: S,
+    order: usize,
+    numbers: &[f64],
+    squares: [Lanes<S>; 2],
+    steps: &[[[Lanes<S>; 2]; 2]; CELL_DEGREE],
+) -> [[Lanes<S>; WANTED]; 2] {
+    let every = PARTS / WANTED;
+    let mut numbers = numbers.chunks_exact(PARTS);
+    let mut sums = [[Lanes::splat(simd, 0.0); WANTED]; 2];
+    // The polynomial of the first degree is 1, that of the next its step along z.
+    if let Some(numbers) = numbers.next() {
+        for (part, number) in numbers.iter().step_by(every).enumerate() {
+            let sum = Lanes::splat(simd, *number);
+            (sums[0][part], sums[1][part]) = (sum, sum);
+        }
+    }
+    let mut last = [Lanes::splat(simd, 1.0); 2];
+    let mut polynomial = steps[order.min(CELL_DEGREE - 1)].map(|[along, _]| along);
+    let order_squared = (order * order) as f64;
+    let below = squares.map(|square| square * order_squared);
+    let mut steps = steps.iter().skip(order + 1);
+    for numbers in numbers {
+        for at in 0..2 {
+            for (sum, number) in sums[at].iter_mut().zip(numbers.iter().step_by(every)) {
+                *sum = polynomial[at].scale_add(*number, *sum);
+            }
+        }
+        let Some(step) = steps.next() else { break };
+        for at in 0..2 {
+            let [along, square] = step[at];
+            let back = (square - below[at]) * last[at];
+            (last[at], polynomial[at]) = (polynomial[at], along.mul_sub(polynomial[at], back));
+        }
+    }
+    sums
 }
 
 /// The same at one place: the parts of a pair are the lanes.
@@ -191,7 +218,8 @@ pub(super) fn field<S: Simd>(simd: S, numbers: &[f64], place: DVec3) -> DVec3 {
             for (sum, numbers) in sums[..count].iter_mut().zip(numbers.chunks_exact(length)) {
                 *sum = Lanes::<S>::load(simd, numbers).scale_add(polynomial, *sum);
             }
-            let next = polynomial * place.z - square * RECURRENCE[pair] * last;
+            let [along, back] = RECURRENCE[pair];
+            let next = polynomial * (along * place.z) - square * back * last;
             (last, polynomial) = (polynomial, next);
             pair += 1;
         }
