@@ -260,8 +260,8 @@ pub(crate) const RADIUS_BISECTIONS: usize = 7;
 /// Whether one form serves all points of a box is decided with this relative margin, far above the round-off in the decision for a point.
 pub(crate) const FORM_MARGIN: f64 = 1e-9;
 
-/// The same of groups of tiles together, to a tolerance: half the series does, and on films points are rarely nearer.
-pub(crate) const SMALLER_ANGLE: f64 = 0.05;
+/// The same of groups of tiles together, to a tolerance: three terms of the series do, to a third of [`EXACT_BOUND`], and on films points are rarely nearer.
+pub(crate) const SMALLER_ANGLE: f64 = 0.04;
 
 /// Then four groups of at most so many tiles share a division: products of 12 lengths for each, between 1 / [`PRODUCT_RANGE`] and this, stay in range.
 pub(crate) const SMALL_GROUP: usize = 4;

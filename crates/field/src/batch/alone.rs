@@ -1,6 +1,6 @@
 //! The closed form of a tile by itself, without tables (docs/physics.md, section 2.6).
 
-use super::closed_form::{across, angle_of_faces, edge_pair, face, ratio_of_edges};
+use super::elements::{Place, add, add_elements, add_small_elements, common_inverse};
 use super::functions::{Functions, odd_series};
 use super::terms::{AA, AB, AC, BB, BC, CC, Terms};
 use crate::block::Block;
@@ -20,15 +20,6 @@ pub(super) struct Alone {
 
 /// What J with three components needs.
 const GENERAL: [bool; 6] = [true, true, true, true, true, false];
-
-/// Where points lie relative to the tile, in its scale.
-#[derive(Clone, Copy)]
-pub(super) struct Place<N> {
-    /// Offset and square, by plane.
-    planes: [[[N; 2]; 2]; 3],
-    /// Distances from the corners, bits 2, 1, 0: low or high along a, b, c.
-    distances: [N; 8],
-}
 
 /// See [`Alone::ratios`].
 #[derive(Clone, Copy)]
@@ -72,49 +63,25 @@ impl Alone {
     /// Numerator and denominator of the hyperbolic or circular tangent of half of 4 pi T, by element.
     #[inline(always)]
     pub(super) fn ratios<N: Functions>(&self, simd: N::Instructions, place: &Place<N>) -> Ratios<N> {
-        let (zero, one) = (N::splat(simd, 0.0), N::splat(simd, 1.0));
-        let r = &place.distances;
-        let [[a0, a1], [b0, b1], [c0, c1]] = place.planes;
+        let mut ratios = [[N::splat(simd, 0.0), N::splat(simd, 1.0)]; 6];
         let (factors, squares) = (&self.terms.factors, &self.terms.squares);
-        let along_b = [r[0] + r[2], r[1] + r[3], r[4] + r[6], r[5] + r[7]];
-        let along_c = [r[0] + r[1], r[2] + r[3], r[4] + r[5], r[6] + r[7]];
-        let mut ratios = [[zero, one]; 6];
         if self.wanted[AB] {
-            let step = (b0[0] + b1[0]) * factors[AB];
-            let low = edge_pair([along_b[0], along_b[1]], [along_c[0], along_c[1]], squares[2]);
-            let high = edge_pair([along_b[2], along_b[3]], [along_c[2], along_c[3]], squares[2]);
-            ratios[AB] = ratio_of_edges(step, low, high);
+            ratios[AB] = place.ratio::<AB>(factors, squares);
         }
         if self.wanted[AC] {
-            let step = (c0[0] + c1[0]) * factors[AC];
-            let low = edge_pair([along_c[0], along_c[1]], [along_b[0], along_b[1]], squares[1]);
-            let high = edge_pair([along_c[2], along_c[3]], [along_b[2], along_b[3]], squares[1]);
-            ratios[AC] = ratio_of_edges(step, low, high);
+            ratios[AC] = place.ratio::<AC>(factors, squares);
         }
         if self.wanted[BC] {
-            let along_a = [r[0] + r[4], r[1] + r[5], r[2] + r[6], r[3] + r[7]];
-            let step = (c0[0] + c1[0]) * factors[BC];
-            let low = edge_pair([along_c[0], along_c[2]], [along_a[0], along_a[1]], squares[0]);
-            let high = edge_pair([along_c[1], along_c[3]], [along_a[2], along_a[3]], squares[0]);
-            ratios[BC] = ratio_of_edges(step, low, high);
+            ratios[BC] = place.ratio::<BC>(factors, squares);
         }
         if self.wanted[AA] {
-            let across = across(b0, b1, c0, c1);
-            let low = face([r[0], r[1], r[2], r[3]], a0, across, factors[AA]);
-            let high = face([r[4], r[5], r[6], r[7]], a1, across, factors[AA]);
-            ratios[AA] = angle_of_faces(low, high);
+            ratios[AA] = place.ratio::<AA>(factors, squares);
         }
         if self.wanted[BB] {
-            let across = across(c0, c1, a0, a1);
-            let low = face([r[0], r[4], r[1], r[5]], b0, across, factors[BB]);
-            let high = face([r[2], r[6], r[3], r[7]], b1, across, factors[BB]);
-            ratios[BB] = angle_of_faces(low, high);
+            ratios[BB] = place.ratio::<BB>(factors, squares);
         }
         if self.wanted[CC] {
-            let across = across(a0, a1, b0, b1);
-            let low = face([r[0], r[2], r[4], r[6]], c0, across, factors[CC]);
-            let high = face([r[1], r[3], r[5], r[7]], c1, across, factors[CC]);
-            ratios[CC] = angle_of_faces(low, high);
+            ratios[CC] = place.ratio::<CC>(factors, squares);
         }
         Ratios(ratios)
     }
@@ -166,71 +133,5 @@ impl Alone {
         let mut sum = [N::splat(simd, 0.0); 3];
         add_small_elements(simd, self.wanted, ratios, inverse, odd_series, &self.coefficients, &mut sum);
         sum
-    }
-}
-
-/// What the wanted elements add to mu0 H.
-#[inline(always)]
-pub(super) fn add_elements<N: Functions>(
-    simd: N::Instructions,
-    wanted: [bool; 6],
-    ratios: &[[N; 2]; 6],
-    coefficients: &[[f64; 3]; 6],
-    sum: &mut [N; 3],
-) {
-    for (element, &[n, m]) in ratios.iter().enumerate() {
-        if wanted[element] {
-            let reduced = if element < AA { N::artanh_of_ratio(simd, n, m) } else { N::angle(simd, m, n) };
-            add(sum, reduced.divided(simd), &coefficients[element]);
-        }
-    }
-}
-
-/// One over the product of the denominators of the wanted elements.
-#[inline(always)]
-pub(super) fn common_inverse<N: Functions>(simd: N::Instructions, wanted: [bool; 6], ratios: &[[N; 2]; 6]) -> N {
-    let mut product = N::splat(simd, 1.0);
-    for (element, &[_, m]) in ratios.iter().enumerate() {
-        if wanted[element] {
-            product = product * m;
-        }
-    }
-    N::splat(simd, 1.0).over(product)
-}
-
-/// What the wanted elements add to mu0 H where `series` serves each of them.
-#[inline(always)]
-pub(super) fn add_small_elements<N: Functions>(
-    simd: N::Instructions,
-    wanted: [bool; 6],
-    ratios: &[[N; 2]; 6],
-    mut inverse: N,
-    series: impl Fn(N::Instructions, N, bool) -> N,
-    coefficients: &[[f64; 3]; 6],
-    sum: &mut [N; 3],
-) {
-    let one = N::splat(simd, 1.0);
-    let mut products = [one; 6];
-    let mut product = one;
-    for (element, &[_, m]) in ratios.iter().enumerate() {
-        products[element] = product;
-        if wanted[element] {
-            product = product * m;
-        }
-    }
-    for element in (0..6).rev() {
-        if wanted[element] {
-            let [n, m] = ratios[element];
-            let s = n * (inverse * products[element]);
-            inverse = inverse * m;
-            add(sum, series(simd, s, element >= AA), &coefficients[element]);
-        }
-    }
-}
-
-#[inline(always)]
-fn add<N: Functions>(sum: &mut [N; 3], half: N, coefficient: &[f64; 3]) {
-    for (sum, coefficient) in sum.iter_mut().zip(coefficient) {
-        *sum = half.scale_add(*coefficient, *sum);
     }
 }

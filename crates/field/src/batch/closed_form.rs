@@ -9,8 +9,8 @@ use std::any::Any;
 
 use fearless_simd::prelude::*;
 
-use super::alone::{add_elements, add_small_elements, common_inverse};
 use super::cluster::Cluster;
+use super::elements::{Place, add_elements, add_five_small_elements, add_small_elements, common_inverse};
 use super::functions::{angle, artanh_of_ratio, short_odd_series};
 use super::lanes::{Lanes, Number};
 use super::terms::{AA, AB, AC, BB, BC, CC, Group, NO_GROUP, OWN, TileTerms};
@@ -37,12 +37,18 @@ impl KeptTables {
             || {
                 let kept = self.0.take().and_then(|tables| tables.downcast::<Tables<S>>().ok());
                 let mut tables = kept.unwrap_or_else(|| Box::new(Tables::new(simd)));
+                let five = small && cluster.has_five_own;
                 tables.start(cluster, load(simd, [x, y, z], 0));
                 for start in (0..x.len()).step_by(Lanes::<S>::LEN) {
                     let end = start + Lanes::<S>::LEN;
                     // After the last points the first again, to have something to prepare.
                     let next = if end < x.len() { end } else { 0 };
-                    let field = tables.field(simd, cluster, load(simd, [x, y, z], next), small);
+                    let next = load(simd, [x, y, z], next);
+                    let field = if five {
+                        tables.field_of_five_small(simd, cluster, next)
+                    } else {
+                        tables.field(simd, cluster, next, small)
+                    };
                     field[0].store(&mut fx[start..end]);
                     field[1].store(&mut fy[start..end]);
                     field[2].store(&mut fz[start..end]);
@@ -128,6 +134,17 @@ impl<S: Simd> Places<S> {
         self.distances[corner(index + 1)] = self.square(second).sqrt();
     }
 
+    /// Where the points lie relative to a tile.
+    #[inline(always)]
+    fn of(&self, tile: &TileTerms) -> Place<Lanes<S>> {
+        let plane = |index: u16| [self.offsets[plane(index)], self.squares[plane(index)]];
+        let [a0, a1, b0, b1, c0, c1] = tile.planes;
+        Place {
+            planes: [[plane(a0), plane(a1)], [plane(b0), plane(b1)], [plane(c0), plane(c1)]],
+            distances: tile.corners.map(|index| self.distances[corner(index)]),
+        }
+    }
+
     #[inline(always)]
     fn square(&self, [x, y, z]: &[u16; 3]) -> Lanes<S> {
         self.squares[plane(*x)] + self.squares[plane(*y)] + self.squares[plane(*z)]
@@ -159,16 +176,11 @@ impl<S: Simd> Tables<S> {
     /// that all elements are `small`.
     #[inline(always)]
     fn field(&mut self, simd: S, cluster: &Cluster, next: [Lanes<S>; 3], small: bool) -> [Lanes<S>; 3] {
-        let [even, odd] = &mut *self.places;
-        let (current, upcoming) = if self.next == 0 { (even, odd) } else { (odd, even) };
-        self.next = 1 - self.next;
-        upcoming.set_offsets(cluster, next);
+        let (current, mut upcoming) = Upcoming::of(&mut self.places, &mut self.next, cluster, next);
         let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
         for product in &mut self.products.0[..cluster.groups.len()] {
             *product = [one, zero];
         }
-        let mut upcoming =
-            Upcoming { places: upcoming, corners: &cluster.corners, step: cluster.corner_pairs_per_step, known: 0 };
         let mut sum = [zero; 3];
         for tile in &cluster.tiles {
             if !tile.has_own {
@@ -196,6 +208,18 @@ impl<S: Simd> Tables<S> {
         }
         sum
     }
+
+    /// The same of a cluster with [five elements](Cluster::has_five_own) for each tile, all of them small.
+    #[inline(always)]
+    fn field_of_five_small(&mut self, simd: S, cluster: &Cluster, next: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+        let (current, mut upcoming) = Upcoming::of(&mut self.places, &mut self.next, cluster, next);
+        let mut sum = [Lanes::<S>::splat(simd, 0.0); 3];
+        for tile in &cluster.tiles {
+            let ratios = five_ratios(tile, current, &mut upcoming);
+            add_five_small_elements(simd, ratios, short_odd_series, &tile.coefficients, tile.axes, &mut sum);
+        }
+        sum
+    }
 }
 
 /// The places of the next points while they are made.
@@ -206,7 +230,22 @@ struct Upcoming<'a, S: Simd> {
     known: u16,
 }
 
-impl<S: Simd> Upcoming<'_, S> {
+impl<'a, S: Simd> Upcoming<'a, S> {
+    /// The places of the points at work, and those of the `points` after them, which take the room of those before.
+    #[inline(always)]
+    fn of(
+        [even, odd]: &'a mut [Places<S>; 2],
+        next: &mut usize,
+        cluster: &'a Cluster,
+        points: [Lanes<S>; 3],
+    ) -> (&'a Places<S>, Upcoming<'a, S>) {
+        let (current, upcoming) = if *next == 0 { (even, odd) } else { (odd, even) };
+        *next = 1 - *next;
+        upcoming.set_offsets(cluster, points);
+        let (corners, step) = (&cluster.corners, cluster.corner_pairs_per_step);
+        (current, Upcoming { places: upcoming, corners, step, known: 0 })
+    }
+
     /// The distances from a few more corners; twice for each tile, so that the processor foresees how many.
     #[inline(always)]
     fn advance(&mut self) {
@@ -230,67 +269,47 @@ fn multiply<S: Simd, const HAS_OWN: bool>(
     products: &mut Products<S>,
 ) -> [[Lanes<S>; 2]; 6] {
     let mut own = [[Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0)]; 6];
-    let [a, b, c, d, e, f, g, h] = tile.corners;
-    let r = &places.distances;
-    // Bits 2, 1, 0: low or high along a, b, c.
-    let low = [r[corner(a)], r[corner(b)], r[corner(c)], r[corner(d)]];
-    let high = [r[corner(e)], r[corner(f)], r[corner(g)], r[corner(h)]];
-    let r = [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]];
-    let [a0, a1, b0, b1, c0, c1] = tile.planes;
-    let (a0, a1, b0, b1, c0, c1) = (plane(a0), plane(a1), plane(b0), plane(b1), plane(c0), plane(c1));
-    let (offset, square) = (&places.offsets, &places.squares);
-    let (a0, a1) = ([offset[a0], square[a0]], [offset[a1], square[a1]]);
-    let (b0, b1) = ([offset[b0], square[b0]], [offset[b1], square[b1]]);
-    let (c0, c1) = ([offset[c0], square[c0]], [offset[c1], square[c1]]);
-    // Sums over the ends of edges. Along b, bits low or high along a, c; along c, bits along a, b.
-    let along_b = [r[0] + r[2], r[1] + r[3], r[4] + r[6], r[5] + r[7]];
-    let along_c = [r[0] + r[1], r[2] + r[3], r[4] + r[5], r[6] + r[7]];
+    let place = places.of(tile);
+    let (factors, squares) = (&tile.factors, &tile.squares);
     if tile.groups[AB] != NO_GROUP {
-        let step = (b0[0] + b1[0]) * tile.factors[AB];
-        let low = edge_pair([along_b[0], along_b[1]], [along_c[0], along_c[1]], tile.squares[2]);
-        let high = edge_pair([along_b[2], along_b[3]], [along_c[2], along_c[3]], tile.squares[2]);
-        place::<S, HAS_OWN>(tile, AB, ratio_of_edges(step, low, high), products, &mut own);
+        put::<S, HAS_OWN>(tile, AB, place.ratio::<AB>(factors, squares), products, &mut own);
     }
     if tile.groups[AC] != NO_GROUP {
-        let step = (c0[0] + c1[0]) * tile.factors[AC];
-        let low = edge_pair([along_c[0], along_c[1]], [along_b[0], along_b[1]], tile.squares[1]);
-        let high = edge_pair([along_c[2], along_c[3]], [along_b[2], along_b[3]], tile.squares[1]);
-        place::<S, HAS_OWN>(tile, AC, ratio_of_edges(step, low, high), products, &mut own);
+        put::<S, HAS_OWN>(tile, AC, place.ratio::<AC>(factors, squares), products, &mut own);
     }
     if tile.groups[BC] != NO_GROUP {
-        // Bits along b, c.
-        let along_a = [r[0] + r[4], r[1] + r[5], r[2] + r[6], r[3] + r[7]];
-        let step = (c0[0] + c1[0]) * tile.factors[BC];
-        let low = edge_pair([along_c[0], along_c[2]], [along_a[0], along_a[1]], tile.squares[0]);
-        let high = edge_pair([along_c[1], along_c[3]], [along_a[2], along_a[3]], tile.squares[0]);
-        place::<S, HAS_OWN>(tile, BC, ratio_of_edges(step, low, high), products, &mut own);
+        put::<S, HAS_OWN>(tile, BC, place.ratio::<BC>(factors, squares), products, &mut own);
     }
     upcoming.advance();
     if tile.groups[AA] != NO_GROUP {
-        let across = across(b0, b1, c0, c1);
-        let low = face([r[0], r[1], r[2], r[3]], a0, across, tile.factors[AA]);
-        let high = face([r[4], r[5], r[6], r[7]], a1, across, tile.factors[AA]);
-        place::<S, HAS_OWN>(tile, AA, angle_of_faces(low, high), products, &mut own);
+        put::<S, HAS_OWN>(tile, AA, place.ratio::<AA>(factors, squares), products, &mut own);
     }
     if tile.groups[BB] != NO_GROUP {
-        let across = across(c0, c1, a0, a1);
-        let low = face([r[0], r[4], r[1], r[5]], b0, across, tile.factors[BB]);
-        let high = face([r[2], r[6], r[3], r[7]], b1, across, tile.factors[BB]);
-        place::<S, HAS_OWN>(tile, BB, angle_of_faces(low, high), products, &mut own);
+        put::<S, HAS_OWN>(tile, BB, place.ratio::<BB>(factors, squares), products, &mut own);
     }
     if tile.groups[CC] != NO_GROUP {
-        let across = across(a0, a1, b0, b1);
-        let low = face([r[0], r[2], r[4], r[6]], c0, across, tile.factors[CC]);
-        let high = face([r[1], r[3], r[5], r[7]], c1, across, tile.factors[CC]);
-        place::<S, HAS_OWN>(tile, CC, angle_of_faces(low, high), products, &mut own);
+        put::<S, HAS_OWN>(tile, CC, place.ratio::<CC>(factors, squares), products, &mut own);
     }
     upcoming.advance();
     own
 }
 
+/// The ratios of all elements but the last.
+#[inline(always)]
+fn five_ratios<S: Simd>(tile: &TileTerms, places: &Places<S>, upcoming: &mut Upcoming<S>) -> [[Lanes<S>; 2]; 5] {
+    let place = places.of(tile);
+    let (factors, squares) = (&tile.factors, &tile.squares);
+    let (ab, ac) = (place.ratio::<AB>(factors, squares), place.ratio::<AC>(factors, squares));
+    let bc = place.ratio::<BC>(factors, squares);
+    upcoming.advance();
+    let (aa, bb) = (place.ratio::<AA>(factors, squares), place.ratio::<BB>(factors, squares));
+    upcoming.advance();
+    [ab, ac, bc, aa, bb]
+}
+
 /// Onto the product of its group, or into `own`.
 #[inline(always)]
-fn place<S: Simd, const HAS_OWN: bool>(
+fn put<S: Simd, const HAS_OWN: bool>(
     tile: &TileTerms,
     element: usize,
     ratio: [Lanes<S>; 2],
@@ -339,47 +358,4 @@ impl<S: Simd> Products<S> {
         let [a, b] = self.0[group(number)];
         self.0[group(number)] = [a.mul_sub(re, b * im), a.mul_add(im, b * re)];
     }
-}
-
-/// Numerator and denominator of tanh(2 pi T_ij) of a tile, from the edges on its low and its high side along j (Eq. P18).
-#[inline(always)]
-pub(super) fn ratio_of_edges<N: Number>(step: N, (p_low, e_low): (N, N), (p_high, e_high): (N, N)) -> [N; 2] {
-    let (low, high) = (step * p_low, step * p_high);
-    [high.mul_sub(e_low, low * e_high), e_low.mul_sub(e_high, low * high)]
-}
-
-/// Numerator and denominator of tan(2 pi T_ii) of a tile: the angle of the high face less that of the low one (Eq. P19).
-#[inline(always)]
-pub(super) fn angle_of_faces<N: Number>((re_low, im_low): (N, N), (re_high, im_high): (N, N)) -> [N; 2] {
-    [re_low.mul_sub(im_high, im_low * re_high), re_low.mul_add(re_high, im_low * im_high)]
-}
-
-/// P and Q B of Eq. P18 of the two edges on one side along j, from the sums across i at both ends and along k at both sides.
-#[inline(always)]
-pub(super) fn edge_pair<N: Number>(across: [N; 2], along: [N; 2], length_squared: f64) -> (N, N) {
-    (across[0] + across[1], (across[0] * across[1]) * along[0].mul_sub_constant(along[1], length_squared))
-}
-
-/// Products of the vectors to the corners of a face, without the square of its distance: 00.11, then 00.01 and 01.11, then 00.10 and 10.11.
-/// Planes as offset and square.
-#[inline(always)]
-pub(super) fn across<N: Number>(y0: [N; 2], y1: [N; 2], z0: [N; 2], z1: [N; 2]) -> [N; 5] {
-    let (yy, zz) = (y0[0] * y1[0], z0[0] * z1[0]);
-    [yy + zz, y0[1] + zz, yy + z1[1], yy + z0[1], y1[1] + zz]
-}
-
-/// A complex number whose angle is half the solid angle of a face: the product of those of its two triangles (Eq. P19).
-#[inline(always)]
-pub(super) fn face<N: Number>(
-    [r00, r01, r10, r11]: [N; 4],
-    [offset, square]: [N; 2],
-    across: [N; 5],
-    area: f64,
-) -> (N, N) {
-    let diagonal = r00.mul_add(r11, square + across[0]);
-    let common = square * (r00 + r11);
-    let a = r01.mul_add(diagonal, across[1].mul_add(r11, across[2].mul_add(r00, common)));
-    let b = r10.mul_add(diagonal, across[3].mul_add(r11, across[4].mul_add(r00, common)));
-    let n = offset * area;
-    (a.mul_sub(b, n * n), n * (a + b))
 }

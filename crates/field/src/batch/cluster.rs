@@ -19,6 +19,8 @@ pub(super) struct Cluster {
     /// How many such pairs there are for half a tile, rounded up.
     pub(super) corner_pairs_per_step: usize,
     pub(super) tiles: Vec<TileTerms>,
+    /// Whether no tile shares an element with another and the last is not needed of any.
+    pub(super) has_five_own: bool,
     pub(super) groups: Vec<Group>,
     /// The volume of the tiles of one group, or of one tile, at most; scaled.
     pub(super) largest_group_volume: f64,
@@ -54,6 +56,7 @@ impl Cluster {
             planes: numbers.planes,
             corners,
             corner_pairs_per_step,
+            has_five_own: tiles.iter().all(|tile| tile.groups == [OWN, OWN, OWN, OWN, OWN, NO_GROUP]),
             tiles,
             groups: groups.all,
             largest_group_volume: groups.largest_volume,

@@ -177,12 +177,10 @@ const ARCTAN: [f64; 7] = [
     0.199_999_999_983_058_42,
     -0.333_333_333_333_306_06,
 ];
-/// The same as [`ARTANH`] for s^2 < 0.0026.
-const SHORT_ARTANH: [f64; 4] =
-    [0.111_689_264_696_425_18, 0.142_855_878_371_415_28, 0.200_000_001_089_286_17, 0.333_333_333_333_041_7];
+/// The same as [`ARTANH`] for s^2 < 0.0016, to 7e-15.
+const SHORT_ARTANH: [f64; 3] = [0.143_201_388_841_882_7, 0.199_999_678_527_577_07, 0.333_333_333_418_647_8];
 /// The same for the arctangent.
-const SHORT_ARCTAN: [f64; 4] =
-    [0.110_537_081_076_976_2, -0.142_855_890_406_968_42, 0.199_999_998_922_404_75, -0.333_333_333_333_045_1];
+const SHORT_ARCTAN: [f64; 3] = [-0.142_514_143_024_738_8, 0.199_999_680_083_033_83, -0.333_333_333_248_485_2];
 
 /// artanh(s), or the arctangent, for s^2 < 0.0412: below tanh and tan of [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE), and what reduction leaves.
 #[inline(always)]
@@ -190,7 +188,7 @@ pub(super) fn odd_series<N: Number>(simd: N::Instructions, s: N, is_angle: bool)
     odd_polynomial(simd, s, if is_angle { &ARCTAN } else { &ARTANH })
 }
 
-/// The same for s^2 < 0.0026, [`SMALLER_ANGLE`](crate::tolerances::SMALLER_ANGLE).
+/// The same for s^2 < 0.0016, below tanh and tan of [`SMALLER_ANGLE`](crate::tolerances::SMALLER_ANGLE), to 7e-15.
 #[inline(always)]
 pub(super) fn short_odd_series<N: Number>(simd: N::Instructions, s: N, is_angle: bool) -> N {
     odd_polynomial(simd, s, if is_angle { &SHORT_ARCTAN } else { &SHORT_ARTANH })

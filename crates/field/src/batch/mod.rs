@@ -5,7 +5,7 @@
 //! |---|---|---|
 //! | the kernel of one point | in a tile or beside it, if it is a plate or a needle or the point in a plane of its faces | [`crate::kernel`] |
 //! | terms of edges and corners in vectors | otherwise in a tile or beside it | `beside` |
-//! | closed form in vectors, tiles that share corners together or a tile by itself | up to 15 of its sides | `closed_form`, `alone` |
+//! | closed form in vectors, tiles that share corners together or a tile by itself | up to 15 of its sides | `elements`, `closed_form`, `alone` |
 //! | multipole series in vectors, tile by tile | beyond | `multipole` |
 //! | expansion in solid harmonics, many tiles together | from three radii of the sphere around them on | `expansion`, `harmonics` |
 //!
@@ -22,6 +22,7 @@ mod beside;
 mod closed_form;
 mod cluster;
 mod column;
+mod elements;
 mod expansion;
 pub(crate) mod far;
 mod functions;

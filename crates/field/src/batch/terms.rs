@@ -24,6 +24,8 @@ pub(super) struct TileTerms {
     pub(super) groups: [u16; 6],
     /// Whether there is such an element.
     pub(super) has_own: bool,
+    /// The axes a, b, c.
+    pub(super) axes: [usize; 3],
     /// By element: what one unit of half of 4 pi T adds to mu0 H, in tesla.
     pub(super) coefficients: [[f64; 3]; 6],
     /// Off the diagonal the length of the edges times the size across, on it the area of the faces. Scaled, with the sign of the term.
@@ -131,6 +133,7 @@ impl Terms {
             planes: [0, 1, 2, 3, 4, 5].map(|n: usize| planes[self.axes[n / 2]][n % 2]),
             groups,
             has_own: false,
+            axes: self.axes,
             coefficients: [0, 1, 2, 3, 4, 5].map(|element| self.group(element).coefficient),
             factors: self.factors,
             squares: self.squares,

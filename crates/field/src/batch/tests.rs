@@ -3,7 +3,7 @@
 use fearless_simd::{Level, Simd, dispatch};
 
 use super::expansion::Expansion;
-use super::functions::{angle, artanh_of_ratio};
+use super::functions::{angle, artanh_of_ratio, short_odd_series};
 use super::harmonics::{Moments, Source};
 use super::instruction_set::InstructionSet;
 use super::lanes::{Lanes, Number};
@@ -13,7 +13,9 @@ use super::range::{FORMS, MIDDLE, OUTER, Range};
 use super::series::Series;
 use crate::block::{Block, Local};
 use crate::kernel::{Part, cuboid_field};
-use crate::tolerances::{EXPANSION_DEGREES, HIGHEST_ORDER, MULTIPOLE_ORDERS, SINGLE_PRECISION_BOUND, SMALL_ANGLE};
+use crate::tolerances::{
+    EXPANSION_DEGREES, HIGHEST_ORDER, MULTIPOLE_ORDERS, SINGLE_PRECISION_BOUND, SMALL_ANGLE, SMALLER_ANGLE,
+};
 use glam::DVec3;
 
 #[derive(Clone, Copy)]
@@ -21,6 +23,8 @@ enum Function {
     Artanh,
     Angle,
     Root,
+    ShortArtanh,
+    ShortArctan,
 }
 
 /// The function of a and b in every lane; the first is returned.
@@ -31,6 +35,8 @@ fn apply<S: Simd>(simd: S, function: Function, a: f64, b: f64) -> f64 {
         Function::Artanh => artanh_of_ratio(simd, a, b),
         Function::Angle => angle(simd, a, b),
         Function::Root => a.root(simd),
+        Function::ShortArtanh => short_odd_series(simd, a, false),
+        Function::ShortArctan => short_odd_series(simd, a, true),
     };
     result.lane(0)
 }
@@ -86,6 +92,23 @@ fn angle_has_its_accuracy_all_around() {
                     assert!((found - exact).abs() <= 1e-15 * exact.abs(), "{level:?}: not {found} but {exact}");
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn short_series_have_their_accuracy() {
+    for level in levels() {
+        for (function, exact) in
+            [(Function::ShortArtanh, f64::atanh as fn(f64) -> f64), (Function::ShortArctan, f64::atan)]
+        {
+            let worst = (1..=1000).map(|n| {
+                let s = SMALLER_ANGLE.tan() * f64::from(n) / 1000.0;
+                (at(level, function, s, 1.0) / exact(s) - 1.0).abs()
+            });
+            let worst = worst.fold(0.0, f64::max);
+            // That of the polynomial and three roundings.
+            assert!(worst <= 7.5e-15, "{level:?}: {worst:e}");
         }
     }
 }
