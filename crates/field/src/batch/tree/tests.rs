@@ -77,11 +77,15 @@ fn nodes_leave_out_no_more_than_they_say_and_not_much_less() {
 
 /// Tiles in a plane, as many different polarizations, and a tree over them.
 fn sheet() -> (Arrangement, Tree) {
+    sheet_of(|x, y| DVec3::new((0.6 * x + 0.1 * y).sin(), (0.6 * y + 0.1 * x).sin(), 0.2 + 0.1 * (x * y).sin()))
+}
+
+/// 40 x 40 cubes of one unit with this polarization at x and y.
+fn sheet_of(polarization_t: impl Fn(f64, f64) -> DVec3) -> (Arrangement, Tree) {
     let tiles: Vec<Tile> = (0..1600)
         .map(|n| {
             let (x, y) = (f64::from(n % 40) - 19.5, f64::from(n / 40) - 19.5);
-            let j = DVec3::new((0.6 * x + 0.1 * y).sin(), (0.6 * y + 0.1 * x).sin(), 0.2 + 0.1 * (x * y).sin());
-            Tile::new(DVec3::new(x, y, 0.5), DVec3::ONE, j).expect("a valid tile")
+            Tile::new(DVec3::new(x, y, 0.5), DVec3::ONE, polarization_t(x, y)).expect("a valid tile")
         })
         .collect();
     let arrangement = Arrangement::of(&tiles);
@@ -157,26 +161,29 @@ fn nodes_are_translated_together() {
     }
 }
 
-/// Points that are near all tiles get the field that the exact mode gives them, but for its rounding.
+/// Points that are near all tiles get the field that the exact mode gives them, but for its rounding: whether tiles share elements, some or all of them, or none.
 #[test]
 fn near_tiles_have_the_same_field_to_a_tolerance() {
-    let (arrangement, tree) = sheet();
     let points: Vec<DVec3> = (0..64)
         .map(|n| {
             let turn = f64::from(n);
             DVec3::new(3.0 * (1.3 * turn).sin(), 3.0 * (2.1 * turn).cos(), -2.6 - 2.5 * (0.7 * turn).cos())
         })
         .collect();
-    let assignment = Assignment::of(&tree, None, &Box3::around(&points), points.len(), 0.0);
-    assert_eq!(assignment.tiles, [0, 1600, 0]);
-    for level in levels() {
-        let exact = added_up(level, &arrangement, None, &points).0;
-        let (near, left_out_t) = added_up(level, &arrangement, Some((&tree, &assignment)), &points);
-        for (exact, near) in exact.into_iter().zip(near) {
-            // The sum over tiles is about one.
-            assert!((exact - near).length() <= 2e-14, "{near} is not {exact}");
+    // The sum over tiles is about one of each.
+    let some_alike = |x: f64, y: f64| DVec3::new((0.6 * x).sin(), 0.3, if y > 0.0 { (y * y + x).sin() } else { 0.0 });
+    let all_alike = |x: f64, y: f64| DVec3::new(if x * y > 0.0 { 0.7 } else { -0.7 }, 0.7, 0.0);
+    for (arrangement, tree) in [sheet(), sheet_of(some_alike), sheet_of(all_alike)] {
+        let assignment = Assignment::of(&tree, None, &Box3::around(&points), points.len(), 0.0);
+        assert_eq!(assignment.tiles[0] + assignment.tiles[2], 0);
+        for level in levels() {
+            let exact = added_up(level, &arrangement, None, &points).0;
+            let (near, left_out_t) = added_up(level, &arrangement, Some((&tree, &assignment)), &points);
+            for (exact, near) in exact.into_iter().zip(near) {
+                assert!((exact - near).length() <= 2e-14, "{near} is not {exact}");
+            }
+            assert!(left_out_t.iter().all(|left_out_t| *left_out_t == 0.0));
         }
-        assert!(left_out_t.iter().all(|left_out_t| *left_out_t == 0.0));
     }
 }
 
