@@ -2,6 +2,7 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 
+use super::cluster::Cluster;
 use super::expansion::Expansion;
 use super::functions::{angle, artanh_of_ratio, short_odd_series};
 use super::harmonics::{Moments, Source};
@@ -111,6 +112,19 @@ fn short_series_have_their_accuracy() {
             assert!(worst <= 7.5e-15, "{level:?}: {worst:e}");
         }
     }
+}
+
+/// The loop for tiles that share no element is taken only where all of them have five of their own.
+#[test]
+fn clusters_know_whether_each_tile_has_five_elements_of_its_own() {
+    let has_five_own = |j: [[f64; 3]; 3]| {
+        let block = |n: usize| Block::new(n, DVec3::X * n as f64, DVec3::ONE, DVec3::from(j[n]), 0.1);
+        Cluster::of(&[0, 1, 2].map(block), 0.5).expect("few tiles").has_five_own
+    };
+    let (general, other, third) = ([0.7, 0.5, 0.3], [0.6, 0.2, 0.4], [0.1, 0.9, 0.8]);
+    assert!(has_five_own([general, other, third]));
+    assert!(!has_five_own([general, other, other]));
+    assert!(!has_five_own([general, other, [0.1, 0.0, 0.0]]));
 }
 
 /// Where each order of the series begins, whatever the tile, its error is below what left-out orders and single precision may add up to, and not far below. How many
