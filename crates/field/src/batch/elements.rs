@@ -79,7 +79,7 @@ fn angle_of_faces<N: Number>((re_low, im_low): (N, N), (re_high, im_high): (N, N
     [re_low.mul_sub(im_high, im_low * re_high), re_low.mul_add(re_high, im_low * im_high)]
 }
 
-/// P and Q B of Eq. P18 of the two edges on one side along j, from the sums across i at both ends and along k at both sides.
+/// P and E of Eq. P18 of the two edges on one side along j, from the sums across i at both ends and along k at both sides.
 #[inline(always)]
 fn edge_pair<N: Number>(across: [N; 2], along: [N; 2], length_squared: f64) -> (N, N) {
     (across[0] + across[1], (across[0] * across[1]) * along[0].mul_sub_constant(along[1], length_squared))

@@ -11,7 +11,7 @@ use super::lanes::{Lanes, Number};
 use super::pairwise::Pairwise;
 use crate::tolerances::HIGHEST_LOCAL_DEGREE;
 
-/// R_lm over the polynomial of the recurrence times (x + i y)^m (Eq. P31), row after row of equal degree: (2l - 1)!! / (l + m)! (l - m)!.
+/// R_lm over the polynomial of the recurrence times (x + i y)^m (Eq. P24 with z and r^2), row after row of equal degree: (2l - 1)!! / (l + m)! (l - m)!.
 static LEADING: LazyLock<Vec<f64>> = LazyLock::new(|| {
     let mut factors = vec![1.0];
     for l in 1..=HIGHEST_LOCAL_DEGREE {

@@ -124,19 +124,20 @@ pub(super) fn harmonics(degree: usize, place: DVec3) -> Triangle<f64> {
 pub(super) fn fields<S: Simd>(simd: S, numbers: &[f64], places: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
     let zero = Lanes::<S>::splat(simd, 0.0);
     let mut steps = [[[zero; 2]; 2]; CELL_DEGREE];
-    let squares = places.map(|[x, y, z]| z.mul_add(z, y.mul_add(y, x * x)));
+    let mut squares = [zero; 2];
     for at in 0..2 {
-        let (z, square) = (places[at][2], squares[at]);
+        let [x, y, z] = places[at];
+        let square = z.mul_add(z, y.mul_add(y, x * x));
+        squares[at] = square;
         for (degree, step) in (0..).zip(&mut steps) {
             let degree = f64::from(degree);
             step[at] = [z * (2.0 * degree + 1.0), square * (degree * degree)];
         }
     }
-    let (first, rest) = numbers.split_at(PARTS * (CELL_DEGREE + 1));
+    let (first, mut rest) = numbers.split_at(PARTS * (CELL_DEGREE + 1));
     // Of order 0 no number has an imaginary part.
     let mut field = row_sums::<S, { PARTS / 2 }>(simd, 0, first, squares, &steps);
     let mut phase = places.map(|[x, y, _]| [x, y]);
-    let mut rest = rest;
     for order in 1..=CELL_DEGREE {
         let own;
         (own, rest) = rest.split_at(PARTS * (CELL_DEGREE + 1 - order));
@@ -177,7 +178,7 @@ fn row_sums<S: Simd, const WANTED: usize>(
     let mut last = [Lanes::splat(simd, 1.0); 2];
     let mut polynomial = steps[order.min(CELL_DEGREE - 1)].map(|[along, _]| along);
     let order_squared = (order * order) as f64;
-    let below = squares.map(|square| square * order_squared);
+    let below = [squares[0] * order_squared, squares[1] * order_squared];
     let mut steps = steps.iter().skip(order + 1);
     for numbers in numbers {
         for at in 0..2 {
