@@ -1,8 +1,10 @@
-//! What a tolerance is worth: magsplice against its own exact field, one thread, in one process.
+//! Speedup of fields to a tolerance over the exact field of magsplice, on one thread.
 //!
-//! `cargo bench -p magsplice-benches --bench dial` prints for each case `ratio: <case> = <exact time / time>`, the median over interleaved pairs of runs,
-//! with the largest error found. `growth:` lines are films with as many points as tiles, and `exponent:` lines the power of that number with which times grow.
-//! `-- --test` runs each case once, smaller.
+//! `cargo bench -p magsplice-benches --bench dial` prints for each case
+//! `ratio: <case> = <exact time / time>`, the median over interleaved pairs of runs, with the largest
+//! error found. `growth:` lines give the times of films with as many points as tiles, `exponent:`
+//! lines the power of that number with which the times grow. `-- --test` runs each case once, on a
+//! smaller scene.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -16,11 +18,12 @@ use rand_chacha::ChaCha8Rng;
 /// Interleaved pairs of runs; the median ratio is printed.
 const PAIRS: usize = 15;
 
-/// Tiles along each side of the films whose time is compared with the exact field's, and by which growth is seen, with runs of everything.
+/// Tiles along each side of the film compared with direct summation, and the number of runs.
 const LARGE_FILM: (usize, usize) = (316, 5);
+/// The same for the films whose times give the exponents of growth.
 const FILMS: [(usize, usize); 4] = [(32, 15), (100, 7), (316, 3), (1000, 1)];
 
-/// Look-ups in the prepared volume.
+/// Number of look-ups in the prepared volume.
 const LOOK_UPS: usize = 100_000;
 
 fn main() {
@@ -74,7 +77,8 @@ fn one_millionth() -> Tolerance {
     Tolerance::relative(1e-6).expect("a tolerance")
 }
 
-/// The exact time is that of a part of the points times how many they stand for.
+/// Prints the speedup of one large film. The exact time is measured at some of the points and scaled
+/// to all.
 fn large_film((side, runs): (usize, usize)) {
     let film = growth(side, one_millionth(), runs);
     println!(

@@ -1,4 +1,5 @@
-//! The kernel, films, many tiles, threads, and the way from the file to the decoupling error.
+//! Criterion benchmarks of one tile, films, instruction sets, threads, and the path from a layout file
+//! to its decoupling error.
 //!
 //! `cargo bench -p magsplice-benches --bench film`
 
@@ -21,7 +22,8 @@ fn main() {
     criterion.final_summary();
 }
 
-/// What each form takes: beside the tile, within sizes of it, and far away.
+/// Times one tile at distances from inside its near field to far away, one for each method of
+/// evaluation.
 fn one_tile_by_distance(criterion: &mut Criterion) {
     let tile = Tile::new(DVec3::ZERO, DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7)).expect("a valid tile");
     let scene = Scene::new(&[tile]);

@@ -1,11 +1,20 @@
-//! magsplice against magba 0.7.3's best call, one thread, in one process; then more threads against one.
+//! Speedup of magsplice over the fastest call of magba 0.7.3 on one thread, then of several threads
+//! over one.
 //!
-//! `cargo bench -p magsplice-benches --bench peers` prints for each workload `ratio: <workload> = <magba time / magsplice time>`, the median
-//! over interleaved pairs of runs, and how far the two fields are apart. Then `threads: <workload>, <n> threads = <time of one / time of n>`, beside the
-//! same for n scenes at the same time that share nothing, the most that the machine gives.
+//! `cargo bench -p magsplice-benches --bench peers` prints for each workload
+//! `ratio: <workload> = <magba time / magsplice time>`, the median over interleaved pairs of runs in
+//! one process, and the median difference of the two fields. Then it prints
+//! `threads: <workload>, <n> threads = <time of one / time of n>`, beside the same ratio for n
+//! independent scenes evaluated at the same time, which is the most that the machine gives.
 //!
-//! `-- --test` runs each workload once on few points, `-- NAME` those with this in their name, `-- --threads` leaves magba out, `-- --avx2` (or another
-//! instruction set) compares with magba by these instructions instead of the best.
+//! Arguments after `--`:
+//!
+//! | argument | effect |
+//! |---|---|
+//! | `--test` | runs each workload once on few points |
+//! | `NAME` | runs the workloads that have this in their names |
+//! | `--threads` | skips the comparison with magba |
+//! | `--avx2` or another instruction set | compares by these instructions instead of the best available |
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -18,12 +27,14 @@ use nalgebra::Vector3;
 /// Interleaved pairs of runs; the median ratio is printed.
 const PAIRS: usize = 7;
 
-/// Where magba takes longer than a few seconds, for more tile-point pairs than this, it is a median of [`FEW_PAIRS`].
+/// Above this number of tile-point pairs, where magba takes more than a few seconds, the ratio is a
+/// median over [`FEW_PAIRS`].
 const LARGE_RUN: usize = 20_000_000;
 /// See [`LARGE_RUN`].
 const FEW_PAIRS: usize = 3;
 
-/// Runs with threads; they vary more, because other programs need only one of the processors to disturb them.
+/// Number of runs with threads. They vary more, because a program on any one of the processors
+/// disturbs them.
 const THREAD_RUNS: usize = 25;
 
 fn main() {
@@ -55,7 +66,7 @@ fn threads(workload: Workload, once: bool) {
     }
 }
 
-/// Each workload as it is; the film also to a tolerance, on the grid that its points are.
+/// The workload with its exact field; for the film also to a tolerance, on the grid of its points.
 fn variants(workload: Workload) -> Vec<(Workload, Accuracy)> {
     let mut variants = Vec::new();
     if workload.name == "film-exact" {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use magsplice_field::{Cause, InstructionSet, Quantity, Scene};
-use magsplice_tests::reference_tables::{self, Row};
+use magsplice_tests::reference_tables::{self, ReferenceRow};
 
 /// Allowed relative error of |B| at any row: what `Scene` promises. In the kernel of one point an element of the tensor is off by about twenty
 /// roundings of 1.1e-16 in the worst case; in the forms in vectors by that times the distance in sides of the tile, at most 15, or, nearer
@@ -12,7 +12,7 @@ const WORST: f64 = 2e-14;
 /// Allowed median: roundings that add up at random.
 const MEDIAN: f64 = 1e-15;
 
-fn relative_error(row: &Row, set: InstructionSet) -> f64 {
+fn relative_error(row: &ReferenceRow, set: InstructionSet) -> f64 {
     let scene = Scene::new(&[row.tile]).with_instruction_set(set).expect("available");
     let b = scene.field(Quantity::FluxDensity, row.point);
     let b = b.unwrap_or_else(|cause| panic!("row {}: {cause}", row.id));
@@ -24,7 +24,7 @@ fn relative_error(row: &Row, set: InstructionSet) -> f64 {
 fn check(table: &str, rows: usize) {
     let rows = reference_tables::read(table, rows);
     for set in InstructionSet::available() {
-        let mut errors: Vec<(f64, &Row)> = rows.iter().map(|row| (relative_error(row, set), row)).collect();
+        let mut errors: Vec<(f64, &ReferenceRow)> = rows.iter().map(|row| (relative_error(row, set), row)).collect();
         errors.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (worst, row) = errors.last().expect("the table has rows");
         assert!(*worst <= WORST, "{set:?}, {table}: {worst:.1e} at row {} ({} {})", row.id, row.set, row.tag);

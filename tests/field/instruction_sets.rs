@@ -3,7 +3,7 @@
 
 use glam::{DQuat, DVec3};
 use magsplice_field::{InstructionSet, MU_0, Quantity, Scene, Tile};
-use magsplice_tests::oracle::{Field, Oracle};
+use magsplice_tests::oracle::{Oracle, OracleField};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, TestRunner};
@@ -168,11 +168,11 @@ fn random_points_in_tiles_and_beside_them() {
         let tile = tile(DVec3::ZERO, size, j);
         let components = DVec3::AXES.into_iter().filter(|axis| axis.dot(j) != 0.0);
         let alone = components.map(|axis| Tile::new(DVec3::ZERO, size, j * axis).expect("a valid tile"));
-        let exact: Vec<Field> = alone.map(|tile| oracle.field(&tile, point)).collect();
+        let exact: Vec<OracleField> = alone.map(|tile| oracle.field(&tile, point)).collect();
         for set in InstructionSet::available() {
             let scene = Scene::new(&[tile]).with_instruction_set(set).expect("available");
             for (quantity, own) in [
-                (Quantity::FluxDensity, (|field: &Field| field.flux_density_t) as fn(&Field) -> DVec3),
+                (Quantity::FluxDensity, (|field: &OracleField| field.flux_density_t) as fn(&OracleField) -> DVec3),
                 (Quantity::FieldStrength, |field| field.strength_t),
             ] {
                 let in_tesla = if quantity == Quantity::FieldStrength { MU_0 } else { 1.0 };

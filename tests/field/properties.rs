@@ -35,7 +35,7 @@ proptest! {
     #[test]
     fn finite_or_declared_unbounded(
         tiles in prop::collection::vec((scenes::tile(12.0), scenes::rotation()), 1..4),
-        places in scenes::places(),
+        places in scenes::face_offsets(),
         at in 0..3_usize,
     ) {
         let near = &tiles[at % tiles.len()];
@@ -58,7 +58,7 @@ proptest! {
     fn a_block_is_its_parts(
         tile in scenes::tile(2.0),
         cuts in prop::collection::vec((0..3_usize, 0.1..0.9_f64, 0..8_usize), 1..6),
-        places in scenes::places(),
+        places in scenes::face_offsets(),
     ) {
         let tile = rebuilt(&tile, DVec3::ZERO, tile.size(), tile.polarization_t());
         let mut parts = vec![(-0.5 * tile.size(), 0.5 * tile.size())];
@@ -96,7 +96,7 @@ proptest! {
     /// Reversing J and scaling by a power of two change nothing but what they should, to the last bit; mirroring, which exchanges near and
     /// far corners, nothing beyond round-off.
     #[test]
-    fn exact_symmetries(tile in scenes::tile(12.0), places in scenes::places(), axis in 0..3_usize, exponent in -200..200_i32) {
+    fn exact_symmetries(tile in scenes::tile(12.0), places in scenes::face_offsets(), axis in 0..3_usize, exponent in -200..200_i32) {
         let (j, point) = (tile.polarization_t(), scenes::point(&tile, places));
         let own = b(&Scene::new(&[tile]), point);
         let reversed = rebuilt(&tile, tile.position(), tile.size(), -j);

@@ -1,0 +1,136 @@
+//! Tiles and points on which speed is compared.
+
+use std::path::Path;
+
+use glam::{DQuat, DVec3};
+use magsplice::field::{Grid, Tile};
+use magsplice::layout::Layout;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A layout shipped with the project, by its name in `layouts/`.
+///
+/// # Panics
+/// If there is no such layout.
+pub fn shipped_layout(name: &str) -> Layout {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../layouts").join(name).with_extension("toml");
+    Layout::read(&path).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The published working volume as a grid with `counts` points along each axis, in mm.
+pub fn working_volume(counts: [usize; 3]) -> Grid {
+    Grid { lower: DVec3::new(-2.0, -2.0, -5.0), upper: DVec3::new(2.0, 2.0, -3.0), counts }
+}
+
+/// The median of times or ratios; the upper one of two in the middle.
+///
+/// # Panics
+/// If there are no values.
+pub fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// A scene of the benchmarks: tiles, and the points at which their field is computed.
+#[derive(Clone)]
+pub struct Workload {
+    /// Name in the output of the benchmarks.
+    pub name: &'static str,
+    /// Tiles of the scene; lengths in mm.
+    pub tiles: Vec<Tile>,
+    /// Points of evaluation, in any order.
+    pub points: Vec<DVec3>,
+    /// The grid that `points` lists, if they form one.
+    pub grid: Option<Grid>,
+}
+
+impl Workload {
+    /// The workload with its points thinned evenly to at most `most_pairs` tile-point pairs, so that
+    /// they keep their distribution.
+    pub fn thinned(mut self, most_pairs: usize) -> Workload {
+        let keep = (most_pairs / self.tiles.len()).clamp(1, self.points.len());
+        if let Some(grid) = &mut self.grid {
+            // The axis with most points loses one, until the counts are nearly equal.
+            while grid.len() > keep {
+                let axis = (0..3).max_by_key(|&axis| grid.counts[axis]).expect("three axes");
+                grid.counts[axis] -= 1;
+            }
+            self.points = grid.points().collect();
+            return self;
+        }
+        self.points = evenly_thinned(&self.points, keep).into_iter().map(|index| self.points[index]).collect();
+        self
+    }
+
+    /// The number of tile-point pairs.
+    pub fn pairs(&self) -> usize {
+        self.tiles.len() * self.points.len()
+    }
+}
+
+/// All workloads of the peers benchmark.
+pub fn workloads() -> Vec<Workload> {
+    let film = shipped_layout("published-film").bare_tiles();
+    let volume = working_volume([81, 81, 41]);
+    let grid: Vec<DVec3> = volume.points().collect();
+    let mut random = ChaCha8Rng::seed_from_u64(4);
+    let mut within = |reach: f64| DVec3::from([0, 1, 2].map(|_| random.random_range(-reach..reach)));
+    // J differs in every tile, so that no two merge into one block.
+    let general = |(i, t): (usize, &Tile)| {
+        let j = t.polarization_t() + DVec3::new(0.02, -0.03, 0.04 + 1e-4 * i as f64);
+        Tile::new(t.position(), t.size(), j).expect("a valid tile")
+    };
+    let turned =
+        |(i, t): (usize, &Tile)| t.rotated(DQuat::from_rotation_z(1e-3 * (i as f64 + 1.0))).expect("a rotation");
+    let one = Tile::new(DVec3::ZERO, DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7)).expect("a valid tile");
+    let near_and_far: Vec<DVec3> = (0..1_000_000).map(|i| within(if i % 2 == 0 { 4.0 } else { 40.0 })).collect();
+    let below: Vec<DVec3> =
+        (0..10_000).map(|_| within(40.0) * DVec3::new(1.0, 1.0, 0.02) - DVec3::new(0.0, 0.0, 4.0)).collect();
+    vec![
+        Workload { name: "film-exact", tiles: film.clone(), points: grid.clone(), grid: Some(volume) },
+        Workload {
+            name: "film-general-polarization",
+            tiles: film.iter().enumerate().map(general).collect(),
+            points: grid.clone(),
+            grid: Some(volume),
+        },
+        Workload {
+            name: "film-rotated",
+            tiles: film.iter().enumerate().map(turned).collect(),
+            points: grid,
+            grid: Some(volume),
+        },
+        Workload { name: "one-tile", tiles: vec![one], points: near_and_far, grid: None },
+        Workload { name: "many-tiles", tiles: square_film(100), points: below, grid: None },
+    ]
+}
+
+/// Indices of at most `most` points, and at least one, taken evenly so that they keep their
+/// distribution.
+pub fn evenly_thinned(points: &[DVec3], most: usize) -> Vec<usize> {
+    let keep = most.clamp(1, points.len());
+    (0..keep).map(|i| i * points.len() / keep).collect()
+}
+
+/// `side` x `side` unit cubes of different polarization in the plane; their lower faces lie at
+/// z = 0.
+pub fn square_film(side: usize) -> Vec<Tile> {
+    let middle = 0.5 * (side as f64 - 1.0);
+    let tile = |n: usize| {
+        let (x, y) = ((n % side) as f64 - middle, (n / side) as f64 - middle);
+        let j = DVec3::new((0.6 * x).sin(), (0.6 * y).sin(), 0.0).normalize() * 0.12;
+        Tile::new(DVec3::new(x, y, 0.5), DVec3::ONE, j).expect("a valid tile")
+    };
+    (0..side * side).map(tile).collect()
+}
+
+/// Random points 3 to 5 below a [`square_film`], within nine tenths of its half side.
+pub fn points_below(side: usize, count: usize) -> Vec<DVec3> {
+    let mut random = ChaCha8Rng::seed_from_u64(6);
+    let reach = 0.45 * side as f64;
+    let point = |_| {
+        let [x, y] = [0, 1].map(|_| random.random_range(-reach..reach));
+        DVec3::new(x, y, random.random_range(-5.0..-3.0))
+    };
+    (0..count).map(point).collect()
+}

@@ -1,0 +1,26 @@
+//! The field of cuboids against reference tables, an oracle of 130 digits, and physical laws.
+
+/// Derivatives of B by the faces of a tile against the oracle and against gradients.
+mod face_slopes;
+/// B against the reference tables.
+mod golden;
+/// Scenes with every instruction set of the processor against the oracle.
+mod instruction_sets;
+/// Physical laws on chosen scenes: superposition, div B = 0, curl H = 0, the dipole limit.
+mod laws;
+/// B, H and the gradient of one tile against the oracle.
+mod one_tile;
+/// What a plan predicts against the evaluation that follows it.
+mod plan;
+/// The linear map from polarizations to B against scenes.
+mod polarization_map;
+/// Physical laws on random scenes.
+mod properties;
+/// Touching tiles of one polarization against the block they form.
+mod seams;
+/// Independence of the result from threads and batches.
+mod threads;
+/// Tolerances on lists of points.
+mod tree;
+/// Tolerances on grids and in prepared boxes.
+mod within;

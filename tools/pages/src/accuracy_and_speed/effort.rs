@@ -1,0 +1,68 @@
+//! How much is measured for the page, and to which tolerances.
+
+/// Relative tolerances that are measured.
+pub(crate) const TOLERANCES: [f64; 7] = [1e-2, 1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12];
+
+/// Relative tolerance of the growing films.
+pub(crate) const GROWTH_TOLERANCE: f64 = 1e-6;
+
+/// Numbers of points, tiles and runs.
+#[derive(Clone, Copy)]
+pub(crate) struct DialEffort {
+    /// Points along each axis of a grid.
+    pub(crate) grid: [usize; 3],
+    /// Points of a list, and number of look-ups.
+    pub(crate) points: usize,
+    /// Points of the list among the random tiles.
+    pub(crate) heap_points: usize,
+    /// Cells along each side of the cube of random tiles.
+    pub(crate) heap_side: usize,
+    /// Most tile-point pairs of the exact field at a list.
+    pub(crate) exact_pairs: usize,
+    /// Most tile-point pairs of a peer.
+    pub(crate) peer_pairs: usize,
+    /// Least points of a peer.
+    pub(crate) peer_points: usize,
+    /// Most tile-point pairs summed with 130 digits.
+    pub(crate) oracle_pairs: usize,
+    /// Timed runs, which follow one that is not timed.
+    pub(crate) rounds: usize,
+    /// Timed runs in which the peers take part.
+    pub(crate) peer_rounds: usize,
+    /// Random tiles for each distance in the comparison of precisions.
+    pub(crate) single_cases: usize,
+    /// Tiles along a side of each growing film, and its runs.
+    pub(crate) films: &'static [(usize, usize)],
+}
+
+impl DialEffort {
+    pub(crate) const FULL: DialEffort = DialEffort {
+        grid: [81, 81, 41],
+        points: 100_000,
+        heap_points: 20_000,
+        heap_side: 22,
+        exact_pairs: 100_000_000,
+        peer_pairs: 6_000_000,
+        peer_points: 2_000,
+        oracle_pairs: 10_000,
+        rounds: 5,
+        peer_rounds: 3,
+        single_cases: 1_000,
+        films: &[(32, 15), (100, 7), (316, 3), (1000, 1)],
+    };
+
+    pub(crate) const ONCE: DialEffort = DialEffort {
+        grid: [11, 11, 6],
+        points: 300,
+        heap_points: 300,
+        heap_side: 6,
+        exact_pairs: 100_000,
+        peer_pairs: 20_000,
+        peer_points: 20,
+        oracle_pairs: 60,
+        rounds: 1,
+        peer_rounds: 1,
+        single_cases: 20,
+        films: &[(10, 1), (20, 1), (32, 1)],
+    };
+}
