@@ -1,0 +1,29 @@
+//! A film from a layout file, compared with the ideal film, and how well it decouples.
+
+use std::error::Error;
+
+use magsplice::prelude::*;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    // `Layout::read` takes a path instead.
+    let layout = Layout::parse(include_str!("film.toml"), "film.toml")?;
+    let film = Film::new(&layout);
+    println!("{}: {} tiles", layout.name, layout.tiles.len());
+
+    // B on the grid of the working volume.
+    let field_t = film.volume_field_t()?;
+    println!("working volume: {} points", field_t.len());
+
+    // Dai 2024, Eq. 2, is the field of the ideal film.
+    let comparison = film.compare(&field_t)?;
+    println!("RMSE against the ideal film: {:.3} mT", 1e3 * comparison.rmse_t);
+    println!("best-fit amplitude: {:.4} of the ideal film", comparison.amplitude);
+
+    // R_x, R_y and S_z (Eqs. 14 and 15) should each follow one displacement only.
+    let decoupling = film.decouple(&field_t)?;
+    let error = decoupling.uniformity_rmse;
+    println!("uniformity RMSE: R_x {:.4}, R_y {:.4} rad, S_z {:.4}", error.r_x, error.r_y, error.s_z);
+    let error_mm = decoupling.ideal_rmse.as_lengths(film.ideal()?.wavenumber());
+    println!("error of displacement: {:.3}, {:.3}, {:.3} mm", error_mm.x, error_mm.y, error_mm.z);
+    Ok(())
+}
