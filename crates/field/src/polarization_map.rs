@@ -3,13 +3,12 @@
 use std::fmt;
 
 use glam::DVec3;
+use magsplice_magnet::{PointErrors, Quantity, Tile};
 use rayon::prelude::*;
 
-use crate::evaluate::PointErrors;
-use crate::quantity::Quantity;
+use crate::scalar_product::scalar_product;
 use crate::scene::Scene;
-use crate::tile::Tile;
-use crate::tolerances::{CHAINS, POINTS_PER_TASK};
+use crate::tolerances::POINTS_PER_TASK;
 
 /// B at fixed points as a linear function of the polarizations of fixed tiles: made once, then applied to any polarizations, as when strengths and
 /// directions are designed or varied.
@@ -108,7 +107,7 @@ impl PolarizationMap {
         assert_eq!(field.len(), self.points, "one value per point");
         let j: Vec<f64> = polarizations_t.iter().flat_map(DVec3::to_array).collect();
         field.par_iter_mut().enumerate().with_min_len(POINTS_PER_TASK).for_each(|(point, b)| {
-            *b = DVec3::from([0, 1, 2].map(|component| product(self.row(point, component), &j)));
+            *b = DVec3::from([0, 1, 2].map(|component| scalar_product(self.row(point, component), &j)));
         });
     }
 
@@ -126,22 +125,6 @@ impl PolarizationMap {
     pub fn memory_bytes(&self) -> usize {
         self.rows.capacity() * size_of::<f64>()
     }
-}
-
-/// The scalar product, in an order that does not depend on the processor.
-pub(crate) fn product(row: &[f64], j: &[f64]) -> f64 {
-    let mut sums = [0.0; CHAINS];
-    let (rows, rest) = row.as_chunks::<CHAINS>();
-    let (js, rest_j) = j.as_chunks::<CHAINS>();
-    for (row, j) in rows.iter().zip(js) {
-        for chain in 0..CHAINS {
-            sums[chain] += row[chain] * j[chain];
-        }
-    }
-    for (chain, (row, j)) in rest.iter().zip(rest_j).enumerate() {
-        sums[chain] += row * j;
-    }
-    sums.iter().sum()
 }
 
 impl fmt::Display for PolarizationMapError {

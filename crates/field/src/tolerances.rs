@@ -1,49 +1,10 @@
-//! Every tolerance and tuning constant of this crate, with what it trades.
+//! Tolerances and tuning constants of many cuboids, each with what it trades.
 
-/// Beyond this value of tanh the logarithm of an edge is taken from products instead of from `ln_1p`.
-///
-/// Both forms are free of cancellation everywhere the products stay in range; `ln_1p` keeps relative accuracy where the
-/// element is small, the products where it diverges. The switch only has to be away from 0 and 1.
-pub(crate) const ARTANH_TO_PRODUCT: f64 = 0.5;
-
-/// A point closer to a face than this fraction of the smallest size in the scene counts as that far from it, on its own side;
-/// one exactly on the face on the side of +x, +y, +z of the tile's frame: the half-open rule lo <= p < hi.
-///
-/// It vanishes in every sum but those that are the offset itself, and ln(2^-240) = -166 costs hardly a digit where the logarithms of
-/// touching tiles cancel.
-pub(crate) const FACE_NUDGE: f64 = power_of_two(-120);
-
-/// The nudge is never less than this fraction of a tile's own largest size, so that its square stays a normal number.
-/// Seams between tiles that differ by more than 2^200 in size are beyond what is supported.
-pub(crate) const SMALLEST_NUDGE: f64 = power_of_two(-300);
-
-/// A tile whose largest size is below this fraction of the distance adds nothing: its field is below
-/// 2^-1200 of J, and with J at most [`MAX_POLARIZATION_T`] rounds to zero.
-pub(crate) const VANISHING_SIZE: f64 = power_of_two(-400);
-
-/// Faces closer than this many units of round-off of their coordinates are one face. Tiles that reach into each other by no more than
-/// half of it do not overlap: what is not reported as overlap must be joined, so that no sliver has two owners.
-///
-/// `position - size / 2` is two roundings away from the number the user meant, and that may be computed itself.
-pub(crate) const SEAM_ROUNDINGS: f64 = 8.0;
-
-/// The same where a rotation is involved: positions have been through it and back.
-pub(crate) const ROTATED_SEAM_ROUNDINGS: f64 = 32.0;
+use magsplice_cuboid::tolerances::EXACT_BOUND;
 
 /// Along a rotated axis, a point closer to a face than this many units of round-off of its distance from the axis's origin
 /// lies on the face: its coordinate is no better known.
 pub(crate) const POINT_ROUNDINGS: f64 = 4.0;
-
-/// Points are put onto faces only of tiles at least this many times thicker than the round-off of the point.
-pub(crate) const RESOLVED_THICKNESS: f64 = 16.0;
-
-/// Half the distance of neighbouring numbers at 1.
-pub(crate) const UNIT_ROUNDOFF: f64 = 0.5 * f64::EPSILON;
-
-/// Two directions whose components differ by no more than this are one direction.
-///
-/// A quaternion built from an axis and an angle in degrees is off by about four units of round-off.
-pub(crate) const SAME_ROTATION: f64 = 16.0 * f64::EPSILON;
 
 /// Directions are looked up in cells of this width; any width far above `SAME_ROTATION` does.
 pub(crate) const DIRECTION_CELL: f64 = 1e-9;
@@ -56,94 +17,11 @@ pub(crate) const EDGE_CANCELLATION: f64 = 1e-14;
 /// Edges whose unit directions differ by no more than this run together. Far above round-off, far below any angle meant.
 pub(crate) const SAME_RAY: f64 = 1e-9;
 
-/// Largest length (coordinate or size) the kernel accepts. Differences of two such lengths stay finite.
-pub const MAX_LENGTH: f64 = power_of_two(1000);
-
-/// Smallest size the kernel accepts.
-pub const MIN_SIZE: f64 = power_of_two(-900);
-
-/// Smallest ratio of the shortest to the longest side of a tile the kernel accepts, 8e-31. Products of two sides and the
-/// distance stay normal numbers.
-pub const MIN_ASPECT: f64 = power_of_two(-100);
-
-/// Largest magnitude of a component of the polarization, 1.3e30 T.
-pub const MAX_POLARIZATION_T: f64 = power_of_two(100);
-
-/// How far from 1 the norm of a rotation quaternion may be.
-pub const UNIT_NORM_TOLERANCE: f64 = 1e-9;
-
-/// A norm this close to 1 is 1 up to round-off; normalising again would only change the last digit.
-pub(crate) const NORM_ROUNDING: f64 = 2.0 * f64::EPSILON;
-
-/// Edges of two tiles with a smaller sine of their angle count as parallel: their cross product is no direction.
-pub(crate) const PARALLEL_EDGES: f64 = 1e-6;
-
-/// Values whose spread is below this fraction of their mean are one value: it is what rounding their mean leaves.
-pub(crate) const ROUNDED_SPREAD: f64 = 1e-14;
-
-/// The closed form in vectors begins at this fraction of a tile's largest side from it. Nearer to an edge its differences of nearly equal
-/// numbers cost digits like 1 / distance^2.
-pub(crate) const NEAR_FRACTION: f64 = 0.08;
-
-/// Nearer, and inside, terms are added up in vectors, of tiles whose smallest side is at least this fraction of the largest: then no column of the
-/// tensor is so small there that round-off of the terms would matter.
-pub(crate) const BESIDE_ASPECT: f64 = 0.1;
-
-/// That needs points at least this fraction of the largest side off the planes of all faces: products of eight such lengths stay normal numbers.
-pub(crate) const LEAST_OFFSET: f64 = power_of_two(-40);
-
-/// The closed form in vectors ends this many second largest sides from the tile's middle: its error grows with that ratio.
-pub(crate) const MIDDLE_REACH: f64 = 15.0;
-
-/// It does not serve tiles whose largest side is more than this many times the second: what they lose is at least that ratio.
-pub(crate) const LONGEST_NEEDLE: f64 = 10.0;
-
-/// Orders of the multipole series in (half diagonal / distance)^2, and the distance in half diagonals from which each is enough, nearer ones
-/// first. What is left out after order n is at most (n + 2) / distance^(2n + 2) of the field, which for a needle is below 3e-15 from here on, for
-/// compact tiles far less.
-pub(crate) const MULTIPOLE_ORDERS: [(usize, f64); 5] = [(8, 7.3), (6, 13.0), (5, 20.0), (4, 34.0), (3, 90.0)];
-
-/// The highest of them.
-pub(crate) const HIGHEST_ORDER: usize = 8;
-
-/// What the orders of a series that are in single precision may be off by, together and in the worst case, as a fraction of the field: with what is left out
-/// less than half of [`EXACT_BOUND`]. It counts multiply-adds as one rounding; instructions without them have half as many again.
-pub(crate) const SINGLE_PRECISION_BOUND: f64 = 5e-15;
-
-/// No lower order ever is: where the third is the last, it is 2e-12 of the field, but the second 1e-8.
-pub(crate) const LEAST_SINGLE_ORDER: usize = 3;
-
-/// Degrees of the expansion of tiles together, and the distance in radii of the sphere around them from which each is enough, nearer ones first. A dipole in
-/// the sphere has a field of at least 1 / (d + 1)^3 there; of it what is left out after degree p is at most the sum over l > p of
-/// 2 (l + 1/2)^2 / d^(l - 1) (1 + 1 / d)^3, which is below 5e-15 for each of these.
-pub(crate) const EXPANSION_DEGREES: [(usize, f64); 6] =
-    [(39, NEAREST_EXPANSION), (30, 4.0), (23, 6.0), (18, 10.0), (14, 20.0), (10, 60.0)];
-
-/// The highest of them: 40 kB for the tiles of a cluster.
-pub(crate) const HIGHEST_DEGREE: usize = 39;
-
-/// Nearer the degrees rise so fast that tiles one by one cost less.
-pub(crate) const NEAREST_EXPANSION: f64 = 3.0;
-
-/// What the closed form takes for a tile of a cluster, in multiply-adds of vectors: measured on the published film. It only decides which form
-/// is taken where several would do.
-pub(crate) const CLOSED_FORM_COST: f64 = 215.0;
-
-/// The same for a tile by itself.
-pub(crate) const ALONE_COST: f64 = 690.0;
-
 /// What an expansion of degree p takes for (p + 2) (p + 3), in the same unit: six sums and three operations for the recurrence, of half as many terms.
 pub(crate) const NODE_COST: f64 = 4.5;
 
 /// The same of a flat film: half of the sums.
 pub(crate) const FLAT_NODE_COST: f64 = 3.0;
-
-/// The highest degree of the field around a batch of points to which nodes are translated. What a translation takes grows with its third power, and higher
-/// ones serve hardly more nodes: those nearer are so near that their own degree is high.
-pub(crate) const HIGHEST_LOCAL_DEGREE: usize = 24;
-
-/// Of the points of a batch so many neighbours share the degree of a node's expansion: what two of the longest vectors hold.
-pub(crate) const POINTS_PER_DEGREE: usize = 16;
 
 /// What a translation leaves out, as a fraction of what its node's own expansion may. The more, the lower the degree around the middle, but the less is left for all others:
 /// between 0.1 and this, times differ by about 1 %.
@@ -173,8 +51,10 @@ pub(crate) const POINTS_TOGETHER: usize = 1 << 22;
 
 /// The box around a list of fewer points is not expanded to look them up,
 pub(crate) const LOOKED_UP_POINTS: usize = 20_000;
+
 /// nor if there are fewer tiles, which exactly take no longer than to look a point up,
 pub(crate) const LOOKED_UP_TILES: usize = 24;
+
 /// nor by more exact values than one for so many points.
 pub(crate) const POINTS_PER_FITTED_NODE: usize = 4;
 
@@ -191,16 +71,6 @@ pub(crate) const ROUNDS_TO_SHARE: usize = 64;
 /// Of these the points that parts of a tree are assigned to together: more share the choice, fewer lie closer together, leave more of the tiles far away, and
 /// need lower degrees of expansions.
 pub(crate) const ASSIGNED_POINTS: usize = 128;
-
-/// So many neighbours, several parts to which the rest is assigned, have the nodes far from all of them translated to their common middle. From 256 to 1024 times hardly
-/// differ: the more share a translation, the fewer nodes are far enough.
-pub(crate) const FAR_POINTS: usize = 512;
-
-/// What such a node may leave out, of what one of the first part may: at the parts after it the field may be weaker.
-pub(crate) const FAR_SHARE: f64 = 0.7;
-
-/// A node is not asked for what is far if all of it is nearer to the middle than so many times the farthest of the points: no degree would do.
-pub(crate) const LEAST_FAR_REACHES: f64 = 1.5;
 
 /// One of so many points may have a field too weak for what is left out, and is served again. Each of these takes as long as five others; to halve their
 /// number takes 3 % more for all.
@@ -220,6 +90,7 @@ pub(crate) const USED_SHARE: f64 = 0.5;
 
 /// What is left out at the next points may be so many times the mean over those before,
 pub(crate) const LEFT_OUT_OVER_MEAN: f64 = 1.6;
+
 /// and so many times what each node may leave out more.
 pub(crate) const LEAST_SHARES: f64 = 2.0;
 
@@ -247,27 +118,8 @@ pub(crate) const STRETCH: f64 = 2.0;
 /// The error of what a tree leaves to the exact field, as [`EXACT_BOUND`].
 pub(crate) const STRETCHED_BOUND: f64 = STRETCH * EXACT_BOUND;
 
-/// The series ends at this square of the distance in sizes, so that no power of the distance overflows; the kernel of one point goes on.
-pub(crate) const FARTHEST: f64 = power_of_two(200);
-
-/// A tile whose volume is at most this fraction of the cubed distance has no element with half of 4 pi T beyond it: |T| is at most the integral of
-/// dV / 2 pi r^3. Series in it then need no reduction.
-pub(crate) const SMALL_ANGLE: f64 = 0.2;
-
-/// The distance from its centre from which a tile's elements are small is found to this many halvings of its half diagonal.
-pub(crate) const RADIUS_BISECTIONS: usize = 7;
-
-/// Whether one form serves all points of a box is decided with this relative margin, far above the round-off in the decision for a point.
-pub(crate) const FORM_MARGIN: f64 = 1e-9;
-
-/// The same of groups of tiles together, to a tolerance: three terms of the series do, to a third of [`EXACT_BOUND`], and on films points are rarely nearer.
-pub(crate) const SMALLER_ANGLE: f64 = 0.04;
-
 /// Then four groups of at most so many tiles share a division: products of 12 lengths for each, between 1 / [`PRODUCT_RANGE`] and this, stay in range.
 pub(crate) const SMALL_GROUP: usize = 4;
-
-/// T_ii is taken from the faces across i itself if the tile is at least this fraction of its second side thick there, else from the trace.
-pub(crate) const DIRECT_DIAGONAL: f64 = 0.5;
 
 /// Tiles whose terms are multiplied before one logarithm or arctangent is taken. More share it among more, but their total angle must stay
 /// below half a turn, which keeps points away from them.
@@ -300,8 +152,10 @@ pub(crate) const ITEMS_EXPANDED: usize = 8;
 
 /// Lengths of those tables; powers of two. Tiles that need longer ones are divided further.
 pub(crate) const MOST_CORNERS: usize = 512;
+
 /// See [`MOST_CORNERS`].
 pub(crate) const MOST_PLANES: usize = 128;
+
 /// See [`MOST_CORNERS`].
 pub(crate) const MOST_GROUPS: usize = 256;
 
@@ -335,17 +189,9 @@ pub(crate) const REGROUPED_POINTS: usize = 16_384;
 /// Batches for each thread, where there are points enough: the more, the more evenly they are shared out.
 pub(crate) const BATCHES_PER_THREAD: usize = 8;
 
-/// The error of the exact field, as a fraction of the sum over tiles of the fields that the components of J make alone: what
-/// [`Scene`](crate::Scene) promises.
-pub(crate) const EXACT_BOUND: f64 = 2e-14;
-
 /// From so many half diagonals on the field of a tile counts as that of dipoles on their axis, as near as its nearest point: at most 2 (1 + 1 / 4)^3 = 4 times too
 /// large.
 pub(crate) const DIPOLE_DISTANCE: f64 = 4.0;
-
-/// The largest field of a tile over its J, each component: |T_ij| grows by ln(2) / 2 pi each time a point comes closer to an edge by half, and no face is
-/// closer than [`FACE_NUDGE`] squared.
-pub(crate) const LARGEST_FIELD_OVER_J: f64 = 30.0;
 
 /// Points that one thread takes at a time when a [`PolarizationMap`](crate::PolarizationMap) is applied: to share them out costs less than they do.
 pub(crate) const POINTS_PER_TASK: usize = 64;
@@ -373,6 +219,7 @@ pub(crate) const SHARE_OF_AXIS: f64 = 0.25;
 
 /// Coefficients are not assumed to fall faster than by this from one to the next, whatever the last ones do,
 pub(crate) const LEAST_DECAY: f64 = 0.1;
+
 /// nor is a tail summed that falls more slowly than this.
 pub(crate) const MOST_DECAY: f64 = 0.95;
 
@@ -400,7 +247,3 @@ pub(crate) const MOST_FITTED_NODES: usize = 200_000;
 
 /// Points sorted by cell together, at least and at most: the more, the more share a cell's coefficients.
 pub(crate) const LOOKED_UP_TOGETHER: [usize; 2] = [1 << 10, 1 << 16];
-
-const fn power_of_two(exponent: i64) -> f64 {
-    f64::from_bits(((1023 + exponent) as u64) << 52)
-}

@@ -1,0 +1,204 @@
+//! The elements of a tile's tensor from where a point lies to its planes and corners (docs/physics.md, section 2.6).
+
+use magsplice_simd::functions::Functions;
+use magsplice_simd::lanes::Number;
+
+use super::terms::{AA, AB, AC, BB, BC, CC};
+
+/// Where points lie relative to a tile, in its scale.
+#[derive(Clone, Copy)]
+pub struct Place<N> {
+    /// Offset and square, by plane: low and high along a, b, c.
+    pub planes: [[[N; 2]; 2]; 3],
+    /// Distances from the corners, bits 2, 1, 0: low or high along a, b, c.
+    pub distances: [N; 8],
+}
+
+impl<N: Number> Place<N> {
+    /// Numerator and denominator of the hyperbolic or circular tangent of half of 4 pi T, one element. `factors` and `squares` as in
+    /// [`Terms`](super::terms::Terms).
+    #[inline(always)]
+    pub fn ratio<const ELEMENT: usize>(&self, factors: &[f64; 6], squares: &[f64; 3]) -> [N; 2] {
+        let (r, [[a0, a1], [b0, b1], [c0, c1]]) = (&self.distances, self.planes);
+        let factor = factors[ELEMENT];
+        // Sums over the ends of edges along an axis, bits low or high along the other two.
+        let along_a = [r[0] + r[4], r[1] + r[5], r[2] + r[6], r[3] + r[7]];
+        let along_b = [r[0] + r[2], r[1] + r[3], r[4] + r[6], r[5] + r[7]];
+        let along_c = [r[0] + r[1], r[2] + r[3], r[4] + r[5], r[6] + r[7]];
+        match ELEMENT {
+            AB => {
+                let step = (b0[0] + b1[0]) * factor;
+                let low = edge_pair([along_b[0], along_b[1]], [along_c[0], along_c[1]], squares[2]);
+                let high = edge_pair([along_b[2], along_b[3]], [along_c[2], along_c[3]], squares[2]);
+                ratio_of_edges(step, low, high)
+            }
+            AC => {
+                let step = (c0[0] + c1[0]) * factor;
+                let low = edge_pair([along_c[0], along_c[1]], [along_b[0], along_b[1]], squares[1]);
+                let high = edge_pair([along_c[2], along_c[3]], [along_b[2], along_b[3]], squares[1]);
+                ratio_of_edges(step, low, high)
+            }
+            BC => {
+                let step = (c0[0] + c1[0]) * factor;
+                let low = edge_pair([along_c[0], along_c[2]], [along_a[0], along_a[1]], squares[0]);
+                let high = edge_pair([along_c[1], along_c[3]], [along_a[2], along_a[3]], squares[0]);
+                ratio_of_edges(step, low, high)
+            }
+            AA => {
+                let across = across(b0, b1, c0, c1);
+                let low = face([r[0], r[1], r[2], r[3]], a0, across, factor);
+                let high = face([r[4], r[5], r[6], r[7]], a1, across, factor);
+                angle_of_faces(low, high)
+            }
+            BB => {
+                let across = across(c0, c1, a0, a1);
+                let low = face([r[0], r[4], r[1], r[5]], b0, across, factor);
+                let high = face([r[2], r[6], r[3], r[7]], b1, across, factor);
+                angle_of_faces(low, high)
+            }
+            CC => {
+                let across = across(a0, a1, b0, b1);
+                let low = face([r[0], r[2], r[4], r[6]], c0, across, factor);
+                let high = face([r[1], r[3], r[5], r[7]], c1, across, factor);
+                angle_of_faces(low, high)
+            }
+            _ => unreachable!("there are six elements"),
+        }
+    }
+}
+
+/// Numerator and denominator of tanh(2 pi T_ij) of a tile, from the edges on its low and its high side along j (Eq. P18).
+#[inline(always)]
+fn ratio_of_edges<N: Number>(step: N, (p_low, e_low): (N, N), (p_high, e_high): (N, N)) -> [N; 2] {
+    let (low, high) = (step * p_low, step * p_high);
+    [high.mul_sub(e_low, low * e_high), e_low.mul_sub(e_high, low * high)]
+}
+
+/// Numerator and denominator of tan(2 pi T_ii) of a tile: the angle of the high face less that of the low one (Eq. P19).
+#[inline(always)]
+fn angle_of_faces<N: Number>((re_low, im_low): (N, N), (re_high, im_high): (N, N)) -> [N; 2] {
+    [re_low.mul_sub(im_high, im_low * re_high), re_low.mul_add(re_high, im_low * im_high)]
+}
+
+/// P and E of Eq. P18 of the two edges on one side along j, from the sums across i at both ends and along k at both sides.
+#[inline(always)]
+fn edge_pair<N: Number>(across: [N; 2], along: [N; 2], length_squared: f64) -> (N, N) {
+    (across[0] + across[1], (across[0] * across[1]) * along[0].mul_sub_constant(along[1], length_squared))
+}
+
+/// Products of the vectors to the corners of a face, without the square of its distance: 00.11, then 00.01 and 01.11, then 00.10 and 10.11.
+/// Planes as offset and square.
+#[inline(always)]
+fn across<N: Number>(y0: [N; 2], y1: [N; 2], z0: [N; 2], z1: [N; 2]) -> [N; 5] {
+    let (yy, zz) = (y0[0] * y1[0], z0[0] * z1[0]);
+    [yy + zz, y0[1] + zz, yy + z1[1], yy + z0[1], y1[1] + zz]
+}
+
+/// A complex number whose angle is half the solid angle of a face: the product of those of its two triangles (Eq. P19).
+#[inline(always)]
+fn face<N: Number>([r00, r01, r10, r11]: [N; 4], [offset, square]: [N; 2], across: [N; 5], area: f64) -> (N, N) {
+    let diagonal = r00.mul_add(r11, square + across[0]);
+    let common = square * (r00 + r11);
+    let a = r01.mul_add(diagonal, across[1].mul_add(r11, across[2].mul_add(r00, common)));
+    let b = r10.mul_add(diagonal, across[3].mul_add(r11, across[4].mul_add(r00, common)));
+    let n = offset * area;
+    (a.mul_sub(b, n * n), n * (a + b))
+}
+
+/// What the wanted elements add to mu0 H.
+#[inline(always)]
+pub fn add_elements<N: Functions>(
+    simd: N::Instructions,
+    wanted: [bool; 6],
+    ratios: &[[N; 2]; 6],
+    coefficients: &[[f64; 3]; 6],
+    sum: &mut [N; 3],
+) {
+    for (element, &[n, m]) in ratios.iter().enumerate() {
+        if wanted[element] {
+            let reduced = if element < AA { N::artanh_of_ratio(simd, n, m) } else { N::angle(simd, m, n) };
+            add(sum, reduced.divided(simd), &coefficients[element]);
+        }
+    }
+}
+
+/// One over the product of the denominators of the wanted elements.
+#[inline(always)]
+pub fn common_inverse<N: Functions>(simd: N::Instructions, wanted: [bool; 6], ratios: &[[N; 2]; 6]) -> N {
+    let mut product = N::splat(simd, 1.0);
+    for (element, &[_, m]) in ratios.iter().enumerate() {
+        if wanted[element] {
+            product = product * m;
+        }
+    }
+    N::splat(simd, 1.0).over(product)
+}
+
+/// What the wanted elements add to mu0 H where `series` serves each of them.
+#[inline(always)]
+pub fn add_small_elements<N: Functions>(
+    simd: N::Instructions,
+    wanted: [bool; 6],
+    ratios: &[[N; 2]; 6],
+    mut inverse: N,
+    series: impl Fn(N::Instructions, N, bool) -> N,
+    coefficients: &[[f64; 3]; 6],
+    sum: &mut [N; 3],
+) {
+    let one = N::splat(simd, 1.0);
+    let mut products = [one; 6];
+    let mut product = one;
+    for (element, &[_, m]) in ratios.iter().enumerate() {
+        products[element] = product;
+        if wanted[element] {
+            product = product * m;
+        }
+    }
+    for element in (0..6).rev() {
+        if wanted[element] {
+            let [n, m] = ratios[element];
+            let s = n * (inverse * products[element]);
+            inverse = inverse * m;
+            add(sum, series(simd, s, element >= AA), &coefficients[element]);
+        }
+    }
+}
+
+/// What the elements but the last add to mu0 H where `series` serves each of them. What does not wait for the division is multiplied before.
+#[inline(always)]
+pub fn add_five_small_elements<N: Functions>(
+    simd: N::Instructions,
+    [[n_ab, m_ab], [n_ac, m_ac], [n_bc, m_bc], [n_aa, m_aa], [n_bb, m_bb]]: [[N; 2]; 5],
+    series: impl Fn(N::Instructions, N, bool) -> N,
+    coefficients: &[[f64; 3]; 6],
+    axes: [usize; 3],
+    sum: &mut [N; 3],
+) {
+    let (first, second) = (m_ab * m_ac, m_bc * m_aa);
+    let four = first * second;
+    let inverse = N::splat(simd, 1.0).over(four * m_bb);
+    let (of_first, of_second) = (inverse * (m_bb * second), inverse * (m_bb * first));
+    let ratios = [
+        of_first * (n_ab * m_ac),
+        of_first * (n_ac * m_ab),
+        of_second * (n_bc * m_aa),
+        of_second * (n_aa * m_bc),
+        inverse * (n_bb * four),
+    ];
+    let [ab, ac, bc, aa, bb] = ratios;
+    let (ab, ac, bc) = (series(simd, ab, false), series(simd, ac, false), series(simd, bc, false));
+    let (aa, bb) = (series(simd, aa, true), series(simd, bb, true));
+    let [a, b, c] = axes;
+    let of = |element: usize, axis: usize| coefficients[element][axis];
+    sum[a] = sum[a] + aa.scale_add(of(AA, a), ac.scale_add(of(AC, a), ab * of(AB, a)));
+    sum[b] = sum[b] + bb.scale_add(of(BB, b), bc.scale_add(of(BC, b), ab * of(AB, b)));
+    let from_trace = bb.scale_add(of(BB, c), aa * of(AA, c));
+    sum[c] = sum[c] + bc.scale_add(of(BC, c), ac.scale_add(of(AC, c), from_trace));
+}
+
+#[inline(always)]
+pub fn add<N: Functions>(sum: &mut [N; 3], half: N, coefficient: &[f64; 3]) {
+    for (sum, coefficient) in sum.iter_mut().zip(coefficient) {
+        *sum = half.scale_add(*coefficient, *sum);
+    }
+}

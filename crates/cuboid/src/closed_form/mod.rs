@@ -1,0 +1,10 @@
+//! The closed form in vectors (docs/physics.md, section 2.6).
+
+/// The six elements of the demagnetizing tensor from distances and offsets.
+pub mod elements;
+/// Points inside a compact cuboid and close to its edges.
+pub mod near_edge;
+/// One cuboid on its own.
+pub mod single_tile;
+/// The elements that a polarization needs, with their coefficients.
+pub mod terms;

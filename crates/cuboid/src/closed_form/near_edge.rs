@@ -1,0 +1,182 @@
+//! In a tile and beside it, in the lanes of a vector (docs/physics.md, section 2.6).
+//!
+//! What the closed form of [`single_tile`](super::single_tile) loses near an edge, this does not: each edge and each corner has its own term, of numbers without
+//! cancellation. The terms are added up, so that what is right to round-off is the largest of them: enough here, where in a tile that is no plate and no
+//! needle each column of the tensor is nearly as large, and nowhere else.
+
+use std::f64::consts::PI;
+
+use fearless_simd::prelude::*;
+use magsplice_simd::functions::{angle, half_logarithm_of_ratio};
+use magsplice_simd::lanes::{Lanes, Number};
+use magsplice_simd::power_of_two::power_of_two_reciprocal;
+
+use crate::block::{Block, LocalPoint};
+use crate::scalar::kernel::FieldKind;
+use crate::tolerances::{BESIDE_ASPECT, LEAST_OFFSET, NEAR_FRACTION};
+use magsplice_simd::compensated_sum::TwoSum;
+
+/// A tile for points in it and beside it.
+pub struct NearEdge {
+    faces: [[TwoSum; 2]; 3],
+    /// Points nearer to the plane of a face are left to the kernel of one point.
+    least_offset: f64,
+    /// Points farther away along an axis, too.
+    reach: f64,
+    scale: f64,
+    /// Scaled.
+    size: [f64; 3],
+    polarization_t: [f64; 3],
+    part: FieldKind,
+}
+
+impl NearEdge {
+    /// `None` for plates and needles.
+    pub fn new(block: &Block, part: FieldKind) -> Option<NearEdge> {
+        let [x, y, z] = block.size;
+        let (largest, smallest) = (x.max(y).max(z), x.min(y).min(z));
+        let scale = power_of_two_reciprocal(largest);
+        (smallest >= BESIDE_ASPECT * largest).then(|| NearEdge {
+            faces: block.faces,
+            least_offset: LEAST_OFFSET * largest,
+            reach: NEAR_FRACTION * largest,
+            scale,
+            size: block.size.map(|size| size * scale),
+            polarization_t: block.polarization_t.to_array(),
+            part,
+        })
+    }
+
+    /// Whether a point is beside the tile or in it, but clearly off the planes of all faces.
+    pub fn serves(&self, point: &LocalPoint) -> bool {
+        let gap = |axis: usize| {
+            let ([low, high], at) = (self.faces[axis], point.coordinates[axis]);
+            (low.hi - at).max(at - high.hi).max(0.0)
+        };
+        let is_near = gap(0).max(gap(1)).max(gap(2)) <= self.reach;
+        is_near
+            && (0..3).all(|axis| {
+                let least = self.least_offset.max(point.roundoff[axis]);
+                self.faces[axis].iter().all(|face| ((point.coordinates[axis] - face.hi) - face.lo).abs() > least)
+            })
+    }
+
+    /// B or mu0 H of the tile, in its frame, at points given by axis in whole vectors.
+    #[inline(never)]
+    pub fn fields<S: Simd>(&self, simd: S, [x, y, z]: [&[f64]; 3], [fx, fy, fz]: [&mut [f64]; 3]) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for start in (0..x.len()).step_by(Lanes::<S>::LEN) {
+                    let lanes = start..start + Lanes::<S>::LEN;
+                    let point = [
+                        Lanes::load(simd, &x[lanes.clone()]),
+                        Lanes::load(simd, &y[lanes.clone()]),
+                        Lanes::load(simd, &z[lanes.clone()]),
+                    ];
+                    let field = self.field(simd, point);
+                    field[0].store(&mut fx[lanes.clone()]);
+                    field[1].store(&mut fy[lanes.clone()]);
+                    field[2].store(&mut fz[lanes]);
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn field<S: Simd>(&self, simd: S, point: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+        let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+        let mut offsets = [[zero; 2]; 3];
+        let mut inside = one;
+        for ((offsets, coordinate), faces) in offsets.iter_mut().zip(point).zip(&self.faces) {
+            for (offset, face) in offsets.iter_mut().zip(faces) {
+                *offset = ((coordinate - face.hi) - face.lo) * self.scale;
+            }
+            inside = inside * offsets[0].at_least(simd, 0.0) * offsets[1].at_most(simd, 0.0);
+        }
+        let mut distances = [zero; 8];
+        for (corner, distance) in distances.iter_mut().enumerate() {
+            let [x, y, z] = [offsets[0][corner & 1], offsets[1][corner >> 1 & 1], offsets[2][corner >> 2]];
+            *distance = x.mul_add(x, y.mul_add(y, z * z)).root(simd);
+        }
+        let mut field = [zero; 3];
+        for edges in 0..3 {
+            let (i, j) = ((edges + 1) % 3, (edges + 2) % 3);
+            let (ji, jj) = (self.polarization_t[i], self.polarization_t[j]);
+            if ji != 0.0 || jj != 0.0 {
+                let half = half_of_edges(simd, &offsets, &distances, [i, j, edges], self.size[edges]);
+                field[i] = half.scale_add(jj / (2.0 * PI), field[i]);
+                field[j] = half.scale_add(ji / (2.0 * PI), field[j]);
+            }
+        }
+        for (axis, (component, &j)) in field.iter_mut().zip(&self.polarization_t).enumerate() {
+            if j != 0.0 {
+                let angles = angles_of_faces(simd, &offsets, &distances, axis);
+                *component = angles.scale_add(-j / (4.0 * PI), *component);
+                if self.part == FieldKind::Density {
+                    *component = inside.scale_add(j, *component);
+                }
+            }
+        }
+        field
+    }
+}
+
+/// The distance from the corner on these sides along axes i, j, k.
+#[inline(always)]
+fn at<S: Simd>(distances: &[Lanes<S>; 8], [i, j, k]: [usize; 3], [bi, bj, bk]: [usize; 3]) -> Lanes<S> {
+    distances[bi << i | bj << j | bk << k]
+}
+
+/// 2 pi T_ij from the four edges along k, each as ln((S + l) / (S - l)) (Eq. P4), S - l by Eq. P7 without its divisions.
+#[inline(always)]
+fn half_of_edges<S: Simd>(
+    simd: S,
+    offsets: &[[Lanes<S>; 2]; 3],
+    distances: &[Lanes<S>; 8],
+    axes: [usize; 3],
+    length: f64,
+) -> Lanes<S> {
+    let (one, length) = (Lanes::<S>::splat(simd, 1.0), Lanes::<S>::splat(simd, length));
+    let [i, j, k] = axes;
+    let [low, high] = offsets[k];
+    let beyond = (low * high).at_least(simd, 0.0);
+    let (low, high) = (low.abs(), high.abs());
+    let overhang = low.min(high) * beyond * 2.0;
+    let mut products = [one; 2];
+    for bi in 0..2 {
+        for bj in 0..2 {
+            let (first, second) = (at(distances, axes, [bi, bj, 0]), at(distances, axes, [bi, bj, 1]));
+            let (a, b) = (first + low, second + high);
+            let (x, y) = (offsets[i][bi], offsets[j][bj]);
+            let product = a * b;
+            let minus = x.mul_add(x, y * y).mul_add(a + b, overhang * product);
+            let plus = (first + second + length) * product;
+            let own = bi ^ bj;
+            products[own] = products[own] * plus;
+            products[1 - own] = products[1 - own] * minus;
+        }
+    }
+    half_logarithm_of_ratio(simd, products[0], products[1])
+}
+
+/// The solid angle of the lower face across an axis less that of the upper one, each positive for points above it: sums of arctangents of
+/// y z / (x R), two of which are one angle.
+#[inline(always)]
+fn angles_of_faces<S: Simd>(simd: S, offsets: &[[Lanes<S>; 2]; 3], distances: &[Lanes<S>; 8], axis: usize) -> Lanes<S> {
+    let axes = [axis, (axis + 1) % 3, (axis + 2) % 3];
+    let [_, j, k] = axes;
+    let mut faces = [Lanes::<S>::splat(simd, 0.0); 2];
+    for (side, face) in faces.iter_mut().enumerate() {
+        let x = offsets[axis][side];
+        let (height, sign) = (x.abs(), x.sign(simd));
+        for bj in 0..2 {
+            let y = sign * offsets[j][bj];
+            let (re, re_2) = (height * at(distances, axes, [side, bj, 0]), height * at(distances, axes, [side, bj, 1]));
+            let (im, im_2) = (y * offsets[k][0], y * offsets[k][1]);
+            let pair = angle(simd, re.mul_add(re_2, im * im_2), im.mul_sub(re_2, re * im_2));
+            *face = if bj == 0 { pair } else { *face - pair };
+        }
+    }
+    faces[0] - faces[1]
+}

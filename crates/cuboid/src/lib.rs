@@ -1,0 +1,38 @@
+//! The field of one uniformly magnetized cuboid.
+//!
+//! * [`scalar`]: the reference kernel, exact at every point.
+//! * [`closed_form`]: the closed form for many points, in vectors.
+//! * [`series`]: the multipole series far away.
+//! * [`method`]: which of these is used at which distance, and why.
+//! * [`FaceDerivatives`]: derivatives of B with respect to the positions of the faces.
+//!
+//! # Units
+//! Lengths are in any one unit, polarization and mu0 H in tesla.
+
+#![allow(missing_docs)]
+
+/// A cuboid prepared in its frame, and the position of a point relative to it.
+pub mod block;
+/// The closed form in vectors.
+pub mod closed_form;
+/// One cuboid at points that share a method.
+pub mod evaluator;
+/// Derivatives of B with respect to the positions of the faces.
+mod face_derivatives;
+/// A bound of the field without computing it.
+pub mod field_bound;
+/// Which method is used at which distance.
+pub mod method;
+/// The reference kernel at one point.
+pub mod scalar;
+/// The multipole series.
+pub mod series;
+/// Lengths of a cuboid that decide between methods.
+pub mod shape;
+/// Tolerances and tuning constants.
+pub mod tolerances;
+
+pub use face_derivatives::FaceDerivatives;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,255 @@
+//! The coefficients of a cuboid's multipole series (docs/physics.md, section 2.7).
+
+use std::sync::LazyLock;
+
+use crate::tolerances::{HIGHEST_ORDER, LEAST_SINGLE_ORDER, MULTIPOLE_ORDERS, SINGLE_PRECISION_BOUND};
+
+/// A_x, A_y, P_xy, P_xz and P_yz (Eq. P39).
+pub const POLYNOMIALS: usize = 5;
+
+/// The series of one shape: polynomials in sigma = (half diagonal / r)^2, whose coefficients are polynomials in u - 1/3 and v - 1/3,
+/// u = x^2/r^2 and v = y^2/r^2.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Order after order of sigma, as [`place`] has them.
+    doubles: [[f64; POLYNOMIALS]; start(HIGHEST_ORDER + 1)],
+    /// The same from [`LEAST_SINGLE_ORDER`] on, rounded.
+    singles: [[f32; POLYNOMIALS]; start(HIGHEST_ORDER + 1) - start(LEAST_SINGLE_ORDER)],
+    /// From which of its orders on a series that ends with an order is in single precision.
+    first_single: [usize; HIGHEST_ORDER + 1],
+}
+
+/// The middle of what u and v may be, where u + v <= 1: powers of what they are off it cancel least.
+pub const THIRD: f64 = 1.0 / 3.0;
+
+/// Where the coefficients of an order begin.
+const fn start(order: usize) -> usize {
+    order * (order + 1) * (order + 2) / 6
+}
+
+/// Where u^a v^b is among the coefficients of an order: as Horner's scheme needs them, row after row of equal b, the highest powers first.
+const fn place(order: usize, a: usize, b: usize) -> usize {
+    let row = order - b;
+    row * (row + 1) / 2 + row - a
+}
+
+impl Series {
+    /// For a cuboid of these side lengths, to this order.
+    pub fn new(size: [f64; 3], highest: usize) -> Series {
+        let largest = size.iter().copied().fold(0.0, f64::max);
+        let squares = size.map(|s| (s / largest) * (s / largest));
+        let total: f64 = squares.iter().sum();
+        let share = squares.map(|s| s / total);
+        let mut series = Series {
+            doubles: [[0.0; POLYNOMIALS]; start(HIGHEST_ORDER + 1)],
+            singles: [[0.0; POLYNOMIALS]; start(HIGHEST_ORDER + 1) - start(LEAST_SINGLE_ORDER)],
+            first_single: [0; HIGHEST_ORDER + 1],
+        };
+        for (order, moments) in MOMENTS.iter().enumerate().take(highest + 1) {
+            for moment in &**moments {
+                let weight: f64 = (0..3).map(|axis| share[axis].powi(moment.powers[axis] as i32)).product();
+                let sums = &mut series.doubles[start(order)..start(order + 1)];
+                for (sums, coefficients) in sums.iter_mut().zip(&moment.coefficients) {
+                    for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
+                        *sum += weight * coefficient;
+                    }
+                }
+            }
+        }
+        for (single, double) in series.singles.iter_mut().zip(&series.doubles[start(LEAST_SINGLE_ORDER)..]) {
+            *single = double.map(|coefficient| coefficient as f32);
+        }
+        for (order, half_diagonals) in MULTIPOLE_ORDERS.into_iter().filter(|(order, _)| *order <= highest) {
+            series.first_single[order] = series.first_single(order, half_diagonals);
+        }
+        series
+    }
+
+    /// The first order that may be in single precision with all later ones up to `last`, so many half diagonals away.
+    fn first_single(&self, last: usize, half_diagonals: f64) -> usize {
+        let mut first = last + 1;
+        let mut bound = 0.0;
+        while first > LEAST_SINGLE_ORDER {
+            bound += self.rounding(first - 1) * half_diagonals.powi(-2 * (first as i32 - 1));
+            if bound > SINGLE_PRECISION_BOUND {
+                break;
+            }
+            first -= 1;
+        }
+        first
+    }
+
+    /// The most that single precision makes of an order, of a dipole's least field, if multiply-adds are fused; without that half as much again.
+    fn rounding(&self, order: usize) -> f64 {
+        // A monomial has u or v, each rounded, for each of its degrees and a sum for each, and the coefficient and the last sum.
+        let roundings = (2 * order + 3) as f64;
+        let coefficients = &self.doubles[start(order)..start(order + 1)];
+        let mut magnitudes = [0.0; POLYNOMIALS];
+        for b in 0..=order {
+            for a in 0..=order - b {
+                let largest = largest_monomial(a, b);
+                for (magnitude, coefficient) in magnitudes.iter_mut().zip(coefficients[place(order, a, b)]) {
+                    *magnitude += coefficient.abs() * largest;
+                }
+            }
+        }
+        0.5 * f64::from(f32::EPSILON) * roundings * magnitudes.into_iter().fold(0.0, f64::max)
+    }
+
+    /// From which of its orders on a series that ends with `last` is in single precision; `last + 1` if none is.
+    #[inline(always)]
+    pub fn first_single_of(&self, last: usize) -> usize {
+        self.first_single[last]
+    }
+
+    /// One order's coefficients.
+    #[inline(always)]
+    pub fn doubles<const ORDER: usize>(&self) -> &[[f64; POLYNOMIALS]] {
+        &self.doubles[start(ORDER)..start(ORDER + 1)]
+    }
+
+    /// See [`Series::doubles`].
+    #[inline(always)]
+    pub fn singles<const ORDER: usize>(&self) -> &[[f32; POLYNOMIALS]] {
+        let before = start(LEAST_SINGLE_ORDER);
+        &self.singles[start(ORDER) - before..start(ORDER + 1) - before]
+    }
+}
+
+/// The most that |u - 1/3|^a |v - 1/3|^b may be: neither is above 2/3, nor their sum above 1.
+fn largest_monomial(a: usize, b: usize) -> f64 {
+    if a + b == 0 {
+        return 1.0;
+    }
+    let share = (a as f64 / (a + b) as f64).clamp(THIRD, 2.0 * THIRD);
+    share.powi(a as i32) * (1.0 - share).powi(b as i32)
+}
+
+/// One moment <x^2a y^2b z^2c> and the polynomials of the derivatives of 1/r it comes with.
+struct Moment {
+    powers: [usize; 3],
+    /// As [`place`] has them.
+    coefficients: Vec<[f64; POLYNOMIALS]>,
+}
+
+/// By order a + b + c; the highest ones are rarely needed.
+static MOMENTS: [LazyLock<Vec<Moment>>; HIGHEST_ORDER + 1] = [
+    LazyLock::new(|| moments(0)),
+    LazyLock::new(|| moments(1)),
+    LazyLock::new(|| moments(2)),
+    LazyLock::new(|| moments(3)),
+    LazyLock::new(|| moments(4)),
+    LazyLock::new(|| moments(5)),
+    LazyLock::new(|| moments(6)),
+    LazyLock::new(|| moments(7)),
+    LazyLock::new(|| moments(8)),
+];
+
+fn moments(order: usize) -> Vec<Moment> {
+    let pairs = (0..=order).flat_map(|a| (0..=order - a).map(move |b| [a, b, order - a - b]));
+    pairs.map(Moment::of).collect()
+}
+
+impl Moment {
+    fn of(powers: [usize; 3]) -> Moment {
+        let order: usize = powers.iter().sum();
+        // The moment of a cuboid, by derivatives: half side^(2a) / (2a + 1)!
+        let over: f64 = powers.iter().map(|&a| factorial(2 * a + 1)).product();
+        let element = |i: usize, j: usize| {
+            let mut derivative = powers.map(|power| 2 * power);
+            derivative[i] += 1;
+            derivative[j] += 1;
+            derivative_of_reciprocal_distance(derivative)
+        };
+        let [xx, yy, xy, xz, yz] = [(0, 0), (1, 1), (0, 1), (0, 2), (1, 2)].map(|(i, j)| element(i, j));
+        // Eq. P39; w = 1 - u - v
+        let mut polynomials = [xx, yy, xy, xz, yz];
+        for b in 0..=order {
+            for a in 0..=order - b {
+                let at = |element: usize| polynomials[element].0[a][b];
+                let (xy, xz, yz) = (at(2), at(3), at(4));
+                let [ax, ay, ..] = &mut polynomials;
+                for (sum, u, v, w) in [(ax, 0.0, xy, xz), (ay, xy, 0.0, yz)] {
+                    sum.0[a][b] += w - xy;
+                    sum.0[a + 1][b] += u - w;
+                    sum.0[a][b + 1] += v - w;
+                }
+            }
+        }
+        let mut coefficients = vec![[0.0; POLYNOMIALS]; (order + 1) * (order + 2) / 2];
+        for (number, polynomial) in polynomials.into_iter().enumerate() {
+            // Those of degree order + 1 are zero now.
+            let about_middle = polynomial.about_middle(order);
+            for b in 0..=order {
+                for a in 0..=order - b {
+                    coefficients[place(order, a, b)][number] = about_middle.0[a][b] / over;
+                }
+            }
+        }
+        Moment { powers, coefficients }
+    }
+}
+
+/// The coefficients of u^a v^b.
+#[derive(Clone, Copy)]
+struct Polynomial([[f64; HIGHEST_ORDER + 2]; HIGHEST_ORDER + 2]);
+
+impl Polynomial {
+    /// In powers of u - 1/3 and v - 1/3, of which there are none higher than `degree`.
+    fn about_middle(mut self, degree: usize) -> Polynomial {
+        let Polynomial(rows) = &mut self;
+        for step in 0..degree {
+            for a in (step..degree).rev() {
+                let next = rows[a + 1];
+                for (own, next) in rows[a].iter_mut().zip(next) {
+                    *own += next * THIRD;
+                }
+            }
+        }
+        for row in &mut rows[..=degree] {
+            for step in 0..degree {
+                for b in (step..degree).rev() {
+                    row[b] += row[b + 1] * THIRD;
+                }
+            }
+        }
+        self
+    }
+}
+
+/// r^(n+1) times the derivative of 1/r of n-th order, without odd powers, as a polynomial in u and v, w = 1 - u - v:
+/// with D = (x^2 + y^2 + z^2)^(-1/2) each axis gives a sum over j of (alpha! / j! (alpha - 2j)!) (2x)^(alpha - 2j) D^(alpha - j).
+fn derivative_of_reciprocal_distance(derivative: [usize; 3]) -> Polynomial {
+    let order: usize = derivative.iter().sum();
+    let mut sum = Polynomial([[0.0; HIGHEST_ORDER + 2]; HIGHEST_ORDER + 2]);
+    let [x, y, z] = derivative;
+    for i in 0..=x / 2 {
+        for j in 0..=y / 2 {
+            for k in 0..=z / 2 {
+                let left = i + j + k;
+                let choices: f64 = [(x, i), (y, j), (z, k)]
+                    .iter()
+                    .map(|&(alpha, j)| factorial(alpha) / (factorial(j) * factorial(alpha - 2 * j)))
+                    .product();
+                let rank = order - left;
+                let odd: f64 = (1..=rank).map(|m| (2 * m - 1) as f64).product();
+                let sign = if rank.is_multiple_of(2) { 1.0 } else { -1.0 };
+                let c = sign * choices * odd * 0.5f64.powi(left as i32);
+                // u^a v^b (1 - u - v)^p
+                let [a, b, p] = [(x - 2 * i) / 2, (y - 2 * j) / 2, (z - 2 * k) / 2];
+                for m in 0..=p {
+                    for n in 0..=p - m {
+                        let sign = if (m + n).is_multiple_of(2) { 1.0 } else { -1.0 };
+                        let ways = factorial(p) / (factorial(m) * factorial(n) * factorial(p - m - n));
+                        sum.0[a + m][b + n] += c * sign * ways;
+                    }
+                }
+            }
+        }
+    }
+    sum
+}
+
+fn factorial(n: usize) -> f64 {
+    (1..=n).map(|k| k as f64).product()
+}

@@ -1,0 +1,181 @@
+//! A tile far away: the multipole series of a cuboid, in the lanes of a vector (docs/physics.md, section 2.7).
+
+use std::f64::consts::PI;
+
+use fearless_simd::prelude::*;
+use magsplice_simd::lanes::{Horner, Lanes, Number, Singles, Two};
+use magsplice_simd::pairwise::Pairwise;
+
+use super::coefficients::{POLYNOMIALS, Series, THIRD};
+use crate::block::Block;
+use magsplice_simd::compensated_sum::TwoSum;
+
+/// A tile for points far away.
+#[derive(Clone, Copy, Debug)]
+pub struct Distant {
+    centre: [TwoSum; 3],
+    scale: f64,
+    /// Scaled, as the offsets are.
+    half_diagonal_squared: f64,
+    /// V J / 4 pi, scaled.
+    moment: [f64; 3],
+}
+
+impl Distant {
+    pub fn new(block: &Block, scale: f64) -> Distant {
+        let size = block.size.map(|s| s * scale);
+        let volume_over_4pi = size[0] * size[1] * size[2] / (4.0 * PI);
+        let centre = block.faces.map(|[low, high]| {
+            let sum = TwoSum::of(0.5 * low.hi, 0.5 * high.hi);
+            TwoSum { hi: sum.hi, lo: sum.lo + (0.5 * low.lo + 0.5 * high.lo) }
+        });
+        Distant {
+            centre,
+            scale,
+            half_diagonal_squared: 0.25 * size.iter().map(|s| s * s).sum::<f64>(),
+            moment: block.polarization_t.to_array().map(|j| j * volume_over_4pi),
+        }
+    }
+}
+
+/// A tile's series to an order in sigma.
+pub struct TruncatedSeries<'a> {
+    pub tile: &'a Distant,
+    pub series: &'a Series,
+    pub order: usize,
+}
+
+impl<S: Simd> Pairwise<S> for TruncatedSeries<'_> {
+    /// Each coefficient is fetched once for both vectors.
+    #[inline(always)]
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+        let TruncatedSeries { tile, series, order } = *self;
+        let (first, second) = (Place::of(simd, tile, points[0]), Place::of(simd, tile, points[1]));
+        let (u, v) = (Two([first.u, second.u]), Two([first.v, second.v]));
+        let mut sums = Sums::new(simd, u, v, Two([first.sigma, second.sigma]));
+        let first_single = series.first_single_of(order);
+        if first_single <= order {
+            let mut singles = Sums::new(simd, Singles::of(u), Singles::of(v), Singles::of(sums.sigma));
+            for order in (first_single..=order).rev() {
+                match order {
+                    8 => singles.add::<8>(simd, series.singles::<8>()),
+                    7 => singles.add::<7>(simd, series.singles::<7>()),
+                    6 => singles.add::<6>(simd, series.singles::<6>()),
+                    5 => singles.add::<5>(simd, series.singles::<5>()),
+                    4 => singles.add::<4>(simd, series.singles::<4>()),
+                    _ => singles.add::<3>(simd, series.singles::<3>()),
+                }
+            }
+            for (double, single) in sums.polynomials.iter_mut().zip(singles.polynomials) {
+                *double = single.widened();
+            }
+        }
+        for order in (3..first_single).rev() {
+            match order {
+                8 => sums.add::<8>(simd, series.doubles::<8>()),
+                7 => sums.add::<7>(simd, series.doubles::<7>()),
+                6 => sums.add::<6>(simd, series.doubles::<6>()),
+                5 => sums.add::<5>(simd, series.doubles::<5>()),
+                4 => sums.add::<4>(simd, series.doubles::<4>()),
+                _ => sums.add::<3>(simd, series.doubles::<3>()),
+            }
+        }
+        sums.add::<2>(simd, series.doubles::<2>());
+        sums.add::<1>(simd, series.doubles::<1>());
+        sums.add::<0>(simd, series.doubles::<0>());
+        let [Two(ax), Two(ay), Two(xy), Two(xz), Two(yz)] = sums.polynomials;
+        [
+            first.field([ax[0], ay[0], xy[0], xz[0], yz[0]], tile.moment),
+            second.field([ax[1], ay[1], xy[1], xz[1], yz[1]], tile.moment),
+        ]
+    }
+}
+
+/// Where points lie relative to a tile.
+struct Place<S: Simd> {
+    offset: [Lanes<S>; 3],
+    inverse_square: Lanes<S>,
+    /// Less 1/3.
+    u: Lanes<S>,
+    v: Lanes<S>,
+    sigma: Lanes<S>,
+}
+
+impl<S: Simd> Place<S> {
+    #[inline(always)]
+    fn of(simd: S, tile: &Distant, mut point: [Lanes<S>; 3]) -> Place<S> {
+        for (coordinate, centre) in point.iter_mut().zip(&tile.centre) {
+            *coordinate = ((*coordinate - centre.hi) - centre.lo) * tile.scale;
+        }
+        let [x, y, z] = point;
+        let (x2, y2) = (x * x, y * y);
+        let inverse_square = Lanes::<S>::splat(simd, 1.0).over(z.mul_add(z, x2 + y2));
+        Place {
+            offset: point,
+            inverse_square,
+            u: x2.mul_sub_constant(inverse_square, THIRD),
+            v: y2.mul_sub_constant(inverse_square, THIRD),
+            sigma: inverse_square * tile.half_diagonal_squared,
+        }
+    }
+
+    /// From the polynomials (Eq. P39).
+    #[inline(always)]
+    fn field(&self, [ax, ay, xy, xz, yz]: [Lanes<S>; POLYNOMIALS], [jx, jy, jz]: [f64; 3]) -> [Lanes<S>; 3] {
+        let [x, y, z] = self.offset;
+        let (x_over, y_over, z_over) = (x * self.inverse_square, y * self.inverse_square, z * self.inverse_square);
+        let w = z * z_over;
+        let xx = (x * x_over).mul_add(xy, w.mul_add(xy - xz, ax));
+        let yy = (y * y_over).mul_add(xy, w.mul_add(xy - yz, ay));
+        let (xy, xz, yz) = (xy * (x_over * y), xz * (x_over * z), yz * (y_over * z));
+        let cube = self.inverse_square * self.inverse_square.sqrt();
+        [
+            xx.scale_add(jx, xy.scale_add(jy, xz * jz)) * cube,
+            xy.scale_add(jx, yy.scale_add(jy, yz * jz)) * cube,
+            xz.scale_add(jx, yz.scale_add(jy, (xx + yy) * -jz)) * cube,
+        ]
+    }
+}
+
+/// The polynomials so far.
+struct Sums<N> {
+    u: N,
+    v: N,
+    sigma: N,
+    polynomials: [N; POLYNOMIALS],
+}
+
+impl<N: Horner> Sums<N> {
+    #[inline(always)]
+    fn new(simd: N::Instructions, u: N, v: N, sigma: N) -> Sums<N> {
+        Sums { u, v, sigma, polynomials: [N::coefficient(simd, N::Coefficient::default()); POLYNOMIALS] }
+    }
+
+    /// sigma times the sums so far, and one order's polynomials, by Horner's scheme in v of Horner's scheme in u.
+    #[inline(always)]
+    fn add<const ORDER: usize>(&mut self, simd: N::Instructions, coefficients: &[[N::Coefficient; POLYNOMIALS]]) {
+        let mut polynomials = [N::coefficient(simd, N::Coefficient::default()); POLYNOMIALS];
+        let mut sums = polynomials;
+        for (polynomial, first) in polynomials.iter_mut().zip(&coefficients[0]) {
+            *polynomial = N::coefficient(simd, *first);
+        }
+        let mut start = 1;
+        for row in 1..=ORDER {
+            for (sum, first) in sums.iter_mut().zip(&coefficients[start]) {
+                *sum = N::coefficient(simd, *first);
+            }
+            for coefficients in &coefficients[start + 1..=start + row] {
+                for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
+                    *sum = sum.times_and(self.u, N::coefficient(simd, *coefficient));
+                }
+            }
+            start += row + 1;
+            for (polynomial, sum) in polynomials.iter_mut().zip(sums) {
+                *polynomial = polynomial.times_and(self.v, sum);
+            }
+        }
+        for (sum, polynomial) in self.polynomials.iter_mut().zip(polynomials) {
+            *sum = sum.times_and(self.sigma, polynomial);
+        }
+    }
+}

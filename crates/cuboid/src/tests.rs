@@ -1,0 +1,157 @@
+//! Methods of one cuboid against the scalar kernel, for each instruction set.
+
+use fearless_simd::{Level, Simd, dispatch};
+use glam::DVec3;
+use magsplice_simd::InstructionSet;
+use magsplice_simd::lanes::{Lanes, Number};
+use magsplice_simd::pairwise::Pairwise;
+
+use crate::block::{Block, LocalPoint};
+use crate::method::{CLOSED_FORM, FIRST_FAR, MOST_FAR, MethodRanges, SMALL_ELEMENTS};
+use crate::scalar::kernel::{FieldKind, cuboid_field};
+use crate::series::coefficients::Series;
+use crate::series::multipole::{Distant, TruncatedSeries};
+use crate::tolerances::{HIGHEST_ORDER, MULTIPOLE_ORDERS, SINGLE_PRECISION_BOUND, SMALL_ANGLE};
+
+fn levels() -> Vec<Level> {
+    InstructionSet::available().into_iter().map(|set| set.detected().expect("available")).collect()
+}
+
+#[inline(always)]
+fn one<S: Simd>(simd: S, field: &impl Pairwise<S>, point: DVec3) -> DVec3 {
+    let lanes = point.to_array().map(|c| Lanes::<S>::splat(simd, c));
+    DVec3::from(field.fields(simd, [lanes, lanes])[0].map(|component| component.lane(0)))
+}
+
+/// Where each order of the series begins, whatever the tile, its error is below what left-out orders and single precision may add up to, and not far below. How many
+/// orders are in single precision depends on the shape.
+#[test]
+fn series_keep_the_error_bound_from_their_first_distance() {
+    let shapes = [[1.0; 3], [3.3, 1.7, 1.0], [1.0, 0.05, 0.05], [0.05, 1.0, 0.05], [0.05, 0.05, 1.0], [1.0, 1.0, 0.02]];
+    let centre = DVec3::new(0.1, -0.2, 0.3);
+    let (mut worst, mut fewest, mut most) = (0.0_f64, usize::MAX, 0);
+    for size in shapes {
+        let series = Series::new(size, HIGHEST_ORDER);
+        for axis in 0..3 {
+            let block = Block::new(0, centre, DVec3::from(size), DVec3::AXES[axis], 0.1);
+            let tile = Distant::new(&block, 1.0);
+            let half_diagonal = 0.5 * DVec3::from(size).length();
+            for (order, half_diagonals) in MULTIPOLE_ORDERS {
+                let singles = order + 1 - series.first_single_of(order);
+                (fewest, most) = (fewest.min(singles), most.max(singles));
+                let what = TruncatedSeries { tile: &tile, series: &series, order };
+                for n in 0..50 {
+                    let turn = f64::from(n);
+                    let direction = if n < 3 {
+                        DVec3::AXES[n as usize]
+                    } else {
+                        DVec3::new((1.3 * turn).sin(), (2.9 * turn).cos(), (0.7 * turn).sin()).normalize()
+                    };
+                    let point = centre + direction * (half_diagonals * half_diagonal);
+                    let at = LocalPoint { coordinates: point.to_array(), roundoff: [0.0; 3] };
+                    let placed = block.place(&at).expect("near enough");
+                    let exact = cuboid_field(&placed.offsets, block.polarization_t.to_array(), FieldKind::Strength);
+                    for level in levels() {
+                        let found = dispatch!(level, simd => one(simd, &what, point));
+                        let error = (found - DVec3::from(exact)).length();
+                        let least = size.iter().product::<f64>()
+                            / (4.0 * std::f64::consts::PI * (point - centre).length().powi(3));
+                        worst = worst.max(error / least);
+                        assert!(
+                            error <= (3e-15 + SINGLE_PRECISION_BOUND) * least,
+                            "{size:?}, {order}, {direction}, {level:?}: {:e}",
+                            error / least
+                        );
+                    }
+                }
+            }
+        }
+    }
+    assert!(worst > 1e-15, "{worst:e}");
+    assert!((fewest, most) == (0, 2), "{fewest} to {most} orders are in single precision");
+}
+
+/// Between the closed form and the series there is no gap, but for needles: the kernel of one point, which takes thirty times as long, serves points beside tiles
+/// only.
+#[test]
+fn compact_tiles_have_a_vector_method_at_every_distance() {
+    for (size, has_gap) in [
+        ([1.0; 3], false),
+        ([3.3, 0.85, 1.0], false),
+        ([3.7, 1.0, 1.0], false),
+        ([5.0, 5.0, 0.1], false),
+        ([6.0, 1.0, 1.0], true),
+    ] {
+        let ranges = MethodRanges::from_block(&Block::new(0, DVec3::ZERO, DVec3::from(size), DVec3::Z, 0.1));
+        let distances = (0..600).map(|n| 6.0 * 1.01_f64.powi(n));
+        let mut methods =
+            distances.map(|distance| ranges.method_of_box([0.0, distance, 0.0], [0.0, distance, 0.0], false));
+        assert_eq!(methods.any(|method| method.is_none()), has_gap, "{size:?}");
+    }
+}
+
+/// A form is given to a box of points only if each of them by itself has it, or the last digits at a point would depend on the others.
+#[test]
+fn box_has_the_method_of_each_of_its_points() {
+    let mut boxes = [0; FIRST_FAR as usize + MOST_FAR];
+    for size in [[3.3, 1.7, 1.0], [1.0; 3], [5.0, 5.0, 0.2], [3.3, 0.85, 1.0]] {
+        let ranges = MethodRanges::from_block(&Block::new(0, DVec3::ZERO, DVec3::from(size), DVec3::Z, 0.1));
+        for n in 0..5000 {
+            let turn = f64::from(n);
+            let direction = DVec3::new((1.3 * turn).sin(), (2.9 * turn).cos(), (0.7 * turn).sin()).normalize();
+            let centre = direction * 60.0_f64.powf((0.618 * turn).fract());
+            let half = DVec3::new((0.31 * turn).fract(), (0.73 * turn).fract(), (0.57 * turn).fract());
+            let Some(method) = ranges.method_of_box((centre - half).to_array(), (centre + half).to_array(), false)
+            else {
+                continue;
+            };
+            boxes[usize::from(method)] += 1;
+            // 27 points, and the last of them five times more.
+            let step = |at: u32| DVec3::new(f64::from(at % 3), f64::from(at / 3 % 3), f64::from(at / 9));
+            let steps = (0..32).map(|at: u32| step(at.min(26)));
+            let points: Vec<DVec3> = steps.map(|step| centre + half * (step - 1.0)).collect();
+            let axes = [0, 1, 2].map(|axis: usize| points.iter().map(|point| point[axis]).collect::<Vec<f64>>());
+            for level in levels() {
+                let mut methods = [0.0; 32];
+                dispatch!(level, simd => ranges.methods(simd, axes.each_ref().map(|axis| &axis[..]), false, &mut methods));
+                assert!(
+                    methods.iter().all(|own| *own == f64::from(method)),
+                    "{methods:?}, not {method}, {half} around {centre}"
+                );
+            }
+        }
+    }
+    assert!(boxes[usize::from(CLOSED_FORM)] > 100 && boxes[usize::from(SMALL_ELEMENTS)] > 100, "{boxes:?}");
+}
+
+/// Where elements count as small they are, and not all far smaller, whatever the tile.
+#[test]
+fn small_elements_method_is_used_only_where_elements_are_small() {
+    for size in [[1.0; 3], [3.3, 1.7, 1.0], [5.0, 1.0, 1.0], [8.0, 8.0, 1.0], [4.0, 3.0, 0.2]] {
+        let largest_half = |point: [f64; 3]| {
+            let mut largest = 0.0_f64;
+            for axis in 0..3 {
+                let block = Block::new(0, DVec3::ZERO, DVec3::from(size), DVec3::AXES[axis], 0.1);
+                let placed = block.place(&LocalPoint { coordinates: point, roundoff: [0.0; 3] }).expect("near enough");
+                let column = cuboid_field(&placed.offsets, DVec3::AXES[axis].to_array(), FieldKind::Strength);
+                largest =
+                    column.into_iter().fold(largest, |most, value| most.max(2.0 * std::f64::consts::PI * value.abs()));
+            }
+            largest
+        };
+        let ranges = MethodRanges::from_block(&Block::new(0, DVec3::ZERO, DVec3::from(size), DVec3::Z, 0.1));
+        let (mut count, mut largest) = (0, 0.0_f64);
+        for n in 0..4000 {
+            let turn = f64::from(n);
+            let direction = DVec3::new((1.3 * turn).sin(), (2.9 * turn).cos(), (0.7 * turn).sin()).normalize();
+            let point = (direction * (1.0 + 9.0 * (0.37 * turn).fract())).to_array();
+            if ranges.method_of_box(point, point, false) == Some(SMALL_ELEMENTS) {
+                let half = largest_half(point);
+                assert!(half <= SMALL_ANGLE, "{half} at {point:?} of {size:?}");
+                count += 1;
+                largest = largest.max(half);
+            }
+        }
+        assert!(count > 100 && largest > 0.1 * SMALL_ANGLE, "{count} points, {largest} of {size:?}");
+    }
+}

@@ -1,0 +1,111 @@
+//! Points divided into batches, in parallel, and results in the order of the points.
+
+use glam::DVec3;
+use magsplice_magnet::{Cause, PointError, PointErrors};
+use rayon::prelude::*;
+
+use crate::tolerances::{BATCHES_PER_THREAD, POINTS_PER_BATCH, REGROUPED_POINTS};
+
+/// How points are divided.
+#[derive(Clone, Copy)]
+pub(crate) struct Batches {
+    /// Points of one, at most.
+    pub(crate) most: usize,
+    /// Whether each is of neighbours, not of points that follow each other.
+    pub(crate) regroup: bool,
+}
+
+/// Has `evaluate` fill in the values of batch after batch and name the points of the batch that have none.
+pub(crate) fn for_each_batch<T: Send + Copy + Default>(
+    points: &[DVec3],
+    values: &mut [T],
+    batches: Batches,
+    evaluate: impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, Cause)) + Sync + Send,
+) -> Result<(), PointErrors> {
+    assert_eq!(points.len(), values.len(), "one value per point");
+    let threads = rayon::current_num_threads();
+    let count = if threads > 1 { BATCHES_PER_THREAD * threads } else { 1 };
+    let size = (points.len() / count).clamp(POINTS_PER_BATCH[0], batches.most);
+    let mut errors = Vec::new();
+    if batches.regroup && points.len() > size {
+        let stretches = points.chunks(REGROUPED_POINTS).zip(values.chunks_mut(REGROUPED_POINTS));
+        for (stretch, (points, values)) in stretches.enumerate() {
+            let order = neighbours_together(points, 0..points.len() as u32, &[size]);
+            let regrouped: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
+            let mut results = vec![T::default(); points.len()];
+            let start = stretch * REGROUPED_POINTS;
+            let index = |position: usize| start + order[position] as usize;
+            errors.extend(
+                in_batches(&regrouped, &mut results, size, &evaluate)
+                    .into_iter()
+                    .map(|error| PointError { index: index(error.index), ..error }),
+            );
+            for (&index, result) in order.iter().zip(results) {
+                values[index as usize] = result;
+            }
+        }
+    } else {
+        errors = in_batches(points, values, size, &evaluate);
+    }
+    errors.sort_by_key(|e| e.index);
+    none_or(errors)
+}
+
+pub(crate) fn none_or(errors: Vec<PointError>) -> Result<(), PointErrors> {
+    if errors.is_empty() { Ok(()) } else { Err(PointErrors(errors)) }
+}
+
+/// Batches of `size` points, in parallel.
+fn in_batches<T: Send>(
+    points: &[DVec3],
+    values: &mut [T],
+    size: usize,
+    evaluate: &(impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, Cause)) + Sync + Send),
+) -> Vec<PointError> {
+    points
+        .par_chunks(size)
+        .zip(values.par_chunks_mut(size))
+        .enumerate()
+        .flat_map_iter(|(batch, (points, values))| {
+            let mut errors = Vec::new();
+            evaluate(points, values, &mut |index, cause| {
+                errors.push(PointError { index: batch * size + index, point: points[index], cause });
+            });
+            errors
+        })
+        .collect()
+}
+
+/// Indices of points in an order in which each so many of them, from the first on, are neighbours: of the points that the first of `sizes` puts together each so many as the
+/// next says, and so on.
+pub(crate) fn neighbours_together(points: &[DVec3], order: impl IntoIterator<Item = u32>, sizes: &[usize]) -> Vec<u32> {
+    // Side by side in memory, where they are compared again and again.
+    let mut placed: Vec<IndexedPoint> =
+        order.into_iter().map(|index| IndexedPoint { point: points[index as usize].to_array(), index }).collect();
+    divide(&mut placed, sizes);
+    placed.into_iter().map(|placed| placed.index).collect()
+}
+
+/// A point and its index.
+#[derive(Clone, Copy)]
+struct IndexedPoint {
+    point: [f64; 3],
+    index: u32,
+}
+
+/// Divides along the axis along which the points reach farthest.
+fn divide(placed: &mut [IndexedPoint], sizes: &[usize]) {
+    let Some((&size, smaller)) = sizes.split_first() else { return };
+    if placed.len() <= size {
+        return divide(placed, smaller);
+    }
+    let at = |placed: &IndexedPoint| DVec3::from_array(placed.point);
+    let least = placed.iter().map(at).fold(DVec3::INFINITY, DVec3::min);
+    let most = placed.iter().map(at).fold(DVec3::NEG_INFINITY, DVec3::max);
+    let axis = (most - least).max_position();
+    let middle = placed.len().div_ceil(size) / 2 * size;
+    placed.select_nth_unstable_by(middle, |a, b| a.point[axis].total_cmp(&b.point[axis]));
+    let (low, high) = placed.split_at_mut(middle);
+    divide(low, sizes);
+    divide(high, sizes);
+}

@@ -1,0 +1,365 @@
+//! The closed form for points neither beside a tile nor many sizes away, in the lanes of a vector (docs/physics.md, section 2.6).
+//!
+//! As in the [reference kernel](magsplice_cuboid::scalar) differences are taken before the logarithm and the arctangent, but only as far as that needs no division.
+//! What remains loses the factor distance / size of the tile's second side. Each element is a number of a split-complex or a complex
+//! plane, whose products add logarithms or angles: tiles with one strength share a division and a series. What has a strength of its own is
+//! multiplied onto nothing; to a tolerance it shares the division with what else the tile has of that kind.
+
+use std::any::Any;
+
+use fearless_simd::prelude::*;
+
+use magsplice_cuboid::closed_form::elements::{
+    Place, add_elements, add_five_small_elements, add_small_elements, common_inverse,
+};
+use magsplice_cuboid::closed_form::terms::{AA, AB, AC, BB, BC, CC, Group};
+use magsplice_simd::functions::{angle, artanh_of_ratio, short_odd_series};
+use magsplice_simd::lanes::{Lanes, Number};
+
+use crate::prepare::corner_tables::CornerTables;
+use crate::prepare::tile_terms::{NO_GROUP, OWN, TileTerms};
+use crate::tolerances::{MOST_CORNERS, MOST_GROUPS, MOST_PLANES};
+
+/// Room for the [`Tables`] of the instruction set last used.
+#[derive(Default)]
+pub(super) struct KeptTables(Option<Box<dyn Any + Send>>);
+
+impl KeptTables {
+    /// mu0 H of the tiles of `cluster`, in their frame, at points outside them, given by axis in whole vectors; perhaps so far that all elements are
+    /// `small`.
+    #[inline(never)]
+    pub(super) fn fields<S: Simd>(
+        &mut self,
+        simd: S,
+        cluster: &CornerTables,
+        small: bool,
+        [x, y, z]: [&[f64]; 3],
+        [fx, fy, fz]: [&mut [f64]; 3],
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let kept = self.0.take().and_then(|tables| tables.downcast::<Tables<S>>().ok());
+                let mut tables = kept.unwrap_or_else(|| Box::new(Tables::new(simd)));
+                let five = small && cluster.has_five_own;
+                tables.start(cluster, load(simd, [x, y, z], 0));
+                for start in (0..x.len()).step_by(Lanes::<S>::LEN) {
+                    let end = start + Lanes::<S>::LEN;
+                    // After the last points the first again, to have something to prepare.
+                    let next = if end < x.len() { end } else { 0 };
+                    let next = load(simd, [x, y, z], next);
+                    let field = if five {
+                        tables.field_of_five_small(simd, cluster, next)
+                    } else {
+                        tables.field(simd, cluster, next, small)
+                    };
+                    field[0].store(&mut fx[start..end]);
+                    field[1].store(&mut fy[start..end]);
+                    field[2].store(&mut fz[start..end]);
+                }
+                self.0 = Some(tables);
+            },
+        );
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, points: [&[f64]; 3], start: usize) -> [Lanes<S>; 3] {
+    let [x, y, z] = points.map(|axis| &axis[start..start + Lanes::<S>::LEN]);
+    [Lanes::load(simd, x), Lanes::load(simd, y), Lanes::load(simd, z)]
+}
+
+/// Tables of vectors, kept between calls. Their length is fixed, so that an index masked to it needs no check.
+struct Tables<S: Simd> {
+    /// Of the points at work and of those after them, which are made at the same time: square roots and products then overlap.
+    places: Box<[Places<S>; 2]>,
+    /// Which of the two is that of the points after them.
+    next: usize,
+    products: Products<S>,
+}
+
+/// The product so far of each group.
+struct Products<S: Simd>(Box<[[Lanes<S>; 2]; MOST_GROUPS]>);
+
+/// Where points lie relative to a cluster, in its scale.
+struct Places<S: Simd> {
+    /// Offsets from the planes.
+    offsets: [Lanes<S>; MOST_PLANES],
+    squares: [Lanes<S>; MOST_PLANES],
+    /// Distances from the corners.
+    distances: [Lanes<S>; MOST_CORNERS],
+    /// Puts the same corner of the two places half a page apart with the longest vectors: a processor that compares the low twelve bits of addresses
+    /// would wait for the one that is written before it reads the other.
+    _apart: [Lanes<S>; APART],
+}
+
+const APART: usize = 32;
+
+#[inline(always)]
+fn corner(index: u16) -> usize {
+    usize::from(index) & (MOST_CORNERS - 1)
+}
+
+#[inline(always)]
+fn plane(index: u16) -> usize {
+    usize::from(index) & (MOST_PLANES - 1)
+}
+
+#[inline(always)]
+fn group(index: u16) -> usize {
+    usize::from(index) & (MOST_GROUPS - 1)
+}
+
+impl<S: Simd> Places<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Places<S> {
+        let zero = Lanes::<S>::splat(simd, 0.0);
+        Places {
+            offsets: [zero; MOST_PLANES],
+            squares: [zero; MOST_PLANES],
+            distances: [zero; MOST_CORNERS],
+            _apart: [zero; APART],
+        }
+    }
+
+    #[inline(always)]
+    fn set_offsets(&mut self, cluster: &CornerTables, point: [Lanes<S>; 3]) {
+        for (index, (axis, coordinate)) in (0..).zip(&cluster.planes) {
+            let offset = ((point[*axis] - coordinate.hi) - coordinate.lo) * cluster.scale;
+            self.offsets[plane(index)] = offset;
+            self.squares[plane(index)] = offset * offset;
+        }
+    }
+
+    /// Distances from two corners, of which the first has this index.
+    #[inline(always)]
+    fn set_distances(&mut self, index: u16, [first, second]: &[[u16; 3]; 2]) {
+        self.distances[corner(index)] = self.square(first).sqrt();
+        self.distances[corner(index + 1)] = self.square(second).sqrt();
+    }
+
+    /// Where the points lie relative to a tile.
+    #[inline(always)]
+    fn of(&self, tile: &TileTerms) -> Place<Lanes<S>> {
+        let plane = |index: u16| [self.offsets[plane(index)], self.squares[plane(index)]];
+        let [a0, a1, b0, b1, c0, c1] = tile.planes;
+        Place {
+            planes: [[plane(a0), plane(a1)], [plane(b0), plane(b1)], [plane(c0), plane(c1)]],
+            distances: tile.corners.map(|index| self.distances[corner(index)]),
+        }
+    }
+
+    #[inline(always)]
+    fn square(&self, [x, y, z]: &[u16; 3]) -> Lanes<S> {
+        self.squares[plane(*x)] + self.squares[plane(*y)] + self.squares[plane(*z)]
+    }
+}
+
+impl<S: Simd> Tables<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Tables<S> {
+        let zero = Lanes::<S>::splat(simd, 0.0);
+        Tables {
+            places: Box::new([Places::new(simd), Places::new(simd)]),
+            next: 0,
+            products: Products(Box::new([[zero; 2]; MOST_GROUPS])),
+        }
+    }
+
+    /// Begins with the first points.
+    #[inline(always)]
+    fn start(&mut self, cluster: &CornerTables, first: [Lanes<S>; 3]) {
+        let next = &mut self.places[self.next];
+        next.set_offsets(cluster, first);
+        for (index, planes) in (0..).step_by(2).zip(&cluster.corners) {
+            next.set_distances(index, planes);
+        }
+    }
+
+    /// mu0 H of the tiles of `cluster`, in their frame, at the points given as `next` before (or to [`Tables::start`]), which are outside them; perhaps so far
+    /// that all elements are `small`.
+    #[inline(always)]
+    fn field(&mut self, simd: S, cluster: &CornerTables, next: [Lanes<S>; 3], small: bool) -> [Lanes<S>; 3] {
+        let (current, mut upcoming) = Upcoming::of(&mut self.places, &mut self.next, cluster, next);
+        let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+        for product in &mut self.products.0[..cluster.groups.len()] {
+            *product = [one, zero];
+        }
+        let mut sum = [zero; 3];
+        for tile in &cluster.tiles {
+            if !tile.has_own {
+                multiply::<S, false>(simd, tile, current, &mut upcoming, &mut self.products);
+                continue;
+            }
+            let own = multiply::<S, true>(simd, tile, current, &mut upcoming, &mut self.products);
+            let is_own = tile.groups.map(|number| number == OWN);
+            if small {
+                let inverse = common_inverse(simd, is_own, &own);
+                add_small_elements(simd, is_own, &own, inverse, short_odd_series, &tile.coefficients, &mut sum);
+            } else {
+                add_elements(simd, is_own, &own, &tile.coefficients, &mut sum);
+            }
+        }
+        if small {
+            self.products.add_small(simd, &cluster.groups, &mut sum);
+            return sum;
+        }
+        for (group, [a, b]) in cluster.groups.iter().zip(&self.products.0[..]) {
+            let half = if group.diagonal { angle(simd, *a, *b) } else { artanh_of_ratio(simd, *b, *a) };
+            for (sum, coefficient) in sum.iter_mut().zip(group.coefficient) {
+                *sum = half.scale_add(coefficient, *sum);
+            }
+        }
+        sum
+    }
+
+    /// The same of a cluster with [five elements](CornerTables::has_five_own) for each tile, all of them small.
+    #[inline(always)]
+    fn field_of_five_small(&mut self, simd: S, cluster: &CornerTables, next: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+        let (current, mut upcoming) = Upcoming::of(&mut self.places, &mut self.next, cluster, next);
+        let mut sum = [Lanes::<S>::splat(simd, 0.0); 3];
+        for tile in &cluster.tiles {
+            let ratios = five_ratios(tile, current, &mut upcoming);
+            add_five_small_elements(simd, ratios, short_odd_series, &tile.coefficients, tile.axes, &mut sum);
+        }
+        sum
+    }
+}
+
+/// The places of the next points while they are made.
+struct Upcoming<'a, S: Simd> {
+    places: &'a mut Places<S>,
+    corners: &'a [[[u16; 3]; 2]],
+    step: usize,
+    known: u16,
+}
+
+impl<'a, S: Simd> Upcoming<'a, S> {
+    /// The places of the points at work, and those of the `points` after them, which take the room of those before.
+    #[inline(always)]
+    fn of(
+        [even, odd]: &'a mut [Places<S>; 2],
+        next: &mut usize,
+        cluster: &'a CornerTables,
+        points: [Lanes<S>; 3],
+    ) -> (&'a Places<S>, Upcoming<'a, S>) {
+        let (current, upcoming) = if *next == 0 { (even, odd) } else { (odd, even) };
+        *next = 1 - *next;
+        upcoming.set_offsets(cluster, points);
+        let (corners, step) = (&cluster.corners, cluster.corner_pairs_per_step);
+        (current, Upcoming { places: upcoming, corners, step, known: 0 })
+    }
+
+    /// The distances from a few more corners; twice for each tile, so that the processor foresees how many.
+    #[inline(always)]
+    fn advance(&mut self) {
+        for _ in 0..self.step {
+            if let Some(planes) = self.corners.get(usize::from(self.known / 2)) {
+                self.places.set_distances(self.known, planes);
+                self.known += 2;
+            }
+        }
+    }
+}
+
+/// Multiplies the terms of one tile onto the products of their groups. What has no group, if there is such a term, is given back: numerators and denominators
+/// by element.
+#[inline(always)]
+fn multiply<S: Simd, const HAS_OWN: bool>(
+    simd: S,
+    tile: &TileTerms,
+    places: &Places<S>,
+    upcoming: &mut Upcoming<S>,
+    products: &mut Products<S>,
+) -> [[Lanes<S>; 2]; 6] {
+    let mut own = [[Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0)]; 6];
+    let place = places.of(tile);
+    let (factors, squares) = (&tile.factors, &tile.squares);
+    if tile.groups[AB] != NO_GROUP {
+        put::<S, HAS_OWN>(tile, AB, place.ratio::<AB>(factors, squares), products, &mut own);
+    }
+    if tile.groups[AC] != NO_GROUP {
+        put::<S, HAS_OWN>(tile, AC, place.ratio::<AC>(factors, squares), products, &mut own);
+    }
+    if tile.groups[BC] != NO_GROUP {
+        put::<S, HAS_OWN>(tile, BC, place.ratio::<BC>(factors, squares), products, &mut own);
+    }
+    upcoming.advance();
+    if tile.groups[AA] != NO_GROUP {
+        put::<S, HAS_OWN>(tile, AA, place.ratio::<AA>(factors, squares), products, &mut own);
+    }
+    if tile.groups[BB] != NO_GROUP {
+        put::<S, HAS_OWN>(tile, BB, place.ratio::<BB>(factors, squares), products, &mut own);
+    }
+    if tile.groups[CC] != NO_GROUP {
+        put::<S, HAS_OWN>(tile, CC, place.ratio::<CC>(factors, squares), products, &mut own);
+    }
+    upcoming.advance();
+    own
+}
+
+/// The ratios of all elements but the last.
+#[inline(always)]
+fn five_ratios<S: Simd>(tile: &TileTerms, places: &Places<S>, upcoming: &mut Upcoming<S>) -> [[Lanes<S>; 2]; 5] {
+    let place = places.of(tile);
+    let (factors, squares) = (&tile.factors, &tile.squares);
+    let (ab, ac) = (place.ratio::<AB>(factors, squares), place.ratio::<AC>(factors, squares));
+    let bc = place.ratio::<BC>(factors, squares);
+    upcoming.advance();
+    let (aa, bb) = (place.ratio::<AA>(factors, squares), place.ratio::<BB>(factors, squares));
+    upcoming.advance();
+    [ab, ac, bc, aa, bb]
+}
+
+/// Onto the product of its group, or into `own`.
+#[inline(always)]
+fn put<S: Simd, const HAS_OWN: bool>(
+    tile: &TileTerms,
+    element: usize,
+    ratio: [Lanes<S>; 2],
+    products: &mut Products<S>,
+    own: &mut [[Lanes<S>; 2]; 6],
+) {
+    let number = tile.groups[element];
+    if HAS_OWN && number == OWN {
+        own[element] = ratio;
+    } else if element < AA {
+        products.add_logarithm(number, ratio);
+    } else {
+        products.add_angle(number, ratio);
+    }
+}
+
+impl<S: Simd> Products<S> {
+    /// What all groups add where none has a half angle beyond [`SMALLER_ANGLE`](magsplice_cuboid::tolerances::SMALLER_ANGLE): four of them share a division.
+    #[inline(always)]
+    fn add_small(&mut self, simd: S, groups: &[Group], sum: &mut [Lanes<S>; 3]) {
+        let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+        for (groups, products) in groups.chunks(4).zip(self.0.chunks_exact_mut(4)) {
+            products[groups.len()..].fill([one, zero]);
+            let [[a, n], [b, p], [c, q], [d, r]] = [products[0], products[1], products[2], products[3]];
+            let (ab, cd) = (a * b, c * d);
+            let inverse = one.over(ab * cd);
+            let (over_ab, over_cd) = (inverse * cd, inverse * ab);
+            let ratios = [n * (over_ab * b), p * (over_ab * a), q * (over_cd * d), r * (over_cd * c)];
+            for (group, ratio) in groups.iter().zip(ratios) {
+                let half = short_odd_series(simd, ratio, group.diagonal);
+                for (sum, coefficient) in sum.iter_mut().zip(group.coefficient) {
+                    *sum = half.scale_add(coefficient, *sum);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_logarithm(&mut self, number: u16, [n, m]: [Lanes<S>; 2]) {
+        let [a, b] = self.0[group(number)];
+        self.0[group(number)] = [a.mul_add(m, b * n), a.mul_add(n, b * m)];
+    }
+
+    #[inline(always)]
+    fn add_angle(&mut self, number: u16, [im, re]: [Lanes<S>; 2]) {
+        let [a, b] = self.0[group(number)];
+        self.0[group(number)] = [a.mul_sub(re, b * im), a.mul_add(im, b * re)];
+    }
+}

@@ -1,0 +1,173 @@
+//! A tile that is alone in its scene: each point joins the queue of its method, and a method runs when its queue has some vectors. Nothing is
+//! added up, so that the field at a point is written once.
+
+use std::collections::BTreeMap;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+use glam::DVec3;
+use magsplice_cuboid::block::LocalPoint;
+use magsplice_cuboid::closed_form::near_edge::NearEdge;
+use magsplice_cuboid::evaluator::Evaluator;
+use magsplice_cuboid::method::{MethodIndex, SCALAR};
+use magsplice_cuboid::scalar::kernel::FieldKind;
+use magsplice_simd::column::{Column, room, views};
+use magsplice_simd::lanes::PAIR;
+use magsplice_simd::prefetch::Ahead;
+
+use super::coordinates::Coordinates;
+use super::edges::EdgesAtPoint;
+use super::near_field::near_field;
+use super::queues::{OWN_QUEUE, Queues};
+use crate::prepare::frames::{Frame, Frames};
+use crate::tolerances::{FETCHED_AHEAD, STREAMED_POINTS};
+
+/// The method of points near_edge the tile but off the planes of its faces.
+const NEAR_EDGE: MethodIndex = OWN_QUEUE;
+
+/// Room for the points at work; nothing in it grows with their number.
+#[derive(Debug, Default)]
+pub(super) struct SingleTile {
+    points: Coordinates,
+    local: Coordinates,
+    methods: Column,
+    queues: Queues,
+    fields: [Column; 3],
+    /// Whether all of the field in vectors has been finite.
+    finite: bool,
+    /// Memory has been asked for up to this point.
+    asked: usize,
+}
+
+/// What stays the same for all points.
+#[derive(Clone, Copy)]
+struct Work<'a> {
+    frames: &'a Frames,
+    frame: &'a Frame,
+    kind: FieldKind,
+    points: &'a [DVec3],
+    tile: &'a Evaluator<'a>,
+    near_edge: Option<&'a NearEdge>,
+}
+
+impl SingleTile {
+    /// The field of the only tile of `frame`; not a number where a point is out of range. Points on edge lines go to `edges`. Returns whether all values are
+    /// known to be finite.
+    pub(super) fn evaluate(
+        &mut self,
+        level: Level,
+        (frames, frame): (&Frames, &Frame),
+        kind: FieldKind,
+        points: &[DVec3],
+        field: &mut [DVec3],
+        edges: &mut BTreeMap<usize, EdgesAtPoint>,
+    ) -> bool {
+        let mut made = None;
+        let tile = frame.clusters.evaluator(&frame.blocks, 0, &mut made);
+        let near_edge = NearEdge::new(&frame.blocks[0], kind);
+        self.queues.clear();
+        let work = Work { frames, frame, kind, points, tile: &tile, near_edge: near_edge.as_ref() };
+        (self.finite, self.asked) = (true, 0);
+        dispatch!(level, simd => self.run(simd, work, field, edges));
+        self.finite
+    }
+
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, simd: S, work: Work, field: &mut [DVec3], edges: &mut BTreeMap<usize, EdgesAtPoint>) {
+        room(&mut self.fields, STREAMED_POINTS + PAIR);
+        let methods = (SCALAR + 1..=work.tile.ranges().last_index()).chain([NEAR_EDGE]);
+        let stretches = work.points.len().div_ceil(STREAMED_POINTS);
+        // Once more than there are stretches, for what is left.
+        for number in 0..=stretches {
+            if let Some(start) = (number < stretches).then_some(number * STREAMED_POINTS) {
+                let end = (start + STREAMED_POINTS).min(work.points.len());
+                self.asked = self.asked.max(start + FETCHED_AHEAD);
+                self.sort(simd, work, start, &work.points[start..end], field);
+                self.divide_near(work, field, edges);
+            }
+            for method in methods.clone() {
+                let mut count = self.queues.count(method) / PAIR * PAIR;
+                if number == stretches && count < self.queues.count(method) {
+                    self.queues.fill_up(method);
+                    count = self.queues.count(method);
+                }
+                if count > 0 {
+                    self.serve(simd, work, method, count, field);
+                }
+            }
+        }
+    }
+
+    /// Brings each point of a stretch that begins at `start` into the queue of its method.
+    #[inline(always)]
+    fn sort<S: Simd>(&mut self, simd: S, work: Work, start: usize, stretch: &[DVec3], field: &mut [DVec3]) {
+        self.points.set(simd, stretch);
+        let local = if work.frame.to_scene.rotation().is_some() {
+            self.local.set_in_frame(simd, work.frames, work.frame, &self.points);
+            &self.local
+        } else {
+            &self.points
+        };
+        self.methods.set_len(STREAMED_POINTS);
+        let methods = &mut self.methods[..local.padded()];
+        work.tile.ranges().methods(simd, views(&local.axes), false, methods);
+        let count = stretch.len();
+        let axes = local.axes.each_ref().map(|axis| &axis[..count]);
+        if self.points.out_of_range().is_empty() {
+            self.queues.join_all(start, &methods[..count], axes);
+            return;
+        }
+        self.finite = false;
+        for index in 0..count {
+            let coordinates = axes.map(|axis| axis[index]);
+            if coordinates[0].is_nan() {
+                field[start + index] = DVec3::NAN;
+            } else {
+                self.queues.join(methods[index] as MethodIndex, start + index, coordinates);
+            }
+        }
+    }
+
+    /// Of the points near_edge the tile, those off its planes join a queue of their own; the others, which are few, get the kernel of one point.
+    #[inline(always)]
+    fn divide_near(&mut self, work: Work, field: &mut [DVec3], edges: &mut BTreeMap<usize, EdgesAtPoint>) {
+        for waiting in 0..self.queues.count(SCALAR) {
+            let (place, coordinates) = self.queues.at(SCALAR, waiting);
+            let roundoff = work.frames.roundoff(work.frame, work.points[place]);
+            let at = LocalPoint { coordinates, roundoff };
+            if work.near_edge.is_some_and(|near_edge| near_edge.serves(&at)) {
+                self.queues.join(NEAR_EDGE, place, coordinates);
+            } else {
+                let block = &work.frame.blocks[0];
+                self.finite = false;
+                field[place] = near_field(block, &at, work.frame, work.kind, || edges.entry(place).or_default());
+            }
+        }
+        self.queues.empty(SCALAR);
+    }
+
+    /// The first `count` points that wait for a method; what is behind them moves up.
+    #[inline(always)]
+    fn serve<S: Simd>(&mut self, simd: S, work: Work, method: MethodIndex, count: usize, field: &mut [DVec3]) {
+        let points = self.queues.points(method).map(|axis| &axis[..count.next_multiple_of(PAIR)]);
+        let [fx, fy, fz] = self.fields.each_mut().map(|values| &mut values[..points[0].len()]);
+        let mut ahead = Ahead::of(work.points, field, self.asked);
+        match work.near_edge {
+            Some(near_edge) if method == NEAR_EDGE => near_edge.fields(simd, points, [&mut *fx, &mut *fy, &mut *fz]),
+            _ => work.tile.fields(simd, method, points, [&mut *fx, &mut *fy, &mut *fz], &mut ahead),
+        }
+        self.asked = ahead.next();
+        let (fx, fy, fz) = (&fx[..count], &fy[..count], &fz[..count]);
+        // Without a branch, so that it is done in vectors.
+        let sums = fx.iter().zip(fy).zip(fz).map(|((x, y), z)| x.abs() + y.abs() + z.abs());
+        self.finite &= sums.fold(true, |all, sum| all & (sum < f64::INFINITY));
+        let places = self.queues.places(method)[..count].iter().zip(fx).zip(fy).zip(fz);
+        match work.frame.to_scene.rotation() {
+            None => places.for_each(|(((&place, x), y), z)| field[place as usize] = DVec3::new(*x, *y, *z)),
+            Some(to_scene) => {
+                places.for_each(|(((&place, x), y), z)| field[place as usize] = *to_scene * DVec3::new(*x, *y, *z));
+            }
+        }
+        self.queues.remove(method, count);
+    }
+}

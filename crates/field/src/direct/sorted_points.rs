@@ -1,0 +1,130 @@
+//! Indices of a batch of points, sorted by method.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+use magsplice_cuboid::method::{CLOSED_FORM, FIRST_FAR, MOST_FAR, MethodIndex, MethodRanges, SMALL_ELEMENTS};
+use magsplice_simd::column::{Column, views};
+use magsplice_simd::lanes::{Lanes, Number, PAIR};
+
+use super::coordinates::Coordinates;
+
+/// The method of points outside a sphere around a cluster: an expansion to a tolerance.
+pub(super) const BEYOND_SPHERE: MethodIndex = FIRST_FAR + MOST_FAR as MethodIndex;
+/// Number of methods.
+pub(super) const METHODS: usize = BEYOND_SPHERE as usize + 1;
+
+/// Indices of points by form.
+#[derive(Debug, Default)]
+pub(super) struct SortedPoints {
+    /// One stretch for each form, then one for points that have none.
+    indices: Vec<u32>,
+    counts: [usize; METHODS + 1],
+    stretch: usize,
+    methods: Column,
+}
+
+impl SortedPoints {
+    /// All the first `count` points, the closed form perhaps `stretched`. Those `beyond` a sphere, given by its centre and squared radius in the coordinates that come with it, have the form
+    /// [`BEYOND_SPHERE`].
+    pub(super) fn sort_all(
+        &mut self,
+        level: Level,
+        ranges: &MethodRanges,
+        points: &Coordinates,
+        count: usize,
+        stretched: bool,
+        beyond: Option<(&Coordinates, ([f64; 3], f64))>,
+    ) {
+        self.find_methods(level, ranges, points, stretched);
+        if let Some((points, sphere)) = beyond {
+            dispatch!(level, simd => self.find_beyond(simd, points, sphere));
+        }
+        for index in 0..count {
+            let form = if !points.out_of_range.is_empty() && points.axes[0][index].is_nan() {
+                METHODS
+            } else {
+                (self.methods[index] as usize).min(BEYOND_SPHERE as usize)
+            };
+            self.add(form, index as u32);
+        }
+        if beyond.is_some() {
+            self.fill_up();
+        }
+    }
+
+    /// Gives so many points beyond the sphere to the closed form that those left fill pairs of vectors, if its own last pair has room for them and it serves so many:
+    /// there they cost nothing, and a pair of the expansion is saved.
+    fn fill_up(&mut self) {
+        let Some(last) = [SMALL_ELEMENTS, CLOSED_FORM].into_iter().find(|form| self.counts[usize::from(*form)] > 0)
+        else {
+            return;
+        };
+        let (last, beyond) = (usize::from(last), usize::from(BEYOND_SPHERE));
+        let (closed, spare) = (self.counts[last], self.counts[beyond] % PAIR);
+        let start = beyond * self.stretch;
+        let is_served = |index: u32| self.methods[index as usize] == (beyond + last) as f64;
+        let served = (start..start + self.counts[beyond]).rev().filter(|&at| is_served(self.indices[at]));
+        let room = closed.next_multiple_of(PAIR) - closed;
+        let Some(first) = spare.checked_sub(1).filter(|_| spare <= room).and_then(|before| served.clone().nth(before))
+        else {
+            return;
+        };
+        let (mut kept, mut taken) = (first, last * self.stretch + closed);
+        for at in first..start + self.counts[beyond] {
+            let index = self.indices[at];
+            let place = if is_served(index) { &mut taken } else { &mut kept };
+            self.indices[*place] = index;
+            *place += 1;
+        }
+        self.counts[beyond] -= spare;
+        self.counts[last] += spare;
+    }
+
+    /// Points that have these indices in the batch.
+    pub(super) fn sort(&mut self, level: Level, ranges: &MethodRanges, points: &Coordinates, indices: &[u32]) {
+        self.find_methods(level, ranges, points, false);
+        for (number, &index) in indices.iter().enumerate() {
+            self.add(self.methods[number] as usize, index);
+        }
+    }
+
+    fn find_methods(&mut self, level: Level, ranges: &MethodRanges, points: &Coordinates, stretched: bool) {
+        self.stretch = points.padded();
+        self.indices.resize((METHODS + 1) * self.stretch, 0);
+        self.counts = [0; METHODS + 1];
+        self.methods.set_len(self.stretch);
+        dispatch!(level, simd => ranges.methods(simd, views(&points.axes), stretched, &mut self.methods));
+    }
+
+    #[inline(always)]
+    fn find_beyond<S: Simd>(&mut self, simd: S, points: &Coordinates, (centre, square): ([f64; 3], f64)) {
+        let [x, y, z] = &points.axes;
+        for (number, forms) in self.methods.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
+            let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
+            let x = Lanes::<S>::load(simd, &x[start..end]) - centre[0];
+            let y = Lanes::<S>::load(simd, &y[start..end]) - centre[1];
+            let z = Lanes::<S>::load(simd, &z[start..end]) - centre[2];
+            let far = z.mul_add(z, y.mul_add(y, x * x)).at_least(simd, square);
+            (far.mul_add(Lanes::<S>::splat(simd, f64::from(BEYOND_SPHERE)), Lanes::<S>::load(simd, forms)))
+                .store(forms);
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, method: usize, index: u32) {
+        let method = method.min(METHODS);
+        self.indices[method * self.stretch + self.counts[method]] = index;
+        self.counts[method] += 1;
+    }
+
+    /// The forms that occur.
+    pub(super) fn methods(&self) -> impl Iterator<Item = MethodIndex> + use<> {
+        let counts = self.counts;
+        (0..METHODS as MethodIndex).filter(move |form| counts[usize::from(*form)] > 0)
+    }
+
+    pub(super) fn points(&self, form: MethodIndex) -> &[u32] {
+        let (form, start) = (usize::from(form), usize::from(form) * self.stretch);
+        &self.indices[start..start + self.counts[form]]
+    }
+}

@@ -1,0 +1,18 @@
+//! Interpolation of the field in boxes without tiles (docs/physics.md, section 5.1).
+
+/// Cells of a box, each with a harmonic polynomial.
+mod cells;
+/// Chebyshev polynomials, nodes and the decay of coefficients.
+mod chebyshev;
+/// The Chebyshev fit of the field in a box, with its error.
+pub(crate) mod fit;
+/// A box prepared for repeated look-ups.
+pub(crate) mod fitted_field;
+/// The field in a cell as the gradient of a harmonic polynomial.
+pub(crate) mod harmonic_potential;
+/// Look-ups of many points, sorted by cell.
+mod look_up;
+/// A grid divided into boxes that can be fitted.
+pub(crate) mod on_grid;
+/// Weighted sums of rows, in vectors.
+mod weighted_sums;

@@ -1,0 +1,200 @@
+//! A grid divided into boxes that can be fitted.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+use glam::DVec3;
+use magsplice_magnet::{BoundingBox, Grid, Tolerance};
+use rayon::prelude::*;
+
+use super::chebyshev::polynomials;
+use super::fit::{Fit, FitFailure};
+use super::weighted_sums::{padded, weighted_sum};
+use crate::direct::direct_sum::DirectSum;
+use crate::tolerances::{FITTED_POINTS, POINTS_PER_NODE};
+
+/// A part of a grid: indices from and to, that excluded, along x, y, z.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GridPart {
+    start: [usize; 3],
+    end: [usize; 3],
+}
+
+/// A grid divided into parts that a Chebyshev fit interpolates, and parts that none does.
+pub(crate) struct GridFits {
+    pub(crate) fitted: Vec<(GridPart, Fit)>,
+    pub(crate) rest: Vec<GridPart>,
+}
+
+impl GridFits {
+    /// Divides a grid.
+    pub(crate) fn new(direct: &DirectSum, tolerance: Tolerance, grid: &Grid) -> GridFits {
+        let mut fits = GridFits { fitted: Vec::new(), rest: Vec::new() };
+        let whole = GridPart { start: [0; 3], end: grid.counts() };
+        divide(direct, tolerance, grid, whole, &mut fits.fitted, &mut fits.rest);
+        fits
+    }
+
+    /// Writes B in tesla at the points that a fit interpolates within the tolerance; returns the indices
+    /// of all other points.
+    pub(crate) fn evaluate(&self, level: Level, tolerance: Tolerance, grid: &Grid, field: &mut [DVec3]) -> Vec<usize> {
+        let mut rest: Vec<usize> = self.rest.iter().flat_map(|part| part.indices(grid)).collect();
+        for (part, fit) in &self.fitted {
+            evaluate(level, fit, tolerance, grid, *part, field, &mut rest);
+        }
+        rest
+    }
+}
+
+fn divide(
+    direct: &DirectSum,
+    tolerance: Tolerance,
+    grid: &Grid,
+    part: GridPart,
+    fitted: &mut Vec<(GridPart, Fit)>,
+    rest: &mut Vec<GridPart>,
+) {
+    let points = part.len();
+    let fit = if points < FITTED_POINTS {
+        Err(FitFailure::TooNear)
+    } else {
+        Fit::new(direct, part.region(grid), tolerance, points / POINTS_PER_NODE)
+    };
+    match fit {
+        Ok(fit) => fitted.push((part, fit)),
+        Err(FitFailure::TooNear) if points >= 2 * FITTED_POINTS => {
+            let axis = part.longest_axis(grid);
+            let middle = usize::midpoint(part.start[axis], part.end[axis]);
+            let (mut low, mut high) = (part, part);
+            low.end[axis] = middle;
+            high.start[axis] = middle;
+            divide(direct, tolerance, grid, low, fitted, rest);
+            divide(direct, tolerance, grid, high, fitted, rest);
+        }
+        Err(_) => rest.push(part),
+    }
+}
+
+impl GridPart {
+    pub(crate) fn len(&self) -> usize {
+        self.counts().iter().product()
+    }
+
+    pub(crate) fn counts(&self) -> [usize; 3] {
+        [0, 1, 2].map(|axis: usize| self.end[axis] - self.start[axis])
+    }
+
+    fn region(&self, grid: &Grid) -> BoundingBox {
+        let corner =
+            |at: fn(&GridPart, usize) -> usize| DVec3::from([0, 1, 2].map(|a| grid.coordinate(a, at(self, a))));
+        let (first, last) = (corner(|part, a| part.start[a]), corner(|part, a| part.end[a] - 1));
+        BoundingBox { lower: first.min(last), upper: first.max(last) }
+    }
+
+    fn longest_axis(&self, grid: &Grid) -> usize {
+        let size = self.region(grid).half_size();
+        let divisible = (0..3).filter(|&axis| self.end[axis] - self.start[axis] > 1);
+        divisible.max_by(|&a, &b| size[a].total_cmp(&size[b])).expect("several points")
+    }
+
+    pub(crate) fn indices(self, grid: &Grid) -> impl Iterator<Item = usize> {
+        let [_, ny, nz] = grid.counts();
+        let GridPart { start, end } = self;
+        (start[0]..end[0]).flat_map(move |i| {
+            (start[1]..end[1]).flat_map(move |j| (start[2]..end[2]).map(move |k| (i * ny + j) * nz + k))
+        })
+    }
+}
+
+/// The polynomials of a fit at the grid's coordinates along its axes.
+struct PolynomialTables {
+    /// For each coordinate along x and along y the values of all polynomials.
+    along_x: Vec<Vec<f64>>,
+    along_y: Vec<Vec<f64>>,
+    /// For each polynomial along z the values at all coordinates.
+    along_z: Vec<f64>,
+}
+
+impl PolynomialTables {
+    fn new(fit: &Fit, grid: &Grid, part: GridPart) -> PolynomialTables {
+        let (centre, half) = (fit.region.centre(), fit.region.half_size());
+        let values = |axis: usize, index: usize| {
+            let mut values = vec![0.0; fit.counts[axis]];
+            let offset = grid.coordinate(axis, index) - centre[axis];
+            polynomials(if half[axis] > 0.0 { offset / half[axis] } else { 0.0 }, &mut values);
+            values
+        };
+        let along = |axis: usize| (part.start[axis]..part.end[axis]).map(|i| values(axis, i)).collect::<Vec<_>>();
+        let room = padded(part.counts()[2]);
+        let mut along_z = vec![0.0; fit.counts[2] * room];
+        for (k, values) in along(2).into_iter().enumerate() {
+            for (c, value) in values.into_iter().enumerate() {
+                along_z[c * room + k] = value;
+            }
+        }
+        PolynomialTables { along_x: along(0), along_y: along(1), along_z }
+    }
+}
+
+/// The expansion at the points of a part; those at which it does not keep the tolerance are named.
+fn evaluate(
+    level: Level,
+    fit: &Fit,
+    tolerance: Tolerance,
+    grid: &Grid,
+    part: GridPart,
+    field: &mut [DVec3],
+    rest: &mut Vec<usize>,
+) {
+    let tables = PolynomialTables::new(fit, grid, part);
+    let [_, ny, nz] = grid.counts();
+    let planes = field.par_chunks_mut(ny * nz).enumerate().skip(part.start[0]).take(part.counts()[0]);
+    let missed: Vec<usize> = planes
+        .flat_map_iter(|(i, field)| {
+            let weights = &tables.along_x[i - part.start[0]];
+            let weakest_t = dispatch!(level, simd => plane(simd, fit, &tables, weights, part, nz, field));
+            let mut missed = Vec::new();
+            if !tolerance.is_kept(DVec3::X * weakest_t, fit.error_t) {
+                let in_plane =
+                    GridPart { start: [i, part.start[1], part.start[2]], end: [i + 1, part.end[1], part.end[2]] };
+                let kept = |index: &usize| tolerance.is_kept(field[index - i * ny * nz], fit.error_t);
+                missed.extend(in_plane.indices(grid).filter(|index| !kept(index)));
+            }
+            missed
+        })
+        .collect();
+    rest.extend(missed);
+}
+
+/// One plane of constant x: first over the polynomials along x, then along y, then along z. Returns the least |B| in it.
+#[inline(always)]
+fn plane<S: Simd>(
+    simd: S,
+    fit: &Fit,
+    tables: &PolynomialTables,
+    weights: &[f64],
+    part: GridPart,
+    stride: usize,
+    field: &mut [DVec3],
+) -> f64 {
+    let (slab, degrees, room) = (Fit::slab(fit.counts), fit.counts[2], padded(part.counts()[2]));
+    let mut in_plane = [0, 1, 2].map(|_| vec![0.0; slab]);
+    for (sum, coefficients) in in_plane.iter_mut().zip(&fit.coefficients) {
+        weighted_sum(simd, weights, coefficients, sum);
+    }
+    let mut on_line = vec![0.0; padded(degrees)];
+    let mut values = [0, 1, 2].map(|_| vec![0.0; room]);
+    let mut least_square = f64::INFINITY;
+    for (j, weights) in (part.start[1]..).zip(&tables.along_y) {
+        for (values, coefficients) in values.iter_mut().zip(&in_plane) {
+            weighted_sum(simd, weights, coefficients, &mut on_line);
+            weighted_sum(simd, &on_line[..degrees], &tables.along_z, values);
+        }
+        let [x, y, z] = &values;
+        let line = &mut field[j * stride + part.start[2]..j * stride + part.end[2]];
+        for (field, ((x, y), z)) in line.iter_mut().zip(x.iter().zip(y).zip(z)) {
+            *field = DVec3::new(*x, *y, *z);
+            least_square = least_square.min(field.length_squared());
+        }
+    }
+    least_square.sqrt()
+}

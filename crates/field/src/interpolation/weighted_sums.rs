@@ -1,0 +1,54 @@
+//! Sums of rows with weights, in the widest vectors: what products of expansions come down to.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+
+use magsplice_simd::lanes::{Lanes, Number};
+
+/// Rows are filled up with zeros to multiples of this, two of the longest vectors.
+const PADDING: usize = 16;
+
+/// The room for a row of so many numbers.
+pub(super) fn padded(length: usize) -> usize {
+    length.next_multiple_of(PADDING)
+}
+
+/// The sum of `weights` times as many `rows` of the length of `sum`, which is one that [`padded`] gives.
+pub(super) fn combine(level: Level, weights: &[f64], rows: &[f64], sum: &mut [f64]) {
+    dispatch!(level, simd => weighted_sum(simd, weights, rows, sum));
+}
+
+/// See [`combine`].
+#[inline(always)]
+pub(super) fn weighted_sum<S: Simd>(simd: S, weights: &[f64], rows: &[f64], sum: &mut [f64]) {
+    let (length, stride) = (Lanes::<S>::LEN, sum.len());
+    let wide = sum.len() / (4 * length) * (4 * length);
+    for start in (0..wide).step_by(4 * length) {
+        strip::<S, 4>(simd, weights, rows, stride, start, sum);
+    }
+    for start in (wide..stride).step_by(2 * length) {
+        strip::<S, 2>(simd, weights, rows, stride, start, sum);
+    }
+}
+
+/// `N` vectors of the sum, which do not wait for each other.
+#[inline(always)]
+fn strip<S: Simd, const N: usize>(
+    simd: S,
+    weights: &[f64],
+    rows: &[f64],
+    stride: usize,
+    start: usize,
+    sum: &mut [f64],
+) {
+    let length = Lanes::<S>::LEN;
+    let mut sums = [Lanes::<S>::splat(simd, 0.0); N];
+    for (weight, row) in weights.iter().zip(rows.chunks_exact(stride)) {
+        for (sum, row) in sums.iter_mut().zip(row[start..start + N * length].chunks_exact(length)) {
+            *sum = Lanes::<S>::load(simd, row).scale_add(*weight, *sum);
+        }
+    }
+    for (value, sum) in sums.iter().zip(sum[start..start + N * length].chunks_exact_mut(length)) {
+        value.store(sum);
+    }
+}

@@ -1,0 +1,77 @@
+//! A film as a sum of fewer cuboids than it has tiles.
+//!
+//! Where tiles in a row share one component of J in different strength, a bar over all of them with the least strength and cuboids for the rest
+//! are fewer. Only strengths of one sign are taken apart, so the parts add up and nothing cancels.
+
+use glam::DVec3;
+use magsplice_cuboid::block::Block;
+use magsplice_cuboid::tolerances::LONGEST_NEEDLE;
+use rustc_hash::FxHashMap;
+
+/// Cuboids with the same field as `blocks` together, with the fewest elements to compute.
+pub(super) fn decomposed(blocks: &[Block]) -> Vec<Block> {
+    let mut parts: Vec<Block> = Vec::new();
+    for component in 0..3 {
+        let choices = [0, 1, 2].map(|along| rows(blocks, component, along));
+        parts.extend(choices.into_iter().min_by_key(Vec::len).expect("three directions"));
+    }
+    let elements = |blocks: &[Block]| blocks.iter().map(|b| element_count(b.polarization_t)).sum::<usize>();
+    let is_served = |part: &Block| {
+        let mut sides = part.size;
+        sides.sort_by(f64::total_cmp);
+        sides[2] <= LONGEST_NEEDLE * sides[1]
+    };
+    if elements(&parts) < elements(blocks) && parts.iter().all(is_served) { parts } else { blocks.to_vec() }
+}
+
+/// How many elements of the tensor a polarization needs.
+fn element_count(j: DVec3) -> usize {
+    match j.to_array().iter().filter(|j| **j != 0.0).count() {
+        0 => 0,
+        1 => 3,
+        _ => 5,
+    }
+}
+
+/// The part of the blocks with this component of J, in bars along one axis.
+fn rows(blocks: &[Block], component: usize, along: usize) -> Vec<Block> {
+    let magnetized = blocks.iter().filter(|block| block.polarization_t[component] != 0.0);
+    let mut by_outline: FxHashMap<[[u64; 4]; 2], Vec<&Block>> = FxHashMap::default();
+    for block in magnetized {
+        let outline = [1, 2].map(|next| {
+            let [low, high] = block.faces[(along + next) % 3];
+            [low.hi, low.lo, high.hi, high.lo].map(f64::to_bits)
+        });
+        by_outline.entry(outline).or_default().push(block);
+    }
+    // In an order that depends on nothing but the blocks.
+    let mut outlines: Vec<_> = by_outline.into_iter().collect();
+    outlines.sort_by_key(|(outline, _)| *outline);
+    let mut parts = Vec::new();
+    for (_, mut row) in outlines {
+        row.sort_by(|a, b| a.faces[along][0].hi.total_cmp(&b.faces[along][0].hi));
+        let joined = |a: &&Block, b: &&Block| {
+            a.faces[along][1] == b.faces[along][0]
+                && a.polarization_t[component].is_sign_positive() == b.polarization_t[component].is_sign_positive()
+        };
+        for run in row.chunk_by(joined) {
+            cut(run, component, along, 0.0, &mut parts);
+        }
+    }
+    parts
+}
+
+/// A bar over all of a run with its least strength, and what remains beyond it. `below` is the strength already taken.
+fn cut(run: &[&Block], component: usize, along: usize, below: f64, parts: &mut Vec<Block>) {
+    let strength = |block: &&Block| block.polarization_t[component].abs();
+    let least = run.iter().map(strength).fold(f64::INFINITY, f64::min);
+    let mut bar = run[0].clone();
+    bar.faces[along][1] = run[run.len() - 1].faces[along][1];
+    bar.size[along] = bar.faces[along][1].minus(bar.faces[along][0]).value();
+    bar.polarization_t = DVec3::ZERO;
+    bar.polarization_t[component] = (least - below).copysign(run[0].polarization_t[component]);
+    parts.push(bar);
+    for rest in run.split(|block| strength(block) == least).filter(|rest| !rest.is_empty()) {
+        cut(rest, component, along, least, parts);
+    }
+}

@@ -1,0 +1,236 @@
+//! The tiles of one frame prepared for many points.
+
+use std::cmp::Ordering;
+use std::ops::Range as Span;
+use std::sync::OnceLock;
+
+use fearless_simd::Level;
+use glam::DVec3;
+use magsplice_cuboid::block::Block;
+use magsplice_cuboid::evaluator::Evaluator;
+use magsplice_cuboid::method::MethodRanges;
+use magsplice_cuboid::series::coefficients::Series;
+use magsplice_cuboid::series::multipole::Distant;
+use magsplice_expansion::moments::Moments;
+use magsplice_expansion::multipole::Expansion;
+use magsplice_expansion::source::Source;
+use magsplice_expansion::tolerances::HIGHEST_DEGREE;
+use magsplice_simd::compensated_sum::TwoSum;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::bars::decomposed;
+use super::cluster_methods::{is_compact, radius_of, ranges_of_cluster, scale_of};
+use super::corner_tables::CornerTables;
+use crate::tolerances::{HALVED_RADIUS, KEPT_SERIES, MOST_PLANES, TILES_PER_CLUSTER, TILES_PER_ITEM};
+
+/// Clusters of neighbouring tiles, and the series of their shapes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ClusterTable {
+    pub(crate) clusters: Vec<Cluster>,
+    pub(crate) tiles: Vec<PreparedTile>,
+    series: Vec<Series>,
+}
+
+/// A tile for all the forms that take it by itself.
+#[derive(Clone, Debug)]
+pub(crate) struct PreparedTile {
+    pub(crate) ranges: MethodRanges,
+    pub(crate) distant: Distant,
+    shape: u32,
+}
+
+/// Consecutive blocks that one form serves at many points.
+#[derive(Clone, Debug)]
+pub(crate) struct Cluster {
+    pub(crate) blocks: Span<usize>,
+    pub(crate) ranges: MethodRanges,
+    /// `None` for a single tile.
+    pub(crate) corners: Option<CornerTables>,
+    /// Made when first needed.
+    expansion: OnceLock<Expansion>,
+}
+
+impl Cluster {
+    /// Of some of a frame's blocks, from `start` on; `None` if they do not fit.
+    fn new(blocks: &[Block], start: usize) -> Option<Cluster> {
+        let (ranges, corners) = if let [block] = blocks {
+            (MethodRanges::from_block(block), None)
+        } else {
+            let parts = decomposed(blocks);
+            let corners = CornerTables::new(&parts, scale_of(&parts))?;
+            let ranges = ranges_of_cluster(&parts, blocks.len(), corners.largest_group_volume, corners.largest_group);
+            (ranges, Some(corners))
+        };
+        Some(Cluster { blocks: start..start + blocks.len(), ranges, corners, expansion: OnceLock::new() })
+    }
+
+    /// Two halves of these of a frame's `blocks`, if they are many, much smaller, and fit whatever they share.
+    pub(crate) fn halves(&self, blocks: &[Block]) -> Option<[Span<usize>; 2]> {
+        let Span { start, end } = self.blocks;
+        let middle = start + (end - start) / 2;
+        let halves = [start..middle, middle..end];
+        let radius = radius_of(&blocks[start..end]);
+        let serves = |half: &Span<usize>| {
+            let blocks = &blocks[half.clone()];
+            radius_of(blocks) <= HALVED_RADIUS * radius && most_planes(blocks) <= MOST_PLANES
+        };
+        (end - start > TILES_PER_ITEM && halves.iter().all(serves)).then_some(halves)
+    }
+
+    /// One of the [`Cluster::halves`].
+    pub(crate) fn half(blocks: &[Block], half: Span<usize>) -> Cluster {
+        // Of so few tiles corners and groups fit as well: 32 tiles have 256 corners and 192 elements, and bars instead of them have fewer elements, each
+        // 3 of them 8 corners.
+        Cluster::new(&blocks[half.clone()], half.start).expect("halves that fit")
+    }
+
+    /// The expansion of these of a frame's `blocks`.
+    pub(crate) fn expansion(&self, level: Level, blocks: &[Block]) -> &Expansion {
+        let own = || &blocks[self.blocks.clone()];
+        self.expansion.get_or_init(|| expansion_of(level, own(), self.ranges.centre, self.ranges.scale))
+    }
+}
+
+impl ClusterTable {
+    /// Brings `blocks` into an order in which neighbours are close to each other, and prepares them.
+    pub(crate) fn new(blocks: &mut [Block]) -> ClusterTable {
+        let mut table = ClusterTable::default();
+        let mut places: Vec<BlockCentre> =
+            blocks.iter().enumerate().map(|(index, block)| BlockCentre::new(index, block)).collect();
+        let mut ordered = Vec::with_capacity(blocks.len());
+        table.divide(blocks, &mut places, true, &mut ordered);
+        blocks.clone_from_slice(&ordered);
+        let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
+        for block in &*blocks {
+            let next = known.len() as u32;
+            let shape = *known.entry(block.size.map(f64::to_bits)).or_insert(next);
+            let ranges = MethodRanges::from_block(block);
+            table.tiles.push(PreparedTile { distant: Distant::new(block, ranges.scale), ranges, shape });
+        }
+        if known.len() <= KEPT_SERIES {
+            let mut shapes: Vec<([u64; 3], u32)> = known.into_iter().collect();
+            shapes.sort_by_key(|shape| shape.1);
+            let orders: FxHashMap<u32, usize> =
+                table.tiles.iter().map(|tile| (tile.shape, tile.ranges.highest_order())).collect();
+            let series = |(size, shape): ([u64; 3], u32)| Series::new(size.map(f64::from_bits), orders[&shape]);
+            table.series = shapes.into_iter().map(series).collect();
+        }
+        table
+    }
+
+    /// How many clusters and tiles by themselves there are.
+    pub(crate) fn parts(&self) -> usize {
+        self.clusters.len()
+    }
+
+    /// The series of the shape of block `index`; it is `made` here if it is not kept.
+    pub(crate) fn series<'a>(&'a self, blocks: &[Block], index: usize, made: &'a mut Option<Series>) -> &'a Series {
+        let tile = &self.tiles[index];
+        let kept = self.series.get(tile.shape as usize);
+        kept.unwrap_or_else(|| made.insert(Series::new(blocks[index].size, tile.ranges.highest_order())))
+    }
+
+    /// The evaluator of block `index` on its own; its series is `made` here if it is not kept.
+    pub(crate) fn evaluator<'a>(
+        &'a self,
+        blocks: &[Block],
+        index: usize,
+        made: &'a mut Option<Series>,
+    ) -> Evaluator<'a> {
+        let tile = &self.tiles[index];
+        Evaluator::new(&blocks[index], &tile.ranges, &tile.distant, self.series(blocks, index, made))
+    }
+
+    /// Brings the `blocks` at some places into order; those of all places, if they are together, remain in theirs.
+    fn divide(&mut self, blocks: &[Block], places: &mut [BlockCentre], are_all: bool, ordered: &mut Vec<Block>) {
+        let start = ordered.len();
+        if places.len() <= TILES_PER_CLUSTER {
+            if !are_all {
+                // Along their own longest axis, so that halves of them are compact.
+                let axes = longest_first(places);
+                places.sort_unstable_by(|a, b| a.compare(b, axes));
+            }
+            ordered.extend(places.iter().map(|place| blocks[place.index].clone()));
+            if self.take_together(&ordered[start..], start) {
+                return;
+            }
+            ordered.truncate(start);
+        }
+        let axes = longest_first(places);
+        let (low, high) = halved(places, axes);
+        self.divide(blocks, low, false, ordered);
+        self.divide(blocks, high, false, ordered);
+    }
+
+    /// Whether blocks that are now at `start` are none, one, or some that one form serves.
+    fn take_together(&mut self, blocks: &[Block], start: usize) -> bool {
+        if blocks.is_empty() {
+            return true;
+        }
+        match Cluster::new(blocks, start) {
+            Some(cluster) if cluster.corners.is_none() || is_compact(&cluster.ranges) => {
+                self.clusters.push(cluster);
+                true
+            }
+            _ => false,
+        }
+    }
+}
+
+/// The expansion of blocks of one frame around `centre`; lengths are multiplied by `scale`.
+pub(super) fn expansion_of(level: Level, blocks: &[Block], centre: [f64; 3], scale: f64) -> Expansion {
+    let source = |block: &Block| {
+        let middle = [0, 1, 2].map(|axis: usize| {
+            let [low, high] = block.faces[axis].map(|face| face.minus(TwoSum::exact(centre[axis])).value());
+            0.5 * low + 0.5 * high
+        });
+        Source::new(DVec3::from(middle) * scale, DVec3::from(block.size) * scale, None, block.polarization_t)
+    };
+    let sources: Vec<Source> = blocks.iter().map(source).collect();
+    Expansion::from_moments(&Moments::from_sources(level, &sources, HIGHEST_DEGREE), centre, scale)
+}
+
+/// How many planes the faces of blocks and of bars over some of them lie in, at most.
+fn most_planes(blocks: &[Block]) -> usize {
+    let faces = blocks.iter().flat_map(|block| (0..3).flat_map(|axis| block.faces[axis].map(|face| (axis, face))));
+    let planes: FxHashSet<(usize, [u64; 2])> =
+        faces.map(|(axis, face)| (axis, [face.hi, face.lo].map(f64::to_bits))).collect();
+    planes.len()
+}
+
+/// Where a block is: what is sorted instead of the blocks, which are ten times larger.
+#[derive(Clone, Copy)]
+struct BlockCentre {
+    centre: [f64; 3],
+    index: usize,
+}
+
+impl BlockCentre {
+    fn new(index: usize, block: &Block) -> BlockCentre {
+        BlockCentre { centre: block.faces.map(|[low, high]| 0.5 * low.hi + 0.5 * high.hi), index }
+    }
+
+    /// By position along axes, those of one position as they were.
+    fn compare(&self, other: &BlockCentre, axes: [usize; 3]) -> Ordering {
+        let along = axes.map(|axis| self.centre[axis].total_cmp(&other.centre[axis]));
+        along[0].then(along[1]).then(along[2]).then(self.index.cmp(&other.index))
+    }
+}
+
+/// The axis along which the places reach farthest, and those that follow it.
+fn longest_first(places: &[BlockCentre]) -> [usize; 3] {
+    let reach = |axis: usize| {
+        let positions = places.iter().map(|place| place.centre[axis]);
+        positions.clone().fold(f64::NEG_INFINITY, f64::max) * 0.5 - positions.fold(f64::INFINITY, f64::min) * 0.5
+    };
+    let reaches = [0, 1, 2].map(reach);
+    let longest = (0..3).max_by(|&a, &b| reaches[a].total_cmp(&reaches[b])).expect("three axes");
+    [longest, (longest + 1) % 3, (longest + 2) % 3]
+}
+
+/// Those that come first along axes, and the others.
+fn halved(places: &mut [BlockCentre], axes: [usize; 3]) -> (&mut [BlockCentre], &mut [BlockCentre]) {
+    let middle = places.len() / 2;
+    places.select_nth_unstable_by(middle, |a, b| a.compare(b, axes));
+    places.split_at_mut(middle)
+}

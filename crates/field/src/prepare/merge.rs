@@ -1,0 +1,95 @@
+//! Blocks of one polarization that together form a cuboid become that cuboid.
+//!
+//! On the seam inside a uniform body nothing happens, but the terms of the two blocks grow without bound there and cancel. Merged,
+//! they are not computed at all: the field has no seam, its gradient is exact, and there is less to do.
+
+use magsplice_cuboid::block::Block;
+use magsplice_simd::compensated_sum::TwoSum;
+use rustc_hash::FxHashMap;
+
+/// What two blocks that touch along an axis must have in common: the plane, the outline, and the polarization, bit by bit.
+#[derive(PartialEq, Eq, Hash)]
+struct Contact {
+    plane: [u64; 2],
+    outline: [[[u64; 2]; 2]; 2],
+    polarization: [u64; 3],
+}
+
+/// Merges until no two blocks form a cuboid.
+pub(crate) fn merged(blocks: &[Block]) -> Vec<Block> {
+    let mut blocks: Vec<Option<Block>> = blocks.iter().cloned().map(Some).collect();
+    loop {
+        let before = blocks.len();
+        for axis in 0..3 {
+            merge_along(&mut blocks, axis);
+            blocks.retain(Option::is_some);
+        }
+        if blocks.len() == before {
+            return blocks.into_iter().flatten().collect();
+        }
+    }
+}
+
+fn merge_along(blocks: &mut [Option<Block>], axis: usize) {
+    let mut by_lower: FxHashMap<Contact, usize> = FxHashMap::default();
+    for (index, block) in blocks.iter().enumerate() {
+        by_lower.insert(contact(block.as_ref().expect("only whole blocks are kept"), axis, 0), index);
+    }
+    for index in 0..blocks.len() {
+        // Takes up its upper neighbours one after the other. A block that has been taken up is not found again: nothing
+        // else touches its lower face.
+        while let Some(block) = &blocks[index] {
+            let Some(other) = by_lower.remove(&contact(block, axis, 1)).filter(|&other| other != index) else { break };
+            let Some(upper) = blocks[other].take() else { break };
+            let block = blocks[index].as_mut().expect("the block that grows");
+            block.faces[axis][1] = upper.faces[axis][1];
+            block.size[axis] = block.faces[axis][1].minus(block.faces[axis][0]).value();
+            block.tile = block.tile.min(upper.tile);
+        }
+    }
+}
+
+fn contact(block: &Block, axis: usize, face: usize) -> Contact {
+    let bits = |t: TwoSum| [t.hi, t.lo].map(|part| (part + 0.0).to_bits());
+    let outline = [(axis + 1) % 3, (axis + 2) % 3].map(|across| block.faces[across].map(bits));
+    let polarization = block.polarization_t.to_array().map(|j| (j + 0.0).to_bits());
+    Contact { plane: bits(block.faces[axis][face]), outline, polarization }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    fn block(tile: usize, low: [f64; 3], high: [f64; 3], j: f64) -> Block {
+        let (low, high) = (DVec3::from(low), DVec3::from(high));
+        Block::new(tile, 0.5 * (low + high), high - low, DVec3::new(0.0, 0.0, j), 1.0)
+    }
+
+    #[test]
+    fn a_divided_block_becomes_whole() {
+        let mut parts = Vec::new();
+        for i in 0..4 {
+            for j in 0..3 {
+                let (x, y) = (f64::from(3 - i), f64::from(j));
+                parts.push(block(parts.len(), [x, y, 0.0], [x + 1.0, y + 1.0, 2.0], 1.0));
+            }
+        }
+        let whole = merged(&parts);
+        assert_eq!(whole.len(), 1);
+        assert_eq!(whole[0].faces.map(|f| f.map(TwoSum::value)), [[0.0, 4.0], [0.0, 3.0], [0.0, 2.0]]);
+        assert_eq!((whole[0].size, whole[0].tile), ([4.0, 3.0, 2.0], 0));
+    }
+
+    #[test]
+    fn other_polarizations_outlines_and_gaps_stay_apart() {
+        let parts = [
+            block(0, [0.0; 3], [1.0; 3], 1.0),
+            block(1, [1.0, 0.0, 0.0], [2.0, 1.0, 1.0], -1.0),
+            block(2, [0.0, 1.0, 0.0], [1.0, 2.0, 1.5], 1.0),
+            block(3, [0.0, 0.0, 1.25], [1.0, 1.0, 2.0], 1.0),
+        ];
+        assert_eq!(merged(&parts).len(), 4);
+    }
+}

@@ -1,0 +1,51 @@
+//! Faces that are meant to be one plane become one.
+//!
+//! Two touching tiles are given by centres and sizes, and `position + size / 2` of the one need not round to
+//! `position - size / 2` of the other. Between the two numbers a point would belong to both tiles or to none. Faces within a
+//! few units of round-off of each other are therefore given one coordinate, which moves no face by more than that.
+
+use magsplice_simd::compensated_sum::TwoSum;
+
+/// A face as a coordinate along its normal.
+pub(crate) struct Plane {
+    pub(crate) coordinate: TwoSum,
+    /// How far the number may be from what was meant.
+    pub(crate) tolerance: f64,
+    /// Which face it is: frame, block, axis of the frame, lower or upper.
+    pub(crate) place: [usize; 4],
+}
+
+impl Plane {
+    fn owner(&self) -> [usize; 2] {
+        [self.place[0], self.place[1]]
+    }
+}
+
+/// The faces that move, with their new coordinates.
+pub(crate) fn joined(mut planes: Vec<Plane>) -> Vec<(TwoSum, [usize; 4])> {
+    planes.sort_by(|a, b| a.coordinate.value().total_cmp(&b.coordinate.value()));
+    let apart = |a: &Plane, b: &Plane| b.coordinate.minus(a.coordinate).value() > a.tolerance.max(b.tolerance);
+    let mut moves = Vec::new();
+    for cluster in planes.chunk_by(|a, b| !apart(a, b)) {
+        // A tile thinner than the tolerance keeps its faces: its thickness is data.
+        let mut owners: Vec<[usize; 2]> = cluster.iter().map(Plane::owner).collect();
+        owners.sort_unstable();
+        let sliver =
+            |p: &&Plane| owners.partition_point(|o| *o <= p.owner()) - owners.partition_point(|o| *o < p.owner()) > 1;
+        let whole: Vec<&Plane> = cluster.iter().filter(|p| !sliver(p)).collect();
+        if let Some(common) = common_coordinate(&whole) {
+            moves.extend(whole.iter().map(|p| (common, p.place)));
+        }
+    }
+    moves
+}
+
+fn common_coordinate(cluster: &[&Plane]) -> Option<TwoSum> {
+    let first = cluster.first()?.coordinate;
+    if cluster.iter().all(|p| p.coordinate == first) {
+        return None;
+    }
+    // The one nearest to a binary64 number is most likely what was meant, and points can lie on that number exactly.
+    let meant = cluster.iter().map(|p| p.coordinate).min_by(|a, b| a.lo.abs().total_cmp(&b.lo.abs()))?;
+    Some(TwoSum::exact(meant.hi))
+}

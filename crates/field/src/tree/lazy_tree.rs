@@ -1,0 +1,42 @@
+//! A tree that is built when it is first needed.
+
+use std::sync::OnceLock;
+
+use magsplice_expansion::tolerances::HIGHEST_DEGREE;
+use magsplice_magnet::{Accuracy, Tolerance};
+
+use super::nodes::Tree;
+use crate::direct::direct_sum::DirectSum;
+use crate::tolerances::{ADDED_DEGREES, LEAST_DEGREE};
+
+/// A tree over the tiles of a scene, for one accuracy.
+#[derive(Clone, Debug)]
+pub(crate) struct LazyTree {
+    highest_degree: usize,
+    tree: OnceLock<Tree>,
+}
+
+impl LazyTree {
+    /// A tree for this accuracy, not built yet.
+    pub(crate) fn new(direct: &DirectSum, accuracy: Accuracy) -> LazyTree {
+        let largest_j_t = direct.tiles().iter().map(|tile| tile.polarization_t().length()).fold(0.0, f64::max);
+        LazyTree { highest_degree: highest_degree(accuracy, largest_j_t), tree: OnceLock::new() }
+    }
+
+    /// The tree, built from the tiles that [`LazyTree::new`] was given.
+    pub(crate) fn get(&self, direct: &DirectSum) -> &Tree {
+        self.tree.get_or_init(|| Tree::new(direct, self.highest_degree))
+    }
+}
+
+/// The degree up to which expansions of tiles whose |J| is at most `largest_j_t` are worthwhile: its
+/// truncation error is about the tolerance at twice the radius.
+fn highest_degree(accuracy: Accuracy, largest_j_t: f64) -> usize {
+    let fraction = match accuracy {
+        Accuracy::Exact => return HIGHEST_DEGREE,
+        Accuracy::Within(Tolerance::Relative { fraction, .. }) => fraction,
+        Accuracy::Within(Tolerance::AbsoluteT { error_t, .. }) => error_t / largest_j_t,
+    };
+    let degree = ADDED_DEGREES - fraction.log2();
+    if degree > LEAST_DEGREE as f64 { degree.min(HIGHEST_DEGREE as f64) as usize } else { LEAST_DEGREE }
+}

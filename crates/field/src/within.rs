@@ -1,0 +1,104 @@
+//! B and H within a tolerance: which points are interpolated, summed over a tree, or exact.
+//!
+//! | model | points | where |
+//! |---|---|---|
+//! | Chebyshev interpolation of a box without tiles | grids | [`crate::interpolation`] |
+//! | harmonic polynomials of the cells of a box | long lists of points in a box without tiles | [`crate::interpolation`] |
+//! | expansions of the nodes of a tree | other points | [`crate::tree`] |
+//! | direct summation | points at which no other model keeps the tolerance | [`crate::direct`] |
+
+use glam::DVec3;
+use magsplice_magnet::{BoundingBox, Grid, MU_0, PointError, Quantity, Tolerance, is_in_range};
+use rayon::prelude::*;
+
+use crate::direct::direct_sum::DirectSum;
+use crate::interpolation::fitted_field::FittedField;
+use crate::interpolation::on_grid::GridFits;
+use crate::tolerances::{LOOKED_UP_POINTS, LOOKED_UP_TILES, POINTS_PER_FITTED_NODE, POINTS_TOGETHER, TREE_TILES};
+use crate::tree::lazy_tree::LazyTree;
+use crate::tree::rounds::sum_over_tree;
+
+/// Writes B or H at all points; returns the points without a field, where `field` is NaN.
+pub(crate) fn at_points(
+    direct: &DirectSum,
+    tree: &LazyTree,
+    tolerance: Tolerance,
+    quantity: Quantity,
+    points: &[DVec3],
+    field: &mut [DVec3],
+) -> Vec<PointError> {
+    let together = points.chunks(POINTS_TOGETHER).zip(field.chunks_mut(POINTS_TOGETHER)).enumerate();
+    let errors = together.flat_map(|(number, (points, field))| {
+        let errors = at_some_points(direct, tree, tolerance, quantity, points, field);
+        errors.into_iter().map(move |error| PointError { index: number * POINTS_TOGETHER + error.index, ..error })
+    });
+    errors.collect()
+}
+
+fn at_some_points(
+    direct: &DirectSum,
+    tree: &LazyTree,
+    tolerance: Tolerance,
+    quantity: Quantity,
+    points: &[DVec3],
+    field: &mut [DVec3],
+) -> Vec<PointError> {
+    field.fill(DVec3::NAN);
+    let usable: Vec<u32> = match fitted(direct, tolerance, points) {
+        Some(fitted) => {
+            // All other points are in the box, where |B| is large enough.
+            let weak = fitted.flux_density_into(points, field).err().unwrap_or_default();
+            if quantity == Quantity::FieldStrength {
+                field.par_iter_mut().for_each(|h| *h /= MU_0);
+            }
+            weak.into_iter().map(|error| error.index as u32).collect()
+        }
+        None if direct.tiles().len() < TREE_TILES => {
+            let all: Vec<usize> = (0..points.len()).collect();
+            return direct.exact_at(tolerance, quantity, points, &all, field);
+        }
+        None => (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect(),
+    };
+    let (mut errors, mut exact) = sum_over_tree(direct, tree.get(direct), tolerance, quantity, points, usable, field);
+    exact.extend((0..points.len()).filter(|&index| !is_in_range(points[index])));
+    exact.sort_unstable();
+    errors.extend(direct.exact_at(tolerance, quantity, points, &exact, field));
+    errors.sort_by_key(|error| error.index);
+    errors
+}
+
+/// The interpolation of the box around points, where there are so many that it is worthwhile.
+pub(crate) fn fitted(direct: &DirectSum, tolerance: Tolerance, points: &[DVec3]) -> Option<FittedField> {
+    let pays = points.len() >= LOOKED_UP_POINTS && direct.tiles().len() >= LOOKED_UP_TILES;
+    if !pays || !points.iter().all(|point| is_in_range(*point)) {
+        return None;
+    }
+    let BoundingBox { lower, upper } = BoundingBox::from_points(points);
+    FittedField::from_samples(direct, lower, upper, tolerance, points.len() / POINTS_PER_FITTED_NODE).ok()
+}
+
+/// Writes B or H at all points of the grid, z fastest; returns the points without a field, where
+/// `field` is NaN.
+pub(crate) fn on_grid(
+    direct: &DirectSum,
+    tree: &LazyTree,
+    tolerance: Tolerance,
+    quantity: Quantity,
+    grid: &Grid,
+    field: &mut [DVec3],
+) -> Vec<PointError> {
+    let fits = GridFits::new(direct, tolerance, grid);
+    let mut rest = fits.evaluate(direct.level(), tolerance, grid, field);
+    if quantity == Quantity::FieldStrength {
+        // No interpolated point is in a tile.
+        field.par_iter_mut().for_each(|h| *h /= MU_0);
+    }
+    rest.sort_unstable();
+    let points: Vec<DVec3> = rest.iter().map(|&index| grid.point(index)).collect();
+    let mut values = vec![DVec3::ZERO; points.len()];
+    let errors = at_points(direct, tree, tolerance, quantity, &points, &mut values);
+    for (&index, value) in rest.iter().zip(values) {
+        field[index] = value;
+    }
+    errors.into_iter().map(|error| PointError { index: rest[error.index], ..error }).collect()
+}

@@ -1,0 +1,107 @@
+//! Exact evaluation, or a tolerance.
+
+use std::fmt;
+
+use glam::DVec3;
+
+/// How accurately a field is wanted.
+///
+/// # Example
+/// ```
+/// use magsplice_magnet::{Accuracy, Tolerance};
+///
+/// let accuracy = Accuracy::Within(Tolerance::relative(1e-6)?);
+/// assert_eq!(accuracy.to_string(), "within 1e-6 of |B|");
+/// # Ok::<(), magsplice_magnet::InvalidTolerance>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Accuracy {
+    /// To the last digits, as the evaluator promises.
+    #[default]
+    Exact,
+    /// To a tolerance, as cheaply as it can be kept.
+    Within(Tolerance),
+}
+
+/// The largest accepted error of B, a finite number above zero.
+///
+/// [`Tolerance::relative`] and [`Tolerance::absolute_t`] build one; the variants are for matching
+/// (`Tolerance::Relative { fraction, .. }`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tolerance {
+    /// The length of the error over that of B at the same point.
+    #[non_exhaustive]
+    Relative {
+        /// The fraction, above zero.
+        fraction: f64,
+    },
+    /// The length of the error in tesla.
+    #[non_exhaustive]
+    AbsoluteT {
+        /// The error in tesla, above zero.
+        error_t: f64,
+    },
+}
+
+/// The value given as a tolerance, which is not a finite number above zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InvalidTolerance(pub f64);
+
+impl Tolerance {
+    /// An error as a fraction of |B|.
+    ///
+    /// # Errors
+    /// If `fraction` is not a finite number above zero.
+    pub fn relative(fraction: f64) -> Result<Tolerance, InvalidTolerance> {
+        valid(fraction).map(|fraction| Tolerance::Relative { fraction })
+    }
+
+    /// An error in tesla.
+    ///
+    /// # Errors
+    /// If `error_t` is not a finite number above zero.
+    pub fn absolute_t(error_t: f64) -> Result<Tolerance, InvalidTolerance> {
+        valid(error_t).map(|error_t| Tolerance::AbsoluteT { error_t })
+    }
+
+    /// The tolerance times a factor.
+    ///
+    /// # Errors
+    /// If the product is not a finite number above zero.
+    pub fn scaled(self, factor: f64) -> Result<Tolerance, InvalidTolerance> {
+        match self {
+            Tolerance::Relative { fraction } => Tolerance::relative(factor * fraction),
+            Tolerance::AbsoluteT { error_t } => Tolerance::absolute_t(factor * error_t),
+        }
+    }
+
+    /// Whether a value of B that is off by at most `error_t` certainly keeps the tolerance.
+    pub fn is_kept(&self, value_t: DVec3, error_t: f64) -> bool {
+        match *self {
+            Tolerance::Relative { fraction } => error_t <= fraction * (value_t.length() - error_t),
+            Tolerance::AbsoluteT { error_t: most } => error_t <= most,
+        }
+    }
+}
+
+fn valid(value: f64) -> Result<f64, InvalidTolerance> {
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(InvalidTolerance(value)) }
+}
+
+impl fmt::Display for InvalidTolerance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "tolerance = {}, must be a finite number above zero", self.0)
+    }
+}
+
+impl std::error::Error for InvalidTolerance {}
+
+impl fmt::Display for Accuracy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Accuracy::Exact => f.write_str("exact"),
+            Accuracy::Within(Tolerance::Relative { fraction }) => write!(f, "within {fraction:e} of |B|"),
+            Accuracy::Within(Tolerance::AbsoluteT { error_t }) => write!(f, "within {error_t:e} T"),
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! Magnets and the points at which their field is wanted.
+//!
+//! * [`Tile`]: a uniformly magnetized cuboid with position, size, polarization and rotation.
+//! * [`overlaps`]: the pairs of tiles that share volume.
+//! * [`Grid`]: regular points.
+//! * [`Quantity`]: B, H or J.
+//! * [`Accuracy`]: exact, or within a [`Tolerance`].
+//! * [`PointErrors`]: the points at which a field does not exist, and why.
+//! * [`BoundingBox`]: a box with sides along the axes.
+//!
+//! # Units
+//! Lengths are in any one unit, the same for tiles and points: a field depends on their ratios
+//! only. Polarization and flux density are in tesla, field strength in ampere per metre.
+//!
+//! This crate computes no field, reads no files and prints nothing.
+
+// Rules are written as `!(x <= limit)` so that NaN breaks them.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
+/// Exact evaluation, or a tolerance.
+mod accuracy;
+/// Boxes with sides along the axes.
+mod bounding_box;
+/// Regular grids of points.
+mod grid;
+/// Pairs of tiles that share volume.
+mod overlap;
+/// Points without a field, and the reason.
+mod point_error;
+/// Field quantities and the vacuum permeability.
+mod quantity;
+/// The uniformly magnetized cuboid and the rules it obeys.
+mod tile;
+/// Limits on tiles, and the round-off that geometry forgives.
+pub mod tolerances;
+
+pub use accuracy::{Accuracy, InvalidTolerance, Tolerance};
+pub use bounding_box::BoundingBox;
+pub use grid::{Grid, GridFault};
+pub use overlap::{Overlap, overlap, overlaps};
+pub use point_error::{Cause, PointError, PointErrors, is_in_range};
+pub use quantity::{MU_0, Quantity};
+pub use tile::{Tile, TileFault, TileFaults};
+pub use tolerances::{MAX_LENGTH, MAX_POLARIZATION_T, MIN_ASPECT, MIN_SIZE, UNIT_NORM_TOLERANCE};

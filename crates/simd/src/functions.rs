@@ -1,0 +1,205 @@
+//! Logarithms and arctangents of ratios, in the lanes of a vector.
+//!
+//! Both take numerator and denominator, so that a product of many terms needs one division in all, and both reduce to an odd polynomial
+//! in a number below 0.203.
+//!
+//! # Accuracy
+//! Relative error at most 1e-15 of an angle, and of an artanh 6e-16 and besides what the rounding of its ratio to 1e-16 does to it.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_8, LN_2, PI};
+
+use fearless_simd::prelude::*;
+
+use crate::lanes::{Lanes, Number, Two};
+
+/// tan(pi / 16) and tan(3 pi / 16): where the nearest multiple of pi / 8 changes.
+const TAN_PI_16: f64 = 0.198_912_367_379_658;
+const TAN_3_PI_16: f64 = 0.668_178_637_919_298_9;
+/// tan(pi / 8)
+const TAN_PI_8: f64 = std::f64::consts::SQRT_2 - 1.0;
+
+/// A value base + sign * series(numerator / denominator): what a function is once its argument has been reduced. Several may share a division.
+#[derive(Clone, Copy)]
+pub struct Reduced<N> {
+    pub numerator: N,
+    pub denominator: N,
+    base: N,
+    /// 1 or -1, of angles; logarithms need none.
+    sign: Option<N>,
+}
+
+impl<N: Number> Reduced<N> {
+    /// The value, from the quotient of numerator and denominator.
+    #[inline(always)]
+    pub fn value(&self, simd: N::Instructions, quotient: N) -> N {
+        match self.sign {
+            None => self.base + odd_series(simd, quotient, false),
+            Some(sign) => odd_series(simd, quotient, true).mul_add(sign, self.base),
+        }
+    }
+
+    #[inline(always)]
+    pub fn divided(&self, simd: N::Instructions) -> N {
+        self.value(simd, self.numerator.over(self.denominator))
+    }
+}
+
+/// The functions, of one vector or two.
+pub trait Functions: Number {
+    /// artanh(n / m), |n| < m.
+    fn artanh_of_ratio(simd: Self::Instructions, n: Self, m: Self) -> Reduced<Self>;
+    /// The angle of re + i im, between -pi and pi.
+    fn angle(simd: Self::Instructions, re: Self, im: Self) -> Reduced<Self>;
+}
+
+impl<S: Simd> Functions for Lanes<S> {
+    #[inline(always)]
+    fn artanh_of_ratio(simd: S, n: Self, m: Self) -> Reduced<Self> {
+        let (power, base) = nearest_power(m + n, m - n);
+        let one = Lanes::<S>::splat(simd, 1.0);
+        let (sum, difference) = (one + power, one - power);
+        Reduced {
+            numerator: m.mul_add(difference, n * sum),
+            denominator: n.mul_add(difference, m * sum),
+            base,
+            sign: None,
+        }
+    }
+
+    #[inline(always)]
+    fn angle(simd: S, re: Self, im: Self) -> Reduced<Self> {
+        reduced_angle(simd, re, im)
+    }
+}
+
+impl<S: Simd> Functions for Two<S> {
+    #[inline(always)]
+    fn artanh_of_ratio(simd: S, Two([n, n_2]): Self, Two([m, m_2]): Self) -> Reduced<Self> {
+        let (first, second) = (Lanes::artanh_of_ratio(simd, n, m), Lanes::artanh_of_ratio(simd, n_2, m_2));
+        Reduced {
+            numerator: Two([first.numerator, second.numerator]),
+            denominator: Two([first.denominator, second.denominator]),
+            base: Two([first.base, second.base]),
+            sign: None,
+        }
+    }
+
+    #[inline(always)]
+    fn angle(simd: S, Two([re, re_2]): Self, Two([im, im_2]): Self) -> Reduced<Self> {
+        let (first, second) = (reduced_angle(simd, re, im), reduced_angle(simd, re_2, im_2));
+        Reduced {
+            numerator: Two([first.numerator, second.numerator]),
+            denominator: Two([first.denominator, second.denominator]),
+            base: Two([first.base, second.base]),
+            sign: first.sign.zip(second.sign).map(|(first, second)| Two([first, second])),
+        }
+    }
+}
+
+const SIGN: u64 = 1 << 63;
+const EXPONENT_ONE: u64 = 1023 << 52;
+const EXPONENT_HALF: u64 = 1 << 51;
+const EXPONENT_MASK: u64 = 0x7ff << 52;
+/// 2^52 as bits: a small integer placed below becomes a number.
+const INTEGER: u64 = 1075 << 52;
+const INTEGER_OFFSET: f64 = 4_503_599_627_370_496.0 + 1023.0;
+
+/// artanh(n / m), |n| < m.
+#[inline(always)]
+pub fn artanh_of_ratio<S: Simd>(simd: S, n: Lanes<S>, m: Lanes<S>) -> Lanes<S> {
+    Lanes::artanh_of_ratio(simd, n, m).divided(simd)
+}
+
+/// ln(a / b) / 2 of positive numbers.
+#[inline(always)]
+pub fn half_logarithm_of_ratio<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>) -> Lanes<S> {
+    let (power, base) = nearest_power(a, b);
+    Reduced { numerator: a - power * b, denominator: a + power * b, base, sign: None }.divided(simd)
+}
+
+/// The power of two E nearest to a / b, and ln(E) / 2: ln(a / b) / 2 = ln(E) / 2 + artanh(s), s = (a - E b) / (a + E b) small and without cancellation.
+#[inline(always)]
+fn nearest_power<S: Simd>(Lanes(a): Lanes<S>, Lanes(b): Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+    // The difference of the bits is that of the logarithms, to 9 %.
+    let power = (a.to_bits() - b.to_bits() + (EXPONENT_ONE + EXPONENT_HALF)) & EXPONENT_MASK;
+    let exponent = S::f64s::from_bits((power >> 52) | INTEGER) - INTEGER_OFFSET;
+    (Lanes(S::f64s::from_bits(power)), Lanes(exponent * (0.5 * LN_2)))
+}
+
+/// The angle of re + i im, between -pi and pi.
+#[inline(always)]
+pub fn angle<S: Simd>(simd: S, re: Lanes<S>, im: Lanes<S>) -> Lanes<S> {
+    reduced_angle(simd, re, im).divided(simd)
+}
+
+#[inline(always)]
+fn reduced_angle<S: Simd>(simd: S, Lanes(re): Lanes<S>, Lanes(im): Lanes<S>) -> Reduced<Lanes<S>> {
+    let zero = S::f64s::splat(simd, 0.0);
+    let (x, y) = (re.abs(), im.abs());
+    let steep = y.simd_gt(x);
+    let (low, high) = (steep.select(x, y), steep.select(y, x));
+    // The nearest of 0, pi / 8 and pi / 4 is taken off by the addition theorem.
+    let (beyond_first, beyond_second) = (low.simd_gt(high * TAN_PI_16), low.simd_gt(high * TAN_3_PI_16));
+    let (first, second) = (S::f64s::splat(simd, TAN_PI_8), S::f64s::splat(simd, 1.0));
+    let tangent = beyond_second.select(second, beyond_first.select(first, zero));
+    let (first, second) = (S::f64s::splat(simd, FRAC_PI_8), S::f64s::splat(simd, FRAC_PI_4));
+    let taken_off = beyond_second.select(second, beyond_first.select(first, zero));
+    let right = steep.select(S::f64s::splat(simd, FRAC_PI_2) - taken_off, taken_off);
+    let half_turn = re.simd_lt(zero).select(S::f64s::splat(simd, PI) - right, right);
+    // Each of the three reflections turns the sign of what is left.
+    let one = S::f64s::splat(simd, 1.0);
+    let reflected = steep.select(zero - one, one).to_bits() ^ ((re.to_bits() ^ im.to_bits()) & SIGN);
+    Reduced {
+        numerator: Lanes(low - tangent * high),
+        denominator: Lanes(tangent.mul_add(low, high)),
+        base: Lanes(half_turn.copysign(im)),
+        sign: Some(Lanes(S::f64s::from_bits(reflected))),
+    }
+}
+
+/// Polynomials in s^2 for (artanh(s) - s) / s^3, s^2 < 0.0412, the highest power first: minimax in the relative error of artanh(s), 2e-17.
+const ARTANH: [f64; 7] = [
+    0.077_169_589_959_751_46,
+    0.076_208_159_365_934_9,
+    0.090_933_945_125_152_38,
+    0.111_110_639_006_070_96,
+    0.142_857_147_639_322_86,
+    0.199_999_999_977_071_2,
+    0.333_333_333_333_370_5,
+];
+/// The same for the arctangent.
+const ARCTAN: [f64; 7] = [
+    -0.057_852_644_138_648_775,
+    0.076_357_281_277_731_3,
+    -0.090_889_993_438_501_35,
+    0.111_110_754_808_010_29,
+    -0.142_857_139_291_770_16,
+    0.199_999_999_983_058_42,
+    -0.333_333_333_333_306_06,
+];
+/// The same as [`ARTANH`] for s^2 < 0.0016, to 7e-15.
+const SHORT_ARTANH: [f64; 3] = [0.143_201_388_841_882_7, 0.199_999_678_527_577_07, 0.333_333_333_418_647_8];
+/// The same for the arctangent.
+const SHORT_ARCTAN: [f64; 3] = [-0.142_514_143_024_738_8, 0.199_999_680_083_033_83, -0.333_333_333_248_485_2];
+
+/// artanh(s), or the arctangent, for s^2 < 0.0412: below tanh and tan of 0.2, and what reduction leaves.
+#[inline(always)]
+pub fn odd_series<N: Number>(simd: N::Instructions, s: N, is_angle: bool) -> N {
+    odd_polynomial(simd, s, if is_angle { &ARCTAN } else { &ARTANH })
+}
+
+/// The same for s^2 < 0.0016, below tanh and tan of 0.04, to 7e-15.
+#[inline(always)]
+pub fn short_odd_series<N: Number>(simd: N::Instructions, s: N, is_angle: bool) -> N {
+    odd_polynomial(simd, s, if is_angle { &SHORT_ARCTAN } else { &SHORT_ARTANH })
+}
+
+#[inline(always)]
+fn odd_polynomial<N: Number>(simd: N::Instructions, s: N, coefficients: &[f64]) -> N {
+    let z = s * s;
+    let mut sum = N::splat(simd, coefficients[0]);
+    for coefficient in &coefficients[1..] {
+        sum = sum.mul_add_constant(z, *coefficient);
+    }
+    (s * z).mul_add(sum, s)
+}

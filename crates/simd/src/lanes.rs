@@ -1,0 +1,430 @@
+//! The numbers of the vector forms.
+
+use std::ops::{Add, Mul, Sub};
+
+use fearless_simd::prelude::*;
+
+/// The most doubles in a vector of any instruction set.
+pub const LONGEST_VECTOR: usize = 8;
+
+/// Points are filled up to whole pairs of the longest vectors.
+pub const PAIR: usize = 2 * LONGEST_VECTOR;
+
+/// As bits, less half the bits of x: about 1 / root of x (Lomont).
+const RECIPROCAL_ROOT: f64 = f64::from_bits(0x5fe6_eb50_c7b5_37a9);
+/// Minimax polynomial for w^(-1/2) between 0.932 and 1.070, in relative error.
+const ROOT_CORRECTION: [f64; 4] =
+    [2.189_332_781_995_891, -2.191_720_726_753_980_7, 1.315_441_291_758_012_3, -0.313_054_093_377_317_9];
+
+/// What a formula is computed with: a vector, or two of them, whose operations do not wait for each other.
+pub trait Number:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Sub<f64, Output = Self> + Mul<f64, Output = Self>
+{
+    type Instructions: Simd;
+
+    fn splat(simd: Self::Instructions, value: f64) -> Self;
+    /// self * factor + term
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+    /// self * factor - term
+    fn mul_sub(self, factor: Self, term: Self) -> Self;
+    /// self * factor + term
+    fn scale_add(self, factor: f64, term: Self) -> Self;
+    /// self * factor - term
+    fn mul_sub_constant(self, factor: Self, term: f64) -> Self;
+    /// self * factor + term
+    fn mul_add_constant(self, factor: Self, term: f64) -> Self;
+    fn over(self, divisor: Self) -> Self;
+    /// The processor's own.
+    fn sqrt(self) -> Self;
+    /// See [`Lanes::root`].
+    fn root(self, simd: Self::Instructions) -> Self;
+}
+
+/// As many doubles as the processor computes with at a time.
+#[derive(Clone, Copy)]
+pub struct Lanes<S: Simd>(pub S::f64s);
+
+impl<S: Simd> Lanes<S> {
+    pub const LEN: usize = S::f64s::LEN;
+
+    /// From [`Lanes::LEN`] values.
+    #[inline(always)]
+    pub fn load(simd: S, values: &[f64]) -> Self {
+        Lanes(S::f64s::from_slice(simd, values))
+    }
+
+    /// From as many of the values as there are, and zeros.
+    #[inline(always)]
+    pub fn load_some(simd: S, values: &[f64]) -> Self {
+        if values.len() >= Self::LEN {
+            return Self::load(simd, &values[..Self::LEN]);
+        }
+        let mut filled = [0.0; LONGEST_VECTOR];
+        filled[..values.len()].copy_from_slice(values);
+        Self::load(simd, &filled[..Self::LEN])
+    }
+
+    /// The first, second and so on of as many vectors as one has lanes; the others stay.
+    #[inline(always)]
+    pub fn transposed(mut vectors: [Self; LONGEST_VECTOR]) -> [Self; LONGEST_VECTOR] {
+        let half = Self::LEN / 2;
+        // Each round takes the highest binary digit of a vector's number to the lowest of the lane's.
+        for _ in 0..Self::LEN.ilog2() {
+            let last = vectors;
+            for pair in 0..half {
+                let (Lanes(a), Lanes(b)) = (last[pair], last[pair + half]);
+                vectors[2 * pair] = Lanes(a.zip_low(b));
+                vectors[2 * pair + 1] = Lanes(a.zip_high(b));
+            }
+        }
+        vectors
+    }
+
+    #[inline(always)]
+    pub fn store(self, values: &mut [f64]) {
+        self.0.store_slice(values);
+    }
+
+    #[inline(always)]
+    pub fn lane(&self, index: usize) -> f64 {
+        self.0[index]
+    }
+
+    /// The square root of a square between 2^-100 and 2^100, right to one unit in the last place.
+    ///
+    /// By multiplications alone: with long vectors faster than the processor's root, which all units but one would wait for.
+    #[inline(always)]
+    pub fn root(self, simd: S) -> Self {
+        let Lanes(x) = self;
+        if S::f64s::LEN <= 2 {
+            return Lanes(x.sqrt());
+        }
+        // Half the exponent, negative, and a line for the digits: 1 / root to 3.5 %.
+        let estimate = S::f64s::from_bits(S::f64s::splat(simd, RECIPROCAL_ROOT).to_bits() - (x.to_bits() >> 1));
+        let product = x * estimate;
+        let square = product * estimate;
+        // square^(-1/2) on the interval of 3.5 % around 1, to 8e-7 in the largest error.
+        let [a, b, c, d] = ROOT_CORRECTION;
+        let correction = square.mul_add(square.mul_add(square.mul_add(d, c), b), a);
+        let (root, reciprocal) = (product * correction, estimate * correction);
+        // root (1 + h)^(-1/2) to the second order in h = root^2 / x - 1, which is below 2e-6.
+        let h = root.mul_sub(reciprocal, 1.0);
+        Lanes((root * h).mul_add(h.mul_add(0.375, -0.5), root))
+    }
+
+    /// The rounded sum, and what was rounded away (Knuth).
+    #[inline(always)]
+    pub fn two_sum(self, term: Self) -> (Self, Self) {
+        let sum = self + term;
+        let part = sum - self;
+        (sum, (self - (sum - part)) + (term - part))
+    }
+
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        Lanes(self.0.sqrt())
+    }
+
+    #[inline(always)]
+    pub fn floor(self) -> Self {
+        Lanes(self.0.floor())
+    }
+
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Lanes(self.0.abs())
+    }
+
+    /// 1 or -1.
+    #[inline(always)]
+    pub fn sign(self, simd: S) -> Self {
+        Lanes(S::f64s::splat(simd, 1.0).copysign(self.0))
+    }
+
+    /// 1 where self >= limit, else 0.
+    #[inline(always)]
+    pub fn at_least(self, simd: S, limit: f64) -> Self {
+        Lanes(self.0.simd_ge(limit).select(S::f64s::splat(simd, 1.0), S::f64s::splat(simd, 0.0)))
+    }
+
+    /// `this` where self >= limit, else `other`.
+    #[inline(always)]
+    pub fn where_at_least(self, limit: f64, this: Self, other: Self) -> Self {
+        Lanes(self.0.simd_ge(limit).select(this.0, other.0))
+    }
+
+    /// `this` where self > limit, else `other`.
+    #[inline(always)]
+    pub fn where_more(self, limit: f64, this: Self, other: Self) -> Self {
+        Lanes(self.0.simd_gt(limit).select(this.0, other.0))
+    }
+
+    /// 1 where self <= limit, else 0.
+    #[inline(always)]
+    pub fn at_most(self, simd: S, limit: f64) -> Self {
+        Lanes(self.0.simd_le(limit).select(S::f64s::splat(simd, 1.0), S::f64s::splat(simd, 0.0)))
+    }
+
+    #[inline(always)]
+    pub fn min(self, other: Self) -> Self {
+        Lanes(self.0.min(other.0))
+    }
+
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        Lanes(self.0.max(other.0))
+    }
+}
+
+impl<S: Simd> Number for Lanes<S> {
+    type Instructions = S;
+
+    #[inline(always)]
+    fn splat(simd: S, value: f64) -> Self {
+        Lanes(S::f64s::splat(simd, value))
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        Lanes(self.0.mul_add(factor.0, term.0))
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, term: Self) -> Self {
+        Lanes(self.0.mul_sub(factor.0, term.0))
+    }
+
+    #[inline(always)]
+    fn scale_add(self, factor: f64, term: Self) -> Self {
+        Lanes(self.0.mul_add(factor, term.0))
+    }
+
+    #[inline(always)]
+    fn mul_sub_constant(self, factor: Self, term: f64) -> Self {
+        Lanes(self.0.mul_sub(factor.0, term))
+    }
+
+    #[inline(always)]
+    fn mul_add_constant(self, factor: Self, term: f64) -> Self {
+        Lanes(self.0.mul_add(factor.0, term))
+    }
+
+    #[inline(always)]
+    fn over(self, divisor: Self) -> Self {
+        Lanes(self.0 / divisor.0)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Lanes::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn root(self, simd: S) -> Self {
+        Lanes::root(self, simd)
+    }
+}
+
+/// What Horner's scheme needs, in double precision or single.
+pub trait Horner: Copy {
+    type Instructions: Simd;
+    type Coefficient: Copy + Default;
+
+    fn coefficient(simd: Self::Instructions, value: Self::Coefficient) -> Self;
+    /// self * factor + term
+    fn times_and(self, factor: Self, term: Self) -> Self;
+}
+
+impl<S: Simd> Horner for Two<S> {
+    type Instructions = S;
+    type Coefficient = f64;
+
+    #[inline(always)]
+    fn coefficient(simd: S, value: f64) -> Self {
+        Two([Lanes::splat(simd, value); 2])
+    }
+
+    #[inline(always)]
+    fn times_and(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, term)
+    }
+}
+
+/// Two vectors in single precision, which are one.
+#[derive(Clone, Copy)]
+pub struct Singles<S: Simd>(S::f32s);
+
+impl<S: Simd> Singles<S> {
+    /// Rounded.
+    #[inline(always)]
+    pub fn of(Two([low, high]): Two<S>) -> Self {
+        Singles(low.0.narrow(high.0))
+    }
+
+    #[inline(always)]
+    pub fn widened(self) -> Two<S> {
+        let (low, high) = self.0.widen();
+        Two([Lanes(low), Lanes(high)])
+    }
+}
+
+impl<S: Simd> Horner for Singles<S> {
+    type Instructions = S;
+    type Coefficient = f32;
+
+    #[inline(always)]
+    fn coefficient(simd: S, value: f32) -> Self {
+        Singles(S::f32s::splat(simd, value))
+    }
+
+    #[inline(always)]
+    fn times_and(self, factor: Self, term: Self) -> Self {
+        Singles(self.0.mul_add(factor.0, term.0))
+    }
+}
+
+/// Two vectors.
+#[derive(Clone, Copy)]
+pub struct Two<S: Simd>(pub [Lanes<S>; 2]);
+
+impl<S: Simd> Number for Two<S> {
+    type Instructions = S;
+
+    #[inline(always)]
+    fn splat(simd: S, value: f64) -> Self {
+        Two([Lanes::splat(simd, value); 2])
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        let ([a, b], [c, d], [e, f]) = (self.0, factor.0, term.0);
+        Two([a.mul_add(c, e), b.mul_add(d, f)])
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, term: Self) -> Self {
+        let ([a, b], [c, d], [e, f]) = (self.0, factor.0, term.0);
+        Two([a.mul_sub(c, e), b.mul_sub(d, f)])
+    }
+
+    #[inline(always)]
+    fn scale_add(self, factor: f64, term: Self) -> Self {
+        let ([a, b], [e, f]) = (self.0, term.0);
+        Two([a.scale_add(factor, e), b.scale_add(factor, f)])
+    }
+
+    #[inline(always)]
+    fn mul_sub_constant(self, factor: Self, term: f64) -> Self {
+        let ([a, b], [c, d]) = (self.0, factor.0);
+        Two([a.mul_sub_constant(c, term), b.mul_sub_constant(d, term)])
+    }
+
+    #[inline(always)]
+    fn mul_add_constant(self, factor: Self, term: f64) -> Self {
+        let ([a, b], [c, d]) = (self.0, factor.0);
+        Two([a.mul_add_constant(c, term), b.mul_add_constant(d, term)])
+    }
+
+    #[inline(always)]
+    fn over(self, divisor: Self) -> Self {
+        let ([a, b], [c, d]) = (self.0, divisor.0);
+        Two([a.over(c), b.over(d)])
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let [a, b] = self.0;
+        Two([a.sqrt(), b.sqrt()])
+    }
+
+    #[inline(always)]
+    fn root(self, simd: S) -> Self {
+        let [a, b] = self.0;
+        Two([a.root(simd), b.root(simd)])
+    }
+}
+
+impl<S: Simd> Add for Two<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let ([a, b], [c, d]) = (self.0, other.0);
+        Two([a + c, b + d])
+    }
+}
+
+impl<S: Simd> Sub for Two<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        let ([a, b], [c, d]) = (self.0, other.0);
+        Two([a - c, b - d])
+    }
+}
+
+impl<S: Simd> Mul for Two<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let ([a, b], [c, d]) = (self.0, other.0);
+        Two([a * c, b * d])
+    }
+}
+
+impl<S: Simd> Sub<f64> for Two<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: f64) -> Self {
+        let [a, b] = self.0;
+        Two([a - other, b - other])
+    }
+}
+
+impl<S: Simd> Mul<f64> for Two<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: f64) -> Self {
+        let [a, b] = self.0;
+        Two([a * other, b * other])
+    }
+}
+
+impl<S: Simd> Add for Lanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Lanes(self.0 + other.0)
+    }
+}
+
+impl<S: Simd> Sub for Lanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Lanes(self.0 - other.0)
+    }
+}
+
+impl<S: Simd> Mul for Lanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Lanes(self.0 * other.0)
+    }
+}
+
+impl<S: Simd> Sub<f64> for Lanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: f64) -> Self {
+        Lanes(self.0 - other)
+    }
+}
+
+impl<S: Simd> Mul<f64> for Lanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: f64) -> Self {
+        Lanes(self.0 * other)
+    }
+}

@@ -1,0 +1,37 @@
+//! Vectors of f64 and the functions evaluated in them.
+//!
+//! * [`lanes`]: a vector of the processor, and two of them at a time.
+//! * [`functions`]: artanh and arctangent of ratios.
+//! * [`pairwise`]: a field evaluated at many points, two vectors at a time.
+//! * [`column`](mod@column): numbers in memory that begin with a cache line.
+//! * [`prefetch`]: memory requested before it is needed.
+//! * [`compensated_sum`]: sums that lose no digit.
+//! * [`power_of_two`]: scales that are exact.
+//! * [`InstructionSet`]: the vector instructions of the processor.
+//!
+//! Everything here is generic over the instruction set or `#[inline]`: kernels of other crates are
+//! made of these operations, and a call per operation would cost a multiple of their time.
+
+#![allow(missing_docs)]
+
+/// Numbers in memory that begin with a cache line.
+pub mod column;
+/// Sums of two doubles without loss, and running sums.
+pub mod compensated_sum;
+/// Logarithms and arctangents of ratios.
+pub mod functions;
+/// The vector instructions of the processor.
+mod instruction_set;
+/// A vector of the processor, and two of them at a time.
+pub mod lanes;
+/// A field evaluated at many points, two vectors at a time.
+pub mod pairwise;
+/// Scales that are exact.
+pub mod power_of_two;
+/// Memory requested before it is needed.
+pub mod prefetch;
+
+pub use instruction_set::{InstructionSet, MissingInstructions};
+
+#[cfg(test)]
+mod tests;
