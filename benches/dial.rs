@@ -10,7 +10,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use glam::DVec3;
-use magsplice::field::{Accuracy, FittedField, Grid, Quantity, Scene, Tolerance};
+use magsplice::field::{Accuracy, Grid, Quantity, Scene, Tolerance};
 use magsplice_benches::{Growth, growth, median, shipped_layout, working_volume};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -48,7 +48,7 @@ fn main() {
 fn on_grid(scene: &Scene, grid: &Grid, fraction: f64, name: &str, pairs: usize) {
     let within = scene.clone().with_accuracy(Accuracy::Within(Tolerance::relative(fraction).expect("a tolerance")));
     let field = |scene: &Scene, field: &mut [DVec3]| {
-        scene.field_on_grid(Quantity::FluxDensity, black_box(grid), field).expect("bounded");
+        scene.field_on_grid_into(Quantity::FluxDensity, black_box(grid), field).expect("bounded");
     };
     report(name, grid.len(), pairs, |values| field(scene, values), |values| field(&within, values));
 }
@@ -56,11 +56,11 @@ fn on_grid(scene: &Scene, grid: &Grid, fraction: f64, name: &str, pairs: usize) 
 fn look_ups(scene: &Scene, grid: &Grid, fraction: f64, name: &str, count: usize, pairs: usize) {
     let mut random = ChaCha8Rng::seed_from_u64(5);
     let points: Vec<DVec3> = (0..count)
-        .map(|_| DVec3::from([0, 1, 2].map(|axis: usize| random.random_range(grid.lower[axis]..grid.upper[axis]))))
+        .map(|_| DVec3::from([0, 1, 2].map(|axis: usize| random.random_range(grid.lower()[axis]..grid.upper()[axis]))))
         .collect();
     let tolerance = Tolerance::relative(fraction).expect("a tolerance");
     let start = Instant::now();
-    let fitted = FittedField::new(scene, grid.lower, grid.upper, tolerance).expect("no tile is near");
+    let fitted = scene.fitted_field(grid.lower(), grid.upper(), tolerance).expect("no tile is near");
     let made = start.elapsed();
     report(
         name,

@@ -88,7 +88,7 @@ fn compare(workload: Workload, accuracy: Accuracy, set: InstructionSet, pairs: u
             let start = Instant::now();
             match (accuracy, &grid) {
                 (Accuracy::Within(_), Some(grid)) => {
-                    scene.field_on_grid(Quantity::FluxDensity, black_box(grid), &mut ours).expect("bounded");
+                    scene.field_on_grid_into(Quantity::FluxDensity, black_box(grid), &mut ours).expect("bounded");
                 }
                 _ => scene.field_into(Quantity::FluxDensity, black_box(&points), &mut ours).expect("bounded"),
             }

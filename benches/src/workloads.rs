@@ -19,7 +19,7 @@ pub fn shipped_layout(name: &str) -> Layout {
 
 /// The published working volume as a grid with `counts` points along each axis, in mm.
 pub fn working_volume(counts: [usize; 3]) -> Grid {
-    Grid { lower: DVec3::new(-2.0, -2.0, -5.0), upper: DVec3::new(2.0, 2.0, -3.0), counts }
+    Grid::new(DVec3::new(-2.0, -2.0, -5.0), DVec3::new(2.0, 2.0, -3.0), counts).expect("a grid")
 }
 
 /// The median of times or ratios; the upper one of two in the middle.
@@ -52,8 +52,8 @@ impl Workload {
         if let Some(grid) = &mut self.grid {
             // The axis with most points loses one, until the counts are nearly equal.
             while grid.len() > keep {
-                let axis = (0..3).max_by_key(|&axis| grid.counts[axis]).expect("three axes");
-                grid.counts[axis] -= 1;
+                let axis = (0..3).max_by_key(|&axis| grid.counts()[axis]).expect("three axes");
+                grid.counts()[axis] -= 1;
             }
             self.points = grid.points().collect();
             return self;

@@ -1,7 +1,7 @@
 //! The derivatives by faces are those of the field.
 
 use glam::{DMat3, DQuat, DVec3};
-use magsplice_field::{FaceSlopes, Quantity, Scene, Tile};
+use magsplice_field::{FaceDerivatives, Quantity, Scene, Tile};
 use magsplice_tests::oracle::Oracle;
 use proptest::prelude::*;
 
@@ -27,7 +27,7 @@ fn magnitude(tile: &Tile, point: DVec3) -> f64 {
     2.0 * sum * tile.polarization_t().length() / (4.0 * std::f64::consts::PI)
 }
 
-fn worst(found: &FaceSlopes, truth: [DMat3; 2]) -> f64 {
+fn worst(found: &FaceDerivatives, truth: [DMat3; 2]) -> f64 {
     let difference = [found.lower - truth[0], found.upper - truth[1]];
     difference.iter().flat_map(|m| [m.x_axis, m.y_axis, m.z_axis]).map(DVec3::length).fold(0.0, f64::max)
 }
@@ -40,7 +40,7 @@ proptest! {
     fn slopes_are_those_of_the_oracle(size in vector(1.0), place in vector(4.0), j in vector(1.0), centre in vector(3.0)) {
         let tile = Tile::new(centre, size.map(|d| 10_f64.powf(d)), j).expect("a valid tile");
         let point = centre + place;
-        let found = FaceSlopes::of(&tile, point).expect("no point on an edge");
+        let found = FaceDerivatives::new(&tile, point).expect("no point on an edge");
         let truth = Oracle::new().face_slopes(&tile, point);
         // The corners as the field has them are rounded once; near an edge that is amplified by one over the distance.
         let edge = nearest_edge(&tile, point);
@@ -56,8 +56,8 @@ proptest! {
     ) {
         let turn = DQuat::from_scaled_axis(turn);
         let tile = Tile::new(DVec3::ZERO, size.map(|d| 10_f64.powf(d)), j).and_then(|t| t.rotated(turn)).expect("a valid tile");
-        let slopes = FaceSlopes::of(&tile, place).expect("no point on an edge");
-        let gradient = Scene::new(&[tile]).flux_density_gradient(place).expect("no point on an edge");
+        let slopes = FaceDerivatives::new(&tile, place).expect("no point on an edge");
+        let gradient = Scene::new(&[tile]).gradient(Quantity::FluxDensity, place).expect("no point on an edge");
         // Columns are by the tile's own axes.
         let moved = (slopes.lower + slopes.upper) * DMat3::from_quat(turn.inverse());
         let local = turn.inverse() * place;
@@ -79,7 +79,7 @@ proptest! {
         size[axis] = thin;
         let layer = Tile::new(centre, size, j).expect("a valid tile");
         let field = Scene::new(&[layer]).field(Quantity::FluxDensity, place).expect("outside") / thin;
-        let slope = FaceSlopes::of(&tile, place).expect("outside").upper.col(axis);
+        let slope = FaceDerivatives::new(&tile, place).expect("outside").upper.col(axis);
         // The face in the middle of the layer is half of it away: the field of a layer falls no faster than by its own size over at most a unit of length.
         prop_assert!((field - slope).length() <= 10.0 * thin * slope.length().max(0.01 * j.length()));
     }
@@ -103,17 +103,17 @@ fn nearest_edge(tile: &Tile, point: DVec3) -> f64 {
 #[test]
 fn on_an_edge_there_are_none() {
     let tile = Tile::new(DVec3::ZERO, DVec3::splat(2.0), DVec3::ONE).unwrap();
-    assert_eq!(FaceSlopes::of(&tile, DVec3::new(1.0, 0.3, -1.0)), None);
+    assert_eq!(FaceDerivatives::new(&tile, DVec3::new(1.0, 0.3, -1.0)), None);
     // In line with an edge, beyond it, and on a face they are bounded.
-    assert!(FaceSlopes::of(&tile, DVec3::new(1.0, 1.5, -1.0)).is_some());
-    assert!(FaceSlopes::of(&tile, DVec3::new(1.0, 0.3, 0.2)).is_some());
+    assert!(FaceDerivatives::new(&tile, DVec3::new(1.0, 1.5, -1.0)).is_some());
+    assert!(FaceDerivatives::new(&tile, DVec3::new(1.0, 0.3, 0.2)).is_some());
 }
 
 #[test]
 fn units_of_length_do_not_matter() {
     let at = |unit: f64| {
         let tile = Tile::new(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0) * unit, DVec3::ONE).unwrap();
-        FaceSlopes::of(&tile, DVec3::new(4.0, 1.0, -2.0) * unit).unwrap().upper * unit
+        FaceDerivatives::new(&tile, DVec3::new(4.0, 1.0, -2.0) * unit).unwrap().upper * unit
     };
     for unit in [2_f64.powi(600), 2_f64.powi(-600)] {
         assert_eq!(at(unit), at(1.0));

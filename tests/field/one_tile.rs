@@ -60,7 +60,7 @@ fn gradient_on_the_tables() {
     let mut oracle = Oracle::new();
     for (table, rows) in TABLES {
         for row in reference_tables::read(table, rows).iter().step_by(7) {
-            let gradient = Scene::new(&[row.tile]).flux_density_gradient(row.point).expect("bounded");
+            let gradient = Scene::new(&[row.tile]).gradient(Quantity::FluxDensity, row.point).expect("bounded");
             check_gradient(gradient, oracle.gradient(&row.tile, row.point))
                 .unwrap_or_else(|e| panic!("row {}: {e}", row.id));
         }
@@ -139,7 +139,7 @@ fn gradient_of_random_tiles() {
     let mut oracle = Oracle::new();
     run(2_000, &(scenes::tile(12.0), scenes::face_offsets()), |(tile, places)| {
         let point = scenes::point(&tile, places);
-        match Scene::new(&[tile]).flux_density_gradient(point) {
+        match Scene::new(&[tile]).gradient(Quantity::FluxDensity, point) {
             Ok(gradient) => check_gradient(gradient, oracle.gradient(&tile, point))?,
             Err(cause) => {
                 prop_assert_eq!(cause, Cause::Unbounded { tile: 0 });
@@ -191,7 +191,7 @@ fn ends_of_the_range() {
             // The smallest normal number: below it numbers have fewer digits.
             let allowed = FIELD * exact.length() + f64::MIN_POSITIVE;
             assert!((found - exact).length() <= allowed, "size {size:e} at {distance:e}: {found}, not {exact}");
-            let gradient = Scene::new(&[tile]).flux_density_gradient(point).expect("bounded");
+            let gradient = Scene::new(&[tile]).gradient(Quantity::FluxDensity, point).expect("bounded");
             assert!(gradient.is_finite(), "size {size:e} at {distance:e}: {gradient}");
         }
     }
@@ -210,7 +210,7 @@ fn gradient_in_needles_with_a_vanishing_component() {
             // Every axis in every role.
             let turned = |v: DVec3| DVec3::new(v[turn], v[(turn + 1) % 3], v[(turn + 2) % 3]);
             let tile = Tile::new(DVec3::ZERO, turned(size), turned(DVec3::new(0.0, j_y, 1.0))).expect("a valid tile");
-            let gradient = Scene::new(&[tile]).flux_density_gradient(turned(point)).expect("bounded");
+            let gradient = Scene::new(&[tile]).gradient(Quantity::FluxDensity, turned(point)).expect("bounded");
             check_gradient(gradient, oracle.gradient(&tile, turned(point))).unwrap_or_else(|e| panic!("{tile:?}: {e}"));
         }
     }
@@ -252,7 +252,7 @@ fn vanishing_offsets_and_polarizations() {
             let point = DVec3::new(x, y, 0.5);
             let scene = Scene::new(&[corner]);
             assert!(scene.field(Quantity::FluxDensity, point).expect("not on an edge").is_finite(), "{point}");
-            assert!(scene.flux_density_gradient(point).expect("not on an edge").is_finite(), "{point}");
+            assert!(scene.gradient(Quantity::FluxDensity, point).expect("not on an edge").is_finite(), "{point}");
             let j = scene.field(Quantity::Polarization, point).expect("J is bounded");
             assert_eq!(j == DVec3::X, x > 0.0 && y > 0.0, "owner of {point}");
         }
@@ -261,6 +261,6 @@ fn vanishing_offsets_and_polarizations() {
     let edge = DVec3::new(0.5, 0.5, 0.1);
     assert_eq!(Scene::new(&[faint]).field(Quantity::FluxDensity, edge), Err(Cause::Unbounded { tile: 0 }));
     let strong = tile([0.6e-271; 3], [1.2e-271; 3], [1e30, 0.0, 0.0]);
-    let gradient = Scene::new(&[strong]).flux_density_gradient(DVec3::new(-1e-281, -1e-281, 0.5e-271));
+    let gradient = Scene::new(&[strong]).gradient(Quantity::FluxDensity, DVec3::new(-1e-281, -1e-281, 0.5e-271));
     assert!(gradient.is_err() || gradient.is_ok_and(|g| g.is_finite()));
 }

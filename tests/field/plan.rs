@@ -28,7 +28,7 @@ fn largest_error_t(scene: &Scene, points: &[DVec3], field: &[DVec3]) -> f64 {
 
 #[test]
 fn an_exact_scene_is_planned_exact() {
-    let grid = Grid { lower: DVec3::splat(-2.0), upper: DVec3::splat(-1.0), counts: [3, 4, 5] };
+    let grid = Grid::new(DVec3::splat(-2.0), DVec3::splat(-1.0), [3, 4, 5]).expect("a grid");
     let plan = Scene::new(&film(4)).plan_on_grid(&grid);
     assert_eq!(plan.parts.len(), 1);
     assert_eq!((&plan.parts[0].model, plan.parts[0].points), (&Model::Exact, 60));
@@ -40,11 +40,11 @@ fn an_exact_scene_is_planned_exact() {
 fn parts_of_a_grid_cover_it_and_keep_their_bounds() {
     let tolerance = Tolerance::absolute_t(1e-7).expect("positive");
     let scene = within(&film(6), tolerance);
-    let grid = Grid { lower: DVec3::new(-2.1, -2.2, -7.0), upper: DVec3::new(2.0, 2.3, 0.4), counts: [31, 32, 61] };
+    let grid = Grid::new(DVec3::new(-2.1, -2.2, -7.0), DVec3::new(2.0, 2.3, 0.4), [31, 32, 61]).expect("a grid");
     let plan = scene.plan_on_grid(&grid);
     assert_eq!(plan.parts.iter().map(|part| part.points).sum::<usize>(), grid.len());
     let mut field = vec![DVec3::ZERO; grid.len()];
-    scene.field_on_grid(Quantity::FluxDensity, &grid, &mut field).expect("bounded");
+    scene.field_on_grid_into(Quantity::FluxDensity, &grid, &mut field).expect("bounded");
     let mut boxes = 0;
     for part in &plan.parts {
         let Model::Chebyshev { lower, upper, terms, error_t, distance } = part.model else { continue };
@@ -77,7 +77,9 @@ fn what_the_tree_leaves_out_is_at_most_what_is_planned() {
     let scene = within(&tiles, Tolerance::relative(1e-4).expect("positive"));
     let plan = scene.plan_at_points(&points);
     let [part] = &plan.parts[..] else { panic!("{plan:?}") };
-    let Model::Tree { expanded_tiles, exact_tiles, ignored_tiles, left_out_t, ignored_t, .. } = part.model else {
+    let Model::Tree { expanded_tiles, exact_tiles, ignored_tiles, truncation_error_t: left_out_t, ignored_t, .. } =
+        part.model
+    else {
         panic!("{part:?}")
     };
     assert!((expanded_tiles + exact_tiles + ignored_tiles - tiles.len() as f64).abs() < 1e-9);

@@ -48,7 +48,7 @@ proptest! {
                 prop_assert!(field.is_finite(), "{quantity:?} is {field} at {point}");
             }
         }
-        if let Ok(gradient) = scene.flux_density_gradient(point) {
+        if let Ok(gradient) = scene.gradient(Quantity::FluxDensity, point) {
             prop_assert!(gradient.is_finite(), "the gradient is {gradient} at {point}");
         }
     }
@@ -85,7 +85,7 @@ proptest! {
             // Faces of the parts are rounded by up to two units of 1.1e-16 of the size. That moves the field by as much as
             // the point's moving by that distance would, so the gradient of the whole and its parts bounds it.
             let moved = 4.0 * 1.1e-16 * tile.size().max_element();
-            let slopes: f64 = parts.iter().chain([&tile]).filter_map(|t| Scene::new(&[*t]).flux_density_gradient(point).ok())
+            let slopes: f64 = parts.iter().chain([&tile]).filter_map(|t| Scene::new(&[*t]).gradient(Quantity::FluxDensity, point).ok())
                 .map(|g| g.to_cols_array().iter().map(|c| c.abs()).fold(0.0, f64::max)).sum();
             let sum: f64 = parts.iter().filter_map(|t| b(&Scene::new(&[*t]), point)).map(DVec3::length).sum();
             let allowed = 2e-14 * (sum + tile.polarization_t().length()) + 3.0 * moved * slopes;
@@ -135,7 +135,7 @@ proptest! {
         let scene = Scene::new(&[tile]);
         let reach = tile.size().length();
         let point = tile.position() + distance * reach * direction.normalize();
-        let gradient = scene.flux_density_gradient(point).unwrap();
+        let gradient = scene.gradient(Quantity::FluxDensity, point).unwrap();
         let size = gradient.to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max);
         let trace = gradient.x_axis.x + gradient.y_axis.y + gradient.z_axis.z;
         let skew = (gradient - gradient.transpose()).to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max);
@@ -173,7 +173,7 @@ proptest! {
         let allowed = 10.0 * (longest / distance).powi(2) + 2e-14;
         let found = b(&scene, point).unwrap();
         prop_assert!((found - field).length() <= allowed * field.length());
-        let found = scene.flux_density_gradient(point).unwrap();
+        let found = scene.gradient(Quantity::FluxDensity, point).unwrap();
         let error = (found - gradient).to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max);
         let size = gradient.to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max);
         prop_assert!(error <= 3.0 * allowed * size, "gradient off by {:e}", error / size);

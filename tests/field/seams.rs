@@ -179,10 +179,10 @@ fn gradient_on_seams() {
     let (parts, whole) = pinwheel();
     let scene = Scene::new(&parts);
     let edge = DVec3::new(2.1, 0.4, 0.9);
-    assert!(matches!(scene.flux_density_gradient(edge), Err(Cause::Unresolved { tile: 0 | 1 })));
-    let exact = Scene::new(&[whole]).flux_density_gradient(edge).unwrap();
+    assert!(matches!(scene.gradient(Quantity::FluxDensity, edge), Err(Cause::Unresolved { tile: 0 | 1 })));
+    let exact = Scene::new(&[whole]).gradient(Quantity::FluxDensity, edge).unwrap();
     let halves = [tile([0.0, 0.0, 0.0], [3.0, 0.4, 0.9]), tile([0.0, 0.4, 0.0], [3.0, 3.0, 0.9])];
-    let merged = Scene::new(&halves).flux_density_gradient(edge).unwrap();
+    let merged = Scene::new(&halves).gradient(Quantity::FluxDensity, edge).unwrap();
     assert!((merged - exact).to_cols_array().iter().all(|c| c.abs() <= 1e-14 * exact.x_axis.length()));
 }
 

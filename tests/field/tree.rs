@@ -57,8 +57,8 @@ fn tiles_j(tile: Option<&Tile>) -> DVec3 {
 
 fn allowed(tolerance: Tolerance, exact: DVec3) -> f64 {
     match tolerance {
-        Tolerance::Relative(fraction) => fraction * exact.length(),
-        Tolerance::AbsoluteT(error_t) => error_t,
+        Tolerance::Relative { fraction, .. } => fraction * exact.length(),
+        Tolerance::AbsoluteT { error_t, .. } => error_t,
     }
 }
 
@@ -106,7 +106,7 @@ fn a_film_of_many_tiles_keeps_its_tolerance_everywhere() {
     let scene = Scene::new(&tiles);
     let (exact, _) = field(&scene, Quantity::FluxDensity, &points);
     for exponent in [1, 3, 6, 9, 11] {
-        let tolerance = Tolerance::Relative(10_f64.powi(-exponent));
+        let tolerance = Tolerance::relative(10_f64.powi(-exponent)).expect("a tolerance");
         let within = scene.clone().with_accuracy(Accuracy::Within(tolerance));
         let (b, errors) = field(&within, Quantity::FluxDensity, &points);
         assert_eq!(errors, []);
@@ -125,7 +125,9 @@ fn a_film_of_many_tiles_keeps_its_tolerance_everywhere() {
 #[test]
 fn bit_identical_for_any_number_of_threads() {
     let (tiles, points) = film();
-    let within = |tiles: &[Tile]| Scene::new(tiles).with_accuracy(Accuracy::Within(Tolerance::Relative(1e-6)));
+    let within = |tiles: &[Tile]| {
+        Scene::new(tiles).with_accuracy(Accuracy::Within(Tolerance::relative(1e-6).expect("a tolerance")))
+    };
     let once = field(&within(&tiles), Quantity::FluxDensity, &points).0;
     for threads in [1, 3, 8] {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -145,7 +147,7 @@ fn points_without_a_field_are_named_as_in_the_exact_field() {
     let exact = Scene::new(&tiles);
     let expected = field(&exact, Quantity::FluxDensity, &points).1;
     assert_eq!(expected.iter().map(|(index, _)| *index).collect::<Vec<_>>(), [7, 9, 2999]);
-    let within = exact.with_accuracy(Accuracy::Within(Tolerance::Relative(1e-5)));
+    let within = exact.with_accuracy(Accuracy::Within(Tolerance::relative(1e-5).expect("a tolerance")));
     assert_eq!(field(&within, Quantity::FluxDensity, &points).1, expected);
 }
 
@@ -158,7 +160,7 @@ fn many_points_of_a_box_without_tiles_keep_their_tolerance() {
         (0..30_000).map(|_| DVec3::from([-2.0, -2.0, -8.0].map(|from| from + random.random_range(0.0..4.0)))).collect();
     let scene = Scene::new(&tiles[..80]);
     let (exact, _) = field(&scene, Quantity::FluxDensity, &points);
-    let tolerance = Tolerance::Relative(1e-7);
+    let tolerance = Tolerance::relative(1e-7).expect("a tolerance");
     let within = scene.with_accuracy(Accuracy::Within(tolerance));
     let plan = within.plan_at_points(&points);
     assert!(matches!(plan.parts[0].model, Model::Cells { .. }), "{plan:?}");
@@ -176,7 +178,7 @@ fn many_points_of_a_box_without_tiles_keep_their_tolerance() {
 
 #[test]
 fn no_tiles_and_no_points() {
-    let accuracy = Accuracy::Within(Tolerance::Relative(1e-5));
+    let accuracy = Accuracy::Within(Tolerance::relative(1e-5).expect("a tolerance"));
     let nothing = Scene::new(&[]).with_accuracy(accuracy);
     assert_eq!(field(&nothing, Quantity::FluxDensity, &[DVec3::ONE]).0, [DVec3::ZERO]);
     let (tiles, _) = film();

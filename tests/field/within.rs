@@ -1,7 +1,7 @@
 //! A tolerance is kept at every point, or the point is named.
 
 use glam::{DQuat, DVec3};
-use magsplice_field::{Accuracy, Cause, FittedField, FittedFieldError, Grid, MU_0, Quantity, Scene, Tile, Tolerance};
+use magsplice_field::{Accuracy, Cause, FittedFieldError, Grid, MU_0, Quantity, Scene, Tile, Tolerance};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use rayon::ThreadPoolBuilder;
@@ -11,7 +11,7 @@ const EXACT: f64 = 1e-12;
 
 fn grid_field(scene: &Scene, quantity: Quantity, grid: &Grid) -> (Vec<DVec3>, Vec<Cause>) {
     let mut field = vec![DVec3::ZERO; grid.len()];
-    let errors = scene.field_on_grid(quantity, grid, &mut field).err().map_or(vec![], |errors| errors.0);
+    let errors = scene.field_on_grid_into(quantity, grid, &mut field).err().map_or(vec![], |errors| errors.0);
     for error in &errors {
         assert!(field[error.index].is_nan());
         assert_eq!(error.point, grid.point(error.index));
@@ -53,7 +53,7 @@ fn random_scenes_keep_random_tolerances_on_grids() {
     TestRunner::new(Config { cases: 6_000, failure_persistence: None, ..Config::default() })
         .run(&scenes, |(tiles, centre, half, counts, tolerance)| {
             let (centre, half) = (DVec3::from(centre), DVec3::from(half));
-            let grid = Grid { lower: centre - half, upper: centre + half, counts };
+            let grid = Grid::new(centre - half, centre + half, counts).expect("a grid");
             let scene = Scene::new(&tiles);
             let (exact, exact_errors) = grid_field(&scene, Quantity::FluxDensity, &grid);
             prop_assume!(exact_errors.is_empty());
@@ -61,8 +61,8 @@ fn random_scenes_keep_random_tolerances_on_grids() {
                 grid_field(&scene.with_accuracy(Accuracy::Within(tolerance)), Quantity::FluxDensity, &grid);
             for (index, (found, exact)) in found.iter().zip(&exact).enumerate() {
                 let allowed = match tolerance {
-                    Tolerance::Relative(fraction) => fraction * exact.length(),
-                    Tolerance::AbsoluteT(error_t) => error_t,
+                    Tolerance::Relative { fraction, .. } => fraction * exact.length(),
+                    Tolerance::AbsoluteT { error_t, .. } => error_t,
                 };
                 let error = (*found - *exact).length();
                 // A point without value is none that breaks its promise.
@@ -87,44 +87,47 @@ fn film() -> Vec<Tile> {
     (0..36).map(cell).collect()
 }
 
-const BELOW: Grid =
-    Grid { lower: DVec3::new(-2.0, -2.0, -5.0), upper: DVec3::new(2.0, 2.0, -3.0), counts: [21, 31, 11] };
+fn below() -> Grid {
+    Grid::new(DVec3::new(-2.0, -2.0, -5.0), DVec3::new(2.0, 2.0, -3.0), [21, 31, 11]).expect("a grid")
+}
 
 #[test]
 fn bit_identical_for_any_number_of_threads() {
-    let scene = Scene::new(&film()).with_accuracy(Accuracy::Within(Tolerance::Relative(1e-8)));
-    let once = grid_field(&scene, Quantity::FluxDensity, &BELOW).0;
+    let scene = Scene::new(&film()).with_accuracy(Accuracy::Within(Tolerance::relative(1e-8).expect("a tolerance")));
+    let once = grid_field(&scene, Quantity::FluxDensity, &below()).0;
     for threads in [1, 3, 8] {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        assert_eq!(pool.install(|| grid_field(&scene, Quantity::FluxDensity, &BELOW)).0, once);
+        assert_eq!(pool.install(|| grid_field(&scene, Quantity::FluxDensity, &below())).0, once);
     }
 }
 
 #[test]
 fn h_and_j_to_a_tolerance() {
     let exact = Scene::new(&film());
-    let scene = exact.clone().with_accuracy(Accuracy::Within(Tolerance::Relative(1e-7)));
-    let (b, h) =
-        (grid_field(&exact, Quantity::FluxDensity, &BELOW).0, grid_field(&scene, Quantity::FieldStrength, &BELOW).0);
+    let scene = exact.clone().with_accuracy(Accuracy::Within(Tolerance::relative(1e-7).expect("a tolerance")));
+    let (b, h) = (
+        grid_field(&exact, Quantity::FluxDensity, &below()).0,
+        grid_field(&scene, Quantity::FieldStrength, &below()).0,
+    );
     for (b, h) in b.iter().zip(h) {
         assert!((*b - h * MU_0).length() <= 1.001e-7 * b.length());
     }
-    assert!(grid_field(&scene, Quantity::Polarization, &BELOW).0.iter().all(|j| *j == DVec3::ZERO));
+    assert!(grid_field(&scene, Quantity::Polarization, &below()).0.iter().all(|j| *j == DVec3::ZERO));
 }
 
 /// Where the field vanishes no error is small beside it.
 #[test]
 fn a_tolerance_that_cannot_be_kept_is_refused_point_by_point() {
     let opposed = [DVec3::X, -DVec3::X].map(|j| Tile::new(-3.0 * j, DVec3::ONE, j).expect("a valid tile"));
-    let grid = Grid { lower: DVec3::splat(-1.0), upper: DVec3::ONE, counts: [11, 11, 11] };
+    let grid = Grid::new(DVec3::splat(-1.0), DVec3::ONE, [11, 11, 11]).expect("a grid");
     let scene = Scene::new(&opposed);
     for (fraction, least, most) in [(1e-6, 1, 11), (1e-15, 1331, 1331)] {
-        let within = scene.clone().with_accuracy(Accuracy::Within(Tolerance::Relative(fraction)));
+        let within = scene.clone().with_accuracy(Accuracy::Within(Tolerance::relative(fraction).expect("a tolerance")));
         let (_, causes) = grid_field(&within, Quantity::FluxDensity, &grid);
         assert!((least..=most).contains(&causes.len()), "{fraction}: {} points refused", causes.len());
         assert!(causes.iter().all(|cause| matches!(cause, Cause::TooExact { bound_t } if *bound_t < 1e-13)));
     }
-    let absolute = scene.with_accuracy(Accuracy::Within(Tolerance::AbsoluteT(1e-12)));
+    let absolute = scene.with_accuracy(Accuracy::Within(Tolerance::absolute_t(1e-12).expect("a tolerance")));
     assert_eq!(grid_field(&absolute, Quantity::FluxDensity, &grid).1, []);
 }
 
@@ -143,9 +146,9 @@ fn weak_points_keep_a_relative_tolerance_too() {
     }
     // Without symmetry, and one point is very close to the place where the field vanishes.
     let lower = DVec3::new(low + 1e-7 - 0.7, -0.9, -1.2);
-    let grid = Grid { lower, upper: lower + DVec3::new(2.0, 2.0, 2.0), counts: [41; 3] };
+    let grid = Grid::new(lower, lower + DVec3::new(2.0, 2.0, 2.0), [41; 3]).expect("a grid");
     let exact = grid_field(&scene, Quantity::FluxDensity, &grid).0;
-    let within = scene.with_accuracy(Accuracy::Within(Tolerance::Relative(1e-5)));
+    let within = scene.with_accuracy(Accuracy::Within(Tolerance::relative(1e-5).expect("a tolerance")));
     let (found, refused) = grid_field(&within, Quantity::FluxDensity, &grid);
     assert_eq!(refused, []);
     let error = |(exact, found): (&DVec3, &DVec3)| (*exact - *found).length() / exact.length();
@@ -184,8 +187,8 @@ fn fitted_fields_keep_their_bounds() {
     TestRunner::new(Config { cases: 400, failure_persistence: None, ..Config::default() })
         .run(&boxes, |(tiles, centre, half, fraction)| {
             let (centre, half) = (DVec3::from(centre), DVec3::from(half));
-            let (scene, tolerance) = (Scene::new(&tiles), Tolerance::Relative(fraction));
-            let Ok(found) = FittedField::new(&scene, centre - half, centre + half, tolerance) else { return Ok(()) };
+            let (scene, tolerance) = (Scene::new(&tiles), Tolerance::relative(fraction).expect("a tolerance"));
+            let Ok(found) = scene.fitted_field(centre - half, centre + half, tolerance) else { return Ok(()) };
             fitted.set(fitted.get() + 1);
             let points = spread(centre - half, centre + half, 500);
             let mut field = vec![DVec3::ZERO; points.len()];
@@ -200,7 +203,7 @@ fn fitted_fields_keep_their_bounds() {
                     prop_assert!((b - exact).length() <= (fraction + EXACT) * exact.length());
                     prop_assert!((b - alone).length() <= 1e-13 * exact.length() + 0.01 * found.error_t());
                 }
-                let gradient = scene.flux_density_gradient(*point).expect("no tile is there");
+                let gradient = scene.gradient(Quantity::FluxDensity, *point).expect("no tile is there");
                 let off = (found.flux_density_gradient(*point).expect("inside") - gradient).to_cols_array();
                 let off = off.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
                 prop_assert!(off <= found.gradient_error_t(), "{off:e}, not {:e}", found.gradient_error_t());
@@ -225,7 +228,9 @@ fn fitted_fields_have_neither_divergence_nor_curl() {
         (0.0, [1e-310, 1.0, 1.0], 1e-6),
     ] {
         let (size, lower) = (DVec3::from(size), DVec3::new(x, -1.5, -5.0));
-        let fitted = FittedField::new(&scene, lower, lower + size, Tolerance::Relative(fraction)).expect("far enough");
+        let fitted = scene
+            .fitted_field(lower, lower + size, Tolerance::relative(fraction).expect("a tolerance"))
+            .expect("far enough");
         let points = spread(lower, lower + size, 100);
         let mut together = vec![DVec3::ZERO; points.len()];
         fitted.flux_density_into(&points, &mut together).expect("inside, and not weak");
@@ -247,7 +252,8 @@ fn fitted_fields_have_neither_divergence_nor_curl() {
 fn a_fitted_field_refuses_what_it_cannot_do() {
     let scene = Scene::new(&film());
     let (lower, upper) = (DVec3::new(-2.0, -2.0, -5.0), DVec3::new(2.0, 2.0, -3.0));
-    let made = |lower, upper, fraction| FittedField::new(&scene, lower, upper, Tolerance::Relative(fraction));
+    let made =
+        |lower, upper, fraction| scene.fitted_field(lower, upper, Tolerance::relative(fraction).expect("a tolerance"));
     assert_eq!(made(lower, upper.with_z(0.5), 1e-3).unwrap_err(), FittedFieldError::TooNear);
     assert_eq!(made(lower, upper, 1e-14).unwrap_err(), FittedFieldError::TooExact);
     assert_eq!(made(upper, lower, 1e-3).unwrap_err(), FittedFieldError::NoBox);

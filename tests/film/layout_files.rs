@@ -43,7 +43,7 @@ fn plain_form() {
     let j = tile.scene_polarization_t();
     assert!((j - 0.12 * DVec3::new(0.75_f64.sqrt(), 0.5, 0.0)).length() < 1e-16);
     let volume = layout.volume.unwrap();
-    assert_eq!((volume.grid.counts, volume.reference_mm), ([9, 9, 5], DVec3::new(0.0, 0.0, -5.0)));
+    assert_eq!((volume.grid.counts(), volume.reference_mm), ([9, 9, 5], DVec3::new(0.0, 0.0, -5.0)));
 }
 
 #[test]
@@ -265,8 +265,8 @@ fn findings() {
     for (finding, expected) in layout.findings.iter().zip(expected) {
         assert!(finding.contains(expected), "{finding}");
     }
-    assert_eq!(layout.volume.unwrap().grid.counts, [4, 3, 11]);
-    assert!((layout.volume.unwrap().grid.upper.x - 0.9).abs() < 1e-15);
+    assert_eq!(layout.volume.unwrap().grid.counts(), [4, 3, 11]);
+    assert!((layout.volume.unwrap().grid.upper().x - 0.9).abs() < 1e-15);
 }
 
 const TABLES: &str = "[ideal]\nwavelength_mm = 10\nthickness_mm = 1\namplitude_t = 0.12\n\

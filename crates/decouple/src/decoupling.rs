@@ -94,7 +94,7 @@ impl Decoupling {
         assert_eq!(field_t.len(), grid.len(), "one field value per point of the grid");
         let half_wavelength = 0.5 * ideal.wavelength();
         for axis in 0..2 {
-            let reach = grid.lower[axis].abs().max(grid.upper[axis].abs());
+            let reach = grid.lower()[axis].abs().max(grid.upper()[axis].abs());
             if reach >= half_wavelength {
                 return Err(DecouplingError::BeyondHalfWave { axis, reach, half_wavelength });
             }
@@ -103,7 +103,7 @@ impl Decoupling {
         let branch = Branch::from_axis_field(reference_field_t).ok_or(singular_reference)?;
         let at_reference = Parameters::of(reference_field_t, branch).ok_or(singular_reference)?;
 
-        let [nx, ny, nz] = grid.counts;
+        let [nx, ny, nz] = grid.counts();
         let parameters =
             Array3::from_shape_fn((nx, ny, nz), |(i, j, k)| Parameters::of(field_t[(i * ny + j) * nz + k], branch));
         let singular: Vec<DVec3> =
@@ -210,7 +210,7 @@ mod tests {
     }
 
     fn grid() -> Grid {
-        Grid { lower: DVec3::new(-2.0, -2.0, -5.0), upper: DVec3::new(2.0, 2.0, -3.0), counts: [5, 5, 3] }
+        Grid::new(DVec3::new(-2.0, -2.0, -5.0), DVec3::new(2.0, 2.0, -3.0), [5, 5, 3]).expect("a grid")
     }
 
     fn ideal_field(grid: &Grid) -> Vec<DVec3> {
@@ -269,7 +269,7 @@ mod tests {
         assert_eq!(Decoupling::of(&grid(), &zero, (at, field), &film()), Err(DecouplingError::AllSingular));
         let vanishing = Decoupling::of(&grid(), &zero, (at, DVec3::X), &film());
         assert_eq!(vanishing, Err(DecouplingError::SingularReference { at }));
-        let wide = Grid { lower: DVec3::new(-2.0, -5.0, -5.0), ..grid() };
+        let wide = Grid::new(DVec3::new(-2.0, -5.0, -5.0), grid().upper(), grid().counts()).expect("a grid");
         let error = Decoupling::of(&wide, &zero, (at, field), &film()).unwrap_err();
         assert_eq!(error, DecouplingError::BeyondHalfWave { axis: 1, reach: 5.0, half_wavelength: 5.0 });
     }

@@ -39,7 +39,7 @@ impl Figures {
         if !decoupling.singular.is_empty() {
             return Err(DesignError::Singular);
         }
-        let comparison = Comparison::of(&points, &field, &ideal_field).map_err(|_| DesignError::Singular)?;
+        let comparison = Comparison::new(&points, &field, &ideal_field).map_err(|_| DesignError::Singular)?;
         Ok(Figures {
             uniformity_rmse: decoupling.uniformity_rmse,
             ideal_rmse: decoupling.ideal_rmse,

@@ -92,8 +92,8 @@ impl Objective {
         let mut errors = vec![0.0; slopes.len()];
         for axis in 0..3 {
             let factor = self.weights[axis] / (grid.len() as f64).sqrt();
-            let points = (grid.len() / grid.counts[axis]) as f64;
-            for plane in 0..grid.counts[axis] {
+            let points = (grid.len() / grid.counts()[axis]) as f64;
+            for plane in 0..grid.counts()[axis] {
                 let rows = || (0..grid.len()).filter(|&i| grid.indices(i)[axis] == plane).map(|i| 3 * i + axis);
                 let mean = rows().map(|row| parameters[row]).sum::<f64>() / points;
                 let mut mean_slopes = vec![0.0; n];

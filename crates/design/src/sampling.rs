@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use glam::{DMat3, DVec3};
-use magsplice_field::{FaceSlopes, Grid, PolarizationMap};
+use magsplice_field::{FaceDerivatives, Grid, PolarizationMap};
 use magsplice_layout::Symmetry;
 
 use crate::pattern::Pattern;
@@ -34,7 +34,7 @@ pub(crate) struct Field {
 impl Sampling {
     pub(crate) fn new(grid: Grid, reference: DVec3, symmetry: Symmetry) -> Sampling {
         let operations = Operation::all(symmetry);
-        let unit = SAME_COORDINATE * grid.lower.abs().max(grid.upper.abs()).max_element().max(f64::MIN_POSITIVE);
+        let unit = SAME_COORDINATE * grid.lower().abs().max(grid.upper().abs()).max_element().max(f64::MIN_POSITIVE);
         let key = |p: DVec3| (p / unit).round().to_array().map(|c| c as i64);
         let mut computed: Vec<DVec3> = Vec::new();
         let mut known: HashMap<[i64; 3], (usize, Operation)> = HashMap::new();
@@ -64,9 +64,9 @@ impl Sampling {
     /// How much each point of the grid counts where sums go over the points of another grid in the same region: a smooth function there is interpolated from here.
     pub(crate) fn weights_of(&self, other: &Grid) -> Vec<f64> {
         let along = [0, 1, 2].map(|axis| {
-            let nodes: Vec<f64> = (0..self.grid.counts[axis]).map(|i| self.grid.coordinate(axis, i)).collect();
+            let nodes: Vec<f64> = (0..self.grid.counts()[axis]).map(|i| self.grid.coordinate(axis, i)).collect();
             let mut weights = vec![0.0; nodes.len()];
-            for i in 0..other.counts[axis] {
+            for i in 0..other.counts()[axis] {
                 interpolate(&nodes, other.coordinate(axis, i), &mut weights);
             }
             weights
@@ -118,7 +118,7 @@ impl Sampling {
                     if shape.faces.iter().flatten().all(|face| face.terms.is_empty()) {
                         continue;
                     }
-                    let by_faces = FaceSlopes::of(&tile, mapped[row])?;
+                    let by_faces = FaceDerivatives::new(&tile, mapped[row])?;
                     for (axis, ends) in shape.faces.iter().enumerate() {
                         for (face, by) in ends.iter().zip([&by_faces.lower, &by_faces.upper]) {
                             for &(variable, factor) in &face.terms {

@@ -136,15 +136,15 @@ impl<'a> Setting<'a> {
 const FINER: usize = 5;
 
 fn finer(grid: &Grid) -> Grid {
-    Grid { counts: grid.counts.map(|n| FINER * (n - 1) + 1), ..*grid }
+    Grid::new(grid.lower(), grid.upper(), grid.counts().map(|n| FINER * (n - 1) + 1)).expect("a grid of points")
 }
 
 /// The region of the volume, with the step asked for or with as few points as are enough.
 fn design_grid(volume: &WorkingVolume, step_mm: Option<f64>) -> Grid {
     let grid = volume.grid;
     let counts = [0, 1, 2].map(|axis| match step_mm {
-        Some(step) => ((grid.upper[axis] - grid.lower[axis]) / step).round().max(1.0) as usize + 1,
-        None => grid.counts[axis].min(POINTS_ALONG[axis]),
+        Some(step) => ((grid.upper()[axis] - grid.lower()[axis]) / step).round().max(1.0) as usize + 1,
+        None => grid.counts()[axis].min(POINTS_ALONG[axis]),
     });
-    Grid { counts, ..grid }
+    Grid::new(grid.lower(), grid.upper(), counts).expect("a grid of points")
 }

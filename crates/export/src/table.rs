@@ -92,7 +92,7 @@ impl Points {
     /// The shape of an array with one entry per point: counts along x, y, z, or the number of points.
     pub fn shape(&self) -> Vec<usize> {
         match self {
-            Points::Grid(grid) => grid.counts.to_vec(),
+            Points::Grid(grid) => grid.counts().to_vec(),
             Points::Scattered(points) => vec![points.len()],
         }
     }

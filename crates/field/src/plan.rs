@@ -38,7 +38,6 @@ pub struct PlannedPart {
 
 /// What a field is computed by.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum Model {
     /// The exact field of all tiles.
     Exact,

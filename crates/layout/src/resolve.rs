@@ -120,11 +120,12 @@ pub(crate) fn layout(file: LayoutFile, text: &str, sha256: String) -> Result<Lay
 fn ideal_film(ideal: &Ideal, span: &Range<usize>, problems: &mut Problems) -> Option<IdealFilm> {
     IdealFilm::new(ideal.wavelength_mm, ideal.thickness_mm, ideal.amplitude_t)
         .map_err(|faults| {
-            for fault in faults {
+            for fault in faults.0 {
                 let key = match fault {
                     IdealFilmFault::Wavelength(value) => format!("wavelength_mm = {value}"),
                     IdealFilmFault::Thickness(value) => format!("thickness_mm = {value}"),
                     IdealFilmFault::Amplitude(value) => format!("amplitude_t = {value}"),
+                    other => other.to_string(),
                 };
                 problems.add(Some(span), "ideal", format!("{key}, {}", fault.rule()));
             }
@@ -142,6 +143,7 @@ fn report_tile_faults(faults: &[TileFault], report: &mut dyn FnMut(String)) {
             TileFault::Aspect { shortest, .. } => format!("shortest side of size_mm = {shortest}, {rule}"),
             TileFault::Polarization { axis, value } => format!("polarization_t[{axis}] = {value}, {rule}"),
             TileFault::Rotation { norm } => format!("rotation has norm {norm}, {rule}"),
+            other => other.to_string(),
         });
     }
 }

@@ -82,7 +82,7 @@ pub(crate) fn resolve(
     let middle = 0.5 * (lower + end);
     let reference_mm = written.reference_mm.map_or(DVec3::new(middle.x, middle.y, lower.z), DVec3::from);
     Some(WorkingVolume {
-        grid: Grid { lower, upper, counts },
+        grid: Grid::new(lower, upper, counts).expect("ranges and steps have been checked"),
         lower_mm: lower,
         upper_mm: end,
         step_mm: steps.into(),

@@ -106,7 +106,7 @@ impl<'a> Film<'a> {
             // The cheaper ways see the grid as a whole.
             Accuracy::Within(_) => {
                 self.tell(Stage::uncounted("field"));
-                self.scene.field_on_grid(Quantity::FluxDensity, grid, &mut field)
+                self.scene.field_on_grid_into(Quantity::FluxDensity, grid, &mut field)
             }
         };
         evaluated.map(|()| field).map_err(FilmError::Points)
@@ -140,7 +140,7 @@ impl<'a> Film<'a> {
             .iter()
             .map(|&p| ideal.flux_density_t(p).ok_or(FilmError::NotBelow(p)))
             .collect::<Result<Vec<DVec3>, _>>()?;
-        Comparison::of(&points, field_t, &reference).map_err(FilmError::Comparison)
+        Comparison::new(&points, field_t, &reference).map_err(FilmError::Comparison)
     }
 
     /// The decoupling parameters over the working volume; `field_t` as [`Film::volume_field_t`] gives it.
@@ -214,7 +214,7 @@ mod tests {
         let film = Film::new(layout).with_accuracy(accuracy);
         let grid = &film.volume().unwrap().grid;
         let mut field = vec![DVec3::ZERO; grid.len()];
-        let at_once = film.scene().field_on_grid(Quantity::FluxDensity, grid, &mut field);
+        let at_once = film.scene().field_on_grid_into(Quantity::FluxDensity, grid, &mut field);
         [film.volume_field_t(), at_once.map(|()| field).map_err(FilmError::Points)]
     }
 

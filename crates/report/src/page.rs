@@ -137,7 +137,7 @@ fn facts(film: &Film, survey: Option<&Survey>, drawn: usize) -> String {
         ),
     ];
     if let Some(survey) = survey {
-        let (v, every) = (survey.volume, strides(survey.volume.grid.counts));
+        let (v, every) = (survey.volume, strides(survey.volume.grid.counts()));
         let (l, u, s) = (v.lower_mm, v.upper_mm, v.step_mm);
         let ranges = format!("x {} .. {}, y {} .. {}, z {} .. {} mm", l.x, u.x, l.y, u.y, l.z, u.z);
         let step = if s.x == s.y && s.x == s.z { format!("{}", s.x) } else { format!("{}, {}, {}", s.x, s.y, s.z) };
@@ -190,9 +190,9 @@ fn strides(counts: [usize; 3]) -> [usize; 3] {
 
 fn volume_points(survey: &Survey) -> (Option<VolumePoints>, Vec<Map>) {
     let grid = &survey.volume.grid;
-    let strides = strides(grid.counts);
+    let strides = strides(grid.counts());
     let along = |axis: usize| -> Vec<f64> {
-        (0..grid.counts[axis]).step_by(strides[axis]).map(|i| grid.coordinate(axis, i)).collect()
+        (0..grid.counts()[axis]).step_by(strides[axis]).map(|i| grid.coordinate(axis, i)).collect()
     };
     let volume = VolumePoints {
         lower_mm: survey.volume.lower_mm.to_array(),

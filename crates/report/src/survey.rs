@@ -54,7 +54,7 @@ impl<'a> Survey<'a> {
 
     /// Indices of the lowest plane of the grid, one in the middle, and the highest, as far as these are different ones.
     pub(crate) fn z_planes(&self) -> Vec<usize> {
-        let last = self.volume.grid.counts[2] - 1;
+        let last = self.volume.grid.counts()[2] - 1;
         let mut planes = vec![0, last / 2, last];
         planes.dedup();
         planes
@@ -85,18 +85,19 @@ impl Slice {
     /// The part of the working volume where coordinate `normal` is `at_mm`. Where the field is unbounded it is NaN.
     pub(crate) fn of(film: &Film, volume: &WorkingVolume, normal: usize, at_mm: f64) -> Result<Slice, FilmError> {
         let axes = in_plane(normal);
-        let mut grid = Grid { lower: volume.lower_mm, upper: volume.upper_mm, counts: [1; 3] };
+        let (mut lower, mut upper, mut counts) = (volume.lower_mm, volume.upper_mm, [1; 3]);
         // Each cell has the value of its middle.
         for axis in axes {
-            let half_cell = 0.5 * (grid.upper[axis] - grid.lower[axis]) / MAP_CELLS as f64;
-            grid.lower[axis] += half_cell;
-            grid.upper[axis] -= half_cell;
-            grid.counts[axis] = MAP_CELLS;
+            let half_cell = 0.5 * (upper[axis] - lower[axis]) / MAP_CELLS as f64;
+            lower[axis] += half_cell;
+            upper[axis] -= half_cell;
+            counts[axis] = MAP_CELLS;
         }
-        (grid.lower[normal], grid.upper[normal]) = (at_mm, at_mm);
+        (lower[normal], upper[normal]) = (at_mm, at_mm);
+        let grid = Grid::new(lower, upper, counts).expect("a slice of the volume");
         let ranges_mm = axes.map(|axis| [volume.lower_mm[axis], volume.upper_mm[axis]]);
         let mut field_t = vec![DVec3::ZERO; grid.len()];
-        if let Err(errors) = film.scene().field_on_grid(Quantity::FluxDensity, &grid, &mut field_t) {
+        if let Err(errors) = film.scene().field_on_grid_into(Quantity::FluxDensity, &grid, &mut field_t) {
             let other: Vec<_> =
                 errors.0.into_iter().filter(|error| !matches!(error.cause, Cause::Unbounded { .. })).collect();
             if !other.is_empty() {
@@ -108,12 +109,12 @@ impl Slice {
 
     /// Cells along the two axes.
     pub(crate) fn cells(&self) -> [usize; 2] {
-        self.axes.map(|axis| self.grid.counts[axis])
+        self.axes.map(|axis| self.grid.counts()[axis])
     }
 
     fn index(&self, u: usize, v: usize) -> usize {
         // The grid has one point along the normal, so the later axis runs fastest.
-        u * self.grid.counts[self.axes[1]] + v
+        u * self.grid.counts()[self.axes[1]] + v
     }
 
     pub(crate) fn field_t(&self, u: usize, v: usize) -> DVec3 {

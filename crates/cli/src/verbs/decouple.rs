@@ -172,8 +172,8 @@ impl From<Accuracy> for AccuracyReport {
     fn from(accuracy: Accuracy) -> AccuracyReport {
         match accuracy {
             Accuracy::Exact => AccuracyReport::Exact,
-            Accuracy::Within(Tolerance::Relative(fraction)) => AccuracyReport::Relative(fraction),
-            Accuracy::Within(Tolerance::AbsoluteT(error_t)) => AccuracyReport::AbsoluteT(error_t),
+            Accuracy::Within(Tolerance::Relative { fraction, .. }) => AccuracyReport::Relative(fraction),
+            Accuracy::Within(Tolerance::AbsoluteT { error_t, .. }) => AccuracyReport::AbsoluteT(error_t),
         }
     }
 }

@@ -90,7 +90,7 @@ fn on_grid(args: &FieldArgs, film: &Film, progress: &Progress) -> Result<(), Fai
             let points: Vec<DVec3> = grid.points().collect();
             let mut field = vec![DVec3::ZERO; points.len()];
             progress.show(Stage::uncounted("field"));
-            let evaluated = film.scene().field_on_grid(quantity, &grid, &mut field);
+            let evaluated = film.scene().field_on_grid_into(quantity, &grid, &mut field);
             add(results.add(evaluated, &points, field.iter().flat_map(DVec3::to_array), true)?);
         }
         _ => {
@@ -115,7 +115,7 @@ pub(crate) fn cause_in_words(cause: Cause, layout: &Layout) -> String {
             "the gradient cannot be resolved on an edge that tile \"{}\" shares with others",
             layout.tiles[tile].name
         ),
-        Cause::OutOfRange | Cause::TooExact { .. } => cause.to_string(),
+        other => other.to_string(),
     }
 }
 
@@ -153,7 +153,7 @@ impl Results {
     fn rows(&mut self, scene: &Scene, points: &[DVec3], complete: bool) -> Result<PointErrors, Failure> {
         let Some(quantity) = quantity(self.quantity) else {
             let mut gradient = vec![DMat3::ZERO; points.len()];
-            let evaluated = scene.flux_density_gradient_into(points, &mut gradient);
+            let evaluated = scene.gradient_into(Quantity::FluxDensity, points, &mut gradient);
             // Row by row: the derivatives of one component of B together.
             return self.add(evaluated, points, gradient.iter().flat_map(|g| g.transpose().to_cols_array()), complete);
         };

@@ -122,7 +122,15 @@ fn describe(text: &mut String, part: &PlannedPart, tiles: usize) {
                 ("why", format!("no tile is nearer than {} mm, and the points are many", text::number(*distance))),
             ],
         ),
-        Model::Tree { expansions, degree, expanded_tiles, exact_tiles, ignored_tiles, left_out_t, ignored_t } => (
+        Model::Tree {
+            expansions,
+            degree,
+            expanded_tiles,
+            exact_tiles,
+            ignored_tiles,
+            truncation_error_t,
+            ignored_t,
+        } => (
             "groups of tiles by expansions in solid harmonics, on average",
             vec![
                 (
@@ -136,7 +144,7 @@ fn describe(text: &mut String, part: &PlannedPart, tiles: usize) {
                 ),
                 ("near tiles", format!("{}, each exactly where it is too near", count(*exact_tiles))),
                 ("ignored tiles", format!("{}, which add at most {ignored_t:.1e} T", count(*ignored_tiles))),
-                ("left out", format!("at most {left_out_t:.1e} T at any point, ignored tiles with it")),
+                ("left out", format!("at most {truncation_error_t:.1e} T at any point, ignored tiles with it")),
                 ("why", "no box of a grid, free of tiles and with points enough".to_owned()),
             ],
         ),
@@ -227,17 +235,23 @@ impl From<&PlannedPart> for PartReport {
                 error_t,
                 distance_mm: distance,
             },
-            Model::Tree { expansions, degree, expanded_tiles, exact_tiles, ignored_tiles, left_out_t, ignored_t } => {
-                ModelReport::Tree {
-                    expansions,
-                    degree,
-                    expanded_tiles,
-                    exact_tiles,
-                    ignored_tiles,
-                    left_out_t,
-                    ignored_t,
-                }
-            }
+            Model::Tree {
+                expansions,
+                degree,
+                expanded_tiles,
+                exact_tiles,
+                ignored_tiles,
+                truncation_error_t,
+                ignored_t,
+            } => ModelReport::Tree {
+                expansions,
+                degree,
+                expanded_tiles,
+                exact_tiles,
+                ignored_tiles,
+                left_out_t: truncation_error_t,
+                ignored_t,
+            },
         };
         PartReport { points: part.points, model, cost: part.cost }
     }

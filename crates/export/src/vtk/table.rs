@@ -22,13 +22,13 @@ pub fn table(table: &Table, w: &mut dyn Write) -> io::Result<()> {
 }
 
 fn image_data(table: &Table, grid: &Grid, w: &mut dyn Write) -> io::Result<()> {
-    let [nx, ny, nz] = grid.counts;
+    let [nx, ny, nz] = grid.counts();
     let extent = format!("0 {} 0 {} 0 {}", nx - 1, ny - 1, nz - 1);
-    let step = |axis: usize| match grid.counts[axis] {
+    let step = |axis: usize| match grid.counts()[axis] {
         1 => 1.0,
-        count => (grid.upper[axis] - grid.lower[axis]) / (count - 1) as f64,
+        count => (grid.upper()[axis] - grid.lower()[axis]) / (count - 1) as f64,
     };
-    let (o, [dx, dy, dz]) = (grid.lower, [0, 1, 2].map(step));
+    let (o, [dx, dy, dz]) = (grid.lower(), [0, 1, 2].map(step));
     let place = format!("Origin=\"{:?} {:?} {:?}\" Spacing=\"{dx:?} {dy:?} {dz:?}\"", o.x, o.y, o.z);
     // In VTK x runs fastest.
     let row = move |index: usize| (index % nx * ny + index / nx % ny) * nz + index / (nx * ny);

@@ -275,8 +275,7 @@ impl<'a> Batch<'a> {
         };
         let Evaluated { list, values, truncation_error_t, failed } = &mut evaluated;
         field_of_list(
-            self.direct,
-            self.tree,
+            (self.direct, self.tree),
             list,
             self.quantity,
             points,

@@ -19,8 +19,7 @@ use crate::prepare::frames::Frames;
 /// Writes B or H at a batch of points, and an upper bound of the truncation error at each, in tesla.
 /// Points without a field are passed to `failed`, and their field is NaN.
 pub(super) fn field_of_list(
-    direct: &DirectSum,
-    tree: &Tree,
+    (direct, tree): (&DirectSum, &Tree),
     list: &InteractionList,
     quantity: Quantity,
     points: &[DVec3],

@@ -154,7 +154,7 @@ pub(crate) fn measure(
         if let (Some(grid), Some(known)) = (place.volume, &in_grid) {
             runners.push((Contender::Grid, Some(fraction), None, Runner::OnGrid(within(), grid), known));
             let start = Instant::now();
-            let fitted = FittedField::new(&scene, grid.lower, grid.upper, tolerance);
+            let fitted = scene.fitted_field(grid.lower(), grid.upper(), tolerance);
             let ms = 1e3 * start.elapsed().as_secs_f64();
             match fitted {
                 Ok(fitted) => {
@@ -236,7 +236,7 @@ impl Quantiles {
 fn run(runner: &mut Runner, points: &[DVec3], field: &mut [DVec3]) -> Result<f64, String> {
     let start = Instant::now();
     match runner {
-        Runner::OnGrid(scene, grid) => drop(scene.field_on_grid(Quantity::FluxDensity, black_box(grid), field)),
+        Runner::OnGrid(scene, grid) => drop(scene.field_on_grid_into(Quantity::FluxDensity, black_box(grid), field)),
         Runner::AtPoints(scene) => drop(scene.field_into(Quantity::FluxDensity, black_box(points), field)),
         Runner::LookUps(fitted) => drop(fitted.flux_density_into(black_box(points), field)),
         Runner::Magba(magba) => {

@@ -345,7 +345,7 @@ const TABLES: &str = "
 const ONLY_EXACT: &str = "
 ### Where only the exact field applies
 
-* Single points (`Scene::field`), gradients (`Scene::flux_density_gradient`) and J are exact
+* Single points (`Scene::field`), gradients (`Scene::gradient`) and J are exact
   whatever the accuracy.
 * Look-ups in boxes with tiles inside or nearby: `FittedField` refuses the box. A grid there is
   divided, and its points near the tiles are evaluated as a list.

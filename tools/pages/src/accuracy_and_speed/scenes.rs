@@ -38,12 +38,13 @@ pub(crate) fn scenes(effort: DialEffort) -> Vec<PageScene> {
     let mut boxed = |name, grid: Grid| ScenePlace {
         name,
         volume: Some(grid),
-        points: in_box(effort.points, grid.lower, grid.upper),
+        points: in_box(effort.points, grid.lower(), grid.upper()),
     };
     let film_places = vec![boxed("in its volume", volume)];
     let mut large_places = vec![boxed("in its volume", volume)];
-    let far = Grid { lower: DVec3::new(98.0, 98.0, 99.0), upper: DVec3::new(102.0, 102.0, 101.0), ..volume };
-    let near = Grid { lower: DVec3::new(-2.0, -2.0, -3.0), upper: DVec3::new(2.0, 2.0, -1.0), ..volume };
+    let far =
+        Grid::new(DVec3::new(98.0, 98.0, 99.0), DVec3::new(102.0, 102.0, 101.0), volume.counts()).expect("a grid");
+    let near = Grid::new(DVec3::new(-2.0, -2.0, -3.0), DVec3::new(2.0, 2.0, -1.0), volume.counts()).expect("a grid");
     let tile_places = vec![boxed("half a mm below it", near), boxed("170 mm away", far)];
     let (low, high) = (DVec3::new(-36.0, -36.0, -5.0), DVec3::new(36.0, 36.0, -3.0));
     large_places.push(ScenePlace { name: "under all of it", volume: None, points: in_box(effort.points, low, high) });

@@ -11,7 +11,7 @@ use crate::text::number;
 
 /// Before and after, side by side.
 pub(crate) fn outcome(setting: &Setting, outcome: &Outcome, path: Option<&Path>) -> String {
-    let [nx, ny, nz] = setting.grid().counts;
+    let [nx, ny, nz] = setting.grid().counts();
     let mut text = format!(
         "{} in {}, designed on {nx} x {ny} x {nz} points; {}\n\n",
         count(setting.free(), "free number", "free numbers"),
