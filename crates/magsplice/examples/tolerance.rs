@@ -2,24 +2,21 @@
 
 use std::error::Error;
 
-use magsplice::field::{Accuracy, FittedField, Tolerance};
+use magsplice::field::{Accuracy, Tolerance};
 use magsplice::prelude::*;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let layout = Layout::parse(include_str!("film.toml"), "film.toml")?;
     let exact = Scene::new(&layout.bare_tiles());
     let volume = Film::new(&layout).volume()?.grid;
-    let fine = Grid { counts: [81, 81, 41], ..volume };
+    let fine = Grid::new(volume.lower(), volume.upper(), [81, 81, 41])?;
 
     // The error of B may be a millionth of |B| at each point. A Chebyshev expansion of the volume
     // then takes the place of the sum over tiles.
     let tolerance = Tolerance::relative(1e-6)?;
     let fast = exact.clone().with_accuracy(Accuracy::Within(tolerance));
-    let mut field_t = [vec![DVec3::ZERO; fine.len()], vec![DVec3::ZERO; fine.len()]];
-    for (scene, field_t) in [&exact, &fast].into_iter().zip(&mut field_t) {
-        scene.field_on_grid(Quantity::FluxDensity, &fine, field_t)?;
-    }
-    let [exact_t, fast_t] = field_t;
+    let exact_t = exact.field_on_grid(Quantity::FluxDensity, &fine)?;
+    let fast_t = fast.field_on_grid(Quantity::FluxDensity, &fine)?;
     let relative = |(exact, fast): (&DVec3, &DVec3)| exact.distance(*fast) / exact.length();
     let worst = exact_t.iter().zip(&fast_t).map(relative).fold(0.0, f64::max);
     println!("{} points, tolerance 1e-6 of |B|, largest error {worst:.1e}", fine.len());
@@ -27,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("cost: {:.2} of the exact field", plan.cost() / plan.exact_cost);
 
     // For repeated look-ups at points that are not known in advance.
-    let fitted = FittedField::new(&exact, volume.lower, volume.upper, tolerance)?;
+    let fitted = exact.fitted_field(volume.lower(), volume.upper(), tolerance)?;
     println!("fitted field: {} kB, error at most {:.1e} T", fitted.memory_bytes() / 1000, fitted.error_t());
     let point_mm = DVec3::new(0.3, -0.7, -4.1);
     match fitted.flux_density(point_mm) {
