@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
-use magsplice::design::Request;
+use magsplice::design::SpliceRequest;
 use magsplice::field::{Accuracy, Tolerance};
 use magsplice::layout::Goal;
 
@@ -354,9 +354,9 @@ pub(crate) struct SplicedArgs {
 }
 
 impl SplicedArgs {
-    pub(crate) fn request(&self) -> Request {
+    pub(crate) fn request(&self) -> SpliceRequest {
         let lambda = self.wavelength;
-        Request {
+        SpliceRequest {
             wavelength_mm: lambda,
             film_mm: self.film,
             thickness_mm: self.thickness.unwrap_or(rounded(0.1 * lambda)),

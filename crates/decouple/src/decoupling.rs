@@ -1,5 +1,6 @@
-//! The errors of the decoupling parameters over a working volume.
+//! The decoupling parameters over a working volume, and their errors.
 
+use std::error::Error;
 use std::fmt;
 
 use glam::DVec3;
@@ -7,58 +8,64 @@ use magsplice_field::{Grid, IdealFilm};
 use ndarray::{Array3, ArrayView2, Axis};
 
 use crate::parameters::{Branch, Parameters, half_turn};
+use crate::per_parameter::{Parameter, PerParameter};
 
-/// One number for each decoupling parameter.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PerParameter {
-    /// Of R_x, in radians.
-    pub r_x: f64,
-    /// Of R_y, in radians.
-    pub r_y: f64,
-    /// Of S_z, without unit.
-    pub s_z: f64,
-}
-
-impl PerParameter {
-    /// The same errors as displacements along x, y, z: divided by k (Eq. 14), in the unit of 1 / `wavenumber`.
-    pub fn as_lengths(&self, wavenumber: f64) -> DVec3 {
-        DVec3::new(self.r_x, self.r_y, self.s_z) / wavenumber
-    }
-}
-
-/// How well a film decouples over a working volume.
+/// The decoupling parameters of a film over a working volume, with their errors.
+///
+/// ```
+/// use glam::DVec3;
+/// use magsplice_decouple::Decoupling;
+/// use magsplice_field::{Grid, IdealFilm};
+///
+/// let film = IdealFilm::new(10.0, 1.0, 0.12).unwrap(); // millimetres and tesla
+/// let [lower, upper] = [DVec3::new(-2.0, -2.0, -5.0), DVec3::new(2.0, 2.0, -3.0)];
+/// let grid = Grid::new(lower, upper, [9, 9, 5]).unwrap();
+/// let field_t: Vec<DVec3> = grid.points().map(|p| film.flux_density_t(p).unwrap()).collect();
+/// let reference = DVec3::new(0.0, 0.0, -5.0);
+/// let at_reference_t = film.flux_density_t(reference).unwrap();
+/// let decoupling = Decoupling::from_field(&grid, &field_t, (reference, at_reference_t), &film).unwrap();
+/// assert!(decoupling.uniformity_rmse.r_x < 1e-13); // the ideal film decouples perfectly
+/// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Decoupling {
-    /// The parameters at every point of the grid, by index along x, y, z; `None` at singular points.
+    /// The parameters at every point of the grid, by index along x, y, z. `None` at singular points. They are not
+    /// serialized.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub parameters: Array3<Option<Parameters>>,
     /// The parameters at the reference point.
     pub at_reference: Parameters,
-    /// Where B_z = 0 and the parameters do not exist. These points enter no average.
+    /// Points where B_z = 0 and the parameters do not exist. These points enter no average.
+    #[cfg_attr(feature = "serde", serde(rename = "singular_points"))]
     pub singular: Vec<DVec3>,
-    /// For each plane normal to the parameter's own axis the population standard deviation over the plane, averaged over planes:
-    /// how much the parameter depends on the two coordinates it should not depend on.
+    /// Uniformity RMSE: the population standard deviation of a parameter over a plane normal to its own axis, averaged
+    /// over the planes. It tells how much the parameter depends on the two coordinates that it should not depend on.
     pub uniformity_rmse: PerParameter,
-    /// Root mean square of the error of the parameter's change from the reference point, against the ideal film's.
+    /// Root mean square, over all points, of the difference between a parameter's change from the reference point and
+    /// that of the ideal film (-k dx, -k dy, k dz).
     pub ideal_rmse: PerParameter,
 }
 
-/// A parameter over one plane normal to its own axis, where it should be constant.
+/// Statistics of a parameter over one plane normal to its own axis, where it should be constant. In radians for R_x and
+/// R_y, without unit for S_z.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OverPlane {
-    /// Its mean.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PlaneStatistics {
+    /// Mean over the regular points of the plane.
     pub mean: f64,
-    /// Its population standard deviation.
+    /// Population standard deviation.
     pub deviation: f64,
-    /// Its least value.
+    /// Least value.
     pub least: f64,
-    /// Its largest value.
+    /// Largest value.
     pub most: f64,
 }
 
-/// Why there are no decoupling errors.
+/// Why the decoupling parameters of a film cannot be evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum DecouplingError {
-    /// B_z vanishes at the reference point: no branch and no reference.
+    /// B_z vanishes at the reference point, so there is no branch and no reference value.
     SingularReference {
         /// The reference point.
         at: DVec3,
@@ -77,15 +84,23 @@ pub enum DecouplingError {
 }
 
 impl Decoupling {
-    /// Evaluates a field given on `grid`, z fastest, and at the `reference` point, which also fixes the branch (see [`Branch`])
-    /// and so must lie near the axis. Fields in tesla, lengths in one unit.
+    /// Evaluates a field that is given on `grid`, z fastest, and at a reference point.
+    ///
+    /// Fields are in tesla, lengths in any one unit. The reference point also fixes the branch, so it must lie near the
+    /// axis of the film; see [`Branch`].
+    ///
+    /// # Accuracy
+    /// Errors of the parameters as in [`Parameters::from_field`]. The errors of a film that decouples perfectly come out
+    /// below 1e-13 in the published working volume.
     ///
     /// # Errors
-    /// See [`DecouplingError`].
+    /// * [`DecouplingError::SingularReference`] if B_z vanishes at the reference point;
+    /// * [`DecouplingError::AllSingular`] if B_z vanishes at every point of the grid;
+    /// * [`DecouplingError::BeyondHalfWave`] if the grid reaches half a wavelength from the axis along x or y.
     ///
     /// # Panics
     /// If `field_t` does not have one value per point of the grid.
-    pub fn of(
+    pub fn from_field(
         grid: &Grid,
         field_t: &[DVec3],
         (reference, reference_field_t): (DVec3, DVec3),
@@ -101,52 +116,49 @@ impl Decoupling {
         }
         let singular_reference = DecouplingError::SingularReference { at: reference };
         let branch = Branch::from_axis_field(reference_field_t).ok_or(singular_reference)?;
-        let at_reference = Parameters::of(reference_field_t, branch).ok_or(singular_reference)?;
+        let at_reference = Parameters::from_field(reference_field_t, branch).ok_or(singular_reference)?;
 
         let [nx, ny, nz] = grid.counts();
-        let parameters =
-            Array3::from_shape_fn((nx, ny, nz), |(i, j, k)| Parameters::of(field_t[(i * ny + j) * nz + k], branch));
+        let parameters = Array3::from_shape_fn((nx, ny, nz), |(i, j, k)| {
+            Parameters::from_field(field_t[(i * ny + j) * nz + k], branch)
+        });
         let singular: Vec<DVec3> =
             parameters.iter().zip(grid.points()).filter(|(p, _)| p.is_none()).map(|(_, at)| at).collect();
         if singular.len() == grid.len() {
             return Err(DecouplingError::AllSingular);
         }
-        let [r_x, r_y, s_z] = [0, 1, 2].map(|axis| mean_deviation(&over_planes(&parameters, axis)));
+        let [r_x, r_y, s_z] = Parameter::ALL.map(|parameter| mean_deviation(&plane_statistics(&parameters, parameter)));
         let uniformity_rmse = PerParameter { r_x, r_y, s_z };
         let ideal_rmse = ideal_rmse(&parameters, &at_reference, grid, reference, ideal.wavenumber());
         Ok(Decoupling { parameters, at_reference, singular, uniformity_rmse, ideal_rmse })
     }
 
-    /// For each plane of the grid normal to `axis` (0, 1, 2 for x, y, z) the parameter that should follow that axis only; `None` where all points
-    /// of the plane are singular. The mean of the deviations is [`Decoupling::uniformity_rmse`].
-    ///
-    /// # Panics
-    /// If `axis` is above 2.
-    pub fn over_planes(&self, axis: usize) -> Vec<Option<OverPlane>> {
-        over_planes(&self.parameters, axis)
+    /// Statistics of a parameter over each plane of the grid normal to the axis that the parameter follows. `None` for a
+    /// plane whose points are all singular. The mean of the deviations is [`Decoupling::uniformity_rmse`].
+    pub fn plane_statistics(&self, parameter: Parameter) -> Vec<Option<PlaneStatistics>> {
+        plane_statistics(&self.parameters, parameter)
     }
 }
 
-fn over_planes(parameters: &Array3<Option<Parameters>>, axis: usize) -> Vec<Option<OverPlane>> {
-    let of: [fn(&Parameters) -> f64; 3] = [|p| p.r_x, |p| p.r_y, |p| p.s_z];
-    parameters.axis_iter(Axis(axis)).map(|plane| over_plane(&plane, of[axis])).collect()
+fn plane_statistics(parameters: &Array3<Option<Parameters>>, parameter: Parameter) -> Vec<Option<PlaneStatistics>> {
+    parameters.axis_iter(Axis(parameter.axis())).map(|plane| statistics_over(&plane, parameter)).collect()
 }
 
-/// The deviations averaged over the planes that have any regular point.
-fn mean_deviation(planes: &[Option<OverPlane>]) -> f64 {
+/// Mean deviation of the planes that have a regular point.
+fn mean_deviation(planes: &[Option<PlaneStatistics>]) -> f64 {
     let deviations: Vec<f64> = planes.iter().flatten().map(|plane| plane.deviation).collect();
     deviations.iter().sum::<f64>() / deviations.len() as f64
 }
 
-/// In two passes, so that a constant plane has no deviation.
-fn over_plane(plane: &ArrayView2<Option<Parameters>>, of: fn(&Parameters) -> f64) -> Option<OverPlane> {
-    let values: Vec<f64> = plane.iter().flatten().map(of).collect();
+/// Statistics over one plane, in two passes, so that a constant plane has no deviation.
+fn statistics_over(plane: &ArrayView2<Option<Parameters>>, parameter: Parameter) -> Option<PlaneStatistics> {
+    let values: Vec<f64> = plane.iter().flatten().map(|at_point| at_point.get(parameter)).collect();
     if values.is_empty() {
         return None;
     }
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
-    Some(OverPlane {
+    Some(PlaneStatistics {
         mean,
         deviation: (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count).sqrt(),
         least: values.iter().copied().fold(f64::INFINITY, f64::min),
@@ -198,7 +210,7 @@ impl fmt::Display for DecouplingError {
     }
 }
 
-impl std::error::Error for DecouplingError {}
+impl Error for DecouplingError {}
 
 #[cfg(test)]
 mod tests {
@@ -223,54 +235,54 @@ mod tests {
     }
 
     #[test]
-    fn the_ideal_film_has_no_error() {
-        let d = Decoupling::of(&grid(), &ideal_field(&grid()), reference(), &film()).unwrap();
+    fn ideal_film_has_no_error() {
+        let d = Decoupling::from_field(&grid(), &ideal_field(&grid()), reference(), &film()).unwrap();
         for value in [d.uniformity_rmse.r_x, d.uniformity_rmse.s_z, d.ideal_rmse.r_y, d.ideal_rmse.s_z] {
-            // Round-off of the parameters, |B| / |B_z| below 10 in this volume.
+            // Round-off of the parameters: |B| / |B_z| is below 10 in this volume.
             assert!(value < 1e-13, "{value}");
         }
         assert!(d.singular.is_empty());
     }
 
-    /// An error put into one plane of S_z comes back as the standard deviation of that plane over the number of planes.
+    /// An error in one plane of S_z is the standard deviation of that plane over the number of planes.
     #[test]
-    fn an_error_in_one_plane() {
+    fn error_in_one_plane_is_its_deviation_over_the_number_of_planes() {
         let grid = grid();
         let mut field = ideal_field(&grid);
         let index = 7 * 3 + 1;
         field[index] *= 1.1;
-        let d = Decoupling::of(&grid, &field, reference(), &film()).unwrap();
-        // One of 25 values raised by e: deviation e sqrt(24) / 25.
+        let d = Decoupling::from_field(&grid, &field, reference(), &film()).unwrap();
+        // One of 25 values is raised by e, so the deviation is e sqrt(24) / 25.
         let e = 1.1_f64.ln();
         assert_relative_eq!(d.uniformity_rmse.s_z, e * 24.0_f64.sqrt() / 25.0 / 3.0, max_relative = 1e-9);
         assert_relative_eq!(d.ideal_rmse.s_z, e / 75.0_f64.sqrt(), max_relative = 1e-9);
         assert_relative_eq!(d.ideal_rmse.as_lengths(film().wavenumber()).z, e / 75.0_f64.sqrt() / film().wavenumber());
         assert!(d.uniformity_rmse.r_x < 1e-13);
-        let plane = d.over_planes(2)[1].unwrap();
+        let plane = d.plane_statistics(Parameter::Sz)[1].unwrap();
         assert_relative_eq!(plane.most - plane.least, e, max_relative = 1e-9);
         assert_relative_eq!(plane.mean - plane.least, e / 25.0, max_relative = 1e-9);
         assert_relative_eq!(plane.deviation, 3.0 * d.uniformity_rmse.s_z, max_relative = 1e-9);
     }
 
     #[test]
-    fn singular_points_are_named_and_left_out() {
+    fn singular_points_are_listed_and_enter_no_average() {
         let grid = grid();
         let mut field = ideal_field(&grid);
         field[4].z = 0.0;
-        let d = Decoupling::of(&grid, &field, reference(), &film()).unwrap();
+        let d = Decoupling::from_field(&grid, &field, reference(), &film()).unwrap();
         assert_eq!(d.singular, [grid.point(4)]);
         assert!(d.ideal_rmse.r_x < 1e-13 && d.uniformity_rmse.r_x < 1e-13);
     }
 
     #[test]
-    fn what_cannot_be_evaluated_is_an_error() {
+    fn vanishing_fields_and_wide_volumes_are_errors() {
         let zero = vec![DVec3::ZERO; grid().len()];
         let (at, field) = reference();
-        assert_eq!(Decoupling::of(&grid(), &zero, (at, field), &film()), Err(DecouplingError::AllSingular));
-        let vanishing = Decoupling::of(&grid(), &zero, (at, DVec3::X), &film());
+        assert_eq!(Decoupling::from_field(&grid(), &zero, (at, field), &film()), Err(DecouplingError::AllSingular));
+        let vanishing = Decoupling::from_field(&grid(), &zero, (at, DVec3::X), &film());
         assert_eq!(vanishing, Err(DecouplingError::SingularReference { at }));
         let wide = Grid::new(DVec3::new(-2.0, -5.0, -5.0), grid().upper(), grid().counts()).expect("a grid");
-        let error = Decoupling::of(&wide, &zero, (at, field), &film()).unwrap_err();
+        let error = Decoupling::from_field(&wide, &zero, (at, field), &film()).unwrap_err();
         assert_eq!(error, DecouplingError::BeyondHalfWave { axis: 1, reach: 5.0, half_wavelength: 5.0 });
     }
 }

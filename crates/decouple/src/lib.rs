@@ -1,10 +1,14 @@
-//! Self-decoupling: three parameters of the flux density that each follow one coordinate, and how far a film is from that.
+//! Self-decoupling of magnetic films: three parameters of the flux density, each of which follows one coordinate.
 //!
-//! * [`Parameters`]: R_x, R_y, S_z of a field value, and displacement from their change (Dai 2024, Eqs. 14 and 15).
-//! * [`Decoupling`]: their errors over a working volume.
+//! * [`Parameters`]: R_x, R_y, S_z of a field value, and displacement from their change (Dai 2024, Eqs. 13 to 15).
+//! * [`Decoupling`]: the parameters over a working volume, and their errors.
 //!
 //! Flux densities in tesla; lengths in any one unit. This crate computes no field, reads no files and prints nothing.
 //!
+//! # Features
+//! `serde` (off by default): `Serialize` for values and results, `Deserialize` for values.
+//!
+//! # Example
 //! ```
 //! use glam::DVec3;
 //! use magsplice_decouple::{Branch, Parameters};
@@ -14,17 +18,26 @@
 //! let on_axis = film.flux_density_t(DVec3::new(0.0, 0.0, -5.0)).unwrap();
 //! let sheared = film.flux_density_t(DVec3::new(1.5, 0.0, -5.0)).unwrap();
 //! let branch = Branch::from_axis_field(on_axis).unwrap();
-//! let before = Parameters::of(on_axis, branch).unwrap();
-//! let after = Parameters::of(sheared, branch).unwrap();
+//! let before = Parameters::from_field(on_axis, branch).unwrap();
+//! let after = Parameters::from_field(sheared, branch).unwrap();
 //! let moved = after.displacement_from(&before, film.wavenumber());
 //! assert!((moved - DVec3::new(1.5, 0.0, 0.0)).length() < 1e-12);
 //! ```
+//!
+//! # Reference
+//! Dai et al., "A Magnet Splicing Method for Constructing a Three-Dimensional Self-Decoupled Magnetic Tactile Sensor",
+//! Magnetochemistry 2024, 10(1), 6.
 
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+/// The parameters over a working volume, and their errors.
 mod decoupling;
+/// The parameters of one field value, and displacement from their change.
 mod parameters;
+/// One number for each parameter.
+mod per_parameter;
 
-pub use decoupling::{Decoupling, DecouplingError, OverPlane, PerParameter};
-pub use parameters::{Branch, ParameterSlopes, Parameters};
+pub use decoupling::{Decoupling, DecouplingError, PlaneStatistics};
+pub use parameters::{Branch, ParameterDerivatives, Parameters};
+pub use per_parameter::{Parameter, PerParameter};

@@ -1,10 +1,10 @@
-//! Numbers that depend on variables linearly.
+//! Affine expressions: numbers that depend linearly on the variables of a design.
 
-/// A constant and multiples of variables.
+/// A constant plus multiples of variables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Affine {
     pub(crate) constant: f64,
-    /// Variables, each at most once, in ascending order, with their factors.
+    /// Variables with their factors, in ascending order, each at most once.
     pub(crate) terms: Vec<(usize, f64)>,
 }
 
@@ -17,7 +17,7 @@ impl Affine {
         Affine { constant: 0.0, terms: vec![(index, 1.0)] }
     }
 
-    pub(crate) fn at(&self, variables: &[f64]) -> f64 {
+    pub(crate) fn eval(&self, variables: &[f64]) -> f64 {
         self.constant + self.terms.iter().map(|&(index, factor)| factor * variables[index]).sum::<f64>()
     }
 

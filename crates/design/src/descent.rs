@@ -1,69 +1,74 @@
-//! From one film to the best near it: Gauss-Newton steps with damping, each a quadratic program that keeps the rules.
+//! Local descent: damped Gauss-Newton steps, each a quadratic program that keeps the rules.
 
 use std::ops::ControlFlow;
 
 use magsplice_layout::Goal;
 
-use crate::objective::{Errors, Objective};
-use crate::pattern::{Kind, Pattern};
-use crate::quadratic::Quadratic;
-use crate::rules::{Bounds, Rule};
+use crate::objective::{Objective, Residuals};
+use crate::pattern::{Pattern, VariableKind};
+use crate::quadratic::QuadraticProgram;
+use crate::rules::{DesignBounds, LinearRule};
 use crate::sampling::Sampling;
 use crate::tolerances::{
-    FIRST_DAMPING, LEAST_DAMPING, LEAST_GAIN, LESS_DAMPING, LONGEST_STEP, MORE_DAMPING, MOST_DAMPING, PATIENCE,
-    PRICE_OF_AMPLITUDE, STRONGEST_STEP, WIDEST_STEP,
+    FIRST_DAMPING, KEPT_MM, LEAST_DAMPING, LEAST_GAIN, LESS_DAMPING, LONGEST_STEP, MORE_DAMPING, MOST_DAMPING,
+    PATIENCE, PRICE_OF_AMPLITUDE, STRONGEST_STEP, WIDEST_STEP,
 };
 
-/// What a film is designed for, and on which points.
+/// The least-squares problem of a design: what is minimized, at which points, within which bounds.
 #[derive(Clone, Debug)]
-pub(crate) struct Problem {
+pub(crate) struct LeastSquares {
     pub(crate) sampling: Sampling,
     pub(crate) objective: Objective,
-    pub(crate) bounds: Bounds,
-    /// The best-fit amplitude must be at least this.
+    pub(crate) bounds: DesignBounds,
+    /// Lower bound of the best-fit amplitude.
     pub(crate) least_amplitude: Option<f64>,
 }
 
-/// Values of the variables of a pattern, and how good that film is.
+/// A film of a pattern: values of its variables, and how good the film is.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Found {
-    pub(crate) at: Vec<f64>,
-    /// Half the sum of squared errors.
+pub(crate) struct Candidate {
+    pub(crate) variables: Vec<f64>,
+    /// Half the sum of squared residuals.
     pub(crate) loss: f64,
-    /// By how much the amplitude is below the least.
+    /// Shortfall of the amplitude below its lower bound, at least 0.
     pub(crate) lack: f64,
 }
 
-impl Found {
-    /// Which of two films is better: the one with less of this.
+impl Candidate {
+    /// The loss, increased by a penalty for lacking amplitude. The better of two films has the smaller merit.
     pub(crate) fn merit(&self) -> f64 {
         self.loss * (1.0 + PRICE_OF_AMPLITUDE * self.lack)
     }
+
+    /// Root mean square of the residuals, whose weights contain 1 over the number of points.
+    pub(crate) fn root_mean_square(&self) -> f64 {
+        (2.0 * self.loss).sqrt()
+    }
 }
 
-impl Problem {
-    /// How good a film is; `None` where it has no field or no parameters.
-    pub(crate) fn found_at(&self, pattern: &Pattern, at: Vec<f64>) -> Option<Found> {
-        let errors = self.errors(pattern, &at, false)?;
-        Some(self.found(at, &errors))
+impl LeastSquares {
+    /// Evaluates a film. `None` where it has no field or no decoupling parameters.
+    pub(crate) fn candidate_at(&self, pattern: &Pattern, variables: Vec<f64>) -> Option<Candidate> {
+        let residuals = self.residuals(pattern, &variables, false)?;
+        Some(self.candidate(variables, &residuals))
     }
 
-    fn found(&self, at: Vec<f64>, errors: &Errors) -> Found {
-        let amplitude = errors.amplitudes.iter().map(|(amplitude, _)| *amplitude).fold(f64::INFINITY, f64::min);
+    fn candidate(&self, variables: Vec<f64>, residuals: &Residuals) -> Candidate {
+        let amplitude = residuals.amplitudes.iter().map(|(amplitude, _)| *amplitude).fold(f64::INFINITY, f64::min);
         let lack = self.least_amplitude.map_or(0.0, |least| (least - amplitude).max(0.0));
-        Found { at, loss: errors.loss(), lack }
+        Candidate { variables, loss: residuals.loss(), lack }
     }
 
-    pub(crate) fn errors(&self, pattern: &Pattern, at: &[f64], with_slopes: bool) -> Option<Errors> {
-        self.objective.errors(&self.sampling, &self.sampling.field(pattern, at, with_slopes)?)
+    pub(crate) fn residuals(&self, pattern: &Pattern, variables: &[f64], with_derivatives: bool) -> Option<Residuals> {
+        self.objective.residuals(&self.sampling, &self.sampling.field(pattern, variables, with_derivatives)?)
     }
 
     /// The longest step of a variable.
-    fn step(&self, kind: Kind) -> f64 {
+    fn step(&self, kind: VariableKind) -> f64 {
         match kind {
-            Kind::Length => LONGEST_STEP * self.objective.ideal.wavelength(),
-            Kind::Angle => WIDEST_STEP,
-            Kind::Strength => STRONGEST_STEP * self.bounds.strength_t.map_or(f64::INFINITY, |[_, most]| most),
+            VariableKind::Length => LONGEST_STEP * self.objective.ideal.wavelength(),
+            VariableKind::Angle => WIDEST_STEP,
+            VariableKind::Strength => STRONGEST_STEP * self.bounds.strength_t.map_or(f64::INFINITY, |[_, most]| most),
         }
     }
 
@@ -72,97 +77,115 @@ impl Problem {
         pattern.kinds.iter().map(|kind| self.step(*kind)).collect()
     }
 
-    /// Whether errors are linear in the variables, with constant bounds.
+    /// Whether the residuals are linear in the variables, with constant bounds.
     fn is_linear(&self, pattern: &Pattern) -> bool {
-        self.objective.goal == Goal::Field && pattern.kinds.iter().all(|kind| *kind == Kind::Strength)
+        self.objective.goal == Goal::Field && pattern.kinds.iter().all(|kind| *kind == VariableKind::Strength)
     }
 
-    pub(crate) fn rules(&self, pattern: &Pattern, at: &[f64]) -> Vec<Rule> {
-        let mut rules = self.bounds.of_tiles(pattern);
+    pub(crate) fn rules(&self, pattern: &Pattern, variables: &[f64]) -> Vec<LinearRule> {
+        let mut rules = self.bounds.rules_of_tiles(pattern);
         // Each of two tiles may move and grow by a step.
-        let reach = self.bounds.gap_mm + 4.0 * self.step(Kind::Length);
-        rules.extend(self.bounds.of_pairs(pattern, at, reach));
+        let reach = self.bounds.gap_mm + 4.0 * self.step(VariableKind::Length);
+        rules.extend(self.bounds.rules_of_pairs(pattern, variables, reach));
         rules
     }
 
-    /// The film nearest to this one that keeps the rules, or the rules that nothing can keep.
-    pub(crate) fn nearest(&self, pattern: &Pattern, at: &[f64]) -> Result<Vec<f64>, Vec<Rule>> {
-        let rules = self.rules(pattern, at);
-        let (constant, rules): (Vec<Rule>, Vec<Rule>) = rules.into_iter().partition(|rule| rule.value.terms.is_empty());
-        let slack = crate::tolerances::KEPT_MM;
-        let broken: Vec<Rule> = constant.into_iter().filter(|rule| rule.value.constant < -slack).collect();
+    /// The nearest film that keeps the rules.
+    ///
+    /// # Errors
+    /// If no film keeps them, the rules that these variables break.
+    pub(crate) fn nearest(&self, pattern: &Pattern, variables: &[f64]) -> Result<Vec<f64>, Vec<LinearRule>> {
+        let rules = self.rules(pattern, variables);
+        let (constant, rules): (Vec<LinearRule>, Vec<LinearRule>) =
+            rules.into_iter().partition(|rule| rule.value.terms.is_empty());
+        let broken: Vec<LinearRule> = constant.into_iter().filter(|rule| rule.value.constant < -KEPT_MM).collect();
         if !broken.is_empty() {
             return Err(broken);
         }
-        if rules.iter().all(|rule| rule.value.at(at) >= -slack) {
-            return Ok(at.to_vec());
+        if rules.iter().all(|rule| rule.value.eval(variables) >= -KEPT_MM) {
+            return Ok(variables.to_vec());
         }
-        let n = at.len();
+        let n = variables.len();
         let mut curvature = vec![0.0; n * n];
         for (i, step) in self.steps(pattern).into_iter().enumerate() {
             curvature[i * n + i] = 1.0 / (step * step);
         }
-        let problem = Quadratic { curvature, gradient: vec![0.0; n], rules: around(&rules, at) };
-        match problem.solve() {
-            Some(change) => Ok(moved(at, &change)),
-            None => Err(rules.into_iter().filter(|rule| rule.value.at(at) < -slack).collect()),
+        let program = QuadraticProgram { curvature, gradient: vec![0.0; n], rules: around(&rules, variables) };
+        match program.solve() {
+            Some(change) => Ok(moved(variables, &change)),
+            None => Err(rules.into_iter().filter(|rule| rule.value.eval(variables) < -KEPT_MM).collect()),
         }
     }
 
-    /// Goes down from `at`, which keeps the rules, until nothing is gained any more or `watch` breaks off; it is told of every step, better or not.
+    /// Descends from `start`, which keeps the rules, until the gain is small or `observe` breaks off. `observe` is
+    /// called after every step, successful or not.
     pub(crate) fn descend(
         &self,
         pattern: &Pattern,
-        at: Vec<f64>,
+        start: Vec<f64>,
         most_steps: usize,
-        watch: &mut dyn FnMut(&Found) -> ControlFlow<()>,
-    ) -> Option<Found> {
-        let mut errors = self.errors(pattern, &at, true)?;
-        let mut found = self.found(at, &errors);
-        // A linear problem is solved as one: by a single step as long as it may be.
+        observe: &mut dyn FnMut(&Candidate) -> ControlFlow<()>,
+    ) -> Option<Candidate> {
+        let mut residuals = self.residuals(pattern, &start, true)?;
+        let mut candidate = self.candidate(start, &residuals);
+        // A single step without length limit solves a linear problem.
         let linear = self.is_linear(pattern);
-        let steps = if linear { vec![f64::INFINITY; found.at.len()] } else { self.steps(pattern) };
+        let steps = if linear { vec![f64::INFINITY; candidate.variables.len()] } else { self.steps(pattern) };
         let mut damping = if linear { LEAST_DAMPING } else { FIRST_DAMPING };
-        let mut merits = vec![found.merit()];
-        while merits.len() <= most_steps && damping <= MOST_DAMPING && !found.at.is_empty() {
-            let rules: Vec<Rule> =
-                self.rules(pattern, &found.at).into_iter().filter(|rule| !rule.value.terms.is_empty()).collect();
-            // In proportion to what is left of the errors: a price far above what amplitude costs would forbid every step along the curved bound.
-            let price = PRICE_OF_AMPLITUDE * found.loss;
-            let better = self.model(&errors, &rules, &found.at, &steps, damping, price).solve().and_then(|change| {
-                let at = moved(&found.at, &change[..found.at.len()]);
-                let next = self.found_at(pattern, at)?;
-                (next.loss + price * next.lack < found.loss + price * found.lack).then_some(next)
+        let mut merits = vec![candidate.merit()];
+        while merits.len() <= most_steps && damping <= MOST_DAMPING && !candidate.variables.is_empty() {
+            let rules: Vec<LinearRule> = self
+                .rules(pattern, &candidate.variables)
+                .into_iter()
+                .filter(|rule| !rule.value.terms.is_empty())
+                .collect();
+            // The price is proportional to the remaining loss. A price far above the true cost of amplitude would
+            // forbid every step along the curved bound.
+            let price = PRICE_OF_AMPLITUDE * candidate.loss;
+            let program = self.model(&residuals, &rules, &candidate.variables, &steps, damping, price);
+            let better = program.solve().and_then(|change| {
+                let variables = moved(&candidate.variables, &change[..candidate.variables.len()]);
+                let next = self.candidate_at(pattern, variables)?;
+                (next.loss + price * next.lack < candidate.loss + price * candidate.lack).then_some(next)
             });
             let Some(better) = better else {
                 damping *= MORE_DAMPING;
-                if watch(&found).is_break() {
+                if observe(&candidate).is_break() {
                     break;
                 }
                 continue;
             };
             damping = (damping * LESS_DAMPING).max(LEAST_DAMPING);
-            found = better;
-            merits.push(found.merit());
-            if watch(&found).is_break() || linear {
+            candidate = better;
+            merits.push(candidate.merit());
+            if observe(&candidate).is_break() || linear {
                 break;
             }
             let before = merits.len().checked_sub(1 + PATIENCE).map(|index| merits[index]);
-            if before.is_some_and(|before| found.merit() > (1.0 - LEAST_GAIN) * before) {
+            if before.is_some_and(|before| candidate.merit() > (1.0 - LEAST_GAIN) * before) {
                 break;
             }
-            errors = self.errors(pattern, &found.at, true)?;
+            residuals = self.residuals(pattern, &candidate.variables, true)?;
         }
-        Some(found)
+        Some(candidate)
     }
 
-    /// Errors and amplitude as linear functions of the change, within steps and rules. What lacks in amplitude is one more variable.
-    fn model(&self, errors: &Errors, rules: &[Rule], at: &[f64], steps: &[f64], damping: f64, price: f64) -> Quadratic {
-        let n = at.len();
+    /// The quadratic program of one step: residuals and amplitude linearized, within step lengths and rules. The
+    /// lacking amplitude is one more variable.
+    fn model(
+        &self,
+        residuals: &Residuals,
+        rules: &[LinearRule],
+        variables: &[f64],
+        steps: &[f64],
+        damping: f64,
+        price: f64,
+    ) -> QuadraticProgram {
+        let n = variables.len();
         let all = n + usize::from(self.least_amplitude.is_some());
         let mut curvature = vec![0.0; all * all];
         let mut gradient = vec![0.0; all];
-        for (value, row) in errors.values.iter().zip(errors.slopes.chunks_exact(n)) {
+        for (value, row) in residuals.values.iter().zip(residuals.derivatives.chunks_exact(n)) {
             for i in 0..n {
                 gradient[i] += value * row[i];
                 for k in i..n {
@@ -170,39 +193,40 @@ impl Problem {
                 }
             }
         }
-        // In units of the steps, so that damping does not depend on units; a part for every variable alike, for those that change nothing.
+        // Damping is measured in units of the steps, so that it does not depend on the units of the variables. A part
+        // of it is the same for all variables and holds variables that change nothing.
         let unit = |i: usize| if steps[i].is_finite() { steps[i] } else { 1.0 };
         let largest = (0..n).map(|i| curvature[i * all + i] * unit(i) * unit(i)).fold(0.0, f64::max);
         for i in 0..n {
             let own = curvature[i * all + i];
             curvature[i * all + i] += damping * (own + LEAST_CURVATURE * largest / (unit(i) * unit(i)));
         }
-        let mut limits = around(rules, at);
+        let mut limits = around(rules, variables);
         for (i, step) in steps.iter().enumerate().filter(|(_, step)| step.is_finite()) {
             limits.push((vec![(i, 1.0)], -step));
             limits.push((vec![(i, -1.0)], -step));
         }
         if let Some(least) = self.least_amplitude {
             gradient[n] = price;
-            for (amplitude, slopes) in &errors.amplitudes {
-                let mut terms: Vec<(usize, f64)> = slopes.iter().copied().enumerate().collect();
+            for (amplitude, derivatives) in &residuals.amplitudes {
+                let mut terms: Vec<(usize, f64)> = derivatives.iter().copied().enumerate().collect();
                 terms.push((n, 1.0));
                 limits.push((terms, least - amplitude));
             }
             limits.push((vec![(n, 1.0)], 0.0));
         }
-        Quadratic { curvature, gradient, rules: limits }
+        QuadraticProgram { curvature, gradient, rules: limits }
     }
 }
 
-/// Damping of variables that change nothing, as a fraction of that of the one that changes most.
+/// Damping of variables that change nothing, as a fraction of the damping of the most effective variable.
 const LEAST_CURVATURE: f64 = 1e-3;
 
-/// Rules as inequalities of the change.
-fn around(rules: &[Rule], at: &[f64]) -> Vec<(Vec<(usize, f64)>, f64)> {
-    rules.iter().map(|rule| (rule.value.terms.clone(), -rule.value.at(at))).collect()
+/// Rules as inequalities of the change of the variables.
+fn around(rules: &[LinearRule], variables: &[f64]) -> Vec<(Vec<(usize, f64)>, f64)> {
+    rules.iter().map(|rule| (rule.value.terms.clone(), -rule.value.eval(variables))).collect()
 }
 
-fn moved(at: &[f64], change: &[f64]) -> Vec<f64> {
-    at.iter().zip(change).map(|(value, change)| value + change).collect()
+fn moved(variables: &[f64], change: &[f64]) -> Vec<f64> {
+    variables.iter().zip(change).map(|(value, change)| value + change).collect()
 }

@@ -1,32 +1,34 @@
-//! Why there is no design.
+//! Why a film cannot be designed.
 
+use std::error::Error;
 use std::fmt;
 
 use glam::DVec3;
 use magsplice_decouple::DecouplingError;
 
-/// Why a film cannot be designed. Messages speak of tiles by name and lengths in millimetres.
+/// Why a film cannot be designed. Messages name tiles and give lengths in millimetres.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum DesignError {
-    /// The layout lacks a table.
+    /// The layout lacks this table.
     Missing(&'static str),
-    /// These tiles have no image under the symmetry that is to be kept.
+    /// These tiles have no image under the symmetry of the brief.
     NotSymmetric(Vec<String>),
-    /// These tiles are rotated, and their sizes or positions are to change.
+    /// These tiles are rotated, and the brief lets sizes or positions vary or has a symmetry.
     Rotated(Vec<String>),
-    /// Nothing that may change is left free.
+    /// The brief and the symmetry leave no number free.
     NothingFree,
-    /// These rules cannot be kept together.
+    /// No film near the layout's keeps these rules together.
     Contradiction(Vec<String>),
-    /// A point of the working volume is not below the film.
+    /// This point of the working volume, in millimetres, is not below the film.
     NotBelow(DVec3),
-    /// The film to start from has no field at some point: it lies on an edge of a tile.
+    /// The film to start from has no field at some point, which lies on an edge of a tile.
     NoField,
     /// The film to start from has no decoupling parameters.
     Decoupling(DecouplingError),
-    /// B_z vanishes at a point that the film is designed on.
+    /// B_z vanishes at a point of the design grid.
     Singular,
-    /// What was asked for a film from nothing.
+    /// Numbers of a [`SpliceRequest`](crate::SpliceRequest) are out of range, each given as value and rule.
     Request(Vec<String>),
 }
 
@@ -42,18 +44,18 @@ impl fmt::Display for DesignError {
             DesignError::Missing(table) => write!(f, "the layout has no [{table}] table, which design needs: add one"),
             DesignError::NotSymmetric(tiles) => write!(
                 f,
-                "tiles without an image under the symmetry of [design]: {}; add the images (arrows are mirrored like drawn ones), or ask for less \
-                 symmetry",
+                "tiles without an image under the symmetry of [design]: {}; add the images (arrows are mirrored like \
+                 drawn ones), or ask for less symmetry",
                 tiles.join(", ")
             ),
             DesignError::Rotated(tiles) => write!(
                 f,
-                "rotated tiles: {}; sizes, positions and symmetries are for tiles along x and y: give these unrotated, or let only directions and \
-                 strengths vary",
+                "rotated tiles: {}; sizes, positions and symmetries are for tiles along x and y: give these unrotated, \
+                 or let only directions and strengths vary",
                 tiles.join(", ")
             ),
             DesignError::NothingFree => {
-                f.write_str("nothing of what [design] lets vary is free in this film, must be at least one number")
+                f.write_str("0 free numbers in this film under the vary and symmetry of [design], must be at least 1")
             }
             DesignError::Contradiction(rules) => {
                 f.write_str("these rules of [design] cannot be kept together by a film like this one:")?;
@@ -64,7 +66,8 @@ impl fmt::Display for DesignError {
             }
             DesignError::NotBelow(p) => write!(
                 f,
-                "the point ({}, {}, {}) mm of the working volume is not below the film: lower z_mm or reference_mm of [volume]",
+                "the point ({}, {}, {}) mm of the working volume is not below the film: lower z_mm or reference_mm of \
+                 [volume]",
                 p.x, p.y, p.z
             ),
             DesignError::NoField => {
@@ -72,12 +75,19 @@ impl fmt::Display for DesignError {
             }
             DesignError::Decoupling(error) => error.fmt(f),
             DesignError::Singular => f.write_str(
-                "B_z vanishes at a point of the working volume, so its decoupling parameters do not exist: start from a film nearer to the ideal one, \
-                 or design for goal = \"field\" first",
+                "B_z vanishes at a point of the working volume, so its decoupling parameters do not exist: start from \
+                 a film nearer to the ideal one, or design for goal = \"field\" first",
             ),
             DesignError::Request(problems) => f.write_str(&problems.join("\n")),
         }
     }
 }
 
-impl std::error::Error for DesignError {}
+impl Error for DesignError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            DesignError::Decoupling(error) => Some(error),
+            _ => None,
+        }
+    }
+}

@@ -1,7 +1,8 @@
-//! Fewer distinct parts: tiles that are nearly alike become alike, by what it costs.
+//! Fewer distinct parts: pairs of parts are merged in the order of what it costs.
 //!
-//! A part is a size with a direction of polarization. A tile is a part laid in one of the eight ways a rectangle can lie, turned over included. Beginning with a
-//! part for every tile, that pair of parts becomes one which costs least, tried by designing the film anew; parts that are at hand take tiles in the same way.
+//! A part is a size with a direction of polarization. A tile is a part in one of the eight orientations of a rectangle,
+//! turned over included. The reduction begins with one part per tile. Each round merges the pair of parts that costs
+//! least, which is found by designing the film anew. Parts in stock absorb tiles in the same way.
 
 use std::ops::ControlFlow;
 
@@ -10,30 +11,35 @@ use magsplice_field::Tile;
 use magsplice_layout::Layout;
 use rayon::prelude::*;
 
-use crate::descent::Found;
-use crate::division::Division;
+use crate::descent::Candidate;
+use crate::design_problem::DesignProblem;
+use crate::part_assignment::PartAssignment;
 use crate::pattern::Pattern;
-use crate::search::{Progress, Stage, Watch};
-use crate::setting::Setting;
+use crate::progress::{Progress, ProgressUpdate, SearchStage};
 use crate::tolerances::{MOST_STEPS, PARTS_TRIED, TRIAL_STEPS, TRIALS_FINISHED};
 
-/// A film of few parts.
+/// A film whose tiles share parts.
 #[derive(Clone, Debug)]
-pub(crate) struct Parted {
-    division: Division,
+pub(crate) struct FilmOfParts {
+    assignment: PartAssignment,
     pub(crate) pattern: Pattern,
-    pub(crate) found: Found,
+    pub(crate) candidate: Candidate,
 }
 
-impl Parted {
-    /// How many parts its tiles are made of.
-    pub(crate) fn count(&self) -> usize {
-        self.division.used().len()
+impl FilmOfParts {
+    /// Number of parts its tiles are made of.
+    pub(crate) fn part_count(&self) -> usize {
+        self.assignment.used().len()
+    }
+
+    fn update(&self, done: usize, of: usize) -> ProgressUpdate {
+        let best = Some(self.candidate.root_mean_square());
+        ProgressUpdate { stage: SearchStage::Parts(self.part_count()), done, of, best }
     }
 }
 
-/// How many distinct parts tiles are made of, as the bill of materials counts them.
-pub(crate) fn distinct(layout: &Layout, tiles: &[Tile]) -> usize {
+/// Number of distinct parts of these tiles, as the bill of materials counts them.
+pub(crate) fn count_distinct(layout: &Layout, tiles: &[Tile]) -> usize {
     let mut layout = layout.clone();
     layout.tiles.iter_mut().zip(tiles).for_each(|(named, tile)| named.tile = *tile);
     layout.tiles.retain(|named| named.tile.polarization_t() != DVec3::ZERO);
@@ -41,106 +47,104 @@ pub(crate) fn distinct(layout: &Layout, tiles: &[Tile]) -> usize {
 }
 
 /// The best film found with as few parts as the brief wants.
-pub(crate) fn fewer(setting: &Setting, pattern: &Pattern, found: &Found, watch: Watch) -> Option<Parted> {
-    levels(setting, pattern, found, setting.free_parts(), watch).pop()
+pub(crate) fn fewest(
+    problem: &DesignProblem,
+    pattern: &Pattern,
+    candidate: &Candidate,
+    progress: Progress,
+) -> Option<FilmOfParts> {
+    levels(problem, pattern, candidate, problem.free_parts(), progress).pop()
 }
 
-/// The best films found with fewer and fewer parts, down to so many that are not at hand.
+/// The best films found with fewer and fewer parts, until at most `free_parts` of them are not in stock.
 pub(crate) fn levels(
-    setting: &Setting,
+    problem: &DesignProblem,
     pattern: &Pattern,
-    found: &Found,
+    candidate: &Candidate,
     free_parts: usize,
-    watch: Watch,
-) -> Vec<Parted> {
-    let Some(mut parted) = Division::of(setting, pattern, found).designed(setting, pattern, MOST_STEPS) else {
+    progress: Progress,
+) -> Vec<FilmOfParts> {
+    let assignment = PartAssignment::new(&problem.brief, pattern, candidate);
+    let Some(mut film) = designed(assignment, problem, pattern, MOST_STEPS) else {
         return Vec::new();
     };
-    let from = parted.division.free();
+    let from = film.assignment.free();
     let mut levels = Vec::new();
     loop {
-        let left = parted.division.free();
-        let progress = Progress {
-            stage: Stage::Parts(parted.count()),
-            done: from - left,
-            of: from.saturating_sub(free_parts),
-            best: Some(setting.root_mean_square(&parted.found)),
-        };
+        let left = film.assignment.free();
+        let update = film.update(from - left, from.saturating_sub(free_parts));
         if left <= free_parts {
-            if let Some(better) = regrouped(setting, &parted, watch) {
-                parted = better;
+            if let Some(better) = regrouped(problem, &film, progress) {
+                film = better;
             }
-            levels.push(parted);
+            levels.push(film);
             return levels;
         }
-        levels.push(parted.clone());
-        if watch(progress).is_break() {
+        levels.push(film.clone());
+        if progress(update).is_break() {
             return levels;
         }
-        let mut merged = parted.division.merged(setting.brief.vary.direction);
+        let mut merged = film.assignment.merged(problem.brief.vary.direction);
         if left > PARTS_TRIED {
             merged.sort_by(|a, b| a.distance.total_cmp(&b.distance));
             merged.truncate(TRIALS_FINISHED);
         }
-        match best_of(setting, &parted.pattern, merged.into_iter().map(|m| m.division).collect()) {
-            Some(next) => parted = next,
+        match best_of(problem, &film.pattern, merged.into_iter().map(|m| m.assignment).collect()) {
+            Some(next) => film = next,
             None => return levels,
         }
     }
 }
 
-/// Gives single tiles other parts as long as that helps.
-fn regrouped(setting: &Setting, parted: &Parted, watch: Watch) -> Option<Parted> {
-    let mut best: Option<Parted> = None;
+/// Moves single tiles to other parts as long as that makes the film better.
+fn regrouped(problem: &DesignProblem, film: &FilmOfParts, progress: Progress) -> Option<FilmOfParts> {
+    let mut best: Option<FilmOfParts> = None;
     loop {
-        let now = best.as_ref().unwrap_or(parted);
-        let progress = Progress {
-            stage: Stage::Parts(now.count()),
-            done: 0,
-            of: 0,
-            best: Some(setting.root_mean_square(&now.found)),
-        };
-        if now.division.placed.len() > PARTS_TRIED || watch(progress).is_break() {
+        let now = best.as_ref().unwrap_or(film);
+        if now.assignment.placed.len() > PARTS_TRIED || progress(now.update(0, 0)).is_break() {
             return best;
         }
-        let next = best_of(setting, &now.pattern, now.division.with_one_exchanged(setting.brief.vary.direction))?;
-        if next.found.merit() >= 0.999 * now.found.merit() {
+        let next = best_of(problem, &now.pattern, now.assignment.with_one_exchanged(problem.brief.vary.direction))?;
+        if next.candidate.merit() >= 0.999 * now.candidate.merit() {
             return best;
         }
         best = Some(next);
     }
 }
 
-/// Tries all a little, the best to the end.
-fn best_of(setting: &Setting, pattern: &Pattern, divisions: Vec<Division>) -> Option<Parted> {
-    let mut tried: Vec<Parted> =
-        divisions.into_par_iter().filter_map(|division| division.designed(setting, pattern, TRIAL_STEPS)).collect();
-    tried.sort_by(|a, b| a.found.merit().total_cmp(&b.found.merit()));
-    tried.truncate(TRIALS_FINISHED);
-    let finished: Vec<Parted> = tried
+/// Tries all assignments for a few steps, and finishes the best of them.
+fn best_of(problem: &DesignProblem, pattern: &Pattern, assignments: Vec<PartAssignment>) -> Option<FilmOfParts> {
+    let mut tried: Vec<FilmOfParts> = assignments
         .into_par_iter()
-        .filter_map(|parted| {
-            let go_on = &mut |_: &Found| ControlFlow::Continue(());
-            let found = setting.problem.descend(&parted.pattern, parted.found.at, MOST_STEPS, go_on)?;
-            Some(Parted { division: parted.division.at(&parted.pattern, &found), pattern: parted.pattern, found })
+        .filter_map(|assignment| designed(assignment, problem, pattern, TRIAL_STEPS))
+        .collect();
+    tried.sort_by(|a, b| a.candidate.merit().total_cmp(&b.candidate.merit()));
+    tried.truncate(TRIALS_FINISHED);
+    let finished: Vec<FilmOfParts> = tried
+        .into_par_iter()
+        .filter_map(|film| {
+            let go_on = &mut |_: &Candidate| ControlFlow::Continue(());
+            let candidate =
+                problem.least_squares.descend(&film.pattern, film.candidate.variables, MOST_STEPS, go_on)?;
+            let assignment = film.assignment.updated(&film.pattern, &candidate);
+            Some(FilmOfParts { assignment, pattern: film.pattern, candidate })
         })
         .collect();
-    finished.into_iter().min_by(|a, b| a.found.merit().total_cmp(&b.found.merit()))
+    finished.into_iter().min_by(|a, b| a.candidate.merit().total_cmp(&b.candidate.merit()))
 }
 
-impl Setting<'_> {
-    /// How many parts may be made that are not at hand.
-    pub(crate) fn free_parts(&self) -> usize {
+/// The film of an assignment, with the sizes of parts and the positions of tiles free, after at most `steps` steps.
+fn designed(assignment: PartAssignment, problem: &DesignProblem, like: &Pattern, steps: usize) -> Option<FilmOfParts> {
+    let pattern = assignment.pattern(problem.brief.vary, like);
+    let start = problem.least_squares.nearest(&pattern, &pattern.start).ok()?;
+    let go_on = &mut |_: &Candidate| ControlFlow::Continue(());
+    let candidate = problem.least_squares.descend(&pattern, start, steps, go_on)?;
+    Some(FilmOfParts { assignment: assignment.updated(&pattern, &candidate), pattern, candidate })
+}
+
+impl DesignProblem<'_> {
+    /// How many parts that are not in stock the film may have.
+    fn free_parts(&self) -> usize {
         self.brief.parts.map_or(0, |parts| parts.saturating_sub(self.brief.stock.len()))
-    }
-}
-
-impl Division {
-    /// The film with the sizes of parts and the places of tiles free, designed for so many steps.
-    fn designed(self, setting: &Setting, like: &Pattern, steps: usize) -> Option<Parted> {
-        let pattern = self.pattern(setting, like);
-        let at = setting.problem.nearest(&pattern, &pattern.start).ok()?;
-        let found = setting.problem.descend(&pattern, at, steps, &mut |_| ControlFlow::Continue(()))?;
-        Some(Parted { division: self.at(&pattern, &found), pattern, found })
     }
 }

@@ -1,25 +1,26 @@
-//! A quadratic function under linear inequalities, by an interior-point solver.
+//! Quadratic programs: a quadratic function under linear inequalities, minimized by an interior-point solver.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-/// x^T H x / 2 + g^T x, to become least.
-pub(crate) struct Quadratic {
-    /// Symmetric, positive semidefinite, by rows; only its upper triangle is read.
+/// Minimize x^T H x / 2 + g^T x under linear inequalities.
+pub(crate) struct QuadraticProgram {
+    /// H by rows, symmetric and positive semidefinite. Only its upper triangle is read.
     pub(crate) curvature: Vec<f64>,
+    /// g.
     pub(crate) gradient: Vec<f64>,
-    /// Sums of products with variables, and what they must at least be.
+    /// Linear expressions, as terms of variable and factor, and their lower bounds.
     pub(crate) rules: Vec<(Vec<(usize, f64)>, f64)>,
 }
 
-/// Differences of objectives below this fraction are equal: steps need no more digits, films are rounded.
+/// Tolerance of the solver, relative to the objective. Steps need no more digits, because films are rounded.
 const GAP: f64 = 1e-9;
 
-impl Quadratic {
-    /// The least point, or `None` if the rules contradict each other or the numbers are beyond the solver.
+impl QuadraticProgram {
+    /// The minimizer. `None` if the rules contradict each other or the solver fails on the numbers.
     pub(crate) fn solve(&self) -> Option<Vec<f64>> {
         let n = self.gradient.len();
-        // The solver's tolerances are absolute too.
+        // The solver also applies its tolerances as absolute ones, so the numbers are scaled.
         let scale =
             (0..n).map(|i| self.curvature[i * n + i]).chain(self.gradient.iter().map(|g| g.abs())).fold(0.0, f64::max);
         if !(scale.is_finite() && scale > 0.0) {
@@ -66,19 +67,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_corner_and_a_free_minimum() {
+    fn finds_free_and_constrained_minima_and_refuses_contradictions() {
         // (x - 1)^2 + (y - 2)^2.
-        let mut problem =
-            Quadratic { curvature: vec![2.0, 0.0, 0.0, 2.0], gradient: vec![-2.0, -4.0], rules: Vec::new() };
-        problem.rules.push((vec![(0, 1.0)], -10.0));
-        let free = problem.solve().unwrap();
+        let mut program =
+            QuadraticProgram { curvature: vec![2.0, 0.0, 0.0, 2.0], gradient: vec![-2.0, -4.0], rules: Vec::new() };
+        program.rules.push((vec![(0, 1.0)], -10.0));
+        let free = program.solve().unwrap();
         assert!((free[0] - 1.0).abs() < 1e-6 && (free[1] - 2.0).abs() < 1e-6, "{free:?}");
         // x + y <= 1, x >= 0.5: the corner (0.5, 0.5).
-        problem.rules.push((vec![(0, -1.0), (1, -1.0)], -1.0));
-        problem.rules.push((vec![(0, 1.0)], 0.5));
-        let corner = problem.solve().unwrap();
+        program.rules.push((vec![(0, -1.0), (1, -1.0)], -1.0));
+        program.rules.push((vec![(0, 1.0)], 0.5));
+        let corner = program.solve().unwrap();
         assert!((corner[0] - 0.5).abs() < 1e-6 && (corner[1] - 0.5).abs() < 1e-6, "{corner:?}");
-        problem.rules.push((vec![(1, 1.0)], 0.7));
-        assert_eq!(problem.solve(), None);
+        program.rules.push((vec![(1, 1.0)], 0.7));
+        assert_eq!(program.solve(), None);
     }
 }

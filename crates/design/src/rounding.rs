@@ -1,37 +1,41 @@
-//! Films in numbers a workshop can use.
+//! Rounding: films whose numbers are multiples of a resolution.
 
 use std::cmp::Ordering;
 
 use glam::DVec3;
 use magsplice_field::Tile;
 
-use crate::descent::Problem;
-use crate::pattern::{Kind, Pattern, Shape, image, unit_vector};
-use crate::rules::Rule;
-use crate::setting::Setting;
+use crate::descent::LeastSquares;
+use crate::design_problem::DesignProblem;
+use crate::pattern::{Pattern, VariableKind, VariableTile, image, unit_vector};
+use crate::rules::LinearRule;
 use crate::tolerances::{KEPT_MM, ROUNDINGS};
 
-/// The variables at multiples of the resolution, near `at`, so that the film is as good as it can be made by changing one of them by one multiple at a time.
-pub(crate) fn rounded(setting: &Setting, pattern: &Pattern, at: &[f64]) -> Vec<f64> {
-    let steps: Vec<Option<f64>> = pattern.kinds.iter().map(|kind| step(setting, *kind)).collect();
+/// The best variables found that are multiples of the resolution near `variables`. They are changed by one multiple at
+/// a time, by a linear model of the residuals.
+pub(crate) fn rounded(problem: &DesignProblem, pattern: &Pattern, variables: &[f64]) -> Vec<f64> {
+    let steps: Vec<Option<f64>> = pattern.kinds.iter().map(|kind| step(problem, *kind)).collect();
     let mut best: Vec<f64> =
-        at.iter().zip(&steps).map(|(&value, step)| step.map_or(value, |s| to_multiple(value, s))).collect();
+        variables.iter().zip(&steps).map(|(&value, step)| step.map_or(value, |s| to_multiple(value, s))).collect();
     if best.is_empty() {
         return best;
     }
-    let rules = kept_by(setting, pattern, &best);
+    let rules = exact_rules(problem, pattern, &best);
     for _ in 0..ROUNDINGS {
-        let Some(mut lattice) = Lattice::about(&setting.problem, pattern, &best, &steps, &rules) else { return best };
+        let Some(mut lattice) = RoundingLattice::new(&problem.least_squares, pattern, &best, &steps, &rules) else {
+            return best;
+        };
         if !lattice.improve() {
             break;
         }
         let next: Vec<f64> = (0..best.len())
             .map(|i| steps[i].map_or(best[i], |s| to_multiple(best[i] + s * lattice.moved[i], s)))
             .collect();
-        // The model is linear, the film is not.
+        // The film itself decides, because the model is only linear.
         let is_better = {
-            let loss = |at: &[f64]| {
-                setting.problem.found_at(pattern, at.to_vec()).map(|found| (broken(&rules, at), found.lack, found.loss))
+            let loss = |variables: &[f64]| {
+                let candidate = problem.least_squares.candidate_at(pattern, variables.to_vec())?;
+                Some((broken(&rules, variables), candidate.lack, candidate.loss))
             };
             match (loss(&next), loss(&best)) {
                 (Some(next), Some(best)) => next.partial_cmp(&best) == Some(Ordering::Less),
@@ -46,55 +50,58 @@ pub(crate) fn rounded(setting: &Setting, pattern: &Pattern, at: &[f64]) -> Vec<f
     best
 }
 
-fn step(setting: &Setting, kind: Kind) -> Option<f64> {
+fn step(problem: &DesignProblem, kind: VariableKind) -> Option<f64> {
     match kind {
-        Kind::Length => Some(setting.brief.resolution_mm),
-        Kind::Angle => Some(setting.brief.resolution_deg.to_radians()),
-        Kind::Strength => {
-            setting.problem.bounds.strength_t.map(|[_, most]| STRENGTH_STEP * most).filter(|step| *step > 0.0)
+        VariableKind::Length => Some(problem.brief.resolution_mm),
+        VariableKind::Angle => Some(problem.brief.resolution_deg.to_radians()),
+        VariableKind::Strength => {
+            problem.least_squares.bounds.strength_t.map(|[_, most]| STRENGTH_STEP * most).filter(|step| *step > 0.0)
         }
     }
 }
 
-/// The rules themselves, without the room that was left for rounding.
-fn kept_by(setting: &Setting, pattern: &Pattern, at: &[f64]) -> Vec<Rule> {
-    let mut problem = setting.problem.clone();
-    problem.bounds.gap_mm = setting.brief.gap_mm;
-    problem.rules(pattern, at).into_iter().filter(|rule| !rule.value.terms.is_empty()).collect()
+/// The rules of the brief, without the allowance for rounding.
+fn exact_rules(problem: &DesignProblem, pattern: &Pattern, variables: &[f64]) -> Vec<LinearRule> {
+    let mut least_squares = problem.least_squares.clone();
+    least_squares.bounds.gap_mm = problem.brief.gap_mm;
+    least_squares.rules(pattern, variables).into_iter().filter(|rule| !rule.value.terms.is_empty()).collect()
 }
 
-fn broken(rules: &[Rule], at: &[f64]) -> f64 {
-    let sum: f64 = rules.iter().map(|rule| (-rule.value.at(at)).max(0.0)).sum();
+/// Sum of the amounts by which rules are broken.
+fn broken(rules: &[LinearRule], variables: &[f64]) -> f64 {
+    let sum: f64 = rules.iter().map(|rule| (-rule.value.eval(variables)).max(0.0)).sum();
     if sum <= KEPT_MM { 0.0 } else { sum }
 }
 
-/// Films around one whose variables differ by whole steps, by a linear model of their errors.
-struct Lattice<'a> {
+/// A lattice of films whose variables differ by whole steps from those of one film, with a linear model of residuals.
+struct RoundingLattice<'a> {
     steps: &'a [Option<f64>],
-    /// By how many steps each variable was moved.
+    /// Number of steps by which each variable is moved.
     moved: Vec<f64>,
-    /// Of the sum of squares over two: its derivatives where it was moved to, and its second derivatives.
+    /// Derivatives of the loss at the moved variables.
     gradient: Vec<f64>,
+    /// Second derivatives of the loss.
     curvature: Vec<f64>,
-    /// Values of the rules, and for each variable the rules it appears in with its factor.
+    /// Values of the rules at the moved variables.
     rules: Vec<f64>,
+    /// For each variable the rules that contain it, with its factor.
     rules_of: Vec<Vec<(usize, f64)>>,
-    /// What amplitudes are above the least, and their derivatives.
+    /// Amplitudes minus their lower bound, with derivatives.
     spare: Vec<(f64, Vec<f64>)>,
 }
 
-impl<'a> Lattice<'a> {
-    fn about(
-        problem: &Problem,
+impl<'a> RoundingLattice<'a> {
+    fn new(
+        least_squares: &LeastSquares,
         pattern: &Pattern,
-        at: &[f64],
+        variables: &[f64],
         steps: &'a [Option<f64>],
-        rules: &[Rule],
-    ) -> Option<Lattice<'a>> {
-        let errors = problem.errors(pattern, at, true)?;
-        let n = at.len();
+        rules: &[LinearRule],
+    ) -> Option<RoundingLattice<'a>> {
+        let residuals = least_squares.residuals(pattern, variables, true)?;
+        let n = variables.len();
         let (mut gradient, mut curvature) = (vec![0.0; n], vec![0.0; n * n]);
-        for (value, row) in errors.values.iter().zip(errors.slopes.chunks_exact(n)) {
+        for (value, row) in residuals.values.iter().zip(residuals.derivatives.chunks_exact(n)) {
             for i in 0..n {
                 gradient[i] += value * row[i];
                 for k in 0..n {
@@ -108,14 +115,14 @@ impl<'a> Lattice<'a> {
                 rules_of[variable].push((index, factor));
             }
         }
-        let spare = problem.least_amplitude.map_or(Vec::new(), |least| {
-            errors.amplitudes.into_iter().map(|(amplitude, slopes)| (amplitude - least, slopes)).collect()
+        let spare = least_squares.least_amplitude.map_or(Vec::new(), |least| {
+            residuals.amplitudes.into_iter().map(|(amplitude, derivatives)| (amplitude - least, derivatives)).collect()
         });
-        let rules = rules.iter().map(|rule| rule.value.at(at)).collect();
-        Some(Lattice { steps, moved: vec![0.0; n], gradient, curvature, rules, rules_of, spare })
+        let rules = rules.iter().map(|rule| rule.value.eval(variables)).collect();
+        Some(RoundingLattice { steps, moved: vec![0.0; n], gradient, curvature, rules, rules_of, spare })
     }
 
-    /// Makes the best single move again and again; whether there was any.
+    /// Makes the best single move until none helps. Returns whether there was a move.
     fn improve(&mut self) -> bool {
         let n = self.moved.len();
         for round in 0..MOST_MOVES_PER_VARIABLE * n {
@@ -131,7 +138,8 @@ impl<'a> Lattice<'a> {
         true
     }
 
-    /// What a move changes: of broken rules, of lacking amplitude, of the errors, the first of these that changes being what counts.
+    /// The change that a move causes in broken rules, in lacking amplitude and in the loss. The first of them that changes
+    /// decides.
     fn change(&self, variable: usize, by: f64) -> [f64; 3] {
         let lack = |value: f64| (-value).max(0.0);
         let rules = self.rules_of[variable].iter().map(|&(rule, factor)| {
@@ -139,10 +147,11 @@ impl<'a> Lattice<'a> {
             broken(self.rules[rule] + factor * by) - broken(self.rules[rule])
         });
         let before = self.spare.iter().map(|(spare, _)| lack(*spare)).fold(0.0, f64::max);
-        let after = self.spare.iter().map(|(spare, slopes)| lack(spare + slopes[variable] * by)).fold(0.0, f64::max);
+        let after =
+            self.spare.iter().map(|(spare, derivatives)| lack(spare + derivatives[variable] * by)).fold(0.0, f64::max);
         let n = self.moved.len();
-        let errors = by * (self.gradient[variable] + 0.5 * by * self.curvature[variable * n + variable]);
-        [rules.sum(), after - before, errors]
+        let loss = by * (self.gradient[variable] + 0.5 * by * self.curvature[variable * n + variable]);
+        [rules.sum(), after - before, loss]
     }
 
     fn make(&mut self, variable: usize, by: f64) {
@@ -154,21 +163,23 @@ impl<'a> Lattice<'a> {
         for &(rule, factor) in &self.rules_of[variable] {
             self.rules[rule] += factor * by;
         }
-        for (spare, slopes) in &mut self.spare {
-            *spare += slopes[variable] * by;
+        for (spare, derivatives) in &mut self.spare {
+            *spare += derivatives[variable] * by;
         }
     }
 }
 
-/// Strengths are rounded to multiples of this fraction of the largest allowed: finer than magnets are alike, and a tile that is not needed has none.
+/// Strengths are rounded to multiples of this fraction of the largest allowed strength. It is finer than the spread of
+/// real magnets, and a tile that is not needed gets the strength 0.
 const STRENGTH_STEP: f64 = 1e-5;
 
-/// More would be a search of its own.
+/// Maximum number of moves per variable. More moves would leave the range of the linear model.
 const MOST_MOVES_PER_VARIABLE: usize = 20;
 
-/// What comes first counts first; changes of rules and amplitude below this are none.
+/// Changes of rules and amplitude below this count as zero.
 const NO_CHANGE: f64 = 1e-12;
 
+/// Lexicographic order of two changes.
 fn order(a: &[f64; 3], b: &[f64; 3]) -> Ordering {
     for (a, b) in a.iter().zip(b).take(2) {
         if (a - b).abs() > NO_CHANGE {
@@ -178,52 +189,54 @@ fn order(a: &[f64; 3], b: &[f64; 3]) -> Ordering {
     a[2].total_cmp(&b[2])
 }
 
-/// The tiles at variables that are rounded: numbers are as their decimals say.
-pub(crate) fn tiles(pattern: &Pattern, at: &[f64]) -> Option<Vec<Tile>> {
-    let mut tiles = vec![None; pattern.tiles];
-    for shape in &pattern.shapes {
-        let tile = tile(shape, at)?;
-        for &(operation, index) in &shape.orbit.images {
+/// All tiles at rounded variables, in the order of the layout. Their numbers are the nearest to short decimals.
+pub(crate) fn tiles(pattern: &Pattern, variables: &[f64]) -> Option<Vec<Tile>> {
+    let mut tiles = vec![None; pattern.tile_count];
+    for variable_tile in &pattern.tiles {
+        let tile = tile(variable_tile, variables)?;
+        for &(operation, index) in &variable_tile.orbit.images {
             tiles[index] = Some(image(&tile, operation)?);
         }
     }
     tiles.into_iter().collect()
 }
 
-fn tile(shape: &Shape, at: &[f64]) -> Option<Tile> {
+fn tile(variable_tile: &VariableTile, variables: &[f64]) -> Option<Tile> {
     let (mut position, mut size) = (DVec3::ZERO, DVec3::ZERO);
     for axis in 0..3 {
-        let [lower, upper] = &shape.faces[axis];
+        let [lower, upper] = &variable_tile.faces[axis];
         if lower.terms.is_empty() && upper.terms.is_empty() {
-            // Not free, so left as it is written.
-            (position[axis], size[axis]) = (shape.as_it_was.position()[axis], shape.as_it_was.size()[axis]);
-            if shape.faces_moved(axis) {
+            // A constant keeps the digits of the layout.
+            (position[axis], size[axis]) =
+                (variable_tile.original.position()[axis], variable_tile.original.size()[axis]);
+            if variable_tile.faces_moved(axis) {
                 (position[axis], size[axis]) =
                     (decimal(0.5 * (lower.constant + upper.constant)), decimal(upper.constant - lower.constant));
             }
         } else {
-            let [lower, upper] = [lower, upper].map(|face| face.at(at));
+            let [lower, upper] = [lower, upper].map(|face| face.eval(variables));
             (position[axis], size[axis]) = (decimal(0.5 * (lower + upper)), decimal(upper - lower));
         }
     }
-    let free_angle = !shape.direction.terms.is_empty() || !shape.tilt.terms.is_empty();
+    let free_angle = !variable_tile.direction.terms.is_empty() || !variable_tile.tilt.terms.is_empty();
     let j = if free_angle {
-        let in_degrees = [&shape.direction, &shape.tilt].map(|angle| decimal(angle.at(at).to_degrees()));
-        decimal(shape.strength.at(at)) * unit_vector(in_degrees)
-    } else if shape.strength.terms.is_empty() {
-        shape.polarization_t(at)
+        let in_degrees =
+            [&variable_tile.direction, &variable_tile.tilt].map(|angle| decimal(angle.eval(variables).to_degrees()));
+        decimal(variable_tile.strength.eval(variables)) * unit_vector(in_degrees)
+    } else if variable_tile.strength.terms.is_empty() {
+        variable_tile.polarization_t(variables)
     } else {
-        decimal(shape.strength.at(at)) * shape.unit
+        decimal(variable_tile.strength.eval(variables)) * variable_tile.unit
     };
-    Tile::new(position, size, j).ok()?.rotated(shape.as_it_was.rotation()).ok()
+    Tile::new(position, size, j).ok()?.rotated(variable_tile.original.rotation()).ok()
 }
 
-/// The nearest multiple.
+/// The nearest multiple of `step`.
 fn to_multiple(value: f64, step: f64) -> f64 {
     (value / step).round() * step
 }
 
-/// The same number without the noise of its last digits: 0.1 + 0.2 is 0.3.
+/// The same number rounded to ten decimals, which removes round-off: 0.1 + 0.2 becomes 0.3.
 fn decimal(value: f64) -> f64 {
     format!("{value:.10}").parse::<f64>().unwrap_or(value) + 0.0
 }
@@ -233,7 +246,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn multiples_are_decimals() {
+    fn multiples_become_short_decimals_without_negative_zero() {
         assert_eq!(decimal(to_multiple(0.30000000000000004, 0.1)), 0.3);
         assert_eq!(decimal(to_multiple(-2.3456, 0.001)), -2.346);
         assert_eq!(decimal(to_multiple(-1e-9, 0.001)).to_bits(), 0.0_f64.to_bits());

@@ -1,40 +1,46 @@
-//! What every film of a design must keep, as linear inequalities of the variables.
+//! Rules that every film of a design keeps, as linear inequalities of the variables.
 
 use magsplice_layout::{Brief, Symmetry};
 
 use crate::affine::Affine;
-use crate::pattern::{Pattern, Shape};
+use crate::pattern::{Pattern, VariableTile};
 
 /// An affine expression that must be at least 0.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Rule {
+pub(crate) struct LinearRule {
     pub(crate) value: Affine,
-    pub(crate) meaning: Meaning,
+    pub(crate) meaning: RuleMeaning,
 }
 
-/// What a rule is about; tiles by their index in the film.
+/// The demand that a rule stands for. Tiles are given by their index in the film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Meaning {
+pub(crate) enum RuleMeaning {
+    /// A side of the tile has a least length.
     ShortestSide(usize),
+    /// The tile stays within the outline.
     Outline(usize),
+    /// The thickness of the tile stays within its bounds.
     Thickness(usize),
+    /// The strength of the tile stays within its bounds.
     Strength(usize),
+    /// Two tiles keep the least gap.
     Apart(usize, usize),
 }
 
-/// What bounds the tiles of a film, worked out from its brief.
+/// Bounds of the tiles of a film, resolved from its brief. Lengths in millimetres, polarization in tesla.
 #[derive(Clone, Debug)]
-pub(crate) struct Bounds {
+pub(crate) struct DesignBounds {
+    /// Lower and upper end along x and y.
     pub(crate) outline_mm: [[f64; 2]; 2],
     pub(crate) smallest_cut_mm: f64,
-    /// Least distance, with what rounding may take of it.
+    /// Least distance of neighbours, with an allowance for rounding.
     pub(crate) gap_mm: f64,
     pub(crate) thickness_mm: Option<[f64; 2]>,
     pub(crate) strength_t: Option<[f64; 2]>,
 }
 
-impl Bounds {
-    pub(crate) fn of(brief: &Brief, tiles: &[magsplice_field::Tile]) -> Bounds {
+impl DesignBounds {
+    pub(crate) fn new(brief: &Brief, tiles: &[magsplice_field::Tile]) -> DesignBounds {
         let extent = |axis: usize| {
             let ends = tiles.iter().map(|tile| {
                 let (centre, half) = (tile.position()[axis], 0.5 * tile.size()[axis]);
@@ -45,7 +51,7 @@ impl Bounds {
             })
         };
         let mut outline_mm = [0, 1].map(|axis| brief.outline_mm[axis].unwrap_or_else(|| extent(axis)));
-        // What holds for a tile holds for its images.
+        // The images of a tile must keep the outline too.
         let within = |[low, high]: [f64; 2]| high.min(-low);
         match brief.symmetry {
             Symmetry::None => {}
@@ -56,7 +62,7 @@ impl Bounds {
             }
         }
         let shortest = tiles.iter().map(|tile| tile.size().x.min(tile.size().y)).fold(f64::INFINITY, f64::min);
-        Bounds {
+        DesignBounds {
             outline_mm,
             smallest_cut_mm: brief.smallest_cut_mm.unwrap_or(shortest),
             gap_mm: brief.gap_mm,
@@ -65,47 +71,55 @@ impl Bounds {
         }
     }
 
-    /// The rules of every tile by itself.
-    pub(crate) fn of_tiles(&self, pattern: &Pattern) -> Vec<Rule> {
+    /// The rules of single tiles.
+    pub(crate) fn rules_of_tiles(&self, pattern: &Pattern) -> Vec<LinearRule> {
         let mut rules = Vec::new();
-        for shape in &pattern.shapes {
-            let tile = shape.orbit.tile;
-            for [lower, upper] in &shape.faces[..2] {
+        for variable_tile in &pattern.tiles {
+            let tile = variable_tile.orbit.tile;
+            for [lower, upper] in &variable_tile.faces[..2] {
                 let side = upper.minus(lower);
-                rules.push(at_least(&side, self.smallest_cut_mm, Meaning::ShortestSide(tile)));
+                rules.push(at_least(&side, self.smallest_cut_mm, RuleMeaning::ShortestSide(tile)));
             }
-            for ([lower, upper], [low, high]) in shape.faces[..2].iter().zip(self.outline_mm) {
-                rules.push(at_least(lower, low, Meaning::Outline(tile)));
-                rules.push(at_most(upper, high, Meaning::Outline(tile)));
+            for ([lower, upper], [low, high]) in variable_tile.faces[..2].iter().zip(self.outline_mm) {
+                rules.push(at_least(lower, low, RuleMeaning::Outline(tile)));
+                rules.push(at_most(upper, high, RuleMeaning::Outline(tile)));
             }
             if let Some([least, most]) = self.thickness_mm {
-                let height = shape.faces[2][1].minus(&shape.faces[2][0]);
-                rules.push(at_least(&height, least, Meaning::Thickness(tile)));
-                rules.push(at_most(&height, most, Meaning::Thickness(tile)));
+                let height = variable_tile.faces[2][1].minus(&variable_tile.faces[2][0]);
+                rules.push(at_least(&height, least, RuleMeaning::Thickness(tile)));
+                rules.push(at_most(&height, most, RuleMeaning::Thickness(tile)));
             }
             if let Some([least, most]) = self.strength_t {
-                rules.push(at_least(&shape.strength, least, Meaning::Strength(tile)));
-                rules.push(at_most(&shape.strength, most, Meaning::Strength(tile)));
+                rules.push(at_least(&variable_tile.strength, least, RuleMeaning::Strength(tile)));
+                rules.push(at_most(&variable_tile.strength, most, RuleMeaning::Strength(tile)));
             }
         }
         distinct(rules)
     }
 
-    /// Tiles stay apart along the axis along which they are further apart now; pairs more than `reach` apart need no rule.
-    pub(crate) fn of_pairs(&self, pattern: &Pattern, at: &[f64], reach: f64) -> Vec<Rule> {
-        let images: Vec<Placed> = pattern
-            .shapes
+    /// The rules of pairs of tiles. A pair stays apart along the axis along which its distance is larger now. Pairs
+    /// further apart than `reach` need no rule.
+    pub(crate) fn rules_of_pairs(&self, pattern: &Pattern, variables: &[f64], reach: f64) -> Vec<LinearRule> {
+        let images: Vec<PlacedImage> = pattern
+            .tiles
             .iter()
-            .flat_map(|shape| shape.orbit.images.iter().map(move |&(operation, index)| (shape, operation, index)))
-            .map(|(shape, operation, index)| {
-                let faces = shape.image_faces(operation);
-                let [x, y] = faces.each_ref().map(|ends| ends.each_ref().map(|end| end.at(at)));
-                Placed { index, faces, ends: [x, y, shape.faces[2].each_ref().map(|end| end.at(at))] }
+            .flat_map(|variable_tile| {
+                variable_tile.orbit.images.iter().map(move |&(operation, index)| (variable_tile, operation, index))
+            })
+            .map(|(variable_tile, operation, index)| {
+                let faces = variable_tile.image_faces(operation);
+                let [x, y] = faces.each_ref().map(|ends| ends.each_ref().map(|end| end.eval(variables)));
+                PlacedImage {
+                    index,
+                    faces,
+                    ends: [x, y, variable_tile.faces[2].each_ref().map(|end| end.eval(variables))],
+                }
             })
             .collect();
-        let representative = |shape: &Shape| images.iter().find(|image| image.index == shape.orbit.tile);
+        let representative =
+            |variable_tile: &VariableTile| images.iter().find(|image| image.index == variable_tile.orbit.tile);
         let mut rules = Vec::new();
-        for first in pattern.shapes.iter().filter_map(representative) {
+        for first in pattern.tiles.iter().filter_map(representative) {
             for other in images.iter().filter(|other| other.index != first.index) {
                 if distance(first.ends[2], other.ends[2]) >= 0.0 {
                     continue;
@@ -115,39 +129,39 @@ impl Bounds {
                 if apart[axis] > reach {
                     continue;
                 }
-                let middle = |image: &Placed| image.ends[axis][0] + image.ends[axis][1];
+                let middle = |image: &PlacedImage| image.ends[axis][0] + image.ends[axis][1];
                 let [before, after] = if middle(first) < middle(other) { [first, other] } else { [other, first] };
                 let between = after.faces[axis][0].minus(&before.faces[axis][1]);
-                rules.push(at_least(&between, self.gap_mm, Meaning::Apart(first.index, other.index)));
+                rules.push(at_least(&between, self.gap_mm, RuleMeaning::Apart(first.index, other.index)));
             }
         }
         distinct(rules)
     }
 }
 
-/// A tile with its faces along x and y, and where the ends along all axes are now.
-struct Placed {
+/// An image of a tile, with its faces along x and y and the present ends along all axes.
+struct PlacedImage {
     index: usize,
     faces: [[Affine; 2]; 2],
     ends: [[f64; 2]; 3],
 }
 
-/// How far apart two intervals are; negative where they overlap.
+/// The distance of two intervals. Negative where they overlap.
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (b[0] - a[1]).max(a[0] - b[1])
 }
 
-fn at_least(value: &Affine, least: f64, meaning: Meaning) -> Rule {
-    Rule { value: value.minus(&Affine::constant(least)), meaning }
+fn at_least(value: &Affine, least: f64, meaning: RuleMeaning) -> LinearRule {
+    LinearRule { value: value.minus(&Affine::constant(least)), meaning }
 }
 
-fn at_most(value: &Affine, most: f64, meaning: Meaning) -> Rule {
-    Rule { value: Affine::constant(most).minus(value), meaning }
+fn at_most(value: &Affine, most: f64, meaning: RuleMeaning) -> LinearRule {
+    LinearRule { value: Affine::constant(most).minus(value), meaning }
 }
 
-/// Images make the same rule again and again.
-fn distinct(rules: Vec<Rule>) -> Vec<Rule> {
-    let mut kept: Vec<Rule> = Vec::new();
+/// The rules without repetitions, which images cause.
+fn distinct(rules: Vec<LinearRule>) -> Vec<LinearRule> {
+    let mut kept: Vec<LinearRule> = Vec::new();
     for rule in rules {
         if !kept.iter().any(|known| known.value == rule.value) {
             kept.push(rule);

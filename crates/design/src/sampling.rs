@@ -1,4 +1,4 @@
-//! The points a film is designed on, and its field there with derivatives.
+//! The points of the design grid, and the field there with derivatives.
 
 use std::collections::HashMap;
 
@@ -7,48 +7,48 @@ use magsplice_field::{FaceDerivatives, Grid, PolarizationMap};
 use magsplice_layout::Symmetry;
 
 use crate::pattern::Pattern;
-use crate::symmetry::Operation;
+use crate::symmetry::SymmetryOperation;
 
-/// Coordinates that differ by less than this fraction of the extent are the same.
+/// Coordinates that differ by less than this fraction of the extent are equal.
 const SAME_COORDINATE: f64 = 1e-9;
 
-/// A grid of points, only one of each set of images being computed.
+/// A grid of points. The field is computed at one point of each set of images.
 #[derive(Clone, Debug)]
 pub(crate) struct Sampling {
     pub(crate) grid: Grid,
-    /// The point changes are measured from, last of the computed ones.
+    /// The point from which changes are measured. It is the last of the computed points.
     pub(crate) reference: DVec3,
     computed: Vec<DVec3>,
-    /// For each point of the grid the computed one and what maps it there.
-    images: Vec<(usize, Operation)>,
+    /// For each point of the grid, the index of a computed point and the operation that maps it there.
+    images: Vec<(usize, SymmetryOperation)>,
 }
 
-/// B at the computed points, and its derivatives by the variables, variable fastest.
+/// B in tesla at the computed points, and its derivatives with respect to the variables, variable fastest.
 #[derive(Clone, Debug)]
-pub(crate) struct Field {
+pub(crate) struct SampledField {
     pub(crate) flux_density_t: Vec<DVec3>,
-    pub(crate) slopes: Vec<DVec3>,
-    pub(crate) variables: usize,
+    pub(crate) derivatives: Vec<DVec3>,
+    pub(crate) variable_count: usize,
 }
 
 impl Sampling {
     pub(crate) fn new(grid: Grid, reference: DVec3, symmetry: Symmetry) -> Sampling {
-        let operations = Operation::all(symmetry);
+        let operations = SymmetryOperation::all(symmetry);
         let unit = SAME_COORDINATE * grid.lower().abs().max(grid.upper().abs()).max_element().max(f64::MIN_POSITIVE);
         let key = |p: DVec3| (p / unit).round().to_array().map(|c| c as i64);
         let mut computed: Vec<DVec3> = Vec::new();
-        let mut known: HashMap<[i64; 3], (usize, Operation)> = HashMap::new();
+        let mut known: HashMap<[i64; 3], (usize, SymmetryOperation)> = HashMap::new();
         let images = grid
             .points()
             .map(|point| {
                 *known.entry(key(point)).or_insert_with(|| {
                     let found = operations.iter().find_map(|operation| {
-                        let at = operation.inverse().of(point);
-                        computed.iter().position(|c| key(*c) == key(at)).map(|index| (index, *operation))
+                        let image = operation.inverse().apply(point);
+                        computed.iter().position(|c| key(*c) == key(image)).map(|index| (index, *operation))
                     });
                     found.unwrap_or_else(|| {
                         computed.push(point);
-                        (computed.len() - 1, Operation::IDENTITY)
+                        (computed.len() - 1, SymmetryOperation::IDENTITY)
                     })
                 })
             })
@@ -61,8 +61,9 @@ impl Sampling {
         &self.computed
     }
 
-    /// How much each point of the grid counts where sums go over the points of another grid in the same region: a smooth function there is interpolated from here.
-    pub(crate) fn weights_of(&self, other: &Grid) -> Vec<f64> {
+    /// Weights of the points of the grid with which a sum over it equals a sum over another grid in the same region. A
+    /// smooth function is interpolated from this grid to the other.
+    pub(crate) fn weights_for(&self, other: &Grid) -> Vec<f64> {
         let along = [0, 1, 2].map(|axis| {
             let nodes: Vec<f64> = (0..self.grid.counts()[axis]).map(|i| self.grid.coordinate(axis, i)).collect();
             let mut weights = vec![0.0; nodes.len()];
@@ -78,65 +79,67 @@ impl Sampling {
         (0..self.grid.len()).map(weight).collect()
     }
 
-    /// For each point of the grid the index of the computed one and what maps it there.
-    pub(crate) fn images(&self) -> &[(usize, Operation)] {
+    /// For each point of the grid, the index of a computed point and the operation that maps it there.
+    pub(crate) fn images(&self) -> &[(usize, SymmetryOperation)] {
         &self.images
     }
 
-    /// The field of a film, with derivatives if they are wanted. `None` where a point lies on an edge of a tile, or a tile has vanished.
-    pub(crate) fn field(&self, pattern: &Pattern, at: &[f64], with_slopes: bool) -> Option<Field> {
-        let variables = if with_slopes { at.len() } else { 0 };
+    /// The field of a film, with derivatives on request. `None` where a point lies on an edge of a tile, or a side of a
+    /// tile is not positive.
+    pub(crate) fn field(&self, pattern: &Pattern, variables: &[f64], with_derivatives: bool) -> Option<SampledField> {
+        let variable_count = if with_derivatives { variables.len() } else { 0 };
         let mut flux_density_t = vec![DVec3::ZERO; self.computed.len()];
-        let mut slopes = vec![DVec3::ZERO; self.computed.len() * variables];
-        for shape in &pattern.shapes {
-            let tile = shape.tile(at)?;
+        let mut derivatives = vec![DVec3::ZERO; self.computed.len() * variable_count];
+        for variable_tile in &pattern.tiles {
+            let tile = variable_tile.tile(variables)?;
             let j = tile.polarization_t();
-            let by_angles = shape.polarization_slopes(at);
-            // An image's field at a point is the image of the tile's own field at the point mapped back.
-            let mapped: Vec<DVec3> = shape
+            let by_angles = variable_tile.polarization_derivatives(variables);
+            // The field of an image at a point is the image of the tile's own field at the point mapped back.
+            let mapped: Vec<DVec3> = variable_tile
                 .orbit
                 .images
                 .iter()
-                .flat_map(|(operation, _)| self.computed.iter().map(|point| operation.inverse().of(*point)))
+                .flat_map(|(operation, _)| self.computed.iter().map(|point| operation.inverse().apply(*point)))
                 .collect();
             let map = PolarizationMap::new(&[tile], &mapped).ok()?;
-            for (image, (operation, _)) in shape.orbit.images.iter().enumerate() {
+            for (image, (operation, _)) in variable_tile.orbit.images.iter().enumerate() {
                 for index in 0..self.computed.len() {
                     let row = image * self.computed.len() + index;
                     let by_j = matrix(&map, row);
-                    flux_density_t[index] += operation.of(by_j * j);
-                    if !with_slopes {
+                    flux_density_t[index] += operation.apply(by_j * j);
+                    if !with_derivatives {
                         continue;
                     }
-                    let into = &mut slopes[index * variables..][..variables];
-                    let angles = [&shape.direction, &shape.tilt, &shape.strength];
+                    let into = &mut derivatives[index * variable_count..][..variable_count];
+                    let angles = [&variable_tile.direction, &variable_tile.tilt, &variable_tile.strength];
                     for (number, by) in angles.into_iter().zip(by_angles) {
                         for &(variable, factor) in &number.terms {
-                            into[variable] += factor * operation.of(by_j * by);
+                            into[variable] += factor * operation.apply(by_j * by);
                         }
                     }
-                    if shape.faces.iter().flatten().all(|face| face.terms.is_empty()) {
+                    if variable_tile.faces.iter().flatten().all(|face| face.terms.is_empty()) {
                         continue;
                     }
                     let by_faces = FaceDerivatives::new(&tile, mapped[row])?;
-                    for (axis, ends) in shape.faces.iter().enumerate() {
+                    for (axis, ends) in variable_tile.faces.iter().enumerate() {
                         for (face, by) in ends.iter().zip([&by_faces.lower, &by_faces.upper]) {
                             for &(variable, factor) in &face.terms {
-                                into[variable] += factor * operation.of(by.col(axis));
+                                into[variable] += factor * operation.apply(by.col(axis));
                             }
                         }
                     }
                 }
             }
         }
-        Some(Field { flux_density_t, slopes, variables })
+        Some(SampledField { flux_density_t, derivatives, variable_count })
     }
 }
 
-/// Nodes that a value is interpolated from: with nine over two fifths of a wavelength along x and y and five along z sums are right to 2e-5.
+/// Number of nodes that a value is interpolated from. Nine nodes over two fifths of a wavelength along x and y, and five
+/// along z, make sums right to 2e-5.
 const NODES: usize = 9;
 
-/// Adds to the weights of nodes what Lagrange's polynomial through those about `at` gives them there.
+/// Adds the weights of Lagrange interpolation at `at` from the nearest nodes.
 fn interpolate(nodes: &[f64], at: f64, weights: &mut [f64]) {
     let count = nodes.len().min(NODES);
     let below = nodes.partition_point(|node| *node <= at);
@@ -147,13 +150,13 @@ fn interpolate(nodes: &[f64], at: f64, weights: &mut [f64]) {
     }
 }
 
-impl Field {
-    pub(crate) fn slopes_at(&self, point: usize) -> &[DVec3] {
-        &self.slopes[point * self.variables..][..self.variables]
+impl SampledField {
+    pub(crate) fn derivatives_at(&self, point: usize) -> &[DVec3] {
+        &self.derivatives[point * self.variable_count..][..self.variable_count]
     }
 }
 
-/// B at a point for unit polarizations along the tile's axes.
+/// B at a point for unit polarizations along the axes of the tile, by columns.
 fn matrix(map: &PolarizationMap, point: usize) -> DMat3 {
     let [x, y, z] = [0, 1, 2].map(|component| DVec3::from_slice(map.row(point, component)));
     DMat3::from_cols(x, y, z).transpose()

@@ -1,4 +1,4 @@
-//! The search for a film: several starts, fewer parts if asked for, rounding.
+//! The search for a film: several starts, strengths in stock, fewer parts if asked for, rounding.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,130 +9,77 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::descent::Found;
+use crate::descent::Candidate;
+use crate::design_problem::DesignProblem;
 use crate::error::DesignError;
-use crate::figures::Figures;
+use crate::metrics::Metrics;
 use crate::parts;
 use crate::pattern::Pattern;
+use crate::progress::{Progress, ProgressUpdate, SearchStage, SharedProgress, latched};
 use crate::rounding;
-use crate::setting::Setting;
-use crate::strengths;
+use crate::search_result::{SearchResult, StageMetrics};
+use crate::stock_strengths::fix_to_stock;
 use crate::tolerances::{MOST_STEPS, ROUNDS_OF_AMPLITUDE, SPREAD_OF_STARTS};
 
-/// How far a search is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
-    /// What it is at.
-    pub stage: Stage,
-    /// How many parts of this stage are done, of how many.
-    pub done: usize,
-    /// Of how many.
-    pub of: usize,
-    /// Root of the mean squared error of the best film so far, all weighted errors together; `None` before there is one.
-    pub best: Option<f64>,
-}
-
-/// What a search is at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Descents from several starts.
-    Starts,
-    /// Strengths that are at hand.
-    Strengths,
-    /// Fewer distinct parts: so many are left.
-    Parts(usize),
-    /// Rounding, and what it cost made good.
-    Rounding,
-}
-
-/// A film that was found.
-#[derive(Clone, Debug)]
-pub struct Outcome {
-    /// Its tiles, in the order of the layout.
-    pub tiles: Vec<Tile>,
-    /// The layout's film.
-    pub before: Figures,
-    /// The film found, over the layout's working volume.
-    pub after: Figures,
-    /// The film found, over the grid it was designed on but five times finer.
-    pub finer: Figures,
-    /// Uniformity RMSE over the working volume after each stage, in the order they were gone through.
-    pub stages: Vec<(Stage, PerParameter)>,
-    /// How many distinct parts it has, directions included.
-    pub parts: usize,
-    /// Of how many starts the best came within a tenth of the best error.
-    pub agreeing_starts: usize,
-    /// What was asked for and not reached.
-    pub short_of: Vec<String>,
-    /// Whether the search was broken off.
-    pub interrupted: bool,
-}
-
-/// Is told how far a search is, and may break it off; the best film so far is kept then.
-pub type Watch<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
-
-impl Setting<'_> {
-    /// Searches for the film that is wanted.
+impl DesignProblem<'_> {
+    /// Searches for the film that the brief asks for.
     ///
-    /// The same layout gives the same film for any number of threads, unless the search is broken off.
+    /// The film found is a local minimum, the best of the brief's starts. The same layout gives the same film for any
+    /// number of threads, unless `progress` stops the search. A demand that the film misses is no error:
+    /// [`SearchResult::short_of`] lists it.
     ///
     /// # Errors
-    /// If no film keeps the rules, or the film to start from has no field or no parameters.
-    pub fn search(&self, watch: Watch) -> Result<Outcome, DesignError> {
-        self.figures(&self.tiles)?;
-        let best = self.best_of_starts(watch)?;
-        self.finished(best, watch)
+    /// If no film keeps the rules, or the film to start from has no field or no decoupling parameters.
+    pub fn search(&self, progress: Progress) -> Result<SearchResult, DesignError> {
+        self.metrics(&self.tiles)?;
+        let best = self.best_of_starts(progress)?;
+        self.finished(best, progress)
     }
 
     /// The stages after the starts.
-    pub(crate) fn finished(&self, best: BestOfStarts, watch: Watch) -> Result<Outcome, DesignError> {
+    pub(crate) fn finished(&self, best: BestOfStarts, progress: Progress) -> Result<SearchResult, DesignError> {
         let BestOfStarts { best, agreeing, interrupted } = best;
         let stop = AtomicBool::new(interrupted);
-        let watch = |progress: Progress| {
-            if stop.load(Ordering::Relaxed) || watch(progress).is_break() {
-                stop.store(true, Ordering::Relaxed);
-                return ControlFlow::Break(());
-            }
-            ControlFlow::Continue(())
-        };
-        let mut stages = vec![(Stage::Starts, self.uniformity(&self.pattern, &best)?)];
-        let (mut pattern, mut found) = (self.pattern.clone(), best);
+        let progress = latched(progress, &stop);
+        let mut stages = vec![self.stage_metrics(SearchStage::Starts, &self.pattern, &best)?];
+        let (mut pattern, mut candidate) = (self.pattern.clone(), best);
         if !self.brief.stock_strengths_t.is_empty() {
-            (pattern, found) = strengths::from_stock(self, pattern, found, &watch);
-            stages.push((Stage::Strengths, self.uniformity(&pattern, &found)?));
+            (pattern, candidate) = fix_to_stock(self, pattern, candidate, &progress);
+            stages.push(self.stage_metrics(SearchStage::Strengths, &pattern, &candidate)?);
         }
-        let mut setting = self.clone();
+        let mut problem = self.clone();
         if self.brief.parts.is_some() || !self.brief.stock.is_empty() {
-            setting.leave_room_for_rounding();
-            let parted = parts::fewer(&setting, &pattern, &found, &watch).ok_or_else(DesignError::no_parts)?;
-            stages.push((Stage::Parts(parted.count()), self.uniformity(&parted.pattern, &parted.found)?));
-            (pattern, found) = (parted.pattern, parted.found);
+            problem.leave_room_for_rounding();
+            let film = parts::fewest(&problem, &pattern, &candidate, &progress).ok_or_else(DesignError::no_parts)?;
+            stages.push(self.stage_metrics(SearchStage::Parts(film.part_count()), &film.pattern, &film.candidate)?);
+            (pattern, candidate) = (film.pattern, film.candidate);
         }
-        setting.rounded(&pattern, found, stages, agreeing, &watch, &stop)
+        problem.rounded(&pattern, candidate, stages, agreeing, &progress, &stop)
     }
 
-    /// Where sizes are shared, rounding lets two tiles each come nearer by one step.
+    /// Widens the gap by two steps of the resolution: where tiles share sizes, rounding may move each of two
+    /// neighbours nearer by one step.
     pub(crate) fn leave_room_for_rounding(&mut self) {
-        self.problem.bounds.gap_mm += 2.0 * self.brief.resolution_mm;
+        self.least_squares.bounds.gap_mm += 2.0 * self.brief.resolution_mm;
     }
 
     /// The last stage.
     pub(crate) fn rounded(
         self,
         pattern: &Pattern,
-        found: Found,
-        mut stages: Vec<(Stage, PerParameter)>,
+        candidate: Candidate,
+        mut stages: Vec<StageMetrics>,
         agreeing_starts: usize,
-        watch: Watch,
+        progress: Progress,
         stop: &AtomicBool,
-    ) -> Result<Outcome, DesignError> {
-        let before = self.figures(&self.tiles)?;
+    ) -> Result<SearchResult, DesignError> {
+        let before = self.metrics(&self.tiles)?;
         let (layout, least, wanted) = (self.layout, self.brief.least_amplitude, self.brief.parts);
-        let (tiles, [after, finer]) = self.rounded_with_amplitude(pattern, found, watch)?;
-        stages.push((Stage::Rounding, after.uniformity_rmse));
-        let parts = parts::distinct(layout, &tiles);
+        let (tiles, [after, finer]) = self.rounded_with_amplitude(pattern, candidate, progress)?;
+        stages.push(StageMetrics { stage: SearchStage::Rounding, uniformity_rmse: after.uniformity_rmse });
+        let parts = parts::count_distinct(layout, &tiles);
         let mut short_of = Vec::new();
-        let amplitude = least_amplitude(&[after, finer]);
+        let amplitude = smaller_amplitude(&[after, finer]);
         if let Some(least) = least.filter(|least| amplitude < *least) {
             short_of.push(format!("amplitude {amplitude:.4}, must be at least {least}"));
         }
@@ -140,153 +87,118 @@ impl Setting<'_> {
             short_of.push(format!("{parts} distinct parts, must be at most {wanted}"));
         }
         let interrupted = stop.load(Ordering::Relaxed);
-        Ok(Outcome { tiles, before, after, finer, stages, parts, short_of, agreeing_starts, interrupted })
+        Ok(SearchResult { tiles, before, after, finer, stages, parts, agreeing_starts, short_of, interrupted })
     }
 
-    /// Rounds a film; where the amplitude over more points than the film was designed on is short, goes on for more of it.
+    /// Rounds a film. While its amplitude, over more points than the design grid has, is short of the bound, the bound
+    /// is raised and the film designed further.
     fn rounded_with_amplitude(
         mut self,
         pattern: &Pattern,
-        mut found: Found,
-        watch: Watch,
-    ) -> Result<(Vec<Tile>, [Figures; 2]), DesignError> {
+        mut candidate: Candidate,
+        progress: Progress,
+    ) -> Result<(Vec<Tile>, [Metrics; 2]), DesignError> {
         let mut rounds = 0;
         loop {
-            let at = rounding::rounded(&self, pattern, &found.at);
-            let tiles = rounding::tiles(pattern, &at).ok_or(DesignError::NoField)?;
-            let figures = [self.figures(&tiles)?, self.finer_figures(&tiles)?];
-            let short = self.brief.least_amplitude.map_or(0.0, |least| least - least_amplitude(&figures));
-            let more = Progress {
-                stage: Stage::Rounding,
+            let variables = rounding::rounded(&self, pattern, &candidate.variables);
+            let tiles = rounding::tiles(pattern, &variables).ok_or(DesignError::NoField)?;
+            let metrics = [self.metrics(&tiles)?, self.finer_metrics(&tiles)?];
+            let short = self.brief.least_amplitude.map_or(0.0, |least| least - smaller_amplitude(&metrics));
+            let update = ProgressUpdate {
+                stage: SearchStage::Rounding,
                 done: rounds,
                 of: ROUNDS_OF_AMPLITUDE,
-                best: Some(self.root_mean_square(&found)),
+                best: Some(candidate.root_mean_square()),
             };
-            if short <= 0.0 || rounds == ROUNDS_OF_AMPLITUDE || watch(more).is_break() {
-                return Ok((tiles, figures));
+            if short <= 0.0 || rounds == ROUNDS_OF_AMPLITUDE || progress(update).is_break() {
+                return Ok((tiles, metrics));
             }
             rounds += 1;
-            self.problem.least_amplitude = self.problem.least_amplitude.map(|least| least + 1.1 * short);
-            let go_on = &mut |_: &Found| ControlFlow::Continue(());
-            found = self.problem.descend(pattern, found.at, MOST_STEPS, go_on).ok_or(DesignError::Singular)?;
+            self.least_squares.least_amplitude = self.least_squares.least_amplitude.map(|least| least + 1.1 * short);
+            let go_on = &mut |_: &Candidate| ControlFlow::Continue(());
+            candidate = self
+                .least_squares
+                .descend(pattern, candidate.variables, MOST_STEPS, go_on)
+                .ok_or(DesignError::Singular)?;
         }
     }
 
-    /// The best of several starts.
-    pub(crate) fn best_of_starts(&self, watch: Watch) -> Result<BestOfStarts, DesignError> {
-        let first = self.problem.nearest(&self.pattern, &self.pattern.start);
-        let first = first.map_err(|rules| DesignError::Contradiction(self.told(&rules)))?;
-        let shared = Shared::new(watch, Stage::Starts, self.brief.starts);
-        let all: Vec<Option<Found>> = (0..self.brief.starts)
+    /// The best film of several starts, which run in parallel.
+    pub(crate) fn best_of_starts(&self, progress: Progress) -> Result<BestOfStarts, DesignError> {
+        let first = self.least_squares.nearest(&self.pattern, &self.pattern.start);
+        let first = first.map_err(|rules| DesignError::Contradiction(self.describe(&rules)))?;
+        let shared = SharedProgress::new(progress, SearchStage::Starts, self.brief.starts);
+        let all: Vec<Option<Candidate>> = (0..self.brief.starts)
             .into_par_iter()
             .map(|index| {
-                // The first is always tried: there is to be a film.
-                if index > 0 && shared.stopped() {
+                // The first start always runs, so that there is a film.
+                if index > 0 && shared.is_stopped() {
                     return None;
                 }
                 let start = if index == 0 { Some(first.clone()) } else { self.start(&first, index) };
-                let found = start.and_then(|at| {
-                    let mut tell = |found: &Found| shared.tell(self.root_mean_square(found), found.lack == 0.0);
-                    self.problem.descend(&self.pattern, at, MOST_STEPS, &mut tell)
+                let candidate = start.and_then(|start| {
+                    let mut report = |found: &Candidate| shared.report(found.root_mean_square(), found.lack == 0.0);
+                    self.least_squares.descend(&self.pattern, start, MOST_STEPS, &mut report)
                 });
-                shared.one_done();
-                found
+                shared.finish_one();
+                candidate
             })
             .collect();
-        let merits = || all.iter().flatten().map(Found::merit);
+        let merits = || all.iter().flatten().map(Candidate::merit);
         let least = merits().fold(f64::INFINITY, f64::min);
-        // Errors within a tenth: squares within a fifth.
+        // Errors within a tenth are squares within a fifth.
         let agreeing = merits().filter(|merit| *merit <= 1.2 * least).count();
         let best = all.into_iter().flatten().min_by(|a, b| a.merit().total_cmp(&b.merit()));
-        Ok(BestOfStarts { best: best.ok_or(DesignError::Singular)?, agreeing, interrupted: shared.stopped() })
+        Ok(BestOfStarts { best: best.ok_or(DesignError::Singular)?, agreeing, interrupted: shared.is_stopped() })
     }
 
-    /// A start away from the first one; `None` if none near there keeps the rules.
+    /// A start away from the first one. `None` if no film near it keeps the rules.
     fn start(&self, first: &[f64], index: usize) -> Option<Vec<f64>> {
         let mut random = ChaCha8Rng::seed_from_u64(self.brief.seed);
         random.set_stream(index as u64);
-        let away: Vec<f64> = (self.problem.steps(&self.pattern).into_iter())
+        let away: Vec<f64> = (self.least_squares.steps(&self.pattern).into_iter())
             .map(|step| {
-                // A step without bound belongs to a number that has none; it stays.
+                // A variable without a longest step has no scale, so it stays.
                 if step.is_finite() { SPREAD_OF_STARTS * step * random.random_range(-1.0..1.0) } else { 0.0 }
             })
             .collect();
-        // Tiles thrown across each other leave no room: half as far, then.
+        // Where tiles have changed sides and no film keeps the rules, the distance is halved.
         (0..6).find_map(|halvings| {
             let factor = 0.5_f64.powi(halvings);
-            let at: Vec<f64> = first.iter().zip(&away).map(|(value, away)| value + factor * away).collect();
-            self.problem.nearest(&self.pattern, &at).ok()
+            let start: Vec<f64> = first.iter().zip(&away).map(|(value, away)| value + factor * away).collect();
+            self.least_squares.nearest(&self.pattern, &start).ok()
         })
     }
 
-    pub(crate) fn root_mean_square(&self, found: &Found) -> f64 {
-        (2.0 * found.loss).sqrt()
+    fn metrics(&self, tiles: &[Tile]) -> Result<Metrics, DesignError> {
+        Metrics::from_tiles(tiles, &self.volume.grid, self.volume.reference_mm, &self.ideal)
     }
 
-    pub(crate) fn figures(&self, tiles: &[Tile]) -> Result<Figures, DesignError> {
-        Figures::of(tiles, &self.volume.grid, self.volume.reference_mm, &self.ideal)
+    fn finer_metrics(&self, tiles: &[Tile]) -> Result<Metrics, DesignError> {
+        Metrics::from_tiles(tiles, &self.finer_grid(), self.volume.reference_mm, &self.ideal)
     }
 
-    fn finer_figures(&self, tiles: &[Tile]) -> Result<Figures, DesignError> {
-        Figures::of(tiles, &self.finer_grid(), self.volume.reference_mm, &self.ideal)
-    }
-
-    pub(crate) fn uniformity(&self, pattern: &Pattern, found: &Found) -> Result<PerParameter, DesignError> {
-        let tiles = pattern.all_tiles(&found.at).ok_or(DesignError::NoField)?;
-        Ok(self.figures(&tiles)?.uniformity_rmse)
+    /// What a film reaches at the end of a stage.
+    pub(crate) fn stage_metrics(
+        &self,
+        stage: SearchStage,
+        pattern: &Pattern,
+        candidate: &Candidate,
+    ) -> Result<StageMetrics, DesignError> {
+        let tiles = pattern.all_tiles(&candidate.variables).ok_or(DesignError::NoField)?;
+        let uniformity_rmse: PerParameter = self.metrics(&tiles)?.uniformity_rmse;
+        Ok(StageMetrics { stage, uniformity_rmse })
     }
 }
 
-fn least_amplitude(figures: &[Figures; 2]) -> f64 {
-    figures[0].amplitude.min(figures[1].amplitude)
+fn smaller_amplitude(metrics: &[Metrics; 2]) -> f64 {
+    metrics[0].amplitude.min(metrics[1].amplitude)
 }
 
 /// The best film of several starts.
 pub(crate) struct BestOfStarts {
-    pub(crate) best: Found,
-    /// How many starts came near it.
+    pub(crate) best: Candidate,
+    /// Number of starts whose error is within a tenth of the best.
     pub(crate) agreeing: usize,
     pub(crate) interrupted: bool,
-}
-
-/// What descents that run at the same time tell together.
-pub(crate) struct Shared<'a> {
-    watch: Watch<'a>,
-    stage: Stage,
-    of: usize,
-    state: std::sync::Mutex<(usize, Option<f64>)>,
-    stop: AtomicBool,
-}
-
-impl<'a> Shared<'a> {
-    pub(crate) fn new(watch: Watch<'a>, stage: Stage, of: usize) -> Shared<'a> {
-        Shared { watch, stage, of, state: std::sync::Mutex::new((0, None)), stop: AtomicBool::new(false) }
-    }
-
-    /// A film with this error was found; it counts if it keeps every bound.
-    pub(crate) fn tell(&self, error: f64, counts: bool) -> ControlFlow<()> {
-        if self.stopped() {
-            return ControlFlow::Break(());
-        }
-        let Ok(mut state) = self.state.lock() else { return ControlFlow::Break(()) };
-        if counts && state.1.is_none_or(|best| error < best) {
-            state.1 = Some(error);
-        }
-        let progress = Progress { stage: self.stage, done: state.0, of: self.of, best: state.1 };
-        if (self.watch)(progress).is_break() {
-            self.stop.store(true, Ordering::Relaxed);
-            return ControlFlow::Break(());
-        }
-        ControlFlow::Continue(())
-    }
-
-    pub(crate) fn one_done(&self) {
-        if let Ok(mut state) = self.state.lock() {
-            state.0 += 1;
-        }
-    }
-
-    pub(crate) fn stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-    }
 }

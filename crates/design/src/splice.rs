@@ -1,4 +1,4 @@
-//! A film from nothing: the pattern of Dai 2024, Fig. 5, for any wavelength and outline, to be designed further.
+//! A film to begin with: the pattern of Dai 2024, Fig. 5, for any wavelength and outline.
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -9,14 +9,38 @@ use magsplice_layout::{Brief, Goal, Layout, Symmetry, Vary};
 
 use crate::error::DesignError;
 
-/// What is wanted of a film. Lengths in millimetres, polarization in tesla.
+/// A request for a film that is designed without a layout. Lengths in millimetres, polarization in tesla.
+///
+/// ```
+/// use magsplice_design::SpliceRequest;
+/// use magsplice_layout::Goal;
+///
+/// let request = SpliceRequest {
+///     wavelength_mm: 10.0,
+///     film_mm: [20.0, 20.0],
+///     thickness_mm: 1.0,
+///     remanence_t: 0.12,
+///     range_mm: [4.0, 4.0],
+///     distance_mm: [3.0, 5.0],
+///     smallest_cut_mm: 0.8,
+///     gap_mm: 0.0,
+///     least_amplitude: 0.65,
+///     parts: None,
+///     goal: Goal::Displacement,
+///     starts: 8,
+///     seed: 1,
+/// };
+/// let layout = request.layout()?;
+/// assert_eq!(layout.tiles.len(), 56);
+/// # Ok::<(), magsplice_design::DesignError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Request {
+pub struct SpliceRequest {
     /// Wavelength of the ideal film.
     pub wavelength_mm: f64,
     /// Extent of the film along x and y.
     pub film_mm: [f64; 2],
-    /// Its thickness.
+    /// Thickness of the film.
     pub thickness_mm: f64,
     /// Magnitude of the polarization of every tile, and amplitude of the ideal film.
     pub remanence_t: f64,
@@ -30,29 +54,32 @@ pub struct Request {
     pub gap_mm: f64,
     /// Least best-fit amplitude against the ideal film.
     pub least_amplitude: f64,
-    /// At most so many distinct parts.
+    /// Maximum number of distinct parts, if bounded.
     pub parts: Option<usize>,
-    /// What is to become small.
+    /// The error that the design minimizes.
     pub goal: Goal,
-    /// From how many points the search starts.
+    /// Number of starts of the search.
     pub starts: usize,
-    /// Which random numbers vary them.
+    /// Seed of the random numbers that vary the starts.
     pub seed: u64,
 }
 
-/// Wide intervals are this fraction of the wavelength: two thirds of a half-wave at full strength have no third harmonic (Dai 2024, Fig. 5, has 3.3 of 5 mm).
+/// Width of the wide intervals, as a fraction of the wavelength. Two thirds of a half-wave at full strength have no third
+/// harmonic (Dai 2024, Fig. 5, has 3.3 of 5 mm).
 const WIDE: f64 = 1.0 / 3.0;
 
 /// Points of the working volume along each axis.
 const POINTS: [usize; 3] = [9, 9, 5];
 
-impl Request {
-    /// The layout to begin the design with: intervals of a third of the wavelength about the crests of the ideal polarization, of a sixth about its zeros.
+impl SpliceRequest {
+    /// The layout to begin the design with. Along each axis it has intervals of a third of the wavelength about the
+    /// crests of the ideal polarization (Eq. 1), and of a sixth about its zeros.
     ///
     /// # Errors
-    /// All at once: lengths that are not positive, a film smaller than a quarter of the wavelength, a working volume in which B_z of the ideal film vanishes.
+    /// [`DesignError::Request`] with all problems at once: lengths that are not positive, a film too small for the
+    /// crests about the middle, a working volume in which B_z of the ideal film vanishes.
     pub fn layout(&self) -> Result<Layout, DesignError> {
-        self.check()?;
+        self.validate()?;
         let cuts = [0, 1].map(|axis| self.intervals(axis));
         let mut tiles = String::new();
         let (height, j) = (self.thickness_mm, self.remanence_t);
@@ -108,12 +135,12 @@ impl Request {
         }
     }
 
-    /// Intervals along an axis with the sign of the ideal polarization, 0 about its zeros.
+    /// Intervals along an axis, each with the sign of the ideal polarization, which is 0 about its zeros.
     fn intervals(&self, axis: usize) -> Vec<([f64; 2], f64)> {
         let (wavelength, edge) = (self.wavelength_mm, 0.5 * self.film_mm[axis]);
         let half_wide = 0.5 * WIDE * wavelength;
         let crests = (edge / (0.5 * wavelength)).ceil() as i64 + 1;
-        // Ends of the wide intervals; the others lie between them.
+        // The ends of the wide intervals. The narrow intervals lie between them.
         let mut cuts = vec![-edge];
         for crest in -crests..crests {
             let centre = (crest as f64 + 0.5) * 0.5 * wavelength;
@@ -122,7 +149,7 @@ impl Request {
         cuts.push(edge);
         cuts.retain(|cut| cut.abs() <= edge);
         cuts.sort_by(f64::total_cmp);
-        // Slivers at the rim belong to what is beside them.
+        // Slivers at the rim are joined to their neighbours.
         let sliver = |a: f64, b: f64| b - a < self.smallest_cut_mm;
         while cuts.len() > 2 && sliver(cuts[0], cuts[1]) {
             cuts.remove(1);
@@ -131,13 +158,13 @@ impl Request {
         let signed = |ends: &[f64]| {
             let centre = 0.5 * (ends[0] + ends[1]);
             let phase = (TAU * centre / wavelength).sin();
-            // Wide intervals are centred within a twelfth of the wavelength of a crest, narrow ones of a zero.
+            // The centre of a wide interval is within a twelfth of the wavelength of a crest, that of a narrow one of a zero.
             ([ends[0], ends[1]], if phase.abs() > 0.7 { phase.signum() } else { 0.0 })
         };
         cuts.windows(2).map(signed).collect()
     }
 
-    fn check(&self) -> Result<(), DesignError> {
+    fn validate(&self) -> Result<(), DesignError> {
         let mut problems = Vec::new();
         let positive = [
             ("wavelength", self.wavelength_mm),
@@ -164,7 +191,7 @@ impl Request {
         if problems.is_empty() {
             let quarter = 0.25 * self.wavelength_mm;
             for (axis, extent) in ["x", "y"].into_iter().zip(self.film_mm) {
-                // Short of it the film has no crest on either side.
+                // A shorter film has no crest on either side.
                 if 0.5 * extent < quarter + 0.5 * WIDE * self.wavelength_mm {
                     problems.push(format!(
                         "film: {extent} mm along {axis}, must be at least {:.4} mm, two thirds of the wavelength and a half, to hold the crests about the middle",

@@ -1,60 +1,69 @@
 //! Tolerances and tuning constants of the design.
 
-/// Tiles are images of each other if they fit to this fraction of a side and of the polarization: layouts are written with decimals, sometimes six of them.
+/// Tiles are images of each other if they agree to this fraction of a side and of the polarization. Layouts are written
+/// with decimals, sometimes with only six of them.
 pub(crate) const SAME_TILE: f64 = 1e-6;
 
-/// Along one step no length changes by more than this fraction of the wavelength, so that which side two tiles are apart on can be decided anew before they meet.
+/// Longest step of a length, as a fraction of the wavelength. It is so short that the axis along which two tiles stay
+/// apart can be decided anew before they meet.
 pub(crate) const LONGEST_STEP: f64 = 0.05;
 
-/// Along one step no angle changes by more than this, in radians.
+/// Longest step of an angle, in radians.
 pub(crate) const WIDEST_STEP: f64 = 0.3;
 
-/// Along one step no strength changes by more than this fraction of the largest.
+/// Longest step of a strength, as a fraction of the largest strength.
 pub(crate) const STRONGEST_STEP: f64 = 0.3;
 
-/// Starts differ from the layout by normal deviates of this fraction of the longest step: far enough to reach other basins, near enough that tiles keep their neighbours.
+/// Starts differ from the layout by uniform deviates of at most this fraction of the longest step. That is far enough to
+/// reach other basins, and near enough that tiles keep their neighbours.
 pub(crate) const SPREAD_OF_STARTS: f64 = 1.0;
 
-/// The design grid has at most so many points along x and y, and along z: the field is smooth on the scale of a fifth of the wavelength, and on a grid five times finer
-/// the errors of the films found are no larger (docs/design.md).
+/// Maximum number of points of the design grid along x, y and z. The field is smooth on the scale of a fifth of the
+/// wavelength, and on a grid five times finer the errors of the films found are no larger (docs/design.md).
 pub(crate) const POINTS_ALONG: [usize; 3] = [9, 9, 5];
 
-/// A film whose amplitude is short by a counts as if the sum of its squared errors were larger by this times a, as a fraction. It must be above what amplitude is worth: on the published
-/// film's outline the squared errors grow tenfold for 0.05 of amplitude, that is by 46 times a.
+/// Relative increase of the sum of squares that stands for one unit of lacking amplitude. It must be above the worth of
+/// amplitude: on the published film's outline the squared errors grow tenfold for 0.05 of amplitude, that is by 46 times
+/// the lack.
 pub(crate) const PRICE_OF_AMPLITUDE: f64 = 200.0;
 
-/// The amplitude designed for is larger by this fraction than the one asked for, so that rounding keeps it.
+/// Relative margin of the designed amplitude above the bound, so that rounding keeps the bound.
 pub(crate) const AMPLITUDE_MARGIN: f64 = 5e-5;
 
-/// First damping, as a fraction of the curvature; divided or multiplied by the factors below as steps succeed or fail.
+/// First damping, as a fraction of the curvature.
 pub(crate) const FIRST_DAMPING: f64 = 1e-3;
+/// Factor of the damping after a successful step.
 pub(crate) const LESS_DAMPING: f64 = 0.2;
+/// Factor of the damping after a failed step.
 pub(crate) const MORE_DAMPING: f64 = 4.0;
+/// Least damping.
 pub(crate) const LEAST_DAMPING: f64 = 1e-12;
-/// More means that no step along the gradient helps any more.
+/// Largest damping. Beyond it no step along the gradient helps.
 pub(crate) const MOST_DAMPING: f64 = 1e6;
 
-/// A search ends when this many steps together gained less than this fraction.
+/// A descent ends when this many steps together gain less than [`LEAST_GAIN`].
 pub(crate) const PATIENCE: usize = 8;
+/// Relative gain of [`PATIENCE`] steps below which a descent ends.
 pub(crate) const LEAST_GAIN: f64 = 1e-3;
 
-/// ... or after so many steps.
+/// Maximum number of steps of a descent.
 pub(crate) const MOST_STEPS: usize = 150;
 
-/// Rules are kept to this: what the solver of quadratic programs leaves, far below the resolution of films, which are rounded so that they keep them.
+/// Rules may be broken by this much, in millimetres (tesla for strengths): the accuracy of the solver of quadratic
+/// programs. It is far below the resolution of films, and rounding makes films keep the rules.
 pub(crate) const KEPT_MM: f64 = 1e-6;
 
-/// So often a rounded film is improved by the linear model about it.
+/// Maximum number of times a rounded film is improved by a linear model about it.
 pub(crate) const ROUNDINGS: usize = 4;
 
-/// So often a rounded film whose amplitude is short is designed for more.
+/// Maximum number of times a rounded film whose amplitude is short is designed for more.
 pub(crate) const ROUNDS_OF_AMPLITUDE: usize = 4;
 
-/// Parts beyond this number are made fewer by their sizes alone, then by trying each pair.
+/// With more parts than this, pairs to be merged are chosen by their sizes alone; with fewer, each pair is tried.
 pub(crate) const PARTS_TRIED: usize = 12;
 
-/// Steps of a trial, which only has to tell better from worse.
+/// Maximum number of steps of a trial, which only has to tell better from worse.
 pub(crate) const TRIAL_STEPS: usize = 12;
 
-/// So many of the best trials go on to the end.
+/// Number of the best trials that are descended to the end.
 pub(crate) const TRIALS_FINISHED: usize = 4;

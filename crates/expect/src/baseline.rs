@@ -1,10 +1,11 @@
-//! A field as it was, to hold another against.
+//! Baselines: a stored field, and the difference of another field from it.
 
+use std::error::Error;
 use std::fmt;
 
 use glam::DVec3;
 
-/// Values of B at points of a working volume.
+/// Values of B at the points of a working volume, stored to compare later fields with.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Baseline {
     /// The points, in millimetres.
@@ -15,36 +16,43 @@ pub struct Baseline {
 
 /// The largest difference of a field from its baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Difference {
-    /// The length of the difference of the two values of B over the length of the longer one: 0 for equal values, at most 2.
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct BaselineDifference {
+    /// Length of the difference of the two values of B, divided by the length of the longer one. It is 0 for equal values
+    /// and at most 2.
     pub relative: f64,
-    /// The first point where it is as large.
+    /// The first point with that difference, in millimetres.
+    #[cfg_attr(feature = "serde", serde(rename = "at_mm"))]
     pub at: DVec3,
 }
 
 /// Why a field and a baseline cannot be compared: they are not at the same points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum OtherPoints {
-    /// There are more or fewer.
+#[non_exhaustive]
+pub enum PointsMismatch {
+    /// The numbers of points differ.
     Count {
-        /// In the baseline.
+        /// Number of points of the baseline.
         baseline: usize,
-        /// In the working volume.
+        /// Number of points of the working volume.
         volume: usize,
     },
-    /// A point is another one.
+    /// A point differs.
     Point {
-        /// Counted from 0.
+        /// Index of the point, from 0.
         index: usize,
-        /// In the baseline, in millimetres.
+        /// The point of the baseline, in millimetres.
         baseline: DVec3,
-        /// In the working volume, in millimetres.
+        /// The point of the working volume, in millimetres.
         volume: DVec3,
     },
 }
 
 impl Baseline {
-    /// How far `field_t`, in tesla at `points` in millimetres, is from the baseline.
+    /// The largest difference of a field from the baseline. `field_t` is in tesla, at `points` in millimetres.
+    ///
+    /// # Accuracy
+    /// Round-off of a few times 1e-16 of the longer value of B.
     ///
     /// # Errors
     /// If the points are not those of the baseline, in its order and to the last digit.
@@ -55,20 +63,20 @@ impl Baseline {
         &self,
         points: impl ExactSizeIterator<Item = DVec3>,
         field_t: &[DVec3],
-    ) -> Result<Difference, OtherPoints> {
+    ) -> Result<BaselineDifference, PointsMismatch> {
         assert_eq!(points.len(), field_t.len(), "one field value per point");
         assert_eq!(self.points.len(), self.field_t.len(), "one field value per point of the baseline");
         if points.len() != self.points.len() {
-            return Err(OtherPoints::Count { baseline: self.points.len(), volume: points.len() });
+            return Err(PointsMismatch::Count { baseline: self.points.len(), volume: points.len() });
         }
-        let mut worst = Difference { relative: 0.0, at: DVec3::ZERO };
+        let mut worst = BaselineDifference { relative: 0.0, at: DVec3::ZERO };
         for (index, (volume, &baseline)) in points.zip(&self.points).enumerate() {
             if volume != baseline {
-                return Err(OtherPoints::Point { index, baseline, volume });
+                return Err(PointsMismatch::Point { index, baseline, volume });
             }
             let relative = relative(field_t[index], self.field_t[index]);
             if relative > worst.relative {
-                worst = Difference { relative, at: volume };
+                worst = BaselineDifference { relative, at: volume };
             }
         }
         Ok(worst)
@@ -76,7 +84,7 @@ impl Baseline {
 }
 
 fn relative(one: DVec3, other: DVec3) -> f64 {
-    // Scaled, so that squares neither overflow nor vanish.
+    // Scaled so that squares neither overflow nor underflow.
     let largest = one.abs().max_element().max(other.abs().max_element());
     if largest == 0.0 {
         return 0.0;
@@ -85,13 +93,13 @@ fn relative(one: DVec3, other: DVec3) -> f64 {
     one.distance(other) / one.length().max(other.length())
 }
 
-impl fmt::Display for OtherPoints {
+impl fmt::Display for PointsMismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            OtherPoints::Count { baseline, volume } => {
+            PointsMismatch::Count { baseline, volume } => {
                 write!(f, "the baseline has {baseline} points and the working volume {volume}, must have the same")
             }
-            OtherPoints::Point { index, baseline: b, volume: v } => write!(
+            PointsMismatch::Point { index, baseline: b, volume: v } => write!(
                 f,
                 "point {} of the baseline is ({}, {}, {}) mm and of the working volume ({}, {}, {}) mm, must be the same",
                 index + 1,
@@ -106,7 +114,7 @@ impl fmt::Display for OtherPoints {
     }
 }
 
-impl std::error::Error for OtherPoints {}
+impl Error for PointsMismatch {}
 
 #[cfg(test)]
 mod tests {
@@ -117,14 +125,14 @@ mod tests {
         Baseline { points, field_t: field_t.to_vec() }
     }
 
-    fn difference(now: &[DVec3], before: &[DVec3]) -> Difference {
+    fn difference(now: &[DVec3], before: &[DVec3]) -> BaselineDifference {
         let baseline = baseline(before);
         baseline.difference(baseline.points.clone().into_iter(), now).unwrap()
     }
 
-    /// Relative to |B| at the point: the point with the larger difference in tesla is not the worst one.
+    /// The point with the larger difference in tesla is not the worst one, because differences are relative to |B|.
     #[test]
-    fn the_worst_point_relative_to_its_own_field() {
+    fn worst_point_is_relative_to_its_own_field() {
         let before = [DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 1e-3), DVec3::ZERO];
         let now = [DVec3::new(1.0, 1e-6, 0.0), DVec3::new(1e-8, 0.0, 1e-3), DVec3::ZERO];
         let found = difference(&now, &before);
@@ -134,17 +142,17 @@ mod tests {
     }
 
     #[test]
-    fn a_field_from_nothing_or_out_of_scale_is_a_finite_difference() {
+    fn difference_is_finite_for_zero_and_extreme_fields() {
         assert_eq!(difference(&[DVec3::X], &[DVec3::ZERO]).relative, 1.0);
         assert_eq!(difference(&[1e-200 * DVec3::X], &[-1e-200 * DVec3::X]).relative, 2.0);
         assert_eq!(difference(&[1e300 * DVec3::X], &[1e-300 * DVec3::Y]).relative, 1.0);
     }
 
     #[test]
-    fn other_points_are_not_compared() {
+    fn different_points_are_an_error() {
         let baseline = baseline(&[DVec3::X, DVec3::X]);
         let fewer = baseline.difference([DVec3::ZERO].into_iter(), &[DVec3::X]);
-        assert_eq!(fewer, Err(OtherPoints::Count { baseline: 2, volume: 1 }));
+        assert_eq!(fewer, Err(PointsMismatch::Count { baseline: 2, volume: 1 }));
         let mut points = baseline.points.clone();
         points[1].z = f64::next_up(-1.0);
         let moved = baseline.difference(points.iter().copied(), &[DVec3::X; 2]).unwrap_err();

@@ -1,32 +1,44 @@
-//! How near tiles come to the working volume.
+//! Clearance: the distance of tiles from the working volume.
 
 use glam::DVec3;
 use magsplice_field::{Tile, overlap};
 
-use crate::cuboid::Cuboid;
+use crate::oriented_box::OrientedBox;
 
 /// The least distance between a box and tiles.
+///
+/// ```
+/// use glam::DVec3;
+/// use magsplice_expect::Clearance;
+/// use magsplice_field::Tile;
+///
+/// let tile = Tile::new(DVec3::new(0.0, 0.0, 0.5), DVec3::ONE, DVec3::X).unwrap();
+/// let [lower, upper] = [DVec3::new(-2.0, -2.0, -5.0), DVec3::new(2.0, 2.0, -3.0)];
+/// let clearance = Clearance::from_tiles(&[tile], lower, upper).unwrap();
+/// assert_eq!(clearance.distance, 3.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Clearance {
-    /// The smallest distance between a point of the box and a point of a tile. Negative if a tile reaches into the box: then
-    /// minus the shortest way by which it would have to move to leave it.
+    /// The smallest distance between a point of the box and a point of a tile, in the unit of the tiles. Negative if a
+    /// tile reaches into the box: then it is minus the shortest displacement by which the tile leaves the box.
     pub distance: f64,
-    /// Index of the tile that comes nearest.
+    /// Index of the nearest tile.
     pub tile: usize,
 }
 
 impl Clearance {
-    /// The clearance of the box from `lower` to `upper`; `None` if there are no tiles.
+    /// The clearance of tiles from the box between the corners `lower` and `upper`. `None` if there are no tiles.
     ///
     /// # Accuracy
-    /// That of the tiles' corners, a few units of round-off of the coordinates.
-    pub fn of(tiles: &[Tile], lower: DVec3, upper: DVec3) -> Option<Clearance> {
-        let region = Cuboid::between(lower, upper);
-        // A box too thin to be a tile has no depth to speak of.
+    /// A few units of round-off of the coordinates.
+    pub fn from_tiles(tiles: &[Tile], lower: DVec3, upper: DVec3) -> Option<Clearance> {
+        let region = OrientedBox::between(lower, upper);
+        // No tile can reach deep into a box that is too thin to be a tile.
         let solid = Tile::new(0.5 * (lower + upper), upper - lower, DVec3::ZERO).ok();
         let mut least: Option<Clearance> = None;
         for (index, tile) in tiles.iter().enumerate() {
-            let own = Cuboid::of(tile);
+            let own = OrientedBox::from_tile(tile);
             if least.is_some_and(|l| region.certainly_beyond(&own, l.distance)) {
                 continue;
             }
@@ -55,28 +67,28 @@ mod tests {
     }
 
     fn clearance(tiles: &[Tile]) -> Clearance {
-        Clearance::of(tiles, LOWER, UPPER).unwrap()
+        Clearance::from_tiles(tiles, LOWER, UPPER).unwrap()
     }
 
     #[test]
-    fn above_beside_and_off_a_corner() {
+    fn distances_from_a_face_a_side_and_a_corner() {
         assert_eq!(clearance(&[tile([0.0, 0.0, 0.5])]), Clearance { distance: 3.0, tile: 0 });
         assert_relative_eq!(clearance(&[tile([0.0, 4.0, -4.0])]).distance, 4.0 - 0.85 - 2.0);
-        // A corner, off by (3, 4, 12).
+        // The nearest corner is off by (3, 4, 12).
         let off = [2.0 + 3.0 + 1.65, 2.0 + 4.0 + 0.85, -3.0 + 12.0 + 0.5];
         assert_relative_eq!(clearance(&[tile(off)]).distance, 13.0, max_relative = 1e-15);
-        assert_eq!(Clearance::of(&[], LOWER, UPPER), None);
+        assert_eq!(Clearance::from_tiles(&[], LOWER, UPPER), None);
     }
 
     #[test]
-    fn touching_is_zero_and_inside_is_negative() {
+    fn touching_tile_has_distance_zero_and_overlap_is_negative() {
         assert_eq!(clearance(&[tile([0.0, 0.0, -2.5])]).distance, 0.0);
         let found = clearance(&[tile([0.0, 0.0, 0.5]), tile([0.0, 0.0, -2.75])]);
         assert_eq!((found.distance, found.tile), (-0.25, 1));
     }
 
     #[test]
-    fn the_nearest_of_many_whatever_their_order() {
+    fn nearest_tile_is_found_in_any_order() {
         let mut tiles: Vec<Tile> = (0..20).map(|i| tile([4.0 * f64::from(i) - 40.0, 0.0, 0.5])).collect();
         assert_relative_eq!(clearance(&tiles).distance, 3.0);
         tiles.push(tile([0.0, 0.0, -1.5]));
@@ -86,16 +98,18 @@ mod tests {
     }
 
     #[test]
-    fn a_turned_tile_comes_nearer_with_its_edge() {
-        // Turned by 45 degrees about x, the edge between the sides 1.7 and 1 points down by (1.7 + 1) / 2 / sqrt 2.
+    fn rotated_tile_is_nearest_with_its_edge() {
+        // At 45 degrees about x, the edge between the sides 1.7 and 1 points down by (1.7 + 1) / 2 / sqrt 2.
         let turned = tile([0.0, 0.0, 0.5]).rotated(DQuat::from_rotation_x(45_f64.to_radians())).unwrap();
         assert_relative_eq!(clearance(&[turned]).distance, 3.5 - 1.35 / 2_f64.sqrt(), max_relative = 1e-14);
     }
 
     proptest! {
-        /// Leaving out tiles that are certainly further leaves out no other.
+        /// Only tiles that are certainly further are skipped.
         #[test]
-        fn many_tiles_as_one_by_one(tiles in prop::collection::vec((prop::array::uniform3(-15.0..15.0_f64), -3.0..3.0_f64), 2..20)) {
+        fn clearance_of_many_tiles_is_the_least_of_single_ones(
+            tiles in prop::collection::vec((prop::array::uniform3(-15.0..15.0_f64), -3.0..3.0_f64), 2..20),
+        ) {
             let turned = |(at, angle): ([f64; 3], f64)| tile(at).rotated(DQuat::from_rotation_x(angle)).unwrap();
             let tiles: Vec<Tile> = tiles.into_iter().map(turned).collect();
             let alone = tiles.iter().map(|t| clearance(&[*t]).distance).fold(f64::INFINITY, f64::min);

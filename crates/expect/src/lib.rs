@@ -1,25 +1,32 @@
-//! Expectations of a film: what its layout states it must meet, held against what was computed.
+//! Expectations of a film: what its layout states it must meet, compared with computed values.
 //!
 //! * [`Outcome`]: one expectation with its value, bound and margin.
-//! * [`Baseline`]: a field as it was, and how far another is from it.
-//! * [`Clearance`]: how near the tiles come to the working volume.
+//! * [`Baseline`]: a stored field, and the difference of another field from it.
+//! * [`Clearance`]: the distance of the tiles from the working volume.
 //!
 //! Lengths in millimetres, as in layout files. This crate computes no field, reads no files and prints nothing.
 //!
+//! # Features
+//! `serde` (off by default): `Serialize` for outcomes, differences and clearances.
+//!
+//! # Example
 //! ```
 //! use magsplice_expect::{Bound, Expectation, Outcome};
 //!
-//! let outcome = Outcome { expectation: Expectation::Amplitude, value: 0.82, bound: Bound::AtLeast(0.8), place: None };
+//! let bound = Bound::AtLeast(0.8);
+//! let outcome = Outcome { expectation: Expectation::Amplitude, value: 0.82, bound, location: None };
 //! assert!(outcome.is_met() && (outcome.margin() - 0.02).abs() < 1e-15);
 //! ```
 
+/// A stored field, and the difference of another field from it.
 mod baseline;
+/// The distance of tiles from the working volume.
 mod clearance;
-mod cuboid;
+/// Boxes with axes, and the distance between two of them.
+mod oriented_box;
+/// Expectations, and their outcomes.
 mod outcome;
 
-pub use baseline::{Baseline, Difference, OtherPoints};
+pub use baseline::{Baseline, BaselineDifference, PointsMismatch};
 pub use clearance::Clearance;
-pub use outcome::{
-    Bound, Expectation, Outcome, Parameter, Place, amplitude, clearance, displacement, field, uniformity,
-};
+pub use outcome::{Bound, DisplacementAxis, Expectation, Location, Outcome};

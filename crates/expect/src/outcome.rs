@@ -1,21 +1,22 @@
-//! Expectations and what became of them.
+//! Expectations, and their outcomes: computed values compared with bounds.
 
 use std::fmt;
 
 use glam::DVec3;
-use magsplice_decouple::PerParameter;
+use magsplice_decouple::{Parameter, PerParameter};
 use magsplice_layout::Expectations;
 
-use crate::baseline::Difference;
+use crate::baseline::BaselineDifference;
 use crate::clearance::Clearance;
 
-/// What can be expected, by the keys of the layout file.
+/// A quantity that a layout can bound, named by its key in the file; see [`fmt::Display`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Expectation {
-    /// Uniformity RMSE of one decoupling parameter.
+    /// Uniformity RMSE of one decoupling parameter, in radians for R_x and R_y.
     UniformityRmse(Parameter),
-    /// RMSE of the displacement along one axis (0, 1, 2 for x, y, z), in millimetres.
-    DisplacementRmse(usize),
+    /// RMSE of the displacement along one axis, in millimetres.
+    DisplacementRmse(DisplacementAxis),
     /// Best-fit amplitude against the ideal film.
     Amplitude,
     /// The largest difference from the baseline, as a fraction of |B|.
@@ -24,24 +25,34 @@ pub enum Expectation {
     Clearance,
 }
 
-/// A decoupling parameter.
+/// An axis of displacement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parameter {
-    /// R_x.
-    Rx,
-    /// R_y.
-    Ry,
-    /// S_z.
-    Sz,
+pub enum DisplacementAxis {
+    /// Shear along x.
+    X,
+    /// Shear along y.
+    Y,
+    /// Along the normal of the film.
+    Z,
 }
 
-impl Parameter {
-    /// All of them, in the order of [`Expectations::uniformity_rmse`].
-    pub const ALL: [Parameter; 3] = [Parameter::Rx, Parameter::Ry, Parameter::Sz];
+impl DisplacementAxis {
+    /// All axes, in the order of [`Expectations::displacement_rmse_mm`].
+    pub const ALL: [DisplacementAxis; 3] = [DisplacementAxis::X, DisplacementAxis::Y, DisplacementAxis::Z];
+
+    /// The index of the axis: 0, 1, 2 for x, y, z.
+    pub const fn index(self) -> usize {
+        match self {
+            DisplacementAxis::X => 0,
+            DisplacementAxis::Y => 1,
+            DisplacementAxis::Z => 2,
+        }
+    }
 }
 
-/// What a value must not pass.
+/// A bound of a value, which keeps it if it is equal.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum Bound {
     /// The value must not be greater.
     AtMost(f64),
@@ -49,30 +60,71 @@ pub enum Bound {
     AtLeast(f64),
 }
 
-/// Where the value was found.
+/// Where a value that is the worst of many was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+#[non_exhaustive]
+pub enum Location {
     /// At this point, in millimetres.
+    #[cfg_attr(feature = "serde", serde(rename = "at_mm"))]
     Point(DVec3),
     /// At the tile with this index.
     Tile(usize),
 }
 
-/// An expectation held against a computed value.
+/// An expectation with the computed value and its bound.
+///
+/// It is serialized as `expectation`, `value`, `at_most` or `at_least`, `margin`, and `at_mm` or `tile` if there is a
+/// location.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// What was expected.
+    /// The quantity.
     pub expectation: Expectation,
-    /// What was found.
+    /// The computed value, in the unit of the expectation.
     pub value: f64,
-    /// What it was held against.
+    /// The bound of the layout, in the same unit.
     pub bound: Bound,
-    /// Where, for a value that is the worst of many.
-    pub place: Option<Place>,
+    /// Where the value was found, if it is the worst of many.
+    pub location: Option<Location>,
 }
 
 impl Outcome {
-    /// How far the value is on the right side of its bound; negative on the wrong one.
+    /// The outcome for the uniformity RMSE of one parameter. `None` if the layout does not bound it.
+    pub fn from_uniformity(expected: &Expectations, parameter: Parameter, found: &PerParameter) -> Option<Outcome> {
+        let most = expected.uniformity_rmse[parameter.axis()]?;
+        let expectation = Expectation::UniformityRmse(parameter);
+        Some(Outcome { expectation, value: found.get(parameter), bound: Bound::AtMost(most), location: None })
+    }
+
+    /// The outcome for the RMSE of the displacement along an axis, of all `found_mm` in millimetres. `None` if the layout
+    /// does not bound it.
+    pub fn from_displacement(expected: &Expectations, axis: DisplacementAxis, found_mm: DVec3) -> Option<Outcome> {
+        let bound = Bound::AtMost(expected.displacement_rmse_mm[axis.index()]?);
+        let expectation = Expectation::DisplacementRmse(axis);
+        Some(Outcome { expectation, value: found_mm[axis.index()], bound, location: None })
+    }
+
+    /// The outcome for the best-fit amplitude. `None` if the layout does not bound it.
+    pub fn from_amplitude(expected: &Expectations, value: f64) -> Option<Outcome> {
+        let bound = Bound::AtLeast(expected.least_amplitude?);
+        Some(Outcome { expectation: Expectation::Amplitude, value, bound, location: None })
+    }
+
+    /// The outcome for the difference of the field from the baseline. `None` if the layout has no baseline.
+    pub fn from_field(expected: &Expectations, found: &BaselineDifference) -> Option<Outcome> {
+        let bound = Bound::AtMost(expected.field.as_ref()?.within);
+        let location = (found.relative > 0.0).then_some(Location::Point(found.at));
+        Some(Outcome { expectation: Expectation::Field, value: found.relative, bound, location })
+    }
+
+    /// The outcome for the clearance. `None` if the layout does not bound it.
+    pub fn from_clearance(expected: &Expectations, found: &Clearance) -> Option<Outcome> {
+        let bound = Bound::AtLeast(expected.least_clearance_mm?);
+        let location = Some(Location::Tile(found.tile));
+        Some(Outcome { expectation: Expectation::Clearance, value: found.distance, bound, location })
+    }
+
+    /// The distance of the value from its bound. Negative if the value breaks the bound.
     pub fn margin(&self) -> f64 {
         match self.bound {
             Bound::AtMost(most) => most - self.value,
@@ -80,7 +132,7 @@ impl Outcome {
         }
     }
 
-    /// Whether the value keeps its bound. One that is not a number does not.
+    /// Whether the value keeps its bound. NaN does not.
     pub fn is_met(&self) -> bool {
         match self.bound {
             Bound::AtMost(most) => self.value <= most,
@@ -90,12 +142,13 @@ impl Outcome {
 }
 
 impl Expectation {
-    /// Everything these expectations speak of, in the order in which it is reported.
-    pub fn all_of(expected: &Expectations) -> Vec<Expectation> {
+    /// All quantities that these expectations bound, in the order in which reports list them.
+    pub fn stated_in(expected: &Expectations) -> Vec<Expectation> {
         let uniformity = Parameter::ALL.into_iter().zip(expected.uniformity_rmse);
         let uniformity = uniformity.filter(|(_, bound)| bound.is_some()).map(|(p, _)| Expectation::UniformityRmse(p));
-        let displacement = (0..3).filter(|&axis| expected.displacement_rmse_mm[axis].is_some());
-        let displacement = displacement.map(Expectation::DisplacementRmse);
+        let displacement = DisplacementAxis::ALL.into_iter().zip(expected.displacement_rmse_mm);
+        let displacement = displacement.filter(|(_, bound)| bound.is_some());
+        let displacement = displacement.map(|(axis, _)| Expectation::DisplacementRmse(axis));
         let amplitude = expected.least_amplitude.map(|_| Expectation::Amplitude);
         let field = expected.field.as_ref().map(|_| Expectation::Field);
         let clearance = expected.least_clearance_mm.map(|_| Expectation::Clearance);
@@ -103,60 +156,46 @@ impl Expectation {
     }
 }
 
-/// The uniformity RMSE of `parameter`; `None` if nothing is expected of it.
-pub fn uniformity(expected: &Expectations, parameter: Parameter, found: &PerParameter) -> Option<Outcome> {
-    let [r_x, r_y, s_z] = expected.uniformity_rmse;
-    let (most, value) = match parameter {
-        Parameter::Rx => (r_x, found.r_x),
-        Parameter::Ry => (r_y, found.r_y),
-        Parameter::Sz => (s_z, found.s_z),
-    };
-    let expectation = Expectation::UniformityRmse(parameter);
-    Some(Outcome { expectation, value, bound: Bound::AtMost(most?), place: None })
-}
-
-/// The RMSE of the displacement along an axis, in millimetres; `None` if nothing is expected of it.
-///
-/// # Panics
-/// If `axis` is above 2.
-pub fn displacement(expected: &Expectations, axis: usize, found_mm: DVec3) -> Option<Outcome> {
-    let bound = Bound::AtMost(expected.displacement_rmse_mm[axis]?);
-    Some(Outcome { expectation: Expectation::DisplacementRmse(axis), value: found_mm[axis], bound, place: None })
-}
-
-/// The best-fit amplitude; `None` if nothing is expected of it.
-pub fn amplitude(expected: &Expectations, value: f64) -> Option<Outcome> {
-    let bound = Bound::AtLeast(expected.least_amplitude?);
-    Some(Outcome { expectation: Expectation::Amplitude, value, bound, place: None })
-}
-
-/// The difference from the baseline; `None` if nothing is expected of it.
-pub fn field(expected: &Expectations, found: &Difference) -> Option<Outcome> {
-    let bound = Bound::AtMost(expected.field.as_ref()?.within);
-    let place = (found.relative > 0.0).then_some(Place::Point(found.at));
-    Some(Outcome { expectation: Expectation::Field, value: found.relative, bound, place })
-}
-
-/// The clearance; `None` if nothing is expected of it.
-pub fn clearance(expected: &Expectations, found: &Clearance) -> Option<Outcome> {
-    let bound = Bound::AtLeast(expected.least_clearance_mm?);
-    let place = Some(Place::Tile(found.tile));
-    Some(Outcome { expectation: Expectation::Clearance, value: found.distance, bound, place })
-}
-
 impl fmt::Display for Expectation {
+    /// Writes the key, such as `uniformity_rmse.r_x`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Expectation::UniformityRmse(Parameter::Rx) => "uniformity_rmse.r_x",
             Expectation::UniformityRmse(Parameter::Ry) => "uniformity_rmse.r_y",
             Expectation::UniformityRmse(Parameter::Sz) => "uniformity_rmse.s_z",
-            Expectation::DisplacementRmse(0) => "displacement_rmse_mm.x",
-            Expectation::DisplacementRmse(1) => "displacement_rmse_mm.y",
-            Expectation::DisplacementRmse(_) => "displacement_rmse_mm.z",
+            Expectation::DisplacementRmse(DisplacementAxis::X) => "displacement_rmse_mm.x",
+            Expectation::DisplacementRmse(DisplacementAxis::Y) => "displacement_rmse_mm.y",
+            Expectation::DisplacementRmse(DisplacementAxis::Z) => "displacement_rmse_mm.z",
             Expectation::Amplitude => "amplitude",
             Expectation::Field => "field",
             Expectation::Clearance => "clearance_mm",
         })
+    }
+}
+
+/// An expectation is serialized as its key.
+#[cfg(feature = "serde")]
+impl serde::Serialize for Expectation {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl serde::Serialize for Outcome {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(serde::Serialize)]
+        struct WithMargin {
+            expectation: Expectation,
+            value: f64,
+            #[serde(flatten)]
+            bound: Bound,
+            margin: f64,
+            #[serde(flatten)]
+            location: Option<Location>,
+        }
+        let Outcome { expectation, value, bound, location } = *self;
+        WithMargin { expectation, value, bound, margin: self.margin(), location }.serialize(serializer)
     }
 }
 
@@ -165,8 +204,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bounds_are_inclusive_and_margins_have_a_side() {
-        let outcome = |value: f64, bound: Bound| Outcome { expectation: Expectation::Field, value, bound, place: None };
+    fn bounds_are_inclusive_and_broken_ones_have_negative_margins() {
+        let outcome =
+            |value: f64, bound: Bound| Outcome { expectation: Expectation::Field, value, bound, location: None };
         for (value, bound, met, margin) in [
             (1.0, Bound::AtMost(1.0), true, 0.0),
             (1.0, Bound::AtLeast(1.0), true, 0.0),
@@ -186,9 +226,10 @@ mod tests {
     #[test]
     fn each_axis_has_its_own_bound() {
         let expected = Expectations { displacement_rmse_mm: [Some(1.0), None, Some(3.0)], ..Expectations::default() };
-        let found = [0, 1, 2].map(|axis| displacement(&expected, axis, DVec3::new(0.5, 20.0, 30.0)));
+        let found =
+            DisplacementAxis::ALL.map(|axis| Outcome::from_displacement(&expected, axis, DVec3::new(0.5, 20.0, 30.0)));
         assert_eq!(found.map(|o| o.map(|o| (o.value, o.is_met()))), [Some((0.5, true)), None, Some((30.0, false))]);
-        let names: Vec<String> = Expectation::all_of(&expected).iter().map(Expectation::to_string).collect();
+        let names: Vec<String> = Expectation::stated_in(&expected).iter().map(Expectation::to_string).collect();
         assert_eq!(names, ["displacement_rmse_mm.x", "displacement_rmse_mm.z"]);
     }
 
@@ -196,9 +237,10 @@ mod tests {
     fn each_parameter_has_its_own_bound() {
         let expected = Expectations { uniformity_rmse: [Some(1.0), None, Some(3.0)], ..Expectations::default() };
         let found = PerParameter { r_x: 10.0, r_y: 20.0, s_z: 30.0 };
-        let [x, y, z] = Parameter::ALL.map(|p| uniformity(&expected, p, &found).map(|o| (o.value, o.bound)));
+        let [x, y, z] =
+            Parameter::ALL.map(|p| Outcome::from_uniformity(&expected, p, &found).map(|o| (o.value, o.bound)));
         assert_eq!([x, y, z], [Some((10.0, Bound::AtMost(1.0))), None, Some((30.0, Bound::AtMost(3.0)))]);
         let all = [Expectation::UniformityRmse(Parameter::Rx), Expectation::UniformityRmse(Parameter::Sz)];
-        assert_eq!(Expectation::all_of(&expected), all);
+        assert_eq!(Expectation::stated_in(&expected), all);
     }
 }

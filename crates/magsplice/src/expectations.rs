@@ -1,17 +1,17 @@
-//! A film held against what its layout expects.
+//! Outcomes of the expectations of a film.
 
-use magsplice_expect::{self as expect, Baseline, Clearance, Expectation, Outcome};
+use magsplice_expect::{Baseline, Clearance, Expectation, Outcome};
 
 use crate::film::{Film, FilmError};
 
 impl Film<'_> {
-    /// Everything the layout expects and what became of it, in the order of [`Expectation::all_of`]. Each is evaluated by
-    /// itself: one that cannot be does not hide the others.
+    /// The outcomes of all expectations of the layout, in the order of [`Expectation::stated_in`].
     ///
-    /// `baseline` is what the expectation of the field speaks of; without one it ends in [`FilmError::NoBaseline`].
+    /// Each expectation is evaluated by itself, so that one that fails does not hide the others. `baseline` is the field
+    /// that the expectation of the field names. Without it that expectation gives [`FilmError::NoBaseline`].
     pub fn outcomes(&self, baseline: Option<&Baseline>) -> Vec<(Expectation, Result<Outcome, FilmError>)> {
         let expected = &self.layout().expectations;
-        let all = Expectation::all_of(expected);
+        let all = Expectation::stated_in(expected);
         if all.is_empty() {
             return Vec::new();
         }
@@ -25,27 +25,28 @@ impl Film<'_> {
         let outcome = |expectation: Expectation| -> Result<Outcome, FilmError> {
             let outcome = match expectation {
                 Expectation::UniformityRmse(parameter) => {
-                    expect::uniformity(expected, parameter, &decoupling()?.uniformity_rmse)
+                    Outcome::from_uniformity(expected, parameter, &decoupling()?.uniformity_rmse)
                 }
                 Expectation::DisplacementRmse(axis) => {
                     let found = decoupling()?.ideal_rmse.as_lengths(self.ideal()?.wavenumber());
-                    expect::displacement(expected, axis, found)
+                    Outcome::from_displacement(expected, axis, found)
                 }
-                Expectation::Amplitude => expect::amplitude(expected, self.compare(field.clone()?)?.amplitude),
+                Expectation::Amplitude => Outcome::from_amplitude(expected, self.compare(field.clone()?)?.amplitude),
                 Expectation::Field => {
                     let baseline = baseline.ok_or(FilmError::NoBaseline)?;
                     let points = self.volume()?.grid;
                     let difference =
-                        baseline.difference(points.points(), field.clone()?).map_err(FilmError::OtherPoints)?;
-                    expect::field(expected, &difference)
+                        baseline.difference(points.points(), field.clone()?).map_err(FilmError::PointsMismatch)?;
+                    Outcome::from_field(expected, &difference)
                 }
                 Expectation::Clearance => {
                     let (tiles, volume) = (self.layout().bare_tiles(), self.volume()?);
-                    let clearance = Clearance::of(&tiles, volume.lower_mm, volume.upper_mm);
-                    expect::clearance(expected, &clearance.ok_or(FilmError::NoTiles)?)
+                    let clearance = Clearance::from_tiles(&tiles, volume.lower_mm, volume.upper_mm);
+                    Outcome::from_clearance(expected, &clearance.ok_or(FilmError::NoTiles)?)
                 }
+                _ => unreachable!("Expectation::stated_in gives no other"),
             };
-            Ok(outcome.expect("only what is expected is asked for"))
+            Ok(outcome.expect("the layout bounds every expectation it states"))
         };
         all.into_iter().map(|expectation| (expectation, outcome(expectation))).collect()
     }

@@ -1,10 +1,11 @@
-//! A layout taken through the pipeline: field, comparison, decoupling.
+//! A film: a layout evaluated step by step, from field to comparison and decoupling.
 
+use std::error::Error;
 use std::fmt;
 
 use glam::DVec3;
 use magsplice_decouple::{Decoupling, DecouplingError};
-use magsplice_expect::OtherPoints;
+use magsplice_expect::PointsMismatch;
 use magsplice_field::{
     Accuracy, Cause, Comparison, ComparisonError, Grid, IdealFilm, PointError, PointErrors, Quantity, Scene,
 };
@@ -12,12 +13,42 @@ use magsplice_layout::{Layout, WorkingVolume};
 
 use crate::stage::Stage;
 
-/// Points evaluated between two words about progress, at least and at most: enough work for every thread, and room to choose neighbours from.
+/// Least and largest number of points evaluated between progress callbacks. The least gives work to every thread and
+/// room to sort points into batches of neighbours.
 const STRETCH_POINTS: [usize; 2] = [1 << 14, 1 << 16];
-/// Values of a tile at a point between two words, within these limits: about a tenth of a second.
+/// Number of pairs of tile and point evaluated between progress callbacks, within these limits: about a tenth of a second.
 const STRETCH_VALUES: usize = 1 << 24;
 
-/// A layout with its scene prepared.
+/// A layout with its tiles prepared for evaluation. Lengths in millimetres, flux density in tesla.
+///
+/// ```
+/// use magsplice::prelude::*;
+///
+/// let text = r#"
+///     format = 1
+///     name = "four squares"
+///     [ideal]
+///     wavelength_mm = 10.0
+///     thickness_mm = 1.0
+///     amplitude_t = 0.12
+///     [volume]
+///     x_mm = [-1.0, 1.0]
+///     y_mm = [-1.0, 1.0]
+///     z_mm = [-4.0, -3.0]
+///     step_mm = 0.5
+///     [[tile]]
+///     position_mm = [2.5, 2.5, 0.5]
+///     size_mm = [3.3, 3.3, 1.0]
+///     polarization_t = [0.085, 0.085, 0.0]
+///     mirror = { axes = ["x", "y"] }
+/// "#;
+/// let layout = Layout::parse(text, "example")?;
+/// let film = Film::new(&layout);
+/// let field_t = film.volume_field_t()?;
+/// assert!(film.compare(&field_t)?.amplitude > 0.5);
+/// assert!(film.decouple(&field_t)?.uniformity_rmse.r_x < 0.2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Film<'a> {
     layout: &'a Layout,
     scene: Scene,
@@ -26,21 +57,22 @@ pub struct Film<'a> {
 
 /// Why a film could not be evaluated.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum FilmError {
-    /// The layout lacks a table that this evaluation needs.
+    /// The layout lacks this table, which the evaluation needs.
     Missing(&'static str),
-    /// There is no field at some points.
+    /// The field does not exist at some points.
     Points(PointErrors),
-    /// Eq. 2 does not hold at this point of the volume, which is not below the film.
+    /// This point of the volume, in millimetres, is not below the film, where Eq. 2 of Dai 2024 holds.
     NotBelow(DVec3),
-    /// The fields cannot be compared.
+    /// The field cannot be compared with the ideal one.
     Comparison(ComparisonError),
     /// The decoupling parameters cannot be evaluated.
     Decoupling(DecouplingError),
-    /// There is no baseline to hold the field against.
+    /// There is no baseline to compare the field with.
     NoBaseline,
-    /// The baseline is of other points than the working volume has.
-    OtherPoints(OtherPoints),
+    /// The baseline has other points than the working volume.
+    PointsMismatch(PointsMismatch),
     /// There are no tiles.
     NoTiles,
 }
@@ -51,24 +83,24 @@ impl<'a> Film<'a> {
         Film { layout, scene: Scene::new(&layout.bare_tiles()), progress: None }
     }
 
-    /// The same film with fields of the working volume to this accuracy.
+    /// The same film, whose fields of the working volume have this accuracy. A new film is exact.
     pub fn with_accuracy(self, accuracy: Accuracy) -> Film<'a> {
         Film { scene: self.scene.with_accuracy(accuracy), ..self }
     }
 
-    /// The same film, which calls `progress` now and then while it is evaluated.
+    /// The same film, which calls `progress` between parts of its work. The callback must be short.
     pub fn with_progress(self, progress: &'a (dyn Fn(Stage) + Sync)) -> Film<'a> {
         Film { progress: Some(progress), ..self }
     }
 
-    /// Says how far some work on this film is.
+    /// Calls the progress callback, if there is one.
     pub fn tell(&self, stage: Stage) {
         if let Some(progress) = self.progress {
             progress(stage);
         }
     }
 
-    /// The layout it was made from.
+    /// The layout of the film.
     pub fn layout(&self) -> &'a Layout {
         self.layout
     }
@@ -97,13 +129,14 @@ impl<'a> Film<'a> {
     /// B in tesla on the grid of the working volume, z fastest, to the film's accuracy.
     ///
     /// # Errors
-    /// If there is no working volume, or no field at some of its points.
+    /// [`FilmError::Missing`] if the layout has no working volume; [`FilmError::Points`] if the field does not exist at
+    /// some of its points.
     pub fn volume_field_t(&self) -> Result<Vec<DVec3>, FilmError> {
         let grid = &self.volume()?.grid;
         let mut field = vec![DVec3::ZERO; grid.len()];
         let evaluated = match self.scene.accuracy() {
             Accuracy::Exact => self.exact_field_t(grid, &mut field),
-            // The cheaper ways see the grid as a whole.
+            // Fields to a tolerance are chosen for the grid as a whole.
             Accuracy::Within(_) => {
                 self.tell(Stage::uncounted("field"));
                 self.scene.field_on_grid_into(Quantity::FluxDensity, grid, &mut field)
@@ -112,7 +145,7 @@ impl<'a> Film<'a> {
         evaluated.map(|()| field).map_err(FilmError::Points)
     }
 
-    /// Stretch by stretch, which no digit depends on.
+    /// Evaluates the grid in stretches, with progress callbacks between them. No digit depends on the stretches.
     fn exact_field_t(&self, grid: &Grid, field: &mut [DVec3]) -> Result<(), PointErrors> {
         let [least, most] = STRETCH_POINTS;
         let stretch = (STRETCH_VALUES / self.scene.tile_count().max(1)).clamp(least, most);
@@ -128,10 +161,11 @@ impl<'a> Film<'a> {
         if errors.is_empty() { Ok(()) } else { Err(PointErrors(errors)) }
     }
 
-    /// The field against Eq. 2 over the working volume; `field_t` as [`Film::volume_field_t`] gives it.
+    /// The comparison of a field with the ideal film (Dai 2024, Eq. 2) over the working volume. `field_t` is the field
+    /// that [`Film::volume_field_t`] returns.
     ///
     /// # Errors
-    /// If the layout has no ideal film or volume, or the volume is not below the film.
+    /// If the layout has no ideal film or no working volume, or the volume is not below the film.
     pub fn compare(&self, field_t: &[DVec3]) -> Result<Comparison, FilmError> {
         let (ideal, volume) = (self.ideal()?, self.volume()?);
         self.tell(Stage::uncounted("comparison with the ideal film"));
@@ -143,10 +177,11 @@ impl<'a> Film<'a> {
         Comparison::new(&points, field_t, &reference).map_err(FilmError::Comparison)
     }
 
-    /// The decoupling parameters over the working volume; `field_t` as [`Film::volume_field_t`] gives it.
+    /// The decoupling parameters over the working volume (Dai 2024, Eq. 15). `field_t` is the field that
+    /// [`Film::volume_field_t`] returns.
     ///
     /// # Errors
-    /// If the layout has no ideal film or volume, or the parameters do not exist there.
+    /// If the layout has no ideal film or no working volume, or the parameters do not exist there.
     pub fn decouple(&self, field_t: &[DVec3]) -> Result<Decoupling, FilmError> {
         let (ideal, volume) = (self.ideal()?, self.volume()?);
         let reference = volume.reference_mm;
@@ -154,14 +189,14 @@ impl<'a> Film<'a> {
             return Err(FilmError::NotBelow(reference));
         }
         self.tell(Stage::uncounted("decoupling parameters"));
-        Decoupling::of(&volume.grid, field_t, (reference, self.reference_field_t()?), ideal)
+        Decoupling::from_field(&volume.grid, field_t, (reference, self.reference_field_t()?), ideal)
             .map_err(FilmError::Decoupling)
     }
 
-    /// B in tesla at the reference point of the working volume, exactly.
+    /// B in tesla at the reference point of the working volume, exact for any accuracy of the film.
     ///
     /// # Errors
-    /// If there is no working volume, or no field at the point.
+    /// If the layout has no working volume, or the field does not exist at the point.
     pub fn reference_field_t(&self) -> Result<DVec3, FilmError> {
         let point = self.volume()?.reference_mm;
         let refused = |cause: Cause| FilmError::Points(PointErrors(vec![PointError { index: 0, point, cause }]));
@@ -176,20 +211,30 @@ impl fmt::Display for FilmError {
             FilmError::Points(errors) => errors.fmt(f),
             FilmError::NotBelow(p) => write!(
                 f,
-                "the point ({}, {}, {}) mm of the working volume is not below the film, and Eq. 2 of the ideal film holds only for \
-                 z < 0: lower z_mm or reference_mm of [volume]",
+                "the point ({}, {}, {}) mm of the working volume is not below the film, and Eq. 2 of the ideal film holds \
+                 only for z < 0: lower z_mm or reference_mm of [volume]",
                 p.x, p.y, p.z
             ),
             FilmError::Comparison(error) => error.fmt(f),
             FilmError::Decoupling(error) => error.fmt(f),
-            FilmError::NoBaseline => f.write_str("there is no baseline to hold the field against"),
-            FilmError::OtherPoints(error) => error.fmt(f),
+            FilmError::NoBaseline => f.write_str("there is no baseline to compare the field with"),
+            FilmError::PointsMismatch(error) => error.fmt(f),
             FilmError::NoTiles => f.write_str("there are no tiles"),
         }
     }
 }
 
-impl std::error::Error for FilmError {}
+impl Error for FilmError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            FilmError::Points(errors) => Some(errors),
+            FilmError::Comparison(error) => Some(error),
+            FilmError::Decoupling(error) => Some(error),
+            FilmError::PointsMismatch(error) => Some(error),
+            FilmError::Missing(_) | FilmError::NotBelow(_) | FilmError::NoBaseline | FilmError::NoTiles => None,
+        }
+    }
+}
 
 #[cfg(test)]
 mod tests {
@@ -199,17 +244,18 @@ mod tests {
 
     use super::*;
 
-    /// 51 x 51 x 51 points, 3 stretches, of a box from `z_mm` on.
+    /// A layout with 51 x 51 x 51 points, 3 stretches, in a box that begins at `z_mm`.
     fn layout(z_mm: f64) -> Layout {
         let text = format!(
-            "format = 1\nname = \"one\"\n[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n\
+            "format = 1\nname = \"one\"\n\
+             [[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n\
              [volume]\nx_mm = [-2.5, 2.5]\ny_mm = [-2.5, 2.5]\nz_mm = [{z_mm:?}, {:?}]\nstep_mm = 0.1\n",
             z_mm + 5.0
         );
         Layout::parse(&text, "layout").unwrap()
     }
 
-    /// What the film gives, and what its scene gives for all points at once.
+    /// The field from the film, and from its scene for all points at once.
     fn both(layout: &Layout, accuracy: Accuracy) -> [Result<Vec<DVec3>, FilmError>; 2] {
         let film = Film::new(layout).with_accuracy(accuracy);
         let grid = &film.volume().unwrap().grid;
@@ -235,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_done_is_told() {
+    fn progress_is_reported_between_stretches() {
         let layout = layout(-6.0);
         let told = Mutex::new(Vec::new());
         let progress = |stage: Stage| told.lock().unwrap().push(stage);

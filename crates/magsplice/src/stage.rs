@@ -1,22 +1,22 @@
-//! How far an evaluation is, for people who wait.
+//! Progress of an evaluation.
 
-/// What is being done, and how much of it is done.
+/// A stage of an evaluation, and how much of it is done.
 ///
-/// A film tells it to whom [`Film::with_progress`](crate::Film::with_progress) names.
+/// A film passes it to the callback of [`Film::with_progress`](crate::Film::with_progress).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stage {
-    /// In a few words, such as "field".
+    /// Name in a few words, such as "field".
     pub name: &'static str,
-    /// How many are done, of what `unit` says.
+    /// Number of finished items, counted in `unit`.
     pub done: usize,
-    /// How many there are; `None` if that is not known, or if there is nothing to count.
+    /// Number of all items. `None` if it is not known or there is nothing to count.
     pub of: Option<usize>,
-    /// What is counted, such as "points".
+    /// The items, such as "points".
     pub unit: &'static str,
 }
 
 impl Stage {
-    /// Work that ends all at once.
+    /// A stage without items to count.
     pub const fn uncounted(name: &'static str) -> Stage {
         Stage { name, done: 0, of: None, unit: "" }
     }

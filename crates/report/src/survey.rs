@@ -67,7 +67,7 @@ impl AgainstIdeal<'_> {
         let mut point = DVec3::new(0.0, 0.0, z_mm);
         let branch = Branch::from_axis_field(self.film.flux_density_t(point)?)?;
         point[axis] = at_mm;
-        Parameters::of(self.film.flux_density_t(point)?, branch)
+        Parameters::from_field(self.film.flux_density_t(point)?, branch)
     }
 }
 
@@ -128,7 +128,7 @@ impl Slice {
 
     /// The decoupling parameters in a cell; `None` where they do not exist.
     pub(crate) fn parameters(&self, branch: Branch, u: usize, v: usize) -> Option<Parameters> {
-        Parameters::of(self.field_t(u, v), branch)
+        Parameters::from_field(self.field_t(u, v), branch)
     }
 
     /// Every cell.

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use magsplice::design::Figures;
+use magsplice::design::Metrics;
 use magsplice::prelude::{DVec3, Layout, Tile};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -69,10 +69,10 @@ fn measure(path: &Path, args: &PlacementArgs) -> Result<(), String> {
             let tiles =
                 layout.bare_tiles().into_iter().map(|tile| moved(tile, &mut random)).collect::<Result<Vec<Tile>, _>>();
             let tiles = tiles.map_err(|faults| faults.to_string())?;
-            let figures =
-                Figures::of(&tiles, &volume.grid, volume.reference_mm, &ideal).map_err(|error| error.to_string())?;
-            let displacement = figures.ideal_rmse.as_lengths(ideal.wavenumber());
-            let found = [figures.uniformity_rmse.r_x, figures.uniformity_rmse.s_z, displacement.x, displacement.z];
+            let metrics = Metrics::from_tiles(&tiles, &volume.grid, volume.reference_mm, &ideal)
+                .map_err(|error| error.to_string())?;
+            let ([r_x, _, s_z], [x, _, z]) = (metrics.uniformity_rmse.to_array(), metrics.displacement_rmse_mm);
+            let found = [r_x, s_z, x, z];
             for (sum, value) in sums.iter_mut().zip(found) {
                 *sum += value / args.films as f64;
             }

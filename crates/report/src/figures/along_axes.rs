@@ -1,6 +1,6 @@
 //! Each decoupling parameter along its own axis, its spread over the two other axes, and the straight line of the ideal film.
 
-use magsplice::decouple::OverPlane;
+use magsplice::decouple::{Parameter, PlaneStatistics};
 use plotters::prelude::RGBColor;
 
 use crate::colours::{BLUE, VERMILION};
@@ -19,7 +19,7 @@ const BAND: RGBColor = RGBColor(198, 221, 236);
 /// A parameter over one plane normal to its axis, and what the ideal film has there.
 struct Plane {
     at_mm: f64,
-    over: OverPlane,
+    over: PlaneStatistics,
     ideal: f64,
 }
 
@@ -84,7 +84,7 @@ pub(crate) fn draw(survey: &Survey) -> Option<Result<String, String>> {
 /// The planes normal to a parameter's axis that have any regular point.
 fn planes(survey: &Survey, against: &AgainstIdeal, which: usize) -> Vec<Plane> {
     let grid = &survey.volume.grid;
-    let spliced = against.decoupling.over_planes(which).into_iter().enumerate();
+    let spliced = against.decoupling.plane_statistics(Parameter::ALL[which]).into_iter().enumerate();
     spliced
         .filter_map(|(index, over)| {
             let at_mm = grid.coordinate(which, index);

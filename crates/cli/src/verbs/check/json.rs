@@ -1,6 +1,6 @@
 //! What `check` found, as one JSON object.
 
-use magsplice::expect::{Bound, Place};
+use magsplice::expect::{Bound, Location};
 use magsplice::layout::Layout;
 use serde::Serialize;
 
@@ -80,10 +80,10 @@ fn expectation<'a>(line: &'a Line, layout: &'a Layout) -> ExpectationReport<'a> 
         Some(Bound::AtMost(most)) => (Some(most), None),
         Some(Bound::AtLeast(least)) => (None, Some(least)),
     };
-    let (at_mm, tile) = match outcome.and_then(|o| o.place) {
-        None => (None, None),
-        Some(Place::Point(p)) => (Some(p.to_array()), None),
-        Some(Place::Tile(tile)) => (None, Some(layout.tiles[tile].name.as_str())),
+    let (at_mm, tile) = match outcome.and_then(|o| o.location) {
+        Some(Location::Point(p)) => (Some(p.to_array()), None),
+        Some(Location::Tile(tile)) => (None, Some(layout.tiles[tile].name.as_str())),
+        _ => (None, None),
     };
     ExpectationReport {
         expectation: line.expectation.to_string(),

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use anstyle::{AnsiColor, Style};
-use magsplice::expect::{Bound, Outcome, Place};
+use magsplice::expect::{Bound, Location, Outcome};
 use magsplice::layout::Layout;
 
 use super::{Checked, Line, Status};
@@ -62,9 +62,10 @@ pub(super) fn bound(outcome: &Outcome) -> String {
 }
 
 pub(super) fn place(outcome: &Outcome, layout: &Layout) -> String {
-    match outcome.place {
+    match outcome.location {
         None => String::new(),
-        Some(Place::Point(p)) => format!("at ({}, {}, {}) mm", p.x, p.y, p.z),
-        Some(Place::Tile(tile)) => format!("tile \"{}\"", layout.tiles[tile].name),
+        Some(Location::Point(p)) => format!("at ({}, {}, {}) mm", p.x, p.y, p.z),
+        Some(Location::Tile(tile)) => format!("tile \"{}\"", layout.tiles[tile].name),
+        Some(_) => String::new(),
     }
 }

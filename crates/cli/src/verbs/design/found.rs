@@ -1,10 +1,10 @@
 //! A film found, as JSON.
 
 use magsplice::decouple::PerParameter;
-use magsplice::design::{Figures, Outcome, Setting, Stage};
+use magsplice::design::{Metrics, SearchResult, StageMetrics};
 use serde::Serialize;
 
-/// [`Outcome`] with units in its keys.
+/// [`SearchResult`] with units in its keys.
 #[derive(Serialize)]
 pub(crate) struct Found {
     before: FiguresReport,
@@ -34,18 +34,18 @@ struct StageReport {
 }
 
 impl Found {
-    pub(crate) fn of(setting: &Setting, outcome: &Outcome) -> Found {
-        let figures = |f: &Figures| FiguresReport {
+    pub(crate) fn of(outcome: &SearchResult) -> Found {
+        let figures = |f: &Metrics| FiguresReport {
             points: f.points,
             uniformity_rmse: array(f.uniformity_rmse),
             ideal_rmse: array(f.ideal_rmse),
-            displacement_rmse_mm: setting.displacement_mm(f),
+            displacement_rmse_mm: f.displacement_rmse_mm,
             amplitude: f.amplitude,
             scaled_relative_rmse: f.scaled_relative_rmse,
         };
-        let stage = |(stage, uniformity): &(Stage, PerParameter)| StageReport {
-            stage: stage_name(*stage),
-            uniformity_rmse: array(*uniformity),
+        let stage = |stage: &StageMetrics| StageReport {
+            stage: stage.stage.name(),
+            uniformity_rmse: array(stage.uniformity_rmse),
         };
         Found {
             before: figures(&outcome.before),
@@ -57,15 +57,6 @@ impl Found {
             short_of: outcome.short_of.clone(),
             interrupted: outcome.interrupted,
         }
-    }
-}
-
-pub(super) fn stage_name(stage: Stage) -> &'static str {
-    match stage {
-        Stage::Starts => "searched",
-        Stage::Strengths => "strengths of the stock",
-        Stage::Parts(_) => "fewer parts",
-        Stage::Rounding => "rounded",
     }
 }
 

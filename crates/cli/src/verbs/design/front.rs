@@ -1,6 +1,6 @@
 //! `magsplice design --front`: tables, figures and films of the whole trade.
 
-use magsplice::design::{Front, Outcome, Setting};
+use magsplice::design::{DesignProblem, ParetoFront, SearchResult};
 use magsplice::layout::Layout;
 use serde::Serialize;
 
@@ -16,7 +16,7 @@ use crate::text::json;
 
 pub(super) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<u8, Failure> {
     let failed = |error| Failure::Design { place: args.layout.display().to_string(), error };
-    let setting = Setting::of(layout).map_err(failed)?;
+    let setting = DesignProblem::new(layout).map_err(failed)?;
     let output = args
         .output
         .as_deref()
@@ -25,18 +25,18 @@ pub(super) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<u8,
     let front = {
         let progress = Progress::start(!quiet);
         let stop = interrupt::asked_kindly();
-        setting.front(&args.amplitudes, &|searched| told(&progress, stop, searched)).map_err(failed)?
+        setting.pareto_front(&args.amplitudes, &|searched| told(&progress, stop, searched)).map_err(failed)?
     };
     // An amplitude that was not reached is no point of the front.
     let missed: Vec<f64> = front.by_amplitude.iter().filter(|(_, o)| !o.short_of.is_empty()).map(|(a, _)| *a).collect();
-    let front = Front {
+    let front = ParetoFront {
         by_amplitude: front.by_amplitude.into_iter().filter(|(_, o)| o.short_of.is_empty()).collect(),
         ..front
     };
     let mut films: Vec<Film> = Vec::new();
-    let mut add = |file: String, outcome: &Outcome| {
+    let mut add = |file: String, outcome: &SearchResult| {
         folder.write(&file, written(&setting, outcome, "design --front")?.as_bytes())?;
-        films.push(Film { file, found: Found::of(&setting, outcome) });
+        films.push(Film { file, found: Found::of(outcome) });
         Ok::<(), Failure>(())
     };
     for (least, outcome) in &front.by_amplitude {
@@ -51,7 +51,7 @@ pub(super) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<u8,
     folder.finish()?;
     match args.format {
         Format::Json => output::print(&said)?,
-        Format::Text => output::print(&text::front(&setting, &front))?,
+        Format::Text => output::print(&text::front(&front))?,
     }
     if !quiet {
         for least in missed {
@@ -83,19 +83,19 @@ fn is_of_a_front(name: &str) -> bool {
 }
 
 #[cfg(not(feature = "report"))]
-fn figures(_: &Setting, _: &Front, _: &Folder) -> Result<(), Failure> {
+fn figures(_: &DesignProblem, _: &ParetoFront, _: &Folder) -> Result<(), Failure> {
     Ok(())
 }
 
 #[cfg(feature = "report")]
-fn figures(setting: &Setting, front: &Front, folder: &Folder) -> Result<(), Failure> {
-    use magsplice::design::Figures;
+fn figures(setting: &DesignProblem, front: &ParetoFront, folder: &Folder) -> Result<(), Failure> {
+    use magsplice::design::Metrics;
     use magsplice_report::{Axis, Front as Drawn, FrontFilm};
 
-    let film = |at: f64, figures: &Figures| FrontFilm {
+    let film = |at: f64, figures: &Metrics| FrontFilm {
         at,
-        displacement_rmse_mm: setting.displacement_mm(figures),
-        uniformity_rmse_mm: setting.uniformity_mm(figures),
+        displacement_rmse_mm: figures.displacement_rmse_mm,
+        uniformity_rmse_mm: figures.uniformity_rmse.as_lengths(setting.ideal().wavenumber()).to_array(),
     };
     let before = front.by_amplitude.first().map(|(_, outcome)| film(outcome.before.amplitude, &outcome.before));
     let by_amplitude = front.by_amplitude.iter().map(|(_, o)| film(o.after.amplitude, &o.after)).collect();

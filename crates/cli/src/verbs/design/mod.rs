@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use magsplice::Stage;
-use magsplice::design::{Outcome, Progress as Searched, Setting, Stage as Searching};
+use magsplice::design::{DesignProblem, ProgressUpdate, SearchResult, SearchStage};
 use magsplice::layout::Layout;
 
 use crate::args::{DesignArgs, Format, SplicedArgs};
@@ -30,7 +30,7 @@ pub(crate) fn run(args: &DesignArgs, quiet: bool) -> Result<u8, Failure> {
     if args.front {
         return front::run(args, &layout, quiet);
     }
-    let setting = Setting::of(&layout).map_err(failed)?;
+    let setting = DesignProblem::new(&layout).map_err(failed)?;
     let output = Output::open(args.output.as_deref(), &[&args.layout])?;
     let outcome = searched(&setting, quiet).map_err(failed)?;
     finish(&setting, &outcome, "design", output, args.output.as_deref(), args.format, quiet)
@@ -40,31 +40,34 @@ pub(crate) fn run(args: &DesignArgs, quiet: bool) -> Result<u8, Failure> {
 pub(crate) fn splice(args: &SplicedArgs, quiet: bool) -> Result<u8, Failure> {
     let failed = |error| Failure::Design { place: "splice".to_owned(), error };
     let layout = args.request().layout().map_err(failed)?;
-    let setting = Setting::of(&layout).map_err(failed)?;
+    let setting = DesignProblem::new(&layout).map_err(failed)?;
     let output = Output::open(args.output.as_deref(), &[])?;
     let outcome = searched(&setting, quiet).map_err(failed)?;
     finish(&setting, &outcome, "splice", output, args.output.as_deref(), args.format, quiet)
 }
 
 /// The search, with progress; Ctrl-C ends it with what it has.
-fn searched(setting: &Setting, quiet: bool) -> Result<Outcome, magsplice::design::DesignError> {
+fn searched(setting: &DesignProblem, quiet: bool) -> Result<SearchResult, magsplice::design::DesignError> {
     let progress = Progress::start(!quiet);
     let stop = interrupt::asked_kindly();
     setting.search(&|searched| told(&progress, stop, searched))
 }
 
-fn told(progress: &Progress, stop: &AtomicBool, Searched { stage, done, of, best }: Searched) -> ControlFlow<()> {
+fn told(
+    progress: &Progress,
+    stop: &AtomicBool,
+    ProgressUpdate { stage, done, of, best }: ProgressUpdate,
+) -> ControlFlow<()> {
     let name = match stage {
-        Searching::Starts => "searching",
-        Searching::Strengths => "strengths of the stock",
-        Searching::Parts(_) => "fewer parts",
-        Searching::Rounding => "rounding",
+        SearchStage::Starts => "searching",
+        SearchStage::Rounding => "rounding",
+        other => other.name(),
     };
     let unit = match stage {
-        Searching::Starts => "starts",
-        Searching::Strengths => "strengths",
-        Searching::Parts(_) => "parts made one",
-        Searching::Rounding => "",
+        SearchStage::Starts => "starts",
+        SearchStage::Strengths => "strengths",
+        SearchStage::Parts(_) => "parts made one",
+        _ => "",
     };
     if let Some(best) = best {
         progress.best(format!("best error {best:.3e}, "));
@@ -75,8 +78,8 @@ fn told(progress: &Progress, stop: &AtomicBool, Searched { stage, done, of, best
 
 /// Writes the film, and says what it is like: beside the file on standard output, beside standard output on standard error.
 fn finish(
-    setting: &Setting,
-    outcome: &Outcome,
+    setting: &DesignProblem,
+    outcome: &SearchResult,
     verb: &str,
     mut output: Output,
     path: Option<&Path>,
@@ -88,7 +91,7 @@ fn finish(
     let to_file = !output.is_standard();
     output.finish()?;
     let said = match format {
-        Format::Json => json(&found::Found::of(setting, outcome)),
+        Format::Json => json(&found::Found::of(outcome)),
         Format::Text => text::outcome(setting, outcome, path),
     };
     if to_file {
@@ -103,8 +106,8 @@ fn finish(
 }
 
 /// The layout of a film found, as text that can be read.
-fn written(setting: &Setting, outcome: &Outcome, verb: &str) -> Result<String, Failure> {
-    let text = setting.layout_of(outcome, &format!("{PROGRAM} {verb}")).to_toml();
+fn written(setting: &DesignProblem, outcome: &SearchResult, verb: &str) -> Result<String, Failure> {
+    let text = setting.designed_layout(outcome, &format!("{PROGRAM} {verb}")).to_toml();
     // A film that breaks rules of layouts must not be written.
     Layout::parse(&text, "the film found")?;
     Ok(text)

@@ -3,19 +3,19 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use magsplice::design::{Front, Outcome, Setting};
+use magsplice::design::{DesignProblem, Metrics, ParetoFront, SearchResult};
 use magsplice::prelude::DVec3;
 
-use super::found::{array, stage_name};
+use super::found::array;
 use crate::text::number;
 
 /// Before and after, side by side.
-pub(crate) fn outcome(setting: &Setting, outcome: &Outcome, path: Option<&Path>) -> String {
+pub(crate) fn outcome(setting: &DesignProblem, outcome: &SearchResult, path: Option<&Path>) -> String {
     let [nx, ny, nz] = setting.grid().counts();
     let mut text = format!(
         "{} in {}, designed on {nx} x {ny} x {nz} points; {}\n\n",
-        count(setting.free(), "free number", "free numbers"),
-        match (setting.orbits(), outcome.tiles.len()) {
+        count(setting.variable_count(), "free number", "free numbers"),
+        match (setting.orbit_count(), outcome.tiles.len()) {
             (orbits, tiles) if orbits == tiles => count(tiles, "tile", "tiles"),
             (orbits, tiles) => format!("{orbits} tiles, whose images are the other {}", tiles - orbits),
         },
@@ -23,23 +23,23 @@ pub(crate) fn outcome(setting: &Setting, outcome: &Outcome, path: Option<&Path>)
     );
     let columns = [&outcome.before, &outcome.after, &outcome.finer];
     line(&mut text, "", ["before", "after", "5 x finer"].map(str::to_owned));
-    let mut errors = |title: &str, of: &dyn Fn(&magsplice::design::Figures) -> [f64; 3], names: [&str; 3]| {
+    let mut errors = |title: &str, of: &dyn Fn(&Metrics) -> [f64; 3], names: [&str; 3]| {
         let _ = writeln!(text, "{title}");
         for (index, name) in names.into_iter().enumerate() {
             line(&mut text, name, columns.map(|figures| number(of(figures)[index])));
         }
     };
     errors("uniformity RMSE", &|f| array(f.uniformity_rmse), ["R_x", "R_y", "S_z"]);
-    errors("RMSE of displacement, mm", &|f| setting.displacement_mm(f), ["x", "y", "z"]);
+    errors("RMSE of displacement, mm", &|f| f.displacement_rmse_mm, ["x", "y", "z"]);
     let _ = writeln!(text, "against the ideal film");
     line(&mut text, "amplitude", columns.map(|figures| number(figures.amplitude)));
-    let scaled = |figures: &magsplice::design::Figures| figures.scaled_relative_rmse.map_or("none".to_owned(), number);
+    let scaled = |figures: &Metrics| figures.scaled_relative_rmse.map_or("none".to_owned(), number);
     line(&mut text, "relative RMSE after scaling", columns.map(scaled));
 
     let _ = writeln!(text, "\nuniformity RMSE after each stage");
     line(&mut text, "", ["R_x", "R_y", "S_z"].map(str::to_owned));
-    for (stage, uniformity) in &outcome.stages {
-        line(&mut text, stage_name(*stage), array(*uniformity).map(number));
+    for stage in &outcome.stages {
+        line(&mut text, stage.stage.name(), array(stage.uniformity_rmse).map(number));
     }
     let magnetized = outcome.tiles.iter().filter(|tile| tile.polarization_t() != DVec3::ZERO).count();
     let tiles = count(magnetized, "tile", "tiles");
@@ -55,16 +55,16 @@ pub(crate) fn outcome(setting: &Setting, outcome: &Outcome, path: Option<&Path>)
 }
 
 /// The films of a front, one line each.
-pub(crate) fn front(setting: &Setting, front: &Front) -> String {
+pub(crate) fn front(front: &ParetoFront) -> String {
     let mut text = String::new();
     let head = ["R_x", "R_y", "S_z", "x, mm", "y, mm", "z, mm", "amplitude", "parts"];
-    let mut table = |title: &str, rows: Vec<(String, &Outcome)>| {
+    let mut table = |title: &str, rows: Vec<(String, &SearchResult)>| {
         let _ = writeln!(text, "{title}");
         let _ = write!(text, "{:<24}{:^39}{:^39}", "", "uniformity RMSE", "RMSE of displacement");
         let _ = writeln!(text, "\n{:<24}{}", "", head.map(|name| format!("{name:>13}")).concat());
         for (name, outcome) in rows {
             let figures = &outcome.after;
-            let numbers = array(figures.uniformity_rmse).into_iter().chain(setting.displacement_mm(figures));
+            let numbers = array(figures.uniformity_rmse).into_iter().chain(figures.displacement_rmse_mm);
             let numbers: String = numbers.map(|value| format!("{:>13}", number(value))).collect();
             let _ = writeln!(text, "  {name:<22}{numbers}{:>13.4}{:>13}", figures.amplitude, outcome.parts);
         }

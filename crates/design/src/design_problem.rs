@@ -1,43 +1,48 @@
-//! A layout and its brief, made ready to be designed.
+//! Design problems: a layout and its brief, prepared for the search.
 
 use magsplice_field::{Grid, IdealFilm, Tile};
 use magsplice_layout::{Brief, Layout, Symmetry, WorkingVolume};
 
-use crate::descent::Problem;
+use crate::descent::LeastSquares;
 use crate::error::DesignError;
 use crate::objective::Objective;
 use crate::pattern::Pattern;
-use crate::rules::{Bounds, Meaning, Rule};
+use crate::rules::{DesignBounds, LinearRule, RuleMeaning};
 use crate::sampling::Sampling;
 use crate::symmetry::orbits;
 use crate::tolerances::{AMPLITUDE_MARGIN, POINTS_ALONG};
 
-/// A layout whose `[design]` can be carried out.
+/// A layout with a brief that can be carried out. Lengths in millimetres, polarization in tesla.
+///
+/// See the [crate's example](crate#example).
 #[derive(Clone, Debug)]
-pub struct Setting<'a> {
+pub struct DesignProblem<'a> {
     pub(crate) layout: &'a Layout,
     pub(crate) brief: Brief,
     pub(crate) ideal: IdealFilm,
     pub(crate) volume: WorkingVolume,
     pub(crate) tiles: Vec<Tile>,
-    /// The film with everything free that the brief frees.
+    /// The film with every number free that the brief lets vary.
     pub(crate) pattern: Pattern,
-    pub(crate) problem: Problem,
+    pub(crate) least_squares: LeastSquares,
 }
 
-impl<'a> Setting<'a> {
-    /// # Errors
-    /// If the layout lacks a table, its tiles lack the symmetry that is to be kept, or nothing is free.
-    pub fn of(layout: &'a Layout) -> Result<Setting<'a>, DesignError> {
-        let brief = layout.brief.clone().ok_or(DesignError::Missing("design"))?;
-        Setting::with_brief(layout, brief)
-    }
-
-    /// The same for another brief than the layout's.
+impl<'a> DesignProblem<'a> {
+    /// The problem that the layout's `[design]` table states.
     ///
     /// # Errors
-    /// As [`Setting::of`].
-    pub fn with_brief(layout: &'a Layout, brief: Brief) -> Result<Setting<'a>, DesignError> {
+    /// If the layout lacks a table, its tiles lack the symmetry of the brief, no number is free, or the working volume
+    /// is not below the film.
+    pub fn new(layout: &'a Layout) -> Result<DesignProblem<'a>, DesignError> {
+        let brief = layout.brief.clone().ok_or(DesignError::Missing("design"))?;
+        DesignProblem::from_brief(layout, brief)
+    }
+
+    /// The problem that another brief states for this layout.
+    ///
+    /// # Errors
+    /// As [`DesignProblem::new`].
+    pub fn from_brief(layout: &'a Layout, brief: Brief) -> Result<DesignProblem<'a>, DesignError> {
         let ideal = layout.ideal.ok_or(DesignError::Missing("ideal"))?;
         let volume = layout.volume.ok_or(DesignError::Missing("volume"))?;
         let tiles = layout.bare_tiles();
@@ -48,7 +53,7 @@ impl<'a> Setting<'a> {
             return Err(DesignError::Rotated(named(rotated)));
         }
         let orbits = orbits(&tiles, brief.symmetry).map_err(|without| DesignError::NotSymmetric(named(without)))?;
-        let pattern = Pattern::of(&tiles, &orbits, &brief);
+        let pattern = Pattern::new(&tiles, &orbits, &brief);
         if pattern.kinds.is_empty() {
             return Err(DesignError::NothingFree);
         }
@@ -61,85 +66,91 @@ impl<'a> Setting<'a> {
             ideal,
             ideal_field_t,
             amplitude: brief.least_amplitude,
-            amplitude_weights: [volume.grid, finer(&sampling.grid)].map(|grid| sampling.weights_of(&grid)).to_vec(),
+            amplitude_weights: [volume.grid, finer(&sampling.grid)].map(|grid| sampling.weights_for(&grid)).to_vec(),
         };
-        let mut bounds = Bounds::of(&brief, &tiles);
+        let mut bounds = DesignBounds::new(&brief, &tiles);
         if brief.vary.position && !brief.vary.size {
-            // Rounded, each of two centres may come nearer by half of it.
+            // Rounding may move each of two centres nearer by half of the resolution.
             bounds.gap_mm += brief.resolution_mm;
         }
-        let problem = Problem {
+        let least_squares = LeastSquares {
             sampling,
             objective,
             bounds,
             least_amplitude: brief.least_amplitude.map(|least| least * (1.0 + AMPLITUDE_MARGIN)),
         };
-        Ok(Setting { layout, brief, ideal, volume, tiles, pattern, problem })
+        Ok(DesignProblem { layout, brief, ideal, volume, tiles, pattern, least_squares })
     }
 
-    /// How many numbers are free.
-    pub fn free(&self) -> usize {
+    /// Number of free numbers, the variables of the search.
+    pub fn variable_count(&self) -> usize {
         self.pattern.kinds.len()
     }
 
-    /// How many tiles determine all others.
-    pub fn orbits(&self) -> usize {
-        self.pattern.shapes.len()
+    /// Number of tiles that determine all others by symmetry.
+    pub fn orbit_count(&self) -> usize {
+        self.pattern.tiles.len()
     }
 
-    /// The points the film is designed on.
+    /// The design grid: the points at which the search evaluates films.
     pub fn grid(&self) -> &Grid {
-        &self.problem.sampling.grid
+        &self.least_squares.sampling.grid
     }
 
-    /// The same region five times finer, to see that nothing hides between these points.
+    /// The design grid refined five times, which shows errors between the points of the design grid.
     pub fn finer_grid(&self) -> Grid {
         finer(self.grid())
     }
 
-    /// The least amplitude asked for.
+    /// The ideal film of the layout.
+    pub fn ideal(&self) -> &IdealFilm {
+        &self.ideal
+    }
+
+    /// The least best-fit amplitude that the brief asks for.
     pub fn least_amplitude(&self) -> Option<f64> {
         self.brief.least_amplitude
     }
 
-    pub(crate) fn told(&self, rules: &[Rule]) -> Vec<String> {
-        rules.iter().map(|rule| self.words(rule)).collect()
+    /// Rules as messages.
+    pub(crate) fn describe(&self, rules: &[LinearRule]) -> Vec<String> {
+        rules.iter().map(|rule| self.describe_rule(rule)).collect()
     }
 
-    fn words(&self, rule: &Rule) -> String {
+    fn describe_rule(&self, rule: &LinearRule) -> String {
         let name = |index: usize| &self.layout.tiles[index].name;
-        let bounds = &self.problem.bounds;
+        let bounds = &self.least_squares.bounds;
         match rule.meaning {
-            Meaning::ShortestSide(tile) => {
+            RuleMeaning::ShortestSide(tile) => {
                 format!("tile \"{}\": a side must be at least {} mm", name(tile), bounds.smallest_cut_mm)
             }
-            Meaning::Outline(tile) => format!(
+            RuleMeaning::Outline(tile) => format!(
                 "tile \"{}\": must stay within outline_mm, x = {:?}, y = {:?}",
                 name(tile),
                 bounds.outline_mm[0],
                 bounds.outline_mm[1]
             ),
-            Meaning::Thickness(tile) => {
+            RuleMeaning::Thickness(tile) => {
                 format!("tile \"{}\": its thickness must be within {:?} mm", name(tile), self.brief.thickness_mm)
             }
-            Meaning::Strength(tile) => {
+            RuleMeaning::Strength(tile) => {
                 format!("tile \"{}\": its strength must be within {:?} T", name(tile), self.brief.strength_t)
             }
-            Meaning::Apart(a, b) => {
+            RuleMeaning::Apart(a, b) => {
                 format!("tiles \"{}\" and \"{}\": must be at least {} mm apart", name(a), name(b), bounds.gap_mm)
             }
         }
     }
 }
 
-/// How much finer the grid is on which a design is confirmed.
+/// Refinement of the grid on which a design is confirmed.
 const FINER: usize = 5;
 
 fn finer(grid: &Grid) -> Grid {
     Grid::new(grid.lower(), grid.upper(), grid.counts().map(|n| FINER * (n - 1) + 1)).expect("a grid of points")
 }
 
-/// The region of the volume, with the step asked for or with as few points as are enough.
+/// The grid over the region of the volume, with the step of the brief or as few points as are enough.
 fn design_grid(volume: &WorkingVolume, step_mm: Option<f64>) -> Grid {
     let grid = volume.grid;
     let counts = [0, 1, 2].map(|axis| match step_mm {

@@ -3,31 +3,32 @@
 use glam::{DMat3, DVec3};
 use magsplice_field::Tile;
 
-/// A cuboid with axes.
-pub(crate) struct Cuboid {
+/// A box with its own axes.
+pub(crate) struct OrientedBox {
     centre: DVec3,
     half: DVec3,
     axes: DMat3,
 }
 
-impl Cuboid {
-    pub(crate) fn of(tile: &Tile) -> Cuboid {
-        Cuboid { centre: tile.position(), half: 0.5 * tile.size(), axes: DMat3::from_quat(tile.rotation()) }
+impl OrientedBox {
+    pub(crate) fn from_tile(tile: &Tile) -> OrientedBox {
+        OrientedBox { centre: tile.position(), half: 0.5 * tile.size(), axes: DMat3::from_quat(tile.rotation()) }
     }
 
-    pub(crate) fn between(lower: DVec3, upper: DVec3) -> Cuboid {
-        Cuboid { centre: 0.5 * (lower + upper), half: 0.5 * (upper - lower), axes: DMat3::IDENTITY }
+    pub(crate) fn between(lower: DVec3, upper: DVec3) -> OrientedBox {
+        OrientedBox { centre: 0.5 * (lower + upper), half: 0.5 * (upper - lower), axes: DMat3::IDENTITY }
     }
 
-    /// Whether the spheres around both are at least so far apart, and so the cuboids.
-    pub(crate) fn certainly_beyond(&self, other: &Cuboid, distance: f64) -> bool {
+    /// Whether the circumscribed spheres are at least this far apart, which implies the same for the boxes.
+    pub(crate) fn certainly_beyond(&self, other: &OrientedBox, distance: f64) -> bool {
         self.centre.distance(other.centre) - self.half.length() - other.half.length() >= distance
     }
 
-    /// The distance of two cuboids that share no volume.
+    /// The distance of two boxes that share no volume.
     ///
-    /// Nearest points of two such convex bodies can be chosen as a corner of one and a point of the other, or on an edge of each.
-    pub(crate) fn distance(&self, other: &Cuboid) -> f64 {
+    /// Two such convex bodies have nearest points that are a corner of one and a point of the other, or that lie on an
+    /// edge of each.
+    pub(crate) fn distance(&self, other: &OrientedBox) -> f64 {
         if self.axes == other.axes {
             let shift = self.axes.transpose() * (other.centre - self.centre);
             return (shift.abs() - (self.half + other.half)).max(DVec3::ZERO).length();
@@ -44,7 +45,7 @@ impl Cuboid {
         (own.abs() - self.half).max(DVec3::ZERO).length()
     }
 
-    /// Corner `n` is at the upper end of axis `a` where bit `a` of n is set.
+    /// The corners. Corner `n` is at the upper end of axis `a` if bit `a` of `n` is set.
     fn corners(&self) -> [DVec3; 8] {
         [0, 1, 2, 3, 4, 5, 6, 7].map(|n: usize| {
             let sign = |axis: usize| if n >> axis & 1 == 1 { 1.0 } else { -1.0 };
@@ -52,32 +53,32 @@ impl Cuboid {
         })
     }
 
-    fn edges(&self) -> [Edge; 12] {
+    fn edges(&self) -> [BoxEdge; 12] {
         let corners = self.corners();
         std::array::from_fn(|n| {
-            // Four edges along each axis, from the corners that are low along it.
+            // Four edges along each axis begin at the corners at its lower end.
             let (axis, rest) = (n / 4, n % 4);
             let low = (rest & ((1 << axis) - 1)) | (rest >> axis << (axis + 1));
-            Edge { start: corners[low], along: corners[low | 1 << axis] - corners[low] }
+            BoxEdge { start: corners[low], along: corners[low | 1 << axis] - corners[low] }
         })
     }
 }
 
 #[derive(Clone, Copy)]
-struct Edge {
+struct BoxEdge {
     start: DVec3,
     along: DVec3,
 }
 
-impl Edge {
+impl BoxEdge {
     /// The distance of two segments (Ericson, Real-Time Collision Detection, 5.1.9).
-    fn distance(&self, other: &Edge) -> f64 {
+    fn distance(&self, other: &BoxEdge) -> f64 {
         let between = self.start - other.start;
         let (a, e) = (self.along.length_squared(), other.along.length_squared());
         let (c, f) = (self.along.dot(between), other.along.dot(between));
         let b = self.along.dot(other.along);
         let denominator = a * e - b * b;
-        // Parallel edges have nearest points anywhere along their common part; the start is as good a guess as any.
+        // Parallel edges have nearest points anywhere along their common part, so the search may begin at the start.
         let s = if denominator > 0.0 { ((b * f - c * e) / denominator).clamp(0.0, 1.0) } else { 0.0 };
         let t = ((b * s + f) / e).clamp(0.0, 1.0);
         let s = ((b * t - c) / a).clamp(0.0, 1.0);
@@ -91,13 +92,13 @@ mod tests {
     use glam::DQuat;
     use proptest::prelude::*;
 
-    fn cuboid(size: DVec3, centre: DVec3, turn: DQuat) -> Cuboid {
-        Cuboid { centre, half: 0.5 * size, axes: DMat3::from_quat(turn) }
+    fn oriented_box(size: DVec3, centre: DVec3, turn: DQuat) -> OrientedBox {
+        OrientedBox { centre, half: 0.5 * size, axes: DMat3::from_quat(turn) }
     }
 
     #[test]
-    fn all_twelve_edges_have_the_lengths_of_the_sides() {
-        let c = cuboid(DVec3::new(1.0, 2.0, 3.0), DVec3::ZERO, DQuat::IDENTITY);
+    fn twelve_edges_have_the_lengths_of_the_sides() {
+        let c = oriented_box(DVec3::new(1.0, 2.0, 3.0), DVec3::ZERO, DQuat::IDENTITY);
         let mut lengths = c.edges().map(|e| e.along.length());
         lengths.sort_by(f64::total_cmp);
         assert_eq!(lengths, [1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0]);
@@ -107,10 +108,11 @@ mod tests {
         assert_eq!(starts.len(), 12);
     }
 
-    /// Nearest points by alternating projection, which converges to the distance of convex bodies from above.
-    fn by_projection(a: &Cuboid, b: &Cuboid) -> f64 {
-        let onto =
-            |c: &Cuboid, p: DVec3| c.centre + c.axes * (c.axes.transpose() * (p - c.centre)).clamp(-c.half, c.half);
+    /// The distance by alternating projection, which converges from above for convex bodies.
+    fn by_projection(a: &OrientedBox, b: &OrientedBox) -> f64 {
+        let onto = |c: &OrientedBox, p: DVec3| {
+            c.centre + c.axes * (c.axes.transpose() * (p - c.centre)).clamp(-c.half, c.half)
+        };
         let mut p = a.centre;
         for _ in 0..20_000 {
             p = onto(a, onto(b, p));
@@ -121,7 +123,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(300))]
         #[test]
-        fn distance_is_what_projection_finds(
+        fn distance_agrees_with_alternating_projection(
             size in prop::array::uniform3(0.1..3.0_f64),
             way in prop::array::uniform3(-1.0..1.0_f64),
             angles in prop::array::uniform3(-3.0..3.0_f64),
@@ -129,11 +131,11 @@ mod tests {
             let turn = DQuat::from_euler(glam::EulerRot::XYZ, angles[0], angles[1], angles[2]);
             let way = DVec3::from(way);
             prop_assume!(way.length() > 0.1);
-            let a = cuboid(DVec3::new(4.0, 4.0, 2.0), DVec3::ZERO, DQuat::IDENTITY);
-            // Outside the sphere around the other cuboid's centre and this one.
-            let b = cuboid(size.into(), way.normalize() * 5.7, turn);
+            let a = oriented_box(DVec3::new(4.0, 4.0, 2.0), DVec3::ZERO, DQuat::IDENTITY);
+            // The centre is so far away that the boxes share no volume.
+            let b = oriented_box(size.into(), way.normalize() * 5.7, turn);
             let (found, projected) = (a.distance(&b), by_projection(&a, &b));
-            // Never above what two actual points have; and not below, up to how far projection has come.
+            // The distance is at most that of two points found, and below it only by what projection has not yet gained.
             prop_assert!(found <= projected + 1e-13 && found >= projected - 1e-3, "{} and {}", found, projected);
         }
     }

@@ -1,0 +1,74 @@
+//! Metrics of a film: how well it decouples over a grid.
+
+use glam::DVec3;
+use magsplice_decouple::{Decoupling, PerParameter};
+use magsplice_field::{Comparison, Grid, IdealFilm, Quantity, Scene, Tile};
+
+use crate::error::DesignError;
+
+/// Errors of a film over a grid, from its exact field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Metrics {
+    /// Number of points of the grid.
+    pub points: usize,
+    /// Standard deviation of each parameter over the planes normal to its axis, averaged over the planes; see
+    /// [`Decoupling::uniformity_rmse`].
+    #[cfg_attr(feature = "serde", serde(serialize_with = "as_array"))]
+    pub uniformity_rmse: PerParameter,
+    /// RMSE of each parameter's change from the reference point against the ideal film; see
+    /// [`Decoupling::ideal_rmse`].
+    #[cfg_attr(feature = "serde", serde(serialize_with = "as_array"))]
+    pub ideal_rmse: PerParameter,
+    /// RMSE of the displacement along x, y, z that the parameters give (Dai 2024, Eq. 14), in millimetres:
+    /// `ideal_rmse` over the wavenumber.
+    pub displacement_rmse_mm: [f64; 3],
+    /// Best-fit amplitude against the ideal film.
+    pub amplitude: f64,
+    /// RMSE of B against the ideal film times the amplitude, relative to the latter. `None` if the amplitude is zero.
+    pub scaled_relative_rmse: Option<f64>,
+}
+
+impl Metrics {
+    /// Evaluates tiles over a grid. Lengths in millimetres. Parameters change from those at `reference`, which lies
+    /// near the axis of the film.
+    ///
+    /// # Errors
+    /// * [`DesignError::NotBelow`] if a point of the grid is not below the film;
+    /// * [`DesignError::NoField`] if a point lies on an edge of a tile;
+    /// * [`DesignError::Decoupling`] or [`DesignError::Singular`] if decoupling parameters do not exist.
+    pub fn from_tiles(
+        tiles: &[Tile],
+        grid: &Grid,
+        reference: DVec3,
+        ideal: &IdealFilm,
+    ) -> Result<Metrics, DesignError> {
+        let points: Vec<DVec3> = grid.points().collect();
+        let of_ideal = |p: &DVec3| ideal.flux_density_t(*p).ok_or(DesignError::NotBelow(*p));
+        let ideal_field = points.iter().map(of_ideal).collect::<Result<Vec<DVec3>, _>>()?;
+        let scene = Scene::new(tiles);
+        let mut field = vec![DVec3::ZERO; points.len()];
+        scene.field_into(Quantity::FluxDensity, &points, &mut field).map_err(|_| DesignError::NoField)?;
+        let at_reference = scene.field(Quantity::FluxDensity, reference).map_err(|_| DesignError::NoField)?;
+        let decoupling =
+            Decoupling::from_field(grid, &field, (reference, at_reference), ideal).map_err(DesignError::Decoupling)?;
+        if !decoupling.singular.is_empty() {
+            return Err(DesignError::Singular);
+        }
+        let comparison = Comparison::new(&points, &field, &ideal_field).map_err(|_| DesignError::Singular)?;
+        Ok(Metrics {
+            points: points.len(),
+            uniformity_rmse: decoupling.uniformity_rmse,
+            ideal_rmse: decoupling.ideal_rmse,
+            displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(ideal.wavenumber()).to_array(),
+            amplitude: comparison.amplitude,
+            scaled_relative_rmse: comparison.scaled_relative_rmse,
+        })
+    }
+}
+
+/// Serializes the values of R_x, R_y, S_z as an array.
+#[cfg(feature = "serde")]
+pub(crate) fn as_array<S: serde::Serializer>(values: &PerParameter, serializer: S) -> Result<S::Ok, S::Error> {
+    serde::Serialize::serialize(&values.to_array(), serializer)
+}

@@ -1,0 +1,90 @@
+//! Pareto fronts: error against amplitude, and error against the number of distinct parts.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use magsplice_layout::{Brief, Goal};
+
+use crate::descent::Candidate;
+use crate::design_problem::DesignProblem;
+use crate::error::DesignError;
+use crate::parts;
+use crate::progress::{Progress, SearchStage, latched};
+use crate::search_result::SearchResult;
+use crate::tolerances::MOST_STEPS;
+
+/// The best films found for a series of demands.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct ParetoFront {
+    /// The film found for each least amplitude, in ascending order of the amplitude, with any number of parts.
+    pub by_amplitude: Vec<(f64, SearchResult)>,
+    /// The films found with fewer and fewer distinct parts, at the least amplitude of the layout. Empty where sizes and
+    /// positions are not both free, or tilts are.
+    pub by_parts: Vec<SearchResult>,
+}
+
+/// Number of starts for each amplitude, besides the film found for the amplitude before.
+const STARTS: usize = 3;
+
+impl DesignProblem<'_> {
+    /// Searches for the best film for each of these least amplitudes, and for fewer and fewer parts.
+    ///
+    /// A film with more amplitude also meets a smaller bound, so errors grow along the front as far as the search
+    /// succeeds. If `progress` stops the search, the front has the films found until then.
+    ///
+    /// # Errors
+    /// As [`DesignProblem::search`].
+    pub fn pareto_front(&self, amplitudes: &[f64], progress: Progress) -> Result<ParetoFront, DesignError> {
+        let stop = AtomicBool::new(false);
+        let progress = latched(progress, &stop);
+        let mut by_amplitude: Vec<(f64, SearchResult)> = Vec::new();
+        // In descending order, because a film with more amplitude is a good start for less.
+        let mut descending = amplitudes.to_vec();
+        descending.sort_by(|a, b| b.total_cmp(a));
+        let mut before: Option<Candidate> = None;
+        for &amplitude in &descending {
+            let (parts, stock) = (None, Vec::new());
+            let brief = Brief { least_amplitude: Some(amplitude), parts, stock, starts: STARTS, ..self.brief.clone() };
+            let problem = DesignProblem::from_brief(self.layout, brief)?;
+            let mut starts = problem.best_of_starts(&progress)?;
+            // With the field as the goal, each amplitude has its own target, so the film before is no start.
+            if let Some(before) = before.filter(|_| self.brief.goal != Goal::Field) {
+                let start = problem.least_squares.nearest(&problem.pattern, &before.variables);
+                let start = start.unwrap_or(before.variables);
+                let go_on = &mut |_: &Candidate| ControlFlow::Continue(());
+                let again = problem.least_squares.descend(&problem.pattern, start, MOST_STEPS, go_on);
+                if let Some(again) = again.filter(|again| again.merit() < starts.best.merit()) {
+                    starts.best = again;
+                }
+            }
+            before = Some(starts.best.clone());
+            by_amplitude.insert(0, (amplitude, problem.finished(starts, &progress)?));
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
+        }
+        Ok(ParetoFront { by_amplitude, by_parts: self.front_of_parts(&progress, &stop)? })
+    }
+
+    fn front_of_parts(&self, progress: Progress, stop: &AtomicBool) -> Result<Vec<SearchResult>, DesignError> {
+        let vary = self.brief.vary;
+        if !(vary.size && vary.position) || vary.tilt || stop.load(Ordering::Relaxed) {
+            return Ok(Vec::new());
+        }
+        let mut problem = self.clone();
+        let best = problem.best_of_starts(progress)?.best;
+        problem.leave_room_for_rounding();
+        // Down to the parts in stock, or to a single part.
+        let least = usize::from(self.brief.stock.is_empty());
+        let levels = parts::levels(&problem, &problem.pattern, &best, least, progress);
+        let result = |level: parts::FilmOfParts| {
+            let stage = SearchStage::Parts(level.part_count());
+            let stages = vec![self.stage_metrics(stage, &level.pattern, &level.candidate)?];
+            let brief = Brief { parts: None, ..problem.brief.clone() };
+            let rounding = DesignProblem { brief, ..problem.clone() };
+            rounding.rounded(&level.pattern, level.candidate, stages, 1, progress, stop)
+        };
+        levels.into_iter().map(result).collect()
+    }
+}

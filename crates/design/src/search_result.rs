@@ -1,0 +1,46 @@
+//! The film that a search returns.
+
+use magsplice_decouple::PerParameter;
+use magsplice_field::Tile;
+
+use crate::metrics::Metrics;
+use crate::progress::SearchStage;
+
+/// A film that a search found, with its errors before and after. Lengths in millimetres, polarization in tesla.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct SearchResult {
+    /// The tiles, in the order of the layout. They are not serialized, because
+    /// [`DesignProblem::designed_layout`](crate::DesignProblem::designed_layout) writes them.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub tiles: Vec<Tile>,
+    /// Errors of the layout's film over its working volume.
+    pub before: Metrics,
+    /// Errors of the designed film over the working volume.
+    pub after: Metrics,
+    /// Errors of the designed film over the design grid refined five times.
+    #[cfg_attr(feature = "serde", serde(rename = "five_times_finer"))]
+    pub finer: Metrics,
+    /// What each stage reached, in the order of the stages.
+    pub stages: Vec<StageMetrics>,
+    /// Number of distinct parts: sizes with a direction of polarization.
+    pub parts: usize,
+    /// Number of starts whose error is within a tenth of the best.
+    #[cfg_attr(feature = "serde", serde(rename = "starts_that_agree"))]
+    pub agreeing_starts: usize,
+    /// Demands of the layout that the film misses, each as value and rule. Empty if it meets all.
+    pub short_of: Vec<String>,
+    /// Whether the progress callback stopped the search.
+    pub interrupted: bool,
+}
+
+/// What the film had reached at the end of a stage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct StageMetrics {
+    /// The stage that ended.
+    pub stage: SearchStage,
+    /// Uniformity RMSE over the working volume.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::metrics::as_array"))]
+    pub uniformity_rmse: PerParameter,
+}

@@ -1,0 +1,70 @@
+//! Strengths in stock: the strengths of a film are replaced by strengths in stock, one after the other.
+
+use std::ops::ControlFlow;
+
+use crate::affine::Affine;
+use crate::descent::Candidate;
+use crate::design_problem::DesignProblem;
+use crate::pattern::{Pattern, VariableKind};
+use crate::progress::{Progress, ProgressUpdate, SearchStage};
+use crate::tolerances::MOST_STEPS;
+
+/// Fixes the strength that is nearest to one in stock, descends in the variables that are left, and repeats that until
+/// all strengths are fixed.
+pub(crate) fn fix_to_stock(
+    problem: &DesignProblem,
+    mut pattern: Pattern,
+    mut candidate: Candidate,
+    progress: Progress,
+) -> (Pattern, Candidate) {
+    let of = pattern.kinds.iter().filter(|kind| **kind == VariableKind::Strength).count();
+    for done in 0..of {
+        let nearest = |value: f64| {
+            let by_distance = |a: &f64, b: &f64| (a - value).abs().total_cmp(&(b - value).abs());
+            problem.brief.stock_strengths_t.iter().copied().min_by(by_distance).unwrap_or(value)
+        };
+        let strengths = (0..candidate.variables.len()).filter(|&i| pattern.kinds[i] == VariableKind::Strength);
+        let away = |i: usize| (candidate.variables[i] - nearest(candidate.variables[i])).abs();
+        let Some(next) = strengths.min_by(|&a, &b| away(a).total_cmp(&away(b))) else { break };
+        let value = nearest(candidate.variables[next]);
+        pattern = without(&pattern, next, value);
+        candidate.variables.remove(next);
+        let best = Some(candidate.root_mean_square());
+        let flow = progress(ProgressUpdate { stage: SearchStage::Strengths, done, of, best });
+        let variables = candidate.variables.clone();
+        candidate = problem.least_squares.candidate_at(&pattern, variables).unwrap_or(candidate);
+        // After a stop the remaining strengths are fixed without further descents.
+        if flow.is_continue() {
+            let go_on = &mut |_: &Candidate| ControlFlow::Continue(());
+            let better = problem.least_squares.descend(&pattern, candidate.variables.clone(), MOST_STEPS, go_on);
+            candidate = better.unwrap_or(candidate);
+        }
+    }
+    (pattern, candidate)
+}
+
+/// The pattern with one variable replaced by a constant.
+fn without(pattern: &Pattern, variable: usize, value: f64) -> Pattern {
+    let fixed = |number: &mut Affine| {
+        let mut constant = number.constant;
+        let mut terms = Vec::new();
+        for &(index, factor) in &number.terms {
+            match index.cmp(&variable) {
+                std::cmp::Ordering::Less => terms.push((index, factor)),
+                std::cmp::Ordering::Equal => constant += factor * value,
+                std::cmp::Ordering::Greater => terms.push((index - 1, factor)),
+            }
+        }
+        *number = Affine { constant, terms };
+    };
+    let mut pattern = pattern.clone();
+    for variable_tile in &mut pattern.tiles {
+        variable_tile.faces.iter_mut().flatten().for_each(fixed);
+        [&mut variable_tile.direction, &mut variable_tile.tilt, &mut variable_tile.strength]
+            .into_iter()
+            .for_each(fixed);
+    }
+    pattern.kinds.remove(variable);
+    pattern.start.remove(variable);
+    pattern
+}

@@ -1,0 +1,90 @@
+//! The film found, as a layout.
+
+use glam::DVec3;
+use magsplice_decouple::PerParameter;
+use magsplice_layout::{Expectations, Layout};
+
+use crate::design_problem::DesignProblem;
+use crate::metrics::Metrics;
+use crate::search_result::SearchResult;
+
+/// Relative margin of the written expectations above the errors reached, for round-off.
+const MARGIN: f64 = 0.01;
+
+/// Ending of the names of designed films.
+const DESIGNED: &str = ", designed";
+
+impl DesignProblem<'_> {
+    /// The layout of a film found, with the errors it reached as expectations and one more line of history.
+    ///
+    /// `program` is the program named in the history, such as "magsplice 1.0 design". The description and the baseline
+    /// of the field are left out, because they belong to the film before. Tiles whose strength has become 0 are left
+    /// out too.
+    pub fn designed_layout(&self, result: &SearchResult, program: &str) -> Layout {
+        let mut layout = self.layout.clone();
+        for (named, tile) in layout.tiles.iter_mut().zip(&result.tiles) {
+            (named.tile, named.kind) = (*tile, None);
+        }
+        layout.tiles.retain(|named| named.tile.polarization_t() != DVec3::ZERO);
+        if !layout.name.ends_with(DESIGNED) {
+            layout.name += DESIGNED;
+        }
+        layout.description = None;
+        let bound = |reached: f64| Some(three_digits_up(reached * (1.0 + MARGIN)));
+        layout.expectations = Expectations {
+            uniformity_rmse: result.after.uniformity_rmse.to_array().map(bound),
+            displacement_rmse_mm: result.after.displacement_rmse_mm.map(bound),
+            least_amplitude: Some((result.after.amplitude * 1e4).floor() / 1e4),
+            field: None,
+            ..layout.expectations
+        };
+        layout.brief = Some(self.brief.clone());
+        layout.history.push(self.history_line(result, program));
+        layout
+    }
+
+    fn history_line(&self, result: &SearchResult, program: &str) -> String {
+        let errors = |metrics: &Metrics| {
+            let PerParameter { r_x, r_y, s_z } = metrics.uniformity_rmse;
+            let [x, y, z] = metrics.displacement_rmse_mm;
+            format!(
+                "uniformity RMSE {r_x:.3e}, {r_y:.3e}, {s_z:.3e}, displacement RMSE {x:.3e}, {y:.3e}, {z:.3e} mm, \
+                 amplitude {:.4}",
+                metrics.amplitude
+            )
+        };
+        format!(
+            "{program}: from \"{}\" (sha256 {}), {} free numbers, {} starts, seed {}: {} -> {}",
+            self.layout.name,
+            &self.layout.sha256[..12],
+            self.variable_count(),
+            self.brief.starts,
+            self.brief.seed,
+            errors(&result.before),
+            errors(&result.after)
+        )
+    }
+}
+
+/// The value rounded up to three digits.
+fn three_digits_up(value: f64) -> f64 {
+    if !(value > 0.0 && value.is_finite()) {
+        return value;
+    }
+    let unit = value.log10().floor() as i32 - 2;
+    let digits = (value / 10_f64.powi(unit)).ceil();
+    // Parsed from decimals, so that it is written with three digits.
+    format!("{digits}e{unit}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::three_digits_up;
+
+    #[test]
+    fn three_digits_are_rounded_up() {
+        assert_eq!(three_digits_up(0.0012341), 0.00124);
+        assert_eq!(three_digits_up(9.999e-6), 1e-5);
+        assert_eq!(three_digits_up(0.0), 0.0);
+    }
+}
