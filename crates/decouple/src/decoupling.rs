@@ -22,15 +22,15 @@ use crate::per_parameter::{Parameter, PerParameter};
 /// let grid = Grid::new(lower, upper, [9, 9, 5]).unwrap();
 /// let field_t: Vec<DVec3> = grid.points().map(|p| film.flux_density_t(p).unwrap()).collect();
 /// let reference = DVec3::new(0.0, 0.0, -5.0);
-/// let at_reference_t = film.flux_density_t(reference).unwrap();
-/// let decoupling = Decoupling::from_field(&grid, &field_t, (reference, at_reference_t), &film).unwrap();
+/// let at_reference = (reference, film.flux_density_t(reference).unwrap());
+/// let decoupling = Decoupling::from_field(&grid, &field_t, at_reference, &film).unwrap();
 /// assert!(decoupling.uniformity_rmse.r_x < 1e-13); // the ideal film decouples perfectly
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Decoupling {
-    /// The parameters at every point of the grid, by index along x, y, z. `None` at singular points. They are not
-    /// serialized.
+    /// The parameters at every point of the grid, by index along x, y, z. `None` at singular
+    /// points. They are not serialized.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub parameters: Array3<Option<Parameters>>,
     /// The parameters at the reference point.
@@ -38,16 +38,17 @@ pub struct Decoupling {
     /// Points where B_z = 0 and the parameters do not exist. These points enter no average.
     #[cfg_attr(feature = "serde", serde(rename = "singular_points"))]
     pub singular: Vec<DVec3>,
-    /// Uniformity RMSE: the population standard deviation of a parameter over a plane normal to its own axis, averaged
-    /// over the planes. It tells how much the parameter depends on the two coordinates that it should not depend on.
+    /// Uniformity RMSE: the population standard deviation of a parameter over a plane normal to its
+    /// own axis, averaged over the planes. It tells how much the parameter depends on the two
+    /// coordinates that it should not depend on.
     pub uniformity_rmse: PerParameter,
-    /// Root mean square, over all points, of the difference between a parameter's change from the reference point and
-    /// that of the ideal film (-k dx, -k dy, k dz).
+    /// Root mean square, over all points, of the difference between a parameter's change from the
+    /// reference point and that of the ideal film (-k dx, -k dy, k dz).
     pub ideal_rmse: PerParameter,
 }
 
-/// Statistics of a parameter over one plane normal to its own axis, where it should be constant. In radians for R_x and
-/// R_y, without unit for S_z.
+/// Statistics of a parameter over one plane normal to its own axis, where it should be constant. In
+/// radians for R_x and R_y, without unit for S_z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PlaneStatistics {
@@ -86,17 +87,18 @@ pub enum DecouplingError {
 impl Decoupling {
     /// Evaluates a field that is given on `grid`, z fastest, and at a reference point.
     ///
-    /// Fields are in tesla, lengths in any one unit. The reference point also fixes the branch, so it must lie near the
-    /// axis of the film; see [`Branch`].
+    /// Fields are in tesla, lengths in any one unit. The reference point also fixes the branch, so
+    /// it must lie near the axis of the film; see [`Branch`].
     ///
     /// # Accuracy
-    /// Errors of the parameters as in [`Parameters::from_field`]. The errors of a film that decouples perfectly come out
-    /// below 1e-13 in the published working volume.
+    /// Errors of the parameters as in [`Parameters::from_field`]. The errors of a film that
+    /// decouples perfectly come out below 1e-13 in the published working volume.
     ///
     /// # Errors
     /// * [`DecouplingError::SingularReference`] if B_z vanishes at the reference point;
     /// * [`DecouplingError::AllSingular`] if B_z vanishes at every point of the grid;
-    /// * [`DecouplingError::BeyondHalfWave`] if the grid reaches half a wavelength from the axis along x or y.
+    /// * [`DecouplingError::BeyondHalfWave`] if the grid reaches half a wavelength from the axis
+    ///   along x or y.
     ///
     /// # Panics
     /// If `field_t` does not have one value per point of the grid.
@@ -133,8 +135,9 @@ impl Decoupling {
         Ok(Decoupling { parameters, at_reference, singular, uniformity_rmse, ideal_rmse })
     }
 
-    /// Statistics of a parameter over each plane of the grid normal to the axis that the parameter follows. `None` for a
-    /// plane whose points are all singular. The mean of the deviations is [`Decoupling::uniformity_rmse`].
+    /// Statistics of a parameter over each plane of the grid normal to the axis that the parameter
+    /// follows. `None` for a plane whose points are all singular. The mean of the deviations is
+    /// [`Decoupling::uniformity_rmse`].
     pub fn plane_statistics(&self, parameter: Parameter) -> Vec<Option<PlaneStatistics>> {
         plane_statistics(&self.parameters, parameter)
     }
@@ -244,7 +247,8 @@ mod tests {
         assert!(d.singular.is_empty());
     }
 
-    /// An error in one plane of S_z is the standard deviation of that plane over the number of planes.
+    /// An error in one plane of S_z is the standard deviation of that plane over the number of
+    /// planes.
     #[test]
     fn error_in_one_plane_is_its_deviation_over_the_number_of_planes() {
         let grid = grid();

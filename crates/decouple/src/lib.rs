@@ -1,9 +1,12 @@
-//! Self-decoupling of magnetic films: three parameters of the flux density, each of which follows one coordinate.
+//! Self-decoupling of magnetic films: three parameters of the flux density, each of which follows
+//! one coordinate.
 //!
-//! * [`Parameters`]: R_x, R_y, S_z of a field value, and displacement from their change (Dai 2024, Eqs. 13 to 15).
+//! * [`Parameters`]: R_x, R_y, S_z of a field value, and displacement from their change (Dai 2024,
+//!   Eqs. 13 to 15).
 //! * [`Decoupling`]: the parameters over a working volume, and their errors.
 //!
-//! Flux densities in tesla; lengths in any one unit. This crate computes no field, reads no files and prints nothing.
+//! Flux densities in tesla; lengths in any one unit. This crate computes no field, reads no files
+//! and prints nothing.
 //!
 //! # Features
 //! `serde` (off by default): `Serialize` for values and results, `Deserialize` for values.
@@ -25,8 +28,8 @@
 //! ```
 //!
 //! # Reference
-//! Dai et al., "A Magnet Splicing Method for Constructing a Three-Dimensional Self-Decoupled Magnetic Tactile Sensor",
-//! Magnetochemistry 2024, 10(1), 6.
+//! Dai et al., "A Magnet Splicing Method for Constructing a Three-Dimensional Self-Decoupled
+//! Magnetic Tactile Sensor", Magnetochemistry 2024, 10(1), 6.
 
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]

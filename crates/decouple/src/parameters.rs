@@ -1,4 +1,5 @@
-//! The decoupling parameters of one field value, and displacement from their change (Dai 2024, Eqs. 13 to 15).
+//! The decoupling parameters of one field value, and displacement from their change (Dai 2024, Eqs.
+//! 13 to 15).
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,14 +7,16 @@ use glam::DVec3;
 
 use crate::per_parameter::Parameter;
 
-/// Fraction of the largest component below which |B_z| counts as zero. A film's B is right to about 1e-13 of the sum of
-/// its tiles' fields, so neither the sign nor a digit of a smaller B_z is known.
+/// Fraction of the largest component below which |B_z| counts as zero. A film's B is right to about
+/// 1e-13 of the sum of its tiles' fields, so neither the sign nor a digit of a smaller B_z is
+/// known.
 const VANISHING_BZ: f64 = 1e-12;
 
-/// The decoupling parameters of a field value (Dai 2024, Eqs. 13 and 15): R_x and R_y in radians, S_z the natural
-/// logarithm of a flux density in tesla.
+/// The decoupling parameters of a field value (Dai 2024, Eqs. 13 and 15): R_x and R_y in radians,
+/// S_z the natural logarithm of a flux density in tesla.
 ///
-/// For the ideal film R_x = -k x, R_y = -k y and S_z = ln |K| + k z, so each depends on one coordinate only.
+/// For the ideal film R_x = -k x, R_y = -k y and S_z = ln |K| + k z, so each depends on one
+/// coordinate only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Parameters {
@@ -39,14 +42,15 @@ pub struct ParameterDerivatives {
 
 /// The branch of the arctangents of R_x and R_y: the sign of B_z on the axis x = y = 0.
 ///
-/// The quotient B_x / C_x loses the sign of C_x, and with it half a turn. C_x changes sign at a quarter of a wavelength,
-/// and working volumes come near that. With s the sign of this branch, arctan2(s B_x, s C_x) is continuous there, and
-/// R_x is 0 on the axis.
+/// The quotient B_x / C_x loses the sign of C_x, and with it half a turn. C_x changes sign at a
+/// quarter of a wavelength, and working volumes come near that. With s the sign of this branch,
+/// arctan2(s B_x, s C_x) is continuous there, and R_x is 0 on the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branch(f64);
 
 impl Branch {
-    /// The branch of a film whose B at a point of the axis is `on_axis_t`, in tesla. `None` if B_z vanishes there.
+    /// The branch of a film whose B at a point of the axis is `on_axis_t`, in tesla. `None` if B_z
+    /// vanishes there.
     pub fn from_axis_field(on_axis_t: DVec3) -> Option<Branch> {
         (!vanishes(on_axis_t)).then(|| Branch(on_axis_t.z.signum()))
     }
@@ -57,7 +61,8 @@ fn vanishes(b: DVec3) -> bool {
 }
 
 impl Parameters {
-    /// The parameters of a flux density in tesla. `None` where B_z = 0, a true singularity of Eq. 15, or B is not finite.
+    /// The parameters of a flux density in tesla. `None` where B_z = 0, a true singularity of Eq.
+    /// 15, or B is not finite.
     ///
     /// # Accuracy
     /// Round-off is about `1e-15 |B| / |B_z|`. The error of the field comes in addition.
@@ -79,8 +84,8 @@ impl Parameters {
         })
     }
 
-    /// The parameters of a flux density in tesla, with their derivatives with respect to its components. `None` as for
-    /// [`Parameters::from_field`].
+    /// The parameters of a flux density in tesla, with their derivatives with respect to its
+    /// components. `None` as for [`Parameters::from_field`].
     pub fn with_derivatives(b_t: DVec3, branch: Branch) -> Option<(Parameters, ParameterDerivatives)> {
         let parameters = Parameters::from_field(b_t, branch)?;
         let largest = b_t.abs().max_element();
@@ -109,11 +114,11 @@ impl Parameters {
         }
     }
 
-    /// The displacement of the sensor from `before` to these parameters: dx = -dR_x / k, dy = -dR_y / k, dz = dS_z / k
-    /// (Dai 2024, Eq. 14).
+    /// The displacement of the sensor from `before` to these parameters: dx = -dR_x / k, dy = -dR_y
+    /// / k, dz = dS_z / k (Dai 2024, Eq. 14).
     ///
-    /// It is given in the frame of the film, in the unit of 1 / `wavenumber`. Changes of R_x and R_y are reduced to half a
-    /// turn, so shear is right up to half a wavelength.
+    /// It is given in the frame of the film, in the unit of 1 / `wavenumber`. Changes of R_x and
+    /// R_y are reduced to half a turn, so shear is right up to half a wavelength.
     pub fn displacement_from(&self, before: &Parameters, wavenumber: f64) -> DVec3 {
         let dr_x = half_turn(self.r_x - before.r_x);
         let dr_y = half_turn(self.r_y - before.r_y);
@@ -134,7 +139,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Eq. 15 applied to Eq. 2 gives one coordinate each, for both signs of K and past a quarter of a wavelength.
+        /// Eq. 15 applied to Eq. 2 gives one coordinate each, for both signs of K and past a
+        /// quarter of a wavelength.
         #[test]
         fn ideal_film_decouples(
             x in -4.9..4.9_f64, y in -4.9..4.9_f64, z in -30.0..-0.1_f64, reversed in any::<bool>(),
@@ -143,7 +149,8 @@ mod tests {
             let k = film.wavenumber();
             let branch = Branch::from_axis_field(film.flux_density_t(DVec3::new(0.0, 0.0, z)).unwrap()).unwrap();
             let b = film.flux_density_t(DVec3::new(x, y, z)).unwrap();
-            // Near B_z = 0 the parameters are 0 / 0, which amplifies the round-off of B by |B| / |B_z|.
+            // Near B_z = 0 the parameters are 0 / 0, which amplifies the round-off of B by |B| /
+            // |B_z|.
             let allowed = 4e-15 * (1.0 + b.length() / b.z.abs());
             prop_assume!(allowed < 1e-9);
             let p = Parameters::from_field(b, branch).unwrap();
@@ -164,8 +171,8 @@ mod tests {
     }
 
     proptest! {
-        /// The error of central differences is of the order h^2 and round-off / h. Here both are below 1e-9 of the
-        /// derivatives of parameters whose C is not small.
+        /// The error of central differences is of the order h^2 and round-off / h. Here both are
+        /// below 1e-9 of the derivatives of parameters whose C is not small.
         #[test]
         fn derivatives_agree_with_central_differences(x in -0.9..0.9_f64, y in -0.9..0.9_f64, size in -6..6_i32, reversed in any::<bool>()) {
             let sign = if reversed { -1.0 } else { 1.0 };

@@ -58,7 +58,8 @@ impl PerParameter {
         [self.r_x, self.r_y, self.s_z]
     }
 
-    /// The same errors as displacements along x, y, z: divided by k (Dai 2024, Eq. 14), in the unit of 1 / `wavenumber`.
+    /// The same errors as displacements along x, y, z: divided by k (Dai 2024, Eq. 14), in the unit
+    /// of 1 / `wavenumber`.
     pub fn as_lengths(&self, wavenumber: f64) -> DVec3 {
         DVec3::new(self.r_x, self.r_y, self.s_z) / wavenumber
     }

@@ -7,8 +7,9 @@ use crate::metrics::Metrics;
 
 /// Central differences in every variable, for every goal, with all numbers free at once.
 ///
-/// With steps of 1e-5 of a millimetre, a radian or a tesla times the strength, the differences are off by the third
-/// derivative times 1e-10 and by round-off over 1e-5. Both are below 1e-7 of the largest derivative of a variable.
+/// With steps of 1e-5 of a millimetre, a radian or a tesla times the strength, the differences are
+/// off by the third derivative times 1e-10 and by round-off over 1e-5. Both are below 1e-7 of the
+/// largest derivative of a variable.
 #[test]
 fn derivatives_agree_with_central_differences() {
     let text = |design: &str, tiles: &str| {

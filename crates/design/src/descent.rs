@@ -35,7 +35,8 @@ pub(crate) struct Candidate {
 }
 
 impl Candidate {
-    /// The loss, increased by a penalty for lacking amplitude. The better of two films has the smaller merit.
+    /// The loss, increased by a penalty for lacking amplitude. The better of two films has the
+    /// smaller merit.
     pub(crate) fn merit(&self) -> f64 {
         self.loss * (1.0 + PRICE_OF_AMPLITUDE * self.lack)
     }
@@ -117,8 +118,8 @@ impl LeastSquares {
         }
     }
 
-    /// Descends from `start`, which keeps the rules, until the gain is small or `observe` breaks off. `observe` is
-    /// called after every step, successful or not.
+    /// Descends from `start`, which keeps the rules, until the gain is small or `observe` breaks
+    /// off. `observe` is called after every step, successful or not.
     pub(crate) fn descend(
         &self,
         pattern: &Pattern,
@@ -139,8 +140,8 @@ impl LeastSquares {
                 .into_iter()
                 .filter(|rule| !rule.value.terms.is_empty())
                 .collect();
-            // The price is proportional to the remaining loss. A price far above the true cost of amplitude would
-            // forbid every step along the curved bound.
+            // The price is proportional to the remaining loss. A price far above the true cost of
+            // amplitude would forbid every step along the curved bound.
             let price = PRICE_OF_AMPLITUDE * candidate.loss;
             let program = self.model(&residuals, &rules, &candidate.variables, &steps, damping, price);
             let better = program.solve().and_then(|change| {
@@ -170,8 +171,8 @@ impl LeastSquares {
         Some(candidate)
     }
 
-    /// The quadratic program of one step: residuals and amplitude linearized, within step lengths and rules. The
-    /// lacking amplitude is one more variable.
+    /// The quadratic program of one step: residuals and amplitude linearized, within step lengths
+    /// and rules. The lacking amplitude is one more variable.
     fn model(
         &self,
         residuals: &Residuals,
@@ -193,8 +194,9 @@ impl LeastSquares {
                 }
             }
         }
-        // Damping is measured in units of the steps, so that it does not depend on the units of the variables. A part
-        // of it is the same for all variables and holds variables that change nothing.
+        // Damping is measured in units of the steps, so that it does not depend on the units of the
+        // variables. A part of it is the same for all variables and holds variables that change
+        // nothing.
         let unit = |i: usize| if steps[i].is_finite() { steps[i] } else { 1.0 };
         let largest = (0..n).map(|i| curvature[i * all + i] * unit(i) * unit(i)).fold(0.0, f64::max);
         for i in 0..n {
@@ -219,7 +221,8 @@ impl LeastSquares {
     }
 }
 
-/// Damping of variables that change nothing, as a fraction of the damping of the most effective variable.
+/// Damping of variables that change nothing, as a fraction of the damping of the most effective
+/// variable.
 const LEAST_CURVATURE: f64 = 1e-3;
 
 /// Rules as inequalities of the change of the variables.

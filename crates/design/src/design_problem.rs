@@ -31,8 +31,8 @@ impl<'a> DesignProblem<'a> {
     /// The problem that the layout's `[design]` table states.
     ///
     /// # Errors
-    /// If the layout lacks a table, its tiles lack the symmetry of the brief, no number is free, or the working volume
-    /// is not below the film.
+    /// If the layout lacks a table, its tiles lack the symmetry of the brief, no number is free, or
+    /// the working volume is not below the film.
     pub fn new(layout: &'a Layout) -> Result<DesignProblem<'a>, DesignError> {
         let brief = layout.brief.clone().ok_or(DesignError::Missing("design"))?;
         DesignProblem::from_brief(layout, brief)
@@ -97,7 +97,8 @@ impl<'a> DesignProblem<'a> {
         &self.least_squares.sampling.grid
     }
 
-    /// The design grid refined five times, which shows errors between the points of the design grid.
+    /// The design grid refined five times, which shows errors between the points of the design
+    /// grid.
     pub fn finer_grid(&self) -> Grid {
         finer(self.grid())
     }
@@ -150,7 +151,8 @@ fn finer(grid: &Grid) -> Grid {
     Grid::new(grid.lower(), grid.upper(), grid.counts().map(|n| FINER * (n - 1) + 1)).expect("a grid of points")
 }
 
-/// The grid over the region of the volume, with the step of the brief or as few points as are enough.
+/// The grid over the region of the volume, with the step of the brief or as few points as are
+/// enough.
 fn design_grid(volume: &WorkingVolume, step_mm: Option<f64>) -> Grid {
     let grid = volume.grid;
     let counts = [0, 1, 2].map(|axis| match step_mm {

@@ -28,7 +28,8 @@ pub enum DesignError {
     Decoupling(DecouplingError),
     /// B_z vanishes at a point of the design grid.
     Singular,
-    /// Numbers of a [`SpliceRequest`](crate::SpliceRequest) are out of range, each given as value and rule.
+    /// Numbers of a [`SpliceRequest`](crate::SpliceRequest) are out of range, each given as value
+    /// and rule.
     Request(Vec<String>),
 }
 

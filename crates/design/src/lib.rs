@@ -1,17 +1,18 @@
-//! Search for spliced films that decouple better, by exact derivatives and constrained least squares.
+//! Search for spliced films that decouple better, by exact derivatives and constrained least
+//! squares.
 //!
 //! The `[design]` table of a layout, its brief, says what may change and what is wanted.
 //!
-//! * [`DesignProblem`]: a layout prepared for design. Tiles are sorted by symmetry, each free number is a variable, and
-//!   each rule a linear inequality.
-//! * [`DesignProblem::search`]: damped Gauss-Newton descents from several starts, each step a quadratic program; then
-//!   fewer parts, if asked for, and rounding.
+//! * [`DesignProblem`]: a layout prepared for design. Tiles are sorted by symmetry, each free
+//!   number is a variable, and each rule a linear inequality.
+//! * [`DesignProblem::search`]: damped Gauss-Newton descents from several starts, each step a
+//!   quadratic program; then fewer parts, if asked for, and rounding.
 //! * [`SearchResult`]: the film found, with its [`Metrics`] before and after.
 //! * [`ParetoFront`]: the best films for a series of demands.
 //! * [`SpliceRequest`]: a layout to begin with, from a few numbers.
 //!
-//! Lengths in millimetres, polarization in tesla. This crate reads no files and prints nothing. docs/physics.md,
-//! section 6, derives the method; docs/design.md tells how well it does.
+//! Lengths in millimetres, polarization in tesla. This crate reads no files and prints nothing.
+//! docs/physics.md, section 6, derives the method; docs/design.md tells how well it does.
 //!
 //! # Example
 //! ```

@@ -12,31 +12,33 @@ use crate::error::DesignError;
 pub struct Metrics {
     /// Number of points of the grid.
     pub points: usize,
-    /// Standard deviation of each parameter over the planes normal to its axis, averaged over the planes; see
-    /// [`Decoupling::uniformity_rmse`].
+    /// Standard deviation of each parameter over the planes normal to its axis, averaged over the
+    /// planes; see [`Decoupling::uniformity_rmse`].
     #[cfg_attr(feature = "serde", serde(serialize_with = "as_array"))]
     pub uniformity_rmse: PerParameter,
     /// RMSE of each parameter's change from the reference point against the ideal film; see
     /// [`Decoupling::ideal_rmse`].
     #[cfg_attr(feature = "serde", serde(serialize_with = "as_array"))]
     pub ideal_rmse: PerParameter,
-    /// RMSE of the displacement along x, y, z that the parameters give (Dai 2024, Eq. 14), in millimetres:
-    /// `ideal_rmse` over the wavenumber.
+    /// RMSE of the displacement along x, y, z that the parameters give (Dai 2024, Eq. 14), in
+    /// millimetres: `ideal_rmse` over the wavenumber.
     pub displacement_rmse_mm: [f64; 3],
     /// Best-fit amplitude against the ideal film.
     pub amplitude: f64,
-    /// RMSE of B against the ideal film times the amplitude, relative to the latter. `None` if the amplitude is zero.
+    /// RMSE of B against the ideal film times the amplitude, relative to the latter. `None` if the
+    /// amplitude is zero.
     pub scaled_relative_rmse: Option<f64>,
 }
 
 impl Metrics {
-    /// Evaluates tiles over a grid. Lengths in millimetres. Parameters change from those at `reference`, which lies
-    /// near the axis of the film.
+    /// Evaluates tiles over a grid. Lengths in millimetres. Parameters change from those at
+    /// `reference`, which lies near the axis of the film.
     ///
     /// # Errors
     /// * [`DesignError::NotBelow`] if a point of the grid is not below the film;
     /// * [`DesignError::NoField`] if a point lies on an edge of a tile;
-    /// * [`DesignError::Decoupling`] or [`DesignError::Singular`] if decoupling parameters do not exist.
+    /// * [`DesignError::Decoupling`] or [`DesignError::Singular`] if decoupling parameters do not
+    ///   exist.
     pub fn from_tiles(
         tiles: &[Tile],
         grid: &Grid,

@@ -18,7 +18,8 @@ pub(crate) struct Objective {
     pub(crate) ideal: IdealFilm,
     /// B of the ideal film at the computed points, in tesla.
     pub(crate) ideal_field_t: Vec<DVec3>,
-    /// The least amplitude, if any. Where the field is the goal, the target is the ideal field times this.
+    /// The least amplitude, if any. Where the field is the goal, the target is the ideal field
+    /// times this.
     pub(crate) amplitude: Option<f64>,
     /// Weights of the points of the sampling, for each grid over which the amplitude is bounded.
     pub(crate) amplitude_weights: Vec<Vec<f64>>,
@@ -42,7 +43,8 @@ impl Residuals {
 }
 
 impl Objective {
-    /// The residuals of a field. `None` where B_z = 0 at some point, so that decoupling parameters do not exist.
+    /// The residuals of a field. `None` where B_z = 0 at some point, so that decoupling parameters
+    /// do not exist.
     pub(crate) fn residuals(&self, sampling: &Sampling, field: &SampledField) -> Option<Residuals> {
         let amplitudes =
             self.amplitude_weights.iter().map(|weights| self.amplitude(weights, sampling, field)).collect();
@@ -70,7 +72,8 @@ impl Objective {
         (product / square, derivatives)
     }
 
-    /// Components of B minus those of the target field, relative to the root mean square of the target.
+    /// Components of B minus those of the target field, relative to the root mean square of the
+    /// target.
     fn field_residuals(&self, sampling: &Sampling, field: &SampledField) -> (Vec<f64>, Vec<f64>) {
         let wanted = self.amplitude.unwrap_or(1.0);
         let square: f64 = sampling.images().iter().map(|&(index, _)| self.ideal_field_t[index].length_squared()).sum();
@@ -116,7 +119,8 @@ impl Objective {
         Some((values, errors))
     }
 
-    /// Changes of the parameters from the reference point minus those of the ideal film, divided by k (Dai 2024, Eq. 14).
+    /// Changes of the parameters from the reference point minus those of the ideal film, divided by
+    /// k (Dai 2024, Eq. 14).
     fn displacement_residuals(&self, sampling: &Sampling, field: &SampledField) -> Option<(Vec<f64>, Vec<f64>)> {
         let (parameters, derivatives, reference) = self.parameters(sampling, field)?;
         let (grid, n, k) = (&sampling.grid, field.variable_count, self.ideal.wavenumber());
@@ -138,8 +142,8 @@ impl Objective {
         Some((values, errors))
     }
 
-    /// R_x, R_y, S_z at the points of the grid, parameter fastest, with derivatives; then the same at the reference
-    /// point.
+    /// R_x, R_y, S_z at the points of the grid, parameter fastest, with derivatives; then the same
+    /// at the reference point.
     #[allow(clippy::type_complexity)]
     fn parameters(
         &self,

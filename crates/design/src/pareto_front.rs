@@ -17,10 +17,11 @@ use crate::tolerances::MOST_STEPS;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ParetoFront {
-    /// The film found for each least amplitude, in ascending order of the amplitude, with any number of parts.
+    /// The film found for each least amplitude, in ascending order of the amplitude, with any
+    /// number of parts.
     pub by_amplitude: Vec<(f64, SearchResult)>,
-    /// The films found with fewer and fewer distinct parts, at the least amplitude of the layout. Empty where sizes and
-    /// positions are not both free, or tilts are.
+    /// The films found with fewer and fewer distinct parts, at the least amplitude of the layout.
+    /// Empty where sizes and positions are not both free, or tilts are.
     pub by_parts: Vec<SearchResult>,
 }
 
@@ -28,10 +29,12 @@ pub struct ParetoFront {
 const STARTS: usize = 3;
 
 impl DesignProblem<'_> {
-    /// Searches for the best film for each of these least amplitudes, and for fewer and fewer parts.
+    /// Searches for the best film for each of these least amplitudes, and for fewer and fewer
+    /// parts.
     ///
-    /// A film with more amplitude also meets a smaller bound, so errors grow along the front as far as the search
-    /// succeeds. If `progress` stops the search, the front has the films found until then.
+    /// A film with more amplitude also meets a smaller bound, so errors grow along the front as far
+    /// as the search succeeds. If `progress` stops the search, the front has the films found until
+    /// then.
     ///
     /// # Errors
     /// As [`DesignProblem::search`].
@@ -48,7 +51,8 @@ impl DesignProblem<'_> {
             let brief = Brief { least_amplitude: Some(amplitude), parts, stock, starts: STARTS, ..self.brief.clone() };
             let problem = DesignProblem::from_brief(self.layout, brief)?;
             let mut starts = problem.best_of_starts(&progress)?;
-            // With the field as the goal, each amplitude has its own target, so the film before is no start.
+            // With the field as the goal, each amplitude has its own target, so the film before is
+            // no start.
             if let Some(before) = before.filter(|_| self.brief.goal != Goal::Field) {
                 let start = problem.least_squares.nearest(&problem.pattern, &before.variables);
                 let start = start.unwrap_or(before.variables);

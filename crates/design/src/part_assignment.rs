@@ -1,4 +1,5 @@
-//! Assignment of tiles to distinct parts: which tile is made of which part, and in which orientation.
+//! Assignment of tiles to distinct parts: which tile is made of which part, and in which
+//! orientation.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -38,7 +39,8 @@ impl SymmetryClass {
 struct DistinctPart {
     /// First and second side.
     size: [f64; 2],
-    /// Angle of the polarization from the first side towards the second, within a right angle, in radians.
+    /// Angle of the polarization from the first side towards the second, within a right angle, in
+    /// radians.
     angle: f64,
     strength: f64,
     class: SymmetryClass,
@@ -119,8 +121,9 @@ impl PartAssignment {
         all
     }
 
-    /// The assignment whose tiles of part `from` are made of part `into`. `flip` exchanges their sides. Where directions
-    /// may not change, the direction of `into` holds. `None` if symmetry or stock forbids it.
+    /// The assignment whose tiles of part `from` are made of part `into`. `flip` exchanges their
+    /// sides. Where directions may not change, the direction of `into` holds. `None` if symmetry or
+    /// stock forbids it.
     fn with_merged(&self, from: usize, into: usize, flip: bool, turns: bool) -> Option<MergedAssignment> {
         let tiles: Vec<usize> = (0..self.placed.len()).filter(|&i| self.placed[i].part == from).collect();
         let own = self.placed.iter().filter(|placed| placed.part == into).count() as f64;
@@ -129,7 +132,8 @@ impl PartAssignment {
         if b.in_stock && class != b.class {
             return None;
         }
-        // Only the sides of a part without demands can be exchanged. One of the two parts is enough.
+        // Only the sides of a part without demands can be exchanged. One of the two parts is
+        // enough.
         let across = if a.class == SymmetryClass::Free { from } else { into };
         if flip && (self.parts[across].class != SymmetryClass::Free || b.in_stock && across == into) {
             return None;
@@ -214,7 +218,8 @@ impl PartAssignment {
         self
     }
 
-    /// The pattern whose variables are the free numbers of the parts and the positions of the tiles.
+    /// The pattern whose variables are the free numbers of the parts and the positions of the
+    /// tiles.
     pub(crate) fn pattern(&self, vary: Vary, like: &Pattern) -> Pattern {
         let mut pattern =
             Pattern { tiles: Vec::new(), kinds: Vec::new(), start: Vec::new(), tile_count: like.tile_count };

@@ -1,8 +1,9 @@
 //! Fewer distinct parts: pairs of parts are merged in the order of what it costs.
 //!
-//! A part is a size with a direction of polarization. A tile is a part in one of the eight orientations of a rectangle,
-//! turned over included. The reduction begins with one part per tile. Each round merges the pair of parts that costs
-//! least, which is found by designing the film anew. Parts in stock absorb tiles in the same way.
+//! A part is a size with a direction of polarization. A tile is a part in one of the eight
+//! orientations of a rectangle, turned over included. The reduction begins with one part per tile.
+//! Each round merges the pair of parts that costs least, which is found by designing the film anew.
+//! Parts in stock absorb tiles in the same way.
 
 use std::ops::ControlFlow;
 
@@ -56,7 +57,8 @@ pub(crate) fn fewest(
     levels(problem, pattern, candidate, problem.free_parts(), progress).pop()
 }
 
-/// The best films found with fewer and fewer parts, until at most `free_parts` of them are not in stock.
+/// The best films found with fewer and fewer parts, until at most `free_parts` of them are not in
+/// stock.
 pub(crate) fn levels(
     problem: &DesignProblem,
     pattern: &Pattern,
@@ -133,7 +135,8 @@ fn best_of(problem: &DesignProblem, pattern: &Pattern, assignments: Vec<PartAssi
     finished.into_iter().min_by(|a, b| a.candidate.merit().total_cmp(&b.candidate.merit()))
 }
 
-/// The film of an assignment, with the sizes of parts and the positions of tiles free, after at most `steps` steps.
+/// The film of an assignment, with the sizes of parts and the positions of tiles free, after at
+/// most `steps` steps.
 fn designed(assignment: PartAssignment, problem: &DesignProblem, like: &Pattern, steps: usize) -> Option<FilmOfParts> {
     let pattern = assignment.pattern(problem.brief.vary, like);
     let start = problem.least_squares.nearest(&pattern, &pattern.start).ok()?;

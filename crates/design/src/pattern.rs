@@ -33,7 +33,8 @@ pub(crate) struct VariableTile {
     pub(crate) tilt: Affine,
     /// Magnitude of the polarization, in tesla.
     pub(crate) strength: Affine,
-    /// Unit vector of the polarization. It is used while no angle is free, so that constant directions keep every digit.
+    /// Unit vector of the polarization. It is used while no angle is free, so that constant
+    /// directions keep every digit.
     pub(crate) unit: DVec3,
     /// The tile of the layout.
     pub(crate) original: Tile,
@@ -78,7 +79,8 @@ impl VariableTile {
         [0, 1].map(|end| DVec3::from([0, 1, 2].map(|axis| self.faces[axis][end].eval(variables))))
     }
 
-    /// Whether the faces normal to an axis, which must be constants, differ from those of the layout's tile.
+    /// Whether the faces normal to an axis, which must be constants, differ from those of the
+    /// layout's tile.
     pub(crate) fn faces_moved(&self, axis: usize) -> bool {
         let half = 0.5 * self.original.size()[axis];
         let centre = self.original.position()[axis];
@@ -107,7 +109,8 @@ impl VariableTile {
 }
 
 impl Pattern {
-    /// The pattern in which each number that the brief lets vary is a variable, unless symmetry determines it.
+    /// The pattern in which each number that the brief lets vary is a variable, unless symmetry
+    /// determines it.
     pub(crate) fn new(tiles: &[Tile], orbits: &[Orbit], brief: &Brief) -> Pattern {
         let mut builder = PatternBuilder { kinds: Vec::new(), start: Vec::new(), lines: Vec::new(), tops: Vec::new() };
         let representatives =
@@ -209,7 +212,8 @@ impl PatternBuilder {
         }
     }
 
-    /// The cut line at a coordinate. Its images share its variable: the line at -x, and the same lines along y.
+    /// The cut line at a coordinate. Its images share its variable: the line at -x, and the same
+    /// lines along y.
     fn line(&mut self, axis: usize, coordinate: f64, slack: f64, symmetry: Symmetry) -> Affine {
         if symmetry != Symmetry::None && coordinate.abs() <= slack {
             return Affine::constant(0.0);
@@ -248,7 +252,8 @@ impl PatternBuilder {
     }
 }
 
-/// The unit vector at these angles. It lies exactly along an axis where the angles are multiples of 90 degrees.
+/// The unit vector at these angles. It lies exactly along an axis where the angles are multiples of
+/// 90 degrees.
 pub(crate) fn unit_vector([direction_deg, tilt_deg]: [f64; 2]) -> DVec3 {
     let [(along, across), (plane, height)] = [direction_deg, tilt_deg].map(|angle| {
         let quarters = angle / 90.0;

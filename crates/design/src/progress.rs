@@ -13,8 +13,9 @@ pub struct ProgressUpdate {
     pub done: usize,
     /// Number of items of this stage. It is 0 where they cannot be counted.
     pub of: usize,
-    /// Root mean square of the weighted residuals of the best film so far. `None` before the first film. Relative to
-    /// the ideal field for `goal = "field"`, in radians for uniformity, in millimetres for displacement.
+    /// Root mean square of the weighted residuals of the best film so far. `None` before the first
+    /// film. Relative to the ideal field for `goal = "field"`, in radians for uniformity, in
+    /// millimetres for displacement.
     pub best: Option<f64>,
 }
 
@@ -52,8 +53,8 @@ impl serde::Serialize for SearchStage {
     }
 }
 
-/// A callback that observes a search. If it returns [`ControlFlow::Break`], the search stops and keeps the best film so
-/// far. Several threads call it.
+/// A callback that observes a search. If it returns [`ControlFlow::Break`], the search stops and
+/// keeps the best film so far. Several threads call it.
 pub type Progress<'a> = &'a (dyn Fn(ProgressUpdate) -> ControlFlow<()> + Sync);
 
 /// Ignores every update and never stops the search.
@@ -90,7 +91,8 @@ impl<'a> SharedProgress<'a> {
         SharedProgress { progress, stage, of, state: Mutex::new((0, None)), stop: AtomicBool::new(false) }
     }
 
-    /// Reports a film with this error. `counts` says whether the film keeps every bound, so that it may be the best.
+    /// Reports a film with this error. `counts` says whether the film keeps every bound, so that it
+    /// may be the best.
     pub(crate) fn report(&self, error: f64, counts: bool) -> ControlFlow<()> {
         if self.is_stopped() {
             return ControlFlow::Break(());

@@ -1,4 +1,5 @@
-//! Quadratic programs: a quadratic function under linear inequalities, minimized by an interior-point solver.
+//! Quadratic programs: a quadratic function under linear inequalities, minimized by an
+//! interior-point solver.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
@@ -13,7 +14,8 @@ pub(crate) struct QuadraticProgram {
     pub(crate) rules: Vec<(Vec<(usize, f64)>, f64)>,
 }
 
-/// Tolerance of the solver, relative to the objective. Steps need no more digits, because films are rounded.
+/// Tolerance of the solver, relative to the objective. Steps need no more digits, because films are
+/// rounded.
 const GAP: f64 = 1e-9;
 
 impl QuadraticProgram {

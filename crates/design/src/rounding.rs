@@ -11,8 +11,8 @@ use crate::pattern::{Pattern, VariableKind, VariableTile, image, unit_vector};
 use crate::rules::LinearRule;
 use crate::tolerances::{KEPT_MM, ROUNDINGS};
 
-/// The best variables found that are multiples of the resolution near `variables`. They are changed by one multiple at
-/// a time, by a linear model of the residuals.
+/// The best variables found that are multiples of the resolution near `variables`. They are changed
+/// by one multiple at a time, by a linear model of the residuals.
 pub(crate) fn rounded(problem: &DesignProblem, pattern: &Pattern, variables: &[f64]) -> Vec<f64> {
     let steps: Vec<Option<f64>> = pattern.kinds.iter().map(|kind| step(problem, *kind)).collect();
     let mut best: Vec<f64> =
@@ -73,7 +73,8 @@ fn broken(rules: &[LinearRule], variables: &[f64]) -> f64 {
     if sum <= KEPT_MM { 0.0 } else { sum }
 }
 
-/// A lattice of films whose variables differ by whole steps from those of one film, with a linear model of residuals.
+/// A lattice of films whose variables differ by whole steps from those of one film, with a linear
+/// model of residuals.
 struct RoundingLattice<'a> {
     steps: &'a [Option<f64>],
     /// Number of steps by which each variable is moved.
@@ -138,8 +139,8 @@ impl<'a> RoundingLattice<'a> {
         true
     }
 
-    /// The change that a move causes in broken rules, in lacking amplitude and in the loss. The first of them that changes
-    /// decides.
+    /// The change that a move causes in broken rules, in lacking amplitude and in the loss. The
+    /// first of them that changes decides.
     fn change(&self, variable: usize, by: f64) -> [f64; 3] {
         let lack = |value: f64| (-value).max(0.0);
         let rules = self.rules_of[variable].iter().map(|&(rule, factor)| {
@@ -169,8 +170,8 @@ impl<'a> RoundingLattice<'a> {
     }
 }
 
-/// Strengths are rounded to multiples of this fraction of the largest allowed strength. It is finer than the spread of
-/// real magnets, and a tile that is not needed gets the strength 0.
+/// Strengths are rounded to multiples of this fraction of the largest allowed strength. It is finer
+/// than the spread of real magnets, and a tile that is not needed gets the strength 0.
 const STRENGTH_STEP: f64 = 1e-5;
 
 /// Maximum number of moves per variable. More moves would leave the range of the linear model.
@@ -189,7 +190,8 @@ fn order(a: &[f64; 3], b: &[f64; 3]) -> Ordering {
     a[2].total_cmp(&b[2])
 }
 
-/// All tiles at rounded variables, in the order of the layout. Their numbers are the nearest to short decimals.
+/// All tiles at rounded variables, in the order of the layout. Their numbers are the nearest to
+/// short decimals.
 pub(crate) fn tiles(pattern: &Pattern, variables: &[f64]) -> Option<Vec<Tile>> {
     let mut tiles = vec![None; pattern.tile_count];
     for variable_tile in &pattern.tiles {

@@ -27,7 +27,8 @@ pub(crate) enum RuleMeaning {
     Apart(usize, usize),
 }
 
-/// Bounds of the tiles of a film, resolved from its brief. Lengths in millimetres, polarization in tesla.
+/// Bounds of the tiles of a film, resolved from its brief. Lengths in millimetres, polarization in
+/// tesla.
 #[derive(Clone, Debug)]
 pub(crate) struct DesignBounds {
     /// Lower and upper end along x and y.
@@ -97,8 +98,8 @@ impl DesignBounds {
         distinct(rules)
     }
 
-    /// The rules of pairs of tiles. A pair stays apart along the axis along which its distance is larger now. Pairs
-    /// further apart than `reach` need no rule.
+    /// The rules of pairs of tiles. A pair stays apart along the axis along which its distance is
+    /// larger now. Pairs further apart than `reach` need no rule.
     pub(crate) fn rules_of_pairs(&self, pattern: &Pattern, variables: &[f64], reach: f64) -> Vec<LinearRule> {
         let images: Vec<PlacedImage> = pattern
             .tiles

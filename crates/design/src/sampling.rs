@@ -19,11 +19,13 @@ pub(crate) struct Sampling {
     /// The point from which changes are measured. It is the last of the computed points.
     pub(crate) reference: DVec3,
     computed: Vec<DVec3>,
-    /// For each point of the grid, the index of a computed point and the operation that maps it there.
+    /// For each point of the grid, the index of a computed point and the operation that maps it
+    /// there.
     images: Vec<(usize, SymmetryOperation)>,
 }
 
-/// B in tesla at the computed points, and its derivatives with respect to the variables, variable fastest.
+/// B in tesla at the computed points, and its derivatives with respect to the variables, variable
+/// fastest.
 #[derive(Clone, Debug)]
 pub(crate) struct SampledField {
     pub(crate) flux_density_t: Vec<DVec3>,
@@ -61,8 +63,8 @@ impl Sampling {
         &self.computed
     }
 
-    /// Weights of the points of the grid with which a sum over it equals a sum over another grid in the same region. A
-    /// smooth function is interpolated from this grid to the other.
+    /// Weights of the points of the grid with which a sum over it equals a sum over another grid in
+    /// the same region. A smooth function is interpolated from this grid to the other.
     pub(crate) fn weights_for(&self, other: &Grid) -> Vec<f64> {
         let along = [0, 1, 2].map(|axis| {
             let nodes: Vec<f64> = (0..self.grid.counts()[axis]).map(|i| self.grid.coordinate(axis, i)).collect();
@@ -79,13 +81,14 @@ impl Sampling {
         (0..self.grid.len()).map(weight).collect()
     }
 
-    /// For each point of the grid, the index of a computed point and the operation that maps it there.
+    /// For each point of the grid, the index of a computed point and the operation that maps it
+    /// there.
     pub(crate) fn images(&self) -> &[(usize, SymmetryOperation)] {
         &self.images
     }
 
-    /// The field of a film, with derivatives on request. `None` where a point lies on an edge of a tile, or a side of a
-    /// tile is not positive.
+    /// The field of a film, with derivatives on request. `None` where a point lies on an edge of a
+    /// tile, or a side of a tile is not positive.
     pub(crate) fn field(&self, pattern: &Pattern, variables: &[f64], with_derivatives: bool) -> Option<SampledField> {
         let variable_count = if with_derivatives { variables.len() } else { 0 };
         let mut flux_density_t = vec![DVec3::ZERO; self.computed.len()];
@@ -94,7 +97,8 @@ impl Sampling {
             let tile = variable_tile.tile(variables)?;
             let j = tile.polarization_t();
             let by_angles = variable_tile.polarization_derivatives(variables);
-            // The field of an image at a point is the image of the tile's own field at the point mapped back.
+            // The field of an image at a point is the image of the tile's own field at the point
+            // mapped back.
             let mapped: Vec<DVec3> = variable_tile
                 .orbit
                 .images
@@ -135,8 +139,8 @@ impl Sampling {
     }
 }
 
-/// Number of nodes that a value is interpolated from. Nine nodes over two fifths of a wavelength along x and y, and five
-/// along z, make sums right to 2e-5.
+/// Number of nodes that a value is interpolated from. Nine nodes over two fifths of a wavelength
+/// along x and y, and five along z, make sums right to 2e-5.
 const NODES: usize = 9;
 
 /// Adds the weights of Lagrange interpolation at `at` from the nearest nodes.

@@ -24,12 +24,13 @@ use crate::tolerances::{MOST_STEPS, ROUNDS_OF_AMPLITUDE, SPREAD_OF_STARTS};
 impl DesignProblem<'_> {
     /// Searches for the film that the brief asks for.
     ///
-    /// The film found is a local minimum, the best of the brief's starts. The same layout gives the same film for any
-    /// number of threads, unless `progress` stops the search. A demand that the film misses is no error:
-    /// [`SearchResult::short_of`] lists it.
+    /// The film found is a local minimum, the best of the brief's starts. The same layout gives the
+    /// same film for any number of threads, unless `progress` stops the search. A demand that the
+    /// film misses is no error: [`SearchResult::short_of`] lists it.
     ///
     /// # Errors
-    /// If no film keeps the rules, or the film to start from has no field or no decoupling parameters.
+    /// If no film keeps the rules, or the film to start from has no field or no decoupling
+    /// parameters.
     pub fn search(&self, progress: Progress) -> Result<SearchResult, DesignError> {
         self.metrics(&self.tiles)?;
         let best = self.best_of_starts(progress)?;
@@ -57,8 +58,8 @@ impl DesignProblem<'_> {
         problem.rounded(&pattern, candidate, stages, agreeing, &progress, &stop)
     }
 
-    /// Widens the gap by two steps of the resolution: where tiles share sizes, rounding may move each of two
-    /// neighbours nearer by one step.
+    /// Widens the gap by two steps of the resolution: where tiles share sizes, rounding may move
+    /// each of two neighbours nearer by one step.
     pub(crate) fn leave_room_for_rounding(&mut self) {
         self.least_squares.bounds.gap_mm += 2.0 * self.brief.resolution_mm;
     }
@@ -90,8 +91,8 @@ impl DesignProblem<'_> {
         Ok(SearchResult { tiles, before, after, finer, stages, parts, agreeing_starts, short_of, interrupted })
     }
 
-    /// Rounds a film. While its amplitude, over more points than the design grid has, is short of the bound, the bound
-    /// is raised and the film designed further.
+    /// Rounds a film. While its amplitude, over more points than the design grid has, is short of
+    /// the bound, the bound is raised and the film designed further.
     fn rounded_with_amplitude(
         mut self,
         pattern: &Pattern,

@@ -6,7 +6,8 @@ use magsplice_field::Tile;
 use crate::metrics::Metrics;
 use crate::progress::SearchStage;
 
-/// A film that a search found, with its errors before and after. Lengths in millimetres, polarization in tesla.
+/// A film that a search found, with its errors before and after. Lengths in millimetres,
+/// polarization in tesla.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SearchResult {
@@ -43,4 +44,30 @@ pub struct StageMetrics {
     /// Uniformity RMSE over the working volume.
     #[cfg_attr(feature = "serde", serde(serialize_with = "crate::metrics::as_array"))]
     pub uniformity_rmse: PerParameter,
+}
+
+#[cfg(all(test, feature = "serde"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn metrics_and_stages_are_serialized_with_arrays_and_units() {
+        let errors = |r_x: f64| PerParameter { r_x, r_y: 2.0, s_z: 3.0 };
+        let metrics = Metrics {
+            points: 9,
+            uniformity_rmse: errors(1.0),
+            ideal_rmse: errors(4.0),
+            displacement_rmse_mm: [5.0, 6.0, 7.0],
+            amplitude: 0.5,
+            scaled_relative_rmse: None,
+        };
+        assert_eq!(
+            serde_json::to_string(&metrics).unwrap(),
+            r#"{"points":9,"uniformity_rmse":[1.0,2.0,3.0],"ideal_rmse":[4.0,2.0,3.0],"#.to_owned()
+                + r#""displacement_rmse_mm":[5.0,6.0,7.0],"amplitude":0.5,"scaled_relative_rmse":null}"#
+        );
+        let stage = StageMetrics { stage: SearchStage::Parts(4), uniformity_rmse: errors(1.0) };
+        let written = r#"{"stage":"fewer parts","uniformity_rmse":[1.0,2.0,3.0]}"#;
+        assert_eq!(serde_json::to_string(&stage).unwrap(), written);
+    }
 }

@@ -9,7 +9,8 @@ use magsplice_layout::{Brief, Goal, Layout, Symmetry, Vary};
 
 use crate::error::DesignError;
 
-/// A request for a film that is designed without a layout. Lengths in millimetres, polarization in tesla.
+/// A request for a film that is designed without a layout. Lengths in millimetres, polarization in
+/// tesla.
 ///
 /// ```
 /// use magsplice_design::SpliceRequest;
@@ -64,20 +65,22 @@ pub struct SpliceRequest {
     pub seed: u64,
 }
 
-/// Width of the wide intervals, as a fraction of the wavelength. Two thirds of a half-wave at full strength have no third
-/// harmonic (Dai 2024, Fig. 5, has 3.3 of 5 mm).
+/// Width of the wide intervals, as a fraction of the wavelength. Two thirds of a half-wave at full
+/// strength have no third harmonic (Dai 2024, Fig. 5, has 3.3 of 5 mm).
 const WIDE: f64 = 1.0 / 3.0;
 
 /// Points of the working volume along each axis.
 const POINTS: [usize; 3] = [9, 9, 5];
 
 impl SpliceRequest {
-    /// The layout to begin the design with. Along each axis it has intervals of a third of the wavelength about the
-    /// crests of the ideal polarization (Eq. 1), and of a sixth about its zeros.
+    /// The layout to begin the design with. Along each axis it has intervals of a third of the
+    /// wavelength about the crests of the ideal polarization (Eq. 1), and of a sixth about its
+    /// zeros.
     ///
     /// # Errors
-    /// [`DesignError::Request`] with all problems at once: lengths that are not positive, a film too small for the
-    /// crests about the middle, a working volume in which B_z of the ideal film vanishes.
+    /// [`DesignError::Request`] with all problems at once: lengths that are not positive, a film
+    /// too small for the crests about the middle, a working volume in which B_z of the ideal film
+    /// vanishes.
     pub fn layout(&self) -> Result<Layout, DesignError> {
         self.validate()?;
         let cuts = [0, 1].map(|axis| self.intervals(axis));
@@ -135,7 +138,8 @@ impl SpliceRequest {
         }
     }
 
-    /// Intervals along an axis, each with the sign of the ideal polarization, which is 0 about its zeros.
+    /// Intervals along an axis, each with the sign of the ideal polarization, which is 0 about its
+    /// zeros.
     fn intervals(&self, axis: usize) -> Vec<([f64; 2], f64)> {
         let (wavelength, edge) = (self.wavelength_mm, 0.5 * self.film_mm[axis]);
         let half_wide = 0.5 * WIDE * wavelength;
@@ -158,7 +162,8 @@ impl SpliceRequest {
         let signed = |ends: &[f64]| {
             let centre = 0.5 * (ends[0] + ends[1]);
             let phase = (TAU * centre / wavelength).sin();
-            // The centre of a wide interval is within a twelfth of the wavelength of a crest, that of a narrow one of a zero.
+            // The centre of a wide interval is within a twelfth of the wavelength of a crest, that
+            // of a narrow one of a zero.
             ([ends[0], ends[1]], if phase.abs() > 0.7 { phase.signum() } else { 0.0 })
         };
         cuts.windows(2).map(signed).collect()

@@ -1,4 +1,5 @@
-//! Strengths in stock: the strengths of a film are replaced by strengths in stock, one after the other.
+//! Strengths in stock: the strengths of a film are replaced by strengths in stock, one after the
+//! other.
 
 use std::ops::ControlFlow;
 
@@ -9,8 +10,8 @@ use crate::pattern::{Pattern, VariableKind};
 use crate::progress::{Progress, ProgressUpdate, SearchStage};
 use crate::tolerances::MOST_STEPS;
 
-/// Fixes the strength that is nearest to one in stock, descends in the variables that are left, and repeats that until
-/// all strengths are fixed.
+/// Fixes the strength that is nearest to one in stock, descends in the variables that are left, and
+/// repeats that until all strengths are fixed.
 pub(crate) fn fix_to_stock(
     problem: &DesignProblem,
     mut pattern: Pattern,

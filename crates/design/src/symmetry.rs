@@ -32,8 +32,8 @@ impl SymmetryOperation {
         }
     }
 
-    /// The image of a point or of an arrow. Polarization is mapped like an arrow drawn on the tile, and its field then
-    /// is too.
+    /// The image of a point or of an arrow. Polarization is mapped like an arrow drawn on the tile,
+    /// and its field then is too.
     pub(crate) fn apply(self, v: DVec3) -> DVec3 {
         let (x, y) = if self.exchange { (v.y, v.x) } else { (v.x, v.y) };
         DVec3::new(self.signs[0] * x, self.signs[1] * y, v.z)
@@ -54,7 +54,8 @@ impl SymmetryOperation {
 pub(crate) struct Orbit {
     /// Index of the representative; where there is a choice, a tile with x >= y >= 0.
     pub(crate) tile: usize,
-    /// Indices of all tiles, each with the operation that maps the representative to it; the representative first.
+    /// Indices of all tiles, each with the operation that maps the representative to it; the
+    /// representative first.
     pub(crate) images: Vec<(SymmetryOperation, usize)>,
     /// Whether the representative lies on the mirrors x = 0 and y = 0.
     pub(crate) on_mirror: [bool; 2],

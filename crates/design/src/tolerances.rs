@@ -1,11 +1,11 @@
 //! Tolerances and tuning constants of the design.
 
-/// Tiles are images of each other if they agree to this fraction of a side and of the polarization. Layouts are written
-/// with decimals, sometimes with only six of them.
+/// Tiles are images of each other if they agree to this fraction of a side and of the polarization.
+/// Layouts are written with decimals, sometimes with only six of them.
 pub(crate) const SAME_TILE: f64 = 1e-6;
 
-/// Longest step of a length, as a fraction of the wavelength. It is so short that the axis along which two tiles stay
-/// apart can be decided anew before they meet.
+/// Longest step of a length, as a fraction of the wavelength. It is so short that the axis along
+/// which two tiles stay apart can be decided anew before they meet.
 pub(crate) const LONGEST_STEP: f64 = 0.05;
 
 /// Longest step of an angle, in radians.
@@ -14,17 +14,18 @@ pub(crate) const WIDEST_STEP: f64 = 0.3;
 /// Longest step of a strength, as a fraction of the largest strength.
 pub(crate) const STRONGEST_STEP: f64 = 0.3;
 
-/// Starts differ from the layout by uniform deviates of at most this fraction of the longest step. That is far enough to
-/// reach other basins, and near enough that tiles keep their neighbours.
+/// Starts differ from the layout by uniform deviates of at most this fraction of the longest step.
+/// That is far enough to reach other basins, and near enough that tiles keep their neighbours.
 pub(crate) const SPREAD_OF_STARTS: f64 = 1.0;
 
-/// Maximum number of points of the design grid along x, y and z. The field is smooth on the scale of a fifth of the
-/// wavelength, and on a grid five times finer the errors of the films found are no larger (docs/design.md).
+/// Maximum number of points of the design grid along x, y and z. The field is smooth on the scale
+/// of a fifth of the wavelength, and on a grid five times finer the errors of the films found are
+/// no larger (docs/design.md).
 pub(crate) const POINTS_ALONG: [usize; 3] = [9, 9, 5];
 
-/// Relative increase of the sum of squares that stands for one unit of lacking amplitude. It must be above the worth of
-/// amplitude: on the published film's outline the squared errors grow tenfold for 0.05 of amplitude, that is by 46 times
-/// the lack.
+/// Relative increase of the sum of squares that stands for one unit of lacking amplitude. It must
+/// be above the worth of amplitude: on the published film's outline the squared errors grow tenfold
+/// for 0.05 of amplitude, that is by 46 times the lack.
 pub(crate) const PRICE_OF_AMPLITUDE: f64 = 200.0;
 
 /// Relative margin of the designed amplitude above the bound, so that rounding keeps the bound.
@@ -49,8 +50,9 @@ pub(crate) const LEAST_GAIN: f64 = 1e-3;
 /// Maximum number of steps of a descent.
 pub(crate) const MOST_STEPS: usize = 150;
 
-/// Rules may be broken by this much, in millimetres (tesla for strengths): the accuracy of the solver of quadratic
-/// programs. It is far below the resolution of films, and rounding makes films keep the rules.
+/// Rules may be broken by this much, in millimetres (tesla for strengths): the accuracy of the
+/// solver of quadratic programs. It is far below the resolution of films, and rounding makes films
+/// keep the rules.
 pub(crate) const KEPT_MM: f64 = 1e-6;
 
 /// Maximum number of times a rounded film is improved by a linear model about it.
@@ -59,7 +61,8 @@ pub(crate) const ROUNDINGS: usize = 4;
 /// Maximum number of times a rounded film whose amplitude is short is designed for more.
 pub(crate) const ROUNDS_OF_AMPLITUDE: usize = 4;
 
-/// With more parts than this, pairs to be merged are chosen by their sizes alone; with fewer, each pair is tried.
+/// With more parts than this, pairs to be merged are chosen by their sizes alone; with fewer, each
+/// pair is tried.
 pub(crate) const PARTS_TRIED: usize = 12;
 
 /// Maximum number of steps of a trial, which only has to tell better from worse.

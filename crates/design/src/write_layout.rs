@@ -15,11 +15,12 @@ const MARGIN: f64 = 0.01;
 const DESIGNED: &str = ", designed";
 
 impl DesignProblem<'_> {
-    /// The layout of a film found, with the errors it reached as expectations and one more line of history.
+    /// The layout of a film found, with the errors it reached as expectations and one more line of
+    /// history.
     ///
-    /// `program` is the program named in the history, such as "magsplice 1.0 design". The description and the baseline
-    /// of the field are left out, because they belong to the film before. Tiles whose strength has become 0 are left
-    /// out too.
+    /// `program` is the program named in the history, such as "magsplice 1.0 design". The
+    /// description and the baseline of the field are left out, because they belong to the film
+    /// before. Tiles whose strength has become 0 are left out too.
     pub fn designed_layout(&self, result: &SearchResult, program: &str) -> Layout {
         let mut layout = self.layout.clone();
         for (named, tile) in layout.tiles.iter_mut().zip(&result.tiles) {

@@ -1,4 +1,5 @@
-//! Searches find better films that keep their rules, and give the same film for any number of threads.
+//! Searches find better films that keep their rules, and give the same film for any number of
+//! threads.
 
 use std::ops::ControlFlow;
 

@@ -18,8 +18,8 @@ pub struct Baseline {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct BaselineDifference {
-    /// Length of the difference of the two values of B, divided by the length of the longer one. It is 0 for equal values
-    /// and at most 2.
+    /// Length of the difference of the two values of B, divided by the length of the longer one. It
+    /// is 0 for equal values and at most 2.
     pub relative: f64,
     /// The first point with that difference, in millimetres.
     #[cfg_attr(feature = "serde", serde(rename = "at_mm"))]
@@ -49,7 +49,8 @@ pub enum PointsMismatch {
 }
 
 impl Baseline {
-    /// The largest difference of a field from the baseline. `field_t` is in tesla, at `points` in millimetres.
+    /// The largest difference of a field from the baseline. `field_t` is in tesla, at `points` in
+    /// millimetres.
     ///
     /// # Accuracy
     /// Round-off of a few times 1e-16 of the longer value of B.
@@ -130,7 +131,8 @@ mod tests {
         baseline.difference(baseline.points.clone().into_iter(), now).unwrap()
     }
 
-    /// The point with the larger difference in tesla is not the worst one, because differences are relative to |B|.
+    /// The point with the larger difference in tesla is not the worst one, because differences are
+    /// relative to |B|.
     #[test]
     fn worst_point_is_relative_to_its_own_field() {
         let before = [DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 1e-3), DVec3::ZERO];

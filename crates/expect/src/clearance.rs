@@ -20,15 +20,17 @@ use crate::oriented_box::OrientedBox;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Clearance {
-    /// The smallest distance between a point of the box and a point of a tile, in the unit of the tiles. Negative if a
-    /// tile reaches into the box: then it is minus the shortest displacement by which the tile leaves the box.
+    /// The smallest distance between a point of the box and a point of a tile, in the unit of the
+    /// tiles. Negative if a tile reaches into the box: then it is minus the shortest displacement
+    /// by which the tile leaves the box.
     pub distance: f64,
     /// Index of the nearest tile.
     pub tile: usize,
 }
 
 impl Clearance {
-    /// The clearance of tiles from the box between the corners `lower` and `upper`. `None` if there are no tiles.
+    /// The clearance of tiles from the box between the corners `lower` and `upper`. `None` if there
+    /// are no tiles.
     ///
     /// # Accuracy
     /// A few units of round-off of the coordinates.
@@ -99,7 +101,8 @@ mod tests {
 
     #[test]
     fn rotated_tile_is_nearest_with_its_edge() {
-        // At 45 degrees about x, the edge between the sides 1.7 and 1 points down by (1.7 + 1) / 2 / sqrt 2.
+        // At 45 degrees about x, the edge between the sides 1.7 and 1 points down by (1.7 + 1) / 2
+        // / sqrt 2.
         let turned = tile([0.0, 0.0, 0.5]).rotated(DQuat::from_rotation_x(45_f64.to_radians())).unwrap();
         assert_relative_eq!(clearance(&[turned]).distance, 3.5 - 1.35 / 2_f64.sqrt(), max_relative = 1e-14);
     }

@@ -4,7 +4,8 @@
 //! * [`Baseline`]: a stored field, and the difference of another field from it.
 //! * [`Clearance`]: the distance of the tiles from the working volume.
 //!
-//! Lengths in millimetres, as in layout files. This crate computes no field, reads no files and prints nothing.
+//! Lengths in millimetres, as in layout files. This crate computes no field, reads no files and
+//! prints nothing.
 //!
 //! # Features
 //! `serde` (off by default): `Serialize` for outcomes, differences and clearances.

@@ -19,15 +19,16 @@ impl OrientedBox {
         OrientedBox { centre: 0.5 * (lower + upper), half: 0.5 * (upper - lower), axes: DMat3::IDENTITY }
     }
 
-    /// Whether the circumscribed spheres are at least this far apart, which implies the same for the boxes.
+    /// Whether the circumscribed spheres are at least this far apart, which implies the same for
+    /// the boxes.
     pub(crate) fn certainly_beyond(&self, other: &OrientedBox, distance: f64) -> bool {
         self.centre.distance(other.centre) - self.half.length() - other.half.length() >= distance
     }
 
     /// The distance of two boxes that share no volume.
     ///
-    /// Two such convex bodies have nearest points that are a corner of one and a point of the other, or that lie on an
-    /// edge of each.
+    /// Two such convex bodies have nearest points that are a corner of one and a point of the
+    /// other, or that lie on an edge of each.
     pub(crate) fn distance(&self, other: &OrientedBox) -> f64 {
         if self.axes == other.axes {
             let shift = self.axes.transpose() * (other.centre - self.centre);
@@ -78,7 +79,8 @@ impl BoxEdge {
         let (c, f) = (self.along.dot(between), other.along.dot(between));
         let b = self.along.dot(other.along);
         let denominator = a * e - b * b;
-        // Parallel edges have nearest points anywhere along their common part, so the search may begin at the start.
+        // Parallel edges have nearest points anywhere along their common part, so the search may
+        // begin at the start.
         let s = if denominator > 0.0 { ((b * f - c * e) / denominator).clamp(0.0, 1.0) } else { 0.0 };
         let t = ((b * s + f) / e).clamp(0.0, 1.0);
         let s = ((b * t - c) / a).clamp(0.0, 1.0);
@@ -135,7 +137,8 @@ mod tests {
             // The centre is so far away that the boxes share no volume.
             let b = oriented_box(size.into(), way.normalize() * 5.7, turn);
             let (found, projected) = (a.distance(&b), by_projection(&a, &b));
-            // The distance is at most that of two points found, and below it only by what projection has not yet gained.
+            // The distance is at most that of two points found, and below it only by what
+            // projection has not yet gained.
             prop_assert!(found <= projected + 1e-13 && found >= projected - 1e-3, "{} and {}", found, projected);
         }
     }

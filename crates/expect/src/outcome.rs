@@ -74,8 +74,8 @@ pub enum Location {
 
 /// An expectation with the computed value and its bound.
 ///
-/// It is serialized as `expectation`, `value`, `at_most` or `at_least`, `margin`, and `at_mm` or `tile` if there is a
-/// location.
+/// It is serialized as `expectation`, `value`, `at_most` or `at_least`, `margin`, and `at_mm` or
+/// `tile` if there is a location.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// The quantity.
@@ -89,15 +89,16 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The outcome for the uniformity RMSE of one parameter. `None` if the layout does not bound it.
+    /// The outcome for the uniformity RMSE of one parameter. `None` if the layout does not bound
+    /// it.
     pub fn from_uniformity(expected: &Expectations, parameter: Parameter, found: &PerParameter) -> Option<Outcome> {
         let most = expected.uniformity_rmse[parameter.axis()]?;
         let expectation = Expectation::UniformityRmse(parameter);
         Some(Outcome { expectation, value: found.get(parameter), bound: Bound::AtMost(most), location: None })
     }
 
-    /// The outcome for the RMSE of the displacement along an axis, of all `found_mm` in millimetres. `None` if the layout
-    /// does not bound it.
+    /// The outcome for the RMSE of the displacement along an axis, of all `found_mm` in
+    /// millimetres. `None` if the layout does not bound it.
     pub fn from_displacement(expected: &Expectations, axis: DisplacementAxis, found_mm: DVec3) -> Option<Outcome> {
         let bound = Bound::AtMost(expected.displacement_rmse_mm[axis.index()]?);
         let expectation = Expectation::DisplacementRmse(axis);
@@ -110,7 +111,8 @@ impl Outcome {
         Some(Outcome { expectation: Expectation::Amplitude, value, bound, location: None })
     }
 
-    /// The outcome for the difference of the field from the baseline. `None` if the layout has no baseline.
+    /// The outcome for the difference of the field from the baseline. `None` if the layout has no
+    /// baseline.
     pub fn from_field(expected: &Expectations, found: &BaselineDifference) -> Option<Outcome> {
         let bound = Bound::AtMost(expected.field.as_ref()?.within);
         let location = (found.relative > 0.0).then_some(Location::Point(found.at));
@@ -242,5 +244,20 @@ mod tests {
         assert_eq!([x, y, z], [Some((10.0, Bound::AtMost(1.0))), None, Some((30.0, Bound::AtMost(3.0)))]);
         let all = [Expectation::UniformityRmse(Parameter::Rx), Expectation::UniformityRmse(Parameter::Sz)];
         assert_eq!(Expectation::stated_in(&expected), all);
+    }
+
+    #[cfg(feature = "serde")]
+    #[test]
+    fn outcome_is_serialized_with_its_bound_margin_and_location() {
+        let json = |outcome: &Outcome| serde_json::to_string(outcome).unwrap();
+        let expectation = Expectation::UniformityRmse(Parameter::Rx);
+        let outcome = Outcome { expectation, value: 0.25, bound: Bound::AtMost(1.0), location: None };
+        assert_eq!(json(&outcome), r#"{"expectation":"uniformity_rmse.r_x","value":0.25,"at_most":1.0,"margin":0.75}"#);
+        let (expectation, bound) = (Expectation::Clearance, Bound::AtLeast(2.0));
+        let tile = Outcome { expectation, value: 3.0, bound, location: Some(Location::Tile(7)) };
+        let written = r#"{"expectation":"clearance_mm","value":3.0,"at_least":2.0,"margin":1.0,"tile":7}"#;
+        assert_eq!(json(&tile), written);
+        let point = Outcome { location: Some(Location::Point(DVec3::new(1.0, 2.0, -3.0))), ..tile };
+        assert_eq!(json(&point), written.replace(r#""tile":7"#, r#""at_mm":[1.0,2.0,-3.0]"#));
     }
 }

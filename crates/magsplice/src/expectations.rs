@@ -7,8 +7,9 @@ use crate::film::{Film, FilmError};
 impl Film<'_> {
     /// The outcomes of all expectations of the layout, in the order of [`Expectation::stated_in`].
     ///
-    /// Each expectation is evaluated by itself, so that one that fails does not hide the others. `baseline` is the field
-    /// that the expectation of the field names. Without it that expectation gives [`FilmError::NoBaseline`].
+    /// Each expectation is evaluated by itself, so that one that fails does not hide the others.
+    /// `baseline` is the field that the expectation of the field names. Without it that expectation
+    /// gives [`FilmError::NoBaseline`].
     pub fn outcomes(&self, baseline: Option<&Baseline>) -> Vec<(Expectation, Result<Outcome, FilmError>)> {
         let expected = &self.layout().expectations;
         let all = Expectation::stated_in(expected);

@@ -13,10 +13,11 @@ use magsplice_layout::{Layout, WorkingVolume};
 
 use crate::stage::Stage;
 
-/// Least and largest number of points evaluated between progress callbacks. The least gives work to every thread and
-/// room to sort points into batches of neighbours.
+/// Least and largest number of points evaluated between progress callbacks. The least gives work to
+/// every thread and room to sort points into batches of neighbours.
 const STRETCH_POINTS: [usize; 2] = [1 << 14, 1 << 16];
-/// Number of pairs of tile and point evaluated between progress callbacks, within these limits: about a tenth of a second.
+/// Number of pairs of tile and point evaluated between progress callbacks, within these limits:
+/// about a tenth of a second.
 const STRETCH_VALUES: usize = 1 << 24;
 
 /// A layout with its tiles prepared for evaluation. Lengths in millimetres, flux density in tesla.
@@ -63,7 +64,8 @@ pub enum FilmError {
     Missing(&'static str),
     /// The field does not exist at some points.
     Points(PointErrors),
-    /// This point of the volume, in millimetres, is not below the film, where Eq. 2 of Dai 2024 holds.
+    /// This point of the volume, in millimetres, is not below the film, where Eq. 2 of Dai 2024
+    /// holds.
     NotBelow(DVec3),
     /// The field cannot be compared with the ideal one.
     Comparison(ComparisonError),
@@ -129,8 +131,8 @@ impl<'a> Film<'a> {
     /// B in tesla on the grid of the working volume, z fastest, to the film's accuracy.
     ///
     /// # Errors
-    /// [`FilmError::Missing`] if the layout has no working volume; [`FilmError::Points`] if the field does not exist at
-    /// some of its points.
+    /// [`FilmError::Missing`] if the layout has no working volume; [`FilmError::Points`] if the
+    /// field does not exist at some of its points.
     pub fn volume_field_t(&self) -> Result<Vec<DVec3>, FilmError> {
         let grid = &self.volume()?.grid;
         let mut field = vec![DVec3::ZERO; grid.len()];
@@ -145,7 +147,8 @@ impl<'a> Film<'a> {
         evaluated.map(|()| field).map_err(FilmError::Points)
     }
 
-    /// Evaluates the grid in stretches, with progress callbacks between them. No digit depends on the stretches.
+    /// Evaluates the grid in stretches, with progress callbacks between them. No digit depends on
+    /// the stretches.
     fn exact_field_t(&self, grid: &Grid, field: &mut [DVec3]) -> Result<(), PointErrors> {
         let [least, most] = STRETCH_POINTS;
         let stretch = (STRETCH_VALUES / self.scene.tile_count().max(1)).clamp(least, most);
@@ -161,8 +164,8 @@ impl<'a> Film<'a> {
         if errors.is_empty() { Ok(()) } else { Err(PointErrors(errors)) }
     }
 
-    /// The comparison of a field with the ideal film (Dai 2024, Eq. 2) over the working volume. `field_t` is the field
-    /// that [`Film::volume_field_t`] returns.
+    /// The comparison of a field with the ideal film (Dai 2024, Eq. 2) over the working volume.
+    /// `field_t` is the field that [`Film::volume_field_t`] returns.
     ///
     /// # Errors
     /// If the layout has no ideal film or no working volume, or the volume is not below the film.
@@ -177,8 +180,8 @@ impl<'a> Film<'a> {
         Comparison::new(&points, field_t, &reference).map_err(FilmError::Comparison)
     }
 
-    /// The decoupling parameters over the working volume (Dai 2024, Eq. 15). `field_t` is the field that
-    /// [`Film::volume_field_t`] returns.
+    /// The decoupling parameters over the working volume (Dai 2024, Eq. 15). `field_t` is the field
+    /// that [`Film::volume_field_t`] returns.
     ///
     /// # Errors
     /// If the layout has no ideal film or no working volume, or the parameters do not exist there.

@@ -1,10 +1,25 @@
 //! Exact simulation of spliced magnet films, from a layout file to the decoupling error.
 //!
-//! The library as one crate: [`layout`] reads files, [`field`] computes fields and compares them, [`decouple`] judges them, [`expect`] holds them
-//! against what the layout states, [`design`] searches for better films, and [`Film`] runs the whole way for one layout. The [`prelude`] holds what most programs need.
+//! This crate is the library as a whole. Each module is a crate of its own:
+//!
+//! * [`field`]: tiles and their field, exact or to a tolerance; comparison with the ideal film.
+//! * [`decouple`]: decoupling parameters and their errors.
+//! * [`layout`]: layout files.
+//! * [`expect`]: expectations of a layout, compared with computed values.
+//! * [`design`]: the search for better films.
+//!
+//! [`Film`] evaluates one layout step by step. The [`prelude`] holds the types that most programs
+//! need.
 //!
 //! # Units
-//! Lengths in millimetres, as in layout files; flux density and polarization in tesla.
+//! Lengths in millimetres, as in layout files; flux density and polarization in tesla. Without
+//! layout files any unit of length will do, because the field depends on ratios of lengths only.
+//!
+//! # Features
+//! * `layout` (on by default): layout files, [`Film`] and [`expect`]. Without it, no TOML and no
+//!   SHA-2 is compiled.
+//! * `design` (on by default): [`design`]. Without it, no solver of quadratic programs is compiled.
+//! * `serde` (off by default): `Serialize` for results, `Serialize` and `Deserialize` for values.
 //!
 //! # Example
 //! ```
@@ -25,23 +40,38 @@
 //! assert!(b_t.z > 0.0 && b_t.x.abs() < 1e-18);
 //! ```
 
+/// Outcomes of the expectations of a film.
+#[cfg(feature = "layout")]
 mod expectations;
+/// A layout evaluated step by step.
+#[cfg(feature = "layout")]
 mod film;
+/// Progress of an evaluation.
+#[cfg(feature = "layout")]
 mod stage;
 
+#[cfg(feature = "layout")]
 pub use film::{Film, FilmError};
 pub use magsplice_decouple as decouple;
+#[cfg(feature = "design")]
 pub use magsplice_design as design;
+#[cfg(feature = "layout")]
 pub use magsplice_expect as expect;
 pub use magsplice_field as field;
+#[cfg(feature = "layout")]
 pub use magsplice_layout as layout;
+#[cfg(feature = "layout")]
 pub use stage::Stage;
 
-/// What most programs need.
+/// The types that most programs need.
 pub mod prelude {
+    #[cfg(feature = "layout")]
     pub use crate::film::{Film, FilmError};
     pub use glam::{DMat3, DQuat, DVec3};
     pub use magsplice_decouple::{Branch, Decoupling, Parameters};
-    pub use magsplice_field::{Comparison, Grid, IdealFilm, Quantity, Scene, Tile};
+    #[cfg(feature = "design")]
+    pub use magsplice_design::{DesignProblem, SearchResult};
+    pub use magsplice_field::{Accuracy, Comparison, FittedField, Grid, IdealFilm, Quantity, Scene, Tile, Tolerance};
+    #[cfg(feature = "layout")]
     pub use magsplice_layout::Layout;
 }
