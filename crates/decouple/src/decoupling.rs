@@ -4,7 +4,8 @@ use std::error::Error;
 use std::fmt;
 
 use glam::DVec3;
-use magsplice_field::{Grid, IdealFilm};
+use magsplice_ideal::IdealFilm;
+use magsplice_magnet::Grid;
 use ndarray::{Array3, ArrayView2, Axis};
 
 use crate::parameters::{Branch, Parameters, half_turn};
@@ -15,7 +16,8 @@ use crate::per_parameter::{Parameter, PerParameter};
 /// ```
 /// use glam::DVec3;
 /// use magsplice_decouple::Decoupling;
-/// use magsplice_field::{Grid, IdealFilm};
+/// use magsplice_ideal::IdealFilm;
+/// use magsplice_magnet::Grid;
 ///
 /// let film = IdealFilm::new(10.0, 1.0, 0.12).unwrap(); // millimetres and tesla
 /// let [lower, upper] = [DVec3::new(-2.0, -2.0, -5.0), DVec3::new(2.0, 2.0, -3.0)];

@@ -15,7 +15,7 @@
 //! ```
 //! use glam::DVec3;
 //! use magsplice_decouple::{Branch, Parameters};
-//! use magsplice_field::IdealFilm;
+//! use magsplice_ideal::IdealFilm;
 //!
 //! let film = IdealFilm::new(10.0, 1.0, 0.12).unwrap(); // millimetres and tesla
 //! let on_axis = film.flux_density_t(DVec3::new(0.0, 0.0, -5.0)).unwrap();

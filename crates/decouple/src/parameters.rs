@@ -135,7 +135,7 @@ pub(crate) fn half_turn(angle: f64) -> f64 {
 mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
-    use magsplice_field::IdealFilm;
+    use magsplice_ideal::IdealFilm;
     use proptest::prelude::*;
 
     proptest! {

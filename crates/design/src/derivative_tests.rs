@@ -105,7 +105,7 @@ fn field_at_images_of_points_is_the_image_of_the_field() {
     let field = sampling.field(&problem.pattern, &problem.pattern.start, false).unwrap();
     let scene = magsplice_field::Scene::new(&layout.bare_tiles());
     for (point, &(index, operation)) in sampling.grid.points().zip(sampling.images()) {
-        let exact = scene.field(magsplice_field::Quantity::FluxDensity, point).unwrap();
+        let exact = scene.field(magsplice_magnet::Quantity::FluxDensity, point).unwrap();
         assert!((operation.apply(field.flux_density_t[index]) - exact).length() < 1e-15);
     }
 }

@@ -1,7 +1,9 @@
 //! Design problems: a layout and its brief, prepared for the search.
 
-use magsplice_field::{Grid, IdealFilm, Tile};
+use magsplice_ideal::IdealFilm;
+
 use magsplice_layout::{Brief, Layout, Symmetry, WorkingVolume};
+use magsplice_magnet::{Grid, Tile};
 
 use crate::descent::LeastSquares;
 use crate::error::DesignError;

@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 use magsplice_decouple::{Decoupling, PerParameter};
-use magsplice_field::{Comparison, Grid, IdealFilm, Quantity, Scene, Tile};
+use magsplice_field::Scene;
+use magsplice_ideal::{Comparison, IdealFilm};
+use magsplice_magnet::{Grid, Quantity, Tile};
 
 use crate::error::DesignError;
 

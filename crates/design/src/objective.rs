@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use magsplice_decouple::{Branch, ParameterDerivatives, Parameters};
-use magsplice_field::IdealFilm;
+use magsplice_ideal::IdealFilm;
 use magsplice_layout::Goal;
 
 use crate::pattern::half_turn;

@@ -8,8 +8,8 @@
 use std::ops::ControlFlow;
 
 use glam::DVec3;
-use magsplice_field::Tile;
 use magsplice_layout::Layout;
+use magsplice_magnet::Tile;
 use rayon::prelude::*;
 
 use crate::descent::Candidate;

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use magsplice_field::Tile;
 use magsplice_layout::{Brief, Symmetry, Vary};
+use magsplice_magnet::Tile;
 
 use crate::affine::Affine;
 use crate::symmetry::{Orbit, SymmetryOperation};

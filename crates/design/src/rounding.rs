@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use glam::DVec3;
-use magsplice_field::Tile;
+use magsplice_magnet::Tile;
 
 use crate::descent::LeastSquares;
 use crate::design_problem::DesignProblem;

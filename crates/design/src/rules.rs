@@ -1,6 +1,7 @@
 //! Rules that every film of a design keeps, as linear inequalities of the variables.
 
 use magsplice_layout::{Brief, Symmetry};
+use magsplice_magnet::Tile;
 
 use crate::affine::Affine;
 use crate::pattern::{Pattern, VariableTile};
@@ -41,7 +42,7 @@ pub(crate) struct DesignBounds {
 }
 
 impl DesignBounds {
-    pub(crate) fn new(brief: &Brief, tiles: &[magsplice_field::Tile]) -> DesignBounds {
+    pub(crate) fn new(brief: &Brief, tiles: &[Tile]) -> DesignBounds {
         let extent = |axis: usize| {
             let ends = tiles.iter().map(|tile| {
                 let (centre, half) = (tile.position()[axis], 0.5 * tile.size()[axis]);

@@ -3,8 +3,9 @@
 use std::collections::HashMap;
 
 use glam::{DMat3, DVec3};
-use magsplice_field::{FaceDerivatives, Grid, PolarizationMap};
+use magsplice_field::{FaceDerivatives, PolarizationMap};
 use magsplice_layout::Symmetry;
+use magsplice_magnet::Grid;
 
 use crate::pattern::Pattern;
 use crate::symmetry::SymmetryOperation;

@@ -1,7 +1,7 @@
 //! The film that a search returns.
 
 use magsplice_decouple::PerParameter;
-use magsplice_field::Tile;
+use magsplice_magnet::Tile;
 
 use crate::metrics::Metrics;
 use crate::progress::SearchStage;

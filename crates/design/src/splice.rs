@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use glam::DVec3;
-use magsplice_field::{IdealFilm, Tile};
+use magsplice_ideal::IdealFilm;
 use magsplice_layout::{Brief, Goal, Layout, Symmetry, Vary};
+use magsplice_magnet::Tile;
 
 use crate::error::DesignError;
 

@@ -1,8 +1,8 @@
 //! Symmetry operations of the plane, and orbits: tiles that are images of each other.
 
 use glam::DVec3;
-use magsplice_field::Tile;
 use magsplice_layout::Symmetry;
+use magsplice_magnet::Tile;
 
 use crate::tolerances::SAME_TILE;
 

@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 use magsplice_design::{
     DesignError, DesignProblem, ProgressUpdate, SearchResult, SearchStage, SpliceRequest, ignore_progress,
 };
-use magsplice_field::{Tile, overlaps};
 use magsplice_layout::{Goal, Layout};
+use magsplice_magnet::{Tile, overlaps};
 
 const TABLES: &str = "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n[volume]\nx_mm = [-2.0, 2.0]\n\
                       y_mm = [-2.0, 2.0]\nz_mm = [-5.0, -3.0]\nstep_mm = 1.0\n";

@@ -1,7 +1,7 @@
 //! Clearance: the distance of tiles from the working volume.
 
 use glam::DVec3;
-use magsplice_field::{Tile, overlap};
+use magsplice_magnet::{Tile, overlap};
 
 use crate::oriented_box::OrientedBox;
 
@@ -10,7 +10,7 @@ use crate::oriented_box::OrientedBox;
 /// ```
 /// use glam::DVec3;
 /// use magsplice_expect::Clearance;
-/// use magsplice_field::Tile;
+/// use magsplice_magnet::Tile;
 ///
 /// let tile = Tile::new(DVec3::new(0.0, 0.0, 0.5), DVec3::ONE, DVec3::X).unwrap();
 /// let [lower, upper] = [DVec3::new(-2.0, -2.0, -5.0), DVec3::new(2.0, 2.0, -3.0)];

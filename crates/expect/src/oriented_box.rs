@@ -1,7 +1,7 @@
 //! The distance of two cuboids in any orientation.
 
 use glam::{DMat3, DVec3};
-use magsplice_field::Tile;
+use magsplice_magnet::Tile;
 
 /// A box with its own axes.
 pub(crate) struct OrientedBox {

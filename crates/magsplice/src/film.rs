@@ -6,10 +6,10 @@ use std::fmt;
 use glam::DVec3;
 use magsplice_decouple::{Decoupling, DecouplingError};
 use magsplice_expect::PointsMismatch;
-use magsplice_field::{
-    Accuracy, Cause, Comparison, ComparisonError, Grid, IdealFilm, PointError, PointErrors, Quantity, Scene,
-};
+use magsplice_field::Scene;
+use magsplice_ideal::{Comparison, ComparisonError, IdealFilm};
 use magsplice_layout::{Layout, WorkingVolume};
+use magsplice_magnet::{Accuracy, Cause, Grid, PointError, PointErrors, Quantity};
 
 use crate::stage::Stage;
 
@@ -243,7 +243,7 @@ impl Error for FilmError {
 mod tests {
     use std::sync::Mutex;
 
-    use magsplice_field::Tolerance;
+    use magsplice_magnet::Tolerance;
 
     use super::*;
 

@@ -2,7 +2,9 @@
 //!
 //! This crate is the library as a whole. Each module is a crate of its own:
 //!
-//! * [`field`]: tiles and their field, exact or to a tolerance; comparison with the ideal film.
+//! * [`magnet`]: tiles, grids, quantities, accuracy.
+//! * [`ideal`]: the ideal film, and the comparison of two fields.
+//! * [`field`]: the field of tiles, exact or to a tolerance.
 //! * [`decouple`]: decoupling parameters and their errors.
 //! * [`layout`]: layout files.
 //! * [`expect`]: expectations of a layout, compared with computed values.
@@ -58,8 +60,10 @@ pub use magsplice_design as design;
 #[cfg(feature = "layout")]
 pub use magsplice_expect as expect;
 pub use magsplice_field as field;
+pub use magsplice_ideal as ideal;
 #[cfg(feature = "layout")]
 pub use magsplice_layout as layout;
+pub use magsplice_magnet as magnet;
 #[cfg(feature = "layout")]
 pub use stage::Stage;
 
@@ -71,7 +75,9 @@ pub mod prelude {
     pub use magsplice_decouple::{Branch, Decoupling, Parameters};
     #[cfg(feature = "design")]
     pub use magsplice_design::{DesignProblem, SearchResult};
-    pub use magsplice_field::{Accuracy, Comparison, FittedField, Grid, IdealFilm, Quantity, Scene, Tile, Tolerance};
+    pub use magsplice_field::{FittedField, Scene};
+    pub use magsplice_ideal::{Comparison, IdealFilm};
     #[cfg(feature = "layout")]
     pub use magsplice_layout::Layout;
+    pub use magsplice_magnet::{Accuracy, Grid, Quantity, Tile, Tolerance};
 }
