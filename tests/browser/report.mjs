@@ -1,5 +1,6 @@
 // Opens the page of `magsplice report` in a headless browser and uses it as a reader does.
-// Usage: node report.mjs PROGRAM BROWSER LAYOUT FOLDER, FOLDER being what the program wrote for LAYOUT.
+// Usage: node report.mjs PROGRAM BROWSER LAYOUT FOLDER
+// FOLDER is the folder that the program wrote for LAYOUT.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
@@ -8,7 +9,7 @@ import { createRequire } from "node:module";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 
-// From NODE_PATH, which import does not know.
+// Found through NODE_PATH, which `import` does not use.
 const { chromium } = createRequire(import.meta.url)("playwright-core");
 const [program, executablePath, layout, folder] = process.argv.slice(2);
 const run = (...args) => execFileSync(program, args, { encoding: "utf8" });
@@ -37,13 +38,13 @@ try {
   assert.equal(figures.length, withIdeal ? 8 : inVolume ? 5 : 1, `figures: ${figures}`);
   for (const [name, width, height] of figures) assert.ok(width > 300 && height > 200, `${name}: ${width} x ${height}`);
 
-  // Where it comes from, and the numbers.
+  // The hash of the layout, and the printed results.
   const sha256 = createHash("sha256").update(readFileSync(layout)).digest("hex");
   assert.equal(await page.locator("#sha256").textContent(), sha256);
   if (withIdeal) {
     assert.equal(await page.locator("#numbers").textContent(), run("decouple", layout));
     const numbers = JSON.parse(await page.locator("#numbers-json").textContent());
-    // The page has every point elsewhere, in its maps.
+    // The page has the points in its maps instead.
     const { columns, shape, ...report } = JSON.parse(run("decouple", layout, "--format", "json"));
     assert.ok(columns && shape);
     assert.deepEqual(numbers, report);
@@ -55,22 +56,23 @@ try {
     const image = await page.locator(id).evaluate((canvas) => canvas.toDataURL());
     return createHash("sha256").update(image).digest("hex");
   };
-  // The share of the view's pixels that differ clearly from those kept under a name; without one, from white.
-  const changed = (since) =>
-    page.locator("#view").evaluate((canvas, since) => {
+  // The fraction of the view's pixels that differ clearly from the first call with `false`, or, in
+  // calls with `false`, from white.
+  const changed = (sinceFirst) =>
+    page.locator("#view").evaluate((canvas, sinceFirst) => {
       const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
       const paper = copy.getContext("2d");
       paper.drawImage(canvas, 0, 0);
       const { data } = paper.getImageData(0, 0, copy.width, copy.height);
-      const old = since ? window.kept : new Uint8ClampedArray(data.length).fill(255);
+      const old = sinceFirst ? window.kept : new Uint8ClampedArray(data.length).fill(255);
       window.kept ??= data;
       let count = 0;
       for (let i = 0; i < data.length; i += 4) {
         count += [0, 1, 2].some((c) => Math.abs(data[i + c] - old[i + c]) > 60) ? 1 : 0;
       }
       return count / (copy.width * copy.height);
-    }, since);
-  // The share that has the colour of a tile, in any light.
+    }, sinceFirst);
+  // The fraction of the view's pixels that have the colour of a tile, in any shade.
   const coloured = (colours) =>
     page.locator("#view").evaluate((canvas, colours) => {
       const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
@@ -135,7 +137,7 @@ async function checkMap(page, data, withIdeal, pixels) {
   assert.notEqual(await label(), z, "the slider does not change z");
   assert.notEqual(await pixels("#map"), map, "the slider does not change the map");
 
-  // Values under the cursor, against those that the program prints for the same points.
+  // Values under the cursor against the values that the program prints for the same points.
   const rows = run("field", layout).trim().split("\n").slice(1).map((line) => line.split(",").map(Number));
   const perT = { T: 1, mT: 1e3, "\u00b5T": 1e6, nT: 1e9 };
   const box = await page.locator("#map").boundingBox();
@@ -151,7 +153,7 @@ async function checkMap(page, data, withIdeal, pixels) {
     seen.add(String(at));
   }
   assert.equal(seen.size, 5, "different places of the map are different points");
-  // Left is less x, up is more y.
+  // x grows to the right, y upwards.
   const places = [...seen].map((at) => at.split(",").map(Number));
   assert.ok(places[0][0] < places[2][0] && places[1][1] > places[2][1], `${places}`);
 

@@ -1,4 +1,5 @@
-// The field and the parameters on planes of equal z: values under the cursor, a slider for z.
+// The map of the working volume: one quantity on one plane of constant z, with a slider for z and
+// the value under the cursor.
 function showMap(data) {
   const canvas = document.getElementById("map");
   if (!canvas || !data.volume) return;
@@ -32,12 +33,14 @@ function showMap(data) {
   const short = (value) => minus(String(Number(value.toPrecision(6))));
   const at = (map, i, j) => map.values[(i * ys.length + j) * zs.length + Number(plane.value)];
   const units = [["T", 1], ["mT", 1e3], ["\u00b5T", 1e6], ["nT", 1e9]];
-  // Flux densities come in tesla and are shown in a unit with few digits.
+  // The unit that is shown and its factor. Flux densities are stored in tesla and shown in a unit
+  // in which they have few digits.
   function unitOf(map) {
     if (map.unit !== "T") return [map.unit, 1];
     const most = map.values.reduce((most, v) => Math.max(most, Math.abs(v ?? 0)), 0);
     return units.find(([, perT]) => most * perT >= 0.5) ?? units[3];
   }
+  // The range of the colour scale, and whether it is symmetric about zero.
   function rangeOf(map) {
     let low = Infinity, high = -Infinity;
     map.values.forEach((value, index) => {
@@ -58,6 +61,7 @@ function showMap(data) {
     }
     return [low, high, false];
   }
+  // Round numbers from `low` to `high`, at most about `most` of them.
   function ticks(low, high, most) {
     const rough = (high - low) / most;
     const power = 10 ** Math.floor(Math.log10(rough));
@@ -66,7 +70,7 @@ function showMap(data) {
     for (let n = Math.ceil(low / step - 1e-9); n <= Math.floor(high / step + 1e-9); n++) values.push(n * step);
     return values;
   }
-  // The sides of the cells: each reaches half way to its neighbours.
+  // The sides of the cells. A side lies half way between two neighbouring coordinates.
   function sides(coordinates) {
     const n = coordinates.length;
     if (n === 1) return [coordinates[0] - 0.5, coordinates[0] + 0.5];
@@ -104,7 +108,7 @@ function showMap(data) {
     for (let i = 0; i < xs.length; i++) {
       for (let j = 0; j < ys.length; j++) {
         paper.fillStyle = colour(at(map, i, j));
-        // Whole pixels, so that no gap shows between cells.
+        // Rounded to whole pixels, so that no gap appears between cells.
         const [left, right] = [xSides[i], xSides[i + 1]].map((x) => Math.round(px(x)));
         const [top, bottom] = [ySides[j + 1], ySides[j]].map((y) => Math.round(py(y)));
         paper.fillRect(left, top, right - left, bottom - top);
@@ -171,10 +175,15 @@ function showMap(data) {
     }
     const value = at(map, ...pointed);
     const where = `x = ${short(xs[pointed[0]])}, y = ${short(ys[pointed[1]])}, z = ${short(z)} mm`;
-    const said = value === null ? "none" : `${minus(String(Number((value * factor).toPrecision(9))))} ${unit}`;
-    readout.textContent = `${map.name} = ${said} at ${where}`;
+    if (value === null) {
+      readout.textContent = `${map.name} has no value at ${where}`;
+      return;
+    }
+    const digits = minus(String(Number((value * factor).toPrecision(9))));
+    readout.textContent = `${map.name} = ${digits} ${unit} at ${where}`;
   }
 
+  // Marks the cell under the cursor.
   function point(event) {
     const box = canvas.getBoundingClientRect();
     const x = x0 + ((event.clientX - box.left - area.left) / area.width) * (x1 - x0);

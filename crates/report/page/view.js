@@ -1,9 +1,10 @@
-// The tiles in three dimensions: boxes in the colours of the layout's figure, with arrows along their polarization.
+// The tiles in three dimensions: boxes in the colours of the figure of the layout, with arrows
+// along their polarization.
 function showTiles(data) {
   const canvas = document.getElementById("view");
   const gl = canvas.getContext("webgl", { antialias: true, preserveDrawingBuffer: true });
   if (!gl) {
-    canvas.replaceWith("This browser has no WebGL, which the view in three dimensions needs.");
+    canvas.replaceWith("The view in three dimensions needs WebGL, which this browser does not have.");
     return;
   }
   const add = (a, b, s = 1) => a.map((c, i) => c + s * b[i]);
@@ -12,12 +13,13 @@ function showTiles(data) {
   const unit = (a) => add([0, 0, 0], a, 1 / Math.hypot(...a));
   const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
 
-  // Nine numbers for each corner: place, normal (zero for lines, which have no shade), colour.
+  // Nine numbers per vertex: position, normal (zero for lines, which are not shaded), colour.
   const solids = [], lines = [], arrows = [];
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   const quad = (into, [a, b, c, d], normal, colour) => {
     for (const p of [a, b, c, a, c, d]) into.push(...p, ...normal, ...colour);
   };
+  // Adds a box with these half sides as vectors. Without a colour it has edges only.
   function box(centre, halves, colour, edges) {
     const corner = (i) => halves.reduce((p, half, axis) => add(p, half, (i >> axis) & 1 ? 1 : -1), centre);
     const corners = [0, 1, 2, 3, 4, 5, 6, 7].map(corner);
@@ -36,6 +38,7 @@ function showTiles(data) {
       }
     }
   }
+  // Adds an arrow along a unit vector, with an octagonal shaft and head.
   function arrow(centre, direction, length, width) {
     const across = unit(cross(direction, Math.abs(direction[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
     const other = cross(direction, across);
@@ -46,9 +49,12 @@ function showTiles(data) {
     for (let n = 0; n < 8; n++) {
       const [from, to] = [(n * Math.PI) / 4, ((n + 1) * Math.PI) / 4];
       const normal = unit(add(rim([0, 0, 0], 1, from), rim([0, 0, 0], 1, to)));
-      quad(arrows, [rim(tail, width / 2, from), rim(tail, width / 2, to), rim(neck, width / 2, to), rim(neck, width / 2, from)], normal, dark);
-      for (const p of [rim(neck, 1.5 * width, from), rim(neck, 1.5 * width, to), tip]) arrows.push(...p, ...normal, ...dark);
-      for (const p of [neck, rim(neck, 1.5 * width, to), rim(neck, 1.5 * width, from)]) arrows.push(...p, ...add([0, 0, 0], direction, -1), ...dark);
+      const shaft = (p, turn) => rim(p, width / 2, turn);
+      quad(arrows, [shaft(tail, from), shaft(tail, to), shaft(neck, to), shaft(neck, from)], normal, dark);
+      const head = [rim(neck, 1.5 * width, from), rim(neck, 1.5 * width, to)];
+      for (const p of [...head, tip]) arrows.push(...p, ...normal, ...dark);
+      const back = add([0, 0, 0], direction, -1);
+      for (const p of [neck, head[1], head[0]]) arrows.push(...p, ...back, ...dark);
     }
   }
   const most = Math.max(...data.tiles.map((tile) => Math.hypot(...tile.polarization_t)), 1e-300);
@@ -59,7 +65,8 @@ function showTiles(data) {
     const strength = Math.hypot(...tile.polarization_t);
     if (strength <= 1e-6 * most) continue;
     const direction = unit(tile.polarization_t);
-    const room = Math.min(...tile.axes.map((axis, i) => tile.size_mm[i] / Math.max(Math.abs(dot(axis, direction)), 1e-9)));
+    const toSides = tile.axes.map((axis, i) => tile.size_mm[i] / Math.max(Math.abs(dot(axis, direction)), 1e-9));
+    const room = Math.min(...toSides);
     rooms.push({ tile, direction, room, share: strength / most, width: 0.09 * Math.min(...tile.size_mm) });
   }
   const longest = 0.8 * (rooms.map((r) => r.room).sort((a, b) => a - b)[Math.floor(rooms.length / 20)] ?? 1);
@@ -121,7 +128,8 @@ function showTiles(data) {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
     const [sr, cr, so, co] = [Math.sin(pose.round), Math.cos(pose.round), Math.sin(pose.over), Math.cos(pose.over)];
-    // Column by column: first about z, then about the screen's horizontal axis.
+    // A matrix, column by column: a rotation about z, then one about the horizontal axis of the
+    // screen.
     const turned = [cr, co * sr, -so * sr, -sr, co * cr, -so * cr, 0, so, co];
     gl.uniformMatrix3fv(place("turn"), false, turned);
     gl.uniform1f(place("depth"), 0.2 / reach);
@@ -142,7 +150,7 @@ function showTiles(data) {
     gl.polygonOffset(1.5, 8);
     show(buffers[0], gl.TRIANGLES);
     show(buffers[1], gl.LINES);
-    // Arrows are inside their tiles: they show through.
+    // Arrows lie inside their tiles. Clearing the depth buffer lets them show through.
     gl.clear(gl.DEPTH_BUFFER_BIT);
     show(buffers[2], gl.TRIANGLES);
   }

@@ -1,27 +1,51 @@
-//! Figures of a film and its field, and a page that shows them.
+//! Figures of a film and its field, and an HTML page that shows them.
 //!
-//! The last step before the program: [`Report::of`] takes a prepared [`Film`](magsplice::Film) and the numbers as the program prints them, and gives the
-//! figures of Dai 2024 for it as SVG and PNG, and one HTML page that holds everything. plotters draws; colours are readable in print
-//! and by the colour-blind; letters are outlines of the one font in `fonts/`, so that a figure is the same everywhere.
+//! [`Report::new`] takes a prepared [`Film`](magsplice::Film) and its results as printed text. It
+//! returns the figures of Dai 2024 for this film as SVG and PNG, and one HTML page that contains
+//! everything. [`FrontFigure`] draws the trade-offs that a design search found.
 //!
-//! This crate computes no field and no parameter by itself, and writes no files.
+//! plotters draws the figures. Their colours are readable in print and by colour-blind readers.
+//! All text is drawn as outlines of the font in `fonts/`, so a figure looks the same on every
+//! machine.
+//!
+//! This crate computes no field and no decoupling parameter by itself: [`Film`](magsplice::Film)
+//! does. It writes no files.
 
-mod arrow;
+/// Colour scales for values, and colours for directions.
 mod colours;
-mod drafts;
+/// [`ReportError`].
+mod error;
+/// [`Figure`]: SVG with text as outlines, and PNG.
 mod figure;
+/// All figures of a report in order, with their captions, before text becomes outlines.
+mod figure_drafts;
+/// One file per kind of figure.
 mod figures;
-mod front;
-mod image;
+/// Units of flux density (T, mT, uT, nT) in which numbers have few digits.
+mod flux_unit;
+/// Arrows, corner brackets and dots and crosses, drawn in several figures.
+mod marks;
+/// The HTML page.
 mod page;
+/// The data on the page that its scripts draw: tiles, maps, colours.
+mod page_data;
+/// A rectangle with axes on a sheet, and its colour bar.
 mod panel;
+/// Images made of pixels inside a figure, and data URLs.
+mod raster_image;
+/// [`Report`].
 mod report;
+/// A drawing area in pixels with lines, polygons and text, written as SVG.
 mod sheet;
-mod solid;
+/// The numbers to draw: the field, the ideal film and the decoupling parameters.
 mod survey;
+/// Outlines of tiles from above and in section.
+mod tile_shapes;
+/// Symbols with subscripts, numbers on axes, and the font.
 mod typeset;
-mod units;
 
+pub use error::ReportError;
 pub use figure::Figure;
-pub use front::{Axis, Front, FrontFilm};
-pub use report::{Numbers, Report, ReportError};
+pub use figures::front::{FrontAxis, FrontFigure, FrontFilm};
+pub use page::PrintedResults;
+pub use report::Report;

@@ -1,29 +1,31 @@
-//! Panels with axes, and colour bars.
+//! Panels: rectangles of a sheet with axes, and their colour bars.
 
 use plotters::coord::ranged1d::Ranged;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::VPos;
 
-use crate::colours::{INK_LINE, Scale};
-use crate::image::Image;
-use crate::sheet::{Drawn, INK, LETTERS, Lettering, Sheet, units};
+use crate::colours::ColourScale;
+use crate::raster_image::RasterImage;
+use crate::sheet::{DrawResult, FRAME_PX, INK, LETTERS, Lettering, Sheet, units};
 use crate::typeset;
 
-/// Room for numbers and a name beside a panel, in pixels.
+/// Room for numbers and a name at the left of a panel, in pixels.
 pub(crate) const LEFT_PX: f64 = 52.0;
+/// Room for numbers and a name below a panel, in pixels.
 pub(crate) const BELOW_PX: f64 = 40.0;
-/// Room for a colour bar with its numbers and its name.
+/// Room for a colour bar with its numbers and its name, in pixels.
 pub(crate) const BAR_PX: f64 = 74.0;
 
 const BAR_WIDTH_PX: f64 = 13.0;
 const TICK_PX: f64 = 4.0;
-const NUMBERS: f64 = 12.0;
-/// A number on an axis for so many pixels, at most.
+/// Font size of numbers on axes, in pixels.
+const NUMBERS_PX: f64 = 12.0;
+/// Minimum distance of the numbers on an axis, in pixels.
 const PX_PER_NUMBER: f64 = 34.0;
 
-/// A side of a panel is at least this fraction of its room, or its axis had no numbers.
-const LEAST_OF_ROOM: f64 = 0.45;
+/// Minimum side of a panel as a fraction of its room. A shorter axis would have no numbers.
+const MIN_ROOM_FRACTION: f64 = 0.45;
 
 /// A rectangle of a sheet, in pixels, with a range of values along each side.
 #[derive(Clone, Copy, Debug)]
@@ -32,44 +34,47 @@ pub(crate) struct Panel {
     pub(crate) top: f64,
     pub(crate) width: f64,
     pub(crate) height: f64,
+    /// Values at the left and right side.
     pub(crate) x: [f64; 2],
+    /// Values at the lower and upper side.
     pub(crate) y: [f64; 2],
 }
 
-/// What stands beside an axis.
+/// What an axis of a panel is labelled with.
 #[derive(Clone, Copy)]
-pub(crate) enum Beside<'a> {
-    /// Ticks only: the numbers are those of a panel beside it.
-    Ticks,
-    /// Numbers and a name with unit.
+pub(crate) enum AxisLabel<'a> {
+    /// Ticks only. The neighbouring panel has the numbers.
+    TicksOnly,
+    /// Numbers, and this name with its unit.
     Named(&'a str),
-    /// The same for the coordinate of this axis in millimetres.
-    Length(&'a str),
+    /// Numbers, and the name of this coordinate in millimetres.
+    Coordinate(&'a str),
 }
 
-impl Beside<'_> {
+impl AxisLabel<'_> {
     fn name(self) -> Option<String> {
         match self {
-            Beside::Ticks => None,
-            Beside::Named(name) => Some(name.to_owned()),
-            Beside::Length(axis) => Some(format!("{} (mm)", typeset::variable(axis))),
+            AxisLabel::TicksOnly => None,
+            AxisLabel::Named(name) => Some(name.to_owned()),
+            AxisLabel::Coordinate(axis) => Some(format!("{} (mm)", typeset::variable(axis))),
         }
     }
 }
 
 impl Panel {
-    /// Where a pair of values is on the sheet.
+    /// The position of a pair of values on the sheet, in pixels.
     pub(crate) fn at(&self, x: f64, y: f64) -> [f64; 2] {
         let across = (x - self.x[0]) / (self.x[1] - self.x[0]);
         let along = (y - self.y[0]) / (self.y[1] - self.y[0]);
         [self.left + across * self.width, self.top + (1.0 - along) * self.height]
     }
 
+    /// Whether a pair of values lies inside the panel.
     pub(crate) fn contains(&self, x: f64, y: f64) -> bool {
         (self.x[0]..=self.x[1]).contains(&x) && (self.y[0]..=self.y[1]).contains(&y)
     }
 
-    /// Pixels for a unit of x.
+    /// Pixels per unit of x.
     pub(crate) fn px_per_x(&self) -> f64 {
         self.width / (self.x[1] - self.x[0])
     }
@@ -82,14 +87,14 @@ impl Panel {
         self.top + self.height
     }
 
-    /// A title above the panel, at its left.
-    pub(crate) fn title(&self, sheet: &Sheet, text: &str) -> Drawn {
+    /// Draws a title above the panel, aligned at the left.
+    pub(crate) fn title(&self, sheet: &Sheet, text: &str) -> DrawResult {
         let letters = Lettering { along: VPos::Bottom, ..LETTERS };
         sheet.text([self.left, self.top - 5.0], text, letters)
     }
 
-    /// The frame with ticks, numbers and names.
-    pub(crate) fn axes(&self, sheet: &Sheet, x: Beside, y: Beside) -> Drawn {
+    /// Draws the frame with ticks, numbers and names.
+    pub(crate) fn axes(&self, sheet: &Sheet, x: AxisLabel, y: AxisLabel) -> DrawResult {
         let (left, below) = (room(y, LEFT_PX), room(x, BELOW_PX));
         let whole = sheet
             .area
@@ -99,20 +104,20 @@ impl Panel {
             .set_label_area_size(LabelAreaPosition::Left, units(left))
             .set_label_area_size(LabelAreaPosition::Bottom, units(below))
             .build_cartesian_2d(self.x[0]..self.x[1], self.y[0]..self.y[1])?;
-        let numbers = LETTERS.sized(NUMBERS).style();
-        let number = |named: Beside, value: f64, range: [f64; 2]| match named {
-            Beside::Ticks => String::new(),
-            Beside::Named(_) | Beside::Length(_) => typeset::on_axis(value, range),
+        let numbers = LETTERS.sized(NUMBERS_PX).style();
+        let number = |named: AxisLabel, value: f64, range: [f64; 2]| match named {
+            AxisLabel::TicksOnly => String::new(),
+            AxisLabel::Named(_) | AxisLabel::Coordinate(_) => typeset::on_axis(value, range),
         };
         let (number_x, number_y) = (|v: &f64| number(x, *v, self.x), |v: &f64| number(y, *v, self.y));
         let mut mesh = chart.configure_mesh();
         mesh.disable_mesh()
-            .axis_style(INK.stroke_width(units(INK_LINE) as u32))
+            .axis_style(INK.stroke_width(units(FRAME_PX) as u32))
             .label_style(numbers)
             .axis_desc_style(LETTERS.style())
             .set_all_tick_mark_size(units(TICK_PX))
-            .x_labels(most_numbers(self.width))
-            .y_labels(most_numbers(self.height))
+            .x_labels(max_numbers(self.width))
+            .y_labels(max_numbers(self.height))
             .x_label_formatter(&number_x)
             .y_label_formatter(&number_y);
         if let Some(name) = x.name() {
@@ -124,54 +129,56 @@ impl Panel {
         mesh.draw()?;
         let (right, bottom) = (self.right(), self.bottom());
         let frame = [[self.left, self.top], [right, self.top], [right, bottom], [self.left, bottom]];
-        sheet.outline(&frame, INK, INK_LINE)
+        sheet.outline(&frame, INK, FRAME_PX)
     }
 
-    /// A panel full of colours, one for each of `columns` times `rows` cells; the first row is the lowest.
+    /// Fills the panel with `columns` times `rows` coloured cells. Row 0 is the lowest.
     pub(crate) fn cells(
         &self,
         sheet: &mut Sheet,
         [columns, rows]: [usize; 2],
-        scale: Scale,
+        scale: ColourScale,
         value: impl Fn(usize, usize) -> f64,
     ) {
-        let map = scale.map();
-        let image = Image::new(columns, rows, |column, row| map.colour(value(column, rows - 1 - row)));
+        let map = scale.mapper();
+        let image = RasterImage::new(columns, rows, |column, row| map.colour(value(column, rows - 1 - row)));
         sheet.image([self.left, self.top, self.width, self.height], &image);
     }
 
-    /// A colour bar at the panel's right, `away` pixels from it and as high.
-    pub(crate) fn colour_bar(&self, sheet: &mut Sheet, away: f64, scale: Scale, name: &str) -> Drawn {
+    /// Draws a colour bar at the right of the panel, `away` pixels from it and as high.
+    pub(crate) fn colour_bar(&self, sheet: &mut Sheet, away: f64, scale: ColourScale, name: &str) -> DrawResult {
         let bar = self.bar(sheet, away, scale);
-        let values = RangedCoordf64::from(scale.low..scale.high).key_points(most_numbers(self.height));
+        let values = RangedCoordf64::from(scale.low..scale.high).key_points(max_numbers(self.height));
         bar.numbers(sheet, &values, |value| value)?;
         bar.named(sheet, name)
     }
 
-    /// A colour bar whose values grow by factors; `scale` is of their decimal logarithms.
-    pub(crate) fn logarithmic_bar(&self, sheet: &mut Sheet, away: f64, scale: Scale, name: &str) -> Drawn {
+    /// Draws a colour bar for values on a logarithmic scale. `scale` is the one of their decimal
+    /// logarithms.
+    pub(crate) fn logarithmic_bar(&self, sheet: &mut Sheet, away: f64, scale: ColourScale, name: &str) -> DrawResult {
         let bar = self.bar(sheet, away, scale);
         let values = steps(scale.low, scale.high);
         bar.numbers(sheet, &values, f64::log10)?;
         bar.named(sheet, name)
     }
 
-    /// Ticks and numbers at a bar's right; `level` is where on the bar a value is.
-    fn numbers(&self, sheet: &Sheet, values: &[f64], level: impl Fn(f64) -> f64) -> Drawn {
+    /// Draws ticks and numbers at the right of a bar. `level` maps a value to the y of the bar.
+    fn numbers(&self, sheet: &Sheet, values: &[f64], level: impl Fn(f64) -> f64) -> DrawResult {
         for &value in values {
             let [right, y] = self.at(1.0, level(value));
             if !(self.top..=self.bottom()).contains(&y) {
                 continue;
             }
-            sheet.line(&[[right, y], [right + TICK_PX, y]], INK, INK_LINE)?;
+            sheet.line(&[[right, y], [right + TICK_PX, y]], INK, FRAME_PX)?;
             let range = [level(values[0]), level(values[values.len() - 1])];
             let text = typeset::on_axis(value, if values.len() > 1 { range } else { [0.0, 0.0] });
-            sheet.text([right + 2.0 * TICK_PX, y], &text, LETTERS.sized(NUMBERS))?;
+            sheet.text([right + 2.0 * TICK_PX, y], &text, LETTERS.sized(NUMBERS_PX))?;
         }
         Ok(())
     }
 
-    fn bar(&self, sheet: &mut Sheet, away: f64, scale: Scale) -> Panel {
+    /// Draws the colours of a colour bar, and returns its panel.
+    fn bar(&self, sheet: &mut Sheet, away: f64, scale: ColourScale) -> Panel {
         let bar = Panel {
             left: self.right() + away,
             width: BAR_WIDTH_PX,
@@ -185,40 +192,42 @@ impl Panel {
         bar
     }
 
-    /// The name of a colour bar, upright at the right of its numbers, and its frame.
-    fn named(&self, sheet: &Sheet, name: &str) -> Drawn {
+    /// Draws the frame of a colour bar, and its name upwards at the right of its numbers.
+    fn named(&self, sheet: &Sheet, name: &str) -> DrawResult {
         let (right, bottom) = (self.right(), self.bottom());
         sheet.outline(
             &[[self.left, self.top], [right, self.top], [right, bottom], [self.left, bottom]],
             INK,
-            INK_LINE,
+            FRAME_PX,
         )?;
         let letters = Lettering { upright: true, ..LETTERS.centred() };
         sheet.text([self.left + BAR_PX - 14.0, self.top + 0.5 * self.height], name, letters)
     }
 }
 
-/// 1, 2, 5, 10, 20, ... between two powers of ten. plotters' own are one to a decade or nine.
+/// The values 1, 2, 5, 10, 20, ... between two decimal logarithms. plotters offers one or nine
+/// values per decade, which is too few or too many.
 fn steps(low: f64, high: f64) -> Vec<f64> {
     let decades = low.floor() as i32..=high.ceil() as i32;
     let all = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| digit * 10_f64.powi(decade)));
     all.filter(|value| (low..=high).contains(&value.log10())).collect()
 }
 
-fn room(beside: Beside, named: f64) -> f64 {
+fn room(beside: AxisLabel, named: f64) -> f64 {
     match beside {
-        Beside::Ticks => 2.0 * TICK_PX,
-        Beside::Named(_) | Beside::Length(_) => named,
+        AxisLabel::TicksOnly => 2.0 * TICK_PX,
+        AxisLabel::Named(_) | AxisLabel::Coordinate(_) => named,
     }
 }
 
-fn most_numbers(px: f64) -> usize {
+fn max_numbers(px: f64) -> usize {
     ((px / PX_PER_NUMBER) as usize).clamp(2, 11)
 }
 
-/// Two panels or more of one scale for lengths: pixels for a millimetre so that these extents fit into this room.
+/// Width and height in pixels of a panel for these extents that fits into this room. All panels of
+/// the same extents and room have the same scale.
 pub(crate) fn equal_scale(room_px: [f64; 2], extents_mm: [f64; 2]) -> [f64; 2] {
     let per_mm = (room_px[0] / extents_mm[0]).min(room_px[1] / extents_mm[1]);
-    // A sliver would not be readable; its scales then differ.
-    [0, 1].map(|i| (per_mm * extents_mm[i]).max(LEAST_OF_ROOM * room_px[i]))
+    // A very narrow panel would not be readable, so there the two scales may differ.
+    [0, 1].map(|i| (per_mm * extents_mm[i]).max(MIN_ROOM_FRACTION * room_px[i]))
 }

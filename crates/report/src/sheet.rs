@@ -1,46 +1,56 @@
-//! A sheet of paper that plotters draws on, in SVG.
+//! The drawing area of a figure, on which plotters draws SVG.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::image::Image;
+use crate::error::DrawError;
+use crate::raster_image::RasterImage;
 use crate::typeset;
 
-/// plotters places everything at whole units; so many of them make a pixel, or lines would be jagged.
+/// Units of plotters per pixel. plotters rounds coordinates to whole units, so at one unit per
+/// pixel lines would be jagged.
 const UNITS_PER_PX: f64 = 10.0;
 
-/// plotters writes this fraction of a font's size into the SVG.
+/// plotters divides a font size by this factor when it writes SVG.
 const FONT_SIZE_WRITTEN: f64 = 1.24;
 
+/// The colour of text, frames and axes.
 pub(crate) const INK: RGBColor = RGBColor(30, 30, 30);
+/// Width of frames and axes, in pixels.
+pub(crate) const FRAME_PX: f64 = 1.0;
 
+/// Pixels as units of plotters.
 pub(crate) fn units(px: f64) -> i32 {
     (px * UNITS_PER_PX).round() as i32
 }
 
-pub(crate) type DrawError = DrawingAreaErrorKind<std::io::Error>;
+/// An error of plotters.
+pub(crate) type PlotError = DrawingAreaErrorKind<std::io::Error>;
 
-/// What drawing may end with.
-pub(crate) type Drawn = Result<(), DrawError>;
+/// The result of drawing something.
+pub(crate) type DrawResult = Result<(), PlotError>;
 
-/// Lengths are in pixels, from the upper left corner, 96 to the inch.
+/// A drawing area. Positions are in pixels from its upper left corner, 96 per inch.
 pub(crate) struct Sheet<'a> {
     pub(crate) area: DrawingArea<SVGBackend<'a>, Shift>,
-    /// SVG elements below everything else.
+    /// SVG elements of images, drawn below everything else.
     images: String,
 }
 
-/// Where a text is relative to its point, and how large.
+/// Size, colour and alignment of a text relative to its position.
 #[derive(Clone, Copy)]
 pub(crate) struct Lettering {
+    /// Size of the font, in pixels.
     pub(crate) size: f64,
     pub(crate) across: HPos,
     pub(crate) along: VPos,
+    /// Whether the text runs upwards.
     pub(crate) upright: bool,
     pub(crate) colour: RGBColor,
 }
 
+/// Text to the right of its position, vertically centred.
 pub(crate) const LETTERS: Lettering =
     Lettering { size: 13.0, across: HPos::Left, along: VPos::Center, upright: false, colour: INK };
 
@@ -61,15 +71,19 @@ impl Lettering {
     }
 }
 
-/// Draws on a sheet of this width and height; the SVG has its letters as text.
-pub(crate) fn sheet([width, height]: [f64; 2], draw: impl FnOnce(&mut Sheet) -> Drawn) -> Result<String, String> {
+/// The SVG of what `draw` draws on a sheet of this width and height in pixels. Its text is still
+/// text.
+pub(crate) fn sheet(
+    [width, height]: [f64; 2],
+    draw: impl FnOnce(&mut Sheet) -> DrawResult,
+) -> Result<String, DrawError> {
     let mut drawn = String::new();
     let size = (units(width) as u32, units(height) as u32);
     let images = {
         let area = SVGBackend::with_string(&mut drawn, size).into_drawing_area();
         let mut sheet = Sheet { area, images: String::new() };
-        draw(&mut sheet).map_err(|e| e.to_string())?;
-        sheet.area.present().map_err(|e| e.to_string())?;
+        draw(&mut sheet)?;
+        sheet.area.present()?;
         sheet.images
     };
     let elements = drawn.split_once('\n').map_or("", |(_, elements)| elements);
@@ -82,8 +96,8 @@ pub(crate) fn sheet([width, height]: [f64; 2], draw: impl FnOnce(&mut Sheet) -> 
 }
 
 impl Sheet<'_> {
-    /// An image, below all that is drawn.
-    pub(crate) fn image(&mut self, [left, top, width, height]: [f64; 4], image: &Image) {
+    /// Draws an image below everything else.
+    pub(crate) fn image(&mut self, [left, top, width, height]: [f64; 4], image: &RasterImage) {
         self.images += &format!(
             "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" href=\"{}\"/>\n",
             units(left),
@@ -94,32 +108,35 @@ impl Sheet<'_> {
         );
     }
 
-    pub(crate) fn text(&self, at: [f64; 2], text: &str, letters: Lettering) -> Drawn {
+    /// Draws a text.
+    pub(crate) fn text(&self, at: [f64; 2], text: &str, letters: Lettering) -> DrawResult {
         self.area.draw_text(text, &letters.style(), whole(at))
     }
 
-    pub(crate) fn fill(&self, corners: &[[f64; 2]], colour: RGBColor) -> Drawn {
+    /// Fills a polygon.
+    pub(crate) fn fill(&self, corners: &[[f64; 2]], colour: RGBColor) -> DrawResult {
         self.area.draw(&Polygon::new(corners.iter().copied().map(whole).collect::<Vec<_>>(), colour.filled()))
     }
 
-    pub(crate) fn line(&self, points: &[[f64; 2]], colour: RGBColor, width: f64) -> Drawn {
+    /// Draws a line through these points.
+    pub(crate) fn line(&self, points: &[[f64; 2]], colour: RGBColor, width: f64) -> DrawResult {
         let style = colour.stroke_width(units(width) as u32);
         self.area.draw(&PathElement::new(points.iter().copied().map(whole).collect::<Vec<_>>(), style))
     }
 
-    /// The closed outline of a polygon.
-    pub(crate) fn outline(&self, corners: &[[f64; 2]], colour: RGBColor, width: f64) -> Drawn {
+    /// Draws the closed outline of a polygon.
+    pub(crate) fn outline(&self, corners: &[[f64; 2]], colour: RGBColor, width: f64) -> DrawResult {
         let closed: Vec<[f64; 2]> = corners.iter().chain(corners.first()).copied().collect();
         self.line(&closed, colour, width)
     }
 
-    /// The same in dashes.
-    pub(crate) fn dashed_outline(&self, corners: &[[f64; 2]], colour: RGBColor, width: f64) -> Drawn {
+    /// Draws the closed outline of a polygon in dashes.
+    pub(crate) fn dashed_outline(&self, corners: &[[f64; 2]], colour: RGBColor, width: f64) -> DrawResult {
         const DASH_PX: f64 = 5.0;
         for (index, from) in corners.iter().enumerate() {
             let to = corners[(index + 1) % corners.len()];
             let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-            // An odd number of pieces, so that a corner has a dash on both sides.
+            // An odd number of pieces, so that each side begins and ends with a dash.
             let pieces = 2 * (length / DASH_PX / 2.0).floor() as usize + 1;
             let at = |piece: usize| {
                 let t = piece as f64 / pieces as f64;
@@ -132,11 +149,13 @@ impl Sheet<'_> {
         Ok(())
     }
 
-    pub(crate) fn disc(&self, centre: [f64; 2], radius: f64, colour: RGBColor) -> Drawn {
+    /// Draws a filled circle.
+    pub(crate) fn disc(&self, centre: [f64; 2], radius: f64, colour: RGBColor) -> DrawResult {
         self.area.draw(&Circle::new(whole(centre), units(radius), colour.filled()))
     }
 
-    pub(crate) fn ring(&self, centre: [f64; 2], radius: f64, colour: RGBColor, width: f64) -> Drawn {
+    /// Draws the outline of a circle.
+    pub(crate) fn ring(&self, centre: [f64; 2], radius: f64, colour: RGBColor, width: f64) -> DrawResult {
         self.area.draw(&Circle::new(whole(centre), units(radius), colour.stroke_width(units(width) as u32)))
     }
 }

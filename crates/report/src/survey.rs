@@ -1,45 +1,67 @@
-//! Everything that is computed for a report, before anything is drawn.
+//! The numbers that the figures and the page draw: the field of the film and of the ideal film, the
+//! decoupling parameters, and the tiles that are drawn.
 
 use glam::DVec3;
 use magsplice::decouple::{Branch, Decoupling, Parameters};
 use magsplice::field::{Cause, Grid, IdealFilm, PointErrors, Quantity};
-use magsplice::layout::WorkingVolume;
+use magsplice::layout::{NamedTile, WorkingVolume};
 use magsplice::{Film, FilmError};
 
-use crate::solid::in_plane;
+use crate::error::ReportError;
+use crate::tile_shapes::in_plane;
 
-/// Cells along a side of a map in a figure, more than a printed one shows.
+/// Number of cells along a side of a map in a figure: finer than print resolves.
 const MAP_CELLS: usize = 128;
+
+/// Maximum number of tiles drawn. A viewer needs minutes for a figure of more.
+pub(crate) const MAX_TILES: usize = 20_000;
+
+/// The tiles to draw: all, or if they are too many the ones nearest to `centre_mm` seen from above.
+pub(crate) fn tiles_to_draw(tiles: &[NamedTile], centre_mm: DVec3) -> Vec<&NamedTile> {
+    let mut drawn: Vec<&NamedTile> = tiles.iter().collect();
+    if drawn.len() > MAX_TILES {
+        let distance = |named: &&NamedTile| named.tile.position().truncate().distance_squared(centre_mm.truncate());
+        drawn.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        drawn.truncate(MAX_TILES);
+    }
+    drawn
+}
 
 /// A film over its working volume.
 pub(crate) struct Survey<'a> {
     pub(crate) volume: &'a WorkingVolume,
     /// B in tesla on the grid of the volume, z fastest.
     pub(crate) field_t: Vec<DVec3>,
-    /// What the layout's ideal film adds, if it has one.
+    /// The ideal film and the decoupling parameters, if the layout has an ideal film.
     pub(crate) against_ideal: Option<AgainstIdeal<'a>>,
 }
 
+/// The ideal film over the same grid, and the decoupling parameters of the spliced film.
 pub(crate) struct AgainstIdeal<'a> {
     pub(crate) film: &'a IdealFilm,
-    /// B of the ideal film on the same grid.
+    /// B of the ideal film in tesla on the grid of the volume, z fastest.
     pub(crate) field_t: Vec<DVec3>,
     pub(crate) decoupling: Decoupling,
+    /// The branch of the arctangents on the axis of the film.
     pub(crate) branch: Branch,
 }
 
 impl<'a> Survey<'a> {
-    /// `None` if the layout has no working volume. `field_t` is its field, if it is known already.
-    pub(crate) fn of(film: &Film<'a>, field_t: Option<Vec<DVec3>>) -> Result<Option<Survey<'a>>, FilmError> {
+    /// The survey of a film; `None` if its layout has no working volume. `field_t` is the field of
+    /// the volume if it is known already.
+    pub(crate) fn new(film: &Film<'a>, field_t: Option<Vec<DVec3>>) -> Result<Option<Survey<'a>>, ReportError> {
         let Ok(volume) = film.volume() else { return Ok(None) };
         let field_t = field_t.map_or_else(|| film.volume_field_t(), Ok)?;
-        assert_eq!(field_t.len(), volume.grid.len(), "one value per point");
+        let (values, points) = (field_t.len(), volume.grid.len());
+        if values != points {
+            return Err(ReportError::FieldLength { values, points });
+        }
         let against_ideal = match film.ideal() {
             Ok(ideal) => {
                 let decoupling = film.decouple(&field_t)?;
                 let at = |p| ideal.flux_density_t(p).ok_or(FilmError::NotBelow(p));
                 let ideal_t = volume.grid.points().map(at).collect::<Result<Vec<DVec3>, FilmError>>()?;
-                // There are parameters at the reference point, so it has a branch.
+                // decouple() returned, so the reference point has parameters and thus a branch.
                 Branch::from_axis_field(film.reference_field_t()?).map(|branch| AgainstIdeal {
                     film: ideal,
                     field_t: ideal_t,
@@ -52,7 +74,8 @@ impl<'a> Survey<'a> {
         Ok(Some(Survey { volume, field_t, against_ideal }))
     }
 
-    /// Indices of the lowest plane of the grid, one in the middle, and the highest, as far as these are different ones.
+    /// Indices along z of the lowest, the middle and the highest plane of the grid, without
+    /// repetition.
     pub(crate) fn z_planes(&self) -> Vec<usize> {
         let last = self.volume.grid.counts()[2] - 1;
         let mut planes = vec![0, last / 2, last];
@@ -62,7 +85,8 @@ impl<'a> Survey<'a> {
 }
 
 impl AgainstIdeal<'_> {
-    /// The ideal film's parameters on the x, y or z axis at this coordinate, at the height `z_mm` if the axis is not z.
+    /// The parameters of the ideal film on the x, y or z axis at this coordinate. `z_mm` is the
+    /// height of the x and y axes.
     pub(crate) fn ideal_on_axis(&self, z_mm: f64, axis: usize, at_mm: f64) -> Option<Parameters> {
         let mut point = DVec3::new(0.0, 0.0, z_mm);
         let branch = Branch::from_axis_field(self.film.flux_density_t(point)?)?;
@@ -71,22 +95,22 @@ impl AgainstIdeal<'_> {
     }
 }
 
-/// The field on a plane, in cells.
-pub(crate) struct Slice {
-    /// The axes that span the plane.
+/// The field on a plane through the working volume, in cells.
+pub(crate) struct FieldSlice {
+    /// The two axes that span the plane.
     pub(crate) axes: [usize; 2],
-    /// From and to along them, in millimetres.
+    /// Lower and upper end along these axes, in millimetres.
     pub(crate) ranges_mm: [[f64; 2]; 2],
     grid: Grid,
     field_t: Vec<DVec3>,
 }
 
-impl Slice {
-    /// The part of the working volume where coordinate `normal` is `at_mm`. Where the field is unbounded it is NaN.
-    pub(crate) fn of(film: &Film, volume: &WorkingVolume, normal: usize, at_mm: f64) -> Result<Slice, FilmError> {
+impl FieldSlice {
+    /// The slice of the working volume where coordinate `normal` is `at_mm`, with B at the centre
+    /// of each cell. B is NaN where it is unbounded.
+    pub(crate) fn new(film: &Film, volume: &WorkingVolume, normal: usize, at_mm: f64) -> Result<FieldSlice, FilmError> {
         let axes = in_plane(normal);
         let (mut lower, mut upper, mut counts) = (volume.lower_mm, volume.upper_mm, [1; 3]);
-        // Each cell has the value of its middle.
         for axis in axes {
             let half_cell = 0.5 * (upper[axis] - lower[axis]) / MAP_CELLS as f64;
             lower[axis] += half_cell;
@@ -94,7 +118,7 @@ impl Slice {
             counts[axis] = MAP_CELLS;
         }
         (lower[normal], upper[normal]) = (at_mm, at_mm);
-        let grid = Grid::new(lower, upper, counts).expect("a slice of the volume");
+        let grid = Grid::new(lower, upper, counts).expect("a slice of a valid volume is a valid grid");
         let ranges_mm = axes.map(|axis| [volume.lower_mm[axis], volume.upper_mm[axis]]);
         let mut field_t = vec![DVec3::ZERO; grid.len()];
         if let Err(errors) = film.scene().field_on_grid_into(Quantity::FluxDensity, &grid, &mut field_t) {
@@ -104,24 +128,26 @@ impl Slice {
                 return Err(FilmError::Points(PointErrors(other)));
             }
         }
-        Ok(Slice { axes, ranges_mm, grid, field_t })
+        Ok(FieldSlice { axes, ranges_mm, grid, field_t })
     }
 
-    /// Cells along the two axes.
+    /// Number of cells along the two axes.
     pub(crate) fn cells(&self) -> [usize; 2] {
         self.axes.map(|axis| self.grid.counts()[axis])
     }
 
+    /// The index of a cell in the grid.
     fn index(&self, u: usize, v: usize) -> usize {
-        // The grid has one point along the normal, so the later axis runs fastest.
+        // The grid has one point along the normal, so the second axis runs fastest.
         u * self.grid.counts()[self.axes[1]] + v
     }
 
+    /// B in tesla in a cell.
     pub(crate) fn field_t(&self, u: usize, v: usize) -> DVec3 {
         self.field_t[self.index(u, v)]
     }
 
-    /// B of the ideal film in the same cell; NaN where Eq. 2 does not hold.
+    /// B of the ideal film in tesla in a cell; NaN where Eq. 2 does not hold.
     pub(crate) fn ideal_t(&self, film: &IdealFilm, u: usize, v: usize) -> DVec3 {
         film.flux_density_t(self.grid.point(self.index(u, v))).unwrap_or(DVec3::NAN)
     }
@@ -131,7 +157,7 @@ impl Slice {
         Parameters::from_field(self.field_t(u, v), branch)
     }
 
-    /// Every cell.
+    /// The indices of all cells along the two axes.
     pub(crate) fn all(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
         let [nu, nv] = self.cells();
         (0..nu).flat_map(move |u| (0..nv).map(move |v| (u, v)))

@@ -1,21 +1,26 @@
-//! Letters: symbols with subscripts, and the font.
+//! Text of figures: symbols with subscripts, numbers on axes, and the font.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use resvg::usvg::{Options, fontdb};
 
-/// The family of the fonts in `fonts/`: Roboto, cut down to Latin, Greek, Cyrillic and mathematical signs.
+/// Names of the coordinate axes.
+pub(crate) const AXIS_NAMES: [&str; 3] = ["x", "y", "z"];
+
+/// The family of the fonts in `fonts/`: Roboto, reduced to Latin, Greek, Cyrillic and mathematical
+/// characters.
 pub(crate) const FAMILY: &str = "Roboto";
 
 const FONTS: [&[u8]; 2] = [include_bytes!("../fonts/Roboto-Regular.ttf"), include_bytes!("../fonts/Roboto-Italic.ttf")];
 
-// plotters knows no subscripts. Its texts carry these marks, of the private use area, which become elements of the SVG.
+// plotters has no subscripts. Its texts contain these characters of Unicode's private use area,
+// which `marked_up` replaces with elements of the SVG.
 const SYMBOL: char = '\u{e000}';
 const SUBSCRIPT: char = '\u{e001}';
 const END: char = '\u{e002}';
 
-/// A symbol in italics with a subscript, such as B_x.
+/// A symbol in italics with an upright subscript, such as B_x.
 pub(crate) fn symbol(letter: &str, subscript: &str) -> String {
     format!("{SYMBOL}{letter}{SUBSCRIPT}{subscript}{END}")
 }
@@ -25,24 +30,25 @@ pub(crate) fn variable(letter: &str) -> String {
     symbol(letter, "")
 }
 
-/// What the fonts have of letters: Latin, Greek, Cyrillic, punctuation.
-const LETTERS: [RangeInclusive<char>; 5] =
+/// The characters that the fonts have for text: Latin, Greek, Cyrillic, punctuation.
+const TEXT_CHARACTERS: [RangeInclusive<char>; 5] =
     [' '..='~', '\u{a0}'..='\u{24f}', '\u{370}'..='\u{3ff}', '\u{400}'..='\u{45f}', '\u{2010}'..='\u{2027}'];
 
-/// Words of the layout's author, with a mark for what the fonts do not have; our marks are among that, and characters that XML does not have.
+/// Text from a layout, with U+FFFD for each character that the fonts lack. This also replaces the
+/// private characters above and control characters, which XML forbids.
 pub(crate) fn plain(text: &str) -> String {
-    let known = |c: char| LETTERS.iter().any(|range| range.contains(&c));
+    let known = |c: char| TEXT_CHARACTERS.iter().any(|range| range.contains(&c));
     text.chars().map(|c| if known(c) { c } else { '\u{fffd}' }).collect()
 }
 
-/// SVG with the marks turned into elements.
+/// SVG with the private characters replaced with elements.
 pub(crate) fn marked_up(svg: &str) -> String {
     svg.replace(SYMBOL, "<tspan font-style=\"italic\">")
         .replace(SUBSCRIPT, "</tspan><tspan font-size=\"72%\" baseline-shift=\"sub\">")
         .replace(END, "</tspan>")
 }
 
-/// A number for an axis: with a true minus and without digits that say nothing.
+/// A number for an axis: at most six significant digits, no trailing zeros, a true minus sign.
 pub(crate) fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -60,12 +66,13 @@ pub(crate) fn number(value: f64) -> String {
     if value < 0.0 { format!("\u{2212}{text}") } else { text }
 }
 
-/// A number on an axis of this length: what is round-off beside it is zero.
+/// A number on an axis with this range. A value that is round-off relative to the range is 0.
 pub(crate) fn on_axis(value: f64, [low, high]: [f64; 2]) -> String {
     number(if value.abs() <= 1e-9 * (high - low).abs() { 0.0 } else { value })
 }
 
-/// The fonts of this crate and no others, so that a figure is the same on every machine.
+/// Options of resvg with the fonts of this crate only, so that a figure is the same on every
+/// machine.
 pub(crate) fn options() -> Options<'static> {
     let mut fonts = fontdb::Database::new();
     for font in FONTS {
@@ -79,13 +86,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_for_axes() {
+    fn numbers_have_a_true_minus_and_no_trailing_zeros() {
         let texts = [0.0, -2.0, 0.25, 1234.5, 2.5e-7, -1e12, 0.1 + 0.2].map(number);
         assert_eq!(texts, ["0", "\u{2212}2", "0.25", "1234.5", "2.5e\u{2212}7", "\u{2212}1e12", "0.3"]);
     }
 
     #[test]
-    fn names_cannot_be_taken_for_marks() {
+    fn private_and_control_characters_in_names_are_replaced() {
         assert_eq!(plain("a\u{e000}b\u{1}\n\u{78c1}ß"), "a\u{fffd}b\u{fffd}\u{fffd}\u{fffd}ß");
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use magsplice::layout::Layout;
 use magsplice::prelude::DVec3;
 use magsplice::{Film, FilmError, Stage};
-use magsplice_report::{Numbers, Report, ReportError};
+use magsplice_report::{PrintedResults, Report, ReportError};
 
 use crate::args::ReportArgs;
 use crate::failure::Failure;
@@ -22,11 +22,12 @@ pub(crate) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
     let film = Film::new(&layout).with_accuracy(args.accuracy.get()).with_progress(&tell);
     let failed = |error| text::film_failure(&args.layout, &layout, error);
     // Whether the folder can be written is known before anything is computed.
-    let folder = Folder::open(&args.output, Report::is_file_of_one)?;
+    let folder = Folder::open(&args.output, Report::is_report_file)?;
     let Known { text, json, field_t } = known(&film).map_err(failed)?;
-    let report = Report::of(&film, field_t, Numbers { text: &text, json: &json }).map_err(|error| match error {
+    let results = PrintedResults { text: &text, json: &json };
+    let report = Report::new(&film, field_t, results).map_err(|error| match error {
         ReportError::Film(error) => failed(error),
-        ReportError::Drawing { .. } => Failure::Report { layout: args.layout.clone(), message: error.to_string() },
+        error => Failure::Report { layout: args.layout.clone(), message: error.to_string() },
     })?;
     for (name, contents) in report.files() {
         folder.write(&name, contents)?;

@@ -1,24 +1,24 @@
-//! R_x, R_y, S_z through the working volume: planes of equal z (Dai 2024, Fig. 7) and upright planes (Fig. 8).
+//! R_x, R_y, S_z on planes through the working volume: planes of constant z (Dai 2024, Fig. 7) and
+//! vertical planes (Fig. 8).
 
 use magsplice::decouple::Parameters;
 
-use crate::colours::Scale;
-use crate::panel::{BAR_PX, BELOW_PX, Beside, LEFT_PX, Panel, equal_scale};
+use crate::colours::ColourScale;
+use crate::error::DrawError;
+use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel, equal_scale};
 use crate::sheet::{LETTERS, sheet};
-use crate::survey::{AgainstIdeal, Slice};
-use crate::typeset::symbol;
-
-use super::AXES;
+use crate::survey::{AgainstIdeal, FieldSlice};
+use crate::typeset::{AXIS_NAMES, symbol};
 
 const GAP_PX: f64 = 26.0;
 const TOP_PX: f64 = 30.0;
 
-/// The parameters in the order they are drawn.
+/// The parameter with this index: R_x, R_y, S_z.
 pub(crate) fn value(parameters: &Parameters, which: usize) -> f64 {
     [parameters.r_x, parameters.r_y, parameters.s_z][which]
 }
 
-/// Their names with units.
+/// Names of the parameters with their units.
 pub(crate) fn names() -> [String; 3] {
     [
         format!("{} (rad)", symbol("R", "x")),
@@ -27,11 +27,15 @@ pub(crate) fn names() -> [String; 3] {
     ]
 }
 
-/// One column for each slice with its title, one row for each parameter; a row has one scale. All slices are along the same axes or of the same
-/// height.
-pub(crate) fn draw(against: &AgainstIdeal, slices: &[(Slice, String)], room_px: [f64; 2]) -> Result<String, String> {
-    // One scale for lengths in all of them.
-    let extents = |slice: &Slice| slice.ranges_mm.map(|[low, high]| high - low);
+/// The figure as SVG: one column per slice with its title, one row per parameter with one colour
+/// scale. All slices have the same axes or the same height.
+pub(crate) fn draw(
+    against: &AgainstIdeal,
+    slices: &[(FieldSlice, String)],
+    room_px: [f64; 2],
+) -> Result<String, DrawError> {
+    // All slices have the same scale of length.
+    let extents = |slice: &FieldSlice| slice.ranges_mm.map(|[low, high]| high - low);
     let widest = slices.iter().map(|(slice, _)| extents(slice)[0]).fold(0.0, f64::max);
     let sizes: Vec<[f64; 2]> = slices
         .iter()
@@ -41,7 +45,7 @@ pub(crate) fn draw(against: &AgainstIdeal, slices: &[(Slice, String)], room_px: 
         })
         .collect();
     let height = sizes.iter().map(|size| size[1]).fold(0.0, f64::max);
-    // Slices along other axes than their neighbour have their own numbers.
+    // A slice along other axes than the one at its left has numbers of its own.
     let named: Vec<bool> = (0..slices.len()).map(|i| i == 0 || slices[i].0.axes != slices[i - 1].0.axes).collect();
     let mut lefts = Vec::new();
     let mut right = 6.0 - GAP_PX;
@@ -53,13 +57,13 @@ pub(crate) fn draw(against: &AgainstIdeal, slices: &[(Slice, String)], room_px: 
     let top = |row: usize| TOP_PX + row as f64 * (height + 18.0);
     sheet([right + 12.0 + BAR_PX, top(2) + height + BELOW_PX + 6.0], |sheet| {
         for (row, name) in names().iter().enumerate() {
-            let at = |slice: &Slice, u: usize, v: usize| {
+            let at = |slice: &FieldSlice, u: usize, v: usize| {
                 slice.parameters(against.branch, u, v).map_or(f64::NAN, |p| value(&p, row))
             };
             let values: Vec<f64> =
                 slices.iter().flat_map(|(slice, _)| slice.all().map(|(u, v)| at(slice, u, v))).collect();
             let values = values.into_iter();
-            let scale = if row == 2 { Scale::without_zero(values) } else { Scale::of(values) };
+            let scale = if row == 2 { ColourScale::without_zero(values) } else { ColourScale::from_values(values) };
             for (i, (slice, title)) in slices.iter().enumerate() {
                 let [width, height] = sizes[i];
                 let panel = Panel {
@@ -71,9 +75,9 @@ pub(crate) fn draw(against: &AgainstIdeal, slices: &[(Slice, String)], room_px: 
                     y: slice.ranges_mm[1],
                 };
                 panel.cells(sheet, slice.cells(), scale, |u, v| at(slice, u, v));
-                let [across, along] = slice.axes.map(|axis| Beside::Length(AXES[axis]));
-                let x = if row == 2 { across } else { Beside::Ticks };
-                let y = if named[i] { along } else { Beside::Ticks };
+                let [across, along] = slice.axes.map(|axis| AxisLabel::Coordinate(AXIS_NAMES[axis]));
+                let x = if row == 2 { across } else { AxisLabel::TicksOnly };
+                let y = if named[i] { along } else { AxisLabel::TicksOnly };
                 panel.axes(sheet, x, y)?;
                 if row == 0 {
                     sheet.text([panel.left, TOP_PX - 13.0], title, LETTERS)?;

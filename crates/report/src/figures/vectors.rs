@@ -1,4 +1,5 @@
-//! Field vectors below the film in three views, with arrows whose length follows the logarithm of the field (Dai 2024, Fig. 3).
+//! Vectors of B below the film in three planes. The length of an arrow follows the logarithm of the
+//! magnitude (Dai 2024, Fig. 3).
 
 use glam::DVec3;
 use magsplice::Film;
@@ -6,49 +7,53 @@ use magsplice::field::Quantity;
 use magsplice::layout::{NamedTile, WorkingVolume};
 use plotters::prelude::RGBColor;
 
-use crate::arrow::arrow;
-use crate::colours::{Directions, Kind, Scale, light, plot};
-use crate::panel::{BAR_PX, BELOW_PX, Beside, LEFT_PX, Panel};
-use crate::sheet::{Drawn, INK, LETTERS, Sheet, sheet};
-use crate::solid::{bounds, cut, in_plane};
-use crate::typeset::{number, variable};
-use crate::units::flux_unit;
+use crate::colours::{ColourScale, DirectionColours, Palette, light, plotters_colour};
+use crate::error::DrawError;
+use crate::flux_unit::flux_unit;
+use crate::marks::arrow;
+use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel};
+use crate::sheet::{DrawResult, INK, LETTERS, Sheet, sheet};
+use crate::tile_shapes::{bounds, in_plane, section};
+use crate::typeset::{AXIS_NAMES, number, variable};
 
-use super::AXES;
-
-/// Width and height of the two upright views at most, in pixels.
-const WIDE_PX: f64 = 560.0;
-const HIGH_PX: f64 = 270.0;
-/// The shortest side of a view, as a fraction of the longest.
-const NARROWEST: f64 = 0.2;
+/// Maximum width of the two vertical views, in pixels.
+const MAX_WIDTH_PX: f64 = 560.0;
+/// Maximum height of the two vertical views, in pixels.
+const MAX_HEIGHT_PX: f64 = 270.0;
+/// Minimum side of a view, as a fraction of the longest.
+const MIN_SIDE_FRACTION: f64 = 0.2;
 const TOP_PX: f64 = 34.0;
-/// A colour bar as high as its name is long.
-const LEAST_BAR_PX: f64 = 190.0;
-/// Distance of neighbouring arrows, in pixels, and the length of the longest.
+/// Minimum height of the colour bar: the length of its name, in pixels.
+const MIN_BAR_PX: f64 = 190.0;
+/// Distance of neighbouring arrows, in pixels.
 const PITCH_PX: f64 = 17.5;
+/// Length of the longest arrow, in pixels.
 const LONGEST_PX: f64 = 19.0;
-/// The shortest arrow as a fraction of the longest: fields `DECADES` below the largest and less.
+/// Length of the shortest arrow as a fraction of the longest.
 const SHORTEST: f64 = 0.28;
+/// Fields this many decades below the largest, and weaker ones, get the shortest arrow.
 const DECADES: f64 = 2.0;
-/// The views reach so many half widths of the working volume from its middle, or to the end of the film.
+/// The views extend from the centre of the working volume to the end of the film, but at most this
+/// many half widths of the volume.
 const REACH: f64 = 5.0;
 
-/// A plane in which the field is drawn.
-struct View {
+/// A plane in which B is drawn.
+struct PlaneView {
     panel: Panel,
     normal: usize,
     at_mm: f64,
-    /// Where arrows may start, along the second axis of the plane.
+    /// Range of the arrows along the second axis of the plane.
     arrows: [f64; 2],
 }
 
-struct Vector {
+/// B at a point of a view, in its plane.
+struct FieldArrow {
     at: [f64; 2],
-    /// In the plane of the view.
     field_t: [f64; 2],
 }
 
-pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) -> Result<String, String> {
+/// The figure as SVG.
+pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) -> Result<String, DrawError> {
     let [film_low, film_high] =
         bounds(tiles.iter().map(|named| &named.tile)).unwrap_or([volume.lower_mm, volume.upper_mm]);
     let middle = 0.5 * (volume.lower_mm + volume.upper_mm);
@@ -58,7 +63,8 @@ pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) ->
         let half = film_half.clamp(half_volume[axis], REACH * half_volume[axis]) * 1.03;
         [middle[axis] - half, middle[axis] + half]
     };
-    // From the volume to the film and through it; arrows stay outside of it, unless the volume is within.
+    // The views contain the volume and the film. Arrows stay outside the film, unless the volume
+    // overlaps it.
     let margin = 0.06 * (film_high.z.max(volume.upper_mm.z) - film_low.z.min(volume.lower_mm.z));
     let z = [film_low.z.min(volume.lower_mm.z) - margin, film_high.z.max(volume.upper_mm.z) + margin];
     let between = if volume.upper_mm.z <= film_low.z {
@@ -68,14 +74,14 @@ pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) ->
     } else {
         z
     };
-    // Never so narrow that lengths would have different scales.
+    // A view must be wide enough that both of its axes can have the same scale of length.
     let widest = [window(0), window(1), z].map(|[low, high]| high - low).into_iter().fold(0.0, f64::max);
     let wide_enough = |[low, high]: [f64; 2]| {
-        let more = (0.5 * (NARROWEST * widest - (high - low))).max(0.0);
+        let more = (0.5 * (MIN_SIDE_FRACTION * widest - (high - low))).max(0.0);
         [low - more, high + more]
     };
     let [x, y, z] = [window(0), window(1), z].map(wide_enough);
-    let per_mm = (WIDE_PX / (x[1] - x[0])).min(WIDE_PX / (y[1] - y[0])).min(HIGH_PX / (z[1] - z[0]));
+    let per_mm = (MAX_WIDTH_PX / (x[1] - x[0])).min(MAX_WIDTH_PX / (y[1] - y[0])).min(MAX_HEIGHT_PX / (z[1] - z[0]));
     let height = per_mm * (z[1] - z[0]);
     let left = LEFT_PX + 6.0;
     let upright = |horizontal: [f64; 2], top: f64| Panel {
@@ -89,7 +95,7 @@ pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) ->
     let first = upright(x, TOP_PX);
     let second = upright(y, first.bottom() + BELOW_PX + TOP_PX);
     let room = second.bottom() - TOP_PX;
-    let per_mm = (room / (y[1] - y[0])).min(WIDE_PX / (x[1] - x[0]));
+    let per_mm = (room / (y[1] - y[0])).min(MAX_WIDTH_PX / (x[1] - x[0]));
     let third = Panel {
         left: first.right().max(second.right()) + LEFT_PX + 28.0,
         top: TOP_PX,
@@ -99,51 +105,52 @@ pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) ->
         y,
     };
     let views = [
-        View { panel: first, normal: 1, at_mm: middle.y, arrows: between },
-        View { panel: second, normal: 0, at_mm: middle.x, arrows: between },
-        View { panel: third, normal: 2, at_mm: middle.z, arrows: y },
+        PlaneView { panel: first, normal: 1, at_mm: middle.y, arrows: between },
+        PlaneView { panel: second, normal: 0, at_mm: middle.x, arrows: between },
+        PlaneView { panel: third, normal: 2, at_mm: middle.z, arrows: y },
     ];
-    let vectors: Vec<Vec<Vector>> = views.iter().map(|view| view.vectors(film)).collect();
-    let strengths = || vectors.iter().flatten().map(Vector::strength_t).filter(|b| *b > 0.0);
+    let arrows: Vec<Vec<FieldArrow>> = views.iter().map(|view| view.field_arrows(film)).collect();
+    let strengths = || arrows.iter().flatten().map(FieldArrow::strength_t).filter(|b| *b > 0.0);
     let most_t = strengths().fold(0.0, f64::max);
     let unit = flux_unit(most_t);
     let least_t = strengths().fold(most_t, f64::min).max(most_t * 10_f64.powf(-DECADES));
     let decade = |t: f64| (t * unit.per_t).log10();
     let scale = if most_t > 0.0 {
-        Scale { low: decade(least_t).min(decade(most_t) - 0.5), high: decade(most_t), kind: Kind::Lines }
+        ColourScale { low: decade(least_t).min(decade(most_t) - 0.5), high: decade(most_t), palette: Palette::Lines }
     } else {
-        Scale { low: 0.0, high: 1.0, kind: Kind::Lines }
+        ColourScale { low: 0.0, high: 1.0, palette: Palette::Lines }
     };
     let size = [third.right() + 14.0 + BAR_PX, second.bottom().max(third.bottom()) + BELOW_PX + 6.0];
     sheet(size, |sheet| {
-        for (view, vectors) in views.iter().zip(&vectors) {
+        for (view, arrows) in views.iter().zip(&arrows) {
             view.draw(sheet, tiles, volume)?;
-            let map = scale.map();
-            for vector in vectors {
-                let strength = vector.strength_t();
-                // Round-off has a direction too.
+            let mapper = scale.mapper();
+            for field_arrow in arrows {
+                let strength = field_arrow.strength_t();
+                // The direction of round-off means nothing.
                 if strength <= 1e-9 * most_t {
                     continue;
                 }
                 let level = decade(strength).max(scale.low);
                 let share = (level - scale.low) / (scale.high - scale.low);
                 let length = LONGEST_PX * (SHORTEST + (1.0 - SHORTEST) * share);
-                let [x, y] = view.panel.at(vector.at[0], vector.at[1]);
-                let half = vector.field_t.map(|b| 0.5 * length * b / strength);
-                let colour = plot(map.colour(level));
+                let [x, y] = view.panel.at(field_arrow.at[0], field_arrow.at[1]);
+                let half = field_arrow.field_t.map(|b| 0.5 * length * b / strength);
+                let colour = plotters_colour(mapper.colour(level));
                 arrow(sheet, [x - half[0], y + half[1]], [x + half[0], y - half[1]], 1.5, colour)?;
             }
             view.frame(sheet)?;
         }
-        let bar = Panel { height: third.height.max(LEAST_BAR_PX), ..third };
+        let bar = Panel { height: third.height.max(MIN_BAR_PX), ..third };
         let name = format!("|{}| in the plane of view ({})", variable("B"), unit.name);
         bar.logarithmic_bar(sheet, 14.0, scale, &name)
     })
 }
 
-impl View {
-    /// The field at regular points of the view; none where it is unbounded, or beyond the arrows' range.
-    fn vectors(&self, film: &Film) -> Vec<Vector> {
+impl PlaneView {
+    /// B at regular points of the view that are in the range of the arrows. Points where B is
+    /// unbounded are omitted.
+    fn field_arrows(&self, film: &Film) -> Vec<FieldArrow> {
         let [u, v] = in_plane(self.normal);
         let counts = [self.panel.width, self.panel.height].map(|px| ((px / PITCH_PX).floor() as usize).max(2));
         let along =
@@ -161,23 +168,24 @@ impl View {
             }
         }
         let mut field = vec![DVec3::ZERO; points.len()];
-        // Points without a field are not a number, and have no arrow.
+        // Points without a field are NaN, and get no arrow.
         let _ = film.scene().field_into(Quantity::FluxDensity, &points, &mut field);
-        let vector = |(p, b): (&DVec3, &DVec3)| Vector { at: [p[u], p[v]], field_t: [b[u], b[v]] };
-        points.iter().zip(&field).filter(|(_, b)| b.is_finite()).map(vector).collect()
+        let field_arrow = |(p, b): (&DVec3, &DVec3)| FieldArrow { at: [p[u], p[v]], field_t: [b[u], b[v]] };
+        points.iter().zip(&field).filter(|(_, b)| b.is_finite()).map(field_arrow).collect()
     }
 
+    /// The position on the sheet of the point of the view nearest to `p`.
     fn clipped(&self, p: [f64; 2]) -> [f64; 2] {
         let [x, y] = [p[0].clamp(self.panel.x[0], self.panel.x[1]), p[1].clamp(self.panel.y[0], self.panel.y[1])];
         self.panel.at(x, y)
     }
 
-    /// The tiles the plane cuts and the working volume.
-    fn draw(&self, sheet: &Sheet, tiles: &[&NamedTile], volume: &WorkingVolume) -> Drawn {
+    /// Draws the sections of the tiles and of the working volume.
+    fn draw(&self, sheet: &Sheet, tiles: &[&NamedTile], volume: &WorkingVolume) -> DrawResult {
         let [u, v] = in_plane(self.normal);
-        let directions = Directions::new();
+        let directions = DirectionColours::new();
         for named in tiles {
-            let section = cut(&named.tile, self.normal, self.at_mm);
+            let section = section(&named.tile, self.normal, self.at_mm);
             if section.len() < 3 || !section.iter().any(|p| self.panel.contains(p.x, p.y)) {
                 continue;
             }
@@ -204,16 +212,18 @@ impl View {
         sheet.dashed_outline(&corners, INK, 1.2)
     }
 
-    fn frame(&self, sheet: &Sheet) -> Drawn {
-        let [across, along] = in_plane(self.normal).map(|axis| Beside::Length(AXES[axis]));
+    /// Draws the axes and the title.
+    fn frame(&self, sheet: &Sheet) -> DrawResult {
+        let [across, along] = in_plane(self.normal).map(|axis| AxisLabel::Coordinate(AXIS_NAMES[axis]));
         self.panel.axes(sheet, across, along)?;
-        let plane = format!("{} = {} mm", variable(AXES[self.normal]), number(self.at_mm));
+        let plane = format!("{} = {} mm", variable(AXIS_NAMES[self.normal]), number(self.at_mm));
         let title = if self.normal == 2 { format!("{plane}, from above") } else { plane };
         sheet.text([self.panel.left, self.panel.top - 13.0], &title, LETTERS)
     }
 }
 
-impl Vector {
+impl FieldArrow {
+    /// Magnitude in the plane.
     fn strength_t(&self) -> f64 {
         self.field_t[0].hypot(self.field_t[1])
     }

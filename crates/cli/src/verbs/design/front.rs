@@ -90,7 +90,7 @@ fn figures(_: &DesignProblem, _: &ParetoFront, _: &Folder) -> Result<(), Failure
 #[cfg(feature = "report")]
 fn figures(setting: &DesignProblem, front: &ParetoFront, folder: &Folder) -> Result<(), Failure> {
     use magsplice::design::Metrics;
-    use magsplice_report::{Axis, Front as Drawn, FrontFilm};
+    use magsplice_report::{FrontAxis, FrontFigure, FrontFilm};
 
     let film = |at: f64, figures: &Metrics| FrontFilm {
         at,
@@ -101,11 +101,11 @@ fn figures(setting: &DesignProblem, front: &ParetoFront, folder: &Folder) -> Res
     let by_amplitude = front.by_amplitude.iter().map(|(_, o)| film(o.after.amplitude, &o.after)).collect();
     let by_parts = front.by_parts.iter().map(|o| film(o.parts as f64, &o.after)).collect();
     let drawn = [
-        Drawn { axis: Axis::Amplitude, films: by_amplitude, before },
-        Drawn { axis: Axis::Parts, films: by_parts, before: None },
+        FrontFigure { axis: FrontAxis::Amplitude, films: by_amplitude, before },
+        FrontFigure { axis: FrontAxis::Parts, films: by_parts, before: None },
     ];
     for drawn in drawn.into_iter().filter(|drawn| !drawn.films.is_empty()) {
-        let figure = drawn.figure().map_err(|error| Failure::Format(error.to_string()))?;
+        let figure = drawn.draw().map_err(|error| Failure::Format(error.to_string()))?;
         folder.write(&format!("{}.svg", figure.name), figure.svg.as_bytes())?;
         folder.write(&format!("{}.png", figure.name), &figure.png)?;
     }

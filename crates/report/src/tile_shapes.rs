@@ -1,9 +1,10 @@
-//! Shapes of tiles: seen from above, and cut by a plane.
+//! Outlines of tiles: from above, and in the section by a plane.
 
 use glam::{DVec2, DVec3};
 use magsplice::prelude::Tile;
 
-/// The eight corners in the scene's frame; bits 0, 1, 2 of the index choose the upper end along the tile's x, y, z.
+/// The eight corners in the film's frame. Bits 0, 1 and 2 of the index choose the upper end along
+/// the x, y and z axis of the tile.
 pub(crate) fn corners(tile: &Tile) -> [DVec3; 8] {
     std::array::from_fn(|i| {
         let side = DVec3::from([0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 0.5 } else { -0.5 }));
@@ -11,7 +12,7 @@ pub(crate) fn corners(tile: &Tile) -> [DVec3; 8] {
     })
 }
 
-/// The least box along the axes around all tiles: lower and upper corner.
+/// The axis-aligned bounding box of all tiles: lower and upper corner. `None` without tiles.
 pub(crate) fn bounds<'a>(tiles: impl Iterator<Item = &'a Tile>) -> Option<[DVec3; 2]> {
     tiles.flat_map(corners).map(|c| [c, c]).reduce(|[low, high], [c, _]| [low.min(c), high.max(c)])
 }
@@ -21,8 +22,9 @@ pub(crate) fn from_above(tile: &Tile) -> Vec<DVec2> {
     hull(corners(tile).iter().map(|c| c.truncate()).collect())
 }
 
-/// The cut with the plane where coordinate `normal` is `at`, in the two other coordinates in their order.
-pub(crate) fn cut(tile: &Tile, normal: usize, at: f64) -> Vec<DVec2> {
+/// The section by the plane where coordinate `normal` is `at`, in the two other coordinates,
+/// counter-clockwise. It has fewer than three corners if the plane misses the tile.
+pub(crate) fn section(tile: &Tile, normal: usize, at: f64) -> Vec<DVec2> {
     let corners = corners(tile);
     let [u, v] = in_plane(normal);
     let mut points = Vec::new();
@@ -34,7 +36,7 @@ pub(crate) fn cut(tile: &Tile, normal: usize, at: f64) -> Vec<DVec2> {
                 continue;
             }
             let length = b[normal] - a[normal];
-            // An edge in the plane gives both of its ends.
+            // An edge that lies in the plane contributes both of its ends.
             for t in if length == 0.0 { [0.0, 1.0] } else { [(at - a[normal]) / length; 2] } {
                 let point = a + t * (b - a);
                 points.push(DVec2::new(point[u], point[v]));
@@ -44,7 +46,7 @@ pub(crate) fn cut(tile: &Tile, normal: usize, at: f64) -> Vec<DVec2> {
     hull(points)
 }
 
-/// The other two axes, in their order.
+/// The two axes other than `normal`, in ascending order.
 pub(crate) fn in_plane(normal: usize) -> [usize; 2] {
     [[1, 2], [0, 2], [0, 1]][normal]
 }
@@ -86,18 +88,18 @@ mod tests {
     }
 
     #[test]
-    fn outlines_and_cuts() {
+    fn outlines_and_sections_have_the_expected_area() {
         let tile = Tile::new(DVec3::new(1.0, 2.0, 0.5), DVec3::new(3.0, 2.0, 1.0), DVec3::X).unwrap();
         assert_eq!(from_above(&tile).len(), 4);
         assert!((area(&from_above(&tile)) - 6.0).abs() < 1e-12);
-        assert!((area(&cut(&tile, 1, 2.5)) - 3.0).abs() < 1e-12);
-        assert!(cut(&tile, 1, 3.5).len() < 3);
+        assert!((area(&section(&tile, 1, 2.5)) - 3.0).abs() < 1e-12);
+        assert!(section(&tile, 1, 3.5).len() < 3);
         let turned = tile.rotated(DQuat::from_rotation_z(0.5)).unwrap();
         assert!((area(&from_above(&turned)) - 6.0).abs() < 1e-12);
-        // A cube on its corner: the cut through its middle is a hexagon.
+        // The section through the centre of a cube that stands on a corner is a hexagon.
         let cube = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::X).unwrap();
         let up = DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::Z);
-        let hexagon = cut(&cube.rotated(up).unwrap(), 2, 0.0);
+        let hexagon = section(&cube.rotated(up).unwrap(), 2, 0.0);
         assert!((area(&hexagon) - 0.75 * 3.0_f64.sqrt()).abs() < 1e-12, "{hexagon:?}");
     }
 }

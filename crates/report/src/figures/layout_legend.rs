@@ -1,36 +1,36 @@
-//! The key of the layout's figure.
+//! The legend of the figure of the tiles.
 
 use glam::DVec3;
 use magsplice::layout::NamedTile;
 
-use crate::arrow::arrow;
-use crate::colours::{Directions, light};
-use crate::sheet::{DrawError, Drawn, INK, LETTERS, Sheet};
+use crate::colours::{DirectionColours, light};
+use crate::marks::{VANISHING, arrow, corner_brackets, out_of_plane_mark};
+use crate::sheet::{DrawResult, INK, LETTERS, PlotError, Sheet};
 use crate::typeset::{number, variable};
 
-use super::layout_from_above::{VANISHING, corner_marks, upright_mark};
-
-/// The longest arrow, in pixels.
+/// Maximum length of the arrow in the legend, in pixels.
 const MOST_ARROW_PX: f64 = 105.0;
 
-pub(super) struct Key<'a> {
+/// The legend at the right of the drawing.
+pub(super) struct LayoutLegend<'a> {
     pub(super) left: f64,
     pub(super) top: f64,
-    /// The length of the arrow of the strongest tile, in pixels.
+    /// The length of the arrow of the tile with the largest |J|, in pixels.
     pub(super) arrow_px: f64,
+    /// The largest |J| in tesla.
     pub(super) most_t: f64,
-    /// Those that are drawn.
+    /// The tiles that are drawn.
     pub(super) tiles: &'a [&'a NamedTile],
-    /// How many there are.
+    /// The number of tiles of the layout.
     pub(super) all: usize,
     /// Whether a working volume is drawn.
     pub(super) volume: bool,
-    /// What there is to say about names, line by line.
+    /// Lines about the names of the tiles.
     pub(super) names: &'a [String],
 }
 
-impl Key<'_> {
-    pub(super) fn draw(&self, sheet: &Sheet, directions: &Directions) -> Drawn {
+impl LayoutLegend<'_> {
+    pub(super) fn draw(&self, sheet: &Sheet, directions: &DirectionColours) -> DrawResult {
         let left = self.left;
         let mut y = self.top + 10.0;
         sheet.text([left, y], "Direction of polarization", LETTERS)?;
@@ -43,8 +43,8 @@ impl Key<'_> {
         Ok(())
     }
 
-    /// The colours of directions, from `y` down; gives where it ends.
-    fn wheel(&self, sheet: &Sheet, directions: &Directions, y: f64) -> Result<f64, DrawError> {
+    /// Draws the colour circle from `y` down, and returns where it ends.
+    fn wheel(&self, sheet: &Sheet, directions: &DirectionColours, y: f64) -> Result<f64, PlotError> {
         let (left, wheel) = (self.left, 46.0);
         let y = y + wheel;
         let centre = [left + wheel + 18.0, y];
@@ -66,8 +66,8 @@ impl Key<'_> {
         Ok(y + wheel)
     }
 
-    /// What arrows and other marks mean.
-    fn marks(&self, sheet: &Sheet, mut y: f64) -> Result<f64, DrawError> {
+    /// Draws the meaning of the arrow and the other marks from `y` down, and returns where it ends.
+    fn marks(&self, sheet: &Sheet, mut y: f64) -> Result<f64, PlotError> {
         let left = self.left;
         let polarization = |named: &&NamedTile| named.tile.scene_polarization_t() / self.most_t;
         if self.tiles.iter().any(|named| polarization(named).truncate().length() > VANISHING) {
@@ -80,20 +80,20 @@ impl Key<'_> {
         }
         for (sign, text) in [(1.0, "up, to the viewer"), (-1.0, "down")] {
             if self.tiles.iter().any(|named| sign * polarization(named).z > VANISHING) {
-                upright_mark(sheet, [left + 10.0, y], 8.0, sign > 0.0)?;
+                out_of_plane_mark(sheet, [left + 10.0, y], 8.0, sign > 0.0)?;
                 sheet.text([left + 28.0, y], text, LETTERS)?;
                 y += 26.0;
             }
         }
         if self.volume {
-            corner_marks(sheet, [left, y - 8.0], [left + 24.0, y + 8.0], 5.0)?;
+            corner_brackets(sheet, [left, y - 8.0], [left + 24.0, y + 8.0], 5.0)?;
             sheet.text([left + 34.0, y], "working volume", LETTERS)?;
             y += 30.0;
         }
         Ok(y)
     }
 
-    /// How many tiles of what strength, and which names they have.
+    /// The lines of text: the number of tiles, |J|, and the names.
     fn lines(&self) -> Vec<String> {
         let (tiles, all) = (self.tiles, self.all);
         let mut lines = vec![if all == 1 { "1 tile".to_owned() } else { format!("{all} tiles") }];
@@ -112,7 +112,7 @@ impl Key<'_> {
     }
 }
 
-/// A polarization with four digits.
+/// A polarization with four significant digits and its unit.
 fn strength(value_t: f64) -> String {
     let digits = format!("{value_t:.3e}").parse().unwrap_or(value_t);
     format!("{} T", number(digits))

@@ -1,0 +1,241 @@
+//! The figures of a report in order, with their captions, as SVG whose text is still text.
+
+use magsplice::layout::NamedTile;
+use magsplice::{Film, Stage};
+
+use crate::error::{DrawError, ReportError};
+use crate::figures::{along_axes, field_maps, layout_from_above, parameter_maps, vectors};
+use crate::survey::{FieldSlice, Survey};
+use crate::typeset::{AXIS_NAMES, number, variable};
+
+/// Maximum width and height of a parameter map on a plane of constant z, in pixels.
+const LEVEL_PX: [f64; 2] = [220.0, 220.0];
+/// The same on a vertical plane.
+const UPRIGHT_PX: [f64; 2] = [340.0, 200.0];
+
+const FIELD_NAMES: [&str; 3] = ["field-lowest", "field-middle", "field-highest"];
+
+/// Names of all figures that a report can have.
+pub(crate) const FIGURE_NAMES: [&str; 8] = [
+    "layout",
+    "vectors",
+    FIELD_NAMES[0],
+    FIELD_NAMES[1],
+    FIELD_NAMES[2],
+    "parameters-level",
+    "parameters-upright",
+    "parameters-along-axes",
+];
+
+/// A figure before its text becomes outlines.
+pub(crate) struct FigureDraft {
+    pub(crate) name: &'static str,
+    pub(crate) caption: String,
+    pub(crate) svg: String,
+}
+
+/// The number of figures.
+fn figure_count(survey: Option<&Survey>) -> usize {
+    // Layout, vectors, one field map per plane; three figures of the parameters.
+    survey.map_or(1, |survey| 2 + survey.z_planes().len() + survey.against_ideal.as_ref().map_or(0, |_| 3))
+}
+
+/// All figures that the layout allows.
+pub(crate) fn drafts(
+    film: &Film,
+    tiles: &[&NamedTile],
+    survey: Option<&Survey>,
+) -> Result<Vec<FigureDraft>, ReportError> {
+    let mut drafts = Vec::new();
+    let count = figure_count(survey);
+    let tell = |done: usize| film.tell(Stage { name: "drawing", done, of: Some(count), unit: "figures" });
+    tell(0);
+    let mut add = |name: &'static str, caption: String, drawn: Result<String, DrawError>| {
+        let svg = drawn.map_err(|source| ReportError::Drawing { figure: name, source })?;
+        drafts.push(FigureDraft { name, caption, svg });
+        tell(drafts.len());
+        Ok::<(), ReportError>(())
+    };
+    let layout = film.layout();
+    let volume = layout.volume.as_ref();
+    let caption = "The tiles seen from above, with their polarization and their names.".to_owned();
+    add("layout", caption, layout_from_above::draw(tiles, layout.tiles.len(), volume))?;
+    let Some(survey) = survey else { return Ok(drafts) };
+
+    let caption = "B in three planes. The length and the colour of an arrow show the logarithm of the \
+                   magnitude of B in the plane. The dashed rectangle is the working volume."
+        .to_owned();
+    add("vectors", caption, vectors::draw(film, tiles, survey.volume))?;
+
+    let volume = survey.volume;
+    let slice = |normal: usize, at_mm: f64| FieldSlice::new(film, volume, normal, at_mm);
+    let planes = survey.z_planes();
+    let mut level = Vec::new();
+    for &k in &planes {
+        let z_mm = volume.grid.coordinate(2, k);
+        level.push((slice(2, z_mm)?, z_mm));
+    }
+    let [first, .., last] = FIELD_NAMES;
+    let names = if level.len() == 2 { vec![first, last] } else { FIELD_NAMES.to_vec() };
+    for (name, (slice, z_mm)) in names.into_iter().zip(&level) {
+        let what = if survey.against_ideal.is_some() {
+            "the spliced film, B of the ideal film (Eq. 2) on the same colour scale, and their difference"
+        } else {
+            "the film"
+        };
+        let caption = format!("B of {what}, at z = {z_mm} mm.");
+        add(name, caption, field_maps::draw(survey, slice, *z_mm))?;
+    }
+    let Some(against) = &survey.against_ideal else { return Ok(drafts) };
+
+    let titled = |(slice, z_mm): (FieldSlice, f64)| (slice, format!("{} = {} mm", variable("z"), number(z_mm)));
+    let level: Vec<(FieldSlice, String)> = level.into_iter().map(titled).collect();
+    let caption = "The decoupling parameters on planes of constant z. R_x should depend on x only, R_y on y only, \
+         and S_z on z only."
+        .to_owned();
+    add("parameters-level", caption, parameter_maps::draw(against, &level, LEVEL_PX))?;
+
+    let middle = 0.5 * (volume.lower_mm + volume.upper_mm);
+    let mut upright = Vec::new();
+    for normal in [1, 0] {
+        let title = format!("{} = {} mm", variable(AXIS_NAMES[normal]), number(middle[normal]));
+        upright.push((slice(normal, middle[normal])?, title));
+    }
+    let caption =
+        "The decoupling parameters on the two vertical planes through the centre of the working volume.".to_owned();
+    add("parameters-upright", caption, parameter_maps::draw(against, &upright, UPRIGHT_PX))?;
+
+    if let Some(drawn) = along_axes::draw(survey) {
+        let caption = "Each decoupling parameter along its own axis, the straight line of the ideal film, and the \
+                       spread of the parameter over the two other axes, on which it should not depend."
+            .to_owned();
+        add("parameters-along-axes", caption, drawn)?;
+    }
+    Ok(drafts)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use magsplice::layout::Layout;
+    use resvg::usvg::{Group, Node, Rect, Tree};
+
+    use super::*;
+    use crate::figure::Figure;
+    use crate::survey::tiles_to_draw;
+    use crate::typeset;
+
+    /// Appends each text of the group with its bounding box.
+    fn texts(group: &Group, found: &mut Vec<(String, Rect)>) {
+        for node in group.children() {
+            match node {
+                Node::Group(group) => texts(group, found),
+                Node::Text(text) => {
+                    let letters = text.chunks().iter().map(|chunk| chunk.text().trim()).collect::<String>();
+                    found.push((letters, text.abs_bounding_box()));
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Whether two texts overlap by more than the empty margin inside a bounding box of text.
+    fn meet(a: &Rect, b: &Rect) -> bool {
+        let across = a.right().min(b.right()) - a.left().max(b.left());
+        let along = a.bottom().min(b.bottom()) - a.top().max(b.top());
+        across > 1.0 && along > 3.5
+    }
+
+    /// A layout with a rotated tile, an upright and a tilted polarization, and a tile without any.
+    fn rotated_tiles() -> String {
+        let tiles = [
+            ("north <&> 'ß'", [0.0, 0.0, 0.5], [6.0, 2.0, 1.0], [0.1, 0.0, 0.05], 30.0),
+            ("up", [-5.0, 4.0, 0.5], [3.0, 3.0, 1.0], [0.0, 0.0, 0.12], 0.0),
+            ("none", [-5.0, -4.0, 0.5], [2.0, 3.0, 1.0], [0.0, 0.0, 0.0], 0.0),
+            ("diagonal", [5.0, -4.0, 0.5], [3.0, 3.0, 1.0], [0.08, 0.08, -0.05], 45.0),
+        ];
+        let tile = |(name, position, size, polarization, angle): &(&str, [f64; 3], [f64; 3], [f64; 3], f64)| {
+            format!(
+                "[[tile]]\nname = \"{name}\"\nposition_mm = {position:?}\nsize_mm = {size:?}\npolarization_t = {polarization:?}\n\
+                 rotation = {{ axis = [0.0, 0.0, 1.0], angle_deg = {angle:?} }}\n"
+            )
+        };
+        "format = 1\nname = \"rotated tiles\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n[volume]\n\
+         x_mm = [-2.0, 2.0]\ny_mm = [-1.0, 1.0]\nz_mm = [-5.0, -3.5]\nstep_mm = 0.25\n"
+            .to_owned()
+            + &tiles.iter().map(tile).collect::<String>()
+    }
+
+    #[test]
+    fn no_text_leaves_its_sheet_or_covers_another() {
+        let shipped = ["published-film", "film-40mm", "single-tile"].map(|name| {
+            let path = format!("{}/../../layouts/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+            std::fs::read_to_string(path).unwrap()
+        });
+        let options = typeset::options();
+        let mut seen = 0;
+        for text in shipped.into_iter().chain([rotated_tiles()]) {
+            let layout = Layout::parse(&text, "layout").unwrap();
+            let film = Film::new(&layout);
+            let survey = Survey::new(&film, None).unwrap();
+            let tiles = tiles_to_draw(&layout.tiles, DVec3::ZERO);
+            for FigureDraft { name, svg, .. } in drafts(&film, &tiles, survey.as_ref()).unwrap() {
+                let tree = Tree::from_str(&svg, &options).unwrap();
+                let mut found = Vec::new();
+                texts(tree.root(), &mut found);
+                let sheet = tree.size();
+                for (i, (text, bounds)) in found.iter().enumerate() {
+                    let inside = bounds.left() >= 0.0
+                        && bounds.top() >= 0.0
+                        && bounds.right() <= sheet.width()
+                        && bounds.bottom() <= sheet.height();
+                    assert!(inside, "{}, {name}: {text:?} at {bounds:?} leaves the sheet", layout.name);
+                    for (other, others) in &found[..i] {
+                        let apart = !meet(bounds, others);
+                        assert!(
+                            apart,
+                            "{}, {name}: {text:?} at {bounds:?} covers {other:?} at {others:?}",
+                            layout.name
+                        );
+                    }
+                }
+                seen += found.len();
+            }
+        }
+        assert!(seen > 500, "{seen} texts");
+    }
+
+    /// Below the published film B_x falls along x and B_y along y.
+    #[test]
+    fn positive_values_are_red_and_y_points_up_in_field_maps() {
+        let path = format!("{}/../../layouts/published-film.toml", env!("CARGO_MANIFEST_DIR"));
+        let layout = Layout::read(path.as_ref()).unwrap();
+        let film = Film::new(&layout);
+        let survey = Survey::new(&film, None).unwrap();
+        let drafts = drafts(&film, &[], survey.as_ref()).unwrap();
+        let draft = drafts.iter().find(|draft| draft.name == "field-lowest").unwrap();
+        let figure = Figure::new(draft.name, String::new(), &draft.svg, &typeset::options()).unwrap();
+        let png = resvg::tiny_skia::Pixmap::decode_png(&figure.png).unwrap();
+        // The first column of maps starts at (58, 52) in pixels of the SVG, each three of the PNG.
+        // A map is 220 wide and high; the next one is 238 below.
+        let is_red = |x: u32, y: u32| {
+            let pixel = png.pixel(3 * (58 + x), 3 * (52 + y)).unwrap();
+            assert!(pixel.red().abs_diff(pixel.blue()) > 60, "{pixel:?}");
+            pixel.red() > pixel.blue()
+        };
+        assert!(is_red(10, 110) && !is_red(210, 110));
+        assert!(!is_red(110, 238 + 10) && is_red(110, 238 + 210));
+    }
+
+    #[test]
+    fn figure_of_the_layout_shows_the_names_of_tiles_as_written() {
+        let layout = Layout::parse(&rotated_tiles(), "layout").unwrap();
+        let film = Film::new(&layout);
+        let tiles = tiles_to_draw(&layout.tiles, DVec3::ZERO);
+        let drafts = drafts(&film, &tiles, None).unwrap();
+        assert_eq!(drafts.len(), 1);
+        for name in ["north &lt;&amp;&gt; &apos;ß&apos;", "up", "none", "diagonal"] {
+            assert!(drafts[0].svg.contains(&format!("\n{name}\n")), "{name}");
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! The data on the page that its scripts draw: tiles, maps of the working volume, colours.
+
+use std::fmt::Write;
+
+use magsplice::decouple::Parameters;
+use magsplice::layout::NamedTile;
+use magsplice::prelude::DVec3;
+use serde::Serialize;
+
+use crate::colours::{DirectionColours, Palette, Rgb, colour_table};
+use crate::survey::Survey;
+
+/// Maximum number of grid points on the page. With nine numbers per point, they take 5 MB. Of a
+/// finer grid the page has every second, third, ... point along an axis.
+const MAX_POINTS: usize = 30_000;
+
+#[derive(Serialize)]
+struct PageData<'a> {
+    tiles: Vec<TileData<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    volume: Option<VolumePoints>,
+    maps: Vec<MapData>,
+    colours: ColourTables,
+}
+
+#[derive(Serialize)]
+struct TileData<'a> {
+    name: &'a str,
+    centre_mm: [f64; 3],
+    size_mm: [f64; 3],
+    /// Unit vectors along the sides, in the film's frame.
+    axes: [[f64; 3]; 3],
+    /// In the film's frame.
+    polarization_t: [f64; 3],
+    colour: String,
+}
+
+#[derive(Serialize)]
+struct VolumePoints {
+    lower_mm: [f64; 3],
+    upper_mm: [f64; 3],
+    x_mm: Vec<f64>,
+    y_mm: Vec<f64>,
+    z_mm: Vec<f64>,
+}
+
+#[derive(Serialize)]
+struct MapData {
+    group: &'static str,
+    name: &'static str,
+    unit: &'static str,
+    /// Names of the two maps whose difference the script computes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    difference_of: Option<[&'static str; 2]>,
+    /// z fastest, x slowest. Null where there is no value; empty for a difference.
+    values: Vec<Option<f64>>,
+}
+
+/// 256 colours each, six hexadecimal digits per colour.
+#[derive(Serialize)]
+struct ColourTables {
+    signed: String,
+    one_signed: String,
+}
+
+/// The data as JSON.
+pub(crate) fn page_data_json(tiles: &[&NamedTile], survey: Option<&Survey>) -> String {
+    let (volume, maps) = match survey {
+        Some(survey) => (Some(volume_points(survey)), volume_maps(survey)),
+        None => (None, Vec::new()),
+    };
+    let data = PageData {
+        tiles: tiles.iter().map(|named| tile_data(named)).collect(),
+        volume,
+        maps,
+        colours: ColourTables {
+            signed: hex(&colour_table(Palette::Diverging)),
+            one_signed: hex(&colour_table(Palette::Sequential)),
+        },
+    };
+    serde_json::to_string(&data).expect("numbers and strings always serialize as JSON")
+}
+
+fn tile_data(named: &NamedTile) -> TileData<'_> {
+    let tile = &named.tile;
+    let polarization = tile.scene_polarization_t();
+    TileData {
+        name: &named.name,
+        centre_mm: tile.position().to_array(),
+        size_mm: tile.size().to_array(),
+        axes: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| (tile.rotation() * axis).to_array()),
+        polarization_t: polarization.to_array(),
+        colour: format!("#{}", hex(&[DirectionColours::new().colour(polarization)])),
+    }
+}
+
+/// Step, in points of the grid, between points of the page along x, y, z.
+pub(crate) fn strides(counts: [usize; 3]) -> [usize; 3] {
+    let mut strides = [1; 3];
+    let kept = |strides: [usize; 3], axis: usize| counts[axis].div_ceil(strides[axis]);
+    while (0..3).map(|axis| kept(strides, axis)).product::<usize>() > MAX_POINTS {
+        let densest = (0..3).max_by_key(|&axis| kept(strides, axis)).unwrap_or(0);
+        strides[densest] += 1;
+    }
+    strides
+}
+
+fn volume_points(survey: &Survey) -> VolumePoints {
+    let grid = &survey.volume.grid;
+    let strides = strides(grid.counts());
+    let along = |axis: usize| -> Vec<f64> {
+        (0..grid.counts()[axis]).step_by(strides[axis]).map(|i| grid.coordinate(axis, i)).collect()
+    };
+    VolumePoints {
+        lower_mm: survey.volume.lower_mm.to_array(),
+        upper_mm: survey.volume.upper_mm.to_array(),
+        x_mm: along(0),
+        y_mm: along(1),
+        z_mm: along(2),
+    }
+}
+
+type ParameterOf = fn(&Parameters) -> f64;
+
+const PARAMETERS: [(&str, &str, ParameterOf); 3] =
+    [("R_x", "rad", |p| p.r_x), ("R_y", "rad", |p| p.r_y), ("S_z", "ln of T", |p| p.s_z)];
+
+/// The maps in the order of the page's menu.
+fn volume_maps(survey: &Survey) -> Vec<MapData> {
+    let grid = &survey.volume.grid;
+    let strides = strides(grid.counts());
+    let shown: Vec<usize> = (0..grid.len())
+        .filter(|&index| grid.indices(index).iter().zip(strides).all(|(i, stride)| i.is_multiple_of(stride)))
+        .collect();
+    let values =
+        |field_t: &[DVec3], component: fn(DVec3) -> f64| shown.iter().map(|&i| Some(component(field_t[i]))).collect();
+    let components: [fn(DVec3) -> f64; 4] = [|b| b.x, |b| b.y, |b| b.z, DVec3::length];
+    let mut maps = Vec::new();
+    for (name, component) in ["B_x", "B_y", "B_z", "|B|"].into_iter().zip(components) {
+        let values = values(&survey.field_t, component);
+        maps.push(MapData { group: "this film", name, unit: "T", difference_of: None, values });
+    }
+    let Some(against) = &survey.against_ideal else { return maps };
+    let ideal = ["ideal B_x", "ideal B_y", "ideal B_z"];
+    for (name, component) in ideal.into_iter().zip(components) {
+        let values = values(&against.field_t, component);
+        maps.push(MapData { group: "ideal film", name, unit: "T", difference_of: None, values });
+    }
+    let differences = ["B_x \u{2212} ideal", "B_y \u{2212} ideal", "B_z \u{2212} ideal"];
+    for ((name, of), ideal) in differences.into_iter().zip(["B_x", "B_y", "B_z"]).zip(ideal) {
+        let values = Vec::new();
+        maps.push(MapData { group: "difference", name, unit: "T", difference_of: Some([of, ideal]), values });
+    }
+    let parameters: Vec<_> = against.decoupling.parameters.iter().collect();
+    for (name, unit, parameter) in PARAMETERS {
+        let values = shown.iter().map(|&i| parameters[i].as_ref().map(parameter)).collect();
+        maps.push(MapData { group: "decoupling", name, unit, difference_of: None, values });
+    }
+    maps
+}
+
+/// Colours as hexadecimal digits, six per colour.
+fn hex(colours: &[Rgb]) -> String {
+    colours.iter().flatten().fold(String::new(), |mut text, c| {
+        let _ = write!(text, "{c:02x}");
+        text
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fine_grid_is_thinned_along_its_densest_axes() {
+        assert_eq!(strides([9, 9, 5]), [1, 1, 1]);
+        let strides = strides([400, 400, 3]);
+        assert_eq!(strides[2], 1);
+        assert!(400_usize.div_ceil(strides[0]) * 400_usize.div_ceil(strides[1]) * 3 <= MAX_POINTS);
+    }
+}
