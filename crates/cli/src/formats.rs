@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use magsplice::Film;
 use magsplice::layout::Layout;
-use magsplice_export::{Metadata, Table, Value, csv, json, numpy, vtk};
+use magsplice_export::{Metadata, MetadataValue, Table, csv, json, numpy, vtk};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -222,7 +222,7 @@ pub(crate) fn write(
     output: &mut Output,
 ) -> Result<(), Failure> {
     output.write(|w| match format {
-        TableFormat::Csv => csv::header(table, w).and_then(|()| csv::rows(table, w)),
+        TableFormat::Csv => csv::write(table, w),
         TableFormat::Json => json::write(report, w),
         TableFormat::Npy => numpy::npy(table, w),
         TableFormat::Npz => numpy::npz(table, w),
@@ -237,16 +237,16 @@ pub(crate) fn write(
 /// What a table of a film was made from and by.
 pub(crate) fn metadata(film: &Film) -> Metadata {
     let mut metadata = origin(film.layout());
-    metadata.push(("accuracy", Value::Text(film.scene().accuracy().to_string())));
+    metadata.push(("accuracy", MetadataValue::Text(film.scene().accuracy().to_string())));
     metadata
 }
 
 /// The layout and the program.
 pub(crate) fn origin(layout: &Layout) -> Metadata {
     vec![
-        ("layout", Value::Text(layout.name.clone())),
-        ("sha256", Value::Text(layout.sha256.clone())),
-        ("version", Value::Text(env!("CARGO_PKG_VERSION").to_owned())),
-        ("tiles", Value::Count(layout.tiles.len())),
+        ("layout", MetadataValue::Text(layout.name.clone())),
+        ("sha256", MetadataValue::Text(layout.sha256.clone())),
+        ("version", MetadataValue::Text(env!("CARGO_PKG_VERSION").to_owned())),
+        ("tiles", MetadataValue::Count(layout.tiles.len())),
     ]
 }

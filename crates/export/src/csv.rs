@@ -1,13 +1,28 @@
-//! Tables as CSV, which can be written piece by piece.
+//! Tables as CSV: a row of names, then one row per point. Metadata are not written.
 
 use std::io::{self, Write};
 
 use crate::table::Table;
 
+/// Writes the table: the header, then the rows.
+///
+/// A table that does not fit into memory can be written in pieces: [`header`] once, then [`rows`]
+/// for each piece.
+///
+/// # Accuracy
+/// Numbers have the shortest digits that read back to the same number.
+///
+/// # Errors
+/// Errors of the writer.
+pub fn write(table: &Table, w: &mut dyn Write) -> io::Result<()> {
+    header(table, w)?;
+    rows(table, w)
+}
+
 /// Writes the names of the columns.
 ///
 /// # Errors
-/// Those of the writer.
+/// Errors of the writer.
 pub fn header(table: &Table, w: &mut dyn Write) -> io::Result<()> {
     let names: Vec<&str> = table.columns().iter().map(|column| column.name).collect();
     writeln!(w, "{}", names.join(","))
@@ -16,15 +31,15 @@ pub fn header(table: &Table, w: &mut dyn Write) -> io::Result<()> {
 /// Writes the rows.
 ///
 /// # Accuracy
-/// The shortest digits that read back to the same number, with an exponent where that is shorter.
+/// Numbers have the shortest digits that read back to the same number.
 ///
 /// # Errors
-/// Those of the writer.
+/// Errors of the writer.
 pub fn rows(table: &Table, w: &mut dyn Write) -> io::Result<()> {
     let columns = table.columns();
-    let (first, others) = columns.split_first().expect("coordinates are always there");
-    for row in 0..table.points.len() {
-        // Debug prints such digits; Display never has an exponent.
+    let (first, others) = columns.split_first().expect("a table has columns of coordinates");
+    for row in 0..table.points().len() {
+        // Debug writes an exponent where that is shorter; Display never does.
         write!(w, "{:?}", first.get(row))?;
         others.iter().try_for_each(|column| write!(w, ",{:?}", column.get(row)))?;
         writeln!(w)?;

@@ -1,17 +1,18 @@
-//! JSON with an entry on a line, and lists on one line each.
+//! JSON with one entry per line, and each list on one line.
 
 use std::io::{self, Write};
 
 use serde::Serialize;
 use serde_json::ser::{Formatter, PrettyFormatter, Serializer};
 
-/// Writes a value.
+/// Writes a value as JSON, with a line feed at the end.
 ///
 /// # Accuracy
-/// The shortest digits that read back to the same number. What is not a number is `null`.
+/// Numbers have the shortest digits that read back to the same number. NaN and infinities are
+/// `null`.
 ///
 /// # Errors
-/// Those of the writer.
+/// Errors of the writer, and of the value's own `Serialize`.
 pub fn write(value: &impl Serialize, w: &mut dyn Write) -> io::Result<()> {
     value.serialize(&mut Serializer::with_formatter(&mut *w, ListsOnOneLine(PrettyFormatter::new())))?;
     writeln!(w)
@@ -51,7 +52,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn entries_on_lines_and_lists_on_one() {
+    fn entries_have_a_line_each_and_lists_share_one() {
         let mut text = Vec::new();
         write(&json!({ "a": [[1.5, f64::NAN], []], "b": {}, "c": { "d": 1e-300 } }), &mut text).unwrap();
         let want = "{\n  \"a\": [[1.5, null], []],\n  \"b\": {},\n  \"c\": {\n    \"d\": 1e-300\n  }\n}\n";

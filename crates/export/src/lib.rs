@@ -1,15 +1,35 @@
-//! Fields, decoupling parameters and tiles in the files of other tools.
+//! Fields, decoupling parameters and tiles as files of other tools.
 //!
-//! A [`Table`] holds points, what is known at them, and what it was made from; [`csv`], [`json`], [`numpy`], [`vtk`] and, with the feature of that name,
-//! `parquet` write it to any writer. [`vtk`] and [`magpylib`] write the tiles of a layout. docs/file-formats.md says what is in a file under which name.
+//! A [`Table`] holds points, the quantities known at each of them, and metadata. [`csv`], [`json`],
+//! [`numpy`], [`vtk`] and, with the feature `parquet`, the module `parquet` write a table.
+//! [`vtk`] and [`magpylib`] write the tiles of a layout. Every function writes to a
+//! [`std::io::Write`] and returns the errors of that writer.
+//!
+//! This crate computes nothing, opens no file and parses no arguments. The page
+//! `docs/file-formats.md` of the project lists the names and units in the files.
+//!
+//! # Adding a format
+//!
+//! 1. Add a file to this crate with a function
+//!    `write(table: &Table, w: &mut dyn Write) -> io::Result<()>`. [`Table::columns`] gives every
+//!    column with its name; [`Table::metadata`] says what the table was made from.
+//! 2. Add a variant to `TableFormat` in the program's `formats.rs`. The compiler then names each
+//!    `match` there that needs a line: the extension, and the call of the function.
 
+/// Tables as CSV.
 pub mod csv;
+/// Any value as JSON with one entry per line.
 pub mod json;
+/// A film as a Python script for magpylib.
 pub mod magpylib;
+/// Tables as NPY and NPZ, for NumPy.
 pub mod numpy;
+/// Tables as Parquet.
 #[cfg(feature = "parquet")]
 pub mod parquet;
+/// [`Table`]: points, quantities and metadata, from which every format is written.
 mod table;
+/// Tables and tiles as XML files for VTK and ParaView.
 pub mod vtk;
 
-pub use table::{Column, Metadata, Points, Quantity, Table, Value};
+pub use table::{ColumnQuantity, Metadata, MetadataValue, Points, Table, TableColumn, TableError};

@@ -6,16 +6,20 @@ use std::io::{self, Write};
 use glam::DVec3;
 use magsplice_layout::{Layout, NamedTile};
 
-/// What the script does, with the places of its data in `{}`.
+/// The script, with placeholders `"{...}"` for its data.
 const SCRIPT: &str = include_str!("magpylib.py");
 
-/// Writes a script that rebuilds the film in magpylib, and when run prints B at the reference point of the working volume and at the points of a CSV file.
+/// Writes a script for magpylib 5 and 6. It builds the film as a collection of cuboids. When run,
+/// it prints B at the reference point of the working volume and at the points of a CSV file.
+///
+/// `version` is the version of the program that writes the script.
 ///
 /// # Accuracy
-/// Tiles have the digits of the layout; the script divides lengths by 1000, rounded once, since magpylib takes metres.
+/// Tiles keep the digits of the layout. The script divides lengths by 1000, because magpylib takes
+/// metres; that rounds each length once.
 ///
 /// # Errors
-/// Those of the writer.
+/// Errors of the writer.
 pub fn script(layout: &Layout, version: &str, w: &mut dyn Write) -> io::Result<()> {
     let reference = layout.volume.map_or("None".to_owned(), |volume| tuple(volume.reference_mm));
     let mut tiles = String::new();
@@ -27,11 +31,12 @@ pub fn script(layout: &Layout, version: &str, w: &mut dyn Write) -> io::Result<(
         .replace("\"{sha256}\"", &literal(&layout.sha256))
         .replace("\"{reference}\"", &reference)
         .replace("    \"{tiles}\",\n", &tiles)
-        // Last: a name may hold anything.
+        // Last, because a name may contain any text, also another placeholder.
         .replacen("\"{layout}\"", &literal(&layout.name), 1);
     w.write_all(text.as_bytes())
 }
 
+/// The line of a tile in the list of the script.
 fn entry(named: &NamedTile) -> String {
     let (tile, rotation) = (&named.tile, named.tile.rotation());
     let quaternion = format!("({:?}, {:?}, {:?}, {:?})", rotation.x, rotation.y, rotation.z, rotation.w);
@@ -39,14 +44,14 @@ fn entry(named: &NamedTile) -> String {
     format!("({}, {vectors}, {quaternion})", literal(&named.name))
 }
 
-/// Shortest digits that read back to the same numbers, as Python prints them too.
+/// A tuple in Python, with the shortest digits that read back to the same numbers.
 fn tuple(v: DVec3) -> String {
     format!("({:?}, {:?}, {:?})", v.x, v.y, v.z)
 }
 
-/// A text as Python writes it: the escapes of JSON are among Python's.
+/// A string literal of Python. Python has all the escapes of JSON.
 fn literal(text: &str) -> String {
-    serde_json::to_string(text).expect("text can always be written")
+    serde_json::to_string(text).expect("text always serializes as JSON")
 }
 
 #[cfg(test)]
@@ -54,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_place_is_filled_and_names_stay_inside_their_quotes() {
+    fn script_fills_every_placeholder_and_quotes_names() {
         let name = r#"\"\"\"\n{tiles}\nimport os #"#;
         let text = format!(
             "format = 1\nname = \"{name}\"\n[[tile]]\nname = \"{name}\"\nposition_mm = [0.1, 0, 1e-9]\n\

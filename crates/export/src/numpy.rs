@@ -1,4 +1,4 @@
-//! Tables as NPY and NPZ, for NumPy. npyz writes the headers; the data are plain numbers.
+//! Tables as NPY and NPZ, for NumPy. npyz writes the headers; the data are little-endian numbers.
 
 use std::io::{self, BufWriter, Write};
 
@@ -7,25 +7,31 @@ use npyz::{DType, Field, TypeStr, WriteOptions, WriterBuilder};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-use crate::table::{Table, Value};
+use crate::table::{MetadataValue, Table};
 
-/// Writes one array of records whose fields are the columns, in the shape of the points. It has no place for metadata.
+/// Writes an NPY file: one array of records, in the shape of [`Points::shape`], with one field per
+/// column. The format has no place for metadata, so they are not written.
+///
+/// [`Points::shape`]: crate::Points::shape
 ///
 /// # Errors
-/// Those of the writer.
+/// Errors of the writer.
 pub fn npy(table: &Table, w: &mut dyn Write) -> io::Result<()> {
     let columns = table.columns();
     let fields = columns.iter().map(|column| Field { name: column.name.to_owned(), dtype: scalar("<f8") });
-    header(DType::Record(fields.collect()), &table.points.shape(), w)?;
-    (0..table.points.len()).try_for_each(|row| numbers(columns.iter().map(|column| column.get(row)), w))
+    header(DType::Record(fields.collect()), &table.points().shape(), w)?;
+    (0..table.points().len()).try_for_each(|row| numbers(columns.iter().map(|column| column.get(row)), w))
 }
 
-/// Writes an archive with one array per column, in the shape of the points, and one per fact.
+/// Writes an NPZ archive: one array per column, in the shape of [`Points::shape`], and one array
+/// per entry of the metadata.
+///
+/// [`Points::shape`]: crate::Points::shape
 ///
 /// # Errors
-/// Those of the writer.
+/// Errors of the writer.
 pub fn npz(table: &Table, w: &mut dyn Write) -> io::Result<()> {
-    // Not compressed, as by numpy.savez: digits of fields look random.
+    // Not compressed, like numpy.savez: the digits of fields look random.
     let mut archive = ZipWriter::new_stream(w);
     let begin = |archive: &mut ZipWriter<_>, name: &str, bytes: usize| {
         let options = SimpleFileOptions::default()
@@ -33,37 +39,37 @@ pub fn npz(table: &Table, w: &mut dyn Write) -> io::Result<()> {
             .large_file(bytes as u64 >= u64::from(u32::MAX) / 2);
         archive.start_file(file_name_from_array_name(name), options)
     };
-    let shape = table.points.shape();
+    let shape = table.points().shape();
     for column in table.columns() {
-        begin(&mut archive, column.name, 8 * table.points.len())?;
+        begin(&mut archive, column.name, 8 * table.points().len())?;
         let mut entry = BufWriter::new(&mut archive);
         header(scalar("<f8"), &shape, &mut entry)?;
         numbers(column.values(), &mut entry)?;
         entry.flush()?;
     }
-    for (name, value) in &table.metadata {
+    for (name, value) in table.metadata() {
         begin(&mut archive, name, 0)?;
-        fact(value, &mut archive)?;
+        metadata_array(value, &mut archive)?;
     }
     archive.finish()?;
     Ok(())
 }
 
-fn fact(value: &Value, w: &mut dyn Write) -> io::Result<()> {
+fn metadata_array(value: &MetadataValue, w: &mut dyn Write) -> io::Result<()> {
     match value {
-        Value::Text(text) => {
+        MetadataValue::Text(text) => {
             let points: Vec<u32> = text.chars().map(u32::from).collect();
-            // NumPy's own strings are never of length 0.
+            // NumPy has no strings of length 0.
             let length = points.len().max(1);
             header(scalar(&format!("<U{length}")), &[], w)?;
             let padded = points.into_iter().chain(std::iter::repeat(0)).take(length);
             padded.into_iter().try_for_each(|point| w.write_all(&point.to_le_bytes()))
         }
-        Value::Count(count) => {
+        MetadataValue::Count(count) => {
             header(scalar("<i8"), &[], w)?;
             w.write_all(&(*count as u64).to_le_bytes())
         }
-        Value::Numbers(values) => {
+        MetadataValue::Numbers(values) => {
             header(scalar("<f8"), &[values.len()], w)?;
             numbers(values.iter().copied(), w)
         }
@@ -71,7 +77,7 @@ fn fact(value: &Value, w: &mut dyn Write) -> io::Result<()> {
 }
 
 fn scalar(text: &str) -> DType {
-    DType::Plain(text.parse::<TypeStr>().expect("a type of NumPy"))
+    DType::Plain(text.parse::<TypeStr>().expect("a type name that NumPy knows"))
 }
 
 fn header(dtype: DType, shape: &[usize], w: &mut dyn Write) -> io::Result<()> {

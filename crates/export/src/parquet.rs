@@ -1,4 +1,4 @@
-//! Tables as Parquet.
+//! Tables as Parquet: columns of doubles, metadata as key-value metadata of the file.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -11,15 +11,16 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use crate::table::{Table, Value};
+use crate::table::{MetadataValue, Table};
 
-/// Rows of a row group: readers take one at a time.
+/// Rows per row group. Readers hold one group in memory at a time.
 const ROW_GROUP: usize = 1 << 20;
 
-/// Writes the columns as doubles, and what they were made from as key-value metadata of the file; lists of numbers there are JSON.
+/// Writes the columns as doubles, and the metadata as key-value metadata of the file. Metadata are
+/// texts there: a count has its digits, a list of numbers is JSON.
 ///
 /// # Errors
-/// Those of the writer.
+/// Errors of the writer.
 pub fn write(table: &Table, w: &mut dyn Write) -> io::Result<()> {
     in_row_groups(table, w).map_err(|error| match error {
         ParquetError::External(error) => match error.downcast::<io::Error>() {
@@ -38,20 +39,21 @@ fn in_row_groups(table: &Table, w: &mut dyn Write) -> Result<(), ParquetError> {
     };
     let fields = columns.iter().map(|column| field(column.name)).collect::<Result<_, _>>()?;
     let schema = Arc::new(Type::group_type_builder("points").with_fields(fields).build()?);
-    let facts = table.metadata.iter().map(|(name, value)| KeyValue::new((*name).to_owned(), fact(value))).collect();
+    let metadata =
+        table.metadata().iter().map(|(name, value)| KeyValue::new((*name).to_owned(), metadata_text(value))).collect();
     let properties = WriterProperties::builder()
-        // Hardly a number occurs twice.
+        // A dictionary would not pay: hardly any number occurs twice.
         .set_dictionary_enabled(false)
-        .set_key_value_metadata(Some(facts))
+        .set_key_value_metadata(Some(metadata))
         .build();
-    // The crate wants a writer that can go to other threads: into memory, and from there group by group.
+    // The crate needs a writer that is Send, which `w` is not. So each group goes to memory first.
     let mut file = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;
-    for start in (0..table.points.len()).step_by(ROW_GROUP) {
-        let rows = start..table.points.len().min(start + ROW_GROUP);
+    for start in (0..table.points().len()).step_by(ROW_GROUP) {
+        let rows = start..table.points().len().min(start + ROW_GROUP);
         let mut group = file.next_row_group()?;
         for column in &columns {
             let values: Vec<f64> = rows.clone().map(|row| column.get(row)).collect();
-            let mut writer = group.next_column()?.expect("a column of the schema");
+            let mut writer = group.next_column()?.expect("the schema has a writer for each column");
             writer.typed::<DoubleType>().write_batch(&values, None, None)?;
             writer.close()?;
         }
@@ -64,10 +66,10 @@ fn in_row_groups(table: &Table, w: &mut dyn Write) -> Result<(), ParquetError> {
     Ok(())
 }
 
-fn fact(value: &Value) -> String {
+fn metadata_text(value: &MetadataValue) -> String {
     match value {
-        Value::Text(text) => text.clone(),
-        Value::Count(count) => count.to_string(),
-        Value::Numbers(values) => serde_json::to_string(values).expect("numbers can always be written"),
+        MetadataValue::Text(text) => text.clone(),
+        MetadataValue::Count(count) => count.to_string(),
+        MetadataValue::Numbers(values) => serde_json::to_string(values).expect("numbers always serialize as JSON"),
     }
 }

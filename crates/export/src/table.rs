@@ -1,74 +1,119 @@
-//! Results at points: what every format of tables is written from.
+//! A table of results at points, from which every format is written.
+
+use std::fmt;
 
 use glam::DVec3;
 use magsplice_field::Grid;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-/// Names of the coordinates of a point.
+/// Names of the columns of the coordinates.
 const COORDINATES: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 
-/// Points and what is known at each of them.
+/// Points, the quantities known at each of them, and metadata.
+///
+/// Serialized, a table is a map from the name of each column to the list of its numbers.
+///
+/// # Example
+///
+/// ```
+/// use glam::DVec3;
+/// use magsplice_export::{ColumnQuantity, Metadata, Points, Table, csv};
+///
+/// let points = Points::Scattered(vec![DVec3::new(0.0, 0.0, -3.0), DVec3::new(0.5, 0.0, -3.0)]);
+/// let flux_density = ColumnQuantity {
+///     name: "b_t",
+///     components: &["bx_t", "by_t", "bz_t"],
+///     values: vec![0.0, 0.0, 0.008, 0.001, 0.0, 0.007],
+/// };
+/// let table = Table::new(points, vec![flux_density], Metadata::new())?;
+///
+/// let mut file = Vec::new();
+/// csv::write(&table, &mut file)?;
+/// assert_eq!(
+///     String::from_utf8(file)?,
+///     "x_mm,y_mm,z_mm,bx_t,by_t,bz_t\n\
+///      0.0,0.0,-3.0,0.0,0.0,0.008\n\
+///      0.5,0.0,-3.0,0.001,0.0,0.007\n"
+/// );
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// The points, in millimetres.
-    pub points: Points,
-    /// What is known, each with one entry per point.
-    pub quantities: Vec<Quantity>,
-    /// What it was made from and by.
-    pub metadata: Metadata,
+    points: Points,
+    quantities: Vec<ColumnQuantity>,
+    metadata: Metadata,
 }
 
-/// The points of a table, in the order of its rows.
+/// The points of a table in the order of its rows, in millimetres.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Points {
-    /// A regular grid, z fastest.
+    /// A regular grid. z varies fastest from row to row.
     Grid(Grid),
-    /// Points anywhere.
+    /// Any points.
     Scattered(Vec<DVec3>),
 }
 
-/// A scalar, a vector or a tensor at every point.
+/// A scalar, a vector or a tensor at every point of a table.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Quantity {
-    /// Name of the whole with its unit, such as `b_t`, where a format has vectors.
+pub struct ColumnQuantity {
+    /// Name of the quantity with its unit, such as `b_t`. Formats with vectors use it.
     pub name: &'static str,
-    /// Names of its columns, such as `bx_t`.
+    /// Names of the columns, one per component, such as `bx_t`.
     pub components: &'static [&'static str],
-    /// Its components point by point.
+    /// All components of the first point, then of the second, and so on.
     pub values: Vec<f64>,
 }
 
-/// Facts about a table: their names and values.
-pub type Metadata = Vec<(&'static str, Value)>;
+/// What a table was made from and by: names and values.
+pub type Metadata = Vec<(&'static str, MetadataValue)>;
 
-/// A fact about a table.
+/// A value of the metadata.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Value {
-    /// Words.
+#[non_exhaustive]
+pub enum MetadataValue {
+    /// Text.
     Text(String),
-    /// How many.
+    /// A count.
     Count(usize),
-    /// Numbers.
+    /// A list of numbers.
     Numbers(Vec<f64>),
 }
 
-/// One number for every point.
+/// A column of a table: one number per point.
 #[derive(Clone, Copy)]
-pub struct Column<'a> {
+pub struct TableColumn<'a> {
     /// Name with its unit.
     pub name: &'static str,
-    source: Source<'a>,
+    source: ColumnSource<'a>,
     rows: usize,
 }
 
 #[derive(Clone, Copy)]
-enum Source<'a> {
-    Coordinate(&'a Points, usize),
+enum ColumnSource<'a> {
+    Coordinate { points: &'a Points, axis: usize },
     Component { values: &'a [f64], first: usize, step: usize },
 }
 
+/// Why a table cannot be built.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum TableError {
+    /// A quantity does not have one value per component and point.
+    Length {
+        /// Name of the quantity.
+        quantity: &'static str,
+        /// Number of its values.
+        values: usize,
+        /// Number of its components.
+        components: usize,
+        /// Number of points of the table.
+        points: usize,
+    },
+}
+
 impl Points {
-    /// How many.
+    /// The number of points.
     pub fn len(&self) -> usize {
         match self {
             Points::Grid(grid) => grid.len(),
@@ -76,12 +121,15 @@ impl Points {
         }
     }
 
-    /// Whether there are none.
+    /// Whether there are no points.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The point of this row.
+    /// The point of a row, in millimetres.
+    ///
+    /// # Panics
+    /// If there is no such row.
     pub fn get(&self, row: usize) -> DVec3 {
         match self {
             Points::Grid(grid) => grid.point(row),
@@ -89,7 +137,8 @@ impl Points {
         }
     }
 
-    /// The shape of an array with one entry per point: counts along x, y, z, or the number of points.
+    /// The shape of an array with one entry per point: the counts along x, y, z of a grid, or the
+    /// number of scattered points.
     pub fn shape(&self) -> Vec<usize> {
         match self {
             Points::Grid(grid) => grid.counts().to_vec(),
@@ -99,20 +148,48 @@ impl Points {
 }
 
 impl Table {
-    /// All columns, the coordinates first.
+    /// A table of these quantities at these points.
     ///
-    /// # Panics
-    /// If a quantity does not have all its components at every point.
-    pub fn columns(&self) -> Vec<Column<'_>> {
+    /// # Errors
+    /// [`TableError::Length`] if a quantity does not have one value per component and point.
+    pub fn new(points: Points, quantities: Vec<ColumnQuantity>, metadata: Metadata) -> Result<Table, TableError> {
+        for ColumnQuantity { name, components, values } in &quantities {
+            let (values, components, points) = (values.len(), components.len(), points.len());
+            if values != components * points {
+                return Err(TableError::Length { quantity: name, values, components, points });
+            }
+        }
+        Ok(Table { points, quantities, metadata })
+    }
+
+    /// The points.
+    pub fn points(&self) -> &Points {
+        &self.points
+    }
+
+    /// The quantities.
+    pub fn quantities(&self) -> &[ColumnQuantity] {
+        &self.quantities
+    }
+
+    /// What the table was made from and by.
+    pub fn metadata(&self) -> &Metadata {
+        &self.metadata
+    }
+
+    /// All columns: the three coordinates, then the components of each quantity.
+    pub fn columns(&self) -> Vec<TableColumn<'_>> {
         let rows = self.points.len();
-        let coordinate =
-            |axis: usize| Column { name: COORDINATES[axis], source: Source::Coordinate(&self.points, axis), rows };
+        let coordinate = |axis: usize| TableColumn {
+            name: COORDINATES[axis],
+            source: ColumnSource::Coordinate { points: &self.points, axis },
+            rows,
+        };
         let components = self.quantities.iter().flat_map(|quantity| {
             let (values, step) = (&quantity.values[..], quantity.components.len());
-            assert_eq!(values.len(), rows * step, "{} has {step} components at every point", quantity.name);
-            let column = move |(first, name): (usize, &&'static str)| Column {
+            let column = move |(first, name): (usize, &&'static str)| TableColumn {
                 name,
-                source: Source::Component { values, first, step },
+                source: ColumnSource::Component { values, first, step },
                 rows,
             };
             quantity.components.iter().enumerate().map(column)
@@ -121,22 +198,24 @@ impl Table {
     }
 }
 
-impl Column<'_> {
-    /// The number in this row.
+impl TableColumn<'_> {
+    /// The number in a row.
+    ///
+    /// # Panics
+    /// If there is no such row.
     pub fn get(&self, row: usize) -> f64 {
         match self.source {
-            Source::Coordinate(points, axis) => points.get(row)[axis],
-            Source::Component { values, first, step } => values[row * step + first],
+            ColumnSource::Coordinate { points, axis } => points.get(row)[axis],
+            ColumnSource::Component { values, first, step } => values[row * step + first],
         }
     }
 
-    /// The numbers from the first row to the last.
+    /// The numbers of all rows in order.
     pub fn values(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
         (0..self.rows).map(|row| self.get(row))
     }
 }
 
-/// The columns by name.
 impl Serialize for Table {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let columns = self.columns();
@@ -148,8 +227,35 @@ impl Serialize for Table {
     }
 }
 
-impl Serialize for Column<'_> {
+impl Serialize for TableColumn<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(self.values())
+    }
+}
+
+impl fmt::Display for TableError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let TableError::Length { quantity, values, components, points } = self;
+        write!(
+            f,
+            "quantity {quantity} has {values} values, must have {}: {components} per point for \
+             {points} points",
+            components * points
+        )
+    }
+}
+
+impl std::error::Error for TableError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantity_without_a_value_per_component_and_point_is_refused() {
+        let points = Points::Scattered(vec![DVec3::ZERO; 2]);
+        let quantity = ColumnQuantity { name: "b_t", components: &["bx_t", "by_t", "bz_t"], values: vec![0.0; 5] };
+        let error = Table::new(points, vec![quantity], Vec::new()).unwrap_err();
+        assert_eq!(error.to_string(), "quantity b_t has 5 values, must have 6: 3 per point for 2 points");
     }
 }

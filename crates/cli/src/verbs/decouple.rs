@@ -5,7 +5,7 @@ use magsplice::field::{Accuracy, Comparison, IdealFilm, Tolerance};
 use magsplice::layout::{Layout, WorkingVolume};
 use magsplice::prelude::{DVec3, Decoupling, Parameters as AtPoint};
 use magsplice::{Film, FilmError, Stage};
-use magsplice_export::{Points, Quantity, Table, Value};
+use magsplice_export::{ColumnQuantity, MetadataValue, Points, Table};
 use serde::Serialize;
 
 use crate::args::{DecoupleArgs, QuantityArg};
@@ -98,7 +98,7 @@ impl<'a> Evaluated<'a> {
             displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(k).into(),
             singular_points_mm: decoupling.singular.iter().map(DVec3::to_array).collect(),
             comparison: comparison.into(),
-            table: table.map(|table| Columns { shape: table.points.shape(), columns: table }),
+            table: table.map(|table| Columns { shape: table.points().shape(), columns: table }),
         }
     }
 
@@ -120,30 +120,27 @@ impl<'a> Evaluated<'a> {
         let (b, b_components) = QuantityArg::B.names();
         let parameter = |components: &'static [&'static str; 1], of: fn(&AtPoint) -> f64| {
             let values = decoupling.parameters.iter().map(|p| p.as_ref().map_or(f64::NAN, of)).collect();
-            Quantity { name: components[0], components, values }
+            ColumnQuantity { name: components[0], components, values }
         };
-        let all = |p: PerParameter| Value::Numbers(vec![p.r_x, p.r_y, p.s_z]);
+        let all = |p: PerParameter| MetadataValue::Numbers(vec![p.r_x, p.r_y, p.s_z]);
         let mut metadata = formats::metadata(film);
         metadata.extend([
-            ("reference_mm", Value::Numbers(volume.reference_mm.to_array().to_vec())),
+            ("reference_mm", MetadataValue::Numbers(volume.reference_mm.to_array().to_vec())),
             ("uniformity_rmse", all(decoupling.uniformity_rmse)),
             ("ideal_rmse", all(decoupling.ideal_rmse)),
-            ("singular_points", Value::Count(decoupling.singular.len())),
+            ("singular_points", MetadataValue::Count(decoupling.singular.len())),
         ]);
-        Table {
-            points: Points::Grid(volume.grid),
-            quantities: vec![
-                Quantity {
-                    name: b,
-                    components: b_components,
-                    values: field_t.iter().flat_map(DVec3::to_array).collect(),
-                },
-                parameter(&["r_x_rad"], |p| p.r_x),
-                parameter(&["r_y_rad"], |p| p.r_y),
-                parameter(&["s_z"], |p| p.s_z),
-            ],
-            metadata,
-        }
+        let quantities = vec![
+            ColumnQuantity {
+                name: b,
+                components: b_components,
+                values: field_t.iter().flat_map(DVec3::to_array).collect(),
+            },
+            parameter(&["r_x_rad"], |p| p.r_x),
+            parameter(&["r_y_rad"], |p| p.r_y),
+            parameter(&["s_z"], |p| p.s_z),
+        ];
+        Table::new(Points::Grid(volume.grid), quantities, metadata).expect("every point has a value")
     }
 }
 

@@ -1,13 +1,14 @@
 //! `magsplice field`: the field at points.
 
 use std::io::{IsTerminal, stdin, stdout};
+use std::mem;
 use std::path::{Path, PathBuf};
 
 use magsplice::field::{Accuracy, Cause, PointErrors, Quantity, Scene};
 use magsplice::layout::Layout;
 use magsplice::prelude::{DMat3, DVec3};
 use magsplice::{Film, FilmError, Stage};
-use magsplice_export::{Points, Quantity as Columns, Table, csv};
+use magsplice_export::{ColumnQuantity, Metadata, Points, Table, csv};
 use serde::Serialize;
 
 use crate::args::{FieldArgs, QuantityArg};
@@ -124,8 +125,10 @@ struct Results {
     output: Output,
     format: TableFormat,
     quantity: QuantityArg,
-    /// What is not written yet.
-    table: Table,
+    /// The points and values that are not written yet.
+    points: Points,
+    values: Vec<f64>,
+    metadata: Metadata,
 }
 
 impl Results {
@@ -133,20 +136,24 @@ impl Results {
     fn begin(args: &FieldArgs, film: &Film, points: Points) -> Result<Results, Failure> {
         let format = formats::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
         formats::accept(format, args.output.as_deref(), matches!(points, Points::Grid(_)))?;
-        let (name, components) = args.quantity.names();
         let inputs: Vec<&Path> = std::iter::once(&args.layout).chain(&args.points).map(PathBuf::as_path).collect();
-        let mut output = Output::open(args.output.as_deref(), &inputs)?;
-        let mut table = Table {
-            points: Points::Scattered(Vec::new()),
-            quantities: vec![Columns { name, components, values: Vec::new() }],
-            metadata: formats::metadata(film),
-        };
+        let output = Output::open(args.output.as_deref(), &inputs)?;
+        let (values, metadata) = (Vec::new(), formats::metadata(film));
+        let mut results = Results { output, format, quantity: args.quantity, points, values, metadata };
         if format == TableFormat::Csv {
-            output.write(|w| csv::header(&table, w))?;
-        } else {
-            table.points = points;
+            results.points = Points::Scattered(Vec::new());
+            let empty = results.take_table();
+            results.output.write(|w| csv::header(&empty, w))?;
         }
-        Ok(Results { output, format, quantity: args.quantity, table })
+        Ok(results)
+    }
+
+    /// The points and values that are not written yet, as a table.
+    fn take_table(&mut self) -> Table {
+        let (name, components) = self.quantity.names();
+        let points = mem::replace(&mut self.points, Points::Scattered(Vec::new()));
+        let quantity = ColumnQuantity { name, components, values: mem::take(&mut self.values) };
+        Table::new(points, vec![quantity], mem::take(&mut self.metadata)).expect("every point has its values")
     }
 
     /// Evaluates further points and, as long as there is a table to complete, adds their rows.
@@ -173,14 +180,13 @@ impl Results {
             return Ok(errors);
         }
         if complete {
-            if let Points::Scattered(known) = &mut self.table.points {
+            if let Points::Scattered(known) = &mut self.points {
                 known.extend(points);
             }
-            self.table.quantities[0].values.extend(values);
+            self.values.extend(values);
             if self.format == TableFormat::Csv {
-                self.output.write(|w| csv::rows(&self.table, w))?;
-                self.table.points = Points::Scattered(Vec::new());
-                self.table.quantities[0].values.clear();
+                let table = self.take_table();
+                self.output.write(|w| csv::rows(&table, w))?;
             }
         }
         Ok(PointErrors(Vec::new()))
@@ -188,13 +194,14 @@ impl Results {
 
     fn finish(mut self, film: &Film) -> Result<(), Failure> {
         if self.format != TableFormat::Csv {
+            let table = self.take_table();
             let report = Report {
                 source: Source::of(film),
-                points: self.table.points.len(),
-                shape: self.table.points.shape(),
-                columns: &self.table,
+                points: table.points().len(),
+                shape: table.points().shape(),
+                columns: &table,
             };
-            formats::write(&self.table, &report, self.format, &mut self.output)?;
+            formats::write(&table, &report, self.format, &mut self.output)?;
         }
         self.output.finish()
     }

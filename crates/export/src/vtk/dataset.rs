@@ -1,45 +1,47 @@
-//! A file of VTK: a head in XML that names arrays, then the numbers of the arrays.
+//! A VTK XML file: elements that name the arrays, then the numbers of all arrays.
 //!
-//! Format: <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
+//! Reference: <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
 use std::io::{self, Write};
 
-use crate::table::{Metadata, Value};
+use crate::table::{Metadata, MetadataValue};
 
-/// A dataset of one piece.
-pub(super) struct Dataset<'a> {
-    /// Its type, such as `PolyData`.
+/// A dataset with one piece.
+pub(super) struct VtkDataset<'a> {
+    /// The type of the dataset, such as `PolyData`.
     pub(super) kind: &'static str,
     /// Attributes of the dataset and of its piece.
     pub(super) attributes: [String; 2],
-    /// Sections of the piece and their arrays.
-    pub(super) sections: Vec<(&'static str, Vec<Array<'a>>)>,
+    /// Names of the sections of the piece, with their arrays.
+    pub(super) sections: Vec<(&'static str, Vec<VtkArray<'a>>)>,
     pub(super) metadata: &'a Metadata,
 }
 
 /// A named list of tuples.
-pub(super) struct Array<'a> {
+pub(super) struct VtkArray<'a> {
     pub(super) name: &'a str,
-    /// Names of the numbers in a tuple; none if there is one number.
+    /// Names of the numbers in a tuple; empty if a tuple is one number.
     pub(super) components: &'static [&'static str],
-    pub(super) values: Values<'a>,
+    pub(super) values: ArrayValues<'a>,
 }
 
-pub(super) enum Values<'a> {
-    /// So many numbers, made when they are written.
+/// The values of an array, computed while they are written.
+pub(super) enum ArrayValues<'a> {
+    /// This many numbers.
     Float64(usize, Box<dyn Iterator<Item = f64> + 'a>),
     Int64(usize, Box<dyn Iterator<Item = usize> + 'a>),
     Texts(Vec<&'a str>),
 }
 
-impl Dataset<'_> {
+impl VtkDataset<'_> {
+    /// Writes the file.
     pub(super) fn write(self, w: &mut dyn Write) -> io::Result<()> {
-        let Dataset { kind, attributes: [of_dataset, of_piece], sections, metadata } = self;
+        let VtkDataset { kind, attributes: [of_dataset, of_piece], sections, metadata } = self;
         writeln!(w, "<?xml version=\"1.0\"?>")?;
         let version = "version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"";
         writeln!(w, "<VTKFile type=\"{kind}\" {version}>\n<{kind} {of_dataset}>\n<FieldData>")?;
         for (name, value) in metadata {
-            fact(name, value, w)?;
+            metadata_array(name, value, w)?;
         }
         writeln!(w, "</FieldData>\n<Piece {of_piece}>")?;
         let mut offset = 0;
@@ -58,17 +60,17 @@ impl Dataset<'_> {
     }
 }
 
-impl Array<'_> {
-    /// Writes what the array is, and returns how many bytes it will append.
+impl VtkArray<'_> {
+    /// Writes the element of the array, and returns how many bytes `append` will write for it.
     fn head(&self, offset: usize, w: &mut dyn Write) -> io::Result<usize> {
         let name = self.name;
         let (kind, count) = match &self.values {
-            Values::Texts(texts) => {
+            ArrayValues::Texts(texts) => {
                 strings(name, texts, w)?;
                 return Ok(0);
             }
-            Values::Float64(count, _) => ("Float64", *count),
-            Values::Int64(count, _) => ("Int64", *count),
+            ArrayValues::Float64(count, _) => ("Float64", *count),
+            ArrayValues::Int64(count, _) => ("Int64", *count),
         };
         write!(
             w,
@@ -83,16 +85,17 @@ impl Array<'_> {
     }
 }
 
-impl Values<'_> {
+impl ArrayValues<'_> {
+    /// Writes the size in bytes, then the numbers.
     fn append(self, w: &mut dyn Write) -> io::Result<()> {
         let mut append = |number: [u8; 8]| w.write_all(&number);
         match self {
-            Values::Texts(_) => Ok(()),
-            Values::Float64(count, mut values) => {
+            ArrayValues::Texts(_) => Ok(()),
+            ArrayValues::Float64(count, mut values) => {
                 append((8 * count as u64).to_le_bytes())?;
                 values.try_for_each(|value| append(value.to_le_bytes()))
             }
-            Values::Int64(count, mut values) => {
+            ArrayValues::Int64(count, mut values) => {
                 append((8 * count as u64).to_le_bytes())?;
                 values.try_for_each(|value| append((value as u64).to_le_bytes()))
             }
@@ -100,11 +103,12 @@ impl Values<'_> {
     }
 }
 
-fn fact(name: &str, value: &Value, w: &mut dyn Write) -> io::Result<()> {
+/// Writes an entry of the metadata as field data.
+fn metadata_array(name: &str, value: &MetadataValue, w: &mut dyn Write) -> io::Result<()> {
     let (kind, count, numbers) = match value {
-        Value::Text(text) => return strings(name, &[text], w),
-        Value::Count(count) => ("Int64", 1, count.to_string()),
-        Value::Numbers(values) => {
+        MetadataValue::Text(text) => return strings(name, &[text], w),
+        MetadataValue::Count(count) => ("Int64", 1, count.to_string()),
+        MetadataValue::Numbers(values) => {
             let numbers: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
             ("Float64", values.len(), numbers.join(" "))
         }
@@ -113,7 +117,7 @@ fn fact(name: &str, value: &Value, w: &mut dyn Write) -> io::Result<()> {
     writeln!(w, "<DataArray {head}>{numbers}</DataArray>")
 }
 
-/// Texts as VTK writes them: the numbers of their bytes, a zero after each text.
+/// Writes an array of texts: the decimal value of each byte, and 0 after each text.
 fn strings(name: &str, texts: &[&str], w: &mut dyn Write) -> io::Result<()> {
     write!(w, "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"{}\" format=\"ascii\">", texts.len())?;
     for text in texts {

@@ -1,4 +1,4 @@
-//! Tiles as poly data.
+//! Tiles as VTK poly data.
 
 use std::io::{self, Write};
 
@@ -6,25 +6,30 @@ use glam::DVec3;
 use magsplice_field::Tile;
 use magsplice_layout::Layout;
 
-use super::dataset::{Array, Dataset, Values};
+use super::dataset::{ArrayValues, VtkArray, VtkDataset};
 use crate::table::Metadata;
 
-/// Corners by which of their coordinates are the upper ones (bit 0 for x), seen from outside counter-clockwise.
+/// The corners of the six faces, counter-clockwise seen from outside. Bits 0, 1 and 2 of a corner
+/// choose the upper end along x, y and z.
 const FACES: [[usize; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 
-/// Writes the faces of all tiles as poly data (`.vtp`), in millimetres: `polarization_t` in the frame of the film, `tile` and `tile_index` belong to each face.
+/// Writes the faces of all tiles as poly data (`.vtp`), in millimetres.
+///
+/// Each face has the cell data `polarization_t` (in tesla, in the frame of the film), `tile` (the
+/// name of its tile) and `tile_index`.
 ///
 /// # Errors
-/// Those of the writer.
+/// Errors of the writer.
 pub fn film(layout: &Layout, metadata: &Metadata, w: &mut dyn Write) -> io::Result<()> {
     let tiles = &layout.tiles;
     let (corners, faces) = (8 * tiles.len(), 6 * tiles.len());
-    let points = tiles.iter().flat_map(|t| (0..8).flat_map(move |corner| at(&t.tile, corner).to_array()));
+    let points = tiles.iter().flat_map(|t| (0..8).flat_map(move |corner| corner_mm(&t.tile, corner).to_array()));
     let polarization = tiles.iter().flat_map(|t| [t.tile.scene_polarization_t().to_array(); 6].concat());
     let connectivity = (0..tiles.len()).flat_map(|tile| FACES.into_iter().flatten().map(move |c| 8 * tile + c));
-    let scalar = |name, values| Array { name, components: &[], values };
-    let vector = |name, components, count, values| Array { name, components, values: Values::Float64(count, values) };
-    Dataset {
+    let scalar = |name, values| VtkArray { name, components: &[], values };
+    let vector =
+        |name, components, count, values| VtkArray { name, components, values: ArrayValues::Float64(count, values) };
+    VtkDataset {
         kind: "PolyData",
         attributes: [String::new(), format!("NumberOfPoints=\"{corners}\" NumberOfPolys=\"{faces}\"")],
         sections: vec![
@@ -32,16 +37,16 @@ pub fn film(layout: &Layout, metadata: &Metadata, w: &mut dyn Write) -> io::Resu
                 "CellData",
                 vec![
                     vector("polarization_t", &["jx_t", "jy_t", "jz_t"], 3 * faces, Box::new(polarization)),
-                    scalar("tile_index", Values::Int64(faces, Box::new((0..faces).map(|face| face / 6)))),
-                    scalar("tile", Values::Texts(tiles.iter().flat_map(|t| [&t.name[..]; 6]).collect())),
+                    scalar("tile_index", ArrayValues::Int64(faces, Box::new((0..faces).map(|face| face / 6)))),
+                    scalar("tile", ArrayValues::Texts(tiles.iter().flat_map(|t| [&t.name[..]; 6]).collect())),
                 ],
             ),
             ("Points", vec![vector("Points", &["x_mm", "y_mm", "z_mm"], 3 * corners, Box::new(points))]),
             (
                 "Polys",
                 vec![
-                    scalar("connectivity", Values::Int64(4 * faces, Box::new(connectivity))),
-                    scalar("offsets", Values::Int64(faces, Box::new((1..=faces).map(|face| 4 * face)))),
+                    scalar("connectivity", ArrayValues::Int64(4 * faces, Box::new(connectivity))),
+                    scalar("offsets", ArrayValues::Int64(faces, Box::new((1..=faces).map(|face| 4 * face)))),
                 ],
             ),
         ],
@@ -50,7 +55,8 @@ pub fn film(layout: &Layout, metadata: &Metadata, w: &mut dyn Write) -> io::Resu
     .write(w)
 }
 
-fn at(tile: &Tile, corner: usize) -> DVec3 {
+/// A corner of a tile in the frame of the film, in millimetres.
+fn corner_mm(tile: &Tile, corner: usize) -> DVec3 {
     let side = |axis: usize| if corner >> axis & 1 == 1 { 0.5 } else { -0.5 };
     tile.position() + tile.rotation() * (DVec3::new(side(0), side(1), side(2)) * tile.size())
 }

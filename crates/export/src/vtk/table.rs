@@ -1,21 +1,23 @@
-//! Tables: a grid as image data, points as poly data.
+//! Tables for VTK: a grid as image data, scattered points as poly data.
 
 use std::io::{self, Write};
 
 use magsplice_field::Grid;
 
-use super::dataset::{Array, Dataset, Values};
-use crate::table::{Points, Table};
+use super::dataset::{ArrayValues, VtkArray, VtkDataset};
+use crate::table::{ColumnQuantity, Points, Table};
 
-/// Writes a grid as image data (`.vti`) and scattered points as vertices of poly data (`.vtp`), in millimetres.
+/// Writes a table: a grid as image data (`.vti`), scattered points as vertices of poly data
+/// (`.vtp`). Lengths are in millimetres.
 ///
 /// # Accuracy
-/// Values are the same numbers. Points of image data follow from the first one and the step, so their coordinates are off by round-off.
+/// Quantities keep every digit. VTK computes the points of image data from the first point and the
+/// spacing, so their coordinates differ from the table's by round-off.
 ///
 /// # Errors
-/// Those of the writer.
+/// Errors of the writer.
 pub fn table(table: &Table, w: &mut dyn Write) -> io::Result<()> {
-    match &table.points {
+    match table.points() {
         Points::Grid(grid) => image_data(table, grid, w),
         Points::Scattered(_) => vertices(table, w),
     }
@@ -30,50 +32,50 @@ fn image_data(table: &Table, grid: &Grid, w: &mut dyn Write) -> io::Result<()> {
     };
     let (o, [dx, dy, dz]) = (grid.lower(), [0, 1, 2].map(step));
     let place = format!("Origin=\"{:?} {:?} {:?}\" Spacing=\"{dx:?} {dy:?} {dz:?}\"", o.x, o.y, o.z);
-    // In VTK x runs fastest.
+    // x varies fastest in VTK; z varies fastest in a table.
     let row = move |index: usize| (index % nx * ny + index / nx % ny) * nz + index / (nx * ny);
-    Dataset {
+    VtkDataset {
         kind: "ImageData",
         attributes: [format!("WholeExtent=\"{extent}\" {place}"), format!("Extent=\"{extent}\"")],
         sections: vec![("PointData", quantities(table, row))],
-        metadata: &table.metadata,
+        metadata: table.metadata(),
     }
     .write(w)
 }
 
 fn vertices(table: &Table, w: &mut dyn Write) -> io::Result<()> {
-    let count = table.points.len();
-    let coordinates = (0..count).flat_map(|row| table.points.get(row).to_array());
-    let points = Values::Float64(3 * count, Box::new(coordinates));
-    let index = |name, first: usize| Array {
+    let count = table.points().len();
+    let coordinates = (0..count).flat_map(|row| table.points().get(row).to_array());
+    let points = ArrayValues::Float64(3 * count, Box::new(coordinates));
+    let index = |name, first: usize| VtkArray {
         name,
         components: &[],
-        values: Values::Int64(count, Box::new((0..count).map(move |i| i + first))),
+        values: ArrayValues::Int64(count, Box::new((0..count).map(move |i| i + first))),
     };
-    Dataset {
+    VtkDataset {
         kind: "PolyData",
         attributes: [String::new(), format!("NumberOfPoints=\"{count}\" NumberOfVerts=\"{count}\"")],
         sections: vec![
             ("PointData", quantities(table, |index| index)),
-            ("Points", vec![Array { name: "Points", components: &["x_mm", "y_mm", "z_mm"], values: points }]),
+            ("Points", vec![VtkArray { name: "Points", components: &["x_mm", "y_mm", "z_mm"], values: points }]),
             ("Verts", vec![index("connectivity", 0), index("offsets", 1)]),
         ],
-        metadata: &table.metadata,
+        metadata: table.metadata(),
     }
     .write(w)
 }
 
-/// The quantities, each point taken from the `row` of the table for its index.
-fn quantities<'a>(table: &'a Table, row: impl Fn(usize) -> usize + Copy + 'a) -> Vec<Array<'a>> {
-    let array = |quantity: &'a crate::Quantity| {
+/// The arrays of the quantities. `row` maps the index of a point in VTK to its row in the table.
+fn quantities<'a>(table: &'a Table, row: impl Fn(usize) -> usize + Copy + 'a) -> Vec<VtkArray<'a>> {
+    let array = |quantity: &'a ColumnQuantity| {
         let (values, step) = (&quantity.values, quantity.components.len());
         let in_order =
-            (0..table.points.len()).map(row).flat_map(move |row| values[row * step..][..step].iter().copied());
-        Array {
+            (0..table.points().len()).map(row).flat_map(move |row| values[row * step..][..step].iter().copied());
+        VtkArray {
             name: quantity.name,
             components: if step == 1 { &[] } else { quantity.components },
-            values: Values::Float64(values.len(), Box::new(in_order)),
+            values: ArrayValues::Float64(values.len(), Box::new(in_order)),
         }
     };
-    table.quantities.iter().map(array).collect()
+    table.quantities().iter().map(array).collect()
 }
