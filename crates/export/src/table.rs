@@ -3,7 +3,7 @@
 use std::fmt;
 
 use glam::DVec3;
-use magsplice_field::Grid;
+use magsplice_magnet::Grid;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 /// Names of the columns of the coordinates.

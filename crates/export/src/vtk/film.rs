@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use glam::DVec3;
-use magsplice_field::Tile;
+use magsplice_magnet::Tile;
 use magsplice_layout::Layout;
 
 use super::dataset::{ArrayValues, VtkArray, VtkDataset};

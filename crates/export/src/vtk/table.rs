@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use magsplice_field::Grid;
+use magsplice_magnet::Grid;
 
 use super::dataset::{ArrayValues, VtkArray, VtkDataset};
 use crate::table::{ColumnQuantity, Points, Table};
