@@ -32,10 +32,12 @@ def main():
         for package in published
         if not ((package["metadata"] or {}).get("docs") or {}).get("rs")
     ]
+    # The steps below are offline: no registry is asked for our own names.
+    subprocess.run(["cargo", "fetch", "--locked", "--quiet"], check=True)
     excluded = [word for name in others for word in ("--exclude", name)]
-    command = ["cargo", "package", "--workspace", *excluded, "--locked", "--no-verify", "--quiet"]
-    # A working tree with changes is packaged too: what counts in CI is a clean clone.
-    subprocess.run([*command, "--allow-dirty", "--no-metadata"], check=True)
+    command = ["cargo", "package", "--workspace", *excluded, "--locked", "--offline", "--no-verify"]
+    # A working tree with changes is packaged too. CI packages a clean clone.
+    subprocess.run([*command, "--quiet", "--allow-dirty", "--no-metadata"], check=True)
 
     target = Path(metadata["target_directory"])
     unpacked = target / "package" / "unpacked"

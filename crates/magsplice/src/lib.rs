@@ -81,3 +81,8 @@ pub mod prelude {
     pub use magsplice_layout::Layout;
     pub use magsplice_magnet::{Accuracy, Grid, Quantity, Tile, Tolerance};
 }
+
+/// The README's example, which is tested with those of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
