@@ -2,7 +2,6 @@
 
 use std::error::Error;
 
-use magsplice::field::{Accuracy, Tolerance};
 use magsplice::prelude::*;
 
 fn main() -> Result<(), Box<dyn Error>> {
