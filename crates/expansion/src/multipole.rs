@@ -1,29 +1,32 @@
-//! Tiles together far away: the expansion of their field in irregular solid harmonics, in the lanes of a vector (docs/physics.md,
-//! section 2.8).
+//! Multipole expansions: the field of sources outside a sphere around them, in irregular solid
+//! harmonics (M2P; docs/physics.md, section 2.8).
 
 use fearless_simd::prelude::*;
 use magsplice_simd::lanes::{Lanes, Number};
 use magsplice_simd::pairwise::each_pair;
 
 use crate::moments::{Moments, Parity};
-use crate::rows::{ALL, OTHERS_FIRST, OWN_FIRST, Place, fields_of_rows};
+use crate::rows::{ALL_COEFFICIENTS, HarmonicVariables, NEIGHBOURS_FIRST, OWN_ORDER_FIRST, fields_of_rows};
 use crate::tolerances::POINTS_PER_DEGREE;
 
-/// The field of tiles outside a sphere around them.
+/// The field of sources outside a sphere around them.
+///
+/// The truncation error is bounded by Eq. P29.
 #[derive(Clone, Debug)]
-pub struct Expansion {
+pub struct MultipoleExpansion {
     centre: [f64; 3],
     scale: f64,
-    /// That of the potential.
+    /// Degree of the potential.
     degree: usize,
-    /// Real and imaginary parts of (2l - 1)!! M_(l-1)m, row after row of equal order m, see [`Expansion::row`].
+    /// Real and imaginary parts of (2l - 1)!! M_(l-1)m, row after row of equal order m; see
+    /// [`MultipoleExpansion::row`].
     moments: Vec<[f64; 2]>,
     parity: Parity,
 }
 
-impl Expansion {
-    /// Of the moments about a point of what has been scaled.
-    pub fn from_moments(moments: &Moments, centre: [f64; 3], scale: f64) -> Expansion {
+impl MultipoleExpansion {
+    /// The expansion with these moments about `centre`, whose lengths were multiplied by `scale`.
+    pub fn from_moments(moments: &Moments, centre: [f64; 3], scale: f64) -> MultipoleExpansion {
         let degree = moments.degree();
         let mut odd_factorials = vec![1.0];
         for l in 1..=degree + 1 {
@@ -37,25 +40,25 @@ impl Expansion {
                 },
             )
             .collect();
-        Expansion { centre, scale, degree, moments: coefficients, parity: moments.parity() }
+        MultipoleExpansion { centre, scale, degree, moments: coefficients, parity: moments.parity() }
     }
 
-    /// The degree of the potential.
+    /// Degree of the potential.
     pub fn degree(&self) -> usize {
         self.degree
     }
 
-    /// The moments that vanish by symmetry.
+    /// Parity of the potential, by which half of the moments vanish.
     pub fn parity(&self) -> Parity {
         self.parity
     }
 
-    /// The same expansion evaluated without use of its parity, which gives the same digits.
-    pub fn without_parity(self) -> Expansion {
-        Expansion { parity: Parity::Neither, ..self }
+    /// The same expansion, evaluated without use of its parity. Its values are bit-identical.
+    pub fn without_parity(self) -> MultipoleExpansion {
+        MultipoleExpansion { parity: Parity::Neither, ..self }
     }
 
-    /// The moments of an order, for the degrees of the field from `from` on.
+    /// Coefficients of an order, from degree `from` of the field on.
     #[inline(always)]
     fn row(&self, order: usize, from: usize) -> &[[f64; 2]] {
         let (first, last) = (first_degree(order), self.degree + 1);
@@ -63,7 +66,10 @@ impl Expansion {
         &self.moments[before + from - first..before + last + 1 - first]
     }
 
-    /// mu0 H of the tiles, in their frame, at points given by axis, from the potential up to the degrees that each [`POINTS_PER_DEGREE`] points have.
+    /// Writes mu0 H in tesla, in the frame of the sources, at points given by axis.
+    ///
+    /// `degrees` has the degree of the potential for each [`POINTS_PER_DEGREE`] points, at most
+    /// [`MultipoleExpansion::degree`].
     #[inline(never)]
     pub fn fields<S: Simd>(&self, simd: S, degrees: &[usize], points: [&[f64]; 3], fields: [&mut [f64]; 3]) {
         simd.vectorize(
@@ -80,37 +86,37 @@ impl Expansion {
         );
     }
 
-    /// The same at two vectors of points.
+    /// mu0 H in tesla at two vectors of points, from the potential up to `degree`.
     #[inline(always)]
     pub fn fields_of_pair<S: Simd>(&self, simd: S, degree: usize, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
         // Not by `map`: operations on vectors in a closure are calls.
-        let (first, over_first) = self.place(simd, points[0]);
-        let (second, over_second) = self.place(simd, points[1]);
-        // Those of the own order, of the next and of the one before.
+        let (first, over_first) = self.variables(simd, points[0]);
+        let (second, over_second) = self.variables(simd, points[1]);
+        // Coefficients of the order itself, of the next and of the previous one.
         let rows = |order: usize| [order, order + 1, order.saturating_sub(1)].map(|other| self.row(other, order));
-        let places = [first, second];
+        let variables = [first, second];
         let fields = match self.parity {
-            Parity::Neither => fields_of_rows::<S, ALL>(simd, &places, degree + 1, rows),
-            Parity::Even => fields_of_rows::<S, OTHERS_FIRST>(simd, &places, degree + 1, rows),
-            Parity::Odd => fields_of_rows::<S, OWN_FIRST>(simd, &places, degree + 1, rows),
+            Parity::Neither => fields_of_rows::<S, ALL_COEFFICIENTS>(simd, &variables, degree + 1, rows),
+            Parity::Even => fields_of_rows::<S, NEIGHBOURS_FIRST>(simd, &variables, degree + 1, rows),
+            Parity::Odd => fields_of_rows::<S, OWN_ORDER_FIRST>(simd, &variables, degree + 1, rows),
         };
         let [[x, y, z], [x_2, y_2, z_2]] = fields;
         [[x * over_first, y * over_first, z * over_first], [x_2 * over_second, y_2 * over_second, z_2 * over_second]]
     }
 
-    /// Where a point lies relative to the centre, and the inverse of its distance.
+    /// Variables of the polynomials at a vector of points, and 1 / r.
     #[inline(always)]
-    fn place<S: Simd>(&self, simd: S, mut point: [Lanes<S>; 3]) -> (Place<S>, Lanes<S>) {
+    fn variables<S: Simd>(&self, simd: S, mut point: [Lanes<S>; 3]) -> (HarmonicVariables<S>, Lanes<S>) {
         for (coordinate, centre) in point.iter_mut().zip(&self.centre) {
             *coordinate = (*coordinate - *centre) * self.scale;
         }
         let [x, y, z] = point;
         let square = Lanes::<S>::splat(simd, 1.0).over(z.mul_add(z, y.mul_add(y, x * x)));
-        (Place { square, along: z * square, across: [x * square, y * square] }, square.sqrt())
+        (HarmonicVariables { square, z: z * square, xy: [x * square, y * square] }, square.sqrt())
     }
 }
 
-/// The lowest degree of the field to which an order of the potential's moments belongs.
+/// Lowest degree of the field to which the potential's moments of an order contribute.
 fn first_degree(order: usize) -> usize {
     order.saturating_sub(1)
 }

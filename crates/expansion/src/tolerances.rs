@@ -1,20 +1,27 @@
 //! Tuning constants of expansions, each with what it trades.
 
-/// The highest of them: 40 kB for the tiles of a cluster.
+/// Highest degree of a multipole expansion's potential. An expansion of this degree takes 40 kB.
 pub const HIGHEST_DEGREE: usize = 39;
 
-/// The highest degree of the field around a batch of points to which nodes are translated. What a translation takes grows with its third power, and higher
-/// ones serve hardly more nodes: those nearer are so near that their own degree is high.
+/// Highest degree of the field of a local expansion.
+///
+/// The cost of a translation grows with its third power. A higher degree would admit hardly more
+/// nodes: nearer ones are so near that their own degree is high.
 pub const HIGHEST_LOCAL_DEGREE: usize = 24;
 
-/// Of the points of a batch so many neighbours share the degree of a node's expansion: what two of the longest vectors hold.
+/// Number of neighbouring points that share the degree of a multipole expansion: the lanes of two
+/// of the longest vectors.
 pub const POINTS_PER_DEGREE: usize = 16;
 
-/// Degrees of the expansion of tiles together, and the distance in radii of the sphere around them from which each is enough, nearer ones first. A dipole in
-/// the sphere has a field of at least 1 / (d + 1)^3 there; of it what is left out after degree p is at most the sum over l > p of
-/// 2 (l + 1/2)^2 / d^(l - 1) (1 + 1 / d)^3, which is below 5e-15 for each of these.
+/// Degrees of the exact mode's multipole expansions, each with the distance from which it is
+/// sufficient, in radii of the sphere around the tiles; nearest first.
+///
+/// A dipole in the sphere has a field of at least 1 / (d + 1)^3 at distance d. The truncation error
+/// after degree p, relative to it, is at most the sum over l > p of
+/// 2 (l + 1/2)^2 / d^(l - 1) (1 + 1 / d)^3, which is below 5e-15 for each entry.
 pub const EXPANSION_DEGREES: [(usize, f64); 6] =
     [(39, NEAREST_EXPANSION), (30, 4.0), (23, 6.0), (18, 10.0), (14, 20.0), (10, 60.0)];
 
-/// Nearer the degrees rise so fast that tiles one by one cost less.
+/// Smallest distance of the exact mode's expansions, in radii of the sphere around the tiles. At
+/// smaller distances the degree rises so fast that direct summation is cheaper.
 pub const NEAREST_EXPANSION: f64 = 3.0;

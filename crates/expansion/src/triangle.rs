@@ -1,64 +1,71 @@
-//! Complex numbers by degree and order, and the recurrences of solid harmonics over them.
+//! Complex coefficients by degree and order, and the recurrences of solid harmonics
+//! (docs/physics.md, Eqs. P21 and P22).
 
 use std::ops::{Add, Mul, Sub};
 
 use fearless_simd::prelude::*;
 use magsplice_simd::lanes::{LONGEST_VECTOR, Lanes};
 
-/// What harmonics are computed with: a double, or one for each of several tiles.
-pub trait Scalar:
+/// A number that harmonics are computed with: one double, or a vector with one for each source.
+pub trait HarmonicNumber:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self>
 {
 }
 
-impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Mul<f64, Output = T>> Scalar for T {}
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Mul<f64, Output = T>> HarmonicNumber for T {}
 
-/// A vector along which something is derived; those along an axis take less.
+/// The vector v of a directional derivative v . grad. Derivatives along one axis cost less.
 #[derive(Clone, Copy)]
-pub enum Along<N> {
+pub enum DerivativeVector<N> {
+    /// Along x, of this length.
     X(N),
+    /// Along y, of this length.
     Y(N),
+    /// Along z, of this length.
     Z(N),
+    /// Components along x, y and z.
     Any([N; 3]),
 }
 
-/// Complex numbers by degree l and order m. Rows have room for the orders -1, l + 1 and l + 2, so that all three neighbours in the row before exist.
+/// Complex coefficients by degree l and order m, 0 <= m <= l.
+///
+/// Rows of equal degree also hold the orders -1, l + 1 and l + 2, so that all three neighbours in
+/// the previous row exist.
 #[derive(Clone, Debug)]
-pub struct Triangle<N> {
+pub struct HarmonicTriangle<N> {
     pub(crate) degree: usize,
     pub(crate) re: Vec<N>,
     pub(crate) im: Vec<N>,
 }
 
-impl<N: Scalar> Triangle<N> {
+impl<N: HarmonicNumber> HarmonicTriangle<N> {
+    /// Coefficients up to `degree`, all of them `zero`.
     #[inline(always)]
-    pub fn new(degree: usize, zero: N) -> Triangle<N> {
+    pub fn new(degree: usize, zero: N) -> HarmonicTriangle<N> {
         let count = row_start(degree + 1);
-        Triangle { degree, re: vec![zero; count], im: vec![zero; count] }
+        HarmonicTriangle { degree, re: vec![zero; count], im: vec![zero; count] }
     }
 
-    #[inline(always)]
-    pub(crate) fn place(&self, l: usize, m: usize) -> usize {
-        place(l, m)
-    }
-
+    /// Indices of a row.
     pub(crate) fn row(&self, l: usize) -> std::ops::Range<usize> {
         row_start(l)..row_start(l + 1)
     }
 
+    /// Real and imaginary part of a coefficient.
     #[inline(always)]
     pub(crate) fn at(&self, l: usize, m: usize) -> [N; 2] {
-        let place = self.place(l, m);
-        [self.re[place], self.im[place]]
+        let index = triangle_index(l, m);
+        [self.re[index], self.im[index]]
     }
 
+    /// Sets the real and imaginary part of a coefficient.
     #[inline(always)]
     pub(crate) fn set(&mut self, l: usize, m: usize, [re, im]: [N; 2]) {
-        let place = self.place(l, m);
-        (self.re[place], self.im[place]) = (re, im);
+        let index = triangle_index(l, m);
+        (self.re[index], self.im[index]) = (re, im);
     }
 
-    /// The number of order -1 from that of order 1.
+    /// Sets the coefficient of order -1 from that of order 1.
     #[inline(always)]
     pub(crate) fn complete_row(&mut self, l: usize) {
         let [re, im] = self.at(l, 1);
@@ -66,11 +73,12 @@ impl<N: Scalar> Triangle<N> {
         (self.re[start], self.im[start]) = (re * -1.0, im);
     }
 
+    /// Sets the coefficients of order -1 in all rows.
     pub(crate) fn complete(&mut self) {
         (0..=self.degree).for_each(|l| self.complete_row(l));
     }
 
-    /// The harmonics R at a point.
+    /// Sets the regular harmonics R_lm at a point (Eq. P21), for all degrees.
     #[inline(always)]
     pub fn set_harmonics(&mut self, [x, y, z]: [N; 3], zero: N, one: N) {
         let square = x * x + y * y + z * z;
@@ -93,54 +101,68 @@ impl<N: Scalar> Triangle<N> {
         }
     }
 
-    /// The derivative of the harmonics of the degree before (Eq. P22).
+    /// Coefficient (l, m) of the derivative, from the coefficients of degree l - 1 (Eq. P22).
     #[inline(always)]
-    pub fn derivative(&self, along: Along<N>, l: usize, m: usize) -> [N; 2] {
-        let place = self.place(l - 1, m);
-        let (re, im) = (&self.re[place - 1..place + 2], &self.im[place - 1..place + 2]);
-        match along {
-            Along::X(x) => [x * (re[0] - re[2]) * 0.5, x * (im[0] - im[2]) * 0.5],
-            Along::Y(y) => [y * (im[0] + im[2]) * -0.5, y * (re[0] + re[2]) * 0.5],
-            Along::Z(z) => [z * re[1], z * im[1]],
-            Along::Any([x, y, z]) => [
+    pub fn derivative(&self, vector: DerivativeVector<N>, l: usize, m: usize) -> [N; 2] {
+        let index = triangle_index(l - 1, m);
+        let (re, im) = (&self.re[index - 1..index + 2], &self.im[index - 1..index + 2]);
+        match vector {
+            DerivativeVector::X(x) => [x * (re[0] - re[2]) * 0.5, x * (im[0] - im[2]) * 0.5],
+            DerivativeVector::Y(y) => [y * (im[0] + im[2]) * -0.5, y * (re[0] + re[2]) * 0.5],
+            DerivativeVector::Z(z) => [z * re[1], z * im[1]],
+            DerivativeVector::Any([x, y, z]) => [
                 z * re[1] + (x * (re[0] - re[2]) - y * (im[0] + im[2])) * 0.5,
                 z * im[1] + (x * (im[0] - im[2]) + y * (re[0] + re[2])) * 0.5,
             ],
         }
     }
 
-    /// Becomes the derivative of `other`, up to `degree`; nothing at degree 0.
+    /// Sets the coefficients to the derivative of `other`, from degree 1 up to `degree`.
     #[inline(always)]
-    pub(crate) fn set_derivative(&mut self, other: &Triangle<N>, along: Along<N>, degree: usize) {
+    pub(crate) fn set_derivative(&mut self, other: &HarmonicTriangle<N>, vector: DerivativeVector<N>, degree: usize) {
         for l in 1..=degree {
             for m in 0..=l {
-                let value = other.derivative(along, l, m);
+                let value = other.derivative(vector, l, m);
                 self.set(l, m, value);
             }
             self.complete_row(l);
         }
     }
 
-    /// Becomes `before` plus `factor` times its own derivative, up to `degree`.
+    /// Sets the coefficients to `before` plus `factor` times their own derivative, up to `degree`.
     #[inline(always)]
-    pub(crate) fn add_derivative(&mut self, before: &Triangle<N>, along: Along<N>, factor: f64, degree: usize) {
-        // Each row needs the one before as it was.
+    pub(crate) fn add_derivative(
+        &mut self,
+        before: &HarmonicTriangle<N>,
+        vector: DerivativeVector<N>,
+        factor: f64,
+        degree: usize,
+    ) {
+        // Each row is computed from the previous one before that one changes.
         for l in (1..=degree).rev() {
             for m in 0..=l {
-                let ([re, im], [own_re, own_im]) = (self.derivative(along, l, m), before.at(l, m));
+                let ([re, im], [own_re, own_im]) = (self.derivative(vector, l, m), before.at(l, m));
                 self.set(l, m, [own_re + re * factor, own_im + im * factor]);
             }
             self.complete_row(l);
         }
     }
 
-    /// From those of a point, `before`, the mean over a bar that reaches from `-half` to `half`: the sum of (half . grad)^2k / (2k + 1)!. All
-    /// terms there are: derivatives beyond the degree vanish. Nothing is known of degree 0.
+    /// Sets the coefficients to the mean of `before` over a bar from `-half` to `half`, except
+    /// degree 0.
+    ///
+    /// The mean is the sum of (half . grad)^2k / (2k + 1)! applied to `before`. The sum is exact,
+    /// since derivatives beyond the degree vanish. `derived` holds intermediate results.
     #[inline(always)]
-    pub(crate) fn spread(&mut self, before: &Triangle<N>, derived: &mut Triangle<N>, half: Along<N>) {
+    pub(crate) fn set_mean_over_bar(
+        &mut self,
+        before: &HarmonicTriangle<N>,
+        derived: &mut HarmonicTriangle<N>,
+        half: DerivativeVector<N>,
+    ) {
         for k in (1..=self.degree / 2).rev() {
             let factor = 1.0 / (2 * k * (2 * k + 1)) as f64;
-            // What is derived k times more need not be known up to the full degree.
+            // Terms that will be differentiated again are not needed up to the full degree.
             let degree = self.degree - 2 * (k - 1);
             derived.set_derivative(self, half, degree - 1);
             for l in 2..=degree {
@@ -154,38 +176,38 @@ impl<N: Scalar> Triangle<N> {
     }
 }
 
-impl Triangle<f64> {
-    /// Adds one lane of others.
+impl HarmonicTriangle<f64> {
+    /// Adds one lane of each coefficient.
     #[inline(always)]
-    pub(crate) fn add_lane<S: Simd>(&mut self, lanes: &Triangle<Lanes<S>>, lane: usize) {
+    pub(crate) fn add_lane<S: Simd>(&mut self, lanes: &HarmonicTriangle<Lanes<S>>, lane: usize) {
         let parts = self.re.iter_mut().zip(&lanes.re).chain(self.im.iter_mut().zip(&lanes.im));
         parts.for_each(|(own, lanes)| *own += lanes.lane(lane));
     }
 }
 
-impl<S: Simd> Triangle<Lanes<S>> {
-    /// Becomes as many as there are lanes, side by side.
+impl<S: Simd> HarmonicTriangle<Lanes<S>> {
+    /// Sets the coefficients from one triangle for each lane.
     #[inline(always)]
-    pub(crate) fn set_lanes(&mut self, simd: S, triangles: &[&Triangle<f64>]) {
+    pub(crate) fn set_lanes(&mut self, simd: S, triangles: &[&HarmonicTriangle<f64>]) {
         let mut values = [[0.0; LONGEST_VECTOR]; 2];
-        for place in 0..self.re.len() {
+        for index in 0..self.re.len() {
             for (lane, triangle) in triangles.iter().enumerate() {
-                (values[0][lane], values[1][lane]) = (triangle.re[place], triangle.im[place]);
+                (values[0][lane], values[1][lane]) = (triangle.re[index], triangle.im[index]);
             }
-            self.re[place] = Lanes::<S>::load(simd, &values[0][..Lanes::<S>::LEN]);
-            self.im[place] = Lanes::<S>::load(simd, &values[1][..Lanes::<S>::LEN]);
+            self.re[index] = Lanes::<S>::load(simd, &values[0][..Lanes::<S>::LEN]);
+            self.im[index] = Lanes::<S>::load(simd, &values[1][..Lanes::<S>::LEN]);
         }
     }
 }
 
-/// Where the row of a degree begins.
+/// Index of the first coefficient of a degree, that of order -1.
 #[inline(always)]
 pub fn row_start(l: usize) -> usize {
     l * (l + 7) / 2
 }
 
-/// Where a pair of degree and order is in a triangle.
+/// Index of degree l and order m >= 0.
 #[inline(always)]
-pub fn place(l: usize, m: usize) -> usize {
+pub fn triangle_index(l: usize, m: usize) -> usize {
     row_start(l) + 1 + m
 }

@@ -4,7 +4,7 @@
 use fearless_simd::prelude::*;
 use glam::{DMat3, DVec3};
 
-use magsplice_expansion::triangle::{Along, Triangle};
+use magsplice_expansion::triangle::{DerivativeVector, HarmonicTriangle};
 use magsplice_simd::lanes::{LONGEST_VECTOR, Lanes, Number};
 
 use crate::tolerances::CELL_DEGREE;
@@ -77,9 +77,9 @@ impl Potential {
     }
 
     /// Its gradient where the harmonics are these.
-    pub(super) fn gradient(&self, harmonics: &Triangle<f64>) -> DVec3 {
+    pub(super) fn gradient(&self, harmonics: &HarmonicTriangle<f64>) -> DVec3 {
         let along = |along| harmonics.derivative(along, self.degree, self.order)[usize::from(self.imaginary)];
-        DVec3::new(along(Along::X(1.0)), along(Along::Y(1.0)), along(Along::Z(1.0)))
+        DVec3::new(along(DerivativeVector::X(1.0)), along(DerivativeVector::Y(1.0)), along(DerivativeVector::Z(1.0)))
     }
 
     /// Which of a cell's numbers its gradient is made of, with the factor of each (Eq. P22).
@@ -114,8 +114,8 @@ fn pair(l: usize, m: usize) -> usize {
 }
 
 /// The harmonics at a place up to so many degrees.
-pub(super) fn harmonics(degree: usize, place: DVec3) -> Triangle<f64> {
-    let mut harmonics = Triangle::new(degree, 0.0);
+pub(super) fn harmonics(degree: usize, place: DVec3) -> HarmonicTriangle<f64> {
+    let mut harmonics = HarmonicTriangle::new(degree, 0.0);
     harmonics.set_harmonics(place.to_array(), 0.0, 1.0);
     harmonics
 }
@@ -241,7 +241,7 @@ pub(super) fn field<S: Simd>(simd: S, numbers: &[f64], place: DVec3) -> DVec3 {
 /// The gradient of the field of a cell's numbers, in its own unit of length: column j is that along axis j.
 pub(super) fn gradient(numbers: &[f64], place: DVec3) -> DMat3 {
     let harmonics = harmonics(CELL_DEGREE, place);
-    let axes = [Along::X(1.0), Along::Y(1.0), Along::Z(1.0)];
+    let axes = [DerivativeVector::X(1.0), DerivativeVector::Y(1.0), DerivativeVector::Z(1.0)];
     let mut columns = [DVec3::ZERO; 3];
     for l in 1..=CELL_DEGREE {
         for m in 0..=l {

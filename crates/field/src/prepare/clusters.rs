@@ -12,8 +12,8 @@ use magsplice_cuboid::method::MethodRanges;
 use magsplice_cuboid::series::coefficients::Series;
 use magsplice_cuboid::series::multipole::Distant;
 use magsplice_expansion::moments::Moments;
-use magsplice_expansion::multipole::Expansion;
-use magsplice_expansion::source::Source;
+use magsplice_expansion::multipole::MultipoleExpansion;
+use magsplice_expansion::source::CuboidSource;
 use magsplice_expansion::tolerances::HIGHEST_DEGREE;
 use magsplice_simd::compensated_sum::TwoSum;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -47,7 +47,7 @@ pub(crate) struct Cluster {
     /// `None` for a single tile.
     pub(crate) corners: Option<CornerTables>,
     /// Made when first needed.
-    expansion: OnceLock<Expansion>,
+    expansion: OnceLock<MultipoleExpansion>,
 }
 
 impl Cluster {
@@ -85,7 +85,7 @@ impl Cluster {
     }
 
     /// The expansion of these of a frame's `blocks`.
-    pub(crate) fn expansion(&self, level: Level, blocks: &[Block]) -> &Expansion {
+    pub(crate) fn expansion(&self, level: Level, blocks: &[Block]) -> &MultipoleExpansion {
         let own = || &blocks[self.blocks.clone()];
         self.expansion.get_or_init(|| expansion_of(level, own(), self.ranges.centre, self.ranges.scale))
     }
@@ -178,16 +178,16 @@ impl ClusterTable {
 }
 
 /// The expansion of blocks of one frame around `centre`; lengths are multiplied by `scale`.
-pub(super) fn expansion_of(level: Level, blocks: &[Block], centre: [f64; 3], scale: f64) -> Expansion {
+pub(super) fn expansion_of(level: Level, blocks: &[Block], centre: [f64; 3], scale: f64) -> MultipoleExpansion {
     let source = |block: &Block| {
         let middle = [0, 1, 2].map(|axis: usize| {
             let [low, high] = block.faces[axis].map(|face| face.minus(TwoSum::exact(centre[axis])).value());
             0.5 * low + 0.5 * high
         });
-        Source::new(DVec3::from(middle) * scale, DVec3::from(block.size) * scale, None, block.polarization_t)
+        CuboidSource::new(DVec3::from(middle) * scale, DVec3::from(block.size) * scale, None, block.polarization_t)
     };
-    let sources: Vec<Source> = blocks.iter().map(source).collect();
-    Expansion::from_moments(&Moments::from_sources(level, &sources, HIGHEST_DEGREE), centre, scale)
+    let sources: Vec<CuboidSource> = blocks.iter().map(source).collect();
+    MultipoleExpansion::from_moments(&Moments::from_sources(level, &sources, HIGHEST_DEGREE), centre, scale)
 }
 
 /// How many planes the faces of blocks and of bars over some of them lie in, at most.

@@ -4,7 +4,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 use magsplice_cuboid::block::{Block, LocalPoint};
 use magsplice_cuboid::scalar::kernel::{FieldKind, cuboid_field};
-use magsplice_expansion::multipole::Expansion;
+use magsplice_expansion::multipole::MultipoleExpansion;
 use magsplice_expansion::tolerances::EXPANSION_DEGREES;
 use magsplice_simd::InstructionSet;
 use magsplice_simd::lanes::{Lanes, Number};
@@ -31,7 +31,7 @@ fn clusters_know_whether_each_tile_has_five_elements_of_its_own() {
 }
 
 #[inline(always)]
-pub(crate) fn expanded<S: Simd>(simd: S, expansion: &Expansion, degree: usize, point: DVec3) -> DVec3 {
+pub(crate) fn expanded<S: Simd>(simd: S, expansion: &MultipoleExpansion, degree: usize, point: DVec3) -> DVec3 {
     let lanes = point.to_array().map(|c| Lanes::<S>::splat(simd, c));
     let [first, second] = expansion.fields_of_pair(simd, degree, [lanes, lanes]);
     for axis in 0..3 {
@@ -55,7 +55,7 @@ fn expansion_of_each_degree_keeps_the_error_bound_from_its_distance() {
         .collect();
     let centre = [10.0, -20.0, 5.0];
     let radius = farthest_corner(&blocks, centre);
-    let error = |level: Level, expansion: &Expansion, degree: usize, distance: f64| {
+    let error = |level: Level, expansion: &MultipoleExpansion, degree: usize, distance: f64| {
         let mut worst = 0.0_f64;
         for n in 0..60 {
             let turn = f64::from(n);

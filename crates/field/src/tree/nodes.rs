@@ -9,8 +9,8 @@ use glam::{DMat3, DVec2, DVec3, Vec3Swizzles};
 use magsplice_cuboid::tolerances::{ALONE_COST, CLOSED_FORM_COST, LARGEST_FIELD_OVER_J};
 use magsplice_expansion::m2l::M2lInput;
 use magsplice_expansion::moments::Moments;
-use magsplice_expansion::multipole::Expansion;
-use magsplice_expansion::source::Source;
+use magsplice_expansion::multipole::MultipoleExpansion;
+use magsplice_expansion::source::CuboidSource;
 use magsplice_expansion::tolerances::HIGHEST_DEGREE;
 use magsplice_magnet::{BoundingBox, Tile};
 use magsplice_simd::power_of_two::power_of_two_reciprocal;
@@ -101,7 +101,7 @@ pub(super) struct Node {
 #[derive(Clone, Debug)]
 pub(super) struct Outside {
     moments: Moments,
-    expansion: Expansion,
+    expansion: MultipoleExpansion,
     /// At most the field of each degree at distance 1, scaled.
     pub(super) powers: Vec<f64>,
     /// The same over the root of a degree and one.
@@ -213,7 +213,7 @@ impl Tree {
             degree: of.degree,
             local_degree: of.local_degree,
             offset: (middle - node.centre) * node.scale,
-            unit: scale / node.scale,
+            unit_ratio: scale / node.scale,
         }
     }
 
@@ -256,7 +256,7 @@ impl Tree {
         self.largest_j_t
     }
 
-    pub(super) fn expansion(&self, node: usize) -> &Expansion {
+    pub(super) fn expansion(&self, node: usize) -> &MultipoleExpansion {
         &self.outside(node).expansion
     }
 
@@ -273,8 +273,8 @@ impl Tree {
             let mut moments = Moments::new(of.known_degree);
             for half in halves {
                 let lower = &self.nodes[half];
-                let own = self.outside(half).moments.up_to(of.known_degree).rescaled(of.scale / lower.scale);
-                moments.add(&own.moved((lower.centre - of.centre) * of.scale));
+                let own = self.outside(half).moments.truncated(of.known_degree).rescaled(of.scale / lower.scale);
+                moments.add(&own.translated((lower.centre - of.centre) * of.scale));
             }
             Outside::new(of, moments)
         })
@@ -283,21 +283,21 @@ impl Tree {
     fn outside_of_leaves(&self, group: usize) -> Vec<Outside> {
         let items = group * ITEMS_EXPANDED..self.items.len().min((group + 1) * ITEMS_EXPANDED);
         let nodes: Vec<&Node> = self.leaves[items].iter().map(|&leaf| &self.nodes[leaf]).collect();
-        let sources: Vec<Vec<Source>> = nodes.iter().map(|node| self.sources(node)).collect();
-        let groups: Vec<&[Source]> = sources.iter().map(|sources| &sources[..]).collect();
+        let sources: Vec<Vec<CuboidSource>> = nodes.iter().map(|node| self.sources(node)).collect();
+        let groups: Vec<&[CuboidSource]> = sources.iter().map(|sources| &sources[..]).collect();
         let degree = nodes.iter().map(|node| node.known_degree).max().unwrap_or(0);
         let moments = Moments::from_groups(self.level, &groups, degree);
         nodes
             .into_iter()
             .zip(moments)
-            .map(|(node, moments)| Outside::new(node, moments.up_to(node.known_degree)))
+            .map(|(node, moments)| Outside::new(node, moments.truncated(node.known_degree)))
             .collect()
     }
 
-    fn sources(&self, node: &Node) -> Vec<Source> {
+    fn sources(&self, node: &Node) -> Vec<CuboidSource> {
         let source = |body: &Body| {
             let (centre, size) = ((body.centre - node.centre) * node.scale, body.size * node.scale);
-            Source::new(centre, size, self.rotations[body.frame].as_ref(), body.polarization_t)
+            CuboidSource::new(centre, size, self.rotations[body.frame].as_ref(), body.polarization_t)
         };
         self.bodies[node.bodies.clone()].iter().map(source).collect()
     }
@@ -305,9 +305,9 @@ impl Tree {
 
 impl Outside {
     fn new(node: &Node, moments: Moments) -> Outside {
-        let powers = moments.powers();
+        let powers = moments.field_bounds();
         Outside {
-            expansion: Expansion::from_moments(&moments, node.centre.to_array(), node.scale),
+            expansion: MultipoleExpansion::from_moments(&moments, node.centre.to_array(), node.scale),
             means: powers.iter().enumerate().map(|(l, power)| power / (l as f64 + 1.0).sqrt()).collect(),
             powers,
             moments,

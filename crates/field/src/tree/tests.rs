@@ -6,7 +6,7 @@ use magsplice_cuboid::scalar::kernel::FieldKind;
 use magsplice_cuboid::tolerances::EXACT_BOUND;
 use magsplice_expansion::local::LocalExpansion;
 use magsplice_expansion::moments::Parity;
-use magsplice_expansion::multipole::Expansion;
+use magsplice_expansion::multipole::MultipoleExpansion;
 use magsplice_magnet::{BoundingBox, Quantity, Tile};
 use magsplice_simd::lanes::{Lanes, Number};
 use magsplice_simd::pairwise::Pairwise;
@@ -328,7 +328,7 @@ fn expansions_of_flat_films_have_a_parity_that_changes_no_digit() {
             assert_eq!(expansion.parity(), parity, "node {node}");
             let all = expansion.clone().without_parity();
             for level in levels() {
-                let field = |expansion: &Expansion| {
+                let field = |expansion: &MultipoleExpansion| {
                     let mut fields = [const { [f64::NAN; 32] }; 3];
                     let degrees = [expansion.degree(), expansion.degree().div_ceil(2)];
                     let room = fields.each_mut().map(|values| &mut values[..]);
