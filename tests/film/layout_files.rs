@@ -1,4 +1,4 @@
-//! What layout files can say, and what they must not.
+//! Reading of layout files: every table, and the message for every broken rule.
 
 use std::collections::BTreeMap;
 
@@ -17,9 +17,9 @@ fn message(body: &str) -> String {
     parse(body).expect_err("the layout is faulty").to_string()
 }
 
-/// The plain form, as documented.
+/// The plain form as documented in docs/layout-format.md.
 #[test]
-fn plain_form() {
+fn single_tile_with_ideal_film_and_volume() {
     let layout = layout(
         r#"
         [ideal]
@@ -47,7 +47,7 @@ fn plain_form() {
 }
 
 #[test]
-fn kinds_grids_and_mirrors() {
+fn grid_and_mirrors_repeat_a_tile_of_a_kind() {
     let layout = layout(
         r#"
         [kind.square]
@@ -71,10 +71,10 @@ fn kinds_grids_and_mirrors() {
     assert_eq!(found["a-x2-mx-my"], (DVec3::new(-7.0, -2.0, 0.0), 2.0 * DVec3::X));
 }
 
-/// The field of a scene and its mirror image: B is a pseudovector, so "axial" makes a mirror-symmetric magnet and
-/// "reflect" one that is mirror-symmetric up to the sign.
+/// Compares the field of a tile and its image on both sides of the mirror. B is a pseudovector, so
+/// "axial" makes a mirror-symmetric magnet, and "reflect" one that is mirror-symmetric up to the sign.
 #[test]
-fn mirrors_of_rotated_tiles() {
+fn field_of_mirrored_rotated_tiles_is_symmetric() {
     for (polarization, signs) in [("reflect", DVec3::new(-1.0, 1.0, 1.0)), ("axial", DVec3::new(1.0, -1.0, -1.0))] {
         let layout = layout(&format!(
             r#"
@@ -106,7 +106,7 @@ fn mirrors_of_rotated_tiles() {
 }
 
 #[test]
-fn cut_lines_of_a_lattice_are_the_decimals_meant() {
+fn lattice_cut_lines_are_exact_decimals() {
     let layout = layout(
         r#"
         [[lattice]]
@@ -125,9 +125,9 @@ fn cut_lines_of_a_lattice_are_the_decimals_meant() {
     assert!((layout.tiles[6].tile.polarization_t() - 0.12 * DVec3::new(-1.0, 1.0, 0.0).normalize()).length() < 1e-17);
 }
 
-/// A file with many faults: each is named with its line, its place, its value and the rule.
+/// Every fault of a file is reported with its line, place, value and rule.
 #[test]
-fn all_faults_at_once() {
+fn all_faults_are_reported_at_once() {
     let text = message(
         r#"
         [ideal]
@@ -185,18 +185,18 @@ fn all_faults_at_once() {
     ];
     let mut found: Vec<&str> = text.lines().collect();
     for line in expected {
-        let at = found.iter().position(|f| *f == line).unwrap_or_else(|| panic!("not said: {line}\nsaid:\n{text}"));
+        let at = found.iter().position(|f| *f == line).unwrap_or_else(|| panic!("missing: {line}\nreported:\n{text}"));
         found.remove(at);
     }
-    assert_eq!(found, [""; 0], "said without reason");
+    assert_eq!(found, [""; 0], "reported without a fault");
 }
 
 #[test]
-fn faults_of_repetition() {
+fn faulty_grids_mirrors_names_and_lattices_are_refused() {
     let tile = "position_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
     let cases = [
         ("grid = { count = [0, 1, 1], pitch_mm = [1, 1, 1] }", "grid.count = [0, 1, 1], must be at least 1"),
-        ("grid = { count = [90000, 90000, 1], pitch_mm = [1, 1, 1] }", "4000000 tiles in all"),
+        ("grid = { count = [90000, 90000, 1], pitch_mm = [1, 1, 1] }", "at most 4000000 tiles"),
         ("grid = { count = [2, 1, 1], pitch_mm = [0.9, 0, 0] }", "overlap by 0.09"),
         ("mirror = { axes = [] }", "mirror.axes is empty"),
         ("mirror = { axes = [\"x\"] }", "overlap by 1 mm"),
@@ -223,12 +223,16 @@ fn faults_of_repetition() {
     let empty = message(
         "[[lattice]]\nstart_mm = [0, 0, 0]\nheight_mm = 1\nstrength_t = 1\nx = [{ widths_mm = [1], pattern = [0] }]\n",
     );
+    let infinite = message(
+        "[[lattice]]\nstart_mm = [0, inf, 0]\nheight_mm = 1\nstrength_t = 1\nx = [{ widths_mm = [1], pattern = [1] }]\n",
+    );
+    assert!(infinite.ends_with("start_mm[1] = inf, must be a finite number"), "{infinite}");
     assert!(empty.contains("has no tiles: pattern is zero everywhere"), "{empty}");
     assert!(lattice.contains("2 widths_mm and 1 pattern") && lattice.contains("widths_mm[1] = -2"), "{lattice}");
 }
 
 #[test]
-fn polarization_is_given_once() {
+fn polarization_must_be_given_exactly_once() {
     let size = "position_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\n";
     let cases = [
         ("", "has no polarization"),
@@ -243,7 +247,7 @@ fn polarization_is_given_once() {
 }
 
 #[test]
-fn findings() {
+fn findings_name_idle_kinds_idle_tiles_and_tiles_in_the_volume() {
     let layout = layout(
         r#"
         [volume]
@@ -274,7 +278,7 @@ const TABLES: &str = "[ideal]\nwavelength_mm = 10\nthickness_mm = 1\namplitude_t
 const TILE: &str = "[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
 
 #[test]
-fn expectations_as_written() {
+fn expectations_survive_a_round_trip() {
     let expect = "[expect]\nuniformity_rmse = { r_x = 0.065, s_z = 0.042 }\namplitude = { min = 0.80 }\n\
                   field = { file = \"published.field.csv\", within = 1e-9 }\nclearance_mm = { min = 0.0 }\n";
     let found = layout(&format!("{TABLES}{expect}{TILE}"));
@@ -283,13 +287,13 @@ fn expectations_as_written() {
     assert_eq!((expected.least_amplitude, expected.least_clearance_mm), (Some(0.8), Some(0.0)));
     let field = expected.field.unwrap();
     assert_eq!((field.file.to_str(), field.within), (Some("published.field.csv"), 1e-9));
-    // The plain form keeps them.
+    // The plain form has the same expectations.
     assert_eq!(Layout::parse(&found.to_toml(), "plain").unwrap().expectations, found.expectations);
     assert!(layout(TILE).expectations.is_empty() && !layout(TILE).to_toml().contains("expect"));
 }
 
 #[test]
-fn faults_of_expectations() {
+fn faulty_expectations_are_refused() {
     let cases = [
         (
             TABLES,
@@ -332,7 +336,7 @@ fn faults_of_expectations() {
     for (tables, expect, messages) in cases {
         let text = message(&format!("{tables}[expect]\n{expect}\n{TILE}"));
         for message in messages {
-            assert!(text.contains(message), "{expect}: not said: {message}\nsaid: {text}");
+            assert!(text.contains(message), "{expect}: missing: {message}\nreported: {text}");
         }
         let problems = text.lines().filter(|l| l.contains("expect: ")).count();
         assert!(problems == 0 || problems == messages.len(), "{expect}: {text}");

@@ -20,7 +20,7 @@ fn documents() -> Vec<(String, String)> {
         }
     }
     assert!(all.len() >= 6, "{}", all.len());
-    // Every key there is.
+    // A layout with every key of the format.
     all.push(("every key".to_owned(), EVERY_KEY.to_owned()));
     all
 }
@@ -89,7 +89,7 @@ fn as_json(text: &str) -> Value {
 }
 
 #[test]
-fn every_shipped_layout_is_valid_and_so_is_its_plain_form() {
+fn shipped_layouts_and_their_plain_forms_match_the_schema() {
     let validator = validator();
     for (name, text) in documents() {
         let layout = Layout::parse(&text, &name).unwrap_or_else(|e| panic!("{e}"));
@@ -115,9 +115,9 @@ fn objects(value: &Value, at: &str, found: &mut Vec<String>) {
     }
 }
 
-/// A wrong key in any table, a missing one and a wrong type are refused, as the program refuses them.
+/// Schema and program both refuse an unknown key in any table, a missing key and a wrong type.
 #[test]
-fn the_schema_refuses_what_the_program_refuses() {
+fn schema_and_program_refuse_the_same_documents() {
     let validator = validator();
     let document = as_json(EVERY_KEY);
     let mut places = Vec::new();
@@ -126,9 +126,9 @@ fn the_schema_refuses_what_the_program_refuses() {
     places.retain(|place| place != "/kind");
     assert!(places.len() > 20, "{places:?}");
     let refused = |document: &Value, what: &str| {
-        assert!(!validator.is_valid(document), "{what} passes the schema");
+        assert!(!validator.is_valid(document), "the schema accepts {what}");
         let text = toml::to_string(document).unwrap();
-        assert!(Layout::parse(&text, "changed").is_err(), "{what} passes the program");
+        assert!(Layout::parse(&text, "changed").is_err(), "the program accepts {what}");
     };
     for place in &places {
         let mut wrong = document.clone();
@@ -159,12 +159,15 @@ fn the_schema_refuses_what_the_program_refuses() {
 }
 
 #[test]
-fn every_key_is_described() {
+fn every_key_has_a_description_that_is_a_sentence() {
     fn described(value: &Value, at: &str, keys: &mut usize) {
         if let Some(properties) = value.get("properties").and_then(Value::as_object) {
             for (key, property) in properties {
                 let description = property.get("description").and_then(Value::as_str).unwrap_or("");
-                assert!(description.len() > 5 && description.ends_with('.'), "{at}/{key}: {description:?}");
+                assert!(
+                    description.len() > 5 && description.ends_with('.') && !description.contains('\n'),
+                    "{at}/{key}: {description:?}"
+                );
                 *keys += 1;
             }
         }

@@ -78,7 +78,7 @@ fn derivatives_agree_with_central_differences() {
 
 #[test]
 fn weighted_amplitude_is_that_of_the_finer_grid() {
-    let layout = Layout::read("../../layouts/published-film.toml".as_ref()).unwrap_or_else(|e| panic!("{e}"));
+    let layout = Layout::read("../../layouts/published-film.toml").unwrap_or_else(|e| panic!("{e}"));
     let problem = DesignProblem::new(&layout).unwrap();
     let field = problem.least_squares.sampling.field(&problem.pattern, &problem.pattern.start, false).unwrap();
     let residuals = problem.least_squares.objective.residuals(&problem.least_squares.sampling, &field).unwrap();
@@ -96,7 +96,7 @@ fn weighted_amplitude_is_that_of_the_finer_grid() {
 
 #[test]
 fn field_at_images_of_points_is_the_image_of_the_field() {
-    let layout = Layout::read("../../layouts/published-film.toml".as_ref()).unwrap_or_else(|e| panic!("{e}"));
+    let layout = Layout::read("../../layouts/published-film.toml").unwrap_or_else(|e| panic!("{e}"));
     let problem = DesignProblem::new(&layout).unwrap();
     let sampling = &problem.least_squares.sampling;
     assert_eq!(sampling.grid.len(), 405);

@@ -4,7 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::DVec3;
-use magsplice_layout::{Brief, StockPart, Vary};
+use magsplice_layout::{Brief, StockPart, Variables};
 
 use crate::affine::Affine;
 use crate::descent::Candidate;
@@ -220,7 +220,7 @@ impl PartAssignment {
 
     /// The pattern whose variables are the free numbers of the parts and the positions of the
     /// tiles.
-    pub(crate) fn pattern(&self, vary: Vary, like: &Pattern) -> Pattern {
+    pub(crate) fn pattern(&self, vary: Variables, like: &Pattern) -> Pattern {
         let mut pattern =
             Pattern { tiles: Vec::new(), kinds: Vec::new(), start: Vec::new(), tile_count: like.tile_count };
         let mut free = |kind: VariableKind, start: f64| {

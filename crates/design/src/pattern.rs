@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use magsplice_layout::{Brief, Symmetry, Vary};
+use magsplice_layout::{Brief, Symmetry, Variables};
 use magsplice_magnet::Tile;
 
 use crate::affine::Affine;
@@ -168,7 +168,7 @@ impl PatternBuilder {
         let y = if orbit.on_diagonal && !brief.vary.cut { x.clone() } else { self.faces_along(1, tile, orbit, brief) };
         let j = tile.polarization_t();
         let [direction, tilt] = angles(j);
-        let Vary { direction: turns, tilt: tilts, strength: scales, .. } = brief.vary;
+        let Variables { direction: turns, tilt: tilts, strength: scales, .. } = brief.vary;
         let in_plane = j.truncate() != glam::DVec2::ZERO;
         let turns = turns && in_plane && !orbit.is_fixed_direction();
         // A tile on both mirrors is polarized along z.
@@ -191,7 +191,7 @@ impl PatternBuilder {
 
     fn faces_along(&mut self, axis: usize, tile: &Tile, orbit: &Orbit, brief: &Brief) -> [Affine; 2] {
         let (centre, half) = (tile.position()[axis], 0.5 * tile.size()[axis]);
-        let Vary { size, position, cut, .. } = brief.vary;
+        let Variables { size, position, cut, .. } = brief.vary;
         if cut {
             let slack = SAME_TILE * tile.size().max_element();
             return [centre - half, centre + half].map(|edge| self.line(axis, edge, slack, brief.symmetry));

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use glam::DVec3;
 use magsplice_ideal::IdealFilm;
-use magsplice_layout::{Brief, Goal, Layout, Symmetry, Vary};
+use magsplice_layout::{Brief, Goal, Layout, Symmetry, Variables};
 use magsplice_magnet::Tile;
 
 use crate::error::DesignError;
@@ -124,7 +124,7 @@ impl SpliceRequest {
     fn brief(&self) -> Brief {
         let square = self.film_mm[0] == self.film_mm[1] && self.range_mm[0] == self.range_mm[1];
         Brief {
-            vary: Vary { size: true, position: true, direction: true, ..Vary::default() },
+            vary: Variables { size: true, position: true, direction: true, ..Variables::default() },
             symmetry: if square { Symmetry::FourFold } else { Symmetry::Mirror },
             goal: self.goal,
             weights: [1.0; 3],

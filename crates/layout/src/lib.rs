@@ -1,9 +1,13 @@
 //! Layout files of spliced magnet films: TOML to tiles and back.
 //!
-//! The only crate of magsplice that knows TOML, and the only one that fixes a unit of length: millimetres. A file is read into
-//! types that mirror it key by key, checked as a whole, and only then becomes a [`Layout`]. docs/layout-format.md describes
-//! every key.
+//! A file is read into `tables`, types that mirror it key by key. The rules in `read` check the
+//! tables as a whole, and only then do they become a [`Layout`]. `write` turns a layout into tables
+//! and text again. docs/layout-format.md describes every key.
 //!
+//! This is the only crate of magsplice that knows TOML, and the only one that fixes a unit of
+//! length: millimetres. It computes no field.
+//!
+//! # Example
 //! ```
 //! use magsplice_layout::Layout;
 //!
@@ -16,34 +20,45 @@
 //!     polarization_t = [0.12, 0.0, 0.0]
 //!     mirror = { axes = ["x"] }
 //! "#;
-//! let layout = Layout::parse(text, "example").unwrap();
+//! let layout = Layout::parse(text, "example")?;
 //! assert_eq!(layout.tiles.len(), 2);
 //! assert_eq!(layout.tiles[1].tile.polarization_t().x, -0.12);
+//! # Ok::<(), magsplice_layout::LayoutError>(())
 //! ```
 
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+/// The design brief: what a search may change, and its goal.
 mod brief;
+/// Errors of reading a layout.
 mod error;
+/// Requirements on a film.
 mod expectations;
-mod findings;
-mod lattice;
+/// The checked layout: tiles, ideal film, working volume.
 mod layout;
+/// The format version, and counts above which a file is refused.
+mod limits;
+/// The bill of materials.
 mod parts;
-mod repeat;
-mod resolve;
+/// Text to tables to a checked layout: every rule for files.
+mod read;
+/// The JSON Schema of the layout file.
 mod schema;
-mod volume;
-mod written;
+/// The TOML tables as written.
+mod tables;
+/// Degrees to quaternions, and why lengths need no conversion.
+mod units;
+/// A layout to tables and text.
+mod write;
 
-pub use brief::{Brief, Goal, StockPart, Symmetry, Vary};
-pub use error::{LayoutError, Problem};
+pub use brief::{Brief, Goal, StockPart, Symmetry, Variables};
+pub use error::{LayoutError, LayoutFault};
 pub use expectations::{Expectations, ExpectedField};
-pub use layout::{Layout, NamedTile, Plain, WorkingVolume};
+pub use layout::{Layout, NamedTile, Rotation, WorkingVolume};
 pub use parts::Part;
 pub use schema::schema;
-pub use written::Rotation;
+pub use write::PlainLayout;
 
-/// A layout with a comment on every key, to start from.
+/// A layout file with a comment on every key, as `magsplice init` writes it.
 pub const COMMENTED_LAYOUT: &str = include_str!("commented.toml");

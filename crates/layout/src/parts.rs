@@ -1,43 +1,59 @@
-//! The bill of materials: how many pieces of magnet of each kind a layout takes.
+//! The bill of materials: how many identical pieces of magnet a layout needs of each sort.
 
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use magsplice_field::Tile;
+use magsplice_magnet::Tile;
 
 use crate::layout::Layout;
 
-/// Digits to which sizes, strengths and directions are the same piece; beyond them is round-off.
+/// Significant digits to which sizes, strengths and directions of two pieces must agree. Differences
+/// beyond them are round-off.
 const SAME_DIGITS: i32 = 9;
 
-/// Pieces that differ only in where they are and how they are turned.
+/// One sort of identical pieces: tiles that differ only in position and orientation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// How many the layout takes.
+    /// Number of such pieces in the layout.
     pub count: usize,
-    /// Side lengths in millimetres: the third as the first such tile has it, the longer of the others before the shorter.
+    /// Side lengths in millimetres. The third is the z side of the first such tile; of the other two
+    /// the longer comes first.
     pub size_mm: DVec3,
     /// Magnitude of the polarization, in tesla.
     pub strength_t: f64,
-    /// Unit vector of the polarization along these sides; zero without polarization.
+    /// Unit vector of the polarization along these sides, or zero without polarization.
     pub direction: DVec3,
-    /// Name of the first tile of this kind.
+    /// Name of the first such tile.
     pub example: String,
 }
 
 impl Layout {
-    /// Its pieces, largest first. A tile turned in any way, such as upside down to point backwards, is the same piece; its mirror image is not.
+    /// The bill of materials, largest pieces first.
+    ///
+    /// Two tiles are the same part if a rotation maps one onto the other, polarization included. A
+    /// tile turned upside down to reverse its polarization is therefore the same part, and its mirror
+    /// image is another one.
+    ///
+    /// # Example
+    /// ```
+    /// use magsplice_layout::{COMMENTED_LAYOUT, Layout};
+    ///
+    /// let parts = Layout::parse(COMMENTED_LAYOUT, "commented")?.parts();
+    /// let counts: Vec<usize> = parts.iter().map(|part| part.count).collect();
+    /// assert_eq!(counts, [16, 24, 16]); // squares, strips, narrow strips at the rim
+    /// # Ok::<(), magsplice_layout::LayoutError>(())
+    /// ```
     pub fn parts(&self) -> Vec<Part> {
-        let mut parts: BTreeMap<Piece, (usize, usize)> = BTreeMap::new();
+        // Count and first tile of each piece.
+        let mut parts: BTreeMap<CanonicalPiece, (usize, usize)> = BTreeMap::new();
         for (index, named) in self.tiles.iter().enumerate() {
-            // Whichever way it lies, turned into the same position.
-            let piece = Piece::of(&named.tile).turned(quarter_turns());
+            let piece = CanonicalPiece::from_tile(&named.tile).least_of(quarter_turns());
             parts.entry(piece).or_insert((0, index)).0 += 1;
         }
         let part = |(count, first): (usize, usize)| {
             let named = &self.tiles[first];
             let flat = quarter_turns().filter(|turn| turn(DVec3::Z).z != 0.0);
-            let Piece([x, y, z, strength, u, v, w]) = Piece::of(&named.tile).turned(flat);
+            let CanonicalPiece([x, y, z, strength, u, v, w]) = CanonicalPiece::from_tile(&named.tile).least_of(flat);
             Part {
                 count,
                 size_mm: DVec3::new(x.0, y.0, z.0),
@@ -50,31 +66,33 @@ impl Layout {
     }
 }
 
-/// Size, strength and direction of a tile, without round-off.
+/// Size (3), strength (1) and direction (3) of a tile in one orientation, rounded to
+/// [`SAME_DIGITS`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Piece([Descending; 7]);
+struct CanonicalPiece([Descending; 7]);
 
-impl Piece {
-    fn of(tile: &Tile) -> Piece {
+impl CanonicalPiece {
+    fn from_tile(tile: &Tile) -> CanonicalPiece {
         let polarization = tile.polarization_t();
-        // Scaled, so that squares neither overflow nor vanish.
+        // Scaled, so that squares neither overflow nor underflow.
         let largest = polarization.abs().max_element();
         let scaled = if largest > 0.0 { polarization / largest } else { DVec3::ZERO };
         let direction = scaled.normalize_or_zero().map(|c| rounded(c, SAME_DIGITS));
-        Piece::new(tile.size().map(to_digits), to_digits(largest * scaled.length()), direction)
+        CanonicalPiece::new(tile.size().map(to_digits), to_digits(largest * scaled.length()), direction)
     }
 
-    fn new(size: DVec3, strength: f64, direction: DVec3) -> Piece {
-        // Adding zero makes -0 a 0.
+    fn new(size: DVec3, strength: f64, direction: DVec3) -> CanonicalPiece {
+        // Adding zero turns -0 into 0.
         let direction = direction + DVec3::ZERO;
-        Piece([size.x, size.y, size.z, strength, direction.x, direction.y, direction.z].map(Descending))
+        CanonicalPiece([size.x, size.y, size.z, strength, direction.x, direction.y, direction.z].map(Descending))
     }
 
-    /// The one of these turns in which the sides descend and the direction leads.
-    fn turned(self, turns: impl Iterator<Item = impl Fn(DVec3) -> DVec3>) -> Piece {
-        let Piece([x, y, z, strength, u, v, w]) = self;
+    /// The least of the orientations that these turns give: sides in descending order, then the
+    /// largest components of the direction first.
+    fn least_of(self, turns: impl Iterator<Item = impl Fn(DVec3) -> DVec3>) -> CanonicalPiece {
+        let CanonicalPiece([x, y, z, strength, u, v, w]) = self;
         let (size, direction) = (DVec3::new(x.0, y.0, z.0), DVec3::new(u.0, v.0, w.0));
-        turns.map(|turn| Piece::new(turn(size).abs(), strength.0, turn(direction))).min().unwrap_or(self)
+        turns.map(|turn| CanonicalPiece::new(turn(size).abs(), strength.0, turn(direction))).min().unwrap_or(self)
     }
 }
 
@@ -89,7 +107,8 @@ fn quarter_turns() -> impl Iterator<Item = impl Fn(DVec3) -> DVec3> {
         ([1, 0, 2], true),
     ];
     let all = ORDERS.into_iter().flat_map(|order| (0..8_u32).map(move |signs| (order, signs)));
-    // An exchange of two axes and a reflection each change the hand; a rotation has an even number of them.
+    // An exchange of two axes and a reflection each reverse handedness, so a rotation has an even
+    // number of them.
     all.filter(|((_, exchange), signs)| (signs.count_ones() % 2 == 1) == *exchange).map(|((order, _), signs)| {
         move |v: DVec3| {
             let component = |axis: usize| if signs >> axis & 1 == 1 { -v[order[axis]] } else { v[order[axis]] };
@@ -98,19 +117,20 @@ fn quarter_turns() -> impl Iterator<Item = impl Fn(DVec3) -> DVec3> {
     })
 }
 
+/// The value rounded to [`SAME_DIGITS`] significant digits.
 fn to_digits(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { rounded(value, SAME_DIGITS - 1 - value.abs().log10().floor() as i32) }
 }
 
 fn rounded(value: f64, decimals: i32) -> f64 {
-    // By decimal digits, so that 3.3 stays 3.3; very large and very small numbers keep all of theirs.
+    // Through decimal text, so that 3.3 stays 3.3. Very large numbers keep all digits.
     match usize::try_from(decimals) {
         Ok(decimals) => format!("{value:.decimals$}").parse().unwrap_or(value),
         Err(_) => value,
     }
 }
 
-/// Numbers in descending order.
+/// A number that sorts in descending order.
 #[derive(Clone, Copy, PartialEq)]
 struct Descending(f64);
 
@@ -142,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn there_are_24_quarter_turns_and_all_are_rotations() {
+    fn quarter_turns_are_the_24_rotations_of_the_axes() {
         let axes = DVec3::AXES;
         let mut seen: Vec<[DVec3; 3]> = quarter_turns().map(|turn| axes.map(&turn)).collect();
         assert!(seen.iter().all(|[x, y, z]| x.cross(*y) == *z));
@@ -153,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn turned_pieces_are_one_part() {
+    fn rotated_tiles_are_one_part() {
         let same =
             [tile(0, "3, 2, 1", "0.1, 0, 0"), tile(9, "2, 3, 1", "0, -0.1, 0"), tile(18, "1, 2, 3", "0, 0, 0.1")];
         let found = parts(&same.concat());
@@ -164,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn size_strength_direction_and_hand_tell_parts_apart() {
+    fn parts_differ_by_size_strength_direction_and_handedness() {
         let others = [
             tile(0, "3, 2, 1", "0.1, 0, 0"),
             tile(9, "3, 2, 1", "0, 0.1, 0"),
@@ -175,12 +195,12 @@ mod tests {
             tile(54, "3, 2, 1", "0, 0, 0"),
         ];
         assert_eq!(parts(&others.concat()).len(), others.len());
-        // A box with a polarization along a plane of symmetry is its own mirror image.
+        // A cuboid polarized in a plane of symmetry is its own mirror image.
         assert_eq!(parts(&[tile(0, "3, 2, 1", "1, 2, 0"), tile(9, "3, 2, 1", "1, -2, 0")].concat()).len(), 1);
     }
 
     #[test]
-    fn round_off_makes_no_parts() {
+    fn round_off_does_not_make_new_parts() {
         let near =
             [tile(0, "3.3, 1, 1", "0.3, 0, 0"), tile(9, "3.3000000000000003, 1, 1", "0.30000000000000004, 0, 0")];
         assert_eq!(parts(&near.concat()).len(), 1);

@@ -1,20 +1,32 @@
-//! A JSON Schema of the layout file, from the types that read it.
+//! The JSON Schema of the layout file, generated from the types that read it.
 
 use schemars::Schema;
 use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
 use serde_json::Value;
 
-use crate::written::LayoutFile;
+use crate::tables::LayoutFile;
 
-/// A JSON Schema (draft 2020-12) of layout files, every key with its description, for editors and other programs.
+/// The JSON Schema (draft 2020-12) of layout files, with a description of every key, for editors
+/// and other programs.
 ///
-/// It says which keys there are and of what type. The rules between keys are those of [`Layout::parse`](crate::Layout::parse).
+/// The schema states the keys and their types. Rules between keys are checked by
+/// [`Layout::parse`](crate::Layout::parse) only.
+///
+/// # Example
+/// ```
+/// let schema = magsplice_layout::schema();
+/// assert_eq!(schema.get("title").unwrap(), "magsplice layout");
+/// ```
 pub fn schema() -> Schema {
-    SchemaSettings::draft2020_12().with_transform(WithoutNull).into_generator().into_root_schema_for::<LayoutFile>()
+    SchemaSettings::draft2020_12()
+        .with_transform(WithoutNull)
+        .with_transform(UnwrappedDescriptions)
+        .into_generator()
+        .into_root_schema_for::<LayoutFile>()
 }
 
-/// TOML has no null: what may be left out is left out.
+/// Removes null from the types of optional keys: TOML has no null, an optional key is left out.
 #[derive(Clone)]
 struct WithoutNull;
 
@@ -37,6 +49,19 @@ impl Transform for WithoutNull {
                     schema.insert(key, value);
                 }
             }
+        }
+        transform_subschemas(self, schema);
+    }
+}
+
+/// Joins the lines of each description: in the source they are wrapped at 100 columns.
+#[derive(Clone)]
+struct UnwrappedDescriptions;
+
+impl Transform for UnwrappedDescriptions {
+    fn transform(&mut self, schema: &mut Schema) {
+        if let Some(Value::String(description)) = schema.get_mut("description") {
+            *description = description.replace('\n', " ");
         }
         transform_subschemas(self, schema);
     }

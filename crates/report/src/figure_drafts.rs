@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn positive_values_are_red_and_y_points_up_in_field_maps() {
         let path = format!("{}/../../layouts/published-film.toml", env!("CARGO_MANIFEST_DIR"));
-        let layout = Layout::read(path.as_ref()).unwrap();
+        let layout = Layout::read(&path).unwrap();
         let film = Film::new(&layout);
         let survey = Survey::new(&film, None).unwrap();
         let drafts = drafts(&film, &[], survey.as_ref()).unwrap();

@@ -1,4 +1,4 @@
-//! Layouts that cannot be used: every verb says why, with status 2, and writes nothing.
+//! Faulty layouts: every verb reports why, exits with status 2, and writes nothing.
 
 use crate::Bench;
 
@@ -31,7 +31,7 @@ fn refused(text: &str, messages: &[&str]) {
 }
 
 #[test]
-fn missing_file() {
+fn unreadable_files_are_refused() {
     let bench = Bench::new();
     for verb in ["field", "compare", "decouple", "check", "tiles"] {
         bench.run(&[verb, "nowhere.toml"]).refuses("cannot read nowhere.toml: No such file or directory");
@@ -55,7 +55,7 @@ fn unknown_key_shows_the_line() {
 }
 
 #[test]
-fn missing_key_and_wrong_type() {
+fn missing_keys_and_wrong_types_are_refused() {
     refused("name = \"bad\"\n", &["missing field `format`"]);
     refused(&format!("{HEAD}[[tile]]\nsize_mm = [1, 1, 1]\n"), &["missing field `position_mm`"]);
     refused(&format!("{HEAD}[[tile]]\nposition_mm = [1, 2]\n"), &["line 4", "length 2, expected an array of length 3"]);
@@ -69,7 +69,7 @@ fn missing_key_and_wrong_type() {
 }
 
 #[test]
-fn zero_negative_and_non_finite_sizes() {
+fn zero_negative_and_non_finite_sizes_are_refused() {
     for (size, message) in [
         ("[1, 0, 1]", "size_mm[1] = 0, must be greater than 0"),
         ("[-1, 1, 1]", "size_mm[0] = -1, must be greater than 0"),
@@ -82,7 +82,7 @@ fn zero_negative_and_non_finite_sizes() {
 }
 
 #[test]
-fn non_finite_polarization_and_zero_axis() {
+fn non_finite_polarization_and_zero_axis_are_refused() {
     let text = format!("{HEAD}{}", TILE.replace("[0, 0, 1]", "[nan, 0, -inf]"));
     refused(
         &text,
@@ -101,7 +101,7 @@ fn all_bad_tiles_are_listed() {
 }
 
 #[test]
-fn overlapping_tiles_which_two_and_by_how_much() {
+fn overlap_message_names_both_tiles_and_the_depth() {
     let other = TILE.replace("\"a\"", "\"b\"").replace("[0, 0, 0]", "[0.75, 0, 0]");
     let touching = TILE.replace("\"a\"", "\"c\"").replace("[0, 0, 0]", "[0, 1, 0]");
     let message =
@@ -110,22 +110,22 @@ fn overlapping_tiles_which_two_and_by_how_much() {
 }
 
 #[test]
-fn inverted_empty_and_enormous_volumes() {
+fn inverted_empty_and_enormous_volumes_are_refused() {
     for (from, to, message) in [
         ("x_mm = [-2, 2]", "x_mm = [2, -2]", "volume: x_mm = [2, -2] is inverted"),
         ("z_mm = [-5, -3]", "z_mm = [-5, -5]", "volume: z_mm = [-5, -5] is empty"),
         ("step_mm = 0.5", "step_mm = 0", "volume: step_mm = 0, must be a finite number greater than 0"),
         ("step_mm = 0.5", "step_mm = -0.5", "volume: step_mm = -0.5, must be a finite number greater than 0"),
         ("step_mm = 0.5", "step_mm = 1e-6", "volume: step_mm = 0.000001 makes 3.200e19 points"),
-        ("step_mm = 0.5", "step_mm = 1e-6", "a step of 0.0072 mm in each direction would do"),
-        ("step_mm = 0.5", "step_mm = [1, 1, 1e-300]", "more than the 1e8 that are supported"),
+        ("step_mm = 0.5", "step_mm = 1e-6", "must make at most 1e8: use a step of at least 0.0072 mm along each axis"),
+        ("step_mm = 0.5", "step_mm = [1, 1, 1e-300]", "must make at most 1e8"),
     ] {
         refused(&format!("{HEAD}{TILE}{IDEAL}{}", VOLUME.replace(from, to)), &[message]);
     }
 }
 
 #[test]
-fn tables_a_verb_needs() {
+fn verbs_refuse_layouts_without_the_tables_they_need() {
     let bench = Bench::new();
     bench.write("bare.toml", &format!("{HEAD}{TILE}"));
     bench.run(&["field", "bare.toml"]).refuses("has no [volume] table to take points from: add one, or give --points");
@@ -137,7 +137,7 @@ fn tables_a_verb_needs() {
 }
 
 #[test]
-fn where_the_theory_ends() {
+fn points_outside_the_range_of_the_theory_are_refused() {
     let bench = Bench::new();
     let above = VOLUME.replace("[-5, -3]", "[-1, 0]").replace("x_mm = [-2, 2]", "x_mm = [2, 3]");
     bench.write("above.toml", &format!("{HEAD}{TILE}{IDEAL}{above}"));

@@ -74,11 +74,13 @@ fn what_cannot_be_designed_is_refused_and_nothing_written() {
     let bench = Bench::new();
     bench.write("better.toml", "earlier");
     bench.write("film.toml", &film("vary = []"));
-    bench.run(&["design", "film.toml", "-o", "better.toml"]).refuses("design: vary = [], must name what may change");
+    bench
+        .run(&["design", "film.toml", "-o", "better.toml"])
+        .refuses("design: vary = [], must name at least one of size, position, cut");
     let wrong = "vary = [\"cut\", \"size\", \"strength\"]\ngap_mm = -1.0\nparts = 0\nstarts = 0\nweights = { r_x = 0.0, r_y = 0.0, s_z = 0.0 }";
     bench.write("film.toml", &film(wrong));
     let said = bench.run(&["design", "film.toml", "-o", "better.toml"]);
-    said.refuses("vary names cut, which moves faces together, and size or position");
+    said.refuses("vary names cut, which moves all faces on a line together, and size or position");
     // All at once.
     for message in ["gap_mm = -1,", "parts = 0,", "starts = 0,", "weights are all 0", "so strength_t = "] {
         assert!(said.stderr.contains(message), "{message:?} is not in {}", said.stderr);

@@ -1,0 +1,66 @@
+//! `[expect]`: requirements on the film.
+
+use crate::expectations::{Expectations, ExpectedField};
+use crate::read::faults::TableFaults;
+use crate::read::number_rules::{check_finite, check_not_negative};
+use crate::read::tables_present::TablesPresent;
+use crate::tables::expect::{DisplacementBounds, ExpectTable, UniformityBounds};
+
+/// The requirements. Faults are added; the result is meant for use only if there are none.
+pub(crate) fn resolve(table: ExpectTable, present: TablesPresent, faults: &mut TableFaults) -> Expectations {
+    let ExpectTable { uniformity_rmse, displacement_rmse_mm, amplitude, field, clearance_mm } = table;
+    let keys = [
+        ("uniformity_rmse", uniformity_rmse.is_some(), true),
+        ("displacement_rmse_mm", displacement_rmse_mm.is_some(), true),
+        ("amplitude", amplitude.is_some(), true),
+        ("field", field.is_some(), false),
+        ("clearance_mm", clearance_mm.is_some(), false),
+    ];
+    if keys.iter().all(|(_, given, _)| !given) {
+        faults.add(
+            "is empty, must give at least one of uniformity_rmse, displacement_rmse_mm, amplitude, field, clearance_mm",
+        );
+    }
+    for (key, _, needs_ideal) in keys.into_iter().filter(|(_, given, _)| *given) {
+        present.check(&format!("{key} "), needs_ideal, faults);
+    }
+    if let Some(UniformityBounds { r_x: None, r_y: None, s_z: None }) = uniformity_rmse {
+        faults.add("uniformity_rmse is empty, must give at least one of r_x, r_y, s_z");
+    }
+    let uniformity = uniformity_rmse.map_or([None; 3], |b| [b.r_x, b.r_y, b.s_z]);
+    check_upper_bounds("uniformity_rmse", ["r_x", "r_y", "s_z"], uniformity, faults);
+    if let Some(DisplacementBounds { x: None, y: None, z: None }) = displacement_rmse_mm {
+        faults.add("displacement_rmse_mm is empty, must give at least one of x, y, z");
+    }
+    let displacement = displacement_rmse_mm.map_or([None; 3], |b| [b.x, b.y, b.z]);
+    check_upper_bounds("displacement_rmse_mm", ["x", "y", "z"], displacement, faults);
+    let (least_amplitude, least_clearance_mm) = (amplitude.map(|bound| bound.min), clearance_mm.map(|bound| bound.min));
+    for (key, least) in [("amplitude.min", least_amplitude), ("clearance_mm.min", least_clearance_mm)] {
+        if let Some(least) = least {
+            check_finite(key, least, faults);
+        }
+    }
+    if let Some(ExpectedField { file, within }) = &field {
+        if file.as_os_str().is_empty() {
+            faults.add("field.file is empty, must name a CSV file");
+        }
+        if !(within.is_finite() && *within > 0.0) {
+            faults.add(format!("field.within = {within}, must be a finite number greater than 0, a fraction of |B|"));
+        }
+    }
+    Expectations {
+        uniformity_rmse: uniformity,
+        displacement_rmse_mm: displacement,
+        least_amplitude,
+        field,
+        least_clearance_mm,
+    }
+}
+
+fn check_upper_bounds(table: &str, keys: [&str; 3], bounds: [Option<f64>; 3], faults: &mut TableFaults) {
+    for (key, bound) in keys.into_iter().zip(bounds) {
+        if let Some(bound) = bound {
+            check_not_negative(&format!("{table}.{key}"), bound, faults);
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! `[[lattice]]`: one tile for each cell of a cut film whose pattern is not zero.
+
+use std::iter::repeat_n;
+
+use glam::DVec3;
+
+use crate::layout::NamedTile;
+use crate::limits::MAX_TILES;
+use crate::read::faults::TableFaults;
+use crate::read::number_rules::{check_finite, check_not_negative, check_positive};
+use crate::read::tile_rules::checked_tile;
+use crate::tables::lattice::{LatticeSection, LatticeTable};
+
+/// The tiles of a lattice, or `None` after adding its faults.
+pub(crate) fn resolve(table: &LatticeTable, name: &str, faults: &mut TableFaults) -> Option<Vec<NamedTile>> {
+    let (sections_x, sections_y) = (&table.x, table.y.as_ref().unwrap_or(&table.x));
+    let before = faults.count();
+    let magnitude = magnitude(table, faults)?;
+    check_sections("x", &table.x, faults);
+    if let Some(y) = &table.y {
+        check_sections("y", y, faults);
+    }
+    for axis in 0..2 {
+        check_finite(&format!("start_mm[{axis}]"), table.start_mm[axis], faults);
+    }
+    if !(table.height_mm > 0.0) {
+        faults.add(format!("height_mm = {}, must be greater than 0", table.height_mm));
+    }
+    if faults.count() > before {
+        return None;
+    }
+    let columns = intervals(sections_x, table.start_mm[0]);
+    let rows = intervals(sections_y, table.start_mm[1]);
+    if columns.len().saturating_mul(rows.len()) > MAX_TILES {
+        faults.add(format!("has {} x {} cells, must have at most {MAX_TILES}", columns.len(), rows.len()));
+        return None;
+    }
+    if columns.iter().chain(&rows).all(|interval| interval.pattern == 0.0) {
+        faults.add("has no tiles: pattern is zero everywhere");
+        return None;
+    }
+    let z = table.start_mm[2] + 0.5 * table.height_mm;
+    let mut tiles = Vec::new();
+    for (i, column) in columns.iter().enumerate() {
+        for (j, row) in rows.iter().enumerate() {
+            let pattern = DVec3::new(column.pattern, row.pattern, 0.0);
+            if pattern == DVec3::ZERO {
+                continue;
+            }
+            let polarization = match magnitude {
+                Magnitude::Strength(strength) => (pattern / pattern.abs().max_element()).normalize() * strength,
+                Magnitude::Component(component) => pattern * component,
+            };
+            let position = DVec3::new(column.centre, row.centre, z);
+            let size = DVec3::new(column.width, row.width, table.height_mm);
+            let tile = checked_tile(position, size, polarization, faults)?;
+            tiles.push(NamedTile { name: format!("{name}-x{}-y{}", i + 1, j + 1), kind: None, rotation: None, tile });
+        }
+    }
+    Some(tiles)
+}
+
+/// How the pattern of a cell becomes its polarization, in tesla.
+#[derive(Clone, Copy)]
+enum Magnitude {
+    /// |J|, the same in every tile. The pattern gives the direction only.
+    Strength(f64),
+    /// Factor of the pattern.
+    Component(f64),
+}
+
+fn magnitude(table: &LatticeTable, faults: &mut TableFaults) -> Option<Magnitude> {
+    match (table.strength_t, table.component_t) {
+        (Some(strength), None) => {
+            check_not_negative("strength_t", strength, faults);
+            Some(Magnitude::Strength(strength))
+        }
+        (None, Some(component)) => {
+            check_not_negative("component_t", component, faults);
+            Some(Magnitude::Component(component))
+        }
+        _ => {
+            faults.add("must give one of strength_t (|J| of every tile) and component_t (factor of the pattern)");
+            None
+        }
+    }
+}
+
+fn check_sections(axis: &str, sections: &[LatticeSection], faults: &mut TableFaults) {
+    for (index, section) in sections.iter().enumerate() {
+        let key = format!("{axis}[{index}]");
+        let (widths, pattern) = (section.widths_mm.len(), section.pattern.len());
+        if widths != pattern {
+            faults.add(format!(
+                "{key} has {widths} widths_mm and {pattern} pattern entries, must have the same number of both"
+            ));
+        }
+        for (n, width) in section.widths_mm.iter().enumerate() {
+            check_positive(&format!("{key}.widths_mm[{n}]"), *width, faults);
+        }
+        for (n, pattern) in section.pattern.iter().enumerate() {
+            check_finite(&format!("{key}.pattern[{n}]"), *pattern, faults);
+        }
+        if let Some(times) = section.times.filter(|times| *times == 0 || times.saturating_mul(widths) > MAX_TILES) {
+            faults.add(format!("{key}.times = {times}, must be at least 1 and make at most {MAX_TILES} intervals"));
+        }
+    }
+    if sections.iter().all(|section| section.widths_mm.is_empty()) {
+        faults.add(format!("{axis} has no widths_mm, must have at least one interval"));
+    }
+}
+
+/// One interval of a lattice along one axis, in millimetres.
+struct Interval {
+    centre: f64,
+    width: f64,
+    pattern: f64,
+}
+
+/// All intervals along one axis, sections repeated, from `start` on.
+fn intervals(sections: &[LatticeSection], start: f64) -> Vec<Interval> {
+    let mut cut = CutLine { at: start, carry: 0.0 };
+    let repeated = sections.iter().flat_map(|section| repeat_n(section, section.times.unwrap_or(1)));
+    let entries = repeated.flat_map(|section| section.widths_mm.iter().zip(&section.pattern));
+    entries
+        .map(|(&width, &pattern)| {
+            let low = cut.value();
+            cut.advance(width);
+            Interval { centre: 0.5 * (low + cut.value()), width, pattern }
+        })
+        .collect()
+}
+
+/// A cut line reached by adding widths. The sum is compensated (Neumaier 1974), so that decimal
+/// widths add up to the decimal cut.
+struct CutLine {
+    at: f64,
+    carry: f64,
+}
+
+impl CutLine {
+    fn value(&self) -> f64 {
+        self.at + self.carry
+    }
+
+    fn advance(&mut self, width: f64) {
+        let next = self.at + width;
+        let width_part = next - self.at;
+        self.carry += (self.at - (next - width_part)) + (width - width_part);
+        self.at = next;
+    }
+}

@@ -1,0 +1,191 @@
+//! Reading a layout: text becomes tables, tables become a checked [`Layout`].
+//!
+//! Every rule is checked before a value is converted, so that messages use the names and units of
+//! the file. All broken rules are reported at once. Overlaps are searched only if no other rule is
+//! broken.
+
+use std::fs;
+use std::ops::Range;
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+use toml::Spanned;
+
+use self::faults::Faults;
+use self::tables_present::TablesPresent;
+use crate::error::{LayoutError, LayoutFault};
+use crate::layout::{Layout, NamedTile};
+use crate::limits::FORMAT;
+use crate::tables::LayoutFile;
+
+/// Rules and defaults of `[design]`.
+mod design;
+/// Rules of `[expect]`.
+mod expect;
+/// The list of broken rules, with lines.
+mod faults;
+/// Properties that are allowed but usually a mistake.
+mod findings;
+/// Rules of `[ideal]`.
+mod ideal;
+/// Cells of a `[[lattice]]` become tiles.
+mod lattice;
+/// The rule that tile names are unique.
+mod names;
+/// Rules for single numbers and vectors.
+mod number_rules;
+/// The rule that tiles do not overlap.
+mod overlap;
+/// Copies on a grid and mirror images.
+mod repeat;
+/// One `[[tile]]` with its kind resolved.
+mod single_tile;
+/// The rule that tables come with the tables they need.
+mod tables_present;
+/// Position, size and polarization of one tile.
+mod tile_rules;
+/// Ranges and a step become a grid.
+mod volume;
+
+impl Layout {
+    /// The layout in the file at `path`.
+    ///
+    /// # Errors
+    /// - [`LayoutError::Read`] if the file cannot be read.
+    /// - [`LayoutError::Syntax`] if it is not UTF-8 text or not TOML, or has an unknown or missing
+    ///   key or a value of the wrong type. The first such place is reported with line and column.
+    /// - [`LayoutError::Invalid`] if values break rules. All broken rules are reported at once.
+    ///
+    /// # Example
+    /// ```
+    /// use magsplice_layout::{COMMENTED_LAYOUT, Layout};
+    ///
+    /// # let path = std::env::temp_dir().join(format!("film-{}.toml", std::process::id()));
+    /// std::fs::write(&path, COMMENTED_LAYOUT)?;
+    /// let layout = Layout::read(&path)?;
+    /// assert_eq!(layout.tiles.len(), 56);
+    /// # std::fs::remove_file(&path)?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn read(path: impl AsRef<Path>) -> Result<Layout, LayoutError> {
+        let path = path.as_ref();
+        let bytes = fs::read(path).map_err(|error| LayoutError::Read { path: path.to_owned(), error })?;
+        let origin = path.display().to_string();
+        let text = String::from_utf8(bytes).map_err(|error| LayoutError::Syntax {
+            origin: origin.clone(),
+            message: format!("not UTF-8 text: {error}"),
+        })?;
+        Layout::parse(&text, &origin)
+    }
+
+    /// The layout in `text`. `origin` names the source of the text in errors.
+    ///
+    /// # Errors
+    /// [`LayoutError::Syntax`] and [`LayoutError::Invalid`], as for [`Layout::read`].
+    ///
+    /// # Example
+    /// ```
+    /// use magsplice_layout::{Layout, LayoutError};
+    ///
+    /// let text = r#"
+    ///     format = 1
+    ///     name = "one tile"
+    ///     [[tile]]
+    ///     position_mm = [0.0, 0.0, 0.5]
+    ///     size_mm = [3.3, -1.7, 1.0]
+    ///     polarization_t = [0.12, 0.0, 0.0]
+    /// "#;
+    /// let error = Layout::parse(text, "one.toml").unwrap_err();
+    /// assert_eq!(
+    ///     error.to_string(),
+    ///     "one.toml: line 4: tile \"tile-1\": size_mm[1] = -1.7, must be greater than 0"
+    /// );
+    /// let layout = Layout::parse(&text.replace("-1.7", "1.7"), "one.toml")?;
+    /// assert_eq!(layout.tiles[0].tile.size().y, 1.7);
+    /// # Ok::<(), LayoutError>(())
+    /// ```
+    pub fn parse(text: &str, origin: &str) -> Result<Layout, LayoutError> {
+        let file: LayoutFile = toml::from_str(text)
+            .map_err(|error| LayoutError::Syntax { origin: origin.to_owned(), message: error.to_string() })?;
+        let sha256 = Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
+        resolve(file, text, sha256).map_err(|faults| LayoutError::Invalid { origin: origin.to_owned(), faults })
+    }
+}
+
+/// The checked layout of a file, or all its broken rules.
+fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<LayoutFault>> {
+    let mut faults = Faults::new(text);
+    let mut findings = Vec::new();
+    check_format(&file.format, &mut faults);
+    let present = TablesPresent { ideal: file.ideal.is_some(), volume: file.volume.is_some() };
+    let ideal = file.ideal.and_then(|table| ideal::resolve(table.get_ref(), &mut faults.at(&table.span(), "ideal")));
+    let volume = file
+        .volume
+        .and_then(|table| volume::resolve(table.get_ref(), &mut faults.at(&table.span(), "volume"), &mut findings));
+    let expectations = file.expect.map_or_else(Default::default, |table| {
+        let mut faults = faults.at(&table.span(), "expect");
+        expect::resolve(table.into_inner(), present, &mut faults)
+    });
+    let brief = file.design.and_then(|table| {
+        let mut faults = faults.at(&table.span(), "design");
+        design::resolve(table.into_inner(), present, &mut faults)
+    });
+    for (name, kind) in &file.kind {
+        single_tile::check_kind(kind.get_ref(), &mut faults.at(&kind.span(), format!("kind \"{name}\"")));
+        if !file.tile.iter().any(|tile| tile.get_ref().kind.as_ref() == Some(name)) {
+            findings.push(format!("kind \"{name}\" is declared but no tile uses it"));
+        }
+    }
+    if file.tile.is_empty() && file.lattice.is_empty() {
+        faults.add_to_layout("has no tiles: add at least one [[tile]] or [[lattice]]");
+    }
+
+    let mut tiles: Vec<NamedTile> = Vec::new();
+    // The place of each tile's table in the text.
+    let mut spans: Vec<Range<usize>> = Vec::new();
+    for (index, table) in file.tile.iter().enumerate() {
+        let (span, table) = (table.span(), table.get_ref());
+        let name = table.name.clone().unwrap_or_else(|| format!("tile-{}", index + 1));
+        let mut faults = faults.at(&span, format!("tile \"{name}\""));
+        let single = single_tile::resolve(table, name, &file.kind, &mut faults);
+        let repeated =
+            single.and_then(|tile| repeat::resolve(tile, table.grid.as_ref(), table.mirror.as_ref(), &mut faults));
+        tiles.extend(repeated.unwrap_or_default());
+        spans.resize(tiles.len(), span);
+    }
+    for (index, table) in file.lattice.iter().enumerate() {
+        let (span, table) = (table.span(), table.get_ref());
+        let name = table.name.clone().unwrap_or_else(|| format!("lattice-{}", index + 1));
+        let mut faults = faults.at(&span, format!("lattice \"{name}\""));
+        tiles.extend(lattice::resolve(table, &name, &mut faults).unwrap_or_default());
+        spans.resize(tiles.len(), span);
+    }
+    names::check(&tiles, &spans, &mut faults);
+    if faults.is_empty() {
+        overlap::check(&tiles, &spans, &mut faults);
+    }
+    if !faults.is_empty() {
+        return Err(faults.into_sorted());
+    }
+    findings.extend(findings::about_tiles(&tiles, volume.as_ref()));
+    Ok(Layout {
+        name: file.name,
+        description: file.description,
+        ideal,
+        volume,
+        expectations,
+        brief,
+        history: file.history,
+        tiles,
+        sha256,
+        findings,
+    })
+}
+
+fn check_format(format: &Spanned<i64>, faults: &mut Faults) {
+    if *format.get_ref() != FORMAT {
+        faults
+            .at(&format.span(), "layout")
+            .add(format!("format = {}, must be {FORMAT}, the only version supported", format.get_ref()));
+    }
+}

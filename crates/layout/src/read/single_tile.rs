@@ -1,0 +1,130 @@
+//! One `[[tile]]` before it is repeated, and `[kind.NAME]`.
+
+use std::collections::BTreeMap;
+
+use glam::{DQuat, DVec3};
+use magsplice_magnet::Tile;
+use toml::Spanned;
+
+use crate::layout::{NamedTile, Rotation};
+use crate::read::faults::TableFaults;
+use crate::read::tile_rules::{check_strength, checked_tile};
+use crate::tables::tile::{KindTable, TileTable};
+use crate::units::{rotation_from_degrees, unit_vector};
+
+/// Checks a kind by itself, so that its faults are not repeated for every tile that names it.
+pub(crate) fn check_kind(kind: &KindTable, faults: &mut TableFaults) {
+    if kind.strength_t.is_some() && kind.polarization_t.is_some() {
+        faults.add("gives both strength_t and polarization_t, must give only one of them");
+    }
+    check_strength(kind.strength_t, faults);
+    checked_tile(DVec3::ZERO, kind.size_mm.into(), kind.polarization_t.unwrap_or_default().into(), faults);
+}
+
+/// The tile of one table with its kind resolved, or `None` after adding its faults.
+pub(crate) fn resolve(
+    table: &TileTable,
+    name: String,
+    kinds: &BTreeMap<String, Spanned<KindTable>>,
+    faults: &mut TableFaults,
+) -> Option<NamedTile> {
+    let before = faults.count();
+    let kind = match &table.kind {
+        None => None,
+        Some(wanted) => Some(declared_kind(wanted, kinds, faults)?),
+    };
+    let size = size(table, kind, faults);
+    let polarization = polarization(table, kind, faults).unwrap_or(DVec3::ZERO);
+    let rotation = table.rotation.map(|rotation| quaternion(rotation, faults));
+    // The size of a kind has been checked with the kind.
+    let own_size = if table.size_mm.is_some() { size? } else { [1.0; 3] };
+    checked_tile(table.position_mm.into(), own_size.into(), polarization, faults)?;
+    if faults.count() > before {
+        return None;
+    }
+    let mut tile = Tile::new(table.position_mm.into(), size?.into(), polarization).ok()?;
+    if let Some(rotation) = rotation {
+        tile = tile.rotated(rotation?).ok()?;
+    }
+    Some(NamedTile { name, kind: table.kind.clone(), rotation: table.rotation, tile })
+}
+
+fn declared_kind<'k>(
+    wanted: &str,
+    kinds: &'k BTreeMap<String, Spanned<KindTable>>,
+    faults: &mut TableFaults,
+) -> Option<&'k KindTable> {
+    let kind = kinds.get(wanted);
+    if kind.is_none() {
+        let declared: Vec<&str> = kinds.keys().map(String::as_str).collect();
+        let declared = if declared.is_empty() { "none".to_owned() } else { declared.join(", ") };
+        faults.add(format!("kind = \"{wanted}\", must be declared as [kind.{wanted}] (declared: {declared})"));
+    }
+    kind.map(Spanned::get_ref)
+}
+
+fn size(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableFaults) -> Option<[f64; 3]> {
+    match (table.size_mm, kind.map(|k| k.size_mm)) {
+        (Some(size), None) | (None, Some(size)) => Some(size),
+        (Some(_), Some(_)) => {
+            faults.add("gives size_mm, which its kind already gives");
+            None
+        }
+        (None, None) => {
+            faults.add("has no size_mm and no kind that gives it");
+            None
+        }
+    }
+}
+
+fn polarization(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableFaults) -> Option<DVec3> {
+    let kind_strength = kind.and_then(|k| k.strength_t);
+    let kind_polarization = kind.and_then(|k| k.polarization_t);
+    let given = [
+        table.polarization_t.is_some(),
+        table.strength_t.is_some(),
+        kind_polarization.is_some(),
+        kind_strength.is_some(),
+    ];
+    if given.into_iter().filter(|given| *given).count() > 1 {
+        faults.add(
+            "gives its polarization twice, must give one of polarization_t and strength_t, in the tile or in its kind",
+        );
+        return None;
+    }
+    check_strength(table.strength_t, faults);
+    match (table.polarization_t.or(kind_polarization), table.strength_t.or(kind_strength), table.direction) {
+        (Some(polarization), _, None) => Some(polarization.into()),
+        (Some(_), _, Some(_)) => {
+            faults.add("gives a direction, which goes with strength_t and not with polarization_t");
+            None
+        }
+        (None, Some(strength), Some(direction)) => {
+            let unit = unit_vector(direction);
+            if unit.is_none() {
+                faults.add(format!("direction = {direction:?}, must be finite and not zero"));
+            }
+            Some(unit? * strength)
+        }
+        (None, Some(_), None) => {
+            faults.add("has a strength_t and no direction");
+            None
+        }
+        (None, None, _) => {
+            faults.add("has no polarization: give polarization_t, or strength_t and direction");
+            None
+        }
+    }
+}
+
+fn quaternion(rotation: Rotation, faults: &mut TableFaults) -> Option<DQuat> {
+    let axis = unit_vector(rotation.axis);
+    if axis.is_none() {
+        faults.add(format!("rotation.axis = {:?}, must be finite and not zero", rotation.axis));
+    }
+    if !rotation.angle_deg.is_finite() {
+        faults.add(format!("rotation.angle_deg = {}, must be a finite number", rotation.angle_deg));
+        return None;
+    }
+    Some(rotation_from_degrees(axis?, rotation.angle_deg))
+}

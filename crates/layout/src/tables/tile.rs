@@ -1,0 +1,116 @@
+//! The tables `[[tile]]` and `[kind.NAME]`, and the tables inside a tile: `grid` and `mirror`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::layout::Rotation;
+
+/// The properties that tiles of one kind have in common.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct KindTable {
+    /// Full side lengths along the tile's own axes, in mm.
+    pub(crate) size_mm: [f64; 3],
+    /// Magnitude of the polarization, in T. Each tile gives its direction.
+    pub(crate) strength_t: Option<f64>,
+    /// Polarization J = mu0 M in the tile's own frame, in T.
+    pub(crate) polarization_t: Option<[f64; 3]>,
+}
+
+/// A tile, single or repeated. Its polarization is given once: as polarization_t, as strength_t and
+/// direction, or by its kind.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TileTable {
+    /// Unique name. Default: tile-1, tile-2 and so on, numbered in the order of the file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) name: Option<String>,
+    /// Name of the kind that gives the size.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) kind: Option<String>,
+    /// Centre, in mm.
+    pub(crate) position_mm: [f64; 3],
+    /// Full side lengths along the tile's own axes, in mm. Required unless a kind gives them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) size_mm: Option<[f64; 3]>,
+    /// Polarization J = mu0 M in the tile's own frame, in T.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) polarization_t: Option<[f64; 3]>,
+    /// Magnitude of the polarization, in T. Needs a direction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) strength_t: Option<f64>,
+    /// Direction of the polarization in the tile's own frame, a vector of any length but zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) direction: Option<[f64; 3]>,
+    /// Rotation about the tile's centre.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) rotation: Option<Rotation>,
+    /// Copies on a regular grid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) grid: Option<GridTable>,
+    /// Mirror images of the tile and of all its copies on the grid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) mirror: Option<MirrorTable>,
+}
+
+/// Copies of a tile on a regular grid that begins at the tile's position.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct GridTable {
+    /// Number of copies along x, y, z, the tile itself included.
+    pub(crate) count: [usize; 3],
+    /// Distance between neighbouring copies along x, y, z, in mm.
+    pub(crate) pitch_mm: [f64; 3],
+    /// Axes along which the polarization of every other copy is reversed.
+    #[serde(default)]
+    pub(crate) alternate: Vec<AxisName>,
+}
+
+/// Mirror images of a tile and its copies.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MirrorTable {
+    /// Axes normal to the mirrors, which are applied one after the other.
+    pub(crate) axes: Vec<AxisName>,
+    /// A point on the mirrors, in mm. Default: the origin.
+    #[serde(default)]
+    pub(crate) at_mm: [f64; 3],
+    /// How the polarization is mirrored. Default: reflect.
+    #[serde(default)]
+    pub(crate) polarization: Reflection,
+}
+
+#[derive(Clone, Copy, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Reflection {
+    /// Like an arrow drawn on the tile: the component normal to the mirror changes sign.
+    #[default]
+    Reflect,
+    /// Like a magnetization, which is a pseudovector: the components in the mirror plane change
+    /// sign.
+    Axial,
+    /// Not changed.
+    Keep,
+}
+
+#[derive(Clone, Copy, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum AxisName {
+    X,
+    Y,
+    Z,
+}
+
+impl AxisName {
+    /// 0, 1, 2 for x, y, z.
+    pub(crate) fn index(self) -> usize {
+        self as usize
+    }
+
+    pub(crate) fn letter(self) -> char {
+        AXIS_LETTERS[self.index()]
+    }
+}
+
+/// The letters of axes 0, 1, 2, in names of tiles and in keys.
+pub(crate) const AXIS_LETTERS: [char; 3] = ['x', 'y', 'z'];
