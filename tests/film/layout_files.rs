@@ -72,7 +72,8 @@ fn grid_and_mirrors_repeat_a_tile_of_a_kind() {
 }
 
 /// Compares the field of a tile and its image on both sides of the mirror. B is a pseudovector, so
-/// "axial" makes a mirror-symmetric magnet, and "reflect" one that is mirror-symmetric up to the sign.
+/// "axial" makes a mirror-symmetric magnet, and "reflect" one that is mirror-symmetric up to the
+/// sign.
 #[test]
 fn field_of_mirrored_rotated_tiles_is_symmetric() {
     for (polarization, signs) in [("reflect", DVec3::new(-1.0, 1.0, 1.0)), ("axial", DVec3::new(1.0, -1.0, -1.0))] {

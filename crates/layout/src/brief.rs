@@ -55,7 +55,8 @@ pub struct Brief {
     pub parts: Option<usize>,
     /// Parts that are available.
     pub stock: Vec<StockPart>,
-    /// Magnitudes of the polarization that are available. Any magnitude is allowed if this is empty.
+    /// Magnitudes of the polarization that are available. Any magnitude is allowed if this is
+    /// empty.
     pub stock_strengths_t: Vec<f64>,
     /// Number of starting points of the search.
     pub starts: usize,
@@ -70,7 +71,8 @@ pub struct Variables {
     pub size: bool,
     /// Centres along x and y.
     pub position: bool,
-    /// Cuts: lines parallel to x or y on which faces of tiles lie. All faces on a line move together.
+    /// Cuts: lines parallel to x or y on which faces of tiles lie. All faces on a line move
+    /// together.
     pub cut: bool,
     /// Upper faces. All faces at the same height move together.
     pub thickness: bool,

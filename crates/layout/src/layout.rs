@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 use crate::brief::Brief;
 use crate::expectations::Expectations;
 
-/// A spliced film or any other arrangement of block magnets, with the ideal film it is compared with
-/// and the requirements it must meet.
+/// A spliced film or any other arrangement of block magnets, with the ideal film it is compared
+/// with and the requirements it must meet.
 ///
 /// A layout from [`Layout::read`] or [`Layout::parse`] obeys every rule of docs/layout-format.md.
 /// The fields are public, and a layout changed in memory is not checked again. To check it, parse
@@ -108,7 +108,7 @@ pub struct WorkingVolume {
     pub upper_mm: DVec3,
     /// Distance between neighbouring points along x, y, z.
     pub step_mm: DVec3,
-    /// The point from which changes of the field are measured. Default: the middle of x and y at the
-    /// lowest z.
+    /// The point from which changes of the field are measured. Default: the middle of x and y at
+    /// the lowest z.
     pub reference_mm: DVec3,
 }

@@ -7,8 +7,8 @@ use magsplice_magnet::Tile;
 
 use crate::layout::Layout;
 
-/// Significant digits to which sizes, strengths and directions of two pieces must agree. Differences
-/// beyond them are round-off.
+/// Significant digits to which sizes, strengths and directions of two pieces must agree.
+/// Differences beyond them are round-off.
 const SAME_DIGITS: i32 = 9;
 
 /// One sort of identical pieces: tiles that differ only in position and orientation.
@@ -16,8 +16,8 @@ const SAME_DIGITS: i32 = 9;
 pub struct Part {
     /// Number of such pieces in the layout.
     pub count: usize,
-    /// Side lengths in millimetres. The third is the z side of the first such tile; of the other two
-    /// the longer comes first.
+    /// Side lengths in millimetres. The third is the z side of the first such tile; of the other
+    /// two the longer comes first.
     pub size_mm: DVec3,
     /// Magnitude of the polarization, in tesla.
     pub strength_t: f64,
@@ -31,8 +31,8 @@ impl Layout {
     /// The bill of materials, largest pieces first.
     ///
     /// Two tiles are the same part if a rotation maps one onto the other, polarization included. A
-    /// tile turned upside down to reverse its polarization is therefore the same part, and its mirror
-    /// image is another one.
+    /// tile turned upside down to reverse its polarization is therefore the same part, and its
+    /// mirror image is another one.
     ///
     /// # Example
     /// ```

@@ -98,8 +98,8 @@ fn copies_on_grid(tile: &NamedTile, grid: &GridTable, faults: &mut TableFaults) 
 
 /// The mirror image of a tile in the plane normal to `axis`.
 ///
-/// With M the mirror, a tile rotated by R becomes one rotated by M R M. In its own frame a cuboid is
-/// its own mirror image, and M reflects the arrow of its polarization. The vector part of the
+/// With M the mirror, a tile rotated by R becomes one rotated by M R M. In its own frame a cuboid
+/// is its own mirror image, and M reflects the arrow of its polarization. The vector part of the
 /// quaternion of M R M is -M times that of R.
 fn mirror_image(
     named: &NamedTile,
@@ -123,7 +123,8 @@ fn mirror_image(
     let polarization = match mirror.polarization {
         Reflection::Reflect => flip(own),
         Reflection::Axial => -flip(own),
-        // Unchanged in the scene's frame; in the frame of the image, rotated by R', it is R'^-1 R J.
+        // Unchanged in the scene's frame; in the frame of the image, rotated by R', it is R'^-1 R
+        // J.
         Reflection::Keep if named.rotation.is_some() => rotation.inverse() * (q * own),
         Reflection::Keep => own,
     };

@@ -10,8 +10,8 @@ pub(crate) struct TablesPresent {
 }
 
 impl TablesPresent {
-    /// Requires `[volume]`, and `[ideal]` if `needs_ideal`. `subject` begins the message: a key and a
-    /// space, or nothing where the whole table needs them.
+    /// Requires `[volume]`, and `[ideal]` if `needs_ideal`. `subject` begins the message: a key and
+    /// a space, or nothing where the whole table needs them.
     pub(crate) fn check(self, subject: &str, needs_ideal: bool, faults: &mut TableFaults) {
         for (table, missing) in [("[ideal]", needs_ideal && !self.ideal), ("[volume]", !self.volume)] {
             if missing {

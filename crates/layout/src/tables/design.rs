@@ -75,7 +75,8 @@ pub(crate) enum Variable {
     Size,
     /// Centres along x and y.
     Position,
-    /// Cuts: lines parallel to x or y on which faces of tiles lie. All faces on a line move together.
+    /// Cuts: lines parallel to x or y on which faces of tiles lie. All faces on a line move
+    /// together.
     Cut,
     /// Upper faces. All faces at the same height move together.
     Thickness,
