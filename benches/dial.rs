@@ -1,10 +1,10 @@
 //! Speedup of fields to a tolerance over the exact field of magsplice, on one thread.
 //!
-//! `cargo bench -p magsplice-benches --bench dial` prints for each case
-//! `ratio: <case> = <exact time / time>`, the median over interleaved pairs of runs, with the largest
-//! error found. `growth:` lines give the times of films with as many points as tiles, `exponent:`
-//! lines the power of that number with which the times grow. `-- --test` runs each case once, on a
-//! smaller scene.
+//! `cargo bench -p magsplice-benches --bench dial` prints for each case `ratio: <case> = <exact
+//! time / time>`, the median over interleaved pairs of runs, with the largest error found.
+//! `growth:` lines give the times of films with as many points as tiles, `exponent:` lines the
+//! power of that number with which the times grow. `-- --test` runs each case once, on a smaller
+//! scene.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -77,8 +77,8 @@ fn one_millionth() -> Tolerance {
     Tolerance::relative(1e-6).expect("a tolerance")
 }
 
-/// Prints the speedup of one large film. The exact time is measured at some of the points and scaled
-/// to all.
+/// Prints the speedup of one large film. The exact time is measured at some of the points and
+/// scaled to all.
 fn large_film((side, runs): (usize, usize)) {
     let film = growth(side, one_millionth(), runs);
     println!(

@@ -1,5 +1,5 @@
-//! Criterion benchmarks of one tile, films, instruction sets, threads, and the path from a layout file
-//! to its decoupling error.
+//! Criterion benchmarks of one tile, films, instruction sets, threads, and the path from a layout
+//! file to its decoupling error.
 //!
 //! `cargo bench -p magsplice-benches --bench film`
 

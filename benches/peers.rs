@@ -1,11 +1,11 @@
 //! Speedup of magsplice over the fastest call of magba 0.7.3 on one thread, then of several threads
 //! over one.
 //!
-//! `cargo bench -p magsplice-benches --bench peers` prints for each workload
-//! `ratio: <workload> = <magba time / magsplice time>`, the median over interleaved pairs of runs in
-//! one process, and the median difference of the two fields. Then it prints
-//! `threads: <workload>, <n> threads = <time of one / time of n>`, beside the same ratio for n
-//! independent scenes evaluated at the same time, which is the most that the machine gives.
+//! `cargo bench -p magsplice-benches --bench peers` prints for each workload `ratio: <workload> =
+//! <magba time / magsplice time>`, the median over interleaved pairs of runs in one process, and
+//! the median difference of the two fields. Then it prints `threads: <workload>, <n> threads =
+//! <time of one / time of n>`, beside the same ratio for n independent scenes evaluated at the same
+//! time, which is the most that the machine gives.
 //!
 //! Arguments after `--`:
 //!
@@ -14,7 +14,7 @@
 //! | `--test` | runs each workload once on few points |
 //! | `NAME` | runs the workloads that have this in their names |
 //! | `--threads` | skips the comparison with magba |
-//! | `--avx2` or another instruction set | compares by these instructions instead of the best available |
+//! | `--avx2` or another instruction set | compares with this set instead of the best one |
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -51,7 +51,8 @@ impl Growth {
         self.scene_s + self.exact_tables_s + self.exact_s
     }
 
-    /// The exponent p of the growth of `time` from this film to a larger one, as (number of tiles)^p.
+    /// The exponent p of the growth of `time` from this film to a larger one, as (number of
+    /// tiles)^p.
     pub fn exponent_to(&self, larger: &Growth, time: impl Fn(&Growth) -> f64) -> f64 {
         (time(larger) / time(self)).ln() / (larger.tiles as f64 / self.tiles as f64).ln()
     }

@@ -15,9 +15,9 @@ pub struct Speedup {
     pub threads: usize,
     /// Time of one thread over the time of `threads` threads.
     pub times: f64,
-    /// The speedup of `threads` independent scenes evaluated at the same time, one thread each. This
-    /// is the most that the machine gives: its processors share memory, caches and heat with each
-    /// other and with other programs.
+    /// The speedup of `threads` independent scenes evaluated at the same time, one thread each.
+    /// This is the most that the machine gives: its processors share memory, caches and heat with
+    /// each other and with other programs.
     pub apart: f64,
 }
 

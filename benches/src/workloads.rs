@@ -45,8 +45,8 @@ pub struct Workload {
 }
 
 impl Workload {
-    /// The workload with its points thinned evenly to at most `most_pairs` tile-point pairs, so that
-    /// they keep their distribution.
+    /// The workload with its points thinned evenly to at most `most_pairs` tile-point pairs, so
+    /// that they keep their distribution.
     pub fn thinned(mut self, most_pairs: usize) -> Workload {
         let keep = (most_pairs / self.tiles.len()).clamp(1, self.points.len());
         if let Some(grid) = &mut self.grid {

@@ -1,15 +1,18 @@
-//! B against the reference tables of `tests/reference`.
+//! B against the tables of `tests/reference`.
 
 use glam::DVec3;
 use magsplice_field::{Cause, InstructionSet, Quantity, Scene};
 use magsplice_tests::reference_tables::{self, ReferenceRow};
 
-/// Allowed relative error of |B| at any row: what `Scene` promises. In the kernel of one point an element of the tensor is off by about twenty
-/// roundings of 1.1e-16 in the worst case; in the forms in vectors by that times the distance in sides of the tile, at most 15, or, nearer
-/// than that to an edge, times what 1 / (1 - tanh^2) of its logarithm is. Few roundings are at their worst at once: the worst seen is 6e-15.
+/// Largest relative error of |B| at any row, as `Scene` promises.
+///
+/// In the scalar kernel an element of the tensor is off by about twenty roundings of 1.1e-16 in the
+/// worst case. In the vector kernels this is multiplied by the distance in sides of the tile, at
+/// most 15, or near an edge by 1 / (1 - tanh^2) of its logarithm. Few roundings are at their worst
+/// at once: the largest error seen is 6e-15.
 const WORST: f64 = 2e-14;
 
-/// Allowed median: roundings that add up at random.
+/// Largest median of the relative errors, for roundings that add up at random.
 const MEDIAN: f64 = 1e-15;
 
 fn relative_error(row: &ReferenceRow, set: InstructionSet) -> f64 {
@@ -20,7 +23,7 @@ fn relative_error(row: &ReferenceRow, set: InstructionSet) -> f64 {
     (b - reference).length() / reference.length()
 }
 
-/// With the instructions of every kind that the processor has.
+/// Checks a table of `rows` rows with every instruction set of the processor.
 fn check(table: &str, rows: usize) {
     let rows = reference_tables::read(table, rows);
     for set in InstructionSet::available() {
@@ -34,17 +37,17 @@ fn check(table: &str, rows: usize) {
 }
 
 #[test]
-fn generic_points() {
+fn points_near_and_inside() {
     check("generic", 1379);
 }
 
 #[test]
-fn far_points() {
+fn distant_points() {
     check("far", 856);
 }
 
 #[test]
-fn near_edges_corners_faces_and_their_extensions() {
+fn points_near_edges_corners_faces_and_their_extensions() {
     check("approach", 3016);
 }
 
@@ -54,18 +57,18 @@ fn plates_and_needles() {
 }
 
 #[test]
-fn away_from_the_origin() {
+fn tiles_far_from_the_origin() {
     check("offset", 400);
 }
 
 #[test]
-fn every_scale() {
+fn lengths_of_every_scale() {
     check("scale", 1800);
 }
 
-/// A point on a face belongs to the tile on the lower faces and not on the upper ones, and B is the limit from that side.
+/// A tile owns its lower faces, not its upper ones. B on a face is the limit from the owner's side.
 #[test]
-fn on_faces_the_owner_decides_the_side() {
+fn face_points_take_the_limit_from_the_owner() {
     for row in reference_tables::read("face_points", 36) {
         let from_centre = row.point - row.tile.position();
         let half = 0.5 * row.tile.size();
@@ -77,7 +80,7 @@ fn on_faces_the_owner_decides_the_side() {
 }
 
 #[test]
-fn on_edges_and_corners_the_field_is_declared_unbounded() {
+fn edges_and_corners_are_reported_unbounded() {
     for row in reference_tables::read("singular_points", 40) {
         let scene = Scene::new(&[row.tile]);
         assert_eq!(scene.field(Quantity::FluxDensity, row.point), Err(Cause::Unbounded { tile: 0 }), "row {}", row.id);

@@ -1,24 +1,27 @@
-//! Scenes of many tiles, computed with each kind of vector instructions the processor has, against the sum over tiles of an oracle
-//! of 130 digits.
+//! Scenes evaluated with every instruction set of the processor, against sums over tiles by the
+//! oracle.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::{InstructionSet, MU_0, Quantity, Scene, Tile};
 use magsplice_tests::oracle::{Oracle, OracleField};
+use magsplice_tests::{cases, share};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, TestRunner};
 
-/// Of the sum over tiles of the fields that the components of J make alone: what `Scene` promises.
+/// Largest error as a fraction of the sum, over tiles and components of J, of the fields that each
+/// component makes alone, as `Scene` promises.
 const WORST: f64 = 2e-14;
 
-/// The same of a compact tile alone, in it or beside it.
-const BESIDE: f64 = 4e-15;
+/// The same for one compact tile, at points inside or near it.
+const WORST_NEAR: f64 = 4e-15;
 
 fn tile(position: DVec3, size: DVec3, j: DVec3) -> Tile {
     Tile::new(position, size, j).expect("a valid tile")
 }
 
-/// The sum of the exact fields, turned to the scene, and of the magnitudes of the components' fields.
+/// The sum of the exact fields, rotated to the frame of the scene, and the sum of the magnitudes of
+/// the components' fields.
 fn exact(oracle: &mut Oracle, tiles: &[Tile], point: DVec3) -> (DVec3, f64) {
     let (mut sum, mut magnitude) = (DVec3::ZERO, 0.0);
     for tile in tiles {
@@ -37,22 +40,25 @@ fn exact(oracle: &mut Oracle, tiles: &[Tile], point: DVec3) -> (DVec3, f64) {
     (sum, magnitude)
 }
 
-/// `rounded` is what rounding of the points in the tiles' frames may add, as a fraction.
+/// Compares a scene with the oracle at all points. `rounded` is added to the bound: the relative
+/// error that rounding a point in the frames of rotated tiles may cause.
 fn check(name: &str, tiles: &[Tile], points: &[DVec3], rounded: f64) {
-    let mut oracle = Oracle::new();
+    let points = share(points);
+    let mut oracle = Oracle::for_moderate_scenes();
     let expected: Vec<(DVec3, f64)> = points.iter().map(|&point| exact(&mut oracle, tiles, point)).collect();
     for set in InstructionSet::available() {
         let scene = Scene::new(tiles).with_instruction_set(set).expect("available");
         let mut field = vec![DVec3::ZERO; points.len()];
-        scene.field_into(Quantity::FluxDensity, points, &mut field).expect("bounded");
-        for ((found, (exact, magnitude)), point) in field.iter().zip(&expected).zip(points) {
+        scene.field_into(Quantity::FluxDensity, &points, &mut field).expect("bounded");
+        for ((found, (exact, magnitude)), point) in field.iter().zip(&expected).zip(&points) {
             let error = (*found - *exact).length() / magnitude;
             assert!(error <= WORST + rounded, "{name}, {set:?}: off by {error:e} at {point}");
         }
     }
 }
 
-/// A sheet of cells of widths 1.7 and 3.3, as the published film is, some of them empty.
+/// A sheet of cells of widths 1.7 and 3.3, as in the published film; cells where `j` is zero are
+/// empty.
 fn film(j: impl Fn(usize, usize) -> DVec3) -> Vec<Tile> {
     let widths = [0.85, 3.3, 1.7, 3.3, 1.7, 3.3, 0.85];
     let starts: Vec<f64> = (0..=widths.len()).map(|n| widths[..n].iter().sum::<f64>() - 7.5).collect();
@@ -66,13 +72,13 @@ fn film(j: impl Fn(usize, usize) -> DVec3) -> Vec<Tile> {
         .collect()
 }
 
-/// One strength, eight directions.
+/// Polarizations of the published film: one strength, eight directions.
 fn published(x: usize, y: usize) -> DVec3 {
     let sign = |n: usize| [0.0, 1.0, 0.0, -1.0, 0.0, 1.0, 0.0][n];
     DVec3::new(sign(x), sign(y), 0.0).normalize_or_zero() * 0.12
 }
 
-/// Below, beside and above; close, within sizes and far.
+/// Points below, beside and above a film, at distances from near to far.
 fn around() -> Vec<DVec3> {
     let mut points = Vec::new();
     for distance in [1.01, 1.3, 2.2, 3.0, 4.0, 7.0, 15.0, 40.0, 130.0, 1e4] {
@@ -87,7 +93,7 @@ fn around() -> Vec<DVec3> {
 }
 
 #[test]
-fn films_of_one_strength() {
+fn film_of_one_strength() {
     check("film", &film(published), &around(), 0.0);
 }
 
@@ -104,8 +110,9 @@ fn rotated_films() {
         .zip(film(published))
         .map(|(n, tile)| tile.rotated(DQuat::from_rotation_z(1e-3 * f64::from(n))).expect("a rotation"))
         .collect();
-    // The coordinate of a point in a tile's frame is off by four roundings of its distance, the field by three times that per distance to
-    // the tile, and here too the point in the frame of the oracle's tile. Points at 0.01 of a size are left out.
+    // A coordinate in the frame of a tile is off by four roundings of the point's distance, which
+    // changes the field by three times that over the distance to the tile. The same holds for the
+    // point in the frame of the oracle's tile. Points within 0.01 of a size are left out.
     let points: Vec<DVec3> = around().into_iter().filter(|p| p.z < -0.2 || p.z > 0.0).collect();
     check("rotated", &turned, &points, 4e-14);
 }
@@ -121,14 +128,14 @@ fn stacked_cubes_near_and_far() {
         .collect();
     check("cubes", &tiles, &around(), 0.0);
     let turn = DQuat::from_scaled_axis(DVec3::new(0.3, -0.2, 0.9));
-    let about_the_origin =
+    let rotated_about_the_origin =
         |t: &Tile| tile(turn * t.position(), t.size(), t.polarization_t()).rotated(turn).expect("a rotation");
-    let turned: Vec<Tile> = tiles.iter().map(about_the_origin).collect();
+    let turned: Vec<Tile> = tiles.iter().map(rotated_about_the_origin).collect();
     let points: Vec<DVec3> = around().into_iter().filter(|p| p.length() > 6.0).collect();
     check("turned cubes", &turned, &points, 4e-14);
 }
 
-/// Shapes that some forms refuse, side by side with others.
+/// Shapes that some methods cannot evaluate, side by side with others.
 #[test]
 fn plates_needles_and_cubes_together() {
     let tiles = [
@@ -141,15 +148,16 @@ fn plates_needles_and_cubes_together() {
     check("mixture", &tiles, &around(), 0.0);
 }
 
-/// In a compact tile and beside it, down to a hair from its faces, edges and corners, B and H. The tile is at the origin, so that no coordinate is rounded.
+/// B and H inside and beside a compact tile, down to 1e-14 from its faces, edges and corners. The
+/// tile lies at the origin, so that no coordinate is rounded.
 #[test]
-fn random_points_in_tiles_and_beside_them() {
-    let mut oracle = Oracle::new();
+fn random_points_inside_and_near_a_tile() {
+    let mut oracle = Oracle::for_moderate_scenes();
     let mut random = TestRunner::deterministic();
     let scenes = (
         prop::array::uniform3((-0.5..0.5_f64).prop_map(|d| 10_f64.powf(d))),
         prop::array::uniform3(prop_oneof![Just(0.0), -1.0..1.0_f64]),
-        // Along each axis anywhere from the middle to beside the tile, or close to a face of it.
+        // Along each axis: anywhere from the middle to beside the tile, or close to a face.
         prop::array::uniform3(prop_oneof![
             (-1.1..1.1_f64).prop_map(|at| (at, 0.0)),
             (-14.0..-1.0_f64, any::<bool>(), any::<bool>()).prop_map(|(decades, upper, outside)| {
@@ -180,7 +188,7 @@ fn random_points_in_tiles_and_beside_them() {
                 let magnitude: f64 = exact.iter().map(|field| own(field).length()).sum();
                 let error = (found - exact.iter().map(own).sum::<DVec3>()).length() / magnitude;
                 assert!(
-                    error <= BESIDE,
+                    error <= WORST_NEAR,
                     "{set:?}: {quantity:?} is off by {error:e} at {point} of a tile of {size}, J {j}"
                 );
             }
@@ -188,26 +196,27 @@ fn random_points_in_tiles_and_beside_them() {
     }
 }
 
-/// One tile of random shape at random distance, most often where forms change.
+/// One tile of random shape at a random distance, most often where the method of evaluation
+/// changes.
 #[test]
 fn random_tiles_at_all_distances() {
-    let oracle = std::cell::RefCell::new(Oracle::new());
+    let oracle = std::cell::RefCell::new(Oracle::for_moderate_scenes());
     let size = prop::array::uniform3((-1.2..1.2_f64).prop_map(|d| 10_f64.powf(d)));
     let j = prop::array::uniform3(prop_oneof![Just(0.0), -1.0..1.0_f64]);
     let direction = prop::array::uniform3(-1.0..1.0_f64);
     let scenes = (size, j, direction, -1.5..2.5_f64);
-    TestRunner::new(Config { cases: 4_000, failure_persistence: None, ..Config::default() })
+    TestRunner::new(Config { cases: cases(4_000), failure_persistence: None, ..Config::default() })
         .run(&scenes, |(size, j, direction, decades)| {
             let (j, direction) = (DVec3::from(j), DVec3::from(direction));
             prop_assume!(j != DVec3::ZERO && direction.length() > 0.1);
             let tile = tile(DVec3::new(0.3, -0.2, 0.1), size.into(), j);
             let half = 0.5 * tile.size();
-            // That far from the surface, in units of the largest side.
+            // The distance from the surface is 10^decades largest sides.
             let outward = direction.normalize();
             let to_surface = (half / outward.abs()).min_element();
             let point = tile.position() + outward * (to_surface + 10_f64.powf(decades) * tile.size().max_element());
             let (exact, magnitude) = {
-                // The same rounding of the point as in the scene.
+                // The tile stays at its position, so that the point is rounded as in the scene.
                 let (mut sum, mut magnitude) = (DVec3::ZERO, 0.0);
                 for axis in 0..3 {
                     let mut part = DVec3::ZERO;
@@ -232,7 +241,7 @@ fn random_tiles_at_all_distances() {
 }
 
 #[test]
-fn a_set_the_processor_lacks_is_refused() {
+fn missing_instruction_sets_are_refused() {
     let all = [
         InstructionSet::Avx512,
         InstructionSet::Avx2,

@@ -1,4 +1,4 @@
-//! Physical laws, on scenes no table was made for.
+//! Physical laws on chosen scenes.
 
 use std::f64::consts::PI;
 
@@ -14,7 +14,7 @@ fn block() -> Tile {
     tile(DVec3::new(0.2, -0.1, 0.5), DVec3::new(3.3, 3.3, 1.0), DVec3::new(0.3, -0.5, 0.7))
 }
 
-/// `n` x `m` x `l` tiles that fill `whole`.
+/// Equal tiles that fill `whole`, `counts` along each axis.
 fn divided(whole: &Tile, counts: [usize; 3]) -> Vec<Tile> {
     let n = DVec3::from(counts.map(|c| c as f64));
     let size = whole.size() / n;
@@ -36,7 +36,7 @@ fn generic_points() -> Vec<DVec3> {
     for i in 0..9 {
         for j in 0..9 {
             for k in 0..9 {
-                // Inside, close by and outside; off every plane of the divisions.
+                // Points inside, near and outside, off every plane of the divisions.
                 points.push(DVec3::new(
                     0.513 * f64::from(i) - 2.03,
                     0.527 * f64::from(j) - 2.11,
@@ -54,14 +54,14 @@ fn b(scene: &Scene, point: DVec3) -> DVec3 {
 
 /// A block is the sum of its parts.
 #[test]
-fn a_square_tile_out_of_4_9_and_64_parts() {
+fn square_tile_is_the_sum_of_4_9_and_64_parts() {
     let whole = Scene::new(&[block()]);
     for counts in [[2, 2, 1], [3, 3, 1], [4, 4, 4]] {
         let parts = divided(&block(), counts);
         let scene = Scene::new(&parts);
         for point in generic_points() {
-            // Each part is right to 2e-14 of its own field, of which J times the number of parts bounds the sum near the
-            // block; the coordinates of the parts are rounded, which moves faces by 1e-16 and B by that over the distance.
+            // Each part is right to 2e-14 of its own field. The coordinates of the parts are
+            // rounded, which moves faces by 1e-16 and changes B by this over the distance.
             let magnitudes: f64 = parts.iter().map(|&part| b(&Scene::new(&[part]), point).length()).sum();
             let allowed = 1e-14 * magnitudes;
             assert_abs_diff_eq!(b(&scene, point).distance(b(&whole, point)), 0.0, epsilon = allowed);
@@ -69,7 +69,7 @@ fn a_square_tile_out_of_4_9_and_64_parts() {
     }
 }
 
-/// Sixth-order central difference of a component with its error bound factored out.
+/// Sixth-order central difference of a component.
 fn derivative(f: impl Fn(DVec3) -> f64, at: DVec3, axis: usize, h: f64) -> f64 {
     let step = |n: f64| {
         let mut moved = at;
@@ -96,8 +96,8 @@ fn div_b_and_curl_h_vanish() {
     let d = |quantity: Quantity, component: usize, at: DVec3, axis: usize| {
         derivative(|p| scene.field(quantity, p).expect("bounded")[component], at, axis, 0.01)
     };
-    // Truncation: h^6 / 140 times a seventh derivative, which 0.25 from a face is below 7! |J| / (4 pi 0.25^7): 4e-8.
-    // Rounding: 1e-15 |J| / h = 1e-13.
+    // Truncation: h^6 / 140 times a seventh derivative, which 0.25 from a face is below 7! |J| / (4
+    // pi 0.25^7): 4e-8. Rounding: 1e-15 |J| / h = 1e-13.
     let allowed = 5e-8;
     for at in points {
         let div: f64 = (0..3).map(|axis| d(Quantity::FluxDensity, axis, at, axis)).sum();
@@ -109,9 +109,9 @@ fn div_b_and_curl_h_vanish() {
     }
 }
 
-/// Turning tiles and points together turns the field.
+/// Rotating tiles and points together rotates the field.
 #[test]
-fn a_turned_scene_has_the_turned_field() {
+fn rotated_scene_has_the_rotated_field() {
     let tiles = [
         block(),
         tile(DVec3::new(4.0, 1.0, -0.5), DVec3::new(1.0, 2.0, 0.3), DVec3::new(0.1, 0.2, -0.9))
@@ -128,8 +128,8 @@ fn a_turned_scene_has_the_turned_field() {
         let turned = Scene::new(&turned);
         for point in generic_points() {
             let expected = turn * b(&scene, point);
-            // Points move by a few 1e-16 of their distance of up to 5; the nearest face is 0.01 away, where the field changes
-            // by |J| over that distance.
+            // Points move by a few 1e-16 of their distance of up to 5. The nearest face is 0.01
+            // away, where the field changes by |J| over that distance.
             assert_abs_diff_eq!(b(&turned, turn * point).distance(expected), 0.0, epsilon = 5.0 * 8.0 * 1.1e-16 / 0.01);
         }
     }
@@ -151,28 +151,29 @@ fn b_is_mu0_h_plus_j() {
 }
 
 #[test]
-fn far_away_it_is_a_dipole() {
+fn distant_field_is_that_of_a_dipole() {
     let (scene, whole) = (Scene::new(&[block()]), block());
     let direction = DVec3::new(0.48, -0.6, 0.64);
     for distance in [1e3, 1e5, 1e9] {
         let moment = whole.polarization_t() * whole.size().element_product() / (4.0 * PI);
         let dipole = (3.0 * direction * moment.dot(direction) - moment) / f64::powi(distance, 3);
         let field = b(&scene, whole.position() + distance * direction);
-        // The next multipole of a block is down by (size / distance)^2, times 5 to 10 for its coefficient; the position is rounded.
+        // The next multipole of a block is smaller by (size / distance)^2, times a coefficient of 5
+        // to 10. The position is rounded.
         let allowed = 10.0 * (3.3 / distance).powi(2) + 1e-15;
         assert!((field - dipole).length() <= allowed * dipole.length(), "at {distance}");
     }
 }
 
-/// Strong tiles that cancel leave a weak one its digits: the sum over tiles is compensated.
+/// The sum over tiles is compensated: strong tiles that cancel leave a weak one all its digits.
 #[test]
-fn strong_tiles_that_cancel() {
+fn weak_tile_keeps_its_digits_between_strong_ones() {
     let weak = tile(DVec3::new(3.0, 0.0, 0.0), DVec3::ONE, DVec3::new(1e-9, 2e-9, -1e-9));
     let strong = |sign: f64| tile(DVec3::ZERO, DVec3::ONE, sign * DVec3::new(0.9, -0.7, 0.8));
     let scene = Scene::new(&[strong(1.0), weak, strong(-1.0)]);
-    // Beside the strong ones: there each tile is computed by itself.
+    // Near the strong tiles, where each tile is evaluated on its own.
     let point = DVec3::new(0.53, 0.3, -0.2);
     let exact = b(&Scene::new(&[weak]), point);
-    // The strong fields are opposite to the last bit; what is left is one rounding.
+    // The strong fields are opposite to the last bit, so one rounding is left.
     assert!((b(&scene, point) - exact).length() <= 2.3e-16 * exact.length());
 }

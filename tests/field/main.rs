@@ -1,7 +1,7 @@
 //! The field of cuboids against reference tables, an oracle of 130 digits, and physical laws.
 
 /// Derivatives of B by the faces of a tile against the oracle and against gradients.
-mod face_slopes;
+mod face_derivatives;
 /// B against the reference tables.
 mod golden;
 /// Scenes with every instruction set of the processor against the oracle.
@@ -10,7 +10,7 @@ mod instruction_sets;
 mod laws;
 /// B, H and the gradient of one tile against the oracle.
 mod one_tile;
-/// What a plan predicts against the evaluation that follows it.
+/// Plans of evaluations to a tolerance against the evaluations themselves.
 mod plan;
 /// The linear map from polarizations to B against scenes.
 mod polarization_map;

@@ -1,24 +1,28 @@
-//! B, H and the gradient against an oracle of 130 digits: on the reference tables, and on random tiles and points.
+//! B, H and the gradient of one tile against the oracle of 130 digits, on the reference tables and
+//! on random tiles and points.
 
 use glam::{DMat3, DQuat, DVec3};
 use magsplice_field::{Cause, MU_0, Quantity, Scene, Tile};
 use magsplice_tests::oracle::Oracle;
-use magsplice_tests::{reference_tables, scenes};
+use magsplice_tests::{cases, reference_tables, scenes};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 
-/// Allowed relative error of |B| and |H|; see `golden.rs`.
+/// Largest relative error of |B| and |H|; `golden.rs` says why.
 const FIELD: f64 = 2e-14;
 
-/// Allowed error of the largest component of the gradient. A slope is a sum of about twenty products, each of a few roundings,
-/// and 1e-16 of a size beside an edge the terms of the two branches of the logarithm are up to ten times the slope: 2e-14. The
-/// worst seen is 8e-15.
+/// Largest error of the gradient, as a fraction of its largest component.
+///
+/// A derivative is a sum of about twenty products, each of a few roundings. At 1e-16 of a size from
+/// an edge the terms of the two branches of the logarithm are up to ten times the derivative, which
+/// gives 2e-14. The largest error seen is 8e-15.
 const GRADIENT: f64 = 2e-14;
 
-/// In the middle of a tile the gradient is zero by symmetry, and the oracle's is what its differences leave.
+/// Error of the gradient in the middle of a tile, where it is zero by symmetry and the differences
+/// of the oracle leave round-off.
 const SYMMETRIC_ZERO: f64 = 1e-90;
 
-/// The largest component of a matrix.
+/// The largest component of a matrix by magnitude.
 fn largest(m: DMat3) -> f64 {
     m.to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max)
 }
@@ -31,22 +35,22 @@ const TABLES: [(&str, usize); 6] =
     [("generic", 1379), ("far", 856), ("approach", 3016), ("thin", 900), ("offset", 400), ("scale", 1800)];
 
 #[test]
-fn the_oracle_agrees_with_the_tables() {
+fn oracle_agrees_with_the_tables() {
     let mut oracle = Oracle::new();
     for (table, rows) in TABLES {
         for row in reference_tables::read(table, rows).iter().step_by(5) {
             let b = oracle.field(&row.tile, row.point).flux_density_t;
-            // Both are rounded once.
+            // Both values are rounded once.
             assert!(distance(b, row.flux_density_t(0)) <= 2.3e-16, "row {}", row.id);
         }
     }
 }
 
 #[test]
-fn field_strength_on_the_tables() {
+fn field_strength_agrees_on_the_tables() {
     let mut oracle = Oracle::new();
     for (table, rows) in TABLES {
-        // Outside it is B / mu0, which the golden tests cover.
+        // Outside, H is B / mu0, which the golden tests cover.
         for row in reference_tables::read(table, rows).iter().filter(|row| row.region != "out") {
             let h = Scene::new(&[row.tile]).field(Quantity::FieldStrength, row.point).expect("bounded");
             let exact = oracle.field(&row.tile, row.point).strength_t;
@@ -56,7 +60,7 @@ fn field_strength_on_the_tables() {
 }
 
 #[test]
-fn gradient_on_the_tables() {
+fn gradient_agrees_on_the_tables() {
     let mut oracle = Oracle::new();
     for (table, rows) in TABLES {
         for row in reference_tables::read(table, rows).iter().step_by(7) {
@@ -82,7 +86,7 @@ fn run<S: Strategy>(cases: u32, strategy: &S, mut test: impl FnMut(S::Value) -> 
 
 fn unbounded_at(tile: &Tile, point: DVec3) -> bool {
     let half = 0.5 * tile.size();
-    // Exactly: the two-sum of centre and half size against the point.
+    // The comparison is exact, by the two-sum of centre and half size.
     let on = |axis: usize| {
         [-1.0, 1.0].into_iter().any(|s| {
             let (c, h) = (tile.position()[axis], s * half[axis]);
@@ -94,8 +98,8 @@ fn unbounded_at(tile: &Tile, point: DVec3) -> bool {
     (0..3).any(|k| faces[(k + 1) % 3] && faces[(k + 2) % 3] && (j[(k + 1) % 3] != 0.0 || j[(k + 2) % 3] != 0.0))
 }
 
-/// The magnitudes of the fields that the components of J make one by one. Where they nearly cancel, as in the middle of a
-/// long tile, no more than this is known of their sum.
+/// The sum of the magnitudes of the fields that the components of J make alone, the measure of
+/// accuracy where these nearly cancel, as in the middle of a long tile.
 fn sum_of_components(tile: &Tile, point: DVec3, quantity: Quantity) -> f64 {
     let unit = if quantity == Quantity::FieldStrength { MU_0 } else { 1.0 };
     let components = (0..3).map(|axis| {
@@ -110,7 +114,7 @@ fn sum_of_components(tile: &Tile, point: DVec3, quantity: Quantity) -> f64 {
 #[test]
 fn field_of_random_tiles() {
     let mut oracle = Oracle::new();
-    run(10_000, &(scenes::tile(12.0), scenes::face_offsets()), |(tile, places)| {
+    run(cases(10_000), &(scenes::tile(12.0), scenes::face_offsets()), |(tile, places)| {
         let (point, scene) = (scenes::point(&tile, places), Scene::new(&[tile]));
         match (scene.field(Quantity::FluxDensity, point), scene.field(Quantity::FieldStrength, point)) {
             (Ok(b), Ok(h)) => {
@@ -127,7 +131,7 @@ fn field_of_random_tiles() {
             (b, h) => {
                 prop_assert_eq!(b, Err(Cause::Unbounded { tile: 0 }));
                 prop_assert_eq!(h, Err(Cause::Unbounded { tile: 0 }));
-                prop_assert!(unbounded_at(&tile, point), "declared unbounded without reason");
+                prop_assert!(unbounded_at(&tile, point), "reported as unbounded without reason");
             }
         }
         Ok(())
@@ -137,23 +141,24 @@ fn field_of_random_tiles() {
 #[test]
 fn gradient_of_random_tiles() {
     let mut oracle = Oracle::new();
-    run(2_000, &(scenes::tile(12.0), scenes::face_offsets()), |(tile, places)| {
+    run(cases(2_000), &(scenes::tile(12.0), scenes::face_offsets()), |(tile, places)| {
         let point = scenes::point(&tile, places);
         match Scene::new(&[tile]).gradient(Quantity::FluxDensity, point) {
             Ok(gradient) => check_gradient(gradient, oracle.gradient(&tile, point))?,
             Err(cause) => {
                 prop_assert_eq!(cause, Cause::Unbounded { tile: 0 });
-                prop_assert!(unbounded_at(&tile, point), "declared unbounded without reason");
+                prop_assert!(unbounded_at(&tile, point), "reported as unbounded without reason");
             }
         }
         Ok(())
     });
 }
 
-/// Beside a plane of symmetry a component of B vanishes; beside a plate, where the kernel of one point serves, what is left of it has as
-/// many right digits as the rest. (Elsewhere it is right to a fraction of the field.)
+/// Beside a plane of symmetry a component of B nearly vanishes. Near a plate, which the scalar
+/// kernel evaluates, it has as many right digits as the other components. Elsewhere it is right to
+/// a fraction of the field only.
 #[test]
-fn small_components_keep_their_digits() {
+fn small_components_near_a_plate_keep_their_digits() {
     let mut oracle = Oracle::new();
     let tile = Tile::new(DVec3::new(0.1, 0.3, -0.7), DVec3::new(3.3, 1.7, 0.2), DVec3::Y).expect("a valid tile");
     for offset in [1e-3, -1e-7, 3e-12, -1e-15] {
@@ -164,7 +169,8 @@ fn small_components_keep_their_digits() {
     }
 }
 
-/// B of a tile of largest side `ratio` times the distance, in the direction of a unit vector.
+/// Dipole field of a tile whose largest side is `ratio` times the distance, in the direction of a
+/// unit vector.
 fn dipole(tile: &Tile, direction: DVec3, ratio: f64) -> DVec3 {
     let shape = (tile.size() / tile.size().max_element()).element_product();
     let j = tile.polarization_t();
@@ -172,9 +178,10 @@ fn dipole(tile: &Tile, direction: DVec3, ratio: f64) -> DVec3 {
     field * ratio * ratio * ratio
 }
 
-/// From sizes of 1e-250 at 1e250 up: finite, and zero where the field is below the smallest number.
+/// Sizes of 1e-250 to 1e200 at distances of up to 1e300 give finite fields, and zero where the
+/// field is below the smallest number.
 #[test]
-fn ends_of_the_range() {
+fn extreme_sizes_and_distances_give_finite_fields() {
     let mut oracle = Oracle::new();
     for (size, distance) in
         [(1e-250, 1e250), (1e-200, 3e-200), (1e200, 3e200), (1e-30, 1e50), (1.0, 1e102), (1.0, 1e104), (1.0, 1e300)]
@@ -184,11 +191,11 @@ fn ends_of_the_range() {
         for direction in [DVec3::new(0.48, -0.6, 0.64), DVec3::X, DVec3::Z] {
             let point = distance * direction;
             let found = Scene::new(&[tile]).field(Quantity::FluxDensity, point).expect("bounded");
-            // So far away the dipole is exact, and the oracle has no digits left.
+            // So far away the dipole is exact, while the oracle has no digits left.
             let ratio = size / distance;
             let exact =
                 if ratio < 1e-20 { dipole(&tile, direction, ratio) } else { oracle.field(&tile, point).flux_density_t };
-            // The smallest normal number: below it numbers have fewer digits.
+            // Below the smallest normal number numbers have fewer digits.
             let allowed = FIELD * exact.length() + f64::MIN_POSITIVE;
             assert!((found - exact).length() <= allowed, "size {size:e} at {distance:e}: {found}, not {exact}");
             let gradient = Scene::new(&[tile]).gradient(Quantity::FluxDensity, point).expect("bounded");
@@ -197,9 +204,9 @@ fn ends_of_the_range() {
     }
 }
 
-/// A tile with a component of J that is nearly zero still has the gradient of the others.
+/// A component of J that is nearly zero does not spoil the gradient of the others.
 #[test]
-fn gradient_in_needles_with_a_vanishing_component() {
+fn gradient_in_needles_with_a_nearly_zero_component() {
     let mut oracle = Oracle::new();
     for (size, j_y, point) in [
         (DVec3::new(1e-3, 1.0, 1e3), 6.123_233_995_736_766e-17, DVec3::new(0.01, 0.49, 0.3)),
@@ -207,7 +214,7 @@ fn gradient_in_needles_with_a_vanishing_component() {
         (DVec3::new(4.2e-8, 2.6e-6, 2307.4), 9.5e-31, DVec3::new(5.5e-7, 1.44e-6, -0.61)),
     ] {
         for turn in 0..3 {
-            // Every axis in every role.
+            // Each axis takes each role.
             let turned = |v: DVec3| DVec3::new(v[turn], v[(turn + 1) % 3], v[(turn + 2) % 3]);
             let tile = Tile::new(DVec3::ZERO, turned(size), turned(DVec3::new(0.0, j_y, 1.0))).expect("a valid tile");
             let gradient = Scene::new(&[tile]).gradient(Quantity::FluxDensity, turned(point)).expect("bounded");
@@ -216,9 +223,10 @@ fn gradient_in_needles_with_a_vanishing_component() {
     }
 }
 
-/// A rotated tile has the rotated field, far away and on the planes of its faces, up to moving the point by round-off.
+/// The field of a rotated tile is the rotated field, far away and on the planes of its faces, up to
+/// a displacement of the point by round-off.
 #[test]
-fn rotated_tiles_on_the_planes_of_their_faces() {
+fn rotated_tiles_have_the_rotated_field() {
     let mut oracle = Oracle::new();
     let axes = [(DVec3::Z, 0.5), (DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7), (DVec3::ONE.normalize(), 0.7)];
     for size in [DVec3::ONE, DVec3::new(1.0, 1.0, 1e-6), DVec3::new(1.0, 1.0, 1e-12)] {
@@ -232,8 +240,9 @@ fn rotated_tiles_on_the_planes_of_their_faces() {
                 {
                     let found = scene.field(Quantity::FluxDensity, turn * own).expect("bounded");
                     let exact = oracle.field(&tile, own).flux_density_t;
-                    // The rotation there and back moves the point by 10 units of 1.1e-16 of its distance, and B, which falls as the third
-                    // power of it, by three times that; the rotation of B itself by a few more.
+                    // Rotating there and back moves the point by 10 units of 1.1e-16 of its
+                    // distance. B falls as the third power of the distance, so it changes by three
+                    // times that, and its own rotation adds a few units.
                     let error = (turn.inverse() * found - exact).length();
                     assert!(error <= 5e-15 * exact.length(), "{size} at {own}: {:e}", error / exact.length());
                 }
@@ -242,9 +251,10 @@ fn rotated_tiles_on_the_planes_of_their_faces() {
     }
 }
 
-/// Closer to a face than 2^-120 of the size, or with J near the smallest number: a number or a declaration, never NaN.
+/// Points closer to a face than 2^-120 of the size, and J near the smallest number, give a finite
+/// field or an error, never NaN.
 #[test]
-fn vanishing_offsets_and_polarizations() {
+fn tiny_offsets_and_polarizations_never_give_nan() {
     let tile = |p: [f64; 3], s: [f64; 3], j: [f64; 3]| Tile::new(p.into(), s.into(), j.into()).expect("a valid tile");
     let corner = tile([0.5; 3], [1.0; 3], [1.0, 0.0, 0.0]);
     for x in [1e-170, -1e-170, 5e-324, -5e-324, 1e-80, -1e-80] {

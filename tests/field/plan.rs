@@ -1,4 +1,4 @@
-//! What a plan says of an evaluation holds for it.
+//! Plans of evaluations to a tolerance, against the evaluations themselves.
 
 use glam::DVec3;
 use magsplice_field::{Accuracy, Grid, Model, Quantity, Scene, Tile, Tolerance};
@@ -27,7 +27,7 @@ fn largest_error_t(scene: &Scene, points: &[DVec3], field: &[DVec3]) -> f64 {
 }
 
 #[test]
-fn an_exact_scene_is_planned_exact() {
+fn plan_of_an_exact_scene_is_direct_summation() {
     let grid = Grid::new(DVec3::splat(-2.0), DVec3::splat(-1.0), [3, 4, 5]).expect("a grid");
     let plan = Scene::new(&film(4)).plan_on_grid(&grid);
     assert_eq!(plan.parts.len(), 1);
@@ -35,7 +35,8 @@ fn an_exact_scene_is_planned_exact() {
     assert_eq!((plan.cost(), plan.exact_cost), (960.0, 960.0));
 }
 
-/// A grid that reaches from far below a film into it: every point is in one part, and each part keeps its own bound.
+/// A grid reaches from far below a film into it. Every point is in one part of the plan, and each
+/// part keeps its own bound.
 #[test]
 fn parts_of_a_grid_cover_it_and_keep_their_bounds() {
     let tolerance = Tolerance::absolute_t(1e-7).expect("positive");
@@ -50,7 +51,7 @@ fn parts_of_a_grid_cover_it_and_keep_their_bounds() {
         let Model::Chebyshev { lower, upper, terms, error_t, distance } = part.model else { continue };
         boxes += 1;
         assert!(error_t <= 1e-7 && terms.iter().product::<usize>() <= part.points);
-        // The film begins at z = 0.
+        // The lower faces of the film lie at z = 0.
         assert!((distance - -upper.z).abs() < 1e-12, "{distance} above {upper}");
         let inside: Vec<usize> =
             (0..grid.len()).filter(|&i| grid.point(i).cmpge(lower).all() && grid.point(i).cmple(upper).all()).collect();
@@ -64,10 +65,10 @@ fn parts_of_a_grid_cover_it_and_keep_their_bounds() {
 }
 
 #[test]
-fn what_the_tree_leaves_out_is_at_most_what_is_planned() {
-    // A crumb far away that may be forgotten.
-    let crumb = Tile::new(DVec3::new(0.0, 0.0, -300.0), DVec3::splat(0.5), 0.3 * DVec3::X).expect("a valid tile");
-    let tiles: Vec<Tile> = film(30).into_iter().chain([crumb]).collect();
+fn truncation_error_of_the_tree_is_within_the_planned_bound() {
+    // A small distant tile whose field is below the tolerance.
+    let speck = Tile::new(DVec3::new(0.0, 0.0, -300.0), DVec3::splat(0.5), 0.3 * DVec3::X).expect("a valid tile");
+    let tiles: Vec<Tile> = film(30).into_iter().chain([speck]).collect();
     let points: Vec<DVec3> = (0..2000)
         .map(|n| {
             let turn = f64::from(n);
@@ -84,9 +85,9 @@ fn what_the_tree_leaves_out_is_at_most_what_is_planned() {
     };
     assert!((expanded_tiles + exact_tiles + ignored_tiles - tiles.len() as f64).abs() < 1e-9);
     assert!(ignored_tiles >= 1.0 && ignored_t <= left_out_t);
-    let mut of_crumb = vec![DVec3::ZERO; points.len()];
-    Scene::new(&[crumb]).field_into(Quantity::FluxDensity, &points, &mut of_crumb).expect("bounded");
-    let most_t = of_crumb.iter().map(|b| b.length()).fold(0.0, f64::max);
+    let mut of_speck = vec![DVec3::ZERO; points.len()];
+    Scene::new(&[speck]).field_into(Quantity::FluxDensity, &points, &mut of_speck).expect("bounded");
+    let most_t = of_speck.iter().map(|b| b.length()).fold(0.0, f64::max);
     assert!(most_t <= ignored_t, "{most_t:e} was ignored, not {ignored_t:e}");
     let mut field = vec![DVec3::ZERO; points.len()];
     scene.field_into(Quantity::FluxDensity, &points, &mut field).expect("bounded");

@@ -1,4 +1,4 @@
-//! The linear map from polarizations to B is the field of the scene.
+//! The linear map from polarizations to B, against the field of the scene.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::{Cause, PolarizationMap, PolarizationMapError, Quantity, Scene, Tile};
@@ -15,7 +15,7 @@ fn tile(position: DVec3, size: DVec3, j: DVec3, turn: DVec3) -> Tile {
 
 proptest! {
     #[test]
-    fn the_map_applied_is_the_field_of_the_scene(
+    fn map_applied_to_polarizations_is_the_field_of_the_scene(
         tiles in prop::collection::vec((vector(5.0), vector(0.9), vector(1.0), vector(1.0)), 1..12),
         points in prop::collection::vec(vector(9.0), 1..80),
     ) {
@@ -38,7 +38,7 @@ proptest! {
                 of(DVec3::X) + of(DVec3::Y) + of(DVec3::Z)
             };
             let magnitude: f64 = polarized.iter().map(alone).sum();
-            // Twice what scenes promise, once for each side, and the rounding of the sums.
+            // The bound of scenes, once for each side, and the rounding of the sums.
             let allowed = (2.0 * 2e-14 + 3.0 * tiles.len() as f64 * f64::EPSILON) * magnitude;
             prop_assert!((found[index] - exact).length() <= allowed, "{} is not {exact}", found[index]);
             for (component, value) in found[index].to_array().into_iter().enumerate() {
@@ -51,10 +51,10 @@ proptest! {
 }
 
 #[test]
-fn a_point_on_an_edge_of_any_tile_is_refused() {
+fn points_on_an_edge_of_any_tile_are_refused() {
     let tiles = [0.0, 1.0].map(|x| tile(DVec3::new(x, 0.0, 0.0), DVec3::ONE, DVec3::Y, DVec3::ZERO));
     let points = [DVec3::new(0.5, 0.2, 3.0), DVec3::new(0.5, 0.2, 0.5)];
-    // Of both tiles together the seam is no edge.
+    // In the scene of both tiles the seam is no edge.
     assert!(Scene::new(&tiles).field(Quantity::FluxDensity, points[1]).is_ok());
     let error = PolarizationMap::new(&tiles, &points).unwrap_err();
     let PolarizationMapError::Points { tile: 0, errors } = &error else { panic!("{error}") };

@@ -1,5 +1,5 @@
-//! Laws on random scenes: sides up to twelve decades apart, any polarization and rotation, points on purpose near and on
-//! faces, edges, corners and their extensions.
+//! Physical laws on random scenes: sides up to twelve decades apart, any polarization and rotation,
+//! and points on purpose near and on faces, edges, corners and their extensions.
 
 use std::f64::consts::PI;
 
@@ -16,10 +16,11 @@ fn b(scene: &Scene, point: DVec3) -> Option<DVec3> {
     scene.field(Quantity::FluxDensity, point).ok()
 }
 
-/// Whether a coordinate lies exactly on a face. There the owner is on one side, so mirror images differ.
+/// Whether a point lies exactly on a face. The owner of a face is on one side, so mirror images
+/// differ there.
 fn on_a_face(tile: &Tile, point: DVec3) -> bool {
     (0..3).any(|axis| {
-        // Two-sum: the difference from the centre, and what its rounding lost.
+        // Two-sum: the difference from the centre, and its rounding error.
         let (p, c) = (point[axis], -tile.position()[axis]);
         let sum = p + c;
         let c_part = sum - p;
@@ -31,9 +32,9 @@ fn on_a_face(tile: &Tile, point: DVec3) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Every answer is finite or declared.
+    /// Every field and gradient is finite or an error.
     #[test]
-    fn finite_or_declared_unbounded(
+    fn fields_are_finite_or_errors(
         tiles in prop::collection::vec((scenes::tile(12.0), scenes::rotation()), 1..4),
         places in scenes::face_offsets(),
         at in 0..3_usize,
@@ -53,9 +54,9 @@ proptest! {
         }
     }
 
-    /// One block is its sub-blocks, cut at random, each cut at random again.
+    /// A block is the sum of its parts, cut at random several times.
     #[test]
-    fn a_block_is_its_parts(
+    fn block_is_the_sum_of_its_parts(
         tile in scenes::tile(2.0),
         cuts in prop::collection::vec((0..3_usize, 0.1..0.9_f64, 0..8_usize), 1..6),
         places in scenes::face_offsets(),
@@ -78,12 +79,13 @@ proptest! {
         let (whole, scene) = (Scene::new(&[tile]), Scene::new(&parts));
         let owner = |scene: &Scene| scene.field(Quantity::Polarization, point).unwrap();
         if owner(&whole) != owner(&scene) {
-            // The outer faces of the parts are rounded, and the point lies between.
+            // The outer faces of the parts are rounded, and the point lies within this rounding.
             let depth = (point.abs() - 0.5 * tile.size()) / tile.size().max_element();
             prop_assert!(depth.to_array().iter().any(|d| d.abs() <= 4e-16), "{point} lost its owner");
         } else if let (Some(exact), Some(found)) = (b(&whole, point), b(&scene, point)) {
-            // Faces of the parts are rounded by up to two units of 1.1e-16 of the size. That moves the field by as much as
-            // the point's moving by that distance would, so the gradient of the whole and its parts bounds it.
+            // Faces of the parts are rounded by up to two units of 1.1e-16 of the size. This
+            // changes the field as much as moving the point by that distance, so the gradients of
+            // the whole and of its parts bound the change.
             let moved = 4.0 * 1.1e-16 * tile.size().max_element();
             let slopes: f64 = parts.iter().chain([&tile]).filter_map(|t| Scene::new(&[*t]).gradient(Quantity::FluxDensity, point).ok())
                 .map(|g| g.to_cols_array().iter().map(|c| c.abs()).fold(0.0, f64::max)).sum();
@@ -93,10 +95,10 @@ proptest! {
         }
     }
 
-    /// Reversing J and scaling by a power of two change nothing but what they should, to the last bit; mirroring, which exchanges near and
-    /// far corners, nothing beyond round-off.
+    /// Reversing J reverses B, and scaling lengths by a power of two keeps it, both to the last
+    /// bit. Mirroring, which exchanges near and far corners, mirrors B up to round-off.
     #[test]
-    fn exact_symmetries(tile in scenes::tile(12.0), places in scenes::face_offsets(), axis in 0..3_usize, exponent in -200..200_i32) {
+    fn reversed_scaled_and_mirrored_tiles(tile in scenes::tile(12.0), places in scenes::face_offsets(), axis in 0..3_usize, exponent in -200..200_i32) {
         let (j, point) = (tile.polarization_t(), scenes::point(&tile, places));
         let own = b(&Scene::new(&[tile]), point);
         let reversed = rebuilt(&tile, tile.position(), tile.size(), -j);
@@ -123,7 +125,8 @@ proptest! {
         }
     }
 
-    /// The gradient is symmetric without trace (div B = 0, curl H = 0), and is the slope of the field.
+    /// The gradient is symmetric and without trace (div B = 0, curl H = 0), and agrees with
+    /// differences of the field.
     #[test]
     fn gradient_of_a_rotated_tile(
         tile in scenes::tile(2.0),
@@ -139,12 +142,13 @@ proptest! {
         let size = gradient.to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max);
         let trace = gradient.x_axis.x + gradient.y_axis.y + gradient.z_axis.z;
         let skew = (gradient - gradient.transpose()).to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max);
-        // Rotating the tensor and back costs a few roundings.
+        // Rotating the tensor there and back costs a few roundings.
         prop_assert!(trace.abs() <= 1e-14 * size && skew <= 1e-14 * size, "trace {trace:e}, skew {skew:e} of {size:e}");
 
-        // Fourth-order differences at steps h: truncation h^4 / 30 times the fifth derivative, which for a field that falls as r^-3 is
-        // 4 5 6 7 / d^4 of the gradient, d >= reach / 2 the distance to the body: 28 (2e-3)^4 = 4.5e-10. Rounding: 1e-15 |B| / h with
-        // |B| below 1.5 reach times the gradient, 3e-12.
+        // Fourth-order differences with step h. Truncation: h^4 / 30 times the fifth derivative.
+        // For a field that falls as r^-3 this derivative is 4 5 6 7 / d^4 of the gradient, with d
+        // >= reach / 2 the distance to the body: 28 (2e-3)^4 = 4.5e-10. Rounding: 1e-15 |B| / h,
+        // with |B| below 1.5 reach times the gradient: 3e-12.
         let h = 1e-3 * reach;
         for axis in 0..3 {
             let step = |n: f64| b(&scene, point + n * h * DVec3::AXES[axis]).unwrap();
@@ -154,13 +158,13 @@ proptest! {
         }
     }
 
-    /// Far away the dipole is met at the rate (size / distance)^2, and its gradient too.
+    /// Far away the field and its gradient approach those of a dipole as (size / distance)^2.
     #[test]
-    fn dipole_limit(tile in scenes::tile(4.0), direction in scenes::polarization(), decades in 1.0..12.0_f64) {
+    fn distant_fields_approach_a_dipole(tile in scenes::tile(4.0), direction in scenes::polarization(), decades in 1.0..12.0_f64) {
         let (n, longest) = (direction.normalize(), tile.size().max_element());
         let distance = longest * 10_f64.powf(decades);
         let point = tile.position() + distance * n;
-        // What is left of the direction after rounding.
+        // The direction and the distance after rounding the point.
         let r = point - tile.position();
         let (n, distance) = (r.normalize(), r.length());
         let moment = tile.polarization_t() * tile.size().element_product() / (4.0 * PI);

@@ -1,4 +1,5 @@
-//! Touching tiles of one polarization are the block they form: on their seam, beside it, on their common edges.
+//! Touching tiles of one polarization have the field of the block they form: on their seam, beside
+//! it and on their common edges.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -7,7 +8,7 @@ use magsplice_field::{Cause, Quantity, Scene, Tile, overlaps};
 
 const J: DVec3 = DVec3::new(0.3, -0.5, 0.7);
 
-/// A tile from its lower and upper corner, as a user would write it: centre and size.
+/// A tile given by its lower and upper corner, built from centre and size as a user does.
 fn tile(low: [f64; 3], high: [f64; 3]) -> Tile {
     let (low, high) = (DVec3::from(low), DVec3::from(high));
     Tile::new(0.5 * (low + high), high - low, J).expect("a valid tile")
@@ -17,7 +18,8 @@ fn b(scene: &Scene, point: DVec3) -> DVec3 {
     scene.field(Quantity::FluxDensity, point).unwrap_or_else(|cause| panic!("{point}: {cause}"))
 }
 
-/// Points on a seam at x = `x`, and beside it by 1e-3 to 1e-16: inside, on the top face `z`, above, below.
+/// Points on a seam at x = `x` and 1e-3 to 1e-16 beside it: inside, on the top face `z`, above and
+/// below.
 fn around(x: f64, y: f64, z: f64) -> Vec<DVec3> {
     let mut points = Vec::new();
     for dx in std::iter::once(0.0).chain((3..=16).flat_map(|d| [10_f64.powi(-d), -(10_f64.powi(-d))])) {
@@ -28,9 +30,9 @@ fn around(x: f64, y: f64, z: f64) -> Vec<DVec3> {
     points
 }
 
-/// All fields of `parts` are those of the `whole`, to `allowed` of |J|.
+/// Asserts that the fields of `parts` are those of `whole` to `allowed` of |J|.
 #[track_caller]
-fn same(parts: &[Tile], whole: &Tile, points: &[DVec3], allowed: f64) {
+fn assert_same(parts: &[Tile], whole: &Tile, points: &[DVec3], allowed: f64) {
     let (parts, whole) = (Scene::new(parts), Scene::new(&[*whole]));
     for &point in points {
         let (found, exact) = (b(&parts, point), b(&whole, point));
@@ -41,23 +43,24 @@ fn same(parts: &[Tile], whole: &Tile, points: &[DVec3], allowed: f64) {
     }
 }
 
-/// The truth known independently: two unit cubes with J along z, touching at x = 0.
+/// Two unit cubes with J along z touch at x = 0, for which the field is known independently.
 #[test]
-fn two_cubes() {
+fn seam_of_two_cubes_has_the_known_field() {
     let cube = |x: f64| Tile::new(DVec3::new(x, 0.0, 0.0), DVec3::ONE, DVec3::Z).unwrap();
     let scene = Scene::new(&[cube(-0.5), cube(0.5)]);
-    // 0.570 inside on the seam (-0.430 if J is lost there), 0.398 where the seam meets the top face (approached from outside).
+    // 0.570 T inside on the seam (-0.430 T if J is lost there), and 0.398 T where the seam meets
+    // the top face, approached from outside.
     assert!((b(&scene, DVec3::new(0.0, 0.1, 0.0)).z - 0.570).abs() < 5e-4);
     assert!((b(&scene, DVec3::new(0.0, 0.0, 0.5)).z - 0.398).abs() < 5e-4);
 }
 
 #[test]
-fn two_tiles() {
+fn two_tiles_are_their_block() {
     let parts = [tile([-2.0, -1.0, 0.0], [0.25, 1.0, 1.0]), tile([0.25, -1.0, 0.0], [1.5, 1.0, 1.0])];
-    same(&parts, &tile([-2.0, -1.0, 0.0], [1.5, 1.0, 1.0]), &around(0.25, 0.3, 1.0), 4e-15);
+    assert_same(&parts, &tile([-2.0, -1.0, 0.0], [1.5, 1.0, 1.0]), &around(0.25, 0.3, 1.0), 4e-15);
 }
 
-/// Cut lines of the published film: centre +- size / 2 of the two sides are different numbers.
+/// At a cut line of the published film, centre +- size / 2 of the two sides are different numbers.
 #[test]
 fn cuts_that_are_not_binary_fractions() {
     let cut = -5.85;
@@ -68,11 +71,11 @@ fn cuts_that_are_not_binary_fractions() {
     let [left, right] = parts.map(|t| (t.position().x, 0.5 * t.size().x));
     assert!((left.0 + left.1) - left.0 != left.1 || left.0 + left.1 != right.0 - right.1, "the numbers are not exact");
     let whole = Tile::new(DVec3::new(-6.65, 0.0, 0.5), DVec3::new(5.0, 3.3, 1.0), J).unwrap();
-    same(&parts, &whole, &around(cut, 0.3, 1.0), 4e-15);
+    assert_same(&parts, &whole, &around(cut, 0.3, 1.0), 4e-15);
 }
 
 #[test]
-fn four_tiles_that_meet_in_a_point() {
+fn four_tiles_that_meet_in_a_point_are_their_block() {
     let cuts = [[-1.3, 0.1, 2.0], [-0.9, -0.2, 1.1]];
     let mut parts = Vec::new();
     for i in 0..2 {
@@ -81,11 +84,11 @@ fn four_tiles_that_meet_in_a_point() {
         }
     }
     let whole = tile([-1.3, -0.9, -0.7], [2.0, 1.1, 0.6]);
-    same(&parts, &whole, &around(0.1, -0.2, 0.6), 4e-15);
-    same(&parts, &whole, &around(0.1, 0.4, 0.6), 4e-15);
+    assert_same(&parts, &whole, &around(0.1, -0.2, 0.6), 4e-15);
+    assert_same(&parts, &whole, &around(0.1, 0.4, 0.6), 4e-15);
 }
 
-/// Five tiles around a square no two of which form a cuboid, so that every seam is computed.
+/// Five tiles that fill a square, no two of which form a cuboid, so that every seam is computed.
 fn pinwheel() -> ([Tile; 5], Tile) {
     let z = [0.0, 0.9];
     let part = |x: [f64; 2], y: [f64; 2]| tile([x[0], y[0], z[0]], [x[1], y[1], z[1]]);
@@ -99,19 +102,20 @@ fn pinwheel() -> ([Tile; 5], Tile) {
     (parts, part([0.0, 3.0], [0.0, 3.0]))
 }
 
-/// ln(2^-240) = -166, times 5 tiles and J / 2 pi, rounded: 1.6e-14.
+/// Bound on a computed seam, as a fraction of |J|: the rounding of ln(2^-240) = -166 for 5 tiles,
+/// over 2 pi.
 const COMPUTED_SEAM: f64 = 1.6e-14;
 
 #[test]
 fn seams_that_cannot_be_merged() {
     let (parts, whole) = pinwheel();
     for (x, y) in [(2.1, 0.4), (0.8, 1.5), (2.1, 1.0), (0.8, 1.0), (2.1, 1.9), (0.8, 1.9), (0.8, 2.7)] {
-        same(&parts, &whole, &around(x, y, 0.9), COMPUTED_SEAM);
-        same(&parts, &whole, &around(x, y, 0.0), COMPUTED_SEAM);
+        assert_same(&parts, &whole, &around(x, y, 0.9), COMPUTED_SEAM);
+        assert_same(&parts, &whole, &around(x, y, 0.0), COMPUTED_SEAM);
     }
 }
 
-/// Each part given as a tile turned by quarter turns about its centre.
+/// Each part is given as a tile rotated by quarter turns about its centre.
 #[test]
 fn parts_turned_by_quarter_turns() {
     let (parts, whole) = pinwheel();
@@ -124,38 +128,39 @@ fn parts_turned_by_quarter_turns() {
     ];
     let mut turned = Vec::new();
     for (part, turn) in parts.iter().zip(turns) {
-        // Exactly a signed permutation.
+        // The rounded matrix is exactly a signed permutation.
         let own = DMat3::from_quat(turn.inverse()).to_cols_array().map(f64::round);
         let own = DMat3::from_cols_array(&own);
         let (size, j) = ((own * part.size()).abs(), own * J);
         turned.push(Tile::new(part.position(), size, j).unwrap().rotated(turn).unwrap());
     }
     for (x, y) in [(2.1, 0.4), (2.1, 1.0), (0.8, 1.9)] {
-        same(&turned, &whole, &around(x, y, 0.9), COMPUTED_SEAM);
+        assert_same(&turned, &whole, &around(x, y, 0.9), COMPUTED_SEAM);
     }
 }
 
-/// A film of touching tiles turned as a whole still has seams, though its coordinates have been rounded.
+/// A film of touching tiles keeps its seams when it is rotated as a whole, which rounds its
+/// coordinates.
 #[test]
-fn a_film_turned_as_a_whole() {
+fn film_rotated_as_a_whole_keeps_its_seams() {
     let (parts, whole) = pinwheel();
     let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
     let place = |t: &Tile| Tile::new(turn * t.position(), t.size(), J).unwrap().rotated(turn).unwrap();
     let (parts, whole) = (Scene::new(&parts.each_ref().map(place)), Scene::new(&[place(&whole)]));
     for (x, y) in [(2.1, 0.4), (2.1, 1.0)] {
         for point in around(x, y, 0.9) {
-            // Depths at which all numbers of the test agree on the side of the top face.
+            // Nearer to the top face, rounding in this test decides the side.
             if (point.z - 0.9).abs() >= 1e-9 {
                 let point = turn * point;
                 let error = (b(&parts, point) - b(&whole, point)).length();
-                // Faces of the parts are joined in the turned frame as they are in the plain one.
+                // Faces of the parts are joined in the rotated frame as in the frame of the scene.
                 assert!(error <= COMPUTED_SEAM * J.length(), "at {point}: off by {error:e}");
             }
         }
     }
 }
 
-/// Where the outline of the whole ends, the edge is exposed; where tiles of other polarization meet, it is too.
+/// Edges are exposed on the outline of the whole, and where tiles of different polarization meet.
 #[test]
 fn exposed_edges_are_named() {
     let (parts, _) = pinwheel();
@@ -167,13 +172,14 @@ fn exposed_edges_are_named() {
     let corner = DVec3::new(2.1, 0.4, 0.9);
     assert!(Scene::new(&other).field(Quantity::FluxDensity, corner).is_err());
     assert!(Scene::new(&[parts[0], parts[1]]).field(Quantity::FluxDensity, corner).is_ok());
-    // Merged into one block, the outline still belongs to the tile that is there.
+    // In a merged block, an edge of the outline belongs to the tile that lies there.
     let row = [0, 1, 2, 3].map(|i| tile([f64::from(i), 0.0, 0.0], [f64::from(i) + 1.0, 1.0, 1.0]));
     let end = Scene::new(&row).field(Quantity::FluxDensity, DVec3::new(2.5, 1.0, 1.0));
     assert_eq!(end, Err(Cause::Unbounded { tile: 2 }));
 }
 
-/// The gradient of parts that merge is that of the whole; on a seam edge that is computed it is declared unresolved.
+/// The gradient of parts that merge is that of the whole. On the edge of a computed seam it is
+/// reported as unresolved.
 #[test]
 fn gradient_on_seams() {
     let (parts, whole) = pinwheel();
@@ -186,7 +192,7 @@ fn gradient_on_seams() {
     assert!((merged - exact).to_cols_array().iter().all(|c| c.abs() <= 1e-14 * exact.x_axis.length()));
 }
 
-/// Tiles turned about the normal of the seam by different angles share the seam's plane.
+/// Tiles rotated about the normal of a seam by different angles share the plane of the seam.
 #[test]
 fn stacked_tiles_turned_in_the_plane() {
     let lower = Tile::new(DVec3::new(0.0, 0.0, 0.15), DVec3::new(10.0, 10.0, 0.3), DVec3::X).unwrap();
@@ -203,13 +209,14 @@ fn stacked_tiles_turned_in_the_plane() {
         };
         for z in [0.3, 0.3 + 1e-16, 0.3 - 1e-16, 0.3 + 1e-9] {
             let ((here, j), (below, _)) = (at(z), at(0.3 - 1e-8));
-            // J is the same on both sides, so B is continuous; it changes by at most |J| 1e-8 / 0.3 on the way.
+            // J is the same on both sides, so B is continuous and changes by at most |J| 1e-8 /
+            // 0.3.
             assert!((here - below).length() < 1e-7 && (j - DVec3::X).length() < 1e-15, "at {z}: {here}, {j}");
         }
     }
 }
 
-/// Edges that round-off has moved away from the point are still edges.
+/// Edges are found although round-off moves them away from the point.
 #[test]
 fn exposed_edges_of_rotated_tiles() {
     let cube = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::new(0.3, 0.4, 0.5)).unwrap();
@@ -221,7 +228,7 @@ fn exposed_edges_of_rotated_tiles() {
     }
 }
 
-/// Every point of a row of tiles has one owner, whatever decimals its cuts are and however they were computed.
+/// Every point of a row of tiles has one owner, for any decimal cuts.
 #[test]
 fn one_owner_for_any_decimal_cuts() {
     let unit = |low: f64, high: f64| {
@@ -243,7 +250,7 @@ fn one_owner_for_any_decimal_cuts() {
     assert_eq!(long.field(Quantity::Polarization, DVec3::new(0.1, 0.1, 0.2)), Ok(DVec3::X));
 }
 
-/// Tiles elsewhere in the plane of a seam, and slivers thinner than round-off, do not undo it.
+/// Tiles elsewhere in the plane of a seam, and slivers thinner than round-off, do not break it.
 #[test]
 fn bystanders_do_not_break_seams() {
     let e = f64::EPSILON;
@@ -264,9 +271,9 @@ fn bystanders_do_not_break_seams() {
     }
 }
 
-/// Overlaps that are forgiven are joined: what is not reported has one owner everywhere.
+/// Tiles whose overlap is too small to be reported are joined, so that each point has one owner.
 #[test]
-fn overlap_and_seams_agree() {
+fn overlaps_below_the_reported_depth_are_joined() {
     let turns = [DQuat::IDENTITY, DQuat::from_rotation_x(2.0 * FRAC_PI_2), DQuat::from_rotation_x(0.5)];
     for turn in turns {
         for steps in 0..60 {

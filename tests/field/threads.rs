@@ -1,4 +1,4 @@
-//! The result does not depend on how the work is divided.
+//! Fields do not depend on the number of threads, nor on how points are divided into calls.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::{Cause, InstructionSet, Quantity, Scene, Tile};
@@ -24,22 +24,24 @@ fn points() -> Vec<DVec3> {
 }
 
 #[test]
-fn bit_identical_for_any_number_of_threads_and_any_batch() {
+fn fields_are_bit_identical_for_any_threads_and_batches() {
     for set in InstructionSet::available() {
-        for scene in [scene(), film(), scattered(&[]), one_tile(), turned_tiles()] {
-            identical(&scene.with_instruction_set(set).expect("available"));
+        for scene in [scene(), film(), scattered(&[]), one_tile(), rotated_tiles()] {
+            assert_identical(&scene.with_instruction_set(set).expect("available"));
         }
     }
 }
 
-/// A turned tile in reach of all forms: points are in it, beside it, and up to twenty half diagonals away.
+/// A rotated tile that is evaluated by every method: points lie in it, beside it, and up to twenty
+/// half diagonals away.
 fn one_tile() -> Scene {
     let tile = Tile::new(DVec3::new(2.0, 3.0, -1.6), DVec3::new(0.9, 0.7, 0.5), DVec3::new(0.3, -0.5, 0.7));
     Scene::new(&[tile.expect("a valid tile").rotated(DQuat::from_rotation_x(0.3)).expect("a rotation")])
 }
 
-/// Tiles turned each by its own angle, which the points lie near enough to that batches need several forms of most.
-fn turned_tiles() -> Scene {
+/// Tiles each rotated by its own angle, so near to the points that batches need several methods for
+/// most of them.
+fn rotated_tiles() -> Scene {
     let tiles: Vec<Tile> = (0..6)
         .map(|i| {
             let turn = f64::from(i);
@@ -51,7 +53,7 @@ fn turned_tiles() -> Scene {
     Scene::new(&tiles)
 }
 
-/// A sheet of touching tiles, so that tiles share corners and groups.
+/// A sheet of touching tiles, which share corners and strengths.
 fn film() -> Scene {
     let tiles: Vec<Tile> = (0..90)
         .map(|i| {
@@ -63,7 +65,7 @@ fn film() -> Scene {
     Scene::new(&tiles)
 }
 
-/// `tiles` and so many apart from each other, and cubes together, that points are regrouped.
+/// `tiles`, and so many scattered tiles and stacked cubes that points are sorted.
 fn scattered(tiles: &[Tile]) -> Scene {
     let apart = (0..150).map(|i| {
         let turn = f64::from(i);
@@ -78,7 +80,7 @@ fn scattered(tiles: &[Tile]) -> Scene {
     Scene::new(&tiles.iter().copied().chain(apart).chain(together).collect::<Vec<Tile>>())
 }
 
-fn identical(scene: &Scene) {
+fn assert_identical(scene: &Scene) {
     let points = points();
     let alone: Vec<DVec3> = points.iter().map(|&p| scene.field(Quantity::FluxDensity, p).unwrap()).collect();
     for threads in [1, 2, 3, 8] {
@@ -99,14 +101,14 @@ fn identical(scene: &Scene) {
 }
 
 #[test]
-fn every_point_without_a_field_is_named() {
+fn every_point_without_a_field_is_in_the_error() {
     let cube = Tile::new(DVec3::ZERO, DVec3::splat(2.0), DVec3::X).unwrap();
     for scene in [Scene::new(&[cube]), scattered(&[cube])] {
-        named(&scene);
+        assert_all_named(&scene);
     }
 }
 
-fn named(scene: &Scene) {
+fn assert_all_named(scene: &Scene) {
     let mut points = points();
     points[7] = DVec3::new(1.0, 0.3, 1.0);
     points[800] = DVec3::new(f64::NAN, 0.0, 0.0);
@@ -115,7 +117,8 @@ fn named(scene: &Scene) {
     let errors = scene.field_into(Quantity::FluxDensity, &points, &mut field).unwrap_err();
     let found: Vec<(usize, Cause)> = errors.0.iter().map(|e| (e.index, e.cause)).collect();
     let edge = Cause::Unbounded { tile: 0 };
-    // (1, 0, -1) lies on an edge and (1, 1, -1) on a corner. (0, 1, -1) lies on an edge along J, where the field is bounded.
+    // (1, 0, -1) lies on an edge and (1, 1, -1) on a corner. (0, 1, -1) lies on an edge along J,
+    // where the field is bounded.
     let on_grid = [(1, 0), (1, 1)].map(|(x, y)| (y * 10 + x, edge));
     let mut expected: Vec<(usize, Cause)> = on_grid.to_vec();
     expected.extend([(7, edge), (800, Cause::OutOfRange), (999, edge)]);

@@ -1,4 +1,4 @@
-//! A tolerance is kept at lists of points too, by whatever parts of the tree over the tiles serve them.
+//! Tolerances at lists of points, which sum over a tree of the tiles.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::{Accuracy, Cause, MU_0, Model, Quantity, Scene, Tile, Tolerance};
@@ -8,8 +8,9 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::ThreadPoolBuilder;
 
-/// What the exact field, taken for the truth here, may itself be off by, as a fraction of the sum over tiles, for which a multiple of |B| stands.
-const EXACT: f64 = 1e-12;
+/// Error allowed for the exact field, which is the reference here, as a fraction of |B|. It stands
+/// for the bound on the sum over tiles.
+const EXACT_ERROR: f64 = 1e-12;
 
 fn field(scene: &Scene, quantity: Quantity, points: &[DVec3]) -> (Vec<DVec3>, Vec<(usize, Cause)>) {
     let mut field = vec![DVec3::ZERO; points.len()];
@@ -27,7 +28,8 @@ fn tolerance() -> impl Strategy<Value = Tolerance> {
     ]
 }
 
-/// Heaps of tiles of any size, each heap somewhere else, points near any of them, between, far away, and in the tiles.
+/// Heaps of tiles of any size at different places, and points in the tiles, near them, between the
+/// heaps and far away.
 fn heaps(seed: u64, count: usize, spread: f64, unit: f64, turned: bool) -> (Vec<Tile>, Vec<DVec3>) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut vector = |reach: f64| DVec3::from([0, 1, 2].map(|_| random.random_range(-reach..reach)));
@@ -36,7 +38,7 @@ fn heaps(seed: u64, count: usize, spread: f64, unit: f64, turned: bool) -> (Vec<
         let (centre, reach) = (vector(spread), 10_f64.powf(vector(1.0).x));
         for number in 0..8 + (7 * heap) % 29 {
             let size = vector(0.8).to_array().map(|d| reach * 0.3 * 10_f64.powf(d));
-            // Now and then a heap whose tiles nearly cancel.
+            // Every third heap consists of tiles that nearly cancel in pairs.
             let j = if heap % 3 == 0 && number % 2 == 1 { -tiles_j(tiles.last()) } else { vector(1.0) };
             let tile = Tile::new((centre + vector(reach)) * unit, DVec3::from(size) * unit, j).expect("a valid tile");
             let turn = if turned { vector(1.0) } else { DVec3::ZERO };
@@ -73,9 +75,9 @@ fn random_heaps_keep_random_tolerances() {
             let (found, _) = field(&scene.with_accuracy(Accuracy::Within(tolerance)), Quantity::FluxDensity, &points);
             for ((found, exact), point) in found.iter().zip(&exact).zip(&points) {
                 let error = (*found - *exact).length();
-                // A point without value is none that breaks its promise.
+                // A refused point breaks no promise.
                 prop_assert!(
-                    found.is_nan() || error <= allowed(tolerance, *exact) + EXACT * exact.length(),
+                    found.is_nan() || error <= allowed(tolerance, *exact) + EXACT_ERROR * exact.length(),
                     "{tolerance:?}: off by {error:e} of {:e} at {point}",
                     exact.length(),
                 );
@@ -85,7 +87,7 @@ fn random_heaps_keep_random_tolerances() {
         .expect("the tolerance is kept");
 }
 
-/// 40 x 40 tiles of a film, and points below it, more than one batch.
+/// A film of 40 x 40 tiles, and points around it, more than one batch.
 fn film() -> (Vec<Tile>, Vec<DVec3>) {
     let tile = |n: usize| {
         let (x, y) = ((n % 40) as f64 - 19.5, (n / 40) as f64 - 19.5);
@@ -101,7 +103,7 @@ fn film() -> (Vec<Tile>, Vec<DVec3>) {
 }
 
 #[test]
-fn a_film_of_many_tiles_keeps_its_tolerance_everywhere() {
+fn film_keeps_every_tolerance_at_all_points() {
     let (tiles, points) = film();
     let scene = Scene::new(&tiles);
     let (exact, _) = field(&scene, Quantity::FluxDensity, &points);
@@ -121,9 +123,9 @@ fn a_film_of_many_tiles_keeps_its_tolerance_everywhere() {
     }
 }
 
-/// Nor do they depend on what was evaluated before.
+/// Fields depend neither on the number of threads nor on earlier evaluations.
 #[test]
-fn bit_identical_for_any_number_of_threads() {
+fn lists_are_bit_identical_for_any_number_of_threads() {
     let (tiles, points) = film();
     let within = |tiles: &[Tile]| {
         Scene::new(tiles).with_accuracy(Accuracy::Within(Tolerance::relative(1e-6).expect("a tolerance")))
@@ -139,7 +141,7 @@ fn bit_identical_for_any_number_of_threads() {
 }
 
 #[test]
-fn points_without_a_field_are_named_as_in_the_exact_field() {
+fn errors_are_those_of_the_exact_field() {
     let (tiles, mut points) = film();
     points[7] = DVec3::new(-20.0, -20.0, 0.3);
     points[9] = DVec3::NAN;
@@ -151,9 +153,9 @@ fn points_without_a_field_are_named_as_in_the_exact_field() {
     assert_eq!(field(&within, Quantity::FluxDensity, &points).1, expected);
 }
 
-/// So many that the box around them is expanded.
+/// So many points that the box around them is fitted by Chebyshev expansions.
 #[test]
-fn many_points_of_a_box_without_tiles_keep_their_tolerance() {
+fn many_points_in_a_box_without_tiles_keep_their_tolerance() {
     let (tiles, _) = film();
     let mut random = ChaCha8Rng::seed_from_u64(9);
     let points: Vec<DVec3> =
@@ -172,12 +174,12 @@ fn many_points_of_a_box_without_tiles_keep_their_tolerance() {
         largest = largest.max((*b - *exact).length() / exact.length());
         assert!((*b - h * MU_0).length() <= 1e-15 * exact.length());
     }
-    // It is no exact field either.
+    // The field is not exact: the fitted box was used.
     assert!(largest <= 1e-7 && largest > 1e-13, "{largest:e}");
 }
 
 #[test]
-fn no_tiles_and_no_points() {
+fn scenes_without_tiles_and_lists_without_points() {
     let accuracy = Accuracy::Within(Tolerance::relative(1e-5).expect("a tolerance"));
     let nothing = Scene::new(&[]).with_accuracy(accuracy);
     assert_eq!(field(&nothing, Quantity::FluxDensity, &[DVec3::ONE]).0, [DVec3::ZERO]);

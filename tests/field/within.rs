@@ -1,4 +1,4 @@
-//! A tolerance is kept at every point, or the point is named.
+//! Tolerances on grids and in prepared boxes: kept at every point, or the point is reported.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::{Accuracy, Cause, FittedFieldError, Grid, MU_0, Quantity, Scene, Tile, Tolerance};
@@ -6,8 +6,9 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use rayon::ThreadPoolBuilder;
 
-/// What the exact field, taken for the truth here, may itself be off by, as a fraction of |B|. Tolerances are far above it.
-const EXACT: f64 = 1e-12;
+/// Error allowed for the exact field, which is the reference here, as a fraction of |B|. Tolerances
+/// are far above it.
+const EXACT_ERROR: f64 = 1e-12;
 
 fn grid_field(scene: &Scene, quantity: Quantity, grid: &Grid) -> (Vec<DVec3>, Vec<Cause>) {
     let mut field = vec![DVec3::ZERO; grid.len()];
@@ -40,7 +41,7 @@ fn tolerance() -> impl Strategy<Value = Tolerance> {
     ]
 }
 
-/// Random tiles, also turned ones, and grids that lie far, near, beside, between and in them.
+/// Random tiles, also rotated ones, and grids far from them, near, between and in them.
 #[test]
 fn random_scenes_keep_random_tolerances_on_grids() {
     let scenes = (
@@ -65,9 +66,9 @@ fn random_scenes_keep_random_tolerances_on_grids() {
                     Tolerance::AbsoluteT { error_t, .. } => error_t,
                 };
                 let error = (*found - *exact).length();
-                // A point without value is none that breaks its promise.
+                // A refused point breaks no promise.
                 prop_assert!(
-                    found.is_nan() || error <= allowed + EXACT * exact.length(),
+                    found.is_nan() || error <= allowed + EXACT_ERROR * exact.length(),
                     "{tolerance:?}: off by {error:e} of {:e} at {}",
                     exact.length(),
                     grid.point(index)
@@ -92,7 +93,7 @@ fn below() -> Grid {
 }
 
 #[test]
-fn bit_identical_for_any_number_of_threads() {
+fn grids_are_bit_identical_for_any_number_of_threads() {
     let scene = Scene::new(&film()).with_accuracy(Accuracy::Within(Tolerance::relative(1e-8).expect("a tolerance")));
     let once = grid_field(&scene, Quantity::FluxDensity, &below()).0;
     for threads in [1, 3, 8] {
@@ -102,7 +103,7 @@ fn bit_identical_for_any_number_of_threads() {
 }
 
 #[test]
-fn h_and_j_to_a_tolerance() {
+fn h_keeps_its_tolerance_and_j_is_exact() {
     let exact = Scene::new(&film());
     let scene = exact.clone().with_accuracy(Accuracy::Within(Tolerance::relative(1e-7).expect("a tolerance")));
     let (b, h) = (
@@ -115,9 +116,9 @@ fn h_and_j_to_a_tolerance() {
     assert!(grid_field(&scene, Quantity::Polarization, &below()).0.iter().all(|j| *j == DVec3::ZERO));
 }
 
-/// Where the field vanishes no error is small beside it.
+/// Where the field vanishes, no relative tolerance can be kept.
 #[test]
-fn a_tolerance_that_cannot_be_kept_is_refused_point_by_point() {
+fn points_that_cannot_keep_their_tolerance_are_refused() {
     let opposed = [DVec3::X, -DVec3::X].map(|j| Tile::new(-3.0 * j, DVec3::ONE, j).expect("a valid tile"));
     let grid = Grid::new(DVec3::splat(-1.0), DVec3::ONE, [11, 11, 11]).expect("a grid");
     let scene = Scene::new(&opposed);
@@ -131,9 +132,9 @@ fn a_tolerance_that_cannot_be_kept_is_refused_point_by_point() {
     assert_eq!(grid_field(&absolute, Quantity::FluxDensity, &grid).1, []);
 }
 
-/// Beside such a place an expansion that is good enough elsewhere in the box is not.
+/// Near a zero of the field, an expansion that keeps the tolerance elsewhere in the box does not.
 #[test]
-fn weak_points_keep_a_relative_tolerance_too() {
+fn points_near_a_zero_of_the_field_keep_a_relative_tolerance() {
     let opposed = [(1.0, 1.0), (-1.0, 1.3)].map(|(j, size)| {
         Tile::new(DVec3::new(-3.0 * j, 0.0, 0.0), DVec3::splat(size), DVec3::X * j).expect("a valid tile")
     });
@@ -144,7 +145,7 @@ fn weak_points_keep_a_relative_tolerance_too() {
         let b = scene.field(Quantity::FluxDensity, DVec3::X * middle).expect("between the tiles");
         (low, high) = if b.x > 0.0 { (middle, high) } else { (low, middle) };
     }
-    // Without symmetry, and one point is very close to the place where the field vanishes.
+    // The grid has no symmetry, and one point lies very close to the zero of the field.
     let lower = DVec3::new(low + 1e-7 - 0.7, -0.9, -1.2);
     let grid = Grid::new(lower, lower + DVec3::new(2.0, 2.0, 2.0), [41; 3]).expect("a grid");
     let exact = grid_field(&scene, Quantity::FluxDensity, &grid).0;
@@ -154,20 +155,21 @@ fn weak_points_keep_a_relative_tolerance_too() {
     let error = |(exact, found): (&DVec3, &DVec3)| (*exact - *found).length() / exact.length();
     let errors: Vec<f64> = exact.iter().zip(&found).map(error).collect();
     assert!(errors.iter().all(|error| *error <= 1e-5), "{:e}", errors.iter().fold(0.0_f64, |a, b| a.max(*b)));
-    // The others are not exact: they come from an expansion whose error would be too large beside the weakest field.
+    // The other points come from an expansion, whose error would be too large for the weakest
+    // field.
     let weakest = exact.iter().map(|b| b.length()).fold(f64::INFINITY, f64::min);
     let largest = exact.iter().zip(&found).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
     assert!(largest > 1e-5 * weakest, "{largest:e} of {weakest:e}");
 }
 
 #[test]
-fn only_positive_tolerances() {
+fn tolerances_must_be_positive_and_finite() {
     for wrong in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
         assert!(Tolerance::relative(wrong).is_err() && Tolerance::absolute_t(wrong).is_err());
     }
 }
 
-/// Points spread over a box, its corners first.
+/// Points spread over a box; the first eight are its corners.
 fn spread(lower: DVec3, upper: DVec3, count: usize) -> Vec<DVec3> {
     let corner = |n: usize| DVec3::from([0, 1, 2].map(|bit| if n >> bit & 1 == 1 { 1.0 } else { 0.0 }));
     let inner = |n: usize| DVec3::from([0.819_172_5, 0.671_043_6, 0.549_700_5].map(|step| (step * n as f64).fract()));
@@ -200,7 +202,7 @@ fn fitted_fields_keep_their_bounds() {
                 let error = (alone - exact).length();
                 prop_assert!(error <= found.error_t(), "off by {error:e}, not {:e}", found.error_t());
                 if !b.is_nan() {
-                    prop_assert!((b - exact).length() <= (fraction + EXACT) * exact.length());
+                    prop_assert!((b - exact).length() <= (fraction + EXACT_ERROR) * exact.length());
                     prop_assert!((b - alone).length() <= 1e-13 * exact.length() + 0.01 * found.error_t());
                 }
                 let gradient = scene.gradient(Quantity::FluxDensity, *point).expect("no tile is there");
@@ -214,7 +216,7 @@ fn fitted_fields_keep_their_bounds() {
     assert!(fitted.get() > 100, "only {} boxes were fitted", fitted.get());
 }
 
-/// Boxes of all proportions, and cells that are no cubes; one tile turned.
+/// Boxes of different proportions, and cells that are no cubes. One tile is rotated.
 #[test]
 fn fitted_fields_have_neither_divergence_nor_curl() {
     let mut tiles = film();
@@ -249,7 +251,7 @@ fn fitted_fields_have_neither_divergence_nor_curl() {
 }
 
 #[test]
-fn a_fitted_field_refuses_what_it_cannot_do() {
+fn fitted_fields_refuse_bad_boxes_and_points_outside() {
     let scene = Scene::new(&film());
     let (lower, upper) = (DVec3::new(-2.0, -2.0, -5.0), DVec3::new(2.0, 2.0, -3.0));
     let made =

@@ -1,22 +1,23 @@
-//! What docs/design.md says of the designed films that `check` does not: they are made of what it says, within what it says.
+//! The rules that docs/design.md states for the designed films and that `magsplice check` does not
+//! check.
 
 use std::fs;
-use std::path::Path;
 
 use glam::DQuat;
 use magsplice::layout::Layout;
 use magsplice_field::overlaps;
 
+use crate::shipped::folder;
+
 #[test]
-fn designed_films_are_made_as_they_are_said_to_be() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../layouts");
-    let files = fs::read_dir(folder).expect("layouts").map(|entry| entry.expect("an entry").path());
+fn designed_films_keep_their_size_strength_cuts_and_parts() {
+    let files = fs::read_dir(folder()).expect("layouts").map(|entry| entry.expect("an entry").path());
     let designed = files.filter(|path| path.file_name().is_some_and(|n| n.to_string_lossy().starts_with("designed-")));
     let mut count = 0;
     for path in designed {
         let layout = Layout::read(&path).unwrap_or_else(|error| panic!("{error}"));
         let name = &layout.name;
-        // A film of two wavelengths, as the published one.
+        // The film spans two wavelengths, like the published one.
         let half_mm = layout.ideal.expect("an ideal film").wavelength();
         let brief = layout.brief.as_ref().expect("a design");
         let least_mm = brief.smallest_cut_mm.unwrap_or(0.8);

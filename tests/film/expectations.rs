@@ -1,15 +1,12 @@
-//! The shipped films against what their layouts expect of them.
+//! The published film against the `[expect]` table of its layout, unchanged and changed.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use magsplice::expect::{Baseline, Expectation};
 use magsplice::field::InstructionSet;
 use magsplice::prelude::*;
 
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../layouts")
-}
+use crate::shipped::folder;
 
 fn published() -> String {
     fs::read_to_string(folder().join("published-film.toml")).unwrap()
@@ -26,7 +23,7 @@ fn baseline() -> Baseline {
     baseline
 }
 
-/// Whether `check` finds nothing in a layout with this text.
+/// Whether a layout with this text has no findings and meets its expectations.
 fn passes(text: &str, baseline: &Baseline) -> bool {
     let Ok(layout) = Layout::parse(text, "changed") else { return false };
     let outcomes = Film::new(&layout).outcomes(Some(baseline));
@@ -34,9 +31,9 @@ fn passes(text: &str, baseline: &Baseline) -> bool {
     layout.findings.is_empty() && outcomes.iter().all(|(_, outcome)| outcome.as_ref().is_ok_and(|o| o.is_met()))
 }
 
-/// Every digit of the tiles and of the volume, one up, and every number of the tiles 1e-10 more.
+/// Changes each digit of the tiles and of the volume by one, and each number of the tiles by 1e-10.
 #[test]
-fn a_change_in_any_digit_of_the_published_film_is_caught() {
+fn any_changed_digit_of_the_published_film_breaks_its_expectations() {
     let (text, baseline) = (published(), baseline());
     assert!(passes(&text, &baseline));
     let changed = |from: &str, to: &str| {
@@ -50,14 +47,14 @@ fn a_change_in_any_digit_of_the_published_film_is_caught() {
         for at in range.filter(|&at| text.as_bytes()[at].is_ascii_digit()) {
             let digit = (text.as_bytes()[at] - b'0' + 1) % 10;
             let other = format!("{}{digit}{}", &text[..at], &text[at + 1..]);
-            assert!(!passes(&other, &baseline), "not caught:\n{other}");
+            assert!(!passes(&other, &baseline), "accepted:\n{other}");
             tried += 1;
-            // The tenth decimal of a number with a fraction: 1e-10 mm or T.
+            // Appends a tenth decimal to a number with a fraction, 1e-10 mm or T.
             let point = text[..at].rfind(['.', ' ', '[']).filter(|&i| text.as_bytes()[i] == b'.');
             let last = !text.as_bytes()[at + 1].is_ascii_digit();
             if let Some(point) = point.filter(|_| last && tiles.contains(&at)) {
                 let other = format!("{}{:0>width$}{}", &text[..=at], 1, &text[at + 1..], width = 10 - (at - point));
-                assert!(!passes(&other, &baseline), "not caught:\n{other}");
+                assert!(!passes(&other, &baseline), "accepted:\n{other}");
                 tried += 1;
             }
         }
@@ -65,11 +62,12 @@ fn a_change_in_any_digit_of_the_published_film_is_caught() {
     assert!(tried > 60, "{tried}");
 }
 
-/// Why `within` is 1e-12: two computations that keep the promise of `Scene`, 2e-14 of what the components of the tiles' polarization make
-/// alone, cannot be further apart at any point of the baseline, whatever instructions their processors have.
+/// The tolerance `within` = 1e-12 follows from the bound of `Scene`, 2e-14 of the sum of the fields
+/// that the components of the tiles' polarization make alone: two computations that keep it differ
+/// by no more at any point of the baseline, whatever their instruction sets.
 #[test]
-fn the_baseline_holds_on_every_processor() {
-    const PROMISED: f64 = 2e-14;
+fn baseline_holds_for_every_instruction_set() {
+    const BOUND: f64 = 2e-14;
     let layout = Layout::parse(&published(), "published").unwrap();
     let within = layout.expectations.field.clone().unwrap().within;
     let baseline = baseline();
@@ -82,10 +80,10 @@ fn the_baseline_holds_on_every_processor() {
             magnitude.iter_mut().zip(field).for_each(|(sum, b)| *sum += b.length());
         }
     }
-    let apart = magnitude.iter().zip(&baseline.field_t).map(|(sum, b)| 2.0 * PROMISED * sum / b.length());
+    let apart = magnitude.iter().zip(&baseline.field_t).map(|(sum, b)| 2.0 * BOUND * sum / b.length());
     let apart = apart.fold(0.0, f64::max);
     assert!(apart <= within, "{apart:e}");
-    // And it is not so loose that ten times less would do.
+    // A tenth of the tolerance would be too tight.
     assert!(apart > 0.1 * within, "{apart:e}");
     for set in InstructionSet::available() {
         let scene = Scene::new(&layout.bare_tiles()).with_instruction_set(set).unwrap();
@@ -96,10 +94,10 @@ fn the_baseline_holds_on_every_processor() {
     }
 }
 
-/// Each expectation is evaluated by itself.
+/// Expectations are evaluated independently of each other.
 #[test]
-fn what_cannot_be_evaluated_hides_nothing() {
-    // The reference at a zero of B_z, and no baseline.
+fn expectations_that_fail_to_evaluate_leave_the_others() {
+    // The reference lies at a zero of B_z, and there is no baseline.
     let text = published().replace("reference_mm = [0.0, 0.0, -5.0]", "reference_mm = [1000.0, 1000.0, 5.0]");
     let layout = Layout::parse(&text, "changed").unwrap();
     let outcomes = Film::new(&layout).outcomes(None);

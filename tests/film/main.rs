@@ -8,7 +8,10 @@ mod expectations;
 mod layout_files;
 /// The published film against numbers known of it.
 mod published;
-/// The JSON Schema of layout files against documents.
+/// Documents against the JSON Schema of layout files.
+#[cfg(feature = "schema")]
 mod schema;
-/// Paths of the shipped layouts, and a round trip of each.
+/// The descriptions of keys in the JSON Schema.
+mod schema_descriptions;
+/// The shipped layouts: their paths, and a round trip of each.
 mod shipped;

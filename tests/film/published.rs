@@ -1,17 +1,13 @@
-//! The published film against the numbers known of it (Dai 2024 and an independent computation with magpylib 6.1).
-
-use std::path::Path;
+//! The published film against known numbers, from Dai 2024 and an independent computation with
+//! magpylib 6.1.
 
 use approx::assert_relative_eq;
 use magsplice::prelude::*;
 
-fn layout(name: &str) -> Layout {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../layouts").join(name).with_extension("toml");
-    Layout::read(&path).unwrap_or_else(|e| panic!("{e}"))
-}
+use crate::shipped::layout;
 
 #[test]
-fn field_at_a_generic_point() {
+fn field_at_a_generic_point_is_the_known_one() {
     let layout = layout("published-film");
     let b = Film::new(&layout).scene().field(Quantity::FluxDensity, DVec3::new(2.0, -1.0, -5.0)).unwrap();
     let known = DVec3::new(-1.0284893492777e-3, 6.272861417527e-4, 6.766460587771e-4);
@@ -20,11 +16,11 @@ fn field_at_a_generic_point() {
 }
 
 #[test]
-fn comparison_with_the_ideal_film() {
+fn comparison_with_the_ideal_film_gives_the_known_numbers() {
     let layout = layout("published-film");
     let film = Film::new(&layout);
     let c = film.compare(&film.volume_field_t().unwrap()).unwrap();
-    // Known to six decimals.
+    // The known values have six decimals.
     for (found, known) in
         [(c.amplitude, 0.818730), (c.relative_rmse, 0.197428), (c.scaled_relative_rmse.unwrap(), 0.095543)]
     {
@@ -41,7 +37,7 @@ fn errors(name: &str) -> Decoupling {
 }
 
 #[test]
-fn decoupling_errors() {
+fn decoupling_errors_are_the_known_ones() {
     let d = errors("published-film");
     let found = [
         (d.uniformity_rmse.r_x, 0.062872),
@@ -58,28 +54,29 @@ fn decoupling_errors() {
 }
 
 #[test]
-fn the_other_reading_hardly_changes_decoupling() {
+fn layout_with_components_of_full_strength_decouples_alike() {
     let d = errors("published-film-component");
-    // Known to four decimals.
+    // The known values have four decimals.
     assert!((d.uniformity_rmse.r_x - 0.0630).abs() <= 0.5e-4);
     assert!((d.uniformity_rmse.s_z - 0.0417).abs() <= 0.5e-4);
     let layout = layout("published-film-component");
     let film = Film::new(&layout);
     let amplitude = film.compare(&film.volume_field_t().unwrap()).unwrap().amplitude;
-    // Known to rise "from 0.81 to 1.00", which are 0.819 and 1.011 over the grid.
+    // Dai 2024 states a rise "from 0.81 to 1.00", which over the grid is 0.819 and 1.011.
     assert!((amplitude - 1.00).abs() <= 0.012, "{amplitude}");
 }
 
-/// The finite film dominates: R_x RMSE 0.011 at 40 mm and 0.0031 at 80 mm, against 0.063 at 20 mm.
+/// The finite size of the film dominates the errors: the RMSE of R_x is 0.063 at 20 mm, 0.011 at 40
+/// mm and 0.0031 at 80 mm.
 #[test]
 fn larger_films_decouple_better() {
     assert!((errors("film-40mm").uniformity_rmse.r_x - 0.011).abs() <= 0.5e-3);
     assert!((errors("film-80mm").uniformity_rmse.r_x - 0.0031).abs() <= 0.5e-4);
 }
 
-/// The symmetry of the layout: exchanging x and y exchanges the components.
+/// Exchanging x and y exchanges the components of B, by the symmetry of the layout.
 #[test]
-fn symmetry_of_the_film() {
+fn field_has_the_symmetry_of_the_film() {
     let layout = layout("published-film");
     let film = Film::new(&layout);
     let b = |x: f64, y: f64| film.scene().field(Quantity::FluxDensity, DVec3::new(x, y, -3.7)).unwrap();

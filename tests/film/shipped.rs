@@ -1,15 +1,24 @@
-//! The shipped layouts can be read, and written and read again.
+//! The shipped layouts: their paths, and a round trip of each.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use magsplice::prelude::*;
 
+/// The folder of the shipped layouts.
+pub(crate) fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../layouts")
+}
+
+/// The shipped layout `<name>.toml`.
+pub(crate) fn layout(name: &str) -> Layout {
+    Layout::read(&folder().join(name).with_extension("toml")).unwrap_or_else(|e| panic!("{e}"))
+}
+
 #[test]
 fn shipped_layouts_survive_a_round_trip() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../layouts");
     let mut names = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
+    for entry in fs::read_dir(folder()).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_none_or(|e| e != "toml") {
             continue;

@@ -27,8 +27,8 @@ pub struct ReferenceRow {
 }
 
 impl ReferenceRow {
-    /// B in tesla. On a face, limit 0 is from inside and limit 1 from outside; elsewhere there is only
-    /// limit 0.
+    /// B in tesla. On a face, limit 0 is from inside and limit 1 from outside; elsewhere there is
+    /// only limit 0.
     pub fn flux_density_t(&self, limit: usize) -> DVec3 {
         let component = |i: usize| self.values[3 * limit + i].parse().expect("a number");
         DVec3::new(component(0), component(1), component(2))
@@ -38,8 +38,8 @@ impl ReferenceRow {
 /// The rows of `tests/reference/<name>.csv`.
 ///
 /// # Panics
-/// If the table is missing or malformed, or does not have `rows` rows, so that no test passes because
-/// nothing ran.
+/// If the table is missing or malformed, or does not have `rows` rows, so that no test passes
+/// because nothing ran.
 pub fn read(name: &str, rows: usize) -> Vec<ReferenceRow> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference").join(name).with_extension("csv");
     let mut reader = csv::Reader::from_path(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));

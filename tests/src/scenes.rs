@@ -1,12 +1,12 @@
-//! Random tiles and points for property tests, on purpose near and on faces, edges, corners and their
-//! extensions.
+//! Random tiles and points for property tests, on purpose near and on faces, edges, corners and
+//! their extensions.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::Tile;
 use proptest::prelude::*;
 
-/// A component of J in tesla: zero, up to 1, between 1e-3 and 1 of either sign, or between 1e-30 and
-/// 1e-15 as round-off leaves of zero.
+/// A component of J in tesla: zero, up to 1, between 1e-3 and 1 of either sign, or between 1e-30
+/// and 1e-15 as round-off leaves of zero.
 fn component() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => (-30.0..-15.0_f64).prop_map(|d| 10_f64.powf(d)),

@@ -40,8 +40,8 @@ impl Magpylib {
             .arg(script)
             .args(files.iter().map(|f| f.path()))
             .env("OMP_NUM_THREADS", "1")
-            // Without these numpy returns its large arrays to the system and allocates them anew, which
-            // doubles the time.
+            // Without these numpy returns its large arrays to the system and allocates them anew,
+            // which doubles the time.
             .env("MALLOC_MMAP_THRESHOLD_", "1000000000")
             .env("MALLOC_TRIM_THRESHOLD_", "1000000000")
             .stdin(Stdio::piped())

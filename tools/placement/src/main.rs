@@ -1,9 +1,10 @@
 //! Prints the mean decoupling errors of films whose tiles are displaced at random.
 //!
-//! `cargo run --release -p magsplice-placement -- layouts/published-film.toml layouts/designed-*.toml`
+//! `cargo run --release -p magsplice-placement -- layouts/published-film.toml
+//! layouts/designed-*.toml`
 //!
-//! Each tile is displaced along x and y by normal deviates. Displaced tiles may overlap, which layout
-//! files forbid, so the films are made in memory.
+//! Each tile is displaced along x and y by normal deviates. Displaced tiles may overlap, which
+//! layout files forbid, so the films are made in memory.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 
 use glam::DVec3;
-use magsplice_magnet::Tile;
 use magsplice_layout::Layout;
+use magsplice_magnet::Tile;
 
 use super::dataset::{ArrayValues, VtkArray, VtkDataset};
 use crate::table::Metadata;

@@ -13,8 +13,8 @@ const COLOURS: [RGBColor; 4] =
 const NAMES: [&str; 4] = ["magsplice", "magba", "magpylib", "magsplice, gradient"];
 
 const LOWEST: f64 = 1e-17;
-/// Above 1 no right digit is left. Larger errors and answers that are no number are drawn on the upper
-/// edge.
+/// Above 1 no right digit is left. Larger errors and answers that are no number are drawn on the
+/// upper edge.
 const HIGHEST: f64 = 1e2;
 
 pub(crate) fn draw(path: &Path, distance: &[ErrorsAtDistance], closeness: &[ErrorsAtDistance]) -> Result<(), String> {

@@ -6,7 +6,8 @@ use super::curves::ErrorsAtDistance;
 use super::regions::RegionErrors;
 use super::seams::SeamErrors;
 
-/// The page; `magpylib` is its version if it was run, `points` the number of points at each distance.
+/// The page; `magpylib` is its version if it was run, `points` the number of points at each
+/// distance.
 pub(crate) fn text(
     magpylib: Option<&str>,
     points: usize,

@@ -183,7 +183,8 @@ pub(crate) fn measure(
             let mut field = vec![DVec3::ZERO; known.points.len()];
             let took = run(runner, known.points, &mut field)?;
             if round == 0 {
-                // The first run builds what later ones reuse. It is not timed; its field gives the errors.
+                // The first run builds what later ones reuse. It is not timed; its field gives the
+                // errors.
                 errors.push(if *contender == Contender::Exact {
                     own_errors(tiles, known, effort)
                 } else {

@@ -5,7 +5,8 @@
 pub(crate) struct SpeedEffort {
     /// Tile-point pairs in a run.
     pub(crate) pairs: usize,
-    /// Tile-point pairs in a run beside the peers: enough that scenes of many tiles have many points.
+    /// Tile-point pairs in a run beside the peers: enough that scenes of many tiles have many
+    /// points.
     pub(crate) peer_pairs: usize,
     /// Interleaved runs.
     pub(crate) runs: usize,

@@ -13,13 +13,13 @@ use super::effort::SpeedEffort;
 
 /// Square roots for one vector of points on the published film, counted in the source.
 ///
-/// The 56 tiles merge into 48 cuboids with 22 planes and 192 corners. They have 96 off-diagonal and 48
-/// diagonal elements in 23 groups of equal strength.
+/// The 56 tiles merge into 48 cuboids with 22 planes and 192 corners. They have 96 off-diagonal and
+/// 48 diagonal elements in 23 groups of equal strength.
 pub(crate) const ROOTS: f64 = 192.0;
 /// Divisions for the same.
 pub(crate) const DIVISIONS: f64 = 23.0;
-/// Additions, multiplications and multiply-adds for the same: 4 for a plane, 2 for a corner, 8 for a
-/// cuboid, 21 for an off-diagonal element, 45 for a diagonal one, 35 for a group.
+/// Additions, multiplications and multiply-adds for the same: 4 for a plane, 2 for a corner, 8 for
+/// a cuboid, 21 for an off-diagonal element, 45 for a diagonal one, 35 for a group.
 pub(crate) const OTHERS: f64 = 22.0 * 4.0 + 192.0 * 2.0 + 48.0 * 8.0 + 96.0 * 21.0 + 48.0 * 45.0 + 23.0 * 35.0;
 const TILES: f64 = 56.0;
 

@@ -1,4 +1,5 @@
-//! Measures the times of magsplice, magba and magpylib on the same scenes and writes `docs/speed.md`.
+//! Measures the times of magsplice, magba and magpylib on the same scenes and writes
+//! `docs/speed.md`.
 
 /// How much is measured.
 mod effort;
