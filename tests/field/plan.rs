@@ -78,13 +78,12 @@ fn truncation_error_of_the_tree_is_within_the_planned_bound() {
     let scene = within(&tiles, Tolerance::relative(1e-4).expect("positive"));
     let plan = scene.plan_at_points(&points);
     let [part] = &plan.parts[..] else { panic!("{plan:?}") };
-    let Model::Tree { expanded_tiles, exact_tiles, ignored_tiles, truncation_error_t: left_out_t, ignored_t, .. } =
-        part.model
+    let Model::Tree { expanded_tiles, exact_tiles, ignored_tiles, truncation_error_t, ignored_t, .. } = part.model
     else {
         panic!("{part:?}")
     };
     assert!((expanded_tiles + exact_tiles + ignored_tiles - tiles.len() as f64).abs() < 1e-9);
-    assert!(ignored_tiles >= 1.0 && ignored_t <= left_out_t);
+    assert!(ignored_tiles >= 1.0 && ignored_t <= truncation_error_t);
     let mut of_speck = vec![DVec3::ZERO; points.len()];
     Scene::new(&[speck]).field_into(Quantity::FluxDensity, &points, &mut of_speck).expect("bounded");
     let most_t = of_speck.iter().map(|b| b.length()).fold(0.0, f64::max);
@@ -92,5 +91,5 @@ fn truncation_error_of_the_tree_is_within_the_planned_bound() {
     let mut field = vec![DVec3::ZERO; points.len()];
     scene.field_into(Quantity::FluxDensity, &points, &mut field).expect("bounded");
     let found_t = largest_error_t(&scene, &points, &field);
-    assert!(found_t <= left_out_t && found_t > 0.0, "{found_t:e} where {left_out_t:e} was planned");
+    assert!(found_t <= truncation_error_t && found_t > 0.0, "{found_t:e} of {truncation_error_t:e}");
 }
