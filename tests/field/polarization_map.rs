@@ -28,16 +28,17 @@ proptest! {
         let map = PolarizationMap::new(&places, &points).expect("no point on an edge");
         prop_assert_eq!(map.memory_bytes(), 72 * tiles.len() * points.len());
         let found = map.flux_density(&polarizations);
+        let scene = Scene::new(&polarized);
+        let component = |t: &Tile, axis: DVec3| {
+            let t = Tile::new(t.position(), t.size(), t.polarization_t() * axis).expect("valid").rotated(t.rotation());
+            Scene::new(&[t.expect("a rotation")])
+        };
+        let components: Vec<Scene> =
+            polarized.iter().flat_map(|t| DVec3::AXES.map(|axis| component(t, axis))).collect();
         for (index, &point) in points.iter().enumerate() {
-            let exact = Scene::new(&polarized).field(Quantity::FluxDensity, point).expect("no point on an edge");
-            let alone = |t: &Tile| {
-                let of = |axis: DVec3| {
-                    let t = Tile::new(t.position(), t.size(), t.polarization_t() * axis).expect("valid").rotated(t.rotation());
-                    Scene::new(&[t.expect("a rotation")]).field(Quantity::FluxDensity, point).expect("bounded").length()
-                };
-                of(DVec3::X) + of(DVec3::Y) + of(DVec3::Z)
-            };
-            let magnitude: f64 = polarized.iter().map(alone).sum();
+            let field = |scene: &Scene| scene.field(Quantity::FluxDensity, point).expect("no point on an edge");
+            let exact = field(&scene);
+            let magnitude: f64 = components.iter().map(|scene| field(scene).length()).sum();
             // The bound of scenes, once for each side, and the rounding of the sums.
             let allowed = (2.0 * 2e-14 + 3.0 * tiles.len() as f64 * f64::EPSILON) * magnitude;
             prop_assert!((found[index] - exact).length() <= allowed, "{} is not {exact}", found[index]);
