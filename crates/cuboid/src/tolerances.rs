@@ -51,13 +51,6 @@ pub const MULTIPOLE_ORDERS: [(usize, f64); 5] = [(8, 7.3), (6, 13.0), (5, 20.0),
 /// The highest of them.
 pub const HIGHEST_ORDER: usize = 8;
 
-/// What the orders of a series that are in single precision may be off by, together and in the worst case, as a fraction of the field: with what is left out
-/// less than half of [`EXACT_BOUND`]. It counts multiply-adds as one rounding; instructions without them have half as many again.
-pub const SINGLE_PRECISION_BOUND: f64 = 5e-15;
-
-/// No lower order ever is: where the third is the last, it is 2e-12 of the field, but the second 1e-8.
-pub const LEAST_SINGLE_ORDER: usize = 3;
-
 /// What the closed form takes for a tile of a cluster, in multiply-adds of vectors: measured on the published film. It only decides which form
 /// is taken where several would do.
 pub const CLOSED_FORM_COST: f64 = 215.0;

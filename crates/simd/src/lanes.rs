@@ -225,64 +225,6 @@ impl<S: Simd> Number for Lanes<S> {
     }
 }
 
-/// What Horner's scheme needs, in double precision or single.
-pub trait Horner: Copy {
-    type Instructions: Simd;
-    type Coefficient: Copy + Default;
-
-    fn coefficient(simd: Self::Instructions, value: Self::Coefficient) -> Self;
-    /// self * factor + term
-    fn times_and(self, factor: Self, term: Self) -> Self;
-}
-
-impl<S: Simd> Horner for Two<S> {
-    type Instructions = S;
-    type Coefficient = f64;
-
-    #[inline(always)]
-    fn coefficient(simd: S, value: f64) -> Self {
-        Two([Lanes::splat(simd, value); 2])
-    }
-
-    #[inline(always)]
-    fn times_and(self, factor: Self, term: Self) -> Self {
-        self.mul_add(factor, term)
-    }
-}
-
-/// Two vectors in single precision, which are one.
-#[derive(Clone, Copy)]
-pub struct Singles<S: Simd>(S::f32s);
-
-impl<S: Simd> Singles<S> {
-    /// Rounded.
-    #[inline(always)]
-    pub fn of(Two([low, high]): Two<S>) -> Self {
-        Singles(low.0.narrow(high.0))
-    }
-
-    #[inline(always)]
-    pub fn widened(self) -> Two<S> {
-        let (low, high) = self.0.widen();
-        Two([Lanes(low), Lanes(high)])
-    }
-}
-
-impl<S: Simd> Horner for Singles<S> {
-    type Instructions = S;
-    type Coefficient = f32;
-
-    #[inline(always)]
-    fn coefficient(simd: S, value: f32) -> Self {
-        Singles(S::f32s::splat(simd, value))
-    }
-
-    #[inline(always)]
-    fn times_and(self, factor: Self, term: Self) -> Self {
-        Singles(self.0.mul_add(factor.0, term.0))
-    }
-}
-
 /// Two vectors.
 #[derive(Clone, Copy)]
 pub struct Two<S: Simd>(pub [Lanes<S>; 2]);

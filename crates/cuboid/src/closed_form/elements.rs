@@ -164,38 +164,6 @@ pub fn add_small_elements<N: Functions>(
     }
 }
 
-/// What the elements but the last add to mu0 H where `series` serves each of them. What does not wait for the division is multiplied before.
-#[inline(always)]
-pub fn add_five_small_elements<N: Functions>(
-    simd: N::Instructions,
-    [[n_ab, m_ab], [n_ac, m_ac], [n_bc, m_bc], [n_aa, m_aa], [n_bb, m_bb]]: [[N; 2]; 5],
-    series: impl Fn(N::Instructions, N, bool) -> N,
-    coefficients: &[[f64; 3]; 6],
-    axes: [usize; 3],
-    sum: &mut [N; 3],
-) {
-    let (first, second) = (m_ab * m_ac, m_bc * m_aa);
-    let four = first * second;
-    let inverse = N::splat(simd, 1.0).over(four * m_bb);
-    let (of_first, of_second) = (inverse * (m_bb * second), inverse * (m_bb * first));
-    let ratios = [
-        of_first * (n_ab * m_ac),
-        of_first * (n_ac * m_ab),
-        of_second * (n_bc * m_aa),
-        of_second * (n_aa * m_bc),
-        inverse * (n_bb * four),
-    ];
-    let [ab, ac, bc, aa, bb] = ratios;
-    let (ab, ac, bc) = (series(simd, ab, false), series(simd, ac, false), series(simd, bc, false));
-    let (aa, bb) = (series(simd, aa, true), series(simd, bb, true));
-    let [a, b, c] = axes;
-    let of = |element: usize, axis: usize| coefficients[element][axis];
-    sum[a] = sum[a] + aa.scale_add(of(AA, a), ac.scale_add(of(AC, a), ab * of(AB, a)));
-    sum[b] = sum[b] + bb.scale_add(of(BB, b), bc.scale_add(of(BC, b), ab * of(AB, b)));
-    let from_trace = bb.scale_add(of(BB, c), aa * of(AA, c));
-    sum[c] = sum[c] + bc.scale_add(of(BC, c), ac.scale_add(of(AC, c), from_trace));
-}
-
 #[inline(always)]
 pub fn add<N: Functions>(sum: &mut [N; 3], half: N, coefficient: &[f64; 3]) {
     for (sum, coefficient) in sum.iter_mut().zip(coefficient) {

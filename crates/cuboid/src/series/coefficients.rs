@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use crate::tolerances::{HIGHEST_ORDER, LEAST_SINGLE_ORDER, MULTIPOLE_ORDERS, SINGLE_PRECISION_BOUND};
+use crate::tolerances::HIGHEST_ORDER;
 
 /// A_x, A_y, P_xy, P_xz and P_yz (Eq. P39).
 pub const POLYNOMIALS: usize = 5;
@@ -12,11 +12,7 @@ pub const POLYNOMIALS: usize = 5;
 #[derive(Clone, Debug)]
 pub struct Series {
     /// Order after order of sigma, as [`place`] has them.
-    doubles: [[f64; POLYNOMIALS]; start(HIGHEST_ORDER + 1)],
-    /// The same from [`LEAST_SINGLE_ORDER`] on, rounded.
-    singles: [[f32; POLYNOMIALS]; start(HIGHEST_ORDER + 1) - start(LEAST_SINGLE_ORDER)],
-    /// From which of its orders on a series that ends with an order is in single precision.
-    first_single: [usize; HIGHEST_ORDER + 1],
+    coefficients: [[f64; POLYNOMIALS]; start(HIGHEST_ORDER + 1)],
 }
 
 /// The middle of what u and v may be, where u + v <= 1: powers of what they are off it cancel least.
@@ -40,15 +36,11 @@ impl Series {
         let squares = size.map(|s| (s / largest) * (s / largest));
         let total: f64 = squares.iter().sum();
         let share = squares.map(|s| s / total);
-        let mut series = Series {
-            doubles: [[0.0; POLYNOMIALS]; start(HIGHEST_ORDER + 1)],
-            singles: [[0.0; POLYNOMIALS]; start(HIGHEST_ORDER + 1) - start(LEAST_SINGLE_ORDER)],
-            first_single: [0; HIGHEST_ORDER + 1],
-        };
+        let mut series = Series { coefficients: [[0.0; POLYNOMIALS]; start(HIGHEST_ORDER + 1)] };
         for (order, moments) in MOMENTS.iter().enumerate().take(highest + 1) {
             for moment in &**moments {
                 let weight: f64 = (0..3).map(|axis| share[axis].powi(moment.powers[axis] as i32)).product();
-                let sums = &mut series.doubles[start(order)..start(order + 1)];
+                let sums = &mut series.coefficients[start(order)..start(order + 1)];
                 for (sums, coefficients) in sums.iter_mut().zip(&moment.coefficients) {
                     for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
                         *sum += weight * coefficient;
@@ -56,73 +48,14 @@ impl Series {
                 }
             }
         }
-        for (single, double) in series.singles.iter_mut().zip(&series.doubles[start(LEAST_SINGLE_ORDER)..]) {
-            *single = double.map(|coefficient| coefficient as f32);
-        }
-        for (order, half_diagonals) in MULTIPOLE_ORDERS.into_iter().filter(|(order, _)| *order <= highest) {
-            series.first_single[order] = series.first_single(order, half_diagonals);
-        }
         series
-    }
-
-    /// The first order that may be in single precision with all later ones up to `last`, so many half diagonals away.
-    fn first_single(&self, last: usize, half_diagonals: f64) -> usize {
-        let mut first = last + 1;
-        let mut bound = 0.0;
-        while first > LEAST_SINGLE_ORDER {
-            bound += self.rounding(first - 1) * half_diagonals.powi(-2 * (first as i32 - 1));
-            if bound > SINGLE_PRECISION_BOUND {
-                break;
-            }
-            first -= 1;
-        }
-        first
-    }
-
-    /// The most that single precision makes of an order, of a dipole's least field, if multiply-adds are fused; without that half as much again.
-    fn rounding(&self, order: usize) -> f64 {
-        // A monomial has u or v, each rounded, for each of its degrees and a sum for each, and the coefficient and the last sum.
-        let roundings = (2 * order + 3) as f64;
-        let coefficients = &self.doubles[start(order)..start(order + 1)];
-        let mut magnitudes = [0.0; POLYNOMIALS];
-        for b in 0..=order {
-            for a in 0..=order - b {
-                let largest = largest_monomial(a, b);
-                for (magnitude, coefficient) in magnitudes.iter_mut().zip(coefficients[place(order, a, b)]) {
-                    *magnitude += coefficient.abs() * largest;
-                }
-            }
-        }
-        0.5 * f64::from(f32::EPSILON) * roundings * magnitudes.into_iter().fold(0.0, f64::max)
-    }
-
-    /// From which of its orders on a series that ends with `last` is in single precision; `last + 1` if none is.
-    #[inline(always)]
-    pub fn first_single_of(&self, last: usize) -> usize {
-        self.first_single[last]
     }
 
     /// One order's coefficients.
     #[inline(always)]
-    pub fn doubles<const ORDER: usize>(&self) -> &[[f64; POLYNOMIALS]] {
-        &self.doubles[start(ORDER)..start(ORDER + 1)]
+    pub fn coefficients<const ORDER: usize>(&self) -> &[[f64; POLYNOMIALS]] {
+        &self.coefficients[start(ORDER)..start(ORDER + 1)]
     }
-
-    /// See [`Series::doubles`].
-    #[inline(always)]
-    pub fn singles<const ORDER: usize>(&self) -> &[[f32; POLYNOMIALS]] {
-        let before = start(LEAST_SINGLE_ORDER);
-        &self.singles[start(ORDER) - before..start(ORDER + 1) - before]
-    }
-}
-
-/// The most that |u - 1/3|^a |v - 1/3|^b may be: neither is above 2/3, nor their sum above 1.
-fn largest_monomial(a: usize, b: usize) -> f64 {
-    if a + b == 0 {
-        return 1.0;
-    }
-    let share = (a as f64 / (a + b) as f64).clamp(THIRD, 2.0 * THIRD);
-    share.powi(a as i32) * (1.0 - share).powi(b as i32)
 }
 
 /// One moment <x^2a y^2b z^2c> and the polynomials of the derivatives of 1/r it comes with.

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use fearless_simd::prelude::*;
-use magsplice_simd::lanes::{Horner, Lanes, Number, Singles, Two};
+use magsplice_simd::lanes::{Lanes, Number, Two};
 use magsplice_simd::pairwise::Pairwise;
 
 use super::coefficients::{POLYNOMIALS, Series, THIRD};
@@ -50,39 +50,22 @@ impl<S: Simd> Pairwise<S> for TruncatedSeries<'_> {
     #[inline(always)]
     fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
         let TruncatedSeries { tile, series, order } = *self;
-        let (first, second) = (Place::of(simd, tile, points[0]), Place::of(simd, tile, points[1]));
+        let (first, second) = (PointOffset::new(simd, tile, points[0]), PointOffset::new(simd, tile, points[1]));
         let (u, v) = (Two([first.u, second.u]), Two([first.v, second.v]));
-        let mut sums = Sums::new(simd, u, v, Two([first.sigma, second.sigma]));
-        let first_single = series.first_single_of(order);
-        if first_single <= order {
-            let mut singles = Sums::new(simd, Singles::of(u), Singles::of(v), Singles::of(sums.sigma));
-            for order in (first_single..=order).rev() {
-                match order {
-                    8 => singles.add::<8>(simd, series.singles::<8>()),
-                    7 => singles.add::<7>(simd, series.singles::<7>()),
-                    6 => singles.add::<6>(simd, series.singles::<6>()),
-                    5 => singles.add::<5>(simd, series.singles::<5>()),
-                    4 => singles.add::<4>(simd, series.singles::<4>()),
-                    _ => singles.add::<3>(simd, series.singles::<3>()),
-                }
-            }
-            for (double, single) in sums.polynomials.iter_mut().zip(singles.polynomials) {
-                *double = single.widened();
-            }
-        }
-        for order in (3..first_single).rev() {
+        let mut sums = SeriesSums::new(simd, u, v, Two([first.sigma, second.sigma]));
+        for order in (3..=order).rev() {
             match order {
-                8 => sums.add::<8>(simd, series.doubles::<8>()),
-                7 => sums.add::<7>(simd, series.doubles::<7>()),
-                6 => sums.add::<6>(simd, series.doubles::<6>()),
-                5 => sums.add::<5>(simd, series.doubles::<5>()),
-                4 => sums.add::<4>(simd, series.doubles::<4>()),
-                _ => sums.add::<3>(simd, series.doubles::<3>()),
+                8 => sums.add::<8>(simd, series.coefficients::<8>()),
+                7 => sums.add::<7>(simd, series.coefficients::<7>()),
+                6 => sums.add::<6>(simd, series.coefficients::<6>()),
+                5 => sums.add::<5>(simd, series.coefficients::<5>()),
+                4 => sums.add::<4>(simd, series.coefficients::<4>()),
+                _ => sums.add::<3>(simd, series.coefficients::<3>()),
             }
         }
-        sums.add::<2>(simd, series.doubles::<2>());
-        sums.add::<1>(simd, series.doubles::<1>());
-        sums.add::<0>(simd, series.doubles::<0>());
+        sums.add::<2>(simd, series.coefficients::<2>());
+        sums.add::<1>(simd, series.coefficients::<1>());
+        sums.add::<0>(simd, series.coefficients::<0>());
         let [Two(ax), Two(ay), Two(xy), Two(xz), Two(yz)] = sums.polynomials;
         [
             first.field([ax[0], ay[0], xy[0], xz[0], yz[0]], tile.moment),
@@ -92,7 +75,7 @@ impl<S: Simd> Pairwise<S> for TruncatedSeries<'_> {
 }
 
 /// Where points lie relative to a tile.
-struct Place<S: Simd> {
+struct PointOffset<S: Simd> {
     offset: [Lanes<S>; 3],
     inverse_square: Lanes<S>,
     /// Less 1/3.
@@ -101,16 +84,16 @@ struct Place<S: Simd> {
     sigma: Lanes<S>,
 }
 
-impl<S: Simd> Place<S> {
+impl<S: Simd> PointOffset<S> {
     #[inline(always)]
-    fn of(simd: S, tile: &Distant, mut point: [Lanes<S>; 3]) -> Place<S> {
+    fn new(simd: S, tile: &Distant, mut point: [Lanes<S>; 3]) -> PointOffset<S> {
         for (coordinate, centre) in point.iter_mut().zip(&tile.centre) {
             *coordinate = ((*coordinate - centre.hi) - centre.lo) * tile.scale;
         }
         let [x, y, z] = point;
         let (x2, y2) = (x * x, y * y);
         let inverse_square = Lanes::<S>::splat(simd, 1.0).over(z.mul_add(z, x2 + y2));
-        Place {
+        PointOffset {
             offset: point,
             inverse_square,
             u: x2.mul_sub_constant(inverse_square, THIRD),
@@ -138,44 +121,44 @@ impl<S: Simd> Place<S> {
 }
 
 /// The polynomials so far.
-struct Sums<N> {
+struct SeriesSums<N> {
     u: N,
     v: N,
     sigma: N,
     polynomials: [N; POLYNOMIALS],
 }
 
-impl<N: Horner> Sums<N> {
+impl<N: Number> SeriesSums<N> {
     #[inline(always)]
-    fn new(simd: N::Instructions, u: N, v: N, sigma: N) -> Sums<N> {
-        Sums { u, v, sigma, polynomials: [N::coefficient(simd, N::Coefficient::default()); POLYNOMIALS] }
+    fn new(simd: N::Instructions, u: N, v: N, sigma: N) -> SeriesSums<N> {
+        SeriesSums { u, v, sigma, polynomials: [N::splat(simd, 0.0); POLYNOMIALS] }
     }
 
     /// sigma times the sums so far, and one order's polynomials, by Horner's scheme in v of Horner's scheme in u.
     #[inline(always)]
-    fn add<const ORDER: usize>(&mut self, simd: N::Instructions, coefficients: &[[N::Coefficient; POLYNOMIALS]]) {
-        let mut polynomials = [N::coefficient(simd, N::Coefficient::default()); POLYNOMIALS];
+    fn add<const ORDER: usize>(&mut self, simd: N::Instructions, coefficients: &[[f64; POLYNOMIALS]]) {
+        let mut polynomials = [N::splat(simd, 0.0); POLYNOMIALS];
         let mut sums = polynomials;
         for (polynomial, first) in polynomials.iter_mut().zip(&coefficients[0]) {
-            *polynomial = N::coefficient(simd, *first);
+            *polynomial = N::splat(simd, *first);
         }
         let mut start = 1;
         for row in 1..=ORDER {
             for (sum, first) in sums.iter_mut().zip(&coefficients[start]) {
-                *sum = N::coefficient(simd, *first);
+                *sum = N::splat(simd, *first);
             }
             for coefficients in &coefficients[start + 1..=start + row] {
                 for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
-                    *sum = sum.times_and(self.u, N::coefficient(simd, *coefficient));
+                    *sum = sum.mul_add(self.u, N::splat(simd, *coefficient));
                 }
             }
             start += row + 1;
             for (polynomial, sum) in polynomials.iter_mut().zip(sums) {
-                *polynomial = polynomial.times_and(self.v, sum);
+                *polynomial = polynomial.mul_add(self.v, sum);
             }
         }
         for (sum, polynomial) in self.polynomials.iter_mut().zip(polynomials) {
-            *sum = sum.times_and(self.sigma, polynomial);
+            *sum = sum.mul_add(self.sigma, polynomial);
         }
     }
 }

@@ -9,9 +9,7 @@ use std::any::Any;
 
 use fearless_simd::prelude::*;
 
-use magsplice_cuboid::closed_form::elements::{
-    Place, add_elements, add_five_small_elements, add_small_elements, common_inverse,
-};
+use magsplice_cuboid::closed_form::elements::{Place, add_elements, add_small_elements, common_inverse};
 use magsplice_cuboid::closed_form::terms::{AA, AB, AC, BB, BC, CC, Group};
 use magsplice_simd::functions::{angle, artanh_of_ratio, short_odd_series};
 use magsplice_simd::lanes::{Lanes, Number};
@@ -41,18 +39,13 @@ impl KeptTables {
             || {
                 let kept = self.0.take().and_then(|tables| tables.downcast::<Tables<S>>().ok());
                 let mut tables = kept.unwrap_or_else(|| Box::new(Tables::new(simd)));
-                let five = small && cluster.has_five_own;
                 tables.start(cluster, load(simd, [x, y, z], 0));
                 for start in (0..x.len()).step_by(Lanes::<S>::LEN) {
                     let end = start + Lanes::<S>::LEN;
                     // After the last points the first again, to have something to prepare.
                     let next = if end < x.len() { end } else { 0 };
                     let next = load(simd, [x, y, z], next);
-                    let field = if five {
-                        tables.field_of_five_small(simd, cluster, next)
-                    } else {
-                        tables.field(simd, cluster, next, small)
-                    };
+                    let field = tables.field(simd, cluster, next, small);
                     field[0].store(&mut fx[start..end]);
                     field[1].store(&mut fy[start..end]);
                     field[2].store(&mut fz[start..end]);
@@ -212,18 +205,6 @@ impl<S: Simd> Tables<S> {
         }
         sum
     }
-
-    /// The same of a cluster with [five elements](CornerTables::has_five_own) for each tile, all of them small.
-    #[inline(always)]
-    fn field_of_five_small(&mut self, simd: S, cluster: &CornerTables, next: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
-        let (current, mut upcoming) = Upcoming::of(&mut self.places, &mut self.next, cluster, next);
-        let mut sum = [Lanes::<S>::splat(simd, 0.0); 3];
-        for tile in &cluster.tiles {
-            let ratios = five_ratios(tile, current, &mut upcoming);
-            add_five_small_elements(simd, ratios, short_odd_series, &tile.coefficients, tile.axes, &mut sum);
-        }
-        sum
-    }
 }
 
 /// The places of the next points while they are made.
@@ -296,19 +277,6 @@ fn multiply<S: Simd, const HAS_OWN: bool>(
     }
     upcoming.advance();
     own
-}
-
-/// The ratios of all elements but the last.
-#[inline(always)]
-fn five_ratios<S: Simd>(tile: &TileTerms, places: &Places<S>, upcoming: &mut Upcoming<S>) -> [[Lanes<S>; 2]; 5] {
-    let place = places.of(tile);
-    let (factors, squares) = (&tile.factors, &tile.squares);
-    let (ab, ac) = (place.ratio::<AB>(factors, squares), place.ratio::<AC>(factors, squares));
-    let bc = place.ratio::<BC>(factors, squares);
-    upcoming.advance();
-    let (aa, bb) = (place.ratio::<AA>(factors, squares), place.ratio::<BB>(factors, squares));
-    upcoming.advance();
-    [ab, ac, bc, aa, bb]
 }
 
 /// Onto the product of its group, or into `own`.

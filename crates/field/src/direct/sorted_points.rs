@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
-use magsplice_cuboid::method::{CLOSED_FORM, FIRST_FAR, MOST_FAR, MethodIndex, MethodRanges, SMALL_ELEMENTS};
+use magsplice_cuboid::method::{FIRST_FAR, MOST_FAR, MethodIndex, MethodRanges};
 use magsplice_simd::column::{Column, views};
 use magsplice_simd::lanes::{Lanes, Number, PAIR};
 
@@ -47,37 +47,6 @@ impl SortedPoints {
             };
             self.add(form, index as u32);
         }
-        if beyond.is_some() {
-            self.fill_up();
-        }
-    }
-
-    /// Gives so many points beyond the sphere to the closed form that those left fill pairs of vectors, if its own last pair has room for them and it serves so many:
-    /// there they cost nothing, and a pair of the expansion is saved.
-    fn fill_up(&mut self) {
-        let Some(last) = [SMALL_ELEMENTS, CLOSED_FORM].into_iter().find(|form| self.counts[usize::from(*form)] > 0)
-        else {
-            return;
-        };
-        let (last, beyond) = (usize::from(last), usize::from(BEYOND_SPHERE));
-        let (closed, spare) = (self.counts[last], self.counts[beyond] % PAIR);
-        let start = beyond * self.stretch;
-        let is_served = |index: u32| self.methods[index as usize] == (beyond + last) as f64;
-        let served = (start..start + self.counts[beyond]).rev().filter(|&at| is_served(self.indices[at]));
-        let room = closed.next_multiple_of(PAIR) - closed;
-        let Some(first) = spare.checked_sub(1).filter(|_| spare <= room).and_then(|before| served.clone().nth(before))
-        else {
-            return;
-        };
-        let (mut kept, mut taken) = (first, last * self.stretch + closed);
-        for at in first..start + self.counts[beyond] {
-            let index = self.indices[at];
-            let place = if is_served(index) { &mut taken } else { &mut kept };
-            self.indices[*place] = index;
-            *place += 1;
-        }
-        self.counts[beyond] -= spare;
-        self.counts[last] += spare;
     }
 
     /// Points that have these indices in the batch.

@@ -20,8 +20,6 @@ pub(crate) struct CornerTables {
     /// How many such pairs there are for half a tile, rounded up.
     pub(crate) corner_pairs_per_step: usize,
     pub(crate) tiles: Vec<TileTerms>,
-    /// Whether no tile shares an element with another and the last is not needed of any.
-    pub(crate) has_five_own: bool,
     pub(crate) groups: Vec<Group>,
     /// The volume of the tiles of one group, or of one tile, at most; scaled.
     pub(crate) largest_group_volume: f64,
@@ -57,7 +55,6 @@ impl CornerTables {
             planes: numbers.planes,
             corners,
             corner_pairs_per_step,
-            has_five_own: tiles.iter().all(|tile| tile.groups == [OWN, OWN, OWN, OWN, OWN, NO_GROUP]),
             tiles,
             groups: groups.all,
             largest_group_volume: groups.largest_volume,

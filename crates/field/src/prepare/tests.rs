@@ -11,23 +11,9 @@ use magsplice_simd::lanes::{Lanes, Number};
 
 use super::cluster_methods::farthest_corner;
 use super::clusters::expansion_of;
-use super::corner_tables::CornerTables;
 
 pub(crate) fn levels() -> Vec<Level> {
     InstructionSet::available().into_iter().map(|set| set.detected().expect("available")).collect()
-}
-
-/// The loop for tiles that share no element is taken only where all of them have five of their own.
-#[test]
-fn clusters_know_whether_each_tile_has_five_elements_of_its_own() {
-    let has_five_own = |j: [[f64; 3]; 3]| {
-        let block = |n: usize| Block::new(n, DVec3::X * n as f64, DVec3::ONE, DVec3::from(j[n]), 0.1);
-        CornerTables::new(&[0, 1, 2].map(block), 0.5).expect("few tiles").has_five_own
-    };
-    let (general, other, third) = ([0.7, 0.5, 0.3], [0.6, 0.2, 0.4], [0.1, 0.9, 0.8]);
-    assert!(has_five_own([general, other, third]));
-    assert!(!has_five_own([general, other, other]));
-    assert!(!has_five_own([general, other, [0.1, 0.0, 0.0]]));
 }
 
 #[inline(always)]
