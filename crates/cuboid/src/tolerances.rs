@@ -20,7 +20,7 @@ pub const FACE_NUDGE: f64 = power_of_two(-120);
 pub const SMALLEST_NUDGE: f64 = power_of_two(-300);
 
 /// A tile whose largest size is below this fraction of the distance adds nothing: its field is below
-/// 2^-1200 of J, and with J at most [`MAX_POLARIZATION_T`] rounds to zero.
+/// 2^-1200 of J, and with J at most `MAX_POLARIZATION_T` rounds to zero.
 pub const VANISHING_SIZE: f64 = power_of_two(-400);
 
 /// Points are put onto faces only of tiles at least this many times thicker than the round-off of the point.
@@ -78,7 +78,7 @@ pub const SMALLER_ANGLE: f64 = 0.04;
 pub const DIRECT_DIAGONAL: f64 = 0.5;
 
 /// The error of the exact field, as a fraction of the sum over tiles of the fields that the components of J make alone: what
-/// [`Scene`](crate::Scene) promises.
+/// `Scene` promises.
 pub const EXACT_BOUND: f64 = 2e-14;
 
 /// The largest field of a tile over its J, each component: |T_ij| grows by ln(2) / 2 pi each time a point comes closer to an edge by half, and no face is

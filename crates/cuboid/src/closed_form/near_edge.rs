@@ -1,6 +1,6 @@
 //! In a tile and beside it, in the lanes of a vector (docs/physics.md, section 2.6).
 //!
-//! What the closed form of [`single_tile`](super::single_tile) loses near an edge, this does not: each edge and each corner has its own term, of numbers without
+//! What the closed form of `single_tile` loses near an edge, this does not: each edge and each corner has its own term, of numbers without
 //! cancellation. The terms are added up, so that what is right to round-off is the largest of them: enough here, where in a tile that is no plate and no
 //! needle each column of the tensor is nearly as large, and nowhere else.
 
