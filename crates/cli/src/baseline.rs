@@ -1,4 +1,4 @@
-//! A baseline: the field of a working volume in a CSV file, as `magsplice field` writes it.
+//! Baselines of `check`: the field of a working volume as CSV, as `magsplice field` writes it.
 
 use std::path::Path;
 
@@ -7,12 +7,13 @@ use magsplice::field::Grid;
 use magsplice::prelude::DVec3;
 
 use crate::failure::Failure;
-use crate::output::Output;
-use crate::points::{Faults, read_error};
+use crate::faults::FaultList;
+use crate::output::destination::Output;
+use crate::point_file::read_error;
 
 const COLUMNS: [&str; 6] = ["x_mm", "y_mm", "z_mm", "bx_t", "by_t", "bz_t"];
 
-/// Reads a baseline, or says everything that is wrong with it.
+/// Reads a baseline. The failure lists all faulty lines.
 pub(crate) fn read(path: &Path) -> Result<Baseline, Failure> {
     let failed = |message: String| Failure::Points { path: path.to_owned(), message };
     let file = std::fs::File::open(path)
@@ -26,7 +27,7 @@ pub(crate) fn read(path: &Path) -> Result<Baseline, Failure> {
     }
     let places = places.map(|at| at.expect("no column is missing"));
     let mut baseline = Baseline::default();
-    let mut faults = Faults::default();
+    let mut faults = FaultList::default();
     for record in reader.records() {
         let record = match record {
             Ok(record) => record,
@@ -50,12 +51,12 @@ pub(crate) fn read(path: &Path) -> Result<Baseline, Failure> {
     if faults.is_empty() { Ok(baseline) } else { Err(faults.failure(path.display().to_string())) }
 }
 
-/// Writes the field of a grid over a baseline, whole or not at all.
+/// Writes the field of a grid as a baseline, complete or not at all. Replaces an earlier one.
 pub(crate) fn write(path: &Path, layout: &Path, grid: &Grid, field_t: &[DVec3]) -> Result<(), Failure> {
     let mut output = Output::open(Some(path), &[layout])?;
     output.write(|w| {
         writeln!(w, "{}", COLUMNS.join(","))?;
-        // Debug prints the shortest digits that read back to the same number.
+        // `{:?}` prints the shortest digits that read back to the same number.
         grid.points()
             .zip(field_t)
             .try_for_each(|(p, b)| writeln!(w, "{:?},{:?},{:?},{:?},{:?},{:?}", p.x, p.y, p.z, b.x, b.y, b.z))

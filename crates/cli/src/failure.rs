@@ -1,4 +1,4 @@
-//! Why the program could not do its work, in words for the person at the terminal.
+//! Reasons why the program stops, and how it tells them.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -8,46 +8,35 @@ use magsplice::FilmError;
 use magsplice::design::DesignError;
 use magsplice::layout::LayoutError;
 
-/// At most this many faults of one kind are printed; the rest are counted.
+/// Largest number of faults of one kind that are printed; the rest are counted.
 pub(crate) const PRINTED_FAULTS: usize = 20;
 
-/// Says something on standard error; if that is closed there is nobody to tell.
-pub(crate) fn tell(what: &impl fmt::Display) {
-    let _ = writeln!(io::stderr(), "magsplice: {what}");
+/// Prints a message on standard error. A closed standard error is ignored: there is nobody to tell.
+pub(crate) fn tell(message: &impl fmt::Display) {
+    let _ = writeln!(io::stderr(), "magsplice: {message}");
 }
 
+/// Why the program stops.
 #[derive(Debug)]
 pub(crate) enum Failure {
+    /// The layout file cannot be read or breaks a rule.
     Layout(LayoutError),
-    Film {
-        layout: PathBuf,
-        error: FilmError,
-    },
-    Design {
-        place: String,
-        error: DesignError,
-    },
-    Points {
-        path: PathBuf,
-        message: String,
-    },
+    /// The film of a layout cannot be evaluated.
+    Film { layout: PathBuf, error: FilmError },
+    /// There is no film to design. `place` is the layout file or the verb.
+    Design { place: String, error: DesignError },
+    /// A file of points or a baseline cannot be used.
+    Points { path: PathBuf, message: String },
+    /// The report cannot be drawn.
     #[cfg(feature = "report")]
-    Report {
-        layout: PathBuf,
-        message: String,
-    },
-    /// Lines of a point file, or points, that have no field.
-    Faults {
-        place: String,
-        faults: Vec<String>,
-        more: usize,
-    },
-    /// What was asked for cannot be written so.
+    Report { layout: PathBuf, message: String },
+    /// Lines of a file that cannot be read, or points without a field.
+    Faults { place: String, faults: Vec<String>, more: usize },
+    /// The result cannot be written in the format or to the place asked for.
     Format(String),
-    Write {
-        target: String,
-        error: io::Error,
-    },
+    /// Writing failed.
+    Write { target: String, error: io::Error },
+    /// The reader of standard output closed it.
     PipeClosed,
 }
 
@@ -78,7 +67,7 @@ impl fmt::Display for Failure {
             }
             Failure::Format(message) => f.write_str(message),
             Failure::Write { target, error } => write!(f, "cannot write {target}: {error}"),
-            Failure::PipeClosed => f.write_str("the reader of the output closed it"),
+            Failure::PipeClosed => f.write_str("the reader of standard output closed it"),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! An interrupted program leaves no temporary file behind.
+//! Ctrl-C: temporary files are removed, a search ends with its best film.
 
 use std::fs;
 use std::io;
@@ -6,27 +6,31 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 
-/// The exit status of a program ended by Ctrl-C, as shells give it.
+/// Exit status after Ctrl-C, the one that shells give.
 const INTERRUPTED: i32 = 130;
 
+/// The temporary file or folder that an interruption removes.
 static TEMPORARY: Mutex<Option<PathBuf>> = Mutex::new(None);
 static HANDLER: Once = Once::new();
 
-/// Whether the next interruption only asks for an end.
-static KINDLY: AtomicBool = AtomicBool::new(false);
-static ASKED: AtomicBool = AtomicBool::new(false);
+/// Whether the next interruption sets [`STOP`] instead of ending the program.
+static DEFERRED: AtomicBool = AtomicBool::new(false);
+/// Whether a deferred interruption has happened.
+static STOP: AtomicBool = AtomicBool::new(false);
 
-/// From now on the first interruption only says so here; a second one ends the program as ever.
-pub(crate) fn asked_kindly() -> &'static AtomicBool {
+/// Defers the next interruption: it only sets the flag that is returned. A second interruption ends
+/// the program.
+pub(crate) fn defer() -> &'static AtomicBool {
     handle();
-    KINDLY.store(true, Ordering::Relaxed);
-    &ASKED
+    DEFERRED.store(true, Ordering::Relaxed);
+    &STOP
 }
 
-/// Makes a file or folder that an interruption (Ctrl-C, termination, hang-up) removes from now on, before the program ends.
+/// Makes a file or folder that an interruption (Ctrl-C, termination, hang-up) removes before the
+/// program ends.
 pub(crate) fn temporary<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     handle();
-    // An interruption in between waits until it is known what to remove.
+    // The lock makes an interruption wait until the path to remove is known.
     let mut temporary = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
     let made = make()?;
     *temporary = Some(made.as_ref().to_owned());
@@ -35,13 +39,13 @@ pub(crate) fn temporary<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) ->
 
 fn handle() {
     HANDLER.call_once(|| {
-        // Without a handler the program works all the same; only the temporary file would stay.
+        // Without a handler the program still works; an interruption leaves its temporary file.
         let _ = ctrlc::set_handler(|| {
-            if KINDLY.swap(false, Ordering::Relaxed) {
-                ASKED.store(true, Ordering::Relaxed);
+            if DEFERRED.swap(false, Ordering::Relaxed) {
+                STOP.store(true, Ordering::Relaxed);
                 return;
             }
-            // Held to the end, so that no other is made meanwhile.
+            // Held until the program ends, so that no other temporary file is made.
             let temporary = TEMPORARY.lock();
             if let Ok(Some(path)) = temporary.as_deref() {
                 let _ = fs::remove_file(path).or_else(|_| fs::remove_dir_all(path));
@@ -51,7 +55,7 @@ fn handle() {
     });
 }
 
-/// Does something that must be done as a whole; an interruption waits for it.
+/// Does work that an interruption must not divide: it waits for the end.
 pub(crate) fn uninterrupted<T>(work: impl FnOnce() -> T) -> T {
     let _held = TEMPORARY.lock();
     work()

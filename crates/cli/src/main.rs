@@ -1,18 +1,41 @@
 //! The program `magsplice`. Results go to standard output, everything else to standard error.
 //!
-//! Exit status: 0 fine, 1 a finding of `check`, or a film that is not as good as was asked, 2 the work could not be done, 130 it was interrupted.
+//! Exit status: 0 success; 1 `check` has a finding, or a designed film misses a requirement; 2 the
+//! work could not be done; 130 interrupted.
+//!
+//! A verb in `verbs/` takes its arguments from `args/`, runs the library, and passes the result
+//! through `text/`, `json/`, `junit.rs` or `output/table.rs` to a destination in `output/`.
 
+/// The command line: verbs, options and their help texts.
 mod args;
+/// Baselines of `check`: the field of a working volume as CSV.
 mod baseline;
+/// Results of `check`: a layout with the outcome of each of its expectations.
+mod checked;
+/// Results of `decouple`: a film with its field, comparison and decoupling.
+mod evaluation;
+/// Reasons why the program stops, and how it tells them.
 mod failure;
-mod folder;
-mod formats;
+/// Lists of faulty lines and points.
+mod faults;
+/// Ctrl-C: temporary files are removed, a search ends with its best film.
 mod interrupt;
+/// JSON forms of results.
+mod json;
+/// The JUnit form of the results of `check`.
+mod junit;
+/// Where results go: standard output, files, folders, tables.
 mod output;
-mod points;
+/// Points from a CSV file.
+mod point_file;
+/// The progress line on a terminal.
 mod progress;
+/// Results as printed tables.
 mod text;
+/// One file per verb.
 mod verbs;
+/// Errors of the library in words with the names of tiles.
+mod words;
 
 use std::process::ExitCode;
 
@@ -29,29 +52,34 @@ fn main() -> ExitCode {
         failure::tell(&format_args!("cannot start {count} threads: {error}"));
         return ExitCode::from(2);
     }
-    let mut reached = 0;
-    let done = match verb {
-        Verb::Field(args) => verbs::field::run(&args, common.quiet),
-        Verb::Compare(args) => verbs::compare::run(&args, common.quiet),
-        Verb::Decouple(args) => verbs::decouple::run(&args, common.quiet),
-        Verb::Tiles(args) => verbs::tiles::run(&args, common.quiet),
-        Verb::Export(args) => verbs::export::run(&args, common.quiet),
-        Verb::Init(args) => verbs::init::run(&args, common.quiet),
-        Verb::Schema => verbs::schema::run(),
-        Verb::Completions(args) => verbs::completions::run(&args),
-        Verb::Check(args) => return ExitCode::from(verbs::check::run(&args, common.quiet)),
-        Verb::Design(args) => verbs::design::run(&args, common.quiet).map(|status| reached = status),
-        Verb::Splice(args) => verbs::design::splice(&args, common.quiet).map(|status| reached = status),
-        Verb::Plan(args) => verbs::plan::run(&args, common.quiet),
-        #[cfg(feature = "report")]
-        Verb::Report(args) => verbs::report::run(&args, common.quiet),
-    };
-    match done {
+    match run(&verb, common.quiet) {
+        Ok(status) => ExitCode::from(status),
         // A reader that closes the pipe early, such as `head`, has what it wanted.
-        Ok(()) | Err(Failure::PipeClosed) => ExitCode::from(reached),
+        Err(Failure::PipeClosed) => ExitCode::SUCCESS,
         Err(failure) => {
             failure::tell(&failure);
             ExitCode::from(2)
         }
     }
+}
+
+/// The exit status of a verb that could do its work.
+fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
+    match verb {
+        Verb::Check(args) => return verbs::check::run(args, quiet),
+        Verb::Design(args) => return verbs::design::run(args, quiet),
+        Verb::Splice(args) => return verbs::splice::run(args, quiet),
+        Verb::Field(args) => verbs::field::run(args, quiet),
+        Verb::Compare(args) => verbs::compare::run(args, quiet),
+        Verb::Decouple(args) => verbs::decouple::run(args, quiet),
+        Verb::Plan(args) => verbs::plan::run(args, quiet),
+        #[cfg(feature = "report")]
+        Verb::Report(args) => verbs::report::run(args, quiet),
+        Verb::Tiles(args) => verbs::tiles::run(args, quiet),
+        Verb::Export(args) => verbs::export::run(args, quiet),
+        Verb::Init(args) => verbs::init::run(args, quiet),
+        Verb::Schema => verbs::schema::run(),
+        Verb::Completions(args) => verbs::completions::run(args),
+    }
+    .map(|()| 0)
 }

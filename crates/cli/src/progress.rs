@@ -1,4 +1,4 @@
-//! How far long work is, on a terminal only.
+//! The progress line on a terminal.
 
 use std::fmt::Write;
 use std::io::{IsTerminal, stderr};
@@ -10,40 +10,41 @@ use std::time::Duration;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use magsplice::Stage;
 
-/// Work that is done sooner shows no bar.
-const PATIENCE: Duration = Duration::from_secs(1);
+/// Time before the line appears; shorter work shows none.
+const DELAY: Duration = Duration::from_secs(1);
 
-/// How often what is shown changes though nothing was done, so that it is seen to be alive.
+/// Interval at which the line is redrawn without news, so that it is seen to be alive.
 const TICK: Duration = Duration::from_millis(200);
 
-/// A bar on standard error, gone when the work is.
-pub(crate) struct Progress {
+/// A line on standard error that shows how far the work is. It disappears when the work ends.
+pub(crate) struct ProgressLine {
     bar: ProgressBar,
     stage: Mutex<Option<Stage>>,
-    /// Shows the bar when it is due, unless the sender is dropped before.
+    /// The thread that makes the line appear after [`DELAY`], unless the sender is dropped before.
     watch: Mutex<Option<(Sender<()>, JoinHandle<()>)>>,
 }
 
-impl Progress {
-    /// Progress of work that begins now, if anybody is to see it.
-    pub(crate) fn start(seen: bool) -> Progress {
+impl ProgressLine {
+    /// The line of work that begins now, with the reading of a layout. It appears only if `visible`
+    /// and on a terminal.
+    pub(crate) fn start(visible: bool) -> ProgressLine {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        let watch = (seen && stderr().is_terminal()).then(|| watch(&bar));
-        let progress = Progress { bar, stage: Mutex::new(None), watch: Mutex::new(watch) };
-        progress.show(Stage::uncounted("reading the layout"));
-        progress
+        let watch = (visible && stderr().is_terminal()).then(|| watch(&bar));
+        let line = ProgressLine { bar, stage: Mutex::new(None), watch: Mutex::new(watch) };
+        line.show(Stage::uncounted("reading the layout"));
+        line
     }
 
-    /// How far it is.
+    /// Shows a stage of the work, and how much of it is done.
     pub(crate) fn show(&self, stage: Stage) {
         let Ok(mut last) = self.stage.lock() else { return };
         if last.is_none_or(|last| (last.name, last.of) != (stage.name, stage.of)) {
-            // Times are those of this stage.
+            // Times are counted from the start of this stage.
             self.bar.reset_elapsed();
             self.bar.reset_eta();
             self.bar.set_style(style(&stage));
         }
-        // Both at once: one of them would be drawn beside the other of the stage before.
+        // Both in one update: otherwise one would be drawn with the other of the stage before.
         self.bar.update(|state| {
             state.set_pos(stage.done as u64);
             state.set_len(stage.of.unwrap_or(0) as u64);
@@ -51,29 +52,23 @@ impl Progress {
         *last = Some(stage);
     }
 
-    /// Of which of several layouts.
-    pub(crate) fn of(&self, what: String) {
-        self.bar.set_prefix(what);
-        self.show(Stage::uncounted("reading the layout"));
+    /// Sets the words before the name of the stage.
+    pub(crate) fn set_prefix(&self, prefix: String) {
+        self.bar.set_prefix(prefix);
     }
 
-    /// What is known so far, before the name of the stage.
-    pub(crate) fn best(&self, what: String) {
-        self.bar.set_prefix(what);
-    }
-
-    /// Writes to the terminal without meeting the bar there.
-    pub(crate) fn aside<T>(&self, write: impl FnOnce() -> T) -> T {
+    /// Hides the line while `write` writes to the terminal.
+    pub(crate) fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
         self.bar.suspend(write)
     }
 
-    /// Removes the bar for good, before results go to where it is.
+    /// Removes the line for good, before results are written to the same terminal.
     pub(crate) fn end(&self) {
         if let Ok(mut watch) = self.watch.lock()
             && let Some((ended, thread)) = watch.take()
         {
             drop(ended);
-            // It has nothing to give, and fails only where drawing does.
+            // The thread returns nothing, and panics only where drawing does.
             let _ = thread.join();
             self.bar.finish_and_clear();
         }
@@ -89,19 +84,19 @@ fn style(stage: &Stage) -> ProgressStyle {
     };
     let style = ProgressStyle::with_template(&template).expect("a valid template");
     style.with_key("left", |state: &ProgressState, text: &mut dyn Write| {
-        // Nothing can be told from nothing.
+        // Without any progress there is no estimate.
         if state.pos() > 0 {
             let _ = write!(text, ", {:#} left", HumanDuration(state.eta()));
         }
     })
 }
 
-/// A thread of its own, for work that says nothing while it goes on.
+/// Starts a thread that draws the line, also while the work reports nothing.
 fn watch(bar: &ProgressBar) -> (Sender<()>, JoinHandle<()>) {
     let (ended, end) = mpsc::channel();
     let bar = bar.clone();
     let thread = thread::spawn(move || {
-        if end.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+        if end.recv_timeout(DELAY) == Err(RecvTimeoutError::Timeout) {
             bar.set_draw_target(ProgressDrawTarget::stderr());
             bar.tick();
             bar.enable_steady_tick(TICK);
@@ -110,7 +105,7 @@ fn watch(bar: &ProgressBar) -> (Sender<()>, JoinHandle<()>) {
     (ended, thread)
 }
 
-impl Drop for Progress {
+impl Drop for ProgressLine {
     fn drop(&mut self) {
         self.end();
     }

@@ -1,13 +1,14 @@
-//! `magsplice completions`: what a shell needs to complete arguments.
+//! `magsplice completions`: prints the script with which a shell completes arguments.
 
 use clap::CommandFactory;
 
-use crate::args::{Args, CompletionsArgs};
+use crate::args::Args;
+use crate::args::files::CompletionsArgs;
 use crate::failure::Failure;
-use crate::output;
+use crate::output::destination::print;
 
 pub(crate) fn run(args: &CompletionsArgs) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Args::command(), "magsplice", &mut script);
-    output::print(&String::from_utf8_lossy(&script))
+    print(&String::from_utf8_lossy(&script))
 }

@@ -1,17 +1,18 @@
-//! `magsplice export`: the film for another program.
+//! `magsplice export`: writes the film for another program.
 
 use magsplice::layout::Layout;
 use magsplice_export::{magpylib, vtk};
 
-use crate::args::ExportArgs;
+use crate::args::files::ExportArgs;
+use crate::args::formats::ExportFormat;
 use crate::failure::Failure;
-use crate::formats::{self, ExportFormat};
-use crate::output::Output;
-use crate::progress::Progress;
+use crate::output::destination::Output;
+use crate::output::{choice, table};
+use crate::progress::ProgressLine;
 
 pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
-    let progress = Progress::start(!quiet);
-    let format = formats::choose(args.to, args.output.as_deref(), None)?;
+    let progress = ProgressLine::start(!quiet);
+    let format = choice::choose(args.to, args.output.as_deref(), None)?;
     let layout = Layout::read(&args.layout)?;
     let mut output = Output::open(args.output.as_deref(), &[&args.layout])?;
     if let Output::Stdout(_) = output {
@@ -19,7 +20,7 @@ pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
     }
     output.write(|w| match format {
         ExportFormat::Magpylib => magpylib::script(&layout, env!("CARGO_PKG_VERSION"), w),
-        ExportFormat::Vtk => vtk::film(&layout, &formats::origin(&layout), w),
+        ExportFormat::Vtk => vtk::film(&layout, &table::layout_metadata(&layout), w),
     })?;
     output.finish()
 }

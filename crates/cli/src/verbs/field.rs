@@ -1,36 +1,35 @@
-//! `magsplice field`: the field at points.
+//! `magsplice field`: computes the field at points.
 
-use std::io::{IsTerminal, stdin, stdout};
+use std::io::{IsTerminal, stdout};
 use std::mem;
 use std::path::{Path, PathBuf};
 
-use magsplice::field::{Accuracy, Cause, PointErrors, Quantity, Scene};
+use magsplice::field::{Accuracy, PointErrors, Quantity, Scene};
 use magsplice::layout::Layout;
 use magsplice::prelude::{DMat3, DVec3};
-use magsplice::{Film, FilmError, Stage};
-use magsplice_export::{ColumnQuantity, Metadata, Points, Table, csv};
-use serde::Serialize;
+use magsplice::{Film, Stage};
+use magsplice_export::{Metadata, Points, Table, csv};
 
-use crate::args::{FieldArgs, QuantityArg};
+use crate::args::evaluate::{FieldArgs, QuantityArg};
+use crate::args::formats::TableFormat;
 use crate::failure::Failure;
-use crate::formats::{self, TableFormat};
-use crate::output::Output;
-use crate::points::{Faults, PointFile};
-use crate::progress::Progress;
-use crate::verbs::decouple::Source;
-
-/// Points evaluated and written at a time. Bounds memory, and is enough work for every thread.
-const BATCH: usize = 1 << 16;
+use crate::faults::FaultList;
+use crate::json::field::FieldJson;
+use crate::output::destination::{Output, is_standard};
+use crate::output::{choice, table};
+use crate::point_file::{self, BATCH, PointFile};
+use crate::progress::ProgressLine;
+use crate::words::{no_field, no_points};
 
 pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
-    // Not among results on the same terminal, nor among points that are typed there.
-    let results = args.output.as_deref().is_none_or(is_standard) && stdout().is_terminal();
-    let points = args.points.as_deref().is_some_and(is_standard) && stdin().is_terminal();
-    let progress = Progress::start(!quiet && !results && !points);
+    // No progress line between results on the same terminal, nor between points that a person types.
+    let results_on_terminal = args.output.as_deref().is_none_or(is_standard) && stdout().is_terminal();
+    let visible = !quiet && !results_on_terminal && !point_file::are_typed(args.points.as_deref());
+    let progress = ProgressLine::start(visible);
     let layout = Layout::read(&args.layout)?;
     let accuracy = match args.quantity {
-        QuantityArg::B | QuantityArg::H => args.accuracy.get(),
-        // These are so in any case, and the file says it.
+        QuantityArg::B | QuantityArg::H => args.accuracy.accuracy(),
+        // These are always exact, and the metadata must say so.
         QuantityArg::J | QuantityArg::Gradient => Accuracy::Exact,
     };
     let film = Film::new(&layout).with_accuracy(accuracy);
@@ -40,21 +39,17 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
     }
 }
 
-fn is_standard(path: &Path) -> bool {
-    path == Path::new("-")
-}
-
-fn at_points(args: &FieldArgs, film: &Film, path: &Path, progress: &Progress) -> Result<(), Failure> {
+fn at_points(args: &FieldArgs, film: &Film, path: &Path, progress: &ProgressLine) -> Result<(), Failure> {
     let mut file = PointFile::open(path)?;
-    let mut results = Results::begin(args, film, Points::Scattered(Vec::new()))?;
-    let mut faults = Faults::default();
+    let mut writer = FieldWriter::open(args, film, Points::Scattered(Vec::new()))?;
+    let mut faults = FaultList::default();
     let (mut points, mut lines) = (Vec::new(), Vec::new());
     let mut done = 0;
     loop {
         let more = file.read(BATCH, &mut points, &mut lines, &mut faults)?;
-        let errors = results.rows(film.scene(), &points, faults.is_empty())?;
+        let errors = writer.evaluate(film.scene(), &points, faults.is_empty())?;
         for error in errors.0 {
-            let (line, cause) = (lines[error.index], cause_in_words(error.cause, film.layout()));
+            let (line, cause) = (lines[error.index], no_field(error.cause, film.layout()));
             let p = error.point;
             faults.add(line, format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z));
         }
@@ -64,100 +59,79 @@ fn at_points(args: &FieldArgs, film: &Film, path: &Path, progress: &Progress) ->
             break;
         }
     }
-    if faults.is_empty() { results.finish(film) } else { Err(faults.failure(path.display().to_string())) }
+    if faults.is_empty() { writer.finish(film) } else { Err(faults.failure(path.display().to_string())) }
 }
 
-fn on_grid(args: &FieldArgs, film: &Film, progress: &Progress) -> Result<(), Failure> {
-    let missing = |error: FilmError| match error {
-        FilmError::Missing(_) => Failure::Points {
-            path: args.layout.clone(),
-            message: "the layout has no [volume] table to take points from: add one, or give --points".to_owned(),
-        },
-        error => Failure::Film { layout: args.layout.clone(), error },
-    };
-    let grid = film.volume().map_err(missing)?.grid;
-    let mut results = Results::begin(args, film, Points::Grid(grid))?;
-    let mut faults = Faults::default();
+fn on_grid(args: &FieldArgs, film: &Film, progress: &ProgressLine) -> Result<(), Failure> {
+    let grid = film.volume().map_err(|error| no_points(&args.layout, error))?.grid;
+    let mut writer = FieldWriter::open(args, film, Points::Grid(grid))?;
+    let mut faults = FaultList::default();
     let mut add = |errors: PointErrors| {
         for error in errors.0 {
-            let (p, cause) = (error.point, cause_in_words(error.cause, film.layout()));
+            let (p, cause) = (error.point, no_field(error.cause, film.layout()));
             faults.add(0, format!("point ({}, {}, {}) mm of the working volume: {cause}", p.x, p.y, p.z));
         }
         faults.is_empty()
     };
     match (film.scene().accuracy(), quantity(args.quantity)) {
-        // The cheaper ways see the grid as a whole.
+        // The methods that a tolerance allows need the whole grid at once.
         (Accuracy::Within(_), Some(quantity)) => {
             let points: Vec<DVec3> = grid.points().collect();
             let mut field = vec![DVec3::ZERO; points.len()];
             progress.show(Stage::uncounted("field"));
             let evaluated = film.scene().field_on_grid_into(quantity, &grid, &mut field);
-            add(results.add(evaluated, &points, field.iter().flat_map(DVec3::to_array), true)?);
+            add(writer.add(evaluated, &points, field.iter().flat_map(DVec3::to_array), true)?);
         }
         _ => {
             let mut complete = true;
             for start in (0..grid.len()).step_by(BATCH) {
                 progress.show(Stage { name: "field", done: start, of: Some(grid.len()), unit: "points" });
                 let points: Vec<DVec3> = (start..grid.len().min(start + BATCH)).map(|i| grid.point(i)).collect();
-                complete = add(results.rows(film.scene(), &points, complete)?);
+                complete = add(writer.evaluate(film.scene(), &points, complete)?);
             }
         }
     }
-    if faults.is_empty() { results.finish(film) } else { Err(faults.failure(args.layout.display().to_string())) }
+    if faults.is_empty() { writer.finish(film) } else { Err(faults.failure(args.layout.display().to_string())) }
 }
 
-/// Why there is no field, with the tile's name.
-pub(crate) fn cause_in_words(cause: Cause, layout: &Layout) -> String {
-    match cause {
-        Cause::Unbounded { tile } => {
-            format!("the field is unbounded there, on an exposed edge of tile \"{}\"", layout.tiles[tile].name)
-        }
-        Cause::Unresolved { tile } => format!(
-            "the gradient cannot be resolved on an edge that tile \"{}\" shares with others",
-            layout.tiles[tile].name
-        ),
-        other => other.to_string(),
-    }
-}
-
-/// The field on its way out: rows of CSV batch by batch, other formats as a whole.
-struct Results {
+/// Evaluates the field and writes it: CSV batch by batch, other formats at the end.
+struct FieldWriter {
     output: Output,
     format: TableFormat,
     quantity: QuantityArg,
-    /// The points and values that are not written yet.
+    /// Points and values that are not written yet.
     points: Points,
     values: Vec<f64>,
     metadata: Metadata,
 }
 
-impl Results {
-    /// Opens the output. `points` are those of the table if they are known, else none.
-    fn begin(args: &FieldArgs, film: &Film, points: Points) -> Result<Results, Failure> {
-        let format = formats::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
-        formats::accept(format, args.output.as_deref(), matches!(points, Points::Grid(_)))?;
+impl FieldWriter {
+    /// Opens the output. `points` are all points of the result, or empty if they are not known yet.
+    fn open(args: &FieldArgs, film: &Film, points: Points) -> Result<FieldWriter, Failure> {
+        let format = choice::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
+        choice::accept(format, args.output.as_deref(), matches!(points, Points::Grid(_)))?;
         let inputs: Vec<&Path> = std::iter::once(&args.layout).chain(&args.points).map(PathBuf::as_path).collect();
         let output = Output::open(args.output.as_deref(), &inputs)?;
-        let (values, metadata) = (Vec::new(), formats::metadata(film));
-        let mut results = Results { output, format, quantity: args.quantity, points, values, metadata };
+        let (values, metadata) = (Vec::new(), table::film_metadata(film));
+        let mut writer = FieldWriter { output, format, quantity: args.quantity, points, values, metadata };
         if format == TableFormat::Csv {
-            results.points = Points::Scattered(Vec::new());
-            let empty = results.take_table();
-            results.output.write(|w| csv::header(&empty, w))?;
+            writer.points = Points::Scattered(Vec::new());
+            let empty = writer.take_table();
+            writer.output.write(|w| csv::header(&empty, w))?;
         }
-        Ok(results)
+        Ok(writer)
     }
 
-    /// The points and values that are not written yet, as a table.
+    /// Takes the points and values that are not written yet, as a table.
     fn take_table(&mut self) -> Table {
-        let (name, components) = self.quantity.names();
         let points = mem::replace(&mut self.points, Points::Scattered(Vec::new()));
-        let quantity = ColumnQuantity { name, components, values: mem::take(&mut self.values) };
-        Table::new(points, vec![quantity], mem::take(&mut self.metadata)).expect("every point has its values")
+        let columns = table::columns(self.quantity, mem::take(&mut self.values));
+        Table::new(points, vec![columns], mem::take(&mut self.metadata)).expect("every point has its values")
     }
 
-    /// Evaluates further points and, as long as there is a table to complete, adds their rows.
-    fn rows(&mut self, scene: &Scene, points: &[DVec3], complete: bool) -> Result<PointErrors, Failure> {
+    /// Evaluates further points, and adds their rows if all rows before are `complete`. Returns the
+    /// points without a field.
+    fn evaluate(&mut self, scene: &Scene, points: &[DVec3], complete: bool) -> Result<PointErrors, Failure> {
         let Some(quantity) = quantity(self.quantity) else {
             let mut gradient = vec![DMat3::ZERO; points.len()];
             let evaluated = scene.gradient_into(Quantity::FluxDensity, points, &mut gradient);
@@ -169,6 +143,7 @@ impl Results {
         self.add(evaluated, points, field.iter().flat_map(DVec3::to_array), complete)
     }
 
+    /// Adds the rows of points that were evaluated, as [`FieldWriter::evaluate`] does.
     fn add(
         &mut self,
         evaluated: Result<(), PointErrors>,
@@ -195,29 +170,13 @@ impl Results {
     fn finish(mut self, film: &Film) -> Result<(), Failure> {
         if self.format != TableFormat::Csv {
             let table = self.take_table();
-            let report = Report {
-                source: Source::of(film),
-                points: table.points().len(),
-                shape: table.points().shape(),
-                columns: &table,
-            };
-            formats::write(&table, &report, self.format, &mut self.output)?;
+            table::write(&table, &FieldJson::new(film, &table), self.format, &mut self.output)?;
         }
         self.output.finish()
     }
 }
 
-#[derive(Serialize)]
-struct Report<'a> {
-    #[serde(flatten)]
-    source: Source<'a>,
-    points: usize,
-    /// Of the columns as an array: counts along x, y, z on a grid.
-    shape: Vec<usize>,
-    columns: &'a Table,
-}
-
-/// `None` for the gradient.
+/// The library's quantity; `None` for the gradient.
 fn quantity(quantity: QuantityArg) -> Option<Quantity> {
     match quantity {
         QuantityArg::B => Some(Quantity::FluxDensity),

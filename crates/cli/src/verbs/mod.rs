@@ -1,15 +1,33 @@
-//! One file per verb.
+//! One file per verb. A verb reads its inputs, runs the library, and passes on the result.
 
+/// Validates layouts, and checks films against their expectations.
 pub(crate) mod check;
+/// Compares the field with the ideal film.
 pub(crate) mod compare;
+/// Prints the script with which a shell completes arguments.
 pub(crate) mod completions;
+/// Evaluates a film: field, comparison and decoupling errors.
 pub(crate) mod decouple;
+/// Searches for a better film.
 pub(crate) mod design;
+/// Writes the film for another program.
 pub(crate) mod export;
+/// Computes the field at points.
 pub(crate) mod field;
+/// `design --front`: searches the films of a trade-off.
+pub(crate) mod front;
+/// Writes a commented layout to start from.
 pub(crate) mod init;
+/// Shows which methods a tolerance allows.
 pub(crate) mod plan;
+/// Draws figures and a page.
 #[cfg(feature = "report")]
 pub(crate) mod report;
+/// Prints the JSON Schema of layout files.
 pub(crate) mod schema;
+/// What `design`, `design --front` and `splice` share: the search, its progress, its result.
+pub(crate) mod search;
+/// Designs a film from nothing.
+pub(crate) mod splice;
+/// Lists the tiles of a layout and its bill of materials.
 pub(crate) mod tiles;

@@ -1,4 +1,4 @@
-//! `magsplice report`: figures and a page, in a folder.
+//! `magsplice report`: draws figures and a page.
 
 use std::fmt::Write;
 
@@ -7,23 +7,26 @@ use magsplice::prelude::DVec3;
 use magsplice::{Film, FilmError, Stage};
 use magsplice_report::{PrintedResults, Report, ReportError};
 
-use crate::args::ReportArgs;
+use crate::args::evaluate::ReportArgs;
+use crate::evaluation::Evaluation;
 use crate::failure::Failure;
-use crate::folder::Folder;
-use crate::output;
-use crate::progress::Progress;
-use crate::text;
-use crate::verbs::decouple::{Evaluated, Source};
+use crate::json::decouple::DecoupleJson;
+use crate::json::source::SourceJson;
+use crate::output::destination::print;
+use crate::output::folder::Folder;
+use crate::progress::ProgressLine;
+use crate::words::film_failure;
+use crate::{json, text};
 
 pub(crate) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
-    let progress = Progress::start(!quiet);
-    let tell = |stage: Stage| progress.show(stage);
+    let progress = ProgressLine::start(!quiet);
+    let show = |stage: Stage| progress.show(stage);
     let layout = Layout::read(&args.layout)?;
-    let film = Film::new(&layout).with_accuracy(args.accuracy.get()).with_progress(&tell);
-    let failed = |error| text::film_failure(&args.layout, &layout, error);
-    // Whether the folder can be written is known before anything is computed.
+    let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy()).with_progress(&show);
+    let failed = |error| film_failure(&args.layout, &layout, error);
+    // A folder that cannot be written is refused before the field is computed.
     let folder = Folder::open(&args.output, Report::is_report_file)?;
-    let Known { text, json, field_t } = known(&film).map_err(failed)?;
+    let PageNumbers { text, json, field_t } = numbers(&film).map_err(failed)?;
     let results = PrintedResults { text: &text, json: &json };
     let report = Report::new(&film, field_t, results).map_err(|error| match error {
         ReportError::Film(error) => failed(error),
@@ -36,35 +39,34 @@ pub(crate) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
     progress.end();
     let page = args.output.join("report.html");
     let mut said = format!("{}: {} figures, each also as SVG and PNG\n", page.display(), report.figures.len());
-    for what in &report.absent {
-        let _ = writeln!(said, "absent: {what}");
+    for absent in &report.absent {
+        let _ = writeln!(said, "absent: {absent}");
     }
-    output::print(&said)
+    print(&said)
 }
 
-/// What is known before anything is drawn.
-struct Known {
+/// The numbers of the page, as `decouple` prints them.
+struct PageNumbers {
     text: String,
     json: String,
-    /// The field of the working volume, if there is one.
+    /// The field of the working volume, if the layout has one.
     field_t: Option<Vec<DVec3>>,
 }
 
-/// The numbers that the layout allows for.
-fn known(film: &Film) -> Result<Known, FilmError> {
+/// As many numbers as the tables of the layout allow.
+fn numbers(film: &Film) -> Result<PageNumbers, FilmError> {
     if film.ideal().is_ok() && film.volume().is_ok() {
-        let evaluated = Evaluated::of(film)?;
-        let (text, json) = (evaluated.text()?, evaluated.json());
-        return Ok(Known { text, json, field_t: Some(evaluated.into_field_t()) });
+        let evaluation = Evaluation::new(film)?;
+        let text = text::decouple::evaluation(&evaluation);
+        let json = json::pretty(&DecoupleJson::new(&evaluation, None));
+        return Ok(PageNumbers { text, json, field_t: Some(evaluation.field_t) });
     }
-    let json = text::json(&Source::of(film));
+    let json = json::pretty(&SourceJson::new(film));
     let Ok(volume) = film.volume() else {
-        let layout = film.layout();
-        let tiles = text::tile_count(layout);
-        let text = format!("{}: {tiles}, sha256 {}\n", layout.name, &layout.sha256[..12]);
-        return Ok(Known { text, json, field_t: None });
+        return Ok(PageNumbers { text: text::header::layout(film.layout()), json, field_t: None });
     };
     let field_t = film.volume_field_t()?;
-    let field = text::field(&field_t, volume, film.reference_field_t()?, None);
-    Ok(Known { text: format!("{}\n{field}", text::header(film, volume)), json, field_t: Some(field_t) })
+    let field = text::decouple::field(&field_t, volume, film.reference_field_t()?, None);
+    let text = format!("{}\n{field}", text::header::film(film, volume));
+    Ok(PageNumbers { text, json, field_t: Some(field_t) })
 }

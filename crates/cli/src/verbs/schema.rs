@@ -1,11 +1,11 @@
-//! `magsplice schema`: a JSON Schema of layout files.
+//! `magsplice schema`: prints the JSON Schema of layout files.
 
 use magsplice::layout;
 
 use crate::failure::Failure;
-use crate::output;
-use crate::text;
+use crate::json;
+use crate::output::destination::print;
 
 pub(crate) fn run() -> Result<(), Failure> {
-    output::print(&text::json(&layout::schema()))
+    print(&json::pretty(&layout::schema()))
 }

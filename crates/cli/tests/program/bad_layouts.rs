@@ -1,18 +1,18 @@
-//! Faulty layouts: every verb reports why, exits with status 2, and writes nothing.
+//! Layouts that cannot be used: every verb states the reason, exits with 2, and writes nothing.
 
-use crate::Bench;
+use crate::Sandbox;
 
 const HEAD: &str = "format = 1\nname = \"bad\"\n";
 const TILE: &str = "[[tile]]\nname = \"a\"\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
 const IDEAL: &str = "[ideal]\nwavelength_mm = 10\nthickness_mm = 1\namplitude_t = 0.12\n";
 const VOLUME: &str = "[volume]\nx_mm = [-2, 2]\ny_mm = [-2, 2]\nz_mm = [-5, -3]\nstep_mm = 0.5\n";
 
-/// Runs every verb on a layout with this text and expects all `messages`.
+/// Runs every verb on a layout with this text and expects all `messages` on standard error.
 #[track_caller]
 fn refused(text: &str, messages: &[&str]) {
-    let bench = Bench::new();
-    bench.write("bad.toml", text);
-    bench.write("out.csv", "was here before\n");
+    let sandbox = Sandbox::new();
+    sandbox.write("bad.toml", text);
+    sandbox.write("out.csv", "was here before\n");
     let calls: [&[&str]; 5] = [
         &["tiles", "bad.toml"],
         &["field", "bad.toml", "-o", "out.csv"],
@@ -21,25 +21,25 @@ fn refused(text: &str, messages: &[&str]) {
         &["check", "bad.toml"],
     ];
     for call in calls {
-        let said = bench.run(call);
+        let said = sandbox.run(call);
         for message in messages {
             said.refuses(message);
         }
     }
-    assert_eq!(bench.files(), ["bad.toml", "out.csv"]);
-    assert_eq!(bench.read("out.csv"), "was here before\n");
+    assert_eq!(sandbox.files(), ["bad.toml", "out.csv"]);
+    assert_eq!(sandbox.read("out.csv"), "was here before\n");
 }
 
 #[test]
-fn unreadable_files_are_refused() {
-    let bench = Bench::new();
+fn missing_layout_file_is_refused() {
+    let sandbox = Sandbox::new();
     for verb in ["field", "compare", "decouple", "check", "tiles"] {
-        bench.run(&[verb, "nowhere.toml"]).refuses("cannot read nowhere.toml: No such file or directory");
+        sandbox.run(&[verb, "nowhere.toml"]).refuses("cannot read nowhere.toml: No such file or directory");
     }
-    bench.run(&["check", "."]).refuses("cannot read .: ");
-    bench.write("binary.toml", "x");
-    std::fs::write(bench.path("binary.toml"), [0xff, 0xfe]).unwrap();
-    bench.run(&["check", "binary.toml"]).refuses("binary.toml: not UTF-8 text");
+    sandbox.run(&["check", "."]).refuses("cannot read .: ");
+    sandbox.write("binary.toml", "x");
+    std::fs::write(sandbox.path("binary.toml"), [0xff, 0xfe]).unwrap();
+    sandbox.run(&["check", "binary.toml"]).refuses("binary.toml: not UTF-8 text");
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn missing_keys_and_wrong_types_are_refused() {
 }
 
 #[test]
-fn zero_negative_and_non_finite_sizes_are_refused() {
+fn sizes_that_are_zero_negative_or_not_finite_are_refused() {
     for (size, message) in [
         ("[1, 0, 1]", "size_mm[1] = 0, must be greater than 0"),
         ("[-1, 1, 1]", "size_mm[0] = -1, must be greater than 0"),
@@ -82,7 +82,7 @@ fn zero_negative_and_non_finite_sizes_are_refused() {
 }
 
 #[test]
-fn non_finite_polarization_and_zero_axis_are_refused() {
+fn polarization_that_is_not_finite_and_zero_axis_are_refused() {
     let text = format!("{HEAD}{}", TILE.replace("[0, 0, 1]", "[nan, 0, -inf]"));
     refused(
         &text,
@@ -101,7 +101,7 @@ fn all_bad_tiles_are_listed() {
 }
 
 #[test]
-fn overlap_message_names_both_tiles_and_the_depth() {
+fn overlapping_tiles_are_refused_with_names_and_depth() {
     let other = TILE.replace("\"a\"", "\"b\"").replace("[0, 0, 0]", "[0.75, 0, 0]");
     let touching = TILE.replace("\"a\"", "\"c\"").replace("[0, 0, 0]", "[0, 1, 0]");
     let message =
@@ -126,31 +126,33 @@ fn inverted_empty_and_enormous_volumes_are_refused() {
 
 #[test]
 fn verbs_refuse_layouts_without_the_tables_they_need() {
-    let bench = Bench::new();
-    bench.write("bare.toml", &format!("{HEAD}{TILE}"));
-    bench.run(&["field", "bare.toml"]).refuses("has no [volume] table to take points from: add one, or give --points");
-    bench.run(&["compare", "bare.toml"]).refuses("bare.toml: the layout has no [ideal] table, which this needs");
-    bench.run(&["decouple", "bare.toml"]).refuses("bare.toml: the layout has no [ideal] table, which this needs");
-    bench.write("no-volume.toml", &format!("{HEAD}{TILE}{IDEAL}"));
-    bench.run(&["decouple", "no-volume.toml"]).refuses("the layout has no [volume] table");
-    assert_eq!(bench.run(&["check", "bare.toml"]).status, 0);
+    let sandbox = Sandbox::new();
+    sandbox.write("bare.toml", &format!("{HEAD}{TILE}"));
+    sandbox
+        .run(&["field", "bare.toml"])
+        .refuses("has no [volume] table to take points from: add one, or give --points");
+    sandbox.run(&["compare", "bare.toml"]).refuses("bare.toml: the layout has no [ideal] table, which this needs");
+    sandbox.run(&["decouple", "bare.toml"]).refuses("bare.toml: the layout has no [ideal] table, which this needs");
+    sandbox.write("no-volume.toml", &format!("{HEAD}{TILE}{IDEAL}"));
+    sandbox.run(&["decouple", "no-volume.toml"]).refuses("the layout has no [volume] table");
+    assert_eq!(sandbox.run(&["check", "bare.toml"]).status, 0);
 }
 
 #[test]
-fn points_outside_the_range_of_the_theory_are_refused() {
-    let bench = Bench::new();
+fn volumes_outside_the_range_of_the_theory_are_refused() {
+    let sandbox = Sandbox::new();
     let above = VOLUME.replace("[-5, -3]", "[-1, 0]").replace("x_mm = [-2, 2]", "x_mm = [2, 3]");
-    bench.write("above.toml", &format!("{HEAD}{TILE}{IDEAL}{above}"));
-    bench.run(&["compare", "above.toml"]).refuses("Eq. 2 of the ideal film holds only for z < 0");
-    bench.write("reference.toml", &format!("{HEAD}{TILE}{IDEAL}{VOLUME}reference_mm = [0, 0, 3]\n"));
-    bench
+    sandbox.write("above.toml", &format!("{HEAD}{TILE}{IDEAL}{above}"));
+    sandbox.run(&["compare", "above.toml"]).refuses("Eq. 2 of the ideal film holds only for z < 0");
+    sandbox.write("reference.toml", &format!("{HEAD}{TILE}{IDEAL}{VOLUME}reference_mm = [0, 0, 3]\n"));
+    sandbox
         .run(&["decouple", "reference.toml"])
         .refuses("the point (0, 0, 3) mm of the working volume is not below the film");
     let wide = VOLUME.replace("x_mm = [-2, 2]", "x_mm = [-6, 6]");
-    bench.write("wide.toml", &format!("{HEAD}{TILE}{IDEAL}{wide}"));
-    bench.run(&["decouple", "wide.toml"]).refuses("reaches |x| = 6, must stay below half a wavelength, 5");
-    // A tile magnetized along x has B_z = 0 on the plane x = 0, where the reference is.
+    sandbox.write("wide.toml", &format!("{HEAD}{TILE}{IDEAL}{wide}"));
+    sandbox.run(&["decouple", "wide.toml"]).refuses("reaches |x| = 6, must stay below half a wavelength, 5");
+    // A tile magnetized along x has B_z = 0 on the plane x = 0, which holds the reference point.
     let shear = TILE.replace("[0, 0, 1]", "[1, 0, 0]");
-    bench.write("shear.toml", &format!("{HEAD}{shear}{IDEAL}{VOLUME}"));
-    bench.run(&["decouple", "shear.toml"]).refuses("B_z vanishes at the reference point (0, 0, -5)");
+    sandbox.write("shear.toml", &format!("{HEAD}{shear}{IDEAL}{VOLUME}"));
+    sandbox.run(&["decouple", "shear.toml"]).refuses("B_z vanishes at the reference point (0, 0, -5)");
 }

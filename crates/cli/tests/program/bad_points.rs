@@ -2,17 +2,17 @@
 
 use std::fmt::Write;
 
-use crate::{Bench, shipped};
+use crate::{Sandbox, shipped};
 
 #[track_caller]
 fn refused(points: &str, messages: &[&str]) {
-    let bench = Bench::new();
-    bench.write("points.csv", points);
-    let said = bench.run(&["field", &shipped("single-tile"), "--points", "points.csv", "-o", "out.csv"]);
+    let sandbox = Sandbox::new();
+    sandbox.write("points.csv", points);
+    let said = sandbox.run(&["field", &shipped("single-tile"), "--points", "points.csv", "-o", "out.csv"]);
     for message in messages {
         said.refuses(message);
     }
-    assert_eq!(bench.files(), ["points.csv"], "no file may be left behind");
+    assert_eq!(sandbox.files(), ["points.csv"], "no file may be left behind");
 }
 
 #[test]
@@ -47,25 +47,25 @@ fn many_faulty_lines_are_counted() {
 }
 
 #[test]
-fn blank_lines_are_no_points() {
-    let bench = Bench::new();
-    bench.write("points.csv", "x_mm,y_mm,z_mm\r\n\r\n   \r\n9,9,9\r\n");
-    let said = bench.run(&["field", &shipped("single-tile"), "--points", "points.csv"]);
+fn blank_lines_are_skipped() {
+    let sandbox = Sandbox::new();
+    sandbox.write("points.csv", "x_mm,y_mm,z_mm\r\n\r\n   \r\n9,9,9\r\n");
+    let said = sandbox.run(&["field", &shipped("single-tile"), "--points", "points.csv"]);
     assert_eq!((said.status, said.stdout.lines().count()), (0, 2), "{}", said.stderr);
 }
 
 #[test]
-fn no_points_and_no_file() {
+fn empty_and_missing_point_files_are_refused() {
     refused("x_mm,y_mm,z_mm\n", &["points.csv: has no points"]);
-    let bench = Bench::new();
-    bench
+    let sandbox = Sandbox::new();
+    sandbox
         .run(&["field", &shipped("single-tile"), "--points", "none.csv"])
         .refuses("none.csv: cannot read: No such file");
 }
 
 #[test]
-fn an_exposed_edge_is_named_with_point_and_tile() {
-    // The first batch is sound, so rows would have been written before the fault is found.
+fn point_on_an_exposed_edge_is_refused_with_its_tile() {
+    // The fault is in the second batch, after the rows of the first one.
     let mut points = "x_mm,y_mm,z_mm\n".to_owned();
     for i in 0..70_000 {
         let _ = writeln!(points, "{i},3,3");
@@ -81,17 +81,17 @@ fn an_exposed_edge_is_named_with_point_and_tile() {
 }
 
 #[test]
-fn outputs_that_cannot_be_written() {
-    let bench = Bench::new();
+fn outputs_that_cannot_be_written_are_refused() {
+    let sandbox = Sandbox::new();
     let layout = shipped("single-tile");
-    bench.run(&["field", &layout, "-o", "no/such/folder/out.csv"]).refuses("cannot write no/such/folder/out.csv");
-    bench.run(&["field", &layout, "-o", "."]).refuses("cannot write .: ");
-    assert_eq!(bench.files(), [""; 0]);
-    let points = bench.write("points.csv", "x_mm,y_mm,z_mm\n9,9,9\n");
+    sandbox.run(&["field", &layout, "-o", "no/such/folder/out.csv"]).refuses("cannot write no/such/folder/out.csv");
+    sandbox.run(&["field", &layout, "-o", "."]).refuses("cannot write .: ");
+    assert_eq!(sandbox.files(), [""; 0]);
+    let points = sandbox.write("points.csv", "x_mm,y_mm,z_mm\n9,9,9\n");
     let onto_input = ["field", &layout, "--points", "points.csv", "-o", "./points.csv"];
-    bench.run(&onto_input).refuses("cannot write ./points.csv: it is the input, which would be lost");
+    sandbox.run(&onto_input).refuses("cannot write ./points.csv: it is an input, which would be lost");
     let mut permissions = std::fs::metadata(&points).unwrap().permissions();
     permissions.set_readonly(true);
     std::fs::set_permissions(&points, permissions).unwrap();
-    bench.run(&["field", &layout, "-o", "points.csv"]).refuses("cannot write points.csv: it is read-only");
+    sandbox.run(&["field", &layout, "-o", "points.csv"]).refuses("cannot write points.csv: it is read-only");
 }

@@ -1,37 +1,37 @@
-//! `check`: expectations, baselines, reports for build systems.
+//! `check`: expectations, baselines, JSON and JUnit.
 
 use serde_json::{Value, json};
 
-use crate::{Bench, shipped};
+use crate::{Sandbox, shipped};
 
-/// The published film and its baseline, in a folder of their own below the one the program runs in.
-fn published(bench: &Bench, change: impl Fn(String) -> String) {
-    std::fs::create_dir_all(bench.path("films")).unwrap();
+/// Writes the published film and its baseline to a folder below the one the program runs in.
+fn published(sandbox: &Sandbox, change: impl Fn(String) -> String) {
+    std::fs::create_dir_all(sandbox.path("films")).unwrap();
     let layout = shipped("published-film");
-    bench.write("films/film.toml", &change(std::fs::read_to_string(&layout).unwrap()));
+    sandbox.write("films/film.toml", &change(std::fs::read_to_string(&layout).unwrap()));
     std::fs::copy(
         layout.replace("published-film.toml", "published.field.csv"),
-        bench.path("films/published.field.csv"),
+        sandbox.path("films/published.field.csv"),
     )
     .unwrap();
 }
 
-fn report(bench: &Bench, arguments: &[&str]) -> (i32, Value) {
-    let said = bench.run(&[&["check", "--format", "json"], arguments].concat());
+fn report(sandbox: &Sandbox, arguments: &[&str]) -> (i32, Value) {
+    let said = sandbox.run(&[&["check", "--format", "json"], arguments].concat());
     (said.status, serde_json::from_str(&said.stdout).unwrap())
 }
 
-/// What a report says of the expectation of this name, of its first layout.
+/// The expectation of this name of the first layout in a report.
 fn expectation<'a>(report: &'a Value, name: &str) -> &'a Value {
     let all = report["layouts"][0]["expectations"].as_array().unwrap();
     all.iter().find(|e| e["expectation"] == name).unwrap_or_else(|| panic!("no {name} in {all:?}"))
 }
 
 #[test]
-fn one_line_per_expectation_with_value_bound_and_margin() {
-    let bench = Bench::new();
-    published(&bench, |text| text);
-    let said = bench.run(&["check", "films/film.toml"]);
+fn check_prints_value_bound_and_margin_of_each_expectation() {
+    let sandbox = Sandbox::new();
+    published(&sandbox, |text| text);
+    let said = sandbox.run(&["check", "films/film.toml"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     let lines: Vec<Vec<&str>> = said.stdout.lines().map(|l| l.split_whitespace().collect()).collect();
     assert_eq!(lines[0].join(" "), "films/film.toml: published film, 56 tiles");
@@ -43,26 +43,26 @@ fn one_line_per_expectation_with_value_bound_and_margin() {
     assert_eq!(lines[6][1..6], ["clearance_mm", "3.000000", "at", "least", "3.0"]);
     assert!(said.stdout.lines().all(|l| l.len() <= 100), "fits a wide terminal: {}", said.stdout);
 
-    let bare = bench.run(&["check", &shipped("single-tile"), "films/film.toml"]);
+    let bare = sandbox.run(&["check", &shipped("single-tile"), "films/film.toml"]);
     assert!(bare.stdout.contains("clearance_mm  0.500000  at least 0.5"), "{}", bare.stdout);
 }
 
 #[test]
-fn what_is_not_as_expected_is_a_finding() {
-    let bench = Bench::new();
-    published(&bench, |text| {
+fn unmet_expectations_are_findings() {
+    let sandbox = Sandbox::new();
+    published(&sandbox, |text| {
         text.replace("s_z = 0.0399", "s_z = 0.0398")
             .replace("min = 0.8187", "min = 0.9")
             .replace("min = 3.0", "min = 3.5")
     });
-    let said = bench.run(&["check", "films/film.toml"]);
+    let said = sandbox.run(&["check", "films/film.toml"]);
     assert_eq!((said.status, said.stderr.as_str()), (1, ""));
     let failed: Vec<&str> = said.stdout.lines().filter(|l| l.starts_with("  FAILED")).collect();
     assert_eq!(failed.len(), 3, "{}", said.stdout);
     for (line, part) in failed.iter().zip(["margin -8.83778e-5", "margin -0.081270", "margin -0.500000"]) {
         assert!(line.contains(part), "{line}");
     }
-    let (status, json) = report(&bench, &["films/film.toml"]);
+    let (status, json) = report(&sandbox, &["films/film.toml"]);
     assert_eq!((status, &json["layouts"][0]["status"]), (1, &json!("failed")));
     let s_z = expectation(&json, "uniformity_rmse.s_z");
     assert_eq!((&s_z["status"], &s_z["at_most"], &s_z["error"]), (&json!("failed"), &json!(0.0398), &Value::Null));
@@ -75,33 +75,33 @@ fn what_is_not_as_expected_is_a_finding() {
 }
 
 #[test]
-fn a_changed_film_differs_from_its_baseline_until_it_is_updated() {
-    let bench = Bench::new();
-    published(&bench, |text| text.replace("0.85, 3.3", "0.8500001, 3.3"));
-    let (status, json) = report(&bench, &["films/film.toml"]);
+fn changed_film_differs_from_its_baseline_until_update() {
+    let sandbox = Sandbox::new();
+    published(&sandbox, |text| text.replace("0.85, 3.3", "0.8500001, 3.3"));
+    let (status, json) = report(&sandbox, &["films/film.toml"]);
     assert_eq!(status, 1);
     let field = expectation(&json, "field");
     assert_eq!((&field["status"], &field["at_most"]), (&json!("failed"), &json!(1e-12)));
     assert!(field["value"].as_f64().unwrap() > 1e-9 && field["at_mm"].as_array().unwrap().len() == 3);
-    // Three digits of a film without a change of its shape do not fail the other expectations.
+    // The change is too small for the bounds of the other expectations.
     assert_eq!(expectation(&json, "amplitude")["status"], "ok");
 
-    let before = bench.read("films/published.field.csv");
-    let said = bench.run(&["check", "--update", "films/film.toml"]);
+    let before = sandbox.read("films/published.field.csv");
+    let said = sandbox.run(&["check", "--update", "films/film.toml"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, "magsplice: wrote films/published.field.csv, 405 points\n"));
-    assert_ne!(bench.read("films/published.field.csv"), before);
-    // Exactly what `field` writes.
-    assert_eq!(bench.read("films/published.field.csv"), bench.run(&["field", "films/film.toml"]).stdout);
-    assert_eq!(report(&bench, &["films/film.toml"]).0, 0);
-    assert_eq!(bench.files(), ["films"]);
-    assert_eq!(std::fs::read_dir(bench.path("films")).unwrap().count(), 2);
+    assert_ne!(sandbox.read("films/published.field.csv"), before);
+    // The baseline is byte for byte what `field` writes.
+    assert_eq!(sandbox.read("films/published.field.csv"), sandbox.run(&["field", "films/film.toml"]).stdout);
+    assert_eq!(report(&sandbox, &["films/film.toml"]).0, 0);
+    assert_eq!(sandbox.files(), ["films"]);
+    assert_eq!(std::fs::read_dir(sandbox.path("films")).unwrap().count(), 2);
 }
 
 #[test]
-fn a_baseline_that_cannot_be_used_is_no_finding() {
-    let bench = Bench::new();
-    published(&bench, |text| text);
-    let good = bench.read("films/published.field.csv");
+fn unusable_baseline_is_an_error() {
+    let sandbox = Sandbox::new();
+    published(&sandbox, |text| text);
+    let good = sandbox.read("films/published.field.csv");
     let second = good.lines().nth(1).unwrap().to_owned();
     for (text, message) in [
         (
@@ -122,10 +122,10 @@ fn a_baseline_that_cannot_be_used_is_no_finding() {
         ),
     ] {
         match &text {
-            None => std::fs::remove_file(bench.path("films/published.field.csv")).unwrap(),
-            Some(text) => drop(bench.write("films/published.field.csv", text)),
+            None => std::fs::remove_file(sandbox.path("films/published.field.csv")).unwrap(),
+            Some(text) => drop(sandbox.write("films/published.field.csv", text)),
         }
-        let said = bench.run(&["check", "films/film.toml"]);
+        let said = sandbox.run(&["check", "films/film.toml"]);
         assert_eq!(said.status, 2, "{message}: {}", said.stdout);
         assert!(
             said.stderr.starts_with("magsplice: ") && said.stderr.contains(message),
@@ -133,7 +133,7 @@ fn a_baseline_that_cannot_be_used_is_no_finding() {
             said.stderr
         );
         assert_eq!(said.stderr.matches('\n').count(), 1);
-        // The rest is evaluated.
+        // The other expectations are evaluated.
         assert!(
             said.stdout.contains("  ERROR   field") && said.stdout.matches("  ok  ").count() == 5,
             "{}",
@@ -143,33 +143,34 @@ fn a_baseline_that_cannot_be_used_is_no_finding() {
 }
 
 #[test]
-fn an_update_never_takes_what_was_there_without_giving_something() {
-    let bench = Bench::new();
-    // The baseline would be the layout itself.
-    published(&bench, |text| text.replace("published.field.csv", "film.toml"));
-    let layout = bench.read("films/film.toml");
-    let said = bench.run(&["check", "--update", "films/film.toml"]);
+fn failed_update_keeps_the_earlier_files() {
+    let sandbox = Sandbox::new();
+    // The layout names itself as its baseline.
+    published(&sandbox, |text| text.replace("published.field.csv", "film.toml"));
+    let layout = sandbox.read("films/film.toml");
+    let said = sandbox.run(&["check", "--update", "films/film.toml"]);
     assert_eq!(said.status, 2);
     assert!(
-        said.stderr.contains("cannot write films/film.toml: it is the input, which would be lost"),
+        said.stderr.contains("cannot write films/film.toml: it is an input, which would be lost"),
         "{}",
         said.stderr
     );
-    assert_eq!(bench.read("films/film.toml"), layout);
-    // A point of the volume on an exposed edge has no field.
-    published(&bench, |text| {
+    assert_eq!(sandbox.read("films/film.toml"), layout);
+    // Points of the volume on an exposed edge have no field.
+    published(&sandbox, |text| {
         text.replace("[[lattice]]", "[[tile]]\nname = \"in the way\"\nposition_mm = [0, 0, -4.5]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n[[lattice]]")
     });
-    let baseline = bench.read("films/published.field.csv");
-    let said = bench.run(&["check", "--update", "films/film.toml"]);
+    let baseline = sandbox.read("films/published.field.csv");
+    let said = sandbox.run(&["check", "--update", "films/film.toml"]);
     assert_eq!(said.status, 2);
     assert!(
         said.stderr.contains("mm: the field is unbounded there, on an exposed edge of tile \"in the way\""),
         "{}",
         said.stderr
     );
-    assert_eq!(bench.read("films/published.field.csv"), baseline);
-    // One cause is told once, for five expectations; the clearance says how far the tile would have to move.
+    assert_eq!(sandbox.read("films/published.field.csv"), baseline);
+    // Five expectations fail for one cause, which is printed once. The clearance is negative: the
+    // depth by which the tile reaches into the volume.
     assert_eq!(said.stderr.matches("(-0.5, -0.5, -5) mm").count(), 1, "{}", said.stderr);
     assert!(
         said.stdout.contains("FAILED  clearance_mm") && said.stdout.contains("-1.000000  at least 3.0"),
@@ -180,21 +181,21 @@ fn an_update_never_takes_what_was_there_without_giving_something() {
 }
 
 #[test]
-fn reports_hold_findings_and_failures_of_all_layouts() {
-    let bench = Bench::new();
-    published(&bench, |text| text.replace("min = 3.0", "min = 4.0"));
+fn json_and_junit_hold_findings_and_errors_of_all_layouts() {
+    let sandbox = Sandbox::new();
+    published(&sandbox, |text| text.replace("min = 3.0", "min = 4.0"));
     let tile = "[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\n";
-    bench.write("idle.toml", &format!("format = 1\nname = \"a < b & c\"\n{tile}polarization_t = [0, 0, 0]\n"));
-    bench.write("broken.toml", &format!("format = 1\nname = \"broken\"\n{tile}"));
+    sandbox.write("idle.toml", &format!("format = 1\nname = \"a < b & c\"\n{tile}polarization_t = [0, 0, 0]\n"));
+    sandbox.write("broken.toml", &format!("format = 1\nname = \"broken\"\n{tile}"));
     let all = ["films/film.toml", "idle.toml", "broken.toml"];
-    let (status, json) = report(&bench, &all);
+    let (status, json) = report(&sandbox, &all);
     assert_eq!((status, json["version"].as_str()), (2, Some(env!("CARGO_PKG_VERSION"))));
     let of = |key: &str| json["layouts"].as_array().unwrap().iter().map(|l| l[key].clone()).collect::<Vec<Value>>();
     assert_eq!(of("status"), ["failed", "failed", "error"]);
     assert_eq!(of("findings"), [json!([]), json!(["tile \"tile-1\" has no polarization, so no field"]), json!([])]);
     assert!(of("error")[2].as_str().unwrap().contains("broken.toml: line 3: tile \"tile-1\": has no polarization"));
 
-    let said = bench.run(&[&["check", "--format", "junit"], &all[..]].concat());
+    let said = sandbox.run(&[&["check", "--format", "junit"], &all[..]].concat());
     assert_eq!(said.status, 2);
     let xml = &said.stdout;
     assert!(xml.starts_with("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"), "{xml}");
@@ -206,4 +207,21 @@ fn reports_hold_findings_and_failures_of_all_layouts() {
     assert!(xml.contains("<failure message=\"tile &quot;tile-1&quot; has no polarization"), "{xml}");
     assert!(xml.contains("<error message=\"broken.toml: line 3: "), "{xml}");
     assert!(xml.contains("at most 1e-12, margin "), "{xml}");
+}
+
+#[test]
+fn findings_exit_with_1_and_unusable_layouts_with_2() {
+    let sandbox = Sandbox::new();
+    let tile = "format = 1\nname = \"idle\"\n[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\n";
+    sandbox.write("idle.toml", &format!("{tile}polarization_t = [0, 0, 0]\n"));
+    let said = sandbox.run(&["check", "idle.toml"]);
+    assert_eq!(said.status, 1);
+    assert_eq!(said.stderr, "magsplice: idle.toml: tile \"tile-1\" has no polarization, so no field\n");
+
+    // An unusable layout does not hide the findings of the others.
+    sandbox.write("broken.toml", tile);
+    let said = sandbox.run(&["check", "broken.toml", "idle.toml"]);
+    assert_eq!(said.status, 2);
+    assert!(said.stderr.contains("broken.toml: line 3: tile \"tile-1\": has no polarization: give polarization_t"));
+    assert!(said.stderr.contains("idle.toml: tile \"tile-1\" has no polarization, so no field"));
 }

@@ -1,4 +1,5 @@
-//! Every help text, as it is in help/. `UPDATE_EXPECT=1 cargo test -p magsplice-cli help` writes them anew; read them then.
+//! Help texts, compared with the files in help/. `UPDATE_EXPECT=1 cargo test -p magsplice-cli help`
+//! rewrites these files; read them afterwards.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +10,7 @@ use expect_test::expect_file;
 fn help(arguments: &[&str]) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_magsplice"))
         .args(arguments)
-        // The width, where there is no terminal.
+        // The width of the text without a terminal.
         .env_remove("COLUMNS")
         .env_remove("CLICOLOR_FORCE")
         .output()
@@ -26,7 +27,7 @@ fn verbs() -> Vec<String> {
 }
 
 #[test]
-fn every_help_text_is_the_one_that_was_read() {
+fn help_texts_match_the_reviewed_files() {
     expect_file!["help/magsplice.txt"].assert_eq(&help(&["--help"]));
     let verbs = verbs();
     assert!(verbs.len() >= 8, "{verbs:?}");

@@ -3,17 +3,20 @@
 mod bad_layouts;
 mod bad_points;
 mod checks;
+mod decouple;
 mod design;
+mod field;
+mod files;
 mod formats;
 mod help;
 #[cfg(target_os = "linux")]
 mod progress;
 #[cfg(feature = "report")]
 mod report;
-mod results;
 mod start;
 #[cfg(target_os = "linux")]
 mod terminal;
+mod tolerances;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,20 +25,20 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 
 /// A folder to run the program in.
-struct Bench {
+struct Sandbox {
     folder: TempDir,
 }
 
-/// What the program said.
-struct Said {
+/// Exit status and output of a run of the program.
+struct RunOutput {
     status: i32,
     stdout: String,
     stderr: String,
 }
 
-impl Bench {
-    fn new() -> Bench {
-        Bench { folder: TempDir::new().expect("a temporary folder") }
+impl Sandbox {
+    fn new() -> Sandbox {
+        Sandbox { folder: TempDir::new().expect("a temporary folder") }
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -61,14 +64,14 @@ impl Bench {
         names
     }
 
-    fn run(&self, arguments: &[&str]) -> Said {
+    fn run(&self, arguments: &[&str]) -> RunOutput {
         let output: Output = Command::new(env!("CARGO_BIN_EXE_magsplice"))
             .args(arguments)
             .current_dir(self.folder.path())
             .output()
             .expect("the program starts");
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8 output");
-        Said {
+        RunOutput {
             status: output.status.code().expect("an exit status"),
             stdout: text(output.stdout),
             stderr: text(output.stderr),
@@ -76,8 +79,8 @@ impl Bench {
     }
 }
 
-impl Said {
-    /// Asserts that the program refused with status 2, one clear message and nothing else.
+impl RunOutput {
+    /// Asserts that the program printed this message, nothing on standard output, and exited with 2.
     #[track_caller]
     fn refuses(&self, message: &str) {
         assert_eq!((self.status, self.stdout.as_str()), (2, ""), "stderr: {}", self.stderr);
@@ -86,8 +89,8 @@ impl Said {
     }
 }
 
-impl Said {
-    /// Asserts that the arguments were refused, with these words.
+impl RunOutput {
+    /// Asserts that the arguments were refused with this message.
     #[track_caller]
     fn refuses_arguments(&self, message: &str) {
         assert_eq!((self.status, self.stdout.as_str()), (2, ""), "stderr: {}", self.stderr);
@@ -95,8 +98,13 @@ impl Said {
     }
 }
 
-/// A layout shipped with the project.
+/// Path of a layout in `layouts/`.
 fn shipped(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../layouts").join(name).with_extension("toml");
     path.to_str().expect("UTF-8").to_owned()
+}
+
+/// The numbers of a CSV table, row by row.
+fn rows(csv: &str) -> Vec<Vec<f64>> {
+    csv.lines().skip(1).map(|l| l.split(',').map(|c| c.parse().expect("a number")).collect()).collect()
 }

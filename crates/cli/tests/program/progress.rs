@@ -1,4 +1,4 @@
-//! Long work: a bar on a terminal and nowhere else, and after an interruption all is as it was before.
+//! The progress line: on a terminal only, and only for long work. An interruption changes no file.
 
 use std::fs::File;
 use std::os::unix::process::ExitStatusExt;
@@ -6,19 +6,20 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::Bench;
+use crate::Sandbox;
 use crate::terminal::{program, terminal, watch};
 
-/// So many times a second a folder is looked into.
+/// Interval at which a folder is searched for a temporary file.
 const LOOKS: Duration = Duration::from_millis(1);
 
 const IDEAL: &str = "[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n";
 const EXPECT: &str = "[expect]\nfield = { file = \"large.csv\", within = 1e-12 }\n";
 
-/// 401 x 401 x 51 points below thousands of tiles, which take minutes; or below one, whose field takes less than writing it.
-fn large(bench: &Bench, tiles: &str) {
+/// Writes a layout of 401 x 401 x 51 points. With [`many_tiles`] the field takes minutes; with
+/// [`ONE_TILE`] it takes less time than writing it.
+fn large(sandbox: &Sandbox, tiles: &str) {
     let volume = "[volume]\nx_mm = [-2, 2]\ny_mm = [-2, 2]\nz_mm = [-5, -4.5]\nstep_mm = 0.01\n";
-    bench.write("large.toml", &format!("format = 1\nname = \"large\"\n{IDEAL}{volume}{EXPECT}{tiles}"));
+    sandbox.write("large.toml", &format!("format = 1\nname = \"large\"\n{IDEAL}{volume}{EXPECT}{tiles}"));
 }
 
 const POINTS: &str = " of 8,200,851 points";
@@ -31,10 +32,10 @@ fn many_tiles() -> String {
     )
 }
 
-/// The program with standard error on a terminal, and what is seen there.
-fn start(bench: &Bench, arguments: &[&str]) -> (Child, File) {
+/// Starts the program with a terminal as standard error. Returns the other side of the terminal.
+fn start(sandbox: &Sandbox, arguments: &[&str]) -> (Child, File) {
     let (given, seen) = terminal();
-    let mut program = program(bench, arguments);
+    let mut program = program(sandbox, arguments);
     let child = program.stdin(Stdio::null()).stdout(Stdio::null()).stderr(given).spawn().expect("it starts");
     (child, seen)
 }
@@ -45,40 +46,41 @@ fn interrupt(child: &mut Child) -> ExitStatus {
     child.wait().expect("it ends")
 }
 
-/// What a shell gives as 130: that status, or an end by the signal where there was nothing to remove.
+/// Whether a shell would report 130: the status itself, or the signal if the program had no
+/// temporary file and so no handler.
 fn is_interrupted(status: ExitStatus) -> bool {
     status.code() == Some(130) || status.signal() == Some(2)
 }
 
-/// What is there and must stay as it is.
-fn earlier(bench: &Bench) -> Vec<String> {
-    bench.write("out.csv", "earlier");
-    bench.write("large.csv", "earlier");
+/// Writes the files that must stay unchanged. Returns the names of all files.
+fn earlier(sandbox: &Sandbox) -> Vec<String> {
+    sandbox.write("out.csv", "earlier");
+    sandbox.write("large.csv", "earlier");
     if cfg!(feature = "report") {
-        std::fs::create_dir(bench.path("out")).expect("a writable folder");
-        bench.write("out/layout.svg", "earlier");
+        std::fs::create_dir(sandbox.path("out")).expect("a writable folder");
+        sandbox.write("out/layout.svg", "earlier");
     }
-    bench.files()
+    sandbox.files()
 }
 
 #[track_caller]
-fn assert_as_before(bench: &Bench, before: &[String], what: &[&str]) {
-    assert_eq!(bench.files(), before, "{what:?}");
+fn assert_as_before(sandbox: &Sandbox, before: &[String], what: &[&str]) {
+    assert_eq!(sandbox.files(), before, "{what:?}");
     for file in ["out.csv", "large.csv", "out/layout.svg"] {
         if !file.starts_with("out/") || cfg!(feature = "report") {
-            assert_eq!(bench.read(file), "earlier", "{what:?}");
+            assert_eq!(sandbox.read(file), "earlier", "{what:?}");
         }
     }
     if cfg!(feature = "report") {
-        assert_eq!(std::fs::read_dir(bench.path("out")).expect("a folder").count(), 1);
+        assert_eq!(std::fs::read_dir(sandbox.path("out")).expect("a folder").count(), 1);
     }
 }
 
 #[test]
-fn a_bar_over_points_and_no_trace_of_what_was_interrupted() {
-    let bench = Bench::new();
-    large(&bench, &many_tiles());
-    let before = earlier(&bench);
+fn progress_line_counts_points_and_interruption_keeps_earlier_files() {
+    let sandbox = Sandbox::new();
+    large(&sandbox, &many_tiles());
+    let before = earlier(&sandbox);
     let mut verbs = vec![
         (vec!["field", "large.toml", "-o", "out.csv"], "field "),
         (vec!["decouple", "large.toml", "-o", "out.csv"], "field "),
@@ -91,40 +93,39 @@ fn a_bar_over_points_and_no_trace_of_what_was_interrupted() {
         verbs.push((vec!["report", "large.toml", "-o", "out"], "field "));
     }
     for (verb, stage) in verbs {
-        let (mut child, seen) = start(&bench, &verb);
+        let (mut child, seen) = start(&sandbox, &verb);
         let text = watch(seen, |text| text.contains(POINTS));
         assert!(text.contains(stage) && text.contains(POINTS), "{verb:?}: {text:?}");
         assert!(is_interrupted(interrupt(&mut child)), "{verb:?}");
-        assert_as_before(&bench, &before, &verb);
+        assert_as_before(&sandbox, &before, &verb);
     }
 }
 
-/// Where nothing can be counted, what is being done and for how long.
 #[test]
-fn a_word_about_work_that_is_one_piece() {
-    let bench = Bench::new();
-    large(&bench, ONE_TILE);
-    // The program waits for the point file that nobody writes.
-    let pipe = bench.path("points.csv");
+fn uncounted_work_shows_its_stage() {
+    let sandbox = Sandbox::new();
+    large(&sandbox, ONE_TILE);
+    // The program waits for a point file that nobody writes.
+    let pipe = sandbox.path("points.csv");
     assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo runs").success());
     for verb in [["field", "large.toml", "--points", "points.csv"], ["plan", "large.toml", "--points", "points.csv"]] {
-        let (mut child, seen) = start(&bench, &verb);
+        let (mut child, seen) = start(&sandbox, &verb);
         let text = watch(seen, |text| text.contains('\u{1b}') || text.contains("reading"));
         assert!(text.contains("reading the layout, "), "{verb:?}: {text:?}");
         assert!(is_interrupted(interrupt(&mut child)));
     }
 }
 
-/// Neither the baseline nor a result is touched before its successor is complete, nor is a half one left.
+/// Neither the baseline nor a result changes before its successor is complete.
 #[test]
-fn interrupted_while_writing() {
-    let bench = Bench::new();
-    large(&bench, ONE_TILE);
-    let before = earlier(&bench);
+fn interruption_while_writing_keeps_earlier_files() {
+    let sandbox = Sandbox::new();
+    large(&sandbox, ONE_TILE);
+    let before = earlier(&sandbox);
     for verb in [["check", "large.toml", "--update"], ["decouple", "large.toml", "-oout.csv"]] {
-        let (mut child, _seen) = start(&bench, &verb);
+        let (mut child, _seen) = start(&sandbox, &verb);
         let half_written = || {
-            let entries = std::fs::read_dir(bench.path("")).expect("a readable folder").map(|e| e.expect("an entry"));
+            let entries = std::fs::read_dir(sandbox.path("")).expect("a readable folder").map(|e| e.expect("an entry"));
             let mut temporary = entries.filter(|e| e.file_name().to_string_lossy().starts_with(".magsplice-"));
             temporary.any(|e| e.metadata().is_ok_and(|m| m.len() > 1 << 20))
         };
@@ -133,19 +134,19 @@ fn interrupted_while_writing() {
             sleep(LOOKS);
         }
         assert_eq!(interrupt(&mut child).code(), Some(130), "{verb:?}");
-        assert_as_before(&bench, &before, &verb);
+        assert_as_before(&sandbox, &before, &verb);
     }
 }
 
-/// Twice as long as a bar takes to appear.
+/// The program runs for 2 s, twice the delay of the line.
 #[test]
-fn no_progress_for_the_quiet_or_into_files() {
-    let bench = Bench::new();
-    large(&bench, &many_tiles());
+fn quiet_runs_and_pipes_show_no_progress_line() {
+    let sandbox = Sandbox::new();
+    large(&sandbox, &many_tiles());
     for quiet in [true, false] {
         let verb: &[&str] = if quiet { &["decouple", "large.toml", "--quiet"] } else { &["decouple", "large.toml"] };
         let (given, seen) = terminal();
-        let mut program = program(&bench, verb);
+        let mut program = program(&sandbox, verb);
         program.stdin(Stdio::null()).stdout(Stdio::null());
         let (mut child, mut said) = if quiet {
             (program.stderr(given).spawn().expect("it starts"), seen)
@@ -159,21 +160,21 @@ fn no_progress_for_the_quiet_or_into_files() {
         assert!(child.try_wait().expect("it runs").is_none(), "long enough for a bar");
         assert!(is_interrupted(interrupt(&mut child)));
         let mut text = String::new();
-        // Reading fails where the other side of a terminal is closed.
+        // Reading a terminal fails when its other side is closed.
         let _ = std::io::Read::read_to_string(&mut said, &mut text);
         assert_eq!(text, "", "{verb:?}");
     }
 }
 
 #[test]
-fn no_progress_of_short_work() {
-    let bench = Bench::new();
+fn short_work_shows_no_progress_line() {
+    let sandbox = Sandbox::new();
     let layout = crate::shipped("single-tile");
     for verb in [&["field", &layout, "-o", "out.csv"][..], &["check", &layout], &["tiles", &layout]] {
-        // On a busy machine nothing is short.
+        // On a busy machine the run may take longer than the delay of the line; then it is repeated.
         loop {
             let begun = Instant::now();
-            let (mut child, seen) = start(&bench, verb);
+            let (mut child, seen) = start(&sandbox, verb);
             let text = watch(seen, |_| false);
             assert!(child.wait().expect("it ends").success());
             if begun.elapsed() < Duration::from_secs(1) {

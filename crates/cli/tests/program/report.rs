@@ -1,10 +1,10 @@
-//! `report`: figures and the page. What a browser makes of the page is tested by tests/browser.
+//! `report`: figures and the page. tests/browser tests the page in a browser.
 
 use std::fs;
 
 use serde_json::Value;
 
-use crate::{Bench, shipped};
+use crate::{Sandbox, shipped};
 
 const FIGURES: [&str; 8] = [
     "field-highest",
@@ -17,15 +17,15 @@ const FIGURES: [&str; 8] = [
     "vectors",
 ];
 
-fn files(bench: &Bench, folder: &str) -> Vec<String> {
-    let entries = fs::read_dir(bench.path(folder)).expect("a readable folder");
+fn files(sandbox: &Sandbox, folder: &str) -> Vec<String> {
+    let entries = fs::read_dir(sandbox.path(folder)).expect("a readable folder");
     let mut names: Vec<String> =
         entries.map(|e| e.expect("an entry").file_name().into_string().expect("UTF-8")).collect();
     names.sort();
     names
 }
 
-/// What is between the start tag of an element with this id and its end.
+/// The text of the element with this id.
 fn element<'a>(page: &'a str, id: &str) -> &'a str {
     let start = page.find(&format!("id=\"{id}\"")).unwrap_or_else(|| panic!("no element {id}"));
     let text = &page[start..][page[start..].find('>').expect("a tag ends") + 1..];
@@ -33,33 +33,33 @@ fn element<'a>(page: &'a str, id: &str) -> &'a str {
 }
 
 #[test]
-fn figures_of_the_published_film() {
-    let bench = Bench::new();
-    let said = bench.run(&["report", &shipped("published-film"), "-o", "out"]);
+fn report_writes_every_figure_of_the_published_film() {
+    let sandbox = Sandbox::new();
+    let said = sandbox.run(&["report", &shipped("published-film"), "-o", "out"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     assert!(said.stdout.contains("report.html: 8 figures"), "{}", said.stdout);
     let mut expected: Vec<String> =
         FIGURES.iter().flat_map(|name| [format!("{name}.png"), format!("{name}.svg")]).collect();
     expected.push("report.html".to_owned());
     expected.sort();
-    assert_eq!(files(&bench, "out"), expected);
-    let page = bench.read("out/report.html");
+    assert_eq!(files(&sandbox, "out"), expected);
+    let page = sandbox.read("out/report.html");
     for name in FIGURES {
-        let svg = bench.read(&format!("out/{name}.svg"));
+        let svg = sandbox.read(&format!("out/{name}.svg"));
         let xml = roxmltree::Document::parse(&svg).unwrap_or_else(|e| panic!("{name}: {e}"));
         let side = |name: &str| xml.root_element().attribute(name).expect("a size").parse::<f64>().expect("a number");
         let (width, height) = (side("width"), side("height"));
         assert!(width > 600.0 && height > 250.0, "{name}: {width} x {height}");
-        // Letters are outlines, so that no machine's fonts matter.
+        // Letters are outlines, independent of installed fonts.
         assert!(!xml.descendants().any(|node| node.has_tag_name("text")) && !svg.contains("font-family"), "{name}");
         assert!(xml.descendants().filter(|node| node.tag_name().name() == "path").count() > 50, "{name}");
-        let png = fs::read(bench.path(&format!("out/{name}.png"))).unwrap();
+        let png = fs::read(sandbox.path(&format!("out/{name}.png"))).unwrap();
         assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
         let pixels = |at: usize| f64::from(u32::from_be_bytes(png[at..at + 4].try_into().unwrap()));
         assert_eq!((pixels(16), pixels(20)), ((3.0 * width).ceil(), (3.0 * height).ceil()), "{name}");
         assert!(page.contains(&format!("<figure id=\"{name}\"><img")), "{name}");
     }
-    // Nothing is fetched.
+    // The page loads nothing from elsewhere.
     for outside in ["http://", "https://", "<link rel=\"style", "@import", "<script src"] {
         assert!(!page.contains(outside), "{outside}");
     }
@@ -67,16 +67,16 @@ fn figures_of_the_published_film() {
 
 #[test]
 fn numbers_on_the_page_are_those_of_decouple_and_field() {
-    let bench = Bench::new();
+    let sandbox = Sandbox::new();
     let layout = shipped("published-film");
     for accuracy in [&[][..], &["--within", "1e-6"]] {
-        let run = |verb: &[&str]| bench.run(&[verb, accuracy].concat());
+        let run = |verb: &[&str]| sandbox.run(&[verb, accuracy].concat());
         assert_eq!(run(&["report", &layout, "-o", "out"]).status, 0);
-        let page = bench.read("out/report.html");
+        let page = sandbox.read("out/report.html");
         assert_eq!(element(&page, "numbers"), run(&["decouple", &layout]).stdout);
         let json = |text: &str| serde_json::from_str::<Value>(text).expect("JSON");
         let mut decoupled = json(&run(&["decouple", &layout, "--format", "json"]).stdout);
-        // The page has every point elsewhere, in its maps.
+        // The page has the points in its maps instead.
         let whole = decoupled.as_object_mut().expect("an object");
         assert!(whole.remove("columns").is_some() && whole.remove("shape").is_some());
         assert_eq!(json(element(&page, "numbers-json")), decoupled);
@@ -93,7 +93,7 @@ fn numbers_on_the_page_are_those_of_decouple_and_field() {
             let values: Vec<f64> = map["values"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
             assert_eq!(values.len(), rows.len());
             for (value, row) in values.iter().zip(&rows) {
-                // The page has all digits; serde_json reads them to the last but one.
+                // Equal up to rounding of the last digit when JSON is read.
                 let b = row[3 + component];
                 assert!((value - b).abs() <= f64::EPSILON * b.abs(), "{name}: {value}, not {b}");
             }
@@ -103,29 +103,29 @@ fn numbers_on_the_page_are_those_of_decouple_and_field() {
 }
 
 #[test]
-fn what_a_layout_lacks_is_said() {
-    let bench = Bench::new();
-    let said = bench.run(&["report", &shipped("single-tile"), "-o", "out"]);
+fn report_names_absent_parts() {
+    let sandbox = Sandbox::new();
+    let said = sandbox.run(&["report", &shipped("single-tile"), "-o", "out"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
     assert!(said.stdout.contains("absent: no comparison and no decoupling: the layout has no [ideal] table"));
-    assert_eq!(files(&bench, "out").len(), 2 * 5 + 1);
-    let page = bench.read("out/report.html");
+    assert_eq!(files(&sandbox, "out").len(), 2 * 5 + 1);
+    let page = sandbox.read("out/report.html");
     assert!(page.contains("class=\"absent\"") && element(&page, "numbers").contains("least in the volume"));
     let tile = "[[tile]]\nposition_mm = [0, 0, 0.5]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
-    bench.write("tiles.toml", &format!("format = 1\nname = \"</script> & <b>\"\n{tile}"));
-    let said = bench.run(&["report", "tiles.toml", "-o", "tiles"]);
+    sandbox.write("tiles.toml", &format!("format = 1\nname = \"</script> & <b>\"\n{tile}"));
+    let said = sandbox.run(&["report", "tiles.toml", "-o", "tiles"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
     assert!(said.stdout.contains("absent: no field and no decoupling: the layout has no [volume] table"));
-    assert_eq!(files(&bench, "tiles"), ["layout.png", "layout.svg", "report.html"]);
-    let page = bench.read("tiles/report.html");
+    assert_eq!(files(&sandbox, "tiles"), ["layout.png", "layout.svg", "report.html"]);
+    let page = sandbox.read("tiles/report.html");
     assert!(page.contains("<title>&lt;/script&gt; &amp; &lt;b&gt;</title>"));
-    // The three scripts and no more end: a name cannot end one.
+    // The page has three scripts; the name of the layout must not end one of them.
     assert_eq!(page.matches("</script>").count(), 3);
 }
 
 #[test]
-fn a_page_of_many_points_says_which_it_shows() {
-    let bench = Bench::new();
+fn page_states_which_points_its_map_shows() {
+    let sandbox = Sandbox::new();
     let text = fs::read_to_string(shipped("single-tile")).unwrap();
     let (before, volume) = text.split_once("[volume]").unwrap();
     let (_, after) = volume.split_once("\n\n").unwrap();
@@ -135,57 +135,58 @@ fn a_page_of_many_points_says_which_it_shows() {
         ("[0.02, 0.1, 0.1]", "; the map on this page shows one point of 10 along x, one point of 3 along y</dd>"),
     ] {
         let volume = format!("[volume]\nx_mm = [-4, 4]\ny_mm = [-4, 4]\nz_mm = [-3, -1]\nstep_mm = {step_mm}\n\n");
-        bench.write("fine.toml", &format!("{before}{volume}{after}"));
-        assert_eq!(bench.run(&["report", "fine.toml", "-o", "out"]).status, 0);
-        assert!(bench.read("out/report.html").contains(shown), "{step_mm}: {shown}");
+        sandbox.write("fine.toml", &format!("{before}{volume}{after}"));
+        assert_eq!(sandbox.run(&["report", "fine.toml", "-o", "out"]).status, 0);
+        assert!(sandbox.read("out/report.html").contains(shown), "{step_mm}: {shown}");
     }
 }
 
 #[test]
-fn a_report_is_replaced_as_a_whole_and_nothing_else_is() {
-    let bench = Bench::new();
-    let report = |layout: &str, folder: &str| bench.run(&["report", &shipped(layout), "-o", folder]);
+fn earlier_report_is_replaced_and_other_files_are_kept() {
+    let sandbox = Sandbox::new();
+    let report = |layout: &str, folder: &str| sandbox.run(&["report", &shipped(layout), "-o", folder]);
     assert_eq!(report("published-film", "out").status, 0);
-    // The figures that the single tile does not have go with the report they belong to.
+    // Figures that the single tile does not have are removed with the earlier report.
     assert_eq!(report("single-tile", "out").status, 0);
-    assert_eq!(files(&bench, "out").len(), 2 * 5 + 1);
-    assert_eq!(bench.files(), ["out"]);
+    assert_eq!(files(&sandbox, "out").len(), 2 * 5 + 1);
+    assert_eq!(sandbox.files(), ["out"]);
 
-    fs::create_dir(bench.path("mine")).unwrap();
-    bench.write("mine/notes.txt", "keep");
-    bench.write("mine/layout.svg", "an older figure");
-    report("single-tile", "mine").refuses("it holds notes.txt, which is not of a report and would be lost");
-    assert_eq!(files(&bench, "mine"), ["layout.svg", "notes.txt"]);
+    fs::create_dir(sandbox.path("mine")).unwrap();
+    sandbox.write("mine/notes.txt", "keep");
+    sandbox.write("mine/layout.svg", "an older figure");
+    report("single-tile", "mine")
+        .refuses("it holds notes.txt, which this command does not write and which would be lost");
+    assert_eq!(files(&sandbox, "mine"), ["layout.svg", "notes.txt"]);
     assert_eq!(
-        (bench.read("mine/notes.txt"), bench.read("mine/layout.svg")),
+        (sandbox.read("mine/notes.txt"), sandbox.read("mine/layout.svg")),
         ("keep".into(), "an older figure".into())
     );
 
-    bench.write("file", "keep");
+    sandbox.write("file", "keep");
     report("single-tile", "file").refuses("cannot write file");
-    assert_eq!(bench.read("file"), "keep");
+    assert_eq!(sandbox.read("file"), "keep");
     report("single-tile", "no/such/folder").refuses("cannot write no/such/folder");
-    assert_eq!(bench.files(), ["file", "mine", "out"]);
+    assert_eq!(sandbox.files(), ["file", "mine", "out"]);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        std::os::unix::fs::symlink(bench.path("out"), bench.path("link")).unwrap();
+        std::os::unix::fs::symlink(sandbox.path("out"), sandbox.path("link")).unwrap();
         assert_eq!(report("single-tile", "link").status, 0);
-        assert!(bench.path("link").symlink_metadata().unwrap().is_symlink());
-        // Readable like any other new folder.
-        fs::create_dir(bench.path("plain")).unwrap();
-        let mode = |name: &str| fs::metadata(bench.path(name)).unwrap().permissions().mode();
+        assert!(sandbox.path("link").symlink_metadata().unwrap().is_symlink());
+        // The permissions of any new folder.
+        fs::create_dir(sandbox.path("plain")).unwrap();
+        let mode = |name: &str| fs::metadata(sandbox.path(name)).unwrap().permissions().mode();
         assert_eq!(mode("out"), mode("plain"));
     }
 }
 
 #[test]
-fn what_cannot_be_evaluated_leaves_no_folder() {
-    let bench = Bench::new();
+fn failed_report_leaves_no_folder() {
+    let sandbox = Sandbox::new();
     let text = fs::read_to_string(shipped("published-film")).unwrap();
-    bench.write("inside.toml", &text.replace("z_mm = [-5.0, -3.0]", "z_mm = [-5.0, 3.0]"));
-    bench.run(&["report", "inside.toml", "-o", "out"]).refuses("not below the film");
-    bench.write("wide.toml", &text.replace("x_mm = [-2.0, 2.0]", "x_mm = [-6.0, 6.0]"));
-    bench.run(&["report", "wide.toml", "-o", "out"]).refuses("must stay below half a wavelength");
-    assert_eq!(bench.files(), ["inside.toml", "wide.toml"]);
+    sandbox.write("inside.toml", &text.replace("z_mm = [-5.0, -3.0]", "z_mm = [-5.0, 3.0]"));
+    sandbox.run(&["report", "inside.toml", "-o", "out"]).refuses("not below the film");
+    sandbox.write("wide.toml", &text.replace("x_mm = [-2.0, 2.0]", "x_mm = [-6.0, 6.0]"));
+    sandbox.run(&["report", "wide.toml", "-o", "out"]).refuses("must stay below half a wavelength");
+    assert_eq!(sandbox.files(), ["inside.toml", "wide.toml"]);
 }

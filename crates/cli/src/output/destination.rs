@@ -1,4 +1,4 @@
-//! Where results go: standard output, or a file that appears whole or not at all.
+//! Standard output, or a file that appears complete or not at all.
 
 use std::fs;
 use std::io::{self, BufWriter, StdoutLock, Write};
@@ -9,15 +9,15 @@ use tempfile::NamedTempFile;
 use crate::failure::Failure;
 use crate::interrupt;
 
-/// An open result.
+/// An open destination of a result.
 pub(crate) enum Output {
     Stdout(BufWriter<StdoutLock<'static>>),
-    /// Written beside its destination, and moved there by [`Output::finish`].
+    /// A temporary file in the folder of its destination, which [`Output::finish`] moves there.
     File {
         writer: BufWriter<NamedTempFile>,
         destination: PathBuf,
     },
-    /// Something that is not a regular file, such as a device or a pipe.
+    /// A device, a pipe, or anything else that is not a regular file.
     Special {
         writer: BufWriter<fs::File>,
         destination: PathBuf,
@@ -25,9 +25,10 @@ pub(crate) enum Output {
 }
 
 impl Output {
-    /// Opens `path`; without one, or with `-`, standard output. `inputs` are files it must not replace.
+    /// Opens `path`; without one, or with `-`, standard output. `inputs` are files it must not
+    /// replace.
     pub(crate) fn open(path: Option<&Path>, inputs: &[&Path]) -> Result<Output, Failure> {
-        let Some(path) = path.filter(|p| *p != Path::new("-") && *p != Path::new("/dev/stdout")) else {
+        let Some(path) = path.filter(|path| !is_standard(path)) else {
             return Ok(Output::Stdout(BufWriter::new(io::stdout().lock())));
         };
         let failed = |error: io::Error| Failure::Write { target: path.display().to_string(), error };
@@ -43,7 +44,7 @@ impl Output {
         }
         let same = |input: &&Path| input.canonicalize().is_ok_and(|input| input == destination);
         if inputs.iter().any(same) {
-            return Err(refused("it is the input, which would be lost"));
+            return Err(refused("it is an input, which would be lost: choose another name"));
         }
         if existing.as_ref().is_some_and(|m| m.permissions().readonly()) {
             return Err(refused("it is read-only"));
@@ -57,7 +58,7 @@ impl Output {
         matches!(self, Output::Stdout(_))
     }
 
-    /// Writes through `write`, telling a closed pipe from a failure.
+    /// Writes through `write`. A closed pipe is [`Failure::PipeClosed`].
     pub(crate) fn write(&mut self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
         let result = match self {
             Output::Stdout(writer) => write(writer),
@@ -89,7 +90,12 @@ impl Output {
     }
 }
 
-/// A temporary file in the folder of `destination`, gone after an interruption.
+/// Whether this path names standard output.
+pub(crate) fn is_standard(path: &Path) -> bool {
+    path == Path::new("-") || path == Path::new("/dev/stdout")
+}
+
+/// A temporary file in the folder of `destination`, removed by an interruption.
 fn beside(destination: &Path, permissions: Option<fs::Permissions>) -> io::Result<NamedTempFile> {
     let folder = folder_of(destination)?;
     let mut builder = tempfile::Builder::new();
@@ -97,11 +103,11 @@ fn beside(destination: &Path, permissions: Option<fs::Permissions>) -> io::Resul
     if let Some(permissions) = permissions.or(new_file_permissions()) {
         builder.permissions(permissions);
     }
-    // The error of the library names the temporary file, which nobody knows.
+    // Only the kind of the error: its text names the temporary file, which the user never sees.
     interrupt::temporary(|| builder.tempfile_in(folder)).map_err(|e| io::Error::from(e.kind()))
 }
 
-/// The folder a destination is in.
+/// The folder that contains a destination.
 pub(crate) fn folder_of(destination: &Path) -> io::Result<&Path> {
     let folder = destination.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if folder.is_dir() {
@@ -111,7 +117,7 @@ pub(crate) fn folder_of(destination: &Path) -> io::Result<&Path> {
     Err(io::Error::other(format!("{} {why}", folder.display())))
 }
 
-/// Writes a file that must not be there yet, whole or not at all.
+/// Writes a new file, complete or not at all. Refuses to replace a file.
 pub(crate) fn create(path: &Path, text: &str) -> Result<(), Failure> {
     let written = beside(path, None).and_then(|mut file| {
         file.write_all(text.as_bytes())?;
@@ -119,14 +125,14 @@ pub(crate) fn create(path: &Path, text: &str) -> Result<(), Failure> {
     });
     written.map(drop).map_err(|error| {
         let error = match error.kind() {
-            io::ErrorKind::AlreadyExists => io::Error::other("it is there already, and is left as it is"),
+            io::ErrorKind::AlreadyExists => io::Error::other("it exists already, and was not changed"),
             _ => error,
         };
         Failure::Write { target: path.display().to_string(), error }
     })
 }
 
-/// Where a path leads, through links, whether or not there is something at its end.
+/// The path with its links followed, whether or not a file is at its end.
 fn followed(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| match fs::read_link(path) {
         Ok(target) => path.parent().unwrap_or(Path::new("")).join(target),
@@ -134,7 +140,8 @@ fn followed(path: &Path) -> PathBuf {
     })
 }
 
-/// What any new file gets: the mask of the user takes its bits away. Temporary files would get less.
+/// Permissions of any new file, before the user's mask is applied. Temporary files have fewer by
+/// default.
 fn new_file_permissions() -> Option<fs::Permissions> {
     #[cfg(unix)]
     return Some(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -142,7 +149,7 @@ fn new_file_permissions() -> Option<fs::Permissions> {
     return None;
 }
 
-/// Writes a whole text to standard output.
+/// Writes a text to standard output.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut output = Output::open(None, &[])?;
     output.write(|writer| writer.write_all(text.as_bytes()))?;

@@ -1,34 +1,62 @@
-//! Points from a CSV file, in batches.
+//! Points from a CSV file, read in batches.
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, IsTerminal, Read};
 use std::path::{Path, PathBuf};
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 use magsplice::prelude::DVec3;
 
-use crate::failure::{Failure, PRINTED_FAULTS};
+use crate::failure::Failure;
+use crate::faults::FaultList;
+
+/// Points read at a time, and in `field` evaluated and written at a time. Bounds the memory, and is
+/// enough work for every thread.
+pub(crate) const BATCH: usize = 1 << 16;
 
 const COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 
-/// A point file being read.
+/// An open point file.
 pub(crate) struct PointFile {
     path: PathBuf,
     reader: csv::Reader<Box<dyn Read>>,
-    /// Where x_mm, y_mm, z_mm are.
+    /// Indices of the columns x_mm, y_mm, z_mm.
     columns: [usize; 3],
     record: StringRecord,
     /// Whether any record has been read.
     started: bool,
 }
 
-/// A faulty line: its number and what is wrong with it.
-pub(crate) type LineFault = String;
+/// Whether this path names standard input.
+pub(crate) fn is_stdin(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// Whether points are read from standard input on a terminal, where a person types them.
+pub(crate) fn are_typed(path: Option<&Path>) -> bool {
+    path.is_some_and(is_stdin) && io::stdin().is_terminal()
+}
+
+/// All points of a file.
+pub(crate) fn read_all(path: &Path) -> Result<Vec<DVec3>, Failure> {
+    let mut file = PointFile::open(path)?;
+    let mut faults = FaultList::default();
+    let (mut all, mut points, mut lines) = (Vec::new(), Vec::new(), Vec::new());
+    loop {
+        let more = file.read(BATCH, &mut points, &mut lines, &mut faults)?;
+        all.extend_from_slice(&points);
+        if !more {
+            break;
+        }
+    }
+    if faults.is_empty() { Ok(all) } else { Err(faults.failure(path.display().to_string())) }
+}
 
 impl PointFile {
+    /// Opens a file, or standard input for `-`, and reads its first line.
     pub(crate) fn open(path: &Path) -> Result<PointFile, Failure> {
         let failed = |message: String| Failure::Points { path: path.to_owned(), message };
-        let source: Box<dyn Read> = if path == Path::new("-") {
+        let source: Box<dyn Read> = if is_stdin(path) {
             Box::new(io::stdin())
         } else {
             Box::new(File::open(path).map_err(|e| failed(format!("cannot read: {e}")))?)
@@ -36,7 +64,7 @@ impl PointFile {
         let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(source);
         let header = reader.headers().map_err(|e| failed(read_error(&e)))?.clone();
         if header.is_empty() {
-            return Err(failed("is empty, must begin with a line x_mm,y_mm,z_mm".to_owned()));
+            return Err(failed("is empty, must begin with the line x_mm,y_mm,z_mm".to_owned()));
         }
         let count = |column: &str| header.iter().filter(|h| *h == column).count();
         let named =
@@ -53,7 +81,8 @@ impl PointFile {
         Ok(PointFile { path: path.to_owned(), reader, columns, record: StringRecord::new(), started: false })
     }
 
-    /// Fills `points` and the numbers of their `lines` with up to `limit` further points; faulty lines go to `faults`.
+    /// Replaces `points` by up to `limit` further points, and `lines` by their line numbers. Adds
+    /// faulty lines to `faults`.
     ///
     /// Returns false at the end of the file.
     pub(crate) fn read(
@@ -61,7 +90,7 @@ impl PointFile {
         limit: usize,
         points: &mut Vec<DVec3>,
         lines: &mut Vec<u64>,
-        faults: &mut Faults,
+        faults: &mut FaultList,
     ) -> Result<bool, Failure> {
         points.clear();
         lines.clear();
@@ -69,7 +98,10 @@ impl PointFile {
             match self.reader.read_record(&mut self.record) {
                 Ok(true) => self.started = true,
                 Ok(false) if !self.started => {
-                    return Err(Failure::Points { path: self.path.clone(), message: "has no points".to_owned() });
+                    return Err(Failure::Points {
+                        path: self.path.clone(),
+                        message: "has no points below its first line".to_owned(),
+                    });
                 }
                 Ok(false) => return Ok(false),
                 Err(error)
@@ -96,7 +128,8 @@ impl PointFile {
     }
 }
 
-fn point(record: &StringRecord, columns: [usize; 3], line: u64) -> Result<DVec3, LineFault> {
+/// The point of a record, or the values that are no numbers.
+fn point(record: &StringRecord, columns: [usize; 3], line: u64) -> Result<DVec3, String> {
     let mut point = DVec3::ZERO;
     let mut wrong = Vec::new();
     for axis in 0..3 {
@@ -113,6 +146,7 @@ fn point(record: &StringRecord, columns: [usize; 3], line: u64) -> Result<DVec3,
     }
 }
 
+/// An error of the CSV reader in words.
 pub(crate) fn read_error(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::Io(io) => format!("cannot read: {io}"),
@@ -124,33 +158,5 @@ pub(crate) fn read_error(error: &csv::Error) -> String {
             format!("line {}: is not UTF-8 text", pos.as_ref().map_or(0, csv::Position::line))
         }
         _ => error.to_string(),
-    }
-}
-
-/// Faults to print, the first few in words and in the order of their lines, the rest by number.
-#[derive(Default)]
-pub(crate) struct Faults {
-    named: Vec<(u64, String)>,
-    more: usize,
-}
-
-impl Faults {
-    /// Adds a fault of a line; 0 where there are no lines.
-    pub(crate) fn add(&mut self, line: u64, fault: String) {
-        if self.named.len() < PRINTED_FAULTS {
-            self.named.push((line, fault));
-        } else {
-            self.more += 1;
-        }
-    }
-
-    pub(crate) fn is_empty(&self) -> bool {
-        self.named.is_empty()
-    }
-
-    /// The faults as the reason the program could not do its work.
-    pub(crate) fn failure(mut self, place: String) -> Failure {
-        self.named.sort_by_key(|(line, _)| *line);
-        Failure::Faults { place, faults: self.named.into_iter().map(|(_, fault)| fault).collect(), more: self.more }
     }
 }

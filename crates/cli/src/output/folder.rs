@@ -1,4 +1,4 @@
-//! A folder of results that appears whole or not at all.
+//! A folder of results that appears complete or not at all.
 
 use std::fs;
 use std::io;
@@ -6,21 +6,22 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
+use super::destination::folder_of;
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::output::folder_of;
 
-/// A folder to be written: filled beside its destination, and moved there by [`Folder::finish`].
+/// A temporary folder beside its destination, which [`Folder::finish`] moves there.
 pub(crate) struct Folder {
     filled: TempDir,
     destination: PathBuf,
 }
 
 impl Folder {
-    /// Opens `path`, which must be free, an empty folder, or a folder in which all is `ours`, to be replaced.
+    /// Opens `path`: nothing yet, an empty folder, or a folder whose files are all `ours`. Such a
+    /// folder is replaced.
     pub(crate) fn open(path: &Path, ours: impl Fn(&str) -> bool) -> Result<Folder, Failure> {
         let failed = |error: io::Error| Failure::Write { target: path.display().to_string(), error };
-        // A link stays one.
+        // A link stays a link: the folder it leads to is replaced.
         let destination = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let mut builder = tempfile::Builder::new();
         builder.prefix(".magsplice-");
@@ -36,14 +37,17 @@ impl Folder {
                     let is_ours =
                         name.to_str().is_some_and(&ours) && entry.file_type().is_ok_and(|kind| kind.is_file());
                     if !is_ours {
-                        let why = format!("it holds {}, which is not of a report and would be lost", name.display());
+                        let why = format!(
+                            "it holds {}, which this command does not write and which would be lost: choose another folder",
+                            name.display()
+                        );
                         return Err(failed(io::Error::other(why)));
                     }
                 }
                 builder.permissions(there.permissions());
             }
             Err(_) if fs::symlink_metadata(&destination).is_ok() => {
-                return Err(failed(io::Error::other("it is a link that leads nowhere")));
+                return Err(failed(io::Error::other("it is a link to a folder that does not exist")));
             }
             Err(_) => {
                 #[cfg(unix)]
@@ -51,7 +55,7 @@ impl Folder {
             }
         }
         let beside = folder_of(&destination).map_err(failed)?;
-        // The error of the library names the temporary folder, which nobody knows.
+        // Only the kind of the error: its text names the temporary folder, which the user never sees.
         let filled = interrupt::temporary(|| builder.tempdir_in(beside));
         let filled = filled.map_err(|e| failed(io::Error::from(e.kind())))?;
         Ok(Folder { filled, destination })
@@ -60,12 +64,12 @@ impl Folder {
     /// Writes one file.
     pub(crate) fn write(&self, name: &str, contents: &[u8]) -> Result<(), Failure> {
         let target = || self.destination.join(name).display().to_string();
-        // A folder that is being removed gets no more files.
+        // An interruption that removes the folder waits until the file is written.
         let written = interrupt::uninterrupted(|| fs::write(self.filled.path().join(name), contents));
         written.map_err(|error| Failure::Write { target: target(), error })
     }
 
-    /// Puts the folder in its place. Without this call it never appears.
+    /// Moves the folder to its destination. Without this call it never appears.
     pub(crate) fn finish(self) -> Result<(), Failure> {
         let Folder { filled, destination } = self;
         let failed = |error| Failure::Write { target: destination.display().to_string(), error };
@@ -73,7 +77,7 @@ impl Folder {
             if !destination.exists() {
                 fs::rename(filled.path(), &destination)?;
             } else {
-                // What was there goes aside, and comes back if its successor cannot take the place.
+                // The earlier folder moves aside, and back if its successor cannot take its place.
                 let aside = filled.path().with_extension("old");
                 fs::rename(&destination, &aside)?;
                 if let Err(error) = fs::rename(filled.path(), &destination) {
@@ -82,7 +86,7 @@ impl Folder {
                 }
                 fs::remove_dir_all(&aside)?;
             }
-            // It is no longer where it would be removed.
+            // The temporary path no longer exists, so there is nothing to remove when it is dropped.
             let _ = filled.keep();
             Ok(())
         })

@@ -1,0 +1,155 @@
+//! Arguments of the verbs that search for films.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use magsplice::design::SpliceRequest;
+use magsplice::layout::Goal;
+
+use super::formats::TextOrJson;
+
+/// Search for a better film, as the table [design] of the layout asks.
+///
+/// The result is a complete layout: the tiles, an [expect] table with the values reached, and a
+/// line of history. Faces and angles are rounded to the resolution of [design]. Ctrl-C ends the
+/// search and keeps the best film so far. Exit status: 0 success; 1 a required amplitude or number
+/// of parts was not reached; 2 there is no film.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  magsplice design film.toml -o better.toml\n  magsplice design film.toml --front -o front"
+)]
+pub(crate) struct DesignArgs {
+    /// Layout file with a table [design]
+    pub(crate) layout: PathBuf,
+    /// File to write, complete or not at all [default: -, standard output]; with --front a folder
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// Search a whole trade-off instead of one film: a film for each amplitude of --amplitudes, and
+    /// films with fewer and fewer distinct parts. Writes tables, figures and layouts
+    #[arg(long)]
+    pub(crate) front: bool,
+    /// Least amplitudes of the films of --front, as fractions of the ideal film's amplitude
+    #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "front", value_parser = fraction,
+        default_value = "0.6,0.7,0.8,0.85,0.9,0.95,1.0,1.05")]
+    pub(crate) amplitudes: Vec<f64>,
+    /// Format of the summary
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: TextOrJson,
+}
+
+/// Design a film from nothing, for an ideal film of this wavelength.
+///
+/// Starts from the pattern of Dai 2024, Fig. 5: intervals one third of the wavelength wide about
+/// the crests of the ideal polarization, and one sixth wide about its zeros. Then searches as
+/// `design` does, with sizes, positions and directions free.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice splice --wavelength 10 --film 20x20 --parts 3 -o film.toml")]
+pub(crate) struct SpliceArgs {
+    /// Wavelength of the ideal film, in mm
+    #[arg(long, value_name = "MM")]
+    wavelength: f64,
+    /// Extent of the film along x and y, in mm, such as 20x20
+    #[arg(long, value_name = "XxY", value_parser = extents)]
+    film: [f64; 2],
+    /// Largest number of distinct parts [default: no limit]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    parts: Option<u32>,
+    /// Thickness of the film, in mm [default: 0.1 of the wavelength]
+    #[arg(long, value_name = "MM")]
+    thickness: Option<f64>,
+    /// Polarization of every tile, in T
+    #[arg(long, value_name = "T", default_value_t = 0.12)]
+    remanence: f64,
+    /// Extent of the working volume along x and y, in mm, such as 4x4 [default: 0.4 of the
+    /// wavelength each]
+    #[arg(long, value_name = "XxY", value_parser = extents)]
+    range: Option<[f64; 2]>,
+    /// Least and greatest distance of the sensor below the film, in mm, such as 3..5 [default: 0.3
+    /// and 0.5 of the wavelength]
+    #[arg(long, value_name = "A..B", value_parser = interval)]
+    distance: Option<[f64; 2]>,
+    /// Shortest side of a tile, in mm [default: 0.08 of the wavelength]
+    #[arg(long, value_name = "MM")]
+    smallest_cut: Option<f64>,
+    /// Least distance between neighbouring tiles, in mm
+    #[arg(long, value_name = "MM", default_value_t = 0.0)]
+    gap: f64,
+    /// Least amplitude of the field, as a fraction of the field of an ideal film with the
+    /// polarization of the tiles
+    #[arg(long, value_name = "FRACTION", value_parser = fraction, default_value_t = 0.65)]
+    amplitude: f64,
+    /// Error to minimize
+    #[arg(long, value_enum, default_value = "displacement")]
+    goal: GoalArg,
+    /// Number of points from which the search starts
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    starts: u32,
+    /// Seed of the random numbers that vary the starting points
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// Format of the summary
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: TextOrJson,
+}
+
+impl SpliceArgs {
+    /// The film asked for; lengths that are not given are fractions of the wavelength.
+    pub(crate) fn request(&self) -> SpliceRequest {
+        let lambda = self.wavelength;
+        SpliceRequest {
+            wavelength_mm: lambda,
+            film_mm: self.film,
+            thickness_mm: self.thickness.unwrap_or(rounded(0.1 * lambda)),
+            remanence_t: self.remanence,
+            range_mm: self.range.unwrap_or([rounded(0.4 * lambda); 2]),
+            distance_mm: self.distance.unwrap_or([rounded(0.3 * lambda), rounded(0.5 * lambda)]),
+            smallest_cut_mm: self.smallest_cut.unwrap_or(rounded(0.08 * lambda)),
+            gap_mm: self.gap,
+            least_amplitude: self.amplitude,
+            parts: self.parts.map(|parts| parts as usize),
+            goal: match self.goal {
+                GoalArg::Uniformity => Goal::Uniformity,
+                GoalArg::Displacement => Goal::Displacement,
+                GoalArg::Field => Goal::Field,
+            },
+            starts: self.starts as usize,
+            seed: self.seed,
+        }
+    }
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum GoalArg {
+    /// Uniformity RMSE of R_x, R_y, S_z
+    Uniformity,
+    /// RMSE of the measured displacement against the true one
+    Displacement,
+    /// RMSE of B against the field of the ideal film times the amplitude
+    Field,
+}
+
+/// Four significant digits, as a person would write a default.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|value: &f64| *value > 0.0 && value.is_finite());
+    number.ok_or_else(|| "must be a number greater than 0".to_owned())
+}
+
+fn extents(text: &str) -> Result<[f64; 2], String> {
+    pair(text, "x").ok_or_else(|| "must be two numbers with an x between them, such as 20x20".to_owned())
+}
+
+fn interval(text: &str) -> Result<[f64; 2], String> {
+    pair(text, "..").ok_or_else(|| "must be two numbers with .. between them, such as 3..5".to_owned())
+}
+
+fn pair(text: &str, separator: &str) -> Option<[f64; 2]> {
+    let (first, second) = text.split_once(separator)?;
+    Some([first.trim().parse().ok()?, second.trim().parse().ok()?])
+}

@@ -1,0 +1,124 @@
+//! Arguments of the verbs that evaluate a film.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+
+use super::accuracy::AccuracyArgs;
+use super::formats::{DecoupleFormat, TableFormat, TextOrJson};
+
+/// Compute the field at points and write it as CSV or another table format.
+///
+/// The points are the grid of the layout's working volume, or are read from the columns x_mm, y_mm,
+/// z_mm of a CSV file; other columns are ignored. Results keep the order of the points. Numbers are
+/// written with enough digits to read back to the same number.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice field layouts/published-film.toml --points points.csv -o field.csv")]
+pub(crate) struct FieldArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// CSV file with columns x_mm, y_mm, z_mm; - is standard input [default: the grid of the
+    /// working volume]
+    #[arg(long, value_name = "CSV")]
+    pub(crate) points: Option<PathBuf>,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// Format of the result [default: by the file's ending, else csv]
+    #[arg(long, value_enum)]
+    pub(crate) format: Option<TableFormat>,
+    /// Quantity to compute
+    #[arg(long, value_enum, default_value = "b")]
+    pub(crate) quantity: QuantityArg,
+    #[command(flatten)]
+    pub(crate) accuracy: AccuracyArgs,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum QuantityArg {
+    /// Flux density B, in T
+    B,
+    /// Field strength H, in A/m
+    H,
+    /// Polarization J, in T
+    J,
+    /// Gradient of B: nine components, in T/mm
+    Gradient,
+}
+
+/// Compare the field with the ideal film (Eq. 2) over the working volume.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice compare layouts/published-film.toml")]
+pub(crate) struct CompareArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// Format of the result
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: TextOrJson,
+    #[command(flatten)]
+    pub(crate) accuracy: AccuracyArgs,
+}
+
+/// Evaluate the film: its field, its difference from the ideal film, and its decoupling errors.
+///
+/// Text is a report. JSON is the report with every point of the working volume. The other formats
+/// hold B, R_x, R_y and S_z at every point.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  magsplice decouple layouts/published-film.toml\n  magsplice decouple layouts/published-film.toml -o film.npz"
+)]
+pub(crate) struct DecoupleArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// Format of the result [default: by the file's ending, else text]
+    #[arg(long, value_enum)]
+    pub(crate) format: Option<DecoupleFormat>,
+    #[command(flatten)]
+    pub(crate) accuracy: AccuracyArgs,
+}
+
+/// Show which methods a tolerance allows, and the truncation error and cost of each.
+///
+/// The points are those that `field` would take. Costs count multiply-adds, in units of the exact
+/// field of one tile at one point. The program computes an expansion to find out whether it keeps
+/// the tolerance, so a plan takes a part of the time of the evaluation. The evaluation repeats
+/// points where the field turns out too weak for the truncation error more accurately; the plan
+/// does not know these points.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice plan layouts/film-80mm.toml --within 1e-6")]
+pub(crate) struct PlanArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// CSV file with columns x_mm, y_mm, z_mm; - is standard input [default: the grid of the
+    /// working volume]
+    #[arg(long, value_name = "CSV")]
+    pub(crate) points: Option<PathBuf>,
+    /// Format of the result
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: TextOrJson,
+    #[command(flatten)]
+    pub(crate) accuracy: AccuracyArgs,
+}
+
+/// Draw the film and its field: figures as SVG and PNG, and one page with all of them.
+///
+/// Draws the figures of Dai 2024 for any layout: the tiles from above, field vectors in three
+/// views, B beside the ideal film on planes, and the decoupling parameters through the working
+/// volume and along its axes. The page report.html needs no network and no other file; it has the
+/// numbers, a view of the tiles that turns, and maps that show the value under the pointer. The
+/// folder appears complete or not at all. An earlier report in it is replaced.
+#[cfg(feature = "report")]
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice report layouts/published-film.toml -o report")]
+pub(crate) struct ReportArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// Folder to write: new, empty, or with an earlier report, which is replaced
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) accuracy: AccuracyArgs,
+}

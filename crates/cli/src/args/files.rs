@@ -1,0 +1,53 @@
+//! Arguments of the verbs that list, convert or create files.
+
+use std::path::PathBuf;
+
+use super::formats::{ExportFormat, TextOrJson};
+
+/// List the tiles of a layout and its bill of materials.
+///
+/// The bill counts the pieces of each part. Tiles that differ only in position and orientation are
+/// the same part.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice tiles layouts/published-film.toml")]
+pub(crate) struct TilesArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// Format of the result; json is a layout with one entry per tile
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: TextOrJson,
+}
+
+/// Write the film for another program.
+///
+/// For magpylib: a Python script that rebuilds the film and prints its field. For ParaView: the
+/// faces of the tiles with their polarization.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice export layouts/published-film.toml --to magpylib -o film.py")]
+pub(crate) struct ExportArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    /// Program to write for [default: by the file's ending]
+    #[arg(long, value_enum, required_unless_present = "output")]
+    pub(crate) to: Option<ExportFormat>,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+/// Write a commented layout to start from; never overwrites a file.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice init my-film.toml")]
+pub(crate) struct InitArgs {
+    /// File to write; - is standard output
+    #[arg(default_value = "film.toml")]
+    pub(crate) file: PathBuf,
+}
+
+/// Print a script with which a shell completes arguments.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice completions bash > ~/.local/share/bash-completion/completions/magsplice")]
+pub(crate) struct CompletionsArgs {
+    /// Shell that reads the script
+    pub(crate) shell: clap_complete::Shell,
+}

@@ -1,0 +1,86 @@
+//! The command line.
+
+/// `--within`: the accuracy of a field.
+pub(crate) mod accuracy;
+/// Arguments of `check`.
+pub(crate) mod check;
+/// Arguments of the verbs that search for films: `design`, `splice`.
+pub(crate) mod design;
+/// Arguments of the verbs that evaluate a film: `field`, `compare`, `decouple`, `plan`, `report`.
+pub(crate) mod evaluate;
+/// Arguments of the verbs that list, convert or create files: `tiles`, `export`, `init`,
+/// `completions`.
+pub(crate) mod files;
+/// Output formats, their names and file endings.
+pub(crate) mod formats;
+
+use clap::{Parser, Subcommand};
+
+use self::check::CheckArgs;
+use self::design::{DesignArgs, SpliceArgs};
+#[cfg(feature = "report")]
+use self::evaluate::ReportArgs;
+use self::evaluate::{CompareArgs, DecoupleArgs, FieldArgs, PlanArgs};
+use self::files::{CompletionsArgs, ExportArgs, InitArgs, TilesArgs};
+
+const FIRST_STEPS: &str = if cfg!(feature = "report") {
+    "Example:\n  magsplice init film.toml\n  magsplice report film.toml -o report\n  magsplice decouple film.toml"
+} else {
+    "Example:\n  magsplice init film.toml\n  magsplice decouple film.toml"
+};
+
+/// Exact simulation of spliced magnet films.
+///
+/// Reads a layout file (TOML; lengths in mm, polarization in T). Computes the magnetic field of its
+/// tiles, compares it with the field of the ideal sinusoidal film, and evaluates how well the film
+/// decouples: how far each of R_x, R_y and S_z depends on one coordinate only.
+#[derive(Parser)]
+#[command(name = "magsplice", version, max_term_width = 100)]
+#[command(after_help = FIRST_STEPS)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    pub(crate) common: CommonArgs,
+    #[command(subcommand)]
+    pub(crate) verb: Verb,
+}
+
+/// Options of every verb.
+#[derive(clap::Args)]
+#[command(next_help_heading = "Options of every command")]
+pub(crate) struct CommonArgs {
+    /// Number of threads that compute [default: one per processor]; results do not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = threads)]
+    pub(crate) threads: Option<usize>,
+    /// Print results and errors only: no progress and no remarks; check prints only what fails
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
+}
+
+/// Largest number of threads: above the number of processors of any machine the program is meant
+/// for.
+const MAX_THREADS: usize = 1024;
+
+fn threads(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|n| (1..=MAX_THREADS).contains(n));
+    number.ok_or_else(|| format!("must be a whole number from 1 to {MAX_THREADS}"))
+}
+
+#[derive(Subcommand)]
+pub(crate) enum Verb {
+    Field(FieldArgs),
+    Compare(CompareArgs),
+    Decouple(DecoupleArgs),
+    Plan(PlanArgs),
+    #[cfg(feature = "report")]
+    Report(ReportArgs),
+    Check(CheckArgs),
+    Design(DesignArgs),
+    Splice(SpliceArgs),
+    Tiles(TilesArgs),
+    Export(ExportArgs),
+    Init(InitArgs),
+    /// Print the JSON Schema of layout files, for editors.
+    #[command(after_help = "Example:\n  magsplice schema > layout.schema.json")]
+    Schema,
+    Completions(CompletionsArgs),
+}

@@ -1,0 +1,58 @@
+//! Results of `check`: a layout with the outcome of each of its expectations.
+
+use std::path::PathBuf;
+
+use magsplice::expect::{Expectation, Outcome};
+use magsplice::layout::Layout;
+
+/// A layout file that was checked.
+pub(crate) struct CheckedLayout {
+    pub(crate) path: PathBuf,
+    /// The layout, or why it cannot be used.
+    pub(crate) layout: Result<Layout, String>,
+    pub(crate) expectations: Vec<CheckedExpectation>,
+}
+
+/// An expectation that was checked.
+pub(crate) struct CheckedExpectation {
+    pub(crate) expectation: Expectation,
+    /// The outcome, or why the expectation cannot be evaluated.
+    pub(crate) outcome: Result<Outcome, String>,
+}
+
+/// Status of an expectation, a layout or the whole run, from best to worst. The numbers are exit
+/// statuses.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum CheckStatus {
+    Ok = 0,
+    /// An expectation is not met, or the layout has something that is allowed but rarely intended.
+    Finding = 1,
+    /// The layout cannot be used, or an expectation cannot be evaluated.
+    Unusable = 2,
+}
+
+impl CheckedExpectation {
+    pub(crate) fn status(&self) -> CheckStatus {
+        match &self.outcome {
+            Ok(outcome) if outcome.is_met() => CheckStatus::Ok,
+            Ok(_) => CheckStatus::Finding,
+            Err(_) => CheckStatus::Unusable,
+        }
+    }
+}
+
+impl CheckedLayout {
+    /// The worst status of the layout and its expectations.
+    pub(crate) fn status(&self) -> CheckStatus {
+        let own = match &self.layout {
+            Ok(layout) if layout.findings.is_empty() => CheckStatus::Ok,
+            Ok(_) => CheckStatus::Finding,
+            Err(_) => CheckStatus::Unusable,
+        };
+        self.expectations.iter().map(CheckedExpectation::status).fold(own, CheckStatus::max)
+    }
+
+    pub(crate) fn findings(&self) -> &[String] {
+        self.layout.as_ref().map_or(&[], |layout| &layout.findings)
+    }
+}

@@ -1,0 +1,64 @@
+//! `decouple`: the comparison, the decoupling errors and every point.
+
+use magsplice::decouple::PerParameter;
+use magsplice::prelude::DVec3;
+use magsplice_export::Table;
+use serde::Serialize;
+
+use super::compare::ComparisonJson;
+use super::field::ColumnsJson;
+use super::source::SourceJson;
+use crate::evaluation::Evaluation;
+
+/// The result of `decouple`.
+#[derive(Serialize)]
+pub(crate) struct DecoupleJson<'a> {
+    #[serde(flatten)]
+    source: SourceJson<'a>,
+    points: usize,
+    reference_mm: [f64; 3],
+    /// Deviation of each parameter over the planes normal to its axis.
+    uniformity_rmse: PerParameter,
+    uniformity_rmse_mm: LengthsJson,
+    /// Error of each parameter's change from the reference point, against Eq. 2.
+    ideal_rmse: PerParameter,
+    /// The same as an error of the displacement found by Eq. 14.
+    displacement_rmse_mm: LengthsJson,
+    singular_points_mm: Vec<[f64; 3]>,
+    comparison: ComparisonJson,
+    #[serde(flatten)]
+    columns: Option<ColumnsJson<'a>>,
+}
+
+impl<'a> DecoupleJson<'a> {
+    /// `table` is [`Evaluation::table`], or nothing to leave the points out.
+    pub(crate) fn new(evaluation: &Evaluation<'a>, table: Option<&'a Table>) -> DecoupleJson<'a> {
+        let Evaluation { film, ideal, volume, comparison, decoupling, .. } = evaluation;
+        let k = ideal.wavenumber();
+        DecoupleJson {
+            source: SourceJson::new(film),
+            points: volume.grid.len(),
+            reference_mm: volume.reference_mm.to_array(),
+            uniformity_rmse: decoupling.uniformity_rmse,
+            uniformity_rmse_mm: decoupling.uniformity_rmse.as_lengths(k).into(),
+            ideal_rmse: decoupling.ideal_rmse,
+            displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(k).into(),
+            singular_points_mm: decoupling.singular.iter().map(DVec3::to_array).collect(),
+            comparison: comparison.into(),
+            columns: table.map(ColumnsJson::new),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct LengthsJson {
+    x: f64,
+    y: f64,
+    z: f64,
+}
+
+impl From<DVec3> for LengthsJson {
+    fn from(v: DVec3) -> LengthsJson {
+        LengthsJson { x: v.x, y: v.y, z: v.z }
+    }
+}

@@ -1,0 +1,25 @@
+//! JSON forms of results. Keys carry the units of their values.
+
+/// `check`: layouts with their expectations.
+pub(crate) mod check;
+/// `compare`: the comparison with the ideal film.
+pub(crate) mod compare;
+/// `decouple`: the comparison, the decoupling errors and every point.
+pub(crate) mod decouple;
+/// `design --front`: the films of a front.
+pub(crate) mod design;
+/// `field`: every point.
+pub(crate) mod field;
+/// `plan`: the methods, their truncation errors and costs.
+pub(crate) mod plan;
+/// Layout, program and accuracy of a result.
+pub(crate) mod source;
+
+use serde::Serialize;
+
+/// A value as JSON with one line per entry.
+pub(crate) fn pretty(value: &impl Serialize) -> String {
+    let mut text = serde_json::to_string_pretty(value).expect("results hold numbers and strings only");
+    text.push('\n');
+    text
+}

@@ -1,0 +1,61 @@
+//! The JUnit form of the results of `check`: a suite for each layout, with a case for the file and
+//! one for each expectation.
+
+use magsplice::expect::Outcome;
+use magsplice::layout::Layout;
+use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+
+use crate::checked::{CheckStatus, CheckedLayout};
+use crate::text::check::{bound, location};
+
+/// The results as JUnit XML.
+pub(crate) fn xml(layouts: &[CheckedLayout]) -> String {
+    let mut report = Report::new("magsplice check");
+    report.add_test_suites(layouts.iter().map(suite));
+    report.to_string().expect("text can always be written as XML")
+}
+
+fn suite(checked: &CheckedLayout) -> TestSuite {
+    let file = checked.path.display().to_string();
+    let mut suite = TestSuite::new(file.clone());
+    let own = match &checked.layout {
+        Err(message) => status(CheckStatus::Unusable, message),
+        Ok(layout) if layout.findings.is_empty() => TestCaseStatus::success(),
+        Ok(layout) => status(CheckStatus::Finding, &layout.findings.join("\n")),
+    };
+    suite.add_test_case(case("layout", &file, own));
+    if let Ok(layout) = &checked.layout {
+        suite.add_test_cases(checked.expectations.iter().map(|checked| {
+            let message = match &checked.outcome {
+                Ok(outcome) => sentence(outcome, layout),
+                Err(message) => message.clone(),
+            };
+            let mut case = case(&checked.expectation.to_string(), &file, status(checked.status(), &message));
+            case.set_system_out(message);
+            case
+        }));
+    }
+    suite
+}
+
+fn case(name: &str, file: &str, status: TestCaseStatus) -> TestCase {
+    let mut case = TestCase::new(name, status);
+    case.set_classname(file);
+    case
+}
+
+fn status(status: CheckStatus, message: &str) -> TestCaseStatus {
+    let kind = match status {
+        CheckStatus::Ok => return TestCaseStatus::success(),
+        CheckStatus::Finding => NonSuccessKind::Failure,
+        CheckStatus::Unusable => NonSuccessKind::Error,
+    };
+    let mut status = TestCaseStatus::non_success(kind);
+    status.set_message(message);
+    status
+}
+
+fn sentence(outcome: &Outcome, layout: &Layout) -> String {
+    let (value, margin) = (outcome.value, outcome.margin());
+    format!("{value:?}, {}, margin {margin:?} {}", bound(outcome), location(outcome, layout)).trim_end().to_owned()
+}

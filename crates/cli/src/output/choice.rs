@@ -1,0 +1,75 @@
+//! The format of a result: the one that the option names, or the one the file's ending stands for.
+
+use std::io::{self, IsTerminal};
+use std::path::Path;
+
+use super::destination::is_standard;
+use crate::args::formats::{FileFormat, TableFormat};
+use crate::failure::Failure;
+
+/// Message for Parquet in a program that was built without it.
+pub(crate) const WITHOUT_PARQUET: &str = "parquet is not built into this program: build it with `--features parquet`, as \
+    in `cargo install --path crates/cli --features parquet`";
+
+/// The format that was `asked` for, or that the ending of `output` stands for, or else `default`.
+///
+/// Refuses a contradiction of the two, an ending that no format has, and binary data on a terminal.
+pub(crate) fn choose<F: FileFormat>(asked: Option<F>, output: Option<&Path>, default: Option<F>) -> Result<F, Failure> {
+    let formats = F::value_variants();
+    let ending = output.and_then(|path| path.extension()).map(|ending| ending.to_string_lossy().to_lowercase());
+    let meant = ending.as_ref().and_then(|e| formats.iter().copied().find(|f| f.endings().contains(&e.as_str())));
+    let path = || output.unwrap_or(Path::new("-")).display();
+    let endings = |formats: &[F]| {
+        let all: Vec<String> = formats.iter().flat_map(|f| f.endings()).map(|ending| format!(".{ending}")).collect();
+        all.join(", ")
+    };
+    let refused = |why: String| Err(Failure::Format(format!("{}: {why}", path())));
+    let format = match (asked, meant, &ending) {
+        (Some(asked), Some(meant), _) if asked != meant => {
+            let (option, asked, meant) = (F::OPTION, asked.name(), meant.name());
+            return refused(format!(
+                "the ending means {meant}, which contradicts {option} {asked}: change one of them"
+            ));
+        }
+        (Some(asked), None, Some(ending)) if asked.is_known_by_ending() => {
+            let (name, endings) = (asked.name(), endings(&[asked]));
+            return refused(format!(
+                "programs recognize {name} by the ending, and .{ending} is another format: use {endings}"
+            ));
+        }
+        (None, None, Some(ending)) => {
+            let (endings, option) = (endings(formats), F::OPTION);
+            return refused(format!("no format has the ending .{ending}: use one of {endings}, or give {option}"));
+        }
+        (None, None, None) => match default {
+            Some(format) => format,
+            None => return refused(format!("without an ending it has no format: give {}", F::OPTION)),
+        },
+        (Some(format), _, _) | (None, Some(format), _) => format,
+    };
+    if format.is_binary() && output.is_none_or(is_standard) && io::stdout().is_terminal() {
+        return Err(Failure::Format(format!(
+            "{} is binary and would go to the terminal: give a file with -o, or redirect standard output",
+            format.name()
+        )));
+    }
+    Ok(format)
+}
+
+/// Refuses a format that is not built in, and a VTK file whose ending belongs to another kind of
+/// points.
+pub(crate) fn accept(format: TableFormat, output: Option<&Path>, on_grid: bool) -> Result<(), Failure> {
+    if format == TableFormat::Parquet && cfg!(not(feature = "parquet")) {
+        return Err(Failure::Format(WITHOUT_PARQUET.to_owned()));
+    }
+    let (kind, ending) =
+        if on_grid { ("the working volume is image data", "vti") } else { ("points of a file are poly data", "vtp") };
+    let has_ending = |path: &Path| path.extension().is_none_or(|e| e.eq_ignore_ascii_case(ending));
+    if let Some(path) = output.filter(|path| format == TableFormat::Vtk && !has_ending(path)) {
+        return Err(Failure::Format(format!(
+            "{}: {kind}, which programs recognize by the ending: use .{ending}",
+            path.display()
+        )));
+    }
+    Ok(())
+}

@@ -1,0 +1,10 @@
+//! Where results go.
+
+/// The format that an option or the ending of a file chooses.
+pub(crate) mod choice;
+/// Standard output, or a file that appears complete or not at all.
+pub(crate) mod destination;
+/// A folder of results that appears complete or not at all.
+pub(crate) mod folder;
+/// Tables of points: their columns, their metadata, and writing them.
+pub(crate) mod table;

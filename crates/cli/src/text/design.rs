@@ -1,0 +1,79 @@
+//! `design` and `splice`: a film that was found, and the films of a front.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use magsplice::design::{DesignProblem, Metrics, ParetoFront, SearchResult};
+use magsplice::prelude::DVec3;
+
+use super::number::{counted, number};
+use super::rows;
+
+/// The film before and after the search, side by side.
+pub(crate) fn search_result(problem: &DesignProblem, result: &SearchResult, path: Option<&Path>) -> String {
+    let [nx, ny, nz] = problem.grid().counts();
+    let mut text = format!(
+        "{} in {}, designed on {nx} x {ny} x {nz} points; {}\n\n",
+        counted(problem.variable_count(), "free number", "free numbers"),
+        match (problem.orbit_count(), result.tiles.len()) {
+            (orbits, tiles) if orbits == tiles => counted(tiles, "tile", "tiles"),
+            (orbits, tiles) => format!("{orbits} tiles, whose images are the other {}", tiles - orbits),
+        },
+        counted(result.agreeing_starts, "start found this film", "starts found this film or one as good"),
+    );
+    let columns = [&result.before, &result.after, &result.finer];
+    rows::heading(&mut text, "", ["before", "after", "5 x finer"]);
+    let mut errors = |title: &str, of: &dyn Fn(&Metrics) -> [f64; 3], names: [&str; 3]| {
+        let _ = writeln!(text, "{title}");
+        for (index, name) in names.into_iter().enumerate() {
+            rows::cells(&mut text, &format!("  {name}"), columns.map(|metrics| number(of(metrics)[index])));
+        }
+    };
+    errors("uniformity RMSE", &|metrics| metrics.uniformity_rmse.to_array(), ["R_x", "R_y", "S_z"]);
+    errors("RMSE of displacement, mm", &|metrics| metrics.displacement_rmse_mm, ["x", "y", "z"]);
+    let _ = writeln!(text, "against the ideal film");
+    rows::cells(&mut text, "  amplitude", columns.map(|metrics| number(metrics.amplitude)));
+    let scaled = |metrics: &Metrics| metrics.scaled_relative_rmse.map_or("none".to_owned(), number);
+    rows::cells(&mut text, "  relative RMSE after scaling", columns.map(scaled));
+
+    let _ = writeln!(text, "\nuniformity RMSE after each stage");
+    rows::heading(&mut text, "", ["R_x", "R_y", "S_z"]);
+    for stage in &result.stages {
+        rows::cells(&mut text, &format!("  {}", stage.stage.name()), stage.uniformity_rmse.to_array().map(number));
+    }
+    let magnetized = result.tiles.iter().filter(|tile| tile.polarization_t() != DVec3::ZERO).count();
+    let tiles = counted(magnetized, "tile", "tiles");
+    let _ = writeln!(text, "\n{tiles} of {}", counted(result.parts, "part", "distinct parts"));
+    for short in &result.short_of {
+        let _ = writeln!(text, "not reached: {short}");
+    }
+    if let Some(path) = path {
+        let path = path.display();
+        let _ = writeln!(text, "wrote {path}; look at it with `magsplice report {path} -o report`");
+    }
+    text
+}
+
+/// The films of a front, one line each.
+pub(crate) fn front(front: &ParetoFront) -> String {
+    let mut text = String::new();
+    let head = ["R_x", "R_y", "S_z", "x, mm", "y, mm", "z, mm", "amplitude", "parts"];
+    let mut table = |title: &str, rows: Vec<(String, &SearchResult)>| {
+        let _ = writeln!(text, "{title}");
+        let _ = write!(text, "{:<24}{:^39}{:^39}", "", "uniformity RMSE", "RMSE of displacement");
+        let _ = writeln!(text, "\n{:<24}{}", "", head.map(|name| format!("{name:>13}")).concat());
+        for (name, result) in rows {
+            let metrics = &result.after;
+            let numbers = metrics.uniformity_rmse.to_array().into_iter().chain(metrics.displacement_rmse_mm);
+            let numbers: String = numbers.map(|value| format!("{:>13}", number(value))).collect();
+            let _ = writeln!(text, "  {name:<22}{numbers}{:>13.4}{:>13}", metrics.amplitude, result.parts);
+        }
+    };
+    let by_amplitude = front.by_amplitude.iter().map(|(least, film)| (format!("at least {least}"), film));
+    table("error against amplitude", by_amplitude.collect());
+    if !front.by_parts.is_empty() {
+        let by_parts = front.by_parts.iter().map(|film| (counted(film.parts, "part", "parts"), film));
+        table("\nerror against the number of distinct parts", by_parts.collect());
+    }
+    text
+}

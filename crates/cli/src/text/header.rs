@@ -1,0 +1,38 @@
+//! The header of a film: its name, tiles, working volume and accuracy.
+
+use magsplice::Film;
+use magsplice::layout::{Layout, WorkingVolume};
+
+use super::number::counted;
+
+/// Name, tiles and hash of a layout.
+pub(crate) fn layout(layout: &Layout) -> String {
+    format!("{}: {}, sha256 {}\n", layout.name, tile_count(layout), &layout.sha256[..12])
+}
+
+/// A layout with its working volume and the accuracy of its field.
+pub(crate) fn film(film: &Film, volume: &WorkingVolume) -> String {
+    let (l, u, s) = (volume.lower_mm, volume.upper_mm, volume.step_mm);
+    let step = if s.x == s.y && s.x == s.z { format!("{}", s.x) } else { format!("{}, {}, {}", s.x, s.y, s.z) };
+    format!(
+        "{}working volume: x {} .. {}, y {} .. {}, z {} .. {} mm, step {step} mm, {} points\n{}",
+        layout(film.layout()),
+        l.x,
+        u.x,
+        l.y,
+        u.y,
+        l.z,
+        u.z,
+        volume.grid.len(),
+        accuracy(film)
+    )
+}
+
+/// The accuracy of a film's field.
+pub(crate) fn accuracy(film: &Film) -> String {
+    format!("accuracy: {}\n", film.scene().accuracy())
+}
+
+pub(crate) fn tile_count(layout: &Layout) -> String {
+    counted(layout.tiles.len(), "tile", "tiles")
+}

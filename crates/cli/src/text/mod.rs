@@ -1,0 +1,18 @@
+//! Results as printed tables, with units.
+
+/// `check`: one line per expectation.
+pub(crate) mod check;
+/// `decouple` and `compare`: field, comparison with the ideal film, decoupling errors.
+pub(crate) mod decouple;
+/// `design` and `splice`: a film that was found, and the films of a front.
+pub(crate) mod design;
+/// The header of a film: its name, tiles, working volume and accuracy.
+pub(crate) mod header;
+/// Numbers and counts in words.
+pub(crate) mod number;
+/// `plan`: the methods, their truncation errors and costs.
+pub(crate) mod plan;
+/// Rows of tables.
+pub(crate) mod rows;
+/// `tiles`: the tiles of a layout and its bill of materials.
+pub(crate) mod tiles;

@@ -1,0 +1,16 @@
+//! Numbers and counts in words.
+
+/// Six decimals, or six significant digits where six decimals would lose them or be too wide.
+pub(crate) fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        // Adding 0 turns -0 into 0.
+        format!("{:.6}", value + 0.0)
+    } else {
+        format!("{value:.5e}")
+    }
+}
+
+/// A number of things, with the word for one or for many of them.
+pub(crate) fn counted(number: usize, one: &str, many: &str) -> String {
+    if number == 1 { format!("1 {one}") } else { format!("{number} {many}") }
+}

@@ -1,0 +1,42 @@
+//! Rows of tables.
+
+use std::fmt::Write;
+
+use magsplice::prelude::DVec3;
+
+use super::number::number;
+
+/// Appends a label and three cells.
+pub(crate) fn cells(text: &mut String, label: &str, [x, y, z]: [String; 3]) {
+    let _ = writeln!(text, "{label:<38}{x:>13}{y:>13}{z:>13}");
+}
+
+/// Appends a label and three headings.
+pub(crate) fn heading(text: &mut String, label: &str, names: [&str; 3]) {
+    cells(text, label, names.map(str::to_owned));
+}
+
+/// Appends a label and one cell.
+pub(crate) fn cell(text: &mut String, label: &str, value: &str) {
+    let _ = writeln!(text, "{label:<38}{value:>13}");
+}
+
+/// Appends a label and the components of a vector. A component below 1e-12 of the largest is
+/// round-off, and is printed as 0.
+pub(crate) fn vector(text: &mut String, label: &str, v: DVec3) {
+    let noise = 1e-12 * v.abs().max_element();
+    cells(text, label, v.to_array().map(|c| number(if c.abs() <= noise { 0.0 } else { c })));
+}
+
+/// Lines of cells in columns that are as wide as their widest cell, separated by two spaces.
+pub(crate) fn columns(rows: &[[String; 5]]) -> Vec<String> {
+    let widths = [0, 1, 2, 3].map(|column| rows.iter().map(|row| row[column].len()).max().unwrap_or(0));
+    let line = |row: &[String; 5]| {
+        let mut line = String::new();
+        for (cell, width) in row.iter().zip(widths) {
+            let _ = write!(line, "  {cell:<width$}");
+        }
+        format!("{line}  {}", row[4]).trim_end().to_owned()
+    };
+    rows.iter().map(line).collect()
+}

@@ -1,0 +1,99 @@
+//! `magsplice design --front`: searches the films of a trade-off.
+
+use magsplice::design::{DesignProblem, ParetoFront};
+use magsplice::layout::Layout;
+
+use super::search::{PROGRAM, layout_text, show};
+use crate::args::design::DesignArgs;
+use crate::args::formats::TextOrJson;
+use crate::failure::{self, Failure};
+use crate::json::design::{FrontFilmJson, FrontJson};
+use crate::output::destination::print;
+use crate::output::folder::Folder;
+use crate::progress::ProgressLine;
+use crate::{interrupt, json, text};
+
+pub(crate) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<(), Failure> {
+    let failed = |error| Failure::Design { place: args.layout.display().to_string(), error };
+    let problem = DesignProblem::new(layout).map_err(failed)?;
+    let output = args
+        .output
+        .as_deref()
+        .ok_or_else(|| Failure::Format("--front writes a folder: name one with -o DIR".to_owned()))?;
+    let folder = Folder::open(output, is_file_of_front)?;
+    let front = {
+        let progress = ProgressLine::start(!quiet);
+        let stop = interrupt::defer();
+        problem.pareto_front(&args.amplitudes, &|update| show(&progress, stop, update)).map_err(failed)?
+    };
+    // A film that misses its amplitude is not on the front.
+    let missed: Vec<f64> =
+        front.by_amplitude.iter().filter(|(_, film)| !film.short_of.is_empty()).map(|(a, _)| *a).collect();
+    let front = ParetoFront {
+        by_amplitude: front.by_amplitude.into_iter().filter(|(_, film)| film.short_of.is_empty()).collect(),
+        ..front
+    };
+    let mut films: Vec<FrontFilmJson> = Vec::new();
+    let mut add = |file: String, film| {
+        folder.write(&file, layout_text(&problem, film, "design --front")?.as_bytes())?;
+        films.push(FrontFilmJson { file, film });
+        Ok::<(), Failure>(())
+    };
+    for (least, film) in &front.by_amplitude {
+        add(format!("amplitude-{least}.toml"), film)?;
+    }
+    for (index, film) in front.by_parts.iter().enumerate() {
+        add(format!("parts-{}-{}.toml", film.parts, index + 1), film)?;
+    }
+    let json = json::pretty(&FrontJson::new(PROGRAM, layout, films));
+    folder.write("front.json", json.as_bytes())?;
+    write_figures(&problem, &front, &folder)?;
+    folder.finish()?;
+    match args.format {
+        TextOrJson::Json => print(&json)?,
+        TextOrJson::Text => print(&text::design::front(&front))?,
+    }
+    if !quiet {
+        for least in missed {
+            failure::tell(&format_args!("no film with an amplitude of {least} was found"));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a file has the name of a file of a front, which a new front may replace.
+fn is_file_of_front(name: &str) -> bool {
+    let film = (name.starts_with("amplitude-") || name.starts_with("parts-")) && name.ends_with(".toml");
+    film || name == "front.json" || name.starts_with("front-") && (name.ends_with(".svg") || name.ends_with(".png"))
+}
+
+#[cfg(not(feature = "report"))]
+fn write_figures(_: &DesignProblem, _: &ParetoFront, _: &Folder) -> Result<(), Failure> {
+    Ok(())
+}
+
+#[cfg(feature = "report")]
+fn write_figures(problem: &DesignProblem, front: &ParetoFront, folder: &Folder) -> Result<(), Failure> {
+    use magsplice::design::Metrics;
+    use magsplice_report::{FrontAxis, FrontFigure, FrontFilm};
+
+    let film = |at: f64, metrics: &Metrics| FrontFilm {
+        at,
+        displacement_rmse_mm: metrics.displacement_rmse_mm,
+        uniformity_rmse_mm: metrics.uniformity_rmse.as_lengths(problem.ideal().wavenumber()).to_array(),
+    };
+    let before = front.by_amplitude.first().map(|(_, result)| film(result.before.amplitude, &result.before));
+    let by_amplitude =
+        front.by_amplitude.iter().map(|(_, result)| film(result.after.amplitude, &result.after)).collect();
+    let by_parts = front.by_parts.iter().map(|result| film(result.parts as f64, &result.after)).collect();
+    let figures = [
+        FrontFigure { axis: FrontAxis::Amplitude, films: by_amplitude, before },
+        FrontFigure { axis: FrontAxis::Parts, films: by_parts, before: None },
+    ];
+    for figure in figures.into_iter().filter(|figure| !figure.films.is_empty()) {
+        let figure = figure.draw().map_err(|error| Failure::Format(error.to_string()))?;
+        folder.write(&format!("{}.svg", figure.name), figure.svg.as_bytes())?;
+        folder.write(&format!("{}.png", figure.name), &figure.png)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,82 @@
+//! What `design`, `design --front` and `splice` share: the search, its progress, its result.
+
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use magsplice::Stage;
+use magsplice::design::{DesignError, DesignProblem, ProgressUpdate, SearchResult, SearchStage};
+use magsplice::layout::Layout;
+
+use crate::args::formats::TextOrJson;
+use crate::failure::{self, Failure};
+use crate::output::destination::{Output, print};
+use crate::progress::ProgressLine;
+use crate::{interrupt, json, text};
+
+/// Name and version of the program in the history of layouts.
+pub(crate) const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"));
+
+/// Searches for a film and shows the progress. Ctrl-C ends the search with the best film so far.
+pub(crate) fn search(problem: &DesignProblem, quiet: bool) -> Result<SearchResult, DesignError> {
+    let progress = ProgressLine::start(!quiet);
+    let stop = interrupt::defer();
+    problem.search(&|update| show(&progress, stop, update))
+}
+
+/// Shows the progress of a search, and ends the search if `stop` is set.
+pub(crate) fn show(progress: &ProgressLine, stop: &AtomicBool, update: ProgressUpdate) -> ControlFlow<()> {
+    let ProgressUpdate { stage, done, of, best } = update;
+    let (name, unit) = match stage {
+        SearchStage::Starts => ("searching", "starts"),
+        SearchStage::Strengths => (stage.name(), "strengths"),
+        SearchStage::Parts(_) => (stage.name(), "parts merged"),
+        SearchStage::Rounding => ("rounding", ""),
+        _ => (stage.name(), ""),
+    };
+    if let Some(best) = best {
+        progress.set_prefix(format!("best error {best:.3e}, "));
+    }
+    progress.show(Stage { name, done, of: (of > 0).then_some(of), unit });
+    if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+}
+
+/// Writes the layout of the film to `output`, and prints a summary: on standard output if the
+/// layout went to a file, else on standard error.
+///
+/// Returns exit status 1 if the film misses a requirement.
+pub(crate) fn finish(
+    problem: &DesignProblem,
+    result: &SearchResult,
+    verb: &str,
+    mut output: Output,
+    path: Option<&Path>,
+    format: TextOrJson,
+    quiet: bool,
+) -> Result<u8, Failure> {
+    let layout = layout_text(problem, result, verb)?;
+    output.write(|writer| writer.write_all(layout.as_bytes()))?;
+    let to_file = !output.is_standard();
+    output.finish()?;
+    let summary = match format {
+        TextOrJson::Json => json::pretty(result),
+        TextOrJson::Text => text::design::search_result(problem, result, path),
+    };
+    if to_file {
+        print(&summary)?;
+    } else if !quiet {
+        let _ = std::io::stderr().write_all(summary.as_bytes());
+    }
+    if result.interrupted && !quiet {
+        failure::tell(&"interrupted: this is the best film found so far");
+    }
+    Ok(u8::from(!result.short_of.is_empty()))
+}
+
+/// The layout file of a film that was found. Refuses a film that breaks a rule of layouts.
+pub(crate) fn layout_text(problem: &DesignProblem, result: &SearchResult, verb: &str) -> Result<String, Failure> {
+    let text = problem.designed_layout(result, &format!("{PROGRAM} {verb}")).to_toml();
+    Layout::parse(&text, "the film found")?;
+    Ok(text)
+}

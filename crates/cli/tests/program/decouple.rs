@@ -1,0 +1,80 @@
+//! `decouple` and `compare`: numbers of the published film, singular points.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use crate::{Sandbox, shipped};
+
+#[test]
+fn decouple_prints_the_published_numbers() {
+    let said = Sandbox::new().run(&["decouple", &shipped("published-film")]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    let lines: BTreeMap<&str, Vec<&str>> = said
+        .stdout
+        .lines()
+        .filter(|l| l.len() > 38)
+        .map(|l| (l[..38].trim(), l[38..].split_whitespace().collect()))
+        .collect();
+    assert_eq!(lines["uniformity RMSE"], ["0.062872", "0.062872", "0.039888"]);
+    assert_eq!(lines["RMSE against the ideal film"], ["0.152165", "0.152165", "0.198419"]);
+    assert_eq!(lines["best-fit amplitude"], ["0.818730"]);
+    assert_eq!(lines["relative RMSE as is"], ["0.197428"]);
+    assert_eq!(lines["relative RMSE after scaling"], ["0.095543"]);
+    assert!(said.stdout.contains("singular points (B_z = 0): none"));
+    assert!(said.stdout.lines().all(|l| l.len() <= 80), "fits a terminal");
+}
+
+#[test]
+fn decouple_as_json() {
+    let said = Sandbox::new().run(&["decouple", &shipped("published-film"), "--format", "json"]);
+    let json: Value = serde_json::from_str(&said.stdout).unwrap();
+    let k = std::f64::consts::TAU / 10.0;
+    for (key, lengths, known) in [
+        ("uniformity_rmse", "uniformity_rmse_mm", [0.062872, 0.062872, 0.039888]),
+        ("ideal_rmse", "displacement_rmse_mm", [0.152165, 0.152165, 0.198419]),
+    ] {
+        for ((parameter, axis), known) in [("r_x", "x"), ("r_y", "y"), ("s_z", "z")].into_iter().zip(known) {
+            let value = json[key][parameter].as_f64().unwrap();
+            assert!((value - known).abs() <= 0.5e-6, "{key} {parameter} {value}");
+            assert!((json[lengths][axis].as_f64().unwrap() - value / k).abs() < 1e-15);
+        }
+    }
+    assert_eq!(json["layout"], "published film");
+    assert_eq!(json["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!((json["points"].as_u64(), json["tiles"].as_u64()), (Some(405), Some(56)));
+    assert_eq!(json["sha256"].as_str().unwrap().len(), 64);
+    assert_eq!(json["reference_mm"], serde_json::json!([0.0, 0.0, -5.0]));
+    assert_eq!(json["singular_points_mm"], serde_json::json!([]));
+}
+
+#[test]
+fn singular_points_are_counted_and_named() {
+    let sandbox = Sandbox::new();
+    // J along x: B_z = 0 on the plane x = 0. Six points of the grid lie on it, the reference does not.
+    sandbox.write(
+        "shear.toml",
+        "format = 1\nname = \"shear\"\n[ideal]\nwavelength_mm = 10\nthickness_mm = 1\namplitude_t = 1\n\
+         [volume]\nx_mm = [-1, 1]\ny_mm = [-1, 1]\nz_mm = [-5, -4]\nstep_mm = 1\nreference_mm = [1, 0, -5]\n\
+         [[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [1, 0, 0]\n",
+    );
+    let said = sandbox.run(&["decouple", "shear.toml"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    let named = "singular points (B_z = 0), left out: 6, at (0, -1, -5) (0, -1, -4) (0, 0, -5)";
+    assert!(said.stdout.contains(named), "{}", said.stdout);
+    let json: Value =
+        serde_json::from_str(&sandbox.run(&["decouple", "shear.toml", "--format", "json"]).stdout).unwrap();
+    assert_eq!(json["singular_points_mm"].as_array().unwrap().len(), 6);
+    assert!(json["uniformity_rmse"]["r_x"].as_f64().unwrap().is_finite());
+}
+
+#[test]
+fn compare_as_text_and_json() {
+    let said = Sandbox::new().run(&["compare", &shipped("published-film")]);
+    assert!(said.status == 0 && said.stdout.contains("best-fit amplitude") && said.stdout.contains("0.818730"));
+    let said = Sandbox::new().run(&["compare", &shipped("published-film"), "--format", "json"]);
+    let json: Value = serde_json::from_str(&said.stdout).unwrap();
+    assert_eq!(json["comparison"]["points"], 405);
+    assert!((json["comparison"]["relative_rmse"].as_f64().unwrap() - 0.197428).abs() < 0.5e-6);
+    assert_eq!(json["comparison"]["worst_at_mm"], serde_json::json!([0.0, 0.0, -3.0]));
+}
