@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 use magsplice_field::{Quantity, Scene, Tile};
-use magsplice_tests::scenes;
+use magsplice_tests::{cases, scenes};
 use proptest::prelude::*;
 
 fn rebuilt(tile: &Tile, position: DVec3, size: DVec3, j: DVec3) -> Tile {
@@ -30,7 +30,7 @@ fn on_a_face(tile: &Tile, point: DVec3) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(10_000), failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Every field and gradient is finite or an error.
     #[test]

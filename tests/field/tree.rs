@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use magsplice_field::{Accuracy, Cause, MU_0, Model, Quantity, Scene, Tile, Tolerance};
+use magsplice_tests::cases;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use rand::{Rng, SeedableRng};
@@ -67,7 +68,7 @@ fn allowed(tolerance: Tolerance, exact: DVec3) -> f64 {
 #[test]
 fn random_heaps_keep_random_tolerances() {
     let scenes = (any::<u64>(), 3_usize..12, 0.0..2.5_f64, -60.0..60.0_f64, any::<bool>(), tolerance());
-    TestRunner::new(Config { cases: 600, failure_persistence: None, ..Config::default() })
+    TestRunner::new(Config { cases: cases(600), failure_persistence: None, ..Config::default() })
         .run(&scenes, |(seed, count, spread, unit, turned, tolerance)| {
             let (tiles, points) = heaps(seed, count, 10_f64.powf(spread), 10_f64.powf(unit), turned);
             let scene = Scene::new(&tiles);

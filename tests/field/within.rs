@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use magsplice_field::{Accuracy, Cause, FittedFieldError, Grid, MU_0, Quantity, Scene, Tile, Tolerance};
+use magsplice_tests::cases;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use rayon::ThreadPoolBuilder;
@@ -51,7 +52,7 @@ fn random_scenes_keep_random_tolerances_on_grids() {
         prop::array::uniform3(prop_oneof![1_usize..8, 8_usize..36]),
         tolerance(),
     );
-    TestRunner::new(Config { cases: 6_000, failure_persistence: None, ..Config::default() })
+    TestRunner::new(Config { cases: cases(6_000), failure_persistence: None, ..Config::default() })
         .run(&scenes, |(tiles, centre, half, counts, tolerance)| {
             let (centre, half) = (DVec3::from(centre), DVec3::from(half));
             let grid = Grid::new(centre - half, centre + half, counts).expect("a grid");
@@ -186,7 +187,7 @@ fn fitted_fields_keep_their_bounds() {
         (-9.0..-2.0_f64).prop_map(|d| 10_f64.powf(d)),
     );
     let fitted = std::cell::Cell::new(0);
-    TestRunner::new(Config { cases: 400, failure_persistence: None, ..Config::default() })
+    TestRunner::new(Config { cases: cases(400), failure_persistence: None, ..Config::default() })
         .run(&boxes, |(tiles, centre, half, fraction)| {
             let (centre, half) = (DVec3::from(centre), DVec3::from(half));
             let (scene, tolerance) = (Scene::new(&tiles), Tolerance::relative(fraction).expect("a tolerance"));
@@ -213,7 +214,7 @@ fn fitted_fields_keep_their_bounds() {
             Ok(())
         })
         .expect("the bounds hold");
-    assert!(fitted.get() > 100, "only {} boxes were fitted", fitted.get());
+    assert!(fitted.get() > cases(100), "only {} boxes were fitted", fitted.get());
 }
 
 /// Boxes of different proportions, and cells that are no cubes. One tile is rotated.

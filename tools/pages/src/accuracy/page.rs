@@ -136,7 +136,8 @@ For one unrotated tile, these bounds hold at every point that is not on an expos
 
 For a scene, the same fractions hold of the sum over its tiles. The tests in `tests/field/` check
 these bounds on the tables, on ten thousand random tiles and points, and on scenes of many tiles,
-with every instruction set of the processor.
+with every instruction set of the processor. `cargo test` runs a share of the slowest cases, and
+`cargo test -p magsplice-tests --all-features` all of them.
 
 The bounds are weaker in these cases:
 
