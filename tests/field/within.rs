@@ -214,7 +214,8 @@ fn fitted_fields_keep_their_bounds() {
             Ok(())
         })
         .expect("the bounds hold");
-    assert!(fitted.get() > cases(100), "only {} boxes were fitted", fitted.get());
+    let least = if cfg!(feature = "all-cases") { 100 } else { 4 };
+    assert!(fitted.get() > least, "only {} boxes were fitted", fitted.get());
 }
 
 /// Boxes of different proportions, and cells that are no cubes. One tile is rotated.
