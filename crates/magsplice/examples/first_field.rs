@@ -20,8 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Many points at once are computed in parallel and in vectors, with the same digits.
     let points_mm: Vec<DVec3> = (0..5).map(|i| DVec3::new(f64::from(i) - 2.0, 0.0, 6.0)).collect();
-    let mut field_t = vec![DVec3::ZERO; points_mm.len()];
-    scene.field_into(Quantity::FluxDensity, &points_mm, &mut field_t)?;
+    let field_t = scene.field_at(Quantity::FluxDensity, &points_mm)?;
     for (point_mm, b_t) in points_mm.iter().zip(&field_t) {
         println!("B_x at x = {:4.1} mm: {:9.6} mT", point_mm.x, 1e3 * b_t.x);
     }
