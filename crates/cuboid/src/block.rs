@@ -1,4 +1,4 @@
-//! A tile prepared for evaluation: its faces in the frame it shares with its neighbours.
+//! A cuboid prepared for evaluation, in the frame it shares with its neighbours.
 
 use glam::DVec3;
 use magsplice_simd::compensated_sum::TwoSum;
@@ -14,50 +14,56 @@ pub struct Block {
     pub tile: usize,
     /// Lower and upper face along each axis.
     pub faces: [[TwoSum; 2]; 3],
+    /// Side lengths.
     pub size: [f64; 3],
-    /// In the shared frame, in tesla.
+    /// Polarization in the shared frame, in tesla.
     pub polarization_t: DVec3,
-    /// The least distance of a point from a face.
+    /// Smallest distance of a point from a face.
     nudge: f64,
 }
 
 /// A point in the frame of a block.
 pub struct LocalPoint {
+    /// Coordinates in the frame.
     pub coordinates: [f64; 3],
-    /// How far each coordinate may be off; a face within that distance is met.
+    /// Bound of the error of each coordinate. A point within that distance of a face is on the
+    /// face.
     pub roundoff: [f64; 3],
 }
 
-/// Where a point lies relative to a block.
+/// Position of a point relative to a block.
 pub struct PlacedPoint {
+    /// Offsets from the faces along each axis, scaled.
     pub offsets: [Offsets<f64>; 3],
-    /// The power of two that `offsets` have been multiplied with.
+    /// The power of two that `offsets` have been multiplied by.
     pub scale: f64,
 }
 
 impl PlacedPoint {
-    /// Whether the point lies on the extension of an edge or on one.
+    /// Whether the point is on an edge or on the extension of an edge.
     pub fn on_edge_line(&self) -> bool {
         self.offsets.iter().filter(|o| o.on_face).count() >= 2
     }
 
+    /// Whether the point is inside the block.
     pub fn inside(&self) -> bool {
         self.offsets.iter().all(Offsets::within)
     }
 }
 
 impl Block {
+    /// A block around `centre`. `smallest_size` is the smallest size in the scene.
     pub fn new(tile: usize, centre: DVec3, size: DVec3, polarization_t: DVec3, smallest_size: f64) -> Block {
         let faces = [0, 1, 2].map(|axis| {
             let half = 0.5 * size[axis];
-            [TwoSum::of(centre[axis], -half), TwoSum::of(centre[axis], half)]
+            [TwoSum::new(centre[axis], -half), TwoSum::new(centre[axis], half)]
         });
         let nudge = (FACE_NUDGE * smallest_size).max(SMALLEST_NUDGE * size.max_element());
         Block { tile, faces, size: size.to_array(), polarization_t, nudge }
     }
 
-    /// Where a point lies, scaled by a power of two so that the largest offset is between 1 and 2;
-    /// `None` if the block is too small and far to matter.
+    /// Position of a point, scaled by a power of two so that the largest offset is between 1 and 2;
+    /// `None` if the block is too small and far away to matter.
     pub fn place(&self, point: &LocalPoint) -> Option<PlacedPoint> {
         let offsets = [0, 1, 2].map(|axis| self.offsets(axis, point.coordinates[axis], point.roundoff[axis]));
         let farthest = offsets.iter().map(|o| o.far).fold(0.0, f64::max);
@@ -66,7 +72,7 @@ impl Block {
         (largest * scale >= VANISHING_SIZE).then(|| PlacedPoint { offsets: offsets.map(|o| o.scaled(scale)), scale })
     }
 
-    /// How far away a point is; zero within.
+    /// Distance of a point from the block; zero inside.
     pub fn gap(&self, point: &LocalPoint) -> f64 {
         let along = [0, 1, 2].map(|axis: usize| {
             let ([low, high], at) = (self.faces[axis], point.coordinates[axis]);
@@ -85,7 +91,7 @@ impl Block {
             if mirrored { (-from_low.value(), -from_high.value()) } else { (from_high.value(), from_low.value()) };
         let (size, sum) = (self.size[axis], sum.abs());
         let on_face = near == 0.0 || (near.abs() <= roundoff && roundoff * RESOLVED_THICKNESS <= size);
-        // Inside at the lower face, outside at the upper one.
+        // The lower face belongs to the block, the upper one does not.
         let inside = if on_face { mirrored } else { near < 0.0 };
         if !on_face && near.abs() >= self.nudge {
             return Offsets { near, far, sum, size, mirrored, on_face };

@@ -1,9 +1,9 @@
 //! One cuboid at points that share a method.
 
 use fearless_simd::prelude::*;
-use magsplice_simd::lanes::{Lanes, Two};
+use magsplice_simd::lanes::{LanePair, Lanes};
 use magsplice_simd::pairwise::{Pairwise, fields_of};
-use magsplice_simd::prefetch::Ahead;
+use magsplice_simd::prefetch::Prefetch;
 
 use crate::block::Block;
 use crate::closed_form::single_tile::ClosedForm;
@@ -43,7 +43,7 @@ impl<'a> Evaluator<'a> {
         method: MethodIndex,
         points: [&[f64]; 3],
         fields: [&mut [f64]; 3],
-        ahead: &mut Ahead,
+        ahead: &mut Prefetch,
     ) {
         match self.ranges.method(method) {
             Method::ClosedForm => fields_of(simd, &AllElements(&self.closed_form), points, fields, ahead),
@@ -81,12 +81,12 @@ impl<S: Simd> Pairwise<S> for SmallElements<'_> {
 }
 
 #[inline(always)]
-fn side_by_side<S: Simd>([first, second]: [[Lanes<S>; 3]; 2]) -> [Two<S>; 3] {
-    [Two([first[0], second[0]]), Two([first[1], second[1]]), Two([first[2], second[2]])]
+fn side_by_side<S: Simd>([first, second]: [[Lanes<S>; 3]; 2]) -> [LanePair<S>; 3] {
+    [LanePair([first[0], second[0]]), LanePair([first[1], second[1]]), LanePair([first[2], second[2]])]
 }
 
 #[inline(always)]
-fn separate<S: Simd>([x, y, z]: [Two<S>; 3]) -> [[Lanes<S>; 3]; 2] {
-    let (Two([x, x_2]), Two([y, y_2]), Two([z, z_2])) = (x, y, z);
+fn separate<S: Simd>([x, y, z]: [LanePair<S>; 3]) -> [[Lanes<S>; 3]; 2] {
+    let (LanePair([x, x_2]), LanePair([y, y_2]), LanePair([z, z_2])) = (x, y, z);
     [[x, y, z], [x_2, y_2, z_2]]
 }

@@ -1,21 +1,29 @@
-//! How B changes as the faces of a tile move.
+//! Derivatives of B with respect to the positions of the faces of a tile.
 //!
-//! Moving a face outwards by a small distance adds a thin layer of the tile's polarization (docs/physics.md, section 6). The part of J normal to the layer is a current
-//! around its rim, the part along it are charges on two of its four edges: both are integrals over the edges of the tile, which all six faces share.
+//! Moving a face outwards by a small distance adds a thin layer of the tile's polarization
+//! (docs/physics.md, section 6). The part of J normal to the layer acts as a current around its
+//! rim, the part along it as charges on two of its four edges. Both are integrals over the edges of
+//! the tile, which all six faces share.
 
 use std::f64::consts::PI;
 
 use glam::{DMat3, DQuat, DVec3};
 use magsplice_magnet::Tile;
 
-/// The derivatives of B at a point by where the faces of a tile are.
+/// The derivatives of B at a point with respect to the positions of the faces of a tile.
 ///
-/// Column `axis` of either matrix is the derivative by the coordinate, along the tile's own axis, of the face normal to it: in tesla per length, in the frame of the scene.
-/// Every change of size or position follows from them: a tile that moves along its axis moves both faces, so `-(lower + upper)` is the gradient of B, as far
-/// as it is unrotated; one that grows about its centre moves them half as far apart as its size grows.
+/// Column `axis` of either matrix is the derivative with respect to the coordinate, along the
+/// tile's own axis, of the face normal to it. Every change of size or position follows from them. A
+/// tile that moves along its axis moves both faces, so that `-(lower + upper)` is the gradient of B
+/// if the tile is not rotated. A tile that grows about its centre moves each face by half of its
+/// growth.
+///
+/// # Units
+/// Tesla per unit of length, in the frame of the scene.
 ///
 /// # Accuracy
-/// 32 units of round-off of the sum of what the twelve edges contribute. Far away edges cancel: at a distance of r sizes that is a relative error of about r^2 units.
+/// The error is at most 32 units of round-off of the sum of the contributions of the twelve edges.
+/// Far away the edges cancel: at a distance of r sizes the relative error is about r^2 units.
 ///
 /// # Example
 /// ```
@@ -25,25 +33,27 @@ use magsplice_magnet::Tile;
 ///
 /// let tile = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::Z).unwrap();
 /// let slopes = FaceDerivatives::new(&tile, DVec3::new(0.0, 0.0, 2.0)).unwrap();
-/// // A magnet whose near pole comes nearer has more field there; moving both poles by the same is moving the point back.
+/// A near pole that comes nearer increases the field; moving both poles moves the point back.
 /// assert!(slopes.upper.z_axis.z > 0.0 && slopes.lower.z_axis.z < 0.0);
 /// assert!(slopes.upper.z_axis.z + slopes.lower.z_axis.z > 0.0);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceDerivatives {
-    /// By the faces at the lower ends.
+    /// Derivatives with respect to the lower faces.
     pub lower: DMat3,
-    /// By the faces at the upper ends.
+    /// Derivatives with respect to the upper faces.
     pub upper: DMat3,
 }
 
 impl FaceDerivatives {
-    /// At a point, or `None` on an edge of the tile, where they are unbounded, and where they leave the range of numbers.
+    /// The derivatives at a point; `None` on an edge of the tile, where they are unbounded, and
+    /// where they leave the range of numbers.
     pub fn new(tile: &Tile, point: DVec3) -> Option<FaceDerivatives> {
         let unrotated = tile.rotation() == DQuat::IDENTITY;
         let from_centre = point - tile.position();
         let local = if unrotated { from_centre } else { tile.rotation().inverse() * from_centre };
-        // From the point to the faces, in units of the furthest, so that no power leaves the range of numbers.
+        // Vectors to the faces in units of the largest, so that no power leaves the range of
+        // numbers.
         let half = 0.5 * tile.size();
         let to_faces = [-half - local, half - local];
         let unit = to_faces[0].abs().max_element().max(to_faces[1].abs().max_element());
@@ -55,7 +65,7 @@ impl FaceDerivatives {
     }
 }
 
-/// What the layers on the lower and the upper faces contribute, the lower ones taken away.
+/// Contributions of the layers on the lower faces, negated, and on the upper faces.
 fn of_edges(edges: &Edges, j: DVec3) -> [DMat3; 2] {
     [0, 1].map(|side| {
         let columns = [0, 1, 2].map(|normal| {
@@ -63,7 +73,8 @@ fn of_edges(edges: &Edges, j: DVec3) -> [DMat3; 2] {
             let mut layer = DVec3::ZERO;
             for end in [0, 1] {
                 let sign = if end == 0 { -1.0 } else { 1.0 };
-                // The rim runs from `first` to `second`: along its edges at the upper end of `first`, against those at the upper end of `second`.
+                // The rim runs from `first` to `second`: along its edges at the upper end of
+                // `first`, against those at the upper end of `second`.
                 layer += sign * edges.along(second, [side, end], j[normal], j[first]);
                 layer += sign * edges.along(first, [end, side], -j[normal], j[second]);
             }
@@ -75,14 +86,15 @@ fn of_edges(edges: &Edges, j: DVec3) -> [DMat3; 2] {
 
 /// Integrals over the twelve edges of a cuboid.
 struct Edges {
-    /// From the point to the lower and upper faces.
+    /// Vectors from the point to the lower and upper faces.
     to_faces: [DVec3; 2],
-    /// By direction, then the ends of the next axis and of the one after it: the integrals of 1 / r^3 and of t / r^3 along the edge, t from the foot of the point.
+    /// Integrals of 1 / r^3 and of t / r^3 along each edge, t from the foot of the point; by
+    /// direction, then by the ends of the next axis and of the one after it.
     integrals: [[[(f64, f64); 2]; 2]; 3],
 }
 
 impl Edges {
-    /// `None` if the point lies on an edge.
+    /// The integrals; `None` if the point is on an edge.
     fn between(to_faces: [DVec3; 2]) -> Option<Edges> {
         let squares = to_faces.map(|to| to * to);
         let mut integrals = [[[(0.0, 0.0); 2]; 2]; 3];
@@ -98,7 +110,7 @@ impl Edges {
         Some(Edges { to_faces, integrals })
     }
 
-    /// 4 pi times the field of this edge with a current along its axis and a charge for each length.
+    /// 4 pi times the field of this edge with a current along its axis and a charge per length.
     fn along(&self, axis: usize, [next_end, last_end]: [usize; 2], current: f64, charge: f64) -> DVec3 {
         let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
         let (across, lengthwise) = self.integrals[axis][next_end][last_end];
@@ -111,7 +123,8 @@ impl Edges {
     }
 }
 
-/// The integrals of 1 / r^3 and t / r^3 over t between the ends, r^2 = t^2 + rho^2, without cancellation (P32, P33). `None` where they are unbounded.
+/// The integrals of 1 / r^3 and t / r^3 over t between the ends, r^2 = t^2 + rho^2, without
+/// cancellation (Eqs. P32, P33); `None` where they are unbounded.
 fn segment([from, to]: [f64; 2], rho_squared: f64) -> Option<(f64, f64)> {
     let [r_from, r_to] = [from, to].map(|t| (t * t + rho_squared).sqrt());
     let squares = (to - from) * (to + from);

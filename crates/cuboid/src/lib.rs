@@ -9,8 +9,6 @@
 //! # Units
 //! Lengths are in any one unit, polarization and mu0 H in tesla.
 
-#![allow(missing_docs)]
-
 /// A cuboid prepared in its frame, and the position of a point relative to it.
 pub mod block;
 /// The closed form in vectors.

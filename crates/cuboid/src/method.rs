@@ -3,7 +3,7 @@
 //! | method | where | argument |
 //! |---|---|---|
 //! | scalar | inside, and nearer than `NEAR_FRACTION` of the longest side | exact everywhere, one point at a time; [`NearEdge`](crate::closed_form::near_edge::NearEdge) takes compact cuboids there in vectors |
-//! | closed form | up to `MIDDLE_REACH` second sides | the error of the vector form grows with that ratio |
+//! | closed form | up to `CLOSED_FORM_REACH` second sides | the error of the vector form grows with that ratio |
 //! | small elements | the same, where half of 4 pi T is below [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE) | logarithms and arctangents need no reduction |
 //! | series | beyond, by `MULTIPOLE_ORDERS` | the truncation error of each order is below the bound from its distance on |
 //! | expansion | clusters, from their radii on | the truncation error of each degree likewise |
@@ -17,8 +17,8 @@ use magsplice_simd::power_of_two::power_of_two_reciprocal;
 use crate::block::Block;
 use crate::shape::Shape;
 use crate::tolerances::{
-    ALONE_COST, CLOSED_FORM_COST, FARTHEST, FORM_MARGIN, LONGEST_NEEDLE, MIDDLE_REACH, MULTIPOLE_ORDERS, NEAR_FRACTION,
-    SMALL_ANGLE,
+    CLOSED_FORM_COST, CLOSED_FORM_REACH, FARTHEST, LONGEST_NEEDLE, METHOD_MARGIN, MULTIPOLE_ORDERS, NEAR_FRACTION,
+    SINGLE_TILE_COST, SMALL_ANGLE,
 };
 
 /// A way to evaluate the field of a cuboid, or of a cluster of them.
@@ -104,7 +104,7 @@ impl MethodRanges {
         let scale = power_of_two_reciprocal(block.size.into_iter().fold(0.0, f64::max));
         let shape = Shape::new(block, scale);
         let closed_form_to =
-            if shape.largest <= LONGEST_NEEDLE * shape.second { MIDDLE_REACH * shape.second } else { 0.0 };
+            if shape.largest <= LONGEST_NEEDLE * shape.second { CLOSED_FORM_REACH * shape.second } else { 0.0 };
         let small_elements_from = (shape.volume / SMALL_ANGLE).cbrt().powi(2);
         MethodRanges {
             scale,
@@ -219,8 +219,8 @@ impl MethodRanges {
             farthest += most * most;
         }
         // A margin so large that no point decides differently by round-off.
-        let (gap, nearest) = (gap * (1.0 - FORM_MARGIN), nearest * (1.0 - FORM_MARGIN));
-        let (widest, farthest) = (widest * (1.0 + FORM_MARGIN), farthest * (1.0 + FORM_MARGIN));
+        let (gap, nearest) = (gap * (1.0 - METHOD_MARGIN), nearest * (1.0 - METHOD_MARGIN));
+        let (widest, farthest) = (widest * (1.0 + METHOD_MARGIN), farthest * (1.0 + METHOD_MARGIN));
         let (method, other) = (self.index(gap, nearest, stretched), self.index(widest, farthest, stretched));
         (method == other && method != SCALAR && farthest <= FARTHEST).then_some(method)
     }
@@ -239,7 +239,7 @@ pub fn series(distance: impl Fn(f64) -> f64) -> impl Iterator<Item = (f64, Metho
 fn series_of_block(shape: &Shape, closed_form_to: f64) -> Vec<(f64, Method)> {
     let mut steps: Vec<(f64, Method)> = Vec::new();
     for (distance, method) in series(|half_diagonals| half_diagonals * shape.half_diagonal) {
-        let distance = if method.cost(1) > ALONE_COST { distance.max(closed_form_to) } else { distance };
+        let distance = if method.cost(1) > SINGLE_TILE_COST { distance.max(closed_form_to) } else { distance };
         // An order that begins no later is cheaper.
         steps.retain(|(earlier, _)| *earlier < distance);
         steps.push((distance, method));

@@ -2,85 +2,99 @@
 
 use magsplice_simd::power_of_two::power_of_two;
 
-/// Beyond this value of tanh the logarithm of an edge is taken from products instead of from `ln_1p`.
+/// tanh of the logarithm of an edge beyond which it is computed from products instead of `ln_1p`.
 ///
-/// Both forms are free of cancellation everywhere the products stay in range; `ln_1p` keeps relative accuracy where the
-/// element is small, the products where it diverges. The switch only has to be away from 0 and 1.
+/// Both forms are free of cancellation wherever the products stay in range. `ln_1p` keeps relative
+/// accuracy where the element is small, the products where it diverges. The switch only has to be
+/// away from 0 and 1.
 pub const ARTANH_TO_PRODUCT: f64 = 0.5;
 
-/// A point closer to a face than this fraction of the smallest size in the scene counts as that far from it, on its own side;
-/// one exactly on the face on the side of +x, +y, +z of the tile's frame: the half-open rule lo <= p < hi.
+/// Fraction of the smallest size in the scene within which a point counts as that far from a face,
+/// on its own side. A point exactly on a face counts as on the side of +x, +y, +z of the tile's
+/// frame: the half-open rule lo <= p < hi.
 ///
-/// It vanishes in every sum but those that are the offset itself, and ln(2^-240) = -166 costs hardly a digit where the logarithms of
-/// touching tiles cancel.
+/// The distance vanishes in every sum except an offset itself, and ln(2^-240) = -166 costs hardly a
+/// digit where the logarithms of touching tiles cancel.
 pub const FACE_NUDGE: f64 = power_of_two(-120);
 
-/// The nudge is never less than this fraction of a tile's own largest size, so that its square stays a normal number.
-/// Seams between tiles that differ by more than 2^200 in size are beyond what is supported.
+/// Smallest nudge as a fraction of a tile's own largest size, so that its square is a normal
+/// number. Seams between tiles whose sizes differ by more than 2^200 are not supported.
 pub const SMALLEST_NUDGE: f64 = power_of_two(-300);
 
-/// A tile whose largest size is below this fraction of the distance adds nothing: its field is below
-/// 2^-1200 of J, and with J at most `MAX_POLARIZATION_T` rounds to zero.
+/// Fraction of the distance below which a tile's largest size adds nothing: its field is below
+/// 2^-1200 of J, which rounds to zero for the largest J
+/// (`MAX_POLARIZATION_T` of magsplice-magnet).
 pub const VANISHING_SIZE: f64 = power_of_two(-400);
 
-/// Points are put onto faces only of tiles at least this many times thicker than the round-off of the point.
+/// Smallest ratio of a tile's thickness to the round-off of a point for which the point is moved
+/// onto its faces.
 pub const RESOLVED_THICKNESS: f64 = 16.0;
 
-/// The closed form in vectors begins at this fraction of a tile's largest side from it. Nearer to an edge its differences of nearly equal
-/// numbers cost digits like 1 / distance^2.
+/// Distance from a tile, as a fraction of its largest side, at which the closed form in vectors
+/// begins. Nearer to an edge its differences of nearly equal numbers cost digits like 1 /
+/// distance^2.
 pub const NEAR_FRACTION: f64 = 0.08;
 
-/// Nearer, and inside, terms are added up in vectors, of tiles whose smallest side is at least this fraction of the largest: then no column of the
-/// tensor is so small there that round-off of the terms would matter.
-pub const BESIDE_ASPECT: f64 = 0.1;
+/// Smallest ratio of the shortest to the longest side for which points inside and nearer are
+/// evaluated in vectors. No column of the tensor is then so small there that the round-off of the
+/// terms matters.
+pub const NEAR_EDGE_ASPECT: f64 = 0.1;
 
-/// That needs points at least this fraction of the largest side off the planes of all faces: products of eight such lengths stay normal numbers.
+/// Smallest distance of such points from the planes of all faces, as a fraction of the largest
+/// side: products of eight such lengths are normal numbers.
 pub const LEAST_OFFSET: f64 = power_of_two(-40);
 
-/// The closed form in vectors ends this many second largest sides from the tile's middle: its error grows with that ratio.
-pub const MIDDLE_REACH: f64 = 15.0;
+/// Distance from the centre, in second largest sides, at which the closed form in vectors ends: its
+/// error grows with that ratio.
+pub const CLOSED_FORM_REACH: f64 = 15.0;
 
-/// It does not serve tiles whose largest side is more than this many times the second: what they lose is at least that ratio.
+/// Largest ratio of the largest to the second side for the closed form in vectors, whose error is
+/// at least that ratio.
 pub const LONGEST_NEEDLE: f64 = 10.0;
 
-/// Orders of the multipole series in (half diagonal / distance)^2, and the distance in half diagonals from which each is enough, nearer ones
-/// first. What is left out after order n is at most (n + 2) / distance^(2n + 2) of the field, which for a needle is below 3e-15 from here on, for
-/// compact tiles far less.
+/// Orders of the multipole series in (half diagonal / distance)^2, and the distance in half
+/// diagonals from which each is enough, nearest first. The truncation error after order n is at
+/// most (n + 2) / distance^(2n + 2) of the field. For a needle that is below 3e-15 from these
+/// distances on, for compact tiles far less.
 pub const MULTIPOLE_ORDERS: [(usize, f64); 5] = [(8, 7.3), (6, 13.0), (5, 20.0), (4, 34.0), (3, 90.0)];
 
-/// The highest of them.
+/// The highest of these orders.
 pub const HIGHEST_ORDER: usize = 8;
 
-/// What the closed form takes for a tile of a cluster, in multiply-adds of vectors: measured on the published film. It only decides which form
-/// is taken where several would do.
+/// Cost of the closed form for one tile of a cluster, in multiply-adds of vectors, measured on the
+/// published film. It only decides between methods that all reach the bound.
 pub const CLOSED_FORM_COST: f64 = 215.0;
 
-/// The same for a tile by itself.
-pub const ALONE_COST: f64 = 690.0;
+/// Cost of the closed form for a single tile, in the same unit.
+pub const SINGLE_TILE_COST: f64 = 690.0;
 
-/// The series ends at this square of the distance in sizes, so that no power of the distance overflows; the kernel of one point goes on.
+/// Square of the distance in sizes at which the series ends, so that no power of the distance
+/// overflows. The scalar kernel goes on from there.
 pub const FARTHEST: f64 = power_of_two(200);
 
-/// A tile whose volume is at most this fraction of the cubed distance has no element with half of 4 pi T beyond it: |T| is at most the integral of
-/// dV / 2 pi r^3. Series in it then need no reduction.
+/// Ratio of a tile's volume to the cubed distance below which no element has half of 4 pi T above
+/// it: |T| is at most the integral of dV / 2 pi r^3. Series in such an element need no reduction.
 pub const SMALL_ANGLE: f64 = 0.2;
 
-/// The distance from its centre from which a tile's elements are small is found to this many halvings of its half diagonal.
+/// Number of bisections of the half diagonal by which the distance of small elements is found.
 pub const RADIUS_BISECTIONS: usize = 7;
 
-/// Whether one form serves all points of a box is decided with this relative margin, far above the round-off in the decision for a point.
-pub const FORM_MARGIN: f64 = 1e-9;
+/// Relative margin of the decision whether all points of a box share a method, far above the
+/// round-off of the decision for a point.
+pub const METHOD_MARGIN: f64 = 1e-9;
 
-/// The same of groups of tiles together, to a tolerance: three terms of the series do, to a third of [`EXACT_BOUND`], and on films points are rarely nearer.
+/// [`SMALL_ANGLE`] for the groups of a cluster, within a tolerance: three terms of the series reach
+/// a third of [`EXACT_BOUND`], and points of films are rarely nearer.
 pub const SMALLER_ANGLE: f64 = 0.04;
 
-/// T_ii is taken from the faces across i itself if the tile is at least this fraction of its second side thick there, else from the trace.
+/// Smallest thickness of a tile along i, as a fraction of its second side, for which T_ii is
+/// computed from the faces normal to i instead of the trace.
 pub const DIRECT_DIAGONAL: f64 = 0.5;
 
-/// The error of the exact field, as a fraction of the sum over tiles of the fields that the components of J make alone: what
-/// `Scene` promises.
+/// Error bound of the exact field, as a fraction of the sum over tiles of the fields that the
+/// components of J make alone.
 pub const EXACT_BOUND: f64 = 2e-14;
 
-/// The largest field of a tile over its J, each component: |T_ij| grows by ln(2) / 2 pi each time a point comes closer to an edge by half, and no face is
-/// closer than [`FACE_NUDGE`] squared.
+/// Largest field of a tile over its J, for each component: |T_ij| grows by ln(2) / 2 pi each time
+/// the distance from an edge halves, and no point is closer to an edge than [`FACE_NUDGE`] squared.
 pub const LARGEST_FIELD_OVER_J: f64 = 30.0;

@@ -112,7 +112,7 @@ pub(crate) const DISTANCE_BISECTIONS: usize = 8;
 /// Of so many tiles at most each one's distances are taken at its corners to bound what an expansion leaves out, of more at the farthest only.
 pub(crate) const CORNERED_TILES: usize = 64;
 
-/// To a tolerance the closed form of tiles together goes so many times farther than [`MIDDLE_REACH`]: its error grows with that ratio.
+/// To a tolerance the closed form of tiles together goes so many times farther than [`CLOSED_FORM_REACH`]: its error grows with that ratio.
 pub(crate) const STRETCH: f64 = 2.0;
 
 /// The error of what a tree leaves to the exact field, as [`EXACT_BOUND`].

@@ -1,10 +1,11 @@
-//! Numbers in memory from the start of a cache line on.
+//! Numbers in memory that begin with a cache line.
 
 use std::ops::{Deref, DerefMut};
 
 use crate::lanes::LONGEST_VECTOR;
 
-/// One number for each of a batch of points. The longest vectors are as long as a cache line; where they begin elsewhere, each is two accesses.
+/// One number for each point of a batch, beginning with a cache line. The longest vectors are as
+/// long as a cache line; a vector that begins elsewhere takes two memory accesses.
 #[derive(Debug, Default)]
 pub struct Column {
     room: Vec<f64>,
@@ -13,25 +14,26 @@ pub struct Column {
 }
 
 impl Column {
-    /// Makes it so long. What it holds then is not said.
+    /// Sets the number of values. Their content is unspecified.
     #[inline]
     pub fn set_len(&mut self, count: usize) {
         if self.start + count > self.room.len() {
             self.room = vec![0.0; count + LONGEST_VECTOR - 1];
             let line = LONGEST_VECTOR * size_of::<f64>();
-            // Where the line cannot be told, any start is right.
+            // Any start is correct where the alignment is unknown.
             self.start = self.room.as_ptr().align_offset(line).min(LONGEST_VECTOR - 1);
         }
         self.count = count;
     }
 
-    /// So many times the same.
+    /// Sets all of `count` values.
     #[inline]
     pub fn fill_with(&mut self, value: f64, count: usize) {
         self.set_len(count);
         self.fill(value);
     }
 
+    /// Becomes a copy of `values`.
     #[inline]
     pub fn copy_from(&mut self, values: &[f64]) {
         self.set_len(values.len());
@@ -55,13 +57,13 @@ impl DerefMut for Column {
     }
 }
 
-/// All of each of them.
+/// The values of three columns.
 #[inline(always)]
 pub fn views(columns: &[Column; 3]) -> [&[f64]; 3] {
     columns.each_ref().map(|column| &**column)
 }
 
-/// Room for so many numbers in each.
+/// Three columns of `count` unspecified values, to be written.
 #[inline]
 pub fn room(columns: &mut [Column; 3], count: usize) -> [&mut [f64]; 3] {
     columns.each_mut().map(|column| {

@@ -1,22 +1,26 @@
-//! Sums of two doubles without losing a digit (Knuth's two-sum), for coordinates and for the sum over tiles.
+//! Sums of two doubles without loss of a digit (Knuth's two-sum), for coordinates and for sums over
+//! tiles.
 
 /// An unevaluated sum `hi + lo` with |lo| at most half a unit in the last place of `hi`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoSum {
+    /// The rounded sum.
     pub hi: f64,
+    /// Its rounding error.
     pub lo: f64,
 }
 
 impl TwoSum {
-    /// a + b, exactly.
+    /// The exact sum a + b.
     #[inline(always)]
-    pub fn of(a: f64, b: f64) -> TwoSum {
+    pub fn new(a: f64, b: f64) -> TwoSum {
         let hi = a + b;
         let b_part = hi - a;
         let lo = (a - (hi - b_part)) + (b - b_part);
         TwoSum { hi, lo }
     }
 
+    /// A number without rounding error.
     #[inline(always)]
     pub fn exact(value: f64) -> TwoSum {
         TwoSum { hi: value, lo: 0.0 }
@@ -25,10 +29,11 @@ impl TwoSum {
     /// self - other, to about twice the precision of a double.
     #[inline(always)]
     pub fn minus(self, other: TwoSum) -> TwoSum {
-        let head = TwoSum::of(self.hi, -other.hi);
-        TwoSum::of(head.hi, head.lo + (self.lo - other.lo))
+        let head = TwoSum::new(self.hi, -other.hi);
+        TwoSum::new(head.hi, head.lo + (self.lo - other.lo))
     }
 
+    /// The sum, rounded.
     #[inline(always)]
     pub fn value(self) -> f64 {
         self.hi + self.lo
@@ -43,13 +48,15 @@ pub struct RunningSum {
 }
 
 impl RunningSum {
+    /// Adds a term.
     #[inline(always)]
     pub fn add(&mut self, term: f64) {
-        let step = TwoSum::of(self.sum, term);
+        let step = TwoSum::new(self.sum, term);
         self.sum = step.hi;
         self.carry += step.lo;
     }
 
+    /// The sum with its carry.
     #[inline(always)]
     pub fn value(self) -> f64 {
         self.sum + self.carry

@@ -1,35 +1,39 @@
 //! Logarithms and arctangents of ratios, in the lanes of a vector.
 //!
-//! Both take numerator and denominator, so that a product of many terms needs one division in all, and both reduce to an odd polynomial
-//! in a number below 0.203.
+//! Both functions take numerator and denominator, so that a product of many terms needs one
+//! division in all. Both reduce to an odd polynomial in a number below 0.203.
 //!
 //! # Accuracy
-//! Relative error at most 1e-15 of an angle, and of an artanh 6e-16 and besides what the rounding of its ratio to 1e-16 does to it.
+//! The relative error of an angle is at most 1e-15. That of an artanh is at most 6e-16, plus the
+//! effect of rounding its ratio to 1e-16.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_8, LN_2, PI};
 
 use fearless_simd::prelude::*;
 
-use crate::lanes::{Lanes, Number, Two};
+use crate::lanes::{LanePair, Lanes, Number};
 
-/// tan(pi / 16) and tan(3 pi / 16): where the nearest multiple of pi / 8 changes.
+/// tan(pi / 16) and tan(3 pi / 16), where the nearest multiple of pi / 8 changes.
 const TAN_PI_16: f64 = 0.198_912_367_379_658;
 const TAN_3_PI_16: f64 = 0.668_178_637_919_298_9;
 /// tan(pi / 8)
 const TAN_PI_8: f64 = std::f64::consts::SQRT_2 - 1.0;
 
-/// A value base + sign * series(numerator / denominator): what a function is once its argument has been reduced. Several may share a division.
+/// A value base + sign * series(numerator / denominator): a function after the reduction of its
+/// argument. Several of them may share a division.
 #[derive(Clone, Copy)]
 pub struct Reduced<N> {
+    /// Numerator of the reduced argument.
     pub numerator: N,
+    /// Denominator of the reduced argument.
     pub denominator: N,
     base: N,
-    /// 1 or -1, of angles; logarithms need none.
+    /// 1 or -1 for angles; logarithms have no sign.
     sign: Option<N>,
 }
 
 impl<N: Number> Reduced<N> {
-    /// The value, from the quotient of numerator and denominator.
+    /// The value from the quotient of numerator and denominator.
     #[inline(always)]
     pub fn value(&self, simd: N::Instructions, quotient: N) -> N {
         match self.sign {
@@ -38,13 +42,14 @@ impl<N: Number> Reduced<N> {
         }
     }
 
+    /// The value, with a division of its own.
     #[inline(always)]
     pub fn divided(&self, simd: N::Instructions) -> N {
         self.value(simd, self.numerator.over(self.denominator))
     }
 }
 
-/// The functions, of one vector or two.
+/// The functions of one vector or a pair of vectors.
 pub trait Functions: Number {
     /// artanh(n / m), |n| < m.
     fn artanh_of_ratio(simd: Self::Instructions, n: Self, m: Self) -> Reduced<Self>;
@@ -72,26 +77,26 @@ impl<S: Simd> Functions for Lanes<S> {
     }
 }
 
-impl<S: Simd> Functions for Two<S> {
+impl<S: Simd> Functions for LanePair<S> {
     #[inline(always)]
-    fn artanh_of_ratio(simd: S, Two([n, n_2]): Self, Two([m, m_2]): Self) -> Reduced<Self> {
+    fn artanh_of_ratio(simd: S, LanePair([n, n_2]): Self, LanePair([m, m_2]): Self) -> Reduced<Self> {
         let (first, second) = (Lanes::artanh_of_ratio(simd, n, m), Lanes::artanh_of_ratio(simd, n_2, m_2));
         Reduced {
-            numerator: Two([first.numerator, second.numerator]),
-            denominator: Two([first.denominator, second.denominator]),
-            base: Two([first.base, second.base]),
+            numerator: LanePair([first.numerator, second.numerator]),
+            denominator: LanePair([first.denominator, second.denominator]),
+            base: LanePair([first.base, second.base]),
             sign: None,
         }
     }
 
     #[inline(always)]
-    fn angle(simd: S, Two([re, re_2]): Self, Two([im, im_2]): Self) -> Reduced<Self> {
+    fn angle(simd: S, LanePair([re, re_2]): Self, LanePair([im, im_2]): Self) -> Reduced<Self> {
         let (first, second) = (reduced_angle(simd, re, im), reduced_angle(simd, re_2, im_2));
         Reduced {
-            numerator: Two([first.numerator, second.numerator]),
-            denominator: Two([first.denominator, second.denominator]),
-            base: Two([first.base, second.base]),
-            sign: first.sign.zip(second.sign).map(|(first, second)| Two([first, second])),
+            numerator: LanePair([first.numerator, second.numerator]),
+            denominator: LanePair([first.denominator, second.denominator]),
+            base: LanePair([first.base, second.base]),
+            sign: first.sign.zip(second.sign).map(|(first, second)| LanePair([first, second])),
         }
     }
 }
@@ -100,7 +105,7 @@ const SIGN: u64 = 1 << 63;
 const EXPONENT_ONE: u64 = 1023 << 52;
 const EXPONENT_HALF: u64 = 1 << 51;
 const EXPONENT_MASK: u64 = 0x7ff << 52;
-/// 2^52 as bits: a small integer placed below becomes a number.
+/// 2^52 as bits: a small integer placed below them becomes a number.
 const INTEGER: u64 = 1075 << 52;
 const INTEGER_OFFSET: f64 = 4_503_599_627_370_496.0 + 1023.0;
 
@@ -117,7 +122,8 @@ pub fn half_logarithm_of_ratio<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>) -> La
     Reduced { numerator: a - power * b, denominator: a + power * b, base, sign: None }.divided(simd)
 }
 
-/// The power of two E nearest to a / b, and ln(E) / 2: ln(a / b) / 2 = ln(E) / 2 + artanh(s), s = (a - E b) / (a + E b) small and without cancellation.
+/// The power of two E nearest to a / b, and ln(E) / 2. Then ln(a / b) / 2 = ln(E) / 2 + artanh(s)
+/// with s = (a - E b) / (a + E b), which is small and free of cancellation.
 #[inline(always)]
 fn nearest_power<S: Simd>(Lanes(a): Lanes<S>, Lanes(b): Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     // The difference of the bits is that of the logarithms, to 9 %.
@@ -138,7 +144,7 @@ fn reduced_angle<S: Simd>(simd: S, Lanes(re): Lanes<S>, Lanes(im): Lanes<S>) -> 
     let (x, y) = (re.abs(), im.abs());
     let steep = y.simd_gt(x);
     let (low, high) = (steep.select(x, y), steep.select(y, x));
-    // The nearest of 0, pi / 8 and pi / 4 is taken off by the addition theorem.
+    // The addition theorem subtracts the nearest of 0, pi / 8 and pi / 4.
     let (beyond_first, beyond_second) = (low.simd_gt(high * TAN_PI_16), low.simd_gt(high * TAN_3_PI_16));
     let (first, second) = (S::f64s::splat(simd, TAN_PI_8), S::f64s::splat(simd, 1.0));
     let tangent = beyond_second.select(second, beyond_first.select(first, zero));
@@ -146,7 +152,7 @@ fn reduced_angle<S: Simd>(simd: S, Lanes(re): Lanes<S>, Lanes(im): Lanes<S>) -> 
     let taken_off = beyond_second.select(second, beyond_first.select(first, zero));
     let right = steep.select(S::f64s::splat(simd, FRAC_PI_2) - taken_off, taken_off);
     let half_turn = re.simd_lt(zero).select(S::f64s::splat(simd, PI) - right, right);
-    // Each of the three reflections turns the sign of what is left.
+    // Each of the three reflections changes the sign of the remainder.
     let one = S::f64s::splat(simd, 1.0);
     let reflected = steep.select(zero - one, one).to_bits() ^ ((re.to_bits() ^ im.to_bits()) & SIGN);
     Reduced {
@@ -157,7 +163,8 @@ fn reduced_angle<S: Simd>(simd: S, Lanes(re): Lanes<S>, Lanes(im): Lanes<S>) -> 
     }
 }
 
-/// Polynomials in s^2 for (artanh(s) - s) / s^3, s^2 < 0.0412, the highest power first: minimax in the relative error of artanh(s), 2e-17.
+/// Polynomials in s^2 for (artanh(s) - s) / s^3, s^2 < 0.0412, highest power first: minimax in the
+/// relative error of artanh(s), 2e-17.
 const ARTANH: [f64; 7] = [
     0.077_169_589_959_751_46,
     0.076_208_159_365_934_9,
@@ -167,7 +174,7 @@ const ARTANH: [f64; 7] = [
     0.199_999_999_977_071_2,
     0.333_333_333_333_370_5,
 ];
-/// The same for the arctangent.
+/// [`ARTANH`] for the arctangent.
 const ARCTAN: [f64; 7] = [
     -0.057_852_644_138_648_775,
     0.076_357_281_277_731_3,
@@ -177,18 +184,19 @@ const ARCTAN: [f64; 7] = [
     0.199_999_999_983_058_42,
     -0.333_333_333_333_306_06,
 ];
-/// The same as [`ARTANH`] for s^2 < 0.0016, to 7e-15.
+/// [`ARTANH`] for s^2 < 0.0016, to 7e-15.
 const SHORT_ARTANH: [f64; 3] = [0.143_201_388_841_882_7, 0.199_999_678_527_577_07, 0.333_333_333_418_647_8];
-/// The same for the arctangent.
+/// [`SHORT_ARTANH`] for the arctangent.
 const SHORT_ARCTAN: [f64; 3] = [-0.142_514_143_024_738_8, 0.199_999_680_083_033_83, -0.333_333_333_248_485_2];
 
-/// artanh(s), or the arctangent, for s^2 < 0.0412: below tanh and tan of 0.2, and what reduction leaves.
+/// artanh(s), or the arctangent, for s^2 < 0.0412: |s| below tanh(0.2) and tan(0.2), and below
+/// every reduced argument.
 #[inline(always)]
 pub fn odd_series<N: Number>(simd: N::Instructions, s: N, is_angle: bool) -> N {
     odd_polynomial(simd, s, if is_angle { &ARCTAN } else { &ARTANH })
 }
 
-/// The same for s^2 < 0.0016, below tanh and tan of 0.04, to 7e-15.
+/// artanh(s), or the arctangent, to 7e-15 for s^2 < 0.0016: |s| below tanh(0.04) and tan(0.04).
 #[inline(always)]
 pub fn short_odd_series<N: Number>(simd: N::Instructions, s: N, is_angle: bool) -> N {
     odd_polynomial(simd, s, if is_angle { &SHORT_ARCTAN } else { &SHORT_ARTANH })

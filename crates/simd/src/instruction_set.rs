@@ -4,9 +4,11 @@ use std::fmt;
 
 use fearless_simd::Level;
 
-/// Vector instructions that fields of many points can be computed with. The best ones the processor has are found at run time.
+/// Vector instructions that fields of many points are computed with. The best set of the processor
+/// is found at run time.
 ///
-/// The bounds on the error hold for all. The digits below them differ between those with a fused multiply-add and those without.
+/// The error bounds hold for all sets. The digits below the bounds differ between sets with and
+/// without a fused multiply-add.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum InstructionSet {
@@ -16,16 +18,16 @@ pub enum InstructionSet {
     Avx2,
     /// x86-64, two doubles.
     Sse4,
-    /// x86-64, two doubles: every such processor.
+    /// x86-64, two doubles; every such processor has it.
     Sse2,
-    /// Arm, two doubles: every 64-bit processor.
+    /// Arm, two doubles; every 64-bit processor has it.
     Neon,
-    /// What the program was compiled for, on other processors.
+    /// The instructions the program was compiled for, on other processors.
     Baseline,
 }
 
 impl InstructionSet {
-    /// All that this processor has, the best first.
+    /// All sets of this processor, the best first.
     pub fn available() -> Vec<InstructionSet> {
         use InstructionSet::{Avx2, Avx512, Baseline, Neon, Sse2, Sse4};
         let level = Level::new();
@@ -70,7 +72,7 @@ impl InstructionSet {
     }
 }
 
-/// The processor lacks these instructions.
+/// An instruction set that the processor lacks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MissingInstructions(pub InstructionSet);
 

@@ -1,27 +1,30 @@
-//! The numbers of the vector forms.
+//! A vector of the processor, and pairs of vectors.
 
 use std::ops::{Add, Mul, Sub};
 
 use fearless_simd::prelude::*;
 
-/// The most doubles in a vector of any instruction set.
+/// Largest number of doubles in a vector of any instruction set.
 pub const LONGEST_VECTOR: usize = 8;
 
-/// Points are filled up to whole pairs of the longest vectors.
+/// Number of points in a pair of the longest vectors. Lists of points are padded to multiples of
+/// it.
 pub const PAIR: usize = 2 * LONGEST_VECTOR;
 
-/// As bits, less half the bits of x: about 1 / root of x (Lomont).
+/// This constant minus half the bits of x is the bits of about 1 / sqrt(x) (Lomont).
 const RECIPROCAL_ROOT: f64 = f64::from_bits(0x5fe6_eb50_c7b5_37a9);
 /// Minimax polynomial for w^(-1/2) between 0.932 and 1.070, in relative error.
 const ROOT_CORRECTION: [f64; 4] =
     [2.189_332_781_995_891, -2.191_720_726_753_980_7, 1.315_441_291_758_012_3, -0.313_054_093_377_317_9];
 
-/// What a formula is computed with: a vector, or two of them, whose operations do not wait for each other.
+/// The numbers of a formula: a vector, or a pair of vectors whose operations are independent.
 pub trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Sub<f64, Output = Self> + Mul<f64, Output = Self>
 {
+    /// The instruction set.
     type Instructions: Simd;
 
+    /// The same value in every lane.
     fn splat(simd: Self::Instructions, value: f64) -> Self;
     /// self * factor + term
     fn mul_add(self, factor: Self, term: Self) -> Self;
@@ -33,27 +36,29 @@ pub trait Number:
     fn mul_sub_constant(self, factor: Self, term: f64) -> Self;
     /// self * factor + term
     fn mul_add_constant(self, factor: Self, term: f64) -> Self;
+    /// self / divisor
     fn over(self, divisor: Self) -> Self;
-    /// The processor's own.
+    /// The square root of the processor.
     fn sqrt(self) -> Self;
-    /// See [`Lanes::root`].
+    /// The square root by [`Lanes::root`].
     fn root(self, simd: Self::Instructions) -> Self;
 }
 
-/// As many doubles as the processor computes with at a time.
+/// A vector of as many doubles as the processor computes with at a time.
 #[derive(Clone, Copy)]
 pub struct Lanes<S: Simd>(pub S::f64s);
 
 impl<S: Simd> Lanes<S> {
+    /// Number of lanes.
     pub const LEN: usize = S::f64s::LEN;
 
-    /// From [`Lanes::LEN`] values.
+    /// A vector of [`Lanes::LEN`] values.
     #[inline(always)]
     pub fn load(simd: S, values: &[f64]) -> Self {
         Lanes(S::f64s::from_slice(simd, values))
     }
 
-    /// From as many of the values as there are, and zeros.
+    /// A vector of the values there are, and zeros.
     #[inline(always)]
     pub fn load_some(simd: S, values: &[f64]) -> Self {
         if values.len() >= Self::LEN {
@@ -64,11 +69,12 @@ impl<S: Simd> Lanes<S> {
         Self::load(simd, &filled[..Self::LEN])
     }
 
-    /// The first, second and so on of as many vectors as one has lanes; the others stay.
+    /// Transposes as many vectors as a vector has lanes; the others are unchanged.
     #[inline(always)]
     pub fn transposed(mut vectors: [Self; LONGEST_VECTOR]) -> [Self; LONGEST_VECTOR] {
         let half = Self::LEN / 2;
-        // Each round takes the highest binary digit of a vector's number to the lowest of the lane's.
+        // Each round moves the highest binary digit of a vector's number to the lowest of the
+        // lane's.
         for _ in 0..Self::LEN.ilog2() {
             let last = vectors;
             for pair in 0..half {
@@ -80,39 +86,42 @@ impl<S: Simd> Lanes<S> {
         vectors
     }
 
+    /// Writes [`Lanes::LEN`] values.
     #[inline(always)]
     pub fn store(self, values: &mut [f64]) {
         self.0.store_slice(values);
     }
 
+    /// The value of one lane.
     #[inline(always)]
     pub fn lane(&self, index: usize) -> f64 {
         self.0[index]
     }
 
-    /// The square root of a square between 2^-100 and 2^100, right to one unit in the last place.
+    /// The square root of a number between 2^-100 and 2^100, right to one unit in the last place.
     ///
-    /// By multiplications alone: with long vectors faster than the processor's root, which all units but one would wait for.
+    /// It uses multiplications alone. With long vectors this is faster than the root of the
+    /// processor, for which every unit but one would wait.
     #[inline(always)]
     pub fn root(self, simd: S) -> Self {
         let Lanes(x) = self;
         if S::f64s::LEN <= 2 {
             return Lanes(x.sqrt());
         }
-        // Half the exponent, negative, and a line for the digits: 1 / root to 3.5 %.
+        // Half the exponent, negated, and a linear function of the digits: 1 / root to 3.5 %.
         let estimate = S::f64s::from_bits(S::f64s::splat(simd, RECIPROCAL_ROOT).to_bits() - (x.to_bits() >> 1));
         let product = x * estimate;
         let square = product * estimate;
-        // square^(-1/2) on the interval of 3.5 % around 1, to 8e-7 in the largest error.
+        // square^(-1/2) on the interval of 3.5 % around 1, to 8e-7.
         let [a, b, c, d] = ROOT_CORRECTION;
         let correction = square.mul_add(square.mul_add(square.mul_add(d, c), b), a);
         let (root, reciprocal) = (product * correction, estimate * correction);
-        // root (1 + h)^(-1/2) to the second order in h = root^2 / x - 1, which is below 2e-6.
+        // root (1 + h)^(-1/2) to second order in h = root^2 / x - 1, which is below 2e-6.
         let h = root.mul_sub(reciprocal, 1.0);
         Lanes((root * h).mul_add(h.mul_add(0.375, -0.5), root))
     }
 
-    /// The rounded sum, and what was rounded away (Knuth).
+    /// The rounded sum and its rounding error (Knuth).
     #[inline(always)]
     pub fn two_sum(self, term: Self) -> (Self, Self) {
         let sum = self + term;
@@ -120,16 +129,19 @@ impl<S: Simd> Lanes<S> {
         (sum, (self - (sum - part)) + (term - part))
     }
 
+    /// The square root of the processor.
     #[inline(always)]
     pub fn sqrt(self) -> Self {
         Lanes(self.0.sqrt())
     }
 
+    /// The largest integer not above each value.
     #[inline(always)]
     pub fn floor(self) -> Self {
         Lanes(self.0.floor())
     }
 
+    /// The magnitude of each value.
     #[inline(always)]
     pub fn abs(self) -> Self {
         Lanes(self.0.abs())
@@ -165,11 +177,13 @@ impl<S: Simd> Lanes<S> {
         Lanes(self.0.simd_le(limit).select(S::f64s::splat(simd, 1.0), S::f64s::splat(simd, 0.0)))
     }
 
+    /// The smaller of two values in each lane.
     #[inline(always)]
     pub fn min(self, other: Self) -> Self {
         Lanes(self.0.min(other.0))
     }
 
+    /// The larger of two values in each lane.
     #[inline(always)]
     pub fn max(self, other: Self) -> Self {
         Lanes(self.0.max(other.0))
@@ -225,109 +239,109 @@ impl<S: Simd> Number for Lanes<S> {
     }
 }
 
-/// Two vectors.
+/// A pair of vectors.
 #[derive(Clone, Copy)]
-pub struct Two<S: Simd>(pub [Lanes<S>; 2]);
+pub struct LanePair<S: Simd>(pub [Lanes<S>; 2]);
 
-impl<S: Simd> Number for Two<S> {
+impl<S: Simd> Number for LanePair<S> {
     type Instructions = S;
 
     #[inline(always)]
     fn splat(simd: S, value: f64) -> Self {
-        Two([Lanes::splat(simd, value); 2])
+        LanePair([Lanes::splat(simd, value); 2])
     }
 
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         let ([a, b], [c, d], [e, f]) = (self.0, factor.0, term.0);
-        Two([a.mul_add(c, e), b.mul_add(d, f)])
+        LanePair([a.mul_add(c, e), b.mul_add(d, f)])
     }
 
     #[inline(always)]
     fn mul_sub(self, factor: Self, term: Self) -> Self {
         let ([a, b], [c, d], [e, f]) = (self.0, factor.0, term.0);
-        Two([a.mul_sub(c, e), b.mul_sub(d, f)])
+        LanePair([a.mul_sub(c, e), b.mul_sub(d, f)])
     }
 
     #[inline(always)]
     fn scale_add(self, factor: f64, term: Self) -> Self {
         let ([a, b], [e, f]) = (self.0, term.0);
-        Two([a.scale_add(factor, e), b.scale_add(factor, f)])
+        LanePair([a.scale_add(factor, e), b.scale_add(factor, f)])
     }
 
     #[inline(always)]
     fn mul_sub_constant(self, factor: Self, term: f64) -> Self {
         let ([a, b], [c, d]) = (self.0, factor.0);
-        Two([a.mul_sub_constant(c, term), b.mul_sub_constant(d, term)])
+        LanePair([a.mul_sub_constant(c, term), b.mul_sub_constant(d, term)])
     }
 
     #[inline(always)]
     fn mul_add_constant(self, factor: Self, term: f64) -> Self {
         let ([a, b], [c, d]) = (self.0, factor.0);
-        Two([a.mul_add_constant(c, term), b.mul_add_constant(d, term)])
+        LanePair([a.mul_add_constant(c, term), b.mul_add_constant(d, term)])
     }
 
     #[inline(always)]
     fn over(self, divisor: Self) -> Self {
         let ([a, b], [c, d]) = (self.0, divisor.0);
-        Two([a.over(c), b.over(d)])
+        LanePair([a.over(c), b.over(d)])
     }
 
     #[inline(always)]
     fn sqrt(self) -> Self {
         let [a, b] = self.0;
-        Two([a.sqrt(), b.sqrt()])
+        LanePair([a.sqrt(), b.sqrt()])
     }
 
     #[inline(always)]
     fn root(self, simd: S) -> Self {
         let [a, b] = self.0;
-        Two([a.root(simd), b.root(simd)])
+        LanePair([a.root(simd), b.root(simd)])
     }
 }
 
-impl<S: Simd> Add for Two<S> {
+impl<S: Simd> Add for LanePair<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
         let ([a, b], [c, d]) = (self.0, other.0);
-        Two([a + c, b + d])
+        LanePair([a + c, b + d])
     }
 }
 
-impl<S: Simd> Sub for Two<S> {
+impl<S: Simd> Sub for LanePair<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
         let ([a, b], [c, d]) = (self.0, other.0);
-        Two([a - c, b - d])
+        LanePair([a - c, b - d])
     }
 }
 
-impl<S: Simd> Mul for Two<S> {
+impl<S: Simd> Mul for LanePair<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         let ([a, b], [c, d]) = (self.0, other.0);
-        Two([a * c, b * d])
+        LanePair([a * c, b * d])
     }
 }
 
-impl<S: Simd> Sub<f64> for Two<S> {
+impl<S: Simd> Sub<f64> for LanePair<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: f64) -> Self {
         let [a, b] = self.0;
-        Two([a - other, b - other])
+        LanePair([a - other, b - other])
     }
 }
 
-impl<S: Simd> Mul<f64> for Two<S> {
+impl<S: Simd> Mul<f64> for LanePair<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: f64) -> Self {
         let [a, b] = self.0;
-        Two([a * other, b * other])
+        LanePair([a * other, b * other])
     }
 }
 

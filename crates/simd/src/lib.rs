@@ -12,8 +12,6 @@
 //! Everything here is generic over the instruction set or `#[inline]`: kernels of other crates are
 //! made of these operations, and a call per operation would cost a multiple of their time.
 
-#![allow(missing_docs)]
-
 /// Numbers in memory that begin with a cache line.
 pub mod column;
 /// Sums of two doubles without loss, and running sums.

@@ -3,25 +3,27 @@
 use fearless_simd::prelude::*;
 
 use crate::lanes::Lanes;
-use crate::prefetch::Ahead;
+use crate::prefetch::Prefetch;
 
-/// What has a field, mu0 H in its own frame, and computes it at two vectors of points at a time: operations on one then fill the time that
-/// those on the other wait.
+/// A source with a field, evaluated at two vectors of points at a time. The operations on one
+/// vector fill the latency of those on the other.
 pub trait Pairwise<S: Simd> {
+    /// The field at two vectors of points, in the frame of the source.
     fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2];
 }
 
-/// The field at points given by axis: as many values as there are points, a multiple of [`PAIR`](crate::lanes::PAIR). Each pair of vectors asks for
-/// memory `ahead`.
+/// Writes the field at points given by axis. `fields` has as many values as there are points, a
+/// multiple of [`PAIR`](crate::lanes::PAIR). Each pair of vectors requests memory `ahead`.
 ///
-/// Compiled once for each kind and instruction set: what is expanded where it is called takes the compiler minutes.
+/// It is compiled once for each source and instruction set; inlining it would cost minutes of
+/// compile time.
 #[inline(never)]
 pub fn fields_of<S: Simd, P: Pairwise<S>>(
     simd: S,
     what: &P,
     points: [&[f64]; 3],
     fields: [&mut [f64]; 3],
-    ahead: &mut Ahead,
+    ahead: &mut Prefetch,
 ) {
     simd.vectorize(
         #[inline(always)]
@@ -30,7 +32,7 @@ pub fn fields_of<S: Simd, P: Pairwise<S>>(
                 simd,
                 #[inline(always)]
                 |_, pair| {
-                    ahead.ask();
+                    ahead.request();
                     what.fields(simd, pair)
                 },
                 points,
@@ -40,7 +42,8 @@ pub fn fields_of<S: Simd, P: Pairwise<S>>(
     );
 }
 
-/// The same of a function of the index of the first point of both vectors and of the two vectors.
+/// Calls `field` with the index of the first point of each pair of vectors and the pair, and writes
+/// the results.
 #[inline(always)]
 pub fn each_pair<S: Simd>(
     simd: S,

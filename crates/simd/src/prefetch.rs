@@ -1,39 +1,40 @@
-//! Memory asked for before it is needed.
+//! Memory requested before it is needed.
 
 use glam::DVec3;
 use prefetch_index::prefetch_index;
 
 use crate::lanes::PAIR;
 
-/// A line of a cache has two points at least.
+/// A cache line holds at least two points.
 const POINTS_PER_LINE: usize = 2;
 
-/// Points, and where their fields will be written.
+/// Points to come, and the places where their fields will be written.
 ///
-/// They are asked for a few at a time, while others are computed: it takes as long as some vectors, and only so many lines are on their way at a
-/// time.
-pub struct Ahead<'a> {
+/// They are requested a few at a time while others are computed: a request takes as long as some
+/// vectors, and a processor handles only a few at a time.
+pub struct Prefetch<'a> {
     points: &'a [DVec3],
     field: &'a [DVec3],
-    /// Those before have been asked for.
+    /// The points before this index have been requested.
     next: usize,
 }
 
-impl<'a> Ahead<'a> {
+impl<'a> Prefetch<'a> {
+    /// Points and fields of which those before `next` have been requested.
     #[inline(always)]
-    pub fn of(points: &'a [DVec3], field: &'a [DVec3], next: usize) -> Ahead<'a> {
-        Ahead { points, field, next }
+    pub fn new(points: &'a [DVec3], field: &'a [DVec3], next: usize) -> Prefetch<'a> {
+        Prefetch { points, field, next }
     }
 
-    /// For points that are at hand.
+    /// No points, for points that are in the cache.
     #[inline(always)]
-    pub fn nothing() -> Ahead<'static> {
-        Ahead { points: &[], field: &[], next: 0 }
+    pub fn nothing() -> Prefetch<'static> {
+        Prefetch { points: &[], field: &[], next: 0 }
     }
 
-    /// As many points more as are computed together.
+    /// Requests as many points as are computed together.
     #[inline(always)]
-    pub fn ask(&mut self) {
+    pub fn request(&mut self) {
         let end = self.next + PAIR;
         if end <= self.points.len() {
             for index in (self.next..end).step_by(POINTS_PER_LINE) {
@@ -44,6 +45,7 @@ impl<'a> Ahead<'a> {
         }
     }
 
+    /// Index of the first point that has not been requested.
     #[inline(always)]
     pub fn next(&self) -> usize {
         self.next

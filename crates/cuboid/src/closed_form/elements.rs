@@ -1,27 +1,28 @@
-//! The elements of a tile's tensor from where a point lies to its planes and corners (docs/physics.md, section 2.6).
+//! The six elements of the demagnetizing tensor from distances and offsets (docs/physics.md,
+//! section 2.6).
 
 use magsplice_simd::functions::Functions;
 use magsplice_simd::lanes::Number;
 
 use super::terms::{AA, AB, AC, BB, BC, CC};
 
-/// Where points lie relative to a tile, in its scale.
+/// Position of points relative to a tile, in its scale.
 #[derive(Clone, Copy)]
-pub struct Place<N> {
-    /// Offset and square, by plane: low and high along a, b, c.
+pub struct CornerGeometry<N> {
+    /// Offset and its square, by plane: low and high along a, b, c.
     pub planes: [[[N; 2]; 2]; 3],
-    /// Distances from the corners, bits 2, 1, 0: low or high along a, b, c.
+    /// Distances from the corners; bits 2, 1, 0 are set for the high side along a, b, c.
     pub distances: [N; 8],
 }
 
-impl<N: Number> Place<N> {
-    /// Numerator and denominator of the hyperbolic or circular tangent of half of 4 pi T, one element. `factors` and `squares` as in
-    /// [`Terms`](super::terms::Terms).
+impl<N: Number> CornerGeometry<N> {
+    /// Numerator and denominator of the hyperbolic or circular tangent of half of 4 pi T, for one
+    /// element. `factors` and `squares` are those of [`Terms`](super::terms::Terms).
     #[inline(always)]
     pub fn ratio<const ELEMENT: usize>(&self, factors: &[f64; 6], squares: &[f64; 3]) -> [N; 2] {
         let (r, [[a0, a1], [b0, b1], [c0, c1]]) = (&self.distances, self.planes);
         let factor = factors[ELEMENT];
-        // Sums over the ends of edges along an axis, bits low or high along the other two.
+        // Sums over the ends of edges along an axis, by the sides along the other two.
         let along_a = [r[0] + r[4], r[1] + r[5], r[2] + r[6], r[3] + r[7]];
         let along_b = [r[0] + r[2], r[1] + r[3], r[4] + r[6], r[5] + r[7]];
         let along_c = [r[0] + r[1], r[2] + r[3], r[4] + r[5], r[6] + r[7]];
@@ -67,34 +68,38 @@ impl<N: Number> Place<N> {
     }
 }
 
-/// Numerator and denominator of tanh(2 pi T_ij) of a tile, from the edges on its low and its high side along j (Eq. P18).
+/// Numerator and denominator of tanh(2 pi T_ij), from the edges on the low and the high side along
+/// j (Eq. P18).
 #[inline(always)]
 fn ratio_of_edges<N: Number>(step: N, (p_low, e_low): (N, N), (p_high, e_high): (N, N)) -> [N; 2] {
     let (low, high) = (step * p_low, step * p_high);
     [high.mul_sub(e_low, low * e_high), e_low.mul_sub(e_high, low * high)]
 }
 
-/// Numerator and denominator of tan(2 pi T_ii) of a tile: the angle of the high face less that of the low one (Eq. P19).
+/// Numerator and denominator of tan(2 pi T_ii): the angle of the high face minus that of the low
+/// one (Eq. P19).
 #[inline(always)]
 fn angle_of_faces<N: Number>((re_low, im_low): (N, N), (re_high, im_high): (N, N)) -> [N; 2] {
     [re_low.mul_sub(im_high, im_low * re_high), re_low.mul_add(re_high, im_low * im_high)]
 }
 
-/// P and E of Eq. P18 of the two edges on one side along j, from the sums across i at both ends and along k at both sides.
+/// P and E of Eq. P18 for the two edges on one side along j, from the sums across i at both ends
+/// and along k at both sides.
 #[inline(always)]
 fn edge_pair<N: Number>(across: [N; 2], along: [N; 2], length_squared: f64) -> (N, N) {
     (across[0] + across[1], (across[0] * across[1]) * along[0].mul_sub_constant(along[1], length_squared))
 }
 
-/// Products of the vectors to the corners of a face, without the square of its distance: 00.11, then 00.01 and 01.11, then 00.10 and 10.11.
-/// Planes as offset and square.
+/// Products of the vectors to the corners of a face, without the square of its distance: 00.11,
+/// then 00.01 and 01.11, then 00.10 and 10.11. Planes are given as offset and square.
 #[inline(always)]
 fn across<N: Number>(y0: [N; 2], y1: [N; 2], z0: [N; 2], z1: [N; 2]) -> [N; 5] {
     let (yy, zz) = (y0[0] * y1[0], z0[0] * z1[0]);
     [yy + zz, y0[1] + zz, yy + z1[1], yy + z0[1], y1[1] + zz]
 }
 
-/// A complex number whose angle is half the solid angle of a face: the product of those of its two triangles (Eq. P19).
+/// A complex number whose angle is half the solid angle of a face: the product of those of its two
+/// triangles (Eq. P19).
 #[inline(always)]
 fn face<N: Number>([r00, r01, r10, r11]: [N; 4], [offset, square]: [N; 2], across: [N; 5], area: f64) -> (N, N) {
     let diagonal = r00.mul_add(r11, square + across[0]);
@@ -105,40 +110,40 @@ fn face<N: Number>([r00, r01, r10, r11]: [N; 4], [offset, square]: [N; 2], acros
     (a.mul_sub(b, n * n), n * (a + b))
 }
 
-/// What the wanted elements add to mu0 H.
+/// Adds the needed elements to mu0 H.
 #[inline(always)]
 pub fn add_elements<N: Functions>(
     simd: N::Instructions,
-    wanted: [bool; 6],
+    needed: [bool; 6],
     ratios: &[[N; 2]; 6],
     coefficients: &[[f64; 3]; 6],
     sum: &mut [N; 3],
 ) {
     for (element, &[n, m]) in ratios.iter().enumerate() {
-        if wanted[element] {
+        if needed[element] {
             let reduced = if element < AA { N::artanh_of_ratio(simd, n, m) } else { N::angle(simd, m, n) };
             add(sum, reduced.divided(simd), &coefficients[element]);
         }
     }
 }
 
-/// One over the product of the denominators of the wanted elements.
+/// The reciprocal of the product of the denominators of the needed elements.
 #[inline(always)]
-pub fn common_inverse<N: Functions>(simd: N::Instructions, wanted: [bool; 6], ratios: &[[N; 2]; 6]) -> N {
+pub fn common_inverse<N: Functions>(simd: N::Instructions, needed: [bool; 6], ratios: &[[N; 2]; 6]) -> N {
     let mut product = N::splat(simd, 1.0);
     for (element, &[_, m]) in ratios.iter().enumerate() {
-        if wanted[element] {
+        if needed[element] {
             product = product * m;
         }
     }
     N::splat(simd, 1.0).over(product)
 }
 
-/// What the wanted elements add to mu0 H where `series` serves each of them.
+/// Adds the needed elements to mu0 H, each by `series`, with one division for all.
 #[inline(always)]
 pub fn add_small_elements<N: Functions>(
     simd: N::Instructions,
-    wanted: [bool; 6],
+    needed: [bool; 6],
     ratios: &[[N; 2]; 6],
     mut inverse: N,
     series: impl Fn(N::Instructions, N, bool) -> N,
@@ -150,12 +155,12 @@ pub fn add_small_elements<N: Functions>(
     let mut product = one;
     for (element, &[_, m]) in ratios.iter().enumerate() {
         products[element] = product;
-        if wanted[element] {
+        if needed[element] {
             product = product * m;
         }
     }
     for element in (0..6).rev() {
-        if wanted[element] {
+        if needed[element] {
             let [n, m] = ratios[element];
             let s = n * (inverse * products[element]);
             inverse = inverse * m;
@@ -164,6 +169,7 @@ pub fn add_small_elements<N: Functions>(
     }
 }
 
+/// Adds an element, given as half of 4 pi T, to mu0 H.
 #[inline(always)]
 pub fn add<N: Functions>(sum: &mut [N; 3], half: N, coefficient: &[f64; 3]) {
     for (sum, coefficient) in sum.iter_mut().zip(coefficient) {

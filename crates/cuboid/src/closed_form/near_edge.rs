@@ -1,8 +1,11 @@
-//! In a tile and beside it, in the lanes of a vector (docs/physics.md, section 2.6).
+//! Points inside a compact cuboid and close to its edges, in vectors (docs/physics.md, section
+//! 2.6).
 //!
-//! What the closed form of `single_tile` loses near an edge, this does not: each edge and each corner has its own term, of numbers without
-//! cancellation. The terms are added up, so that what is right to round-off is the largest of them: enough here, where in a tile that is no plate and no
-//! needle each column of the tensor is nearly as large, and nowhere else.
+//! The closed form of `single_tile` loses digits near an edge; this form does
+//! not. Each edge and each corner has its own term, of numbers without cancellation. The sum of the
+//! terms is right to the round-off of the largest term. That is enough inside and close to a tile
+//! that is neither a plate nor a needle, where every column of the tensor is nearly as large, and
+//! nowhere else.
 
 use std::f64::consts::PI;
 
@@ -13,30 +16,30 @@ use magsplice_simd::power_of_two::power_of_two_reciprocal;
 
 use crate::block::{Block, LocalPoint};
 use crate::scalar::kernel::FieldKind;
-use crate::tolerances::{BESIDE_ASPECT, LEAST_OFFSET, NEAR_FRACTION};
+use crate::tolerances::{LEAST_OFFSET, NEAR_EDGE_ASPECT, NEAR_FRACTION};
 use magsplice_simd::compensated_sum::TwoSum;
 
-/// A tile for points in it and beside it.
+/// A tile for points inside it and close to it.
 pub struct NearEdge {
     faces: [[TwoSum; 2]; 3],
-    /// Points nearer to the plane of a face are left to the kernel of one point.
+    /// Points nearer to the plane of a face are left to the scalar kernel.
     least_offset: f64,
-    /// Points farther away along an axis, too.
+    /// Points farther away along an axis are left to other methods.
     reach: f64,
     scale: f64,
-    /// Scaled.
+    /// Side lengths, scaled.
     size: [f64; 3],
     polarization_t: [f64; 3],
     part: FieldKind,
 }
 
 impl NearEdge {
-    /// `None` for plates and needles.
+    /// Prepares a block; `None` for plates and needles.
     pub fn new(block: &Block, part: FieldKind) -> Option<NearEdge> {
         let [x, y, z] = block.size;
         let (largest, smallest) = (x.max(y).max(z), x.min(y).min(z));
         let scale = power_of_two_reciprocal(largest);
-        (smallest >= BESIDE_ASPECT * largest).then(|| NearEdge {
+        (smallest >= NEAR_EDGE_ASPECT * largest).then(|| NearEdge {
             faces: block.faces,
             least_offset: LEAST_OFFSET * largest,
             reach: NEAR_FRACTION * largest,
@@ -47,8 +50,8 @@ impl NearEdge {
         })
     }
 
-    /// Whether a point is beside the tile or in it, but clearly off the planes of all faces.
-    pub fn serves(&self, point: &LocalPoint) -> bool {
+    /// Whether a point is inside the tile or close to it, and clearly off the planes of all faces.
+    pub fn covers(&self, point: &LocalPoint) -> bool {
         let gap = |axis: usize| {
             let ([low, high], at) = (self.faces[axis], point.coordinates[axis]);
             (low.hi - at).max(at - high.hi).max(0.0)
@@ -61,7 +64,7 @@ impl NearEdge {
             })
     }
 
-    /// B or mu0 H of the tile, in its frame, at points given by axis in whole vectors.
+    /// B or mu0 H of the tile in tesla, in its frame, at points given by axis in whole vectors.
     #[inline(never)]
     pub fn fields<S: Simd>(&self, simd: S, [x, y, z]: [&[f64]; 3], [fx, fy, fz]: [&mut [f64]; 3]) {
         simd.vectorize(
@@ -122,13 +125,14 @@ impl NearEdge {
     }
 }
 
-/// The distance from the corner on these sides along axes i, j, k.
+/// Distance from the corner on these sides along axes i, j, k.
 #[inline(always)]
 fn at<S: Simd>(distances: &[Lanes<S>; 8], [i, j, k]: [usize; 3], [bi, bj, bk]: [usize; 3]) -> Lanes<S> {
     distances[bi << i | bj << j | bk << k]
 }
 
-/// 2 pi T_ij from the four edges along k, each as ln((S + l) / (S - l)) (Eq. P4), S - l by Eq. P7 without its divisions.
+/// 2 pi T_ij from the four edges along k, each as ln((S + l) / (S - l)) (Eq. P4), with S - l by Eq.
+/// P7 without its divisions.
 #[inline(always)]
 fn half_of_edges<S: Simd>(
     simd: S,
@@ -160,8 +164,8 @@ fn half_of_edges<S: Simd>(
     half_logarithm_of_ratio(simd, products[0], products[1])
 }
 
-/// The solid angle of the lower face across an axis less that of the upper one, each positive for points above it: sums of arctangents of
-/// y z / (x R), two of which are one angle.
+/// Solid angle of the lower face across an axis minus that of the upper one, each positive for
+/// points above it: sums of arctangents of y z / (x R), two of which form one angle.
 #[inline(always)]
 fn angles_of_faces<S: Simd>(simd: S, offsets: &[[Lanes<S>; 2]; 3], distances: &[Lanes<S>; 8], axis: usize) -> Lanes<S> {
     let axes = [axis, (axis + 1) % 3, (axis + 2) % 3];

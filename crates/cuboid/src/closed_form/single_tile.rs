@@ -1,24 +1,24 @@
-//! The closed form of a tile by itself, without tables (docs/physics.md, section 2.6).
+//! The closed form of one cuboid on its own, without tables (docs/physics.md, section 2.6).
 
-use super::elements::{Place, add, add_elements, add_small_elements, common_inverse};
+use super::elements::{CornerGeometry, add, add_elements, add_small_elements, common_inverse};
 use super::terms::{AA, AB, AC, BB, BC, CC, Terms};
 use crate::block::Block;
 use magsplice_simd::compensated_sum::TwoSum;
 use magsplice_simd::functions::{Functions, odd_series};
 
-/// A tile whose axes a, b, c are ordered by length.
+/// A cuboid whose axes a, b, c are ordered by length.
 pub struct ClosedForm {
     axes: [usize; 3],
-    /// Low and high plane along a, b, c: the coordinate, and minus what it is short of the plane's, scaled.
+    /// Low and high plane along a, b, c: the coordinate, and minus its rounding error, scaled.
     planes: [[[f64; 2]; 2]; 3],
     scale: f64,
     terms: Terms,
-    wanted: [bool; 6],
-    /// What one unit of half of 4 pi T adds to mu0 H.
+    needed: [bool; 6],
+    /// Contribution of one unit of half of 4 pi T to mu0 H, in tesla.
     coefficients: [[f64; 3]; 6],
 }
 
-/// What J with three components needs.
+/// The elements that J with three components needs.
 const GENERAL: [bool; 6] = [true, true, true, true, true, false];
 
 /// See [`ClosedForm::ratios`].
@@ -26,70 +26,73 @@ const GENERAL: [bool; 6] = [true, true, true, true, true, false];
 pub struct Ratios<N: Functions>([[N; 2]; 6]);
 
 impl ClosedForm {
+    /// Prepares a block whose lengths `scale` takes to order one.
     pub fn new(block: &Block, scale: f64) -> ClosedForm {
         let terms = Terms::new(block, scale);
         ClosedForm {
             axes: terms.axes,
             planes: terms.axes.map(|axis| block.faces[axis].map(|plane: TwoSum| [plane.hi, -plane.lo * scale])),
             scale,
-            wanted: [0, 1, 2, 3, 4, 5].map(|element| terms.is_needed(element)),
+            needed: [0, 1, 2, 3, 4, 5].map(|element| terms.is_needed(element)),
             coefficients: [0, 1, 2, 3, 4, 5].map(|element| terms.group(element).coefficient),
             terms,
         }
     }
 
+    /// Offsets and distances of points relative to the cuboid.
     #[inline(always)]
-    pub fn place<N: Functions>(&self, simd: N::Instructions, point: [N; 3]) -> Place<N> {
+    pub fn place<N: Functions>(&self, simd: N::Instructions, point: [N; 3]) -> CornerGeometry<N> {
         let zero = N::splat(simd, 0.0);
         let mut planes = [[[zero; 2]; 2]; 3];
         for (axis, planes) in planes.iter_mut().enumerate() {
             for (plane, &[coordinate, low]) in planes.iter_mut().zip(&self.planes[axis]) {
-                // The scale is a power of two: the same digits as if applied at the end.
+                // The scale is a power of two, so that applying it here changes no digit.
                 let offset = (point[self.axes[axis]] - coordinate).scale_add(self.scale, N::splat(simd, low));
                 *plane = [offset, offset * offset];
             }
         }
         let [[a0, a1], [b0, b1], [c0, c1]] = planes;
         let (ab00, ab01, ab10, ab11) = (a0[1] + b0[1], a0[1] + b1[1], a1[1] + b0[1], a1[1] + b1[1]);
-        // The processor's unit for roots works beside those that multiply; more than two would have to wait for it.
+        // LanePair roots use the root unit of the processor, which works in parallel with the
+        // multipliers; more would wait for it.
         let (r000, r001) = ((ab00 + c0[1]).sqrt(), (ab00 + c1[1]).sqrt());
         let (r010, r011) = ((ab01 + c0[1]).root(simd), (ab01 + c1[1]).root(simd));
         let (r100, r101) = ((ab10 + c0[1]).root(simd), (ab10 + c1[1]).root(simd));
         let (r110, r111) = ((ab11 + c0[1]).root(simd), (ab11 + c1[1]).root(simd));
         let distances = [r000, r001, r010, r011, r100, r101, r110, r111];
-        Place { planes, distances }
+        CornerGeometry { planes, distances }
     }
 
     /// Numerator and denominator of the hyperbolic or circular tangent of half of 4 pi T, by element.
     #[inline(always)]
-    pub fn ratios<N: Functions>(&self, simd: N::Instructions, place: &Place<N>) -> Ratios<N> {
+    pub fn ratios<N: Functions>(&self, simd: N::Instructions, place: &CornerGeometry<N>) -> Ratios<N> {
         let mut ratios = [[N::splat(simd, 0.0), N::splat(simd, 1.0)]; 6];
         let (factors, squares) = (&self.terms.factors, &self.terms.squares);
-        if self.wanted[AB] {
+        if self.needed[AB] {
             ratios[AB] = place.ratio::<AB>(factors, squares);
         }
-        if self.wanted[AC] {
+        if self.needed[AC] {
             ratios[AC] = place.ratio::<AC>(factors, squares);
         }
-        if self.wanted[BC] {
+        if self.needed[BC] {
             ratios[BC] = place.ratio::<BC>(factors, squares);
         }
-        if self.wanted[AA] {
+        if self.needed[AA] {
             ratios[AA] = place.ratio::<AA>(factors, squares);
         }
-        if self.wanted[BB] {
+        if self.needed[BB] {
             ratios[BB] = place.ratio::<BB>(factors, squares);
         }
-        if self.wanted[CC] {
+        if self.needed[CC] {
             ratios[CC] = place.ratio::<CC>(factors, squares);
         }
         Ratios(ratios)
     }
 
-    /// mu0 H of the tile, in its frame.
+    /// mu0 H of the cuboid in tesla, in its frame.
     #[inline(always)]
     pub fn field<N: Functions>(&self, simd: N::Instructions, Ratios(ratios): &Ratios<N>) -> [N; 3] {
-        if self.wanted == GENERAL {
+        if self.needed == GENERAL {
             let [ab, ac, bc, aa, bb, _] = *ratios;
             let first = N::artanh_of_ratio(simd, ab[0], ab[1]);
             let second = N::artanh_of_ratio(simd, ac[0], ac[1]);
@@ -112,17 +115,18 @@ impl ClosedForm {
             return sum;
         }
         let mut sum = [N::splat(simd, 0.0); 3];
-        add_elements(simd, self.wanted, ratios, &self.coefficients, &mut sum);
+        add_elements(simd, self.needed, ratios, &self.coefficients, &mut sum);
         sum
     }
 
-    /// One division for all elements: one over the product of their denominators.
+    /// The reciprocal of the product of all denominators: one division for all elements.
     #[inline(always)]
     pub fn common_inverse<N: Functions>(&self, simd: N::Instructions, Ratios(ratios): &Ratios<N>) -> N {
-        common_inverse(simd, self.wanted, ratios)
+        common_inverse(simd, self.needed, ratios)
     }
 
-    /// mu0 H of the tile, in its frame, where no element's half of 4 pi T is beyond [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE).
+    /// mu0 H of the cuboid in tesla, in its frame, where no element has half of 4 pi T above
+    /// [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE).
     #[inline(always)]
     pub fn field_of_small<N: Functions>(
         &self,
@@ -131,7 +135,7 @@ impl ClosedForm {
         inverse: N,
     ) -> [N; 3] {
         let mut sum = [N::splat(simd, 0.0); 3];
-        add_small_elements(simd, self.wanted, ratios, inverse, odd_series, &self.coefficients, &mut sum);
+        add_small_elements(simd, self.needed, ratios, inverse, odd_series, &self.coefficients, &mut sum);
         sum
     }
 }

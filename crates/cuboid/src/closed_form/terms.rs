@@ -1,38 +1,47 @@
-//! What each tile needs of its demagnetizing tensor.
+//! The elements of the demagnetizing tensor that a polarization needs, with their coefficients.
 
 use std::f64::consts::PI;
 
 use crate::block::Block;
 use crate::tolerances::DIRECT_DIAGONAL;
 
-/// Elements of the demagnetizing tensor of a tile whose sides along a, b, c fall in length.
+/// Elements of the demagnetizing tensor of a tile whose sides decrease along a, b, c.
 pub const AB: usize = 0;
+/// T_ac.
 pub const AC: usize = 1;
+/// T_bc.
 pub const BC: usize = 2;
+/// T_aa.
 pub const AA: usize = 3;
+/// T_bb.
 pub const BB: usize = 4;
+/// T_cc.
 pub const CC: usize = 5;
 
-/// Terms that differ in sign at most and share a division and a series.
+/// Terms that differ at most in sign, and share a division and a series.
 #[derive(Clone, Copy, Debug)]
 pub struct Group {
-    /// Whether it is of diagonal elements: angles, not logarithms.
+    /// Whether the elements are diagonal: angles instead of logarithms.
     pub diagonal: bool,
-    /// What one unit of half of 4 pi T adds to mu0 H, in tesla.
+    /// Contribution of one unit of half of 4 pi T to mu0 H, in tesla.
     pub coefficient: [f64; 3],
 }
 
-/// What the polarization of one tile needs of its tensor.
+/// The elements that the polarization of one tile needs.
 pub struct Terms {
     /// The axes a, b, c.
     pub axes: [usize; 3],
-    /// By element: what one unit adds to each component of mu0 H, its first component not zero positive; nothing if not needed.
+    /// Contribution of one unit of each element to the components of mu0 H, with a positive first
+    /// nonzero component; zero if the element is not needed.
     pub coefficients: [[f64; 3]; 6],
+    /// Length of the edges times the size across, or area of the faces; scaled, with the sign of the term.
     pub factors: [f64; 6],
+    /// Squares of the sizes along a, b, c, scaled.
     pub squares: [f64; 3],
 }
 
 impl Terms {
+    /// The terms of a block whose lengths `scale` takes to order one.
     pub fn new(block: &Block, scale: f64) -> Terms {
         let (size, j) = (block.size.map(|s| s * scale), block.polarization_t);
         let mut axes = [0, 1, 2];
@@ -43,7 +52,8 @@ impl Terms {
             (coefficient[i], coefficient[k]) = (j[k], j[i]);
             coefficient
         };
-        // T_cc = -(T_aa + T_bb) loses less than the difference of two faces close together, and is free if these are needed anyway.
+        // T_cc = -(T_aa + T_bb) loses less than the difference of two close faces, and is free if
+        // these are needed anyway.
         let by_trace = (j[a] != 0.0 && j[b] != 0.0) || size[c] < DIRECT_DIAGONAL * size[b];
         let diagonal = |axis: usize| {
             let mut coefficient = [0.0; 3];
@@ -84,15 +94,17 @@ impl Terms {
         terms
     }
 
-    /// Of the tile, scaled.
+    /// Volume of the tile, scaled.
     pub fn volume(&self) -> f64 {
         self.squares.iter().product::<f64>().sqrt()
     }
 
+    /// Whether the polarization needs an element.
     pub fn is_needed(&self, element: usize) -> bool {
         self.coefficients[element] != [0.0; 3]
     }
 
+    /// The group of an element.
     pub fn group(&self, element: usize) -> Group {
         Group { diagonal: element >= AA, coefficient: self.coefficients[element].map(|c| c / (2.0 * PI)) }
     }

@@ -1,7 +1,8 @@
-//! The closed-form field of one cuboid in its own frame, free of cancellation (docs/physics.md, section 2).
+//! The closed-form field of one cuboid in its own frame, free of cancellation (docs/physics.md,
+//! section 2).
 //!
-//! One path serves every point: there is no separate far branch, and the only branches are where the foot of the point
-//! falls and how large a logarithm is.
+//! One path is valid at every point. There is no separate far branch; the only branches are where
+//! the foot of the point falls and how large a logarithm is.
 
 use super::edge::edge_logarithm;
 use super::face::face_angles;
@@ -10,16 +11,17 @@ use super::offsets::Offsets;
 
 const INV_4PI: f64 = 0.25 * std::f64::consts::FRAC_1_PI;
 
-/// What a tile adds at a point.
+/// Which field is summed: mu0 H or B.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum FieldKind {
-    /// mu0 H, in tesla: the tensor applied to J.
+    /// mu0 H in tesla: the tensor applied to J.
     Strength,
-    /// B: mu0 H, and J inside.
+    /// B in tesla: mu0 H, plus J inside.
     Density,
 }
 
-/// mu0 H or B of a cuboid of polarization `j`, in its own frame; components of `j` that are zero cost nothing.
+/// mu0 H or B of a cuboid of polarization `j` in tesla, in its own frame. Zero components of `j`
+/// cost nothing.
 ///
 /// The offsets must be scaled so that the largest is of order one.
 pub fn cuboid_field<S: Scalar>(offsets: &[Offsets<S>; 3], j: [f64; 3], part: FieldKind) -> [S; 3] {
@@ -60,11 +62,13 @@ pub fn cuboid_field<S: Scalar>(offsets: &[Offsets<S>; 3], j: [f64; 3], part: Fie
     field.map(|component| component.scale(INV_4PI))
 }
 
-/// The gradient of B (and of mu0 H) of a cuboid of polarization `j`, in its own frame and per scaled length; symmetric.
+/// The gradient of B (and of mu0 H) of a cuboid of polarization `j` in tesla per scaled length, in
+/// its own frame; a symmetric matrix.
 ///
-/// The third derivatives T_ijk of the potential are symmetric in all indices and T_iii = -(T_ijj + T_ikk), inside as outside, so
-/// the slopes of the off-diagonal elements give them all (docs/physics.md, section 2.4). The slopes of the solid angles are not
-/// used: those of the two parts of a face cut at the foot of the point nearly cancel in a thin plate.
+/// The third derivatives T_ijk of the potential are symmetric in all indices and T_iii = -(T_ijj +
+/// T_ikk), inside and outside, so that the slopes of the off-diagonal elements give all of them
+/// (docs/physics.md, section 2.4). The slopes of the solid angles are not used: for the two parts
+/// of a face cut at the foot of the point they nearly cancel in a thin plate.
 pub fn cuboid_gradient(offsets: &[Offsets<f64>; 3], j: [f64; 3]) -> [[f64; 3]; 3] {
     let offsets = [0, 1, 2].map(|axis: usize| offsets[axis].differentiated(axis));
     let radius = corner_distances(&offsets);
@@ -77,7 +81,7 @@ pub fn cuboid_gradient(offsets: &[Offsets<f64>; 3], j: [f64; 3]) -> [[f64; 3]; 3
             let sign = INV_4PI * offsets[a].sign() * offsets[b].sign();
             third.twice[a][b] = sign * element.slope[a];
             third.twice[b][a] = sign * element.slope[b];
-            // Along a long edge the slope is the small difference of its ends.
+            // The slope along a long edge is the small difference of its ends.
             if offsets[edges].size <= mixed_from {
                 mixed_from = offsets[edges].size;
                 third.mixed = sign * element.slope[edges];

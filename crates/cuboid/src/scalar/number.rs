@@ -1,4 +1,4 @@
-//! The numbers the kernel computes with.
+//! The numbers that the scalar kernel is written over.
 
 use std::ops::{Add, Mul, Neg, Sub};
 

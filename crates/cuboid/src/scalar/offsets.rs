@@ -1,10 +1,12 @@
-//! Where a point lies relative to a tile's faces.
+//! The position of a point relative to the faces of a cuboid.
 
 use super::number::Scalar;
 
-/// Offsets along one axis, after mirroring the point into the half-space beyond the tile's centre.
+/// Offsets along one axis, after mirroring the point into the half-space beyond the centre of the
+/// cuboid.
 ///
-/// `far > 0` and `far >= |near|` always; `near < 0` exactly when the point is between the two faces.
+/// `far > 0` and `far >= |near|` hold always; `near < 0` exactly when the point is between the two
+/// faces.
 #[derive(Clone, Copy, Debug)]
 pub struct Offsets<S> {
     /// Signed distance to the nearer face, positive outside. Never zero.
@@ -32,6 +34,7 @@ impl<S: Scalar> Offsets<S> {
         self.sum.scale(self.size)
     }
 
+    /// Whether the point is between the two faces.
     pub fn within(&self) -> bool {
         self.near.value() < 0.0
     }

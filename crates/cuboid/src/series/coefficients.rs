@@ -1,4 +1,4 @@
-//! The coefficients of a cuboid's multipole series (docs/physics.md, section 2.7).
+//! Coefficients of the multipole series of a shape (docs/physics.md, section 2.7).
 
 use std::sync::LazyLock;
 
@@ -7,30 +7,31 @@ use crate::tolerances::HIGHEST_ORDER;
 /// A_x, A_y, P_xy, P_xz and P_yz (Eq. P39).
 pub const POLYNOMIALS: usize = 5;
 
-/// The series of one shape: polynomials in sigma = (half diagonal / r)^2, whose coefficients are polynomials in u - 1/3 and v - 1/3,
-/// u = x^2/r^2 and v = y^2/r^2.
+/// The multipole series of one shape: polynomials in sigma = (half diagonal / r)^2, whose
+/// coefficients are polynomials in u - 1/3 and v - 1/3, u = x^2/r^2 and v = y^2/r^2.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Order after order of sigma, as [`place`] has them.
+    /// Order after order of sigma, in the order of [`place`].
     coefficients: [[f64; POLYNOMIALS]; start(HIGHEST_ORDER + 1)],
 }
 
-/// The middle of what u and v may be, where u + v <= 1: powers of what they are off it cancel least.
+/// Centre of the range of u and v, where u + v <= 1: powers of the deviation from it cancel least.
 pub const THIRD: f64 = 1.0 / 3.0;
 
-/// Where the coefficients of an order begin.
+/// Index of the first coefficient of an order.
 const fn start(order: usize) -> usize {
     order * (order + 1) * (order + 2) / 6
 }
 
-/// Where u^a v^b is among the coefficients of an order: as Horner's scheme needs them, row after row of equal b, the highest powers first.
+/// Index of u^a v^b among the coefficients of an order, as Horner's scheme needs them: rows of
+/// equal b, highest powers first.
 const fn place(order: usize, a: usize, b: usize) -> usize {
     let row = order - b;
     row * (row + 1) / 2 + row - a
 }
 
 impl Series {
-    /// For a cuboid of these side lengths, to this order.
+    /// The series of a cuboid with these side lengths, up to order `highest`.
     pub fn new(size: [f64; 3], highest: usize) -> Series {
         let largest = size.iter().copied().fold(0.0, f64::max);
         let squares = size.map(|s| (s / largest) * (s / largest));
@@ -51,21 +52,21 @@ impl Series {
         series
     }
 
-    /// One order's coefficients.
+    /// The coefficients of one order.
     #[inline(always)]
     pub fn coefficients<const ORDER: usize>(&self) -> &[[f64; POLYNOMIALS]] {
         &self.coefficients[start(ORDER)..start(ORDER + 1)]
     }
 }
 
-/// One moment <x^2a y^2b z^2c> and the polynomials of the derivatives of 1/r it comes with.
+/// One moment <x^2a y^2b z^2c>, and the polynomials of the derivatives of 1/r that multiply it.
 struct Moment {
     powers: [usize; 3],
-    /// As [`place`] has them.
+    /// Coefficients in the order of [`place`].
     coefficients: Vec<[f64; POLYNOMIALS]>,
 }
 
-/// By order a + b + c; the highest ones are rarely needed.
+/// Moments by order a + b + c. High orders are rarely needed.
 static MOMENTS: [LazyLock<Vec<Moment>>; HIGHEST_ORDER + 1] = [
     LazyLock::new(|| moments(0)),
     LazyLock::new(|| moments(1)),
@@ -111,7 +112,7 @@ impl Moment {
         }
         let mut coefficients = vec![[0.0; POLYNOMIALS]; (order + 1) * (order + 2) / 2];
         for (number, polynomial) in polynomials.into_iter().enumerate() {
-            // Those of degree order + 1 are zero now.
+            // The coefficients of degree order + 1 are zero now.
             let about_middle = polynomial.about_middle(order);
             for b in 0..=order {
                 for a in 0..=order - b {
@@ -123,12 +124,12 @@ impl Moment {
     }
 }
 
-/// The coefficients of u^a v^b.
+/// Coefficients of u^a v^b.
 #[derive(Clone, Copy)]
 struct Polynomial([[f64; HIGHEST_ORDER + 2]; HIGHEST_ORDER + 2]);
 
 impl Polynomial {
-    /// In powers of u - 1/3 and v - 1/3, of which there are none higher than `degree`.
+    /// The polynomial in powers of u - 1/3 and v - 1/3, of which none is higher than `degree`.
     fn about_middle(mut self, degree: usize) -> Polynomial {
         let Polynomial(rows) = &mut self;
         for step in 0..degree {
@@ -150,8 +151,11 @@ impl Polynomial {
     }
 }
 
-/// r^(n+1) times the derivative of 1/r of n-th order, without odd powers, as a polynomial in u and v, w = 1 - u - v:
-/// with D = (x^2 + y^2 + z^2)^(-1/2) each axis gives a sum over j of (alpha! / j! (alpha - 2j)!) (2x)^(alpha - 2j) D^(alpha - j).
+/// r^(n+1) times the n-th derivative of 1/r, without odd powers, as a polynomial in u and v,
+/// w = 1 - u - v.
+///
+/// With D = (x^2 + y^2 + z^2)^(-1/2) each axis gives a sum over j of
+/// `alpha! / (j! (alpha - 2j)!) (2x)^(alpha - 2j) D^(alpha - j)`.
 fn derivative_of_reciprocal_distance(derivative: [usize; 3]) -> Polynomial {
     let order: usize = derivative.iter().sum();
     let mut sum = Polynomial([[0.0; HIGHEST_ORDER + 2]; HIGHEST_ORDER + 2]);

@@ -1,32 +1,33 @@
-//! A tile far away: the multipole series of a cuboid, in the lanes of a vector (docs/physics.md, section 2.7).
+//! Evaluation of the multipole series of one cuboid, in vectors (docs/physics.md, section 2.7).
 
 use std::f64::consts::PI;
 
 use fearless_simd::prelude::*;
-use magsplice_simd::lanes::{Lanes, Number, Two};
+use magsplice_simd::lanes::{LanePair, Lanes, Number};
 use magsplice_simd::pairwise::Pairwise;
 
 use super::coefficients::{POLYNOMIALS, Series, THIRD};
 use crate::block::Block;
 use magsplice_simd::compensated_sum::TwoSum;
 
-/// A tile for points far away.
+/// Centre and moment of a cuboid for points far away.
 #[derive(Clone, Copy, Debug)]
 pub struct Distant {
     centre: [TwoSum; 3],
     scale: f64,
-    /// Scaled, as the offsets are.
+    /// Square of the half diagonal, scaled as the offsets are.
     half_diagonal_squared: f64,
     /// V J / 4 pi, scaled.
     moment: [f64; 3],
 }
 
 impl Distant {
+    /// Prepares a block whose lengths `scale` takes to order one.
     pub fn new(block: &Block, scale: f64) -> Distant {
         let size = block.size.map(|s| s * scale);
         let volume_over_4pi = size[0] * size[1] * size[2] / (4.0 * PI);
         let centre = block.faces.map(|[low, high]| {
-            let sum = TwoSum::of(0.5 * low.hi, 0.5 * high.hi);
+            let sum = TwoSum::new(0.5 * low.hi, 0.5 * high.hi);
             TwoSum { hi: sum.hi, lo: sum.lo + (0.5 * low.lo + 0.5 * high.lo) }
         });
         Distant {
@@ -38,21 +39,24 @@ impl Distant {
     }
 }
 
-/// A tile's series to an order in sigma.
+/// The multipole series of a cuboid up to an order in sigma.
 pub struct TruncatedSeries<'a> {
+    /// Centre and moment.
     pub tile: &'a Distant,
+    /// Coefficients of the shape.
     pub series: &'a Series,
+    /// Highest order in sigma.
     pub order: usize,
 }
 
 impl<S: Simd> Pairwise<S> for TruncatedSeries<'_> {
-    /// Each coefficient is fetched once for both vectors.
+    /// Each coefficient is loaded once for both vectors.
     #[inline(always)]
     fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
         let TruncatedSeries { tile, series, order } = *self;
         let (first, second) = (PointOffset::new(simd, tile, points[0]), PointOffset::new(simd, tile, points[1]));
-        let (u, v) = (Two([first.u, second.u]), Two([first.v, second.v]));
-        let mut sums = SeriesSums::new(simd, u, v, Two([first.sigma, second.sigma]));
+        let (u, v) = (LanePair([first.u, second.u]), LanePair([first.v, second.v]));
+        let mut sums = SeriesSums::new(simd, u, v, LanePair([first.sigma, second.sigma]));
         for order in (3..=order).rev() {
             match order {
                 8 => sums.add::<8>(simd, series.coefficients::<8>()),
@@ -66,7 +70,7 @@ impl<S: Simd> Pairwise<S> for TruncatedSeries<'_> {
         sums.add::<2>(simd, series.coefficients::<2>());
         sums.add::<1>(simd, series.coefficients::<1>());
         sums.add::<0>(simd, series.coefficients::<0>());
-        let [Two(ax), Two(ay), Two(xy), Two(xz), Two(yz)] = sums.polynomials;
+        let [LanePair(ax), LanePair(ay), LanePair(xy), LanePair(xz), LanePair(yz)] = sums.polynomials;
         [
             first.field([ax[0], ay[0], xy[0], xz[0], yz[0]], tile.moment),
             second.field([ax[1], ay[1], xy[1], xz[1], yz[1]], tile.moment),
@@ -74,11 +78,11 @@ impl<S: Simd> Pairwise<S> for TruncatedSeries<'_> {
     }
 }
 
-/// Where points lie relative to a tile.
+/// Position of points relative to a cuboid.
 struct PointOffset<S: Simd> {
     offset: [Lanes<S>; 3],
     inverse_square: Lanes<S>,
-    /// Less 1/3.
+    /// u - 1/3 and v - 1/3.
     u: Lanes<S>,
     v: Lanes<S>,
     sigma: Lanes<S>,
@@ -102,7 +106,7 @@ impl<S: Simd> PointOffset<S> {
         }
     }
 
-    /// From the polynomials (Eq. P39).
+    /// mu0 H in tesla from the polynomials (Eq. P39).
     #[inline(always)]
     fn field(&self, [ax, ay, xy, xz, yz]: [Lanes<S>; POLYNOMIALS], [jx, jy, jz]: [f64; 3]) -> [Lanes<S>; 3] {
         let [x, y, z] = self.offset;
@@ -120,7 +124,7 @@ impl<S: Simd> PointOffset<S> {
     }
 }
 
-/// The polynomials so far.
+/// The partial sums of the polynomials.
 struct SeriesSums<N> {
     u: N,
     v: N,
@@ -134,7 +138,8 @@ impl<N: Number> SeriesSums<N> {
         SeriesSums { u, v, sigma, polynomials: [N::splat(simd, 0.0); POLYNOMIALS] }
     }
 
-    /// sigma times the sums so far, and one order's polynomials, by Horner's scheme in v of Horner's scheme in u.
+    /// Multiplies the sums by sigma and adds the polynomials of one order, by Horner's scheme in v
+    /// of Horner's scheme in u.
     #[inline(always)]
     fn add<const ORDER: usize>(&mut self, simd: N::Instructions, coefficients: &[[f64; POLYNOMIALS]]) {
         let mut polynomials = [N::splat(simd, 0.0); POLYNOMIALS];

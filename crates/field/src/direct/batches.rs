@@ -6,16 +6,17 @@ use rayon::prelude::*;
 
 use crate::tolerances::{BATCHES_PER_THREAD, POINTS_PER_BATCH, REGROUPED_POINTS};
 
-/// How points are divided.
+/// The division of points into batches.
 #[derive(Clone, Copy)]
 pub(crate) struct Batches {
-    /// Points of one, at most.
+    /// Largest number of points in a batch.
     pub(crate) most: usize,
-    /// Whether each is of neighbours, not of points that follow each other.
+    /// Whether a batch holds neighbours rather than consecutive points.
     pub(crate) regroup: bool,
 }
 
-/// Has `evaluate` fill in the values of batch after batch and name the points of the batch that have none.
+/// Calls `evaluate` for every batch, in parallel. It writes the values of the batch and names the
+/// points that have none.
 pub(crate) fn for_each_batch<T: Send + Copy + Default>(
     points: &[DVec3],
     values: &mut [T],
@@ -55,7 +56,7 @@ pub(crate) fn none_or(errors: Vec<PointError>) -> Result<(), PointErrors> {
     if errors.is_empty() { Ok(()) } else { Err(PointErrors(errors)) }
 }
 
-/// Batches of `size` points, in parallel.
+/// Evaluates batches of `size` points in parallel.
 fn in_batches<T: Send>(
     points: &[DVec3],
     values: &mut [T],
@@ -76,10 +77,10 @@ fn in_batches<T: Send>(
         .collect()
 }
 
-/// Indices of points in an order in which each so many of them, from the first on, are neighbours: of the points that the first of `sizes` puts together each so many as the
-/// next says, and so on.
+/// Indices of points in an order in which consecutive points are neighbours: groups of the first of
+/// `sizes`, in each of them groups of the next size, and so on.
 pub(crate) fn neighbours_together(points: &[DVec3], order: impl IntoIterator<Item = u32>, sizes: &[usize]) -> Vec<u32> {
-    // Side by side in memory, where they are compared again and again.
+    // Contiguous in memory, since points are compared many times.
     let mut placed: Vec<IndexedPoint> =
         order.into_iter().map(|index| IndexedPoint { point: points[index as usize].to_array(), index }).collect();
     divide(&mut placed, sizes);
@@ -93,7 +94,7 @@ struct IndexedPoint {
     index: u32,
 }
 
-/// Divides along the axis along which the points reach farthest.
+/// Splits points along the axis of their largest extent, until groups have the given sizes.
 fn divide(placed: &mut [IndexedPoint], sizes: &[usize]) {
     let Some((&size, smaller)) = sizes.split_first() else { return };
     if placed.len() <= size {

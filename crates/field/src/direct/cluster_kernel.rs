@@ -1,15 +1,18 @@
-//! The closed form for points neither beside a tile nor many sizes away, in the lanes of a vector (docs/physics.md, section 2.6).
+//! The closed form of the tiles of a cluster, in vectors, for points outside the tiles and not many
+//! sizes away (docs/physics.md, section 2.6).
 //!
-//! As in the [reference kernel](magsplice_cuboid::scalar) differences are taken before the logarithm and the arctangent, but only as far as that needs no division.
-//! What remains loses the factor distance / size of the tile's second side. Each element is a number of a split-complex or a complex
-//! plane, whose products add logarithms or angles: tiles with one strength share a division and a series. What has a strength of its own is
-//! multiplied onto nothing; to a tolerance it shares the division with what else the tile has of that kind.
+//! As in the [scalar kernel](magsplice_cuboid::scalar), differences are taken before the logarithm
+//! and the arctangent, but only where that needs no division. The remaining cancellation loses a
+//! factor of distance over the second side of a tile. Each element is a number of a split-complex
+//! or a complex plane, whose products add logarithms or angles: tiles of equal strength share a
+//! division and a series. An element whose strength occurs once skips the products; within a
+//! tolerance it shares its division with the other such elements of its tile.
 
 use std::any::Any;
 
 use fearless_simd::prelude::*;
 
-use magsplice_cuboid::closed_form::elements::{Place, add_elements, add_small_elements, common_inverse};
+use magsplice_cuboid::closed_form::elements::{CornerGeometry, add_elements, add_small_elements, common_inverse};
 use magsplice_cuboid::closed_form::terms::{AA, AB, AC, BB, BC, CC, Group};
 use magsplice_simd::functions::{angle, artanh_of_ratio, short_odd_series};
 use magsplice_simd::lanes::{Lanes, Number};
@@ -18,13 +21,14 @@ use crate::prepare::corner_tables::CornerTables;
 use crate::prepare::tile_terms::{NO_GROUP, OWN, TileTerms};
 use crate::tolerances::{MOST_CORNERS, MOST_GROUPS, MOST_PLANES};
 
-/// Room for the [`Tables`] of the instruction set last used.
+/// Buffer for the [`Tables`] of the instruction set last used.
 #[derive(Default)]
 pub(super) struct KeptTables(Option<Box<dyn Any + Send>>);
 
 impl KeptTables {
-    /// mu0 H of the tiles of `cluster`, in their frame, at points outside them, given by axis in whole vectors; perhaps so far that all elements are
-    /// `small`.
+    /// mu0 H of the tiles of `cluster` in tesla, in their frame, at points outside them, given by
+    /// axis in whole vectors. `small` states that the points are so far away that all elements are
+    /// small.
     #[inline(never)]
     pub(super) fn fields<S: Simd>(
         &mut self,
@@ -42,7 +46,8 @@ impl KeptTables {
                 tables.start(cluster, load(simd, [x, y, z], 0));
                 for start in (0..x.len()).step_by(Lanes::<S>::LEN) {
                     let end = start + Lanes::<S>::LEN;
-                    // After the last points the first again, to have something to prepare.
+                    // After the last points the first are prepared again, so that the loop has no
+                    // branch.
                     let next = if end < x.len() { end } else { 0 };
                     let next = load(simd, [x, y, z], next);
                     let field = tables.field(simd, cluster, next, small);
@@ -62,27 +67,30 @@ fn load<S: Simd>(simd: S, points: [&[f64]; 3], start: usize) -> [Lanes<S>; 3] {
     [Lanes::load(simd, x), Lanes::load(simd, y), Lanes::load(simd, z)]
 }
 
-/// Tables of vectors, kept between calls. Their length is fixed, so that an index masked to it needs no check.
+/// Tables of vectors, kept between calls. Their length is fixed, so that a masked index needs no
+/// bounds check.
 struct Tables<S: Simd> {
-    /// Of the points at work and of those after them, which are made at the same time: square roots and products then overlap.
+    /// Tables of the current points and of the next points, which are filled at the same time so
+    /// that square roots and products overlap.
     places: Box<[Places<S>; 2]>,
-    /// Which of the two is that of the points after them.
+    /// Index of the table of the next points.
     next: usize,
     products: Products<S>,
 }
 
-/// The product so far of each group.
+/// The running product of each group.
 struct Products<S: Simd>(Box<[[Lanes<S>; 2]; MOST_GROUPS]>);
 
-/// Where points lie relative to a cluster, in its scale.
+/// Position of the points relative to a cluster, in its scale.
 struct Places<S: Simd> {
     /// Offsets from the planes.
     offsets: [Lanes<S>; MOST_PLANES],
     squares: [Lanes<S>; MOST_PLANES],
     /// Distances from the corners.
     distances: [Lanes<S>; MOST_CORNERS],
-    /// Puts the same corner of the two places half a page apart with the longest vectors: a processor that compares the low twelve bits of addresses
-    /// would wait for the one that is written before it reads the other.
+    /// Padding that puts the same corner in the two tables half a page apart with the longest
+    /// vectors. A processor that compares the low twelve bits of addresses would otherwise delay
+    /// the read of one until the other is written.
     _apart: [Lanes<S>; APART],
 }
 
@@ -124,19 +132,19 @@ impl<S: Simd> Places<S> {
         }
     }
 
-    /// Distances from two corners, of which the first has this index.
+    /// Writes the distances from two corners, the first of which has this index.
     #[inline(always)]
     fn set_distances(&mut self, index: u16, [first, second]: &[[u16; 3]; 2]) {
         self.distances[corner(index)] = self.square(first).sqrt();
         self.distances[corner(index + 1)] = self.square(second).sqrt();
     }
 
-    /// Where the points lie relative to a tile.
+    /// Position of the points relative to a tile.
     #[inline(always)]
-    fn of(&self, tile: &TileTerms) -> Place<Lanes<S>> {
+    fn of(&self, tile: &TileTerms) -> CornerGeometry<Lanes<S>> {
         let plane = |index: u16| [self.offsets[plane(index)], self.squares[plane(index)]];
         let [a0, a1, b0, b1, c0, c1] = tile.planes;
-        Place {
+        CornerGeometry {
             planes: [[plane(a0), plane(a1)], [plane(b0), plane(b1)], [plane(c0), plane(c1)]],
             distances: tile.corners.map(|index| self.distances[corner(index)]),
         }
@@ -159,7 +167,7 @@ impl<S: Simd> Tables<S> {
         }
     }
 
-    /// Begins with the first points.
+    /// Fills the table of the first points.
     #[inline(always)]
     fn start(&mut self, cluster: &CornerTables, first: [Lanes<S>; 3]) {
         let next = &mut self.places[self.next];
@@ -169,8 +177,8 @@ impl<S: Simd> Tables<S> {
         }
     }
 
-    /// mu0 H of the tiles of `cluster`, in their frame, at the points given as `next` before (or to [`Tables::start`]), which are outside them; perhaps so far
-    /// that all elements are `small`.
+    /// mu0 H of the tiles of `cluster` in tesla, in their frame, at the points given as `next` in
+    /// the previous call (or to [`Tables::start`]).
     #[inline(always)]
     fn field(&mut self, simd: S, cluster: &CornerTables, next: [Lanes<S>; 3], small: bool) -> [Lanes<S>; 3] {
         let (current, mut upcoming) = Upcoming::of(&mut self.places, &mut self.next, cluster, next);
@@ -207,7 +215,7 @@ impl<S: Simd> Tables<S> {
     }
 }
 
-/// The places of the next points while they are made.
+/// The table of the next points while it is filled.
 struct Upcoming<'a, S: Simd> {
     places: &'a mut Places<S>,
     corners: &'a [[[u16; 3]; 2]],
@@ -216,7 +224,8 @@ struct Upcoming<'a, S: Simd> {
 }
 
 impl<'a, S: Simd> Upcoming<'a, S> {
-    /// The places of the points at work, and those of the `points` after them, which take the room of those before.
+    /// The table of the current points, and that of the next `points`, which replaces the previous
+    /// one.
     #[inline(always)]
     fn of(
         [even, odd]: &'a mut [Places<S>; 2],
@@ -231,7 +240,8 @@ impl<'a, S: Simd> Upcoming<'a, S> {
         (current, Upcoming { places: upcoming, corners, step, known: 0 })
     }
 
-    /// The distances from a few more corners; twice for each tile, so that the processor foresees how many.
+    /// Fills in the distances of a few more corners. It is called twice for each tile, so that the
+    /// branch is predictable.
     #[inline(always)]
     fn advance(&mut self) {
         for _ in 0..self.step {
@@ -243,8 +253,8 @@ impl<'a, S: Simd> Upcoming<'a, S> {
     }
 }
 
-/// Multiplies the terms of one tile onto the products of their groups. What has no group, if there is such a term, is given back: numerators and denominators
-/// by element.
+/// Multiplies the terms of one tile onto the products of their groups. Returns numerators and
+/// denominators of the elements without a group.
 #[inline(always)]
 fn multiply<S: Simd, const HAS_OWN: bool>(
     simd: S,
@@ -279,7 +289,7 @@ fn multiply<S: Simd, const HAS_OWN: bool>(
     own
 }
 
-/// Onto the product of its group, or into `own`.
+/// Multiplies a term onto the product of its group, or writes it to `own`.
 #[inline(always)]
 fn put<S: Simd, const HAS_OWN: bool>(
     tile: &TileTerms,
@@ -299,7 +309,9 @@ fn put<S: Simd, const HAS_OWN: bool>(
 }
 
 impl<S: Simd> Products<S> {
-    /// What all groups add where none has a half angle beyond [`SMALLER_ANGLE`](magsplice_cuboid::tolerances::SMALLER_ANGLE): four of them share a division.
+    /// Adds all groups where no half angle exceeds
+    /// [`SMALLER_ANGLE`](magsplice_cuboid::tolerances::SMALLER_ANGLE): four groups share a
+    /// division.
     #[inline(always)]
     fn add_small(&mut self, simd: S, groups: &[Group], sum: &mut [Lanes<S>; 3]) {
         let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));

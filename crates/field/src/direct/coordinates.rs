@@ -8,11 +8,11 @@ use magsplice_simd::lanes::{Lanes, Number, PAIR};
 
 use crate::prepare::frames::{Frame, Frames};
 
-/// Points by axis, filled up to whole pairs of vectors; not a number where the point is out of range.
+/// Points by axis, padded to whole pairs of vectors; NaN where a point is out of range.
 #[derive(Debug, Default)]
 pub(super) struct Coordinates {
     pub(super) axes: [Column; 3],
-    /// Those that are not numbers.
+    /// Indices of the points out of range.
     pub(super) out_of_range: Vec<usize>,
 }
 
@@ -21,7 +21,7 @@ impl Coordinates {
         self.axes[0].len()
     }
 
-    /// In vectors, without a branch for each point.
+    /// Copies and checks points in vectors, without a branch for each point.
     #[inline(always)]
     pub(super) fn set<S: Simd>(&mut self, simd: S, points: &[DVec3]) {
         simd.vectorize(
@@ -66,7 +66,7 @@ impl Coordinates {
         &self.out_of_range
     }
 
-    /// The coordinates of `points` in a frame; those of each point digit for digit as the arrangement gives them.
+    /// Coordinates of `points` in a frame, digit for digit those of [`Frames::locals`].
     #[inline(always)]
     pub(super) fn set_in_frame<S: Simd>(&mut self, simd: S, frames: &Frames, frame: &Frame, points: &Coordinates) {
         self.out_of_range.clone_from(&points.out_of_range);
@@ -90,7 +90,7 @@ impl Coordinates {
         }
     }
 
-    /// The least and the greatest coordinates.
+    /// Smallest and largest coordinates.
     #[inline(always)]
     pub(super) fn reach<S: Simd>(&self, simd: S) -> ([f64; 3], [f64; 3]) {
         let (mut lows, mut highs) = ([f64::NEG_INFINITY; 3], [f64::INFINITY; 3]);
@@ -114,7 +114,7 @@ impl Coordinates {
         (lows, highs)
     }
 
-    /// The coordinates of chosen points, filled up to whole pairs of vectors.
+    /// Copies the chosen points, padded to whole pairs of vectors.
     pub(super) fn gather(&mut self, points: &Coordinates, chosen: &[u32]) {
         let whole = chosen.len().next_multiple_of(PAIR);
         for (from, to) in points.axes.iter().zip(&mut self.axes) {

@@ -58,7 +58,7 @@ impl DirectSum {
         self.level
     }
 
-    /// At most [`DirectSum::magnitude_t`], without computing a field.
+    /// Upper bound of [`DirectSum::magnitude_t`] that evaluates no field.
     pub(crate) fn most_magnitude_t(&self, point: DVec3) -> f64 {
         let at = BoundingBox { lower: point, upper: point };
         self.boxes
@@ -68,8 +68,10 @@ impl DirectSum {
             .sum()
     }
 
-    /// At most the sum over tiles of the magnitudes of the fields that the components of J make alone at a point, in tesla: what errors are
-    /// measured by. Of tiles many sizes away it is the bound of dipoles, at most four times too large; of near ones it is computed.
+    /// Upper bound, in tesla, of the sum over tiles of the magnitudes of the fields that the
+    /// components of J make alone at a point. Errors of the exact field are stated relative to it.
+    /// For tiles many sizes away it is the bound of dipoles, at most four times too large; for near
+    /// tiles the fields are evaluated.
     pub(crate) fn magnitude_t(&self, point: DVec3) -> f64 {
         let own = |block: &Block, local: &LocalPoint| {
             let gap = block.gap(local);
@@ -88,11 +90,11 @@ impl DirectSum {
         of_frames.map(|(frame, local)| frame.blocks.iter().map(|block| own(block, &local)).sum::<f64>()).sum()
     }
 
-    /// How points are divided for the exact field.
+    /// The division of points into batches.
     fn batches(&self) -> Batches {
         let parts = self.frames.frames().iter().map(|frame| frame.clusters.parts()).sum::<usize>();
         let most = if self.frames.only_tile().is_some() { POINTS_OF_ONE_TILE } else { POINTS_PER_BATCH[1] };
-        // So many parts take their own forms that points of a batch should be neighbours.
+        // With so many clusters that switch methods at different points, batches hold neighbours.
         Batches { most, regroup: parts >= REGROUPED_PARTS }
     }
 
@@ -123,7 +125,7 @@ impl DirectSum {
         });
     }
 
-    /// [`DirectSum::field_of_batch`] as `evaluate` writes it, B or mu0 H in tesla.
+    /// [`DirectSum::field_of_batch`] with B or mu0 H in tesla written by `evaluate`.
     pub(crate) fn field_of_batch_by(
         &self,
         kind: FieldKind,
@@ -147,7 +149,7 @@ impl DirectSum {
                 return;
             }
             for (index, field) in field.iter_mut().enumerate() {
-                // Where the point is out of range, or the result.
+                // The point or the result is out of range.
                 if !field.is_finite() && !sum.is_exposed(index) {
                     failed(index, Cause::OutOfRange);
                     *field = DVec3::NAN;
@@ -171,7 +173,8 @@ impl DirectSum {
         })
     }
 
-    /// The exact field at the points with these indices, where it keeps the tolerance.
+    /// Writes the exact field at the points with these indices, where it keeps the tolerance;
+    /// returns the other points.
     pub(crate) fn exact_at(
         &self,
         tolerance: Tolerance,
@@ -189,7 +192,7 @@ impl DirectSum {
         errors.into_iter().map(|error| PointError { index: indices[error.index], ..error }).collect()
     }
 
-    /// The exact field, where it keeps the tolerance.
+    /// Writes the exact field where it keeps the tolerance; returns the other points.
     fn checked_exact_into(
         &self,
         tolerance: Tolerance,
@@ -201,7 +204,7 @@ impl DirectSum {
         let in_tesla = if quantity == Quantity::FieldStrength { MU_0 } else { 1.0 };
         let most_t: f64 = self.tiles.iter().map(|tile| tile_field_bound_t(tile, 0.0)).sum();
         let checked = points.par_iter().zip(field).enumerate().filter_map(|(index, (&point, value))| {
-            // Sums that are surely too large spare nearly all points the right one.
+            // Cheap upper bounds of the sum over tiles decide nearly all points.
             let is_kept = |magnitude_t: f64| tolerance.is_kept(*value * in_tesla, EXACT_BOUND * magnitude_t);
             if value.is_nan() || is_kept(most_t) || is_kept(self.most_magnitude_t(point)) {
                 return None;
@@ -218,18 +221,8 @@ impl DirectSum {
         errors
     }
 
-    /// The gradient of B at one point: column j is dB/dx_j, in tesla per unit of length.
-    ///
-    /// Inside a tile as outside it is mu0 times the gradient of H, so it is symmetric and without trace. On a face it is
-    /// the limit from the side of the point's owner.
-    ///
-    /// # Accuracy
-    /// Of a single unrotated tile, every component is right to 2e-14 (typically 5e-16) of the largest component, at every point; in a
-    /// scene to that fraction of the sum over tiles.
-    ///
-    /// # Errors
-    /// If the gradient is unbounded at the point, if it cannot be resolved there (see [`Cause::Unresolved`]), or if the point
-    /// is not a finite number.
+    /// The gradient of B at one point: column j is dB/dx_j, in tesla per unit of length. See
+    /// [`Scene::gradient`](crate::scene::Scene::gradient).
     pub(crate) fn flux_density_gradient(&self, point: DVec3) -> Result<DMat3, Cause> {
         let (sum, edges) = self.sum_over_tiles::<9>(point, |block, placed, to_scene| {
             let gradient = cuboid_gradient(&placed.offsets, block.polarization_t.to_array());
@@ -267,7 +260,8 @@ impl DirectSum {
         })
     }
 
-    /// Adds what `term` gives for every tile that matters at `point`, and collects the edges the point lies on.
+    /// Adds the term of every tile that matters at `point`, and collects the edges the point lies
+    /// on.
     fn sum_over_tiles<const N: usize>(
         &self,
         point: DVec3,
@@ -290,7 +284,8 @@ impl DirectSum {
         Ok((sum.map(RunningSum::value), edges))
     }
 
-    /// A tile whose edge makes the point singular, as `blocks`, which may be several tiles each, do.
+    /// Index of a tile whose edge makes the point singular. `blocks` are the edges of merged
+    /// blocks.
     fn tile_with_edge_at(&self, point: DVec3, blocks: &EdgesAtPoint) -> usize {
         let mut edges = EdgesAtPoint::default();
         for (frame, local) in self.frames.locals(point) {

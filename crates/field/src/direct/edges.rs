@@ -1,8 +1,10 @@
-//! Where the field is unbounded.
+//! Edges on which the field is unbounded.
 //!
-//! Beside an edge along axis k the field grows like `-(J_i e_j + J_j e_i) ln(rho) / 2 pi` (docs/physics.md, Eq. P17), and its
-//! gradient like 1 / rho with the same coefficient. Where touching tiles share the edge these terms can cancel: then both are
-//! bounded there, and the common displacement of the point from the edge (see `FACE_NUDGE`) drops out of the sum of fields.
+//! Close to an edge along axis k the field grows like `-(J_i e_j + J_j e_i) ln(rho) / 2 pi`
+//! (docs/physics.md, Eq. P17), and its gradient like 1 / rho with the same coefficient. These terms
+//! can cancel where touching tiles share the edge. Field and gradient are then bounded there, and
+//! the common displacement of the point from the edge (see
+//! [`FACE_NUDGE`](magsplice_cuboid::tolerances::FACE_NUDGE)) drops out of the sum of fields.
 
 use glam::DVec3;
 
@@ -11,7 +13,7 @@ use magsplice_cuboid::block::{Block, PlacedPoint};
 use crate::prepare::frames::ToScene;
 use crate::tolerances::{EDGE_CANCELLATION, SAME_RAY};
 
-/// The edges that start at a point, with the sums of their tiles' coefficients.
+/// The edges that start at a point, with the sums of the coefficients of their tiles.
 #[derive(Default)]
 pub(crate) struct EdgesAtPoint {
     rays: Vec<Ray>,
@@ -30,7 +32,7 @@ impl EdgesAtPoint {
         let (j, offsets) = (block.polarization_t, &placed.offsets);
         for edges in 0..3 {
             let (a, b) = ((edges + 1) % 3, (edges + 2) % 3);
-            // Not an edge the point lies on, or only its extension.
+            // The point is not on the edge, or only on its extension.
             if !(offsets[a].on_face && offsets[b].on_face) || !(offsets[edges].within() || offsets[edges].on_face) {
                 continue;
             }
@@ -41,7 +43,7 @@ impl EdgesAtPoint {
             if coefficient == DVec3::ZERO {
                 continue;
             }
-            // At a corner the edge leads away from the point to one side only: towards the tile.
+            // At a corner the edge leads away from the point on one side only: towards the tile.
             let sides = match (offsets[edges].on_face, offsets[edges].mirrored) {
                 (false, _) => [1.0, -1.0].as_slice(),
                 (true, mirrored) => &[if mirrored { 1.0 } else { -1.0 }],
@@ -55,7 +57,7 @@ impl EdgesAtPoint {
     }
 
     fn add_ray(&mut self, direction: DVec3, coefficient: DVec3, tile: usize) {
-        // Not squared: J may be as small as numbers get.
+        // Not squared, since J may be as small as numbers get.
         let magnitude = coefficient.abs().max_element();
         match self.rays.iter_mut().find(|ray| ray.direction.distance(direction) <= SAME_RAY) {
             Some(ray) => {
@@ -66,17 +68,18 @@ impl EdgesAtPoint {
         }
     }
 
-    /// Whether the singular term of some edge is not cancelled: field and gradient are unbounded at the point.
+    /// Whether the singular term of an edge is not cancelled, so that field and gradient are
+    /// unbounded.
     pub(crate) fn exposed(&self) -> bool {
         self.rays.iter().any(Ray::exposed)
     }
 
-    /// Whether there are singular terms at all; if none is exposed, those of several blocks cancel.
+    /// Whether there are singular terms; if none is exposed, those of several blocks cancel.
     pub(crate) fn singular(&self) -> bool {
         !self.rays.is_empty()
     }
 
-    /// A tile with a singular edge at the point, an exposed one if there is any.
+    /// Index of a tile with a singular edge at the point, an exposed one if there is any.
     pub(crate) fn tile(&self) -> Option<usize> {
         self.rays.iter().find(|ray| ray.exposed()).or(self.rays.first()).map(|ray| ray.tile)
     }

@@ -1,4 +1,4 @@
-//! Points that wait until there are whole vectors of their form.
+//! Points that wait until whole vectors of them share a method.
 
 use magsplice_cuboid::method::{FIRST_FAR, MethodIndex};
 use magsplice_cuboid::tolerances::MULTIPOLE_ORDERS;
@@ -6,36 +6,37 @@ use magsplice_simd::lanes::{LONGEST_VECTOR, PAIR};
 
 use crate::tolerances::STREAMED_POINTS;
 
-/// The forms of a tile by itself.
+/// Number of methods of a single tile.
 const METHODS: usize = FIRST_FAR as usize + MULTIPOLE_ORDERS.len();
-/// One that nothing joins by its number among those.
+/// A queue for a further method, which points join by name.
 pub(super) const OWN_QUEUE: MethodIndex = METHODS as MethodIndex;
 const QUEUES: usize = METHODS + 1;
 
-/// What a queue holds at most: what a run leaves, one stretch of points, and what it is filled up with or moved by. A line of a cache more, so that
-/// queues do not all begin in those that exclude each other.
+/// Capacity of a queue: the points that a run leaves, one block of points, and padding. One more
+/// cache line keeps queues from starting at addresses that exclude each other in the cache.
 const LENGTH: usize = STREAMED_POINTS + 2 * PAIR + LONGEST_VECTOR;
 const ROOM: usize = QUEUES * LENGTH;
 const _: () = assert!(LENGTH.is_multiple_of(LONGEST_VECTOR));
 
-/// How many of a few points have each form is counted in one number, so that no point waits until the one before is counted in memory.
+/// Bits per method in the number that counts a few points of each method. The counts stay in a
+/// register, so that no point waits for memory.
 const DIGITS: usize = 8;
-/// So few that no count is beyond its digits.
+/// Number of points whose counts fit in these bits.
 const COUNTED_POINTS: usize = 1 << (DIGITS - 1);
 const _: () = assert!(METHODS * DIGITS <= u64::BITS as usize);
 
-/// The queues, one after the other.
+/// The queues of all methods, one after the other.
 #[derive(Debug)]
 pub(super) struct Queues {
     /// Positions in the list of all points.
     places: Box<[u32; ROOM]>,
     axes: Box<Axes>,
     counts: [usize; QUEUES],
-    /// Where each point's form is counted.
+    /// Bit position of the count of each point's method.
     shifts: [u8; STREAMED_POINTS],
 }
 
-/// Coordinates, each queue's from the start of a cache line on.
+/// Coordinates; each queue starts at a cache line.
 #[derive(Debug)]
 #[repr(align(64))]
 struct Axes([[f64; ROOM]; 3]);
@@ -60,21 +61,22 @@ impl Queues {
         self.counts[usize::from(queue)]
     }
 
-    /// Points of these forms, given by axis, of which the first is at `place` in the list, join their queues; [`STREAMED_POINTS`] at most.
+    /// Appends points with these methods to their queues; at most [`STREAMED_POINTS`]. Points are
+    /// given by axis, and the first is at `place` in the list.
     #[inline(always)]
-    pub(super) fn join_all(&mut self, mut place: usize, forms: &[f64], axes: [&[f64]; 3]) {
-        /// What is below it is in the last digits of the sum.
+    pub(super) fn join_all(&mut self, mut place: usize, methods: &[f64], axes: [&[f64]; 3]) {
+        /// Adding this number moves an integer into the low bits.
         const LAST_DIGITS: f64 = 4_503_599_627_370_496.0;
-        for (shift, form) in self.shifts.iter_mut().zip(forms) {
-            *shift = (form * DIGITS as f64 + LAST_DIGITS).to_bits() as u8;
+        for (shift, method) in self.shifts.iter_mut().zip(methods) {
+            *shift = (method * DIGITS as f64 + LAST_DIGITS).to_bits() as u8;
         }
         let Queues { places, axes: queued, counts, shifts } = self;
         let (places, [x_queued, y_queued, z_queued]) = (&mut **places, &mut queued.0);
         let [x, y, z] = axes.map(|axis| axis.chunks(COUNTED_POINTS));
-        for (((shifts, x), y), z) in shifts[..forms.len()].chunks(COUNTED_POINTS).zip(x).zip(y).zip(z) {
+        for (((shifts, x), y), z) in shifts[..methods.len()].chunks(COUNTED_POINTS).zip(x).zip(y).zip(z) {
             let mut ends = [0; u64::BITS as usize];
-            for (form, count) in counts[..METHODS].iter().enumerate() {
-                ends[form * DIGITS] = form * LENGTH + count;
+            for (method, count) in counts[..METHODS].iter().enumerate() {
+                ends[method * DIGITS] = method * LENGTH + count;
             }
             let mut counted = 0u64;
             for (((shift, x), y), z) in shifts.iter().zip(x).zip(y).zip(z) {
@@ -87,8 +89,8 @@ impl Queues {
                 z_queued[slot] = *z;
                 place += 1;
             }
-            for (form, count) in counts[..METHODS].iter_mut().enumerate() {
-                *count += usize::from((counted >> (form * DIGITS)) as u8);
+            for (method, count) in counts[..METHODS].iter_mut().enumerate() {
+                *count += usize::from((counted >> (method * DIGITS)) as u8);
             }
         }
     }
@@ -103,13 +105,13 @@ impl Queues {
         self.counts[queue] += 1;
     }
 
-    /// Position in the list, and coordinates.
+    /// Position in the list and coordinates of a waiting point.
     pub(super) fn at(&self, queue: MethodIndex, index: usize) -> (usize, [f64; 3]) {
         let slot = usize::from(queue) * LENGTH + index;
         (self.places[slot] as usize, self.axes.0.each_ref().map(|axis| axis[slot]))
     }
 
-    /// By axis, all that wait and what follows them up to whole pairs of vectors.
+    /// Coordinates of all waiting points by axis, padded to whole pairs of vectors.
     #[inline(always)]
     pub(super) fn points(&self, queue: MethodIndex) -> [&[f64]; 3] {
         let (start, count) = (usize::from(queue) * LENGTH, self.count(queue).next_multiple_of(PAIR));
@@ -132,11 +134,11 @@ impl Queues {
         }
     }
 
-    /// The first `count` points, when less than a [`PAIR`] are left.
+    /// Removes the first `count` points; fewer than a [`PAIR`] may be left.
     #[inline(always)]
     pub(super) fn remove(&mut self, queue: MethodIndex, count: usize) {
         let start = usize::from(queue) * LENGTH;
-        // A fixed number of them is moved without a call.
+        // A fixed number of points is moved, which needs no call.
         let rest = start + count..start + count + PAIR;
         self.places.copy_within(rest.clone(), start);
         self.axes.0.iter_mut().for_each(|axis| axis.copy_within(rest.clone(), start));
@@ -152,13 +154,13 @@ impl Queues {
 mod tests {
     use super::*;
 
-    /// Coordinates that tell which point they are of.
+    /// Coordinates that identify their point.
     fn coordinates(place: usize) -> [f64; 3] {
         [place as f64, 0.5 + place as f64, -(place as f64)]
     }
 
-    /// Runs of one form as long as a stretch, and forms that change with each point.
-    fn form(place: usize) -> MethodIndex {
+    /// A method for each point: runs as long as a block, and methods that change with each point.
+    fn method(place: usize) -> MethodIndex {
         let (stretch, within) = (place / STREAMED_POINTS, place % STREAMED_POINTS);
         match stretch % 3 {
             0 => (stretch % METHODS) as MethodIndex,
@@ -172,13 +174,13 @@ mod tests {
         let mut queues = Queues::default();
         let mut left = vec![Vec::new(); METHODS];
         let mut seen = 0;
-        // The last stretch is not a whole one.
+        // The last block is shorter.
         for start in (0..8 * STREAMED_POINTS + 37).step_by(STREAMED_POINTS) {
             let places = start..(start + STREAMED_POINTS).min(8 * STREAMED_POINTS + 37);
-            let forms: Vec<f64> = places.clone().map(|place| f64::from(form(place))).collect();
+            let methods: Vec<f64> = places.clone().map(|place| f64::from(method(place))).collect();
             let axes = [0, 1, 2].map(|axis| places.clone().map(|place| coordinates(place)[axis]).collect::<Vec<_>>());
-            queues.join_all(start, &forms, axes.each_ref().map(|axis| &axis[..]));
-            places.for_each(|place| left[usize::from(form(place))].push(place));
+            queues.join_all(start, &methods, axes.each_ref().map(|axis| &axis[..]));
+            places.for_each(|place| left[usize::from(method(place))].push(place));
             for (queue, expected) in (0..).zip(&mut left) {
                 assert_eq!(queues.count(queue), expected.len());
                 for (index, (&place, expected)) in queues.places(queue).iter().zip(&*expected).enumerate() {

@@ -1,4 +1,4 @@
-//! A tile by itself at points as they lie, in runs that one form serves.
+//! Points in their order, in runs that share a method of a single tile.
 
 use fearless_simd::{Level, dispatch};
 
@@ -6,35 +6,37 @@ use magsplice_cuboid::evaluator::Evaluator;
 use magsplice_cuboid::method::{MethodIndex, MethodRanges, SCALAR};
 use magsplice_simd::column::{Column, room, views};
 use magsplice_simd::lanes::PAIR;
-use magsplice_simd::prefetch::Ahead;
+use magsplice_simd::prefetch::Prefetch;
 
 use super::sorted_points::METHODS;
 use crate::tolerances::MIXED_SHARE;
 
-/// Points of a batch that lie together, whole pairs of vectors, and a form of a tile that serves all of them, or some.
+/// Consecutive points of a batch, in whole pairs of vectors, and a method that all or some of them
+/// have.
 #[derive(Clone, Debug)]
 struct Run {
-    form: MethodIndex,
+    method: MethodIndex,
     range: std::ops::Range<usize>,
-    /// Whether some have another form.
+    /// Whether some points have another method.
     mixed: bool,
 }
 
-/// The runs of a batch; nothing in them grows with the number of tiles.
+/// The runs of a batch. Their buffers do not grow with the number of tiles.
 #[derive(Debug, Default)]
 pub(super) struct Runs {
     runs: Vec<Run>,
-    forms: Column,
+    methods: Column,
 }
 
 impl Runs {
-    /// One that holds all `count` points.
-    pub(super) fn set_all(&mut self, form: MethodIndex, count: usize) {
+    /// Makes one run of all `count` points.
+    pub(super) fn set_all(&mut self, method: MethodIndex, count: usize) {
         self.runs.clear();
-        self.runs.push(Run { form, range: 0..count, mixed: false });
+        self.runs.push(Run { method, range: 0..count, mixed: false });
     }
 
-    /// Divides points, given by axis in whole pairs of vectors. Returns whether that is worth while.
+    /// Divides points, given by axis in whole pairs of vectors, into runs. Returns whether that is
+    /// worthwhile.
     pub(super) fn divide(
         &mut self,
         level: Level,
@@ -44,17 +46,17 @@ impl Runs {
     ) -> bool {
         let count = points[0].len();
         self.runs.clear();
-        self.forms.set_len(count);
-        dispatch!(level, simd => ranges.methods(simd, views(points), stretched, &mut self.forms));
+        self.methods.set_len(count);
+        dispatch!(level, simd => ranges.methods(simd, views(points), stretched, &mut self.methods));
         let most_mixed = count / PAIR / MIXED_SHARE;
         let mut mixed = 0;
-        for (number, forms) in self.forms.chunks_exact(PAIR).enumerate() {
+        for (number, methods) in self.methods.chunks_exact(PAIR).enumerate() {
             let (start, end) = (number * PAIR, (number + 1) * PAIR);
-            let form = forms[0] as MethodIndex;
-            if forms.iter().fold(true, |all, other| all & (*other == forms[0])) {
+            let method = methods[0] as MethodIndex;
+            if methods.iter().fold(true, |all, other| all & (*other == methods[0])) {
                 match self.runs.last_mut() {
-                    Some(last) if last.form == form && !last.mixed => last.range.end = end,
-                    _ => self.runs.push(Run { form, range: start..end, mixed: false }),
+                    Some(last) if last.method == method && !last.mixed => last.range.end = end,
+                    _ => self.runs.push(Run { method, range: start..end, mixed: false }),
                 }
                 continue;
             }
@@ -62,14 +64,15 @@ impl Runs {
             if mixed > most_mixed {
                 return false;
             }
-            let present = forms.iter().fold(0_u64, |present, form| present | 1 << (*form as u64));
-            let forms = (0..METHODS as MethodIndex).filter(|form| present >> form & 1 == 1);
-            self.runs.extend(forms.map(|form| Run { form, range: start..end, mixed: true }));
+            let present = methods.iter().fold(0_u64, |present, method| present | 1 << (*method as u64));
+            let methods = (0..METHODS as MethodIndex).filter(|method| present >> method & 1 == 1);
+            self.runs.extend(methods.map(|method| Run { method, range: start..end, mixed: true }));
         }
         true
     }
 
-    /// mu0 H of `tile`, in its frame, at the same points; zero at those beside it, which are added to `near`.
+    /// mu0 H of `tile` in tesla, in its frame, at the same points. It is zero at points of the
+    /// scalar method, which are appended to `near`.
     pub(super) fn fields(
         &self,
         level: Level,
@@ -80,10 +83,10 @@ impl Runs {
     ) {
         let mut mixed = [[0.0; PAIR]; 3];
         room(fields, points[0].len());
-        for Run { form, range, mixed: is_mixed } in &self.runs {
-            let is_served = |index: &usize| !is_mixed || self.forms[*index] == f64::from(*form);
-            if *form == SCALAR {
-                near.extend(range.clone().filter(is_served).map(|index| index as u32));
+        for Run { method, range, mixed: is_mixed } in &self.runs {
+            let has_method = |index: &usize| !is_mixed || self.methods[*index] == f64::from(*method);
+            if *method == SCALAR {
+                near.extend(range.clone().filter(has_method).map(|index| index as u32));
                 fields.iter_mut().for_each(|values| values[range.clone()].fill(0.0));
                 continue;
             }
@@ -93,10 +96,10 @@ impl Runs {
             } else {
                 fields.each_mut().map(|axis| &mut axis[range.clone()])
             };
-            dispatch!(level, simd => tile.fields(simd, *form, [x, y, z], served, &mut Ahead::nothing()));
+            dispatch!(level, simd => tile.fields(simd, *method, [x, y, z], served, &mut Prefetch::nothing()));
             if *is_mixed {
                 for (values, mixed) in fields.iter_mut().zip(&mixed) {
-                    for (index, value) in range.clone().zip(mixed).filter(|(index, _)| is_served(index)) {
+                    for (index, value) in range.clone().zip(mixed).filter(|(index, _)| has_method(index)) {
                         values[index] = *value;
                     }
                 }

@@ -1,5 +1,6 @@
-//! A tile that is alone in its scene: each point joins the queue of its method, and a method runs when its queue has some vectors. Nothing is
-//! added up, so that the field at a point is written once.
+//! The only tile of a scene. Each point joins the queue of its method, and a method is evaluated
+//! when its queue has some vectors. Nothing is summed, so that the field at a point is written
+//! once.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +14,7 @@ use magsplice_cuboid::method::{MethodIndex, SCALAR};
 use magsplice_cuboid::scalar::kernel::FieldKind;
 use magsplice_simd::column::{Column, room, views};
 use magsplice_simd::lanes::PAIR;
-use magsplice_simd::prefetch::Ahead;
+use magsplice_simd::prefetch::Prefetch;
 
 use super::coordinates::Coordinates;
 use super::edges::EdgesAtPoint;
@@ -22,10 +23,10 @@ use super::queues::{OWN_QUEUE, Queues};
 use crate::prepare::frames::{Frame, Frames};
 use crate::tolerances::{FETCHED_AHEAD, STREAMED_POINTS};
 
-/// The method of points near_edge the tile but off the planes of its faces.
+/// Index of the method [`NearEdge`] for points close to the tile but off the planes of its faces.
 const NEAR_EDGE: MethodIndex = OWN_QUEUE;
 
-/// Room for the points at work; nothing in it grows with their number.
+/// Buffers for the current points. They do not grow with the number of points.
 #[derive(Debug, Default)]
 pub(super) struct SingleTile {
     points: Coordinates,
@@ -33,13 +34,13 @@ pub(super) struct SingleTile {
     methods: Column,
     queues: Queues,
     fields: [Column; 3],
-    /// Whether all of the field in vectors has been finite.
+    /// Whether all values so far are finite.
     finite: bool,
-    /// Memory has been asked for up to this point.
+    /// Memory has been requested up to this point.
     asked: usize,
 }
 
-/// What stays the same for all points.
+/// The arguments that are the same for all points.
 #[derive(Clone, Copy)]
 struct Work<'a> {
     frames: &'a Frames,
@@ -51,8 +52,8 @@ struct Work<'a> {
 }
 
 impl SingleTile {
-    /// The field of the only tile of `frame`; not a number where a point is out of range. Points on edge lines go to `edges`. Returns whether all values are
-    /// known to be finite.
+    /// Writes the field of the only tile of `frame`; NaN where a point is out of range. Points on
+    /// edge lines go to `edges`. Returns whether all values are known to be finite.
     pub(super) fn evaluate(
         &mut self,
         level: Level,
@@ -77,7 +78,7 @@ impl SingleTile {
         room(&mut self.fields, STREAMED_POINTS + PAIR);
         let methods = (SCALAR + 1..=work.tile.ranges().last_index()).chain([NEAR_EDGE]);
         let stretches = work.points.len().div_ceil(STREAMED_POINTS);
-        // Once more than there are stretches, for what is left.
+        // One more pass than there are blocks empties the queues.
         for number in 0..=stretches {
             if let Some(start) = (number < stretches).then_some(number * STREAMED_POINTS) {
                 let end = (start + STREAMED_POINTS).min(work.points.len());
@@ -92,13 +93,13 @@ impl SingleTile {
                     count = self.queues.count(method);
                 }
                 if count > 0 {
-                    self.serve(simd, work, method, count, field);
+                    self.evaluate_queue(simd, work, method, count, field);
                 }
             }
         }
     }
 
-    /// Brings each point of a stretch that begins at `start` into the queue of its method.
+    /// Appends each point of the block that begins at `start` to the queue of its method.
     #[inline(always)]
     fn sort<S: Simd>(&mut self, simd: S, work: Work, start: usize, stretch: &[DVec3], field: &mut [DVec3]) {
         self.points.set(simd, stretch);
@@ -128,14 +129,15 @@ impl SingleTile {
         }
     }
 
-    /// Of the points near_edge the tile, those off its planes join a queue of their own; the others, which are few, get the kernel of one point.
+    /// Moves points close to the tile and off the planes of its faces to a queue of their own. The
+    /// few others are evaluated by the scalar kernel.
     #[inline(always)]
     fn divide_near(&mut self, work: Work, field: &mut [DVec3], edges: &mut BTreeMap<usize, EdgesAtPoint>) {
         for waiting in 0..self.queues.count(SCALAR) {
             let (place, coordinates) = self.queues.at(SCALAR, waiting);
             let roundoff = work.frames.roundoff(work.frame, work.points[place]);
             let at = LocalPoint { coordinates, roundoff };
-            if work.near_edge.is_some_and(|near_edge| near_edge.serves(&at)) {
+            if work.near_edge.is_some_and(|near_edge| near_edge.covers(&at)) {
                 self.queues.join(NEAR_EDGE, place, coordinates);
             } else {
                 let block = &work.frame.blocks[0];
@@ -146,19 +148,19 @@ impl SingleTile {
         self.queues.empty(SCALAR);
     }
 
-    /// The first `count` points that wait for a method; what is behind them moves up.
+    /// Evaluates the first `count` points that wait for a method, and moves up the rest.
     #[inline(always)]
-    fn serve<S: Simd>(&mut self, simd: S, work: Work, method: MethodIndex, count: usize, field: &mut [DVec3]) {
+    fn evaluate_queue<S: Simd>(&mut self, simd: S, work: Work, method: MethodIndex, count: usize, field: &mut [DVec3]) {
         let points = self.queues.points(method).map(|axis| &axis[..count.next_multiple_of(PAIR)]);
         let [fx, fy, fz] = self.fields.each_mut().map(|values| &mut values[..points[0].len()]);
-        let mut ahead = Ahead::of(work.points, field, self.asked);
+        let mut ahead = Prefetch::new(work.points, field, self.asked);
         match work.near_edge {
             Some(near_edge) if method == NEAR_EDGE => near_edge.fields(simd, points, [&mut *fx, &mut *fy, &mut *fz]),
             _ => work.tile.fields(simd, method, points, [&mut *fx, &mut *fy, &mut *fz], &mut ahead),
         }
         self.asked = ahead.next();
         let (fx, fy, fz) = (&fx[..count], &fy[..count], &fz[..count]);
-        // Without a branch, so that it is done in vectors.
+        // Without a branch, so that it is computed in vectors.
         let sums = fx.iter().zip(fy).zip(fz).map(|((x, y), z)| x.abs() + y.abs() + z.abs());
         self.finite &= sums.fold(true, |all, sum| all & (sum < f64::INFINITY));
         let places = self.queues.places(method)[..count].iter().zip(fx).zip(fy).zip(fz);

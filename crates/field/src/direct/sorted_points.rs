@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use magsplice_cuboid::method::{FIRST_FAR, MOST_FAR, MethodIndex, MethodRanges};
 use magsplice_simd::column::{Column, views};
-use magsplice_simd::lanes::{Lanes, Number, PAIR};
+use magsplice_simd::lanes::{Lanes, Number};
 
 use super::coordinates::Coordinates;
 
@@ -13,10 +13,10 @@ pub(super) const BEYOND_SPHERE: MethodIndex = FIRST_FAR + MOST_FAR as MethodInde
 /// Number of methods.
 pub(super) const METHODS: usize = BEYOND_SPHERE as usize + 1;
 
-/// Indices of points by form.
+/// Indices of points by method.
 #[derive(Debug, Default)]
 pub(super) struct SortedPoints {
-    /// One stretch for each form, then one for points that have none.
+    /// One block of indices for each method, and one for points out of range.
     indices: Vec<u32>,
     counts: [usize; METHODS + 1],
     stretch: usize,
@@ -24,8 +24,9 @@ pub(super) struct SortedPoints {
 }
 
 impl SortedPoints {
-    /// All the first `count` points, the closed form perhaps `stretched`. Those `beyond` a sphere, given by its centre and squared radius in the coordinates that come with it, have the form
-    /// [`BEYOND_SPHERE`].
+    /// Sorts the first `count` points. `stretched` extends the closed form as a tolerance allows.
+    /// Points outside the sphere `beyond`, given by its centre and squared radius in its own
+    /// coordinates, have the method [`BEYOND_SPHERE`].
     pub(super) fn sort_all(
         &mut self,
         level: Level,
@@ -40,16 +41,16 @@ impl SortedPoints {
             dispatch!(level, simd => self.find_beyond(simd, points, sphere));
         }
         for index in 0..count {
-            let form = if !points.out_of_range.is_empty() && points.axes[0][index].is_nan() {
+            let method = if !points.out_of_range.is_empty() && points.axes[0][index].is_nan() {
                 METHODS
             } else {
                 (self.methods[index] as usize).min(BEYOND_SPHERE as usize)
             };
-            self.add(form, index as u32);
+            self.add(method, index as u32);
         }
     }
 
-    /// Points that have these indices in the batch.
+    /// Sorts the points with these indices in the batch.
     pub(super) fn sort(&mut self, level: Level, ranges: &MethodRanges, points: &Coordinates, indices: &[u32]) {
         self.find_methods(level, ranges, points, false);
         for (number, &index) in indices.iter().enumerate() {
@@ -68,14 +69,14 @@ impl SortedPoints {
     #[inline(always)]
     fn find_beyond<S: Simd>(&mut self, simd: S, points: &Coordinates, (centre, square): ([f64; 3], f64)) {
         let [x, y, z] = &points.axes;
-        for (number, forms) in self.methods.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
+        for (number, methods) in self.methods.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
             let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
             let x = Lanes::<S>::load(simd, &x[start..end]) - centre[0];
             let y = Lanes::<S>::load(simd, &y[start..end]) - centre[1];
             let z = Lanes::<S>::load(simd, &z[start..end]) - centre[2];
             let far = z.mul_add(z, y.mul_add(y, x * x)).at_least(simd, square);
-            (far.mul_add(Lanes::<S>::splat(simd, f64::from(BEYOND_SPHERE)), Lanes::<S>::load(simd, forms)))
-                .store(forms);
+            (far.mul_add(Lanes::<S>::splat(simd, f64::from(BEYOND_SPHERE)), Lanes::<S>::load(simd, methods)))
+                .store(methods);
         }
     }
 
@@ -86,14 +87,14 @@ impl SortedPoints {
         self.counts[method] += 1;
     }
 
-    /// The forms that occur.
+    /// The methods that occur.
     pub(super) fn methods(&self) -> impl Iterator<Item = MethodIndex> + use<> {
         let counts = self.counts;
-        (0..METHODS as MethodIndex).filter(move |form| counts[usize::from(*form)] > 0)
+        (0..METHODS as MethodIndex).filter(move |method| counts[usize::from(*method)] > 0)
     }
 
-    pub(super) fn points(&self, form: MethodIndex) -> &[u32] {
-        let (form, start) = (usize::from(form), usize::from(form) * self.stretch);
-        &self.indices[start..start + self.counts[form]]
+    pub(super) fn points(&self, method: MethodIndex) -> &[u32] {
+        let (method, start) = (usize::from(method), usize::from(method) * self.stretch);
+        &self.indices[start..start + self.counts[method]]
     }
 }

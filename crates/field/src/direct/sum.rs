@@ -15,7 +15,7 @@ use magsplice_expansion::tolerances::POINTS_PER_DEGREE;
 use magsplice_simd::column::{Column, room, views};
 use magsplice_simd::lanes::LONGEST_VECTOR;
 use magsplice_simd::pairwise::fields_of;
-use magsplice_simd::prefetch::Ahead;
+use magsplice_simd::prefetch::Prefetch;
 
 use super::cluster_kernel::KeptTables;
 use super::coordinates::Coordinates;
@@ -163,7 +163,7 @@ impl Sum {
     pub(crate) fn add_local_expansion(&mut self, level: Level, local: &LocalExpansion) {
         let points = &self.points.axes;
         let fields = room(&mut self.fields, points[0].len());
-        dispatch!(level, simd => fields_of(simd, local, views(points), fields, &mut Ahead::nothing()));
+        dispatch!(level, simd => fields_of(simd, local, views(points), fields, &mut Prefetch::nothing()));
         self.totals.add_fields(level, None, &self.fields);
     }
 
@@ -259,7 +259,7 @@ impl Sum {
                         let series = tables.series(&of.frame.blocks, index, &mut made);
                         let field = TruncatedSeries { tile: &tables.tiles[index].distant, series, order };
                         let fields = room(&mut self.fields, count);
-                        dispatch!(level, simd => fields_of(simd, &field, views(points), fields, &mut Ahead::nothing()));
+                        dispatch!(level, simd => fields_of(simd, &field, views(points), fields, &mut Prefetch::nothing()));
                         self.partial.add_fields(level, rotation, &self.fields);
                     }
                     return match chosen {
@@ -332,7 +332,7 @@ impl Sum {
         self.gathered.gather(of.local, chosen);
         let points = &self.gathered.axes;
         let fields = room(&mut self.fields, points[0].len());
-        dispatch!(of.level, simd => tile.fields(simd, method, views(points), fields, &mut Ahead::nothing()));
+        dispatch!(of.level, simd => tile.fields(simd, method, views(points), fields, &mut Prefetch::nothing()));
         self.totals.add_fields_at(of.level, of.frame.to_scene.rotation(), &mut self.fields, chosen);
     }
 
@@ -349,7 +349,7 @@ impl Sum {
                 coordinates: [x[index], y[index], z[index]],
                 roundoff: of.frames.roundoff(of.frame, of.points[index]),
             };
-            if near_edge.as_ref().is_some_and(|near_edge| near_edge.serves(&at)) {
+            if near_edge.as_ref().is_some_and(|near_edge| near_edge.covers(&at)) {
                 self.near_edge.push(point);
             } else {
                 let own = near_field(block, &at, of.frame, of.kind, || self.edges.entry(index).or_default());

@@ -1,4 +1,4 @@
-//! Running sums over tiles at a batch of points, without loss (Neumaier), in the scene's frame.
+//! Compensated sums over tiles at a batch of points (Neumaier), in the frame of the scene.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -21,7 +21,7 @@ impl Totals {
         }
     }
 
-    /// The sums with their carries.
+    /// Writes the sums with their carries.
     pub(crate) fn write(&self, field: &mut [DVec3]) {
         let ([x, y, z], [p, q, r]) = (&self.sums, &self.carries);
         let count = field.len();
@@ -35,7 +35,7 @@ impl Totals {
     #[inline(always)]
     pub(crate) fn add_one(&mut self, index: usize, field: [f64; 3]) {
         for (axis, term) in field.into_iter().enumerate() {
-            let step = TwoSum::of(self.sums[axis][index], term);
+            let step = TwoSum::new(self.sums[axis][index], term);
             self.sums[axis][index] = step.hi;
             self.carries[axis][index] += step.lo;
         }
@@ -68,7 +68,7 @@ impl Totals {
         for axis in 0..3 {
             let terms = other.sums[axis].iter().zip(other.carries[axis].iter());
             for ((term, low), &index) in terms.zip(chosen) {
-                let step = TwoSum::of(self.sums[axis][index as usize], *term);
+                let step = TwoSum::new(self.sums[axis][index as usize], *term);
                 self.sums[axis][index as usize] = step.hi;
                 let carry = &mut self.carries[axis][index as usize];
                 *carry = (*carry + step.lo) + low;
@@ -76,7 +76,7 @@ impl Totals {
         }
     }
 
-    /// Adds fields of a frame at all points, given by component.
+    /// Adds fields in a frame at all points, given by component.
     pub(crate) fn add_fields(&mut self, level: Level, rotation: Option<&DMat3>, fields: &[Column; 3]) {
         dispatch!(level, simd => self.add_fields_by(simd, rotation, fields));
     }
@@ -97,7 +97,8 @@ impl Totals {
         }
     }
 
-    /// Adds fields of a frame at the points with the indices `chosen`; they are turned in place.
+    /// Adds fields in a frame at the points with the indices `chosen`; `fields` is rotated in
+    /// place.
     pub(crate) fn add_fields_at(
         &mut self,
         level: Level,

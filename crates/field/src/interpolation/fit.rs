@@ -340,7 +340,7 @@ pub(super) struct Tail {
     decay: f64,
 }
 
-/// Along one axis, from how the last of the `sizes` of terms fall, by degree. Two neighbours are taken together, since those of odd or of even
+/// Along one axis, from how the last of the `sizes` of terms fall, by degree. LanePair neighbours are taken together, since those of odd or of even
 /// functions are zero.
 pub(super) fn tail_of(sizes: &[f64]) -> Tail {
     let last = |back: usize| sizes[sizes.len() - back];

@@ -1,14 +1,15 @@
 //! A film as a sum of fewer cuboids than it has tiles.
 //!
-//! Where tiles in a row share one component of J in different strength, a bar over all of them with the least strength and cuboids for the rest
-//! are fewer. Only strengths of one sign are taken apart, so the parts add up and nothing cancels.
+//! Tiles in a row often share one component of J in different strength. A bar over all of them with
+//! the smallest strength, plus cuboids for the remainders, is then fewer cuboids. Only strengths of
+//! one sign are split, so that the parts add up and nothing cancels.
 
 use glam::DVec3;
 use magsplice_cuboid::block::Block;
 use magsplice_cuboid::tolerances::LONGEST_NEEDLE;
 use rustc_hash::FxHashMap;
 
-/// Cuboids with the same field as `blocks` together, with the fewest elements to compute.
+/// Cuboids with the same field as `blocks` that need the fewest tensor elements.
 pub(super) fn decomposed(blocks: &[Block]) -> Vec<Block> {
     let mut parts: Vec<Block> = Vec::new();
     for component in 0..3 {
@@ -16,15 +17,15 @@ pub(super) fn decomposed(blocks: &[Block]) -> Vec<Block> {
         parts.extend(choices.into_iter().min_by_key(Vec::len).expect("three directions"));
     }
     let elements = |blocks: &[Block]| blocks.iter().map(|b| element_count(b.polarization_t)).sum::<usize>();
-    let is_served = |part: &Block| {
+    let has_closed_form = |part: &Block| {
         let mut sides = part.size;
         sides.sort_by(f64::total_cmp);
         sides[2] <= LONGEST_NEEDLE * sides[1]
     };
-    if elements(&parts) < elements(blocks) && parts.iter().all(is_served) { parts } else { blocks.to_vec() }
+    if elements(&parts) < elements(blocks) && parts.iter().all(has_closed_form) { parts } else { blocks.to_vec() }
 }
 
-/// How many elements of the tensor a polarization needs.
+/// Number of tensor elements that a polarization needs.
 fn element_count(j: DVec3) -> usize {
     match j.to_array().iter().filter(|j| **j != 0.0).count() {
         0 => 0,
@@ -33,7 +34,7 @@ fn element_count(j: DVec3) -> usize {
     }
 }
 
-/// The part of the blocks with this component of J, in bars along one axis.
+/// One component of J of the blocks, in bars along one axis.
 fn rows(blocks: &[Block], component: usize, along: usize) -> Vec<Block> {
     let magnetized = blocks.iter().filter(|block| block.polarization_t[component] != 0.0);
     let mut by_outline: FxHashMap<[[u64; 4]; 2], Vec<&Block>> = FxHashMap::default();
@@ -44,7 +45,7 @@ fn rows(blocks: &[Block], component: usize, along: usize) -> Vec<Block> {
         });
         by_outline.entry(outline).or_default().push(block);
     }
-    // In an order that depends on nothing but the blocks.
+    // The order depends on the blocks alone.
     let mut outlines: Vec<_> = by_outline.into_iter().collect();
     outlines.sort_by_key(|(outline, _)| *outline);
     let mut parts = Vec::new();
@@ -61,7 +62,8 @@ fn rows(blocks: &[Block], component: usize, along: usize) -> Vec<Block> {
     parts
 }
 
-/// A bar over all of a run with its least strength, and what remains beyond it. `below` is the strength already taken.
+/// Appends a bar over a whole run with its smallest strength, and the remainders. `below` is the
+/// strength that other bars already cover.
 fn cut(run: &[&Block], component: usize, along: usize, below: f64, parts: &mut Vec<Block>) {
     let strength = |block: &&Block| block.polarization_t[component].abs();
     let least = run.iter().map(strength).fold(f64::INFINITY, f64::min);

@@ -5,7 +5,7 @@ use magsplice_cuboid::block::Block;
 use magsplice_cuboid::method::{MOST_FAR, Method, MethodRanges, series, squared};
 use magsplice_cuboid::shape::Shape;
 use magsplice_cuboid::tolerances::{
-    ALONE_COST, LONGEST_NEEDLE, MIDDLE_REACH, MULTIPOLE_ORDERS, NEAR_FRACTION, SMALLER_ANGLE,
+    CLOSED_FORM_REACH, LONGEST_NEEDLE, MULTIPOLE_ORDERS, NEAR_FRACTION, SINGLE_TILE_COST, SMALLER_ANGLE,
 };
 use magsplice_expansion::tolerances::EXPANSION_DEGREES;
 use magsplice_simd::power_of_two::power_of_two_reciprocal;
@@ -57,7 +57,7 @@ pub(super) fn ranges_of_cluster(parts: &[Block], tiles: usize, group_volume: f64
     let volume: f64 = shapes.iter().map(|s| s.volume).sum();
     let second = volume / shapes.iter().map(|s| s.volume / s.second).sum::<f64>();
     let is_needle = |s: &Shape| s.largest > LONGEST_NEEDLE * s.second;
-    let reach = if shapes.iter().any(is_needle) { 0.0 } else { (MIDDLE_REACH * second).min(PRODUCT_RANGE) };
+    let reach = if shapes.iter().any(is_needle) { 0.0 } else { (CLOSED_FORM_REACH * second).min(PRODUCT_RANGE) };
     let closed_form_to = (reach - radius).max(0.0);
     let stretched = ((STRETCH * reach).min(PRODUCT_RANGE) - radius).max(0.0);
     let half_diagonal = most_of(|s| s.half_diagonal);
@@ -68,7 +68,7 @@ pub(super) fn ranges_of_cluster(parts: &[Block], tiles: usize, group_volume: f64
     // cluster as a whole.
     let series = series(|half_diagonals| half_diagonals * half_diagonal + radius);
     let candidates: Vec<(f64, Method)> =
-        series.filter(|(_, method)| method.cost(1) <= ALONE_COST).chain(expansions).collect();
+        series.filter(|(_, method)| method.cost(1) <= SINGLE_TILE_COST).chain(expansions).collect();
     MethodRanges {
         scale,
         centre,

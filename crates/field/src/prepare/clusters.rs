@@ -1,4 +1,4 @@
-//! The tiles of one frame prepared for many points.
+//! Neighbouring tiles of a frame, prepared for many points.
 
 use std::cmp::Ordering;
 use std::ops::Range as Span;
@@ -23,7 +23,7 @@ use super::cluster_methods::{is_compact, radius_of, ranges_of_cluster, scale_of}
 use super::corner_tables::CornerTables;
 use crate::tolerances::{HALVED_RADIUS, KEPT_SERIES, MOST_PLANES, TILES_PER_CLUSTER, TILES_PER_ITEM};
 
-/// Clusters of neighbouring tiles, and the series of their shapes.
+/// The clusters and tiles of a frame, and the multipole series of their shapes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ClusterTable {
     pub(crate) clusters: Vec<Cluster>,
@@ -31,7 +31,7 @@ pub(crate) struct ClusterTable {
     series: Vec<Series>,
 }
 
-/// A tile for all the forms that take it by itself.
+/// Precomputed data for evaluating one tile on its own.
 #[derive(Clone, Debug)]
 pub(crate) struct PreparedTile {
     pub(crate) ranges: MethodRanges,
@@ -39,19 +39,20 @@ pub(crate) struct PreparedTile {
     shape: u32,
 }
 
-/// Consecutive blocks that one form serves at many points.
+/// Consecutive blocks of a frame that share a method at many points.
 #[derive(Clone, Debug)]
 pub(crate) struct Cluster {
     pub(crate) blocks: Span<usize>,
     pub(crate) ranges: MethodRanges,
-    /// `None` for a single tile.
+    /// Shared corners and planes; `None` for a single tile.
     pub(crate) corners: Option<CornerTables>,
-    /// Made when first needed.
+    /// Built when first needed.
     expansion: OnceLock<MultipoleExpansion>,
 }
 
 impl Cluster {
-    /// Of some of a frame's blocks, from `start` on; `None` if they do not fit.
+    /// A cluster of `blocks`, which begin at `start` in their frame; `None` if their tables would
+    /// be too long.
     fn new(blocks: &[Block], start: usize) -> Option<Cluster> {
         let (ranges, corners) = if let [block] = blocks {
             (MethodRanges::from_block(block), None)
@@ -64,27 +65,28 @@ impl Cluster {
         Some(Cluster { blocks: start..start + blocks.len(), ranges, corners, expansion: OnceLock::new() })
     }
 
-    /// Two halves of these of a frame's `blocks`, if they are many, much smaller, and fit whatever they share.
+    /// The two halves of a long cluster, if they are much smaller and their tables fit. `blocks`
+    /// are those of the frame.
     pub(crate) fn halves(&self, blocks: &[Block]) -> Option<[Span<usize>; 2]> {
         let Span { start, end } = self.blocks;
         let middle = start + (end - start) / 2;
         let halves = [start..middle, middle..end];
         let radius = radius_of(&blocks[start..end]);
-        let serves = |half: &Span<usize>| {
+        let is_smaller = |half: &Span<usize>| {
             let blocks = &blocks[half.clone()];
             radius_of(blocks) <= HALVED_RADIUS * radius && most_planes(blocks) <= MOST_PLANES
         };
-        (end - start > TILES_PER_ITEM && halves.iter().all(serves)).then_some(halves)
+        (end - start > TILES_PER_ITEM && halves.iter().all(is_smaller)).then_some(halves)
     }
 
     /// One of the [`Cluster::halves`].
     pub(crate) fn half(blocks: &[Block], half: Span<usize>) -> Cluster {
-        // Of so few tiles corners and groups fit as well: 32 tiles have 256 corners and 192 elements, and bars instead of them have fewer elements, each
-        // 3 of them 8 corners.
+        // The tables of so few tiles always fit: 32 tiles have 256 corners and 192 elements, and
+        // bars have fewer elements, with 8 corners for each 3 of them.
         Cluster::new(&blocks[half.clone()], half.start).expect("halves that fit")
     }
 
-    /// The expansion of these of a frame's `blocks`.
+    /// The multipole expansion of the cluster. `blocks` are those of the frame.
     pub(crate) fn expansion(&self, level: Level, blocks: &[Block]) -> &MultipoleExpansion {
         let own = || &blocks[self.blocks.clone()];
         self.expansion.get_or_init(|| expansion_of(level, own(), self.ranges.centre, self.ranges.scale))
@@ -92,7 +94,7 @@ impl Cluster {
 }
 
 impl ClusterTable {
-    /// Brings `blocks` into an order in which neighbours are close to each other, and prepares them.
+    /// Sorts `blocks` so that neighbours follow each other, and divides them into clusters.
     pub(crate) fn new(blocks: &mut [Block]) -> ClusterTable {
         let mut table = ClusterTable::default();
         let mut places: Vec<BlockCentre> =
@@ -118,7 +120,7 @@ impl ClusterTable {
         table
     }
 
-    /// How many clusters and tiles by themselves there are.
+    /// Number of clusters, including single tiles.
     pub(crate) fn parts(&self) -> usize {
         self.clusters.len()
     }
@@ -141,12 +143,13 @@ impl ClusterTable {
         Evaluator::new(&blocks[index], &tile.ranges, &tile.distant, self.series(blocks, index, made))
     }
 
-    /// Brings the `blocks` at some places into order; those of all places, if they are together, remain in theirs.
+    /// Appends the `blocks` at some places to `ordered`, cluster by cluster. If all blocks of the
+    /// frame form one cluster they keep their order.
     fn divide(&mut self, blocks: &[Block], places: &mut [BlockCentre], are_all: bool, ordered: &mut Vec<Block>) {
         let start = ordered.len();
         if places.len() <= TILES_PER_CLUSTER {
             if !are_all {
-                // Along their own longest axis, so that halves of them are compact.
+                // Sorted along their own longest axis, so that halves of a cluster are compact.
                 let axes = longest_first(places);
                 places.sort_unstable_by(|a, b| a.compare(b, axes));
             }
@@ -162,7 +165,8 @@ impl ClusterTable {
         self.divide(blocks, high, false, ordered);
     }
 
-    /// Whether blocks that are now at `start` are none, one, or some that one form serves.
+    /// Adds the blocks that begin at `start` as a cluster, if they can form one; returns whether
+    /// they do.
     fn take_together(&mut self, blocks: &[Block], start: usize) -> bool {
         if blocks.is_empty() {
             return true;
@@ -190,7 +194,7 @@ pub(super) fn expansion_of(level: Level, blocks: &[Block], centre: [f64; 3], sca
     MultipoleExpansion::from_moments(&Moments::from_sources(level, &sources, HIGHEST_DEGREE), centre, scale)
 }
 
-/// How many planes the faces of blocks and of bars over some of them lie in, at most.
+/// Upper bound of the number of planes in which the faces of blocks, and of bars over them, lie.
 fn most_planes(blocks: &[Block]) -> usize {
     let faces = blocks.iter().flat_map(|block| (0..3).flat_map(|axis| block.faces[axis].map(|face| (axis, face))));
     let planes: FxHashSet<(usize, [u64; 2])> =
@@ -198,7 +202,7 @@ fn most_planes(blocks: &[Block]) -> usize {
     planes.len()
 }
 
-/// Where a block is: what is sorted instead of the blocks, which are ten times larger.
+/// The centre and index of a block. It is sorted instead of the block, which is ten times larger.
 #[derive(Clone, Copy)]
 struct BlockCentre {
     centre: [f64; 3],
@@ -210,14 +214,14 @@ impl BlockCentre {
         BlockCentre { centre: block.faces.map(|[low, high]| 0.5 * low.hi + 0.5 * high.hi), index }
     }
 
-    /// By position along axes, those of one position as they were.
+    /// Compares positions along the axes in turn; equal positions keep the order of the blocks.
     fn compare(&self, other: &BlockCentre, axes: [usize; 3]) -> Ordering {
         let along = axes.map(|axis| self.centre[axis].total_cmp(&other.centre[axis]));
         along[0].then(along[1]).then(along[2]).then(self.index.cmp(&other.index))
     }
 }
 
-/// The axis along which the places reach farthest, and those that follow it.
+/// The axis along which the centres extend farthest, and the two that follow it.
 fn longest_first(places: &[BlockCentre]) -> [usize; 3] {
     let reach = |axis: usize| {
         let positions = places.iter().map(|place| place.centre[axis]);
@@ -228,7 +232,7 @@ fn longest_first(places: &[BlockCentre]) -> [usize; 3] {
     [longest, (longest + 1) % 3, (longest + 2) % 3]
 }
 
-/// Those that come first along axes, and the others.
+/// The first half along the axes, and the rest.
 fn halved(places: &mut [BlockCentre], axes: [usize; 3]) -> (&mut [BlockCentre], &mut [BlockCentre]) {
     let middle = places.len() / 2;
     places.select_nth_unstable_by(middle, |a, b| a.compare(b, axes));

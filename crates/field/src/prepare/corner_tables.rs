@@ -1,4 +1,4 @@
-//! Tiles of one frame prepared for the closed form in vectors: shared corners, and groups of equal strength.
+//! Corners and planes that the tiles of a cluster share, and groups of tiles of equal strength.
 
 use magsplice_cuboid::block::Block;
 use magsplice_cuboid::closed_form::terms::{AA, Group, Terms};
@@ -8,27 +8,28 @@ use rustc_hash::FxHashMap;
 use super::tile_terms::{NO_GROUP, OWN, TileTerms};
 use crate::tolerances::{GROUP_DISTANCE, GROUP_THICKNESSES, MOST_CORNERS, MOST_GROUPS, MOST_PLANES, TILES_PER_GROUP};
 
-/// Tiles with their tables.
+/// The tables of a cluster for the closed form in vectors.
 #[derive(Clone, Debug)]
 pub(crate) struct CornerTables {
-    /// A power of two that takes lengths to order one.
+    /// Power of two that takes lengths to order one.
     pub(crate) scale: f64,
-    /// Axis and coordinate.
+    /// Axis and coordinate of each plane.
     pub(crate) planes: Vec<(usize, TwoSum)>,
     /// The three planes that meet in each corner, two corners at a time.
     pub(crate) corners: Vec<[[u16; 3]; 2]>,
-    /// How many such pairs there are for half a tile, rounded up.
+    /// Number of such pairs for half a tile, rounded up.
     pub(crate) corner_pairs_per_step: usize,
     pub(crate) tiles: Vec<TileTerms>,
     pub(crate) groups: Vec<Group>,
-    /// The volume of the tiles of one group, or of one tile, at most; scaled.
+    /// Largest volume of the tiles of one group, or of one tile, scaled.
     pub(crate) largest_group_volume: f64,
-    /// How many they are, at most.
+    /// Largest number of tiles in one group.
     pub(crate) largest_group: usize,
 }
 
 impl CornerTables {
-    /// Tables of `blocks`, whose lengths `scale` takes to order one; `None` if they would be too long.
+    /// Tables of `blocks`, whose lengths `scale` takes to order one; `None` if they would be too
+    /// long.
     pub(super) fn new(blocks: &[Block], scale: f64) -> Option<CornerTables> {
         let thickness = |b: &Block| b.size.iter().copied().fold(f64::INFINITY, f64::min) * scale;
         let thickest = blocks.iter().map(thickness).fold(0.0, f64::max);
@@ -63,11 +64,11 @@ impl CornerTables {
     }
 }
 
-/// Groups by kind and coefficient; a full one is followed by another of its kind.
+/// Groups by kind and coefficient. A full group is followed by another of its kind.
 #[derive(Default)]
 struct OpenGroups {
     all: Vec<Group>,
-    /// Number, tiles and volume of the one that takes the next term.
+    /// Number, tiles and volume of the group that takes the next term.
     open: FxHashMap<(bool, [u64; 3]), (u16, usize, f64)>,
     most_volume: f64,
     largest_volume: f64,
@@ -97,7 +98,7 @@ impl OpenGroups {
         number
     }
 
-    /// Elements that are the only ones of their group need none.
+    /// Removes groups of a single element, which need no table.
     fn leave_alone(&mut self, tiles: &mut [TileTerms]) {
         let mut counts = vec![0; self.all.len()];
         for number in tiles.iter().flat_map(|tile| tile.groups).filter(|number| *number != NO_GROUP) {
@@ -125,7 +126,7 @@ impl OpenGroups {
     }
 }
 
-/// Numbers for distinct planes and corners.
+/// Numbers of distinct planes and corners.
 #[derive(Default)]
 struct Numbers {
     planes: Vec<(usize, TwoSum)>,

@@ -1,4 +1,4 @@
-//! Tiles brought into frames: the geometry of a scene before any field is computed.
+//! Tiles with a common orientation, in their frames.
 
 use glam::{DMat3, DVec3};
 use magsplice_cuboid::block::{Block, LocalPoint};
@@ -12,20 +12,21 @@ use super::orientation::Orientations;
 use super::seam::{Plane, joined};
 use crate::tolerances::POINT_ROUNDINGS;
 
-/// Blocks in their frames.
+/// All tiles of a scene, in frames.
 #[derive(Clone, Debug)]
 pub(crate) struct Frames {
     axes: Vec<Axis>,
     frames: Vec<Frame>,
 }
 
-/// A direction along which coordinates are measured; every frame with this direction measures the same numbers.
+/// A direction along which coordinates are measured. Frames that share a direction share its
+/// coordinates.
 #[derive(Clone, Copy, Debug)]
 struct Axis {
     direction: DVec3,
-    /// x, y or z of the scene: coordinates are taken as they are.
+    /// Axis x, y or z of the scene, whose coordinates are used unchanged.
     scene: Option<usize>,
-    /// Coordinates are measured from here, in the middle of the tiles, so that they are small.
+    /// Origin of the coordinates: the middle of the tiles, so that coordinates are small.
     origin: DVec3,
 }
 
@@ -34,15 +35,15 @@ struct Axis {
 pub(crate) struct Frame {
     axes: [usize; 3],
     pub(crate) to_scene: ToScene,
-    /// What is computed: tiles, those that form a cuboid of one polarization merged.
+    /// The blocks to evaluate: tiles that form a cuboid of one polarization are merged.
     pub(crate) blocks: Vec<Block>,
-    /// One block per tile, to name the tile at an edge.
+    /// One block for each tile, to name the tile at an edge.
     pub(crate) unmerged: Vec<Block>,
-    /// The blocks prepared for many points.
+    /// The blocks in clusters, prepared for many points.
     pub(crate) clusters: ClusterTable,
 }
 
-/// From a frame to the scene; `None` for the scene's own frame, where nothing is rounded.
+/// Rotation from a frame to the scene; `None` for the scene's own frame, where nothing is rounded.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ToScene(Option<DMat3>);
 
@@ -65,7 +66,7 @@ impl Axis {
         self.scene.map_or_else(|| self.direction.dot(point - self.origin), |axis| point[axis])
     }
 
-    /// How far the coordinate of `point` may be off.
+    /// Bound of the error of the coordinate of `point`.
     fn roundoff(&self, point: DVec3) -> f64 {
         let distance = (point - self.origin).abs().element_sum();
         if self.scene.is_some() { 0.0 } else { POINT_ROUNDINGS * UNIT_ROUNDOFF * distance }
@@ -109,19 +110,20 @@ impl Frames {
         &self.frames
     }
 
-    /// The frame of the only tile there is, if there are no more.
+    /// The frame of the only tile, if the scene has one tile.
     pub(crate) fn only_tile(&self) -> Option<&Frame> {
         let [frame] = &self.frames[..] else { return None };
         (frame.blocks.len() == 1).then_some(frame)
     }
 
-    /// The direction of one axis of `frame` and the point coordinates are measured from, or which of the scene's axes it is.
+    /// The axis of the scene that is axis `axis` of `frame`, or else its direction and origin.
     pub(crate) fn axis(&self, frame: &Frame, axis: usize) -> Result<usize, (DVec3, DVec3)> {
         let axis = &self.axes[frame.axes[axis]];
         axis.scene.ok_or((axis.direction, axis.origin))
     }
 
-    /// Where the middle of a block is that is of `tile`, or of it and others merged: from the tile, so that little is rounded.
+    /// Centre of a block in the scene. It is computed from `tile`, which is in the block, so that
+    /// little is rounded.
     pub(crate) fn centre_in_scene(&self, frame: &Frame, block: &Block, tile: &Tile) -> DVec3 {
         let offset = [0, 1, 2].map(|axis: usize| {
             let from = TwoSum::exact(self.axes[frame.axes[axis]].coordinate(tile.position()));
@@ -131,7 +133,7 @@ impl Frames {
         tile.position() + frame.to_scene.vector(DVec3::from(offset))
     }
 
-    /// How far each coordinate of `point` in `frame` may be off.
+    /// Bound of the error of each coordinate of `point` in `frame`.
     pub(crate) fn roundoff(&self, frame: &Frame, point: DVec3) -> [f64; 3] {
         frame.axes.map(|axis| self.axes[axis].roundoff(point))
     }
@@ -148,7 +150,7 @@ impl Frames {
         })
     }
 
-    /// Gives faces along one direction that differ by round-off only the same coordinate.
+    /// Gives one coordinate to faces that differ by round-off only.
     fn join_faces(&mut self, tiles: &[Tile]) {
         let mut planes: Vec<Vec<Plane>> = self.axes.iter().map(|_| Vec::new()).collect();
         for (frame, blocks) in self.frames.iter().enumerate() {
@@ -197,7 +199,7 @@ fn axes(tiles: &[Tile], orientations: &Orientations) -> Vec<Axis> {
         .collect()
 }
 
-/// The median of each coordinate: far-off tiles do not move it.
+/// Median of each coordinate, which distant tiles do not move.
 fn median(positions: &[DVec3]) -> DVec3 {
     DVec3::from([0, 1, 2].map(|axis: usize| {
         let mut values: Vec<f64> = positions.iter().map(|p| p[axis]).collect();

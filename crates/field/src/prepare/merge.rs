@@ -1,13 +1,15 @@
-//! Blocks of one polarization that together form a cuboid become that cuboid.
+//! Tiles of one polarization that form a cuboid become that cuboid.
 //!
-//! On the seam inside a uniform body nothing happens, but the terms of the two blocks grow without bound there and cancel. Merged,
-//! they are not computed at all: the field has no seam, its gradient is exact, and there is less to do.
+//! The field has no seam inside a uniform body, but the terms of two blocks grow without bound
+//! there and cancel. A merged block avoids these terms: its gradient is exact on the former seam,
+//! and it costs less.
 
 use magsplice_cuboid::block::Block;
 use magsplice_simd::compensated_sum::TwoSum;
 use rustc_hash::FxHashMap;
 
-/// What two blocks that touch along an axis must have in common: the plane, the outline, and the polarization, bit by bit.
+/// The properties that two blocks in contact along an axis must share to be merged: plane, outline
+/// and polarization, bit by bit.
 #[derive(PartialEq, Eq, Hash)]
 struct Contact {
     plane: [u64; 2],
@@ -15,7 +17,7 @@ struct Contact {
     polarization: [u64; 3],
 }
 
-/// Merges until no two blocks form a cuboid.
+/// Merges blocks until no two of them form a cuboid.
 pub(crate) fn merged(blocks: &[Block]) -> Vec<Block> {
     let mut blocks: Vec<Option<Block>> = blocks.iter().cloned().map(Some).collect();
     loop {
@@ -36,8 +38,8 @@ fn merge_along(blocks: &mut [Option<Block>], axis: usize) {
         by_lower.insert(contact(block.as_ref().expect("only whole blocks are kept"), axis, 0), index);
     }
     for index in 0..blocks.len() {
-        // Takes up its upper neighbours one after the other. A block that has been taken up is not found again: nothing
-        // else touches its lower face.
+        // A block absorbs its upper neighbours one after the other. An absorbed block is not found
+        // again: no other block touches its lower face.
         while let Some(block) = &blocks[index] {
             let Some(other) = by_lower.remove(&contact(block, axis, 1)).filter(|&other| other != index) else { break };
             let Some(upper) = blocks[other].take() else { break };

@@ -1,8 +1,9 @@
-//! Which tiles share a frame: equal rotations, up to quarter turns.
+//! Rotations that share a frame: rotations that are equal up to quarter turns.
 //!
-//! A cuboid turned by a multiple of 90 degrees is a cuboid with permuted sizes, so tiles whose rotations differ by quarter
-//! turns are computed in one frame. Frames that have an axis in common, such as those of tiles turned about z, share the numbers
-//! along it. So faces of touching tiles can be compared, and a seam between them found.
+//! A cuboid turned by a multiple of 90 degrees is a cuboid with permuted sizes. Tiles whose
+//! rotations differ by quarter turns therefore share a frame. Frames with a common axis, such as
+//! those of tiles turned about z, share the coordinates along it, so that faces of touching tiles
+//! can be compared and seams between them found.
 
 use glam::{DMat3, DQuat, DVec3};
 use rustc_hash::FxHashMap;
@@ -11,7 +12,8 @@ use magsplice_magnet::tolerances::SAME_ROTATION;
 
 use crate::tolerances::DIRECTION_CELL;
 
-/// A rotation that maps axes onto axes: own axis `c` points along `sign[c]` times frame axis `axis[c]`.
+/// A rotation that maps axes onto axes: own axis `c` points along `sign[c]` times frame axis
+/// `axis[c]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct QuarterTurn {
     axis: [usize; 3],
@@ -19,7 +21,7 @@ pub(crate) struct QuarterTurn {
 }
 
 impl QuarterTurn {
-    /// A vector of the tile's own frame in the shared frame, exactly.
+    /// A vector of the tile's own frame in the shared frame, without rounding.
     pub(crate) fn vector(&self, own: DVec3) -> DVec3 {
         let mut turned = DVec3::ZERO;
         for c in 0..3 {
@@ -36,11 +38,12 @@ impl QuarterTurn {
 
 /// The directions and frames of a scene.
 pub(crate) struct Orientations {
-    /// Directions of all axes, each pointing towards +x, or +y if it has no x part, or +z. The first three are x, y, z.
+    /// Directions of all axes, each towards +x, or +y if its x component is zero, or +z. The first
+    /// three are x, y, z.
     pub(crate) directions: Vec<DVec3>,
-    /// Indices of the three directions of each frame. The first frame is the scene's own.
+    /// Indices of the three directions of each frame. The first frame is that of the scene.
     pub(crate) frames: Vec<[usize; 3]>,
-    /// For each rotation its frame and its turn within.
+    /// Frame of each rotation, and its quarter turn within the frame.
     pub(crate) members: Vec<(usize, QuarterTurn)>,
 }
 
@@ -69,14 +72,14 @@ impl Orientations {
         Orientations { directions: directions.found, frames, members }
     }
 
-    /// From the frame to the scene. Its columns need not be right-handed.
+    /// Matrix from the frame to the scene. Its columns need not be right-handed.
     pub(crate) fn matrix(&self, frame: usize) -> DMat3 {
         let [x, y, z] = self.frames[frame].map(|axis| self.directions[axis]);
         DMat3::from_cols(x, y, z)
     }
 }
 
-/// Directions met so far, found again by their components.
+/// Directions found so far, with a lookup by their components.
 #[derive(Default)]
 struct Directions {
     found: Vec<DVec3>,
@@ -84,13 +87,15 @@ struct Directions {
 }
 
 impl Directions {
-    /// The index of a direction or its opposite, known or new, and which of the two it is.
+    /// Index of a direction or its opposite, and which of the two it is. An unknown direction is
+    /// added.
     fn index_and_sign(&mut self, axis: DVec3) -> (usize, f64) {
         let leading = axis.to_array().into_iter().find(|c| c.abs() > SAME_ROTATION).unwrap_or(1.0);
         let sign = leading.signum();
         let direction = axis * sign;
         let close = |i: &&usize| (self.found[**i] - direction).abs().max_element() <= SAME_ROTATION;
-        // A direction is filed under the cell of its components; one as close as round-off may lie across a border.
+        // A direction is filed under the cell of its components. A direction equal up to round-off
+        // may lie in a neighbouring cell.
         let [low, high] = [-SAME_ROTATION, SAME_ROTATION].map(|shift| cell(direction + DVec3::splat(shift)));
         for corner in 0..8_usize {
             let key = [0, 1, 2].map(|axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] });

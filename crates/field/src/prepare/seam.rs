@@ -1,17 +1,18 @@
-//! Faces that are meant to be one plane become one.
+//! Faces that differ by round-off get one coordinate.
 //!
-//! Two touching tiles are given by centres and sizes, and `position + size / 2` of the one need not round to
-//! `position - size / 2` of the other. Between the two numbers a point would belong to both tiles or to none. Faces within a
-//! few units of round-off of each other are therefore given one coordinate, which moves no face by more than that.
+//! LanePair touching tiles are given by centres and sizes, and `position + size / 2` of one need not
+//! round to `position - size / 2` of the other. A point between the two numbers would belong to
+//! both tiles or to none. Faces within a few units of round-off of each other therefore get one
+//! coordinate, which moves no face by more than that.
 
 use magsplice_simd::compensated_sum::TwoSum;
 
-/// A face as a coordinate along its normal.
+/// A face, given by its coordinate along its normal.
 pub(crate) struct Plane {
     pub(crate) coordinate: TwoSum,
-    /// How far the number may be from what was meant.
+    /// Largest distance of the coordinate from the intended one.
     pub(crate) tolerance: f64,
-    /// Which face it is: frame, block, axis of the frame, lower or upper.
+    /// Frame, block, axis of the frame, and 0 for the lower or 1 for the upper face.
     pub(crate) place: [usize; 4],
 }
 
@@ -45,7 +46,8 @@ fn common_coordinate(cluster: &[&Plane]) -> Option<TwoSum> {
     if cluster.iter().all(|p| p.coordinate == first) {
         return None;
     }
-    // The one nearest to a binary64 number is most likely what was meant, and points can lie on that number exactly.
+    // The coordinate nearest to a binary64 number is most likely the intended one, and points can
+    // have exactly that coordinate.
     let meant = cluster.iter().map(|p| p.coordinate).min_by(|a, b| a.lo.abs().total_cmp(&b.lo.abs()))?;
     Some(TwoSum::exact(meant.hi))
 }

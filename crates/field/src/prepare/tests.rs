@@ -26,8 +26,8 @@ pub(crate) fn expanded<S: Simd>(simd: S, expansion: &MultipoleExpansion, degree:
     DVec3::new(first[0].lane(0), first[1].lane(0), first[2].lane(0))
 }
 
-/// Each degree of the expansion, at the distance from which it is taken, has its share of the promised accuracy; and it does not have it much
-/// nearer, or the degrees would be higher than they need be.
+/// Each degree of the expansion keeps the error bound from its distance on, and not from a much
+/// smaller one, which would mean that the degrees are too high.
 #[test]
 fn expansion_of_each_degree_keeps_the_error_bound_from_its_distance() {
     let blocks: Vec<Block> = (0..40)

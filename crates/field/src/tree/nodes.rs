@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use fearless_simd::Level;
 use glam::{DMat3, DVec2, DVec3, Vec3Swizzles};
-use magsplice_cuboid::tolerances::{ALONE_COST, CLOSED_FORM_COST, LARGEST_FIELD_OVER_J};
+use magsplice_cuboid::tolerances::{CLOSED_FORM_COST, LARGEST_FIELD_OVER_J, SINGLE_TILE_COST};
 use magsplice_expansion::m2l::M2lInput;
 use magsplice_expansion::moments::Moments;
 use magsplice_expansion::multipole::MultipoleExpansion;
@@ -328,7 +328,7 @@ impl Item {
 
     /// What the closed form takes at a vector of points, in multiply-adds.
     fn cost(&self) -> f64 {
-        if self.bodies.len() == 1 { ALONE_COST } else { CLOSED_FORM_COST * self.bodies.len() as f64 }
+        if self.bodies.len() == 1 { SINGLE_TILE_COST } else { CLOSED_FORM_COST * self.bodies.len() as f64 }
     }
 }
 

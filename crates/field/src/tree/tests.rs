@@ -27,7 +27,7 @@ fn one<S: Simd>(simd: S, field: &impl Pairwise<S>, point: DVec3) -> DVec3 {
     DVec3::from(field.fields(simd, [lanes, lanes])[0].map(|component| component.lane(0)))
 }
 
-/// Two small tiles whose dipoles point outwards leave out nearly the most that tiles can: what a node may leave out is a bound, and a close one.
+/// LanePair small tiles whose dipoles point outwards leave out nearly the most that tiles can: what a node may leave out is a bound, and a close one.
 #[test]
 fn truncation_error_of_a_node_is_within_its_bound_and_close_to_it() {
     let level = Level::new();
