@@ -36,7 +36,7 @@ mod tree;
 /// The choice of a model for each point, within a tolerance.
 mod within;
 
-pub use interpolation::fitted_field::{FittedField, FittedFieldError, LookUpError};
+pub use interpolation::fitted_field::{FittedField, FittedFieldError, LookUpError, LookUpErrors};
 pub use magsplice_cuboid::FaceDerivatives;
 pub use magsplice_ideal::{Comparison, ComparisonError, IdealFilm, IdealFilmFault, IdealFilmFaults};
 pub use magsplice_magnet::{

@@ -1,98 +1,118 @@
-//! What a tolerance makes of a direct and points: which model serves which, what it leaves out, what it costs.
+//! Plans: the models that a tolerance uses for points, with their errors and costs.
 
 use glam::DVec3;
 use magsplice_cuboid::tolerances::CLOSED_FORM_COST;
 use magsplice_magnet::{Accuracy, BoundingBox, Grid, Tolerance};
 
 use crate::direct::direct_sum::DirectSum;
-use crate::interpolation::fit::Fit;
+use crate::interpolation::fit::ChebyshevFit;
 use crate::interpolation::harmonic_potential::LOOK_UP_COST;
 use crate::interpolation::on_grid::{GridFits, GridPart};
-use crate::tolerances::{NODE_COST, POINTS_TOGETHER, TREE_TILES};
+use crate::tolerances::{MAX_SORTED_POINTS, MIN_TREE_TILES, NODE_COST};
 use crate::tree::interaction_list::InteractionList;
 use crate::tree::lazy_tree::LazyTree;
 use crate::tree::rounds::interaction_lists;
 use crate::within::fitted;
 
-/// Which models serve points to the accuracy of a direct.
+/// The models that a [`Scene`](crate::Scene) uses for points, at its [`Accuracy`].
 ///
-/// It is what an evaluation of B begins with. Points at which the field turns out too weak for what was left out are then evaluated again, leaving out less.
+/// An evaluation of B begins with this plan. Points at which the field turns out too weak for the
+/// truncation error are then evaluated again with a smaller one.
+/// [`Scene::plan_on_grid`](crate::Scene::plan_on_grid) and
+/// [`Scene::plan_at_points`](crate::Scene::plan_at_points) make one.
+///
+/// # Example
+/// ```
+/// use glam::DVec3;
+/// use magsplice_field::{Model, Scene, Tile};
+///
+/// let cube = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::X)?;
+/// let plan = Scene::new(&[cube]).plan_at_points(&[DVec3::new(0.0, 0.0, 2.0)]);
+/// assert_eq!(plan.parts[0].model, Model::Exact);
+/// assert_eq!(plan.cost(), plan.exact_cost);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Which model serves how many points.
+    /// The parts, each with a model for some of the points.
     pub parts: Vec<PlannedPart>,
-    /// What the exact field of all tiles at all points costs; as [`PlannedPart::cost`].
+    /// Cost of direct summation of all tiles at all points, in the unit of [`PlannedPart::cost`].
     pub exact_cost: f64,
 }
 
-/// Points that one model serves.
+/// Points that are evaluated by one model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedPart {
-    /// What serves them.
+    /// The model.
     pub model: Model,
-    /// How many there are.
+    /// Number of points.
     pub points: usize,
-    /// About how many exact values of one tile at one point cost as much: multiply-adds counted, not times measured.
+    /// Cost in exact fields of one tile at one point, from counted multiply-adds, not from measured
+    /// times.
     pub cost: f64,
 }
 
-/// What a field is computed by.
+/// The way in which a field is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Model {
-    /// The exact field of all tiles.
+    /// Direct summation of all tiles.
     Exact,
-    /// A Chebyshev expansion of the field in a box (docs/physics.md, section 5).
+    /// Chebyshev interpolation of the field in a box (docs/physics.md, section 5.1).
     Chebyshev {
-        /// The least coordinates of the box.
+        /// Lower corner of the box.
         lower: DVec3,
-        /// The greatest.
+        /// Upper corner of the box.
         upper: DVec3,
-        /// Polynomials along x, y, z.
+        /// Numbers of polynomials along x, y, z.
         terms: [usize; 3],
-        /// At most the error of B in tesla.
+        /// Upper bound of the error of B, in tesla.
         error_t: f64,
-        /// From the box to the nearest tile.
+        /// Distance from the box to the nearest tile.
         distance: f64,
     },
-    /// Harmonic potentials of the cells of a box, for points that are no grid.
+    /// Harmonic potentials of the cells of a box, for points that are not a grid (docs/physics.md,
+    /// section 5.1).
     Cells {
-        /// The least coordinates of the box.
+        /// Lower corner of the box.
         lower: DVec3,
-        /// The greatest.
+        /// Upper corner of the box.
         upper: DVec3,
-        /// Cells along x, y, z.
+        /// Numbers of cells along x, y, z.
         cells: [usize; 3],
-        /// At most the error of B in tesla.
+        /// Upper bound of the error of B, in tesla.
         error_t: f64,
-        /// From the box to the nearest tile.
+        /// Distance from the box to the nearest tile.
         distance: f64,
     },
-    /// Tiles together by expansions in solid harmonics, near ones exactly (docs/physics.md, section 5.2). Averages are over points.
+    /// A tree of expansions in solid harmonics, with direct summation of near tiles
+    /// (docs/physics.md, section 5.2). Means are over points.
     Tree {
-        /// Expansions for a point, on average.
+        /// Mean number of expansions at a point.
         expansions: f64,
-        /// Their degree, on average.
+        /// Mean degree of the expansions.
         degree: f64,
-        /// Tiles that expansions stand for, on average.
+        /// Mean number of tiles in expansions.
         expanded_tiles: f64,
-        /// Tiles taken exactly where they are too near for an expansion, on average at most.
+        /// Upper bound of the mean number of tiles that are summed directly, where they are too
+        /// near for an expansion.
         exact_tiles: f64,
-        /// Tiles not taken at all, on average.
+        /// Mean number of tiles that are ignored.
         ignored_tiles: f64,
-        /// At most what all that was left out amounts to at any of the points, in tesla.
+        /// Upper bound of the truncation error at any of the points, in tesla.
         truncation_error_t: f64,
-        /// Of that, at most what the tiles not taken at all would have added.
+        /// The part of it that ignored tiles contribute, in tesla.
         ignored_t: f64,
     },
 }
 
 impl Plan {
-    /// The sum over parts.
+    /// Cost of all parts, in the unit of [`PlannedPart::cost`].
     pub fn cost(&self) -> f64 {
         self.parts.iter().map(|part| part.cost).sum()
     }
 }
 
+/// The plan for B at the points of a grid.
 pub(crate) fn plan_on_grid(direct: &DirectSum, tree: &LazyTree, accuracy: Accuracy, grid: &Grid) -> Plan {
     let exact_cost = exact_cost(direct, grid.len());
     let Accuracy::Within(tolerance) = accuracy else {
@@ -106,6 +126,7 @@ pub(crate) fn plan_on_grid(direct: &DirectSum, tree: &LazyTree, accuracy: Accura
     Plan { parts, exact_cost }
 }
 
+/// The plan for B at points.
 pub(crate) fn plan_at_points(direct: &DirectSum, tree: &LazyTree, accuracy: Accuracy, points: &[DVec3]) -> Plan {
     let parts = match accuracy {
         Accuracy::Exact => vec![exact(direct, points.len())],
@@ -122,10 +143,11 @@ fn exact(direct: &DirectSum, points: usize) -> PlannedPart {
     PlannedPart { model: Model::Exact, points, cost: exact_cost(direct, points) }
 }
 
-fn chebyshev(direct: &DirectSum, part: GridPart, fit: &Fit) -> PlannedPart {
+fn chebyshev(direct: &DirectSum, part: GridPart, fit: &ChebyshevFit) -> PlannedPart {
     let [x, y, z] = fit.counts.map(|count| count as f64);
     let [nx, ny, nz] = part.counts().map(|count| count as f64);
-    // Sums over the terms along x for each plane, along y for each line, along z for each point, of three components.
+    // Three components, each with a sum over terms along x for each plane, along y for each line,
+    // and along z for each point.
     let sums = 3.0 * (nx * x * y * z + nx * ny * y * z + nx * ny * nz * z);
     let model = Model::Chebyshev {
         lower: fit.region.lower,
@@ -134,24 +156,20 @@ fn chebyshev(direct: &DirectSum, part: GridPart, fit: &Fit) -> PlannedPart {
         error_t: fit.error_t,
         distance: distance(direct, &fit.region),
     };
-    let samples = fit.counts.iter().product::<usize>();
-    PlannedPart { model, points: part.len(), cost: exact_cost(direct, samples) + sums / CLOSED_FORM_COST }
+    let nodes = fit.counts.iter().product::<usize>();
+    PlannedPart { model, points: part.len(), cost: exact_cost(direct, nodes) + sums / CLOSED_FORM_COST }
 }
 
+/// Distance from a box to the nearest tile.
 fn distance(direct: &DirectSum, region: &BoundingBox) -> f64 {
     direct.boxes().iter().map(|tile| tile.gap(region).length()).fold(f64::INFINITY, f64::min)
 }
 
 fn parts_of_points(direct: &DirectSum, tree: &LazyTree, tolerance: Tolerance, points: &[DVec3]) -> Vec<PlannedPart> {
-    points.chunks(POINTS_TOGETHER).flat_map(|points| parts_of_some_points(direct, tree, tolerance, points)).collect()
+    points.chunks(MAX_SORTED_POINTS).flat_map(|points| parts_of_chunk(direct, tree, tolerance, points)).collect()
 }
 
-fn parts_of_some_points(
-    direct: &DirectSum,
-    tree: &LazyTree,
-    tolerance: Tolerance,
-    points: &[DVec3],
-) -> Vec<PlannedPart> {
+fn parts_of_chunk(direct: &DirectSum, tree: &LazyTree, tolerance: Tolerance, points: &[DVec3]) -> Vec<PlannedPart> {
     if let Some(fitted) = fitted(direct, tolerance, points) {
         let region = BoundingBox::from_points(points);
         let model = Model::Cells {
@@ -165,17 +183,17 @@ fn parts_of_some_points(
         let cost = exact_cost(direct, fitted.exact_values()) + per_point * points.len() as f64;
         return vec![PlannedPart { model, points: points.len(), cost }];
     }
-    if direct.tiles().len() < TREE_TILES {
+    if direct.tiles().len() < MIN_TREE_TILES {
         return if points.is_empty() { Vec::new() } else { vec![exact(direct, points.len())] };
     }
-    let (by_tree, alone): (Vec<_>, Vec<_>) = interaction_lists(direct, tree.get(direct), tolerance, points)
+    let (by_tree, by_direct_sum): (Vec<_>, Vec<_>) = interaction_lists(direct, tree.get(direct), tolerance, points)
         .into_iter()
         .partition(|(_, list)| !list.is_exact());
     let mut parts = Vec::new();
     if !by_tree.is_empty() {
         parts.push(tree_part(&by_tree));
     }
-    let points = alone.iter().map(|(points, _)| points).sum();
+    let points = by_direct_sum.iter().map(|(points, _)| points).sum();
     if points > 0 {
         parts.push(exact(direct, points));
     }
@@ -188,17 +206,17 @@ fn tree_part(batches: &[(usize, InteractionList)]) -> PlannedPart {
         batches.iter().map(|(points, list)| *points as f64 * number(list)).sum()
     };
     let mean = |number: &dyn Fn(&InteractionList) -> f64| total(number) / points as f64;
-    let most = |number: fn(&InteractionList) -> f64| batches.iter().map(|(_, a)| number(a)).fold(0.0, f64::max);
-    let expansions = mean(&|a| a.degrees().count() as f64);
-    let terms = |a: &InteractionList| a.degrees().map(|p| NODE_COST * ((p + 2) * (p + 3)) as f64).sum::<f64>();
+    let max = |number: fn(&InteractionList) -> f64| batches.iter().map(|(_, list)| number(list)).fold(0.0, f64::max);
+    let expansions = mean(&|list| list.degrees().count() as f64);
+    let terms = |list: &InteractionList| list.degrees().map(|p| NODE_COST * ((p + 2) * (p + 3)) as f64).sum::<f64>();
     let model = Model::Tree {
         expansions,
-        degree: mean(&|a| a.degrees().sum::<usize>() as f64) / expansions.max(f64::MIN_POSITIVE),
-        expanded_tiles: mean(&|a| a.tiles[0] as f64),
-        exact_tiles: mean(&|a| a.tiles[1] as f64),
-        ignored_tiles: mean(&|a| a.tiles[2] as f64),
-        truncation_error_t: most(|a| a.truncation_error_t),
-        ignored_t: most(|a| a.ignored_t),
+        degree: mean(&|list| list.degrees().sum::<usize>() as f64) / expansions.max(f64::MIN_POSITIVE),
+        expanded_tiles: mean(&|list| list.tiles.expanded as f64),
+        exact_tiles: mean(&|list| list.tiles.direct as f64),
+        ignored_tiles: mean(&|list| list.tiles.ignored as f64),
+        truncation_error_t: max(|list| list.truncation_error_t),
+        ignored_t: max(|list| list.ignored_t),
     };
-    PlannedPart { model, points, cost: total(&|a| a.tiles[1] as f64 + terms(a) / CLOSED_FORM_COST) }
+    PlannedPart { model, points, cost: total(&|list| list.tiles.direct as f64 + terms(list) / CLOSED_FORM_COST) }
 }

@@ -1,4 +1,4 @@
-//! B at given points as a linear function of the polarizations of tiles that stay where they are.
+//! B at fixed points as a linear function of the polarizations of fixed tiles.
 
 use std::fmt;
 
@@ -10,61 +10,74 @@ use crate::scalar_product::scalar_product;
 use crate::scene::Scene;
 use crate::tolerances::POINTS_PER_TASK;
 
-/// B at fixed points as a linear function of the polarizations of fixed tiles: made once, then applied to any polarizations, as when strengths and
+/// B at fixed points as a linear function of the polarizations of fixed tiles.
+///
+/// The map is computed once and then applied to any polarizations, for example while strengths and
 /// directions are designed or varied.
 ///
+/// # Units
+/// Polarizations and B in tesla; points in the unit of length of the tiles.
+///
 /// # Cost
-/// It is made from three fields of each tile alone at all points. To apply it takes nine multiply-adds for a tile and a point, whatever the geometry, and is bound by
-/// memory: 72 bytes for a tile and a point, see [`PolarizationMap::memory_bytes`].
+/// The map is computed from three fields of each tile at all points. Its application takes nine
+/// multiply-adds per tile and point, whatever the geometry. Memory bandwidth limits it: the map has
+/// 72 bytes per tile and point, see [`PolarizationMap::memory_bytes`].
 ///
 /// # Accuracy
-/// Each tile's part is that of a [`Scene`] of this tile alone; adding n tiles rounds by at most 3n units of round-off of the sum over tiles of the magnitudes. The scene of all
-/// tiles is more exact where fields of touching tiles cancel; and on their seams, which are edges of tiles alone, only it has a field.
+/// The field of each tile has the accuracy of a [`Scene`] of this tile. The sum over n tiles adds
+/// rounding of at most 3n units of round-off of the sum of the magnitudes. The scene of all tiles
+/// is more accurate where the fields of touching tiles cancel. On their seams, which are edges of
+/// the single tiles, only the scene has a field.
 ///
 /// # Example
 /// ```
 /// use glam::DVec3;
 /// use magsplice_field::{PolarizationMap, Tile};
 ///
-/// let tiles = [-1.0, 1.0].map(|x| Tile::new(DVec3::new(x, 0.0, 0.5), DVec3::ONE, DVec3::X).unwrap());
-/// let map = PolarizationMap::new(&tiles, &[DVec3::new(0.0, 0.0, -3.0)]).unwrap();
-/// // Opposed tiles: no field straight below the middle but along z.
-/// let b = map.flux_density(&[0.12 * DVec3::X, -0.12 * DVec3::X]);
-/// assert!(b[0].x.abs() < 1e-15 && b[0].z.abs() > 1e-4);
+/// let left = Tile::new(DVec3::new(-1.0, 0.0, 0.5), DVec3::ONE, DVec3::X)?;
+/// let right = Tile::new(DVec3::new(1.0, 0.0, 0.5), DVec3::ONE, DVec3::X)?;
+/// let map = PolarizationMap::new(&[left, right], &[DVec3::new(0.0, 0.0, -3.0)])?;
+/// // Below the centre of two opposed tiles the field is along z.
+/// let b_t = map.flux_density(&[0.12 * DVec3::X, -0.12 * DVec3::X]);
+/// assert!(b_t[0].x.abs() < 1e-15 && b_t[0].z.abs() > 1e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct PolarizationMap {
     tiles: usize,
     points: usize,
-    /// Point after point; for each component of B the row of all components of J, tile after tile.
+    /// Point after point, for each component of B the factors of all components of J, tile after
+    /// tile.
     rows: Vec<f64>,
 }
 
-/// Why there is no map.
+/// The reason why a [`PolarizationMap`] cannot be computed.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum PolarizationMapError {
-    /// At these points a tile alone has no field, the index of which comes first.
+    /// A single tile has no field at some of the points.
     Points {
-        /// The tile.
+        /// Index of the tile.
         tile: usize,
-        /// The points.
+        /// The points and the reasons.
         errors: PointErrors,
     },
-    /// The map would take more bytes than may be allocated.
+    /// The map needs more memory than can be allocated.
     TooLarge {
-        /// How many, if that can be told.
+        /// Size of the map in bytes; `None` if it exceeds the range of `usize`.
         bytes: Option<usize>,
     },
 }
 
 impl PolarizationMap {
-    /// Of tiles, whose own polarizations do not matter, at points.
+    /// The map of tiles at points. The polarizations of the tiles themselves are ignored.
     ///
     /// # Errors
-    /// If a point lies on an edge of a tile, even one it shares with another, or is out of range; if there is not enough memory.
+    /// If a point is out of range or on an edge of a tile, even an edge shared with another tile,
+    /// or if there is not enough memory.
     pub fn new(tiles: &[Tile], points: &[DVec3]) -> Result<PolarizationMap, PolarizationMapError> {
         let row = 3 * tiles.len();
-        let count = row.checked_mul(3).and_then(|of_point| of_point.checked_mul(points.len()));
+        let count = row.checked_mul(3).and_then(|per_point| per_point.checked_mul(points.len()));
         let too_large = || PolarizationMapError::TooLarge { bytes: count.and_then(|count| count.checked_mul(8)) };
         let mut rows = Vec::new();
         rows.try_reserve_exact(count.ok_or_else(too_large)?).map_err(|_| too_large())?;
@@ -72,15 +85,15 @@ impl PolarizationMap {
         let mut field = vec![DVec3::ZERO; points.len()];
         for (index, tile) in tiles.iter().enumerate() {
             for axis in 0..3 {
-                let alone =
+                let unit =
                     Tile::new(tile.position(), tile.size(), DVec3::AXES[axis]).and_then(|t| t.rotated(tile.rotation()));
-                let scene = Scene::new(&[alone.expect("a valid tile with another polarization")]);
+                let scene = Scene::new(&[unit.expect("a valid tile with another polarization")]);
                 scene
                     .field_into(Quantity::FluxDensity, points, &mut field)
                     .map_err(|errors| PolarizationMapError::Points { tile: index, errors })?;
-                for (of_point, b) in rows.chunks_exact_mut(3 * row).zip(&field) {
+                for (point_rows, b) in rows.chunks_exact_mut(3 * row).zip(&field) {
                     for (component, value) in b.to_array().into_iter().enumerate() {
-                        of_point[component * row + 3 * index + axis] = value;
+                        point_rows[component * row + 3 * index + axis] = value;
                     }
                 }
             }
@@ -88,7 +101,7 @@ impl PolarizationMap {
         Ok(PolarizationMap { tiles: tiles.len(), points: points.len(), rows })
     }
 
-    /// B at all points, in tesla, of tiles with these polarizations in their own frames, in tesla.
+    /// B at all points, in tesla; [`PolarizationMap::flux_density_into`] with a new vector.
     ///
     /// # Panics
     /// If there are not as many polarizations as tiles.
@@ -98,7 +111,9 @@ impl PolarizationMap {
         field
     }
 
-    /// The same, written to `field`, in parallel over points; bit-identical for any number of threads.
+    /// Writes B at all points in tesla, for tiles with these polarizations in tesla, each along the
+    /// axes of its tile. Runs in parallel over points; the result is bit-identical for any number
+    /// of threads.
     ///
     /// # Panics
     /// If there are not as many polarizations as tiles, or not as many values as points.
@@ -111,7 +126,8 @@ impl PolarizationMap {
         });
     }
 
-    /// How B_x, B_y or B_z (0, 1, 2) at a point depends on the components of the polarizations, tile after tile: a row of the matrix, for solvers.
+    /// A row of the matrix: the derivatives of B_x, B_y or B_z (`component` 0, 1 or 2) at a point
+    /// with respect to the components of the polarizations, tile after tile. Dimensionless.
     ///
     /// # Panics
     /// If there is no such point or component.
@@ -121,7 +137,7 @@ impl PolarizationMap {
         &self.rows[(3 * point + component) * length..][..length]
     }
 
-    /// The memory it takes.
+    /// Memory of the map in bytes.
     pub fn memory_bytes(&self) -> usize {
         self.rows.capacity() * size_of::<f64>()
     }
@@ -131,10 +147,8 @@ impl fmt::Display for PolarizationMapError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             PolarizationMapError::Points { tile, errors } => {
-                write!(
-                    f,
-                    "tile {tile} alone has no field there: {errors}; move the points, or evaluate the scene of all tiles"
-                )
+                let advice = "move the points, or evaluate the scene of all tiles";
+                write!(f, "tile {tile} by itself has no field at some points: {errors}; {advice}")
             }
             PolarizationMapError::TooLarge { bytes: Some(bytes) } => {
                 write!(f, "a map of {bytes} bytes does not fit into memory; take fewer points at a time")
@@ -146,4 +160,11 @@ impl fmt::Display for PolarizationMapError {
     }
 }
 
-impl std::error::Error for PolarizationMapError {}
+impl std::error::Error for PolarizationMapError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            PolarizationMapError::Points { errors, .. } => Some(errors),
+            PolarizationMapError::TooLarge { .. } => None,
+        }
+    }
+}

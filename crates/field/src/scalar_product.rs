@@ -1,19 +1,20 @@
-//! The scalar product of long rows.
+//! The scalar product of long rows, in a fixed order of additions.
 
-use crate::tolerances::CHAINS;
+use crate::tolerances::PARTIAL_SUMS;
 
-/// The scalar product, in an order that does not depend on the processor.
+/// The scalar product of two rows of equal length. The order of additions does not depend on the
+/// processor, so that the result is bit-identical on all of them.
 pub(crate) fn scalar_product(row: &[f64], j: &[f64]) -> f64 {
-    let mut sums = [0.0; CHAINS];
-    let (rows, rest) = row.as_chunks::<CHAINS>();
-    let (js, rest_j) = j.as_chunks::<CHAINS>();
+    let mut sums = [0.0; PARTIAL_SUMS];
+    let (rows, rest) = row.as_chunks::<PARTIAL_SUMS>();
+    let (js, rest_j) = j.as_chunks::<PARTIAL_SUMS>();
     for (row, j) in rows.iter().zip(js) {
-        for chain in 0..CHAINS {
-            sums[chain] += row[chain] * j[chain];
+        for k in 0..PARTIAL_SUMS {
+            sums[k] += row[k] * j[k];
         }
     }
-    for (chain, (row, j)) in rest.iter().zip(rest_j).enumerate() {
-        sums[chain] += row * j;
+    for (sum, (row, j)) in sums.iter_mut().zip(rest.iter().zip(rest_j)) {
+        *sum += row * j;
     }
     sums.iter().sum()
 }

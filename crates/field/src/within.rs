@@ -1,4 +1,5 @@
-//! B and H within a tolerance: which points are interpolated, summed over a tree, or exact.
+//! B and H within a tolerance: the choice between interpolation, the tree and direct summation for
+//! each point.
 //!
 //! | model | points | where |
 //! |---|---|---|
@@ -14,11 +15,13 @@ use rayon::prelude::*;
 use crate::direct::direct_sum::DirectSum;
 use crate::interpolation::fitted_field::FittedField;
 use crate::interpolation::on_grid::GridFits;
-use crate::tolerances::{LOOKED_UP_POINTS, LOOKED_UP_TILES, POINTS_PER_FITTED_NODE, POINTS_TOGETHER, TREE_TILES};
+use crate::tolerances::{
+    LOOK_UP_POINTS_PER_NODE, MAX_SORTED_POINTS, MIN_LOOK_UP_POINTS, MIN_LOOK_UP_TILES, MIN_TREE_TILES,
+};
 use crate::tree::lazy_tree::LazyTree;
 use crate::tree::rounds::sum_over_tree;
 
-/// Writes B or H at all points; returns the points without a field, where `field` is NaN.
+/// Writes B or H at all points. Returns the points without a field, where `field` is NaN.
 pub(crate) fn at_points(
     direct: &DirectSum,
     tree: &LazyTree,
@@ -27,10 +30,10 @@ pub(crate) fn at_points(
     points: &[DVec3],
     field: &mut [DVec3],
 ) -> Vec<PointError> {
-    let together = points.chunks(POINTS_TOGETHER).zip(field.chunks_mut(POINTS_TOGETHER)).enumerate();
-    let errors = together.flat_map(|(number, (points, field))| {
+    let chunks = points.chunks(MAX_SORTED_POINTS).zip(field.chunks_mut(MAX_SORTED_POINTS)).enumerate();
+    let errors = chunks.flat_map(|(number, (points, field))| {
         let errors = at_some_points(direct, tree, tolerance, quantity, points, field);
-        errors.into_iter().map(move |error| PointError { index: number * POINTS_TOGETHER + error.index, ..error })
+        errors.into_iter().map(move |error| PointError { index: number * MAX_SORTED_POINTS + error.index, ..error })
     });
     errors.collect()
 }
@@ -46,14 +49,14 @@ fn at_some_points(
     field.fill(DVec3::NAN);
     let usable: Vec<u32> = match fitted(direct, tolerance, points) {
         Some(fitted) => {
-            // All other points are in the box, where |B| is large enough.
-            let weak = fitted.flux_density_into(points, field).err().unwrap_or_default();
+            // All points are in the box. Errors are points where |B| is too small.
+            let weak = fitted.flux_density_into(points, field).err().map_or(Vec::new(), |errors| errors.0);
             if quantity == Quantity::FieldStrength {
                 field.par_iter_mut().for_each(|h| *h /= MU_0);
             }
             weak.into_iter().map(|error| error.index as u32).collect()
         }
-        None if direct.tiles().len() < TREE_TILES => {
+        None if direct.tiles().len() < MIN_TREE_TILES => {
             let all: Vec<usize> = (0..points.len()).collect();
             return direct.exact_at(tolerance, quantity, points, &all, field);
         }
@@ -67,17 +70,18 @@ fn at_some_points(
     errors
 }
 
-/// The interpolation of the box around points, where there are so many that it is worthwhile.
+/// The interpolation of the bounding box of points. `None` if there are too few points or tiles for
+/// it to be cheaper than the tree, or if tiles are too near.
 pub(crate) fn fitted(direct: &DirectSum, tolerance: Tolerance, points: &[DVec3]) -> Option<FittedField> {
-    let pays = points.len() >= LOOKED_UP_POINTS && direct.tiles().len() >= LOOKED_UP_TILES;
+    let pays = points.len() >= MIN_LOOK_UP_POINTS && direct.tiles().len() >= MIN_LOOK_UP_TILES;
     if !pays || !points.iter().all(|point| is_in_range(*point)) {
         return None;
     }
     let BoundingBox { lower, upper } = BoundingBox::from_points(points);
-    FittedField::from_samples(direct, lower, upper, tolerance, points.len() / POINTS_PER_FITTED_NODE).ok()
+    FittedField::from_samples(direct, lower, upper, tolerance, points.len() / LOOK_UP_POINTS_PER_NODE).ok()
 }
 
-/// Writes B or H at all points of the grid, z fastest; returns the points without a field, where
+/// Writes B or H at all points of a grid, z fastest. Returns the points without a field, where
 /// `field` is NaN.
 pub(crate) fn on_grid(
     direct: &DirectSum,
@@ -90,7 +94,7 @@ pub(crate) fn on_grid(
     let fits = GridFits::new(direct, tolerance, grid);
     let mut rest = fits.evaluate(direct.level(), tolerance, grid, field);
     if quantity == Quantity::FieldStrength {
-        // No interpolated point is in a tile.
+        // No interpolated point is in a tile, so H is B / mu0.
         field.par_iter_mut().for_each(|h| *h /= MU_0);
     }
     rest.sort_unstable();

@@ -53,7 +53,7 @@ impl ClosedForm {
         }
         let [[a0, a1], [b0, b1], [c0, c1]] = planes;
         let (ab00, ab01, ab10, ab11) = (a0[1] + b0[1], a0[1] + b1[1], a1[1] + b0[1], a1[1] + b1[1]);
-        // LanePair roots use the root unit of the processor, which works in parallel with the
+        // Two roots use the root unit of the processor, which works in parallel with the
         // multipliers; more would wait for it.
         let (r000, r001) = ((ab00 + c0[1]).sqrt(), (ab00 + c1[1]).sqrt());
         let (r010, r011) = ((ab01 + c0[1]).root(simd), (ab01 + c1[1]).root(simd));

@@ -1,110 +1,114 @@
-//! The cells of a box: the harmonic potentials in them, from the expansion of the whole box, and what they leave out.
+//! Cells of a box: the Chebyshev fit of the whole box, restricted to each cell and projected onto
+//! gradients of harmonic potentials (docs/physics.md, section 5.1).
 
 use fearless_simd::Level;
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::chebyshev::{nodes, polynomials, transform};
-use super::fit::{Fit, tail_of};
-use super::harmonic_potential::{CELL, Potential, harmonics};
-use super::weighted_sums::{combine, padded};
+use super::fit::{ChebyshevFit, tail_of};
+use super::harmonic_potential::{CELL_COEFFICIENTS, HarmonicPotential, harmonics};
+use super::weighted_sums::{padded, weighted_sum_at};
 use crate::scalar_product::scalar_product;
 use crate::tolerances::CELL_DEGREE;
 
-/// Nodes of a cell along each axis: no fewer, or the gradients of the potentials are not told from each other.
-const NODES: usize = if CELL_DEGREE % 2 == 1 { CELL_DEGREE + 1 } else { CELL_DEGREE + 2 };
-/// Of them on one side of the middle, as many as there are even degrees, or odd ones.
-const HALF: usize = NODES / 2;
-/// Coefficients that are even or odd along the axes alike.
-const ALIKE: usize = HALF * HALF * HALF;
-/// Coefficients of one component.
-const COMPONENT: usize = 8 * ALIKE;
+/// Number of nodes of a cell along each axis, even. With fewer the gradients of the potentials
+/// would not be independent.
+const CELL_NODES: usize = if CELL_DEGREE % 2 == 1 { CELL_DEGREE + 1 } else { CELL_DEGREE + 2 };
+/// Number of nodes on one side of the centre; also of even degrees, and of odd degrees.
+const HALF_NODES: usize = CELL_NODES / 2;
+/// Number of coefficients of a component with given parities along the three axes.
+const PARITY_COEFFICIENTS: usize = HALF_NODES * HALF_NODES * HALF_NODES;
+/// Number of coefficients of one component.
+const COMPONENT_COEFFICIENTS: usize = 8 * PARITY_COEFFICIENTS;
 
-/// Of a gradient what is left beside those before, as a fraction of it, below which it is none of its own: far above round-off. Only in cells that are
-/// thousands of times longer than wide are there such.
-const OF_ITS_OWN: f64 = 1e-10;
+/// Smallest part of a gradient that is orthogonal to the gradients before it, relative to the
+/// gradient, for which it counts as independent. It is far above round-off; only in cells thousands
+/// of times longer than wide are gradients dependent.
+const MIN_ORTHOGONAL_PART: f64 = 1e-10;
 
-/// All cells of a box, one shape.
-pub(super) struct Cells {
-    /// [`CELL`] numbers for each.
-    pub(super) numbers: Vec<f64>,
-    /// At most what any of them leaves out of the expansion of the box, in tesla.
-    pub(super) left_out_t: f64,
+/// Harmonic potentials of all cells of a box. All cells have the same shape.
+pub(super) struct HarmonicCells {
+    /// [`CELL_COEFFICIENTS`] numbers for each cell.
+    pub(super) coefficients: Vec<f64>,
+    /// Upper bound of the difference from the fit of the box in any cell, in tesla.
+    pub(super) error_t: f64,
 }
 
-impl Cells {
-    /// The box of a fit divided. Lengths are multiplied by `scale`.
-    pub(super) fn new(level: Level, fit: &Fit, counts: [usize; 3], scale: f64) -> Cells {
+impl HarmonicCells {
+    /// The potentials of `counts` cells along x, y, z. Lengths are multiplied by `scale`.
+    pub(super) fn new(level: Level, fit: &ChebyshevFit, counts: [usize; 3], scale: f64) -> HarmonicCells {
         let half = fit.region.half_size() * scale / DVec3::from(counts.map(|count| count as f64));
-        let shape = Shape::new(half);
-        let along = [0, 1, 2].map(|axis| AlongAxis::new(fit.counts[axis], counts[axis]));
-        let (slab, room) = (Fit::slab(fit.counts), padded(fit.counts[2]));
+        let projection = CellProjection::new(half);
+        let along = [0, 1, 2].map(|axis| AxisRestriction::new(fit.counts[axis], counts[axis]));
+        let (slab, stride) = (ChebyshevFit::slab_len(fit.counts), padded(fit.counts[2]));
         let in_row = counts[1] * counts[2];
-        let mut numbers = vec![0.0; counts[0] * in_row * CELL];
-        let rows = numbers.par_chunks_mut(in_row * CELL).enumerate();
-        let left_out = rows.map(|(i, numbers)| {
-            let (mut plane, mut line) = (vec![0.0; slab], vec![0.0; room]);
-            let mut along_z = vec![0.0; padded(NODES * counts[2])];
-            // Cell by cell, then component, then coefficients by whether they are even or odd along x, y, z.
-            let mut coefficients = vec![0.0; in_row * 3 * COMPONENT];
+        let mut harmonic = vec![0.0; counts[0] * in_row * CELL_COEFFICIENTS];
+        let rows = harmonic.par_chunks_mut(in_row * CELL_COEFFICIENTS).enumerate();
+        let errors_t = rows.map(|(i, harmonic)| {
+            let (mut plane, mut line) = (vec![0.0; slab], vec![0.0; stride]);
+            let mut along_z = vec![0.0; padded(CELL_NODES * counts[2])];
+            // Chebyshev coefficients by cell, then by component, then by parity along x, y, z.
+            let mut coefficients = vec![0.0; in_row * 3 * COMPONENT_COEFFICIENTS];
             for component in 0..3 {
-                for a in 0..NODES {
-                    combine(level, along[0].row(i * NODES + a), &fit.coefficients[component], &mut plane);
-                    for jb in 0..counts[1] * NODES {
-                        let (j, b) = (jb / NODES, jb % NODES);
-                        combine(level, along[1].row(jb), &plane, &mut line);
-                        combine(level, &line[..fit.counts[2]], &along[2].columns, &mut along_z);
-                        for (k, along_z) in along_z.chunks_exact(NODES).take(counts[2]).enumerate() {
-                            let start = ((j * counts[2] + k) * 3 + component) * COMPONENT;
+                for a in 0..CELL_NODES {
+                    weighted_sum_at(level, along[0].row(i * CELL_NODES + a), &fit.coefficients[component], &mut plane);
+                    for jb in 0..counts[1] * CELL_NODES {
+                        let (j, b) = (jb / CELL_NODES, jb % CELL_NODES);
+                        weighted_sum_at(level, along[1].row(jb), &plane, &mut line);
+                        weighted_sum_at(level, &line[..fit.counts[2]], &along[2].columns, &mut along_z);
+                        for (k, along_z) in along_z.chunks_exact(CELL_NODES).take(counts[2]).enumerate() {
+                            let start = ((j * counts[2] + k) * 3 + component) * COMPONENT_COEFFICIENTS;
                             for (c, value) in along_z.iter().enumerate() {
-                                coefficients[start + place([a, b, c])] = *value;
+                                coefficients[start + coefficient_index([a, b, c])] = *value;
                             }
                         }
                     }
                 }
             }
-            let cells = coefficients.chunks_exact(3 * COMPONENT).zip(numbers.chunks_exact_mut(CELL));
-            cells.map(|(coefficients, numbers)| shape.divide(level, coefficients, numbers)).fold(0.0, f64::max)
+            let cells =
+                coefficients.chunks_exact(3 * COMPONENT_COEFFICIENTS).zip(harmonic.chunks_exact_mut(CELL_COEFFICIENTS));
+            cells.map(|(coefficients, harmonic)| projection.project(level, coefficients, harmonic)).fold(0.0, f64::max)
         });
-        let left_out_t = left_out.reduce(|| 0.0, f64::max);
-        Cells { numbers, left_out_t }
+        let error_t = errors_t.reduce(|| 0.0, f64::max);
+        HarmonicCells { coefficients: harmonic, error_t }
     }
 }
 
-/// Where a coefficient of these degrees is: even and odd degrees apart.
-fn place([a, b, c]: [usize; 3]) -> usize {
-    let alike = (a % 2) * 4 + (b % 2) * 2 + c % 2;
-    alike * ALIKE + ((a / 2) * HALF + b / 2) * HALF + c / 2
+/// Index of the coefficient of these degrees. Even and odd degrees are apart.
+fn coefficient_index([a, b, c]: [usize; 3]) -> usize {
+    let parities = (a % 2) * 4 + (b % 2) * 2 + c % 2;
+    parities * PARITY_COEFFICIENTS + ((a / 2) * HALF_NODES + b / 2) * HALF_NODES + c / 2
 }
 
-/// What each coefficient of a box adds to those of its cells along an axis.
-struct AlongAxis {
+/// Restriction of Chebyshev polynomials of a box to its cells, along one axis.
+struct AxisRestriction {
     count: usize,
-    /// For each coefficient of each cell one number for each of the box.
+    /// For each coefficient of each cell, the factors of the coefficients of the box.
     rows: Vec<f64>,
-    /// The same the other way round.
+    /// The transpose of `rows`.
     columns: Vec<f64>,
 }
 
-impl AlongAxis {
-    fn new(count: usize, cells: usize) -> AlongAxis {
-        let transform = transform(NODES);
-        let (mut rows, room) = (vec![0.0; cells * NODES * count], padded(cells * NODES));
-        let mut columns = vec![0.0; count * room];
+impl AxisRestriction {
+    fn new(count: usize, cells: usize) -> AxisRestriction {
+        let transform = transform(CELL_NODES);
+        let (mut rows, stride) = (vec![0.0; cells * CELL_NODES * count], padded(cells * CELL_NODES));
+        let mut columns = vec![0.0; count * stride];
         for cell in 0..cells {
-            let mut at_nodes = vec![vec![0.0; count]; NODES];
-            for (node, values) in nodes(NODES).into_iter().zip(&mut at_nodes) {
+            let mut at_nodes = vec![vec![0.0; count]; CELL_NODES];
+            for (node, values) in nodes(CELL_NODES).into_iter().zip(&mut at_nodes) {
                 polynomials((2.0 * cell as f64 + 1.0 + node) / cells as f64 - 1.0, values);
             }
             for (degree, weights) in transform.iter().enumerate() {
                 for of_box in 0..count {
                     let sum = weights.iter().zip(&at_nodes).map(|(w, values)| w * values[of_box]).sum();
-                    rows[(cell * NODES + degree) * count + of_box] = sum;
-                    columns[of_box * room + cell * NODES + degree] = sum;
+                    rows[(cell * CELL_NODES + degree) * count + of_box] = sum;
+                    columns[of_box * stride + cell * CELL_NODES + degree] = sum;
                 }
             }
         }
-        AlongAxis { count, rows, columns }
+        AxisRestriction { count, rows, columns }
     }
 
     fn row(&self, index: usize) -> &[f64] {
@@ -112,111 +116,122 @@ impl AlongAxis {
     }
 }
 
-/// What is the same for all cells of a shape: their potentials, those that are even or odd along the axes alike together.
-struct Shape {
-    classes: Vec<Class>,
+/// Least-squares projection of a cell's field onto gradients of harmonic potentials. It is the same
+/// for all cells of a shape.
+struct CellProjection {
+    classes: Vec<ParityClass>,
 }
 
-/// Potentials that are even or odd along the axes alike. Their gradients need only coefficients that are so too.
-struct Class {
+/// Potentials with the same parities along the axes. Only coefficients with matching parities
+/// contribute to their gradients.
+struct ParityClass {
     odd: [bool; 3],
-    /// Of each potential the numbers that its gradient is made of.
-    parts: Vec<Vec<(usize, f64)>>,
-    /// For each coefficient what it adds to each potential: those that leave the least sum of squares.
-    amounts: Vec<f64>,
-    /// For each potential the coefficients of its gradient.
+    /// The gradient of each potential in terms of a cell's coefficients: index and factor.
+    gradient_terms: Vec<Vec<(usize, f64)>>,
+    /// For each Chebyshev coefficient, its contribution to the least-squares amount of each
+    /// potential.
+    least_squares: Vec<f64>,
+    /// Chebyshev coefficients of the gradient of each potential.
     gradients: Vec<f64>,
 }
 
-/// Room for the coefficients of a class.
-fn room() -> usize {
-    padded(3 * ALIKE)
+/// Padded number of the coefficients of a class.
+fn class_stride() -> usize {
+    padded(3 * PARITY_COEFFICIENTS)
 }
 
-impl Shape {
-    /// With the half sides `half`.
-    fn new(half: DVec3) -> Shape {
-        // All harmonics at the nodes of one octant, and from values there to coefficients.
-        let (nodes, transform) = (nodes(NODES), transform(NODES));
-        let octant: Vec<_> = (0..ALIKE)
+impl CellProjection {
+    /// The projection in a cell with the half sides `half`.
+    fn new(half: DVec3) -> CellProjection {
+        // All harmonics at the nodes of one octant; the parities give the others.
+        let (nodes, transform) = (nodes(CELL_NODES), transform(CELL_NODES));
+        let octant: Vec<_> = (0..PARITY_COEFFICIENTS)
             .map(|n| {
-                let [i, j, k] = [n / (HALF * HALF), n / HALF % HALF, n % HALF];
+                let [i, j, k] = [n / (HALF_NODES * HALF_NODES), n / HALF_NODES % HALF_NODES, n % HALF_NODES];
                 harmonics(CELL_DEGREE, half * DVec3::new(nodes[i], nodes[j], nodes[k]))
             })
             .collect();
         let class = |number: usize| {
             let odd = [number & 4 != 0, number & 2 != 0, number & 1 != 0];
-            let potentials: Vec<Potential> = Potential::all().filter(|potential| potential.odd() == odd).collect();
-            let mut gradients = vec![0.0; potentials.len() * room()];
-            for (potential, coefficients) in potentials.iter().zip(gradients.chunks_exact_mut(room())) {
+            let potentials: Vec<HarmonicPotential> =
+                HarmonicPotential::all().filter(|potential| potential.odd() == odd).collect();
+            let mut gradients = vec![0.0; potentials.len() * class_stride()];
+            for (potential, coefficients) in potentials.iter().zip(gradients.chunks_exact_mut(class_stride())) {
                 let values: Vec<DVec3> = octant.iter().map(|harmonics| potential.gradient(harmonics)).collect();
                 for component in 0..3 {
                     let mut values: Vec<f64> = values.iter().map(|b| b[component]).collect();
-                    // AlongAxis z, then y, then x: the axis that is done comes first, and all others move up.
+                    // The transform runs along z, then y, then x. The transformed axis becomes the
+                    // slowest, which makes the next one the fastest.
                     for axis in [2, 1, 0] {
                         let odd = usize::from(odd[axis] != (component == axis));
-                        let mut turned = vec![0.0; ALIKE];
-                        for (n, values) in values.chunks_exact(HALF).enumerate() {
-                            for degree in 0..HALF {
-                                let row = &transform[2 * degree + odd][..HALF];
+                        let mut transformed = vec![0.0; PARITY_COEFFICIENTS];
+                        for (n, values) in values.chunks_exact(HALF_NODES).enumerate() {
+                            for degree in 0..HALF_NODES {
+                                let row = &transform[2 * degree + odd][..HALF_NODES];
                                 let sum: f64 = row.iter().zip(values).map(|(w, v)| w * v).sum();
-                                turned[degree * HALF * HALF + n] = 2.0 * sum;
+                                transformed[degree * HALF_NODES * HALF_NODES + n] = 2.0 * sum;
                             }
                         }
-                        values = turned;
+                        values = transformed;
                     }
-                    coefficients[component * ALIKE..(component + 1) * ALIKE].copy_from_slice(&values);
+                    coefficients[component * PARITY_COEFFICIENTS..(component + 1) * PARITY_COEFFICIENTS]
+                        .copy_from_slice(&values);
                 }
             }
-            let amounts = least_squares(&gradients, potentials.len());
-            Class { odd, parts: potentials.iter().map(Potential::parts).collect(), amounts, gradients }
+            let least_squares = least_squares(&gradients, potentials.len());
+            let gradient_terms = potentials.iter().map(HarmonicPotential::gradient_terms).collect();
+            ParityClass { odd, gradient_terms, least_squares, gradients }
         };
-        Shape { classes: (0..8).map(class).collect() }
+        CellProjection { classes: (0..8).map(class).collect() }
     }
 
-    /// The numbers of a cell from its coefficients; at most what they leave out, in tesla.
-    fn divide(&self, level: Level, coefficients: &[f64], numbers: &mut [f64]) -> f64 {
-        let (mut own, mut found) = (vec![0.0; room()], vec![0.0; room()]);
-        let mut left_out = DVec3::ZERO;
+    /// Adds the harmonic coefficients of a cell from its Chebyshev coefficients. Returns an upper
+    /// bound of the error, in tesla.
+    fn project(&self, level: Level, coefficients: &[f64], harmonic: &mut [f64]) -> f64 {
+        let (mut own, mut found) = (vec![0.0; class_stride()], vec![0.0; class_stride()]);
+        let mut residual_t = DVec3::ZERO;
         for class in &self.classes {
-            for (component, own) in own.chunks_exact_mut(ALIKE).take(3).enumerate() {
+            for (component, own) in own.chunks_exact_mut(PARITY_COEFFICIENTS).take(3).enumerate() {
                 own.copy_from_slice(class.coefficients(coefficients, component));
             }
-            let mut amounts = vec![0.0; padded(class.parts.len())];
-            combine(level, &own, &class.amounts, &mut amounts);
-            let amounts = &amounts[..class.parts.len()];
-            combine(level, amounts, &class.gradients, &mut found);
-            for (component, (own, found)) in own.chunks_exact(ALIKE).zip(found.chunks_exact(ALIKE)).take(3).enumerate()
+            let count = class.gradient_terms.len();
+            let mut amounts = vec![0.0; padded(count)];
+            weighted_sum_at(level, &own, &class.least_squares, &mut amounts);
+            let amounts = &amounts[..count];
+            weighted_sum_at(level, amounts, &class.gradients, &mut found);
+            for (component, (own, found)) in
+                own.chunks_exact(PARITY_COEFFICIENTS).zip(found.chunks_exact(PARITY_COEFFICIENTS)).take(3).enumerate()
             {
-                left_out[component] += own.iter().zip(found).map(|(own, found)| (own - found).abs()).sum::<f64>();
+                residual_t[component] += own.iter().zip(found).map(|(own, found)| (own - found).abs()).sum::<f64>();
             }
-            for (parts, amount) in class.parts.iter().zip(amounts) {
-                for &(place, factor) in parts {
-                    numbers[place] += amount * factor;
+            for (terms, amount) in class.gradient_terms.iter().zip(amounts) {
+                for &(index, factor) in terms {
+                    harmonic[index] += amount * factor;
                 }
             }
         }
-        left_out.length() + tails_t(coefficients)
+        residual_t.length() + tails_t(coefficients)
     }
 }
 
-impl Class {
-    /// A component's coefficients that are odd where the gradients of these potentials are.
+impl ParityClass {
+    /// Coefficients of a component with the parities of the potentials' gradients.
     fn coefficients<'a>(&self, all: &'a [f64], component: usize) -> &'a [f64] {
         let odd = [0, 1, 2].map(|axis: usize| usize::from(self.odd[axis] != (axis == component)));
-        let start = component * COMPONENT + (odd[0] * 4 + odd[1] * 2 + odd[2]) * ALIKE;
-        &all[start..start + ALIKE]
+        let start = component * COMPONENT_COEFFICIENTS + (odd[0] * 4 + odd[1] * 2 + odd[2]) * PARITY_COEFFICIENTS;
+        &all[start..start + PARITY_COEFFICIENTS]
     }
 }
 
-/// At most what the nodes of a cell do not tell, as [`Fit`] estimates it.
+/// Truncation error of the Chebyshev coefficients of a cell, in tesla, estimated as in
+/// [`ChebyshevFit`].
 fn tails_t(coefficients: &[f64]) -> f64 {
-    let mut sums = [[DVec3::ZERO; NODES]; 3];
-    for (component, coefficients) in coefficients.chunks_exact(COMPONENT).enumerate() {
-        for (alike, coefficients) in coefficients.chunks_exact(ALIKE).enumerate() {
-            let [x, y, z] = [alike / 4, alike / 2 % 2, alike % 2];
-            for (i, plane) in coefficients.chunks_exact(HALF * HALF).enumerate() {
-                for (j, line) in plane.chunks_exact(HALF).enumerate() {
+    let mut sums = [[DVec3::ZERO; CELL_NODES]; 3];
+    for (component, coefficients) in coefficients.chunks_exact(COMPONENT_COEFFICIENTS).enumerate() {
+        for (parities, coefficients) in coefficients.chunks_exact(PARITY_COEFFICIENTS).enumerate() {
+            let [x, y, z] = [parities / 4, parities / 2 % 2, parities % 2];
+            for (i, plane) in coefficients.chunks_exact(HALF_NODES * HALF_NODES).enumerate() {
+                for (j, line) in plane.chunks_exact(HALF_NODES).enumerate() {
                     let mut on_line = 0.0;
                     for (k, coefficient) in line.iter().enumerate() {
                         on_line += coefficient.abs();
@@ -231,9 +246,10 @@ fn tails_t(coefficients: &[f64]) -> f64 {
     sums.iter().map(|sums| tail_of(&sums.map(|s| s.length())).sum_t).sum()
 }
 
-/// For rows that are not alike, what each entry of a vector adds to the factors with which their sum comes closest to it: room for all rows for each entry.
+/// The pseudoinverse of independent rows: for each entry of a vector, its contribution to the
+/// factor of each row in the sum of rows closest to the vector. Entries are `padded(count)` apart.
 ///
-/// By orthogonal directions (Gram and Schmidt, twice each).
+/// The rows are orthogonalized by Gram and Schmidt's method, twice each.
 fn least_squares(rows: &[f64], count: usize) -> Vec<f64> {
     let length = rows.len() / count;
     let mut directions: Vec<Vec<f64>> = Vec::with_capacity(count);
@@ -249,13 +265,14 @@ fn least_squares(rows: &[f64], count: usize) -> Vec<f64> {
             }
         }
         let [whole, size] = [row, &rest].map(|row| scalar_product(row, row).sqrt());
-        // Without a direction it gets nothing.
-        let (size, over) = if size > OF_ITS_OWN * whole { (size, 1.0 / size) } else { (1.0, 0.0) };
+        // A dependent row has no direction of its own, and its factor is zero.
+        let (size, over) = if size > MIN_ORTHOGONAL_PART * whole { (size, 1.0 / size) } else { (1.0, 0.0) };
         factors[directions.len()] = size;
         rest.iter_mut().for_each(|r| *r *= over);
         directions.push(rest);
     }
-    // The factors solve triangle^T factors = directions . vector, from the last on, for all entries at a time.
+    // The factors solve triangle^T factors = directions . vector. They are found from the last one
+    // backwards, for all entries at a time.
     for i in (0..count).rev() {
         let (upper, lower) = directions.split_at_mut(i + 1);
         let own = &mut upper[i];
@@ -264,11 +281,11 @@ fn least_squares(rows: &[f64], count: usize) -> Vec<f64> {
         }
         own.iter_mut().for_each(|own| *own /= triangle[i][i]);
     }
-    let room = padded(count);
-    let mut by_entry = vec![0.0; length * room];
+    let stride = padded(count);
+    let mut by_entry = vec![0.0; length * stride];
     for (row, factors) in directions.iter().enumerate() {
         for (entry, factor) in factors.iter().enumerate() {
-            by_entry[entry * room + row] = *factor;
+            by_entry[entry * stride + row] = *factor;
         }
     }
     by_entry

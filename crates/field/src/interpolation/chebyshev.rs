@@ -2,24 +2,25 @@
 
 use std::f64::consts::PI;
 
-/// The `count` zeros of T_count, falling.
+/// The `count` zeros of T_count, in decreasing order.
 pub(super) fn nodes(count: usize) -> Vec<f64> {
     (0..count).map(|i| (PI * (i as f64 + 0.5) / count as f64).cos()).collect()
 }
 
-/// Row k, entry i: what the value at node i adds to the coefficient of T_k of the polynomial through all of them.
+/// Row k, entry i: the weight of the value at node i in the coefficient of T_k of the interpolating
+/// polynomial.
 pub(super) fn transform(count: usize) -> Vec<Vec<f64>> {
     let n = count as f64;
     let entry = |k: usize, i: usize| {
         let weight = if k == 0 { 1.0 } else { 2.0 };
-        // The angle reduced by whole turns while it is an integer.
+        // The angle is reduced by full turns while it is still an integer, so that it is exact.
         let quarter_steps = (k * (2 * i + 1)) % (4 * count);
         weight / n * (PI * quarter_steps as f64 / (2.0 * n)).cos()
     };
     (0..count).map(|k| (0..count).map(|i| entry(k, i)).collect()).collect()
 }
 
-/// T_0 to T_(count - 1) at x.
+/// Sets `values` to T_0(x), T_1(x), ...
 pub(super) fn polynomials(x: f64, values: &mut [f64]) {
     let (mut last, mut value) = (x, 1.0);
     for entry in values {
@@ -28,10 +29,13 @@ pub(super) fn polynomials(x: f64, values: &mut [f64]) {
     }
 }
 
-/// The factor by which coefficients fall from one to the next, at least, for a function on [-1, 1] with its nearest singularity at
-/// distance `aside` from the line, beyond its end by `beyond`: one over the sum of the half axes of the ellipse through it with foci -1 and 1.
+/// Upper bound of the asymptotic ratio of successive coefficients of a function on [-1, 1], 1 / rho
+/// of Eq. P26.
+///
+/// The nearest singularity is `beyond` past the end of the interval and at distance `aside` from
+/// the line. rho is the sum of the half axes of the ellipse through it with foci -1 and 1.
 pub(super) fn decay(beyond: f64, aside: f64) -> f64 {
-    // Opposite to the line's middle, unless it lies beyond the end.
+    // A singularity that is not past the end is assumed beside the centre, the worst place.
     let x = if beyond > 0.0 { 1.0 + beyond } else { 0.0 };
     let long_axis = 0.5 * ((x + 1.0).hypot(aside) + (x - 1.0).hypot(aside));
     1.0 / (long_axis + (long_axis * long_axis - 1.0).max(0.0).sqrt())
@@ -42,7 +46,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_polynomial_is_its_own_expansion() {
+    fn polynomial_of_low_degree_is_reproduced() {
         let function = |x: f64| 3.0 - x + 4.0 * x.powi(3);
         let values: Vec<f64> = nodes(6).into_iter().map(function).collect();
         let coefficients: Vec<f64> =
@@ -57,9 +61,9 @@ mod tests {
         assert!((found - function(0.3)).abs() < 2e-15);
     }
 
-    /// 1 / (x - s) has coefficients that fall exactly like that.
+    /// The coefficients of 1 / (x - s) decay by exactly this factor.
     #[test]
-    fn decay_is_that_of_a_pole() {
+    fn decay_matches_the_coefficients_of_a_pole() {
         let values: Vec<f64> = nodes(40).into_iter().map(|x| 1.0 / (1.5 - x)).collect();
         let rows = transform(40);
         let coefficient = |k: usize| rows[k].iter().zip(&values).map(|(a, b)| a * b).sum::<f64>();

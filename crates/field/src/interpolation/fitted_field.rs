@@ -7,28 +7,56 @@ use glam::{DMat3, DVec3};
 use magsplice_magnet::{BoundingBox, Tolerance};
 use rayon::prelude::*;
 
-use super::cells::Cells;
-use super::fit::{Fit, FitFailure};
-use super::harmonic_potential::{CELL, field as harmonic_field, gradient};
+use super::cells::HarmonicCells;
+use super::fit::{ChebyshevFit, FitFailure};
+use super::harmonic_potential::{CELL_COEFFICIENTS, field as harmonic_field, gradient};
 use crate::direct::direct_sum::DirectSum;
-use crate::tolerances::{CELL_DEGREE, CELL_FALL, CELL_ROUNDS, LOOKED_UP_TOGETHER, MOST_CELLS, MOST_FITTED_NODES};
+use crate::tolerances::{
+    CELL_DEGREE, CELL_ERROR_EXPONENT, MAX_CELL_ROUNDS, MAX_CELLS, MAX_FITTED_FIELD_NODES, POINTS_PER_LOOK_UP,
+};
 
-/// B in a box without tiles, prepared for repeated look-ups: the box is divided into cells, and in each the field is the gradient of one harmonic
-/// polynomial of degree 10, without divergence or curl.
+/// B in a box without tiles, prepared for repeated look-ups within a tolerance.
+///
+/// The box is divided into cells. In each cell the field is the gradient of one harmonic polynomial
+/// of degree 10, so that it has neither divergence nor curl.
+/// [`Scene::fitted_field`](crate::Scene::fitted_field) makes one.
+///
+/// # Units
+/// B in tesla; points in the unit of length of the tiles.
 ///
 /// # Cost
-/// Making it takes some thousand exact values. A look-up among many, which are sorted by cell, takes 500 operations of vectors for as many points
-/// as a vector has lanes, whatever the number of tiles; a single one 300 for itself.
+/// Preparation takes some thousand exact fields. A look-up among many, which are sorted by cell,
+/// takes 500 vector operations for as many points as a vector has lanes, whatever the number of
+/// tiles. A single look-up takes 300.
 ///
 /// # Memory
-/// 2.7 kB for each cell; their number grows with the inverse tolerance, to 400 cells for a fraction of 1e-9 in the published working
-/// volume. See [`FittedField::memory_bytes`].
+/// 2.7 kB for each cell. The number of cells grows with the inverse tolerance, to 400 cells for a
+/// fraction of 1e-9 in the published working volume. See [`FittedField::memory_bytes`].
 ///
 /// # Accuracy
-/// [`FittedField::error_t`] at most at each point of the box: the estimate for the expansion of the whole box, which is checked against the exact field at
-/// points of it, from the last coefficients, doubled for what appears as lower ones; and what its cells leave out of that expansion, the sum of the coefficients of the
-/// difference (docs/physics.md, section 5). For a relative tolerance it is small beside |B| wherever |B| is at least a hundredth of
-/// its most in the box; [`FittedField::flux_density_into`] names the points where the tolerance does not hold.
+/// The error is at most [`FittedField::error_t`] at each point of the box (docs/physics.md, section
+/// 5). It is the sum of two errors. The error of the Chebyshev interpolation of the whole box is
+/// estimated from the last coefficients, doubled for aliasing, and checked against the exact field
+/// at points of the box. The error of the cells is the sum of the coefficients of their difference
+/// from that interpolation.
+///
+/// A relative tolerance holds wherever |B| is at least a hundredth of the largest |B| in the box.
+/// [`FittedField::flux_density_into`] names the points where it does not hold.
+///
+/// # Example
+/// ```
+/// use glam::DVec3;
+/// use magsplice_field::{Scene, Tile, Tolerance};
+///
+/// let cube = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::new(0.0, 0.0, 1.2))?;
+/// let (lower, upper) = (DVec3::new(-0.5, -0.5, 2.0), DVec3::new(0.5, 0.5, 3.0));
+/// let fitted = Scene::new(&[cube]).fitted_field(lower, upper, Tolerance::relative(1e-6)?)?;
+/// let b_t = fitted.flux_density(DVec3::new(0.1, 0.2, 2.5)).expect("a point of the box");
+/// assert!(b_t.z > 0.0);
+/// // Outside the box there is no field.
+/// assert!(fitted.flux_density(DVec3::new(0.1, 0.2, 4.0)).is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct FittedField {
     pub(super) region: BoundingBox,
@@ -36,38 +64,47 @@ pub struct FittedField {
     pub(super) cells: [usize; 3],
     exact_values: usize,
     cell_size: DVec3,
-    /// One over it, and finite.
+    /// The inverse of the cell size, clamped to finite values.
     pub(super) per_cell: DVec3,
-    /// One over half the longest side of a cell.
+    /// The inverse of half the longest side of a cell.
     pub(super) scale: f64,
-    /// [`CELL`] for each cell.
-    pub(super) numbers: Vec<f64>,
+    /// [`CELL_COEFFICIENTS`] numbers for each cell.
+    pub(super) coefficients: Vec<f64>,
     error_t: f64,
     gradient_error_t: f64,
     pub(super) level: Level,
 }
 
-/// Why a box cannot be prepared.
+/// The reason why a box has no [`FittedField`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum FittedFieldError {
-    /// The corners are not finite numbers, or lower is not below upper along every axis.
+    /// A corner is not finite, or lower is not below upper along every axis.
     NoBox,
-    /// Tiles are in the box, or so close that an expansion would take more than its share of memory.
+    /// Tiles are in the box, or so close to it that the interpolation would need too many nodes or
+    /// cells.
     TooNear,
-    /// The tolerance is below what rounding leaves of exact values.
+    /// The tolerance is below the rounding error of the exact field.
     TooExact,
 }
 
-/// A point that cannot be looked up.
+/// A point without a value in a look-up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LookUpError {
-    /// Index into the points that were asked for.
+    /// Index into the points of the call.
     pub index: usize,
     /// The point.
     pub point: DVec3,
-    /// Whether it is outside the box; otherwise |B| is too small there for the tolerance.
+    /// Whether the point is outside the box. Otherwise |B| is too small there for the tolerance.
     pub outside: bool,
 }
+
+/// All points without a value in a look-up, in the order of the points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LookUpErrors(pub Vec<LookUpError>);
+
+/// Number of points that [`LookUpErrors`] names in words.
+const NAMED_POINTS: usize = 10;
 
 impl FittedField {
     /// Prepares the box between two corners.
@@ -80,45 +117,47 @@ impl FittedField {
         upper: DVec3,
         tolerance: Tolerance,
     ) -> Result<FittedField, FittedFieldError> {
-        FittedField::from_samples(direct, lower, upper, tolerance, MOST_FITTED_NODES)
+        FittedField::from_samples(direct, lower, upper, tolerance, MAX_FITTED_FIELD_NODES)
     }
 
-    /// By at most `most_nodes` exact values.
+    /// Prepares the box between two corners from at most `max_nodes` exact fields.
     pub(crate) fn from_samples(
         direct: &DirectSum,
         lower: DVec3,
         upper: DVec3,
         tolerance: Tolerance,
-        most_nodes: usize,
+        max_nodes: usize,
     ) -> Result<FittedField, FittedFieldError> {
         if !(lower.is_finite() && upper.is_finite() && lower.cmplt(upper).all()) {
             return Err(FittedFieldError::NoBox);
         }
         let region = BoundingBox { lower, upper };
-        // Half of the error for the expansion of the whole box, half for the cells.
+        // Half of the tolerance is for the fit of the whole box, half for the cells.
         let half = tolerance.scaled(0.5).map_err(|_| FittedFieldError::TooExact)?;
-        let fit = Fit::new(direct, region, half, most_nodes).map_err(|why| match why {
+        let fit = ChebyshevFit::new(direct, region, half, max_nodes).map_err(|why| match why {
             FitFailure::TooNear => FittedFieldError::TooNear,
             FitFailure::TooExact => FittedFieldError::TooExact,
         })?;
         let size = upper - lower;
         let mut cells = [1_usize; 3];
-        for _ in 0..CELL_ROUNDS {
-            if cells.iter().product::<usize>() > MOST_CELLS {
+        for _ in 0..MAX_CELL_ROUNDS {
+            if cells.iter().product::<usize>() > MAX_CELLS {
                 return Err(FittedFieldError::TooNear);
             }
             let cell_size = size / DVec3::from(cells.map(|count| count as f64));
-            // The half of a cell's longest side becomes one.
+            // Half of a cell's longest side becomes one.
             let scale = 2.0 / cell_size.max_element();
-            let Cells { numbers, left_out_t } = Cells::new(direct.level(), &fit, cells, scale);
-            let error_t = fit.error_t + left_out_t;
-            if left_out_t <= fit.wanted_t {
+            let HarmonicCells { coefficients, error_t: cell_error_t } =
+                HarmonicCells::new(direct.level(), &fit, cells, scale);
+            let error_t = fit.error_t + cell_error_t;
+            if cell_error_t <= fit.allowed_error_t {
                 let per_length = |axis: usize| {
                     let (whole, cell) = (fit.counts[axis] as f64, (CELL_DEGREE + 1) as f64);
                     2.0 * (whole.powi(2) / size[axis]).max(cell.powi(2) / cell_size[axis])
                 };
-                // A polynomial's slope is at most degree^2 times its values in the half length, and so the slope of what is left out, twice for
-                // higher degrees.
+                // The derivative of a polynomial is at most degree^2 times its largest value per
+                // half length (Markov). The error is taken as such a polynomial, doubled for higher
+                // degrees.
                 let gradient_error_t = 2.0 * error_t * [0, 1, 2].map(per_length).into_iter().fold(0.0, f64::max);
                 return Ok(FittedField {
                     region,
@@ -128,14 +167,14 @@ impl FittedField {
                     cell_size,
                     per_cell: cell_size.recip().min(DVec3::MAX),
                     scale,
-                    numbers,
+                    coefficients,
                     error_t,
                     gradient_error_t,
                     level: direct.level(),
                 });
             }
-            // Cells are as nearly cubes as may be.
-            let finer = (left_out_t / fit.wanted_t).powf(1.0 / CELL_FALL);
+            // Cells are kept as close to cubes as possible.
+            let finer = (cell_error_t / fit.allowed_error_t).powf(1.0 / CELL_ERROR_EXPONENT);
             let side = cell_size.max_element() / finer;
             let before = cells;
             cells = [0, 1, 2].map(|axis: usize| before[axis].max((size[axis] / side).ceil() as usize));
@@ -146,64 +185,79 @@ impl FittedField {
         Err(FittedFieldError::TooNear)
     }
 
-    /// The most the field may be off in the box, in tesla.
+    /// Upper bound of the error of B in the box, in tesla.
     pub fn error_t(&self) -> f64 {
         self.error_t
     }
 
-    /// The most a component of the gradient may be off in the box, in tesla per unit of length: estimated from [`FittedField::error_t`], and
-    /// usually many times too large.
+    /// Upper bound of the error of a component of the gradient in the box, in tesla per unit of
+    /// length. It is estimated from [`FittedField::error_t`], and usually many times too large.
     pub fn gradient_error_t(&self) -> f64 {
         self.gradient_error_t
     }
 
-    /// How many cells there are along x, y, z.
+    /// Numbers of cells along x, y, z.
     pub fn cells(&self) -> [usize; 3] {
         self.cells
     }
 
-    /// How many exact values it was made from.
+    /// Number of exact fields from which the box was prepared.
     pub fn exact_values(&self) -> usize {
         self.exact_values
     }
 
-    /// What it occupies.
+    /// Memory of the cells in bytes.
     pub fn memory_bytes(&self) -> usize {
-        self.numbers.len() * size_of::<f64>()
+        self.coefficients.len() * size_of::<f64>()
     }
 
-    /// B at a point, in tesla, off by at most [`FittedField::error_t`] whatever |B| is there; `None` outside the box.
+    /// B at a point, in tesla; `None` outside the box.
+    ///
+    /// The error is at most [`FittedField::error_t`], however small |B| is there.
     pub fn flux_density(&self, point: DVec3) -> Option<DVec3> {
         if !self.is_inside(point) {
             return None;
         }
-        let (numbers, centre) = self.numbers_and_centre(self.cell(point));
+        let (coefficients, centre) = self.cell_coefficients_and_centre(self.cell(point));
         let place = (point - DVec3::from(centre)) * self.scale;
-        Some(dispatch!(self.level, simd => harmonic_field(simd, numbers, place)))
+        Some(dispatch!(self.level, simd => harmonic_field(simd, coefficients, place)))
     }
 
-    /// The gradient of B at a point: column j is dB/dx_j, in tesla per unit of length, off by at most
-    /// [`FittedField::gradient_error_t`]; `None` outside the box. Like that of the field itself it has no trace and is symmetric.
+    /// The gradient of B at a point, in tesla per unit of length; `None` outside the box.
+    ///
+    /// Column j is dB/dx_j. The gradient is symmetric and has no trace, as the one of the exact
+    /// field. The error of a component is at most [`FittedField::gradient_error_t`].
     pub fn flux_density_gradient(&self, point: DVec3) -> Option<DMat3> {
         if !self.is_inside(point) {
             return None;
         }
-        let (numbers, centre) = self.numbers_and_centre(self.cell(point));
-        Some(gradient(numbers, (point - DVec3::from(centre)) * self.scale) * self.scale)
+        let (coefficients, centre) = self.cell_coefficients_and_centre(self.cell(point));
+        Some(gradient(coefficients, (point - DVec3::from(centre)) * self.scale) * self.scale)
     }
 
-    /// B at many points, in parallel.
+    /// B at many points, in tesla; [`FittedField::flux_density_into`] with a new vector.
     ///
     /// # Errors
-    /// All points outside the box, and those where |B| is too small for a relative tolerance; their entries of `field` are then NaN and all others are
-    /// valid.
+    /// As [`FittedField::flux_density_into`].
+    pub fn flux_density_at(&self, points: &[DVec3]) -> Result<Vec<DVec3>, LookUpErrors> {
+        let mut field = vec![DVec3::ZERO; points.len()];
+        self.flux_density_into(points, &mut field).map(|()| field)
+    }
+
+    /// Writes B in tesla at many points, in the order of the points, in parallel over points.
+    ///
+    /// The error is at most [`FittedField::error_t`], and within the tolerance.
+    ///
+    /// # Errors
+    /// All points outside the box, and all points where |B| is too small for a relative tolerance.
+    /// Their entries of `field` are NaN; all others are valid.
     ///
     /// # Panics
     /// If the two slices differ in length.
-    pub fn flux_density_into(&self, points: &[DVec3], field: &mut [DVec3]) -> Result<(), Vec<LookUpError>> {
+    pub fn flux_density_into(&self, points: &[DVec3], field: &mut [DVec3]) -> Result<(), LookUpErrors> {
         assert_eq!(points.len(), field.len(), "one value per point");
-        let [least, most] = LOOKED_UP_TOGETHER;
-        let size = points.len().div_ceil(rayon::current_num_threads()).clamp(least, most);
+        let [min, max] = POINTS_PER_LOOK_UP;
+        let size = points.len().div_ceil(rayon::current_num_threads()).clamp(min, max);
         let errors: Vec<LookUpError> = points
             .par_chunks(size)
             .zip(field.par_chunks_mut(size))
@@ -225,14 +279,14 @@ impl FittedField {
                 errors
             })
             .collect();
-        if errors.is_empty() { Ok(()) } else { Err(errors) }
+        if errors.is_empty() { Ok(()) } else { Err(LookUpErrors(errors)) }
     }
 
     fn is_inside(&self, point: DVec3) -> bool {
         self.region.lower.cmple(point).all() && point.cmple(self.region.upper).all()
     }
 
-    /// The cell that a point of the box is in, or next to by rounding.
+    /// Index of the cell of a point in the box. By rounding it may be a neighbouring cell.
     #[inline(always)]
     fn cell(&self, point: DVec3) -> usize {
         let position = (point - self.region.lower) * self.per_cell;
@@ -240,11 +294,11 @@ impl FittedField {
         (i * self.cells[1] + j) * self.cells[2] + k
     }
 
-    pub(super) fn numbers_and_centre(&self, cell: usize) -> (&[f64], [f64; 3]) {
+    pub(super) fn cell_coefficients_and_centre(&self, cell: usize) -> (&[f64], [f64; 3]) {
         let [_, ny, nz] = self.cells;
         let index = DVec3::new((cell / (ny * nz)) as f64, (cell / nz % ny) as f64, (cell % nz) as f64);
         let centre = self.region.lower + (index + 0.5) * self.cell_size;
-        (&self.numbers[cell * CELL..(cell + 1) * CELL], centre.to_array())
+        (&self.coefficients[cell * CELL_COEFFICIENTS..(cell + 1) * CELL_COEFFICIENTS], centre.to_array())
     }
 }
 
@@ -255,7 +309,7 @@ impl fmt::Display for FittedFieldError {
             FittedFieldError::TooNear => {
                 "tiles are in the box or too close to it for its size: make it smaller or divide it"
             }
-            FittedFieldError::TooExact => "the tolerance is below what rounding leaves: make it larger",
+            FittedFieldError::TooExact => "the tolerance is below the rounding error of the field: make it larger",
         })
     }
 }
@@ -265,9 +319,29 @@ impl std::error::Error for FittedFieldError {}
 impl fmt::Display for LookUpError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let LookUpError { index, point: DVec3 { x, y, z }, outside } = self;
-        let why = if *outside { "outside the box" } else { "the field is too small there for the tolerance" };
+        let why = if *outside { "outside the box" } else { "the field is too weak there for the tolerance" };
         write!(f, "point {index} at ({x}, {y}, {z}): {why}")
     }
 }
 
 impl std::error::Error for LookUpError {}
+
+impl fmt::Display for LookUpErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let LookUpErrors(errors) = self;
+        for (number, error) in errors.iter().take(NAMED_POINTS).enumerate() {
+            let separator = if number == 0 { "" } else { "; " };
+            write!(f, "{separator}{error}")?;
+        }
+        match errors.len().saturating_sub(NAMED_POINTS) {
+            0 => Ok(()),
+            more => write!(f, "; and {more} more"),
+        }
+    }
+}
+
+impl std::error::Error for LookUpErrors {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.0.first().map(|error| error as _)
+    }
+}

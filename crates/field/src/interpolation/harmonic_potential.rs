@@ -1,5 +1,8 @@
-//! The field in a small box without tiles as the gradient of one harmonic potential (docs/physics.md, section 5.1): a third of the numbers that three
-//! components by themselves would take, fewer terms for each, and neither divergence nor curl.
+//! The field in a small box without tiles as the gradient of one harmonic potential
+//! (docs/physics.md, section 5.1).
+//!
+//! Three separate components would need three times as many free coefficients and more terms each,
+//! and would have a divergence and a curl.
 
 use fearless_simd::prelude::*;
 use glam::{DMat3, DVec3};
@@ -11,16 +14,21 @@ use crate::tolerances::CELL_DEGREE;
 
 /// Pairs of degree l and order m, 0 <= m <= l <= [`CELL_DEGREE`].
 const PAIRS: usize = (CELL_DEGREE + 1) * (CELL_DEGREE + 2) / 2;
-/// For each pair the factors of the real and the imaginary part in each component.
-const PARTS: usize = 6;
-/// Numbers of a cell: pair after pair, equal orders together, and room for the longest vector from the last pair on.
-pub(super) const CELL: usize = (PARTS * PAIRS + LONGEST_VECTOR - PARTS).next_multiple_of(LONGEST_VECTOR);
+/// Coefficients of a pair: those of the real and the imaginary part in each component.
+const PARTS_PER_PAIR: usize = 6;
+/// Number of coefficients of a cell (a_ilm and b_ilm of Eq. P31): pair after pair, by order, with
+/// padding so that the longest vector can be loaded from the last pair on.
+pub(super) const CELL_COEFFICIENTS: usize =
+    (PARTS_PER_PAIR * PAIRS + LONGEST_VECTOR - PARTS_PER_PAIR).next_multiple_of(LONGEST_VECTOR);
 
-/// Operations of vectors for a vector of points: for each pair but the first of an order six sums, or three of order 0, and three of the recurrence; and about
-/// twelve for each order.
+/// Cost of a look-up in vector operations for one vector of points.
+///
+/// Each pair but the first of an order has six sums, or three if the order is 0, and three
+/// operations of the recurrence. Each order has about twelve more.
 pub(crate) const LOOK_UP_COST: usize = 9 * (PAIRS - CELL_DEGREE - 1) - 3 * CELL_DEGREE + 12 * (CELL_DEGREE + 1);
 
-/// The factors of the recurrence (Eq. P31), pair after pair, from this degree to the next: 2 l + 1 and l^2 - m^2.
+/// Factors of the recurrence (Eq. P31) from a degree to the next, pair after pair: 2 l + 1 and
+/// l^2 - m^2.
 const RECURRENCE: [[f64; 2]; PAIRS] = {
     let mut factors = [[0.0; 2]; PAIRS];
     let (mut pair, mut order) = (0, 0);
@@ -36,7 +44,8 @@ const RECURRENCE: [[f64; 2]; PAIRS] = {
     factors
 };
 
-/// R_lm over the polynomial of the recurrence times (x + i y)^m, pair after pair.
+/// Leading coefficients, pair after pair: R_lm over (x + i y)^m and the polynomial of the
+/// recurrence.
 const LEADING: [f64; PAIRS] = {
     let mut factors = [1.0; PAIRS];
     let (mut pair, mut order, mut first) = (0, 0, 1.0);
@@ -53,43 +62,43 @@ const LEADING: [f64; PAIRS] = {
     factors
 };
 
-/// A real potential: the real or the imaginary part of R_lm.
+/// A real harmonic potential: the real or the imaginary part of R_lm.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Potential {
+pub(super) struct HarmonicPotential {
     degree: usize,
     order: usize,
     imaginary: bool,
 }
 
-impl Potential {
-    /// All whose field is no more than of degree [`CELL_DEGREE`].
-    pub(super) fn all() -> impl Iterator<Item = Potential> {
+impl HarmonicPotential {
+    /// All potentials whose field has at most degree [`CELL_DEGREE`].
+    pub(super) fn all() -> impl Iterator<Item = HarmonicPotential> {
         let orders = (1..=CELL_DEGREE + 1).flat_map(|degree| (0..=degree).map(move |order| (degree, order)));
         orders.flat_map(|(degree, order)| {
             let parts = [false, true].into_iter().take(if order == 0 { 1 } else { 2 });
-            parts.map(move |imaginary| Potential { degree, order, imaginary })
+            parts.map(move |imaginary| HarmonicPotential { degree, order, imaginary })
         })
     }
 
-    /// Whether it is odd in x, y and z.
+    /// Whether the potential is odd in x, y and z.
     pub(super) fn odd(&self) -> [bool; 3] {
         [(self.order + usize::from(self.imaginary)) % 2 == 1, self.imaginary, (self.degree - self.order) % 2 == 1]
     }
 
-    /// Its gradient where the harmonics are these.
+    /// The gradient at a point with these harmonics (Eq. P22).
     pub(super) fn gradient(&self, harmonics: &HarmonicTriangle<f64>) -> DVec3 {
         let along = |along| harmonics.derivative(along, self.degree, self.order)[usize::from(self.imaginary)];
         DVec3::new(along(DerivativeVector::X(1.0)), along(DerivativeVector::Y(1.0)), along(DerivativeVector::Z(1.0)))
     }
 
-    /// Which of a cell's numbers its gradient is made of, with the factor of each (Eq. P22).
-    pub(super) fn parts(&self) -> Vec<(usize, f64)> {
-        let Potential { degree, order, imaginary } = *self;
+    /// The gradient in terms of a cell's coefficients: index and factor of each (Eq. P22).
+    pub(super) fn gradient_terms(&self) -> Vec<(usize, f64)> {
+        let HarmonicPotential { degree, order, imaginary } = *self;
         let l = degree - 1;
         let part = |component: usize, order: usize, imaginary: bool, factor: f64| {
             (order <= l && !(imaginary && order == 0)).then(|| {
                 let pair = pair(l, order);
-                (PARTS * pair + 2 * component + usize::from(imaginary), factor * LEADING[pair])
+                (PARTS_PER_PAIR * pair + 2 * component + usize::from(imaginary), factor * LEADING[pair])
             })
         };
         let own = part(2, order, imaginary, 1.0);
@@ -108,26 +117,27 @@ impl Potential {
     }
 }
 
-/// The place of a pair among all.
+/// Index of a pair of degree and order.
 fn pair(l: usize, m: usize) -> usize {
     m * (CELL_DEGREE + 1) - m * m.saturating_sub(1) / 2 + l - m
 }
 
-/// The harmonics at a place up to so many degrees.
-pub(super) fn harmonics(degree: usize, place: DVec3) -> HarmonicTriangle<f64> {
+/// The regular harmonics at a point, up to a degree.
+pub(super) fn harmonics(degree: usize, point: DVec3) -> HarmonicTriangle<f64> {
     let mut harmonics = HarmonicTriangle::new(degree, 0.0);
-    harmonics.set_harmonics(place.to_array(), 0.0, 1.0);
+    harmonics.set_harmonics(point.to_array(), 0.0, 1.0);
     harmonics
 }
 
-/// The field of a cell's numbers at two vectors of places: each number is fetched once for both.
+/// The field of a cell at two vectors of points, relative to its centre and scaled. Each
+/// coefficient is loaded once for both.
 #[inline(always)]
-pub(super) fn fields<S: Simd>(simd: S, numbers: &[f64], places: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+pub(super) fn fields<S: Simd>(simd: S, coefficients: &[f64], points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
     let zero = Lanes::<S>::splat(simd, 0.0);
     let mut steps = [[[zero; 2]; 2]; CELL_DEGREE];
     let mut squares = [zero; 2];
     for at in 0..2 {
-        let [x, y, z] = places[at];
+        let [x, y, z] = points[at];
         let square = z.mul_add(z, y.mul_add(y, x * x));
         squares[at] = square;
         for (degree, step) in (0..).zip(&mut steps) {
@@ -135,44 +145,45 @@ pub(super) fn fields<S: Simd>(simd: S, numbers: &[f64], places: [[Lanes<S>; 3]; 
             step[at] = [z * (2.0 * degree + 1.0), square * (degree * degree)];
         }
     }
-    let (first, mut rest) = numbers.split_at(PARTS * (CELL_DEGREE + 1));
-    // Of order 0 no number has an imaginary part.
-    let mut field = row_sums::<S, { PARTS / 2 }>(simd, 0, first, squares, &steps);
-    let mut phase = places.map(|[x, y, _]| [x, y]);
+    let (first, mut rest) = coefficients.split_at(PARTS_PER_PAIR * (CELL_DEGREE + 1));
+    // Coefficients of order 0 are real.
+    let mut field = row_sums::<S, { PARTS_PER_PAIR / 2 }>(simd, 0, first, squares, &steps);
+    let mut phase = points.map(|[x, y, _]| [x, y]);
     for order in 1..=CELL_DEGREE {
         let own;
-        (own, rest) = rest.split_at(PARTS * (CELL_DEGREE + 1 - order));
-        let sums = row_sums::<S, PARTS>(simd, order, own, squares, &steps);
+        (own, rest) = rest.split_at(PARTS_PER_PAIR * (CELL_DEGREE + 1 - order));
+        let sums = row_sums::<S, PARTS_PER_PAIR>(simd, order, own, squares, &steps);
         for at in 0..2 {
             let [re, im] = phase[at];
             for (component, field) in field[at].iter_mut().enumerate() {
                 let [own_re, own_im] = [sums[at][2 * component], sums[at][2 * component + 1]];
                 *field = own_im.mul_add(im, own_re.mul_add(re, *field));
             }
-            let [x, y, _] = places[at];
+            let [x, y, _] = points[at];
             phase[at] = [re.mul_sub(x, im * y), re.mul_add(y, im * x)];
         }
     }
     field
 }
 
-/// For each of the parts, of which all or every other one are wanted, the sum over degrees of its number times the polynomial. `steps` are
-/// (2 l + 1) z and l^2 r^2 for each degree l from 0 on.
+/// Sums over degrees of coefficient times polynomial, for all parts or for every second one.
+///
+/// `steps` are (2 l + 1) z and l^2 r^2 for each degree l from 0 on.
 #[inline(always)]
 fn row_sums<S: Simd, const WANTED: usize>(
     simd: S,
     order: usize,
-    numbers: &[f64],
+    coefficients: &[f64],
     squares: [Lanes<S>; 2],
     steps: &[[[Lanes<S>; 2]; 2]; CELL_DEGREE],
 ) -> [[Lanes<S>; WANTED]; 2] {
-    let every = PARTS / WANTED;
-    let mut numbers = numbers.chunks_exact(PARTS);
+    let every = PARTS_PER_PAIR / WANTED;
+    let mut coefficients = coefficients.chunks_exact(PARTS_PER_PAIR);
     let mut sums = [[Lanes::splat(simd, 0.0); WANTED]; 2];
-    // The polynomial of the first degree is 1, that of the next its step along z.
-    if let Some(numbers) = numbers.next() {
-        for (part, number) in numbers.iter().step_by(every).enumerate() {
-            let sum = Lanes::splat(simd, *number);
+    // The first polynomial is 1, the second (2 l + 1) z.
+    if let Some(coefficients) = coefficients.next() {
+        for (part, coefficient) in coefficients.iter().step_by(every).enumerate() {
+            let sum = Lanes::splat(simd, *coefficient);
             (sums[0][part], sums[1][part]) = (sum, sum);
         }
     }
@@ -181,10 +192,10 @@ fn row_sums<S: Simd, const WANTED: usize>(
     let order_squared = (order * order) as f64;
     let below = [squares[0] * order_squared, squares[1] * order_squared];
     let mut steps = steps.iter().skip(order + 1);
-    for numbers in numbers {
+    for coefficients in coefficients {
         for at in 0..2 {
-            for (sum, number) in sums[at].iter_mut().zip(numbers.iter().step_by(every)) {
-                *sum = polynomial[at].scale_add(*number, *sum);
+            for (sum, coefficient) in sums[at].iter_mut().zip(coefficients.iter().step_by(every)) {
+                *sum = polynomial[at].scale_add(*coefficient, *sum);
             }
         }
         let Some(step) = steps.next() else { break };
@@ -197,31 +208,33 @@ fn row_sums<S: Simd, const WANTED: usize>(
     sums
 }
 
-/// The same at one place: the parts of a pair are the lanes.
+/// The field of a cell at one point, relative to its centre and scaled. The parts of a pair are
+/// lanes.
 #[inline(always)]
-pub(super) fn field<S: Simd>(simd: S, numbers: &[f64], place: DVec3) -> DVec3 {
+pub(super) fn field<S: Simd>(simd: S, coefficients: &[f64], point: DVec3) -> DVec3 {
     let length = Lanes::<S>::LEN;
     let load = |values: &[f64; LONGEST_VECTOR]| Lanes::<S>::load(simd, &values[..length]);
-    // Real and imaginary parts in turns, and the imaginary ones first.
+    // Powers of x + i y: real and imaginary parts alternate; in the second vector imaginary parts
+    // come first.
     let mut phases = [load(&[1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0]), load(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0])];
-    let [x, y] = [place.x, place.y];
+    let [x, y] = [point.x, point.y];
     let turns = [load(&[-y, y, -y, y, -y, y, -y, y]), load(&[y, -y, y, -y, y, -y, y, -y])];
-    let square = place.length_squared();
-    // Vectors that hold all parts.
-    const MOST: usize = LONGEST_VECTOR / 2;
-    let count = PARTS.div_ceil(length);
-    let mut totals = [Lanes::<S>::splat(simd, 0.0); MOST];
+    let square = point.length_squared();
+    // Largest number of vectors that hold all parts.
+    const MAX_VECTORS: usize = LONGEST_VECTOR / 2;
+    let count = PARTS_PER_PAIR.div_ceil(length);
+    let mut totals = [Lanes::<S>::splat(simd, 0.0); MAX_VECTORS];
     let mut pair = 0;
     for order in 0..=CELL_DEGREE {
         let (mut last, mut polynomial) = (0.0, 1.0);
-        let mut sums = [Lanes::<S>::splat(simd, 0.0); MOST];
+        let mut sums = [Lanes::<S>::splat(simd, 0.0); MAX_VECTORS];
         for _ in order..=CELL_DEGREE {
-            let numbers = &numbers[PARTS * pair..PARTS * pair + LONGEST_VECTOR];
-            for (sum, numbers) in sums[..count].iter_mut().zip(numbers.chunks_exact(length)) {
-                *sum = Lanes::<S>::load(simd, numbers).scale_add(polynomial, *sum);
+            let coefficients = &coefficients[PARTS_PER_PAIR * pair..PARTS_PER_PAIR * pair + LONGEST_VECTOR];
+            for (sum, coefficients) in sums[..count].iter_mut().zip(coefficients.chunks_exact(length)) {
+                *sum = Lanes::<S>::load(simd, coefficients).scale_add(polynomial, *sum);
             }
             let [along, back] = RECURRENCE[pair];
-            let next = polynomial * (along * place.z) - square * back * last;
+            let next = polynomial * (along * point.z) - square * back * last;
             (last, polynomial) = (polynomial, next);
             pair += 1;
         }
@@ -238,19 +251,21 @@ pub(super) fn field<S: Simd>(simd: S, numbers: &[f64], place: DVec3) -> DVec3 {
     DVec3::new(parts[0] + parts[1], parts[2] + parts[3], parts[4] + parts[5])
 }
 
-/// The gradient of the field of a cell's numbers, in its own unit of length: column j is that along axis j.
-pub(super) fn gradient(numbers: &[f64], place: DVec3) -> DMat3 {
-    let harmonics = harmonics(CELL_DEGREE, place);
+/// The gradient of the field of a cell, in tesla per scaled unit of length. Column j is the
+/// derivative along axis j.
+pub(super) fn gradient(coefficients: &[f64], point: DVec3) -> DMat3 {
+    let harmonics = harmonics(CELL_DEGREE, point);
     let axes = [DerivativeVector::X(1.0), DerivativeVector::Y(1.0), DerivativeVector::Z(1.0)];
     let mut columns = [DVec3::ZERO; 3];
     for l in 1..=CELL_DEGREE {
         for m in 0..=l {
             let pair = pair(l, m);
-            let (numbers, over) = (&numbers[PARTS * pair..][..PARTS], 1.0 / LEADING[pair]);
-            let [re, im] = [0, 1].map(|part| DVec3::new(numbers[part], numbers[2 + part], numbers[4 + part]) * over);
+            let (coefficients, over) = (&coefficients[PARTS_PER_PAIR * pair..][..PARTS_PER_PAIR], 1.0 / LEADING[pair]);
+            let [re, im] = [0, 1]
+                .map(|part| DVec3::new(coefficients[part], coefficients[2 + part], coefficients[4 + part]) * over);
             for (column, axis) in columns.iter_mut().zip(axes) {
-                let slope = harmonics.derivative(axis, l, m);
-                *column += re * slope[0] + im * slope[1];
+                let derivative = harmonics.derivative(axis, l, m);
+                *column += re * derivative[0] + im * derivative[1];
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Interpolation of the field in boxes without tiles (docs/physics.md, section 5.1).
 
-/// Cells of a box, each with a harmonic polynomial.
+/// Cells of a box, each with a harmonic potential.
 mod cells;
 /// Chebyshev polynomials, nodes and the decay of coefficients.
 mod chebyshev;

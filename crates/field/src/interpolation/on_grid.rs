@@ -1,4 +1,4 @@
-//! A grid divided into boxes that can be fitted.
+//! Interpolation on a grid: its division into boxes with a Chebyshev fit, and their evaluation.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -7,26 +7,27 @@ use magsplice_magnet::{BoundingBox, Grid, Tolerance};
 use rayon::prelude::*;
 
 use super::chebyshev::polynomials;
-use super::fit::{Fit, FitFailure};
+use super::fit::{ChebyshevFit, FitFailure};
 use super::weighted_sums::{padded, weighted_sum};
 use crate::direct::direct_sum::DirectSum;
-use crate::tolerances::{FITTED_POINTS, POINTS_PER_NODE};
+use crate::tolerances::{GRID_POINTS_PER_NODE, MIN_FIT_POINTS};
 
-/// A part of a grid: indices from and to, that excluded, along x, y, z.
+/// A part of a grid: first indices along x, y, z, and the indices after the last.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GridPart {
     start: [usize; 3],
     end: [usize; 3],
 }
 
-/// A grid divided into parts that a Chebyshev fit interpolates, and parts that none does.
+/// A grid divided into parts that have a Chebyshev fit, and parts without one.
 pub(crate) struct GridFits {
-    pub(crate) fitted: Vec<(GridPart, Fit)>,
+    pub(crate) fitted: Vec<(GridPart, ChebyshevFit)>,
     pub(crate) rest: Vec<GridPart>,
 }
 
 impl GridFits {
-    /// Divides a grid.
+    /// Divides a grid. Parts too near to tiles for a fit are halved, down to a smallest number of
+    /// points.
     pub(crate) fn new(direct: &DirectSum, tolerance: Tolerance, grid: &Grid) -> GridFits {
         let mut fits = GridFits { fitted: Vec::new(), rest: Vec::new() };
         let whole = GridPart { start: [0; 3], end: grid.counts() };
@@ -34,8 +35,8 @@ impl GridFits {
         fits
     }
 
-    /// Writes B in tesla at the points that a fit interpolates within the tolerance; returns the indices
-    /// of all other points.
+    /// Writes B in tesla at the points where a fit keeps the tolerance. Returns the indices of all
+    /// other points.
     pub(crate) fn evaluate(&self, level: Level, tolerance: Tolerance, grid: &Grid, field: &mut [DVec3]) -> Vec<usize> {
         let mut rest: Vec<usize> = self.rest.iter().flat_map(|part| part.indices(grid)).collect();
         for (part, fit) in &self.fitted {
@@ -50,18 +51,18 @@ fn divide(
     tolerance: Tolerance,
     grid: &Grid,
     part: GridPart,
-    fitted: &mut Vec<(GridPart, Fit)>,
+    fitted: &mut Vec<(GridPart, ChebyshevFit)>,
     rest: &mut Vec<GridPart>,
 ) {
     let points = part.len();
-    let fit = if points < FITTED_POINTS {
+    let fit = if points < MIN_FIT_POINTS {
         Err(FitFailure::TooNear)
     } else {
-        Fit::new(direct, part.region(grid), tolerance, points / POINTS_PER_NODE)
+        ChebyshevFit::new(direct, part.region(grid), tolerance, points / GRID_POINTS_PER_NODE)
     };
     match fit {
         Ok(fit) => fitted.push((part, fit)),
-        Err(FitFailure::TooNear) if points >= 2 * FITTED_POINTS => {
+        Err(FitFailure::TooNear) if points >= 2 * MIN_FIT_POINTS => {
             let axis = part.longest_axis(grid);
             let middle = usize::midpoint(part.start[axis], part.end[axis]);
             let (mut low, mut high) = (part, part);
@@ -75,17 +76,19 @@ fn divide(
 }
 
 impl GridPart {
+    /// Number of points.
     pub(crate) fn len(&self) -> usize {
         self.counts().iter().product()
     }
 
+    /// Numbers of points along x, y, z.
     pub(crate) fn counts(&self) -> [usize; 3] {
         [0, 1, 2].map(|axis: usize| self.end[axis] - self.start[axis])
     }
 
     fn region(&self, grid: &Grid) -> BoundingBox {
         let corner =
-            |at: fn(&GridPart, usize) -> usize| DVec3::from([0, 1, 2].map(|a| grid.coordinate(a, at(self, a))));
+            |index: fn(&GridPart, usize) -> usize| DVec3::from([0, 1, 2].map(|a| grid.coordinate(a, index(self, a))));
         let (first, last) = (corner(|part, a| part.start[a]), corner(|part, a| part.end[a] - 1));
         BoundingBox { lower: first.min(last), upper: first.max(last) }
     }
@@ -96,6 +99,7 @@ impl GridPart {
         divisible.max_by(|&a, &b| size[a].total_cmp(&size[b])).expect("several points")
     }
 
+    /// Indices of the points in the grid, z fastest.
     pub(crate) fn indices(self, grid: &Grid) -> impl Iterator<Item = usize> {
         let [_, ny, nz] = grid.counts();
         let GridPart { start, end } = self;
@@ -105,7 +109,7 @@ impl GridPart {
     }
 }
 
-/// The polynomials of a fit at the grid's coordinates along its axes.
+/// The polynomials of a fit at the grid's coordinates along each axis.
 struct PolynomialTables {
     /// For each coordinate along x and along y the values of all polynomials.
     along_x: Vec<Vec<f64>>,
@@ -115,7 +119,7 @@ struct PolynomialTables {
 }
 
 impl PolynomialTables {
-    fn new(fit: &Fit, grid: &Grid, part: GridPart) -> PolynomialTables {
+    fn new(fit: &ChebyshevFit, grid: &Grid, part: GridPart) -> PolynomialTables {
         let (centre, half) = (fit.region.centre(), fit.region.half_size());
         let values = |axis: usize, index: usize| {
             let mut values = vec![0.0; fit.counts[axis]];
@@ -124,21 +128,22 @@ impl PolynomialTables {
             values
         };
         let along = |axis: usize| (part.start[axis]..part.end[axis]).map(|i| values(axis, i)).collect::<Vec<_>>();
-        let room = padded(part.counts()[2]);
-        let mut along_z = vec![0.0; fit.counts[2] * room];
+        let stride = padded(part.counts()[2]);
+        let mut along_z = vec![0.0; fit.counts[2] * stride];
         for (k, values) in along(2).into_iter().enumerate() {
             for (c, value) in values.into_iter().enumerate() {
-                along_z[c * room + k] = value;
+                along_z[c * stride + k] = value;
             }
         }
         PolynomialTables { along_x: along(0), along_y: along(1), along_z }
     }
 }
 
-/// The expansion at the points of a part; those at which it does not keep the tolerance are named.
+/// Writes the interpolated field at the points of a part. Points at which it does not keep the
+/// tolerance are added to `rest`.
 fn evaluate(
     level: Level,
-    fit: &Fit,
+    fit: &ChebyshevFit,
     tolerance: Tolerance,
     grid: &Grid,
     part: GridPart,
@@ -151,7 +156,7 @@ fn evaluate(
     let missed: Vec<usize> = planes
         .flat_map_iter(|(i, field)| {
             let weights = &tables.along_x[i - part.start[0]];
-            let weakest_t = dispatch!(level, simd => plane(simd, fit, &tables, weights, part, nz, field));
+            let weakest_t = dispatch!(level, simd => evaluate_plane(simd, fit, &tables, weights, part, nz, field));
             let mut missed = Vec::new();
             if !tolerance.is_kept(DVec3::X * weakest_t, fit.error_t) {
                 let in_plane =
@@ -165,24 +170,25 @@ fn evaluate(
     rest.extend(missed);
 }
 
-/// One plane of constant x: first over the polynomials along x, then along y, then along z. Returns the least |B| in it.
+/// Writes the field in one plane of constant x, summing over the polynomials along x first, then
+/// along y, then along z. Returns the smallest |B| in the plane.
 #[inline(always)]
-fn plane<S: Simd>(
+fn evaluate_plane<S: Simd>(
     simd: S,
-    fit: &Fit,
+    fit: &ChebyshevFit,
     tables: &PolynomialTables,
     weights: &[f64],
     part: GridPart,
     stride: usize,
     field: &mut [DVec3],
 ) -> f64 {
-    let (slab, degrees, room) = (Fit::slab(fit.counts), fit.counts[2], padded(part.counts()[2]));
+    let (slab, degrees, line) = (ChebyshevFit::slab_len(fit.counts), fit.counts[2], padded(part.counts()[2]));
     let mut in_plane = [0, 1, 2].map(|_| vec![0.0; slab]);
     for (sum, coefficients) in in_plane.iter_mut().zip(&fit.coefficients) {
         weighted_sum(simd, weights, coefficients, sum);
     }
     let mut on_line = vec![0.0; padded(degrees)];
-    let mut values = [0, 1, 2].map(|_| vec![0.0; room]);
+    let mut values = [0, 1, 2].map(|_| vec![0.0; line]);
     let mut least_square = f64::INFINITY;
     for (j, weights) in (part.start[1]..).zip(&tables.along_y) {
         for (values, coefficients) in values.iter_mut().zip(&in_plane) {

@@ -1,24 +1,27 @@
-//! Sums of rows with weights, in the widest vectors: what products of expansions come down to.
+//! Weighted sums of rows, in the widest vectors. Evaluation of products of polynomials consists of
+//! them.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
 use magsplice_simd::lanes::{Lanes, Number};
 
-/// Rows are filled up with zeros to multiples of this, two of the longest vectors.
+/// Row lengths are rounded up to a multiple of this, two of the longest vectors; the padding is
+/// zero.
 const PADDING: usize = 16;
 
-/// The room for a row of so many numbers.
+/// Length of a row of `length` numbers with its padding.
 pub(super) fn padded(length: usize) -> usize {
     length.next_multiple_of(PADDING)
 }
 
-/// The sum of `weights` times as many `rows` of the length of `sum`, which is one that [`padded`] gives.
-pub(super) fn combine(level: Level, weights: &[f64], rows: &[f64], sum: &mut [f64]) {
+/// Sets `sum` to the sum of `weights` times `rows`. Each row has the length of `sum`, a [`padded`]
+/// one.
+pub(super) fn weighted_sum_at(level: Level, weights: &[f64], rows: &[f64], sum: &mut [f64]) {
     dispatch!(level, simd => weighted_sum(simd, weights, rows, sum));
 }
 
-/// See [`combine`].
+/// [`weighted_sum_at`] inside a dispatched function.
 #[inline(always)]
 pub(super) fn weighted_sum<S: Simd>(simd: S, weights: &[f64], rows: &[f64], sum: &mut [f64]) {
     let (length, stride) = (Lanes::<S>::LEN, sum.len());
@@ -31,7 +34,7 @@ pub(super) fn weighted_sum<S: Simd>(simd: S, weights: &[f64], rows: &[f64], sum:
     }
 }
 
-/// `N` vectors of the sum, which do not wait for each other.
+/// `N` vectors of the sum, whose additions do not wait for each other.
 #[inline(always)]
 fn strip<S: Simd, const N: usize>(
     simd: S,

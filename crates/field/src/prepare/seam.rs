@@ -1,6 +1,6 @@
 //! Faces that differ by round-off get one coordinate.
 //!
-//! LanePair touching tiles are given by centres and sizes, and `position + size / 2` of one need not
+//! Two touching tiles are given by centres and sizes, and `position + size / 2` of one need not
 //! round to `position - size / 2` of the other. A point between the two numbers would belong to
 //! both tiles or to none. Faces within a few units of round-off of each other therefore get one
 //! coordinate, which moves no face by more than that.

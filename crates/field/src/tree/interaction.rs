@@ -1,4 +1,4 @@
-//! How the nodes of a tree act on a batch of points.
+//! Interactions of the nodes of a tree with a batch of points.
 
 /// A node that acts through its multipole expansion.
 #[derive(Clone, Copy, Debug)]
@@ -8,12 +8,12 @@ pub(crate) struct ExpandedNode {
     pub(crate) distance: f64,
     /// The degree at that distance.
     pub(crate) degree: usize,
-    /// Upper bound of the truncation error of that degree there, in tesla. No lower degree has a
-    /// larger error at points farther away.
+    /// Upper bound of the truncation error of that degree there, in tesla. Points farther away may
+    /// have lower degrees, whose truncation error is at most this too.
     pub(crate) truncation_error_t: f64,
 }
 
-/// A node whose expansion is translated to a local expansion around the points (M2L).
+/// A node whose expansion is translated into a local expansion around the points (M2L).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TranslatedNode {
     pub(crate) node: usize,
@@ -29,14 +29,14 @@ pub(crate) struct TranslatedNode {
     pub(crate) local_truncation_error_t: f64,
 }
 
-/// How a node acts on points.
+/// The interaction of a node with points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Interaction {
-    /// Not at all: its whole field is within the allowed truncation error.
+    /// None: the whole field of the node is within the allowed truncation error.
     Ignored,
-    /// Through a local expansion of this degree, with an upper bound of its truncation error in tesla.
+    /// A local expansion of this degree, with an upper bound of its truncation error in tesla.
     Translated { local_degree: usize, local_truncation_error_t: f64 },
-    /// Through its multipole expansion.
+    /// The multipole expansion.
     Expanded,
 }
 
@@ -44,6 +44,6 @@ pub(crate) enum Interaction {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DirectItem {
     pub(crate) item: usize,
-    /// The distance from its centre beyond which its expansion replaces it.
+    /// Distance from its centre beyond which its expansion replaces direct summation.
     pub(crate) beyond: Option<(f64, ExpandedNode)>,
 }

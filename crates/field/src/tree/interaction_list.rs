@@ -1,45 +1,56 @@
-//! The interaction list of a batch of points: how each part of a tree acts on them.
+//! The interaction list of a batch of points: the interaction of each part of a tree with them.
 
 use glam::DVec3;
 use magsplice_magnet::BoundingBox;
 
 use super::interaction::{DirectItem, ExpandedNode, Interaction, TranslatedNode};
 use super::nodes::Tree;
-use crate::tolerances::{CERTAIN_SHARE, STRETCHED_BOUND, TRANSLATED_POINTS, TRANSLATED_SHARE};
+use crate::tolerances::{LOCAL_ERROR_SHARE, MIN_TRANSLATION_POINTS, ROUNDING_SHARE, STRETCHED_BOUND};
+
+/// Numbers of tiles by interaction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct TileCounts {
+    /// Tiles of expanded and translated nodes.
+    pub(crate) expanded: usize,
+    /// Tiles that are summed directly, at least at some points.
+    pub(crate) direct: usize,
+    /// Tiles of ignored nodes.
+    pub(crate) ignored: usize,
+}
 
 /// The parts of a tree that add up to the field at points close to each other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct InteractionList {
     /// Nodes that act through their multipole expansions.
     pub(crate) expanded: Vec<ExpandedNode>,
-    /// Nodes translated to `centre`.
+    /// Nodes translated into a local expansion about `centre`.
     pub(crate) translated: Vec<TranslatedNode>,
     /// Centre of the box around the points.
     pub(crate) centre: DVec3,
     /// Distance from the centre to a corner of that box.
-    pub(crate) reach: f64,
-    /// Items that are summed directly at points near them; those of one frame follow each other.
+    pub(crate) radius: f64,
+    /// Items that are summed directly at points near them. Items of one frame follow each other.
     pub(crate) direct: Vec<DirectItem>,
     /// Upper bound of the truncation error of all nodes at any of the points, in tesla.
     pub(crate) truncation_error_t: f64,
-    /// The part of it that comes from ignored nodes.
+    /// The part of it that ignored nodes contribute.
     pub(crate) ignored_t: f64,
     /// Upper bound of the sum over tiles of the magnitudes of their fields, in tesla.
     pub(crate) magnitude_t: f64,
-    /// Tiles in expansions, in direct summation, and ignored.
-    pub(crate) tiles: [usize; 3],
+    /// Numbers of tiles by interaction.
+    pub(crate) tiles: TileCounts,
 }
 
 impl InteractionList {
-    /// The list for `count` points in a box, of the largest nodes whose truncation error is at most
-    /// `allowed_t` each. For many points far nodes are translated.
+    /// The interaction list of `count` points in a box, with the largest nodes whose truncation
+    /// error is at most `allowed_t` each. For many points far nodes are translated.
     pub(crate) fn new(tree: &Tree, points: &BoundingBox, count: usize, allowed_t: f64) -> InteractionList {
-        let (centre, reach) = (points.centre(), points.half_size().length());
-        let mut list = InteractionList { centre, reach, ..InteractionList::default() };
+        let (centre, radius) = (points.centre(), points.half_size().length());
+        let mut list = InteractionList { centre, radius, ..InteractionList::default() };
         let mut waiting: Vec<usize> = (0..tree.nodes.len().min(1)).collect();
         while let Some(index) = waiting.pop() {
-            if let Some(expanded) = tree.expanded(index, points, allowed_t) {
-                let interaction = list.interaction(tree, &expanded, count >= TRANSLATED_POINTS, allowed_t);
+            if let Some(expanded) = tree.expanded_node(index, points, allowed_t) {
+                let interaction = list.interaction(tree, &expanded, count >= MIN_TRANSLATION_POINTS, allowed_t);
                 list.add(tree, points, expanded, interaction);
                 continue;
             }
@@ -47,28 +58,29 @@ impl InteractionList {
                 Some([low, high]) => waiting.extend([high, low]),
                 None => {
                     let item = tree.nodes[index].items.start;
-                    let beyond = tree.least_distance(index, points, allowed_t);
+                    let beyond = tree.expansion_distance(index, points, allowed_t);
                     list.truncation_error_t += beyond.map_or(0.0, |(_, expanded)| expanded.truncation_error_t);
                     list.direct.push(DirectItem { item, beyond });
-                    list.tiles[1] += tree.tiles_of_item(item);
+                    list.tiles.direct += tree.tiles_of_item(item);
                     list.magnitude_t +=
-                        tree.item_field_bound_t(index, points, CERTAIN_SHARE / STRETCHED_BOUND * allowed_t);
+                        tree.leaf_field_bound_t(index, points, ROUNDING_SHARE / STRETCHED_BOUND * allowed_t);
                 }
             }
         }
-        // Nodes that are translated at the same time take the highest of their degrees.
+        // Nodes that are translated at the same time are translated with the highest of their
+        // degrees.
         list.translated.sort_by_key(|of| (of.local_degree, of.degree, of.node));
         list.direct.sort_by_key(|direct| (tree.items[direct.item].frame, direct.item));
         list
     }
 
-    /// How a node acts on the points.
+    /// The interaction of a node with the points.
     fn interaction(&self, tree: &Tree, of: &ExpandedNode, may_translate: bool, allowed_t: f64) -> Interaction {
         if of.degree == 0 {
             return Interaction::Ignored;
         }
-        let share_t = TRANSLATED_SHARE * allowed_t;
-        let local = may_translate.then(|| tree.local_degree(of.node, of.degree, self.centre, self.reach, share_t));
+        let share_t = LOCAL_ERROR_SHARE * allowed_t;
+        let local = may_translate.then(|| tree.local_degree(of.node, of.degree, self.centre, self.radius, share_t));
         match local.flatten() {
             Some((local_degree, local_truncation_error_t)) => {
                 Interaction::Translated { local_degree, local_truncation_error_t }
@@ -77,7 +89,7 @@ impl InteractionList {
         }
     }
 
-    /// Adds a node.
+    /// Adds a node with its interaction.
     fn add(&mut self, tree: &Tree, points: &BoundingBox, of: ExpandedNode, interaction: Interaction) {
         let ExpandedNode { node, distance, degree, truncation_error_t } = of;
         self.truncation_error_t += truncation_error_t;
@@ -97,13 +109,16 @@ impl InteractionList {
             }
             Interaction::Expanded => self.expanded.push(of),
         }
-        let kind = if let Interaction::Ignored = interaction { 2 } else { 0 };
-        self.tiles[kind] += tree.tiles_of_node(node);
+        let count = match interaction {
+            Interaction::Ignored => &mut self.tiles.ignored,
+            Interaction::Translated { .. } | Interaction::Expanded => &mut self.tiles.expanded,
+        };
+        *count += tree.tiles_of_node(node);
     }
 
     /// Whether every tile is summed directly.
     pub(crate) fn is_exact(&self) -> bool {
-        self.expansions() == 0 && self.tiles[2] == 0
+        self.expansions() == 0 && self.tiles.ignored == 0
     }
 
     /// The degrees of the expansions.

@@ -7,7 +7,7 @@ use magsplice_magnet::{Accuracy, Tolerance};
 
 use super::nodes::Tree;
 use crate::direct::direct_sum::DirectSum;
-use crate::tolerances::{ADDED_DEGREES, LEAST_DEGREE};
+use crate::tolerances::{EXTRA_DEGREES, MIN_TREE_DEGREE};
 
 /// A tree over the tiles of a scene, for one accuracy.
 #[derive(Clone, Debug)]
@@ -29,14 +29,14 @@ impl LazyTree {
     }
 }
 
-/// The degree up to which expansions of tiles whose |J| is at most `largest_j_t` are worthwhile: its
-/// truncation error is about the tolerance at twice the radius.
+/// Highest degree of expansions that an accuracy needs, for tiles whose |J| is at most
+/// `largest_j_t`. The truncation error of that degree is about the tolerance at twice the radius.
 fn highest_degree(accuracy: Accuracy, largest_j_t: f64) -> usize {
     let fraction = match accuracy {
         Accuracy::Exact => return HIGHEST_DEGREE,
         Accuracy::Within(Tolerance::Relative { fraction, .. }) => fraction,
         Accuracy::Within(Tolerance::AbsoluteT { error_t, .. }) => error_t / largest_j_t,
     };
-    let degree = ADDED_DEGREES - fraction.log2();
-    if degree > LEAST_DEGREE as f64 { degree.min(HIGHEST_DEGREE as f64) as usize } else { LEAST_DEGREE }
+    let degree = EXTRA_DEGREES - fraction.log2();
+    if degree > MIN_TREE_DEGREE as f64 { degree.min(HIGHEST_DEGREE as f64) as usize } else { MIN_TREE_DEGREE }
 }

@@ -16,8 +16,8 @@ use crate::direct::far_field::{BeyondSphere, DegreesByPoints, FarField};
 use crate::direct::sum::{FrameClusters, Sum};
 use crate::prepare::frames::Frames;
 
-/// Writes B or H at a batch of points, and an upper bound of the truncation error at each, in tesla.
-/// Points without a field are passed to `failed`, and their field is NaN.
+/// Writes B or H at a batch of points, and an upper bound of the truncation error at each, in
+/// tesla. Points without a field are passed to `failed`, and their field is NaN.
 pub(super) fn field_of_list(
     (direct, tree): (&DirectSum, &Tree),
     list: &InteractionList,
@@ -68,7 +68,7 @@ pub(super) fn sum_list(
 /// The local expansion of all translated nodes.
 pub(super) fn local_expansion(level: Level, tree: &Tree, list: &InteractionList) -> Option<LocalExpansion> {
     let degree = list.translated.iter().map(|of| of.local_degree).max()?;
-    let scale = power_of_two_reciprocal(list.reach);
+    let scale = power_of_two_reciprocal(list.radius);
     let inputs: Vec<M2lInput> = list.translated.iter().map(|of| tree.m2l_input(of, list.centre, scale)).collect();
     Some(dispatch!(level, simd => translate(simd, &inputs, degree, list.centre, scale)))
 }
@@ -82,8 +82,8 @@ fn clusters<'a>(
 ) -> Vec<FrameClusters<'a>> {
     let frame_of = |direct: &DirectItem| tree.items[direct.item].frame;
     let mut outside = outside.iter();
-    let of_frames = list.direct.chunk_by(|a, b| frame_of(a) == frame_of(b));
-    let with_clusters = of_frames.map(|items| {
+    let runs_of_frames = list.direct.chunk_by(|a, b| frame_of(a) == frame_of(b));
+    let with_clusters = runs_of_frames.map(|items| {
         let frame = &frames.frames()[frame_of(&items[0])];
         let cluster = |(direct, node_field): (&DirectItem, &'a Option<NodeField<'a>>)| {
             let beyond = direct.beyond.zip(node_field.as_ref()).map(|((distance, expanded), far_field)| BeyondSphere {
@@ -107,7 +107,7 @@ pub(super) struct NodeField<'a> {
 impl FarField for NodeField<'_> {
     fn fields(&self, level: Level, points: [&[f64]; 3], fields: [&mut [f64]; 3], degrees: &mut DegreesByPoints) {
         self.tree.set_degrees(&self.node, points, degrees);
-        let expansion = self.tree.expansion(self.node.node);
+        let expansion = self.tree.multipole_expansion(self.node.node);
         dispatch!(level, simd => expansion.fields(simd, &degrees.degree, points, fields));
     }
 }

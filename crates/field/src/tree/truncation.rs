@@ -1,4 +1,5 @@
-//! Which degree of a node's expansion is enough where, and what it leaves out there (docs/physics.md, section 5.2).
+//! Truncation errors of a node's expansion, and the degrees that keep an allowed truncation error
+//! (docs/physics.md, section 5.2).
 
 use std::sync::LazyLock;
 
@@ -8,53 +9,57 @@ use magsplice_expansion::tolerances::{HIGHEST_DEGREE, HIGHEST_LOCAL_DEGREE, POIN
 use magsplice_magnet::BoundingBox;
 use magsplice_simd::lanes::LONGEST_VECTOR;
 
+use super::blocks::TreeBlock;
 use super::interaction::{ExpandedNode, TranslatedNode};
-use super::nodes::{Body, Node, Tree};
+use super::nodes::{Tree, TreeNode};
 use crate::direct::far_field::DegreesByPoints;
-use crate::tolerances::{CORNERED_TILES, DISTANCE_BISECTIONS, NEAREST_NODE, SPHERE_GAPS};
+use crate::tolerances::{CORNER_MEAN_TILES, DISTANCE_BISECTIONS, MIN_NODE_DISTANCE, SPHERE_GAPS};
 
-/// Of the degree after each, n + 1 under the root, and the factor by which that grows from there on at most.
-static NEXT_DEGREES: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
+/// By degree P of a local expansion: (P + 2)^1/2, the factor of the next degree in Eq. P37, and the
+/// largest ratio of two such factors that follow it.
+static NEXT_DEGREE_FACTORS: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     let next = (0..=HIGHEST_LOCAL_DEGREE).map(|degree| (degree + 2) as f64);
     next.map(|next| [next.sqrt(), (1.0 + 1.0 / next).sqrt()]).collect()
 });
 
 impl Tree {
-    /// The lowest degree, and the most it leaves out in tesla, that leaves out no more than `allowed_t` of a node's field at all points of a box; 0 if all
-    /// of it may be left out.
-    pub(super) fn expanded(&self, node: usize, points: &BoundingBox, allowed_t: f64) -> Option<ExpandedNode> {
+    /// A node with the lowest degree whose truncation error is at most `allowed_t` at all points of
+    /// a box. The degree is 0 if the whole field of the node is within it. `None` if the box is too
+    /// near, or too far.
+    pub(super) fn expanded_node(&self, node: usize, points: &BoundingBox, allowed_t: f64) -> Option<ExpandedNode> {
         let of = &self.nodes[node];
         let distance = of.distance(points);
-        if distance < NEAREST_NODE * of.radius * of.scale || distance * distance > FARTHEST {
+        if distance < MIN_NODE_DISTANCE * of.radius * of.scale || distance * distance > FARTHEST {
             return None;
         }
-        let mut term = Falling::from(of.degree, distance);
-        let beyond_t = self.beyond_t(node, &term);
-        if beyond_t > allowed_t {
+        let mut term = DegreePower::new(of.degree, distance);
+        let remainder_t = self.remainder_bound_t(node, &term);
+        if remainder_t > allowed_t {
             return None;
         }
-        let powers = &self.outside(node).powers;
-        let (mut degree, mut left_out_t) = (of.degree, beyond_t);
-        // From the highest degree down, as most are kept.
-        while degree > 0 && left_out_t + powers[degree] * term.power <= allowed_t {
-            left_out_t += powers[degree] * term.power;
+        let bounds_t = &self.node_expansion(node).field_bounds_t;
+        let (mut degree, mut truncation_error_t) = (of.degree, remainder_t);
+        // From the highest degree down, since most degrees are needed.
+        while degree > 0 && truncation_error_t + bounds_t[degree] * term.power <= allowed_t {
+            truncation_error_t += bounds_t[degree] * term.power;
             degree -= 1;
-            term.lower();
+            term.lower_degree();
         }
-        Some(ExpandedNode { node, distance, degree, truncation_error_t: left_out_t })
+        Some(ExpandedNode { node, distance, degree, truncation_error_t })
     }
 
-    /// The degree for each [`POINTS_PER_DEGREE`] points, given by axis, and the most it leaves out there.
-    pub(super) fn set_degrees(&self, what: &ExpandedNode, points: [&[f64]; 3], degrees: &mut DegreesByPoints) {
-        let left_out_t = self.truncation_errors_from(what);
+    /// Sets the degree for each [`POINTS_PER_DEGREE`] points, given by axis, and the bound of the
+    /// truncation error there.
+    pub(super) fn set_degrees(&self, expanded: &ExpandedNode, points: [&[f64]; 3], degrees: &mut DegreesByPoints) {
+        let errors_t = self.truncation_errors_t(expanded);
         degrees.clear();
-        self.for_neighbours(what.node, what.distance, what.degree, points, |times, mut power| {
-            let mut degree = what.degree;
-            let mut own_t = left_out_t[degree] * power;
+        self.for_point_groups(expanded.node, expanded.distance, expanded.degree, points, |ratio, mut power| {
+            let mut degree = expanded.degree;
+            let mut own_t = errors_t[degree] * power;
             while degree > 0 {
-                power = lower(power, times, degree + 2);
-                let lower_t = left_out_t[degree - 1] * power;
-                if lower_t > what.truncation_error_t {
+                power = lower_power(power, ratio, degree + 2);
+                let lower_t = errors_t[degree - 1] * power;
+                if lower_t > expanded.truncation_error_t {
                     break;
                 }
                 (degree, own_t) = (degree - 1, lower_t);
@@ -64,18 +69,19 @@ impl Tree {
         });
     }
 
-    /// Adds what a translated node leaves out at most, in tesla, at points given by axis.
-    pub(super) fn add_truncation_error(&self, of: &TranslatedNode, points: [&[f64]; 3], left_out_t: &mut [f64]) {
-        let mut neighbours = left_out_t.chunks_mut(POINTS_PER_DEGREE);
-        self.for_neighbours(of.node, of.distance, of.degree, points, |_, power| {
+    /// Adds the bound of a translated node's truncation error, in tesla, at points given by axis.
+    pub(super) fn add_truncation_error(&self, of: &TranslatedNode, points: [&[f64]; 3], errors_t: &mut [f64]) {
+        let mut groups = errors_t.chunks_mut(POINTS_PER_DEGREE);
+        self.for_point_groups(of.node, of.distance, of.degree, points, |_, power| {
             let own_t = of.truncation_error_t * power + of.local_truncation_error_t;
-            neighbours.next().into_iter().flatten().for_each(|sum_t| *sum_t += own_t);
+            groups.next().into_iter().flatten().for_each(|sum_t| *sum_t += own_t);
         });
     }
 
-    /// For each [`POINTS_PER_DEGREE`] points: how many times as far as `distance` from a node's centre the nearest of them is, to which power of that, inverse, degrees
-    /// beyond one fall.
-    fn for_neighbours(
+    /// Calls `each` for each [`POINTS_PER_DEGREE`] points, given by axis, with the ratio of the
+    /// smallest distance from a node's centre to `distance`, and with ratio^-(degree + 3), by which
+    /// the field of higher degrees decreases.
+    fn for_point_groups(
         &self,
         node: usize,
         distance: f64,
@@ -84,80 +90,83 @@ impl Tree {
         mut each: impl FnMut(f64, f64),
     ) {
         let of = &self.nodes[node];
-        let to_times = of.scale / distance;
-        let together = POINTS_PER_DEGREE * LONGEST_VECTOR;
-        for ((x, y), z) in x.chunks(together).zip(y.chunks(together)).zip(z.chunks(together)) {
-            let mut times = [1.0; LONGEST_VECTOR];
-            let neighbours =
-                x.chunks(POINTS_PER_DEGREE).zip(y.chunks(POINTS_PER_DEGREE)).zip(z.chunks(POINTS_PER_DEGREE));
-            for (times, ((x, y), z)) in times.iter_mut().zip(neighbours) {
-                *times = least_square(of.centre, [x, y, z]).sqrt() * to_times;
+        let to_ratio = of.scale / distance;
+        let chunk = POINTS_PER_DEGREE * LONGEST_VECTOR;
+        for ((x, y), z) in x.chunks(chunk).zip(y.chunks(chunk)).zip(z.chunks(chunk)) {
+            let mut ratios = [1.0; LONGEST_VECTOR];
+            let groups = x.chunks(POINTS_PER_DEGREE).zip(y.chunks(POINTS_PER_DEGREE)).zip(z.chunks(POINTS_PER_DEGREE));
+            for (ratio, ((x, y), z)) in ratios.iter_mut().zip(groups) {
+                *ratio = least_squared_distance(of.centre, [x, y, z]).sqrt() * to_ratio;
             }
-            let powers = powers(times.map(|times| 1.0 / times), degree + 3);
+            let powers = integer_powers(ratios.map(|ratio| 1.0 / ratio), degree + 3);
             let count = x.len().div_ceil(POINTS_PER_DEGREE);
-            times.iter().zip(powers).take(count).for_each(|(times, power)| each(*times, power));
+            ratios.iter().zip(powers).take(count).for_each(|(ratio, power)| each(*ratio, power));
         }
     }
 
-    /// What each degree of a node's expansion leaves out at the nearest points, at most, in tesla; n times farther it is less by n^(degree + 3) at least.
-    fn truncation_errors_from(&self, what: &ExpandedNode) -> [f64; HIGHEST_DEGREE + 1] {
-        let powers = &self.outside(what.node).powers;
-        let mut left_out_t = [0.0; HIGHEST_DEGREE + 1];
-        let highest = self.nodes[what.node].degree;
-        let mut terms_t = Falling::from(highest, what.distance);
-        left_out_t[highest] = self.beyond_t(what.node, &terms_t);
+    /// Bound of the truncation error of each degree of a node at the nearest points, in tesla. At n
+    /// times the distance it is smaller by n^(degree + 3) at least.
+    fn truncation_errors_t(&self, expanded: &ExpandedNode) -> [f64; HIGHEST_DEGREE + 1] {
+        let bounds_t = &self.node_expansion(expanded.node).field_bounds_t;
+        let mut errors_t = [0.0; HIGHEST_DEGREE + 1];
+        let highest = self.nodes[expanded.node].degree;
+        let mut term = DegreePower::new(highest, expanded.distance);
+        errors_t[highest] = self.remainder_bound_t(expanded.node, &term);
         for degree in (0..highest).rev() {
-            left_out_t[degree] = left_out_t[degree + 1] + powers[degree + 1] * terms_t.power;
-            terms_t.lower();
+            errors_t[degree] = errors_t[degree + 1] + bounds_t[degree + 1] * term.power;
+            term.lower_degree();
         }
-        left_out_t
+        errors_t
     }
 
-    /// The lowest degree of the field around `middle`, and the most it leaves out in tesla, that within `reach` of it leaves out no more than `allowed_t` of a
-    /// node's expansion of this degree; `None` if it were too high.
+    /// The lowest degree of a local expansion of a node, and the bound of its truncation error in
+    /// tesla, that is at most `allowed_t` within `radius` of `centre` (Eq. P37).
+    ///
+    /// The error is relative to the node's expansion of degree `degree`. `None` if the degree would
+    /// exceed [`HIGHEST_LOCAL_DEGREE`].
     pub(super) fn local_degree(
         &self,
         node: usize,
         degree: usize,
-        middle: DVec3,
-        reach: f64,
+        centre: DVec3,
+        radius: f64,
         allowed_t: f64,
     ) -> Option<(usize, f64)> {
         let of = &self.nodes[node];
-        let (distance, reach, radius) =
-            ((middle - of.centre).length() * of.scale, reach * of.scale, of.radius * of.scale);
+        let (distance, radius, node_radius) =
+            ((centre - of.centre).length() * of.scale, radius * of.scale, of.radius * of.scale);
         if distance * distance > FARTHEST {
             return None;
         }
-        let gaps = SPHERE_GAPS.map(|gap| gap * radius);
+        let gaps = SPHERE_GAPS.map(|gap| gap * node_radius);
         let overs = gaps.map(|gap| 1.0 / gap);
         let mut means_t = [0.0; SPHERE_GAPS.len()];
-        for mean in self.outside(node).means[1..=degree].iter().rev() {
+        for mean in self.node_expansion(node).mean_field_bounds_t[1..=degree].iter().rev() {
             for (sum, over) in means_t.iter_mut().zip(overs) {
                 *sum = (*sum + mean) * over;
             }
         }
-        let ratios = gaps.map(|gap| reach / (distance - gap));
-        // Of the degree after the highest.
-        let falls = powers(ratios, HIGHEST_LOCAL_DEGREE + 1);
-        let [root, growth] = NEXT_DEGREES[HIGHEST_LOCAL_DEGREE];
+        let ratios = gaps.map(|gap| radius / (distance - gap));
+        // The degree after the highest.
+        let last_powers = integer_powers(ratios, HIGHEST_LOCAL_DEGREE + 1);
+        let [root, growth] = NEXT_DEGREE_FACTORS[HIGHEST_LOCAL_DEGREE];
         let mut best = None;
         for (index, ratio) in ratios.into_iter().enumerate() {
             let sphere = distance - gaps[index];
-            // The root of the mean square of the field on the sphere, at most.
+            // Upper bound of the root mean square of the field on the sphere.
             let mut power = means_t[index] * overs[index] / (2.0 * (distance * sphere).sqrt());
-            if sphere <= reach || power * falls[index] * root > allowed_t * (1.0 - ratio * growth) {
+            if sphere <= radius || power * last_powers[index] * root > allowed_t * (1.0 - ratio * growth) {
                 continue;
             }
-            let most = best.map_or(HIGHEST_LOCAL_DEGREE, |(degree, _)| degree);
-            for (local_degree, [root, growth]) in NEXT_DEGREES[..=most].iter().enumerate() {
-                // The degree that comes next, and what follows it.
+            let highest = best.map_or(HIGHEST_LOCAL_DEGREE, |(degree, _)| degree);
+            for (local_degree, [root, growth]) in NEXT_DEGREE_FACTORS[..=highest].iter().enumerate() {
+                // The next degree, and the geometric series that bounds all degrees from there on.
                 power *= ratio;
                 let rest = 1.0 - ratio * growth;
                 if rest > 0.0 && power * root <= allowed_t * rest {
-                    let left_out_t = power * root / rest;
-                    if best.is_none_or(|(degree, least_t)| local_degree < degree || left_out_t < least_t) {
-                        best = Some((local_degree, left_out_t));
+                    let error_t = power * root / rest;
+                    if best.is_none_or(|(degree, least_t)| local_degree < degree || error_t < least_t) {
+                        best = Some((local_degree, error_t));
                     }
                     break;
                 }
@@ -166,8 +175,9 @@ impl Tree {
         best
     }
 
-    /// The distance from a node's centre from which its expansion leaves out no more than `allowed_t`; `None` if all points of a box are nearer.
-    pub(super) fn least_distance(
+    /// Smallest distance from a node's centre, to within a bisection, at which the truncation error
+    /// of its expansion is at most `allowed_t`. `None` if all points of a box are nearer.
+    pub(super) fn expansion_distance(
         &self,
         node: usize,
         points: &BoundingBox,
@@ -176,14 +186,14 @@ impl Tree {
         let of = &self.nodes[node];
         let centre = of.centre;
         let farthest = (points.upper - centre).abs().max((points.lower - centre).abs()).length() * of.scale;
-        let (mut short, mut enough) = (of.distance(points).max(NEAREST_NODE * of.radius * of.scale), farthest);
-        let beyond_t = |distance: f64| self.beyond_t(node, &Falling::from(of.degree, distance));
-        if farthest * farthest > FARTHEST || short >= enough || beyond_t(farthest) > allowed_t {
+        let (mut short, mut enough) = (of.distance(points).max(MIN_NODE_DISTANCE * of.radius * of.scale), farthest);
+        let remainder_t = |distance: f64| self.remainder_bound_t(node, &DegreePower::new(of.degree, distance));
+        if farthest * farthest > FARTHEST || short >= enough || remainder_t(farthest) > allowed_t {
             return None;
         }
         for _ in 0..DISTANCE_BISECTIONS {
             let middle = 0.5 * (short + enough);
-            if beyond_t(middle) <= allowed_t {
+            if remainder_t(middle) <= allowed_t {
                 enough = middle;
             } else {
                 short = middle;
@@ -193,69 +203,69 @@ impl Tree {
         Some((enough / of.scale, nearest))
     }
 
-    /// At most the field in tesla of all degrees beyond a node's own, whose field falls like this: the magnitudes of dipoles' fields by degree, summed as the geometric
-    /// series they stay below.
-    fn beyond_t(&self, node: usize, own: &Falling) -> f64 {
+    /// Upper bound of the field of all degrees beyond a node's own, in tesla (Eq. P29). The fields
+    /// of dipoles by degree are summed as the geometric series that they stay below.
+    fn remainder_bound_t(&self, node: usize, own: &DegreePower) -> f64 {
         let of = &self.nodes[node];
         let l = (of.degree + 1) as f64;
         let over = 1.0 / own.distance;
-        let next = self.reach_t(of) * l * (l + 1.0) * own.power * over;
-        let fall = of.radius * of.scale * over * (1.0 + 2.0 / l);
-        if fall < 1.0 { next / (1.0 - fall) } else { f64::INFINITY }
+        let next = self.absolute_moment_t(of) * l * (l + 1.0) * own.power * over;
+        let ratio = of.radius * of.scale * over * (1.0 + 2.0 / l);
+        if ratio < 1.0 { next / (1.0 - ratio) } else { f64::INFINITY }
     }
 
-    fn reach_t(&self, node: &Node) -> f64 {
+    fn absolute_moment_t(&self, node: &TreeNode) -> f64 {
         let power = node.degree as i32;
-        *node.reach_t.get_or_init(|| {
-            let bodies = &self.bodies[node.bodies.clone()];
-            let reach = |body: &Body| {
-                let mean = if bodies.len() <= CORNERED_TILES {
-                    body.mean_power(self.rotations[body.frame].as_ref(), node.centre, node.scale, power)
+        *node.absolute_moment_t.get_or_init(|| {
+            let blocks = &self.blocks[node.blocks.clone()];
+            let moment_t = |block: &TreeBlock| {
+                let mean = if blocks.len() <= CORNER_MEAN_TILES {
+                    block.mean_power(self.rotations[block.frame].as_ref(), node.centre, node.scale, power)
                 } else {
-                    (((body.centre - node.centre).length() + body.half_diagonal) * node.scale).powi(power)
+                    (((block.centre - node.centre).length() + block.half_diagonal) * node.scale).powi(power)
                 };
-                body.strength_t(node.scale) * mean
+                block.strength_t(node.scale) * mean
             };
-            bodies.iter().map(reach).sum()
+            blocks.iter().map(moment_t).sum()
         })
     }
 }
 
-/// The powers of an inverse distance with which the field of each degree falls, from a degree down.
-struct Falling {
+/// The power of the distance with which the field of a degree decreases, distance^-(degree + 2).
+struct DegreePower {
     degree: usize,
     distance: f64,
-    /// distance^-(degree + 2)
     power: f64,
 }
 
-impl Falling {
-    fn from(degree: usize, distance: f64) -> Falling {
-        let [power] = powers([1.0 / distance], degree + 2);
-        Falling { degree, distance, power }
+impl DegreePower {
+    fn new(degree: usize, distance: f64) -> DegreePower {
+        let [power] = integer_powers([1.0 / distance], degree + 2);
+        DegreePower { degree, distance, power }
     }
 
-    fn lower(&mut self) {
+    fn lower_degree(&mut self) {
         self.degree -= 1;
-        self.power = lower(self.power, self.distance, self.degree + 2);
+        self.power = lower_power(self.power, self.distance, self.degree + 2);
     }
 }
 
-/// distance^-exponent from the power before. So far away that this vanishes a lower one may not.
-fn lower(power: f64, distance: f64, exponent: usize) -> f64 {
-    if power.is_normal() { power * distance } else { power_of_far(distance, exponent) }
+/// distance^-exponent, from distance^-(exponent + 1). Where that underflows it is computed anew,
+/// since the lower power may not underflow.
+fn lower_power(power: f64, distance: f64, exponent: usize) -> f64 {
+    if power.is_normal() { power * distance } else { inverse_power(distance, exponent) }
 }
 
-/// Not taken where it is not needed: the compiler would compute it everywhere.
+/// distance^-exponent. Not inlined, or the compiler would compute it for all points.
 #[cold]
 #[inline(never)]
-fn power_of_far(distance: f64, exponent: usize) -> f64 {
+fn inverse_power(distance: f64, exponent: usize) -> f64 {
     distance.powi(-(exponent as i32))
 }
 
-/// Of the distances of points from a centre; those that are no numbers do not count.
-fn least_square(centre: DVec3, [x, y, z]: [&[f64]; 3]) -> f64 {
-    // Several at a time.
+/// Smallest squared distance of points from a centre. Points that are NaN are ignored.
+fn least_squared_distance(centre: DVec3, [x, y, z]: [&[f64]; 3]) -> f64 {
+    // Four minima that do not wait for each other.
     let mut least = [f64::INFINITY; 4];
     for ((x, y), z) in x.chunks(least.len()).zip(y.chunks(least.len())).zip(z.chunks(least.len())) {
         for (least, ((x, y), z)) in least.iter_mut().zip(x.iter().zip(y).zip(z)) {
@@ -267,8 +277,8 @@ fn least_square(centre: DVec3, [x, y, z]: [&[f64]; 3]) -> f64 {
     least.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// Of several numbers at a time.
-fn powers<const N: usize>(mut numbers: [f64; N], mut exponent: usize) -> [f64; N] {
+/// The same integer power of each number.
+fn integer_powers<const N: usize>(mut numbers: [f64; N], mut exponent: usize) -> [f64; N] {
     let mut powers = [1.0; N];
     while exponent > 0 {
         for (power, number) in powers.iter_mut().zip(&mut numbers) {
