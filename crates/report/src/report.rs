@@ -126,3 +126,20 @@ fn absent(film: &Film) -> Vec<String> {
     }
     absent
 }
+
+#[cfg(test)]
+mod tests {
+    use magsplice::layout::Layout;
+
+    use super::*;
+
+    #[test]
+    fn field_without_a_value_per_point_is_refused() {
+        let text = "format = 1\nname = \"one\"\n[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\n\
+                    polarization_t = [0, 0, 1]\n[volume]\nx_mm = [-1, 1]\ny_mm = [-1, 1]\nz_mm = [-3, -2]\nstep_mm = 1\n";
+        let layout = Layout::parse(text, "one").unwrap();
+        let results = PrintedResults { text: "", json: "{}" };
+        let error = Report::new(&Film::new(&layout), Some(vec![DVec3::ZERO; 17]), results).unwrap_err();
+        assert_eq!(error.to_string(), "the field has 17 values, must have 18: one per point of the working volume");
+    }
+}

@@ -221,3 +221,18 @@ fn frame(sheet: &Sheet, panel: &Panel, axis: FrontAxis) -> DrawResult {
     let (right, bottom) = (panel.right(), panel.bottom());
     sheet.outline(&[[panel.left, panel.top], [right, panel.top], [right, bottom], [panel.left, bottom]], INK, FRAME_PX)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::error::Error;
+
+    use super::*;
+
+    #[test]
+    fn front_without_films_is_refused_with_its_reason_as_source() {
+        let front = FrontFigure { axis: FrontAxis::Parts, films: Vec::new(), before: None };
+        let error = front.draw().unwrap_err();
+        assert_eq!(error.to_string(), "the figure front-parts cannot be drawn: no film has an error above 0");
+        assert_eq!(error.source().unwrap().to_string(), "no film has an error above 0");
+    }
+}
