@@ -13,8 +13,9 @@
 //! 1. Add a file to this crate with a function
 //!    `write(table: &Table, w: &mut dyn Write) -> io::Result<()>`. [`Table::columns`] gives every
 //!    column with its name; [`Table::metadata`] says what the table was made from.
-//! 2. Add a variant to `TableFormat` in the program's `formats.rs`. The compiler then names each
-//!    `match` there that needs a line: the extension, and the call of the function.
+//! 2. Add a variant to `TableFormat` in `crates/cli/src/args/formats.rs`. The compiler then names
+//!    each `match` of the program that needs a line: the extension, and the call of the function in
+//!    `crates/cli/src/output/table.rs`.
 
 /// Tables as CSV.
 pub mod csv;
