@@ -203,14 +203,17 @@ impl fmt::Display for DecouplingError {
             ),
             DecouplingError::AllSingular => write!(
                 f,
-                "B_z vanishes at every point of the working volume, so no decoupling parameter exists: is any tile magnetized?"
+                "B_z vanishes at every point of the working volume, so no decoupling parameter exists: is any tile \
+                 magnetized?"
             ),
-            DecouplingError::BeyondHalfWave { axis, reach, half_wavelength } => write!(
-                f,
-                "the working volume reaches |{}| = {reach}, must stay below half a wavelength, {half_wavelength}, where R_{} repeats itself",
-                ["x", "y"][*axis],
-                ["x", "y"][*axis]
-            ),
+            DecouplingError::BeyondHalfWave { axis, reach, half_wavelength } => {
+                let axis = if *axis == 0 { "x" } else { "y" };
+                write!(
+                    f,
+                    "the working volume reaches |{axis}| = {reach}, must stay below half a wavelength, \
+                     {half_wavelength}, where R_{axis} repeats itself"
+                )
+            }
         }
     }
 }

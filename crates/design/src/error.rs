@@ -5,6 +5,7 @@ use std::fmt;
 
 use glam::DVec3;
 use magsplice_decouple::DecouplingError;
+use magsplice_ideal::ComparisonError;
 
 /// Why a film cannot be designed. Messages name tiles and give lengths in millimetres.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +27,8 @@ pub enum DesignError {
     NoField,
     /// The film to start from has no decoupling parameters.
     Decoupling(DecouplingError),
+    /// The field of a film cannot be compared with the ideal one.
+    Comparison(ComparisonError),
     /// B_z vanishes at a point of the design grid.
     Singular,
     /// Numbers of a [`SpliceRequest`](crate::SpliceRequest) are out of range, each given as value
@@ -75,6 +78,7 @@ impl fmt::Display for DesignError {
                 f.write_str("a point of the working volume lies on an edge of a tile: lower z_mm of [volume]")
             }
             DesignError::Decoupling(error) => error.fmt(f),
+            DesignError::Comparison(error) => error.fmt(f),
             DesignError::Singular => f.write_str(
                 "B_z vanishes at a point of the working volume, so its decoupling parameters do not exist: start from \
                  a film nearer to the ideal one, or design for goal = \"field\" first",
@@ -88,6 +92,7 @@ impl Error for DesignError {
     fn source(&self) -> Option<&(dyn Error + 'static)> {
         match self {
             DesignError::Decoupling(error) => Some(error),
+            DesignError::Comparison(error) => Some(error),
             _ => None,
         }
     }

@@ -40,7 +40,8 @@ impl Metrics {
     /// * [`DesignError::NotBelow`] if a point of the grid is not below the film;
     /// * [`DesignError::NoField`] if a point lies on an edge of a tile;
     /// * [`DesignError::Decoupling`] or [`DesignError::Singular`] if decoupling parameters do not
-    ///   exist.
+    ///   exist;
+    /// * [`DesignError::Comparison`] if the field cannot be compared with the ideal one.
     pub fn from_tiles(
         tiles: &[Tile],
         grid: &Grid,
@@ -59,7 +60,7 @@ impl Metrics {
         if !decoupling.singular.is_empty() {
             return Err(DesignError::Singular);
         }
-        let comparison = Comparison::new(&points, &field, &ideal_field).map_err(|_| DesignError::Singular)?;
+        let comparison = Comparison::new(&points, &field, &ideal_field).map_err(DesignError::Comparison)?;
         Ok(Metrics {
             points: points.len(),
             uniformity_rmse: decoupling.uniformity_rmse,
