@@ -6,7 +6,7 @@ use std::ops::Range as Span;
 use std::sync::OnceLock;
 
 use glam::{DMat3, DVec3};
-use magsplice_cuboid::tolerances::{SINGLE_TILE_COST, CLOSED_FORM_COST};
+use magsplice_cuboid::tolerances::{CLOSED_FORM_COST, SINGLE_TILE_COST};
 use magsplice_magnet::BoundingBox;
 
 use crate::prepare::clusters::Cluster;
