@@ -33,6 +33,7 @@ use crate::within::fitted;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Plan {
     /// The parts, each with a model for some of the points.
     pub parts: Vec<PlannedPart>,
@@ -42,11 +43,13 @@ pub struct Plan {
 
 /// Points that are evaluated by one model.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PlannedPart {
-    /// The model.
-    pub model: Model,
     /// Number of points.
     pub points: usize,
+    /// The model.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub model: Model,
     /// Cost in exact fields of one tile at one point, from counted multiply-adds, not from measured
     /// times.
     pub cost: f64,
@@ -54,6 +57,7 @@ pub struct PlannedPart {
 
 /// The way in which a field is computed.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(tag = "model", rename_all = "snake_case"))]
 pub enum Model {
     /// Direct summation of all tiles.
     Exact,

@@ -26,6 +26,7 @@ const ROUNDED_SPREAD: f64 = 1e-14;
 /// # Ok::<(), magsplice_ideal::ComparisonError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Comparison {
     /// Number of points.
     pub points: usize,

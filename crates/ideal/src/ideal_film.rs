@@ -25,10 +25,29 @@ use glam::DVec3;
 /// # Ok::<(), magsplice_ideal::IdealFilmFaults>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "UncheckedFilm"))]
 pub struct IdealFilm {
     wavelength: f64,
     thickness: f64,
     amplitude_t: f64,
+}
+
+/// A deserialized film, before [`IdealFilm::new`] checks it.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct UncheckedFilm {
+    wavelength: f64,
+    thickness: f64,
+    amplitude_t: f64,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<UncheckedFilm> for IdealFilm {
+    type Error = IdealFilmFaults;
+
+    fn try_from(film: UncheckedFilm) -> Result<IdealFilm, IdealFilmFaults> {
+        IdealFilm::new(film.wavelength, film.thickness, film.amplitude_t)
+    }
 }
 
 /// A number that an ideal film cannot have.

@@ -5,6 +5,9 @@
 //!
 //! # Units
 //! Flux density and polarization are in tesla, lengths in any one unit.
+//!
+//! # Features
+//! * `serde` (off by default): `Serialize` for both, `Deserialize` for [`IdealFilm`].
 
 // Rules are written as `!(x < limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]

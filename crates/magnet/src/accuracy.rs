@@ -15,11 +15,13 @@ use glam::DVec3;
 /// # Ok::<(), magsplice_magnet::InvalidTolerance>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Accuracy {
     /// To the last digits, as the evaluator promises.
     #[default]
     Exact,
     /// To a tolerance, as cheaply as it can be kept.
+    #[cfg_attr(feature = "serde", serde(untagged))]
     Within(Tolerance),
 }
 
@@ -28,6 +30,11 @@ pub enum Accuracy {
 /// [`Tolerance::relative`] and [`Tolerance::absolute_t`] build one; the variants are for matching
 /// (`Tolerance::Relative { fraction, .. }`).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(into = "UncheckedTolerance", try_from = "UncheckedTolerance")
+)]
 pub enum Tolerance {
     /// The length of the error over that of B at the same point.
     #[non_exhaustive]
@@ -41,6 +48,37 @@ pub enum Tolerance {
         /// The error in tesla, above zero.
         error_t: f64,
     },
+}
+
+/// A tolerance as it is serialized, such as `{"relative": 1e-6}`.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum UncheckedTolerance {
+    Relative(f64),
+    AbsoluteT(f64),
+}
+
+#[cfg(feature = "serde")]
+impl From<Tolerance> for UncheckedTolerance {
+    fn from(tolerance: Tolerance) -> UncheckedTolerance {
+        match tolerance {
+            Tolerance::Relative { fraction } => UncheckedTolerance::Relative(fraction),
+            Tolerance::AbsoluteT { error_t } => UncheckedTolerance::AbsoluteT(error_t),
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<UncheckedTolerance> for Tolerance {
+    type Error = InvalidTolerance;
+
+    fn try_from(tolerance: UncheckedTolerance) -> Result<Tolerance, InvalidTolerance> {
+        match tolerance {
+            UncheckedTolerance::Relative(fraction) => Tolerance::relative(fraction),
+            UncheckedTolerance::AbsoluteT(error_t) => Tolerance::absolute_t(error_t),
+        }
+    }
 }
 
 /// The value given as a tolerance, which is not a finite number above zero.

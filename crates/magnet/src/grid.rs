@@ -20,10 +20,29 @@ use glam::DVec3;
 /// # Ok::<(), magsplice_magnet::GridFault>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "UncheckedGrid"))]
 pub struct Grid {
     lower: DVec3,
     upper: DVec3,
     counts: [usize; 3],
+}
+
+/// A deserialized grid, before [`Grid::new`] checks it.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct UncheckedGrid {
+    lower: DVec3,
+    upper: DVec3,
+    counts: [usize; 3],
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<UncheckedGrid> for Grid {
+    type Error = GridFault;
+
+    fn try_from(grid: UncheckedGrid) -> Result<Grid, GridFault> {
+        Grid::new(grid.lower, grid.upper, grid.counts)
+    }
 }
 
 /// A rule that a grid breaks. Axes are 0, 1, 2 for x, y, z.

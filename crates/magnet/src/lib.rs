@@ -12,6 +12,10 @@
 //! Lengths are in any one unit, the same for tiles and points: a field depends on their ratios
 //! only. Polarization and flux density are in tesla, field strength in ampere per metre.
 //!
+//! # Features
+//! * `serde` (off by default): `Serialize` and `Deserialize` for [`Tile`], [`Grid`], [`Quantity`],
+//!   [`Accuracy`] and [`Tolerance`]. Deserialized values obey the rules of their constructors.
+//!
 //! This crate computes no field, reads no files and prints nothing.
 
 // Rules are written as `!(x <= limit)` so that NaN breaks them.
@@ -29,6 +33,9 @@ mod overlap;
 mod point_error;
 /// Field quantities and the vacuum permeability.
 mod quantity;
+/// Tests of serialized values.
+#[cfg(all(test, feature = "serde"))]
+mod serde_tests;
 /// The uniformly magnetized cuboid and the rules it obeys.
 mod tile;
 /// Limits on tiles, and the round-off that geometry forgives.

@@ -2,6 +2,7 @@
 
 /// A field quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Quantity {
     /// Flux density B = mu0 H + J, in tesla.
     FluxDensity,

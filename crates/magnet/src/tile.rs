@@ -25,11 +25,31 @@ use crate::tolerances::{MAX_LENGTH, MAX_POLARIZATION_T, MIN_ASPECT, MIN_SIZE, NO
 /// # let _ = tile;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "UncheckedTile"))]
 pub struct Tile {
     position: DVec3,
     size: DVec3,
     polarization_t: DVec3,
     rotation: DQuat,
+}
+
+/// A deserialized tile, before [`Tile::new`] and [`Tile::rotated`] check it.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct UncheckedTile {
+    position: DVec3,
+    size: DVec3,
+    polarization_t: DVec3,
+    rotation: DQuat,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<UncheckedTile> for Tile {
+    type Error = TileFaults;
+
+    fn try_from(tile: UncheckedTile) -> Result<Tile, TileFaults> {
+        Tile::new(tile.position, tile.size, tile.polarization_t)?.rotated(tile.rotation)
+    }
 }
 
 impl Tile {

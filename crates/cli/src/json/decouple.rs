@@ -5,8 +5,9 @@ use magsplice::prelude::DVec3;
 use magsplice_export::Table;
 use serde::Serialize;
 
-use super::compare::ComparisonJson;
+use super::compare::comparison;
 use super::field::ColumnsJson;
+use super::renamed::RenamedJson;
 use super::source::SourceJson;
 use crate::evaluation::Evaluation;
 
@@ -25,7 +26,7 @@ pub(crate) struct DecoupleJson<'a> {
     /// The same as an error of the displacement found by Eq. 14.
     displacement_rmse_mm: LengthsJson,
     singular_points_mm: Vec<[f64; 3]>,
-    comparison: ComparisonJson,
+    comparison: RenamedJson,
     #[serde(flatten)]
     columns: Option<ColumnsJson<'a>>,
 }
@@ -33,7 +34,7 @@ pub(crate) struct DecoupleJson<'a> {
 impl<'a> DecoupleJson<'a> {
     /// `table` is [`Evaluation::table`], or nothing to leave the points out.
     pub(crate) fn new(evaluation: &Evaluation<'a>, table: Option<&'a Table>) -> DecoupleJson<'a> {
-        let Evaluation { film, ideal, volume, comparison, decoupling, .. } = evaluation;
+        let Evaluation { film, ideal, volume, decoupling, .. } = evaluation;
         let k = ideal.wavenumber();
         DecoupleJson {
             source: SourceJson::new(film),
@@ -44,7 +45,7 @@ impl<'a> DecoupleJson<'a> {
             ideal_rmse: decoupling.ideal_rmse,
             displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(k).into(),
             singular_points_mm: decoupling.singular.iter().map(DVec3::to_array).collect(),
-            comparison: comparison.into(),
+            comparison: comparison(&evaluation.comparison),
             columns: table.map(ColumnsJson::new),
         }
     }

@@ -12,6 +12,8 @@ pub(crate) mod design;
 pub(crate) mod field;
 /// `plan`: the methods, their truncation errors and costs.
 pub(crate) mod plan;
+/// Values of the library with other names of some keys.
+pub(crate) mod renamed;
 /// Layout, program and accuracy of a result.
 pub(crate) mod source;
 
