@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use magsplice::expect::Baseline;
-use magsplice::field::Grid;
+use magsplice::magnet::Grid;
 use magsplice::prelude::DVec3;
 
 use crate::failure::Failure;

@@ -1,7 +1,7 @@
 //! Results of `decouple`: a film with its field, comparison and decoupling.
 
 use magsplice::decouple::PerParameter;
-use magsplice::field::{Comparison, IdealFilm};
+use magsplice::ideal::{Comparison, IdealFilm};
 use magsplice::layout::WorkingVolume;
 use magsplice::prelude::{DVec3, Decoupling, Parameters};
 use magsplice::{Film, FilmError};

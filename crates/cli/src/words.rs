@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use magsplice::FilmError;
-use magsplice::field::Cause;
 use magsplice::layout::Layout;
+use magsplice::magnet::Cause;
 
 use crate::failure::Failure;
 use crate::faults::FaultList;

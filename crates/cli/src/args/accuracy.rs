@@ -1,6 +1,6 @@
 //! `--within`: the accuracy of a field.
 
-use magsplice::field::{Accuracy, Tolerance};
+use magsplice::magnet::{Accuracy, Tolerance};
 
 #[derive(clap::Args)]
 pub(crate) struct AccuracyArgs {

@@ -1,7 +1,7 @@
 //! `compare`: the comparison with the ideal film.
 
 use magsplice::Film;
-use magsplice::field::Comparison;
+use magsplice::ideal::Comparison;
 use serde::Serialize;
 
 use super::renamed::RenamedJson;

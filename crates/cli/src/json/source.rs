@@ -1,7 +1,7 @@
 //! Layout, program and accuracy of a result.
 
 use magsplice::Film;
-use magsplice::field::Accuracy;
+use magsplice::magnet::Accuracy;
 use serde::Serialize;
 
 /// What a result was computed from.

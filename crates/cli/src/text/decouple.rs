@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use magsplice::decouple::{Decoupling, PerParameter};
-use magsplice::field::{Comparison, IdealFilm};
+use magsplice::ideal::{Comparison, IdealFilm};
 use magsplice::layout::WorkingVolume;
 use magsplice::prelude::DVec3;
 

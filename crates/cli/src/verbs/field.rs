@@ -4,8 +4,9 @@ use std::io::{IsTerminal, stdout};
 use std::mem;
 use std::path::{Path, PathBuf};
 
-use magsplice::field::{Accuracy, PointErrors, Quantity, Scene};
+use magsplice::field::Scene;
 use magsplice::layout::Layout;
+use magsplice::magnet::{Accuracy, PointErrors, Quantity};
 use magsplice::prelude::{DMat3, DVec3};
 use magsplice::{Film, Stage};
 use magsplice_export::{Metadata, Points, Table, csv};
