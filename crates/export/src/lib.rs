@@ -15,7 +15,7 @@
 //!    column with its name; [`Table::metadata`] says what the table was made from.
 //! 2. Add a variant to `TableFormat` in `crates/cli/src/args/formats.rs`. The compiler then names
 //!    each `match` of the program that needs a line: the extension, and the call of the function in
-//!    `crates/cli/src/output/table.rs`.
+//!    `crates/cli/src/output/table.rs`. `DecoupleFormat` beside it lists the formats of `decouple`.
 
 /// Tables as CSV.
 pub mod csv;
