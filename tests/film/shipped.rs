@@ -12,7 +12,7 @@ pub(crate) fn folder() -> PathBuf {
 
 /// The shipped layout `<name>.toml`.
 pub(crate) fn layout(name: &str) -> Layout {
-    Layout::read(&folder().join(name).with_extension("toml")).unwrap_or_else(|e| panic!("{e}"))
+    Layout::read(folder().join(name).with_extension("toml")).unwrap_or_else(|e| panic!("{e}"))
 }
 
 #[test]
