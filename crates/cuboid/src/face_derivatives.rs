@@ -33,7 +33,7 @@ use magsplice_magnet::Tile;
 ///
 /// let tile = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::Z).unwrap();
 /// let slopes = FaceDerivatives::new(&tile, DVec3::new(0.0, 0.0, 2.0)).unwrap();
-/// A near pole that comes nearer increases the field; moving both poles moves the point back.
+/// // A near pole that comes nearer increases the field; moving both poles moves the point back.
 /// assert!(slopes.upper.z_axis.z > 0.0 && slopes.lower.z_axis.z < 0.0);
 /// assert!(slopes.upper.z_axis.z + slopes.lower.z_axis.z > 0.0);
 /// ```
