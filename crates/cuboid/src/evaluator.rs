@@ -20,7 +20,7 @@ pub struct Evaluator<'a> {
 }
 
 impl<'a> Evaluator<'a> {
-    /// Prepares a block whose ranges, moment and series are at hand.
+    /// Prepares a block whose ranges, moment and series are given.
     pub fn new(block: &Block, ranges: &'a MethodRanges, distant: &'a Distant, series: &'a Series) -> Evaluator<'a> {
         Evaluator { ranges, closed_form: ClosedForm::new(block, ranges.scale), distant, series }
     }
@@ -31,8 +31,8 @@ impl<'a> Evaluator<'a> {
     }
 
     /// mu0 H in tesla, in the frame of the cuboid, at points given by axis. `fields` holds as many
-    /// values as there are points, a multiple of [`PAIR`](magsplice_simd::lanes::PAIR). Each pair of
-    /// vectors requests memory `ahead`.
+    /// values as there are points, a multiple of [`PAIR`](magsplice_simd::lanes::PAIR). Each pair
+    /// of vectors requests memory `ahead`.
     ///
     /// # Panics
     /// If the method is the scalar kernel or an expansion.

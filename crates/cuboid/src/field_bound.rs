@@ -5,8 +5,8 @@ use magsplice_magnet::Tile;
 
 use crate::tolerances::LARGEST_FIELD_OVER_J;
 
-/// Upper bound, in tesla, of the sum of the magnitudes of the fields of a tile's components of J, at
-/// and beyond a distance from the tile.
+/// Upper bound, in tesla, of the sum of the magnitudes of the fields of a tile's components of J,
+/// at and beyond a distance from the tile.
 pub fn tile_field_bound_t(tile: &Tile, distance: f64) -> f64 {
     field_bound_t(tile.size(), tile.polarization_t(), distance)
 }

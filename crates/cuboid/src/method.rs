@@ -2,11 +2,14 @@
 //!
 //! | method | where | argument |
 //! |---|---|---|
-//! | scalar | inside, and nearer than `NEAR_FRACTION` of the longest side | exact everywhere, one point at a time; [`NearEdge`](crate::closed_form::near_edge::NearEdge) takes compact cuboids there in vectors |
+//! | scalar | inside, and nearer than `NEAR_FRACTION` of the longest side | exact everywhere, one point at a time |
 //! | closed form | up to `CLOSED_FORM_REACH` second sides | the error of the vector form grows with that ratio |
 //! | small elements | the same, where half of 4 pi T is below [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE) | logarithms and arctangents need no reduction |
 //! | series | beyond, by `MULTIPOLE_ORDERS` | the truncation error of each order is below the bound from its distance on |
 //! | expansion | clusters, from their radii on | the truncation error of each degree likewise |
+//!
+//! Inside compact cuboids and close to them [`NearEdge`](crate::closed_form::near_edge::NearEdge)
+//! evaluates points in vectors, except points near the planes of the faces.
 //!
 //! The method depends on the cuboid and the point alone, and so does every digit of the field.
 

@@ -23,12 +23,13 @@ fn one<S: Simd>(simd: S, field: &impl Pairwise<S>, point: DVec3) -> DVec3 {
     DVec3::from(field.fields(simd, [lanes, lanes])[0].map(|component| component.lane(0)))
 }
 
-/// Round-off of the series over a dipole's least field: some 30 operations of half an epsilon each, in
-/// units of the dipole's largest field, which is twice the least.
+/// Round-off of the series, as a fraction of a dipole's least field. It is that of some 30
+/// operations of half an epsilon each, relative to the dipole's largest field, which is twice the
+/// least.
 const SERIES_ROUNDING: f64 = 3e-15;
 
-/// The error of each order of the series, at the distance where it begins, stays below its truncation
-/// error of at most 3e-15 and round-off, whatever the shape; and it is not far below.
+/// The error of each order of the series, at the distance where it begins, stays below its
+/// truncation error of at most 3e-15 and round-off, whatever the shape; and it is not far below.
 #[test]
 fn series_keep_the_error_bound_from_their_first_distance() {
     let shapes = [[1.0; 3], [3.3, 1.7, 1.0], [1.0, 0.05, 0.05], [0.05, 1.0, 0.05], [0.05, 0.05, 1.0], [1.0, 1.0, 0.02]];
@@ -73,8 +74,8 @@ fn series_keep_the_error_bound_from_their_first_distance() {
     assert!(worst > 1e-15, "{worst:e}");
 }
 
-/// Between the closed form and the series there is no gap, but for needles: the kernel of one point, which takes thirty times as long, serves points beside tiles
-/// only.
+/// There is a gap between the closed form and the series for needles only. Otherwise the scalar
+/// kernel, which takes thirty times as long, evaluates only points close to tiles.
 #[test]
 fn compact_tiles_have_a_vector_method_at_every_distance() {
     for (size, has_gap) in [
@@ -92,7 +93,8 @@ fn compact_tiles_have_a_vector_method_at_every_distance() {
     }
 }
 
-/// A form is given to a box of points only if each of them by itself has it, or the last digits at a point would depend on the others.
+/// A box of points has a method only if each of its points has that method. Otherwise the last
+/// digits at a point would depend on the other points.
 #[test]
 fn box_has_the_method_of_each_of_its_points() {
     let mut boxes = [0; FIRST_FAR as usize + MOST_FAR];
@@ -126,7 +128,7 @@ fn box_has_the_method_of_each_of_its_points() {
     assert!(boxes[usize::from(CLOSED_FORM)] > 100 && boxes[usize::from(SMALL_ELEMENTS)] > 100, "{boxes:?}");
 }
 
-/// Where elements count as small they are, and not all far smaller, whatever the tile.
+/// Elements that count as small are small, whatever the tile, and some of them are not far smaller.
 #[test]
 fn small_elements_method_is_used_only_where_elements_are_small() {
     for size in [[1.0; 3], [3.3, 1.7, 1.0], [5.0, 1.0, 1.0], [8.0, 8.0, 1.0], [4.0, 3.0, 0.2]] {

@@ -4,26 +4,26 @@ use magsplice_simd::power_of_two::power_of_two;
 
 /// tanh of the logarithm of an edge beyond which it is computed from products instead of `ln_1p`.
 ///
-/// Both forms are free of cancellation wherever the products stay in range. `ln_1p` keeps relative
-/// accuracy where the element is small, the products where it diverges. The switch only has to be
-/// away from 0 and 1.
+/// Both expressions are free of cancellation wherever the products stay in range. `ln_1p` keeps
+/// relative accuracy where the element is small, the products where it diverges. The switch only
+/// has to be away from 0 and 1.
 pub const ARTANH_TO_PRODUCT: f64 = 0.5;
 
-/// Fraction of the smallest size in the scene within which a point counts as that far from a face,
-/// on its own side. A point exactly on a face counts as on the side of +x, +y, +z of the tile's
-/// frame: the half-open rule lo <= p < hi.
+/// Smallest distance of a point from a face, as a fraction of the smallest size in the scene. A
+/// nearer point counts as that far from the face, on its own side. A point exactly on a face counts
+/// as on the side of +x, +y, +z of the tile's frame: the half-open rule lo <= p < hi.
 ///
 /// The distance vanishes in every sum except an offset itself, and ln(2^-240) = -166 costs hardly a
 /// digit where the logarithms of touching tiles cancel.
 pub const FACE_NUDGE: f64 = power_of_two(-120);
 
-/// Smallest nudge as a fraction of a tile's own largest size, so that its square is a normal
-/// number. Seams between tiles whose sizes differ by more than 2^200 are not supported.
+/// Smallest value of that distance, as a fraction of a tile's own largest size, so that its square
+/// is a normal number. Seams between tiles whose sizes differ by more than 2^200 are not supported.
 pub const SMALLEST_NUDGE: f64 = power_of_two(-300);
 
-/// Fraction of the distance below which a tile's largest size adds nothing: its field is below
-/// 2^-1200 of J, which rounds to zero for the largest J
-/// (`MAX_POLARIZATION_T` of magsplice-magnet).
+/// Largest size of a tile, as a fraction of its distance, below which its field vanishes. The field
+/// is below 2^-1200 of J, which rounds to zero for the largest J (`MAX_POLARIZATION_T` of
+/// magsplice-magnet).
 pub const VANISHING_SIZE: f64 = power_of_two(-400);
 
 /// Smallest ratio of a tile's thickness to the round-off of a point for which the point is moved
@@ -58,7 +58,7 @@ pub const LONGEST_NEEDLE: f64 = 10.0;
 /// distances on, for compact tiles far less.
 pub const MULTIPOLE_ORDERS: [(usize, f64); 5] = [(8, 7.3), (6, 13.0), (5, 20.0), (4, 34.0), (3, 90.0)];
 
-/// The highest of these orders.
+/// The highest of the [`MULTIPOLE_ORDERS`].
 pub const HIGHEST_ORDER: usize = 8;
 
 /// Cost of the closed form for one tile of a cluster, in multiply-adds of vectors, measured on the

@@ -1,4 +1,4 @@
-//! Expectations of a film: what its layout states it must meet, compared with computed values.
+//! Expectations of a film: the bounds that its layout states, compared with computed values.
 //!
 //! * [`Outcome`]: one expectation with its value, bound and margin.
 //! * [`Baseline`]: a stored field, and the difference of another field from it.
@@ -23,7 +23,7 @@
 mod baseline;
 /// The distance of tiles from the working volume.
 mod clearance;
-/// Boxes with axes, and the distance between two of them.
+/// Boxes with their own axes, and the distance between two of them.
 mod oriented_box;
 /// Expectations, and their outcomes.
 mod outcome;

@@ -137,8 +137,8 @@ mod tests {
             // The centre is so far away that the boxes share no volume.
             let b = oriented_box(size.into(), way.normalize() * 5.7, turn);
             let (found, projected) = (a.distance(&b), by_projection(&a, &b));
-            // The distance is at most that of two points found, and below it only by what
-            // projection has not yet gained.
+            // The distance is at most that of the two points found. It is below that only by what
+            // further projections would gain.
             prop_assert!(found <= projected + 1e-13 && found >= projected - 1e-3, "{} and {}", found, projected);
         }
     }

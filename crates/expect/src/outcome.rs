@@ -50,7 +50,7 @@ impl DisplacementAxis {
     }
 }
 
-/// A bound of a value, which keeps it if it is equal.
+/// A bound of a value. A value equal to the bound keeps it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum Bound {
@@ -97,8 +97,8 @@ impl Outcome {
         Some(Outcome { expectation, value: found.get(parameter), bound: Bound::AtMost(most), location: None })
     }
 
-    /// The outcome for the RMSE of the displacement along an axis, of all `found_mm` in
-    /// millimetres. `None` if the layout does not bound it.
+    /// The outcome for the RMSE of the displacement along an axis. `found_mm` holds the values for
+    /// all axes, in millimetres. `None` if the layout does not bound it.
     pub fn from_displacement(expected: &Expectations, axis: DisplacementAxis, found_mm: DVec3) -> Option<Outcome> {
         let bound = Bound::AtMost(expected.displacement_rmse_mm[axis.index()]?);
         let expectation = Expectation::DisplacementRmse(axis);

@@ -1,8 +1,8 @@
-//! The magnetic field of uniformly magnetized cuboids, one or thousands, correct to the last digits at
-//! every point.
+//! The magnetic field of uniformly magnetized cuboids, one or thousands, correct to the last digits
+//! at every point.
 //!
-//! * [`Scene`]: tiles together; B, H, J and gradients at a point or at many points in parallel, exact
-//!   or within a tolerance.
+//! * [`Scene`]: tiles together; B, H, J and gradients at a point or at many points in parallel,
+//!   exact or within a tolerance.
 //! * [`Plan`]: the models that a tolerance uses, with their errors and costs.
 //! * [`FittedField`]: a box prepared for repeated look-ups.
 //! * [`PolarizationMap`]: the field at fixed points as a linear map of the tiles' polarizations.

@@ -16,20 +16,20 @@ use crate::within::{at_points, on_grid};
 ///
 /// Every point has at most one owner: a tile owns its points with lo <= p < hi along each of its
 /// axes. Faces of touching tiles count as one if their coordinates differ by at most 8 units of
-/// round-off (32 for rotated tiles). On the seam of two tiles with the same polarization the field is
-/// that of the block they form.
+/// round-off (32 for rotated tiles). On the seam of two tiles with the same polarization the field
+/// is that of the block they form.
 ///
 /// # Units
-/// Lengths are in any one unit, the same for tiles and points. Polarization and B are in tesla, H in
-/// ampere per metre.
+/// Lengths are in any one unit, the same for tiles and points. Polarization and B are in tesla, H
+/// in ampere per metre.
 ///
 /// # Accuracy
 /// B and H of a single unrotated tile are right to 2e-14 (typically 1e-15) of the sum of the fields
-/// that the three components of J make alone, at every point: far, near, thin, on edge extensions and
-/// on faces (one-sided limits); closer to the tile than 0.08 of its largest side, to 4e-15. See
+/// that the three components of J make alone, at every point: far, near, thin, on edge extensions
+/// and on faces (one-sided limits); closer to the tile than 0.08 of its largest side, to 4e-15. See
 /// docs/accuracy.md. In a scene the error is that fraction of the sum over tiles. In the frame of a
-/// rotated tile the point is off by up to four units of round-off of its distance from the tiles with
-/// that orientation, and counts as on a face within that distance.
+/// rotated tile the point is off by up to four units of round-off of its distance from the tiles
+/// with that orientation, and counts as on a face within that distance.
 ///
 /// The bounds hold for every [`InstructionSet`].
 ///
@@ -72,12 +72,12 @@ impl Scene {
         self.accuracy
     }
 
-    /// The same scene evaluated to this accuracy by [`Scene::field_into`], [`Scene::field_at`] and the
-    /// calls for grids. Single points, gradients and J are always exact.
+    /// The same scene evaluated to this accuracy by [`Scene::field_into`], [`Scene::field_at`] and
+    /// the calls for grids. Single points, gradients and J are always exact.
     ///
     /// Exact values keep a tolerance if 2e-14 of the sum over tiles does. The rounding of points in
-    /// the frames of rotated tiles (see Accuracy above) is not included: close to rotated tiles and far
-    /// from others of their orientation a tolerance near that rounding may be missed.
+    /// the frames of rotated tiles (see Accuracy above) is not included: close to rotated tiles and
+    /// far from others of their orientation a tolerance near that rounding may be missed.
     pub fn with_accuracy(self, accuracy: Accuracy) -> Scene {
         Scene { accuracy, tree: LazyTree::new(&self.direct, accuracy), ..self }
     }
@@ -104,7 +104,8 @@ impl Scene {
         failure.map_or(Ok(field[0]), Err)
     }
 
-    /// The field at every point, in the order of the points; [`Scene::field_into`] with a new vector.
+    /// The field at every point, in the order of the points; [`Scene::field_into`] with a new
+    /// vector.
     ///
     /// # Errors
     /// All points without a field at once.
@@ -121,7 +122,8 @@ impl Scene {
     /// times points.
     ///
     /// # Errors
-    /// All points without a field at once; their entries of `field` are NaN and all others are valid.
+    /// All points without a field at once; their entries of `field` are NaN and all others are
+    /// valid.
     ///
     /// # Panics
     /// If the two slices differ in length.
@@ -135,7 +137,8 @@ impl Scene {
         }
     }
 
-    /// The field at every point of a grid, z fastest; [`Scene::field_on_grid_into`] with a new vector.
+    /// The field at every point of a grid, z fastest; [`Scene::field_on_grid_into`] with a new
+    /// vector.
     ///
     /// # Errors
     /// All points without a field at once.
@@ -146,12 +149,13 @@ impl Scene {
 
     /// The field at every point of a grid, z fastest, as [`Scene::field_into`] gives it.
     ///
-    /// To a tolerance a fine grid away from the tiles costs much less than the same points in a list:
-    /// it is evaluated by Chebyshev interpolation (docs/physics.md, section 5). The result is
+    /// To a tolerance a fine grid away from the tiles costs much less than the same points in a
+    /// list: it is evaluated by Chebyshev interpolation (docs/physics.md, section 5). The result is
     /// bit-identical for any number of threads.
     ///
     /// # Errors
-    /// All points without a field at once; their entries of `field` are NaN and all others are valid.
+    /// All points without a field at once; their entries of `field` are NaN and all others are
+    /// valid.
     ///
     /// # Panics
     /// If `field` does not have one entry for each point.
@@ -166,16 +170,16 @@ impl Scene {
         }
     }
 
-    /// The gradient at one point: column j is the derivative along x_j, in the unit of the quantity per
-    /// unit of length.
+    /// The gradient at one point: column j is the derivative along x_j, in the unit of the quantity
+    /// per unit of length.
     ///
-    /// The gradient of B is mu0 times that of H inside a tile as outside it, so it is symmetric and has
-    /// no trace. That of J is zero. On a face the gradient is the limit from the side of the point's
-    /// owner.
+    /// The gradient of B is mu0 times that of H inside a tile as outside it, so it is symmetric and
+    /// has no trace. That of J is zero. On a face the gradient is the limit from the side of the
+    /// point's owner.
     ///
     /// # Accuracy
-    /// Every component of a single unrotated tile is right to 2e-14 (typically 5e-16) of the largest
-    /// component, at every point; in a scene to that fraction of the sum over tiles.
+    /// Every component of a single unrotated tile is right to 2e-14 (typically 5e-16) of the
+    /// largest component, at every point; in a scene to that fraction of the sum over tiles.
     ///
     /// # Errors
     /// If the gradient is unbounded at the point, if it cannot be resolved there (see
@@ -194,8 +198,8 @@ impl Scene {
         self.gradient_into(quantity, points, &mut gradient).map(|()| gradient)
     }
 
-    /// The gradient at every point as [`Scene::gradient`] gives it, written to `gradient` in the order
-    /// of the points, in parallel over points.
+    /// The gradient at every point as [`Scene::gradient`] gives it, written to `gradient` in the
+    /// order of the points, in parallel over points.
     ///
     /// # Errors
     /// All points without a gradient at once; their entries are NaN and all others are valid.
@@ -226,14 +230,15 @@ impl Scene {
         FittedField::new(&self.direct, lower, upper, tolerance)
     }
 
-    /// The models that [`Scene::field_on_grid_into`] uses for a grid. Interpolations are built to see
-    /// whether they hold, so that planning costs a part of the evaluation.
+    /// The models that [`Scene::field_on_grid_into`] uses for a grid. Interpolations are built to
+    /// test whether they keep the tolerance, so that planning costs a part of the evaluation.
     pub fn plan_on_grid(&self, grid: &Grid) -> Plan {
         plan_on_grid(&self.direct, &self.tree, self.accuracy, grid)
     }
 
-    /// The models that [`Scene::field_into`] uses for points. The tree is built, and the field at some
-    /// of the points, so that planning costs a part of the evaluation. Points out of range do not count.
+    /// The models that [`Scene::field_into`] uses for points. The tree is built and the field at
+    /// some of the points is computed, so that planning costs a part of the evaluation. Points out
+    /// of range do not count.
     pub fn plan_at_points(&self, points: &[DVec3]) -> Plan {
         plan_at_points(&self.direct, &self.tree, self.accuracy, points)
     }

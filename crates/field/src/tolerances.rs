@@ -6,18 +6,18 @@ use magsplice_cuboid::tolerances::EXACT_BOUND;
 /// from the axis's origin lies on the face: its coordinate is no better known.
 pub(crate) const POINT_ROUNDINGS: f64 = 4.0;
 
-/// Directions are looked up in cells of this width; any width far above `SAME_ROTATION` does.
+/// Width of the cells in which directions are looked up. Any width far above `SAME_ROTATION` works.
 pub(crate) const DIRECTION_CELL: f64 = 1e-9;
 
-/// At a shared edge the logarithmic terms of several tiles cancel to this fraction, or the field is
-/// unbounded there.
+/// Largest fraction of the logarithmic terms of several tiles at a shared edge that may remain if
+/// they count as cancelled. If more remains, the field is unbounded there.
 ///
-/// What is left of a cancelled term is multiplied by ln(2^-240) = -166, so 1e-14 stays at round-off
-/// of the polarization.
+/// The remainder of a cancelled term is multiplied by ln(2^-240) = -166, so 1e-14 stays at
+/// round-off of the polarization.
 pub(crate) const EDGE_CANCELLATION: f64 = 1e-14;
 
-/// Edges whose unit directions differ by no more than this run together. Far above round-off, far
-/// below any angle meant.
+/// Largest difference between the unit directions of edges that count as the same direction. It is
+/// far above round-off and far below any intended angle.
 pub(crate) const SAME_RAY: f64 = 1e-9;
 
 /// Cost of a multipole expansion of degree p at a vector of points, in multiply-adds over
@@ -138,54 +138,56 @@ pub(crate) const DISTANCE_BISECTIONS: usize = 8;
 /// With more tiles only the farthest distance of each is used.
 pub(crate) const CORNER_MEAN_TILES: usize = 64;
 
-/// To a tolerance the closed form of tiles together goes so many times farther than
-/// [`CLOSED_FORM_REACH`]: its error grows with that ratio.
+/// Factor by which the closed form of a cluster reaches farther than [`CLOSED_FORM_REACH`] under a
+/// tolerance. Its error grows with that ratio.
 pub(crate) const STRETCH: f64 = 2.0;
 
-/// The error of what a tree leaves to the exact field, as [`EXACT_BOUND`].
+/// Error bound of direct summation within a tree, as a fraction like [`EXACT_BOUND`].
 pub(crate) const STRETCHED_BOUND: f64 = STRETCH * EXACT_BOUND;
 
-/// Then four groups of at most so many tiles share a division: products of 12 lengths for each,
-/// between 1 / [`PRODUCT_RANGE`] and this, stay in range.
+/// Largest number of tiles in each of four groups that share a division. Products of 12 lengths for
+/// each tile, between 1 / [`PRODUCT_RANGE`] and [`PRODUCT_RANGE`], then stay in range.
 pub(crate) const SMALL_GROUP: usize = 4;
 
-/// Tiles whose terms are multiplied before one logarithm or arctangent is taken. More share it
-/// among more, but their total angle must stay below half a turn, which keeps points away from
-/// them.
+/// Largest number of tiles whose terms are multiplied before one logarithm or arctangent is taken.
+/// With more tiles each costs less. But the total angle must stay below half a turn, so that the
+/// points must be farther away.
 pub(crate) const TILES_PER_GROUP: usize = 16;
 
-/// The total half angle of a group stays below 2.5 from a distance d of this multiple of the cube
-/// root of its volume V: whatever the tiles, they lie beyond a plane, so the angle is at most the
-/// integral of dV / r^3 over the cap of a ball with that volume, 2 pi (ln(R / d) - 1 + d / R),
-/// which for V = 24 d^3 is 2.5.
+/// Smallest distance d from a group at which its product is used, as a multiple of the cube root of
+/// its volume V. The total half angle of the group is then below 2.5. Whatever the tiles, they lie
+/// beyond a plane. The angle is therefore at most the integral of dV / r^3 over the cap of a ball
+/// with that volume, 2 pi (ln(R / d) - 1 + d / R), which is 2.5 for V = 24 d^3.
 pub(crate) const GROUP_DISTANCE: f64 = 0.35;
 
-/// A group takes no more volume than lets points come this close, in units of the thickest tile's
-/// thickness.
+/// Distance at which points may still use the product of a group, in thicknesses of the thickest
+/// tile. It limits the volume of the group, see [`GROUP_DISTANCE`].
 pub(crate) const GROUP_THICKNESSES: f64 = 2.0;
 
-/// Distances from tiles that are multiplied together, scaled to their size, lie between 1 / this
-/// and this, so that products of 12 lengths for each tile of a group stay in range.
+/// Largest distance from tiles whose terms are multiplied, scaled to their size; the smallest is
+/// its inverse. Products of 12 lengths for each tile of a group then stay in range.
 pub(crate) const PRODUCT_RANGE: f64 = 16.0;
 
-/// Tiles that share tables of corners, at most. Large enough to share most corners, small enough
-/// for the tables to stay in the first caches.
+/// Largest number of tiles that share tables of corners. It is large enough that most corners are
+/// shared, and small enough that the tables stay in the first caches.
 pub(crate) const TILES_PER_CLUSTER: usize = 64;
 
-/// Of more that are long a tree takes the halves: their spheres are smaller, so that expansions
-/// serve nearer to them.
+/// Largest number of tiles in a cluster that a tree never halves. A tree halves larger clusters
+/// that are long, see [`HALVED_RADIUS`]. The spheres of the halves are smaller, so that expansions
+/// converge nearer to them.
 pub(crate) const TILES_PER_ITEM: usize = 32;
 
-/// That pays where the radius of the halves is at most this fraction of the whole's: for rows and
-/// for rectangles of 3 : 2 and longer. Halves of a square would have four fifths, and be twice as
-/// many nodes.
+/// Largest radius of the halves of a cluster, as a fraction of the radius of the cluster, at which
+/// the cluster is halved. Halves of rows and of rectangles of 3 : 2 and longer are smaller. Halves
+/// of a square would have four fifths of its radius, and there would be twice as many nodes.
 pub(crate) const HALVED_RADIUS: f64 = 0.7;
 
 /// Number of neighbouring leaves whose moments are computed at the same time: the lanes of the
 /// longest vector.
 pub(crate) const LEAVES_PER_GROUP: usize = 8;
 
-/// Lengths of those tables; powers of two. Tiles that need longer ones are divided further.
+/// Largest number of corners in the tables of a cluster, a power of two. Tiles that need longer
+/// tables are divided further.
 pub(crate) const MOST_CORNERS: usize = 512;
 
 /// See [`MOST_CORNERS`].
@@ -194,43 +196,45 @@ pub(crate) const MOST_PLANES: usize = 128;
 /// See [`MOST_CORNERS`].
 pub(crate) const MOST_GROUPS: usize = 256;
 
-/// Shapes whose multipole series are kept, 10 kB each. In a scene with more they are made when
-/// needed.
+/// Largest number of shapes whose multipole series are kept, 10 kB each. In a scene with more
+/// shapes no series is kept; each is computed when it is needed.
 pub(crate) const KEPT_SERIES: usize = 4096;
 
-/// Points that one thread takes at a time, at least and at most: small enough to share out 405
-/// points, large enough for full vectors of each form, small enough for the first caches.
+/// Smallest and largest number of points that one thread evaluates at a time. The smallest divides
+/// 405 points among the threads. The largest fills the vectors of each method and still fits the
+/// first caches.
 pub(crate) const POINTS_PER_BATCH: [usize; 2] = [64, 512];
 
-/// Points of a scene of one tile that one thread takes at a time, at most: each form's last vectors
-/// are not full.
+/// Largest number of points of a scene of one tile that one thread evaluates at a time. It is
+/// larger because the last vectors of each method are not full.
 pub(crate) const POINTS_OF_ONE_TILE: usize = 8192;
 
-/// Of these the points whose forms are found together: so many that most forms have full vectors,
-/// so few that their queues stay in the first caches.
+/// Number of points of a scene of one tile whose methods are determined at a time. They are so many
+/// that most methods have full vectors, and so few that their queues stay in the first caches.
 pub(crate) const STREAMED_POINTS: usize = 256;
 
-/// How many points ahead memory is asked for: longer than it takes to come, and short of what the
-/// second cache holds.
+/// Number of points by which memory is requested ahead. Their evaluation takes longer than the
+/// memory access, and they fit the second cache.
 pub(crate) const FETCHED_AHEAD: usize = 512;
 
-/// Points are brought together by form unless, as they lie, at most one pair of vectors of so many
-/// has points of several forms: each of these is then served once for each form.
+/// Points keep their order if at most one of this many pairs of vectors has points of several
+/// methods. Such a pair is evaluated once by each of these methods. Otherwise the points are sorted
+/// by method.
 pub(crate) const MIXED_SHARE: usize = 4;
 
-/// Scenes divided into at least so many parts have the points of a batch chosen so that they lie
-/// together and one form serves most parts at all of them.
+/// Smallest number of clusters and single tiles in a scene for which a batch consists of
+/// neighbouring points. Most clusters then have the same method at all points of a batch.
 pub(crate) const REGROUPED_PARTS: usize = 100;
 
-/// Points among which the neighbours are chosen: a megabyte of copies.
+/// Number of points among which neighbouring points are chosen. Their copies take a megabyte.
 pub(crate) const REGROUPED_POINTS: usize = 16_384;
 
-/// Batches for each thread, where there are points enough: the more, the more evenly they are
-/// shared out.
+/// Number of batches for each thread, where there are enough points. More batches divide the work
+/// more evenly.
 pub(crate) const BATCHES_PER_THREAD: usize = 8;
 
-/// From so many half diagonals on the field of a tile counts as that of dipoles on their axis, as
-/// near as its nearest point: at most 2 (1 + 1 / 4)^3 = 4 times too large.
+/// Distance from a tile, in half diagonals, beyond which its field is bounded by that of dipoles on
+/// their axis at its nearest point. The bound is at most 2 (1 + 1 / 4)^3 = 4 times too large.
 pub(crate) const DIPOLE_DISTANCE: f64 = 4.0;
 
 /// Number of points in a task when a [`PolarizationMap`](crate::PolarizationMap) is applied. A task

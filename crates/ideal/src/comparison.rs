@@ -4,8 +4,8 @@ use std::fmt;
 
 use glam::DVec3;
 
-/// Values whose spread is below this fraction of their mean are one value: rounding their mean
-/// leaves that much.
+/// Smallest spread of values that differ, as a fraction of their mean. The rounding of the mean
+/// makes equal values appear to have a spread below it.
 const ROUNDED_SPREAD: f64 = 1e-14;
 
 /// The difference of a field from a reference on the same points.
@@ -40,7 +40,8 @@ pub struct Comparison {
     pub worst_t: f64,
     /// The first point where it occurs.
     pub worst_at: DVec3,
-    /// The factor a that brings a times the reference closest to the field (least squares over all components).
+    /// The factor a that brings a times the reference closest to the field (least squares over all
+    /// components).
     pub amplitude: f64,
     /// The relative RMSE against the reference times `amplitude`; `None` if that is zero.
     pub scaled_relative_rmse: Option<f64>,
@@ -110,7 +111,8 @@ impl Comparison {
     }
 }
 
-/// Pearson's correlation of one component; `None` where one of the two varies by no more than round-off.
+/// Pearson's correlation of one component; `None` where one of the two varies by no more than
+/// round-off.
 fn correlation(field: &[DVec3], reference: &[DVec3], axis: usize, unit: f64) -> Option<f64> {
     let count = field.len() as f64;
     let mean = |values: &[DVec3]| values.iter().map(|v| v[axis] / unit).sum::<f64>() / count;

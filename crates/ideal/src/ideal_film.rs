@@ -134,7 +134,7 @@ impl IdealFilm {
 }
 
 impl IdealFilmFault {
-    /// The rule that was broken, to follow the name and the value of the quantity.
+    /// The text of the broken rule. It follows the name and the value of the quantity.
     pub fn rule(&self) -> &'static str {
         match self {
             IdealFilmFault::Wavelength(_) | IdealFilmFault::Thickness(_) => "must be a finite number greater than 0",
@@ -186,7 +186,8 @@ mod tests {
     fn eq_2_at_a_generic_point() {
         assert_relative_eq!(published().surface_amplitude_t(), 0.02799, max_relative = 1e-4);
         let b = published().flux_density_t(DVec3::new(2.0, -1.0, -5.0)).unwrap();
-        // From mpmath at 40 digits. The phases and the exponent are rounded, which adds a few units of round-off.
+        // From mpmath at 40 digits. The phases and the exponent are rounded, which adds a few units
+        // of round-off.
         let want = [-1.150_386_977_445_826e-3, 7.109_782_522_767_793e-4, 1.352_360_999_543_941e-3];
         for (got, want) in b.to_array().into_iter().zip(want) {
             assert_relative_eq!(got, want, max_relative = 1e-14);

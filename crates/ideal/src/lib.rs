@@ -1,6 +1,6 @@
 //! The ideal, sinusoidally magnetized film and the comparison of a field with it.
 //!
-//! * [`IdealFilm`]: the film that a spliced film stands in for (Dai 2024, Eqs. 1 and 2).
+//! * [`IdealFilm`]: the film that a spliced film approximates (Dai 2024, Eqs. 1 and 2).
 //! * [`Comparison`]: RMSE, amplitude and correlation of a field against a reference.
 //!
 //! # Units

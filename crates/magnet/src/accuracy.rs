@@ -17,7 +17,7 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Accuracy {
-    /// To the last digits, as the evaluator promises.
+    /// To the last digits, within the error bound of the evaluator.
     #[default]
     Exact,
     /// To a tolerance, as cheaply as it can be kept.

@@ -110,7 +110,8 @@ impl Grid {
         self.counts.iter().product()
     }
 
-    /// The coordinate with index `i` along `axis`, rounded once: a grid symmetric about 0 contains 0.
+    /// The coordinate with index `i` along `axis`, rounded once, so that a grid symmetric about 0
+    /// contains 0.
     ///
     /// # Panics
     /// If `axis` is not 0, 1 or 2.

@@ -27,8 +27,8 @@ pub fn overlap(first: &Tile, second: &Tile) -> Option<(f64, DVec3)> {
 
 /// All pairs of tiles that overlap by more than round-off, ordered by index, found lazily.
 ///
-/// Candidates come from an R-tree over bounding boxes, so that the cost is about N log N for N tiles
-/// that hardly overlap.
+/// Candidates come from an R-tree over bounding boxes, so that the cost is about N log N for N
+/// tiles that hardly overlap.
 pub fn overlaps(tiles: &[Tile]) -> impl Iterator<Item = Overlap> {
     let boxes: Vec<Oriented> = tiles.iter().map(Oriented::from_tile).collect();
     let bounds = boxes.iter().enumerate().map(|(index, b)| IndexedBounds { low: b.low, high: b.high, index });
@@ -90,12 +90,14 @@ impl Oriented {
         (0..3).map(|i| self.half[i] * self.axes[i].dot(direction).abs()).sum()
     }
 
-    /// Depth and direction of the overlap by the separating-axis theorem (Gottschalk, Lin, Manocha 1996).
+    /// Depth and direction of the overlap by the separating-axis theorem (Gottschalk, Lin, Manocha
+    /// 1996).
     fn penetration(&self, other: &Oriented) -> Option<(f64, DVec3)> {
         let shift = other.centre - self.centre;
         let crosses = self.axes.iter().flat_map(|a| other.axes.iter().map(move |b| a.cross(*b)));
         let candidates = self.axes.iter().chain(&other.axes).copied().chain(crosses);
-        // Half of the round-off that joins faces, so that faces of a pair that passes here are joined.
+        // Half of the round-off that joins faces, so that faces of a pair that passes here are
+        // joined.
         let reach = |o: &Oriented, d: DVec3| o.centre.dot(d).abs() + o.reach(d);
         let roundings = if self.rotated || other.rotated { ROTATED_SEAM_ROUNDINGS } else { SEAM_ROUNDINGS };
         let mut least: Option<(f64, DVec3)> = None;

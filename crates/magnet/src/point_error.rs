@@ -22,8 +22,8 @@ pub enum Cause {
         /// Index of a tile with that edge.
         tile: usize,
     },
-    /// A coordinate of the point is not finite or beyond [`MAX_LENGTH`], or the result is beyond the
-    /// range of numbers.
+    /// A coordinate of the point is not finite or beyond [`MAX_LENGTH`], or the result is beyond
+    /// the range of numbers.
     OutOfRange,
     /// The tolerance is below the error bound of the exact field.
     TooExact {

@@ -53,12 +53,13 @@ impl TryFrom<UncheckedTile> for Tile {
 }
 
 impl Tile {
-    /// An unrotated tile from its centre, its full side lengths and its polarization in its own frame.
+    /// An unrotated tile from its centre, its full side lengths and its polarization in its own
+    /// frame.
     ///
     /// # Errors
-    /// All faults at once: sizes not between [`MIN_SIZE`] and [`MAX_LENGTH`], coordinates not finite
-    /// or beyond [`MAX_LENGTH`], one side below [`MIN_ASPECT`] of another, polarization components
-    /// not finite or beyond [`MAX_POLARIZATION_T`].
+    /// All faults at once: sizes not between [`MIN_SIZE`] and [`MAX_LENGTH`], coordinates not
+    /// finite or beyond [`MAX_LENGTH`], one side below [`MIN_ASPECT`] of another, polarization
+    /// components not finite or beyond [`MAX_POLARIZATION_T`].
     pub fn new(position: DVec3, size: DVec3, polarization_t: DVec3) -> Result<Tile, TileFaults> {
         let mut faults = Vec::new();
         for axis in 0..3 {
@@ -114,7 +115,7 @@ impl Tile {
         self.polarization_t
     }
 
-    /// From the tile's own frame to the scene's.
+    /// Rotation from the tile's own frame to that of the scene.
     pub fn rotation(&self) -> DQuat {
         self.rotation
     }
@@ -169,7 +170,7 @@ pub enum TileFault {
 }
 
 impl TileFault {
-    /// The rule that was broken, to follow the name and the value of the quantity.
+    /// The text of the broken rule. It follows the name and the value of the quantity.
     pub fn rule(&self) -> String {
         match self {
             TileFault::Position { value, .. } if value.is_finite() => {

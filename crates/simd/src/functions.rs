@@ -105,7 +105,7 @@ const SIGN: u64 = 1 << 63;
 const EXPONENT_ONE: u64 = 1023 << 52;
 const EXPONENT_HALF: u64 = 1 << 51;
 const EXPONENT_MASK: u64 = 0x7ff << 52;
-/// 2^52 as bits: a small integer placed below them becomes a number.
+/// The bits of 2^52. With a small integer in the lowest bits they are 2^52 plus that integer.
 const INTEGER: u64 = 1075 << 52;
 const INTEGER_OFFSET: f64 = 4_503_599_627_370_496.0 + 1023.0;
 

@@ -58,7 +58,7 @@ impl<S: Simd> Lanes<S> {
         Lanes(S::f64s::from_slice(simd, values))
     }
 
-    /// A vector of the values there are, and zeros.
+    /// A vector of the first [`Lanes::LEN`] values, padded with zeros if there are fewer.
     #[inline(always)]
     pub fn load_some(simd: S, values: &[f64]) -> Self {
         if values.len() >= Self::LEN {

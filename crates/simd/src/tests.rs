@@ -98,7 +98,7 @@ fn short_series_have_their_accuracy() {
                 (at(level, function, s, 1.0) / exact(s) - 1.0).abs()
             });
             let worst = worst.fold(0.0, f64::max);
-            // That of the polynomial and three roundings.
+            // The error of the polynomial and three roundings.
             assert!(worst <= 7.5e-15, "{level:?}: {worst:e}");
         }
     }

@@ -1,11 +1,10 @@
 //! Points inside a compact cuboid and close to its edges, in vectors (docs/physics.md, section
 //! 2.6).
 //!
-//! The closed form of `single_tile` loses digits near an edge; this form does
-//! not. Each edge and each corner has its own term, of numbers without cancellation. The sum of the
-//! terms is right to the round-off of the largest term. That is enough inside and close to a tile
-//! that is neither a plate nor a needle, where every column of the tensor is nearly as large, and
-//! nowhere else.
+//! The closed form of `single_tile` loses digits near an edge; this method does not. Each edge and
+//! each corner has its own term, of numbers without cancellation. The sum of the terms is right to
+//! the round-off of the largest term. That is enough inside and close to a tile that is neither a
+//! plate nor a needle, where every column of the tensor is nearly as large, and nowhere else.
 
 use std::f64::consts::PI;
 

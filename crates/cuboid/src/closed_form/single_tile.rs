@@ -63,7 +63,8 @@ impl ClosedForm {
         CornerGeometry { planes, distances }
     }
 
-    /// Numerator and denominator of the hyperbolic or circular tangent of half of 4 pi T, by element.
+    /// Numerator and denominator of the hyperbolic or circular tangent of half of 4 pi T, by
+    /// element.
     #[inline(always)]
     pub fn ratios<N: Functions>(&self, simd: N::Instructions, place: &CornerGeometry<N>) -> Ratios<N> {
         let mut ratios = [[N::splat(simd, 0.0), N::splat(simd, 1.0)]; 6];

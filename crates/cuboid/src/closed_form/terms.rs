@@ -34,7 +34,8 @@ pub struct Terms {
     /// Contribution of one unit of each element to the components of mu0 H, with a positive first
     /// nonzero component; zero if the element is not needed.
     pub coefficients: [[f64; 3]; 6],
-    /// Length of the edges times the size across, or area of the faces; scaled, with the sign of the term.
+    /// Length of the edges times the size across, or area of the faces; scaled, with the sign of
+    /// the term.
     pub factors: [f64; 6],
     /// Squares of the sizes along a, b, c, scaled.
     pub squares: [f64; 3],

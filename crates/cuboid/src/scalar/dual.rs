@@ -1,6 +1,8 @@
-//! Numbers that carry their derivatives along the three axes of the tile: forward-mode differentiation.
+//! Numbers that carry their derivatives along the three axes of the tile: forward-mode
+//! differentiation.
 //!
-//! Used on the logarithms of the edges, where every term is positive and a slope cancels no more than powers of a length do.
+//! They are used for the logarithms of the edges. There every term is positive, and a slope cancels
+//! no more than powers of a length do.
 
 use std::ops::{Add, Mul, Neg, Sub};
 

@@ -1,4 +1,5 @@
-//! Off-diagonal elements of the demagnetizing tensor: logarithms of the four edges parallel to an axis.
+//! Off-diagonal elements of the demagnetizing tensor: logarithms of the four edges parallel to an
+//! axis.
 //!
 //! With X, Y, Z the offsets from the point to the faces, s = +1 at the near and -1 at the far face,
 //!
@@ -7,18 +8,20 @@
 //! F(X, Y)   = integral over the edge of dw / R = ln((S + l) / (S - l)),   S = R_1 + R_2,
 //! ```
 //!
-//! R_1, R_2 the distances to the two ends and l the length of the edge (docs/physics.md, Eq. P4). The textbook
-//! second difference of logarithms loses two digits per decade of distance. Here it is taken before the logarithm:
-//! F = 2 artanh(l / S), differences of artanh follow the addition theorem, and every difference of S is rationalised,
-//! e.g. R_2 - R_1 = (X_2^2 - X_1^2) / (R_1 + R_2). In the octant x, y, z >= 0 every term that is then added is positive,
-//! so the result keeps full relative accuracy at any distance, for any aspect ratio and on every edge extension
+//! R_1 and R_2 are the distances to the two ends, and l is the length of the edge (docs/physics.md,
+//! Eq. P4). The textbook second difference of logarithms loses two digits per decade of distance.
+//! Here it is taken before the logarithm: F = 2 artanh(l / S), differences of artanh follow the
+//! addition theorem, and every difference of S is rationalised, e.g. R_2 - R_1 = (X_2^2 - X_1^2) /
+//! (R_1 + R_2). In the octant x, y, z >= 0 every term that is then added is positive, so the result
+//! keeps full relative accuracy at any distance, for any aspect ratio and on every edge extension
 //! (docs/physics.md, Eqs. P6 to P9).
 
 use super::number::Scalar;
 use super::offsets::Offsets;
 use crate::tolerances::ARTANH_TO_PRODUCT;
 
-/// 4 pi |T_ij| of the tile, from the edges parallel to axis `k`, and never negative; the sign is that of the octant.
+/// 4 pi |T_ij| of the tile, from the edges parallel to axis `k`. It is never negative; the sign is
+/// that of the octant.
 ///
 /// `radius` holds the distances to the eight corners, the bit of an axis set for its far face.
 pub(super) fn edge_logarithm<S: Scalar>(offsets: &[Offsets<S>; 3], radius: &[S; 8], [i, j, k]: [usize; 3]) -> S {
@@ -37,8 +40,8 @@ pub(super) fn edge_logarithm<S: Scalar>(offsets: &[Offsets<S>; 3], radius: &[S; 
     let sums = [[sum(0, 0), sum(0, 1)], [sum(1, 0), sum(1, 1)]];
     let plus = sums.map(|row| row.map(|s| s + length));
 
-    // Increments of S along i and along j, and the negative mixed second difference of S, end by end of the edges: R rises
-    // along i by D_i / (R_0 + R_1).
+    // Increments of S along i and along j, and the negative mixed second difference of S, end by
+    // end of the edges: R rises along i by D_i / (R_0 + R_1).
     let end = |bk: usize| {
         let along_i = [0, 1].map(|bj| corner(0, bj, bk) + corner(1, bj, bk));
         let along_j = [0, 1].map(|bi| corner(bi, 0, bk) + corner(bi, 1, bk));

@@ -1,18 +1,20 @@
 //! Diagonal elements of the demagnetizing tensor: solid angles of two opposite faces.
 //!
-//! `4 pi T_xx = W(X_near) - W(X_far)`, W(X) the signed solid angle of a face X away (docs/physics.md, Eq. P5). The textbook
-//! sum of eight arctangents cancels outside the shadow of the faces and far away. Here the faces are cut where the foot
-//! of the point falls, so that each piece spans [y1, y2] x [z1, z2] with 0 <= y1, z1; each piece is halved into two
+//! `4 pi T_xx = W(X_near) - W(X_far)`, where W(X) is the signed solid angle of a face at the
+//! distance X (docs/physics.md, Eq. P5). The textbook sum of eight arctangents cancels outside the
+//! shadow of the faces and far away. Here the faces are cut where the foot of the point falls, so
+//! that each piece spans [y1, y2] x [z1, z2] with 0 <= y1, z1. Each piece is halved into two
 //! triangles, whose angle is (van Oosterom and Strackee 1983, for a right angle at corner 1)
 //!
 //! ```text
 //! tan(W / 2) = X |u| |v| / D,   D = (R_1 + R_2) (R_1 + R_3) (R_1 + p / (R_1 + R_2) + q / (R_1 + R_3)),
 //! ```
 //!
-//! u and v the legs, p = r_1 . u, q = r_1 . v. For the triangle at the nearest corner p, q >= 0; for that at the farthest
-//! one the bracket is rearranged into positive terms (Eq. P12). The difference over X is taken by the addition theorem
-//! with D_far - D_near built from rationalised increments, all positive, which leaves one subtraction: the one of the dipole
-//! itself, 3 x^2 - r^2 (Eqs. P10 to P14).
+//! where u and v are the legs, p = r_1 . u, q = r_1 . v. For the triangle at the nearest corner p,
+//! q >= 0. For that at the farthest one the bracket is rearranged into positive terms (Eq. P12).
+//! The difference over X is taken by the addition theorem, with D_far - D_near as a sum of
+//! rationalised increments, all positive. One subtraction remains, 3 x^2 - r^2 of the dipole itself
+//! (Eqs. P10 to P14).
 
 use super::number::Scalar;
 use super::offsets::Offsets;
@@ -34,10 +36,10 @@ pub(super) fn face_angles<S: Scalar>(offsets: &[Offsets<S>; 3], [i, j, k]: [usiz
     half_sum.scale(2.0)
 }
 
-/// A stretch of a face on one side of the foot of the point.
+/// An interval of a face along one axis, on one side of the foot of the point.
 #[derive(Clone, Copy)]
 struct Span<S> {
-    /// `None` where the stretch begins at the foot itself.
+    /// `None` where the interval begins at the foot itself.
     low: Option<S>,
     high: S,
     width: S,
@@ -77,7 +79,8 @@ struct Piece<S> {
     z: Span<S>,
 }
 
-/// Distances from the point to the corners of a piece; 1 is the end nearer to the foot, first along y.
+/// Distances from the point to the corners of a piece; 1 is the end nearer to the foot, first along
+/// y.
 #[derive(Clone, Copy)]
 struct Corners<S> {
     r11: S,
@@ -87,7 +90,8 @@ struct Corners<S> {
 }
 
 impl<S: Scalar> Corners<S> {
-    /// R_12 + R_21 - R_22, which is never negative: (R_12 + R_21)^2 - R_22^2 = R_11^2 + 2 R_12 R_21.
+    /// R_12 + R_21 - R_22, which is never negative:
+    /// (R_12 + R_21)^2 - R_22^2 = R_11^2 + 2 R_12 R_21.
     fn detour(&self) -> S {
         (self.r11.square() + (self.r12 * self.r21).scale(2.0)).over(self.r12 + self.r21 + self.r22)
     }
@@ -130,7 +134,8 @@ impl<S: Scalar> Piece<S> {
         d
     }
 
-    /// Weights of R_12, R_21 and of the detour in the bracket of the farthest triangle; they sum to one.
+    /// Weights of R_12, R_21 and of the detour in the bracket of the farthest triangle; they sum to
+    /// one.
     fn weights(&self) -> [S; 3] {
         let (y, z) = (self.y.shares(), self.z.shares());
         [z.low, y.low, y.width * z.high + y.low * z.width]
@@ -154,7 +159,8 @@ impl<S: Scalar> Piece<S> {
         near.atan() + far.atan()
     }
 
-    /// Half the difference of the solid angles seen from the near and from the far height, both positive.
+    /// Half the difference of the solid angles seen from the near and from the far height, both
+    /// positive.
     fn half_angle_difference(&self, x: &Offsets<S>) -> S {
         let (near, far) = (self.corners(x.near), self.corners(x.far));
         let step = x.square_step();
@@ -199,7 +205,8 @@ impl<S: Scalar> Piece<S> {
     }
 }
 
-/// Half the difference of a triangle's solid angles over X, from D at the near height and its increase to the far one.
+/// Half the difference of a triangle's solid angles over X, from D at the near height and its
+/// increase to the far one.
 fn triangle_difference<S: Scalar>(x: &Offsets<S>, area: S, d_near: S, d_step: S) -> S {
     let d_far = d_near + d_step;
     let above = area * (x.near * d_step - d_near.scale(x.size));

@@ -1,8 +1,8 @@
 //! The closed-form field of one cuboid in its own frame, free of cancellation (docs/physics.md,
 //! section 2).
 //!
-//! One path is valid at every point. There is no separate far branch; the only branches are where
-//! the foot of the point falls and how large a logarithm is.
+//! One path is valid at every point. There is no separate far branch; the only branches depend on
+//! where the foot of the point falls and how large a logarithm is.
 
 use super::edge::edge_logarithm;
 use super::face::face_angles;
@@ -40,7 +40,8 @@ pub fn cuboid_field<S: Scalar>(offsets: &[Offsets<S>; 3], j: [f64; 3], part: Fie
         field[b] = field[b] + element.scale(j[a]);
     }
 
-    // Inside, 1 + T_xx = -(T_yy + T_zz) adds two numbers of one sign where J + mu0 H would nearly cancel in a plate.
+    // Inside, 1 + T_xx = -(T_yy + T_zz) adds two numbers of one sign where J + mu0 H would nearly
+    // cancel in a plate.
     let by_trace = inside && part == FieldKind::Density;
     let mut diagonal = [None; 3];
     for (axis, slot) in diagonal.iter_mut().enumerate() {

@@ -5,7 +5,8 @@ use std::ops::{Add, Mul, Neg, Sub};
 /// A real number, or one that carries derivatives along.
 ///
 /// The kernel is written once over this trait: over `f64` it gives the field, over
-/// [`Dual`](super::dual::Dual) the field and its gradient. Branches look at [`value`](Scalar::value) alone.
+/// [`Dual`](super::dual::Dual) the field and its gradient. Branches look at
+/// [`value`](Scalar::value) alone.
 pub trait Scalar: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
     /// A number that does not depend on the point.
     fn constant(value: f64) -> Self;

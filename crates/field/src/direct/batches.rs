@@ -1,4 +1,4 @@
-//! Points divided into batches, in parallel, and results in the order of the points.
+//! Batches of points that are evaluated in parallel, with results in the order of the points.
 
 use glam::DVec3;
 use magsplice_magnet::{Cause, PointError, PointErrors};
@@ -15,8 +15,8 @@ pub(crate) struct Batches {
     pub(crate) regroup: bool,
 }
 
-/// Calls `evaluate` for every batch, in parallel. It writes the values of the batch and names the
-/// points that have none.
+/// Calls `evaluate` for every batch, in parallel. `evaluate` writes the values of the batch and
+/// names the points that have none.
 pub(crate) fn for_each_batch<T: Send + Copy + Default>(
     points: &[DVec3],
     values: &mut [T],
@@ -78,7 +78,7 @@ fn in_batches<T: Send>(
 }
 
 /// Indices of points in an order in which consecutive points are neighbours: groups of the first of
-/// `sizes`, in each of them groups of the next size, and so on.
+/// `sizes`, each divided into groups of the next size, and so on.
 pub(crate) fn neighbours_together(points: &[DVec3], order: impl IntoIterator<Item = u32>, sizes: &[usize]) -> Vec<u32> {
     // Contiguous in memory, since points are compared many times.
     let mut placed: Vec<IndexedPoint> =

@@ -3,10 +3,11 @@
 //!
 //! As in the [scalar kernel](magsplice_cuboid::scalar), differences are taken before the logarithm
 //! and the arctangent, but only where that needs no division. The remaining cancellation loses a
-//! factor of distance over the second side of a tile. Each element is a number of a split-complex
-//! or a complex plane, whose products add logarithms or angles: tiles of equal strength share a
-//! division and a series. An element whose strength occurs once skips the products; within a
-//! tolerance it shares its division with the other such elements of its tile.
+//! factor of distance over the second side of a tile. Each element is represented by a
+//! split-complex or a complex number. Products of such numbers add logarithms or angles, so that
+//! tiles of equal strength share a division and a series. An element whose strength occurs once
+//! skips the products; within a tolerance it shares its division with the other such elements of
+//! its tile.
 
 use std::any::Any;
 

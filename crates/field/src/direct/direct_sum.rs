@@ -94,12 +94,13 @@ impl DirectSum {
     fn batches(&self) -> Batches {
         let parts = self.frames.frames().iter().map(|frame| frame.clusters.parts()).sum::<usize>();
         let most = if self.frames.only_tile().is_some() { POINTS_OF_ONE_TILE } else { POINTS_PER_BATCH[1] };
-        // With so many clusters that switch methods at different points, batches hold neighbours.
+        // Many clusters change their methods at different points, so that a batch holds
+        // neighbouring points.
         Batches { most, regroup: parts >= REGROUPED_PARTS }
     }
 
-    /// The field at each point of a batch. Points without one are passed to `failed`, and their field
-    /// is NaN.
+    /// The field at each point of a batch. Points without one are passed to `failed`, and their
+    /// field is NaN.
     pub(crate) fn field_of_batch(
         &self,
         quantity: Quantity,
@@ -161,7 +162,8 @@ impl DirectSum {
     /// The exact field at every point.
     ///
     /// # Errors
-    /// All points without a field at once; their entries of `field` are NaN and all others are valid.
+    /// All points without a field at once; their entries of `field` are NaN and all others are
+    /// valid.
     pub(crate) fn exact_field_into(
         &self,
         quantity: Quantity,
@@ -237,7 +239,8 @@ impl DirectSum {
         }
     }
 
-    /// The gradient of B at every point of `points`, written to `gradient` in the same order, in parallel.
+    /// The gradient of B at every point of `points`, written to `gradient` in the same order, in
+    /// parallel.
     ///
     /// # Errors
     /// All points without a gradient at once; their entries are then NaN and all others are valid.

@@ -1,12 +1,12 @@
-//! The far field of a cluster to a tolerance, as direct summation sees it.
+//! The interface through which direct summation uses the far field of a cluster within a tolerance.
 
 use fearless_simd::Level;
 
 /// The field of a cluster outside a sphere around it, within a tolerance.
 pub(crate) trait FarField {
     /// mu0 H in tesla, in the frame of the scene, at points given by axis. `degrees` receives the
-    /// truncation error of each [`POINTS_PER_DEGREE`](magsplice_expansion::tolerances::POINTS_PER_DEGREE)
-    /// points.
+    /// degree and the truncation error for each
+    /// [`POINTS_PER_DEGREE`](magsplice_expansion::tolerances::POINTS_PER_DEGREE) points.
     fn fields(&self, level: Level, points: [&[f64]; 3], fields: [&mut [f64]; 3], degrees: &mut DegreesByPoints);
 }
 

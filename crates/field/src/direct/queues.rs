@@ -8,12 +8,13 @@ use crate::tolerances::STREAMED_POINTS;
 
 /// Number of methods of a single tile.
 const METHODS: usize = FIRST_FAR as usize + MULTIPOLE_ORDERS.len();
-/// A queue for a further method, which points join by name.
+/// Index of a queue for one further method, which the caller defines.
 pub(super) const OWN_QUEUE: MethodIndex = METHODS as MethodIndex;
 const QUEUES: usize = METHODS + 1;
 
-/// Capacity of a queue: the points that a run leaves, one block of points, and padding. One more
-/// cache line keeps queues from starting at addresses that exclude each other in the cache.
+/// Capacity of a queue: the points that an evaluation leaves, one block of points, and padding. One
+/// more cache line ensures that the queues do not start at addresses that exclude each other in the
+/// cache.
 const LENGTH: usize = STREAMED_POINTS + 2 * PAIR + LONGEST_VECTOR;
 const ROOM: usize = QUEUES * LENGTH;
 const _: () = assert!(LENGTH.is_multiple_of(LONGEST_VECTOR));

@@ -141,7 +141,8 @@ impl Sum {
         self.edges.get(&index).is_some_and(EdgesAtPoint::exposed)
     }
 
-    /// The coordinates of the points, and the upper bound of the truncation error at each, in tesla.
+    /// The coordinates of the points, and the upper bound of the truncation error at each, in
+    /// tesla.
     pub(crate) fn points_and_truncation_error_t(&mut self) -> ([&[f64]; 3], &mut Vec<f64>) {
         (views(&self.points.axes), &mut self.truncation_error_t)
     }
@@ -167,7 +168,8 @@ impl Sum {
         self.totals.add_fields(level, None, &self.fields);
     }
 
-    /// Adds clusters at all points; `stretched` lets the closed form reach farther, for a tolerance.
+    /// Adds clusters at all points; `stretched` lets the closed form reach farther, for a
+    /// tolerance.
     pub(crate) fn add_clusters(
         &mut self,
         level: Level,
@@ -198,8 +200,8 @@ impl Sum {
         }
     }
 
-    /// Divides the points, in their order, into runs of one method of a single tile: one run, if the
-    /// method is given. Returns whether that is worthwhile.
+    /// Divides the points, in their order, into runs of one method of a single tile: one run, if
+    /// the method is given. Returns whether that is worthwhile.
     fn divide(&mut self, of: FrameSum, cluster: &Cluster, method: Option<MethodIndex>) -> bool {
         if let Some(method) = method {
             self.runs.set_all(method, of.local.padded());
@@ -336,8 +338,8 @@ impl Sum {
         self.totals.add_fields_at(of.level, of.frame.to_scene.rotation(), &mut self.fields, chosen);
     }
 
-    /// Adds a tile at points in or close to it: in vectors where they are off the planes of its faces,
-    /// else by the scalar kernel.
+    /// Adds a tile at points in or close to it: in vectors where they are off the planes of its
+    /// faces, else by the scalar kernel.
     fn add_near(&mut self, of: FrameSum, index: usize, chosen: &[u32]) {
         let block = &of.frame.blocks[index];
         let near_edge = NearEdge::new(block, of.kind);

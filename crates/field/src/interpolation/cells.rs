@@ -15,7 +15,8 @@ use crate::tolerances::CELL_DEGREE;
 /// Number of nodes of a cell along each axis, even. With fewer the gradients of the potentials
 /// would not be independent.
 const CELL_NODES: usize = if CELL_DEGREE % 2 == 1 { CELL_DEGREE + 1 } else { CELL_DEGREE + 2 };
-/// Number of nodes on one side of the centre; also of even degrees, and of odd degrees.
+/// Number of nodes on one side of the centre. It is also the number of even degrees, and of odd
+/// degrees.
 const HALF_NODES: usize = CELL_NODES / 2;
 /// Number of coefficients of a component with given parities along the three axes.
 const PARITY_COEFFICIENTS: usize = HALF_NODES * HALF_NODES * HALF_NODES;
@@ -75,7 +76,8 @@ impl HarmonicCells {
     }
 }
 
-/// Index of the coefficient of these degrees. Even and odd degrees are apart.
+/// Index of the coefficient of these degrees. Coefficients with the same parities along the axes
+/// are contiguous.
 fn coefficient_index([a, b, c]: [usize; 3]) -> usize {
     let parities = (a % 2) * 4 + (b % 2) * 2 + c % 2;
     parities * PARITY_COEFFICIENTS + ((a / 2) * HALF_NODES + b / 2) * HALF_NODES + c / 2
@@ -128,7 +130,7 @@ struct ParityClass {
     odd: [bool; 3],
     /// The gradient of each potential in terms of a cell's coefficients: index and factor.
     gradient_terms: Vec<Vec<(usize, f64)>>,
-    /// For each Chebyshev coefficient, its contribution to the least-squares amount of each
+    /// For each Chebyshev coefficient, its contribution to the least-squares factor of each
     /// potential.
     least_squares: Vec<f64>,
     /// Chebyshev coefficients of the gradient of each potential.
@@ -249,7 +251,7 @@ fn tails_t(coefficients: &[f64]) -> f64 {
 /// The pseudoinverse of independent rows: for each entry of a vector, its contribution to the
 /// factor of each row in the sum of rows closest to the vector. Entries are `padded(count)` apart.
 ///
-/// The rows are orthogonalized by Gram and Schmidt's method, twice each.
+/// The rows are orthogonalized by the method of Gram and Schmidt, each of them twice.
 fn least_squares(rows: &[f64], count: usize) -> Vec<f64> {
     let length = rows.len() / count;
     let mut directions: Vec<Vec<f64>> = Vec::with_capacity(count);

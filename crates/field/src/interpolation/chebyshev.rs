@@ -33,9 +33,10 @@ pub(super) fn polynomials(x: f64, values: &mut [f64]) {
 /// of Eq. P26.
 ///
 /// The nearest singularity is `beyond` past the end of the interval and at distance `aside` from
-/// the line. rho is the sum of the half axes of the ellipse through it with foci -1 and 1.
+/// the line. rho is the sum of the half axes of the ellipse through the singularity with foci -1
+/// and 1.
 pub(super) fn decay(beyond: f64, aside: f64) -> f64 {
-    // A singularity that is not past the end is assumed beside the centre, the worst place.
+    // A singularity that is not past the end is assumed to be at x = 0, the worst place.
     let x = if beyond > 0.0 { 1.0 + beyond } else { 0.0 };
     let long_axis = 0.5 * ((x + 1.0).hypot(aside) + (x - 1.0).hypot(aside));
     1.0 / (long_axis + (long_axis * long_axis - 1.0).max(0.0).sqrt())

@@ -361,8 +361,9 @@ pub(super) struct CoefficientTail {
     decay: f64,
 }
 
-/// The tail along one axis, extrapolated from the decay of the last `sizes` of terms by degree. Two
-/// neighbours are combined, because every second coefficient of an even or odd function is zero.
+/// The tail along one axis, extrapolated from the decay of the last of `sizes`, the magnitudes of
+/// the terms by degree. Two neighbouring terms are combined, because every second coefficient of an
+/// even or odd function is zero.
 pub(super) fn tail_of(sizes: &[f64]) -> CoefficientTail {
     let last = |back: usize| sizes[sizes.len() - back];
     let (end, before) = (last(1).max(last(2)), last(3).max(last(4)));

@@ -12,9 +12,9 @@ use magsplice_simd::lanes::{LONGEST_VECTOR, Lanes, Number};
 
 use crate::tolerances::CELL_DEGREE;
 
-/// Pairs of degree l and order m, 0 <= m <= l <= [`CELL_DEGREE`].
+/// Number of pairs of degree l and order m, 0 <= m <= l <= [`CELL_DEGREE`].
 const PAIRS: usize = (CELL_DEGREE + 1) * (CELL_DEGREE + 2) / 2;
-/// Coefficients of a pair: those of the real and the imaginary part in each component.
+/// Number of coefficients of a pair: the real and the imaginary part for each component.
 const PARTS_PER_PAIR: usize = 6;
 /// Number of coefficients of a cell (a_ilm and b_ilm of Eq. P31): pair after pair, by order, with
 /// padding so that the longest vector can be loaded from the last pair on.

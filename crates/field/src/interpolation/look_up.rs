@@ -43,7 +43,8 @@ impl FittedField {
         for end in &mut ends {
             (*end, count) = (count, count + *end);
         }
-        // Both sides are accessed in the order of memory within each cell, and cells are few.
+        // Points are read in the order of memory. Within each cell they are also written in that
+        // order, and cells are few.
         let mut sorted = vec![DVec3::ZERO; points.len()];
         for (place, &point) in places.iter_mut().zip(points) {
             let end = &mut ends[*place as usize];

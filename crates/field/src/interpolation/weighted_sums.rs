@@ -1,5 +1,5 @@
-//! Weighted sums of rows, in the widest vectors. Evaluation of products of polynomials consists of
-//! them.
+//! Weighted sums of rows, in the widest vectors. Sums of products of polynomials are evaluated by
+//! such sums.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};

@@ -1,8 +1,8 @@
 //! A film as a sum of fewer cuboids than it has tiles.
 //!
-//! Tiles in a row often share one component of J in different strength. A bar over all of them with
-//! the smallest strength, plus cuboids for the remainders, is then fewer cuboids. Only strengths of
-//! one sign are split, so that the parts add up and nothing cancels.
+//! Tiles in a row often share one component of J with different strengths. A bar over all of them
+//! with the smallest strength, plus cuboids for the remainders, is then fewer cuboids. Only
+//! strengths of one sign are split, so that the parts add up and nothing cancels.
 
 use glam::DVec3;
 use magsplice_cuboid::block::Block;

@@ -34,16 +34,17 @@ pub(super) fn scale_of(blocks: &[Block]) -> f64 {
     power_of_two_reciprocal(around(blocks).1.into_iter().fold(0.0, f64::max))
 }
 
-/// Whether the closed form of a cluster reaches at least as far from its centre as the cluster does.
+/// Whether the closed form of a cluster reaches at least as far from its centre as the cluster
+/// does.
 pub(super) fn is_compact(ranges: &MethodRanges) -> bool {
     ranges.closed_form_to >= ranges.half_size.iter().map(|h| h * h).sum()
 }
 
 /// The ranges of a cluster.
 ///
-/// `parts` are the cuboids that the closed form evaluates, `tiles` the number of cuboids for the other
-/// methods, `group_volume` (scaled) and `group_tiles` the largest volume and number of cuboids that
-/// share a logarithm or an arctangent.
+/// `parts` are the cuboids that the closed form evaluates, `tiles` the number of cuboids for the
+/// other methods, `group_volume` (scaled) and `group_tiles` the largest volume and number of
+/// cuboids that share a logarithm or an arctangent.
 pub(super) fn ranges_of_cluster(parts: &[Block], tiles: usize, group_volume: f64, group_tiles: usize) -> MethodRanges {
     let (centre, half) = around(parts);
     let scale = scale_of(parts);
@@ -64,7 +65,7 @@ pub(super) fn ranges_of_cluster(parts: &[Block], tiles: usize, group_volume: f64
     let sphere = farthest_corner(parts, centre) * scale;
     let expansions =
         EXPANSION_DEGREES.into_iter().map(|(degree, radii)| (radii * sphere, Method::Expansion { degree }));
-    // Orders that cost more than the closed form of one tile are used where no method serves the
+    // Orders that cost more than the closed form of one tile are used where no method evaluates the
     // cluster as a whole.
     let series = series(|half_diagonals| half_diagonals * half_diagonal + radius);
     let candidates: Vec<(f64, Method)> =
@@ -87,8 +88,8 @@ pub(super) fn ranges_of_cluster(parts: &[Block], tiles: usize, group_volume: f64
     }
 }
 
-/// The cheapest method at each distance of those that may be used from some distance on; none where
-/// the closed form, which ends at `closed_form_to`, costs less.
+/// The cheapest of the candidates at each distance. Each candidate may be used from its own
+/// distance on. There is none where the closed form, which ends at `closed_form_to`, costs less.
 fn cheapest(candidates: &[(f64, Method)], tiles: usize, closed_form_to: f64) -> Vec<(f64, Method)> {
     let mut distances: Vec<f64> = candidates.iter().map(|(least, _)| *least).chain([closed_form_to]).collect();
     distances.sort_by(f64::total_cmp);

@@ -143,8 +143,8 @@ impl ClusterTable {
         Evaluator::new(&blocks[index], &tile.ranges, &tile.distant, self.series(blocks, index, made))
     }
 
-    /// Appends the `blocks` at some places to `ordered`, cluster by cluster. If all blocks of the
-    /// frame form one cluster they keep their order.
+    /// Appends the `blocks` with the indices in `places` to `ordered`, cluster by cluster. If all
+    /// blocks of the frame are one cluster they keep their order.
     fn divide(&mut self, blocks: &[Block], places: &mut [BlockCentre], are_all: bool, ordered: &mut Vec<Block>) {
         let start = ordered.len();
         if places.len() <= TILES_PER_CLUSTER {

@@ -13,7 +13,7 @@ pub(crate) struct TileTerms {
     /// Group of each element; [`NO_GROUP`] if the element is not needed, [`OWN`] if no other tile
     /// has the same strength.
     pub(crate) groups: [u16; 6],
-    /// Whether an element has no group of its own kind in another tile.
+    /// Whether any of the groups is [`OWN`].
     pub(crate) has_own: bool,
     /// Contribution of one unit of half of 4 pi T to mu0 H, in tesla, by element.
     pub(crate) coefficients: [[f64; 3]; 6],

@@ -32,7 +32,7 @@ pub(crate) struct TranslatedNode {
 /// The interaction of a node with points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Interaction {
-    /// None: the whole field of the node is within the allowed truncation error.
+    /// None, because the whole field of the node is within the allowed truncation error.
     Ignored,
     /// A local expansion of this degree, with an upper bound of its truncation error in tesla.
     Translated { local_degree: usize, local_truncation_error_t: f64 },

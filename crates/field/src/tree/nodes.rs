@@ -50,8 +50,8 @@ pub(super) struct TreeNode {
     pub(super) strength_t: f64,
     /// Highest degree at which the expansion costs less than direct summation.
     pub(super) degree: usize,
-    /// Highest degree of the moments, for twice as many tiles: the moments of the parent are
-    /// computed from them.
+    /// Highest degree of the moments. It is chosen for twice as many tiles, because the moments of
+    /// the parent are computed from these moments.
     pub(super) moment_degree: usize,
     /// The two child nodes.
     pub(super) halves: Option<[usize; 2]>,

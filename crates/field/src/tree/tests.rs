@@ -178,8 +178,8 @@ fn local_expansion_of_many_nodes_is_the_sum_of_each() {
     }
 }
 
-/// Points near all tiles get the field of the exact mode, but for its rounding: whether tiles share
-/// all elements, some or none.
+/// At points near all tiles the tree gives the exact field up to rounding, whether tiles share all
+/// elements, some or none.
 #[test]
 fn near_tiles_have_the_exact_field_within_a_tolerance() {
     let points: Vec<DVec3> = (0..64)
@@ -219,8 +219,8 @@ fn summed(direct: &DirectSum, tree: &Tree, list: &InteractionList, points: &[DVe
     (field, truncation_error_t)
 }
 
-/// Ignored nodes, expansions at all points or beyond a sphere, and translated ones, each against
-/// the exact field of the same tiles; at points some of which are in a row far away from the
+/// Ignored nodes, expansions at all points or beyond a sphere, and translated ones, each compared
+/// with the exact field of the same tiles. Some of the points are in a row far away from the
 /// others.
 #[test]
 fn truncation_error_at_each_point_is_within_its_bound() {
@@ -306,8 +306,8 @@ fn interaction_list_has_every_tile_once() {
     assert!(last > 10 && last < 290, "{last} tiles are near");
 }
 
-/// Tiles of one thickness between the same planes, half of them turned in these, with parts of J in
-/// the plane and across it.
+/// Tiles of one thickness between the same planes, half of them turned in these planes, with
+/// components of J in the planes and normal to them.
 fn flat_film(in_plane: f64, across: f64) -> Tree {
     let tile = |n: usize| {
         let (x, y, n) = ((n % 12) as f64, (n / 12) as f64, n as f64);
