@@ -12,7 +12,7 @@ use crate::pattern::{Pattern, VariableKind, VariableTile, unit_vector};
 use crate::symmetry::{Orbit, SymmetryOperation};
 use crate::tolerances::SAME_TILE;
 
-/// What symmetry demands of a part: the demands of all tiles that are made of it.
+/// Symmetry that a part must have: that of all tiles made of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SymmetryClass {
     /// Nothing.
@@ -56,7 +56,7 @@ pub(crate) struct PlacedPart {
     /// The operation that maps the part's frame to the tile's.
     orientation: SymmetryOperation,
     centre: [f64; 2],
-    /// What the symmetry of the tile demands of its part.
+    /// Symmetry that the tile demands of its part.
     class: SymmetryClass,
 }
 

@@ -34,7 +34,7 @@ pub enum SearchStage {
 }
 
 impl SearchStage {
-    /// What the stage did, in a few words, such as "fewer parts".
+    /// Result of the stage in a few words, such as "fewer parts".
     pub const fn name(self) -> &'static str {
         match self {
             SearchStage::Starts => "searched",

@@ -179,7 +179,7 @@ impl DesignProblem<'_> {
         Metrics::from_tiles(tiles, &self.finer_grid(), self.volume.reference_mm, &self.ideal)
     }
 
-    /// What a film reaches at the end of a stage.
+    /// Metrics of a film at the end of a stage.
     pub(crate) fn stage_metrics(
         &self,
         stage: SearchStage,

@@ -22,7 +22,7 @@ pub struct SearchResult {
     /// Errors of the designed film over the design grid refined five times.
     #[cfg_attr(feature = "serde", serde(rename = "five_times_finer"))]
     pub finer: Metrics,
-    /// What each stage reached, in the order of the stages.
+    /// Metrics after each stage, in the order of the stages.
     pub stages: Vec<StageMetrics>,
     /// Number of distinct parts: sizes with a direction of polarization.
     pub parts: usize,
@@ -35,7 +35,7 @@ pub struct SearchResult {
     pub interrupted: bool,
 }
 
-/// What the film had reached at the end of a stage.
+/// Metrics of the film at the end of a stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct StageMetrics {

@@ -65,7 +65,7 @@ pub struct ColumnQuantity {
     pub values: Vec<f64>,
 }
 
-/// What a table was made from and by: names and values.
+/// Source and maker of a table: names and values.
 pub type Metadata = Vec<(&'static str, MetadataValue)>;
 
 /// A value of the metadata.

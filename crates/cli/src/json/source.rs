@@ -4,7 +4,7 @@ use magsplice::Film;
 use magsplice::magnet::Accuracy;
 use serde::Serialize;
 
-/// What a result was computed from.
+/// Source of a result: layout, hash and accuracy.
 #[derive(Serialize)]
 pub(crate) struct SourceJson<'a> {
     layout: &'a str,

@@ -25,7 +25,7 @@ pub(crate) mod plan;
 pub(crate) mod report;
 /// Prints the JSON Schema of layout files.
 pub(crate) mod schema;
-/// What `design`, `design --front` and `splice` share: the search, its progress, its result.
+/// Shared parts of `design`, `design --front` and `splice`: the search, its progress, its result.
 pub(crate) mod search;
 /// Designs a film from nothing.
 pub(crate) mod splice;

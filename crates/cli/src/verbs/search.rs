@@ -1,4 +1,4 @@
-//! What `design`, `design --front` and `splice` share: the search, its progress, its result.
+//! Shared parts of `design`, `design --front` and `splice`: the search, its progress, its result.
 
 use std::io::Write;
 use std::ops::ControlFlow;
