@@ -49,13 +49,16 @@ impl Workload {
     /// that they keep their distribution.
     pub fn thinned(mut self, most_pairs: usize) -> Workload {
         let keep = (most_pairs / self.tiles.len()).clamp(1, self.points.len());
-        if let Some(grid) = &mut self.grid {
+        if let Some(grid) = self.grid {
             // The axis with most points loses one, until the counts are nearly equal.
-            while grid.len() > keep {
-                let axis = (0..3).max_by_key(|&axis| grid.counts()[axis]).expect("three axes");
-                grid.counts()[axis] -= 1;
+            let mut counts = grid.counts();
+            while counts.iter().product::<usize>() > keep {
+                let axis = (0..3).max_by_key(|&axis| counts[axis]).expect("three axes");
+                counts[axis] -= 1;
             }
+            let grid = Grid::new(grid.lower(), grid.upper(), counts).expect("fewer points of a grid");
             self.points = grid.points().collect();
+            self.grid = Some(grid);
             return self;
         }
         self.points = evenly_thinned(&self.points, keep).into_iter().map(|index| self.points[index]).collect();
