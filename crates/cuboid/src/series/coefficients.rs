@@ -2,6 +2,8 @@
 
 use std::sync::LazyLock;
 
+use magsplice_simd::lanes::Number;
+
 use crate::tolerances::HIGHEST_ORDER;
 
 /// A_x, A_y, P_xy, P_xz and P_yz (Eq. P39).
@@ -11,8 +13,8 @@ pub const POLYNOMIALS: usize = 5;
 /// coefficients are polynomials in u - 1/3 and v - 1/3, u = x^2/r^2 and v = y^2/r^2.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Order after order of sigma, in the order of [`place`].
-    coefficients: [[f64; POLYNOMIALS]; start(HIGHEST_ORDER + 1)],
+    /// Those of each polynomial, order after order of sigma, in the order of [`place`].
+    coefficients: [[f64; start(HIGHEST_ORDER + 1)]; POLYNOMIALS],
 }
 
 /// Centre of the range of u and v, where u + v <= 1: powers of the deviation from it cancel least.
@@ -37,13 +39,12 @@ impl Series {
         let squares = size.map(|s| (s / largest) * (s / largest));
         let total: f64 = squares.iter().sum();
         let share = squares.map(|s| s / total);
-        let mut series = Series { coefficients: [[0.0; POLYNOMIALS]; start(HIGHEST_ORDER + 1)] };
+        let mut series = Series { coefficients: [[0.0; start(HIGHEST_ORDER + 1)]; POLYNOMIALS] };
         for (order, moments) in MOMENTS.iter().enumerate().take(highest + 1) {
             for moment in &**moments {
                 let weight: f64 = (0..3).map(|axis| share[axis].powi(moment.powers[axis] as i32)).product();
-                let sums = &mut series.coefficients[start(order)..start(order + 1)];
-                for (sums, coefficients) in sums.iter_mut().zip(&moment.coefficients) {
-                    for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
+                for (sums, coefficients) in series.coefficients.iter_mut().zip(&moment.coefficients) {
+                    for (sum, coefficient) in sums[start(order)..].iter_mut().zip(coefficients) {
                         *sum += weight * coefficient;
                     }
                 }
@@ -52,18 +53,71 @@ impl Series {
         series
     }
 
-    /// The coefficients of one order.
+    /// The polynomials at sigma, u - 1/3 and v - 1/3, without orders above `HIGHEST`.
     #[inline(always)]
-    pub fn coefficients<const ORDER: usize>(&self) -> &[[f64; POLYNOMIALS]] {
-        &self.coefficients[start(ORDER)..start(ORDER + 1)]
+    pub fn polynomials<const HIGHEST: usize, N: Number>(
+        &self,
+        simd: N::Instructions,
+        [sigma, u, v]: [N; 3],
+    ) -> [N; POLYNOMIALS] {
+        let mut polynomials = [N::splat(simd, 0.0); POLYNOMIALS];
+        // One polynomial after the other: the partial sums of all would not fit into the registers.
+        for (polynomial, coefficients) in polynomials.iter_mut().zip(&self.coefficients) {
+            let mut sum = order::<HIGHEST, N>(simd, coefficients, u, v);
+            if HIGHEST > 7 {
+                sum = sum.mul_add(sigma, order::<7, N>(simd, coefficients, u, v));
+            }
+            if HIGHEST > 6 {
+                sum = sum.mul_add(sigma, order::<6, N>(simd, coefficients, u, v));
+            }
+            if HIGHEST > 5 {
+                sum = sum.mul_add(sigma, order::<5, N>(simd, coefficients, u, v));
+            }
+            if HIGHEST > 4 {
+                sum = sum.mul_add(sigma, order::<4, N>(simd, coefficients, u, v));
+            }
+            if HIGHEST > 3 {
+                sum = sum.mul_add(sigma, order::<3, N>(simd, coefficients, u, v));
+            }
+            sum = sum.mul_add(sigma, order::<2, N>(simd, coefficients, u, v));
+            sum = sum.mul_add(sigma, order::<1, N>(simd, coefficients, u, v));
+            *polynomial = sum.mul_add(sigma, order::<0, N>(simd, coefficients, u, v));
+        }
+        polynomials
     }
+}
+
+/// One order of a polynomial, by Horner's scheme in v of Horner's scheme in u.
+#[inline(always)]
+fn order<const ORDER: usize, N: Number>(
+    simd: N::Instructions,
+    coefficients: &[f64; start(HIGHEST_ORDER + 1)],
+    u: N,
+    v: N,
+) -> N {
+    let coefficients = &coefficients[start(ORDER)..start(ORDER + 1)];
+    let mut sum = N::splat(simd, coefficients[0]);
+    // The bounds of the loops are constants, which the compiler unrolls.
+    for row in 1..=HIGHEST_ORDER {
+        if row <= ORDER {
+            let first = row * (row + 1) / 2;
+            let mut own = N::splat(simd, coefficients[first]);
+            for column in 1..=HIGHEST_ORDER {
+                if column <= row {
+                    own = own.mul_add(u, N::splat(simd, coefficients[first + column]));
+                }
+            }
+            sum = sum.mul_add(v, own);
+        }
+    }
+    sum
 }
 
 /// One moment <x^2a y^2b z^2c>, and the polynomials of the derivatives of 1/r that multiply it.
 struct Moment {
     powers: [usize; 3],
-    /// Coefficients in the order of [`place`].
-    coefficients: Vec<[f64; POLYNOMIALS]>,
+    /// Coefficients of each polynomial in the order of [`place`].
+    coefficients: [Vec<f64>; POLYNOMIALS],
 }
 
 /// Moments by order a + b + c. High orders are rarely needed.
@@ -110,16 +164,17 @@ impl Moment {
                 }
             }
         }
-        let mut coefficients = vec![[0.0; POLYNOMIALS]; (order + 1) * (order + 2) / 2];
-        for (number, polynomial) in polynomials.into_iter().enumerate() {
+        let coefficients = polynomials.map(|polynomial| {
+            let mut coefficients = vec![0.0; (order + 1) * (order + 2) / 2];
             // The coefficients of degree order + 1 are zero now.
             let about_middle = polynomial.about_middle(order);
             for b in 0..=order {
                 for a in 0..=order - b {
-                    coefficients[place(order, a, b)][number] = about_middle.0[a][b] / over;
+                    coefficients[place(order, a, b)] = about_middle.0[a][b] / over;
                 }
             }
-        }
+            coefficients
+        });
         Moment { powers, coefficients }
     }
 }

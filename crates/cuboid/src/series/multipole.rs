@@ -8,6 +8,7 @@ use magsplice_simd::pairwise::Pairwise;
 
 use super::coefficients::{POLYNOMIALS, Series, THIRD};
 use crate::block::Block;
+use crate::tolerances::HIGHEST_ORDER;
 use magsplice_simd::compensated_sum::TwoSum;
 
 /// Centre and moment of a cuboid for points far away.
@@ -50,27 +51,19 @@ pub struct TruncatedSeries<'a> {
 }
 
 impl<S: Simd> Pairwise<S> for TruncatedSeries<'_> {
-    /// Each coefficient is loaded once for both vectors.
     #[inline(always)]
     fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
         let TruncatedSeries { tile, series, order } = *self;
         let (first, second) = (PointOffset::new(simd, tile, points[0]), PointOffset::new(simd, tile, points[1]));
-        let (u, v) = (LanePair([first.u, second.u]), LanePair([first.v, second.v]));
-        let mut sums = SeriesSums::new(simd, u, v, LanePair([first.sigma, second.sigma]));
-        for order in (3..=order).rev() {
-            match order {
-                8 => sums.add::<8>(simd, series.coefficients::<8>()),
-                7 => sums.add::<7>(simd, series.coefficients::<7>()),
-                6 => sums.add::<6>(simd, series.coefficients::<6>()),
-                5 => sums.add::<5>(simd, series.coefficients::<5>()),
-                4 => sums.add::<4>(simd, series.coefficients::<4>()),
-                _ => sums.add::<3>(simd, series.coefficients::<3>()),
-            }
-        }
-        sums.add::<2>(simd, series.coefficients::<2>());
-        sums.add::<1>(simd, series.coefficients::<1>());
-        sums.add::<0>(simd, series.coefficients::<0>());
-        let [LanePair(ax), LanePair(ay), LanePair(xy), LanePair(xz), LanePair(yz)] = sums.polynomials;
+        let at = [LanePair([first.sigma, second.sigma]), LanePair([first.u, second.u]), LanePair([first.v, second.v])];
+        let polynomials = match order {
+            0..=3 => series.polynomials::<3, _>(simd, at),
+            4 => series.polynomials::<4, _>(simd, at),
+            5 => series.polynomials::<5, _>(simd, at),
+            6 => series.polynomials::<6, _>(simd, at),
+            _ => series.polynomials::<HIGHEST_ORDER, _>(simd, at),
+        };
+        let [LanePair(ax), LanePair(ay), LanePair(xy), LanePair(xz), LanePair(yz)] = polynomials;
         [
             first.field([ax[0], ay[0], xy[0], xz[0], yz[0]], tile.moment),
             second.field([ax[1], ay[1], xy[1], xz[1], yz[1]], tile.moment),
@@ -121,49 +114,5 @@ impl<S: Simd> PointOffset<S> {
             xy.scale_add(jx, yy.scale_add(jy, yz * jz)) * cube,
             xz.scale_add(jx, yz.scale_add(jy, (xx + yy) * -jz)) * cube,
         ]
-    }
-}
-
-/// The partial sums of the polynomials.
-struct SeriesSums<N> {
-    u: N,
-    v: N,
-    sigma: N,
-    polynomials: [N; POLYNOMIALS],
-}
-
-impl<N: Number> SeriesSums<N> {
-    #[inline(always)]
-    fn new(simd: N::Instructions, u: N, v: N, sigma: N) -> SeriesSums<N> {
-        SeriesSums { u, v, sigma, polynomials: [N::splat(simd, 0.0); POLYNOMIALS] }
-    }
-
-    /// Multiplies the sums by sigma and adds the polynomials of one order, by Horner's scheme in v
-    /// of Horner's scheme in u.
-    #[inline(always)]
-    fn add<const ORDER: usize>(&mut self, simd: N::Instructions, coefficients: &[[f64; POLYNOMIALS]]) {
-        let mut polynomials = [N::splat(simd, 0.0); POLYNOMIALS];
-        let mut sums = polynomials;
-        for (polynomial, first) in polynomials.iter_mut().zip(&coefficients[0]) {
-            *polynomial = N::splat(simd, *first);
-        }
-        let mut start = 1;
-        for row in 1..=ORDER {
-            for (sum, first) in sums.iter_mut().zip(&coefficients[start]) {
-                *sum = N::splat(simd, *first);
-            }
-            for coefficients in &coefficients[start + 1..=start + row] {
-                for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
-                    *sum = sum.mul_add(self.u, N::splat(simd, *coefficient));
-                }
-            }
-            start += row + 1;
-            for (polynomial, sum) in polynomials.iter_mut().zip(sums) {
-                *polynomial = polynomial.mul_add(self.v, sum);
-            }
-        }
-        for (sum, polynomial) in self.polynomials.iter_mut().zip(polynomials) {
-            *sum = sum.mul_add(self.sigma, polynomial);
-        }
     }
 }
