@@ -1,5 +1,7 @@
 //! The field of cuboids against reference tables, an oracle of 130 digits, and physical laws.
 
+/// Adversarial scenes against the oracle.
+mod attacks;
 /// Derivatives of B by the faces of a tile against the oracle and against gradients.
 mod face_derivatives;
 /// B against the reference tables.

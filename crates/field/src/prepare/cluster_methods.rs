@@ -10,7 +10,7 @@ use magsplice_cuboid::tolerances::{
 use magsplice_expansion::tolerances::EXPANSION_DEGREES;
 use magsplice_simd::power_of_two::power_of_two_reciprocal;
 
-use crate::tolerances::{GROUP_DISTANCE, PRODUCT_RANGE, SMALL_GROUP, STRETCH};
+use crate::tolerances::{GROUP_DISTANCE, LARGEST_ERROR_OF_PART, PRODUCT_RANGE, SMALL_GROUP, STRETCH};
 
 const _: () = assert!(MULTIPOLE_ORDERS.len() + EXPANSION_DEGREES.len() < MOST_FAR);
 
@@ -54,9 +54,16 @@ pub(super) fn ranges_of_cluster(parts: &[Block], tiles: usize, group_volume: f64
     let most_of = |length: fn(&Shape) -> f64| shapes.iter().map(length).fold(0.0, f64::max);
     let near =
         (NEAR_FRACTION * most_of(|s| s.largest)).max(GROUP_DISTANCE * group_volume.cbrt()).max(1.0 / PRODUCT_RANGE);
-    // Errors add up like volume / second side.
-    let volume: f64 = shapes.iter().map(|s| s.volume).sum();
-    let second = volume / shapes.iter().map(|s| s.volume / s.second).sum::<f64>();
+    // The error of a part is a multiple of its field, which is like |J| volume / distance^3, by the
+    // ratio of the distance to its second side.
+    let magnitude = |(block, shape): (&Block, &Shape)| {
+        shape.volume * block.polarization_t.abs().element_sum().max(f64::MIN_POSITIVE)
+    };
+    let magnitudes: Vec<f64> = parts.iter().zip(&shapes).map(magnitude).collect();
+    let per_second: f64 = magnitudes.iter().zip(&shapes).map(|(magnitude, shape)| magnitude / shape.second).sum();
+    let mean_second = magnitudes.iter().sum::<f64>() / per_second;
+    let least_second = shapes.iter().map(|s| s.second).fold(f64::INFINITY, f64::min);
+    let second = mean_second.min(LARGEST_ERROR_OF_PART * least_second);
     let is_needle = |s: &Shape| s.largest > LONGEST_NEEDLE * s.second;
     let reach = if shapes.iter().any(is_needle) { 0.0 } else { (CLOSED_FORM_REACH * second).min(PRODUCT_RANGE) };
     let closed_form_to = (reach - radius).max(0.0);
