@@ -1,5 +1,7 @@
 //! Baselines of `check`: the field of a working volume as CSV, as `magsplice field` writes it.
 
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::Path;
 
 use magsplice::expect::Baseline;
@@ -16,7 +18,7 @@ const COLUMNS: [&str; 6] = ["x_mm", "y_mm", "z_mm", "bx_t", "by_t", "bz_t"];
 /// Reads a baseline. The failure lists all faulty lines.
 pub(crate) fn read(path: &Path) -> Result<Baseline, Failure> {
     let failed = |message: String| Failure::Points { path: path.to_owned(), message };
-    let file = std::fs::File::open(path)
+    let file = regular_file(path)
         .map_err(|e| failed(format!("cannot read this baseline: {e} (`magsplice check --update` writes it)")))?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
     let header = reader.headers().map_err(|e| failed(read_error(&e)))?;
@@ -51,8 +53,36 @@ pub(crate) fn read(path: &Path) -> Result<Baseline, Failure> {
     if faults.is_empty() { Ok(baseline) } else { Err(faults.failure(path.display().to_string())) }
 }
 
-/// Writes the field of a grid as a baseline, complete or not at all. Replaces an earlier one.
+/// Opens a file. A device or a pipe may have no end, so it is an error.
+fn regular_file(path: &Path) -> io::Result<File> {
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::Error::other("it is not a regular file"));
+    }
+    File::open(path)
+}
+
+/// Refuses a place for a baseline where there is anything but an earlier baseline.
+pub(crate) fn check_replaceable(path: &Path) -> Result<(), Failure> {
+    let failed = |error| Failure::Write { target: path.display().to_string(), error };
+    let file = match regular_file(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        file => file.map_err(failed)?,
+    };
+    let header = COLUMNS.join(",");
+    let mut start = Vec::new();
+    // One more than the header: the end of its line.
+    file.take(header.len() as u64 + 1).read_to_end(&mut start).map_err(failed)?;
+    if start.trim_ascii_end() != header.as_bytes() {
+        let why = format!("it is no baseline, which begins with the line {header}, and would be lost");
+        return Err(failed(io::Error::other(why)));
+    }
+    Ok(())
+}
+
+/// Writes the field of a grid as a baseline, complete or not at all. Replaces an earlier baseline,
+/// and no other file.
 pub(crate) fn write(path: &Path, layout: &Path, grid: &Grid, field_t: &[DVec3]) -> Result<(), Failure> {
+    check_replaceable(path)?;
     let mut output = Output::open(Some(path), &[layout])?;
     output.write(|w| {
         writeln!(w, "{}", COLUMNS.join(","))?;

@@ -15,18 +15,6 @@ const UPRIGHT_PX: [f64; 2] = [340.0, 200.0];
 
 const FIELD_NAMES: [&str; 3] = ["field-lowest", "field-middle", "field-highest"];
 
-/// Names of all figures that a report can have.
-pub(crate) const FIGURE_NAMES: [&str; 8] = [
-    "layout",
-    "vectors",
-    FIELD_NAMES[0],
-    FIELD_NAMES[1],
-    FIELD_NAMES[2],
-    "parameters-level",
-    "parameters-upright",
-    "parameters-along-axes",
-];
-
 /// A figure before its text becomes outlines.
 pub(crate) struct FigureDraft {
     pub(crate) name: &'static str,

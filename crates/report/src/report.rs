@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::error::ReportError;
 use crate::figure::Figure;
-use crate::figure_drafts::{FIGURE_NAMES, FigureDraft, drafts};
+use crate::figure_drafts::{FigureDraft, drafts};
 use crate::page::{PrintedResults, page};
 use crate::survey::{Survey, tiles_to_draw};
 use crate::typeset;
@@ -102,13 +102,6 @@ impl Report {
             files.push((format!("{}.png", figure.name), &figure.png));
         }
         files
-    }
-
-    /// Whether a report can have a file of this name. A program may replace such a file of an
-    /// earlier report.
-    pub fn is_report_file(name: &str) -> bool {
-        let figure = name.strip_suffix(".svg").or_else(|| name.strip_suffix(".png"));
-        name == PAGE_NAME || figure.is_some_and(|figure| FIGURE_NAMES.contains(&figure))
     }
 }
 

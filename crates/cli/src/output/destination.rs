@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, BufWriter, StdoutLock, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
 
 use crate::failure::Failure;
 use crate::interrupt;
@@ -14,13 +14,16 @@ pub(crate) enum Output {
     Stdout(BufWriter<StdoutLock<'static>>),
     /// A temporary file in the folder of its destination, which [`Output::finish`] moves there.
     File {
-        writer: BufWriter<NamedTempFile>,
+        writer: BufWriter<fs::File>,
+        temporary: TempPath,
         destination: PathBuf,
+        /// The destination as the user named it.
+        named: PathBuf,
     },
     /// A device, a pipe, or anything else that is not a regular file.
     Special {
         writer: BufWriter<fs::File>,
-        destination: PathBuf,
+        named: PathBuf,
     },
 }
 
@@ -33,24 +36,25 @@ impl Output {
         };
         let failed = |error: io::Error| Failure::Write { target: path.display().to_string(), error };
         let refused = |why: &str| failed(io::Error::other(why.to_owned()));
-        let destination = followed(path);
+        let destination = followed(path).map_err(failed)?;
         if destination.is_dir() {
             return Err(failed(io::Error::from(io::ErrorKind::IsADirectory)));
         }
-        let existing = fs::metadata(&destination).ok();
-        if existing.as_ref().is_some_and(|m| !m.is_file()) || path.starts_with("/dev") || path.starts_with("/proc") {
-            let file = fs::OpenOptions::new().write(true).open(path).map_err(failed)?;
-            return Ok(Output::Special { writer: BufWriter::new(file), destination: path.to_owned() });
-        }
-        let same = |input: &&Path| input.canonicalize().is_ok_and(|input| input == destination);
-        if inputs.iter().any(same) {
+        if inputs.iter().any(|input| is_same_file_or_below(input, &destination)) {
             return Err(refused("it is an input, which would be lost: choose another name"));
+        }
+        let existing = fs::metadata(&destination).ok();
+        if existing.as_ref().is_some_and(|m| !m.is_file()) || is_descriptor(path) {
+            let file = fs::OpenOptions::new().write(true).open(path).map_err(failed)?;
+            return Ok(Output::Special { writer: BufWriter::new(file), named: path.to_owned() });
         }
         if existing.as_ref().is_some_and(|m| m.permissions().readonly()) {
             return Err(refused("it is read-only"));
         }
         let file = beside(&destination, existing.map(|m| m.permissions())).map_err(failed)?;
-        Ok(Output::File { writer: BufWriter::new(file), destination })
+        // The two apart, because errors of a NamedTempFile name a file that the user never sees.
+        let (file, temporary) = file.into_parts();
+        Ok(Output::File { writer: BufWriter::new(file), temporary, destination, named: path.to_owned() })
     }
 
     /// Whether this is standard output.
@@ -60,21 +64,22 @@ impl Output {
 
     /// Writes through `write`. A closed pipe is [`Failure::PipeClosed`].
     pub(crate) fn write(&mut self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
-        let result = match self {
-            Output::Stdout(writer) => write(writer),
-            Output::File { writer, .. } => write(writer),
-            Output::Special { writer, .. } => write(writer),
+        let writer: &mut dyn Write = match self {
+            Output::Stdout(writer) => writer,
+            Output::File { writer, .. } | Output::Special { writer, .. } => writer,
         };
-        result.map_err(|error| self.failure(error))
+        let mut writer = FirstError { writer, error: None };
+        let result = write(&mut writer);
+        writer.error.map_or(result, Err).map_err(|error| self.failure(error))
     }
 
     /// Completes the output. Without this call a file never appears.
     pub(crate) fn finish(mut self) -> Result<(), Failure> {
         self.write(|writer| writer.flush())?;
-        if let Output::File { writer, destination } = self {
-            let failed = |error: io::Error| Failure::Write { target: destination.display().to_string(), error };
-            let file = writer.into_inner().map_err(|e| failed(e.into_error()))?;
-            file.persist(&destination).map_err(|e| failed(e.error))?;
+        if let Output::File { temporary, destination, named, .. } = self {
+            temporary
+                .persist(&destination)
+                .map_err(|e| Failure::Write { target: named.display().to_string(), error: e.error })?;
         }
         Ok(())
     }
@@ -83,10 +88,43 @@ impl Output {
         match self {
             _ if error.kind() == io::ErrorKind::BrokenPipe => Failure::PipeClosed,
             Output::Stdout(_) => Failure::Write { target: "standard output".to_owned(), error },
-            Output::File { destination, .. } | Output::Special { destination, .. } => {
-                Failure::Write { target: destination.display().to_string(), error }
+            Output::File { named, .. } | Output::Special { named, .. } => {
+                Failure::Write { target: named.display().to_string(), error }
             }
         }
+    }
+}
+
+/// A writer that keeps its first error, as the operating system gave it: writers of formats wrap
+/// errors in words of their own. After an error it accepts everything, so that such a writer can
+/// end without complaint.
+struct FirstError<'a> {
+    writer: &'a mut dyn Write,
+    error: Option<io::Error>,
+}
+
+impl FirstError<'_> {
+    fn unless_failed<T>(&mut self, done: T, work: impl FnOnce(&mut dyn Write) -> io::Result<T>) -> io::Result<T> {
+        if self.error.is_some() {
+            return Ok(done);
+        }
+        work(self.writer).map_err(|error| {
+            let kind = error.kind();
+            if kind != io::ErrorKind::Interrupted {
+                self.error = Some(error);
+            }
+            io::Error::from(kind)
+        })
+    }
+}
+
+impl Write for FirstError<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.unless_failed(bytes.len(), |writer| writer.write(bytes))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.unless_failed((), |writer| writer.flush())
     }
 }
 
@@ -132,12 +170,32 @@ pub(crate) fn create(path: &Path, text: &str) -> Result<(), Failure> {
     })
 }
 
-/// The path with its links followed, whether or not a file is at its end.
-fn followed(path: &Path) -> PathBuf {
-    path.canonicalize().unwrap_or_else(|_| match fs::read_link(path) {
-        Ok(target) => path.parent().unwrap_or(Path::new("")).join(target),
-        Err(_) => path.to_owned(),
-    })
+/// The path with its links followed, whether or not anything is at its end. Links that lead in a
+/// circle are an error.
+pub(crate) fn followed(path: &Path) -> io::Result<PathBuf> {
+    match path.canonicalize() {
+        Ok(end) => Ok(end),
+        Err(error) if path.is_symlink() && error.kind() != io::ErrorKind::NotFound => Err(error),
+        Err(_) => {
+            let mut end = path.to_owned();
+            while let Ok(target) = fs::read_link(&end) {
+                end = end.parent().unwrap_or(Path::new("")).join(target);
+            }
+            Ok(end)
+        }
+    }
+}
+
+/// Whether an input, or `-` for standard input, is the file or in the folder `destination`.
+pub(crate) fn is_same_file_or_below(input: &Path, destination: &Path) -> bool {
+    let input = if input == Path::new("-") { Path::new("/dev/stdin") } else { input };
+    input.canonicalize().is_ok_and(|input| input.starts_with(destination))
+}
+
+/// Whether the path names a file that the shell has opened.
+fn is_descriptor(path: &Path) -> bool {
+    let is_fd = path.parent().is_some_and(|folder| folder.ends_with("fd"));
+    path == Path::new("/dev/stderr") || is_fd && (path.starts_with("/dev") || path.starts_with("/proc"))
 }
 
 /// Permissions of any new file, before the user's mask is applied. Temporary files have fewer by

@@ -4,25 +4,36 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
-use super::destination::folder_of;
+use super::destination::{folder_of, followed, is_same_file_or_below};
 use crate::failure::Failure;
 use crate::interrupt;
+
+/// The list of the files of a folder with their hashes, as `sha256sum` writes and checks it. Its
+/// first line names the command that wrote the folder.
+const LIST: &str = "files.sha256";
 
 /// A temporary folder beside its destination, which [`Folder::finish`] moves there.
 pub(crate) struct Folder {
     filled: TempDir,
     destination: PathBuf,
+    /// The destination as the user named it.
+    named: PathBuf,
+    /// The contents of [`LIST`].
+    list: String,
 }
 
 impl Folder {
-    /// Opens `path`: nothing yet, an empty folder, or a folder whose files are all `ours`. Such a
-    /// folder is replaced.
-    pub(crate) fn open(path: &Path, ours: impl Fn(&str) -> bool) -> Result<Folder, Failure> {
+    /// Opens `path` for the files of `command`: nothing yet, an empty folder, or an earlier folder
+    /// of the same command. Such a folder is replaced if its files are as they were written and
+    /// none of them is one of the `inputs`.
+    pub(crate) fn open(path: &Path, command: &str, inputs: &[&Path]) -> Result<Folder, Failure> {
         let failed = |error: io::Error| Failure::Write { target: path.display().to_string(), error };
         // A link stays a link: the folder it leads to is replaced.
-        let destination = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let destination = followed(path).map_err(failed)?;
+        let list = format!("# magsplice {command}\n");
         let mut builder = tempfile::Builder::new();
         builder.prefix(".magsplice-");
         match fs::metadata(&destination) {
@@ -31,23 +42,13 @@ impl Folder {
                 return Err(failed(io::Error::other("it is read-only")));
             }
             Ok(there) => {
-                for entry in fs::read_dir(&destination).map_err(failed)? {
-                    let entry = entry.map_err(failed)?;
-                    let name = entry.file_name();
-                    let is_ours =
-                        name.to_str().is_some_and(&ours) && entry.file_type().is_ok_and(|kind| kind.is_file());
-                    if !is_ours {
-                        let why = format!(
-                            "it holds {}, which this command does not write and which would be lost: choose another folder",
-                            name.display()
-                        );
-                        return Err(failed(io::Error::other(why)));
-                    }
+                if let Some(input) = inputs.iter().find(|input| is_same_file_or_below(input, &destination)) {
+                    let why =
+                        format!("it holds {}, an input, which would be lost: choose another folder", input.display());
+                    return Err(failed(io::Error::other(why)));
                 }
+                unchanged_files(&destination, &list).map_err(failed)?;
                 builder.permissions(there.permissions());
-            }
-            Err(_) if fs::symlink_metadata(&destination).is_ok() => {
-                return Err(failed(io::Error::other("it is a link to a folder that does not exist")));
             }
             Err(_) => {
                 #[cfg(unix)]
@@ -58,12 +59,17 @@ impl Folder {
         // Only the kind of the error: its text names the temporary folder, which the user never sees.
         let filled = interrupt::temporary(|| builder.tempdir_in(beside));
         let filled = filled.map_err(|e| failed(io::Error::from(e.kind())))?;
-        Ok(Folder { filled, destination })
+        Ok(Folder { filled, destination, named: path.to_owned(), list })
     }
 
     /// Writes one file.
-    pub(crate) fn write(&self, name: &str, contents: &[u8]) -> Result<(), Failure> {
-        let target = || self.destination.join(name).display().to_string();
+    pub(crate) fn write(&mut self, name: &str, contents: &[u8]) -> Result<(), Failure> {
+        self.list += &format!("{}  {name}\n", sha256(contents));
+        self.write_unlisted(name, contents)
+    }
+
+    fn write_unlisted(&self, name: &str, contents: &[u8]) -> Result<(), Failure> {
+        let target = || self.named.join(name).display().to_string();
         // An interruption that removes the folder waits until the file is written.
         let written = interrupt::uninterrupted(|| fs::write(self.filled.path().join(name), contents));
         written.map_err(|error| Failure::Write { target: target(), error })
@@ -71,20 +77,14 @@ impl Folder {
 
     /// Moves the folder to its destination. Without this call it never appears.
     pub(crate) fn finish(self) -> Result<(), Failure> {
-        let Folder { filled, destination } = self;
-        let failed = |error| Failure::Write { target: destination.display().to_string(), error };
+        self.write_unlisted(LIST, self.list.as_bytes())?;
+        let Folder { filled, destination, named, list } = self;
+        let failed = |error| Failure::Write { target: named.display().to_string(), error };
         interrupt::uninterrupted(|| {
             if !destination.exists() {
                 fs::rename(filled.path(), &destination)?;
             } else {
-                // The earlier folder moves aside, and back if its successor cannot take its place.
-                let aside = filled.path().with_extension("old");
-                fs::rename(&destination, &aside)?;
-                if let Err(error) = fs::rename(filled.path(), &destination) {
-                    fs::rename(&aside, &destination)?;
-                    return Err(error);
-                }
-                fs::remove_dir_all(&aside)?;
+                replace(&destination, filled.path(), list.lines().next().unwrap_or(""))?;
             }
             // The temporary path no longer exists, so there is nothing to remove when it is dropped.
             let _ = filled.keep();
@@ -92,4 +92,57 @@ impl Folder {
         })
         .map_err(failed)
     }
+}
+
+/// Puts the folder `filled` in the place of `destination`. The files of the earlier folder are
+/// looked at again, because work may take hours.
+fn replace(destination: &Path, filled: &Path, title: &str) -> io::Result<()> {
+    let aside = filled.with_extension("old");
+    fs::rename(destination, &aside)?;
+    // The earlier folder moves back if its successor cannot take its place.
+    let files = match unchanged_files(&aside, title).and_then(|files| fs::rename(filled, destination).map(|()| files)) {
+        Ok(files) => files,
+        Err(error) => {
+            fs::rename(&aside, destination)?;
+            return Err(error);
+        }
+    };
+    // One by one, so that a file that appears meanwhile is kept.
+    files.iter().try_for_each(fs::remove_file)?;
+    fs::remove_dir(&aside)
+}
+
+/// The files of an earlier folder of the same command, which begins its list with `title`. An error
+/// names a file that the command did not write, or that has been changed since.
+fn unchanged_files(folder: &Path, title: &str) -> io::Result<Vec<PathBuf>> {
+    let mut entries = fs::read_dir(folder)?.collect::<io::Result<Vec<_>>>()?;
+    entries.sort_by_key(fs::DirEntry::file_name);
+    let is_file = |entry: &fs::DirEntry| entry.file_type().is_ok_and(|kind| kind.is_file());
+    let list = match entries.iter().find(|entry| entry.file_name() == LIST && is_file(entry)) {
+        Some(list) => fs::read_to_string(list.path()).unwrap_or_default(),
+        None => String::new(),
+    };
+    let list = list.strip_prefix(title.trim_end()).unwrap_or("");
+    for entry in entries.iter().filter(|entry| list.is_empty() || entry.file_name() != LIST) {
+        let name = entry.file_name();
+        let listed = list.lines().filter_map(|line| line.split_once("  ")).find(|(_, listed)| name == *listed);
+        let why = match listed {
+            Some((hash, _)) if is_file(entry) => {
+                if hash == sha256(&fs::read(entry.path())?) {
+                    continue;
+                }
+                "has been changed since this command wrote it"
+            }
+            _ => "this command did not write",
+        };
+        let name = name.display();
+        return Err(io::Error::other(format!(
+            "it holds {name}, which {why} and which would be lost: choose another folder"
+        )));
+    }
+    Ok(entries.iter().map(fs::DirEntry::path).collect())
+}
+
+fn sha256(contents: &[u8]) -> String {
+    Sha256::digest(contents).iter().map(|byte| format!("{byte:02x}")).collect()
 }

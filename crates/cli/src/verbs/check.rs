@@ -91,6 +91,7 @@ fn baseline(
     let file = path.parent().unwrap_or(Path::new("")).join(&expected.file);
     let rewrite = || -> Result<(), Failure> {
         let failed = |error| film_failure(path, film.layout(), error);
+        baseline::check_replaceable(&file)?;
         let field_t = film.volume_field_t().map_err(failed)?;
         let grid = &film.volume().map_err(failed)?.grid;
         baseline::write(&file, path, grid, &field_t)?;

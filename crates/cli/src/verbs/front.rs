@@ -20,7 +20,7 @@ pub(crate) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<(),
         .output
         .as_deref()
         .ok_or_else(|| Failure::Format("--front writes a folder: name one with -o DIR".to_owned()))?;
-    let folder = Folder::open(output, is_file_of_front)?;
+    let mut folder = Folder::open(output, "design --front", &[&args.layout])?;
     let front = {
         let progress = ProgressLine::start(!quiet);
         let stop = interrupt::defer();
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<(),
     }
     let json = json::pretty(&FrontJson::new(PROGRAM, layout, films));
     folder.write("front.json", json.as_bytes())?;
-    write_figures(&problem, &front, &folder)?;
+    write_figures(&problem, &front, &mut folder)?;
     folder.finish()?;
     match args.format {
         TextOrJson::Json => print(&json)?,
@@ -61,19 +61,13 @@ pub(crate) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<(),
     Ok(())
 }
 
-/// Whether a file has the name of a file of a front, which a new front may replace.
-fn is_file_of_front(name: &str) -> bool {
-    let film = (name.starts_with("amplitude-") || name.starts_with("parts-")) && name.ends_with(".toml");
-    film || name == "front.json" || name.starts_with("front-") && (name.ends_with(".svg") || name.ends_with(".png"))
-}
-
 #[cfg(not(feature = "report"))]
-fn write_figures(_: &DesignProblem, _: &ParetoFront, _: &Folder) -> Result<(), Failure> {
+fn write_figures(_: &DesignProblem, _: &ParetoFront, _: &mut Folder) -> Result<(), Failure> {
     Ok(())
 }
 
 #[cfg(feature = "report")]
-fn write_figures(problem: &DesignProblem, front: &ParetoFront, folder: &Folder) -> Result<(), Failure> {
+fn write_figures(problem: &DesignProblem, front: &ParetoFront, folder: &mut Folder) -> Result<(), Failure> {
     use magsplice::design::Metrics;
     use magsplice_report::{FrontAxis, FrontFigure, FrontFilm};
 

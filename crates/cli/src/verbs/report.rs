@@ -25,7 +25,7 @@ pub(crate) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
     let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy()).with_progress(&show);
     let failed = |error| film_failure(&args.layout, &layout, error);
     // A folder that cannot be written is refused before the field is computed.
-    let folder = Folder::open(&args.output, Report::is_report_file)?;
+    let mut folder = Folder::open(&args.output, "report", &[&args.layout])?;
     let PageNumbers { text, json, field_t } = numbers(&film).map_err(failed)?;
     let results = PrintedResults { text: &text, json: &json };
     let report = Report::new(&film, field_t, results).map_err(|error| match error {

@@ -150,11 +150,7 @@ fn failed_update_keeps_the_earlier_files() {
     let layout = sandbox.read("films/film.toml");
     let said = sandbox.run(&["check", "--update", "films/film.toml"]);
     assert_eq!(said.status, 2);
-    assert!(
-        said.stderr.contains("cannot write films/film.toml: it is an input, which would be lost"),
-        "{}",
-        said.stderr
-    );
+    assert!(said.stderr.contains("cannot write films/film.toml: it is no baseline"), "{}", said.stderr);
     assert_eq!(sandbox.read("films/film.toml"), layout);
     // Points of the volume on an exposed edge have no field.
     published(&sandbox, |text| {
@@ -178,6 +174,47 @@ fn failed_update_keeps_the_earlier_files() {
         said.stdout
     );
     assert!(said.stdout.contains("tile \"in the way\""));
+}
+
+/// The layout names the file that `--update` writes, so a stranger's layout could name any file.
+#[test]
+fn update_replaces_nothing_but_a_baseline() {
+    let sandbox = Sandbox::new();
+    let name = |file: &str| published(&sandbox, |text| text.replace("\"published.field.csv\"", &format!("\"{file}\"")));
+    let with_notes = "x_mm,y_mm,z_mm,bx_t,by_t,bz_t,note\n0,0,0,0,0,0,mine\n";
+    for text in ["mine\n", "", "x_mm,y_mm,z_mm\n0,0,0\n", with_notes] {
+        name("../notes.txt");
+        sandbox.write("notes.txt", text);
+        let said = sandbox.run(&["check", "--update", "films/film.toml"]);
+        assert_eq!(said.status, 2);
+        assert!(
+            said.stderr
+                .contains("cannot write films/../notes.txt: it is no baseline, which begins with the line x_mm,"),
+            "{}",
+            said.stderr
+        );
+        assert_eq!(sandbox.read("notes.txt"), text);
+    }
+    // Another layout of the same call is no baseline either.
+    name("../other.toml");
+    std::fs::copy(shipped("single-tile"), sandbox.path("other.toml")).unwrap();
+    assert_eq!(sandbox.run(&["check", "--update", "films/film.toml", "other.toml"]).status, 2);
+    assert_eq!(sandbox.read("other.toml"), std::fs::read_to_string(shipped("single-tile")).unwrap());
+    #[cfg(unix)]
+    {
+        // Endless, with or without --update.
+        name("/dev/zero");
+        for arguments in [&["check", "films/film.toml"][..], &["check", "--update", "films/film.toml"]] {
+            let said = sandbox.run(arguments);
+            assert_eq!(said.status, 2);
+            assert!(said.stderr.contains("/dev/zero: ") && said.stderr.contains("it is not a regular file"));
+        }
+    }
+    // An earlier baseline with the ends of lines of Windows is one.
+    name("published.field.csv");
+    let windows = sandbox.read("films/published.field.csv").replace('\n', "\r\n");
+    sandbox.write("films/published.field.csv", &windows);
+    assert_eq!(sandbox.run(&["check", "--update", "films/film.toml"]).status, 0);
 }
 
 #[test]

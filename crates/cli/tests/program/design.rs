@@ -114,12 +114,34 @@ fn front_writes_tables_figures_and_layouts() {
     if cfg!(feature = "report") {
         assert!(sandbox.read("front/front-amplitude.svg").contains("<svg"));
     }
-    // A folder is replaced only if every file in it belongs to a front.
-    assert_eq!(sandbox.run(&["design", "film.toml", "--front", "--amplitudes", "0.6", "-o", "front"]).status, 0);
-    sandbox.write("front/notes.txt", "mine");
-    sandbox
-        .run(&["design", "film.toml", "--front", "--amplitudes", "0.6", "-o", "front"])
-        .refuses("it holds notes.txt");
+    // The folder is replaced while its files are as they were written.
+    let again = |layout: &str| sandbox.run(&["design", layout, "--front", "--amplitudes", "0.6", "-o", "front"]);
+    assert_eq!(again("film.toml").status, 0);
+    again("front/amplitude-0.6.toml").refuses("it holds front/amplitude-0.6.toml, an input, which would be lost");
+    let found = sandbox.read("front/amplitude-0.6.toml");
+    sandbox.write("front/amplitude-0.6.toml", &format!("{found}\n# mine"));
+    again("film.toml").refuses("it holds amplitude-0.6.toml, which has been changed since this command wrote it");
+    sandbox.write("front/amplitude-0.6.toml", &found);
+    sandbox.write("front/amplitude-0.7.toml", "mine");
+    again("film.toml").refuses("it holds amplitude-0.7.toml, which this command did not write");
+    assert_eq!(sandbox.read("front/amplitude-0.7.toml"), "mine");
+}
+
+#[test]
+fn front_deletes_neither_its_input_nor_files_with_the_names_of_a_front() {
+    let sandbox = Sandbox::new();
+    for name in ["amplitude-mine.toml", "parts-of-my-film.toml", "front.json", "front-of-house.png"] {
+        std::fs::create_dir(sandbox.path("films")).unwrap();
+        sandbox.write(&format!("films/{name}"), &film(QUICK));
+        sandbox.write("film.toml", &film(QUICK));
+        let front = |layout: &str, folder: &str| {
+            sandbox.run(&["design", layout, "--front", "--amplitudes", "0.6", "-o", folder])
+        };
+        front("film.toml", "films").refuses(&format!("it holds {name}, which this command did not write"));
+        front(&format!("./films/{name}"), "films/.").refuses("an input, which would be lost: choose another folder");
+        assert_eq!(sandbox.read(&format!("films/{name}")), film(QUICK));
+        std::fs::remove_dir_all(sandbox.path("films")).unwrap();
+    }
 }
 
 #[test]

@@ -27,6 +27,98 @@ fn existing_file_is_replaced_and_link_stays_a_link() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn links_to_nothing_are_followed_and_circles_are_refused() {
+    use std::os::unix::fs::symlink;
+    let sandbox = Sandbox::new();
+    std::fs::create_dir(sandbox.path("folder")).unwrap();
+    symlink("folder/second.csv", sandbox.path("first.csv")).unwrap();
+    symlink("../third.csv", sandbox.path("folder/second.csv")).unwrap();
+    assert_eq!(sandbox.run(&["field", &shipped("single-tile"), "-o", "first.csv"]).status, 0);
+    assert!(sandbox.read("third.csv").starts_with("x_mm,"));
+    symlink("nowhere/out.csv", sandbox.path("lost.csv")).unwrap();
+    sandbox
+        .run(&["field", &shipped("single-tile"), "-o", "lost.csv"])
+        .refuses("cannot write lost.csv: nowhere does not exist");
+    symlink("b.csv", sandbox.path("a.csv")).unwrap();
+    symlink("a.csv", sandbox.path("b.csv")).unwrap();
+    symlink("circle", sandbox.path("circle")).unwrap();
+    let circles: [&[&str]; 3] =
+        [&["field", "-o", "a.csv"], &["export", "--to", "vtk", "-o", "circle"], &["report", "-o", "circle"]];
+    for arguments in circles.iter().take(if cfg!(feature = "report") { 3 } else { 2 }) {
+        let layout = shipped("single-tile");
+        sandbox.run(&[*arguments, &[&layout]].concat()).refuses("Too many levels of symbolic links");
+    }
+    for link in ["first.csv", "folder/second.csv", "lost.csv", "a.csv", "b.csv", "circle"] {
+        assert!(sandbox.path(link).is_symlink(), "{link}");
+    }
+}
+
+/// A limit on the size of files fails as a full disk does.
+#[cfg(target_os = "linux")]
+#[test]
+fn failed_writes_name_the_file_asked_for_and_the_reason_of_the_system() {
+    let sandbox = Sandbox::new();
+    let layout = shipped("published-film");
+    for (arguments, name) in [
+        ("field -o out.csv", "out.csv"),
+        ("field -o out.npz", "out.npz"),
+        ("field -o out.npy", "out.npy"),
+        ("field -o out.vti", "out.vti"),
+        ("decouple -o ./out.json", "./out.json"),
+        ("export -o out.py", "out.py"),
+    ] {
+        let script = format!("trap '' XFSZ; ulimit -f 1; exec \"$0\" {arguments} \"$1\"");
+        let said = Command::new("bash")
+            .args(["-c", &script, env!("CARGO_BIN_EXE_magsplice"), &layout])
+            .current_dir(sandbox.path(""))
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8_lossy(&said.stderr);
+        assert_eq!(stderr, format!("magsplice: cannot write {name}: File too large (os error 27)\n"));
+        assert_eq!(said.status.code(), Some(2));
+    }
+    assert_eq!(sandbox.files(), [""; 0]);
+    for format in ["csv", "npz", "npy", "vtk", "json"] {
+        sandbox
+            .run(&["field", &layout, "--format", format, "-o", "/dev/full"])
+            .refuses("cannot write /dev/full: No space left on device (os error 28)\n");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn inputs_are_not_replaced_under_any_of_their_names() {
+    use std::os::unix::fs::symlink;
+    let sandbox = Sandbox::new();
+    let layout = std::fs::read_to_string(shipped("single-tile")).unwrap();
+    sandbox.write("film.toml", &layout);
+    sandbox.write("points.csv", "x_mm,y_mm,z_mm\n0,0,-1\n");
+    symlink(sandbox.path("film.toml"), sandbox.path("link.csv")).unwrap();
+    symlink("link.csv", sandbox.path("second.csv")).unwrap();
+    symlink(".", sandbox.path("here")).unwrap();
+    let csv = ["--format", "csv", "-o"];
+    for output in ["./film.toml", "link.csv", "second.csv", "here/film.toml", "/proc/self/cwd/film.toml"] {
+        sandbox
+            .run(&[&["field", "film.toml"], &csv[..], &[output]].concat())
+            .refuses("it is an input, which would be lost");
+        sandbox.run(&[&["field", "here/film.toml"], &csv[..], &[output]].concat()).refuses("it is an input");
+    }
+    for points in ["points.csv", "here/points.csv"] {
+        sandbox.run(&["field", "film.toml", "--points", points, "-o", "points.csv"]).refuses("it is an input");
+    }
+    let typed = Command::new(env!("CARGO_BIN_EXE_magsplice"))
+        .args(["field", "film.toml", "--points", "-", "-o", "points.csv"])
+        .current_dir(sandbox.path(""))
+        .stdin(std::fs::File::open(sandbox.path("points.csv")).unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(typed.status.code(), Some(2));
+    assert_eq!(sandbox.read("film.toml"), layout);
+    assert_eq!(sandbox.read("points.csv"), "x_mm,y_mm,z_mm\n0,0,-1\n");
+}
+
 /// Runs the program with a closed pipe as standard output.
 fn unread(arguments: &[&str]) -> Output {
     let mut program = Command::new(env!("CARGO_BIN_EXE_magsplice"))

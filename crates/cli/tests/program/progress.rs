@@ -2,12 +2,13 @@
 
 use std::fs::File;
 use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::Sandbox;
 use crate::terminal::{program, terminal, watch};
+use crate::{Sandbox, shipped};
 
 /// Interval at which a folder is searched for a temporary file.
 const LOOKS: Duration = Duration::from_millis(1);
@@ -52,28 +53,27 @@ fn is_interrupted(status: ExitStatus) -> bool {
     status.code() == Some(130) || status.signal() == Some(2)
 }
 
-/// Writes the files that must stay unchanged. Returns the names of all files.
-fn earlier(sandbox: &Sandbox) -> Vec<String> {
+/// Writes the files that must stay unchanged: a result, a baseline and a report. Returns all files.
+fn earlier(sandbox: &Sandbox) -> Vec<(PathBuf, Vec<u8>)> {
     sandbox.write("out.csv", "earlier");
-    sandbox.write("large.csv", "earlier");
+    sandbox.write("large.csv", "x_mm,y_mm,z_mm,bx_t,by_t,bz_t\n");
     if cfg!(feature = "report") {
-        std::fs::create_dir(sandbox.path("out")).expect("a writable folder");
-        sandbox.write("out/layout.svg", "earlier");
+        assert_eq!(sandbox.run(&["report", &shipped("single-tile"), "-o", "out"]).status, 0);
     }
-    sandbox.files()
+    contents(&sandbox.path(""))
 }
 
-#[track_caller]
-fn assert_as_before(sandbox: &Sandbox, before: &[String], what: &[&str]) {
-    assert_eq!(sandbox.files(), before, "{what:?}");
-    for file in ["out.csv", "large.csv", "out/layout.svg"] {
-        if !file.starts_with("out/") || cfg!(feature = "report") {
-            assert_eq!(sandbox.read(file), "earlier", "{what:?}");
-        }
-    }
-    if cfg!(feature = "report") {
-        assert_eq!(std::fs::read_dir(sandbox.path("out")).expect("a folder").count(), 1);
-    }
+/// Paths and contents of all files in a folder and the folders in it.
+fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let entries = std::fs::read_dir(folder).expect("a readable folder").map(|entry| entry.expect("an entry").path());
+    let mut all: Vec<(PathBuf, Vec<u8>)> = entries
+        .flat_map(|path| match path.is_dir() {
+            true => contents(&path),
+            false => vec![(path.clone(), std::fs::read(&path).expect("a readable file"))],
+        })
+        .collect();
+    all.sort();
+    all
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn progress_line_counts_points_and_interruption_keeps_earlier_files() {
         let text = watch(seen, |text| text.contains(POINTS));
         assert!(text.contains(stage) && text.contains(POINTS), "{verb:?}: {text:?}");
         assert!(is_interrupted(interrupt(&mut child)), "{verb:?}");
-        assert_as_before(&sandbox, &before, &verb);
+        assert!(contents(&sandbox.path("")) == before, "{verb:?}: {:?}", sandbox.files());
     }
 }
 
@@ -134,7 +134,7 @@ fn interruption_while_writing_keeps_earlier_files() {
             sleep(LOOKS);
         }
         assert_eq!(interrupt(&mut child).code(), Some(130), "{verb:?}");
-        assert_as_before(&sandbox, &before, &verb);
+        assert!(contents(&sandbox.path("")) == before, "{verb:?}: {:?}", sandbox.files());
     }
 }
 

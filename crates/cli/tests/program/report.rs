@@ -40,7 +40,7 @@ fn report_writes_every_figure_of_the_published_film() {
     assert!(said.stdout.contains("report.html: 8 figures"), "{}", said.stdout);
     let mut expected: Vec<String> =
         FIGURES.iter().flat_map(|name| [format!("{name}.png"), format!("{name}.svg")]).collect();
-    expected.push("report.html".to_owned());
+    expected.extend(["report.html".to_owned(), "files.sha256".to_owned()]);
     expected.sort();
     assert_eq!(files(&sandbox, "out"), expected);
     let page = sandbox.read("out/report.html");
@@ -108,7 +108,7 @@ fn report_names_absent_parts() {
     let said = sandbox.run(&["report", &shipped("single-tile"), "-o", "out"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
     assert!(said.stdout.contains("absent: no comparison and no decoupling: the layout has no [ideal] table"));
-    assert_eq!(files(&sandbox, "out").len(), 2 * 5 + 1);
+    assert_eq!(files(&sandbox, "out").len(), 2 * 5 + 2);
     let page = sandbox.read("out/report.html");
     assert!(page.contains("class=\"absent\"") && element(&page, "numbers").contains("least in the volume"));
     let tile = "[[tile]]\nposition_mm = [0, 0, 0.5]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
@@ -116,7 +116,7 @@ fn report_names_absent_parts() {
     let said = sandbox.run(&["report", "tiles.toml", "-o", "tiles"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
     assert!(said.stdout.contains("absent: no field and no decoupling: the layout has no [volume] table"));
-    assert_eq!(files(&sandbox, "tiles"), ["layout.png", "layout.svg", "report.html"]);
+    assert_eq!(files(&sandbox, "tiles"), ["files.sha256", "layout.png", "layout.svg", "report.html"]);
     let page = sandbox.read("tiles/report.html");
     assert!(page.contains("<title>&lt;/script&gt; &amp; &lt;b&gt;</title>"));
     // The page has three scripts; the name of the layout must not end one of them.
@@ -148,14 +148,20 @@ fn earlier_report_is_replaced_and_other_files_are_kept() {
     assert_eq!(report("published-film", "out").status, 0);
     // Figures that the single tile does not have are removed with the earlier report.
     assert_eq!(report("single-tile", "out").status, 0);
-    assert_eq!(files(&sandbox, "out").len(), 2 * 5 + 1);
+    assert_eq!(files(&sandbox, "out").len(), 2 * 5 + 2);
     assert_eq!(sandbox.files(), ["out"]);
 
     fs::create_dir(sandbox.path("mine")).unwrap();
     sandbox.write("mine/notes.txt", "keep");
     sandbox.write("mine/layout.svg", "an older figure");
     report("single-tile", "mine")
-        .refuses("it holds notes.txt, which this command does not write and which would be lost");
+        .refuses("it holds layout.svg, which this command did not write and which would be lost");
+    sandbox.write("out/notes.txt", "keep");
+    report("single-tile", "out").refuses("it holds notes.txt, which this command did not write");
+    fs::remove_file(sandbox.path("out/notes.txt")).unwrap();
+    fs::create_dir(sandbox.path("out/folder")).unwrap();
+    report("single-tile", "out").refuses("it holds folder, which this command did not write");
+    fs::remove_dir(sandbox.path("out/folder")).unwrap();
     assert_eq!(files(&sandbox, "mine"), ["layout.svg", "notes.txt"]);
     assert_eq!(
         (sandbox.read("mine/notes.txt"), sandbox.read("mine/layout.svg")),
