@@ -12,8 +12,19 @@ use magsplice::layout::LayoutError;
 pub(crate) const PRINTED_FAULTS: usize = 20;
 
 /// Prints a message on standard error. A closed standard error is ignored: there is nobody to tell.
+///
+/// A message may cite a path or a file, so control characters are written as escapes: a terminal
+/// would obey them.
 pub(crate) fn tell(message: &impl fmt::Display) {
-    let _ = writeln!(io::stderr(), "magsplice: {message}");
+    let mut text = String::new();
+    for c in message.to_string().chars() {
+        if c.is_control() && !matches!(c, '\n' | '\t') {
+            text.extend(c.escape_default());
+        } else {
+            text.push(c);
+        }
+    }
+    let _ = writeln!(io::stderr(), "magsplice: {text}");
 }
 
 /// Why the program stops.

@@ -16,7 +16,7 @@ pub(crate) fn xml(layouts: &[CheckedLayout]) -> String {
 }
 
 fn suite(checked: &CheckedLayout) -> TestSuite {
-    let file = checked.path.display().to_string();
+    let file = xml_text(&checked.path.display().to_string());
     let mut suite = TestSuite::new(file.clone());
     let own = match &checked.layout {
         Err(message) => status(CheckStatus::Unusable, message),
@@ -31,11 +31,17 @@ fn suite(checked: &CheckedLayout) -> TestSuite {
                 Err(message) => message.clone(),
             };
             let mut case = case(&checked.expectation.to_string(), &file, status(checked.status(), &message));
-            case.set_system_out(message);
+            case.set_system_out(xml_text(&message));
             case
         }));
     }
     suite
+}
+
+/// The text with U+FFFD in place of characters that XML 1.0 does not allow.
+fn xml_text(text: &str) -> String {
+    let is_allowed = |c: char| matches!(c, '\t' | '\n' | '\r' | ' '..='\u{fffd}' | '\u{10000}'..);
+    text.chars().map(|c| if is_allowed(c) { c } else { char::REPLACEMENT_CHARACTER }).collect()
 }
 
 fn case(name: &str, file: &str, status: TestCaseStatus) -> TestCase {
@@ -51,7 +57,7 @@ fn status(status: CheckStatus, message: &str) -> TestCaseStatus {
         CheckStatus::Unusable => NonSuccessKind::Error,
     };
     let mut status = TestCaseStatus::non_success(kind);
-    status.set_message(message);
+    status.set_message(xml_text(message));
     status
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use magsplice_decouple::PerParameter;
-use magsplice_layout::{Expectations, Layout};
+use magsplice_layout::{Expectations, Layout, MAX_NAME_BYTES};
 
 use crate::design_problem::DesignProblem;
 use crate::metrics::Metrics;
@@ -27,7 +27,7 @@ impl DesignProblem<'_> {
             (named.tile, named.kind) = (*tile, None);
         }
         layout.tiles.retain(|named| named.tile.polarization_t() != DVec3::ZERO);
-        if !layout.name.ends_with(DESIGNED) {
+        if !layout.name.ends_with(DESIGNED) && layout.name.len() + DESIGNED.len() <= MAX_NAME_BYTES {
             layout.name += DESIGNED;
         }
         layout.description = None;

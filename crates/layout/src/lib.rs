@@ -37,7 +37,7 @@ mod error;
 mod expectations;
 /// The checked layout: tiles, ideal film, working volume.
 mod layout;
-/// The format version, and counts above which a file is refused.
+/// The format version, and counts and lengths above which a file is refused.
 mod limits;
 /// The bill of materials.
 mod parts;
@@ -56,6 +56,7 @@ pub use brief::{Brief, Goal, StockPart, Symmetry, Variables};
 pub use error::{LayoutError, LayoutFault};
 pub use expectations::{Expectations, ExpectedField};
 pub use layout::{Layout, NamedTile, Rotation, WorkingVolume};
+pub use limits::MAX_NAME_BYTES;
 pub use parts::Part;
 pub use schema::schema;
 pub use write::PlainLayout;

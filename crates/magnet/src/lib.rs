@@ -44,7 +44,7 @@ pub mod tolerances;
 pub use accuracy::{Accuracy, InvalidTolerance, Tolerance};
 pub use bounding_box::BoundingBox;
 pub use grid::{Grid, GridFault};
-pub use overlap::{Overlap, overlap, overlaps};
+pub use overlap::{Overlap, TooManyPairs, overlap, overlaps, overlaps_among};
 pub use point_error::{Cause, PointError, PointErrors, is_in_range};
 pub use quantity::{MU_0, Quantity};
 pub use tile::{Tile, TileFault, TileFaults};

@@ -1,5 +1,8 @@
 //! Pairs of tiles that share volume.
 
+use std::error::Error;
+use std::fmt;
+
 use glam::{DMat3, DVec3};
 use rstar::{AABB, RTree, RTreeObject};
 
@@ -30,22 +33,47 @@ pub fn overlap(first: &Tile, second: &Tile) -> Option<(f64, DVec3)> {
 /// Candidates come from an R-tree over bounding boxes, so that the cost is about N log N for N
 /// tiles that hardly overlap.
 pub fn overlaps(tiles: &[Tile]) -> impl Iterator<Item = Overlap> {
+    overlaps_among(tiles, usize::MAX).flatten()
+}
+
+/// [`overlaps`], which ends with an error after examining `most` pairs whose bounding boxes meet.
+/// Tiles that do not overlap can be in many such pairs, for example long bars side by side that are
+/// not along an axis.
+pub fn overlaps_among(tiles: &[Tile], most: usize) -> impl Iterator<Item = Result<Overlap, TooManyPairs>> {
     let boxes: Vec<Oriented> = tiles.iter().map(Oriented::from_tile).collect();
     let bounds = boxes.iter().enumerate().map(|(index, b)| IndexedBounds { low: b.low, high: b.high, index });
     let tree = RTree::bulk_load(bounds.collect());
-    (0..boxes.len()).flat_map(move |first| {
+    let mut left = Some(most);
+    let pairs = (0..boxes.len()).map_while(move |first| {
         let own = &boxes[first];
         let envelope = AABB::from_corners(own.low.to_array(), own.high.to_array());
         let near = tree.locate_in_envelope_intersecting(envelope).map(|b| b.index);
         let mut later: Vec<usize> = near.filter(|&second| second > first).collect();
+        left = left?.checked_sub(later.len());
+        if left.is_none() {
+            return Some(vec![Err(TooManyPairs)]);
+        }
         later.sort_unstable();
         let found = later.into_iter().filter_map(|second| {
             let (depth, direction) = own.penetration(&boxes[second])?;
-            Some(Overlap { first, second, depth, direction })
+            Some(Ok(Overlap { first, second, depth, direction }))
         });
-        found.collect::<Vec<_>>()
-    })
+        Some(found.collect::<Vec<_>>())
+    });
+    pairs.flatten()
 }
+
+/// More pairs of tiles may overlap than were to be examined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooManyPairs;
+
+impl fmt::Display for TooManyPairs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("too many pairs of tiles may overlap")
+    }
+}
+
+impl Error for TooManyPairs {}
 
 /// A tile's bounds in the tree.
 struct IndexedBounds {
@@ -145,6 +173,19 @@ mod tests {
         assert_eq!((found[0].first, found[0].second), (1, 2));
         assert_relative_eq!(found[0].depth, 0.1, epsilon = 1e-15);
         assert_eq!(found[0].direction, -DVec3::X);
+    }
+
+    #[test]
+    fn search_ends_when_too_many_boxes_meet() {
+        // Parallel bars at 45 degrees: every bounding box meets every other.
+        let bars = (0..30).map(|i| {
+            let centre = DVec3::new(0.5_f64.sqrt(), -0.5_f64.sqrt(), 0.0) * f64::from(i);
+            let bar = Tile::new(centre, DVec3::new(100.0, 0.5, 0.5), DVec3::Z).unwrap();
+            bar.rotated(DQuat::from_rotation_z(45_f64.to_radians())).unwrap()
+        });
+        let bars: Vec<Tile> = bars.collect();
+        assert_eq!(overlaps_among(&bars, 30 * 29 / 2).collect::<Vec<_>>(), []);
+        assert_eq!(overlaps_among(&bars, 30 * 29 / 2 - 1).collect::<Vec<_>>(), [Err(TooManyPairs)]);
     }
 
     #[test]

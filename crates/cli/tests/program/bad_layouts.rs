@@ -117,7 +117,7 @@ fn inverted_empty_and_enormous_volumes_are_refused() {
         ("step_mm = 0.5", "step_mm = 0", "volume: step_mm = 0, must be a finite number greater than 0"),
         ("step_mm = 0.5", "step_mm = -0.5", "volume: step_mm = -0.5, must be a finite number greater than 0"),
         ("step_mm = 0.5", "step_mm = 1e-6", "volume: step_mm = 0.000001 makes 3.200e19 points"),
-        ("step_mm = 0.5", "step_mm = 1e-6", "must make at most 1e8: use a step of at least 0.0072 mm along each axis"),
+        ("step_mm = 0.5", "step_mm = 1e-6", "must make at most 1e8: use a step of at least 0.0071 mm along each axis"),
         ("step_mm = 0.5", "step_mm = [1, 1, 1e-300]", "must make at most 1e8"),
     ] {
         refused(&format!("{HEAD}{TILE}{IDEAL}{}", VOLUME.replace(from, to)), &[message]);
@@ -155,4 +155,44 @@ fn volumes_outside_the_range_of_the_theory_are_refused() {
     let shear = TILE.replace("[0, 0, 1]", "[1, 0, 0]");
     sandbox.write("shear.toml", &format!("{HEAD}{shear}{IDEAL}{VOLUME}"));
     sandbox.run(&["decouple", "shear.toml"]).refuses("B_z vanishes at the reference point (0, 0, -5)");
+}
+
+#[test]
+fn long_names_and_control_characters_are_refused() {
+    let named = |name: &str| format!("{HEAD}{}", TILE.replace("\"a\"", &format!("\"{name}\"")));
+    refused(&named(&"a".repeat(65_536)), &["aaa...\" has 65536 bytes, must have at most 200"]);
+    let escape = named("\\u001b[2J");
+    refused(&escape, &["name = \"\\u{1b}[2J\" has the character U+001B"]);
+    // Paths and syntax errors may cite such characters; they are printed as escapes.
+    let sandbox = Sandbox::new();
+    sandbox.write("\u{1b}[2J.toml", &escape);
+    sandbox.write("broken.toml", "# \u{1b}[2J\u{85}\u{202e}\n");
+    for file in ["\u{1b}[2J.toml", "broken.toml"] {
+        let said = sandbox.run(&["check", file]);
+        said.refuses("\\u{1b}[2J");
+        assert!(!said.stderr.contains(|c: char| c != '\n' && c.is_control() || c == '\u{202e}'), "{:?}", said.stderr);
+    }
+}
+
+/// Each entry is small, and all of them together would take all memory.
+#[test]
+fn layouts_that_would_take_all_memory_are_refused() {
+    let grid = "grid = { count = [2000, 2000, 1], pitch_mm = [2, 2, 2] }\n";
+    let grids: String = (0..30).map(|i| format!("{}{grid}", TILE.replace("\"a\"", &format!("\"g{i}\"")))).collect();
+    let lattice = "[[lattice]]\nstart_mm = [0, 0, 0]\nheight_mm = 1\nstrength_t = 1\nx = [";
+    let stretch = "{ widths_mm = [1], pattern = [1], times = 4000000 },";
+    let sandbox = Sandbox::new();
+    for (body, message) in [
+        (format!("{TILE}{grids}"), "must be at most 4000000 tiles in the whole layout, 1 before it included"),
+        (format!("{lattice}{}]\n", stretch.repeat(200)), "has 800000000 x 800000000 cells"),
+        (
+            format!("{lattice}{{ widths_mm = [], pattern = [], times = 9000000000000000000 }}]\n"),
+            "x[0] has no widths_mm",
+        ),
+    ] {
+        sandbox.write("bad.toml", &format!("{HEAD}{body}"));
+        let said = sandbox.run(&["tiles", "bad.toml"]);
+        said.refuses(message);
+        assert!(said.stderr.lines().count() <= 21, "{}", said.stderr);
+    }
 }

@@ -246,6 +246,27 @@ fn json_and_junit_hold_findings_and_errors_of_all_layouts() {
     assert!(xml.contains("at most 1e-12, margin "), "{xml}");
 }
 
+/// XML has no escapes for some characters, which names, paths and excerpts may have.
+#[test]
+fn junit_is_well_formed_for_any_character() {
+    let sandbox = Sandbox::new();
+    let tile = "format = 1\nname = \"idle\"\n[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\n";
+    let name = "\u{fffe}\u{ffff}]]>&<\"\u{1f600}";
+    sandbox.write("idle.toml", &format!("{tile}name = '{name}'\npolarization_t = [0, 0, 0]\n"));
+    sandbox.write("broken.toml", "# \u{1}\u{1b}[31m\u{fffe}\n");
+    let mut files = vec!["idle.toml", "broken.toml"];
+    if cfg!(target_os = "linux") {
+        sandbox.write("\u{7}\u{ffff}\n.toml", tile);
+        files.push("\u{7}\u{ffff}\n.toml");
+    }
+    let said = sandbox.run(&[&["check", "--format", "junit"], &files[..]].concat());
+    assert_eq!(said.status, 2);
+    let xml = roxmltree::Document::parse(&said.stdout).unwrap_or_else(|error| panic!("{error}: {}", said.stdout));
+    let finding = xml.descendants().find(|node| node.has_tag_name("failure")).expect("a finding");
+    let message = finding.attribute("message").expect("a message");
+    assert_eq!(message, "tile \"\u{fffd}\u{fffd}]]>&<\"\u{1f600}\" has no polarization, so no field");
+}
+
 #[test]
 fn findings_exit_with_1_and_unusable_layouts_with_2() {
     let sandbox = Sandbox::new();

@@ -1,14 +1,20 @@
 //! `[design]`: the brief of a search.
 
 use crate::brief::{Brief, Variables};
-use crate::limits::MAX_STARTS;
+use crate::layout::WorkingVolume;
+use crate::limits::{MAX_DESIGN_POINTS, MAX_STARTS};
 use crate::read::faults::TableFaults;
 use crate::read::number_rules::{check_finite, check_not_negative, check_positive};
 use crate::read::tables_present::TablesPresent;
 use crate::tables::design::{DesignTable, MinMax, Variable};
 
 /// The brief with its defaults filled in, or `None` after adding its faults.
-pub(crate) fn resolve(table: DesignTable, present: TablesPresent, faults: &mut TableFaults) -> Option<Brief> {
+pub(crate) fn resolve(
+    table: DesignTable,
+    present: TablesPresent,
+    volume: Option<&WorkingVolume>,
+    faults: &mut TableFaults,
+) -> Option<Brief> {
     let before = faults.count();
     let vary = checked_variables(&table.vary, faults);
     present.check("", true, faults);
@@ -18,6 +24,9 @@ pub(crate) fn resolve(table: DesignTable, present: TablesPresent, faults: &mut T
     check_lengths(&table, outline_mm, faults);
     check_bounds(&table, vary, faults);
     check_parts(&table, vary, faults);
+    if let (Some(step), Some(volume)) = (table.step_mm, volume) {
+        check_points(step, volume, faults);
+    }
     let defaults = Brief::default();
     let starts = table.starts.unwrap_or(defaults.starts);
     if !(1..=MAX_STARTS).contains(&starts) {
@@ -70,6 +79,16 @@ fn checked_variables(names: &[Variable], faults: &mut TableFaults) -> Variables 
         );
     }
     vary
+}
+
+/// Requires that the design grid has not too many points.
+fn check_points(step_mm: f64, volume: &WorkingVolume, faults: &mut TableFaults) {
+    let points = ((volume.upper_mm - volume.lower_mm) / step_mm + 1.0).element_product();
+    if points > MAX_DESIGN_POINTS {
+        faults.add(format!(
+            "step_mm = {step_mm} makes {points:.3e} points in the working volume, must make at most {MAX_DESIGN_POINTS:e}"
+        ));
+    }
 }
 
 fn check_weights(weights: [f64; 3], faults: &mut TableFaults) {

@@ -3,37 +3,62 @@
 use std::ops::Range;
 
 use crate::error::LayoutFault;
+use crate::limits::MAX_LISTED;
 
-/// Every broken rule found so far in one file.
+/// The broken rules found so far in one file: the first [`MAX_LISTED`], and the number of the
+/// others.
 pub(crate) struct Faults<'t> {
     text: &'t str,
-    found: Vec<LayoutFault>,
+    list: FaultList,
+}
+
+#[derive(Default)]
+struct FaultList {
+    listed: Vec<LayoutFault>,
+    count: usize,
+}
+
+impl FaultList {
+    /// Adds a fault. It is built only if it is listed.
+    fn add(&mut self, fault: impl FnOnce() -> LayoutFault) {
+        if self.count < MAX_LISTED {
+            self.listed.push(fault());
+        }
+        self.count += 1;
+    }
 }
 
 impl<'t> Faults<'t> {
     /// An empty list for the file with this text.
     pub(crate) fn new(text: &'t str) -> Faults<'t> {
-        Faults { text, found: Vec::new() }
+        Faults { text, list: FaultList::default() }
     }
 
     /// The list for faults of one table, which stands at `span` of the text and is called `place`.
     pub(crate) fn at(&mut self, span: &Range<usize>, place: impl Into<String>) -> TableFaults<'_> {
-        TableFaults { text: self.text, start: span.start, place: place.into(), found: &mut self.found }
+        TableFaults { text: self.text, start: span.start, place: place.into(), list: &mut self.list }
     }
 
     /// Adds a fault of the layout as a whole, which has no line.
     pub(crate) fn add_to_layout(&mut self, message: impl Into<String>) {
-        self.found.push(LayoutFault { line: None, place: "layout".to_owned(), message: message.into() });
+        self.list.add(|| LayoutFault { line: None, place: "layout".to_owned(), message: message.into() });
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.found.is_empty()
+        self.list.count == 0
     }
 
-    /// All faults in the order of the file, those without a line first.
-    pub(crate) fn into_sorted(mut self) -> Vec<LayoutFault> {
-        self.found.sort_by_key(|fault| fault.line);
-        self.found
+    /// All listed faults in the order of the file, those without a line first, and the number of
+    /// the others last.
+    pub(crate) fn into_sorted(self) -> Vec<LayoutFault> {
+        let mut faults = self.list.listed;
+        faults.sort_by_key(|fault| fault.line);
+        let others = self.list.count - faults.len();
+        if others > 0 {
+            let message = format!("and {others} more");
+            faults.push(LayoutFault { line: None, place: "layout".to_owned(), message });
+        }
+        faults
     }
 }
 
@@ -42,18 +67,21 @@ pub(crate) struct TableFaults<'f> {
     text: &'f str,
     start: usize,
     place: String,
-    found: &'f mut Vec<LayoutFault>,
+    list: &'f mut FaultList,
 }
 
 impl TableFaults<'_> {
     /// Adds a fault: the value, then the rule.
     pub(crate) fn add(&mut self, message: impl Into<String>) {
-        let line = self.text[..self.start].matches('\n').count() + 1;
-        self.found.push(LayoutFault { line: Some(line), place: self.place.clone(), message: message.into() });
+        let (text, start, place) = (self.text, self.start, &self.place);
+        self.list.add(|| {
+            let line = text[..start].matches('\n').count() + 1;
+            LayoutFault { line: Some(line), place: place.clone(), message: message.into() }
+        });
     }
 
     /// Number of faults in the whole file so far. A caller compares it before and after a check.
     pub(crate) fn count(&self) -> usize {
-        self.found.len()
+        self.list.count
     }
 }

@@ -5,14 +5,19 @@ use std::iter::repeat_n;
 use glam::DVec3;
 
 use crate::layout::NamedTile;
-use crate::limits::MAX_TILES;
 use crate::read::faults::TableFaults;
 use crate::read::number_rules::{check_finite, check_not_negative, check_positive};
+use crate::read::room::Room;
 use crate::read::tile_rules::checked_tile;
 use crate::tables::lattice::{LatticeSection, LatticeTable};
 
 /// The tiles of a lattice, or `None` after adding its faults.
-pub(crate) fn resolve(table: &LatticeTable, name: &str, faults: &mut TableFaults) -> Option<Vec<NamedTile>> {
+pub(crate) fn resolve(
+    table: &LatticeTable,
+    name: &str,
+    room: &mut Room,
+    faults: &mut TableFaults,
+) -> Option<Vec<NamedTile>> {
     let (sections_x, sections_y) = (&table.x, table.y.as_ref().unwrap_or(&table.x));
     let before = faults.count();
     let magnitude = magnitude(table, faults)?;
@@ -29,12 +34,13 @@ pub(crate) fn resolve(table: &LatticeTable, name: &str, faults: &mut TableFaults
     if faults.count() > before {
         return None;
     }
-    let columns = intervals(sections_x, table.start_mm[0]);
-    let rows = intervals(sections_y, table.start_mm[1]);
-    if columns.len().saturating_mul(rows.len()) > MAX_TILES {
-        faults.add(format!("has {} x {} cells, must have at most {MAX_TILES}", columns.len(), rows.len()));
+    let [columns, rows] = [sections_x, sections_y].map(|sections| count(sections));
+    // Every cell counts, so that a lattice with few tiles in many cells takes no time either.
+    if !room.take(columns.saturating_mul(rows), name.len(), format!("has {columns} x {rows} cells"), faults) {
         return None;
     }
+    let columns = intervals(sections_x, table.start_mm[0]);
+    let rows = intervals(sections_y, table.start_mm[1]);
     if columns.iter().chain(&rows).all(|interval| interval.pattern == 0.0) {
         faults.add("has no tiles: pattern is zero everywhere");
         return None;
@@ -101,12 +107,15 @@ fn check_sections(axis: &str, sections: &[LatticeSection], faults: &mut TableFau
         for (n, pattern) in section.pattern.iter().enumerate() {
             check_finite(&format!("{key}.pattern[{n}]"), *pattern, faults);
         }
-        if let Some(times) = section.times.filter(|times| *times == 0 || times.saturating_mul(widths) > MAX_TILES) {
-            faults.add(format!("{key}.times = {times}, must be at least 1 and make at most {MAX_TILES} intervals"));
+        if widths == 0 {
+            faults.add(format!("{key} has no widths_mm, must have at least one interval"));
+        }
+        if section.times == Some(0) {
+            faults.add(format!("{key}.times = 0, must be at least 1"));
         }
     }
-    if sections.iter().all(|section| section.widths_mm.is_empty()) {
-        faults.add(format!("{axis} has no widths_mm, must have at least one interval"));
+    if sections.is_empty() {
+        faults.add(format!("{axis} has no sections, must have at least one interval"));
     }
 }
 
@@ -115,6 +124,12 @@ struct Interval {
     centre: f64,
     width: f64,
     pattern: f64,
+}
+
+/// Number of intervals along one axis, sections repeated.
+fn count(sections: &[LatticeSection]) -> usize {
+    let intervals = sections.iter().map(|section| section.widths_mm.len().saturating_mul(section.times.unwrap_or(1)));
+    intervals.fold(0, usize::saturating_add)
 }
 
 /// All intervals along one axis, sections repeated, from `start` on.

@@ -1,10 +1,12 @@
 //! Reading a layout: text becomes tables, tables become a checked [`Layout`].
 //!
 //! Every rule is checked before a value is converted, so that messages use the names and units of
-//! the file. All broken rules are reported at once. Overlaps are searched only if no other rule is
-//! broken.
+//! the file. All broken rules are reported at once, the first few by name. Overlaps are searched only
+//! if no other rule is broken. The limits on a whole layout are checked before its tiles are made.
 
-use std::fs;
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::{self, Read};
 use std::ops::Range;
 use std::path::Path;
 
@@ -12,10 +14,11 @@ use sha2::{Digest, Sha256};
 use toml::Spanned;
 
 use self::faults::Faults;
+use self::room::Room;
 use self::tables_present::TablesPresent;
 use crate::error::{LayoutError, LayoutFault};
 use crate::layout::{Layout, NamedTile};
-use crate::limits::FORMAT;
+use crate::limits::{FORMAT, MAX_FILE_BYTES, MAX_MESSAGE_LINE};
 use crate::tables::LayoutFile;
 
 /// Rules and defaults of `[design]`.
@@ -30,7 +33,7 @@ mod findings;
 mod ideal;
 /// Cells of a `[[lattice]]` become tiles.
 mod lattice;
-/// The rule that tile names are unique.
+/// Rules for names.
 mod names;
 /// Rules for single numbers and vectors.
 mod number_rules;
@@ -38,6 +41,8 @@ mod number_rules;
 mod overlap;
 /// Copies on a grid and mirror images.
 mod repeat;
+/// The limits on all tiles together.
+mod room;
 /// One `[[tile]]` with its kind resolved.
 mod single_tile;
 /// The rule that tables come with the tables they need.
@@ -51,7 +56,7 @@ impl Layout {
     /// The layout in the file at `path`.
     ///
     /// # Errors
-    /// - [`LayoutError::Read`] if the file cannot be read.
+    /// - [`LayoutError::Read`] if the file cannot be read, or has more than 64 MiB.
     /// - [`LayoutError::Syntax`] if it is not UTF-8 text or not TOML, or has an unknown or missing
     ///   key or a value of the wrong type. The first such place is reported with line and column.
     /// - [`LayoutError::Invalid`] if values break rules. All broken rules are reported at once.
@@ -69,7 +74,7 @@ impl Layout {
     /// ```
     pub fn read(path: impl AsRef<Path>) -> Result<Layout, LayoutError> {
         let path = path.as_ref();
-        let bytes = fs::read(path).map_err(|error| LayoutError::Read { path: path.to_owned(), error })?;
+        let bytes = bytes(path).map_err(|error| LayoutError::Read { path: path.to_owned(), error })?;
         let origin = path.display().to_string();
         let text = String::from_utf8(bytes).map_err(|error| LayoutError::Syntax {
             origin: origin.clone(),
@@ -105,18 +110,46 @@ impl Layout {
     /// # Ok::<(), LayoutError>(())
     /// ```
     pub fn parse(text: &str, origin: &str) -> Result<Layout, LayoutError> {
-        let file: LayoutFile = toml::from_str(text)
-            .map_err(|error| LayoutError::Syntax { origin: origin.to_owned(), message: error.to_string() })?;
+        let refused = |message: String| LayoutError::Syntax { origin: origin.to_owned(), message };
+        if text.len() > MAX_FILE_BYTES {
+            return Err(refused(format!("has {} bytes, must have at most {MAX_FILE_BYTES}", text.len())));
+        }
+        let file: LayoutFile = toml::from_str(text).map_err(|error| refused(printable(&error.to_string())))?;
         let sha256 = Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
         resolve(file, text, sha256).map_err(|faults| LayoutError::Invalid { origin: origin.to_owned(), faults })
     }
 }
 
-/// The checked layout of a file, or all its broken rules.
+/// The contents of a file. One byte more than the limit is enough to see that it is too large, and
+/// ends the reading of a device that has no end.
+fn bytes(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MAX_FILE_BYTES as u64 + 1).read_to_end(&mut bytes)?;
+    if bytes.len() > MAX_FILE_BYTES {
+        return Err(io::Error::other(format!("it has more than {MAX_FILE_BYTES} bytes, too many for a layout")));
+    }
+    Ok(bytes)
+}
+
+/// The message of the TOML parser, which cites lines of the file as they are: with escapes for
+/// control characters, and without the ends of very long lines.
+fn printable(message: &str) -> String {
+    let line = |line: &str| {
+        let mut shown: String = line.chars().take(MAX_MESSAGE_LINE).flat_map(names::escaped).collect();
+        if line.chars().nth(MAX_MESSAGE_LINE).is_some() {
+            shown += "...";
+        }
+        shown
+    };
+    message.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// The checked layout of a file, or its broken rules.
 fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<LayoutFault>> {
     let mut faults = Faults::new(text);
     let mut findings = Vec::new();
     check_format(&file.format, &mut faults);
+    names::check_name("name", &file.name, &mut faults.at(&(0..0), "layout"));
     let present = TablesPresent { ideal: file.ideal.is_some(), volume: file.volume.is_some() };
     let ideal = file.ideal.and_then(|table| ideal::resolve(table.get_ref(), &mut faults.at(&table.span(), "ideal")));
     let volume = file
@@ -128,14 +161,16 @@ fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<L
     });
     let brief = file.design.and_then(|table| {
         let mut faults = faults.at(&table.span(), "design");
-        design::resolve(table.into_inner(), present, &mut faults)
+        design::resolve(table.into_inner(), present, volume.as_ref(), &mut faults)
     });
     for (name, kind) in &file.kind {
-        single_tile::check_kind(kind.get_ref(), &mut faults.at(&kind.span(), format!("kind \"{name}\"")));
-        if !file.tile.iter().any(|tile| tile.get_ref().kind.as_ref() == Some(name)) {
-            findings.push(format!("kind \"{name}\" is declared but no tile uses it"));
-        }
+        let mut faults = faults.at(&kind.span(), format!("kind \"{}\"", names::shown(name)));
+        names::check_name("name", name, &mut faults);
+        single_tile::check_kind(kind.get_ref(), &mut faults);
     }
+    let used: BTreeSet<&String> = file.tile.iter().filter_map(|tile| tile.get_ref().kind.as_ref()).collect();
+    let idle = file.kind.keys().filter(|name| !used.contains(name));
+    findings.extend(findings::listed(idle, |name| format!("kind \"{name}\" is declared but no tile uses it"), "kinds"));
     if file.tile.is_empty() && file.lattice.is_empty() {
         faults.add_to_layout("has no tiles: add at least one [[tile]] or [[lattice]]");
     }
@@ -143,21 +178,24 @@ fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<L
     let mut tiles: Vec<NamedTile> = Vec::new();
     // The place of each tile's table in the text.
     let mut spans: Vec<Range<usize>> = Vec::new();
+    let mut room = Room::default();
     for (index, table) in file.tile.iter().enumerate() {
         let (span, table) = (table.span(), table.get_ref());
         let name = table.name.clone().unwrap_or_else(|| format!("tile-{}", index + 1));
-        let mut faults = faults.at(&span, format!("tile \"{name}\""));
+        let mut faults = faults.at(&span, format!("tile \"{}\"", names::shown(&name)));
+        names::check_name("name", &name, &mut faults);
         let single = single_tile::resolve(table, name, &file.kind, &mut faults);
-        let repeated =
-            single.and_then(|tile| repeat::resolve(tile, table.grid.as_ref(), table.mirror.as_ref(), &mut faults));
+        let repeated = single
+            .and_then(|tile| repeat::resolve(tile, table.grid.as_ref(), table.mirror.as_ref(), &mut room, &mut faults));
         tiles.extend(repeated.unwrap_or_default());
         spans.resize(tiles.len(), span);
     }
     for (index, table) in file.lattice.iter().enumerate() {
         let (span, table) = (table.span(), table.get_ref());
         let name = table.name.clone().unwrap_or_else(|| format!("lattice-{}", index + 1));
-        let mut faults = faults.at(&span, format!("lattice \"{name}\""));
-        tiles.extend(lattice::resolve(table, &name, &mut faults).unwrap_or_default());
+        let mut faults = faults.at(&span, format!("lattice \"{}\"", names::shown(&name)));
+        names::check_name("name", &name, &mut faults);
+        tiles.extend(lattice::resolve(table, &name, &mut room, &mut faults).unwrap_or_default());
         spans.resize(tiles.len(), span);
     }
     names::check(&tiles, &spans, &mut faults);

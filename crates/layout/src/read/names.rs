@@ -1,27 +1,57 @@
-//! The rule that tile names are unique.
+//! Rules for names: their length and characters, and that names of tiles are unique.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::layout::NamedTile;
-use crate::limits::MAX_LISTED;
-use crate::read::faults::Faults;
+use crate::limits::{MAX_NAME_BYTES, MAX_SHOWN};
+use crate::read::faults::{Faults, TableFaults};
 
-/// Adds a fault for each name that several tiles have. `spans` says where in the text each tile
-/// stands.
+/// Requires a name that is not too long and has no characters that end or rearrange a line.
+pub(crate) fn check_name(key: &str, name: &str, faults: &mut TableFaults) {
+    if name.len() > MAX_NAME_BYTES {
+        faults.add(format!("{key} = \"{}\" has {} bytes, must have at most {MAX_NAME_BYTES}", shown(name), name.len()));
+    }
+    if let Some(forbidden) = name.chars().find(|c| is_forbidden(*c)) {
+        faults.add(format!(
+            "{key} = \"{}\" has the character U+{:04X}, must have no control characters and line breaks",
+            shown(name),
+            u32::from(forbidden)
+        ));
+    }
+}
+
+/// Control characters, ends of lines and paragraphs, and marks that reverse the direction of text.
+fn is_forbidden(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// The beginning of a name, with escapes for characters that cannot be printed.
+pub(crate) fn shown(name: &str) -> String {
+    let start: String = name.chars().take(MAX_SHOWN).flat_map(escaped).collect();
+    if name.chars().nth(MAX_SHOWN).is_some() { format!("{start}...") } else { start }
+}
+
+/// The character, or its escape if it is forbidden in names.
+pub(crate) fn escaped(c: char) -> impl Iterator<Item = char> {
+    let escape = is_forbidden(c).then(|| c.escape_default());
+    escape.is_none().then_some(c).into_iter().chain(escape.into_iter().flatten())
+}
+
+/// Adds a fault for each name that several tiles have, and for each that has become too long by
+/// repetition. `spans` says where in the text each tile stands.
 pub(crate) fn check(tiles: &[NamedTile], spans: &[Range<usize>], faults: &mut Faults) {
     let mut seen: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     for (index, tile) in tiles.iter().enumerate() {
         let (count, last) = seen.entry(tile.name.as_str()).or_default();
         (*count, *last) = (*count + 1, index);
+        if tile.name.len() > MAX_NAME_BYTES {
+            check_name("name", &tile.name, &mut faults.at(&spans[index], "a repeated tile"));
+        }
     }
-    let repeated: Vec<_> = seen.into_iter().filter(|(_, (count, _))| *count > 1).collect();
-    for (name, (count, last)) in repeated.iter().take(MAX_LISTED) {
+    for (name, (count, last)) in seen.into_iter().filter(|(_, (count, _))| *count > 1) {
         faults
-            .at(&spans[*last], format!("tile \"{name}\""))
+            .at(&spans[last], format!("tile \"{name}\""))
             .add(format!("{count} tiles have this name, names must be unique"));
-    }
-    if repeated.len() > MAX_LISTED {
-        faults.add_to_layout(format!("{} more names are not unique", repeated.len() - MAX_LISTED));
     }
 }

@@ -3,9 +3,9 @@
 use glam::{DQuat, DVec3};
 
 use crate::layout::{NamedTile, Rotation};
-use crate::limits::MAX_TILES;
 use crate::read::faults::TableFaults;
 use crate::read::number_rules::check_finite_vector;
+use crate::read::room::Room;
 use crate::read::tile_rules::checked_tile;
 use crate::tables::tile::{AXIS_LETTERS, AxisName, GridTable, MirrorTable, Reflection};
 
@@ -15,18 +15,34 @@ pub(crate) fn resolve(
     tile: NamedTile,
     grid: Option<&GridTable>,
     mirror: Option<&MirrorTable>,
+    room: &mut Room,
     faults: &mut TableFaults,
 ) -> Option<Vec<NamedTile>> {
+    let before = faults.count();
+    if let Some(grid) = grid {
+        check_grid(grid, faults);
+    }
+    if let Some(mirror) = mirror {
+        check_mirror(mirror, faults);
+    }
+    if faults.count() > before {
+        return None;
+    }
+    let copies = grid.map_or(1, |grid| grid.count.iter().fold(1, |product: usize, n| product.saturating_mul(*n)));
+    let total = mirror.map_or(copies, |mirror| copies.saturating_mul(1 << mirror.axes.len()));
+    let what = match (grid, mirror) {
+        (Some(grid), None) => format!("grid.count = {:?} makes {total} tiles", grid.count),
+        (Some(_), Some(_)) => format!("grid and mirror make {total} tiles"),
+        (None, _) => format!("makes {total} tiles"),
+    };
+    if !room.take(total, tile.name.len() + tile.kind.as_ref().map_or(0, String::len), what, faults) {
+        return None;
+    }
     let mut tiles = match grid {
         None => vec![tile],
         Some(grid) => copies_on_grid(&tile, grid, faults)?,
     };
     if let Some(mirror) = mirror {
-        let before = faults.count();
-        check_mirror(mirror, tiles.len(), faults);
-        if faults.count() > before {
-            return None;
-        }
         for &axis in &mirror.axes {
             let images: Vec<NamedTile> =
                 tiles.iter().filter_map(|tile| mirror_image(tile, axis, mirror, faults)).collect();
@@ -36,25 +52,17 @@ pub(crate) fn resolve(
     Some(tiles)
 }
 
-fn check_mirror(mirror: &MirrorTable, tiles: usize, faults: &mut TableFaults) {
+fn check_mirror(mirror: &MirrorTable, faults: &mut TableFaults) {
     if mirror.axes.is_empty() {
         faults.add("mirror.axes is empty, must name at least one of \"x\", \"y\", \"z\"");
     }
     check_axes_differ("mirror.axes", &mirror.axes, faults);
     check_finite_vector("mirror.at_mm", mirror.at_mm, faults);
-    let total = tiles << mirror.axes.len().min(3);
-    if total > MAX_TILES {
-        faults.add(format!("mirror makes {total} tiles, must make at most {MAX_TILES}"));
-    }
 }
 
 fn check_grid(grid: &GridTable, faults: &mut TableFaults) {
-    let total = grid.count.iter().try_fold(1_usize, |product, n| product.checked_mul(*n)).unwrap_or(usize::MAX);
-    if total == 0 || total > MAX_TILES {
-        faults.add(format!(
-            "grid.count = {:?}, must be at least 1 along each axis and make at most {MAX_TILES} tiles",
-            grid.count
-        ));
+    if grid.count.contains(&0) {
+        faults.add(format!("grid.count = {:?}, must be at least 1 along each axis", grid.count));
     }
     check_axes_differ("grid.alternate", &grid.alternate, faults);
     check_finite_vector("grid.pitch_mm", grid.pitch_mm, faults);
@@ -67,11 +75,6 @@ fn check_axes_differ(key: &str, axes: &[AxisName], faults: &mut TableFaults) {
 }
 
 fn copies_on_grid(tile: &NamedTile, grid: &GridTable, faults: &mut TableFaults) -> Option<Vec<NamedTile>> {
-    let before = faults.count();
-    check_grid(grid, faults);
-    if faults.count() > before {
-        return None;
-    }
     let mut copies = Vec::with_capacity(grid.count.iter().product());
     for i in 0..grid.count[0] {
         for j in 0..grid.count[1] {

@@ -7,7 +7,9 @@ use magsplice_magnet::Tile;
 use toml::Spanned;
 
 use crate::layout::{NamedTile, Rotation};
+use crate::limits::MAX_LISTED;
 use crate::read::faults::TableFaults;
+use crate::read::names::shown;
 use crate::read::tile_rules::{check_strength, checked_tile};
 use crate::tables::tile::{KindTable, TileTable};
 use crate::units::{rotation_from_degrees, unit_vector};
@@ -56,8 +58,13 @@ fn declared_kind<'k>(
 ) -> Option<&'k KindTable> {
     let kind = kinds.get(wanted);
     if kind.is_none() {
-        let declared: Vec<&str> = kinds.keys().map(String::as_str).collect();
-        let declared = if declared.is_empty() { "none".to_owned() } else { declared.join(", ") };
+        let mut declared: Vec<String> = kinds.keys().take(MAX_LISTED).map(|name| shown(name)).collect();
+        match kinds.len() {
+            0 => declared.push("none".to_owned()),
+            n if n > MAX_LISTED => declared.push(format!("and {} more", n - MAX_LISTED)),
+            _ => {}
+        }
+        let (wanted, declared) = (shown(wanted), declared.join(", "));
         faults.add(format!("kind = \"{wanted}\", must be declared as [kind.{wanted}] (declared: {declared})"));
     }
     kind.map(Spanned::get_ref)

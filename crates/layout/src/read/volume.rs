@@ -1,7 +1,7 @@
 //! `[volume]`: from ranges and a step to a grid.
 
 use glam::DVec3;
-use magsplice_magnet::{Grid, MAX_LENGTH};
+use magsplice_magnet::{Grid, MAX_LENGTH, MIN_SIZE};
 
 use crate::layout::WorkingVolume;
 use crate::limits::{BYTES_PER_POINT, MAX_POINTS, STEP_ROUNDING};
@@ -73,6 +73,8 @@ fn check_range(key: &str, [low, high]: [f64; 2], faults: &mut TableFaults) {
         faults.add(format!("{key} = [{low}, {high}] is empty, the first must be less than the second"));
     } else if low > high {
         faults.add(format!("{key} = [{low}, {high}] is inverted, the first must be less than the second"));
+    } else if high - low < MIN_SIZE {
+        faults.add(format!("{key} = [{low:e}, {high:e}] is {:e} long, must be at least {MIN_SIZE:e} long", high - low));
     }
 }
 
@@ -91,13 +93,17 @@ fn checked_steps(step: Step, faults: &mut TableFaults) -> [f64; 3] {
     }
 }
 
+/// Ratio of the steps tried as the smallest. The ends of at most 400 steps are that near.
+const FINER: f64 = 1.05;
+
 /// The smallest step, rounded up to two digits, with which a region of these extents has at most
 /// [`MAX_POINTS`] points.
 fn least_step(extents: DVec3) -> f64 {
+    // By ratios, because products of extents may be too small for a number.
     let points = |step: f64| (extents / step + 1.0).element_product();
-    let mut step = (extents.element_product() / MAX_POINTS).cbrt();
-    while points(step) > MAX_POINTS {
-        step *= 1.05;
+    let mut step = extents.max_element();
+    while points(step / FINER) <= MAX_POINTS {
+        step /= FINER;
     }
     let digit = 10_f64.powf(step.log10().floor() - 1.0);
     // Through decimal text, which removes the round-off of the product.
