@@ -11,7 +11,7 @@ use magsplice::prelude::DVec3;
 use crate::failure::Failure;
 use crate::faults::FaultList;
 use crate::output::destination::Output;
-use crate::point_file::read_error;
+use crate::point_file::{LimitedLines, MAX_HELD_POINTS, read_error, shown, too_many_points};
 
 const COLUMNS: [&str; 6] = ["x_mm", "y_mm", "z_mm", "bx_t", "by_t", "bz_t"];
 
@@ -20,7 +20,7 @@ pub(crate) fn read(path: &Path) -> Result<Baseline, Failure> {
     let failed = |message: String| Failure::Points { path: path.to_owned(), message };
     let file = regular_file(path)
         .map_err(|e| failed(format!("cannot read this baseline: {e} (`magsplice check --update` writes it)")))?;
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(LimitedLines::new(file));
     let header = reader.headers().map_err(|e| failed(read_error(&e)))?;
     let places = COLUMNS.map(|column| header.iter().position(|h| h == column));
     let missing: Vec<&str> = COLUMNS.into_iter().zip(places).filter(|(_, at)| at.is_none()).map(|(c, _)| c).collect();
@@ -41,13 +41,16 @@ pub(crate) fn read(path: &Path) -> Result<Baseline, Failure> {
         };
         let values = places.map(|at| record[at].parse::<f64>().ok().filter(|value| value.is_finite()));
         if let [Some(x), Some(y), Some(z), Some(bx), Some(by), Some(bz)] = values {
+            if baseline.points.len() == MAX_HELD_POINTS {
+                return Err(too_many_points(path));
+            }
             baseline.points.push(DVec3::new(x, y, z));
             baseline.field_t.push(DVec3::new(bx, by, bz));
             continue;
         }
         let line = record.position().map_or(0, csv::Position::line);
         let wrong = (0..COLUMNS.len()).filter(|&i| values[i].is_none());
-        let wrong: Vec<String> = wrong.map(|i| format!("{} = \"{}\"", COLUMNS[i], &record[places[i]])).collect();
+        let wrong: Vec<String> = wrong.map(|i| format!("{} = \"{}\"", COLUMNS[i], shown(&record[places[i]]))).collect();
         faults.add(line, format!("line {line}: {}, must be a finite number", wrong.join(", ")));
     }
     if faults.is_empty() { Ok(baseline) } else { Err(faults.failure(path.display().to_string())) }

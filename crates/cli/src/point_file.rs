@@ -14,6 +14,17 @@ use crate::faults::FaultList;
 /// enough work for every thread.
 pub(crate) const BATCH: usize = 1 << 16;
 
+/// Largest number of points held in memory: those of a plan, of a baseline, and of a result that is
+/// not written point by point. With their fields they take 5 GB.
+pub(crate) const MAX_HELD_POINTS: usize = 100_000_000;
+
+/// Longest line of a file of numbers. A file without ends of lines is no such file, and a device
+/// may have no end.
+const MAX_LINE_BYTES: usize = 64 << 10;
+
+/// Largest number of characters that a message shows of a line.
+const MAX_SHOWN: usize = 200;
+
 const COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 
 /// An open point file.
@@ -45,6 +56,9 @@ pub(crate) fn read_all(path: &Path) -> Result<Vec<DVec3>, Failure> {
     loop {
         let more = file.read(BATCH, &mut points, &mut lines, &mut faults)?;
         all.extend_from_slice(&points);
+        if all.len() > MAX_HELD_POINTS {
+            return Err(too_many_points(path));
+        }
         if !more {
             break;
         }
@@ -61,6 +75,7 @@ impl PointFile {
         } else {
             Box::new(File::open(path).map_err(|e| failed(format!("cannot read: {e}")))?)
         };
+        let source: Box<dyn Read> = Box::new(LimitedLines::new(source));
         let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(source);
         let header = reader.headers().map_err(|e| failed(read_error(&e)))?.clone();
         if header.is_empty() {
@@ -71,7 +86,7 @@ impl PointFile {
             |wrong: fn(usize) -> bool| COLUMNS.into_iter().filter(|c| wrong(count(c))).collect::<Vec<_>>().join(", ");
         let (missing, repeated) = (named(|n| n == 0), named(|n| n > 1));
         if !missing.is_empty() {
-            let found = header.iter().collect::<Vec<_>>().join(",");
+            let found = shown(&header.iter().collect::<Vec<_>>().join(","));
             return Err(failed(format!("line 1: no column {missing}, must have x_mm,y_mm,z_mm (found: {found})")));
         }
         if !repeated.is_empty() {
@@ -128,6 +143,45 @@ impl PointFile {
     }
 }
 
+/// The failure of a file with more than [`MAX_HELD_POINTS`].
+pub(crate) fn too_many_points(path: &Path) -> Failure {
+    let message = format!("has more than {MAX_HELD_POINTS} points, too many to hold in memory");
+    Failure::Points { path: path.to_owned(), message }
+}
+
+/// The beginning of a field.
+pub(crate) fn shown(text: &str) -> String {
+    text.chars().take(MAX_SHOWN).collect()
+}
+
+/// A reader that fails at a line longer than [`MAX_LINE_BYTES`].
+pub(crate) struct LimitedLines<R> {
+    source: R,
+    /// Bytes since the last end of a line.
+    line_bytes: usize,
+}
+
+impl<R> LimitedLines<R> {
+    pub(crate) fn new(source: R) -> LimitedLines<R> {
+        LimitedLines { source, line_bytes: 0 }
+    }
+}
+
+impl<R: Read> Read for LimitedLines<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.source.read(buffer)?;
+        // The reader above reads less than a line at a time, so that the line at its end decides.
+        match buffer[..count].iter().rposition(|byte| matches!(byte, b'\n' | b'\r')) {
+            Some(end) => self.line_bytes = count - end - 1,
+            None => self.line_bytes += count,
+        }
+        if self.line_bytes > MAX_LINE_BYTES {
+            return Err(io::Error::other(format!("a line has more than {MAX_LINE_BYTES} bytes")));
+        }
+        Ok(count)
+    }
+}
+
 /// The point of a record, or the values that are no numbers.
 fn point(record: &StringRecord, columns: [usize; 3], line: u64) -> Result<DVec3, String> {
     let mut point = DVec3::ZERO;
@@ -136,7 +190,7 @@ fn point(record: &StringRecord, columns: [usize; 3], line: u64) -> Result<DVec3,
         let text = &record[columns[axis]];
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => point[axis] = value,
-            _ => wrong.push(format!("{} = \"{text}\"", COLUMNS[axis])),
+            _ => wrong.push(format!("{} = \"{}\"", COLUMNS[axis], shown(text))),
         }
     }
     if wrong.is_empty() {

@@ -55,6 +55,9 @@ fn at_points(args: &FieldArgs, film: &Film, path: &Path, progress: &ProgressLine
             faults.add(line, format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z));
         }
         done += points.len();
+        if writer.format != TableFormat::Csv && done > point_file::MAX_HELD_POINTS {
+            return Err(point_file::too_many_points(path));
+        }
         progress.show(Stage { name: "field", done, of: None, unit: "points" });
         if !more {
             break;

@@ -95,3 +95,24 @@ fn outputs_that_cannot_be_written_are_refused() {
     std::fs::set_permissions(&points, permissions).unwrap();
     sandbox.run(&["field", &layout, "-o", "points.csv"]).refuses("cannot write points.csv: it is read-only");
 }
+
+/// Devices without an end are refused after a part, and messages cite a part only.
+#[cfg(unix)]
+#[test]
+fn endless_files_and_lines_are_refused() {
+    let sandbox = Sandbox::new();
+    let film = shipped("single-tile");
+    for verb in [&["field", "-o", "out.csv"][..], &["plan"]] {
+        let at = |points: &str| sandbox.run(&[verb, &[&film, "--points", points]].concat());
+        at("/dev/zero").refuses("/dev/zero: cannot read: a line has more than 65536 bytes");
+        sandbox.write("long.csv", &format!("x_mm,y_mm,z_mm\n0,0,{}\n", "1".repeat(1 << 20)));
+        at("long.csv").refuses("a line has more than 65536 bytes");
+        sandbox.write("wide.csv", &format!("x_mm,y_mm,z_mm\n0,0,{}\n", "x".repeat(60_000)));
+        let said = at("wide.csv");
+        said.refuses("line 2: z_mm = \"xxxx");
+        assert!(said.stderr.len() < 400, "{}", said.stderr.len());
+    }
+    sandbox
+        .run(&["check", "/dev/zero"])
+        .refuses("cannot read /dev/zero: it has more than 67108864 bytes, too many for a layout");
+}
