@@ -1,14 +1,18 @@
 //! `magsplice plan`: shows which methods a tolerance allows.
 
+use std::path::Path;
+
 use magsplice::layout::Layout;
-use magsplice::{Film, Stage};
+use magsplice::magnet::{Cause, PointErrors, Quantity};
+use magsplice::prelude::DVec3;
+use magsplice::{Film, FilmError, Stage};
 
 use crate::args::evaluate::PlanArgs;
 use crate::args::formats::TextOrJson;
 use crate::failure::Failure;
 use crate::output::destination::print;
 use crate::progress::ProgressLine;
-use crate::words::no_points;
+use crate::words::{film_failure, no_points};
 use crate::{json, point_file, text};
 
 pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
@@ -21,11 +25,13 @@ pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
         Some(path) => {
             let points = point_file::read_all(path)?;
             progress.show(planning);
+            check_accuracy(&film, path, points.len(), |index| points[index])?;
             (film.scene().plan_at_points(&points), format!("points of {}", path.display()))
         }
         None => {
             let volume = film.volume().map_err(|error| no_points(&args.layout, error))?;
             progress.show(planning);
+            check_accuracy(&film, &args.layout, volume.grid.len(), |index| volume.grid.point(index))?;
             (film.scene().plan_on_grid(&volume.grid), "points of the working volume".to_owned())
         }
     };
@@ -34,4 +40,24 @@ pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
         TextOrJson::Text => text::plan::plan(&film, &plan, &points_of),
         TextOrJson::Json => json::pretty(&json::plan::PlanJson::new(&film, &plan)),
     })
+}
+
+/// Number of points at which the field is evaluated to find out whether the tolerance can be kept.
+const TRIED_POINTS: usize = 64;
+
+/// Refuses a tolerance that the field does not keep at a few of the points, as `field` does.
+/// `path` is the file that the points are from.
+fn check_accuracy(film: &Film, path: &Path, points: usize, point: impl Fn(usize) -> DVec3) -> Result<(), Failure> {
+    let tried: Vec<DVec3> = (0..points).step_by(points.div_ceil(TRIED_POINTS).max(1)).map(point).collect();
+    let mut field = vec![DVec3::ZERO; tried.len()];
+    let Err(PointErrors(mut errors)) = film.scene().field_into(Quantity::FluxDensity, &tried, &mut field) else {
+        return Ok(());
+    };
+    // Points without any field are no matter of the tolerance, and have a plan like others.
+    errors.retain(|error| matches!(error.cause, Cause::TooExact { .. }));
+    if errors.is_empty() {
+        Ok(())
+    } else {
+        Err(film_failure(path, film.layout(), FilmError::Points(PointErrors(errors))))
+    }
 }

@@ -72,6 +72,13 @@ fn plan_states_methods_points_and_truncation() {
     ] {
         assert!(said.stdout.contains(line), "{line:?} is not in {}", said.stdout);
     }
+    // A tolerance that `field` does not keep has no plan either.
+    for tolerance in ["1e-300", "1e-300nT", "1e-17"] {
+        let cause = "the tolerance cannot be kept: even the exact field is only certain to";
+        sandbox.run(&["field", &film, "--within", tolerance, "-o", "out.csv"]).refuses(cause);
+        sandbox.run(&["plan", &film, "--within", tolerance]).refuses(cause);
+        sandbox.run(&["plan", &film, "--within", tolerance, "--format", "json"]).refuses(cause);
+    }
     // On a finer grid an expansion is cheaper.
     let fine = std::fs::read_to_string(&film)
         .expect("a shipped layout")
