@@ -140,7 +140,13 @@ impl<'a> DesignProblem<'a> {
                 format!("tile \"{}\": its strength must be within {:?} T", name(tile), self.brief.strength_t)
             }
             RuleMeaning::Apart(a, b) => {
-                format!("tiles \"{}\" and \"{}\": must be at least {} mm apart", name(a), name(b), bounds.gap_mm)
+                let rule =
+                    format!("tiles \"{}\" and \"{}\": must be at least {} mm apart", name(a), name(b), bounds.gap_mm);
+                if bounds.gap_mm == self.brief.gap_mm {
+                    return rule;
+                }
+                let Brief { gap_mm, resolution_mm, .. } = self.brief;
+                format!("{rule}: gap_mm = {gap_mm}, and resolution_mm = {resolution_mm} for the rounding of positions")
             }
         }
     }

@@ -7,6 +7,8 @@ use glam::DVec3;
 use magsplice_decouple::DecouplingError;
 use magsplice_ideal::ComparisonError;
 
+use crate::tolerances::MAX_LISTED;
+
 /// Why a film cannot be designed. Messages name tiles and give lengths in millimetres.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -21,6 +23,15 @@ pub enum DesignError {
     NothingFree,
     /// No film near the layout's keeps these rules together.
     Contradiction(Vec<String>),
+    /// The film found, rounded to the resolution of the brief, is no film.
+    Resolution {
+        /// The resolution of lengths, in millimetres.
+        resolution_mm: f64,
+        /// The resolution of angles, in degrees.
+        resolution_deg: f64,
+        /// What is wrong with the rounded film.
+        reason: String,
+    },
     /// This point of the working volume, in millimetres, is not below the film.
     NotBelow(DVec3),
     /// The film to start from has no field at some point, which lies on an edge of a tile.
@@ -50,24 +61,26 @@ impl fmt::Display for DesignError {
                 f,
                 "tiles without an image under the symmetry of [design]: {}; add the images (arrows are mirrored like \
                  drawn ones), or ask for less symmetry",
-                tiles.join(", ")
+                listed(tiles, ", ")
             ),
             DesignError::Rotated(tiles) => write!(
                 f,
                 "rotated tiles: {}; sizes, positions and symmetries are for tiles along x and y: give these unrotated, \
                  or let only directions and strengths vary",
-                tiles.join(", ")
+                listed(tiles, ", ")
             ),
             DesignError::NothingFree => {
                 f.write_str("0 free numbers in this film under the vary and symmetry of [design], must be at least 1")
             }
             DesignError::Contradiction(rules) => {
-                f.write_str("these rules of [design] cannot be kept together by a film like this one:")?;
-                for rule in rules {
-                    write!(f, "\n  {rule}")?;
-                }
-                Ok(())
+                let rules = listed(rules, "\n  ");
+                write!(f, "these rules of [design] cannot be kept together by a film like this one:\n  {rules}")
             }
+            DesignError::Resolution { resolution_mm, resolution_deg, reason } => write!(
+                f,
+                "rounding to resolution_mm = {resolution_mm} and resolution_deg = {resolution_deg} of [design] leaves no \
+                 film: {reason}; choose a finer resolution"
+            ),
             DesignError::NotBelow(p) => write!(
                 f,
                 "the point ({}, {}, {}) mm of the working volume is not below the film: lower z_mm or reference_mm of \
@@ -86,6 +99,15 @@ impl fmt::Display for DesignError {
             DesignError::Request(problems) => f.write_str(&problems.join("\n")),
         }
     }
+}
+
+/// The first [`MAX_LISTED`] of the items, and the number of the others.
+fn listed(items: &[String], separator: &str) -> String {
+    let mut text = items[..items.len().min(MAX_LISTED)].join(separator);
+    if items.len() > MAX_LISTED {
+        text += &format!("{separator}and {} more", items.len() - MAX_LISTED);
+    }
+    text
 }
 
 impl Error for DesignError {

@@ -8,6 +8,7 @@ use magsplice_layout::{Brief, Goal};
 use crate::descent::Candidate;
 use crate::design_problem::DesignProblem;
 use crate::error::DesignError;
+use crate::metrics::Metrics;
 use crate::parts;
 use crate::progress::{Progress, SearchStage, latched};
 use crate::search_result::SearchResult;
@@ -25,12 +26,41 @@ pub struct ParetoFront {
     pub by_parts: Vec<SearchResult>,
 }
 
+impl ParetoFront {
+    /// The films to which no other film is preferable in error, amplitude and number of parts. Films
+    /// that miss a demand stay, and are preferable to none.
+    fn without_dominated(self, error: impl Fn(&Metrics) -> f64) -> ParetoFront {
+        let ParetoFront { by_amplitude, by_parts } = self;
+        let merits = |film: &SearchResult| (error(&film.after), film.after.amplitude, film.parts);
+        let all = by_amplitude.iter().map(|(_, film)| film).chain(&by_parts);
+        let rivals: Vec<Merits> = all.filter(|film| film.short_of.is_empty()).map(merits).collect();
+        let stays = |film: &SearchResult| {
+            !film.short_of.is_empty() || !rivals.iter().any(|rival| dominates(*rival, merits(film)))
+        };
+        ParetoFront {
+            by_amplitude: by_amplitude.into_iter().filter(|(_, film)| stays(film)).collect(),
+            by_parts: by_parts.into_iter().filter(stays).collect(),
+        }
+    }
+}
+
+/// Error, amplitude and number of parts of a film.
+type Merits = (f64, f64, usize);
+
+/// Whether a film is as good as another in everything, and better in something.
+fn dominates(one: Merits, other: Merits) -> bool {
+    one.0 <= other.0 && one.1 >= other.1 && one.2 <= other.2 && one != other
+}
+
 /// Number of starts for each amplitude, besides the film found for the amplitude before.
 const STARTS: usize = 3;
 
 impl DesignProblem<'_> {
     /// Searches for the best film for each of these least amplitudes, and for fewer and fewer
     /// parts.
+    ///
+    /// A film is left out if another film of the front is as good in error, amplitude and number of
+    /// parts, and better in one of them.
     ///
     /// A film with more amplitude also meets a smaller bound, so errors grow along the front as far
     /// as the search succeeds. If `progress` stops the search, the front has the films found until
@@ -68,7 +98,21 @@ impl DesignProblem<'_> {
                 break;
             }
         }
-        Ok(ParetoFront { by_amplitude, by_parts: self.front_of_parts(&progress, &stop)? })
+        let by_parts = self.front_of_parts(&progress, &stop)?;
+        Ok(ParetoFront { by_amplitude, by_parts }.without_dominated(|metrics| self.error(metrics)))
+    }
+
+    /// The error that the brief asks to minimize.
+    fn error(&self, metrics: &Metrics) -> f64 {
+        let weighted = |errors: [f64; 3]| {
+            let squares = self.brief.weights.iter().zip(errors).map(|(weight, error)| weight * error * error);
+            squares.sum::<f64>().sqrt()
+        };
+        match self.brief.goal {
+            Goal::Uniformity => weighted(metrics.uniformity_rmse.to_array()),
+            Goal::Displacement => weighted(metrics.displacement_rmse_mm),
+            Goal::Field => metrics.scaled_relative_rmse.unwrap_or(f64::INFINITY),
+        }
     }
 
     fn front_of_parts(&self, progress: Progress, stop: &AtomicBool) -> Result<Vec<SearchResult>, DesignError> {
@@ -90,5 +134,21 @@ impl DesignProblem<'_> {
             rounding.rounded(&level.pattern, level.candidate, stages, 1, progress, stop)
         };
         levels.into_iter().map(result).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn films_worse_in_everything_are_dominated() {
+        let film = (0.02, 0.7, 9);
+        for better in [(0.01, 0.75, 8), (0.02, 0.7, 8), (0.02, 0.71, 9), (0.019, 0.7, 9)] {
+            assert!(dominates(better, film) && !dominates(film, better), "{better:?}");
+        }
+        for other in [film, (0.01, 0.65, 8), (0.01, 0.75, 10), (0.03, 0.75, 8)] {
+            assert!(!dominates(other, film), "{other:?}");
+        }
     }
 }

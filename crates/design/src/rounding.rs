@@ -192,12 +192,15 @@ fn order(a: &[f64; 3], b: &[f64; 3]) -> Ordering {
 
 /// All tiles at rounded variables, in the order of the layout. Their numbers are the nearest to
 /// short decimals.
-pub(crate) fn tiles(pattern: &Pattern, variables: &[f64]) -> Option<Vec<Tile>> {
-    let mut tiles = vec![None; pattern.tile_count];
+///
+/// # Errors
+/// The index of a tile that has lost its extent.
+pub(crate) fn tiles(pattern: &Pattern, variables: &[f64]) -> Result<Vec<Tile>, usize> {
+    let mut tiles = vec![Err(0); pattern.tile_count];
     for variable_tile in &pattern.tiles {
-        let tile = tile(variable_tile, variables)?;
+        let tile = tile(variable_tile, variables).ok_or(variable_tile.orbit.tile)?;
         for &(operation, index) in &variable_tile.orbit.images {
-            tiles[index] = Some(image(&tile, operation)?);
+            tiles[index] = image(&tile, operation).ok_or(index);
         }
     }
     tiles.into_iter().collect()

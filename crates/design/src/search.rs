@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use magsplice_decouple::PerParameter;
-use magsplice_magnet::Tile;
+use magsplice_layout::Brief;
+use magsplice_magnet::{Overlap, Tile, overlaps};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -102,8 +103,16 @@ impl DesignProblem<'_> {
         let mut rounds = 0;
         loop {
             let variables = rounding::rounded(&self, pattern, &candidate.variables);
-            let tiles = rounding::tiles(pattern, &variables).ok_or(DesignError::NoField)?;
-            let metrics = [self.metrics(&tiles)?, self.finer_metrics(&tiles)?];
+            let name = |index: usize| &self.layout.tiles[index].name;
+            let tiles = rounding::tiles(pattern, &variables)
+                .map_err(|index| self.too_coarse(format!("tile \"{}\" has a side of 0 mm", name(index))))?;
+            if let Some(Overlap { first, second, depth, .. }) = overlaps(&tiles).next() {
+                let tiles = format!("tiles \"{}\" and \"{}\"", name(first), name(second));
+                return Err(self.too_coarse(format!("{tiles} overlap by {depth} mm")));
+            }
+            let metrics =
+                |metrics: Result<Metrics, DesignError>| metrics.map_err(|error| self.too_coarse(error.to_string()));
+            let metrics = [metrics(self.metrics(&tiles))?, metrics(self.finer_metrics(&tiles))?];
             let short = self.brief.least_amplitude.map_or(0.0, |least| least - smaller_amplitude(&metrics));
             let update = ProgressUpdate {
                 stage: SearchStage::Rounding,
@@ -122,6 +131,11 @@ impl DesignProblem<'_> {
                 .descend(pattern, candidate.variables, MOST_STEPS, go_on)
                 .ok_or(DesignError::Singular)?;
         }
+    }
+
+    fn too_coarse(&self, reason: String) -> DesignError {
+        let Brief { resolution_mm, resolution_deg, .. } = self.brief;
+        DesignError::Resolution { resolution_mm, resolution_deg, reason }
     }
 
     /// The best film of several starts, which run in parallel.

@@ -70,3 +70,6 @@ pub(crate) const TRIAL_STEPS: usize = 12;
 
 /// Number of the best trials that are descended to the end.
 pub(crate) const TRIALS_FINISHED: usize = 4;
+
+/// Largest number of tiles or rules that a message lists.
+pub(crate) const MAX_LISTED: usize = 20;

@@ -33,6 +33,37 @@ fn assert_rules(result: &SearchResult, smallest_cut_mm: f64, half_mm: f64) {
     }
 }
 
+/// The message with which a search for a film like the published one is refused.
+fn refused(design: &str) -> String {
+    let layout = layout(&format!("{design}\nstarts = 1"));
+    let result = DesignProblem::new(&layout).and_then(|problem| problem.search(&ignore_progress));
+    result.expect_err("there is no such film").to_string()
+}
+
+#[test]
+fn coarse_resolution_is_named_as_the_cause() {
+    let cut = refused("vary = [\"cut\"]\nsymmetry = \"four-fold\"\nsmallest_cut_mm = 0.8\nresolution_mm = 5.0");
+    assert!(
+        cut.starts_with("rounding to resolution_mm = 5 and resolution_deg = 0.01 of [design] leaves no film: tile ")
+    );
+    assert!(cut.ends_with("has a side of 0 mm; choose a finer resolution"), "{cut}");
+    let direction = refused("vary = [\"direction\"]\nresolution_deg = 1e5");
+    assert!(direction.contains("resolution_deg = 100000 of [design] leaves no film: B_z vanishes"), "{direction}");
+}
+
+#[test]
+fn contradictions_explain_the_gap_and_are_counted_after_twenty() {
+    let touching = refused("vary = [\"position\"]");
+    let rule = "must be at least 0.001 mm apart: gap_mm = 0, and resolution_mm = 0.001 for the rounding of positions";
+    assert!(touching.contains(rule), "{touching}");
+    let wide = refused("vary = [\"size\", \"position\"]\ngap_mm = 2.0");
+    assert_eq!(wide.lines().count(), 22, "{wide}");
+    assert!(
+        wide.contains("must be at least 2 mm apart\n") && wide.lines().last().unwrap().starts_with("  and "),
+        "{wide}"
+    );
+}
+
 /// With sizes, positions and one angle free.
 #[test]
 fn uniformity_becomes_a_hundred_times_better() {
