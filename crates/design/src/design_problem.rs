@@ -169,3 +169,23 @@ fn design_grid(volume: &WorkingVolume, step_mm: Option<f64>) -> Grid {
     });
     Grid::new(grid.lower(), grid.upper(), counts).expect("a grid of points")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rounding to the resolution moves the amplitude by less than 1e-4 of it, and by more than
+    /// 1e-6.
+    #[test]
+    fn search_aims_above_the_least_amplitude() {
+        let text = "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n\
+                    [volume]\nx_mm = [-2.0, 2.0]\ny_mm = [-2.0, 2.0]\nz_mm = [-5.0, -3.0]\nstep_mm = 1.0\n\
+                    [design]\nvary = [\"direction\"]\namplitude = { min = 0.5 }\n\
+                    [[tile]]\nposition_mm = [0, 0, 0.5]\nsize_mm = [1, 1, 1]\npolarization_t = [0.1, 0.1, 0]\n";
+        let layout = Layout::parse(text, "film").unwrap();
+        let problem = DesignProblem::new(&layout).unwrap();
+        let aim = problem.least_squares.least_amplitude.unwrap();
+        assert!((0.5 * (1.0 + 1e-6)..0.5 * (1.0 + 1e-4)).contains(&aim), "{aim}");
+        assert_eq!(problem.least_amplitude(), Some(0.5));
+    }
+}

@@ -171,3 +171,24 @@ fn distinct(rules: Vec<LinearRule>) -> Vec<LinearRule> {
     }
     kept
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn outline_is_clipped_to_the_part_that_images_keep_too() {
+        let tiles = [Tile::new(DVec3::ZERO, DVec3::new(2.0, 4.0, 1.0), DVec3::X).unwrap()];
+        let outline = |symmetry: Symmetry, outline_mm: [Option<[f64; 2]>; 2]| {
+            DesignBounds::new(&Brief { symmetry, outline_mm, ..Brief::default() }, &tiles).outline_mm
+        };
+        let uneven = [Some([-8.0, 10.0]), Some([-7.0, 3.0])];
+        assert_eq!(outline(Symmetry::None, uneven), [[-8.0, 10.0], [-7.0, 3.0]]);
+        assert_eq!(outline(Symmetry::Mirror, uneven), [[-8.0, 8.0], [-3.0, 3.0]]);
+        assert_eq!(outline(Symmetry::FourFold, uneven), [[-3.0, 3.0]; 2]);
+        assert_eq!(outline(Symmetry::FourFold, [Some([-3.0, 10.0]), Some([-7.0, 7.0])]), [[-3.0, 3.0]; 2]);
+        // Without an outline the extent of the film is one.
+        assert_eq!(outline(Symmetry::Mirror, [None; 2]), [[-1.0, 1.0], [-2.0, 2.0]]);
+    }
+}

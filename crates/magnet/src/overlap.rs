@@ -166,6 +166,19 @@ mod tests {
         );
     }
 
+    /// Rounding of such coordinates is 1e-16. An overlap of 1e-12 is a mistake in the layout.
+    #[test]
+    fn only_round_off_is_forgiven() {
+        for angle_deg in [0.0, 30.0] {
+            let turned = |x: f64| {
+                let [sin, cos] = [f64::sin, f64::cos].map(|f| f(f64::to_radians(angle_deg)));
+                cube(x * cos, x * sin, angle_deg)
+            };
+            assert_eq!(overlaps(&[turned(0.0), turned(1.0 - 1e-16)]), []);
+            assert_eq!(overlaps(&[turned(0.0), turned(1.0 - 1e-12)]).len(), 1, "{angle_deg}");
+        }
+    }
+
     #[test]
     fn depth_and_direction() {
         let found = overlaps(&[cube(5.0, 0.0, 0.0), cube(0.0, 0.0, 0.0), cube(-0.9, 0.2, 0.0)]);
