@@ -8,6 +8,7 @@ mod design;
 mod field;
 mod files;
 mod formats;
+mod fuzz;
 mod help;
 #[cfg(target_os = "linux")]
 mod progress;

@@ -1,0 +1,90 @@
+//! Random edits of point files and baselines: the program uses them or refuses them in words.
+
+use crate::{Sandbox, shipped};
+
+/// Runs of the program with edited files.
+const RUNS: u64 = 100;
+/// Longest text that the program says about a file.
+const LONGEST_MESSAGE: usize = 10_000;
+
+/// Bytes that replace a part of a file.
+const PARTS: [&[u8]; 16] = [
+    b"",
+    b",",
+    b"\n",
+    b"\r\n",
+    b"\"",
+    b"nan",
+    b"1e999",
+    b"-inf",
+    b"1e-320",
+    b";",
+    b"\t",
+    b"\0",
+    b"\xff\xfe",
+    b"x_mm",
+    b"1,2,3,4,5\n",
+    b"\xef\xbb\xbf",
+];
+
+/// A sequence of numbers that looks random (SplitMix64).
+struct Sequence(u64);
+
+impl Sequence {
+    fn below(&mut self, count: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ (mixed >> 31)) % count as u64) as usize
+    }
+
+    /// The bytes with up to three short parts replaced.
+    fn edited(&mut self, bytes: &[u8]) -> Vec<u8> {
+        let mut edited = bytes.to_vec();
+        for _ in 0..=self.below(3) {
+            let start = self.below(edited.len().max(1));
+            let end = (start + self.below(6)).min(edited.len());
+            edited.splice(start.min(end)..end, PARTS[self.below(PARTS.len())].iter().copied());
+        }
+        edited
+    }
+}
+
+#[test]
+fn edited_point_files_are_used_or_refused_in_words() {
+    let points = b"x_mm,y_mm,z_mm\n0,0,-4\n1.5,-2,-3\n-1e-3,2e0,5\n0.25,0.125,-4.5\n";
+    let mut used = 0;
+    for run in 0..RUNS {
+        let sandbox = Sandbox::new();
+        let edited = Sequence(run).edited(points);
+        std::fs::write(sandbox.path("points.csv"), &edited).expect("a writable folder");
+        let said = sandbox.run(&["field", &shipped("single-tile"), "--points", "points.csv", "-o", "out.csv"]);
+        let context = format!("{:?}: {}", String::from_utf8_lossy(&edited), said.stderr);
+        assert!([0, 2].contains(&said.status) && said.stderr.len() <= LONGEST_MESSAGE, "{context}");
+        assert_eq!(sandbox.files().contains(&"out.csv".to_owned()), said.status == 0, "{context}");
+        assert!(!said.stderr.chars().any(|c| c.is_control() && !"\n\t".contains(c)), "{context}");
+        used += u64::from(said.status == 0);
+    }
+    assert!(0 < used && used < RUNS, "{used} of {RUNS} files were used");
+}
+
+#[test]
+fn edited_baselines_are_compared_or_refused_in_words() {
+    let layout = std::fs::read_to_string(shipped("published-film")).expect("a layout");
+    let baseline = shipped("published-film").replace("published-film.toml", "published.field.csv");
+    let baseline = std::fs::read(baseline).expect("a baseline");
+    let mut statuses = [0; 3];
+    for run in 0..RUNS / 2 {
+        let sandbox = Sandbox::new();
+        sandbox.write("film.toml", &layout);
+        let edited = Sequence(run).edited(&baseline);
+        std::fs::write(sandbox.path("published.field.csv"), &edited).expect("a writable folder");
+        let said = sandbox.run(&["check", "film.toml"]);
+        let context = format!("run {run}: {}{}", said.stdout, said.stderr);
+        assert!((0..3).contains(&said.status) && said.stderr.len() <= LONGEST_MESSAGE, "{context}");
+        assert_eq!(std::fs::read(sandbox.path("published.field.csv")).expect("a file"), edited, "{context}");
+        assert!(!said.stderr.chars().any(|c| c.is_control() && !"\n\t".contains(c)), "{context}");
+        statuses[said.status as usize] += 1;
+    }
+    assert!(statuses[1] + statuses[2] > 0, "no edit was seen");
+}
