@@ -61,11 +61,13 @@ mod tests {
     #[test]
     fn script_fills_every_placeholder_and_quotes_names() {
         let name = r#"\"\"\"\n{tiles}\nimport os #"#;
-        let text = format!(
-            "format = 1\nname = \"{name}\"\n[[tile]]\nname = \"{name}\"\nposition_mm = [0.1, 0, 1e-9]\n\
-             size_mm = [1, 2, 3]\npolarization_t = [0, 0, 0.12]\n"
-        );
-        let layout = Layout::parse(&text, "test").unwrap();
+        let text = "format = 1\nname = \"film\"\n[[tile]]\nposition_mm = [0.1, 0, 1e-9]\n\
+                    size_mm = [1, 2, 3]\npolarization_t = [0, 0, 0.12]\n";
+        let mut layout = Layout::parse(text, "test").unwrap();
+        // Layout files may not have such a name, but layouts in memory may.
+        let unquoted: String = serde_json::from_str(&format!("\"{name}\"")).unwrap();
+        layout.name.clone_from(&unquoted);
+        layout.tiles[0].name = unquoted;
         let mut script = Vec::new();
         super::script(&layout, "1.2.3", &mut script).unwrap();
         let script = String::from_utf8(script).unwrap();
