@@ -29,7 +29,7 @@ pub enum DesignError {
         resolution_mm: f64,
         /// The resolution of angles, in degrees.
         resolution_deg: f64,
-        /// What is wrong with the rounded film.
+        /// Rule that the rounded film breaks.
         reason: String,
     },
     /// This point of the working volume, in millimetres, is not below the film.

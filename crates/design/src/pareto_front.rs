@@ -27,8 +27,7 @@ pub struct ParetoFront {
 }
 
 impl ParetoFront {
-    /// The films to which no other film is preferable in error, amplitude and number of parts. Films
-    /// that miss a demand stay, and are preferable to none.
+    /// The front without dominated films. A film that misses a demand stays, and dominates none.
     fn without_dominated(self, error: impl Fn(&Metrics) -> f64) -> ParetoFront {
         let ParetoFront { by_amplitude, by_parts } = self;
         let merits = |film: &SearchResult| (error(&film.after), film.after.amplitude, film.parts);

@@ -138,9 +138,9 @@ pub(crate) const DISTANCE_BISECTIONS: usize = 8;
 /// With more tiles only the farthest distance of each is used.
 pub(crate) const CORNER_MEAN_TILES: usize = 64;
 
-/// Largest error of a part of a cluster at the end of the closed form, as a multiple of the error of
-/// a single tile there. The mean over the parts is at most that of a single tile; next to a thin
-/// part its own error counts alone. Errors of single tiles are below a fifth of [`EXACT_BOUND`].
+/// Largest error of one part of a cluster, over the error of a single tile at the end of its closed
+/// form. Next to a thin part only the error of this part counts. The errors of single tiles that
+/// were measured are below a fifth of [`EXACT_BOUND`].
 pub(crate) const LARGEST_ERROR_OF_PART: f64 = 3.0;
 
 /// Factor by which the closed form of a cluster reaches farther than [`CLOSED_FORM_REACH`] under a

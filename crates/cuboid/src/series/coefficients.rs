@@ -13,7 +13,7 @@ pub const POLYNOMIALS: usize = 5;
 /// coefficients are polynomials in u - 1/3 and v - 1/3, u = x^2/r^2 and v = y^2/r^2.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Those of each polynomial, order after order of sigma, in the order of [`place`].
+    /// Coefficients of each polynomial by order of sigma, within an order as [`place`] says.
     coefficients: [[f64; start(HIGHEST_ORDER + 1)]; POLYNOMIALS],
 }
 
