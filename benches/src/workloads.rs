@@ -137,3 +137,22 @@ pub fn points_below(side: usize, count: usize) -> Vec<DVec3> {
     };
     (0..count).map(point).collect()
 }
+
+/// 100 rods of 1 x 1 x 30 with three different components of J each, which stand on a lattice of
+/// pitch 2, and random points in a volume around and below them, at least 1 away from every rod.
+pub fn rods(count: usize) -> Workload {
+    const SIDE: usize = 10;
+    let (pitch, size) = (2.0, DVec3::new(1.0, 1.0, 30.0));
+    let mut random = ChaCha8Rng::seed_from_u64(10);
+    let mut vector = |reach: DVec3| DVec3::from([0, 1, 2].map(|_| random.random_range(-1.0..1.0))) * reach;
+    let place = |n: usize| (DVec3::new((n % SIDE) as f64, (n / SIDE) as f64, 0.0) - DVec3::new(4.5, 4.5, 0.0)) * pitch;
+    let rod = |n: usize| Tile::new(place(n), size, vector(DVec3::ONE)).expect("a valid tile");
+    let tiles: Vec<Tile> = (0..SIDE.pow(2)).map(rod).collect();
+    let is_clear = |point: &DVec3| {
+        let gap = |tile: &Tile| ((*point - tile.position()).abs() - 0.5 * size).max(DVec3::ZERO).length();
+        tiles.iter().all(|tile| gap(tile) >= 1.0)
+    };
+    let around = std::iter::repeat_with(|| vector(DVec3::new(18.0, 18.0, 20.0)) - DVec3::new(0.0, 0.0, 5.0));
+    let points = around.filter(is_clear).take(count).collect();
+    Workload { name: "rods", tiles, points, grid: None }
+}

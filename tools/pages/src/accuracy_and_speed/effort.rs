@@ -1,5 +1,7 @@
 //! How much is measured for the page, and to which tolerances.
 
+use magsplice_benches::SceneSizes;
+
 /// Relative tolerances that are measured.
 pub(crate) const TOLERANCES: [f64; 7] = [1e-2, 1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12];
 
@@ -9,14 +11,8 @@ pub(crate) const GROWTH_TOLERANCE: f64 = 1e-6;
 /// Numbers of points, tiles and runs.
 #[derive(Clone, Copy)]
 pub(crate) struct DialEffort {
-    /// Points along each axis of a grid.
-    pub(crate) grid: [usize; 3],
-    /// Points of a list, and number of look-ups.
-    pub(crate) points: usize,
-    /// Points of the list among the random tiles.
-    pub(crate) heap_points: usize,
-    /// Cells along each side of the cube of random tiles.
-    pub(crate) heap_side: usize,
+    /// Points and tiles of the scenes.
+    pub(crate) sizes: SceneSizes,
     /// Most tile-point pairs of the exact field at a list.
     pub(crate) exact_pairs: usize,
     /// Most tile-point pairs of a peer.
@@ -37,10 +33,7 @@ pub(crate) struct DialEffort {
 
 impl DialEffort {
     pub(crate) const FULL: DialEffort = DialEffort {
-        grid: [81, 81, 41],
-        points: 100_000,
-        heap_points: 20_000,
-        heap_side: 22,
+        sizes: SceneSizes { grid: [81, 81, 41], points: 100_000, heap_points: 20_000, heap_side: 22 },
         exact_pairs: 100_000_000,
         peer_pairs: 6_000_000,
         peer_points: 2_000,
@@ -52,10 +45,7 @@ impl DialEffort {
     };
 
     pub(crate) const ONCE: DialEffort = DialEffort {
-        grid: [11, 11, 6],
-        points: 300,
-        heap_points: 300,
-        heap_side: 6,
+        sizes: SceneSizes { grid: [11, 11, 6], points: 300, heap_points: 300, heap_side: 6 },
         exact_pairs: 100_000,
         peer_pairs: 20_000,
         peer_points: 20,

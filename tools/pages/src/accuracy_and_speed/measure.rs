@@ -6,12 +6,11 @@ use std::time::Instant;
 
 use glam::DVec3;
 use magsplice::field::{Accuracy, FittedField, Grid, Quantity, Scene, Tile, Tolerance};
-use magsplice_benches::{Magba, evenly_thinned, median};
+use magsplice_benches::{Magba, PlacedScene, ScenePlace, evenly_thinned, median};
 use magsplice_tests::oracle::Oracle;
 use nalgebra::Vector3;
 
 use super::effort::{DialEffort, TOLERANCES};
-use super::scenes::{PageScene, ScenePlace};
 use crate::magpylib::Magpylib;
 
 /// A contender that takes more seconds than this is timed once.
@@ -92,7 +91,7 @@ impl Measurements {
 
 /// A scene with its measurements, one for each place.
 pub(crate) struct MeasuredScene {
-    pub(crate) scene: PageScene,
+    pub(crate) scene: PlacedScene,
     pub(crate) measurements: Vec<Measurements>,
 }
 

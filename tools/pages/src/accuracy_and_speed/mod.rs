@@ -15,8 +15,6 @@ mod measure;
 mod page;
 /// The contenders that no other beats in both time and error.
 mod pareto;
-/// The scenes and the places where their fields are wanted.
-mod scenes;
 /// Errors of the textbook formula in single and double precision.
 mod single_precision;
 
@@ -24,25 +22,24 @@ use std::fs;
 use std::path::Path;
 
 use magsplice::field::Tolerance;
-use magsplice_benches::{Growth, growth};
+use magsplice_benches::{Growth, PlacedScene, growth, placed_scenes};
 
 use crate::magpylib::magpylib_version;
 use effort::{DialEffort, GROWTH_TOLERANCE};
 use measure::{MeasuredScene, measure};
-use scenes::{PageScene, scenes};
 
 /// Writes the page and its pictures to the folder `docs`; without `python` magpylib is left out.
 pub(crate) fn write(docs: &Path, python: Option<&Path>, once: bool) -> Result<(), String> {
     let effort = if once { DialEffort::ONCE } else { DialEffort::FULL };
     let magpylib = python.map(magpylib_version).transpose()?;
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| e.to_string())?;
-    let measured = |scene: PageScene| {
+    let measured = |scene: PlacedScene| {
         let at = |place| measure(&scene.tiles, place, python, effort);
         let measurements = scene.places.iter().map(at).collect::<Result<_, _>>()?;
         Ok(MeasuredScene { scene, measurements })
     };
     let measured: Vec<MeasuredScene> =
-        one_thread.install(|| scenes(effort).into_iter().map(measured).collect::<Result<_, String>>())?;
+        one_thread.install(|| placed_scenes(effort.sizes).into_iter().map(measured).collect::<Result<_, String>>())?;
     let tolerance = Tolerance::relative(GROWTH_TOLERANCE).expect("above zero");
     let films: Vec<Growth> =
         one_thread.install(|| effort.films.iter().map(|&(side, runs)| growth(side, tolerance, runs)).collect());

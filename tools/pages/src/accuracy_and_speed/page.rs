@@ -47,7 +47,7 @@ fn how(page: &mut String, scenes: &[MeasuredScene], magpylib: Option<&str>, effo
         }
         None => "magpylib was left out.".to_owned(),
     };
-    let [nx, ny, nz] = effort.grid;
+    let [nx, ny, nz] = effort.sizes.grid;
     let _ = write!(
         page,
         "
@@ -77,8 +77,8 @@ errors.
         effort.peer_rounds,
         SLOW_S,
         InstructionSet::available()[0],
-        effort.points,
-        effort.heap_points,
+        effort.sizes.points,
+        effort.sizes.heap_points,
         effort.exact_pairs / scenes.iter().map(|scene| scene.scene.tiles.len()).max().unwrap_or(1),
     );
     page.push_str(
