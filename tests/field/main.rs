@@ -18,6 +18,8 @@ mod plan;
 mod polarization_map;
 /// Physical laws on random scenes.
 mod properties;
+/// Rods, alone and among other tiles.
+mod rods;
 /// Touching tiles of one polarization against the block they form.
 mod seams;
 /// Independence of the result from threads and batches.

@@ -7,13 +7,16 @@ use magsplice_simd::prefetch::Prefetch;
 
 use crate::block::Block;
 use crate::closed_form::single_tile::ClosedForm;
+use crate::closed_form::terms::Form;
 use crate::method::{Method, MethodIndex, MethodRanges};
 use crate::series::coefficients::Series;
 use crate::series::multipole::{Distant, TruncatedSeries};
+use crate::shape::Shape;
 
 /// One cuboid with every method except the scalar kernel.
 pub struct Evaluator<'a> {
     ranges: &'a MethodRanges,
+    form: Form,
     closed_form: ClosedForm,
     distant: &'a Distant,
     series: &'a Series,
@@ -22,7 +25,8 @@ pub struct Evaluator<'a> {
 impl<'a> Evaluator<'a> {
     /// Prepares a block whose ranges, moment and series are given.
     pub fn new(block: &Block, ranges: &'a MethodRanges, distant: &'a Distant, series: &'a Series) -> Evaluator<'a> {
-        Evaluator { ranges, closed_form: ClosedForm::new(block, ranges.scale), distant, series }
+        let form = Shape::new(block, ranges.scale).form();
+        Evaluator { ranges, form, closed_form: ClosedForm::new(block, ranges.scale, form), distant, series }
     }
 
     /// The ranges of its methods.
@@ -46,6 +50,9 @@ impl<'a> Evaluator<'a> {
         ahead: &mut Prefetch,
     ) {
         match self.ranges.method(method) {
+            Method::ClosedForm if self.form == Form::Rod => {
+                fields_of(simd, &Rod(&self.closed_form), points, fields, ahead);
+            }
             Method::ClosedForm => fields_of(simd, &AllElements(&self.closed_form), points, fields, ahead),
             Method::SmallElements => fields_of(simd, &SmallElements(&self.closed_form), points, fields, ahead),
             Method::Series { order } => {
@@ -64,6 +71,17 @@ impl<S: Simd> Pairwise<S> for AllElements<'_> {
     fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
         let place = self.0.place(simd, side_by_side(points));
         separate(self.0.field(simd, &self.0.ratios(simd, &place)))
+    }
+}
+
+/// The closed form of a rod.
+struct Rod<'a>(&'a ClosedForm);
+
+impl<S: Simd> Pairwise<S> for Rod<'_> {
+    #[inline(always)]
+    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+        let place = self.0.place(simd, side_by_side(points));
+        separate(self.0.field_of_rod(simd, &place))
     }
 }
 

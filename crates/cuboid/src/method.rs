@@ -2,8 +2,8 @@
 //!
 //! | method | where | argument |
 //! |---|---|---|
-//! | scalar | inside, and nearer than `NEAR_FRACTION` of the longest side | exact everywhere, one point at a time |
-//! | closed form | up to `CLOSED_FORM_REACH` second sides | the error of the vector form grows with that ratio |
+//! | scalar | inside, and nearer than `NEAR_FRACTION` of the longest side, or of the second of a rod | exact everywhere, one point at a time |
+//! | closed form | up to `CLOSED_FORM_REACH` second sides, or longest sides of a rod | the error of the vector form grows with that ratio |
 //! | small elements | the same, where half of 4 pi T is below [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE) | logarithms and arctangents need no reduction |
 //! | series | beyond, by `MULTIPOLE_ORDERS` | the truncation error of each order is below the bound from its distance on |
 //! | expansion | clusters, from their radii on | the truncation error of each degree likewise |
@@ -18,11 +18,9 @@ use magsplice_simd::lanes::{Lanes, Number};
 use magsplice_simd::power_of_two::power_of_two_reciprocal;
 
 use crate::block::Block;
+use crate::closed_form::terms::Form;
 use crate::shape::Shape;
-use crate::tolerances::{
-    CLOSED_FORM_COST, CLOSED_FORM_REACH, FARTHEST, LONGEST_NEEDLE, METHOD_MARGIN, MULTIPOLE_ORDERS, NEAR_FRACTION,
-    SINGLE_TILE_COST, SMALL_ANGLE,
-};
+use crate::tolerances::{CLOSED_FORM_COST, FARTHEST, METHOD_MARGIN, MULTIPOLE_ORDERS, SINGLE_TILE_COST, SMALL_ANGLE};
 
 /// A way to evaluate the field of a cuboid, or of a cluster of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,17 +104,18 @@ impl MethodRanges {
         let [[x0, x1], [y0, y1], [z0, z1]] = block.faces.map(|faces| faces.map(|face| face.hi));
         let scale = power_of_two_reciprocal(block.size.into_iter().fold(0.0, f64::max));
         let shape = Shape::new(block, scale);
-        let closed_form_to =
-            if shape.largest <= LONGEST_NEEDLE * shape.second { CLOSED_FORM_REACH * shape.second } else { 0.0 };
-        let small_elements_from = (shape.volume / SMALL_ANGLE).cbrt().powi(2);
+        let form = shape.form();
+        let closed_form_to = shape.closed_form_to(form);
+        // The series that small elements need no reduction for are not written for rods.
+        let small_elements_from = |distance: f64| if form == Form::Rod { f64::INFINITY } else { distance * distance };
         MethodRanges {
             scale,
             centre: [0.5 * x0 + 0.5 * x1, 0.5 * y0 + 0.5 * y1, 0.5 * z0 + 0.5 * z1],
             half_size: block.size.map(|s| 0.5 * s * scale),
-            closed_form_from: (NEAR_FRACTION * shape.largest).powi(2),
-            small_elements_from,
-            small_elements_from_centre: shape.small_elements_from().powi(2),
-            small_groups_from: small_elements_from,
+            closed_form_from: shape.closed_form_from(form).powi(2),
+            small_elements_from: small_elements_from((shape.volume / SMALL_ANGLE).cbrt()),
+            small_elements_from_centre: small_elements_from(shape.small_elements_from()),
+            small_groups_from: small_elements_from((shape.volume / SMALL_ANGLE).cbrt()),
             closed_form_to: closed_form_to * closed_form_to,
             stretched_closed_form_to: closed_form_to * closed_form_to,
             far: series_of_block(&shape, closed_form_to).into_iter().map(squared).collect(),

@@ -1,7 +1,10 @@
 //! Lengths of a cuboid that decide which method reaches the error bound where.
 
 use crate::block::Block;
-use crate::tolerances::{RADIUS_BISECTIONS, SMALL_ANGLE};
+use crate::closed_form::terms::Form;
+use crate::tolerances::{
+    CLOSED_FORM_REACH, LONGEST_ROD, MULTIPOLE_ORDERS, NEAR_FRACTION, RADIUS_BISECTIONS, SMALL_ANGLE,
+};
 
 /// Lengths of a cuboid in its scale.
 pub struct Shape {
@@ -32,6 +35,30 @@ impl Shape {
             fourth_moment: ((a * a + b * b + c * c) / 5.0 + (a * b + b * c + c * a) / 4.5) / (square * square),
             volume: third * second * largest,
         }
+    }
+
+    /// The closed form of the cuboid alone: that of rods, if the other one ended before the series
+    /// begins.
+    pub fn form(&self) -> Form {
+        let [(_, series_from), ..] = MULTIPOLE_ORDERS;
+        let leaves_gap = CLOSED_FORM_REACH * self.second < series_from * self.half_diagonal;
+        if leaves_gap { Form::Rod } else { Form::Compact }
+    }
+
+    /// Smallest distance from the cuboid at which its closed form reaches the error bound.
+    pub fn closed_form_from(&self, form: Form) -> f64 {
+        NEAR_FRACTION * if form == Form::Rod { self.second } else { self.largest }
+    }
+
+    /// The side over which the distance of a point is the growth of the closed form's error.
+    pub fn side_of_error(&self, form: Form) -> f64 {
+        if form == Form::Rod { self.largest } else { self.second }
+    }
+
+    /// Largest distance from the centre at which the closed form reaches the error bound; zero if
+    /// its numbers could leave their range.
+    pub fn closed_form_to(&self, form: Form) -> f64 {
+        if self.largest <= LONGEST_ROD * self.second { CLOSED_FORM_REACH * self.side_of_error(form) } else { 0.0 }
     }
 
     /// A distance from the centre beyond which no element has half of 4 pi T above [`SMALL_ANGLE`].

@@ -30,8 +30,8 @@ pub const VANISHING_SIZE: f64 = power_of_two(-400);
 /// onto its faces.
 pub const RESOLVED_THICKNESS: f64 = 16.0;
 
-/// Distance from a tile, as a fraction of its largest side, at which the closed form in vectors
-/// begins. Nearer to an edge its differences of nearly equal numbers cost digits like 1 /
+/// Distance from a tile, as a fraction of its largest side, or of the second side of a rod, at which
+/// the closed form in vectors begins. Nearer to an edge its differences of nearly equal numbers cost digits like 1 /
 /// distance^2.
 pub const NEAR_FRACTION: f64 = 0.08;
 
@@ -44,13 +44,14 @@ pub const NEAR_EDGE_ASPECT: f64 = 0.1;
 /// side: products of eight such lengths are normal numbers.
 pub const LEAST_OFFSET: f64 = power_of_two(-40);
 
-/// Distance from the centre, in second largest sides, at which the closed form in vectors ends: its
-/// error grows with that ratio.
+/// Distance from the centre, in second largest sides, or in longest sides of a rod, at which the
+/// closed form in vectors ends: its error grows with that ratio.
 pub const CLOSED_FORM_REACH: f64 = 15.0;
 
-/// Largest ratio of the largest to the second side for the closed form in vectors, whose error is
-/// at least that ratio.
-pub const LONGEST_NEEDLE: f64 = 10.0;
+/// Largest ratio of the longest to the second side for the closed form of rods in vectors. Products
+/// of twelve lengths as small as [`NEAR_FRACTION`] of the second side are then far from the smallest
+/// numbers.
+pub const LONGEST_ROD: f64 = power_of_two(20);
 
 /// Orders of the multipole series in (half diagonal / distance)^2, and the distance in half
 /// diagonals from which each is enough, nearest first. The truncation error after order n is at

@@ -138,6 +138,10 @@ pub(crate) const DISTANCE_BISECTIONS: usize = 8;
 /// With more tiles only the farthest distance of each is used.
 pub(crate) const CORNER_MEAN_TILES: usize = 64;
 
+/// Largest ratio of the longest to the second side of a bar. Bars use the compact closed form, whose
+/// error is at least that ratio in units of round-off.
+pub(crate) const LONGEST_BAR: f64 = 10.0;
+
 /// Largest error of one part of a cluster, over the error of a single tile at the end of its closed
 /// form. Next to a thin part only the error of this part counts. The errors of single tiles that
 /// were measured are below a fifth of [`EXACT_BOUND`].
@@ -158,6 +162,10 @@ pub(crate) const SMALL_GROUP: usize = 4;
 /// With more tiles each costs less. But the total angle must stay below half a turn, so that the
 /// points must be farther away.
 pub(crate) const TILES_PER_GROUP: usize = 16;
+
+/// [`TILES_PER_GROUP`] for the elements of rods. Some of their lengths are as small as the square of
+/// the least distance over the longest.
+pub(crate) const RODS_PER_GROUP: usize = 8;
 
 /// Smallest distance d from a group at which its product is used, as a multiple of the cube root of
 /// its volume V. The total half angle of the group is then below 2.5. Whatever the tiles, they lie

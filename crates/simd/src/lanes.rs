@@ -42,6 +42,8 @@ pub trait Number:
     fn sqrt(self) -> Self;
     /// The square root by [`Lanes::root`].
     fn root(self, simd: Self::Instructions) -> Self;
+    /// `this` where self >= limit, else `other`.
+    fn where_at_least(self, limit: f64, this: Self, other: Self) -> Self;
 }
 
 /// A vector of as many doubles as the processor computes with at a time.
@@ -159,12 +161,6 @@ impl<S: Simd> Lanes<S> {
         Lanes(self.0.simd_ge(limit).select(S::f64s::splat(simd, 1.0), S::f64s::splat(simd, 0.0)))
     }
 
-    /// `this` where self >= limit, else `other`.
-    #[inline(always)]
-    pub fn where_at_least(self, limit: f64, this: Self, other: Self) -> Self {
-        Lanes(self.0.simd_ge(limit).select(this.0, other.0))
-    }
-
     /// `this` where self > limit, else `other`.
     #[inline(always)]
     pub fn where_more(self, limit: f64, this: Self, other: Self) -> Self {
@@ -237,6 +233,11 @@ impl<S: Simd> Number for Lanes<S> {
     fn root(self, simd: S) -> Self {
         Lanes::root(self, simd)
     }
+
+    #[inline(always)]
+    fn where_at_least(self, limit: f64, this: Self, other: Self) -> Self {
+        Lanes(self.0.simd_ge(limit).select(this.0, other.0))
+    }
 }
 
 /// A pair of vectors.
@@ -297,6 +298,12 @@ impl<S: Simd> Number for LanePair<S> {
     fn root(self, simd: S) -> Self {
         let [a, b] = self.0;
         LanePair([a.root(simd), b.root(simd)])
+    }
+
+    #[inline(always)]
+    fn where_at_least(self, limit: f64, this: Self, other: Self) -> Self {
+        let ([a, b], [c, d], [e, f]) = (self.0, this.0, other.0);
+        LanePair([a.where_at_least(limit, c, e), b.where_at_least(limit, d, f)])
     }
 }
 

@@ -4,6 +4,8 @@
 pub mod elements;
 /// Points inside a compact cuboid and close to its edges.
 pub mod near_edge;
+/// The elements of rods that the other closed form computes with too large an error.
+pub mod rod;
 /// One cuboid on its own.
 pub mod single_tile;
 /// The elements that a polarization needs, with their coefficients.

@@ -1,7 +1,8 @@
 //! The closed form of one cuboid on its own, without tables (docs/physics.md, section 2.6).
 
 use super::elements::{CornerGeometry, add, add_elements, add_small_elements, common_inverse};
-use super::terms::{AA, AB, AC, BB, BC, CC, Terms};
+use super::rod::ratios_of_rod;
+use super::terms::{AA, AB, AC, BB, BC, CC, Form, Terms};
 use crate::block::Block;
 use magsplice_simd::compensated_sum::TwoSum;
 use magsplice_simd::functions::{Functions, odd_series};
@@ -27,8 +28,8 @@ pub struct Ratios<N: Functions>([[N; 2]; 6]);
 
 impl ClosedForm {
     /// Prepares a block whose lengths `scale` takes to order one.
-    pub fn new(block: &Block, scale: f64) -> ClosedForm {
-        let terms = Terms::new(block, scale);
+    pub fn new(block: &Block, scale: f64, form: Form) -> ClosedForm {
+        let terms = Terms::new(block, scale, form);
         ClosedForm {
             axes: terms.axes,
             planes: terms.axes.map(|axis| block.faces[axis].map(|plane: TwoSum| [plane.hi, -plane.lo * scale])),
@@ -88,6 +89,26 @@ impl ClosedForm {
             ratios[CC] = place.ratio::<CC>(factors, squares);
         }
         Ratios(ratios)
+    }
+
+    /// mu0 H in tesla of a cuboid that is prepared as a rod, in its frame.
+    #[inline(always)]
+    pub fn field_of_rod<N: Functions>(&self, simd: N::Instructions, place: &CornerGeometry<N>) -> [N; 3] {
+        let mut ratios = [[N::splat(simd, 0.0), N::splat(simd, 1.0)]; 6];
+        let (factors, squares) = (&self.terms.factors, &self.terms.squares);
+        if self.needed[AB] {
+            ratios[AB] = place.ratio::<AB>(factors, squares);
+        }
+        if self.needed[AC] {
+            ratios[AC] = place.ratio::<AC>(factors, squares);
+        }
+        if self.needed[AA] {
+            ratios[AA] = place.ratio::<AA>(factors, squares);
+        }
+        [ratios[BC], ratios[BB]] = ratios_of_rod(simd, place, factors, squares);
+        let mut sum = [N::splat(simd, 0.0); 3];
+        add_elements(simd, self.needed, &ratios, &self.coefficients, &mut sum);
+        sum
     }
 
     /// mu0 H of the cuboid in tesla, in its frame.

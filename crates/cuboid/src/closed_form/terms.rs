@@ -18,6 +18,15 @@ pub const BB: usize = 4;
 /// T_cc.
 pub const CC: usize = 5;
 
+/// Which closed form evaluates a cuboid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// The form of [`CornerGeometry::ratio`](super::elements::CornerGeometry::ratio) for all elements.
+    Compact,
+    /// The form of [`ratios_of_rod`](super::rod::ratios_of_rod) for T_bc and T_bb.
+    Rod,
+}
+
 /// Terms that differ at most in sign, and share a division and a series.
 #[derive(Clone, Copy, Debug)]
 pub struct Group {
@@ -29,13 +38,15 @@ pub struct Group {
 
 /// The elements that the polarization of one tile needs.
 pub struct Terms {
+    /// The closed form that they are for.
+    pub form: Form,
     /// The axes a, b, c.
     pub axes: [usize; 3],
     /// Contribution of one unit of each element to the components of mu0 H, with a positive first
     /// nonzero component; zero if the element is not needed.
     pub coefficients: [[f64; 3]; 6],
-    /// Length of the edges times the size across, or area of the faces; scaled, with the sign of
-    /// the term.
+    /// Length of the edges times the size across, or area of the faces, and for T_bc and T_bb of a
+    /// rod its cross-section; scaled, with the sign of the term.
     pub factors: [f64; 6],
     /// Squares of the sizes along a, b, c, scaled.
     pub squares: [f64; 3],
@@ -43,7 +54,7 @@ pub struct Terms {
 
 impl Terms {
     /// The terms of a block whose lengths `scale` takes to order one.
-    pub fn new(block: &Block, scale: f64) -> Terms {
+    pub fn new(block: &Block, scale: f64, form: Form) -> Terms {
         let (size, j) = (block.size.map(|s| s * scale), block.polarization_t);
         let mut axes = [0, 1, 2];
         axes.sort_by(|&a, &b| size[b].total_cmp(&size[a]));
@@ -55,7 +66,7 @@ impl Terms {
         };
         // T_cc = -(T_aa + T_bb) loses less than the difference of two close faces, and is free if
         // these are needed anyway.
-        let by_trace = (j[a] != 0.0 && j[b] != 0.0) || size[c] < DIRECT_DIAGONAL * size[b];
+        let by_trace = (j[a] != 0.0 && j[b] != 0.0) || size[c] < DIRECT_DIAGONAL * size[b] || form == Form::Rod;
         let diagonal = |axis: usize| {
             let mut coefficient = [0.0; 3];
             coefficient[axis] = j[axis];
@@ -64,7 +75,9 @@ impl Terms {
             }
             coefficient
         };
+        let across = |compact: f64| if form == Form::Rod { size[b] * size[c] } else { compact };
         let mut terms = Terms {
+            form,
             axes,
             coefficients: [
                 off_diagonal(a, b),
@@ -77,9 +90,9 @@ impl Terms {
             factors: [
                 size[b] * size[c],
                 size[c] * size[b],
-                size[c] * size[a],
+                across(size[c] * size[a]),
                 size[b] * size[c],
-                size[c] * size[a],
+                across(size[c] * size[a]),
                 size[a] * size[b],
             ],
             squares: axes.map(|axis| size[axis] * size[axis]),

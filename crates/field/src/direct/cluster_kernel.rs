@@ -14,7 +14,8 @@ use std::any::Any;
 use fearless_simd::prelude::*;
 
 use magsplice_cuboid::closed_form::elements::{CornerGeometry, add_elements, add_small_elements, common_inverse};
-use magsplice_cuboid::closed_form::terms::{AA, AB, AC, BB, BC, CC, Group};
+use magsplice_cuboid::closed_form::rod::ratios_of_rod;
+use magsplice_cuboid::closed_form::terms::{AA, AB, AC, BB, BC, CC, Form, Group};
 use magsplice_simd::functions::{angle, artanh_of_ratio, short_odd_series};
 use magsplice_simd::lanes::{Lanes, Number};
 
@@ -30,8 +31,23 @@ impl KeptTables {
     /// mu0 H of the tiles of `cluster` in tesla, in their frame, at points outside them, given by
     /// axis in whole vectors. `small` states that the points are so far away that all elements are
     /// small.
-    #[inline(never)]
     pub(super) fn fields<S: Simd>(
+        &mut self,
+        simd: S,
+        cluster: &CornerTables,
+        small: bool,
+        points: [&[f64]; 3],
+        fields: [&mut [f64]; 3],
+    ) {
+        if cluster.has_rods {
+            self.fields_of::<S, true>(simd, cluster, small, points, fields);
+        } else {
+            self.fields_of::<S, false>(simd, cluster, small, points, fields);
+        }
+    }
+
+    #[inline(never)]
+    fn fields_of<S: Simd, const HAS_RODS: bool>(
         &mut self,
         simd: S,
         cluster: &CornerTables,
@@ -51,7 +67,7 @@ impl KeptTables {
                     // branch.
                     let next = if end < x.len() { end } else { 0 };
                     let next = load(simd, [x, y, z], next);
-                    let field = tables.field(simd, cluster, next, small);
+                    let field = tables.field::<HAS_RODS>(simd, cluster, next, small);
                     field[0].store(&mut fx[start..end]);
                     field[1].store(&mut fy[start..end]);
                     field[2].store(&mut fz[start..end]);
@@ -181,7 +197,13 @@ impl<S: Simd> Tables<S> {
     /// mu0 H of the tiles of `cluster` in tesla, in their frame, at the points given as `next` in
     /// the previous call (or to [`Tables::start`]).
     #[inline(always)]
-    fn field(&mut self, simd: S, cluster: &CornerTables, next: [Lanes<S>; 3], small: bool) -> [Lanes<S>; 3] {
+    fn field<const HAS_RODS: bool>(
+        &mut self,
+        simd: S,
+        cluster: &CornerTables,
+        next: [Lanes<S>; 3],
+        small: bool,
+    ) -> [Lanes<S>; 3] {
         let (current, mut upcoming) = Upcoming::of(&mut self.places, &mut self.next, cluster, next);
         let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
         for product in &mut self.products.0[..cluster.groups.len()] {
@@ -190,10 +212,10 @@ impl<S: Simd> Tables<S> {
         let mut sum = [zero; 3];
         for tile in &cluster.tiles {
             if !tile.has_own {
-                multiply::<S, false>(simd, tile, current, &mut upcoming, &mut self.products);
+                multiply::<S, false, HAS_RODS>(simd, tile, current, &mut upcoming, &mut self.products);
                 continue;
             }
-            let own = multiply::<S, true>(simd, tile, current, &mut upcoming, &mut self.products);
+            let own = multiply::<S, true, HAS_RODS>(simd, tile, current, &mut upcoming, &mut self.products);
             let is_own = tile.groups.map(|number| number == OWN);
             if small {
                 let inverse = common_inverse(simd, is_own, &own);
@@ -257,7 +279,7 @@ impl<'a, S: Simd> Upcoming<'a, S> {
 /// Multiplies the terms of one tile onto the products of their groups. Returns numerators and
 /// denominators of the elements without a group.
 #[inline(always)]
-fn multiply<S: Simd, const HAS_OWN: bool>(
+fn multiply<S: Simd, const HAS_OWN: bool, const HAS_RODS: bool>(
     simd: S,
     tile: &TileTerms,
     places: &Places<S>,
@@ -273,14 +295,22 @@ fn multiply<S: Simd, const HAS_OWN: bool>(
     if tile.groups[AC] != NO_GROUP {
         put::<S, HAS_OWN>(tile, AC, place.ratio::<AC>(factors, squares), products, &mut own);
     }
-    if tile.groups[BC] != NO_GROUP {
+    let is_rod = HAS_RODS && tile.form == Form::Rod;
+    if is_rod {
+        let ratios = ratios_of_rod(simd, &place, factors, squares);
+        for (element, ratio) in [BC, BB].into_iter().zip(ratios) {
+            if tile.groups[element] != NO_GROUP {
+                put::<S, HAS_OWN>(tile, element, ratio, products, &mut own);
+            }
+        }
+    } else if tile.groups[BC] != NO_GROUP {
         put::<S, HAS_OWN>(tile, BC, place.ratio::<BC>(factors, squares), products, &mut own);
     }
     upcoming.advance();
     if tile.groups[AA] != NO_GROUP {
         put::<S, HAS_OWN>(tile, AA, place.ratio::<AA>(factors, squares), products, &mut own);
     }
-    if tile.groups[BB] != NO_GROUP {
+    if !is_rod && tile.groups[BB] != NO_GROUP {
         put::<S, HAS_OWN>(tile, BB, place.ratio::<BB>(factors, squares), products, &mut own);
     }
     if tile.groups[CC] != NO_GROUP {

@@ -6,23 +6,24 @@
 
 use glam::DVec3;
 use magsplice_cuboid::block::Block;
-use magsplice_cuboid::tolerances::LONGEST_NEEDLE;
 use rustc_hash::FxHashMap;
 
-/// Cuboids with the same field as `blocks` that need the fewest tensor elements.
-pub(super) fn decomposed(blocks: &[Block]) -> Vec<Block> {
+use crate::tolerances::LONGEST_BAR;
+
+/// Cuboids with the same field as `blocks` that need fewer tensor elements; `None` if there are none.
+pub(super) fn decomposed(blocks: &[Block]) -> Option<Vec<Block>> {
     let mut parts: Vec<Block> = Vec::new();
     for component in 0..3 {
         let choices = [0, 1, 2].map(|along| rows(blocks, component, along));
         parts.extend(choices.into_iter().min_by_key(Vec::len).expect("three directions"));
     }
     let elements = |blocks: &[Block]| blocks.iter().map(|b| element_count(b.polarization_t)).sum::<usize>();
-    let has_closed_form = |part: &Block| {
+    let is_short = |part: &Block| {
         let mut sides = part.size;
         sides.sort_by(f64::total_cmp);
-        sides[2] <= LONGEST_NEEDLE * sides[1]
+        sides[2] <= LONGEST_BAR * sides[1]
     };
-    if elements(&parts) < elements(blocks) && parts.iter().all(has_closed_form) { parts } else { blocks.to_vec() }
+    (elements(&parts) < elements(blocks) && parts.iter().all(is_short)).then_some(parts)
 }
 
 /// Number of tensor elements that a polarization needs.

@@ -4,12 +4,11 @@ use glam::DVec3;
 use magsplice_cuboid::block::Block;
 use magsplice_cuboid::method::{MOST_FAR, Method, MethodRanges, series, squared};
 use magsplice_cuboid::shape::Shape;
-use magsplice_cuboid::tolerances::{
-    CLOSED_FORM_REACH, LONGEST_NEEDLE, MULTIPOLE_ORDERS, NEAR_FRACTION, SINGLE_TILE_COST, SMALLER_ANGLE,
-};
+use magsplice_cuboid::tolerances::{MULTIPOLE_ORDERS, SINGLE_TILE_COST, SMALLER_ANGLE};
 use magsplice_expansion::tolerances::EXPANSION_DEGREES;
 use magsplice_simd::power_of_two::power_of_two_reciprocal;
 
+use super::corner_tables::CornerTables;
 use crate::tolerances::{GROUP_DISTANCE, LARGEST_ERROR_OF_PART, PRODUCT_RANGE, SMALL_GROUP, STRETCH};
 
 const _: () = assert!(MULTIPOLE_ORDERS.len() + EXPANSION_DEGREES.len() < MOST_FAR);
@@ -42,30 +41,31 @@ pub(super) fn is_compact(ranges: &MethodRanges) -> bool {
 
 /// The ranges of a cluster.
 ///
-/// `parts` are the cuboids that the closed form evaluates, `tiles` the number of cuboids for the
-/// other methods, `group_volume` (scaled) and `group_tiles` the largest volume and number of
-/// cuboids that share a logarithm or an arctangent.
-pub(super) fn ranges_of_cluster(parts: &[Block], tiles: usize, group_volume: f64, group_tiles: usize) -> MethodRanges {
+/// `parts` are the cuboids that the closed form evaluates, with their tables, and `tiles` the number
+/// of cuboids for the other methods.
+pub(super) fn ranges_of_cluster(parts: &[Block], tables: &CornerTables, tiles: usize) -> MethodRanges {
     let (centre, half) = around(parts);
     let scale = scale_of(parts);
     let half_size = half.map(|h| h * scale);
     let radius = half_size.iter().map(|h| h * h).sum::<f64>().sqrt();
     let shapes: Vec<Shape> = parts.iter().map(|b| Shape::new(b, scale)).collect();
     let most_of = |length: fn(&Shape) -> f64| shapes.iter().map(length).fold(0.0, f64::max);
-    let near =
-        (NEAR_FRACTION * most_of(|s| s.largest)).max(GROUP_DISTANCE * group_volume.cbrt()).max(1.0 / PRODUCT_RANGE);
+    let forms = tables.tiles.iter().map(|tile| tile.form);
+    let nearest =
+        shapes.iter().zip(forms.clone()).map(|(shape, form)| shape.closed_form_from(form)).fold(0.0, f64::max);
+    let group_volume = tables.largest_group_volume;
+    let near = nearest.max(GROUP_DISTANCE * group_volume.cbrt()).max(1.0 / PRODUCT_RANGE);
     // The error of a part is a multiple of its field, which is like |J| volume / distance^3, by the
-    // ratio of the distance to its second side.
+    // ratio of the distance to its second side, or to the longest of a rod.
     let magnitude = |(block, shape): (&Block, &Shape)| {
         shape.volume * block.polarization_t.abs().element_sum().max(f64::MIN_POSITIVE)
     };
     let magnitudes: Vec<f64> = parts.iter().zip(&shapes).map(magnitude).collect();
-    let per_second: f64 = magnitudes.iter().zip(&shapes).map(|(magnitude, shape)| magnitude / shape.second).sum();
-    let mean_second = magnitudes.iter().sum::<f64>() / per_second;
-    let least_second = shapes.iter().map(|s| s.second).fold(f64::INFINITY, f64::min);
-    let second = mean_second.min(LARGEST_ERROR_OF_PART * least_second);
-    let is_needle = |s: &Shape| s.largest > LONGEST_NEEDLE * s.second;
-    let reach = if shapes.iter().any(is_needle) { 0.0 } else { (CLOSED_FORM_REACH * second).min(PRODUCT_RANGE) };
+    let reaches: Vec<f64> = shapes.iter().zip(forms).map(|(shape, form)| shape.closed_form_to(form)).collect();
+    let per_reach: f64 = magnitudes.iter().zip(&reaches).map(|(magnitude, reach)| magnitude / reach).sum();
+    let mean_reach = magnitudes.iter().sum::<f64>() / per_reach;
+    let least_reach = reaches.iter().copied().fold(f64::INFINITY, f64::min);
+    let reach = mean_reach.min(LARGEST_ERROR_OF_PART * least_reach).min(PRODUCT_RANGE);
     let closed_form_to = (reach - radius).max(0.0);
     let stretched = ((STRETCH * reach).min(PRODUCT_RANGE) - radius).max(0.0);
     let half_diagonal = most_of(|s| s.half_diagonal);
@@ -84,7 +84,7 @@ pub(super) fn ranges_of_cluster(parts: &[Block], tiles: usize, group_volume: f64
         closed_form_from: near * near,
         small_elements_from: f64::INFINITY,
         small_elements_from_centre: f64::INFINITY,
-        small_groups_from: if group_tiles > SMALL_GROUP {
+        small_groups_from: if tables.has_rods || tables.largest_group > SMALL_GROUP {
             f64::INFINITY
         } else {
             (group_volume / SMALLER_ANGLE).cbrt().powi(2)

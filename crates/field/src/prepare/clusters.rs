@@ -7,10 +7,12 @@ use std::sync::OnceLock;
 use fearless_simd::Level;
 use glam::DVec3;
 use magsplice_cuboid::block::Block;
+use magsplice_cuboid::closed_form::terms::Form;
 use magsplice_cuboid::evaluator::Evaluator;
 use magsplice_cuboid::method::MethodRanges;
 use magsplice_cuboid::series::coefficients::Series;
 use magsplice_cuboid::series::multipole::Distant;
+use magsplice_cuboid::shape::Shape;
 use magsplice_expansion::moments::Moments;
 use magsplice_expansion::multipole::MultipoleExpansion;
 use magsplice_expansion::source::CuboidSource;
@@ -57,9 +59,13 @@ impl Cluster {
         let (ranges, corners) = if let [block] = blocks {
             (MethodRanges::from_block(block), None)
         } else {
-            let parts = decomposed(blocks);
-            let corners = CornerTables::new(&parts, scale_of(&parts))?;
-            let ranges = ranges_of_cluster(&parts, blocks.len(), corners.largest_group_volume, corners.largest_group);
+            let bars = decomposed(blocks);
+            let parts = bars.as_deref().unwrap_or(blocks);
+            let scale = scale_of(parts);
+            let form = |part: &Block| if bars.is_some() { Form::Compact } else { Shape::new(part, scale).form() };
+            let forms: Vec<Form> = parts.iter().map(form).collect();
+            let corners = CornerTables::new(parts, &forms, scale)?;
+            let ranges = ranges_of_cluster(parts, &corners, blocks.len());
             (ranges, Some(corners))
         };
         Some(Cluster { blocks: start..start + blocks.len(), ranges, corners, expansion: OnceLock::new() })

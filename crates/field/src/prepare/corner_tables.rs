@@ -1,12 +1,14 @@
 //! Corners and planes that the tiles of a cluster share, and groups of tiles of equal strength.
 
 use magsplice_cuboid::block::Block;
-use magsplice_cuboid::closed_form::terms::{AA, Group, Terms};
+use magsplice_cuboid::closed_form::terms::{AA, Form, Group, Terms};
 use magsplice_simd::compensated_sum::TwoSum;
 use rustc_hash::FxHashMap;
 
 use super::tile_terms::{NO_GROUP, OWN, TileTerms};
-use crate::tolerances::{GROUP_DISTANCE, GROUP_THICKNESSES, MOST_CORNERS, MOST_GROUPS, MOST_PLANES, TILES_PER_GROUP};
+use crate::tolerances::{
+    GROUP_DISTANCE, GROUP_THICKNESSES, MOST_CORNERS, MOST_GROUPS, MOST_PLANES, RODS_PER_GROUP, TILES_PER_GROUP,
+};
 
 /// The tables of a cluster for the closed form in vectors.
 #[derive(Clone, Debug)]
@@ -25,21 +27,24 @@ pub(crate) struct CornerTables {
     pub(crate) largest_group_volume: f64,
     /// Largest number of tiles in one group.
     pub(crate) largest_group: usize,
+    /// Whether some of the tiles are rods.
+    pub(crate) has_rods: bool,
 }
 
 impl CornerTables {
-    /// Tables of `blocks`, whose lengths `scale` takes to order one; `None` if they would be too
-    /// long.
-    pub(super) fn new(blocks: &[Block], scale: f64) -> Option<CornerTables> {
+    /// Tables of `blocks` in these forms, whose lengths `scale` takes to order one; `None` if they
+    /// would be too long.
+    pub(super) fn new(blocks: &[Block], forms: &[Form], scale: f64) -> Option<CornerTables> {
         let thickness = |b: &Block| b.size.iter().copied().fold(f64::INFINITY, f64::min) * scale;
         let thickest = blocks.iter().map(thickness).fold(0.0, f64::max);
         let most_volume = (GROUP_THICKNESSES / GROUP_DISTANCE * thickest).powi(3);
         let (mut numbers, mut groups) = (Numbers::default(), OpenGroups { most_volume, ..OpenGroups::default() });
         let mut tiles: Vec<TileTerms> = blocks
             .iter()
-            .map(|block| {
+            .zip(forms)
+            .map(|(block, &form)| {
                 let (planes, corners) = numbers.place(block);
-                let terms = Terms::new(block, scale);
+                let terms = Terms::new(block, scale, form);
                 let numbers = [0, 1, 2, 3, 4, 5].map(|element: usize| groups.number_of(element, &terms));
                 TileTerms::new(&terms, planes, corners, numbers)
             })
@@ -60,6 +65,7 @@ impl CornerTables {
             groups: groups.all,
             largest_group_volume: groups.largest_volume,
             largest_group: groups.largest,
+            has_rods: forms.contains(&Form::Rod),
         })
     }
 }
@@ -82,9 +88,10 @@ impl OpenGroups {
         }
         let key = (element >= AA, terms.coefficients[element].map(f64::to_bits));
         let volume = terms.volume();
+        let most = if terms.form == Form::Rod { RODS_PER_GROUP } else { TILES_PER_GROUP };
         let open = self.open.get(&key).copied();
         let (number, tiles, volume) = match open {
-            Some((number, tiles, sum)) if tiles < TILES_PER_GROUP && sum + volume <= self.most_volume => {
+            Some((number, tiles, sum)) if tiles < most && sum + volume <= self.most_volume => {
                 (number, tiles + 1, sum + volume)
             }
             _ => {

@@ -1,11 +1,12 @@
 //! The position of a tile's corners and planes in the tables of its cluster, and the groups of its
 //! elements.
 
-use magsplice_cuboid::closed_form::terms::Terms;
+use magsplice_cuboid::closed_form::terms::{Form, Terms};
 
 /// The corners, planes and groups of a tile in the tables of its cluster.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TileTerms {
+    pub(crate) form: Form,
     /// Corners; bits 2, 1, 0 are set for the high side along a, b, c.
     pub(crate) corners: [u16; 8],
     /// Low and high plane along a, b, c.
@@ -17,8 +18,7 @@ pub(crate) struct TileTerms {
     pub(crate) has_own: bool,
     /// Contribution of one unit of half of 4 pi T to mu0 H, in tesla, by element.
     pub(crate) coefficients: [[f64; 3]; 6],
-    /// Length of the edges times the size across (off-diagonal elements), or area of the faces
-    /// (diagonal elements); scaled, with the sign of the term.
+    /// See [`Terms::factors`].
     pub(crate) factors: [f64; 6],
     /// Squares of the sizes along a, b, c, scaled.
     pub(crate) squares: [f64; 3],
@@ -35,6 +35,7 @@ impl TileTerms {
     pub(super) fn new(terms: &Terms, planes: [[u16; 2]; 3], corners: [u16; 8], groups: [u16; 6]) -> TileTerms {
         let [a, b, c] = terms.axes;
         TileTerms {
+            form: terms.form,
             corners: [0, 1, 2, 3, 4, 5, 6, 7].map(|bits: usize| {
                 corners[(bits >> 2) << (2 - a) | (bits >> 1 & 1) << (2 - b) | (bits & 1) << (2 - c)]
             }),
