@@ -6,6 +6,8 @@ mod attacks;
 mod face_derivatives;
 /// B against the reference tables.
 mod golden;
+/// The gradient of many tiles against the oracle.
+mod gradients;
 /// Scenes with every instruction set of the processor against the oracle.
 mod instruction_sets;
 /// Physical laws on chosen scenes: superposition, div B = 0, curl H = 0, the dipole limit.

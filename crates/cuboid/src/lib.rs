@@ -19,6 +19,8 @@ pub mod evaluator;
 mod face_derivatives;
 /// A bound of the field without computing it.
 pub mod field_bound;
+/// The gradient of one cuboid at points that share a method.
+pub mod gradient_evaluator;
 /// Which method is used at which distance.
 pub mod method;
 /// The reference kernel at one point.

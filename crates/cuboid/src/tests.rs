@@ -3,14 +3,17 @@
 use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 use magsplice_simd::InstructionSet;
-use magsplice_simd::lanes::{Lanes, Number};
+use magsplice_simd::lanes::{Lanes, Number, PAIR};
 use magsplice_simd::pairwise::Pairwise;
 use magsplice_simd::prefetch::Prefetch;
 
 use crate::block::{Block, LocalPoint};
+use crate::closed_form::gradient::COMPONENTS;
+use crate::closed_form::near_edge::Interior;
 use crate::evaluator::Evaluator;
-use crate::method::{CLOSED_FORM, FIRST_FAR, MOST_FAR, MethodRanges, SMALL_ELEMENTS};
-use crate::scalar::kernel::{FieldKind, cuboid_field};
+use crate::gradient_evaluator::{GradientEvaluator, GradientMethod};
+use crate::method::{CLOSED_FORM, FIRST_FAR, MOST_FAR, Method, MethodRanges, SMALL_ELEMENTS};
+use crate::scalar::kernel::{FieldKind, cuboid_field, cuboid_gradient};
 use crate::series::coefficients::Series;
 use crate::series::multipole::{Distant, TruncatedSeries};
 use crate::tolerances::{EXACT_BOUND, HIGHEST_ORDER, MULTIPOLE_ORDERS, SMALL_ANGLE};
@@ -139,6 +142,65 @@ fn closed_form_of_rods_keeps_the_error_bound() {
     }
     println!("largest error over the field: {worst:e}");
     assert!(worst > 1e-15, "{worst:e}");
+}
+
+/// The gradient in vectors keeps the error bound where it is used: inside and close to compact
+/// cuboids, beside rods, and by each order of the series.
+#[test]
+fn gradient_in_vectors_keeps_the_error_bound() {
+    let mut counts = [0; 3];
+    let mut worst = 0.0_f64;
+    for size in [[1.0; 3], [1.0, 3.3, 1.0], [0.4, 0.3, 1.0], [2.0, 2.0, 1e-3], [1.0, 0.2, 8.0], [30.0, 1.0, 0.5]] {
+        for j in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.3, -0.5, 0.7)] {
+            let size = DVec3::from(size);
+            let block = Block::new(0, DVec3::ZERO, size, j, size.min_element());
+            let ranges = MethodRanges::from_block(&block);
+            let series = Series::new(size.to_array(), ranges.highest_order());
+            let distant = Distant::new(&block, ranges.scale);
+            let evaluator = GradientEvaluator::new(&block, &ranges, &distant, &series);
+            let interior = Interior::new(&block);
+            for n in 0..600_u32 {
+                let turn = f64::from(n);
+                let place = DVec3::new((0.754 * turn).fract(), (0.569 * turn).fract(), (0.311 * turn).fract()) - 0.5;
+                let spread = if n.is_multiple_of(3) { 0.0 } else { 60.0_f64.powf((0.618 * turn).fract()) - 0.9 };
+                let point = place * (size + spread * size.max_element());
+                let at = LocalPoint { coordinates: point.to_array(), roundoff: [0.0; 3] };
+                let index = ranges.method_of_box(point.to_array(), point.to_array(), false);
+                let method = match index.map(|index| ranges.method(index)) {
+                    Some(Method::Series { order }) => GradientMethod::Series(order),
+                    Some(_) if evaluator.has_closed_form() => GradientMethod::ClosedForm,
+                    None if evaluator.has_near_form() && interior.covers(&at) => GradientMethod::Near,
+                    _ => continue,
+                };
+                counts[match method {
+                    GradientMethod::Near => 0,
+                    GradientMethod::ClosedForm => 1,
+                    GradientMethod::Series(_) => 2,
+                }] += 1;
+                let placed = block.place(&at).expect("near enough");
+                let of =
+                    |j: DVec3| cuboid_gradient(&placed.offsets, j.to_array()).map(|row| row.map(|s| s * placed.scale));
+                let exact = of(j);
+                let largest = |m: [[f64; 3]; 3]| m.iter().flatten().fold(0.0, |most: f64, value| most.max(value.abs()));
+                let magnitude: f64 = DVec3::AXES.into_iter().map(|axis| largest(of(j * axis))).sum();
+                for level in levels() {
+                    let mut components = [[0.0; PAIR]; COMPONENTS];
+                    let axes = point.to_array().map(|coordinate| [coordinate; PAIR]);
+                    let axes = axes.each_ref().map(|axis| &axis[..]);
+                    let written = components.each_mut().map(|values| &mut values[..]);
+                    dispatch!(level, simd => evaluator.gradients(simd, method, axes, written));
+                    let places = [[0, 0], [1, 1], [2, 2], [1, 2], [0, 2], [0, 1]];
+                    for ([row, column], values) in places.into_iter().zip(components) {
+                        let error = (values[0] - exact[row][column]).abs() / magnitude;
+                        worst = worst.max(error);
+                        assert!(error <= EXACT_BOUND, "{size}, {j}, {level:?}, {method:?}: {error:e} at {point}");
+                    }
+                }
+            }
+        }
+    }
+    println!("largest error over the gradient: {worst:e}");
+    assert!(counts.iter().all(|count| *count > 500) && worst > 1e-15, "{counts:?}, {worst:e}");
 }
 
 /// A point from 0.09 of the second side, which is 1, to the longest side off the surface of a rod.

@@ -185,7 +185,9 @@ impl Scene {
     /// If the gradient is unbounded at the point, if it cannot be resolved there (see
     /// [`Cause::Unresolved`]), or if the point is not a finite number.
     pub fn gradient(&self, quantity: Quantity, point: DVec3) -> Result<DMat3, Cause> {
-        self.direct.flux_density_gradient(point).map(|gradient| in_unit_of(quantity, gradient))
+        let (mut gradient, mut failure) = ([DMat3::NAN], None);
+        self.direct.flux_density_gradient_of_batch(&[point], &mut gradient, &mut |_, cause| failure = Some(cause));
+        failure.map_or(Ok(in_unit_of(quantity, gradient[0])), Err)
     }
 
     /// The gradient at every point, in the order of the points; [`Scene::gradient_into`] with a new

@@ -16,6 +16,8 @@
 pub mod column;
 /// Sums of two doubles without loss, and running sums.
 pub mod compensated_sum;
+/// Numbers that carry their derivatives.
+pub mod differentiated;
 /// Logarithms and arctangents of ratios.
 pub mod functions;
 /// The vector instructions of the processor.

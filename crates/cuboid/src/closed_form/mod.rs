@@ -2,6 +2,8 @@
 
 /// The six elements of the demagnetizing tensor from distances and offsets.
 pub mod elements;
+/// The gradient in vectors.
+pub mod gradient;
 /// Points inside a compact cuboid and close to its edges.
 pub mod near_edge;
 /// The elements of rods that the other closed form computes with too large an error.

@@ -18,13 +18,41 @@ use crate::scalar::kernel::FieldKind;
 use crate::tolerances::{LEAST_OFFSET, NEAR_EDGE_ASPECT, NEAR_FRACTION};
 use magsplice_simd::compensated_sum::TwoSum;
 
-/// A tile for points inside it and close to it.
-pub struct NearEdge {
+/// The points inside a tile or close to it, and clearly off the planes of all faces.
+pub struct Interior {
     faces: [[TwoSum; 2]; 3],
     /// Points nearer to the plane of a face are left to the scalar kernel.
     least_offset: f64,
     /// Points farther away along an axis are left to other methods.
     reach: f64,
+}
+
+impl Interior {
+    /// Prepares a block.
+    pub fn new(block: &Block) -> Interior {
+        let largest = block.size.into_iter().fold(0.0, f64::max);
+        Interior { faces: block.faces, least_offset: LEAST_OFFSET * largest, reach: NEAR_FRACTION * largest }
+    }
+
+    /// Whether a point is inside the tile or close to it, and clearly off the planes of all faces.
+    pub fn covers(&self, point: &LocalPoint) -> bool {
+        let gap = |axis: usize| {
+            let ([low, high], at) = (self.faces[axis], point.coordinates[axis]);
+            (low.hi - at).max(at - high.hi).max(0.0)
+        };
+        let is_near = gap(0).max(gap(1)).max(gap(2)) <= self.reach;
+        is_near
+            && (0..3).all(|axis| {
+                let least = self.least_offset.max(point.roundoff[axis]);
+                self.faces[axis].iter().all(|face| ((point.coordinates[axis] - face.hi) - face.lo).abs() > least)
+            })
+    }
+}
+
+/// A tile for points inside it and close to it.
+pub struct NearEdge {
+    faces: [[TwoSum; 2]; 3],
+    interior: Interior,
     scale: f64,
     /// Side lengths, scaled.
     size: [f64; 3],
@@ -40,8 +68,7 @@ impl NearEdge {
         let scale = power_of_two_reciprocal(largest);
         (smallest >= NEAR_EDGE_ASPECT * largest).then(|| NearEdge {
             faces: block.faces,
-            least_offset: LEAST_OFFSET * largest,
-            reach: NEAR_FRACTION * largest,
+            interior: Interior::new(block),
             scale,
             size: block.size.map(|size| size * scale),
             polarization_t: block.polarization_t.to_array(),
@@ -49,18 +76,9 @@ impl NearEdge {
         })
     }
 
-    /// Whether a point is inside the tile or close to it, and clearly off the planes of all faces.
+    /// Whether a point is one of those that the tile is prepared for.
     pub fn covers(&self, point: &LocalPoint) -> bool {
-        let gap = |axis: usize| {
-            let ([low, high], at) = (self.faces[axis], point.coordinates[axis]);
-            (low.hi - at).max(at - high.hi).max(0.0)
-        };
-        let is_near = gap(0).max(gap(1)).max(gap(2)) <= self.reach;
-        is_near
-            && (0..3).all(|axis| {
-                let least = self.least_offset.max(point.roundoff[axis]);
-                self.faces[axis].iter().all(|face| ((point.coordinates[axis] - face.hi) - face.lo).abs() > least)
-            })
+        self.interior.covers(point)
     }
 
     /// B or mu0 H of the tile in tesla, in its frame, at points given by axis in whole vectors.

@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use magsplice_simd::differentiated::Differentiated;
 use magsplice_simd::lanes::Number;
 
 use crate::tolerances::HIGHEST_ORDER;
@@ -85,6 +86,64 @@ impl Series {
         }
         polynomials
     }
+}
+
+impl Series {
+    /// The polynomials and their derivatives at sigma, u - 1/3 and v - 1/3, up to order `highest`.
+    #[inline(always)]
+    pub fn differentiated_polynomials<N: Number>(
+        &self,
+        simd: N::Instructions,
+        highest: usize,
+        [sigma, u, v]: [Differentiated<N>; 3],
+    ) -> [Differentiated<N>; POLYNOMIALS] {
+        let mut polynomials = [Differentiated::splat(simd, 0.0); POLYNOMIALS];
+        for (polynomial, coefficients) in polynomials.iter_mut().zip(&self.coefficients) {
+            let zero = N::splat(simd, 0.0);
+            let (mut sum, mut by_sigma, mut by_u, mut by_v) = (zero, zero, zero, zero);
+            for order in (0..=highest).rev() {
+                let (own, own_by_u, own_by_v) = differentiated_order(simd, order, coefficients, u.value, v.value);
+                by_sigma = by_sigma.mul_add(sigma.value, sum);
+                sum = sum.mul_add(sigma.value, own);
+                by_u = by_u.mul_add(sigma.value, own_by_u);
+                by_v = by_v.mul_add(sigma.value, own_by_v);
+            }
+            polynomial.value = sum;
+            for (axis, slope) in polynomial.slope.iter_mut().enumerate() {
+                let by_place = by_u.mul_add(u.slope[axis], by_v * v.slope[axis]);
+                *slope = by_sigma.mul_add(sigma.slope[axis], by_place);
+            }
+        }
+        polynomials
+    }
+}
+
+/// One order of a polynomial and its derivatives by u and v.
+///
+/// The loops are not unrolled: all orders together would be as long as the rest of the library.
+#[inline(always)]
+fn differentiated_order<N: Number>(
+    simd: N::Instructions,
+    order: usize,
+    coefficients: &[f64; start(HIGHEST_ORDER + 1)],
+    u: N,
+    v: N,
+) -> (N, N, N) {
+    let coefficients = &coefficients[start(order)..start(order + 1)];
+    let zero = N::splat(simd, 0.0);
+    let (mut sum, mut by_u, mut by_v) = (N::splat(simd, coefficients[0]), zero, zero);
+    for row in 1..=order {
+        let first = row * (row + 1) / 2;
+        let (mut own, mut own_by_u) = (N::splat(simd, coefficients[first]), zero);
+        for coefficient in &coefficients[first + 1..=first + row] {
+            own_by_u = own_by_u.mul_add(u, own);
+            own = own.mul_add(u, N::splat(simd, *coefficient));
+        }
+        by_v = by_v.mul_add(v, sum);
+        by_u = by_u.mul_add(v, own_by_u);
+        sum = sum.mul_add(v, own);
+    }
+    (sum, by_u, by_v)
 }
 
 /// One order of a polynomial, by Horner's scheme in v of Horner's scheme in u.

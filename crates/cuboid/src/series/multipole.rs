@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use fearless_simd::prelude::*;
+use magsplice_simd::differentiated::Differentiated;
 use magsplice_simd::lanes::{LanePair, Lanes, Number};
 use magsplice_simd::pairwise::Pairwise;
 
@@ -71,25 +72,41 @@ impl<S: Simd> Pairwise<S> for TruncatedSeries<'_> {
     }
 }
 
-/// Position of points relative to a cuboid.
-struct PointOffset<S: Simd> {
-    offset: [Lanes<S>; 3],
-    inverse_square: Lanes<S>,
-    /// u - 1/3 and v - 1/3.
-    u: Lanes<S>,
-    v: Lanes<S>,
-    sigma: Lanes<S>,
+impl TruncatedSeries<'_> {
+    /// mu0 H in tesla and its derivatives, in the frame of the cuboid.
+    #[inline(always)]
+    pub fn differentiated<N: Number>(&self, simd: N::Instructions, point: [N; 3]) -> [Differentiated<N>; 3] {
+        let [x, y, z] = point;
+        let point = [
+            Differentiated::coordinate(simd, x, 0),
+            Differentiated::coordinate(simd, y, 1),
+            Differentiated::coordinate(simd, z, 2),
+        ];
+        let offset = PointOffset::new(simd, self.tile, point);
+        let at = [offset.sigma, offset.u, offset.v];
+        offset.field(self.series.differentiated_polynomials(simd, self.order, at), self.tile.moment)
+    }
 }
 
-impl<S: Simd> PointOffset<S> {
+/// Position of points relative to a cuboid.
+struct PointOffset<N> {
+    offset: [N; 3],
+    inverse_square: N,
+    /// u - 1/3 and v - 1/3.
+    u: N,
+    v: N,
+    sigma: N,
+}
+
+impl<N: Number> PointOffset<N> {
     #[inline(always)]
-    fn new(simd: S, tile: &Distant, mut point: [Lanes<S>; 3]) -> PointOffset<S> {
+    fn new(simd: N::Instructions, tile: &Distant, mut point: [N; 3]) -> PointOffset<N> {
         for (coordinate, centre) in point.iter_mut().zip(&tile.centre) {
             *coordinate = ((*coordinate - centre.hi) - centre.lo) * tile.scale;
         }
         let [x, y, z] = point;
         let (x2, y2) = (x * x, y * y);
-        let inverse_square = Lanes::<S>::splat(simd, 1.0).over(z.mul_add(z, x2 + y2));
+        let inverse_square = N::splat(simd, 1.0).over(z.mul_add(z, x2 + y2));
         PointOffset {
             offset: point,
             inverse_square,
@@ -101,7 +118,7 @@ impl<S: Simd> PointOffset<S> {
 
     /// mu0 H in tesla from the polynomials (Eq. P39).
     #[inline(always)]
-    fn field(&self, [ax, ay, xy, xz, yz]: [Lanes<S>; POLYNOMIALS], [jx, jy, jz]: [f64; 3]) -> [Lanes<S>; 3] {
+    fn field(&self, [ax, ay, xy, xz, yz]: [N; POLYNOMIALS], [jx, jy, jz]: [f64; 3]) -> [N; 3] {
         let [x, y, z] = self.offset;
         let (x_over, y_over, z_over) = (x * self.inverse_square, y * self.inverse_square, z * self.inverse_square);
         let w = z * z_over;

@@ -79,7 +79,7 @@ impl KeptTables {
 }
 
 #[inline(always)]
-fn load<S: Simd>(simd: S, points: [&[f64]; 3], start: usize) -> [Lanes<S>; 3] {
+pub(super) fn load<S: Simd>(simd: S, points: [&[f64]; 3], start: usize) -> [Lanes<S>; 3] {
     let [x, y, z] = points.map(|axis| &axis[start..start + Lanes::<S>::LEN]);
     [Lanes::load(simd, x), Lanes::load(simd, y), Lanes::load(simd, z)]
 }
@@ -99,7 +99,7 @@ struct Tables<S: Simd> {
 struct Products<S: Simd>(Box<[[Lanes<S>; 2]; MOST_GROUPS]>);
 
 /// Position of the points relative to a cluster, in its scale.
-struct Places<S: Simd> {
+pub(super) struct Places<S: Simd> {
     /// Offsets from the planes.
     offsets: [Lanes<S>; MOST_PLANES],
     squares: [Lanes<S>; MOST_PLANES],
@@ -130,7 +130,7 @@ fn group(index: u16) -> usize {
 
 impl<S: Simd> Places<S> {
     #[inline(always)]
-    fn new(simd: S) -> Places<S> {
+    pub(super) fn new(simd: S) -> Places<S> {
         let zero = Lanes::<S>::splat(simd, 0.0);
         Places {
             offsets: [zero; MOST_PLANES],
@@ -149,6 +149,15 @@ impl<S: Simd> Places<S> {
         }
     }
 
+    /// Fills the tables.
+    #[inline(always)]
+    pub(super) fn set(&mut self, cluster: &CornerTables, point: [Lanes<S>; 3]) {
+        self.set_offsets(cluster, point);
+        for (index, planes) in (0..).step_by(2).zip(&cluster.corners) {
+            self.set_distances(index, planes);
+        }
+    }
+
     /// Writes the distances from two corners, the first of which has this index.
     #[inline(always)]
     fn set_distances(&mut self, index: u16, [first, second]: &[[u16; 3]; 2]) {
@@ -158,7 +167,7 @@ impl<S: Simd> Places<S> {
 
     /// Position of the points relative to a tile.
     #[inline(always)]
-    fn of(&self, tile: &TileTerms) -> CornerGeometry<Lanes<S>> {
+    pub(super) fn of(&self, tile: &TileTerms) -> CornerGeometry<Lanes<S>> {
         let plane = |index: u16| [self.offsets[plane(index)], self.squares[plane(index)]];
         let [a0, a1, b0, b1, c0, c1] = tile.planes;
         CornerGeometry {
@@ -187,11 +196,7 @@ impl<S: Simd> Tables<S> {
     /// Fills the table of the first points.
     #[inline(always)]
     fn start(&mut self, cluster: &CornerTables, first: [Lanes<S>; 3]) {
-        let next = &mut self.places[self.next];
-        next.set_offsets(cluster, first);
-        for (index, planes) in (0..).step_by(2).zip(&cluster.corners) {
-            next.set_distances(index, planes);
-        }
+        self.places[self.next].set(cluster, first);
     }
 
     /// mu0 H of the tiles of `cluster` in tesla, in their frame, at the points given as `next` in

@@ -4,16 +4,16 @@ use fearless_simd::Level;
 use glam::{DMat3, DVec3};
 use magsplice_cuboid::block::{Block, LocalPoint, PlacedPoint};
 use magsplice_cuboid::field_bound::{field_bound_t, tile_field_bound_t};
-use magsplice_cuboid::scalar::kernel::{FieldKind, cuboid_field, cuboid_gradient};
+use magsplice_cuboid::scalar::kernel::{FieldKind, cuboid_field};
 use magsplice_cuboid::tolerances::EXACT_BOUND;
 use magsplice_magnet::{BoundingBox, Cause, MU_0, PointError, PointErrors, Quantity, Tile, Tolerance, is_in_range};
-use magsplice_simd::compensated_sum::RunningSum;
 use rayon::prelude::*;
 
 use super::batches::{Batches, for_each_batch};
 use super::edges::EdgesAtPoint;
+use super::gradient_sum::GradientSum;
 use super::sum::Sum;
-use crate::prepare::frames::{Frames, ToScene};
+use crate::prepare::frames::Frames;
 use crate::tolerances::{DIPOLE_DISTANCE, POINTS_OF_ONE_TILE, POINTS_PER_BATCH, REGROUPED_PARTS};
 
 /// Tiles prepared for direct summation.
@@ -223,20 +223,29 @@ impl DirectSum {
         errors
     }
 
-    /// The gradient of B at one point: column j is dB/dx_j, in tesla per unit of length. See
-    /// [`Scene::gradient`](crate::scene::Scene::gradient).
-    pub(crate) fn flux_density_gradient(&self, point: DVec3) -> Result<DMat3, Cause> {
-        let (sum, edges) = self.sum_over_tiles::<9>(point, |block, placed, to_scene| {
-            let gradient = cuboid_gradient(&placed.offsets, block.polarization_t.to_array());
-            let scaled = gradient.map(|row| row.map(|slope| slope * placed.scale));
-            to_scene.tensor(DMat3::from_cols_array_2d(&scaled)).to_cols_array()
-        })?;
-        match (edges.exposed(), edges.singular()) {
-            (true, _) => Err(Cause::Unbounded { tile: self.tile_with_edge_at(point, &edges) }),
-            (false, true) => Err(Cause::Unresolved { tile: self.tile_with_edge_at(point, &edges) }),
-            (false, false) if sum.iter().all(|c| c.is_finite()) => Ok(DMat3::from_cols_array(&sum)),
-            (false, false) => Err(Cause::OutOfRange),
-        }
+    /// The gradient of B at each point of a batch: column j is dB/dx_j, in tesla per unit of length.
+    /// Points without one are passed to `failed`, and their gradient is NaN.
+    pub(crate) fn flux_density_gradient_of_batch(
+        &self,
+        points: &[DVec3],
+        gradient: &mut [DMat3],
+        failed: &mut dyn FnMut(usize, Cause),
+    ) {
+        GradientSum::with_buffers(|sum| {
+            sum.sum_all(self.level, &self.frames, points, gradient);
+            for (index, edges) in sum.edges().filter(|(_, edges)| edges.singular()) {
+                let tile = self.tile_with_edge_at(points[index], edges);
+                failed(index, if edges.exposed() { Cause::Unbounded { tile } } else { Cause::Unresolved { tile } });
+                gradient[index] = DMat3::NAN;
+            }
+            for (index, gradient) in gradient.iter_mut().enumerate() {
+                let is_singular = sum.is_singular(index);
+                if !gradient.is_finite() && !is_singular {
+                    failed(index, Cause::OutOfRange);
+                    *gradient = DMat3::NAN;
+                }
+            }
+        });
     }
 
     /// The gradient of B at every point of `points`, written to `gradient` in the same order, in
@@ -252,39 +261,9 @@ impl DirectSum {
         points: &[DVec3],
         gradient: &mut [DMat3],
     ) -> Result<(), PointErrors> {
-        let batches = Batches { most: POINTS_PER_BATCH[1], regroup: false };
-        for_each_batch(points, gradient, batches, |points, gradient, failed| {
-            for (index, (&point, gradient)) in points.iter().zip(gradient).enumerate() {
-                *gradient = self.flux_density_gradient(point).unwrap_or_else(|cause| {
-                    failed(index, cause);
-                    DMat3::NAN
-                });
-            }
+        for_each_batch(points, gradient, self.batches(), |points, gradient, failed| {
+            self.flux_density_gradient_of_batch(points, gradient, failed);
         })
-    }
-
-    /// Adds the term of every tile that matters at `point`, and collects the edges the point lies
-    /// on.
-    fn sum_over_tiles<const N: usize>(
-        &self,
-        point: DVec3,
-        term: impl Fn(&Block, &PlacedPoint, &ToScene) -> [f64; N],
-    ) -> Result<([f64; N], EdgesAtPoint), Cause> {
-        check_range(point)?;
-        let mut sum = [RunningSum::default(); N];
-        let mut edges = EdgesAtPoint::default();
-        for (frame, local) in self.frames.locals(point) {
-            for block in &frame.blocks {
-                let Some(placed) = block.place(&local) else { continue };
-                for (total, term) in sum.iter_mut().zip(term(block, &placed, &frame.to_scene)) {
-                    total.add(term);
-                }
-                if placed.on_edge_line() {
-                    edges.add(block, &placed, &frame.to_scene);
-                }
-            }
-        }
-        Ok((sum.map(RunningSum::value), edges))
     }
 
     /// Index of a tile whose edge makes the point singular. `blocks` are the edges of merged

@@ -2,6 +2,8 @@
 
 /// Points divided into batches for threads.
 pub(crate) mod batches;
+/// The gradient of the tiles of a cluster, in vectors.
+mod cluster_gradient;
 /// The closed form of the tiles of a cluster, in vectors.
 mod cluster_kernel;
 /// Coordinates of a batch of points, by axis.
@@ -12,6 +14,8 @@ pub(crate) mod direct_sum;
 mod edges;
 /// The far field of a cluster, as a tree provides it.
 pub(crate) mod far_field;
+/// The gradient summed over tiles at a batch of points.
+pub(crate) mod gradient_sum;
 /// The scalar kernel at points in and close to a tile.
 mod near_field;
 /// Points that wait for vectors of one method.

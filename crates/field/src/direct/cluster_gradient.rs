@@ -1,0 +1,36 @@
+//! The gradient of the tiles of a cluster, in vectors.
+
+use fearless_simd::prelude::*;
+use magsplice_cuboid::closed_form::gradient::{COMPONENTS, GradientTerms};
+use magsplice_simd::lanes::{Lanes, Number};
+
+use super::cluster_kernel::{Places, load};
+use crate::prepare::corner_tables::CornerTables;
+
+/// Writes the gradient of B of the tiles of `cluster` in tesla per length, in their frame: xx, yy,
+/// zz, yz, xz, xy. The points are where the closed form of the field is used, in whole vectors.
+#[inline(never)]
+pub(super) fn cluster_gradients<S: Simd>(
+    simd: S,
+    cluster: &CornerTables,
+    points: [&[f64]; 3],
+    mut gradients: [&mut [f64]; COMPONENTS],
+) {
+    let terms: Vec<GradientTerms> = cluster.tiles.iter().map(|tile| cluster.gradient_terms(tile)).collect();
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let mut places = Box::new(Places::new(simd));
+            for start in (0..points[0].len()).step_by(Lanes::<S>::LEN) {
+                places.set(cluster, load(simd, points, start));
+                let mut sum = [Lanes::splat(simd, 0.0); COMPONENTS];
+                for (tile, terms) in cluster.tiles.iter().zip(&terms) {
+                    terms.add(simd, &places.of(tile), false, &mut sum);
+                }
+                for (gradients, component) in gradients.iter_mut().zip(sum) {
+                    component.store(&mut gradients[start..start + Lanes::<S>::LEN]);
+                }
+            }
+        },
+    );
+}
