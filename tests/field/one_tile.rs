@@ -154,15 +154,15 @@ fn gradient_of_random_tiles() {
     });
 }
 
-/// Beside a plane of symmetry a component of B nearly vanishes. Near a plate, which the scalar
-/// kernel evaluates, it has as many right digits as the other components. Elsewhere it is right to
-/// a fraction of the field only.
+/// Beside a plane of symmetry a component of B nearly vanishes. Closer to a plate than 0.08 of its
+/// thickness, where the scalar kernel evaluates it, it has as many right digits as the other
+/// components. Elsewhere it is right to a fraction of the field only.
 #[test]
-fn small_components_near_a_plate_keep_their_digits() {
+fn small_components_beside_a_plate_keep_their_digits() {
     let mut oracle = Oracle::new();
     let tile = Tile::new(DVec3::new(0.1, 0.3, -0.7), DVec3::new(3.3, 1.7, 0.2), DVec3::Y).expect("a valid tile");
     for offset in [1e-3, -1e-7, 3e-12, -1e-15] {
-        let point = tile.position() + DVec3::new(offset, 0.9, 0.2);
+        let point = tile.position() + DVec3::new(offset, 0.86, 0.05);
         let found = Scene::new(&[tile]).field(Quantity::FluxDensity, point).expect("bounded");
         let exact = oracle.field(&tile, point).flux_density_t;
         assert!((found.x - exact.x).abs() <= 4e-15 * exact.x.abs(), "{} is not {}", found.x, exact.x);

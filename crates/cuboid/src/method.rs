@@ -8,8 +8,9 @@
 //! | series | beyond, by `MULTIPOLE_ORDERS` | the truncation error of each order is below the bound from its distance on |
 //! | expansion | clusters, from their radii on | the truncation error of each degree likewise |
 //!
-//! Inside compact cuboids and close to them [`NearEdge`](crate::closed_form::near_edge::NearEdge)
-//! evaluates points in vectors, except points near the planes of the faces.
+//! Inside compact cuboids and close to them, and close to plates and rods,
+//! [`NearEdge`](crate::closed_form::near_edge::NearEdge) evaluates points in vectors, except points
+//! near the planes of the faces of compact cuboids.
 //!
 //! The method depends on the cuboid and the point alone, and so does every digit of the field.
 

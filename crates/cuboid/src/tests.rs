@@ -9,7 +9,7 @@ use magsplice_simd::prefetch::Prefetch;
 
 use crate::block::{Block, LocalPoint};
 use crate::closed_form::gradient::COMPONENTS;
-use crate::closed_form::near_edge::Interior;
+use crate::closed_form::near_edge::{Interior, NearEdge};
 use crate::evaluator::Evaluator;
 use crate::gradient_evaluator::{GradientEvaluator, GradientMethod};
 use crate::method::{CLOSED_FORM, FIRST_FAR, MOST_FAR, Method, MethodRanges, SMALL_ELEMENTS};
@@ -142,6 +142,60 @@ fn closed_form_of_rods_keeps_the_error_bound() {
     }
     println!("largest error over the field: {worst:e}");
     assert!(worst > 1e-15, "{worst:e}");
+}
+
+/// Points outside plates and strips, closer than the closed form begins, have a method in vectors
+/// that keeps the error bound.
+#[test]
+fn points_close_to_plates_and_strips_keep_the_error_bound() {
+    let mut count = 0;
+    let mut worst = 0.0_f64;
+    for [width, thickness] in
+        [[1.0, 0.09], [0.5, 0.03], [0.9, 1e-3], [0.1, 1e-3], [1e-2, 1e-3], [1e-3, 1e-6], [1.0, 1e-11]]
+    {
+        for axis in 0..3 {
+            let mut size = DVec3::ONE;
+            (size[axis], size[(axis + 1) % 3]) = (thickness, width);
+            for j in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.3, -0.5, 0.7)] {
+                let block = Block::new(0, DVec3::ZERO, size, j, thickness);
+                let near = NearEdge::new(&block, FieldKind::Density).expect("not too thin");
+                for n in 0..300_u32 {
+                    let turn = f64::from(n);
+                    let distance = 0.081 * thickness * (1.0 / thickness).powf((0.618 * turn).fract());
+                    let place =
+                        DVec3::new((0.754 * turn).fract(), (0.569 * turn).fract(), (0.311 * turn).fract()) - 0.5;
+                    // Above faces, around the tile, and around its corners.
+                    let mut point = match n % 3 {
+                        0 => place * size,
+                        1 => place * (size + 2.0 * distance),
+                        _ => 0.5 * size + place * distance,
+                    };
+                    let face = n as usize / 3 % 3;
+                    point[face] = (0.5 * size[face] + distance).copysign(place[face]);
+                    let at = LocalPoint { coordinates: point.to_array(), roundoff: [0.0; 3] };
+                    if !near.covers(&at) {
+                        continue;
+                    }
+                    count += 1;
+                    let placed = block.place(&at).expect("near enough");
+                    let of = |j: DVec3| DVec3::from(cuboid_field(&placed.offsets, j.to_array(), FieldKind::Density));
+                    let magnitude: f64 = DVec3::AXES.into_iter().map(|axis| of(j * axis).length()).sum();
+                    for level in levels() {
+                        let mut field = [[0.0; PAIR]; 3];
+                        let axes = point.to_array().map(|coordinate| [coordinate; PAIR]);
+                        let axes = axes.each_ref().map(|axis| &axis[..]);
+                        let written = field.each_mut().map(|values| &mut values[..]);
+                        dispatch!(level, simd => near.fields(simd, axes, written));
+                        let error = (DVec3::from(field.map(|values| values[0])) - of(j)).length() / magnitude;
+                        worst = worst.max(error);
+                        assert!(error <= EXACT_BOUND, "{size}, {j}, {level:?}: {error:e} at {point}");
+                    }
+                }
+            }
+        }
+    }
+    println!("largest error over the field: {worst:e}, {count} points");
+    assert!(count > 10_000 && worst > 1e-15, "{count} points, {worst:e}");
 }
 
 /// The gradient in vectors keeps the error bound where it is used: inside and close to compact

@@ -50,6 +50,15 @@ pub const LONGEST_GRADIENT_ROD: f64 = 30.0;
 /// would cancel in flatter cuboids. The largest error found at this ratio is 1.3e-14.
 pub const NEAR_GRADIENT_ASPECT: f64 = 0.3;
 
+/// Smallest ratio of the shortest to the longest side for which points close to a plate or a rod are
+/// evaluated in vectors: squares of distances stay in the range of
+/// [`Lanes::root`](magsplice_simd::lanes::Lanes::root).
+pub const THINNEST: f64 = power_of_two(-40);
+
+/// Ratio of the longest to the second side beyond which [`Form::Thin`](crate::closed_form::terms::Form)
+/// takes T_ac and T_aa from the compact form away from the ends. Its own form loses that ratio.
+pub const STRIP_ASPECT: f64 = 10.0;
+
 /// Smallest distance of such points from the planes of all faces, as a fraction of the largest
 /// side: products of eight such lengths are normal numbers.
 pub const LEAST_OFFSET: f64 = power_of_two(-40);

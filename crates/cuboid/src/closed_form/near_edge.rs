@@ -1,10 +1,10 @@
-//! Points inside a compact cuboid and close to its edges, in vectors (docs/physics.md, section
-//! 2.6).
+//! Points inside a compact cuboid and close to its edges, and points close to plates and rods, in
+//! vectors (docs/physics.md, section 2.6).
 //!
-//! The closed form of `single_tile` loses digits near an edge; this method does not. Each edge and
-//! each corner has its own term, of numbers without cancellation. The sum of the terms is right to
-//! the round-off of the largest term. That is enough inside and close to a tile that is neither a
-//! plate nor a needle, where every column of the tensor is nearly as large, and nowhere else.
+//! The closed form of `single_tile` loses digits near an edge; these methods do not. In a compact
+//! cuboid each edge and each corner has its own term, of numbers without cancellation. The sum of
+//! the terms is right to the round-off of the largest term. This is enough where every column of
+//! the tensor is nearly as large: inside and close to a cuboid that is neither a plate nor a rod.
 
 use std::f64::consts::PI;
 
@@ -13,9 +13,11 @@ use magsplice_simd::functions::{angle, half_logarithm_of_ratio};
 use magsplice_simd::lanes::{Lanes, Number};
 use magsplice_simd::power_of_two::power_of_two_reciprocal;
 
+use super::single_tile::ClosedForm;
+use super::terms::Form;
 use crate::block::{Block, LocalPoint};
 use crate::scalar::kernel::FieldKind;
-use crate::tolerances::{LEAST_OFFSET, NEAR_EDGE_ASPECT, NEAR_FRACTION};
+use crate::tolerances::{LEAST_OFFSET, NEAR_EDGE_ASPECT, NEAR_FRACTION, THINNEST};
 use magsplice_simd::compensated_sum::TwoSum;
 
 /// The points inside a tile or close to it, and clearly off the planes of all faces.
@@ -36,12 +38,7 @@ impl Interior {
 
     /// Whether a point is inside the tile or close to it, and clearly off the planes of all faces.
     pub fn covers(&self, point: &LocalPoint) -> bool {
-        let gap = |axis: usize| {
-            let ([low, high], at) = (self.faces[axis], point.coordinates[axis]);
-            (low.hi - at).max(at - high.hi).max(0.0)
-        };
-        let is_near = gap(0).max(gap(1)).max(gap(2)) <= self.reach;
-        is_near
+        greatest_gap(&self.faces, point) <= self.reach
             && (0..3).all(|axis| {
                 let least = self.least_offset.max(point.roundoff[axis]);
                 self.faces[axis].iter().all(|face| ((point.coordinates[axis] - face.hi) - face.lo).abs() > least)
@@ -49,8 +46,24 @@ impl Interior {
     }
 }
 
-/// A tile for points inside it and close to it.
-pub struct NearEdge {
+/// A tile for points close to it: inside and outside of compact tiles, outside of plates and rods.
+pub enum NearEdge {
+    /// A compact tile.
+    Compact(Box<NearCompact>),
+    /// A plate or a rod.
+    Thin(Box<NearThin>),
+}
+
+/// A plate or a rod for points outside and close to it, where the form for [`Form::Thin`] is used.
+pub struct NearThin {
+    faces: [[TwoSum; 2]; 3],
+    /// Distances along an axis at which the form begins and ends.
+    reach: [f64; 2],
+    closed_form: ClosedForm,
+}
+
+/// A compact tile for points inside it and close to it.
+pub struct NearCompact {
     faces: [[TwoSum; 2]; 3],
     interior: Interior,
     scale: f64,
@@ -61,24 +74,39 @@ pub struct NearEdge {
 }
 
 impl NearEdge {
-    /// Prepares a block; `None` for plates and needles.
+    /// Prepares a block; `None` if its sides differ too much.
     pub fn new(block: &Block, part: FieldKind) -> Option<NearEdge> {
         let [x, y, z] = block.size;
         let (largest, smallest) = (x.max(y).max(z), x.min(y).min(z));
         let scale = power_of_two_reciprocal(largest);
-        (smallest >= NEAR_EDGE_ASPECT * largest).then(|| NearEdge {
-            faces: block.faces,
-            interior: Interior::new(block),
-            scale,
-            size: block.size.map(|size| size * scale),
-            polarization_t: block.polarization_t.to_array(),
-            part,
+        if smallest >= NEAR_EDGE_ASPECT * largest {
+            return Some(NearEdge::Compact(Box::new(NearCompact {
+                faces: block.faces,
+                interior: Interior::new(block),
+                scale,
+                size: block.size.map(|size| size * scale),
+                polarization_t: block.polarization_t.to_array(),
+                part,
+            })));
+        }
+        (smallest >= THINNEST * largest).then(|| {
+            NearEdge::Thin(Box::new(NearThin {
+                faces: block.faces,
+                reach: [NEAR_FRACTION * smallest, NEAR_FRACTION * largest],
+                closed_form: ClosedForm::new(block, scale, Form::Thin),
+            }))
         })
     }
 
     /// Whether a point is one of those that the tile is prepared for.
     pub fn covers(&self, point: &LocalPoint) -> bool {
-        self.interior.covers(point)
+        match self {
+            NearEdge::Compact(tile) => tile.interior.covers(point),
+            NearEdge::Thin(tile) => {
+                let gap = greatest_gap(&tile.faces, point);
+                tile.reach[0] <= gap && gap <= tile.reach[1]
+            }
+        }
     }
 
     /// B or mu0 H of the tile in tesla, in its frame, at points given by axis in whole vectors.
@@ -94,7 +122,12 @@ impl NearEdge {
                         Lanes::load(simd, &y[lanes.clone()]),
                         Lanes::load(simd, &z[lanes.clone()]),
                     ];
-                    let field = self.field(simd, point);
+                    let field = match self {
+                        NearEdge::Compact(tile) => tile.field(simd, point),
+                        NearEdge::Thin(tile) => {
+                            tile.closed_form.field_of_thin(simd, &tile.closed_form.place(simd, point))
+                        }
+                    };
                     field[0].store(&mut fx[lanes.clone()]);
                     field[1].store(&mut fy[lanes.clone()]);
                     field[2].store(&mut fz[lanes]);
@@ -102,7 +135,18 @@ impl NearEdge {
             },
         );
     }
+}
 
+/// The greatest distance of a point from the tile along any of its axes; zero inside.
+fn greatest_gap(faces: &[[TwoSum; 2]; 3], point: &LocalPoint) -> f64 {
+    let gap = |axis: usize| {
+        let ([low, high], at) = (faces[axis], point.coordinates[axis]);
+        (low.hi - at).max(at - high.hi).max(0.0)
+    };
+    gap(0).max(gap(1)).max(gap(2))
+}
+
+impl NearCompact {
     #[inline(always)]
     fn field<S: Simd>(&self, simd: S, point: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));

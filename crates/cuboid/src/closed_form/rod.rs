@@ -90,7 +90,10 @@ impl<N: Number> CrossSection<N> {
         let low = sums[0].mul_add(sums[1], square_0 + self.c_product);
         let high = sums[2].mul_add(sums[3], square_1 + self.c_product);
         let step = along_b[1].mul_add(sums[3], along_b[0].mul_add(sums[0], product));
-        let difference = (b0 * (b0 + b1)).mul_sub(step, low * product);
+        // From the nearer face, which may be much nearer than the other.
+        let middle = b0 + b1;
+        let (offset, nearer) = (middle.where_at_least(0.0, b1, b0), middle.where_at_least(0.0, high, low));
+        let difference = (offset * middle).mul_sub(step, nearer * product);
         RodEnd {
             edges: [logarithm, across * (r[0] + r[1]) * along_c * product],
             faces: [difference * self.area, low.mul_add(high, (b0 * b1) * self.c_side_squared) * product],

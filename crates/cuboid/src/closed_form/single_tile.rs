@@ -4,6 +4,7 @@ use super::elements::{CornerGeometry, add, add_elements, add_small_elements, com
 use super::rod::ratios_of_rod;
 use super::terms::{AA, AB, AC, BB, BC, CC, Form, Terms};
 use crate::block::Block;
+use crate::tolerances::STRIP_ASPECT;
 use magsplice_simd::compensated_sum::TwoSum;
 use magsplice_simd::functions::{Functions, odd_series};
 
@@ -14,6 +15,7 @@ pub struct ClosedForm {
     planes: [[[f64; 2]; 2]; 3],
     scale: f64,
     terms: Terms,
+    is_strip: bool,
     needed: [bool; 6],
     /// Contribution of one unit of half of 4 pi T to mu0 H, in tesla.
     coefficients: [[f64; 3]; 6],
@@ -34,6 +36,7 @@ impl ClosedForm {
             axes: terms.axes,
             planes: terms.axes.map(|axis| block.faces[axis].map(|plane: TwoSum| [plane.hi, -plane.lo * scale])),
             scale,
+            is_strip: terms.squares[0] > (STRIP_ASPECT * STRIP_ASPECT) * terms.squares[1],
             needed: [0, 1, 2, 3, 4, 5].map(|element| terms.is_needed(element)),
             coefficients: [0, 1, 2, 3, 4, 5].map(|element| terms.group(element).coefficient),
             terms,
@@ -106,6 +109,50 @@ impl ClosedForm {
             ratios[AA] = place.ratio::<AA>(factors, squares);
         }
         [ratios[BC], ratios[BB]] = ratios_of_rod(simd, place, factors, squares);
+        let mut sum = [N::splat(simd, 0.0); 3];
+        add_elements(simd, self.needed, &ratios, &self.coefficients, &mut sum);
+        sum
+    }
+
+    /// At least 0 where a point is farther than a quarter of the second side from the edges of both
+    /// ends along that side.
+    #[inline(always)]
+    fn beyond_ends<N: Functions>(&self, simd: N::Instructions, place: &CornerGeometry<N>) -> N {
+        let mut square = N::splat(simd, -self.terms.squares[1] / 16.0);
+        for [low, high] in [place.planes[0], place.planes[2]] {
+            square = square + (low[0] + high[0]).where_at_least(0.0, high[1], low[1]);
+        }
+        square
+    }
+
+    /// mu0 H in tesla of a cuboid that is prepared as thin, in its frame.
+    #[inline(always)]
+    pub fn field_of_thin<N: Functions>(&self, simd: N::Instructions, place: &CornerGeometry<N>) -> [N; 3] {
+        let (factors, squares) = (&self.terms.factors, &self.terms.squares);
+        let mut ratios = [[N::splat(simd, 0.0), N::splat(simd, 1.0)]; 6];
+        if self.needed[AB] {
+            ratios[AB] = place.ratio::<AB>(factors, squares);
+        }
+        [ratios[BC], ratios[BB]] = ratios_of_rod(simd, place, factors, squares);
+        // The same with the roles of a and b exchanged.
+        let CornerGeometry { planes: [a, b, c], distances: r } = *place;
+        let exchanged =
+            CornerGeometry { planes: [b, a, c], distances: [r[0], r[1], r[4], r[5], r[2], r[3], r[6], r[7]] };
+        let mut across = *factors;
+        (across[BC], across[BB]) = (factors[AC], factors[AA]);
+        [ratios[AC], ratios[AA]] = ratios_of_rod(simd, &exchanged, &across, squares);
+        if self.is_strip {
+            // Beside a strip T_ac and T_aa are those of its distant ends, which this form takes from
+            // two long half-infinite strips across it.
+            let far = self.beyond_ends(simd, place);
+            let compact =
+                [place.ratio::<AC>(&self.terms.compact, squares), place.ratio::<AA>(&self.terms.compact, squares)];
+            for (element, compact) in [AC, AA].into_iter().zip(compact) {
+                for (part, compact) in ratios[element].iter_mut().zip(compact) {
+                    *part = far.where_at_least(0.0, compact, *part);
+                }
+            }
+        }
         let mut sum = [N::splat(simd, 0.0); 3];
         add_elements(simd, self.needed, &ratios, &self.coefficients, &mut sum);
         sum

@@ -25,6 +25,8 @@ pub enum Form {
     Compact,
     /// The form of [`ratios_of_rod`](super::rod::ratios_of_rod) for T_bc and T_bb.
     Rod,
+    /// That form for T_ac and T_aa also: close to plates and rods.
+    Thin,
 }
 
 /// Terms that differ at most in sign, and share a division and a series.
@@ -45,9 +47,11 @@ pub struct Terms {
     /// Contribution of one unit of each element to the components of mu0 H, with a positive first
     /// nonzero component; zero if the element is not needed.
     pub coefficients: [[f64; 3]; 6],
-    /// Length of the edges times the size across, or area of the faces, and for T_bc and T_bb of a
-    /// rod its cross-section; scaled, with the sign of the term.
+    /// Length of the edges times the size across, or area of the faces, or the cross-section of a
+    /// rod; scaled, with the sign of the term.
     pub factors: [f64; 6],
+    /// The factors for [`Form::Compact`].
+    pub compact: [f64; 6],
     /// Squares of the sizes along a, b, c, scaled.
     pub squares: [f64; 3],
 }
@@ -66,7 +70,7 @@ impl Terms {
         };
         // T_cc = -(T_aa + T_bb) loses less than the difference of two close faces, and is free if
         // these are needed anyway.
-        let by_trace = (j[a] != 0.0 && j[b] != 0.0) || size[c] < DIRECT_DIAGONAL * size[b] || form == Form::Rod;
+        let by_trace = (j[a] != 0.0 && j[b] != 0.0) || size[c] < DIRECT_DIAGONAL * size[b] || form != Form::Compact;
         let diagonal = |axis: usize| {
             let mut coefficient = [0.0; 3];
             coefficient[axis] = j[axis];
@@ -75,7 +79,13 @@ impl Terms {
             }
             coefficient
         };
-        let across = |compact: f64| if form == Form::Rod { size[b] * size[c] } else { compact };
+        let [ab, ac, bc] = [size[a] * size[b], size[c] * size[a], size[b] * size[c]];
+        let compact = [bc, bc, ac, bc, ac, ab];
+        let factors = match form {
+            Form::Compact => compact,
+            Form::Rod => [bc, bc, bc, bc, bc, ab],
+            Form::Thin => [bc, ac, bc, ac, bc, ab],
+        };
         let mut terms = Terms {
             form,
             axes,
@@ -87,20 +97,15 @@ impl Terms {
                 diagonal(b),
                 diagonal(c),
             ],
-            factors: [
-                size[b] * size[c],
-                size[c] * size[b],
-                across(size[c] * size[a]),
-                size[b] * size[c],
-                across(size[c] * size[a]),
-                size[a] * size[b],
-            ],
+            factors,
+            compact,
             squares: axes.map(|axis| size[axis] * size[axis]),
         };
-        for (coefficient, factor) in terms.coefficients.iter_mut().zip(&mut terms.factors) {
+        for (element, coefficient) in terms.coefficients.iter_mut().enumerate() {
             if coefficient.iter().find(|c| **c != 0.0).is_some_and(|c| *c < 0.0) {
                 *coefficient = coefficient.map(|c| -c);
-                *factor = -*factor;
+                terms.factors[element] = -terms.factors[element];
+                terms.compact[element] = -terms.compact[element];
             }
             // No zero is negative, so that equal coefficients have equal bits.
             *coefficient = coefficient.map(|c| c + 0.0);
