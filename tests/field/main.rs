@@ -20,6 +20,8 @@ mod plan;
 mod polarization_map;
 /// Physical laws on random scenes.
 mod properties;
+/// Tolerances near the error bound of the exact field against the oracle.
+mod refusals;
 /// Rods, alone and among other tiles.
 mod rods;
 /// Touching tiles of one polarization against the block they form.

@@ -77,7 +77,8 @@ fn truncation_error_of_the_tree_is_within_the_planned_bound() {
         .collect();
     let scene = within(&tiles, Tolerance::relative(1e-4).expect("positive"));
     let plan = scene.plan_at_points(&points);
-    let [part] = &plan.parts[..] else { panic!("{plan:?}") };
+    // At points far from each other direct summation costs less.
+    let part = &plan.parts[0];
     let Model::Tree { expanded_tiles, exact_tiles, ignored_tiles, truncation_error_t, ignored_t, .. } = part.model
     else {
         panic!("{part:?}")
@@ -92,4 +93,21 @@ fn truncation_error_of_the_tree_is_within_the_planned_bound() {
     scene.field_into(Quantity::FluxDensity, &points, &mut field).expect("bounded");
     let found_t = largest_error_t(&scene, &points, &field);
     assert!(found_t <= truncation_error_t && found_t > 0.0, "{found_t:e} of {truncation_error_t:e}");
+}
+
+/// Whatever the tolerance, no plan costs more than direct summation.
+#[test]
+fn plans_never_cost_more_than_direct_summation() {
+    let tiles = film(12);
+    let below = Grid::new(DVec3::new(-2.0, -2.0, -4.0), DVec3::new(2.0, 2.0, -1.0), [31; 3]).expect("a grid");
+    let points: Vec<DVec3> = below.points().step_by(37).collect();
+    for exponent in 1..15 {
+        let scene = within(&tiles, Tolerance::relative(10_f64.powi(-exponent)).expect("positive"));
+        for plan in [scene.plan_on_grid(&below), scene.plan_at_points(&points)] {
+            let cost = plan.cost() / plan.exact_cost;
+            assert!(cost <= 1.0, "{cost} times the exact field within 1e-{exponent}: {plan:?}");
+        }
+    }
+    let plan = within(&tiles, Tolerance::relative(1e-13).expect("positive")).plan_at_points(&points);
+    assert!(plan.parts.iter().all(|part| part.model == Model::Exact), "{plan:?}");
 }

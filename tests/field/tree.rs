@@ -45,7 +45,7 @@ fn heaps(seed: u64, count: usize, spread: f64, unit: f64, turned: bool) -> (Vec<
             let turn = if turned { vector(1.0) } else { DVec3::ZERO };
             tiles.push(tile.rotated(DQuat::from_scaled_axis(turn)).expect("a rotation"));
         }
-        for _ in 0..30 {
+        for _ in 0..90 {
             let far = 10_f64.powf(1.5 * vector(1.0).x);
             points.push((centre + vector(reach * far)) * unit);
         }

@@ -21,6 +21,8 @@ mod face_derivatives;
 pub mod field_bound;
 /// The gradient of one cuboid at points that share a method.
 pub mod gradient_evaluator;
+/// An upper bound of the magnitude of the field, in vectors.
+pub mod magnitude_bound;
 /// Which method is used at which distance.
 pub mod method;
 /// The reference kernel at one point.

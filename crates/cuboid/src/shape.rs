@@ -23,7 +23,11 @@ pub struct Shape {
 impl Shape {
     /// The shape of a block whose lengths are multiplied by `scale`.
     pub fn new(block: &Block, scale: f64) -> Shape {
-        let mut sides = block.size.map(|s| s * scale);
+        Shape::from_sides(block.size.map(|s| s * scale))
+    }
+
+    /// The shape of a cuboid with these sides.
+    pub fn from_sides(mut sides: [f64; 3]) -> Shape {
         sides.sort_by(f64::total_cmp);
         let [third, second, largest] = sides;
         let [a, b, c] = sides.map(|s| 0.25 * s * s);
@@ -61,19 +65,22 @@ impl Shape {
         if self.largest <= LONGEST_ROD * self.second { CLOSED_FORM_REACH * self.side_of_error(form) } else { 0.0 }
     }
 
-    /// A distance from the centre beyond which no element has half of 4 pi T above [`SMALL_ANGLE`].
+    /// Upper bound of the mean of 1 / |r - r'|^3 over the cuboid, times r^3, at a distance r from the
+    /// centre; `q` is the half diagonal over r, below 1.
     ///
-    /// With q the half diagonal over the distance r, half of 4 pi T is at most the integral of
-    /// dV / |r - r'|^3 <= V / r^3 (1 + 2 q^2 + m (S - 1 - 6 q^2)), m the fourth moment. The part of
-    /// even degree l in r' is at most (l + 1) (l + 2) / 2 (r' / r)^l of 1 / r^3; S is the sum of
-    /// these over all l where r' is the half diagonal. Odd parts cancel, and from l = 4 on the mean
-    /// of r'^l is at most m of its largest value.
+    /// It is 1 + 2 q^2 + m (S - 1 - 6 q^2), m the fourth moment. The part of even degree l in r' is
+    /// at most (l + 1) (l + 2) / 2 (r' / r)^l of 1 / r^3; S is the sum of these over all l where r'
+    /// is the half diagonal. Odd parts cancel, and from l = 4 on the mean of r'^l is at most m of its
+    /// largest value.
+    pub fn mean_inverse_cube(&self, q: f64) -> f64 {
+        let sum = 0.5 * ((1.0 - q).powi(-3) + (1.0 + q).powi(-3));
+        1.0 + 2.0 * q * q + self.fourth_moment * (sum - 1.0 - 6.0 * q * q)
+    }
+
+    /// A distance from the centre beyond which no element has half of 4 pi T above [`SMALL_ANGLE`]:
+    /// half of 4 pi T is at most the integral of dV / |r - r'|^3.
     pub fn small_elements_from(&self) -> f64 {
-        let bound = |radius: f64| {
-            let q = self.half_diagonal / radius;
-            let sum = 0.5 * ((1.0 - q).powi(-3) + (1.0 + q).powi(-3));
-            self.volume / radius.powi(3) * (1.0 + 2.0 * q * q + self.fourth_moment * (sum - 1.0 - 6.0 * q * q))
-        };
+        let bound = |radius: f64| self.volume / radius.powi(3) * self.mean_inverse_cube(self.half_diagonal / radius);
         // The distance is not below the first number, and at most the second.
         let mut low = (self.volume / SMALL_ANGLE).cbrt();
         let mut high = low + self.half_diagonal;

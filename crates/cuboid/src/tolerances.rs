@@ -118,3 +118,12 @@ pub const EXACT_BOUND: f64 = 2e-14;
 /// Largest field of a tile over its J, for each component: |T_ij| grows by ln(2) / 2 pi each time
 /// the distance from an edge halves, and no point is closer to an edge than [`FACE_NUDGE`] squared.
 pub const LARGEST_FIELD_OVER_J: f64 = 30.0;
+
+/// Distance from the centre, in half diagonals, from which the magnitude of the field is bounded by
+/// a series about the centre alone. Nearer the series exceeds the field more than bounds by the
+/// distances from the faces and edges do.
+pub const SERIES_BOUND_FROM: f64 = 1.5;
+
+/// Largest squared distance in half diagonals that the bound of the magnitude distinguishes. The
+/// field beyond is bounded by that at this distance, below 1e-270 of J.
+pub const FARTHEST_BOUND: f64 = 1e180;

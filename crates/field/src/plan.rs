@@ -2,17 +2,17 @@
 
 use glam::DVec3;
 use magsplice_cuboid::tolerances::CLOSED_FORM_COST;
-use magsplice_magnet::{Accuracy, BoundingBox, Grid, Tolerance};
+use magsplice_magnet::{Accuracy, BoundingBox, Grid, Tolerance, is_in_range};
 
 use crate::direct::direct_sum::DirectSum;
 use crate::interpolation::fit::ChebyshevFit;
 use crate::interpolation::harmonic_potential::LOOK_UP_COST;
 use crate::interpolation::on_grid::{GridFits, GridPart};
-use crate::tolerances::{MAX_SORTED_POINTS, MIN_TREE_TILES, NODE_COST};
+use crate::tolerances::MAX_SORTED_POINTS;
 use crate::tree::interaction_list::InteractionList;
 use crate::tree::lazy_tree::LazyTree;
 use crate::tree::rounds::interaction_lists;
-use crate::within::fitted;
+use crate::within::{fitted, tree_pays};
 
 /// The models that a [`Scene`](crate::Scene) uses for points, at its [`Accuracy`].
 ///
@@ -187,12 +187,14 @@ fn parts_of_chunk(direct: &DirectSum, tree: &LazyTree, tolerance: Tolerance, poi
         let cost = exact_cost(direct, fitted.exact_values()) + per_point * points.len() as f64;
         return vec![PlannedPart { model, points: points.len(), cost }];
     }
-    if direct.tiles().len() < MIN_TREE_TILES {
+    let usable: Vec<u32> = (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect();
+    if !tree_pays(direct, tolerance, points, &usable) {
         return if points.is_empty() { Vec::new() } else { vec![exact(direct, points.len())] };
     }
-    let (by_tree, by_direct_sum): (Vec<_>, Vec<_>) = interaction_lists(direct, tree.get(direct), tolerance, points)
-        .into_iter()
-        .partition(|(_, list)| !list.is_exact());
+    let (by_tree, by_direct_sum): (Vec<_>, Vec<_>) =
+        interaction_lists(direct, tree.get(direct), tolerance, points, usable)
+            .into_iter()
+            .partition(|(_, list)| list.pays(direct.tiles().len()));
     let mut parts = Vec::new();
     if !by_tree.is_empty() {
         parts.push(tree_part(&by_tree));
@@ -212,7 +214,6 @@ fn tree_part(batches: &[(usize, InteractionList)]) -> PlannedPart {
     let mean = |number: &dyn Fn(&InteractionList) -> f64| total(number) / points as f64;
     let max = |number: fn(&InteractionList) -> f64| batches.iter().map(|(_, list)| number(list)).fold(0.0, f64::max);
     let expansions = mean(&|list| list.degrees().count() as f64);
-    let terms = |list: &InteractionList| list.degrees().map(|p| NODE_COST * ((p + 2) * (p + 3)) as f64).sum::<f64>();
     let model = Model::Tree {
         expansions,
         degree: mean(&|list| list.degrees().sum::<usize>() as f64) / expansions.max(f64::MIN_POSITIVE),
@@ -222,5 +223,5 @@ fn tree_part(batches: &[(usize, InteractionList)]) -> PlannedPart {
         truncation_error_t: max(|list| list.truncation_error_t),
         ignored_t: max(|list| list.ignored_t),
     };
-    PlannedPart { model, points, cost: total(&|list| list.tiles.direct as f64 + terms(list) / CLOSED_FORM_COST) }
+    PlannedPart { model, points, cost: total(&InteractionList::cost) }
 }

@@ -78,6 +78,18 @@ pub(crate) const LOOK_UP_POINTS_PER_NODE: usize = 4;
 /// than sorting the points.
 pub(crate) const MIN_TREE_TILES: usize = 64;
 
+/// Smallest number of points for which the tree is used. Direct summation at fewer points costs less
+/// than building the tree.
+pub(crate) const MIN_TREE_POINTS: usize = 256;
+
+/// Number of points of a list at which the rounding of the tree's sums is compared with the
+/// tolerance before the points are sorted. They cost at most a sixteenth of the exact field.
+pub(crate) const ROUNDING_POINTS: usize = 16;
+
+/// Largest cost of an interaction list, as a fraction of that of direct summation, with which the
+/// tree is used. Costs are counted, not measured, and the tree's points are sorted.
+pub(crate) const LARGEST_LIST_COST: f64 = 0.8;
+
 /// Smallest and largest number of points in a batch of the tree.
 ///
 /// One thread evaluates the parts of a batch in turn. The allowed truncation error of the first
@@ -246,9 +258,14 @@ pub(crate) const REGROUPED_POINTS: usize = 16_384;
 /// more evenly.
 pub(crate) const BATCHES_PER_THREAD: usize = 8;
 
-/// Distance from a tile, in half diagonals, beyond which its field is bounded by that of dipoles on
-/// their axis at its nearest point. The bound is at most 2 (1 + 1 / 4)^3 = 4 times too large.
-pub(crate) const DIPOLE_DISTANCE: f64 = 4.0;
+/// Number of neighbouring tiles whose magnitudes are bounded together at points far from them. A
+/// bound of one tile costs a twelfth of its closed form; far away the exact field of a cluster costs
+/// as little, and there the groups are far too.
+pub(crate) const TILES_PER_GROUP_BOUND: usize = 16;
+
+/// Distance from the centre of such a group, in radii of the sphere around it, from which its tiles
+/// are bounded together. The bound is at most 8^3 / 7^3 = 1.5 times what dipoles in the group have.
+pub(crate) const GROUP_BOUND_FROM: f64 = 8.0;
 
 /// Number of points in a task when a [`PolarizationMap`](crate::PolarizationMap) is applied. A task
 /// costs more than its scheduling.
@@ -263,6 +280,11 @@ pub(crate) const MIN_FIT_POINTS: usize = 1000;
 
 /// Smallest number of grid points per node of a fit. Each node costs one exact field.
 pub(crate) const GRID_POINTS_PER_NODE: usize = 2;
+
+/// Smallest number of points per node that the distances of tiles suggest for a fit, of a list or of
+/// few tiles ([`MIN_LOOK_UP_TILES`]). They suggest fewer nodes than the fit needs; a box that would
+/// need still more is sampled in vain, which costs most where the exact field is cheap.
+pub(crate) const POINTS_PER_EXPECTED_NODE: usize = 12;
 
 /// Smallest number of nodes along an axis, from which the decay of the coefficients can be seen.
 pub(crate) const MIN_FIT_NODES: usize = 6;

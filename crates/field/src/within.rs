@@ -15,8 +15,10 @@ use rayon::prelude::*;
 use crate::direct::direct_sum::DirectSum;
 use crate::interpolation::fitted_field::FittedField;
 use crate::interpolation::on_grid::GridFits;
+use crate::interpolation::outlook::is_promising;
 use crate::tolerances::{
-    LOOK_UP_POINTS_PER_NODE, MAX_SORTED_POINTS, MIN_LOOK_UP_POINTS, MIN_LOOK_UP_TILES, MIN_TREE_TILES,
+    LOOK_UP_POINTS_PER_NODE, MAX_SORTED_POINTS, MIN_LOOK_UP_POINTS, MIN_LOOK_UP_TILES, MIN_TREE_POINTS, MIN_TREE_TILES,
+    POINTS_PER_EXPECTED_NODE, ROUNDING_POINTS, STRETCHED_BOUND,
 };
 use crate::tree::lazy_tree::LazyTree;
 use crate::tree::rounds::sum_over_tree;
@@ -46,7 +48,6 @@ fn at_some_points(
     points: &[DVec3],
     field: &mut [DVec3],
 ) -> Vec<PointError> {
-    field.fill(DVec3::NAN);
     let usable: Vec<u32> = match fitted(direct, tolerance, points) {
         Some(fitted) => {
             // All points are in the box. Errors are points where |B| is too small.
@@ -54,20 +55,57 @@ fn at_some_points(
             if quantity == Quantity::FieldStrength {
                 field.par_iter_mut().for_each(|h| *h /= MU_0);
             }
-            weak.into_iter().map(|error| error.index as u32).collect()
+            let weak: Vec<usize> = weak.into_iter().map(|error| error.index).collect();
+            return exact_at(direct, tolerance, quantity, points, &weak, field);
         }
         None if direct.tiles().len() < MIN_TREE_TILES => {
-            let all: Vec<usize> = (0..points.len()).collect();
-            return direct.exact_at(tolerance, quantity, points, &all, field);
+            return direct.field_within_into(tolerance, quantity, points, field);
         }
         None => (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect(),
     };
+    if !tree_pays(direct, tolerance, points, &usable) {
+        return direct.field_within_into(tolerance, quantity, points, field);
+    }
     let (mut errors, mut exact) = sum_over_tree(direct, tree.get(direct), tolerance, quantity, points, usable, field);
     exact.extend((0..points.len()).filter(|&index| !is_in_range(points[index])));
-    exact.sort_unstable();
-    errors.extend(direct.exact_at(tolerance, quantity, points, &exact, field));
+    errors.extend(exact_at(direct, tolerance, quantity, points, &exact, field));
     errors.sort_by_key(|error| error.index);
     errors
+}
+
+/// Whether the tree can cost less than direct summation, as far as the numbers of tiles and points
+/// and the rounding of its sums tell. The rounding is looked at for some of the `usable` points.
+pub(crate) fn tree_pays(direct: &DirectSum, tolerance: Tolerance, points: &[DVec3], usable: &[u32]) -> bool {
+    if direct.tiles().len() < MIN_TREE_TILES || usable.len() < MIN_TREE_POINTS {
+        return false;
+    }
+    let step = usable.len() / ROUNDING_POINTS;
+    let some: Vec<DVec3> = usable.iter().step_by(step).map(|&index| points[index as usize]).collect();
+    let mut field = vec![DVec3::ZERO; some.len()];
+    // Points without a field are NaN, which keeps no tolerance.
+    let _ = direct.exact_field_into(Quantity::FluxDensity, &some, &mut field);
+    let magnitudes_t = direct.magnitudes_t(&some);
+    let kept = field.iter().zip(magnitudes_t).filter(|(b, t)| tolerance.is_kept(**b, STRETCHED_BOUND * t)).count();
+    2 * kept > some.len()
+}
+
+/// Writes the exact field at the points with these indices, where it keeps the tolerance; returns
+/// the other points, where `field` is NaN.
+fn exact_at(
+    direct: &DirectSum,
+    tolerance: Tolerance,
+    quantity: Quantity,
+    points: &[DVec3],
+    indices: &[usize],
+    field: &mut [DVec3],
+) -> Vec<PointError> {
+    let chosen: Vec<DVec3> = indices.iter().map(|&index| points[index]).collect();
+    let mut values = vec![DVec3::ZERO; chosen.len()];
+    let errors = direct.field_within_into(tolerance, quantity, &chosen, &mut values);
+    for (&index, value) in indices.iter().zip(values) {
+        field[index] = value;
+    }
+    errors.into_iter().map(|error| PointError { index: indices[error.index], ..error }).collect()
 }
 
 /// The interpolation of the bounding box of points. `None` if there are too few points or tiles for
@@ -77,7 +115,11 @@ pub(crate) fn fitted(direct: &DirectSum, tolerance: Tolerance, points: &[DVec3])
     if !pays || !points.iter().all(|point| is_in_range(*point)) {
         return None;
     }
-    let BoundingBox { lower, upper } = BoundingBox::from_points(points);
+    let region = BoundingBox::from_points(points);
+    if !is_promising(direct, &region, tolerance, points.len() / POINTS_PER_EXPECTED_NODE) {
+        return None;
+    }
+    let BoundingBox { lower, upper } = region;
     FittedField::from_samples(direct, lower, upper, tolerance, points.len() / LOOK_UP_POINTS_PER_NODE).ok()
 }
 
@@ -92,17 +134,23 @@ pub(crate) fn on_grid(
     field: &mut [DVec3],
 ) -> Vec<PointError> {
     let fits = GridFits::new(direct, tolerance, grid);
-    let mut rest = fits.evaluate(direct.level(), tolerance, grid, field);
+    if fits.fitted.is_empty() {
+        let points: Vec<DVec3> = grid.points().collect();
+        return at_points(direct, tree, tolerance, quantity, &points, field);
+    }
+    let rest = fits.evaluate(direct.level(), tolerance, grid, field);
     if quantity == Quantity::FieldStrength {
         // No interpolated point is in a tile, so H is B / mu0.
         field.par_iter_mut().for_each(|h| *h /= MU_0);
     }
-    rest.sort_unstable();
     let points: Vec<DVec3> = rest.iter().map(|&index| grid.point(index)).collect();
     let mut values = vec![DVec3::ZERO; points.len()];
     let errors = at_points(direct, tree, tolerance, quantity, &points, &mut values);
     for (&index, value) in rest.iter().zip(values) {
         field[index] = value;
     }
-    errors.into_iter().map(|error| PointError { index: rest[error.index], ..error }).collect()
+    let errors = errors.into_iter().map(|error| PointError { index: rest[error.index], ..error });
+    let mut errors: Vec<PointError> = errors.collect();
+    errors.sort_by_key(|error| error.index);
+    errors
 }

@@ -27,7 +27,7 @@ pub enum Cause {
     OutOfRange,
     /// The tolerance is below the error bound of the exact field.
     TooExact {
-        /// The error bound of the exact field, in tesla.
+        /// The error bound of the exact field in tesla, from an upper bound of the sum over tiles.
         bound_t: f64,
     },
 }

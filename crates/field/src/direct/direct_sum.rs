@@ -1,20 +1,25 @@
 //! Prepared tiles with the vector instructions: the exact field.
 
+use std::sync::OnceLock;
+
 use fearless_simd::Level;
 use glam::{DMat3, DVec3};
-use magsplice_cuboid::block::{Block, LocalPoint, PlacedPoint};
-use magsplice_cuboid::field_bound::{field_bound_t, tile_field_bound_t};
-use magsplice_cuboid::scalar::kernel::{FieldKind, cuboid_field};
+use magsplice_cuboid::block::PlacedPoint;
+use magsplice_cuboid::scalar::kernel::FieldKind;
 use magsplice_cuboid::tolerances::EXACT_BOUND;
 use magsplice_magnet::{BoundingBox, Cause, MU_0, PointError, PointErrors, Quantity, Tile, Tolerance, is_in_range};
-use rayon::prelude::*;
+use magsplice_simd::column::Column;
 
 use super::batches::{Batches, for_each_batch};
 use super::edges::EdgesAtPoint;
 use super::gradient_sum::GradientSum;
+use super::magnitude::{LeastField, MagnitudeBounds};
 use super::sum::Sum;
 use crate::prepare::frames::Frames;
-use crate::tolerances::{DIPOLE_DISTANCE, POINTS_OF_ONE_TILE, POINTS_PER_BATCH, REGROUPED_PARTS};
+use crate::tolerances::{POINTS_OF_ONE_TILE, POINTS_PER_BATCH, REGROUPED_PARTS};
+
+/// Smallest length of a field whose square is a normal number.
+const LEAST_COMPARED: f64 = 1e-153;
 
 /// Tiles prepared for direct summation.
 #[derive(Clone, Debug)]
@@ -24,6 +29,8 @@ pub(crate) struct DirectSum {
     /// The box around each tile.
     boxes: Vec<BoundingBox>,
     level: Level,
+    /// Built when a tolerance first needs them.
+    magnitudes: OnceLock<MagnitudeBounds>,
 }
 
 impl DirectSum {
@@ -34,6 +41,7 @@ impl DirectSum {
             tiles: tiles.to_vec(),
             boxes: tiles.iter().map(BoundingBox::from_tile).collect(),
             level,
+            magnitudes: OnceLock::new(),
         }
     }
 
@@ -58,36 +66,8 @@ impl DirectSum {
         self.level
     }
 
-    /// Upper bound of [`DirectSum::magnitude_t`] that evaluates no field.
-    pub(crate) fn most_magnitude_t(&self, point: DVec3) -> f64 {
-        let at = BoundingBox { lower: point, upper: point };
-        self.boxes
-            .iter()
-            .zip(&self.tiles)
-            .map(|(around, tile)| tile_field_bound_t(tile, around.gap(&at).length()))
-            .sum()
-    }
-
-    /// Upper bound, in tesla, of the sum over tiles of the magnitudes of the fields that the
-    /// components of J make alone at a point. Errors of the exact field are stated relative to it.
-    /// For tiles many sizes away it is the bound of dipoles, at most four times too large; for near
-    /// tiles the fields are evaluated.
-    pub(crate) fn magnitude_t(&self, point: DVec3) -> f64 {
-        let own = |block: &Block, local: &LocalPoint| {
-            let gap = block.gap(local);
-            let half_diagonal = 0.5 * DVec3::from(block.size).length();
-            if gap > DIPOLE_DISTANCE * half_diagonal {
-                return field_bound_t(DVec3::from(block.size), block.polarization_t, gap);
-            }
-            let Some(placed) = block.place(local) else { return 0.0 };
-            let of_component = |axis: DVec3| {
-                let own = cuboid_field(&placed.offsets, (block.polarization_t * axis).to_array(), FieldKind::Density);
-                DVec3::from(own).length()
-            };
-            DVec3::AXES.into_iter().map(of_component).sum()
-        };
-        let of_frames = self.frames.locals(point);
-        of_frames.map(|(frame, local)| frame.blocks.iter().map(|block| own(block, &local)).sum::<f64>()).sum()
+    fn magnitudes(&self) -> &MagnitudeBounds {
+        self.magnitudes.get_or_init(|| MagnitudeBounds::new(&self.tiles))
     }
 
     /// The division of points into batches.
@@ -175,52 +155,70 @@ impl DirectSum {
         })
     }
 
-    /// Writes the exact field at the points with these indices, where it keeps the tolerance;
-    /// returns the other points.
-    pub(crate) fn exact_at(
+    /// Writes the exact field at every point where it keeps the tolerance; returns the other points,
+    /// where `field` is NaN.
+    pub(crate) fn field_within_into(
         &self,
         tolerance: Tolerance,
         quantity: Quantity,
         points: &[DVec3],
-        indices: &[usize],
         field: &mut [DVec3],
     ) -> Vec<PointError> {
-        let chosen: Vec<DVec3> = indices.iter().map(|&index| points[index]).collect();
-        let mut values = vec![DVec3::ZERO; chosen.len()];
-        let errors = self.checked_exact_into(tolerance, quantity, &chosen, &mut values);
-        for (&index, value) in indices.iter().zip(values) {
-            field[index] = value;
-        }
-        errors.into_iter().map(|error| PointError { index: indices[error.index], ..error }).collect()
+        let evaluated = for_each_batch(points, field, self.batches(), |points, field, failed| {
+            self.field_of_batch(quantity, points, field, failed);
+            self.refuse(tolerance, quantity, points, field, failed);
+        });
+        evaluated.err().map_or(Vec::new(), |errors| errors.0)
     }
 
-    /// Writes the exact field where it keeps the tolerance; returns the other points.
-    fn checked_exact_into(
+    /// Refuses the points of a batch at which the bound of the exact field's error does not keep the
+    /// tolerance: they are passed to `failed`, and their field becomes NaN.
+    fn refuse(
         &self,
         tolerance: Tolerance,
         quantity: Quantity,
         points: &[DVec3],
         field: &mut [DVec3],
-    ) -> Vec<PointError> {
-        let mut errors = self.exact_field_into(quantity, points, field).err().map_or(Vec::new(), |errors| errors.0);
+        failed: &mut dyn FnMut(usize, Cause),
+    ) {
         let in_tesla = if quantity == Quantity::FieldStrength { MU_0 } else { 1.0 };
-        let most_t: f64 = self.tiles.iter().map(|tile| tile_field_bound_t(tile, 0.0)).sum();
-        let checked = points.par_iter().zip(field).enumerate().filter_map(|(index, (&point, value))| {
-            // Cheap upper bounds of the sum over tiles decide nearly all points.
-            let is_kept = |magnitude_t: f64| tolerance.is_kept(*value * in_tesla, EXACT_BOUND * magnitude_t);
-            if value.is_nan() || is_kept(most_t) || is_kept(self.most_magnitude_t(point)) {
-                return None;
+        let (magnitudes, least) = (self.magnitudes(), LeastField::new(tolerance));
+        // Smallest square of the field that a magnitude allows.
+        let least_squared = |magnitude_t: f64| {
+            let least = least.at_t(EXACT_BOUND * magnitude_t) / in_tesla;
+            // Squares that are normal numbers can be compared.
+            if least > 0.0 { least.max(LEAST_COMPARED).powi(2) } else { 0.0 }
+        };
+        let is_weak = |value: &DVec3, least: f64| value.length_squared() < least;
+        let any_weak = |field: &[DVec3], least: f64| field.iter().fold(false, |any, b| any | is_weak(b, least));
+        // One bound for all points decides nearly all batches, and one for the box around the points
+        // most others.
+        if !any_weak(field, least_squared(magnitudes.largest_t())) {
+            return;
+        }
+        let least_in_box = least_squared(magnitudes.in_box_t(&self.boxes, &BoundingBox::from_points(points)));
+        if !any_weak(field, least_in_box) {
+            return;
+        }
+        let open = (0..points.len() as u32).filter(|&index| is_weak(&field[index as usize], least_in_box));
+        let open: Vec<u32> = open.collect();
+        let mut magnitudes_t = Column::default();
+        magnitudes.write(self.level, open.iter().map(|&index| points[index as usize]), &mut magnitudes_t);
+        for (&index, &magnitude_t) in open.iter().zip(&*magnitudes_t) {
+            let index = index as usize;
+            if field[index].length_squared() < least_squared(magnitude_t) {
+                field[index] = DVec3::NAN;
+                failed(index, Cause::TooExact { bound_t: EXACT_BOUND * magnitude_t });
             }
-            let magnitude_t = self.magnitude_t(point);
-            if is_kept(magnitude_t) {
-                return None;
-            }
-            *value = DVec3::NAN;
-            Some(PointError { index, point, cause: Cause::TooExact { bound_t: EXACT_BOUND * magnitude_t } })
-        });
-        errors.extend(checked.collect::<Vec<PointError>>());
-        errors.sort_by_key(|error| error.index);
-        errors
+        }
+    }
+
+    /// Upper bounds, in tesla, of the sum over tiles of the magnitudes of the fields that the
+    /// components of J make alone. Points must be in range.
+    pub(crate) fn magnitudes_t(&self, points: &[DVec3]) -> Vec<f64> {
+        let mut magnitudes_t = Column::default();
+        self.magnitudes().write(self.level, points.iter().copied(), &mut magnitudes_t);
+        magnitudes_t[..points.len()].to_vec()
     }
 
     /// The gradient of B at each point of a batch: column j is dB/dx_j, in tesla per unit of length.

@@ -16,6 +16,8 @@ mod edges;
 pub(crate) mod far_field;
 /// The gradient summed over tiles at a batch of points.
 pub(crate) mod gradient_sum;
+/// Upper bounds of the sum of magnitudes over tiles.
+mod magnitude;
 /// The scalar kernel at points in and close to a tile.
 mod near_field;
 /// Points that wait for vectors of one method.

@@ -14,5 +14,7 @@ pub(crate) mod harmonic_potential;
 mod look_up;
 /// A grid divided into boxes that can be fitted.
 pub(crate) mod on_grid;
+/// Whether a fit can cost less than the exact field.
+pub(crate) mod outlook;
 /// Weighted sums of rows, in vectors.
 mod weighted_sums;

@@ -8,9 +8,10 @@ use rayon::prelude::*;
 
 use super::chebyshev::polynomials;
 use super::fit::{ChebyshevFit, FitFailure};
+use super::outlook::is_promising;
 use super::weighted_sums::{padded, weighted_sum};
 use crate::direct::direct_sum::DirectSum;
-use crate::tolerances::{GRID_POINTS_PER_NODE, MIN_FIT_POINTS};
+use crate::tolerances::{GRID_POINTS_PER_NODE, MIN_FIT_POINTS, MIN_LOOK_UP_TILES, POINTS_PER_EXPECTED_NODE};
 
 /// A part of a grid: first indices along x, y, z, and the indices after the last.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +56,9 @@ fn divide(
     rest: &mut Vec<GridPart>,
 ) {
     let points = part.len();
-    let fit = if points < MIN_FIT_POINTS {
+    let few_tiles = direct.tiles().len() < MIN_LOOK_UP_TILES;
+    let expected = points / if few_tiles { POINTS_PER_EXPECTED_NODE } else { GRID_POINTS_PER_NODE };
+    let fit = if points < MIN_FIT_POINTS || !is_promising(direct, &part.region(grid), tolerance, expected) {
         Err(FitFailure::TooNear)
     } else {
         ChebyshevFit::new(direct, part.region(grid), tolerance, points / GRID_POINTS_PER_NODE)

@@ -1,11 +1,14 @@
 //! The interaction list of a batch of points: the interaction of each part of a tree with them.
 
 use glam::DVec3;
+use magsplice_cuboid::tolerances::CLOSED_FORM_COST;
 use magsplice_magnet::BoundingBox;
 
 use super::interaction::{DirectItem, ExpandedNode, Interaction, TranslatedNode};
 use super::nodes::Tree;
-use crate::tolerances::{LOCAL_ERROR_SHARE, MIN_TRANSLATION_POINTS, ROUNDING_SHARE, STRETCHED_BOUND};
+use crate::tolerances::{
+    LARGEST_LIST_COST, LOCAL_ERROR_SHARE, MIN_TRANSLATION_POINTS, NODE_COST, ROUNDING_SHARE, STRETCHED_BOUND,
+};
 
 /// Numbers of tiles by interaction.
 #[derive(Clone, Copy, Debug, Default)]
@@ -116,9 +119,15 @@ impl InteractionList {
         *count += tree.tiles_of_node(node);
     }
 
-    /// Whether every tile is summed directly.
-    pub(crate) fn is_exact(&self) -> bool {
-        self.expansions() == 0 && self.tiles.ignored == 0
+    /// Cost at a point, in exact fields of one tile.
+    pub(crate) fn cost(&self) -> f64 {
+        let terms: f64 = self.degrees().map(|p| NODE_COST * ((p + 2) * (p + 3)) as f64).sum();
+        self.tiles.direct as f64 + terms / CLOSED_FORM_COST
+    }
+
+    /// Whether it costs clearly less than direct summation of all `tiles`.
+    pub(crate) fn pays(&self, tiles: usize) -> bool {
+        self.cost() <= LARGEST_LIST_COST * tiles as f64
     }
 
     /// The degrees of the expansions.

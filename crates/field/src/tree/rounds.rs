@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use magsplice_expansion::tolerances::POINTS_PER_DEGREE;
-use magsplice_magnet::{BoundingBox, Cause, MU_0, PointError, Quantity, Tolerance, is_in_range};
+use magsplice_magnet::{BoundingBox, Cause, MU_0, PointError, Quantity, Tolerance};
 use rayon::prelude::*;
 
 use super::interaction_list::InteractionList;
@@ -58,8 +58,8 @@ pub(crate) fn interaction_lists(
     tree: &Tree,
     tolerance: Tolerance,
     points: &[DVec3],
+    usable: Vec<u32>,
 ) -> Vec<(usize, InteractionList)> {
-    let usable: Vec<u32> = (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect();
     let size = batch_size(usable.len());
     let order = batch_order(points, usable, size);
     let lists = order.par_chunks(POINTS_PER_LIST).map(|order| {
@@ -173,9 +173,15 @@ impl<'a> PointBatch<'a> {
         let (mut next, mut budget) = (NextRound::default(), None);
         for part in all.chunks(POINTS_PER_LIST) {
             let own = budget.unwrap_or_else(|| self.first_budget(&self.points[..part.len()]));
+            let list = self.list(&self.points_of(part), own);
+            if !list.pays(self.direct.tiles().len()) {
+                // Nor will the lists of the points around.
+                self.open.missed.extend(part[0]..self.points.len());
+                break;
+            }
             // The field hardly changes from these points to the next, so the next part uses their
             // budget.
-            budget = Some(self.evaluate_part(part, own, &mut next));
+            budget = Some(self.evaluate_part(part, own, list, &mut next));
         }
         // Points with a weak field are few. From here on they are combined into full lists.
         for _ in 1..MAX_REFINEMENT_ROUNDS {
@@ -192,25 +198,48 @@ impl<'a> PointBatch<'a> {
                 let first = ErrorBudget { total_t, nodes: FIRST_NODE_COUNT };
                 // These points are farther apart, so the list has more nodes than before.
                 let nodes = expected_nodes(&self.list(&self.points_of(part), first));
-                self.evaluate_part(part, ErrorBudget { total_t, nodes }, &mut next);
+                let budget = ErrorBudget { total_t, nodes };
+                let list = self.list(&self.points_of(part), budget);
+                if list.pays(self.direct.tiles().len()) {
+                    self.evaluate_part(part, budget, list, &mut next);
+                } else {
+                    self.open.missed.extend(part);
+                }
             }
         }
-        self.open.missed = next.missed;
+        self.open.missed.extend(next.missed);
     }
 
     /// Evaluates points with one interaction list, and adds points at which the tolerance is not
     /// kept to the next round. Returns the budget for points with a similar field.
-    fn evaluate_part(&mut self, part: &[usize], budget: ErrorBudget, next: &mut NextRound) -> ErrorBudget {
-        let result = self.evaluate(&self.points_of(part), budget);
-        let rounding_t = STRETCHED_BOUND * result.list.magnitude_t;
+    fn evaluate_part(
+        &mut self,
+        part: &[usize],
+        budget: ErrorBudget,
+        list: InteractionList,
+        next: &mut NextRound,
+    ) -> ErrorBudget {
+        let points = self.points_of(part);
+        let result = self.evaluate(&points, list);
+        // One bound for all points is often enough; otherwise each has its own.
+        let most_rounding_t = STRETCHED_BOUND * result.list.magnitude_t;
+        let mut own_magnitudes_t = None;
         let mut lengths_t = Vec::with_capacity(part.len());
-        for ((&index, &value), &error_t) in part.iter().zip(&result.values).zip(&result.truncation_error_t) {
+        let mut largest_rounding_t = 0.0_f64;
+        let errors_t = result.truncation_error_t.iter().enumerate();
+        for ((&index, &value), (number, &error_t)) in part.iter().zip(&result.values).zip(errors_t) {
             self.values[index] = value;
             let b = value * self.in_tesla();
             if value.is_nan() {
                 continue;
             }
             lengths_t.push(b.length());
+            if self.tolerance.is_kept(b, error_t + most_rounding_t) {
+                continue;
+            }
+            let magnitudes_t = own_magnitudes_t.get_or_insert_with(|| self.direct.magnitudes_t(&points));
+            let rounding_t = most_rounding_t.min(STRETCHED_BOUND * magnitudes_t[number]);
+            largest_rounding_t = largest_rounding_t.max(rounding_t);
             if !self.tolerance.is_kept(b, error_t + rounding_t) {
                 next.missed.push(index);
                 if self.tolerance.is_kept(b, rounding_t) {
@@ -227,7 +256,7 @@ impl<'a> PointBatch<'a> {
         let weak = lengths_t.len() / POINTS_PER_WEAK_FIELD;
         let weak_t = *lengths_t.select_nth_unstable_by(weak, f64::total_cmp).1;
         // A truncation error below rounding is of no use, as where the field vanishes by symmetry.
-        let total_t = (SAFETY_FACTOR * self.tolerance_t(weak_t)).max(rounding_t);
+        let total_t = (SAFETY_FACTOR * self.tolerance_t(weak_t)).max(largest_rounding_t);
         ErrorBudget { total_t, nodes }
     }
 
@@ -262,7 +291,7 @@ impl<'a> PointBatch<'a> {
         let total_t = FIRST_ERROR_OVER_J * self.tree.largest_j_t();
         let mut budget = ErrorBudget { total_t, nodes: FIRST_NODE_COUNT };
         for _ in 0..MAX_REFINEMENT_ROUNDS {
-            let result = self.evaluate(&some, budget);
+            let result = self.evaluate(&some, self.list(&some, budget));
             let lengths = result.values.iter().filter(|b| !b.is_nan()).map(|b| b.length() * self.in_tesla());
             let least_t = lengths.fold(f64::INFINITY, f64::min);
             let (nodes, error_t) = (result.node_count(budget), result.list.truncation_error_t);
@@ -275,9 +304,9 @@ impl<'a> PointBatch<'a> {
         budget
     }
 
-    fn evaluate(&self, points: &[DVec3], budget: ErrorBudget) -> ListResult {
+    fn evaluate(&self, points: &[DVec3], list: InteractionList) -> ListResult {
         let mut result = ListResult {
-            list: self.list(points, budget),
+            list,
             values: vec![DVec3::NAN; points.len()],
             truncation_error_t: vec![0.0; points.len()],
             failed: Vec::new(),

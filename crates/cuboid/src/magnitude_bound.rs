@@ -1,0 +1,278 @@
+//! An upper bound of the sum of the magnitudes of the fields that a cuboid's components of J make
+//! alone, in vectors of points (docs/physics.md, section 2.10).
+
+use std::f64::consts::{LN_2, PI};
+
+use fearless_simd::prelude::*;
+use glam::{DMat3, DQuat, DVec3};
+use magsplice_magnet::Tile;
+use magsplice_simd::lanes::{Lanes, Number};
+
+use crate::shape::Shape;
+use crate::tolerances::{FARTHEST_BOUND, LARGEST_FIELD_OVER_J, SERIES_BOUND_FROM};
+
+/// Relative rounding error of a bound, at most.
+const ROUNDING: f64 = 1e-12;
+
+/// A cuboid whose field is bounded. Its lengths are in half diagonals, except the centre.
+#[derive(Clone, Debug)]
+pub struct MagnitudeBound {
+    centre: [f64; 3],
+    /// Inverse of the half diagonal.
+    scale: f64,
+    /// V / 2 pi times the sum of |J_k|, in tesla.
+    dipole_t: f64,
+    /// The coefficient of q^4 in Eq. P45.
+    quartic: f64,
+    /// |J_k|, in tesla.
+    j_t: [f64; 3],
+    volume_over_2_pi: f64,
+    /// Areas of the faces normal to each axis, over 4 pi.
+    faces: [f64; 3],
+    /// Half sides.
+    half: [f64; 3],
+    /// The shortest side, and the two shortest multiplied.
+    shortest: f64,
+    cross_section: f64,
+    /// Bound of the error of an offset from a face.
+    roundoff: f64,
+    /// Rotation to the frame of the cuboid, if that is not the scene's.
+    to_own: Option<DMat3>,
+}
+
+impl MagnitudeBound {
+    /// Prepares a tile. `roundoff` bounds the error of an offset from a face, in the unit of lengths.
+    pub fn new(tile: &Tile, roundoff: f64) -> MagnitudeBound {
+        let longest = tile.size().max_element();
+        let half_diagonal = 0.5 * longest * (tile.size() / longest).length();
+        let sides = tile.size() / half_diagonal;
+        let shape = Shape::from_sides(sides.to_array());
+        let j_t = tile.polarization_t().abs();
+        let nearest = 1.0 / SERIES_BOUND_FROM;
+        let tail = shape.mean_inverse_cube(nearest) - 1.0 - 2.0 * nearest.powi(2);
+        MagnitudeBound {
+            centre: tile.position().to_array(),
+            scale: 1.0 / half_diagonal,
+            dipole_t: shape.volume / (2.0 * PI) * j_t.element_sum(),
+            quartic: tail / nearest.powi(4),
+            j_t: j_t.to_array(),
+            volume_over_2_pi: shape.volume / (2.0 * PI),
+            faces: (shape.volume / sides / (4.0 * PI)).to_array(),
+            half: (0.5 * sides).to_array(),
+            shortest: sides.min_element(),
+            cross_section: shape.volume / shape.largest,
+            roundoff: roundoff / half_diagonal,
+            to_own: (tile.rotation() != DQuat::IDENTITY).then(|| DMat3::from_quat(tile.rotation().inverse())),
+        }
+    }
+
+    /// Centre of the cuboid.
+    pub fn centre(&self) -> DVec3 {
+        self.centre.into()
+    }
+
+    /// Half of the diagonal.
+    pub fn half_diagonal(&self) -> f64 {
+        1.0 / self.scale
+    }
+
+    /// V / 2 pi times the sum of |J_k|, in tesla and cubed half diagonals.
+    pub fn dipole_t(&self) -> f64 {
+        self.dipole_t
+    }
+
+    /// Upper bound at every point, in tesla.
+    pub fn largest_t(&self) -> f64 {
+        LARGEST_FIELD_OVER_J * self.j_t.iter().sum::<f64>()
+    }
+
+    /// Upper bound at points that are at least this far from the cuboid, in tesla.
+    pub fn beyond_t(&self, distance: f64) -> f64 {
+        let gap = (distance * self.scale - self.roundoff).max(0.0);
+        (self.dipole_t * (1.0 + ROUNDING) / gap.powi(3)).min(self.largest_t())
+    }
+
+    /// Upper bounds at a vector of points, in tesla.
+    #[inline(always)]
+    pub fn at<S: Simd>(&self, simd: S, point: [Lanes<S>; 3]) -> Lanes<S> {
+        let d = from_centre(point, self.centre, self.scale);
+        let square = length_squared(simd, d);
+        let q = square.reciprocal_root_bound(simd);
+        let q_squared = q * q;
+        let series =
+            q_squared.mul_add(q_squared.scale_add(self.quartic, Lanes::splat(simd, 2.0)), Lanes::splat(simd, 1.0));
+        let far = q_squared * q * (series * self.dipole_t);
+        let from = SERIES_BOUND_FROM * SERIES_BOUND_FROM;
+        if !square.any_below(from) {
+            return far;
+        }
+        square.where_at_least(from, far, self.near(simd, d, q_squared))
+    }
+
+    /// Upper bounds near the cuboid; `d` is the offset from the centre in half diagonals.
+    #[inline(always)]
+    fn near<S: Simd>(&self, simd: S, d: [Lanes<S>; 3], q_squared: Lanes<S>) -> Lanes<S> {
+        let d = match &self.to_own {
+            None => d,
+            Some(to_own) => {
+                let [x, y, z] = [to_own.x_axis, to_own.y_axis, to_own.z_axis];
+                [
+                    d[2].scale_add(z.x, d[1].scale_add(y.x, d[0] * x.x)),
+                    d[2].scale_add(z.y, d[1].scale_add(y.y, d[0] * x.y)),
+                    d[2].scale_add(z.z, d[1].scale_add(y.z, d[0] * x.z)),
+                ]
+            }
+        };
+        let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
+        // Squared distances from the nearer and the farther faces, and from the slabs between them.
+        let (mut nearer, mut farther, mut gaps) = ([zero; 3], [zero; 3], [zero; 3]);
+        let mut farthest = [zero; 3];
+        let mut outside = Lanes::<S>::splat(simd, f64::NEG_INFINITY);
+        for axis in 0..3 {
+            let distance = d[axis].abs();
+            let from_face = distance - self.half[axis];
+            let to_nearer = (from_face.abs() - self.roundoff).max(zero);
+            let to_farther = distance + Lanes::splat(simd, self.half[axis] - self.roundoff);
+            let gap = (from_face - self.roundoff).max(zero);
+            let at_most = to_farther + Lanes::splat(simd, 2.0 * self.roundoff);
+            (nearer[axis], farther[axis]) = (to_nearer * to_nearer, to_farther * to_farther);
+            farthest[axis] = at_most * at_most;
+            gaps[axis] = gap * gap;
+            outside = outside.max(from_face);
+        }
+        let least = Lanes::<S>::splat(simd, 1.0 / FARTHEST_BOUND);
+        let gap_squared = (gaps[0] + gaps[1] + gaps[2]).max(least);
+        // Dipoles at the nearest point, on the nearest line of a rod, on the nearest plane of a plate.
+        let inverse = gap_squared.reciprocal_root_bound(simd);
+        let of_rod = inverse * inverse * (self.cross_section / PI);
+        let of_plate = inverse * self.shortest;
+        let of_point = inverse * inverse * inverse * self.volume_over_2_pi;
+        let by_dipoles = of_point.min(of_rod).min(of_plate);
+        // The diagonal element by solid angles of faces, the others by logarithms of edges.
+        let diagonal = outside.where_more(self.roundoff, q_squared.min(one) * 0.5, one);
+        // J itself inside.
+        let inside = outside.where_more(self.roundoff, zero, one);
+        let mut by_edges = [zero; 3];
+        for (axis, by_edges) in by_edges.iter_mut().enumerate() {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let ratio = (farthest[next] + farthest[last]).log2_of_ratio_bound(simd, nearer[next] + nearer[last]);
+            *by_edges = ratio * (LN_2 / (4.0 * PI));
+        }
+        // Charges or currents of density |J| on the pair of faces normal to an axis.
+        let mut by_faces = [zero; 3];
+        for axis in 0..3 {
+            let aside = gaps[(axis + 1) % 3] + gaps[(axis + 2) % 3];
+            for along in [nearer[axis], farther[axis]] {
+                let inverse = (along + aside).max(least).reciprocal_root_bound(simd);
+                by_faces[axis] = (inverse * inverse).scale_add(self.faces[axis], by_faces[axis]);
+            }
+        }
+        let mut sum = zero;
+        for axis in 0..3 {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let by_elements = diagonal + by_edges[next] + by_edges[last];
+            let by_charges = by_faces[axis] + inside;
+            let by_currents = by_faces[next] + by_faces[last];
+            let own = by_elements.min(by_charges).min(by_currents).min(by_dipoles);
+            sum = own.min(Lanes::splat(simd, LARGEST_FIELD_OVER_J)).scale_add(self.j_t[axis], sum);
+        }
+        sum
+    }
+}
+
+/// Offsets of points from a centre, scaled.
+#[inline(always)]
+pub fn from_centre<S: Simd>([x, y, z]: [Lanes<S>; 3], centre: [f64; 3], scale: f64) -> [Lanes<S>; 3] {
+    [(x - centre[0]) * scale, (y - centre[1]) * scale, (z - centre[2]) * scale]
+}
+
+/// Squared lengths, of which those beyond [`FARTHEST_BOUND`] count as that.
+#[inline(always)]
+pub fn length_squared<S: Simd>(simd: S, [x, y, z]: [Lanes<S>; 3]) -> Lanes<S> {
+    z.mul_add(z, y.mul_add(y, x * x)).min(Lanes::splat(simd, FARTHEST_BOUND))
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+    use magsplice_simd::InstructionSet;
+
+    use super::*;
+    use crate::block::{Block, LocalPoint};
+    use crate::scalar::kernel::{FieldKind, cuboid_field};
+
+    /// Numbers that are evenly distributed between 0 and 1.
+    struct Sequence(u64);
+
+    impl Sequence {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+        }
+
+        fn between(&mut self, low: f64, high: f64) -> f64 {
+            low + (high - low) * self.next()
+        }
+    }
+
+    /// The sum of the magnitudes by the scalar kernel.
+    fn magnitude_t(tile: &Tile, point: DVec3) -> f64 {
+        let block = Block::new(0, DVec3::ZERO, tile.size(), tile.polarization_t(), tile.size().min_element());
+        let local = tile.rotation().inverse() * (point - tile.position());
+        let at = LocalPoint { coordinates: local.to_array(), roundoff: [0.0; 3] };
+        let placed = block.place(&at).expect("near enough");
+        let alone = |axis: DVec3| {
+            let j = tile.polarization_t() * axis;
+            DVec3::from(cuboid_field(&placed.offsets, j.to_array(), FieldKind::Density)).length()
+        };
+        DVec3::AXES.into_iter().map(alone).sum()
+    }
+
+    fn bounds(tile: &Tile, point: DVec3) -> Vec<f64> {
+        let bound = MagnitudeBound::new(tile, 1e-15);
+        let at = |set: InstructionSet| {
+            let level = set.detected().expect("available");
+            dispatch!(level, simd => bound.at(simd, point.to_array().map(|c| Lanes::splat(simd, c))).lane(0))
+        };
+        InstructionSet::available().into_iter().map(at).collect()
+    }
+
+    /// Bounds over magnitudes at random points, in order, for random cuboids of aspects up to
+    /// `aspect` with one or three components of J. The points are inside, or 1e-6 to 1e4 sizes away
+    /// from a random point inside, on a face, on an edge or at a corner.
+    fn excesses(aspect: f64, cases: usize) -> Vec<f64> {
+        let mut random = Sequence(5);
+        let mut excesses = Vec::new();
+        for case in 0..cases {
+            let mut vector = |from: f64, to: f64| DVec3::from([0, 1, 2].map(|_| random.between(from, to)));
+            let size = vector(-aspect.log10(), 0.0).to_array().map(|d| 10_f64.powf(d));
+            let j = if case % 2 == 0 { DVec3::AXES[case % 3] } else { vector(-1.0, 1.0) };
+            let centre = vector(-1.0, 1.0);
+            let turn = if case % 3 == 0 { DQuat::from_scaled_axis(vector(-1.0, 1.0)) } else { DQuat::IDENTITY };
+            let tile = Tile::new(centre, size.into(), j).expect("valid").rotated(turn).expect("a rotation");
+            let mut local = vector(-0.5, 0.5);
+            let direction = vector(-1.0, 1.0);
+            for axis in 0..random.between(0.0, 4.0) as usize {
+                local[(case + axis) % 3] = 0.5 * local[(case + axis) % 3].signum();
+            }
+            let shift = direction * 10_f64.powf(random.between(-6.0, 4.0)) * tile.size().max_element();
+            let point = centre + turn * (local * tile.size() + shift);
+            let exact = magnitude_t(&tile, point);
+            for bound in bounds(&tile, point) {
+                assert!(bound >= exact, "{tile:?} at {point}: {bound:e} is below {exact:e}");
+                excesses.push(bound / exact);
+            }
+        }
+        excesses.sort_by(f64::total_cmp);
+        excesses
+    }
+
+    #[test]
+    fn bounds_are_never_below_the_magnitude_and_not_far_above() {
+        for (aspect, median, largest) in [(1.0, 2.1, 15.0), (10.0, 2.1, 25.0), (1e3, 2.1, 60.0)] {
+            let excesses = excesses(aspect, 40_000);
+            let [middle, last] = [excesses[excesses.len() / 2], excesses[excesses.len() - 1]];
+            assert!(middle <= median && last <= largest, "{middle} in the median, {last} at most, aspect {aspect}");
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! The outlook of a Chebyshev fit, from distances alone: whether it can cost less than the exact
+//! field.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use magsplice_cuboid::field_bound::tile_field_bound_t;
+use magsplice_cuboid::tolerances::EXACT_BOUND;
+use magsplice_magnet::{BoundingBox, Quantity, Tolerance};
+
+use crate::direct::direct_sum::DirectSum;
+use crate::tolerances::MIN_FIELD_SHARE;
+
+/// Whether the distances of tiles suggest at most `max_nodes` nodes for a fit of the field in a box.
+/// Sampling a box whose fit then fails costs time, and distances cost nearly none.
+///
+/// The numbers of nodes that the asymptotic decay of the coefficients suggests (Eq. P26) are less
+/// than a fit will need. The rounding of the exact values, which the fit amplifies, is compared with
+/// the tolerance at the corners of the box.
+pub(crate) fn is_promising(direct: &DirectSum, region: &BoundingBox, tolerance: Tolerance, max_nodes: usize) -> bool {
+    let half = region.half_size();
+    let (mut slowest, mut magnitude_t) = ([0.0_f64; 3], 0.0);
+    for (tile, around) in direct.tiles().iter().zip(direct.boxes()) {
+        let gap = region.gap(around);
+        magnitude_t += tile_field_bound_t(tile, gap.length());
+        for axis in (0..3).filter(|&axis| half[axis] > 0.0) {
+            let aside = gap[(axis + 1) % 3].hypot(gap[(axis + 2) % 3]);
+            slowest[axis] = slowest[axis].max(decay(gap[axis] / half[axis], aside / half[axis]));
+        }
+    }
+    let relative = match tolerance {
+        Tolerance::Relative { fraction, .. } => fraction,
+        Tolerance::AbsoluteT { error_t, .. } => error_t / magnitude_t,
+    };
+    let nodes = |axis: usize| {
+        if half[axis] > 0.0 { (relative.min(0.5).ln() / slowest[axis].ln()).ceil().max(1.0) } else { 1.0 }
+    };
+    let expected = DVec3::new(nodes(0), nodes(1), nodes(2));
+    if expected.element_product() > max_nodes as f64 {
+        return false;
+    }
+    let amplified = expected.to_array().map(|count| 2.0 / PI * count.ln() + 1.0).iter().product::<f64>();
+    let rounding_t = EXACT_BOUND * magnitude_t * amplified;
+    match tolerance {
+        Tolerance::AbsoluteT { error_t, .. } => rounding_t <= error_t,
+        Tolerance::Relative { fraction, .. } => {
+            let corner = |n: usize| DVec3::from([0, 1, 2].map(|axis| if n >> axis & 1 == 1 { 1.0 } else { -1.0 }));
+            let points: Vec<DVec3> = (0..8).map(|n| region.centre() + half * corner(n)).collect();
+            let mut field = [DVec3::ZERO; 8];
+            let evaluated = direct.exact_field_into(Quantity::FluxDensity, &points, &mut field);
+            let lengths_t = field.map(DVec3::length);
+            let weakest_t = lengths_t.into_iter().fold(f64::INFINITY, f64::min);
+            let strongest_t = lengths_t.into_iter().fold(0.0, f64::max);
+            evaluated.is_ok() && rounding_t <= fraction * weakest_t.max(MIN_FIELD_SHARE * strongest_t)
+        }
+    }
+}
+
+/// Decay of the Chebyshev coefficients along an axis, for a singularity this far beyond the end of
+/// the box and to the side of it, in half lengths of the box (Eq. P26).
+fn decay(beyond: f64, aside: f64) -> f64 {
+    let place = if beyond > 0.0 { 1.0 + beyond } else { 0.0 };
+    let half_sum = 0.5 * ((place + 1.0).hypot(aside) + (place - 1.0).hypot(aside));
+    1.0 / (half_sum + (half_sum * half_sum - 1.0).max(0.0).sqrt())
+}
