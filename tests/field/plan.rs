@@ -60,7 +60,7 @@ fn parts_of_a_grid_cover_it_and_keep_their_bounds() {
         let found_t = largest_error_t(&scene, &points, &values);
         assert!(found_t <= error_t && found_t > 1e-4 * error_t, "{found_t:e} where {error_t:e} was planned");
     }
-    assert!(boxes > 0 && plan.cost() < 0.5 * plan.exact_cost, "{boxes} boxes");
+    assert!(boxes > 0 && plan.cost() < 0.6 * plan.exact_cost, "{boxes} boxes");
     assert!(plan.parts.iter().any(|part| !matches!(part.model, Model::Chebyshev { .. })), "nothing near the film");
 }
 

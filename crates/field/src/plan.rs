@@ -160,8 +160,8 @@ fn chebyshev(direct: &DirectSum, part: GridPart, fit: &ChebyshevFit) -> PlannedP
         error_t: fit.error_t,
         distance: distance(direct, &fit.region),
     };
-    let nodes = fit.counts.iter().product::<usize>();
-    PlannedPart { model, points: part.len(), cost: exact_cost(direct, nodes) + sums / CLOSED_FORM_COST }
+    let cost = exact_cost(direct, fit.exact_values) + sums / CLOSED_FORM_COST;
+    PlannedPart { model, points: part.len(), cost }
 }
 
 /// Distance from a box to the nearest tile.

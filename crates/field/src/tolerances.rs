@@ -286,28 +286,52 @@ pub(crate) const GRID_POINTS_PER_NODE: usize = 2;
 /// need still more is sampled in vain, which costs most where the exact field is cheap.
 pub(crate) const POINTS_PER_EXPECTED_NODE: usize = 12;
 
-/// Smallest number of nodes along an axis, from which the decay of the coefficients can be seen.
-pub(crate) const MIN_FIT_NODES: usize = 6;
-
 /// Largest number of nodes along an axis. A box that needs more is divided.
 pub(crate) const MAX_FIT_NODES: usize = 64;
 
-/// Maximum number of times that the number of nodes is raised until the estimated error is small
-/// enough.
-pub(crate) const MAX_FIT_ROUNDS: usize = 4;
-
-/// Allowed truncation error along each axis of a fit, as a fraction of its allowed error. A quarter
-/// is left for rounding.
-pub(crate) const AXIS_ERROR_SHARE: f64 = 0.25;
-
-/// Fastest decay from one coefficient to the next that is assumed, whatever the last ones show.
-pub(crate) const MIN_DECAY: f64 = 0.1;
-
-/// Slowest decay from one coefficient to the next for which a tail is summed.
+/// Slowest decay from one coefficient to the next for which a box is fitted. Slower ones need more
+/// than [`MAX_FIT_NODES`] nodes.
 pub(crate) const MAX_DECAY: f64 = 0.95;
 
-/// Number of points of a box at which a fit is compared with the exact field before it is used.
-pub(crate) const CHECK_POINTS: usize = 24;
+/// Bound of the truncation error of a fit, as a fraction of its allowed error. The rest is for
+/// rounding, and for points with a weaker field than those at which |B| was looked at.
+pub(crate) const TRUNCATION_SHARE: f64 = 0.75;
+
+/// Growth of the rounding error that is allowed for when more nodes are needed because of it.
+pub(crate) const LARGER_ROUNDING: f64 = 1.2;
+
+/// Smallest truncation error of a fit that is aimed at, as a fraction of the allowed error. Below it
+/// rounding would need nearly all of the allowance.
+pub(crate) const MIN_TRUNCATION_SHARE: f64 = 0.1;
+
+/// Number of points along each axis of a box, its ends included, at which the smallest |B| is looked
+/// for.
+pub(crate) const RANGE_POINTS: usize = 5;
+
+/// Number of patches of a face, in the bound of the truncation error, along a side as long as the
+/// distance of its tile from the box. With half as many, the bound needs a node more along an axis.
+pub(crate) const PATCHES_PER_DISTANCE: f64 = 2.0;
+
+/// Largest number of patches of a face along each of its sides.
+pub(crate) const PATCHES: f64 = 6.0;
+
+/// A tile is described by dipoles instead of charges in the bound of the truncation error if this
+/// times its moment is less than its charges times their distance: the bound of a coefficient of
+/// degree k grows by about k over the distance with each derivative.
+pub(crate) const DIPOLE_DEGREE: f64 = 16.0;
+
+/// Largest rounding error of a coordinate of a node and of a point relative to it, as a fraction of
+/// the coordinate plus half the box: at most four roundings.
+pub(crate) const NODE_ROUNDING: f64 = 2.0 * f64::EPSILON;
+
+/// Largest difference between a tile and its mirror image, as a fraction of the smaller of the tile
+/// and its distance, of which their fields are still treated as mirror images. The difference is
+/// counted as an error.
+pub(crate) const MIRROR_ROUNDING: f64 = 3e-14;
+
+/// Largest number of tiles among which mirror images are searched. The time of the search grows with
+/// the square of that number.
+pub(crate) const MAX_MIRRORED_TILES: usize = 4096;
 
 /// Smallest |B| in a box, as a fraction of the largest, for which nodes are added. Points with a
 /// weaker field use direct summation.

@@ -34,7 +34,7 @@ fn describe(text: &mut String, part: &PlannedPart, tiles: usize) {
             "a Chebyshev expansion of the field in a box",
             vec![
                 ("box", volume(*lower, *upper)),
-                ("polynomials", format!("{x} x {y} x {z}, from as many exact values")),
+                ("polynomials", format!("{x} x {y} x {z}")),
                 ("error", format!("at most {error_t:.1e} T")),
                 ("why", format!("no tile is nearer to the box than {} mm", number::number(*distance))),
             ],

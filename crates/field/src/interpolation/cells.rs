@@ -6,8 +6,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::chebyshev::{nodes, polynomials, transform};
-use super::fit::{ChebyshevFit, tail_of};
+use super::fit::ChebyshevFit;
 use super::harmonic_potential::{CELL_COEFFICIENTS, HarmonicPotential, harmonics};
+use super::truncation_bound::lebesgue_bound;
 use super::weighted_sums::{padded, weighted_sum_at};
 use crate::scalar_product::scalar_product;
 use crate::tolerances::CELL_DEGREE;
@@ -42,7 +43,9 @@ impl HarmonicCells {
         let half = fit.region.half_size() * scale / DVec3::from(counts.map(|count| count as f64));
         let projection = CellProjection::new(half);
         let along = [0, 1, 2].map(|axis| AxisRestriction::new(fit.counts[axis], counts[axis]));
-        let (slab, stride) = (ChebyshevFit::slab_len(fit.counts), padded(fit.counts[2]));
+        let dense = [0, 1, 2].map(|component| fit.dense_coefficients(component));
+        let stride = padded(fit.counts[2]);
+        let slab = fit.counts[1] * stride;
         let in_row = counts[1] * counts[2];
         let mut harmonic = vec![0.0; counts[0] * in_row * CELL_COEFFICIENTS];
         let rows = harmonic.par_chunks_mut(in_row * CELL_COEFFICIENTS).enumerate();
@@ -51,9 +54,9 @@ impl HarmonicCells {
             let mut along_z = vec![0.0; padded(CELL_NODES * counts[2])];
             // Chebyshev coefficients by cell, then by component, then by parity along x, y, z.
             let mut coefficients = vec![0.0; in_row * 3 * COMPONENT_COEFFICIENTS];
-            for component in 0..3 {
+            for (component, dense) in dense.iter().enumerate() {
                 for a in 0..CELL_NODES {
-                    weighted_sum_at(level, along[0].row(i * CELL_NODES + a), &fit.coefficients[component], &mut plane);
+                    weighted_sum_at(level, along[0].row(i * CELL_NODES + a), dense, &mut plane);
                     for jb in 0..counts[1] * CELL_NODES {
                         let (j, b) = (jb / CELL_NODES, jb % CELL_NODES);
                         weighted_sum_at(level, along[1].row(jb), &plane, &mut line);
@@ -71,7 +74,7 @@ impl HarmonicCells {
                 coefficients.chunks_exact(3 * COMPONENT_COEFFICIENTS).zip(harmonic.chunks_exact_mut(CELL_COEFFICIENTS));
             cells.map(|(coefficients, harmonic)| projection.project(level, coefficients, harmonic)).fold(0.0, f64::max)
         });
-        let error_t = errors_t.reduce(|| 0.0, f64::max);
+        let error_t = errors_t.reduce(|| 0.0, f64::max) + truncation_error_t(fit, &dense, &along);
         HarmonicCells { coefficients: harmonic, error_t }
     }
 }
@@ -83,9 +86,45 @@ fn coefficient_index([a, b, c]: [usize; 3]) -> usize {
     parities * PARITY_COEFFICIENTS + ((a / 2) * HALF_NODES + b / 2) * HALF_NODES + c / 2
 }
 
+/// Upper bound of the error of interpolating the fit of a box in its cells, in tesla. The axes are
+/// interpolated in turn.
+fn truncation_error_t(fit: &ChebyshevFit, dense: &[Vec<f64>; 3], along: &[AxisRestriction; 3]) -> f64 {
+    let mut growth = 1.0;
+    let by_axis = along.iter().zip(magnitudes_by_degree_t(fit, dense)).map(|(axis, magnitudes_t)| {
+        let error_t: f64 = axis.truncation_errors.iter().zip(magnitudes_t).map(|(error, sum_t)| error * sum_t).sum();
+        let grown_t = growth * error_t;
+        growth *= lebesgue_bound(CELL_NODES);
+        grown_t
+    });
+    by_axis.sum()
+}
+
+/// For each degree along each axis, an upper bound of the length of the field that the coefficients
+/// of that degree add, in tesla.
+fn magnitudes_by_degree_t(fit: &ChebyshevFit, dense: &[Vec<f64>; 3]) -> [Vec<f64>; 3] {
+    let [_, ny, nz] = fit.counts;
+    let stride = padded(nz);
+    let mut sums = fit.counts.map(|count| vec![DVec3::ZERO; count]);
+    for (component, coefficients) in dense.iter().enumerate() {
+        for (row, coefficients) in coefficients.chunks_exact(stride).enumerate() {
+            let mut on_row = 0.0;
+            for (sum, coefficient) in sums[2].iter_mut().zip(coefficients) {
+                sum[component] += coefficient.abs();
+                on_row += coefficient.abs();
+            }
+            sums[0][row / ny][component] += on_row;
+            sums[1][row % ny][component] += on_row;
+        }
+    }
+    sums.map(|sums| sums.iter().map(|sum| sum.length()).collect())
+}
+
 /// Restriction of Chebyshev polynomials of a box to its cells, along one axis.
 struct AxisRestriction {
     count: usize,
+    /// For each polynomial of the box, an upper bound of the error of its interpolation in any
+    /// cell.
+    truncation_errors: Vec<f64>,
     /// For each coefficient of each cell, the factors of the coefficients of the box.
     rows: Vec<f64>,
     /// The transpose of `rows`.
@@ -110,12 +149,34 @@ impl AxisRestriction {
                 }
             }
         }
-        AxisRestriction { count, rows, columns }
+        let truncation_errors = (0..count).map(|of_box| truncation_error_of_polynomial(of_box, cells)).collect();
+        AxisRestriction { count, truncation_errors, rows, columns }
     }
 
     fn row(&self, index: usize) -> &[f64] {
         &self.rows[index * self.count..(index + 1) * self.count]
     }
+}
+
+/// Upper bound of the error with which T_`degree` of a box is interpolated at the nodes of its cells:
+/// twice the sum of its coefficients in a cell beyond the last node, in the worst cell.
+fn truncation_error_of_polynomial(degree: usize, cells: usize) -> f64 {
+    if degree < CELL_NODES {
+        return 0.0;
+    }
+    let (nodes, transform) = (nodes(degree + 1), transform(degree + 1));
+    let mut values = vec![0.0; degree + 1];
+    // The cells on both sides of the middle mirror each other.
+    let of_cell = |cell: usize| {
+        let at_node = |node: &f64| {
+            polynomials((2.0 * cell as f64 + 1.0 + node) / cells as f64 - 1.0, &mut values);
+            values[degree]
+        };
+        let at_nodes: Vec<f64> = nodes.iter().map(at_node).collect();
+        let coefficient = |row: &Vec<f64>| row.iter().zip(&at_nodes).map(|(w, v)| w * v).sum::<f64>().abs();
+        2.0 * transform[CELL_NODES..].iter().map(coefficient).sum::<f64>()
+    };
+    (0..cells.div_ceil(2)).map(of_cell).fold(0.0, f64::max)
 }
 
 /// Least-squares projection of a cell's field onto gradients of harmonic potentials. It is the same
@@ -212,7 +273,7 @@ impl CellProjection {
                 }
             }
         }
-        residual_t.length() + tails_t(coefficients)
+        residual_t.length()
     }
 }
 
@@ -223,29 +284,6 @@ impl ParityClass {
         let start = component * COMPONENT_COEFFICIENTS + (odd[0] * 4 + odd[1] * 2 + odd[2]) * PARITY_COEFFICIENTS;
         &all[start..start + PARITY_COEFFICIENTS]
     }
-}
-
-/// Truncation error of the Chebyshev coefficients of a cell, in tesla, estimated as in
-/// [`ChebyshevFit`].
-fn tails_t(coefficients: &[f64]) -> f64 {
-    let mut sums = [[DVec3::ZERO; CELL_NODES]; 3];
-    for (component, coefficients) in coefficients.chunks_exact(COMPONENT_COEFFICIENTS).enumerate() {
-        for (parities, coefficients) in coefficients.chunks_exact(PARITY_COEFFICIENTS).enumerate() {
-            let [x, y, z] = [parities / 4, parities / 2 % 2, parities % 2];
-            for (i, plane) in coefficients.chunks_exact(HALF_NODES * HALF_NODES).enumerate() {
-                for (j, line) in plane.chunks_exact(HALF_NODES).enumerate() {
-                    let mut on_line = 0.0;
-                    for (k, coefficient) in line.iter().enumerate() {
-                        on_line += coefficient.abs();
-                        sums[2][2 * k + z][component] += coefficient.abs();
-                    }
-                    sums[0][2 * i + x][component] += on_line;
-                    sums[1][2 * j + y][component] += on_line;
-                }
-            }
-        }
-    }
-    sums.iter().map(|sums| tail_of(&sums.map(|s| s.length())).sum_t).sum()
 }
 
 /// The pseudoinverse of independent rows: for each entry of a vector, its contribution to the

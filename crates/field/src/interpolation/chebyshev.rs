@@ -29,19 +29,6 @@ pub(super) fn polynomials(x: f64, values: &mut [f64]) {
     }
 }
 
-/// Upper bound of the asymptotic ratio of successive coefficients of a function on [-1, 1], 1 / rho
-/// of Eq. P26.
-///
-/// The nearest singularity is `beyond` past the end of the interval and at distance `aside` from
-/// the line. rho is the sum of the half axes of the ellipse through the singularity with foci -1
-/// and 1.
-pub(super) fn decay(beyond: f64, aside: f64) -> f64 {
-    // A singularity that is not past the end is assumed to be at x = 0, the worst place.
-    let x = if beyond > 0.0 { 1.0 + beyond } else { 0.0 };
-    let long_axis = 0.5 * ((x + 1.0).hypot(aside) + (x - 1.0).hypot(aside));
-    1.0 / (long_axis + (long_axis * long_axis - 1.0).max(0.0).sqrt())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -60,18 +47,5 @@ mod tests {
         polynomials(0.3, &mut t);
         let found: f64 = coefficients.iter().zip(t).map(|(c, t)| c * t).sum();
         assert!((found - function(0.3)).abs() < 2e-15);
-    }
-
-    /// The coefficients of 1 / (x - s) decay by exactly this factor.
-    #[test]
-    fn decay_matches_the_coefficients_of_a_pole() {
-        let values: Vec<f64> = nodes(40).into_iter().map(|x| 1.0 / (1.5 - x)).collect();
-        let rows = transform(40);
-        let coefficient = |k: usize| rows[k].iter().zip(&values).map(|(a, b)| a * b).sum::<f64>();
-        assert!((coefficient(9) / coefficient(8) - decay(0.5, 0.0)).abs() < 1e-10);
-        let values: Vec<f64> = nodes(60).into_iter().map(|x| 1.0 / (x * x + 0.49)).collect();
-        let rows = transform(60);
-        let coefficient = |k: usize| rows[k].iter().zip(&values).map(|(a, b)| a * b).sum::<f64>();
-        assert!(((coefficient(10) / coefficient(8)).abs().sqrt() - decay(0.0, 0.7)).abs() < 1e-10);
     }
 }

@@ -35,10 +35,9 @@ use crate::tolerances::{
 ///
 /// # Accuracy
 /// The error is at most [`FittedField::error_t`] at each point of the box (docs/physics.md, section
-/// 5). It is the sum of two errors. The error of the Chebyshev interpolation of the whole box is
-/// estimated from the last coefficients, doubled for aliasing, and checked against the exact field
-/// at points of the box. The error of the cells is the sum of the coefficients of their difference
-/// from that interpolation.
+/// 5). It is the sum of two errors, of which both are proved. The error of the Chebyshev
+/// interpolation of the whole box follows from the charges of the tiles and their distances. The
+/// error of the cells is the sum of the coefficients of their difference from that interpolation.
 ///
 /// A relative tolerance holds wherever |B| is at least a hundredth of the largest |B| in the box.
 /// [`FittedField::flux_density_into`] names the points where it does not hold.
@@ -151,19 +150,16 @@ impl FittedField {
                 HarmonicCells::new(direct.level(), &fit, cells, scale);
             let error_t = fit.error_t + cell_error_t;
             if cell_error_t <= fit.allowed_error_t {
-                let per_length = |axis: usize| {
-                    let (whole, cell) = (fit.counts[axis] as f64, (CELL_DEGREE + 1) as f64);
-                    2.0 * (whole.powi(2) / size[axis]).max(cell.powi(2) / cell_size[axis])
-                };
-                // The derivative of a polynomial is at most degree^2 times its largest value per
-                // half length (Markov). The error is taken as such a polynomial, doubled for higher
-                // degrees.
-                let gradient_error_t = 2.0 * error_t * [0, 1, 2].map(per_length).into_iter().fold(0.0, f64::max);
+                // The difference between the fit and a cell is a polynomial, whose derivative is at
+                // most degree^2 times its largest value per half length (Markov).
+                let degrees = DVec3::from(fit.counts.map(|count| (count - 1).max(CELL_DEGREE) as f64));
+                let of_cells_t = 2.0 * cell_error_t * degrees * degrees / cell_size;
+                let gradient_error_t = (fit.gradient_error_t(direct) + of_cells_t).max_element();
                 return Ok(FittedField {
                     region,
                     tolerance,
                     cells,
-                    exact_values: fit.counts.iter().product(),
+                    exact_values: fit.exact_values,
                     cell_size,
                     per_cell: cell_size.recip().min(DVec3::MAX),
                     scale,
@@ -191,7 +187,7 @@ impl FittedField {
     }
 
     /// Upper bound of the error of a component of the gradient in the box, in tesla per unit of
-    /// length. It is estimated from [`FittedField::error_t`], and usually many times too large.
+    /// length. It is proved, and usually many times too large.
     pub fn gradient_error_t(&self) -> f64 {
         self.gradient_error_t
     }

@@ -2,7 +2,7 @@
 
 /// Cells of a box, each with a harmonic potential.
 mod cells;
-/// Chebyshev polynomials, nodes and the decay of coefficients.
+/// Chebyshev polynomials and nodes.
 mod chebyshev;
 /// The Chebyshev fit of the field in a box, with its error.
 pub(crate) mod fit;
@@ -12,9 +12,13 @@ pub(crate) mod fitted_field;
 pub(crate) mod harmonic_potential;
 /// Look-ups of many points, sorted by cell.
 mod look_up;
+/// Mirror symmetry of scenes about the middle of a box.
+mod mirror;
 /// A grid divided into boxes that can be fitted.
 pub(crate) mod on_grid;
 /// Whether a fit can cost less than the exact field.
 pub(crate) mod outlook;
+/// Upper bound of the truncation error of a fit.
+mod truncation_bound;
 /// Weighted sums of rows, in vectors.
 mod weighted_sums;

@@ -4,12 +4,13 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 use magsplice_magnet::{BoundingBox, Grid, Tolerance};
+use magsplice_simd::lanes::{Lanes, Number};
 use rayon::prelude::*;
 
 use super::chebyshev::polynomials;
 use super::fit::{ChebyshevFit, FitFailure};
 use super::outlook::is_promising;
-use super::weighted_sums::{padded, weighted_sum};
+use super::weighted_sums::{PADDING, padded, weighted_sum};
 use crate::direct::direct_sum::DirectSum;
 use crate::tolerances::{GRID_POINTS_PER_NODE, MIN_FIT_POINTS, MIN_LOOK_UP_TILES, POINTS_PER_EXPECTED_NODE};
 
@@ -114,9 +115,9 @@ impl GridPart {
 
 /// The polynomials of a fit at the grid's coordinates along each axis.
 struct PolynomialTables {
-    /// For each coordinate along x and along y the values of all polynomials.
-    along_x: Vec<Vec<f64>>,
-    along_y: Vec<Vec<f64>>,
+    /// For each component and each coordinate along x and along y the values of its polynomials.
+    along_x: [Vec<Vec<f64>>; 3],
+    along_y: [Vec<Vec<f64>>; 3],
     /// For each polynomial along z the values at all coordinates.
     along_z: Vec<f64>,
 }
@@ -131,6 +132,13 @@ impl PolynomialTables {
             values
         };
         let along = |axis: usize| (part.start[axis]..part.end[axis]).map(|i| values(axis, i)).collect::<Vec<_>>();
+        let of_components = |axis: usize| {
+            let all = along(axis);
+            fit.degrees.map(|degrees| {
+                let own = |values: &Vec<f64>| degrees[axis].below(values.len()).map(|degree| values[degree]).collect();
+                all.iter().map(own).collect()
+            })
+        };
         let stride = padded(part.counts()[2]);
         let mut along_z = vec![0.0; fit.counts[2] * stride];
         for (k, values) in along(2).into_iter().enumerate() {
@@ -138,7 +146,7 @@ impl PolynomialTables {
                 along_z[c * stride + k] = value;
             }
         }
-        PolynomialTables { along_x: along(0), along_y: along(1), along_z }
+        PolynomialTables { along_x: of_components(0), along_y: of_components(1), along_z }
     }
 }
 
@@ -158,8 +166,8 @@ fn evaluate(
     let planes = field.par_chunks_mut(ny * nz).enumerate().skip(part.start[0]).take(part.counts()[0]);
     let missed: Vec<usize> = planes
         .flat_map_iter(|(i, field)| {
-            let weights = &tables.along_x[i - part.start[0]];
-            let weakest_t = dispatch!(level, simd => evaluate_plane(simd, fit, &tables, weights, part, nz, field));
+            let plane = i - part.start[0];
+            let weakest_t = dispatch!(level, simd => evaluate_plane(simd, fit, &tables, plane, part, nz, field));
             let mut missed = Vec::new();
             if !tolerance.is_kept(DVec3::X * weakest_t, fit.error_t) {
                 let in_plane =
@@ -180,30 +188,77 @@ fn evaluate_plane<S: Simd>(
     simd: S,
     fit: &ChebyshevFit,
     tables: &PolynomialTables,
-    weights: &[f64],
+    plane: usize,
     part: GridPart,
     stride: usize,
     field: &mut [DVec3],
 ) -> f64 {
-    let (slab, degrees, line) = (ChebyshevFit::slab_len(fit.counts), fit.counts[2], padded(part.counts()[2]));
-    let mut in_plane = [0, 1, 2].map(|_| vec![0.0; slab]);
-    for (sum, coefficients) in in_plane.iter_mut().zip(&fit.coefficients) {
-        weighted_sum(simd, weights, coefficients, sum);
+    let mut in_plane = [0, 1, 2].map(|component| vec![0.0; fit.slab_len(component)]);
+    for (component, sum) in in_plane.iter_mut().enumerate() {
+        weighted_sum(simd, &tables.along_x[component][plane], &fit.coefficients[component], sum);
     }
-    let mut on_line = vec![0.0; padded(degrees)];
-    let mut values = [0, 1, 2].map(|_| vec![0.0; line]);
+    let mut on_line = [0, 1, 2].map(|_| vec![0.0; padded(fit.counts[2])]);
     let mut least_square = f64::INFINITY;
-    for (j, weights) in (part.start[1]..).zip(&tables.along_y) {
-        for (values, coefficients) in values.iter_mut().zip(&in_plane) {
-            weighted_sum(simd, weights, coefficients, &mut on_line);
-            weighted_sum(simd, &on_line[..degrees], &tables.along_z, values);
+    for j in 0..part.counts()[1] {
+        for (component, (sum, coefficients)) in on_line.iter_mut().zip(&in_plane).enumerate() {
+            weighted_sum(simd, &tables.along_y[component][j], coefficients, sum);
         }
-        let [x, y, z] = &values;
-        let line = &mut field[j * stride + part.start[2]..j * stride + part.end[2]];
-        for (field, ((x, y), z)) in line.iter_mut().zip(x.iter().zip(y).zip(z)) {
-            *field = DVec3::new(*x, *y, *z);
-            least_square = least_square.min(field.length_squared());
-        }
+        let start = (part.start[1] + j) * stride;
+        let line = &mut field[start + part.start[2]..start + part.end[2]];
+        least_square = least_square.min(evaluate_line(simd, &on_line, fit.counts[2], &tables.along_z, line));
     }
     least_square.sqrt()
+}
+
+/// Writes the field on a line along z, of whose three components `on_line` holds the coefficients.
+/// Returns the smallest |B|^2.
+///
+/// All components of two vectors of points are summed in registers.
+#[inline(always)]
+fn evaluate_line<S: Simd>(
+    simd: S,
+    on_line: &[Vec<f64>; 3],
+    degrees: usize,
+    along_z: &[f64],
+    line: &mut [DVec3],
+) -> f64 {
+    let length = Lanes::<S>::LEN;
+    let zero = Lanes::<S>::splat(simd, 0.0);
+    let stride = padded(line.len());
+    let [x, y, z] = on_line;
+    let (x, y, z) = (&x[..degrees], &y[..degrees], &z[..degrees]);
+    let mut least = Lanes::<S>::splat(simd, f64::INFINITY);
+    let mut values = [[0.0; PADDING]; 3];
+    for (start, points) in (0..).step_by(2 * length).zip(line.chunks_mut(2 * length)) {
+        let mut sums = [[zero; 3]; 2];
+        for (((row, &x), &y), &z) in along_z.chunks_exact(stride).zip(x).zip(y).zip(z) {
+            let row = &row[start..start + 2 * length];
+            for (half, sums) in sums.iter_mut().enumerate() {
+                let polynomial = Lanes::<S>::load(simd, &row[half * length..(half + 1) * length]);
+                sums[0] = polynomial.scale_add(x, sums[0]);
+                sums[1] = polynomial.scale_add(y, sums[1]);
+                sums[2] = polynomial.scale_add(z, sums[2]);
+            }
+        }
+        for (half, sums) in sums.iter().enumerate() {
+            for (value, values) in sums.iter().zip(&mut values) {
+                value.store(&mut values[half * length..(half + 1) * length]);
+            }
+        }
+        if points.len() == 2 * length {
+            for sums in sums {
+                let [x, y, z] = sums;
+                least = least.min(z.mul_add(z, y.mul_add(y, x * x)));
+            }
+        } else {
+            let square = |n: usize| values[0][n].powi(2) + values[1][n].powi(2) + values[2][n].powi(2);
+            let smallest = (0..points.len()).map(square).fold(f64::INFINITY, f64::min);
+            least = least.min(Lanes::<S>::splat(simd, smallest));
+        }
+        let [x, y, z] = &values;
+        for (((point, x), y), z) in points.iter_mut().zip(x).zip(y).zip(z) {
+            *point = DVec3::new(*x, *y, *z);
+        }
+    }
+    (0..length).map(|lane| least.lane(lane)).fold(f64::INFINITY, f64::min)
 }

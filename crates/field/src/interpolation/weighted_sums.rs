@@ -8,7 +8,7 @@ use magsplice_simd::lanes::{Lanes, Number};
 
 /// Row lengths are rounded up to a multiple of this, two of the longest vectors; the padding is
 /// zero.
-const PADDING: usize = 16;
+pub(super) const PADDING: usize = 16;
 
 /// Length of a row of `length` numbers with its padding.
 pub(super) fn padded(length: usize) -> usize {
