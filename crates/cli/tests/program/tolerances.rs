@@ -98,10 +98,12 @@ fn plan_states_methods_points_and_truncation() {
     let tile = "format = 1\nname = \"t\"\n[[tile]]\nname = \"t\"\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
     let tile = sandbox.write("tile.toml", tile);
     let tile = tile.to_str().expect("UTF-8");
-    sandbox.write("p.csv", "x_mm,y_mm,z_mm\n0,0,-500\n1,0,-600\n");
+    // Fewer points are not worth a tree.
+    let far: String = (0..300).map(|n| format!("{n},0,-500\n")).collect();
+    sandbox.write("p.csv", &format!("x_mm,y_mm,z_mm\n{far}"));
     let said = sandbox.run(&["plan", &shipped("film-80mm"), "--points", "p.csv", "--within", "1e-4"]);
     assert!(
-        said.stdout.contains("2 points of p.csv") && said.stdout.contains("800 of 800 by 1.0 expansions of degree"),
+        said.stdout.contains("300 points of p.csv") && said.stdout.contains("800 of 800 by 1.0 expansions of degree"),
         "{}",
         said.stdout
     );
