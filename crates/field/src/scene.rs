@@ -81,11 +81,10 @@ impl Scene {
     ///
     /// Exact values keep a tolerance if 2e-14 of an upper bound of the sum over tiles does
     /// (docs/physics.md, section 2.10); other points are refused. The bound is about twice the sum
-    /// in the median, and at most 15 times the sum for a cube, 25 times for aspects up to 10, and 60
-    /// times for aspects up to 1000, beside a single tile. So no tolerance above 1.2e-12 of the sum
-    /// is refused. The rounding of points in the frames of rotated tiles (see Accuracy above) is not
-    /// included: close to rotated tiles and far from others of their orientation a tolerance near
-    /// that rounding may be missed.
+    /// in the median. The largest factors found beside random single tiles are 15 for a cube, 25 for
+    /// aspects up to 10, and 60 for aspects up to 1000. The rounding of points in the frames of
+    /// rotated tiles (see Accuracy above) is not included: close to rotated tiles and far from
+    /// others of their orientation a tolerance near that rounding may be missed.
     pub fn with_accuracy(self, accuracy: Accuracy) -> Scene {
         Scene { accuracy, tree: LazyTree::new(&self.direct, accuracy), ..self }
     }
