@@ -89,7 +89,15 @@ impl MagnitudeBound {
     /// Upper bound at points that are at least this far from the cuboid, in tesla.
     pub fn beyond_t(&self, distance: f64) -> f64 {
         let gap = (distance * self.scale - self.roundoff).max(0.0);
-        (self.dipole_t * (1.0 + ROUNDING) / gap.powi(3)).min(self.largest_t())
+        let by_dipoles_t = self.dipole_t * (1.0 + ROUNDING) / gap.powi(3);
+        // The bound by elements is never smaller than this.
+        if by_dipoles_t <= 0.5 * self.j_t.iter().sum::<f64>() {
+            return by_dipoles_t;
+        }
+        let of_edges = self.half.map(|half| (half / gap).asinh() / (2.0 * PI));
+        let by_elements = |axis: usize| DVec3::new(0.5, of_edges[(axis + 1) % 3], of_edges[(axis + 2) % 3]).length();
+        let own_t = |axis: usize| self.j_t[axis] * by_elements(axis).min(LARGEST_FIELD_OVER_J);
+        by_dipoles_t.min((0..3).map(own_t).sum::<f64>() * (1.0 + ROUNDING))
     }
 
     /// Upper bounds at a vector of points, in tesla.
@@ -262,6 +270,9 @@ mod tests {
                 assert!(bound >= exact, "{tile:?} at {point}: {bound:e} is below {exact:e}");
                 excesses.push(bound / exact);
             }
+            let gap = ((local * tile.size() + shift).abs() - 0.5 * tile.size()).max(DVec3::ZERO);
+            let beyond_t = MagnitudeBound::new(&tile, 1e-15).beyond_t(gap.length());
+            assert!(beyond_t >= exact, "{tile:?} at {point}: {beyond_t:e} is below {exact:e}");
         }
         excesses.sort_by(f64::total_cmp);
         excesses
@@ -274,5 +285,13 @@ mod tests {
             let [middle, last] = [excesses[excesses.len() / 2], excesses[excesses.len() - 1]];
             assert!(middle <= median && last <= largest, "{middle} in the median, {last} at most, aspect {aspect}");
         }
+    }
+
+    #[test]
+    fn bound_at_a_distance_is_that_of_the_elements_near_a_face() {
+        let cube = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::Z).expect("valid");
+        // The square root of 1/4 + 2 (asinh(2) / 2 pi)^2.
+        let beyond_t = MagnitudeBound::new(&cube, 0.0).beyond_t(0.25);
+        assert!((beyond_t - 0.596_306).abs() < 1e-6, "{beyond_t}");
     }
 }
