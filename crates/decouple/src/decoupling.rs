@@ -273,6 +273,29 @@ mod tests {
         assert_relative_eq!(plane.deviation, 3.0 * d.uniformity_rmse.s_z, max_relative = 1e-9);
     }
 
+    /// A film that is displaced after the reference was taken has the same error in every point.
+    #[test]
+    fn displacement_of_the_film_is_the_ideal_error() {
+        let (grid, moved) = (grid(), DVec3::new(0.03, -0.05, 0.02));
+        let field: Vec<DVec3> = grid.points().map(|p| film().flux_density_t(p + moved).unwrap()).collect();
+        let at = DVec3::new(0.7, -0.4, -4.5);
+        let d = Decoupling::from_field(&grid, &field, (at, film().flux_density_t(at).unwrap()), &film()).unwrap();
+        let found = d.ideal_rmse.as_lengths(film().wavenumber());
+        assert!((found - moved.abs()).length() < 1e-12, "{found}");
+        assert!(d.uniformity_rmse.as_lengths(film().wavenumber()).length() < 1e-12);
+    }
+
+    #[test]
+    fn messages_name_the_axis_and_its_parameter() {
+        let wide = |axis| DecouplingError::BeyondHalfWave { axis, reach: 6.0, half_wavelength: 5.0 }.to_string();
+        let expected =
+            "the working volume reaches |x| = 6, must stay below half a wavelength, 5, where R_x repeats itself";
+        assert_eq!(wide(0), expected);
+        assert_eq!(wide(1), expected.replace("|x|", "|y|").replace("R_x", "R_y"));
+        let at = DVec3::new(1.0, 2.0, -3.0);
+        assert!(DecouplingError::SingularReference { at }.to_string().contains("(1, 2, -3)"));
+    }
+
     #[test]
     fn singular_points_are_listed_and_enter_no_average() {
         let grid = grid();

@@ -64,3 +64,17 @@ impl PerParameter {
         DVec3::new(self.r_x, self.r_y, self.s_z) / wavenumber
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_in_the_order_of_the_axes() {
+        let numbers = PerParameter { r_x: 2.0, r_y: 3.0, s_z: 5.0 };
+        assert_eq!(numbers.to_array(), [2.0, 3.0, 5.0]);
+        assert_eq!(Parameter::ALL.map(|parameter| numbers.get(parameter)), numbers.to_array());
+        assert_eq!(Parameter::ALL.map(Parameter::axis), [0, 1, 2]);
+        assert_eq!(numbers.as_lengths(2.0), DVec3::new(1.0, 1.5, 2.5));
+    }
+}
