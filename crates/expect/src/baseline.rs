@@ -143,6 +143,14 @@ mod tests {
         assert_eq!(difference(&before, &before).relative, 0.0);
     }
 
+    /// Of points with the same difference the first is named.
+    #[test]
+    fn difference_is_divided_by_the_longer_value() {
+        let short = DVec3::new(3.0, 4.0, 0.0);
+        let found = difference(&[short, 2.0 * short, short], &[short, short, 2.0 * short]);
+        assert_eq!((found.relative, found.at.x), (0.5, 1.0));
+    }
+
     #[test]
     fn difference_is_finite_for_zero_and_extreme_fields() {
         assert_eq!(difference(&[DVec3::X], &[DVec3::ZERO]).relative, 1.0);

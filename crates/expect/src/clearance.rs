@@ -97,6 +97,9 @@ mod tests {
         assert_eq!(clearance(&tiles), Clearance { distance: 1.0, tile: 20 });
         tiles.reverse();
         assert_eq!(clearance(&tiles), Clearance { distance: 1.0, tile: 0 });
+        // Of tiles at the same distance the first is named.
+        tiles.push(tile([0.0, 0.0, -1.5]));
+        assert_eq!(clearance(&tiles), Clearance { distance: 1.0, tile: 0 });
     }
 
     #[test]
@@ -108,13 +111,15 @@ mod tests {
     }
 
     proptest! {
-        /// Only tiles that are certainly further are skipped.
+        /// Only tiles that are certainly further are skipped, from volumes of any size.
         #[test]
         fn clearance_of_many_tiles_is_the_least_of_single_ones(
             tiles in prop::collection::vec((prop::array::uniform3(-15.0..15.0_f64), -3.0..3.0_f64), 2..20),
+            volume_size in 0.01..1.0_f64,
         ) {
             let turned = |(at, angle): ([f64; 3], f64)| tile(at).rotated(DQuat::from_rotation_x(angle)).unwrap();
             let tiles: Vec<Tile> = tiles.into_iter().map(turned).collect();
+            let clearance = |tiles: &[Tile]| Clearance::from_tiles(tiles, volume_size * LOWER, volume_size * UPPER).unwrap();
             let alone = tiles.iter().map(|t| clearance(&[*t]).distance).fold(f64::INFINITY, f64::min);
             prop_assert_eq!(clearance(&tiles).distance, alone);
         }

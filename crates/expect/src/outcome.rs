@@ -204,6 +204,7 @@ impl serde::Serialize for Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use magsplice_layout::ExpectedField;
 
     #[test]
     fn bounds_are_inclusive_and_broken_ones_have_negative_margins() {
@@ -244,6 +245,41 @@ mod tests {
         assert_eq!([x, y, z], [Some((10.0, Bound::AtMost(1.0))), None, Some((30.0, Bound::AtMost(3.0)))]);
         let all = [Expectation::UniformityRmse(Parameter::Rx), Expectation::UniformityRmse(Parameter::Sz)];
         assert_eq!(Expectation::stated_in(&expected), all);
+    }
+
+    #[test]
+    fn amplitude_field_and_clearance_have_their_bounds_and_locations() {
+        let none = Expectations::default();
+        let field = Some(ExpectedField { file: "field.csv".into(), within: 1e-3 });
+        let stated = Expectations {
+            least_amplitude: Some(0.9),
+            field,
+            least_clearance_mm: Some(2.0),
+            ..Expectations::default()
+        };
+        let at = DVec3::new(1.0, 2.0, -3.0);
+        let difference = |relative: f64| BaselineDifference { relative, at };
+        let clearance = Clearance { distance: 3.0, tile: 7 };
+        let found = |expected: &Expectations| {
+            [
+                Outcome::from_amplitude(expected, 0.8),
+                Outcome::from_field(expected, &difference(0.0)),
+                Outcome::from_field(expected, &difference(1e-2)),
+                Outcome::from_clearance(expected, &clearance),
+            ]
+        };
+        assert_eq!(found(&none), [None; 4]);
+        let (within, point) = (Bound::AtMost(1e-3), Some(Location::Point(at)));
+        assert_eq!(
+            found(&stated).map(|outcome| outcome.map(|o| (o.expectation.to_string(), o.value, o.bound, o.location))),
+            [
+                Some(("amplitude".to_owned(), 0.8, Bound::AtLeast(0.9), None)),
+                // A field without a difference has no worst point.
+                Some(("field".to_owned(), 0.0, within, None)),
+                Some(("field".to_owned(), 1e-2, within, point)),
+                Some(("clearance_mm".to_owned(), 3.0, Bound::AtLeast(2.0), Some(Location::Tile(7)))),
+            ]
+        );
     }
 
     #[cfg(feature = "serde")]
