@@ -6,7 +6,7 @@
 //! rearrangement with the library.
 
 use astro_float::{BigFloat, Consts, RoundingMode};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use magsplice_field::Tile;
 
 /// Working precision in bits.
@@ -69,9 +69,9 @@ impl Oracle {
         Oracle { arithmetic: Arithmetic { bits }, consts: Consts::new().expect("memory for constants") }
     }
 
-    /// The field of an unrotated tile; on its faces the limit from the side that owns the face.
+    /// The field of a tile; on its faces the limit from the side that owns the face.
     ///
-    /// The rotation of the tile is ignored.
+    /// Nothing is rounded in the frame of a rotated tile, whose quaternion may have any norm.
     pub fn field(&mut self, tile: &Tile, point: DVec3) -> OracleField {
         let num = self.arithmetic;
         let offsets = num.offsets(tile, point);
@@ -79,6 +79,7 @@ impl Oracle {
         let j = tile.polarization_t();
         let density = [0, 1, 2]
             .map(|axis| if inside { num.add(&strength[axis], &num.big(j[axis])) } else { strength[axis].clone() });
+        let [density, strength] = [density, strength].map(|own| num.rotated(own, tile.rotation()));
         OracleField { flux_density_t: rounded(&density), strength_t: rounded(&strength) }
     }
 
@@ -207,14 +208,36 @@ impl Arithmetic {
     /// Offsets of the point from the faces at +a and at -a, along each axis; zeros are replaced by
     /// a small displacement.
     fn offsets(self, tile: &Tile, point: DVec3) -> [[BigFloat; 2]; 3] {
+        let from_centre =
+            [0, 1, 2].map(|axis: usize| self.sub(&self.big(point[axis]), &self.big(tile.position()[axis])));
+        let from_centre = self.rotated(from_centre, tile.rotation().conjugate());
         let exact = [0, 1, 2].map(|axis: usize| {
-            let from_centre = self.sub(&self.big(point[axis]), &self.big(tile.position()[axis]));
             let half = self.big(0.5 * tile.size()[axis]);
-            [self.sub(&from_centre, &half), self.add(&from_centre, &half)]
+            [self.sub(&from_centre[axis], &half), self.add(&from_centre[axis], &half)]
         });
         let nudge =
             self.mul(&smallest(exact.iter().flatten().filter(|o| !o.is_zero())), &self.power_of_two(NUDGE_EXPONENT));
         exact.map(|faces| faces.map(|o| if o.is_zero() { nudge.clone() } else { o }))
+    }
+
+    /// v + 2 (w u x v + u x (u x v)) / (w^2 + u^2) for the quaternion (u, w).
+    fn rotated(self, v: [BigFloat; 3], rotation: DQuat) -> [BigFloat; 3] {
+        if rotation == DQuat::IDENTITY {
+            return v;
+        }
+        let [x, y, z, w] = rotation.to_array().map(|component| self.big(component));
+        let square = [&x, &y, &z, &w].map(|c| self.mul(c, c)).into_iter().reduce(|a, b| self.add(&a, &b));
+        let twice = self.div(&self.big(2.0), &square.expect("four components"));
+        let u = [x, y, z];
+        let cross = |v: &[BigFloat; 3]| {
+            [(1, 2), (2, 0), (0, 1)].map(|(a, b)| self.sub(&self.mul(&u[a], &v[b]), &self.mul(&u[b], &v[a])))
+        };
+        let once = cross(&v);
+        let again = cross(&once);
+        [0, 1, 2].map(|axis: usize| {
+            let sum = self.add(&self.mul(&w, &once[axis]), &again[axis]);
+            self.add(&v[axis], &self.mul(&twice, &sum))
+        })
     }
 
     fn big(self, value: f64) -> BigFloat {
