@@ -110,41 +110,19 @@ fn face<N: Number>([r00, r01, r10, r11]: [N; 4], [offset, square]: [N; 2], acros
     (a.mul_sub(b, n * n), n * (a + b))
 }
 
-/// Sums over the elements of a tile, which come one after the other.
-pub trait ElementSum<N> {
-    /// Adds an element, given as half of 4 pi T.
-    fn add(&mut self, element: usize, half: N);
-}
-
-/// mu0 H of a tile, in tesla.
-pub struct FieldSum<'a, N> {
-    /// The sum so far.
-    pub field_t: &'a mut [N; 3],
-    /// Contribution of one unit of half of 4 pi T to mu0 H, by element.
-    pub coefficients: &'a [[f64; 3]; 6],
-}
-
-impl<N: Number> ElementSum<N> for FieldSum<'_, N> {
-    #[inline(always)]
-    fn add(&mut self, element: usize, half: N) {
-        for (sum, coefficient) in self.field_t.iter_mut().zip(&self.coefficients[element]) {
-            *sum = half.scale_add(*coefficient, *sum);
-        }
-    }
-}
-
-/// Adds the needed elements.
+/// Adds the needed elements to mu0 H.
 #[inline(always)]
 pub fn add_elements<N: Functions>(
     simd: N::Instructions,
     needed: [bool; 6],
     ratios: &[[N; 2]; 6],
-    sum: &mut impl ElementSum<N>,
+    coefficients: &[[f64; 3]; 6],
+    sum: &mut [N; 3],
 ) {
     for (element, &[n, m]) in ratios.iter().enumerate() {
         if needed[element] {
             let reduced = if element < AA { N::artanh_of_ratio(simd, n, m) } else { N::angle(simd, m, n) };
-            sum.add(element, reduced.divided(simd));
+            add(sum, reduced.divided(simd), &coefficients[element]);
         }
     }
 }
@@ -161,7 +139,7 @@ pub fn common_inverse<N: Functions>(simd: N::Instructions, needed: [bool; 6], ra
     N::splat(simd, 1.0).over(product)
 }
 
-/// Adds the needed elements, each by `series`, with one division for all.
+/// Adds the needed elements to mu0 H, each by `series`, with one division for all.
 #[inline(always)]
 pub fn add_small_elements<N: Functions>(
     simd: N::Instructions,
@@ -169,7 +147,8 @@ pub fn add_small_elements<N: Functions>(
     ratios: &[[N; 2]; 6],
     mut inverse: N,
     series: impl Fn(N::Instructions, N, bool) -> N,
-    sum: &mut impl ElementSum<N>,
+    coefficients: &[[f64; 3]; 6],
+    sum: &mut [N; 3],
 ) {
     let one = N::splat(simd, 1.0);
     let mut products = [one; 6];
@@ -185,7 +164,15 @@ pub fn add_small_elements<N: Functions>(
             let [n, m] = ratios[element];
             let s = n * (inverse * products[element]);
             inverse = inverse * m;
-            sum.add(element, series(simd, s, element >= AA));
+            add(sum, series(simd, s, element >= AA), &coefficients[element]);
         }
+    }
+}
+
+/// Adds an element, given as half of 4 pi T, to mu0 H.
+#[inline(always)]
+pub fn add<N: Functions>(sum: &mut [N; 3], half: N, coefficient: &[f64; 3]) {
+    for (sum, coefficient) in sum.iter_mut().zip(coefficient) {
+        *sum = half.scale_add(*coefficient, *sum);
     }
 }

@@ -1,7 +1,6 @@
 //! The closed form of one cuboid on its own, without tables (docs/physics.md, section 2.6).
 
-use super::elements::{CornerGeometry, ElementSum, FieldSum, add_elements, add_small_elements, common_inverse};
-use super::magnitude::{FieldAndMagnitude, MagnitudeTerms};
+use super::elements::{CornerGeometry, add, add_elements, add_small_elements, common_inverse};
 use super::rod::ratios_of_rod;
 use super::terms::{AA, AB, AC, BB, BC, CC, Form, Terms};
 use crate::block::Block;
@@ -20,7 +19,6 @@ pub struct ClosedForm {
     needed: [bool; 6],
     /// Contribution of one unit of half of 4 pi T to mu0 H, in tesla.
     coefficients: [[f64; 3]; 6],
-    magnitude: MagnitudeTerms,
 }
 
 /// The elements that J with three components needs.
@@ -41,7 +39,6 @@ impl ClosedForm {
             is_strip: terms.squares[0] > (STRIP_ASPECT * STRIP_ASPECT) * terms.squares[1],
             needed: [0, 1, 2, 3, 4, 5].map(|element| terms.is_needed(element)),
             coefficients: [0, 1, 2, 3, 4, 5].map(|element| terms.group(element).coefficient),
-            magnitude: MagnitudeTerms::new(block, &terms),
             terms,
         }
     }
@@ -97,9 +94,9 @@ impl ClosedForm {
         Ratios(ratios)
     }
 
-    /// [`ClosedForm::ratios`] of a cuboid that is prepared as a rod.
+    /// mu0 H in tesla of a cuboid that is prepared as a rod, in its frame.
     #[inline(always)]
-    pub fn ratios_of_rod<N: Functions>(&self, simd: N::Instructions, place: &CornerGeometry<N>) -> Ratios<N> {
+    pub fn field_of_rod<N: Functions>(&self, simd: N::Instructions, place: &CornerGeometry<N>) -> [N; 3] {
         let mut ratios = [[N::splat(simd, 0.0), N::splat(simd, 1.0)]; 6];
         let (factors, squares) = (&self.terms.factors, &self.terms.squares);
         if self.needed[AB] {
@@ -112,7 +109,9 @@ impl ClosedForm {
             ratios[AA] = place.ratio::<AA>(factors, squares);
         }
         [ratios[BC], ratios[BB]] = ratios_of_rod(simd, place, factors, squares);
-        Ratios(ratios)
+        let mut sum = [N::splat(simd, 0.0); 3];
+        add_elements(simd, self.needed, &ratios, &self.coefficients, &mut sum);
+        sum
     }
 
     /// At least 0 where a point is farther than a quarter of the second side from the edges of both
@@ -154,88 +153,58 @@ impl ClosedForm {
                 }
             }
         }
-        self.field(
-            simd,
-            #[inline(always)]
-            |sum| add_elements(simd, self.needed, &ratios, sum),
-        )
+        let mut sum = [N::splat(simd, 0.0); 3];
+        add_elements(simd, self.needed, &ratios, &self.coefficients, &mut sum);
+        sum
     }
 
-    /// mu0 H of the cuboid in tesla, in its frame, from elements that `add` adds.
+    /// mu0 H of the cuboid in tesla, in its frame.
     #[inline(always)]
-    pub fn field<N: Functions>(&self, simd: N::Instructions, add: impl FnOnce(&mut FieldSum<N>)) -> [N; 3] {
-        let mut field_t = [N::splat(simd, 0.0); 3];
-        add(&mut FieldSum { field_t: &mut field_t, coefficients: &self.coefficients });
-        field_t
-    }
-
-    /// The same, and an upper bound of the sum over k of |T e_k| |J_k| in tesla.
-    #[inline(always)]
-    pub fn field_and_magnitude<N: Functions>(
-        &self,
-        simd: N::Instructions,
-        add: impl FnOnce(&mut FieldAndMagnitude<N>),
-    ) -> ([N; 3], N) {
-        let mut field_t = [N::splat(simd, 0.0); 3];
-        let field = FieldSum { field_t: &mut field_t, coefficients: &self.coefficients };
-        let mut sum = FieldAndMagnitude::new(simd, field, &self.magnitude);
-        add(&mut sum);
-        let magnitude_t = sum.magnitude_t();
-        (field_t, magnitude_t)
-    }
-
-    /// Adds the elements of a cuboid that is not thin.
-    #[inline(always)]
-    pub fn add_elements<N: Functions>(
-        &self,
-        simd: N::Instructions,
-        Ratios(ratios): &Ratios<N>,
-        sum: &mut impl ElementSum<N>,
-    ) {
-        if self.needed != GENERAL {
-            return add_elements(simd, self.needed, ratios, sum);
+    pub fn field<N: Functions>(&self, simd: N::Instructions, Ratios(ratios): &Ratios<N>) -> [N; 3] {
+        if self.needed == GENERAL {
+            let [ab, ac, bc, aa, bb, _] = *ratios;
+            let first = N::artanh_of_ratio(simd, ab[0], ab[1]);
+            let second = N::artanh_of_ratio(simd, ac[0], ac[1]);
+            let third = N::artanh_of_ratio(simd, bc[0], bc[1]);
+            let fourth = N::angle(simd, aa[1], aa[0]);
+            let fifth = N::angle(simd, bb[1], bb[0]);
+            let two = first.denominator * second.denominator;
+            let three = two * third.denominator;
+            let four = three * fourth.denominator;
+            let mut inverse = N::splat(simd, 1.0).over(four * fifth.denominator);
+            let mut sum = [N::splat(simd, 0.0); 3];
+            add(&mut sum, fifth.value(simd, fifth.numerator * (inverse * four)), &self.coefficients[BB]);
+            inverse = inverse * fifth.denominator;
+            add(&mut sum, fourth.value(simd, fourth.numerator * (inverse * three)), &self.coefficients[AA]);
+            inverse = inverse * fourth.denominator;
+            add(&mut sum, third.value(simd, third.numerator * (inverse * two)), &self.coefficients[BC]);
+            inverse = inverse * third.denominator;
+            add(&mut sum, second.value(simd, second.numerator * (inverse * first.denominator)), &self.coefficients[AC]);
+            add(&mut sum, first.value(simd, first.numerator * (inverse * second.denominator)), &self.coefficients[AB]);
+            return sum;
         }
-        let [ab, ac, bc, aa, bb, _] = *ratios;
-        let first = N::artanh_of_ratio(simd, ab[0], ab[1]);
-        let second = N::artanh_of_ratio(simd, ac[0], ac[1]);
-        let third = N::artanh_of_ratio(simd, bc[0], bc[1]);
-        let fourth = N::angle(simd, aa[1], aa[0]);
-        let fifth = N::angle(simd, bb[1], bb[0]);
-        let two = first.denominator * second.denominator;
-        let three = two * third.denominator;
-        let four = three * fourth.denominator;
-        let mut inverse = N::splat(simd, 1.0).over(four * fifth.denominator);
-        sum.add(BB, fifth.value(simd, fifth.numerator * (inverse * four)));
-        inverse = inverse * fifth.denominator;
-        sum.add(AA, fourth.value(simd, fourth.numerator * (inverse * three)));
-        inverse = inverse * fourth.denominator;
-        sum.add(BC, third.value(simd, third.numerator * (inverse * two)));
-        inverse = inverse * third.denominator;
-        sum.add(AC, second.value(simd, second.numerator * (inverse * first.denominator)));
-        sum.add(AB, first.value(simd, first.numerator * (inverse * second.denominator)));
+        let mut sum = [N::splat(simd, 0.0); 3];
+        add_elements(simd, self.needed, ratios, &self.coefficients, &mut sum);
+        sum
     }
 
-    /// Adds the elements, each by its own division.
+    /// The reciprocal of the product of all denominators: one division for all elements.
     #[inline(always)]
-    pub fn add_divided<N: Functions>(
+    pub fn common_inverse<N: Functions>(&self, simd: N::Instructions, Ratios(ratios): &Ratios<N>) -> N {
+        common_inverse(simd, self.needed, ratios)
+    }
+
+    /// mu0 H of the cuboid in tesla, in its frame, where no element has half of 4 pi T above
+    /// [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE).
+    #[inline(always)]
+    pub fn field_of_small<N: Functions>(
         &self,
         simd: N::Instructions,
         Ratios(ratios): &Ratios<N>,
-        sum: &mut impl ElementSum<N>,
-    ) {
-        add_elements(simd, self.needed, ratios, sum);
-    }
-
-    /// Adds the elements where none has half of 4 pi T above
-    /// [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE): one division for all.
-    #[inline(always)]
-    pub fn add_small_elements<N: Functions>(
-        &self,
-        simd: N::Instructions,
-        Ratios(ratios): &Ratios<N>,
-        sum: &mut impl ElementSum<N>,
-    ) {
-        let inverse = common_inverse(simd, self.needed, ratios);
-        add_small_elements(simd, self.needed, ratios, inverse, odd_series, sum);
+        inverse: N,
+    ) -> [N; 3] {
+        let mut sum = [N::splat(simd, 0.0); 3];
+        add_small_elements(simd, self.needed, ratios, inverse, odd_series, &self.coefficients, &mut sum);
+        sum
     }
 }
