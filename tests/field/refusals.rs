@@ -3,8 +3,8 @@
 
 use std::cell::{Cell, RefCell};
 
-use glam::DVec3;
-use magsplice_field::{Accuracy, Cause, Quantity, Scene, Tile, Tolerance};
+use glam::{DQuat, DVec3};
+use magsplice_field::{Accuracy, Cause, Grid, Quantity, Scene, Tile, Tolerance};
 use magsplice_tests::cases;
 use magsplice_tests::oracle::Oracle;
 use proptest::prelude::*;
@@ -100,5 +100,22 @@ fn bounds_hold_at_every_distance_from_many_tiles() {
         let Cause::TooExact { bound_t } = errors.0[0].cause else { panic!("{errors:?}") };
         let excess = bound_t / (EXACT_BOUND * magnitude_t);
         assert!((1.0..5.0).contains(&excess), "{excess} times too large at {distance}");
+    }
+}
+
+/// The elements of a single tile decide each point near it. The sum over components is at most 2.3
+/// times |B| here, and a tolerance of 1e-13 allows five times.
+#[test]
+fn tolerance_near_round_off_is_kept_near_a_single_tile() {
+    let tile = Tile::new(DVec3::ZERO, DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7)).expect("a valid tile");
+    let (lower, upper) = (DVec3::new(-2.0, -2.0, -3.0), DVec3::new(2.0, 2.0, -1.2));
+    let points: Vec<DVec3> = Grid::new(lower, upper, [31, 31, 17]).expect("a valid grid").points().collect();
+    let tolerance = Tolerance::relative(1e-13).expect("above zero");
+    for turn in [DQuat::IDENTITY, DQuat::from_axis_angle(DVec3::new(0.48, -0.6, 0.64), 0.3)] {
+        let scene = Scene::new(&[tile.rotated(turn).expect("a rotation")]);
+        let exact = scene.field_at(Quantity::FluxDensity, &points).expect("bounded");
+        let within = scene.with_accuracy(Accuracy::Within(tolerance));
+        let given = within.field_at(Quantity::FluxDensity, &points);
+        assert!(given.map_err(|errors| errors.0.len()) == Ok(exact), "points are refused");
     }
 }

@@ -1,11 +1,13 @@
 //! One cuboid at points that share a method.
 
 use fearless_simd::prelude::*;
+use magsplice_simd::functions::Functions;
 use magsplice_simd::lanes::{LanePair, Lanes};
-use magsplice_simd::pairwise::{Pairwise, fields_of};
+use magsplice_simd::pairwise::{Pairwise, each_pair, fields_of};
 use magsplice_simd::prefetch::Prefetch;
 
 use crate::block::Block;
+use crate::closed_form::elements::{CornerGeometry, ElementSum};
 use crate::closed_form::single_tile::ClosedForm;
 use crate::closed_form::terms::Form;
 use crate::method::{Method, MethodIndex, MethodRanges};
@@ -35,8 +37,8 @@ impl<'a> Evaluator<'a> {
     }
 
     /// mu0 H in tesla, in the frame of the cuboid, at points given by axis. `fields` holds as many
-    /// values as there are points, a multiple of [`PAIR`](magsplice_simd::lanes::PAIR). Each pair
-    /// of vectors requests memory `ahead`.
+    /// values as there are points, a multiple of [`PAIR`](magsplice_simd::lanes::PAIR). Each pair of
+    /// vectors requests memory `ahead`.
     ///
     /// # Panics
     /// If the method is the scalar kernel or an expansion.
@@ -50,52 +52,146 @@ impl<'a> Evaluator<'a> {
         ahead: &mut Prefetch,
     ) {
         match self.ranges.method(method) {
-            Method::ClosedForm if self.form == Form::Rod => {
-                fields_of(simd, &Rod(&self.closed_form), points, fields, ahead);
-            }
-            Method::ClosedForm => fields_of(simd, &AllElements(&self.closed_form), points, fields, ahead),
-            Method::SmallElements => fields_of(simd, &SmallElements(&self.closed_form), points, fields, ahead),
             Method::Series { order } => {
                 let series = TruncatedSeries { tile: self.distant, series: self.series, order };
                 fields_of(simd, &series, points, fields, ahead);
             }
-            Method::Scalar | Method::Expansion { .. } => unreachable!("no method of one cuboid in vectors"),
+            _ => self.closed_form(simd, method, points, fields, None, ahead),
+        }
+    }
+
+    /// [`Evaluator::fields`] of the closed form, with an upper bound of the sum over k of
+    /// |T e_k| |J_k| in tesla for each point.
+    ///
+    /// # Panics
+    /// If the method is not one of the closed form.
+    #[inline]
+    pub fn fields_and_magnitudes<S: Simd>(
+        &self,
+        simd: S,
+        method: MethodIndex,
+        points: [&[f64]; 3],
+        fields: [&mut [f64]; 3],
+        magnitudes_t: &mut [f64],
+        ahead: &mut Prefetch,
+    ) {
+        self.closed_form(simd, method, points, fields, Some(magnitudes_t), ahead);
+    }
+
+    #[inline(always)]
+    fn closed_form<S: Simd>(
+        &self,
+        simd: S,
+        method: MethodIndex,
+        points: [&[f64]; 3],
+        fields: [&mut [f64]; 3],
+        magnitudes_t: Option<&mut [f64]>,
+        ahead: &mut Prefetch,
+    ) {
+        let closed_form = &self.closed_form;
+        match self.ranges.method(method) {
+            Method::ClosedForm if self.form == Form::Rod => {
+                evaluate(simd, &Elements::<OF_ROD>(closed_form), points, fields, magnitudes_t, ahead);
+            }
+            Method::ClosedForm => {
+                evaluate(simd, &Elements::<ALL>(closed_form), points, fields, magnitudes_t, ahead);
+            }
+            Method::SmallElements => {
+                evaluate(simd, &Elements::<SMALL>(closed_form), points, fields, magnitudes_t, ahead);
+            }
+            other => unreachable!("{other:?} is no closed form in vectors"),
         }
     }
 }
 
-struct AllElements<'a>(&'a ClosedForm);
+/// Elements of a cuboid that is not a rod.
+const ALL: u8 = 0;
+/// Elements of a rod.
+const OF_ROD: u8 = 1;
+/// Elements that are all small.
+const SMALL: u8 = 2;
 
-impl<S: Simd> Pairwise<S> for AllElements<'_> {
+/// The closed form of a cuboid with the elements [`ALL`], [`OF_ROD`] or [`SMALL`].
+struct Elements<'a, const WHICH: u8>(&'a ClosedForm);
+
+impl<const WHICH: u8> Elements<'_, WHICH> {
     #[inline(always)]
-    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
+    fn add<N: Functions>(&self, simd: N::Instructions, place: &CornerGeometry<N>, sum: &mut impl ElementSum<N>) {
+        match WHICH {
+            OF_ROD => self.0.add_divided(simd, &self.0.ratios_of_rod(simd, place), sum),
+            SMALL => self.0.add_small_elements(simd, &self.0.ratios(simd, place), sum),
+            _ => self.0.add_elements(simd, &self.0.ratios(simd, place), sum),
+        }
+    }
+
+    #[inline(always)]
+    fn fields_and_magnitudes_t<S: Simd>(
+        &self,
+        simd: S,
+        points: [[Lanes<S>; 3]; 2],
+    ) -> ([[Lanes<S>; 3]; 2], [Lanes<S>; 2]) {
         let place = self.0.place(simd, side_by_side(points));
-        separate(self.0.field(simd, &self.0.ratios(simd, &place)))
+        let mut sum = self.0.field_and_magnitude(simd);
+        self.add(simd, &place, &mut sum);
+        let LanePair(magnitudes_t) = sum.magnitude_t();
+        (separate(sum.field.field_t), magnitudes_t)
     }
 }
 
-/// The closed form of a rod.
-struct Rod<'a>(&'a ClosedForm);
-
-impl<S: Simd> Pairwise<S> for Rod<'_> {
+impl<S: Simd, const WHICH: u8> Pairwise<S> for Elements<'_, WHICH> {
     #[inline(always)]
     fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
         let place = self.0.place(simd, side_by_side(points));
-        separate(self.0.field_of_rod(simd, &place))
+        let mut sum = self.0.field_sum(simd);
+        self.add(simd, &place, &mut sum);
+        separate(sum.field_t)
     }
 }
 
-/// The closed form where all elements are small.
-struct SmallElements<'a>(&'a ClosedForm);
-
-impl<S: Simd> Pairwise<S> for SmallElements<'_> {
-    #[inline(always)]
-    fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
-        let place = self.0.place(simd, side_by_side(points));
-        let ratios = self.0.ratios(simd, &place);
-        let inverse = self.0.common_inverse(simd, &ratios);
-        separate(self.0.field_of_small(simd, &ratios, inverse))
+#[inline(always)]
+fn evaluate<S: Simd, const WHICH: u8>(
+    simd: S,
+    elements: &Elements<WHICH>,
+    points: [&[f64]; 3],
+    fields: [&mut [f64]; 3],
+    magnitudes_t: Option<&mut [f64]>,
+    ahead: &mut Prefetch,
+) {
+    match magnitudes_t {
+        None => fields_of(simd, elements, points, fields, ahead),
+        Some(magnitudes_t) => with_magnitudes(simd, elements, points, fields, magnitudes_t, ahead),
     }
+}
+
+/// Writes the field and the bound of its magnitude.
+#[inline(never)]
+fn with_magnitudes<S: Simd, const WHICH: u8>(
+    simd: S,
+    elements: &Elements<WHICH>,
+    points: [&[f64]; 3],
+    fields: [&mut [f64]; 3],
+    magnitudes_t: &mut [f64],
+    ahead: &mut Prefetch,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            each_pair(
+                simd,
+                #[inline(always)]
+                |start, pair| {
+                    ahead.request();
+                    let (fields, [first, second]) = elements.fields_and_magnitudes_t(simd, pair);
+                    let (low, high) = magnitudes_t[start..start + 2 * Lanes::<S>::LEN].split_at_mut(Lanes::<S>::LEN);
+                    first.store(low);
+                    second.store(high);
+                    fields
+                },
+                points,
+                fields,
+            );
+        },
+    );
 }
 
 #[inline(always)]

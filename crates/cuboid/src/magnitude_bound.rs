@@ -9,10 +9,10 @@ use magsplice_magnet::Tile;
 use magsplice_simd::lanes::{Lanes, Number};
 
 use crate::shape::Shape;
-use crate::tolerances::{FARTHEST_BOUND, LARGEST_FIELD_OVER_J, SERIES_BOUND_FROM};
+use crate::tolerances::{FARTHEST_BOUND, LARGEST_FIELD_OVER_J, MAGNITUDE_ROUNDING, SERIES_BOUND_FROM};
 
-/// Relative rounding error of a bound, at most.
-const ROUNDING: f64 = 1e-12;
+/// The tangent of (1 + 3 s)^1/2 at s = 1/3 is this factor of 1 + s, 3 / 8^1/2.
+const TANGENT: f64 = 1.060_660_171_779_822;
 
 /// A cuboid whose field is bounded. Its lengths are in half diagonals, except the centre.
 #[derive(Clone, Debug)]
@@ -22,8 +22,13 @@ pub struct MagnitudeBound {
     scale: f64,
     /// V / 2 pi times the sum of |J_k|, in tesla.
     dipole_t: f64,
-    /// The coefficient of q^4 in Eq. P45.
+    /// The coefficients of q^2 and q^4 in Eq. P45.
+    quadratic: f64,
     quartic: f64,
+    /// Shares |J_k| of their sum, as a quadratic form of the offset: xx, yy, zz, and twice yz, zx,
+    /// xy if the cuboid is rotated.
+    shares: [f64; 3],
+    mixed_shares: Option<[f64; 3]>,
     /// |J_k|, in tesla.
     j_t: [f64; 3],
     volume_over_2_pi: f64,
@@ -50,11 +55,18 @@ impl MagnitudeBound {
         let j_t = tile.polarization_t().abs();
         let nearest = 1.0 / SERIES_BOUND_FROM;
         let tail = shape.mean_inverse_cube(nearest) - 1.0 - 2.0 * nearest.powi(2);
+        let to_own = (tile.rotation() != DQuat::IDENTITY).then(|| DMat3::from_quat(tile.rotation().inverse()));
+        let shares = DMat3::from_diagonal(j_t / j_t.element_sum().max(f64::MIN_POSITIVE));
+        let shares = to_own.map_or(shares, |to_own| to_own.transpose() * shares * to_own);
+        let [x, y, z] = [shares.x_axis, shares.y_axis, shares.z_axis];
         MagnitudeBound {
             centre: tile.position().to_array(),
             scale: 1.0 / half_diagonal,
             dipole_t: shape.volume / (2.0 * PI) * j_t.element_sum(),
-            quartic: tail / nearest.powi(4),
+            quadratic: sides.max_element().powi(2) - sides.min_element().powi(2),
+            quartic: 2.0 * tail / nearest.powi(4),
+            shares: [x.x, y.y, z.z],
+            mixed_shares: to_own.is_some().then_some([2.0 * y.z, 2.0 * z.x, 2.0 * x.y]),
             j_t: j_t.to_array(),
             volume_over_2_pi: shape.volume / (2.0 * PI),
             faces: (shape.volume / sides / (4.0 * PI)).to_array(),
@@ -62,7 +74,7 @@ impl MagnitudeBound {
             shortest: sides.min_element(),
             cross_section: shape.volume / shape.largest,
             roundoff: roundoff / half_diagonal,
-            to_own: (tile.rotation() != DQuat::IDENTITY).then(|| DMat3::from_quat(tile.rotation().inverse())),
+            to_own,
         }
     }
 
@@ -89,7 +101,7 @@ impl MagnitudeBound {
     /// Upper bound at points that are at least this far from the cuboid, in tesla.
     pub fn beyond_t(&self, distance: f64) -> f64 {
         let gap = (distance * self.scale - self.roundoff).max(0.0);
-        let by_dipoles_t = self.dipole_t * (1.0 + ROUNDING) / gap.powi(3);
+        let by_dipoles_t = self.dipole_t * (1.0 + MAGNITUDE_ROUNDING) / gap.powi(3);
         // The bound by elements is never smaller than this.
         if by_dipoles_t <= 0.5 * self.j_t.iter().sum::<f64>() {
             return by_dipoles_t;
@@ -97,7 +109,7 @@ impl MagnitudeBound {
         let of_edges = self.half.map(|half| (half / gap).asinh() / (2.0 * PI));
         let by_elements = |axis: usize| DVec3::new(0.5, of_edges[(axis + 1) % 3], of_edges[(axis + 2) % 3]).length();
         let own_t = |axis: usize| self.j_t[axis] * by_elements(axis).min(LARGEST_FIELD_OVER_J);
-        by_dipoles_t.min((0..3).map(own_t).sum::<f64>() * (1.0 + ROUNDING))
+        by_dipoles_t.min((0..3).map(own_t).sum::<f64>() * (1.0 + MAGNITUDE_ROUNDING))
     }
 
     /// Upper bounds at a vector of points, in tesla.
@@ -107,9 +119,17 @@ impl MagnitudeBound {
         let square = length_squared(simd, d);
         let q = square.reciprocal_root_bound(simd);
         let q_squared = q * q;
-        let series =
-            q_squared.mul_add(q_squared.scale_add(self.quartic, Lanes::splat(simd, 2.0)), Lanes::splat(simd, 1.0));
-        let far = q_squared * q * (series * self.dipole_t);
+        let [x, y, z] = d;
+        let [xx, yy, zz] = self.shares;
+        let mut along_j = (z * z).scale_add(zz, (y * y).scale_add(yy, x * x * xx));
+        if let Some([yz, zx, xy]) = self.mixed_shares {
+            along_j = (y * z).scale_add(yz, (z * x).scale_add(zx, (x * y).scale_add(xy, along_j)));
+        }
+        // Beyond, products may overflow.
+        let along_j = square.where_at_least(FARTHEST_BOUND, square, along_j);
+        let rest = q_squared.scale_add(self.quartic, Lanes::splat(simd, self.quadratic));
+        let series = q_squared.mul_add(along_j.scale_add(TANGENT, rest), Lanes::splat(simd, TANGENT));
+        let far = q_squared * q * (series * (0.5 * self.dipole_t));
         let from = SERIES_BOUND_FROM * SERIES_BOUND_FROM;
         if !square.any_below(from) {
             return far;
@@ -203,6 +223,7 @@ pub fn length_squared<S: Simd>(simd: S, [x, y, z]: [Lanes<S>; 3]) -> Lanes<S> {
 #[cfg(test)]
 mod tests {
     use fearless_simd::dispatch;
+    use magsplice_magnet::{MAX_LENGTH, MIN_SIZE};
     use magsplice_simd::InstructionSet;
 
     use super::*;
@@ -283,7 +304,23 @@ mod tests {
         for (aspect, median, largest) in [(1.0, 2.1, 15.0), (10.0, 2.1, 25.0), (1e3, 2.1, 60.0)] {
             let excesses = excesses(aspect, 40_000);
             let [middle, last] = [excesses[excesses.len() / 2], excesses[excesses.len() - 1]];
+            println!("{middle} in the median, {last} at most, aspect {aspect}");
             assert!(middle <= median && last <= largest, "{middle} in the median, {last} at most, aspect {aspect}");
+        }
+    }
+
+    #[test]
+    fn bounds_are_numbers_at_the_largest_distances() {
+        let size = DVec3::splat(MIN_SIZE);
+        let turn = DQuat::from_scaled_axis(DVec3::ONE);
+        for tile in [DVec3::X, DVec3::ONE].map(|j| Tile::new(DVec3::ZERO, size, j).expect("valid")) {
+            for tile in [tile, tile.rotated(turn).expect("a rotation")] {
+                for distance in [1.0, 1e100, 1e150, MAX_LENGTH] {
+                    for bound in bounds(&tile, distance * DVec3::new(1.0, 0.0, -1.0)) {
+                        assert!((0.0..1e-200).contains(&bound), "{bound:e} at {distance:e}");
+                    }
+                }
+            }
         }
     }
 

@@ -16,7 +16,7 @@ use crate::method::{CLOSED_FORM, FIRST_FAR, MOST_FAR, Method, MethodRanges, SMAL
 use crate::scalar::kernel::{FieldKind, cuboid_field, cuboid_gradient};
 use crate::series::coefficients::Series;
 use crate::series::multipole::{Distant, TruncatedSeries};
-use crate::tolerances::{EXACT_BOUND, HIGHEST_ORDER, MULTIPOLE_ORDERS, SMALL_ANGLE};
+use crate::tolerances::{EXACT_BOUND, HIGHEST_ORDER, MAGNITUDE_ROUNDING, MULTIPOLE_ORDERS, SMALL_ANGLE};
 
 fn levels() -> Vec<Level> {
     InstructionSet::available().into_iter().map(|set| set.detected().expect("available")).collect()
@@ -142,6 +142,58 @@ fn closed_form_of_rods_keeps_the_error_bound() {
     }
     println!("largest error over the field: {worst:e}");
     assert!(worst > 1e-15, "{worst:e}");
+}
+
+/// The magnitude that the closed form writes beside the field is a bound of the sum of the fields
+/// that the components of J make alone. It is that sum for one component.
+#[test]
+fn magnitude_from_the_elements_bounds_the_sum_over_components() {
+    let mut excesses = Vec::new();
+    for size in [[1.0; 3], [3.3, 1.7, 1.0], [1.0, 0.2, 2.0], [2.0, 0.05, 1.5], [0.5, 10.0, 0.4]] {
+        let size = DVec3::from(size);
+        let directions = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.3, 0.0, -0.7), DVec3::new(0.3, -0.5, 0.7)];
+        for j in directions {
+            let block = Block::new(0, DVec3::ZERO, size, j, size.min_element());
+            let ranges = MethodRanges::from_block(&block);
+            let (distant, series) = (Distant::new(&block, ranges.scale), Series::new(size.to_array(), 0));
+            let evaluator = Evaluator::new(&block, &ranges, &distant, &series);
+            for n in 0..400_u32 {
+                let turn = f64::from(n);
+                let place = DVec3::new((0.754 * turn).fract(), (0.569 * turn).fract(), (0.311 * turn).fract()) - 0.5;
+                let point = place * (size + 8.0 * (0.618 * turn).fract() * size.max_element());
+                let Some(method) = ranges.method_of_box(point.to_array(), point.to_array(), false) else { continue };
+                if method >= FIRST_FAR {
+                    continue;
+                }
+                let at = LocalPoint { coordinates: point.to_array(), roundoff: [0.0; 3] };
+                let placed = block.place(&at).expect("near enough");
+                let of = |j: DVec3| DVec3::from(cuboid_field(&placed.offsets, j.to_array(), FieldKind::Strength));
+                let magnitude: f64 = DVec3::AXES.into_iter().map(|axis| of(j * axis).length()).sum();
+                for level in levels() {
+                    let axes = point.to_array().map(|coordinate| [coordinate; PAIR]);
+                    let axes = axes.each_ref().map(|axis| &axis[..]);
+                    let (mut field, mut alone, mut bounds) = ([[0.0; PAIR]; 3], [[0.0; PAIR]; 3], [0.0; PAIR]);
+                    dispatch!(level, simd => {
+                        let nothing = &mut Prefetch::nothing();
+                        let written = alone.each_mut().map(|values| &mut values[..]);
+                        evaluator.fields(simd, method, axes, written, nothing);
+                        let written = field.each_mut().map(|values| &mut values[..]);
+                        evaluator.fields_and_magnitudes(simd, method, axes, written, &mut bounds, nothing);
+                    });
+                    assert_eq!(field, alone);
+                    let excess = bounds[PAIR - 1] / magnitude;
+                    assert!(excess >= 1.0, "{size}, {j}, {level:?}: {excess} at {point}");
+                    let is_equal = excess <= 1.0 + 2.0 * MAGNITUDE_ROUNDING;
+                    assert!(is_equal || j.element_sum() != 1.0, "{size}, {j}, {level:?}: {excess} at {point}");
+                    excesses.push(excess);
+                }
+            }
+        }
+    }
+    excesses.sort_by(f64::total_cmp);
+    let (count, last) = (excesses.len(), excesses[excesses.len() - 1]);
+    println!("{count} bounds, at most {last} times the sum");
+    assert!(count > 5000 && last < 2.0, "{count} bounds, at most {last} times the sum");
 }
 
 /// Points outside plates and strips, closer than the closed form begins, have a method in vectors

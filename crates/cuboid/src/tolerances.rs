@@ -115,6 +115,10 @@ pub const DIRECT_DIAGONAL: f64 = 0.5;
 /// components of J make alone.
 pub const EXACT_BOUND: f64 = 2e-14;
 
+/// Relative rounding error of a bound of the magnitude, at most: some hundred operations, and the
+/// error of the elements.
+pub const MAGNITUDE_ROUNDING: f64 = 1e-12;
+
 /// Largest field of a tile over its J, for each component: |T_ij| grows by ln(2) / 2 pi each time
 /// the distance from an edge halves, and no point is closer to an edge than [`FACE_NUDGE`] squared.
 pub const LARGEST_FIELD_OVER_J: f64 = 30.0;

@@ -33,11 +33,18 @@ pub(crate) fn at_points(
     field: &mut [DVec3],
 ) -> Vec<PointError> {
     let chunks = points.chunks(MAX_SORTED_POINTS).zip(field.chunks_mut(MAX_SORTED_POINTS)).enumerate();
-    let errors = chunks.flat_map(|(number, (points, field))| {
-        let errors = at_some_points(direct, tree, tolerance, quantity, points, field);
-        errors.into_iter().map(move |error| PointError { index: number * MAX_SORTED_POINTS + error.index, ..error })
+    let errors = chunks.map(|(number, (points, field))| {
+        let mut errors = at_some_points(direct, tree, tolerance, quantity, points, field);
+        errors.iter_mut().for_each(|error| error.index += number * MAX_SORTED_POINTS);
+        errors
     });
-    errors.collect()
+    // The first list stays where it is: most often there is no other.
+    errors
+        .reduce(|mut all, errors| {
+            all.extend(errors);
+            all
+        })
+        .unwrap_or_default()
 }
 
 fn at_some_points(

@@ -1,7 +1,7 @@
 //! The six elements of the demagnetizing tensor from distances and offsets (docs/physics.md,
 //! section 2.6).
 
-use magsplice_simd::functions::Functions;
+use magsplice_simd::functions::{Functions, odd_series, short_odd_series};
 use magsplice_simd::lanes::Number;
 
 use super::terms::{AA, AB, AC, BB, BC, CC};
@@ -110,19 +110,41 @@ fn face<N: Number>([r00, r01, r10, r11]: [N; 4], [offset, square]: [N; 2], acros
     (a.mul_sub(b, n * n), n * (a + b))
 }
 
-/// Adds the needed elements to mu0 H.
+/// Sums over the elements of a tile, which come one after the other.
+pub trait ElementSum<N> {
+    /// Adds an element, given as half of 4 pi T.
+    fn add(&mut self, element: usize, half: N);
+}
+
+/// mu0 H of a tile, in tesla.
+pub struct FieldSum<'a, N> {
+    /// The sum so far.
+    pub field_t: [N; 3],
+    /// Contribution of one unit of half of 4 pi T to mu0 H, by element.
+    pub coefficients: &'a [[f64; 3]; 6],
+}
+
+impl<N: Number> ElementSum<N> for FieldSum<'_, N> {
+    #[inline(always)]
+    fn add(&mut self, element: usize, half: N) {
+        for (sum, coefficient) in self.field_t.iter_mut().zip(&self.coefficients[element]) {
+            *sum = half.scale_add(*coefficient, *sum);
+        }
+    }
+}
+
+/// Adds the needed elements.
 #[inline(always)]
 pub fn add_elements<N: Functions>(
     simd: N::Instructions,
     needed: [bool; 6],
     ratios: &[[N; 2]; 6],
-    coefficients: &[[f64; 3]; 6],
-    sum: &mut [N; 3],
+    sum: &mut impl ElementSum<N>,
 ) {
     for (element, &[n, m]) in ratios.iter().enumerate() {
         if needed[element] {
             let reduced = if element < AA { N::artanh_of_ratio(simd, n, m) } else { N::angle(simd, m, n) };
-            add(sum, reduced.divided(simd), &coefficients[element]);
+            sum.add(element, reduced.divided(simd));
         }
     }
 }
@@ -139,16 +161,16 @@ pub fn common_inverse<N: Functions>(simd: N::Instructions, needed: [bool; 6], ra
     N::splat(simd, 1.0).over(product)
 }
 
-/// Adds the needed elements to mu0 H, each by `series`, with one division for all.
+/// Adds the needed elements, each by the series of a small ratio or that of a smaller one
+/// (`is_short`), with one division for all.
 #[inline(always)]
 pub fn add_small_elements<N: Functions>(
     simd: N::Instructions,
     needed: [bool; 6],
     ratios: &[[N; 2]; 6],
     mut inverse: N,
-    series: impl Fn(N::Instructions, N, bool) -> N,
-    coefficients: &[[f64; 3]; 6],
-    sum: &mut [N; 3],
+    is_short: bool,
+    sum: &mut impl ElementSum<N>,
 ) {
     let one = N::splat(simd, 1.0);
     let mut products = [one; 6];
@@ -164,15 +186,11 @@ pub fn add_small_elements<N: Functions>(
             let [n, m] = ratios[element];
             let s = n * (inverse * products[element]);
             inverse = inverse * m;
-            add(sum, series(simd, s, element >= AA), &coefficients[element]);
+            let is_angle = element >= AA;
+            sum.add(
+                element,
+                if is_short { short_odd_series(simd, s, is_angle) } else { odd_series(simd, s, is_angle) },
+            );
         }
-    }
-}
-
-/// Adds an element, given as half of 4 pi T, to mu0 H.
-#[inline(always)]
-pub fn add<N: Functions>(sum: &mut [N; 3], half: N, coefficient: &[f64; 3]) {
-    for (sum, coefficient) in sum.iter_mut().zip(coefficient) {
-        *sum = half.scale_add(*coefficient, *sum);
     }
 }

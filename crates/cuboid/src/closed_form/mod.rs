@@ -4,6 +4,8 @@
 pub mod elements;
 /// The gradient in vectors.
 pub mod gradient;
+/// A bound of the magnitude of the field.
+pub mod magnitude;
 /// Points inside a compact cuboid and close to its edges.
 pub mod near_edge;
 /// The elements of rods that the other closed form computes with too large an error.

@@ -1,12 +1,13 @@
 //! The closed form of one cuboid on its own, without tables (docs/physics.md, section 2.6).
 
-use super::elements::{CornerGeometry, add, add_elements, add_small_elements, common_inverse};
+use super::elements::{CornerGeometry, ElementSum, FieldSum, add_elements, add_small_elements, common_inverse};
+use super::magnitude::{FieldAndMagnitude, MagnitudeTerms};
 use super::rod::ratios_of_rod;
 use super::terms::{AA, AB, AC, BB, BC, CC, Form, Terms};
 use crate::block::Block;
 use crate::tolerances::STRIP_ASPECT;
 use magsplice_simd::compensated_sum::TwoSum;
-use magsplice_simd::functions::{Functions, odd_series};
+use magsplice_simd::functions::Functions;
 
 /// A cuboid whose axes a, b, c are ordered by length.
 pub struct ClosedForm {
@@ -19,6 +20,7 @@ pub struct ClosedForm {
     needed: [bool; 6],
     /// Contribution of one unit of half of 4 pi T to mu0 H, in tesla.
     coefficients: [[f64; 3]; 6],
+    magnitude: MagnitudeTerms,
 }
 
 /// The elements that J with three components needs.
@@ -39,6 +41,7 @@ impl ClosedForm {
             is_strip: terms.squares[0] > (STRIP_ASPECT * STRIP_ASPECT) * terms.squares[1],
             needed: [0, 1, 2, 3, 4, 5].map(|element| terms.is_needed(element)),
             coefficients: [0, 1, 2, 3, 4, 5].map(|element| terms.group(element).coefficient),
+            magnitude: MagnitudeTerms::new(block, &terms),
             terms,
         }
     }
@@ -94,9 +97,9 @@ impl ClosedForm {
         Ratios(ratios)
     }
 
-    /// mu0 H in tesla of a cuboid that is prepared as a rod, in its frame.
+    /// [`ClosedForm::ratios`] of a cuboid that is prepared as a rod.
     #[inline(always)]
-    pub fn field_of_rod<N: Functions>(&self, simd: N::Instructions, place: &CornerGeometry<N>) -> [N; 3] {
+    pub fn ratios_of_rod<N: Functions>(&self, simd: N::Instructions, place: &CornerGeometry<N>) -> Ratios<N> {
         let mut ratios = [[N::splat(simd, 0.0), N::splat(simd, 1.0)]; 6];
         let (factors, squares) = (&self.terms.factors, &self.terms.squares);
         if self.needed[AB] {
@@ -109,9 +112,7 @@ impl ClosedForm {
             ratios[AA] = place.ratio::<AA>(factors, squares);
         }
         [ratios[BC], ratios[BB]] = ratios_of_rod(simd, place, factors, squares);
-        let mut sum = [N::splat(simd, 0.0); 3];
-        add_elements(simd, self.needed, &ratios, &self.coefficients, &mut sum);
-        sum
+        Ratios(ratios)
     }
 
     /// At least 0 where a point is farther than a quarter of the second side from the edges of both
@@ -153,58 +154,75 @@ impl ClosedForm {
                 }
             }
         }
-        let mut sum = [N::splat(simd, 0.0); 3];
-        add_elements(simd, self.needed, &ratios, &self.coefficients, &mut sum);
-        sum
+        let mut sum = self.field_sum(simd);
+        add_elements(simd, self.needed, &ratios, &mut sum);
+        sum.field_t
     }
 
-    /// mu0 H of the cuboid in tesla, in its frame.
+    /// Begins the sum of mu0 H of the cuboid in tesla, in its frame.
     #[inline(always)]
-    pub fn field<N: Functions>(&self, simd: N::Instructions, Ratios(ratios): &Ratios<N>) -> [N; 3] {
-        if self.needed == GENERAL {
-            let [ab, ac, bc, aa, bb, _] = *ratios;
-            let first = N::artanh_of_ratio(simd, ab[0], ab[1]);
-            let second = N::artanh_of_ratio(simd, ac[0], ac[1]);
-            let third = N::artanh_of_ratio(simd, bc[0], bc[1]);
-            let fourth = N::angle(simd, aa[1], aa[0]);
-            let fifth = N::angle(simd, bb[1], bb[0]);
-            let two = first.denominator * second.denominator;
-            let three = two * third.denominator;
-            let four = three * fourth.denominator;
-            let mut inverse = N::splat(simd, 1.0).over(four * fifth.denominator);
-            let mut sum = [N::splat(simd, 0.0); 3];
-            add(&mut sum, fifth.value(simd, fifth.numerator * (inverse * four)), &self.coefficients[BB]);
-            inverse = inverse * fifth.denominator;
-            add(&mut sum, fourth.value(simd, fourth.numerator * (inverse * three)), &self.coefficients[AA]);
-            inverse = inverse * fourth.denominator;
-            add(&mut sum, third.value(simd, third.numerator * (inverse * two)), &self.coefficients[BC]);
-            inverse = inverse * third.denominator;
-            add(&mut sum, second.value(simd, second.numerator * (inverse * first.denominator)), &self.coefficients[AC]);
-            add(&mut sum, first.value(simd, first.numerator * (inverse * second.denominator)), &self.coefficients[AB]);
-            return sum;
-        }
-        let mut sum = [N::splat(simd, 0.0); 3];
-        add_elements(simd, self.needed, ratios, &self.coefficients, &mut sum);
-        sum
+    pub fn field_sum<N: Functions>(&self, simd: N::Instructions) -> FieldSum<'_, N> {
+        FieldSum { field_t: [N::splat(simd, 0.0); 3], coefficients: &self.coefficients }
     }
 
-    /// The reciprocal of the product of all denominators: one division for all elements.
+    /// The same, with an upper bound of the sum over k of |T e_k| |J_k| in tesla.
     #[inline(always)]
-    pub fn common_inverse<N: Functions>(&self, simd: N::Instructions, Ratios(ratios): &Ratios<N>) -> N {
-        common_inverse(simd, self.needed, ratios)
+    pub fn field_and_magnitude<N: Functions>(&self, simd: N::Instructions) -> FieldAndMagnitude<'_, N> {
+        FieldAndMagnitude::new(simd, self.field_sum(simd), &self.magnitude)
     }
 
-    /// mu0 H of the cuboid in tesla, in its frame, where no element has half of 4 pi T above
-    /// [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE).
+    /// Adds the elements of a cuboid that is not thin.
     #[inline(always)]
-    pub fn field_of_small<N: Functions>(
+    pub fn add_elements<N: Functions>(
         &self,
         simd: N::Instructions,
         Ratios(ratios): &Ratios<N>,
-        inverse: N,
-    ) -> [N; 3] {
-        let mut sum = [N::splat(simd, 0.0); 3];
-        add_small_elements(simd, self.needed, ratios, inverse, odd_series, &self.coefficients, &mut sum);
-        sum
+        sum: &mut impl ElementSum<N>,
+    ) {
+        if self.needed != GENERAL {
+            return add_elements(simd, self.needed, ratios, sum);
+        }
+        let [ab, ac, bc, aa, bb, _] = *ratios;
+        let first = N::artanh_of_ratio(simd, ab[0], ab[1]);
+        let second = N::artanh_of_ratio(simd, ac[0], ac[1]);
+        let third = N::artanh_of_ratio(simd, bc[0], bc[1]);
+        let fourth = N::angle(simd, aa[1], aa[0]);
+        let fifth = N::angle(simd, bb[1], bb[0]);
+        let two = first.denominator * second.denominator;
+        let three = two * third.denominator;
+        let four = three * fourth.denominator;
+        let mut inverse = N::splat(simd, 1.0).over(four * fifth.denominator);
+        sum.add(BB, fifth.value(simd, fifth.numerator * (inverse * four)));
+        inverse = inverse * fifth.denominator;
+        sum.add(AA, fourth.value(simd, fourth.numerator * (inverse * three)));
+        inverse = inverse * fourth.denominator;
+        sum.add(BC, third.value(simd, third.numerator * (inverse * two)));
+        inverse = inverse * third.denominator;
+        sum.add(AC, second.value(simd, second.numerator * (inverse * first.denominator)));
+        sum.add(AB, first.value(simd, first.numerator * (inverse * second.denominator)));
+    }
+
+    /// Adds the elements, each by its own division.
+    #[inline(always)]
+    pub fn add_divided<N: Functions>(
+        &self,
+        simd: N::Instructions,
+        Ratios(ratios): &Ratios<N>,
+        sum: &mut impl ElementSum<N>,
+    ) {
+        add_elements(simd, self.needed, ratios, sum);
+    }
+
+    /// Adds the elements where none has half of 4 pi T above
+    /// [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE): one division for all.
+    #[inline(always)]
+    pub fn add_small_elements<N: Functions>(
+        &self,
+        simd: N::Instructions,
+        Ratios(ratios): &Ratios<N>,
+        sum: &mut impl ElementSum<N>,
+    ) {
+        let inverse = common_inverse(simd, self.needed, ratios);
+        add_small_elements(simd, self.needed, ratios, inverse, false, sum);
     }
 }

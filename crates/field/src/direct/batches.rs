@@ -63,18 +63,22 @@ fn in_batches<T: Send>(
     size: usize,
     evaluate: &(impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, Cause)) + Sync + Send),
 ) -> Vec<PointError> {
-    points
-        .par_chunks(size)
-        .zip(values.par_chunks_mut(size))
-        .enumerate()
-        .flat_map_iter(|(batch, (points, values))| {
+    let batches = points.par_chunks(size).zip(values.par_chunks_mut(size)).enumerate();
+    let errors: Vec<Vec<PointError>> = batches
+        .map(|(batch, (points, values))| {
             let mut errors = Vec::new();
             evaluate(points, values, &mut |index, cause| {
+                if errors.is_empty() {
+                    // Where one point is refused, most often many are.
+                    errors.reserve_exact(points.len());
+                }
                 errors.push(PointError { index: batch * size + index, point: points[index], cause });
             });
+            errors.shrink_to_fit();
             errors
         })
-        .collect()
+        .collect();
+    errors.concat()
 }
 
 /// Indices of points in an order in which consecutive points are neighbours: groups of the first of

@@ -13,7 +13,9 @@ use std::any::Any;
 
 use fearless_simd::prelude::*;
 
-use magsplice_cuboid::closed_form::elements::{CornerGeometry, add_elements, add_small_elements, common_inverse};
+use magsplice_cuboid::closed_form::elements::{
+    CornerGeometry, FieldSum, add_elements, add_small_elements, common_inverse,
+};
 use magsplice_cuboid::closed_form::rod::ratios_of_rod;
 use magsplice_cuboid::closed_form::terms::{AA, AB, AC, BB, BC, CC, Form, Group};
 use magsplice_simd::functions::{angle, artanh_of_ratio, short_odd_series};
@@ -222,12 +224,14 @@ impl<S: Simd> Tables<S> {
             }
             let own = multiply::<S, true, HAS_RODS>(simd, tile, current, &mut upcoming, &mut self.products);
             let is_own = tile.groups.map(|number| number == OWN);
+            let mut total = FieldSum { field_t: sum, coefficients: &tile.coefficients };
             if small {
                 let inverse = common_inverse(simd, is_own, &own);
-                add_small_elements(simd, is_own, &own, inverse, short_odd_series, &tile.coefficients, &mut sum);
+                add_small_elements(simd, is_own, &own, inverse, true, &mut total);
             } else {
-                add_elements(simd, is_own, &own, &tile.coefficients, &mut sum);
+                add_elements(simd, is_own, &own, &mut total);
             }
+            sum = total.field_t;
         }
         if small {
             self.products.add_small(simd, &cluster.groups, &mut sum);

@@ -1,5 +1,6 @@
 //! Prepared tiles with the vector instructions: the exact field.
 
+use std::cell::OnceCell;
 use std::sync::OnceLock;
 
 use fearless_simd::Level;
@@ -16,7 +17,7 @@ use super::gradient_sum::GradientSum;
 use super::magnitude::{LeastField, MagnitudeBounds};
 use super::sum::Sum;
 use crate::prepare::frames::Frames;
-use crate::tolerances::{POINTS_OF_ONE_TILE, POINTS_PER_BATCH, REGROUPED_PARTS};
+use crate::tolerances::{DECIDED_BY_BOX, POINTS_OF_ONE_TILE, POINTS_PER_BATCH, REGROUPED_PARTS};
 
 /// Smallest length of a field whose square is a normal number.
 const LEAST_COMPARED: f64 = 1e-153;
@@ -88,6 +89,18 @@ impl DirectSum {
         field: &mut [DVec3],
         failed: &mut dyn FnMut(usize, Cause),
     ) {
+        self.field_and_magnitudes_of_batch(quantity, points, field, None, failed);
+    }
+
+    /// [`DirectSum::field_of_batch`] with upper bounds of the magnitude of a single tile, if wanted.
+    fn field_and_magnitudes_of_batch(
+        &self,
+        quantity: Quantity,
+        points: &[DVec3],
+        field: &mut [DVec3],
+        magnitudes_t: Option<&mut Vec<f64>>,
+        failed: &mut dyn FnMut(usize, Cause),
+    ) {
         let kind = match quantity {
             Quantity::FluxDensity => FieldKind::Density,
             Quantity::FieldStrength => FieldKind::Strength,
@@ -102,7 +115,7 @@ impl DirectSum {
             }
         };
         self.field_of_batch_by(kind, points, field, failed, |sum, field| {
-            sum.sum_all(self.level, &self.frames, kind, points, field);
+            sum.sum_all(self.level, &self.frames, kind, points, field, magnitudes_t);
         });
     }
 
@@ -165,15 +178,14 @@ impl DirectSum {
         field: &mut [DVec3],
     ) -> Vec<PointError> {
         let evaluated = for_each_batch(points, field, self.batches(), |points, field, failed| {
-            self.field_of_batch(quantity, points, field, failed);
-            self.refuse(tolerance, quantity, points, field, failed);
+            self.field_of_batch_within(tolerance, quantity, points, field, failed);
         });
         evaluated.err().map_or(Vec::new(), |errors| errors.0)
     }
 
-    /// Refuses the points of a batch at which the bound of the exact field's error does not keep the
-    /// tolerance: they are passed to `failed`, and their field becomes NaN.
-    fn refuse(
+    /// The field at each point of a batch. Points without one, and points at which the bound of its
+    /// error does not keep the tolerance, are passed to `failed`, and their field is NaN.
+    fn field_of_batch_within(
         &self,
         tolerance: Tolerance,
         quantity: Quantity,
@@ -183,25 +195,35 @@ impl DirectSum {
     ) {
         let in_tesla = if quantity == Quantity::FieldStrength { MU_0 } else { 1.0 };
         let (magnitudes, least) = (self.magnitudes(), LeastField::new(tolerance));
+        let least_t = |magnitude_t: f64| least.at_t(EXACT_BOUND * magnitude_t);
         // Smallest square of the field that a magnitude allows.
         let least_squared = |magnitude_t: f64| {
-            let least = least.at_t(EXACT_BOUND * magnitude_t) / in_tesla;
+            let least = least_t(magnitude_t) / in_tesla;
             // Squares that are normal numbers can be compared.
             if least > 0.0 { least.max(LEAST_COMPARED).powi(2) } else { 0.0 }
         };
         let is_weak = |value: &DVec3, least: f64| value.length_squared() < least;
         let any_weak = |field: &[DVec3], least: f64| field.iter().fold(false, |any, b| any | is_weak(b, least));
+        let in_box_t = OnceCell::new();
+        let of_box = || magnitudes.in_box_t(&self.boxes, &BoundingBox::from_points(points));
+        let in_box_t = || *in_box_t.get_or_init(of_box);
+        let decides = |magnitude_t: f64| least_t(magnitude_t) <= DECIDED_BY_BOX * magnitude_t;
+        let is_only = self.frames.only_tile().is_some();
+        let mut of_only_tile_t = Vec::new();
+        let wanted =
+            (is_only && !decides(magnitudes.largest_t()) && !decides(in_box_t())).then_some(&mut of_only_tile_t);
+        self.field_and_magnitudes_of_batch(quantity, points, field, wanted, failed);
         // One bound for all points decides nearly all batches, and one for the box around the points
         // most others.
-        if !any_weak(field, least_squared(magnitudes.largest_t())) {
+        if !any_weak(field, least_squared(magnitudes.largest_t())) || !any_weak(field, least_squared(in_box_t())) {
             return;
         }
-        let least_in_box = least_squared(magnitudes.in_box_t(&self.boxes, &BoundingBox::from_points(points)));
-        if !any_weak(field, least_in_box) {
-            return;
-        }
-        let open = (0..points.len() as u32).filter(|&index| is_weak(&field[index as usize], least_in_box));
-        let open: Vec<u32> = open.collect();
+        let least_in_box = least_squared(in_box_t());
+        let is_open = |index: usize| {
+            let value = &field[index];
+            is_weak(value, least_in_box) && of_only_tile_t.get(index).is_none_or(|t| is_weak(value, least_squared(*t)))
+        };
+        let open: Vec<u32> = (0..points.len() as u32).filter(|&index| is_open(index as usize)).collect();
         let mut magnitudes_t = Column::default();
         magnitudes.write(self.level, open.iter().map(|&index| points[index as usize]), &mut magnitudes_t);
         for (&index, &magnitude_t) in open.iter().zip(&*magnitudes_t) {

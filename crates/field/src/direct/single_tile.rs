@@ -10,7 +10,7 @@ use glam::DVec3;
 use magsplice_cuboid::block::LocalPoint;
 use magsplice_cuboid::closed_form::near_edge::NearEdge;
 use magsplice_cuboid::evaluator::Evaluator;
-use magsplice_cuboid::method::{MethodIndex, SCALAR};
+use magsplice_cuboid::method::{FIRST_FAR, MethodIndex, SCALAR};
 use magsplice_cuboid::scalar::kernel::FieldKind;
 use magsplice_simd::column::{Column, room, views};
 use magsplice_simd::lanes::PAIR;
@@ -34,6 +34,7 @@ pub(super) struct SingleTile {
     methods: Column,
     queues: Queues,
     fields: [Column; 3],
+    magnitudes_t: Column,
     /// Whether all values so far are finite.
     finite: bool,
     /// Memory has been requested up to this point.
@@ -53,14 +54,16 @@ struct Work<'a> {
 
 impl SingleTile {
     /// Writes the field of the only tile of `frame`; NaN where a point is out of range. Points on
-    /// edge lines go to `edges`. Returns whether all values are known to be finite.
+    /// edge lines go to `edges`. `magnitudes_t`, if given, becomes an upper bound of the magnitude
+    /// for each point, or infinity where the closed form does not give one; it stays empty if that
+    /// is everywhere. Returns whether all values are known to be finite.
     pub(super) fn evaluate(
         &mut self,
         level: Level,
         (frames, frame): (&Frames, &Frame),
         kind: FieldKind,
         points: &[DVec3],
-        field: &mut [DVec3],
+        (field, magnitudes_t): (&mut [DVec3], Option<&mut Vec<f64>>),
         edges: &mut BTreeMap<usize, EdgesAtPoint>,
     ) -> bool {
         let mut made = None;
@@ -69,13 +72,21 @@ impl SingleTile {
         self.queues.clear();
         let work = Work { frames, frame, kind, points, tile: &tile, near_edge: near_edge.as_ref() };
         (self.finite, self.asked) = (true, 0);
-        dispatch!(level, simd => self.run(simd, work, field, edges));
+        dispatch!(level, simd => self.run(simd, work, field, magnitudes_t, edges));
         self.finite
     }
 
     #[inline(always)]
-    fn run<S: Simd>(&mut self, simd: S, work: Work, field: &mut [DVec3], edges: &mut BTreeMap<usize, EdgesAtPoint>) {
+    fn run<S: Simd>(
+        &mut self,
+        simd: S,
+        work: Work,
+        field: &mut [DVec3],
+        mut magnitudes_t: Option<&mut Vec<f64>>,
+        edges: &mut BTreeMap<usize, EdgesAtPoint>,
+    ) {
         room(&mut self.fields, STREAMED_POINTS + PAIR);
+        self.magnitudes_t.set_len(STREAMED_POINTS + PAIR);
         let methods = (SCALAR + 1..=work.tile.ranges().last_index()).chain([NEAR_EDGE]);
         let stretches = work.points.len().div_ceil(STREAMED_POINTS);
         // One more pass than there are blocks empties the queues.
@@ -93,7 +104,7 @@ impl SingleTile {
                     count = self.queues.count(method);
                 }
                 if count > 0 {
-                    self.evaluate_queue(simd, work, method, count, field);
+                    self.evaluate_queue(simd, work, method, count, field, magnitudes_t.as_deref_mut());
                 }
             }
         }
@@ -150,13 +161,33 @@ impl SingleTile {
 
     /// Evaluates the first `count` points that wait for a method, and moves up the rest.
     #[inline(always)]
-    fn evaluate_queue<S: Simd>(&mut self, simd: S, work: Work, method: MethodIndex, count: usize, field: &mut [DVec3]) {
+    fn evaluate_queue<S: Simd>(
+        &mut self,
+        simd: S,
+        work: Work,
+        method: MethodIndex,
+        count: usize,
+        field: &mut [DVec3],
+        magnitudes_t: Option<&mut Vec<f64>>,
+    ) {
         let points = self.queues.points(method).map(|axis| &axis[..count.next_multiple_of(PAIR)]);
         let [fx, fy, fz] = self.fields.each_mut().map(|values| &mut values[..points[0].len()]);
         let mut ahead = Prefetch::new(work.points, field, self.asked);
         match work.near_edge {
             Some(near_edge) if method == NEAR_EDGE => near_edge.fields(simd, points, [&mut *fx, &mut *fy, &mut *fz]),
-            _ => work.tile.fields(simd, method, points, [&mut *fx, &mut *fy, &mut *fz], &mut ahead),
+            _ => {
+                let fields = [&mut *fx, &mut *fy, &mut *fz];
+                match magnitudes_t.filter(|_| method < FIRST_FAR) {
+                    None => work.tile.fields(simd, method, points, fields, &mut ahead),
+                    Some(magnitudes_t) => {
+                        let own = &mut self.magnitudes_t[..points[0].len()];
+                        work.tile.fields_and_magnitudes(simd, method, points, fields, own, &mut ahead);
+                        magnitudes_t.resize(work.points.len(), f64::INFINITY);
+                        let places = &self.queues.places(method)[..count];
+                        places.iter().zip(own).for_each(|(&place, own)| magnitudes_t[place as usize] = *own);
+                    }
+                }
+            }
         }
         self.asked = ahead.next();
         let (fx, fy, fz) = (&fx[..count], &fy[..count], &fz[..count]);

@@ -86,6 +86,8 @@ impl Sum {
     }
 
     /// Writes the sum over all tiles at `points` to `field`; NaN where a point is out of range.
+    /// `magnitudes_t` is left empty, or becomes a bound of the magnitude of a single tile for each
+    /// point.
     pub(crate) fn sum_all(
         &mut self,
         level: Level,
@@ -93,10 +95,12 @@ impl Sum {
         kind: FieldKind,
         points: &[DVec3],
         field: &mut [DVec3],
+        magnitudes_t: Option<&mut Vec<f64>>,
     ) {
         if let Some(frame) = frames.only_tile() {
-            self.edges.clear();
-            self.finite = self.single_tile.evaluate(level, (frames, frame), kind, points, field, &mut self.edges);
+            let (edges, frame) = (&mut self.edges, (frames, frame));
+            edges.clear();
+            self.finite = self.single_tile.evaluate(level, frame, kind, points, (field, magnitudes_t), edges);
             return;
         }
         self.start(level, points, 0.0);

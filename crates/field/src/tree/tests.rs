@@ -198,7 +198,7 @@ fn near_tiles_have_the_exact_field_within_a_tolerance() {
             let direct = direct.clone().with_level(level);
             let mut exact = vec![DVec3::ZERO; points.len()];
             Sum::with_buffers(|sum| {
-                sum.sum_all(level, direct.frames(), FieldKind::Density, &points, &mut exact);
+                sum.sum_all(level, direct.frames(), FieldKind::Density, &points, &mut exact, None);
             });
             let (near, truncation_error_t) = summed(&direct, &tree, &list, &points);
             for (exact, near) in exact.into_iter().zip(near) {
