@@ -24,7 +24,7 @@ pub(crate) fn resolve(
     check_lengths(&table, outline_mm, faults);
     check_bounds(&table, vary, faults);
     check_parts(&table, vary, faults);
-    if let (Some(step), Some(volume)) = (table.step_mm, volume) {
+    if let (Some(step), Some(volume)) = (table.step_mm.filter(|step| *step > 0.0), volume) {
         check_points(step, volume, faults);
     }
     let defaults = Brief::default();
