@@ -207,4 +207,19 @@ mod tests {
         let tiny = [tile(0, "1e-20, 1e-20, 1e-20", "1e-200, 0, 0"), tile(9, "2e-20, 1e-20, 1e-20", "1e-200, 0, 0")];
         assert_eq!(parts(&tiny.concat()).len(), 2);
     }
+
+    #[test]
+    fn parts_without_polarization_have_strength_0() {
+        let found = parts(&tile(0, "3, 2, 1", "0, 0, 0"));
+        assert_eq!((found[0].strength_t, found[0].direction), (0.0, DVec3::ZERO));
+    }
+
+    #[test]
+    fn numbers_keep_their_first_digits() {
+        for value in [1.0 / 3.0, 2e3 / 3.0, 1e-5 / 7.0, -22.0 / 7.0, 1e9 / 7.0, 1.0, 0.0] {
+            let digits = SAME_DIGITS as usize - 1;
+            assert_eq!(to_digits(value), format!("{value:.digits$e}").parse::<f64>().expect("a number"));
+        }
+        assert!(Descending(2.0) < Descending(1.0));
+    }
 }

@@ -19,3 +19,31 @@ pub(crate) fn unit_vector(vector: [f64; 3]) -> Option<DVec3> {
     // is_finite catches NaN, which max_element may skip.
     (vector.is_finite() && largest > 0.0).then(|| (vector / largest).normalize())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rotations_are_right_handed_and_reduced_to_a_turn() {
+        let quarter = rotation_from_degrees(DVec3::Z, 90.0);
+        assert!((quarter * DVec3::X - DVec3::Y).length() < 1e-15);
+        assert_eq!(rotation_from_degrees(DVec3::Z, 3690.0), quarter);
+        assert_eq!(
+            rotation_from_degrees(DVec3::Z, -270.0) * DVec3::X,
+            rotation_from_degrees(DVec3::Z, -630.0) * DVec3::X
+        );
+        assert_eq!(rotation_from_degrees(DVec3::Z, 720.0), DQuat::IDENTITY);
+    }
+
+    #[test]
+    fn unit_vectors_are_those_of_any_finite_vector() {
+        for scale in [1e-300, 0.5, 1.0, 1e300] {
+            let unit = unit_vector([3.0 * scale, 0.0, -4.0 * scale]).expect("finite");
+            assert!((unit - DVec3::new(0.6, 0.0, -0.8)).length() < 1e-15, "{unit}");
+        }
+        for vector in [[0.0; 3], [f64::NAN, 1.0, 0.0], [f64::INFINITY, 1.0, 0.0]] {
+            assert_eq!(unit_vector(vector), None);
+        }
+    }
+}

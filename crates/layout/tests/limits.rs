@@ -1,7 +1,10 @@
 //! Limits on layouts as a whole: files of attackers and of broken scripts are refused at once, with
 //! a message of a few lines.
 
+use std::error::Error;
 use std::fmt::Write;
+use std::fs;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use magsplice_layout::Layout;
@@ -212,4 +215,25 @@ fn syntax_errors_are_short_and_printable() {
 fn reading_a_device_without_end_ends() {
     let error = Layout::read("/dev/zero").expect_err("no layout").to_string();
     assert_eq!(error, "cannot read /dev/zero: it has more than 67108864 bytes, too many for a layout");
+}
+
+#[test]
+fn files_are_read_up_to_64_mib() {
+    let file = tempfile::NamedTempFile::new().expect("a file");
+    let mut text = format!("format = 1\nname = \"test\"\n[[tile]]\n{TILE}#");
+    text.extend(std::iter::repeat_n(' ', (64 << 20) - text.len()));
+    fs::write(file.path(), &text).expect("written");
+    assert_eq!(Layout::read(file.path()).expect("valid").tiles.len(), 1);
+    text.push(' ');
+    fs::write(file.path(), &text).expect("written");
+    for refused in [Layout::read(file.path()), Layout::parse(&text, "test.toml")] {
+        let message = refused.expect_err("too large").to_string();
+        assert!(message.contains("67108864"), "{message}");
+    }
+}
+
+#[test]
+fn error_of_a_missing_file_has_a_source() {
+    let error = Layout::read(Path::new("no/such/layout.toml")).expect_err("missing");
+    assert!(error.source().is_some_and(|source| source.is::<std::io::Error>()));
 }
