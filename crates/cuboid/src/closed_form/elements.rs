@@ -161,8 +161,9 @@ pub fn common_inverse<N: Functions>(simd: N::Instructions, needed: [bool; 6], ra
     N::splat(simd, 1.0).over(product)
 }
 
-/// Adds the needed elements, each by the series of a small ratio or that of a smaller one
-/// (`is_short`), with one division for all.
+/// Adds the needed elements, with one division for all. None has half of 4 pi T above
+/// [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE), or above
+/// [`SMALLER_ANGLE`](crate::tolerances::SMALLER_ANGLE) with `is_short`.
 #[inline(always)]
 pub fn add_small_elements<N: Functions>(
     simd: N::Instructions,
@@ -187,10 +188,8 @@ pub fn add_small_elements<N: Functions>(
             let s = n * (inverse * products[element]);
             inverse = inverse * m;
             let is_angle = element >= AA;
-            sum.add(
-                element,
-                if is_short { short_odd_series(simd, s, is_angle) } else { odd_series(simd, s, is_angle) },
-            );
+            let half = if is_short { short_odd_series(simd, s, is_angle) } else { odd_series(simd, s, is_angle) };
+            sum.add(element, half);
         }
     }
 }
