@@ -17,6 +17,8 @@ pub mod closed_form;
 pub mod evaluator;
 /// Derivatives of B with respect to the positions of the faces.
 mod face_derivatives;
+/// The bound of the magnitude far from a cuboid, in single precision.
+pub mod far_magnitude;
 /// A bound of the field without computing it.
 pub mod field_bound;
 /// The gradient of one cuboid at points that share a method.

@@ -12,7 +12,7 @@ use crate::shape::Shape;
 use crate::tolerances::{FARTHEST_BOUND, LARGEST_FIELD_OVER_J, MAGNITUDE_ROUNDING, SERIES_BOUND_FROM};
 
 /// The tangent of (1 + 3 s)^1/2 at s = 1/3 is this factor of 1 + s, 3 / 8^1/2.
-const TANGENT: f64 = 1.060_660_171_779_822;
+pub(crate) const TANGENT: f64 = 1.060_660_171_779_822;
 
 /// A cuboid whose field is bounded. Its lengths are in half diagonals, except the centre.
 #[derive(Clone, Debug)]
@@ -23,12 +23,12 @@ pub struct MagnitudeBound {
     /// V / 2 pi times the sum of |J_k|, in tesla.
     dipole_t: f64,
     /// The coefficients of q^2 and q^4 in Eq. P45.
-    quadratic: f64,
-    quartic: f64,
+    pub(crate) quadratic: f64,
+    pub(crate) quartic: f64,
     /// Shares |J_k| of their sum, as a quadratic form of the offset: xx, yy, zz, and twice yz, zx,
     /// xy if the cuboid is rotated.
-    shares: [f64; 3],
-    mixed_shares: Option<[f64; 3]>,
+    pub(crate) shares: [f64; 3],
+    pub(crate) mixed_shares: Option<[f64; 3]>,
     /// |J_k|, in tesla.
     j_t: [f64; 3],
     volume_over_2_pi: f64,
@@ -228,7 +228,9 @@ mod tests {
 
     use super::*;
     use crate::block::{Block, LocalPoint};
+    use crate::far_magnitude::FarMagnitude;
     use crate::scalar::kernel::{FieldKind, cuboid_field};
+    use crate::tolerances::SMALLEST_IN_SINGLE_PRECISION;
 
     /// Numbers that are evenly distributed between 0 and 1.
     struct Sequence(u64);
@@ -263,7 +265,37 @@ mod tests {
             let level = set.detected().expect("available");
             dispatch!(level, simd => bound.at(simd, point.to_array().map(|c| Lanes::splat(simd, c))).lane(0))
         };
-        InstructionSet::available().into_iter().map(at).collect()
+        let alone = InstructionSet::available().into_iter().map(at);
+        alone.chain(in_single_precision(&bound, point)).collect()
+    }
+
+    /// Bounds as one of the largest and one of the smallest tiles of a group, where they hold.
+    fn in_single_precision(bound: &MagnitudeBound, point: DVec3) -> Vec<f64> {
+        let mut bounds = Vec::new();
+        for share in [1.0, 1.01 * SMALLEST_IN_SINGLE_PRECISION] {
+            let radius = bound.half_diagonal() / share;
+            let origin = bound.centre() + radius * DVec3::new(0.6, -0.64, 0.48);
+            let strength_t = 0.3 * bound.dipole_t();
+            let far = bound.in_single_precision(origin.to_array(), share / bound.half_diagonal(), strength_t);
+            let offset = (point - origin) / radius;
+            if offset.length() > 10.0 {
+                continue;
+            }
+            for set in InstructionSet::available() {
+                let level = set.detected().expect("available");
+                bounds.extend(
+                    dispatch!(level, simd => lane_of(simd, far.as_ref().expect("large enough"), offset))
+                        .map(|bound| bound * strength_t),
+                );
+            }
+        }
+        bounds
+    }
+
+    #[inline(always)]
+    fn lane_of<S: Simd>(simd: S, far: &FarMagnitude, offset: DVec3) -> Option<f64> {
+        let (bound, is_far) = far.at(simd, offset.to_array().map(|c| S::f32s::splat(simd, c as f32)));
+        is_far.all_true().then(|| f64::from(bound[0]))
     }
 
     /// Bounds over magnitudes at random points, in order, for random cuboids of aspects up to

@@ -131,3 +131,13 @@ pub const SERIES_BOUND_FROM: f64 = 1.5;
 /// Largest squared distance in half diagonals that the bound of the magnitude distinguishes. The
 /// field beyond is bounded by that at this distance, below 1e-270 of J.
 pub const FARTHEST_BOUND: f64 = 1e180;
+
+/// Smallest half diagonal of a cuboid, in radii of a sphere around its group, whose bound of the
+/// magnitude is computed in single precision.
+pub const SMALLEST_IN_SINGLE_PRECISION: f64 = 0.01;
+
+/// Factor by which single precision may make a bound of the magnitude too small. Offsets from the
+/// centre of a cuboid are wrong by 11 units of 2^-24 in each coordinate, at 10 radii from the centre
+/// of its group. That is 8e-5 of the smallest distance, 0.015 radii, so that the terms, which fall
+/// like at most q^7 x^2, are wrong by 7e-4. Some 50 roundings add 3e-6.
+pub const SINGLE_PRECISION: f64 = 1.001;

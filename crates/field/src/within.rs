@@ -92,7 +92,9 @@ pub(crate) fn tree_pays(direct: &DirectSum, tolerance: Tolerance, points: &[DVec
     // Points without a field are NaN, which keeps no tolerance.
     let _ = direct.exact_field_into(Quantity::FluxDensity, &some, &mut field);
     let magnitudes_t = direct.magnitudes_t(&some);
-    let kept = field.iter().zip(magnitudes_t).filter(|(b, t)| tolerance.is_kept(**b, STRETCHED_BOUND * t)).count();
+    // The other half of the tolerance is left for truncation.
+    let rounding = 2.0 * STRETCHED_BOUND;
+    let kept = field.iter().zip(magnitudes_t).filter(|(b, t)| tolerance.is_kept(**b, rounding * t)).count();
     2 * kept > some.len()
 }
 

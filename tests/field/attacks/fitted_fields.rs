@@ -110,8 +110,9 @@ fn is_above(error: f64, stated: f64) -> bool {
     error > stated || error.is_nan()
 }
 
+/// The largest magnitude of an element, or NaN if any is NaN.
 fn largest(gradient: DMat3) -> f64 {
-    gradient.to_cols_array().into_iter().fold(0.0, |most, slope| if slope.abs() <= most { most } else { slope.abs() })
+    if gradient.is_nan() { f64::NAN } else { gradient.to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max) }
 }
 
 /// The points that are aimed at in a box, and a grid in it.

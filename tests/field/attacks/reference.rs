@@ -51,7 +51,8 @@ pub(super) fn exact_error_t(tiles: &[Tile], point: DVec3) -> f64 {
     EXACT_BOUND * sum_t + rotation_error_t(tiles, point)
 }
 
-/// Upper bound of the change of B by the rounding of a point in the frames of rotated tiles, in tesla.
+/// Upper bound, in tesla, of the change of B by the rounding of a point in the frames of rotated
+/// tiles.
 pub(super) fn rotation_error_t(tiles: &[Tile], point: DVec3) -> f64 {
     let rotated = tiles.iter().filter(|tile| tile.rotation() != DQuat::IDENTITY);
     rotated

@@ -27,7 +27,7 @@ pub(crate) fn for_each_batch<T: Send + Copy + Default>(
     let threads = rayon::current_num_threads();
     let count = if threads > 1 { BATCHES_PER_THREAD * threads } else { 1 };
     let size = (points.len() / count).clamp(POINTS_PER_BATCH[0], batches.most);
-    let mut errors = Vec::new();
+    let mut failures = Vec::new();
     if batches.regroup && points.len() > size {
         let stretches = points.chunks(REGROUPED_POINTS).zip(values.chunks_mut(REGROUPED_POINTS));
         for (stretch, (points, values)) in stretches.enumerate() {
@@ -35,50 +35,46 @@ pub(crate) fn for_each_batch<T: Send + Copy + Default>(
             let regrouped: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
             let mut results = vec![T::default(); points.len()];
             let start = stretch * REGROUPED_POINTS;
-            let index = |position: usize| start + order[position] as usize;
-            errors.extend(
-                in_batches(&regrouped, &mut results, size, &evaluate)
-                    .into_iter()
-                    .map(|error| PointError { index: index(error.index), ..error }),
-            );
+            let failed = in_batches(&regrouped, &mut results, size, &evaluate);
+            failures.extend(failed.into_iter().map(|(position, cause)| (start + order[position] as usize, cause)));
             for (&index, result) in order.iter().zip(results) {
                 values[index as usize] = result;
             }
         }
     } else {
-        errors = in_batches(points, values, size, &evaluate);
+        failures = in_batches(points, values, size, &evaluate);
     }
-    errors.sort_by_key(|e| e.index);
-    none_or(errors)
+    failures.sort_by_key(|(index, _)| *index);
+    none_or(failures.into_iter().map(|(index, cause)| PointError { index, point: points[index], cause }).collect())
 }
 
 pub(crate) fn none_or(errors: Vec<PointError>) -> Result<(), PointErrors> {
     if errors.is_empty() { Ok(()) } else { Err(PointErrors(errors)) }
 }
 
-/// Evaluates batches of `size` points in parallel.
+/// Evaluates batches of `size` points in parallel. Returns the points without a value.
 fn in_batches<T: Send>(
     points: &[DVec3],
     values: &mut [T],
     size: usize,
     evaluate: &(impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, Cause)) + Sync + Send),
-) -> Vec<PointError> {
+) -> Vec<(usize, Cause)> {
     let batches = points.par_chunks(size).zip(values.par_chunks_mut(size)).enumerate();
-    let errors: Vec<Vec<PointError>> = batches
+    let failures: Vec<Vec<(usize, Cause)>> = batches
         .map(|(batch, (points, values))| {
-            let mut errors = Vec::new();
+            let mut failures = Vec::new();
             evaluate(points, values, &mut |index, cause| {
-                if errors.is_empty() {
+                if failures.is_empty() {
                     // Where one point is refused, most often many are.
-                    errors.reserve_exact(points.len());
+                    failures.reserve_exact(points.len());
                 }
-                errors.push(PointError { index: batch * size + index, point: points[index], cause });
+                failures.push((batch * size + index, cause));
             });
-            errors.shrink_to_fit();
-            errors
+            failures.shrink_to_fit();
+            failures
         })
         .collect();
-    errors.concat()
+    failures.concat()
 }
 
 /// Indices of points in an order in which consecutive points are neighbours: groups of the first of

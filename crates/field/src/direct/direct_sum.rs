@@ -209,28 +209,42 @@ impl DirectSum {
         let in_box_t = || *in_box_t.get_or_init(of_box);
         let decides = |magnitude_t: f64| least_t(magnitude_t) <= DECIDED_BY_BOX * magnitude_t;
         let is_only = self.frames.only_tile().is_some();
-        let mut of_only_tile_t = Vec::new();
-        let wanted =
-            (is_only && !decides(magnitudes.largest_t()) && !decides(in_box_t())).then_some(&mut of_only_tile_t);
+        let by_closed_form = is_only && !decides(magnitudes.largest_t()) && !decides(in_box_t());
+        let mut magnitudes_t = Vec::new();
+        let wanted = by_closed_form.then_some(&mut magnitudes_t);
         self.field_and_magnitudes_of_batch(quantity, points, field, wanted, failed);
         // One bound for all points decides nearly all batches, and one for the box around the points
         // most others.
-        if !any_weak(field, least_squared(magnitudes.largest_t())) || !any_weak(field, least_squared(in_box_t())) {
+        if !by_closed_form
+            && (!any_weak(field, least_squared(magnitudes.largest_t())) || !any_weak(field, least_squared(in_box_t())))
+        {
             return;
         }
         let least_in_box = least_squared(in_box_t());
         let is_open = |index: usize| {
-            let value = &field[index];
-            is_weak(value, least_in_box) && of_only_tile_t.get(index).is_none_or(|t| is_weak(value, least_squared(*t)))
+            let least = magnitudes_t.get(index).map_or(least_in_box, |own_t| least_squared(*own_t));
+            is_weak(&field[index], least)
         };
         let open: Vec<u32> = (0..points.len() as u32).filter(|&index| is_open(index as usize)).collect();
-        let mut magnitudes_t = Column::default();
-        magnitudes.write(self.level, open.iter().map(|&index| points[index as usize]), &mut magnitudes_t);
-        for (&index, &magnitude_t) in open.iter().zip(&*magnitudes_t) {
-            let index = index as usize;
-            if field[index].length_squared() < least_squared(magnitude_t) {
+        if open.is_empty() {
+            return;
+        }
+        let at = |indices: &[u32]| -> Vec<DVec3> { indices.iter().map(|&index| points[index as usize]).collect() };
+        if is_only && !by_closed_form {
+            let (mut again, mut of_open_t) = (vec![DVec3::ZERO; open.len()], Vec::new());
+            self.field_and_magnitudes_of_batch(quantity, &at(&open), &mut again, Some(&mut of_open_t), &mut |_, _| ());
+            magnitudes_t.resize(points.len(), f64::INFINITY);
+            open.iter().zip(of_open_t).for_each(|(&index, own_t)| magnitudes_t[index as usize] = own_t);
+        }
+        // The closed form of a single tile has no bound at points of other methods.
+        magnitudes_t.resize(points.len(), f64::INFINITY);
+        let others: Vec<u32> =
+            open.iter().copied().filter(|&index| magnitudes_t[index as usize].is_infinite()).collect();
+        others.iter().zip(self.magnitudes_t(&at(&others))).for_each(|(&index, t)| magnitudes_t[index as usize] = t);
+        for index in open.into_iter().map(|index| index as usize) {
+            if is_weak(&field[index], least_squared(magnitudes_t[index])) {
                 field[index] = DVec3::NAN;
-                failed(index, Cause::TooExact { bound_t: EXACT_BOUND * magnitude_t });
+                failed(index, Cause::TooExact { bound_t: EXACT_BOUND * magnitudes_t[index] });
             }
         }
     }

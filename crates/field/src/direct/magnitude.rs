@@ -4,6 +4,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
+use magsplice_cuboid::far_magnitude::FarMagnitude;
 use magsplice_cuboid::magnitude_bound::{MagnitudeBound, from_centre, length_squared};
 use magsplice_magnet::tolerances::{ROTATED_SEAM_ROUNDINGS, UNIT_ROUNDOFF};
 use magsplice_magnet::{BoundingBox, Tile, Tolerance};
@@ -27,6 +28,10 @@ pub(super) struct MagnitudeBounds {
 #[derive(Clone, Debug)]
 struct GroupBound {
     tiles: Vec<MagnitudeBound>,
+    /// The tiles in single precision, if none of them is too small for that.
+    in_single_precision: Option<Vec<FarMagnitude>>,
+    /// What bounds in single precision are multiplied by, in tesla.
+    strength_t: f64,
     centre: [f64; 3],
     /// Inverse radius of a sphere around the tiles.
     scale: f64,
@@ -80,18 +85,24 @@ impl MagnitudeBounds {
         simd.vectorize(
             #[inline(always)]
             || {
-                for (number, bounds) in bounds.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
-                    let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
-                    let point = [
-                        Lanes::<S>::load(simd, &x[start..end]),
-                        Lanes::<S>::load(simd, &y[start..end]),
-                        Lanes::<S>::load(simd, &z[start..end]),
-                    ];
-                    let mut sum = Lanes::<S>::splat(simd, 0.0);
-                    for group in &self.groups {
-                        sum = group.add_at(simd, point, sum);
+                for (number, bounds) in bounds.chunks_exact_mut(2 * Lanes::<S>::LEN).enumerate() {
+                    let start = number * 2 * Lanes::<S>::LEN;
+                    let middle = start + Lanes::<S>::LEN;
+                    let zero = Lanes::<S>::splat(simd, 0.0);
+                    let mut points = [[zero; 3]; 2];
+                    for (point, from) in points.iter_mut().zip([start, middle]) {
+                        let part = from..from + Lanes::<S>::LEN;
+                        for (coordinate, axis) in point.iter_mut().zip([x, y, z]) {
+                            *coordinate = Lanes::load(simd, &axis[part.clone()]);
+                        }
                     }
-                    sum.store(bounds);
+                    let mut sums = [zero; 2];
+                    for group in &self.groups {
+                        sums = group.add_at(simd, points, sums);
+                    }
+                    let (first, second) = bounds.split_at_mut(Lanes::<S>::LEN);
+                    sums[0].store(first);
+                    sums[1].store(second);
                 }
             },
         );
@@ -139,22 +150,113 @@ impl GroupBound {
         // |r - r'| >= r - radius for every point r' of the tiles.
         let nearer = (1.0 - 1.0 / GROUP_BOUND_FROM).powi(-3);
         let far_t = nearer * tiles.iter().map(strength).sum::<f64>();
-        GroupBound { centre: centre.to_array(), scale: 1.0 / radius, far_t, tiles }
+        let (centre, scale) = (centre.to_array(), 1.0 / radius);
+        let strength_t = |tile: &MagnitudeBound| tile.dipole_t() * (tile.half_diagonal() / radius).powi(3);
+        let strength_t = tiles.iter().map(strength_t).fold(f64::MIN_POSITIVE, f64::max);
+        let in_single_precision = |tile: &MagnitudeBound| tile.in_single_precision(centre, scale, strength_t);
+        let in_single_precision = tiles.iter().map(in_single_precision).collect();
+        GroupBound { centre, scale, far_t, in_single_precision, strength_t, tiles }
     }
 
-    /// `sum` and the bounds of the tiles at a vector of points.
+    /// `sums` and the bounds of the tiles at a pair of vectors of points. The bound at a point
+    /// depends on no other point.
     #[inline(always)]
-    fn add_at<S: Simd>(&self, simd: S, point: [Lanes<S>; 3], mut sum: Lanes<S>) -> Lanes<S> {
-        if self.tiles.len() > 1 {
-            let square = length_squared(simd, from_centre(point, self.centre, self.scale));
-            if !square.any_below(GROUP_BOUND_FROM * GROUP_BOUND_FROM) {
-                let inverse = square.reciprocal_root_bound(simd);
-                return (inverse * inverse).mul_add(inverse * self.far_t, sum);
+    fn add_at<S: Simd>(&self, simd: S, points: [[Lanes<S>; 3]; 2], mut sums: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
+        if let [tile] = self.tiles.as_slice() {
+            return [sums[0] + tile.at(simd, points[0]), sums[1] + tile.at(simd, points[1])];
+        }
+        const FAR: f64 = GROUP_BOUND_FROM * GROUP_BOUND_FROM;
+        let (mut offsets, mut squares, mut bounds) = (points, sums, sums);
+        let mut any_near = false;
+        for half in 0..2 {
+            offsets[half] = from_centre(points[half], self.centre, self.scale);
+            squares[half] = length_squared(simd, offsets[half]);
+            any_near |= squares[half].any_below(FAR);
+            let inverse = squares[half].reciprocal_root_bound(simd);
+            bounds[half] = inverse * inverse * (inverse * self.far_t);
+        }
+        if any_near {
+            let near = self.by_tiles(simd, points, offsets);
+            for half in 0..2 {
+                bounds[half] = squares[half].where_at_least(FAR, bounds[half], near[half]);
             }
         }
-        for tile in &self.tiles {
-            sum = sum + tile.at(simd, point);
+        for half in 0..2 {
+            sums[half] = sums[half] + bounds[half];
         }
-        sum
+        sums
+    }
+
+    /// The sums of the bounds of the tiles at points near the group; `offsets` are the points in
+    /// radii from the centre.
+    #[inline(always)]
+    fn by_tiles<S: Simd>(&self, simd: S, points: [[Lanes<S>; 3]; 2], offsets: [[Lanes<S>; 3]; 2]) -> [Lanes<S>; 2] {
+        let zero = Lanes::<S>::splat(simd, 0.0);
+        let mut sums = [zero; 2];
+        let Some(in_single_precision) = &self.in_single_precision else {
+            for tile in &self.tiles {
+                for half in 0..2 {
+                    sums[half] = sums[half] + tile.at(simd, points[half]);
+                }
+            }
+            return sums;
+        };
+        let mut offset = [S::f32s::splat(simd, 0.0); 3];
+        for axis in 0..3 {
+            offset[axis] = offsets[0][axis].0.narrow(offsets[1][axis].0);
+        }
+        let mut far_sum = S::f32s::splat(simd, 0.0);
+        for (tile, far) in self.tiles.iter().zip(in_single_precision) {
+            let (bound, is_far) = far.at(simd, offset);
+            if is_far.all_true() {
+                far_sum += bound;
+                continue;
+            }
+            far_sum += is_far.select(bound, S::f32s::splat(simd, 0.0));
+            let is_far = is_far.widen();
+            sums[0] = sums[0] + Lanes(is_far.0.select(zero.0, tile.at(simd, points[0]).0));
+            sums[1] = sums[1] + Lanes(is_far.1.select(zero.0, tile.at(simd, points[1]).0));
+        }
+        let far_sums = far_sum.widen();
+        [Lanes(far_sums.0).scale_add(self.strength_t, sums[0]), Lanes(far_sums.1).scale_add(self.strength_t, sums[1])]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use magsplice_simd::InstructionSet;
+
+    use super::*;
+
+    /// Three groups: cubes, cubes too small for single precision, and one cube alone.
+    fn tiles() -> Vec<Tile> {
+        let mut tiles = Vec::new();
+        for (count, x, size) in [(16, 0.0, 1.0), (16, 40.0, 0.01), (1, 80.0, 1.0)] {
+            for number in 0..count {
+                let position = DVec3::new(x + f64::from(number % 4), f64::from(number / 4), 0.0);
+                tiles.push(Tile::new(position, DVec3::splat(size), DVec3::new(0.1, -0.5, 1.0)).expect("valid"));
+            }
+        }
+        tiles
+    }
+
+    #[test]
+    fn the_bound_at_a_point_depends_on_no_other_point() {
+        let bounds = MagnitudeBounds::new(&tiles());
+        assert!(bounds.groups.iter().any(|group| group.in_single_precision.is_none()));
+        let points: Vec<DVec3> =
+            (0..400).map(|i| DVec3::new(0.3 * f64::from(i), 1.1, 0.2 * f64::from(i % 7))).collect();
+        for set in InstructionSet::available() {
+            let level = set.detected().expect("available");
+            let at = |points: &[DVec3]| {
+                let mut written = Column::default();
+                bounds.write(level, points.iter().copied(), &mut written);
+                written[..points.len()].to_vec()
+            };
+            let together = at(&points);
+            for (&point, bound) in points.iter().zip(together) {
+                assert_eq!(at(&[point]), [bound], "{point} with {set:?}");
+            }
+        }
     }
 }
