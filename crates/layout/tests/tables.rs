@@ -233,6 +233,6 @@ fn overlaps_name_both_tiles_and_the_way_out() {
     let two = "[[tile]]\nname = \"a\"\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n\
                [[tile]]\nname = \"b\"\nposition_mm = [0.75, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
     let message = parse(two).expect_err("an overlap");
-    assert!(message.contains("tiles \"a\" and \"b\" overlap by 0.25 mm"), "{message}");
+    assert!(message.contains("tiles \"a\" and \"b\": overlap by 0.25 mm"), "{message}");
     assert!(message.contains("move \"b\" that far along (1.000, 0.000, 0.000)"), "{message}");
 }
