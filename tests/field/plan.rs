@@ -111,3 +111,20 @@ fn plans_never_cost_more_than_direct_summation() {
     let plan = within(&tiles, Tolerance::relative(1e-13).expect("positive")).plan_at_points(&points);
     assert!(plan.parts.iter().all(|part| part.model == Model::Exact), "{plan:?}");
 }
+
+/// A fit of the field of one tile must save its own cost: close to the tile it needs a node for
+/// every second point, and the proof of its error costs as much as thousands of exact values.
+#[test]
+fn grid_close_to_a_single_tile_is_summed_directly() {
+    let one = Tile::new(DVec3::ZERO, DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7)).expect("a valid tile");
+    let counts = [61, 61, 31];
+    let close = Grid::new(DVec3::new(-2.0, -2.0, -3.0), DVec3::new(2.0, 2.0, -1.0), counts).expect("a grid");
+    let far = Grid::new(DVec3::new(98.0, 98.0, 99.0), DVec3::new(102.0, 102.0, 101.0), counts).expect("a grid");
+    for exponent in 2..=10 {
+        let scene = within(&[one], Tolerance::relative(10_f64.powi(-exponent)).expect("a tolerance"));
+        let plan = scene.plan_on_grid(&close);
+        assert!(plan.parts.iter().all(|part| part.model == Model::Exact), "1e-{exponent}: {plan:?}");
+        let plan = scene.plan_on_grid(&far);
+        assert!(plan.parts.iter().all(|part| part.model != Model::Exact), "1e-{exponent}: {plan:?}");
+    }
+}

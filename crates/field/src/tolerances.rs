@@ -283,8 +283,16 @@ pub(crate) const PARTIAL_SUMS: usize = 8;
 /// nodes.
 pub(crate) const MIN_FIT_POINTS: usize = 1000;
 
+/// Smallest number of pairs of tiles and grid points that a Chebyshev fit is tried for. The proof of
+/// its error costs as much as thousands of pairs, whether the fit is then made or not.
+pub(crate) const MIN_FIT_PAIRS: usize = 24_000;
+
 /// Smallest number of grid points per node of a fit. Each node costs one exact field.
 pub(crate) const GRID_POINTS_PER_NODE: usize = 2;
+
+/// Cost of the transform of the values at nodes to coefficients, for each node, in exact fields of
+/// one tile over [`GRID_POINTS_PER_NODE`]. Where tiles are few, it costs more than the exact field.
+pub(crate) const NODE_TRANSFORM_TILES: usize = 6;
 
 /// Smallest number of points per node that the distances of tiles suggest for a fit, of a list or of
 /// few tiles ([`MIN_LOOK_UP_TILES`]). They suggest fewer nodes than the fit needs; a box that would

@@ -12,7 +12,10 @@ use super::fit::{ChebyshevFit, FitFailure};
 use super::outlook::is_promising;
 use super::weighted_sums::{PADDING, padded, weighted_sum};
 use crate::direct::direct_sum::DirectSum;
-use crate::tolerances::{GRID_POINTS_PER_NODE, MIN_FIT_POINTS, MIN_LOOK_UP_TILES, POINTS_PER_EXPECTED_NODE};
+use crate::tolerances::{
+    GRID_POINTS_PER_NODE, MIN_FIT_PAIRS, MIN_FIT_POINTS, MIN_LOOK_UP_TILES, NODE_TRANSFORM_TILES,
+    POINTS_PER_EXPECTED_NODE,
+};
 
 /// A part of a grid: first indices along x, y, z, and the indices after the last.
 #[derive(Clone, Copy, Debug)]
@@ -57,16 +60,19 @@ fn divide(
     rest: &mut Vec<GridPart>,
 ) {
     let points = part.len();
-    let few_tiles = direct.tiles().len() < MIN_LOOK_UP_TILES;
+    let tiles = direct.tiles().len();
+    let few_tiles = tiles < MIN_LOOK_UP_TILES;
+    let min_points = MIN_FIT_POINTS.max(MIN_FIT_PAIRS / tiles.max(1));
+    let points_per_node = GRID_POINTS_PER_NODE + NODE_TRANSFORM_TILES / tiles.max(1);
     let expected = points / if few_tiles { POINTS_PER_EXPECTED_NODE } else { GRID_POINTS_PER_NODE };
-    let fit = if points < MIN_FIT_POINTS || !is_promising(direct, &part.region(grid), tolerance, expected) {
+    let fit = if points < min_points || !is_promising(direct, &part.region(grid), tolerance, expected) {
         Err(FitFailure::TooNear)
     } else {
-        ChebyshevFit::new(direct, part.region(grid), tolerance, points / GRID_POINTS_PER_NODE)
+        ChebyshevFit::new(direct, part.region(grid), tolerance, points / points_per_node)
     };
     match fit {
         Ok(fit) => fitted.push((part, fit)),
-        Err(FitFailure::TooNear) if points >= 2 * MIN_FIT_POINTS => {
+        Err(FitFailure::TooNear) if points >= 2 * min_points => {
             let axis = part.longest_axis(grid);
             let middle = usize::midpoint(part.start[axis], part.end[axis]);
             let (mut low, mut high) = (part, part);
