@@ -1,9 +1,10 @@
 //! Results of `check`: a layout with the outcome of each of its expectations.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use magsplice::expect::{Expectation, Outcome};
-use magsplice::layout::Layout;
+use magsplice::layout::{Finding, Layout};
 
 /// A layout file that was checked.
 pub(crate) struct CheckedLayout {
@@ -11,6 +12,8 @@ pub(crate) struct CheckedLayout {
     /// The layout, or why it cannot be used.
     pub(crate) layout: Result<Layout, String>,
     pub(crate) expectations: Vec<CheckedExpectation>,
+    /// Time that reading and validating the file took.
+    pub(crate) reading: Duration,
 }
 
 /// An expectation that was checked.
@@ -18,6 +21,8 @@ pub(crate) struct CheckedExpectation {
     pub(crate) expectation: Expectation,
     /// The outcome, or why the expectation cannot be evaluated.
     pub(crate) outcome: Result<Outcome, String>,
+    /// Time that the evaluation took. The first expectation that needs the field bears its time.
+    pub(crate) took: Duration,
 }
 
 /// Status of an expectation, a layout or the whole run, from best to worst. The numbers are exit
@@ -52,7 +57,7 @@ impl CheckedLayout {
         self.expectations.iter().map(CheckedExpectation::status).fold(own, CheckStatus::max)
     }
 
-    pub(crate) fn findings(&self) -> &[String] {
+    pub(crate) fn findings(&self) -> &[Finding] {
         self.layout.as_ref().map_or(&[], |layout| &layout.findings)
     }
 }

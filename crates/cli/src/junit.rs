@@ -1,6 +1,8 @@
 //! The JUnit form of the results of `check`: a suite for each layout, with a case for the file and
 //! one for each expectation.
 
+use std::time::Duration;
+
 use magsplice::expect::Outcome;
 use magsplice::layout::Layout;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
@@ -12,6 +14,9 @@ use crate::text::check::{bound, location};
 pub(crate) fn xml(layouts: &[CheckedLayout]) -> String {
     let mut report = Report::new("magsplice check");
     report.add_test_suites(layouts.iter().map(suite));
+    let all =
+        layouts.iter().map(|layout| layout.reading + layout.expectations.iter().map(|e| e.took).sum::<Duration>());
+    report.set_time(all.sum());
     report.to_string().expect("text can always be written as XML")
 }
 
@@ -21,16 +26,22 @@ fn suite(checked: &CheckedLayout) -> TestSuite {
     let own = match &checked.layout {
         Err(message) => status(CheckStatus::Unusable, message),
         Ok(layout) if layout.findings.is_empty() => TestCaseStatus::success(),
-        Ok(layout) => status(CheckStatus::Finding, &layout.findings.join("\n")),
+        Ok(layout) => {
+            let findings: Vec<&str> = layout.findings.iter().map(|finding| finding.message.as_str()).collect();
+            status(CheckStatus::Finding, &findings.join("\n"))
+        }
     };
-    suite.add_test_case(case("layout", &file, own));
+    suite.add_test_case(case("layout", &file, own, checked.reading));
+    let evaluation: Duration = checked.expectations.iter().map(|expectation| expectation.took).sum();
+    suite.set_time(checked.reading + evaluation);
     if let Ok(layout) = &checked.layout {
         suite.add_test_cases(checked.expectations.iter().map(|checked| {
             let message = match &checked.outcome {
                 Ok(outcome) => sentence(outcome, layout),
                 Err(message) => message.clone(),
             };
-            let mut case = case(&checked.expectation.to_string(), &file, status(checked.status(), &message));
+            let mut case =
+                case(&checked.expectation.to_string(), &file, status(checked.status(), &message), checked.took);
             case.set_system_out(xml_text(&message));
             case
         }));
@@ -44,8 +55,9 @@ fn xml_text(text: &str) -> String {
     text.chars().map(|c| if is_allowed(c) { c } else { char::REPLACEMENT_CHARACTER }).collect()
 }
 
-fn case(name: &str, file: &str, status: TestCaseStatus) -> TestCase {
+fn case(name: &str, file: &str, status: TestCaseStatus, took: Duration) -> TestCase {
     let mut case = TestCase::new(name, status);
+    case.set_time(took);
     case.set_classname(file);
     case
 }

@@ -24,12 +24,16 @@ mod interrupt;
 mod json;
 /// The JUnit form of the results of `check`.
 mod junit;
+/// The layout files that arguments name.
+mod layout_files;
 /// Where results go: standard output, files, folders, tables.
 mod output;
 /// Points from a CSV file.
 mod point_file;
 /// The progress line on a terminal.
 mod progress;
+/// Remarks on standard error.
+mod remarks;
 /// Results as printed tables.
 mod text;
 /// One file per verb.

@@ -22,6 +22,21 @@ pub(crate) fn film_failure(path: &Path, layout: &Layout, error: FilmError) -> Fa
     faults.failure(path.display().to_string())
 }
 
+/// The failure of `verb`, which needs an ideal film and a working volume, on a layout without them.
+/// `purpose` says in words what the verb is for.
+pub(crate) fn no_film(path: &Path, error: FilmError, verb: &str, purpose: &str) -> Failure {
+    let FilmError::Missing(table) = error else {
+        return Failure::Film { layout: path.to_owned(), error };
+    };
+    let shown = path.display();
+    let message = format!(
+        "the layout has no [{table}] table, which this needs: `magsplice {verb}` {purpose}. For the field of any \
+         arrangement of magnets use `magsplice field {shown}`. For a film, add [{table}]; docs/layout-format.md \
+         describes it"
+    );
+    Failure::Points { path: path.to_owned(), message }
+}
+
 /// Why there is no field at a point.
 pub(crate) fn no_field(cause: Cause, layout: &Layout) -> String {
     match cause {

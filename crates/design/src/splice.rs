@@ -5,7 +5,10 @@ use std::fmt::Write;
 
 use glam::DVec3;
 use magsplice_ideal::IdealFilm;
-use magsplice_layout::{Brief, Goal, Layout, Symmetry, Variables};
+use magsplice_layout::{
+    Brief, Goal, Layout, MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, STRONGEST_MAGNET_T, Symmetry, Variables,
+    meant_length, meant_polarization,
+};
 use magsplice_magnet::Tile;
 
 use crate::error::DesignError;
@@ -69,6 +72,10 @@ pub struct SpliceRequest {
 /// Width of the wide intervals, as a fraction of the wavelength. Two thirds of a half-wave at full
 /// strength have no third harmonic (Dai 2024, Fig. 5, has 3.3 of 5 mm).
 const WIDE: f64 = 1.0 / 3.0;
+
+/// Amplitude that no film of tiles reaches. The fundamental of a square wave is 4 / pi of its height,
+/// and the tiles are as strong as the ideal film's crests.
+const MAX_AMPLITUDE: f64 = 2.0;
 
 /// Points of the working volume along each axis.
 const POINTS: [usize; 3] = [9, 9, 5];
@@ -189,6 +196,38 @@ impl SpliceRequest {
         }
         if !(self.remanence_t > 0.0 && self.remanence_t.is_finite()) {
             problems.push(format!("remanence: {} T, must be a finite number greater than 0", self.remanence_t));
+        } else if self.remanence_t > STRONGEST_MAGNET_T {
+            problems.push(format!(
+                "remanence: {} T, must be at most {STRONGEST_MAGNET_T} T, more than any permanent magnet has ({})",
+                self.remanence_t,
+                meant_polarization(self.remanence_t)
+            ));
+        }
+        if self.least_amplitude > MAX_AMPLITUDE {
+            problems.push(format!(
+                "amplitude: {}, must be at most {MAX_AMPLITUDE}, which tiles of the remanence of the ideal film cannot \
+                 exceed: a fraction, not percent",
+                self.least_amplitude
+            ));
+        }
+        // In metres all lengths agree with each other; one of them in metres does not.
+        if self.wavelength_mm > 0.0 && self.wavelength_mm < SHORTEST_WAVELENGTH_MM {
+            problems.push(format!(
+                "wavelength: {} mm, must be at least {SHORTEST_WAVELENGTH_MM} mm, or tiles are no larger than the resolution \
+                 of machine tools ({})",
+                self.wavelength_mm,
+                meant_length(self.wavelength_mm)
+            ));
+        } else {
+            for (name, value) in positive.into_iter().filter(|(name, _)| *name != "wavelength") {
+                if value > 0.0 && value * MAX_LENGTH_RATIO < self.wavelength_mm {
+                    problems.push(format!(
+                        "{name}: {value} mm, must be at least a thousandth of the wavelength, {} mm ({})",
+                        self.wavelength_mm,
+                        meant_length(value)
+                    ));
+                }
+            }
         }
         if !(self.distance_mm[0] < self.distance_mm[1]) {
             let [near, far] = self.distance_mm;

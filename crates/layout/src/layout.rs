@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::brief::Brief;
 use crate::expectations::Expectations;
+use crate::finding::Finding;
 
 /// A spliced film or any other arrangement of block magnets, with the ideal film it is compared
 /// with and the requirements it must meet.
@@ -58,9 +59,8 @@ pub struct Layout {
     pub tiles: Vec<NamedTile>,
     /// SHA-256 of the file's bytes, in lower-case hexadecimal.
     pub sha256: String,
-    /// Properties that are allowed but usually a mistake, such as a tile without polarization, each
-    /// as a sentence for the author.
-    pub findings: Vec<String>,
+    /// Properties that are allowed but usually a mistake, such as a tile without polarization.
+    pub findings: Vec<Finding>,
 }
 
 impl Layout {

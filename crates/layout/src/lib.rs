@@ -35,12 +35,16 @@ mod brief;
 mod error;
 /// Requirements on a film.
 mod expectations;
+/// Properties that are allowed but usually a mistake.
+mod finding;
 /// The checked layout: tiles, ideal film, working volume.
 mod layout;
 /// The format version, and counts and lengths above which a file is refused.
 mod limits;
 /// The bill of materials.
 mod parts;
+/// Magnitudes that no magnet and no film has.
+mod plausible;
 /// Text to tables to a checked layout: every rule for files.
 mod read;
 /// The JSON Schema of the layout file.
@@ -55,9 +59,15 @@ mod write;
 pub use brief::{Brief, Goal, StockPart, Symmetry, Variables};
 pub use error::{LayoutError, LayoutFault};
 pub use expectations::{Expectations, ExpectedField};
+pub use finding::{Finding, FindingSubject};
 pub use layout::{Layout, NamedTile, Rotation, WorkingVolume};
 pub use limits::MAX_NAME_BYTES;
 pub use parts::Part;
+pub use plausible::{
+    MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, STRONGEST_MAGNET_T, STRONGEST_MATERIAL_T, meant_length,
+    meant_polarization,
+};
+pub use read::is_layout;
 pub use schema::schema;
 pub use write::PlainLayout;
 

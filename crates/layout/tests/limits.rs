@@ -162,7 +162,7 @@ fn findings_are_counted_after_the_first_twenty() {
     let findings =
         Layout::parse(&format!("format = 1\nname = \"test\"\n{body}"), "test.toml").expect("a layout").findings;
     assert_eq!(findings.len(), 21);
-    assert!(findings[20].starts_with("19980 more kinds, such as: kind \"k"), "{}", findings[20]);
+    assert!(findings[20].message.starts_with("19980 more kinds, such as: kind \"k"), "{}", findings[20].message);
 }
 
 #[test]

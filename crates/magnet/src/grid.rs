@@ -110,6 +110,14 @@ impl Grid {
         self.counts.iter().product()
     }
 
+    /// Number of points in each plane normal to `axis`, at least one.
+    ///
+    /// # Panics
+    /// If `axis` is not 0, 1 or 2.
+    pub fn plane_len(&self, axis: usize) -> usize {
+        self.len() / self.counts[axis]
+    }
+
     /// The coordinate with index `i` along `axis`, rounded once, so that a grid symmetric about 0
     /// contains 0.
     ///

@@ -1,5 +1,7 @@
 //! Outcomes of the expectations of a film.
 
+use std::cell::OnceCell;
+
 use magsplice_expect::{Baseline, Clearance, Expectation, Outcome};
 
 use crate::film::{Film, FilmError};
@@ -11,33 +13,44 @@ impl Film<'_> {
     /// `baseline` is the field that the expectation of the field names. Without it that expectation
     /// gives [`FilmError::NoBaseline`].
     pub fn outcomes(&self, baseline: Option<&Baseline>) -> Vec<(Expectation, Result<Outcome, FilmError>)> {
+        let mut outcomes = Vec::new();
+        self.each_outcome(baseline, |expectation, outcome| outcomes.push((expectation, outcome)));
+        outcomes
+    }
+
+    /// The same as [`Film::outcomes`], each passed to `take` as soon as it is known.
+    ///
+    /// The field is computed for the first expectation that needs it, and kept for the others.
+    pub fn each_outcome(
+        &self,
+        baseline: Option<&Baseline>,
+        mut take: impl FnMut(Expectation, Result<Outcome, FilmError>),
+    ) {
         let expected = &self.layout().expectations;
         let all = Expectation::stated_in(expected);
-        if all.is_empty() {
-            return Vec::new();
-        }
-        let uses_field = |e: &Expectation| !matches!(e, Expectation::Clearance);
-        let field = if all.iter().any(uses_field) { self.volume_field_t() } else { Ok(Vec::new()) };
-        let field = field.as_deref().map_err(Clone::clone);
-        let decoupling =
-            all.iter().any(|e| matches!(e, Expectation::UniformityRmse(_) | Expectation::DisplacementRmse(_)));
-        let decoupling = decoupling.then(|| self.decouple(field.clone()?));
-        let decoupling = || decoupling.as_ref().expect("evaluated if expected").as_ref().map_err(Clone::clone);
+        // Evaluated when the first expectation needs them.
+        let field = OnceCell::new();
+        let field = || field.get_or_init(|| self.volume_field_t()).as_deref().map_err(Clone::clone);
+        let decoupling = OnceCell::new();
+        let decoupling = || decoupling.get_or_init(|| self.decouple(field()?)).as_ref().map_err(Clone::clone);
         let outcome = |expectation: Expectation| -> Result<Outcome, FilmError> {
             let outcome = match expectation {
                 Expectation::UniformityRmse(parameter) => {
+                    if self.volume()?.grid.plane_len(parameter.axis()) == 1 {
+                        return Err(FilmError::OnePointPlanes(parameter));
+                    }
                     Outcome::from_uniformity(expected, parameter, &decoupling()?.uniformity_rmse)
                 }
                 Expectation::DisplacementRmse(axis) => {
                     let found = decoupling()?.ideal_rmse.as_lengths(self.ideal()?.wavenumber());
                     Outcome::from_displacement(expected, axis, found)
                 }
-                Expectation::Amplitude => Outcome::from_amplitude(expected, self.compare(field.clone()?)?.amplitude),
+                Expectation::Amplitude => Outcome::from_amplitude(expected, self.compare(field()?)?.amplitude),
                 Expectation::Field => {
                     let baseline = baseline.ok_or(FilmError::NoBaseline)?;
                     let points = self.volume()?.grid;
                     let difference =
-                        baseline.difference(points.points(), field.clone()?).map_err(FilmError::PointsMismatch)?;
+                        baseline.difference(points.points(), field()?).map_err(FilmError::PointsMismatch)?;
                     Outcome::from_field(expected, &difference)
                 }
                 Expectation::Clearance => {
@@ -49,6 +62,8 @@ impl Film<'_> {
             };
             Ok(outcome.expect("the layout bounds every expectation it states"))
         };
-        all.into_iter().map(|expectation| (expectation, outcome(expectation))).collect()
+        for expectation in all {
+            take(expectation, outcome(expectation));
+        }
     }
 }

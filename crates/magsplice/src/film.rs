@@ -4,7 +4,7 @@ use std::error::Error;
 use std::fmt;
 
 use glam::DVec3;
-use magsplice_decouple::{Decoupling, DecouplingError};
+use magsplice_decouple::{Decoupling, DecouplingError, Parameter};
 use magsplice_expect::PointsMismatch;
 use magsplice_field::Scene;
 use magsplice_ideal::{Comparison, ComparisonError, IdealFilm};
@@ -77,6 +77,9 @@ pub enum FilmError {
     PointsMismatch(PointsMismatch),
     /// There are no tiles.
     NoTiles,
+    /// The grid has one point in each plane normal to the axis of this parameter, so that its
+    /// uniformity has no meaning.
+    OnePointPlanes(Parameter),
 }
 
 impl<'a> Film<'a> {
@@ -223,6 +226,12 @@ impl fmt::Display for FilmError {
             FilmError::NoBaseline => f.write_str("there is no baseline to compare the field with"),
             FilmError::PointsMismatch(error) => error.fmt(f),
             FilmError::NoTiles => f.write_str("there are no tiles"),
+            FilmError::OnePointPlanes(parameter) => write!(
+                f,
+                "the grid has one point in each plane normal to {}, and the uniformity RMSE compares the points of a \
+                 plane: use a smaller step_mm in [volume]",
+                ['x', 'y', 'z'][parameter.axis()]
+            ),
         }
     }
 }
@@ -234,7 +243,11 @@ impl Error for FilmError {
             FilmError::Comparison(error) => Some(error),
             FilmError::Decoupling(error) => Some(error),
             FilmError::PointsMismatch(error) => Some(error),
-            FilmError::Missing(_) | FilmError::NotBelow(_) | FilmError::NoBaseline | FilmError::NoTiles => None,
+            FilmError::Missing(_)
+            | FilmError::NotBelow(_)
+            | FilmError::NoBaseline
+            | FilmError::NoTiles
+            | FilmError::OnePointPlanes(_) => None,
         }
     }
 }

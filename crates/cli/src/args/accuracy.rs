@@ -22,6 +22,9 @@ impl AccuracyArgs {
     }
 }
 
+/// Fraction of |B| that is too large for a tolerance: it was probably meant as a field.
+const LARGEST_FRACTION: f64 = 0.1;
+
 /// Units of an absolute tolerance, and how many of each make one tesla. `T` is the last, because
 /// the other names end in it too.
 const UNITS_PER_T: [(&str, f64); 4] = [("mT", 1e3), ("uT", 1e6), ("nT", 1e9), ("T", 1.0)];
@@ -36,6 +39,12 @@ fn tolerance(text: &str) -> Result<Tolerance, String> {
     let tolerance = match unit {
         // Divided, so that 2.5 uT is 2.5e-6 T to the last digit.
         Some((_, per_t)) => Tolerance::absolute_t(value / per_t),
+        None if value >= LARGEST_FRACTION => {
+            return Err(format!(
+                "{value} is {} % of |B|, must be a fraction below {LARGEST_FRACTION}; a field has a unit, as in {number}nT",
+                100.0 * value
+            ));
+        }
         None => Tolerance::relative(value),
     };
     tolerance.map_err(|error| error.to_string())

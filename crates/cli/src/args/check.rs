@@ -10,9 +10,11 @@ use super::formats::CheckFormat;
 /// finding; 1 an expectation is not met, or a layout has something that is allowed but rarely
 /// intended; 2 a layout cannot be used, or an expectation cannot be evaluated.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  magsplice check layouts/*.toml --format junit > checks.xml")]
+#[command(
+    after_help = "Example:\n  magsplice check layouts/*.toml\n  magsplice check layouts --format junit > checks.xml"
+)]
 pub(crate) struct CheckArgs {
-    /// Layout files
+    /// Layout files, and folders with all layouts (*.toml) below them
     #[arg(required = true)]
     pub(crate) layouts: Vec<PathBuf>,
     /// Format of the result

@@ -28,7 +28,7 @@ struct CheckedLayoutJson<'a> {
     layout: Option<&'a str>,
     sha256: Option<&'a str>,
     tiles: Option<usize>,
-    findings: &'a [String],
+    findings: Vec<&'a str>,
     expectations: Vec<CheckedExpectationJson<'a>>,
 }
 
@@ -43,7 +43,7 @@ impl<'a> From<&'a CheckedLayout> for CheckedLayoutJson<'a> {
             layout: layout.ok().map(|l| l.name.as_str()),
             sha256: layout.ok().map(|l| l.sha256.as_str()),
             tiles: layout.ok().map(|l| l.tiles.len()),
-            findings: checked.findings(),
+            findings: checked.findings().iter().map(|finding| finding.message.as_str()).collect(),
             expectations: checked.expectations.iter().map(expectation).collect(),
         }
     }

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::renamed::RenamedJson;
 use super::source::SourceJson;
+use crate::remarks::about_amplitude;
 
 /// The result of `compare`.
 #[derive(Serialize)]
@@ -13,11 +14,15 @@ pub(crate) struct CompareJson<'a> {
     #[serde(flatten)]
     source: SourceJson<'a>,
     comparison: RenamedJson,
+    /// What an unusual result means, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    remark: Option<&'static str>,
 }
 
 impl<'a> CompareJson<'a> {
     pub(crate) fn new(film: &Film<'a>, compared: &Comparison) -> CompareJson<'a> {
-        CompareJson { source: SourceJson::new(film), comparison: comparison(compared) }
+        let remark = about_amplitude(compared.amplitude);
+        CompareJson { source: SourceJson::new(film), comparison: comparison(compared), remark }
     }
 }
 

@@ -10,6 +10,7 @@ use super::field::ColumnsJson;
 use super::renamed::RenamedJson;
 use super::source::SourceJson;
 use crate::evaluation::Evaluation;
+use crate::remarks::about_amplitude;
 
 /// The result of `decouple`.
 #[derive(Serialize)]
@@ -27,6 +28,9 @@ pub(crate) struct DecoupleJson<'a> {
     displacement_rmse_mm: LengthsJson,
     singular_points_mm: Vec<[f64; 3]>,
     comparison: RenamedJson,
+    /// What an unusual result means, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    remark: Option<&'static str>,
     #[serde(flatten)]
     columns: Option<ColumnsJson<'a>>,
 }
@@ -40,12 +44,13 @@ impl<'a> DecoupleJson<'a> {
             source: SourceJson::new(film),
             points: volume.grid.len(),
             reference_mm: volume.reference_mm.to_array(),
-            uniformity_rmse: decoupling.uniformity_rmse,
-            uniformity_rmse_mm: decoupling.uniformity_rmse.as_lengths(k).into(),
+            uniformity_rmse: evaluation.uniformity_rmse(),
+            uniformity_rmse_mm: evaluation.uniformity_rmse().as_lengths(k).into(),
             ideal_rmse: decoupling.ideal_rmse,
             displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(k).into(),
             singular_points_mm: decoupling.singular.iter().map(DVec3::to_array).collect(),
             comparison: comparison(&evaluation.comparison),
+            remark: about_amplitude(evaluation.comparison.amplitude),
             columns: table.map(ColumnsJson::new),
         }
     }

@@ -11,6 +11,7 @@ use super::number::number;
 use super::{header, rows};
 use crate::evaluation::Evaluation;
 use crate::failure::PRINTED_FAULTS;
+use crate::remarks::about_amplitude;
 
 const MT_PER_T: f64 = 1e3;
 
@@ -22,7 +23,7 @@ pub(crate) fn evaluation(evaluation: &Evaluation) -> String {
         header::film(film, volume),
         field(field_t, volume, *reference_field_t, Some(ideal)),
         comparison(compared),
-        decoupling(decoupled, volume, ideal.wavenumber()),
+        decoupling(decoupled, evaluation.uniformity_rmse(), volume, ideal.wavenumber()),
     ];
     sections.join("\n")
 }
@@ -58,6 +59,9 @@ pub(crate) fn comparison(c: &Comparison) -> String {
     let correlation = c.correlation.map(|r| r.map_or("constant".to_owned(), |r| format!("{r:.6}")));
     rows::cells(&mut text, "  correlation", correlation);
     rows::cell(&mut text, "  best-fit amplitude", &number(c.amplitude));
+    if let Some(remark) = about_amplitude(c.amplitude) {
+        rows::prose(&mut text, remark);
+    }
     rows::cell(&mut text, "  relative RMSE as is", &number(c.relative_rmse));
     let scaled = c.scaled_relative_rmse.map_or("none".to_owned(), number);
     rows::cell(&mut text, "  relative RMSE after scaling", &scaled);
@@ -68,13 +72,18 @@ pub(crate) fn comparison(c: &Comparison) -> String {
 }
 
 /// The decoupling errors, as parameters and as millimetres.
-fn decoupling(d: &Decoupling, volume: &WorkingVolume, wavenumber: f64) -> String {
+fn decoupling(d: &Decoupling, uniformity: PerParameter, volume: &WorkingVolume, wavenumber: f64) -> String {
     let vector = |p: PerParameter| DVec3::new(p.r_x, p.r_y, p.s_z);
     let r = volume.reference_mm;
     let mut text = String::new();
     rows::heading(&mut text, "decoupling (Eq. 15)", ["R_x", "R_y", "S_z"]);
-    rows::vector(&mut text, "  uniformity RMSE", vector(d.uniformity_rmse));
-    rows::vector(&mut text, "    as displacement x, y, z, mm", d.uniformity_rmse.as_lengths(wavenumber));
+    let mut uniform = |label: &str, values: DVec3| {
+        // Planes with a single point have no uniformity.
+        let cell = |value: f64| if value.is_nan() { "one point".to_owned() } else { number(value) };
+        rows::cells(&mut text, label, values.to_array().map(cell));
+    };
+    uniform("  uniformity RMSE", vector(uniformity));
+    uniform("    as displacement x, y, z, mm", uniformity.as_lengths(wavenumber));
     rows::vector(&mut text, "  RMSE against the ideal film", vector(d.ideal_rmse));
     rows::vector(&mut text, "    as displacement x, y, z, mm", d.ideal_rmse.as_lengths(wavenumber));
     let _ = writeln!(text, "  changes are from the reference ({}, {}, {}) mm", r.x, r.y, r.z);

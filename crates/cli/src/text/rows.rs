@@ -21,6 +21,25 @@ pub(crate) fn cell(text: &mut String, label: &str, value: &str) {
     let _ = writeln!(text, "{label:<38}{value:>13}");
 }
 
+/// Width of the lines of [`prose`], which is that of [`cells`].
+const PROSE_WIDTH: usize = 77;
+
+/// Appends a sentence, wrapped and indented by four spaces.
+pub(crate) fn prose(text: &mut String, sentence: &str) {
+    let mut line = String::new();
+    for word in sentence.split_whitespace() {
+        if 4 + line.len() + 1 + word.len() > PROSE_WIDTH && !line.is_empty() {
+            let _ = writeln!(text, "    {line}");
+            line.clear();
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line += word;
+    }
+    let _ = writeln!(text, "    {line}");
+}
+
 /// Appends a label and the components of a vector. A component below 1e-12 of the largest is
 /// round-off, and is printed as 0.
 pub(crate) fn vector(text: &mut String, label: &str, v: DVec3) {

@@ -3,10 +3,13 @@
 use std::fmt;
 use std::io;
 use std::path::Path;
+use std::time::Instant;
 
 use anstream::{AutoStream, ColorChoice};
-use magsplice::expect::{Baseline, Expectation};
+use magsplice::expect::{Baseline, BaselineDifference, Expectation};
 use magsplice::layout::Layout;
+use magsplice::magnet::Grid;
+use magsplice::prelude::DVec3;
 use magsplice::{Film, Stage};
 
 use crate::args::check::CheckArgs;
@@ -16,7 +19,7 @@ use crate::failure::{self, Failure};
 use crate::output::destination::print;
 use crate::progress::ProgressLine;
 use crate::words::film_failure;
-use crate::{baseline, json, junit, text};
+use crate::{baseline, json, junit, layout_files, text};
 
 /// Returns the worst status of all layouts, as an exit status.
 pub(crate) fn run(args: &CheckArgs, quiet: bool) -> Result<u8, Failure> {
@@ -26,9 +29,15 @@ pub(crate) fn run(args: &CheckArgs, quiet: bool) -> Result<u8, Failure> {
     let mut printed = Ok(());
     let mut all = Vec::new();
     let progress = ProgressLine::start(!quiet);
-    for (index, path) in args.layouts.iter().enumerate() {
-        if args.layouts.len() > 1 {
-            progress.set_prefix(format!("{} ({} of {}): ", path.display(), index + 1, args.layouts.len()));
+    let (paths, skipped) = layout_files::expand(&args.layouts)?;
+    if !quiet {
+        for path in &skipped {
+            failure::tell(&format_args!("{}: skipped, no layout: it has no key format", path.display()));
+        }
+    }
+    for (index, path) in paths.iter().enumerate() {
+        if paths.len() > 1 {
+            progress.set_prefix(format!("{} ({} of {}): ", path.display(), index + 1, paths.len()));
             progress.show(Stage::uncounted("reading the layout"));
         }
         let checked = check(path, args.update, quiet, &progress);
@@ -56,26 +65,32 @@ pub(crate) fn run(args: &CheckArgs, quiet: bool) -> Result<u8, Failure> {
 }
 
 fn check(path: &Path, update: bool, quiet: bool, progress: &ProgressLine) -> CheckedLayout {
+    let started = Instant::now();
     let layout = Layout::read(path).map_err(|e| e.to_string());
-    let mut checked = CheckedLayout { path: path.to_owned(), layout, expectations: Vec::new() };
+    let mut checked =
+        CheckedLayout { path: path.to_owned(), layout, expectations: Vec::new(), reading: started.elapsed() };
     let Ok(layout) = &checked.layout else { return checked };
     if layout.expectations.is_empty() {
         return checked;
     }
     let show = |stage: Stage| progress.show(stage);
     let film = Film::new(layout).with_progress(&show);
+    let mut started = Instant::now();
     let baseline = baseline(path, &film, update, |remark| {
         if !quiet {
             progress.suspend(|| failure::tell(&remark));
         }
     });
-    for (expectation, outcome) in film.outcomes(baseline.as_ref().and_then(|b| b.as_ref().ok())) {
+    let mut expectations = Vec::new();
+    film.each_outcome(baseline.as_ref().and_then(|b| b.as_ref().ok()), |expectation, outcome| {
         let outcome = match (&baseline, expectation) {
             (Some(Err(failure)), Expectation::Field) => Err(failure.to_string()),
             _ => outcome.map_err(|error| film_failure(path, layout, error).to_string()),
         };
-        checked.expectations.push(CheckedExpectation { expectation, outcome });
-    }
+        expectations.push(CheckedExpectation { expectation, outcome, took: started.elapsed() });
+        started = Instant::now();
+    });
+    checked.expectations = expectations;
     checked
 }
 
@@ -94,12 +109,30 @@ fn baseline(
         baseline::check_replaceable(&file)?;
         let field_t = film.volume_field_t().map_err(failed)?;
         let grid = &film.volume().map_err(failed)?.grid;
+        let moved = moved(&file, grid, &field_t);
         baseline::write(&file, path, grid, &field_t)?;
-        remark(format_args!("wrote {}, {} points", file.display(), grid.len()));
+        remark(format_args!("wrote {}, {} points: {moved}", file.display(), grid.len()));
         Ok(())
     };
     let rewritten = if update { rewrite() } else { Ok(()) };
     Some(rewritten.and_then(|()| baseline::read(&file)))
+}
+
+/// How far a field is from the baseline in `file`, which it will replace.
+fn moved(file: &Path, grid: &Grid, field_t: &[DVec3]) -> String {
+    if !file.exists() {
+        return "a new baseline".to_owned();
+    }
+    let Ok(earlier) = baseline::read(file) else {
+        return "the earlier baseline could not be read".to_owned();
+    };
+    match earlier.difference(grid.points(), field_t) {
+        Err(_) => "the earlier baseline had other points".to_owned(),
+        Ok(BaselineDifference { relative: 0.0, .. }) => "the field is the same to the last digit".to_owned(),
+        Ok(BaselineDifference { relative, at }) => {
+            format!("the field moved by at most {relative:.3e} of |B|, at ({}, {}, {}) mm", at.x, at.y, at.z)
+        }
+    }
 }
 
 /// Prints errors and findings on standard error.

@@ -1,6 +1,5 @@
 //! `magsplice decouple`: evaluates a film: field, comparison and decoupling errors.
 
-use magsplice::layout::Layout;
 use magsplice::{Film, Stage};
 
 use crate::args::evaluate::DecoupleArgs;
@@ -11,8 +10,8 @@ use crate::json::decouple::DecoupleJson;
 use crate::output::destination::Output;
 use crate::output::{choice, table};
 use crate::progress::ProgressLine;
-use crate::text;
-use crate::words::film_failure;
+use crate::words::{film_failure, no_film};
+use crate::{remarks, text};
 
 pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
     let format = choice::choose(args.format, args.output.as_deref(), Some(DecoupleFormat::Text))?;
@@ -21,12 +20,14 @@ pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
     }
     let progress = ProgressLine::start(!quiet);
     let show = |stage: Stage| progress.show(stage);
-    let layout = Layout::read(&args.layout)?;
+    let layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
     let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy()).with_progress(&show);
     let failed = |error| film_failure(&args.layout, &layout, error);
     // A layout without these tables, and a file that cannot be written, are refused before the
     // field is computed.
-    film.ideal().and(film.volume().map(|_| ())).map_err(failed)?;
+    let purpose = "evaluates how well a film above a sensor separates the three displacements";
+    let no_film = |error| no_film(&args.layout, error, "decouple", purpose);
+    film.ideal().and(film.volume().map(|_| ())).map_err(no_film)?;
     let mut output = Output::open(args.output.as_deref(), &[&args.layout])?;
     let evaluation = Evaluation::new(&film).map_err(failed)?;
     let DecoupleFormat::Table(format) = format else {

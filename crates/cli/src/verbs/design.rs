@@ -1,15 +1,18 @@
 //! `magsplice design`: searches for a better film.
 
 use magsplice::design::DesignProblem;
-use magsplice::layout::Layout;
 
 use super::{front, search};
 use crate::args::design::DesignArgs;
 use crate::failure::Failure;
 use crate::output::destination::Output;
+use crate::progress::ProgressLine;
+use crate::remarks;
 
 pub(crate) fn run(args: &DesignArgs, quiet: bool) -> Result<u8, Failure> {
-    let layout = Layout::read(&args.layout)?;
+    let progress = ProgressLine::start(!quiet);
+    let layout = remarks::read_layout(&args.layout, remarks::OF_DESIGNS, quiet, &progress)?;
+    progress.end();
     if args.front {
         return front::run(args, &layout, quiet).map(|()| 0);
     }

@@ -5,7 +5,6 @@ use std::mem;
 use std::path::{Path, PathBuf};
 
 use magsplice::field::Scene;
-use magsplice::layout::Layout;
 use magsplice::magnet::{Accuracy, PointErrors, Quantity};
 use magsplice::prelude::{DMat3, DVec3};
 use magsplice::{Film, Stage};
@@ -20,6 +19,7 @@ use crate::output::destination::{Output, is_standard};
 use crate::output::{choice, table};
 use crate::point_file::{self, BATCH, PointFile};
 use crate::progress::ProgressLine;
+use crate::remarks;
 use crate::words::{no_field, no_points};
 
 pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
@@ -27,7 +27,8 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
     let results_on_terminal = args.output.as_deref().is_none_or(is_standard) && stdout().is_terminal();
     let visible = !quiet && !results_on_terminal && !point_file::are_typed(args.points.as_deref());
     let progress = ProgressLine::start(visible);
-    let layout = Layout::read(&args.layout)?;
+    let subjects = if args.points.is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
+    let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
     let accuracy = match args.quantity {
         QuantityArg::B | QuantityArg::H => args.accuracy.accuracy(),
         // These are always exact, and the metadata must say so.

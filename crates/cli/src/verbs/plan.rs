@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use magsplice::layout::Layout;
 use magsplice::magnet::{Cause, PointErrors, Quantity};
 use magsplice::prelude::DVec3;
 use magsplice::{Film, FilmError, Stage};
@@ -13,12 +12,13 @@ use crate::failure::Failure;
 use crate::output::destination::print;
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_points};
-use crate::{json, point_file, text};
+use crate::{json, point_file, remarks, text};
 
 pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
     // No progress line between points that a person types.
     let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.as_deref()));
-    let layout = Layout::read(&args.layout)?;
+    let subjects = if args.points.is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
+    let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
     let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy());
     let planning = Stage::uncounted("planning");
     let (plan, points_of) = match &args.points {

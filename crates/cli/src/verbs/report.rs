@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use magsplice::layout::Layout;
 use magsplice::prelude::DVec3;
 use magsplice::{Film, FilmError, Stage};
 use magsplice_report::{PrintedResults, Report, ReportError};
@@ -16,12 +15,12 @@ use crate::output::destination::print;
 use crate::output::folder::Folder;
 use crate::progress::ProgressLine;
 use crate::words::film_failure;
-use crate::{json, text};
+use crate::{json, remarks, text};
 
 pub(crate) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let show = |stage: Stage| progress.show(stage);
-    let layout = Layout::read(&args.layout)?;
+    let layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
     let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy()).with_progress(&show);
     let failed = |error| film_failure(&args.layout, &layout, error);
     // A folder that cannot be written is refused before the field is computed.

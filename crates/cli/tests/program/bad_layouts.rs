@@ -36,7 +36,8 @@ fn missing_layout_file_is_refused() {
     for verb in ["field", "compare", "decouple", "check", "tiles"] {
         sandbox.run(&[verb, "nowhere.toml"]).refuses("cannot read nowhere.toml: No such file or directory");
     }
-    sandbox.run(&["check", "."]).refuses("cannot read .: ");
+    sandbox.run(&["tiles", "."]).refuses("cannot read .: ");
+    sandbox.run(&["check", "."]).refuses(".: no layout in this folder");
     sandbox.write("binary.toml", "x");
     std::fs::write(sandbox.path("binary.toml"), [0xff, 0xfe]).unwrap();
     sandbox.run(&["check", "binary.toml"]).refuses("binary.toml: not UTF-8 text");
@@ -105,8 +106,13 @@ fn overlapping_tiles_are_refused_with_names_and_depth() {
     let other = TILE.replace("\"a\"", "\"b\"").replace("[0, 0, 0]", "[0.75, 0, 0]");
     let touching = TILE.replace("\"a\"", "\"c\"").replace("[0, 0, 0]", "[0, 1, 0]");
     let message =
-        "tiles \"a\" and \"b\": overlap by 0.25 mm, must not overlap: move \"b\" that far along (1.000, 0.000, 0.000)";
+        "line 8: tile \"b\": overlaps tile \"a\" before it by 0.25 mm, must not overlap: move \"b\" that far along +x";
     refused(&format!("{HEAD}{TILE}{other}{touching}"), &[message]);
+    // Three digits, rounded up, of a depth with round-off and many digits.
+    let deep = other.replace("0.75", "0.66666");
+    refused(&format!("{HEAD}{TILE}{deep}"), &["before it by 0.334 mm"]);
+    let decimal = other.replace("0.75", "0.7");
+    refused(&format!("{HEAD}{TILE}{decimal}"), &["before it by 0.3 mm"]);
 }
 
 #[test]

@@ -88,11 +88,33 @@ fn changed_film_differs_from_its_baseline_until_update() {
 
     let before = sandbox.read("films/published.field.csv");
     let said = sandbox.run(&["check", "--update", "films/film.toml"]);
-    assert_eq!((said.status, said.stderr.as_str()), (0, "magsplice: wrote films/published.field.csv, 405 points\n"));
+    assert_eq!(said.status, 0);
+    let wrote = "magsplice: wrote films/published.field.csv, 405 points: the field moved by at most ";
+    let moved = said.stderr.strip_prefix(wrote).unwrap_or_else(|| panic!("{}", said.stderr));
+    assert!(moved.contains("e-8 of |B|, at (") || moved.contains("e-7 of |B|, at ("), "{moved}");
+    // The largest change that `check` found before, to the digits that are printed.
+    let (largest, place) = moved.split_once(" of |B|, at ").unwrap();
+    assert_eq!(largest, format!("{:.3e}", field["value"].as_f64().unwrap()));
+    let at: Vec<String> = field["at_mm"].as_array().unwrap().iter().map(|c| c.as_f64().unwrap().to_string()).collect();
+    assert_eq!(place, format!("({}) mm\n", at.join(", ")));
     assert_ne!(sandbox.read("films/published.field.csv"), before);
     // The baseline is byte for byte what `field` writes.
     assert_eq!(sandbox.read("films/published.field.csv"), sandbox.run(&["field", "films/film.toml"]).stdout);
     assert_eq!(report(&sandbox, &["films/film.toml"]).0, 0);
+    for (change, told) in [
+        (None, "the field is the same to the last digit"),
+        (Some("x_mm,y_mm,z_mm,bx_t,by_t,bz_t\n0,0,0,0,0,0\n"), "the earlier baseline had other points"),
+        (Some("x_mm,y_mm,z_mm,bx_t,by_t,bz_t\n0,0\n"), "the earlier baseline could not be read"),
+        (Some(""), "a new baseline"),
+    ] {
+        match change {
+            Some("") => std::fs::remove_file(sandbox.path("films/published.field.csv")).unwrap(),
+            Some(text) => drop(sandbox.write("films/published.field.csv", text)),
+            None => {}
+        }
+        let said = sandbox.run(&["check", "--update", "films/film.toml"]);
+        assert!(said.status == 0 && said.stderr.ends_with(&format!(", 405 points: {told}\n")), "{}", said.stderr);
+    }
     assert_eq!(sandbox.files(), ["films"]);
     assert_eq!(std::fs::read_dir(sandbox.path("films")).unwrap().count(), 2);
 }
@@ -135,7 +157,9 @@ fn unusable_baseline_is_an_error() {
         assert_eq!(said.stderr.matches('\n').count(), 1);
         // The other expectations are evaluated.
         assert!(
-            said.stdout.contains("  ERROR   field") && said.stdout.matches("  ok  ").count() == 5,
+            said.stdout.contains("  ERROR   field")
+                && said.stdout.matches("  ok  ").count() == 5
+                && said.stdout.contains(message),
             "{}",
             said.stdout
         );
@@ -237,10 +261,12 @@ fn json_and_junit_hold_findings_and_errors_of_all_layouts() {
     let xml = &said.stdout;
     assert!(xml.starts_with("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"), "{xml}");
     assert!(
-        xml.contains("<testsuites name=\"magsplice check\" tests=\"9\" skipped=\"0\" failures=\"2\" errors=\"1\">"),
+        xml.contains(
+            "<testsuites name=\"magsplice check\" tests=\"9\" skipped=\"0\" failures=\"2\" errors=\"1\" time=\""
+        ),
         "{xml}"
     );
-    assert!(xml.contains("<testcase name=\"clearance_mm\" classname=\"films/film.toml\">\n            <failure message=\"3.0, at least 4.0, margin -1.0 tile"), "{xml}");
+    assert!(xml.contains("<testcase name=\"clearance_mm\" classname=\"films/film.toml\" time=\"0.000\">\n            <failure message=\"3.0, at least 4.0, margin -1.0 tile"), "{xml}");
     assert!(xml.contains("<failure message=\"tile &quot;tile-1&quot; has no polarization"), "{xml}");
     assert!(xml.contains("<error message=\"broken.toml: line 3: "), "{xml}");
     assert!(xml.contains("at most 1e-12, margin "), "{xml}");
@@ -282,4 +308,62 @@ fn findings_exit_with_1_and_unusable_layouts_with_2() {
     assert_eq!(said.status, 2);
     assert!(said.stderr.contains("broken.toml: line 3: tile \"tile-1\": has no polarization: give polarization_t"));
     assert!(said.stderr.contains("idle.toml: tile \"tile-1\" has no polarization, so no field"));
+}
+
+#[test]
+fn junit_states_times_that_add_up() {
+    let sandbox = Sandbox::new();
+    published(&sandbox, |text| text.replace("step_mm = 0.5", "step_mm = 0.025"));
+    let said = sandbox.run(&["check", "--format", "junit", "films/film.toml", &shipped("single-tile")]);
+    let xml = roxmltree::Document::parse(&said.stdout).expect("well-formed XML");
+    let time = |node: roxmltree::Node| -> f64 { node.attribute("time").expect("a time").parse().expect("seconds") };
+    let all = |tag: &'static str| xml.descendants().filter(move |node| node.has_tag_name(tag));
+    let cases: f64 = all("testcase").map(time).sum();
+    let (suites, total) = (all("testsuite").map(time).sum::<f64>(), time(xml.root_element()));
+    // Three digits after the point for each of about ten cases.
+    assert!((cases - total).abs() < 0.01 && (suites - total).abs() < 0.01, "{cases} {suites} {total}");
+    // The first expectation that needs the field bears its time: that of two million values.
+    let first = all("testcase").find(|case| case.attribute("name") == Some("uniformity_rmse.r_x")).expect("a case");
+    assert!(time(first) > 0.5 * total && total > 0.05, "{} of {total}", time(first));
+}
+
+#[test]
+fn folders_stand_for_all_layouts_below_them_in_order() {
+    let sandbox = Sandbox::new();
+    published(&sandbox, |text| text);
+    let tile = "format = 1\nname = \"tile\"\n[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
+    for folder in ["films/a", "films/a/deep", "films/.hidden", "empty"] {
+        std::fs::create_dir_all(sandbox.path(folder)).unwrap();
+    }
+    for file in ["films/z.toml", "films/a/deep/b.TOML", "films/.hidden/c.toml", "films/.d.toml", "films/a/e.txt"] {
+        sandbox.write(file, tile);
+    }
+    sandbox.write("films/Cargo.toml", "[package]\nname = \"film\"\n");
+    let files = |json: &Value| -> Vec<String> {
+        json["layouts"].as_array().unwrap().iter().map(|l| l["file"].as_str().unwrap().to_owned()).collect()
+    };
+    let (status, json) = report(&sandbox, &["films"]);
+    assert_eq!(files(&json), ["films/a/deep/b.TOML", "films/film.toml", "films/z.toml"]);
+    assert_eq!(status, 0);
+    let said = sandbox.run(&["check", "films"]);
+    assert_eq!(said.stderr, "magsplice: films/Cargo.toml: skipped, no layout: it has no key format\n");
+    assert_eq!(sandbox.run(&["check", "films", "--quiet"]).stderr, "");
+    // A file and a folder, in the order of the arguments.
+    assert_eq!(files(&report(&sandbox, &["films/z.toml", "films/a"]).1), ["films/z.toml", "films/a/deep/b.TOML"]);
+    // A broken layout is no other file, and neither is one without its first line.
+    sandbox.write("films/a/broken.toml", "format = 1\n[[tile]\n");
+    sandbox.write("films/a/headless.toml", "[[tile]]\nposition_mm = [0, 0, 0]\n");
+    let said = sandbox.run(&["check", "films"]);
+    assert_eq!(said.status, 2);
+    for error in ["films/a/broken.toml: TOML parse error", "films/a/headless.toml: TOML parse error"] {
+        assert!(said.stderr.contains(error), "{}", said.stderr);
+    }
+    sandbox.run(&["check", "empty"]).refuses("empty: no layout in this folder");
+    #[cfg(unix)]
+    {
+        // A link to a folder above has no end.
+        std::os::unix::fs::symlink("..", sandbox.path("films/loop")).unwrap();
+        let said = sandbox.run(&["check", "films", "--format", "json"]);
+        assert!(said.stdout.contains("films/z.toml") && !said.stdout.contains("loop"), "{}", said.stdout);
+    }
 }

@@ -10,11 +10,13 @@ mod files;
 mod formats;
 mod fuzz;
 mod help;
+mod hints;
 #[cfg(target_os = "linux")]
 mod progress;
 #[cfg(feature = "report")]
 mod report;
 mod start;
+mod suspicious;
 #[cfg(target_os = "linux")]
 mod terminal;
 mod tolerances;

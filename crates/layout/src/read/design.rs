@@ -1,10 +1,11 @@
 //! `[design]`: the brief of a search.
 
-use crate::brief::{Brief, Variables};
+use crate::brief::{Brief, Goal, Variables};
 use crate::layout::WorkingVolume;
 use crate::limits::{MAX_DESIGN_POINTS, MAX_STARTS};
 use crate::read::faults::TableFaults;
 use crate::read::number_rules::{check_finite, check_not_negative, check_positive};
+use crate::read::strength_rules::check_material;
 use crate::read::tables_present::TablesPresent;
 use crate::tables::design::{DesignTable, MinMax, Variable};
 
@@ -26,6 +27,13 @@ pub(crate) fn resolve(
     check_parts(&table, vary, faults);
     if let (Some(step), Some(volume)) = (table.step_mm.filter(|step| *step > 0.0), volume) {
         check_points(step, volume, faults);
+    }
+    let one_point = volume.is_some_and(|volume| (0..3).any(|axis| volume.grid.plane_len(axis) == 1));
+    if table.goal == Goal::Uniformity && table.step_mm.is_none() && one_point {
+        faults.add(
+            "goal = \"uniformity\" needs at least two points in each plane of the grid of [volume], and some planes have \
+             one: use a smaller step_mm",
+        );
     }
     let defaults = Brief::default();
     let starts = table.starts.unwrap_or(defaults.starts);
@@ -139,6 +147,9 @@ fn check_bounds(table: &DesignTable, vary: Variables, faults: &mut TableFaults) 
             _ => {}
         }
     }
+    if let Some(MinMax { max, .. }) = table.strength_t {
+        check_material("strength_t.max", max, faults);
+    }
 }
 
 fn check_parts(table: &DesignTable, vary: Variables, faults: &mut TableFaults) {
@@ -164,7 +175,9 @@ fn check_parts(table: &DesignTable, vary: Variables, faults: &mut TableFaults) {
         check_finite(&format!("stock[{index}].direction_deg"), part.direction_deg, faults);
     }
     for (index, strength) in table.stock_strengths_t.iter().enumerate() {
-        check_not_negative(&format!("stock_strengths_t[{index}]"), *strength, faults);
+        let key = format!("stock_strengths_t[{index}]");
+        check_not_negative(&key, *strength, faults);
+        check_material(&key, *strength, faults);
     }
     if !table.stock_strengths_t.is_empty() && !vary.strength {
         faults.add("stock_strengths_t is given, so vary must name strength");

@@ -6,6 +6,9 @@ use crate::read::number_rules::{check_finite, check_not_negative};
 use crate::read::tables_present::TablesPresent;
 use crate::tables::expect::{DisplacementBounds, ExpectTable, UniformityBounds};
 
+/// The relative difference of opposite fields, the largest that there is.
+const MOST_DIFFERENT: f64 = 2.0;
+
 /// The requirements. Faults are added; the result is meant for use only if there are none.
 pub(crate) fn resolve(table: ExpectTable, present: TablesPresent, faults: &mut TableFaults) -> Expectations {
     let ExpectTable { uniformity_rmse, displacement_rmse_mm, amplitude, field, clearance_mm } = table;
@@ -46,6 +49,10 @@ pub(crate) fn resolve(table: ExpectTable, present: TablesPresent, faults: &mut T
         }
         if !(within.is_finite() && *within > 0.0) {
             faults.add(format!("field.within = {within}, must be a finite number greater than 0, a fraction of |B|"));
+        } else if *within >= MOST_DIFFERENT {
+            faults.add(format!(
+                "field.within = {within}, must be less than {MOST_DIFFERENT}, a fraction of |B| that no field exceeds"
+            ));
         }
     }
     Expectations {

@@ -3,10 +3,12 @@
 use magsplice_ideal::{IdealFilm, IdealFilmFault};
 
 use crate::read::faults::TableFaults;
+use crate::read::strength_rules::check_material;
 use crate::tables::ideal::IdealTable;
 
 /// The ideal film, or `None` after adding its faults.
 pub(crate) fn resolve(table: &IdealTable, faults: &mut TableFaults) -> Option<IdealFilm> {
+    check_material("amplitude_t", table.amplitude_t, faults);
     IdealFilm::new(table.wavelength_mm, table.thickness_mm, table.amplitude_t)
         .map_err(|broken| {
             for fault in broken.0 {

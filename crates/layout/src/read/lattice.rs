@@ -8,6 +8,7 @@ use crate::layout::NamedTile;
 use crate::read::faults::TableFaults;
 use crate::read::number_rules::{check_finite, check_not_negative, check_positive};
 use crate::read::room::Room;
+use crate::read::strength_rules::{check_component, check_material};
 use crate::read::tile_rules::checked_tile;
 use crate::tables::lattice::{LatticeSection, LatticeTable};
 
@@ -79,10 +80,13 @@ fn magnitude(table: &LatticeTable, faults: &mut TableFaults) -> Option<Magnitude
     match (table.strength_t, table.component_t) {
         (Some(strength), None) => {
             check_not_negative("strength_t", strength, faults);
+            check_material("strength_t", strength, faults);
             Some(Magnitude::Strength(strength))
         }
         (None, Some(component)) => {
             check_not_negative("component_t", component, faults);
+            let [x, y] = [&table.x, table.y.as_ref().unwrap_or(&table.x)].map(|sections| largest_pattern(sections));
+            check_component(component, x.hypot(y), faults);
             Some(Magnitude::Component(component))
         }
         _ => {
@@ -90,6 +94,11 @@ fn magnitude(table: &LatticeTable, faults: &mut TableFaults) -> Option<Magnitude
             None
         }
     }
+}
+
+/// The largest absolute value in the patterns of an axis.
+fn largest_pattern(sections: &[LatticeSection]) -> f64 {
+    sections.iter().flat_map(|section| &section.pattern).fold(0.0, |largest: f64, value| largest.max(value.abs()))
 }
 
 fn check_sections(axis: &str, sections: &[LatticeSection], faults: &mut TableFaults) {

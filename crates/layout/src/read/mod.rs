@@ -17,6 +17,7 @@ use self::faults::Faults;
 use self::room::Room;
 use self::tables_present::TablesPresent;
 use crate::error::{LayoutError, LayoutFault};
+use crate::finding::FindingSubject;
 use crate::layout::{Layout, NamedTile};
 use crate::limits::{FORMAT, MAX_FILE_BYTES, MAX_MESSAGE_LINE};
 use crate::tables::LayoutFile;
@@ -39,12 +40,18 @@ mod names;
 mod number_rules;
 /// The rule that tiles do not overlap.
 mod overlap;
+/// Findings about lengths: tiles, ideal film and volume beside each other.
+mod plausibility;
 /// Copies on a grid and mirror images.
 mod repeat;
 /// The limits on all tiles together.
 mod room;
 /// One `[[tile]]` with its kind resolved.
 mod single_tile;
+/// Magnitudes of polarizations that a material has.
+mod strength_rules;
+/// Hints beside syntax errors.
+mod syntax_hints;
 /// The rule that tables come with the tables they need.
 mod tables_present;
 /// Position, size and polarization of one tile.
@@ -114,10 +121,32 @@ impl Layout {
         if text.len() > MAX_FILE_BYTES {
             return Err(refused(format!("has {} bytes, must have at most {MAX_FILE_BYTES}", text.len())));
         }
-        let file: LayoutFile = toml::from_str(text).map_err(|error| refused(printable(&error.to_string())))?;
+        let file: LayoutFile = toml::from_str(text).map_err(|error| {
+            let hint = syntax_hints::hint(text, error.message(), error.span());
+            let hint = hint.map_or(String::new(), |hint| format!("\n{hint}"));
+            refused(printable(&format!("{}{hint}", error.to_string().trim_end())))
+        })?;
         let sha256 = Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
         resolve(file, text, sha256).map_err(|faults| LayoutError::Invalid { origin: origin.to_owned(), faults })
     }
+}
+
+/// Keys that a layout has at its top and few other files have.
+const KEYS_OF_LAYOUTS: [&str; 4] = ["format", "tile", "lattice", "volume"];
+
+/// Whether a TOML text is meant as a layout: it has one of the keys `format`, `tile`, `lattice` and
+/// `volume`. `None` if the text is not TOML.
+///
+/// # Example
+/// ```
+/// use magsplice_layout::{COMMENTED_LAYOUT, is_layout};
+///
+/// assert_eq!(is_layout(COMMENTED_LAYOUT), Some(true));
+/// assert_eq!(is_layout("[package]\nname = \"film\""), Some(false));
+/// ```
+pub fn is_layout(text: &str) -> Option<bool> {
+    let table: toml::Table = toml::from_str(text).ok()?;
+    Some(KEYS_OF_LAYOUTS.iter().any(|key| table.contains_key(*key)))
 }
 
 /// The contents of a file. One byte more than the limit is enough to see that it is too large, and
@@ -170,7 +199,8 @@ fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<L
     }
     let used: BTreeSet<&String> = file.tile.iter().filter_map(|tile| tile.get_ref().kind.as_ref()).collect();
     let idle = file.kind.keys().filter(|name| !used.contains(name));
-    findings.extend(findings::listed(idle, |name| format!("kind \"{name}\" is declared but no tile uses it"), "kinds"));
+    let is_idle = |name: &String| format!("kind \"{name}\" is declared but no tile uses it");
+    findings.extend(findings::listed(idle, FindingSubject::Tiles, is_idle, "kinds"));
     if file.tile.is_empty() && file.lattice.is_empty() {
         faults.add_to_layout("has no tiles: add at least one [[tile]] or [[lattice]]");
     }
@@ -206,6 +236,9 @@ fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<L
         return Err(faults.into_sorted());
     }
     findings.extend(findings::about_tiles(&tiles, volume.as_ref()));
+    findings.extend(volume.as_ref().and_then(|volume| plausibility::about_volume(&tiles, volume)));
+    findings.extend(ideal.iter().flat_map(|ideal| plausibility::about_ideal_film(&tiles, ideal, volume.as_ref())));
+    findings.extend(findings::about_expectations(&expectations));
     Ok(Layout {
         name: file.name,
         description: file.description,

@@ -10,7 +10,8 @@ use crate::layout::{NamedTile, Rotation};
 use crate::limits::MAX_LISTED;
 use crate::read::faults::TableFaults;
 use crate::read::names::shown;
-use crate::read::tile_rules::{check_strength, checked_tile};
+use crate::read::strength_rules::{check_polarization, check_strength};
+use crate::read::tile_rules::checked_tile;
 use crate::tables::tile::{KindTable, TileTable};
 use crate::units::{rotation_from_degrees, unit_vector};
 
@@ -20,6 +21,7 @@ pub(crate) fn check_kind(kind: &KindTable, faults: &mut TableFaults) {
         faults.add("gives both strength_t and polarization_t, must give only one of them");
     }
     check_strength(kind.strength_t, faults);
+    check_polarization(kind.polarization_t, faults);
     checked_tile(DVec3::ZERO, kind.size_mm.into(), kind.polarization_t.unwrap_or_default().into(), faults);
 }
 
@@ -100,6 +102,7 @@ fn polarization(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableF
         return None;
     }
     check_strength(table.strength_t, faults);
+    check_polarization(table.polarization_t, faults);
     match (table.polarization_t.or(kind_polarization), table.strength_t.or(kind_strength), table.direction) {
         (Some(polarization), _, None) => Some(polarization.into()),
         (Some(_), _, Some(_)) => {

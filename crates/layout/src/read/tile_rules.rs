@@ -33,12 +33,3 @@ fn in_keys_of_the_file(fault: &TileFault) -> String {
         other => other.to_string(),
     }
 }
-
-/// Requires a magnitude of the polarization that is finite and not negative.
-pub(crate) fn check_strength(strength_t: Option<f64>, faults: &mut TableFaults) {
-    if let Some(strength) = strength_t.filter(|s| !(s.is_finite() && *s >= 0.0)) {
-        faults.add(format!(
-            "strength_t = {strength}, must be a finite number of at least 0 (reverse the direction instead)"
-        ));
-    }
-}

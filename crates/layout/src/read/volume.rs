@@ -3,6 +3,7 @@
 use glam::DVec3;
 use magsplice_magnet::{Grid, MAX_LENGTH, MIN_SIZE};
 
+use crate::finding::{Finding, FindingSubject};
 use crate::layout::WorkingVolume;
 use crate::limits::{BYTES_PER_POINT, MAX_POINTS, STEP_ROUNDING};
 use crate::read::faults::TableFaults;
@@ -14,7 +15,7 @@ use crate::tables::volume::{Step, VolumeTable};
 pub(crate) fn resolve(
     table: &VolumeTable,
     faults: &mut TableFaults,
-    findings: &mut Vec<String>,
+    findings: &mut Vec<Finding>,
 ) -> Option<WorkingVolume> {
     let before = faults.count();
     let ranges = [("x_mm", table.x_mm), ("y_mm", table.y_mm), ("z_mm", table.z_mm)];
@@ -49,10 +50,11 @@ pub(crate) fn resolve(
         let reaches_end = (end[axis] - reached).abs() <= STEP_ROUNDING * steps[axis];
         upper[axis] = if reaches_end { end[axis] } else { reached };
         if !reaches_end {
-            findings.push(format!(
+            let message = format!(
                 "volume: a step of {} mm does not divide {} = [{}, {}]; the last points are at {reached}",
                 steps[axis], ranges[axis].0, lower[axis], end[axis]
-            ));
+            );
+            findings.push(Finding::new(FindingSubject::Volume, message));
         }
     }
     let counts = intervals.map(|n| n as usize + 1);

@@ -1,0 +1,59 @@
+//! Remarks on standard error: what is allowed in a layout or a result but usually a mistake.
+
+use std::path::Path;
+
+use magsplice::layout::{FindingSubject, Layout, LayoutError};
+
+use crate::failure;
+use crate::progress::ProgressLine;
+
+/// Largest number of findings that a verb other than `check` prints.
+const PRINTED_FINDINGS: usize = 5;
+
+/// Subjects of verbs that use the tiles alone.
+pub(crate) const OF_TILES: &[FindingSubject] = &[FindingSubject::Tiles];
+
+/// Subjects of verbs that evaluate the field on the working volume.
+pub(crate) const OF_FIELDS: &[FindingSubject] = &[FindingSubject::Tiles, FindingSubject::Volume];
+
+/// Subjects of verbs that compare the field with the ideal film.
+pub(crate) const OF_COMPARISONS: &[FindingSubject] =
+    &[FindingSubject::Tiles, FindingSubject::Volume, FindingSubject::IdealFilm];
+
+/// Subjects of `design`.
+pub(crate) const OF_DESIGNS: &[FindingSubject] =
+    &[FindingSubject::Tiles, FindingSubject::Volume, FindingSubject::IdealFilm, FindingSubject::Design];
+
+/// The layout at `path`. Its findings about `subjects` are printed unless `quiet`.
+pub(crate) fn read_layout(
+    path: &Path,
+    subjects: &[FindingSubject],
+    quiet: bool,
+    progress: &ProgressLine,
+) -> Result<Layout, LayoutError> {
+    let layout = Layout::read(path)?;
+    if !quiet {
+        progress.suspend(|| tell(path, &layout, subjects));
+    }
+    Ok(layout)
+}
+
+fn tell(path: &Path, layout: &Layout, subjects: &[FindingSubject]) {
+    let path = path.display();
+    let mut findings = layout.findings.iter().filter(|finding| subjects.contains(&finding.subject));
+    for finding in findings.by_ref().take(PRINTED_FINDINGS) {
+        failure::tell(&format_args!("warning: {path}: {finding}"));
+    }
+    let more = findings.count();
+    if more > 0 {
+        failure::tell(&format_args!("warning: {path}: and {more} more, listed by `magsplice check {path}`"));
+    }
+}
+
+/// A best-fit amplitude below zero in words.
+pub(crate) fn about_amplitude(amplitude: f64) -> Option<&'static str> {
+    (amplitude < 0.0).then_some(
+        "the amplitude is negative: the field is opposite to that of the ideal film. The film is reversed (every J \
+         points the other way), or shifted by half a wavelength along x and y",
+    )
+}

@@ -1,0 +1,91 @@
+//! Magnitudes that no magnet and no film has, and the unit in which such a number was probably
+//! meant.
+//!
+//! A number in the wrong unit is well-formed, and the field that follows from it is plausible: it
+//! is proportional to the polarization, and depends on ratios of lengths only. Only the magnitude
+//! shows the mistake.
+
+/// Polarization in T above which no permanent magnet exists. Nd2Fe14B, the strongest material, has
+/// a saturation polarization of 1.6 T; magnets of it reach 1.5 T.
+pub const STRONGEST_MAGNET_T: f64 = 2.0;
+
+/// Polarization in T above which no material exists that has it uniformly. Saturated iron-cobalt
+/// has 2.45 T, more than any other material at room temperature.
+pub const STRONGEST_MATERIAL_T: f64 = 2.5;
+
+/// Wavelength in mm below which no film can be spliced: its narrowest tiles would have a few
+/// thousandths of a millimetre, the resolution of machine tools.
+pub const SHORTEST_WAVELENGTH_MM: f64 = 0.1;
+
+/// Largest ratio of the wavelength to another length of a film or of its working volume. A length
+/// in metres instead of millimetres is a thousand times too small.
+pub const MAX_LENGTH_RATIO: f64 = 1000.0;
+
+/// Polarizations above this many T were probably meant in gauss, not in mT: no magnet has 2500 mT.
+const GAUSS_FROM: f64 = 2500.0;
+
+/// Polarizations above this many T were probably meant as magnetizations in A/m: no magnet has
+/// 25000 G.
+const AMPERES_PER_METRE_FROM: f64 = 25_000.0;
+
+/// Vacuum permeability in T m/A.
+const MU_0: f64 = 1.256_637_061_27e-6;
+
+/// What a polarization in T that no material has was probably meant to be, as a question: "T, not
+/// mT: 0.12?".
+///
+/// # Example
+/// ```
+/// use magsplice_layout::meant_polarization;
+///
+/// assert_eq!(meant_polarization(120.0), "T, not mT: 0.12?");
+/// assert_eq!(meant_polarization(12000.0), "T, not G: 1.2?");
+/// assert_eq!(meant_polarization(955e3), "J = mu0 M in T, not M in A/m: 1.2?");
+/// ```
+pub fn meant_polarization(value_t: f64) -> String {
+    let value_t = value_t.abs();
+    if value_t <= GAUSS_FROM {
+        return format!("T, not mT: {}?", short(1e-3 * value_t));
+    }
+    if value_t <= AMPERES_PER_METRE_FROM {
+        return format!("T, not G: {}?", short(1e-4 * value_t));
+    }
+    let polarization_t = MU_0 * value_t;
+    if polarization_t <= STRONGEST_MATERIAL_T {
+        return format!("J = mu0 M in T, not M in A/m: {}?", short(polarization_t));
+    }
+    "a polarization J = mu0 M in T".to_owned()
+}
+
+/// What a length in mm that is far too small was probably meant to be: "mm, not m: 8?".
+///
+/// # Example
+/// ```
+/// assert_eq!(magsplice_layout::meant_length(0.008), "mm, not m: 8?");
+/// ```
+pub fn meant_length(value_mm: f64) -> String {
+    format!("mm, not m: {}?", short(1e3 * value_mm))
+}
+
+/// Three significant digits, without the round-off of a product.
+pub(crate) fn short(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_is_guessed_from_the_magnitude() {
+        for (value, meant) in [
+            (2.6, "T, not mT: 0.0026?"),
+            (-1200.0, "T, not mT: 1.2?"),
+            (2501.0, "T, not G: 0.25?"),
+            (950_000.0, "J = mu0 M in T, not M in A/m: 1.19?"),
+            (1e9, "a polarization J = mu0 M in T"),
+        ] {
+            assert_eq!(meant_polarization(value), meant);
+        }
+    }
+}
