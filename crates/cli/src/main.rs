@@ -10,6 +10,8 @@
 mod args;
 /// Baselines of `check`: the field of a working volume as CSV.
 mod baseline;
+/// The measurement of `bench`.
+mod benchmark;
 /// Results of `check`: a layout with the outcome of each of its expectations.
 mod checked;
 /// Results of `decouple`: a film with its field, comparison and decoupling.
@@ -77,6 +79,7 @@ fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
         Verb::Compare(args) => verbs::compare::run(args, quiet),
         Verb::Decouple(args) => verbs::decouple::run(args, quiet),
         Verb::Plan(args) => verbs::plan::run(args, quiet),
+        Verb::Bench(args) => verbs::bench::run(args, quiet),
         #[cfg(feature = "report")]
         Verb::Report(args) => verbs::report::run(args, quiet),
         Verb::Tiles(args) => verbs::tiles::run(args, quiet),

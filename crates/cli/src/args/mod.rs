@@ -2,6 +2,8 @@
 
 /// `--within`: the accuracy of a field.
 pub(crate) mod accuracy;
+/// Arguments of `bench`.
+pub(crate) mod bench;
 /// Arguments of `check`.
 pub(crate) mod check;
 /// Arguments of the verbs that search for films: `design`, `splice`.
@@ -16,6 +18,7 @@ pub(crate) mod formats;
 
 use clap::{Parser, Subcommand};
 
+use self::bench::BenchArgs;
 use self::check::CheckArgs;
 use self::design::{DesignArgs, SpliceArgs};
 #[cfg(feature = "report")]
@@ -71,6 +74,7 @@ pub(crate) enum Verb {
     Compare(CompareArgs),
     Decouple(DecoupleArgs),
     Plan(PlanArgs),
+    Bench(BenchArgs),
     #[cfg(feature = "report")]
     Report(ReportArgs),
     Check(CheckArgs),

@@ -1,5 +1,7 @@
 //! JSON forms of results. Keys carry the units of their values.
 
+/// `bench`: pairs per second for each accuracy.
+pub(crate) mod bench;
 /// `check`: layouts with their expectations.
 pub(crate) mod check;
 /// `compare`: the comparison with the ideal film.

@@ -1,5 +1,7 @@
 //! Results as printed tables, with units.
 
+/// `bench`: pairs per second for each accuracy.
+pub(crate) mod bench;
 /// `check`: one line per expectation.
 pub(crate) mod check;
 /// `decouple` and `compare`: field, comparison with the ideal film, decoupling errors.

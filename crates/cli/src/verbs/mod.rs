@@ -1,5 +1,7 @@
 //! One file per verb. A verb reads its inputs, runs the library, and passes on the result.
 
+/// Measures how fast the field is computed.
+pub(crate) mod bench;
 /// Validates layouts, and checks films against their expectations.
 pub(crate) mod check;
 /// Compares the field with the ideal film.

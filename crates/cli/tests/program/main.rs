@@ -2,6 +2,7 @@
 
 mod bad_layouts;
 mod bad_points;
+mod bench;
 mod checks;
 mod decouple;
 mod design;

@@ -1,0 +1,153 @@
+//! The measurement of `bench`: fields of the same points, exact and to tolerances, on one thread
+//! and on all.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use magsplice::Film;
+use magsplice::layout::Layout;
+use magsplice::magnet::{Accuracy, Grid, PointErrors, Quantity, Tolerance};
+use magsplice::prelude::DVec3;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+
+/// Tolerances that are measured, as fractions of |B|.
+const FRACTIONS: [f64; 3] = [1e-3, 1e-6, 1e-9];
+
+/// Shortest time of a sample. A faster evaluation is repeated, because a clock and the start of
+/// threads take microseconds.
+const SHORTEST_SAMPLE: Duration = Duration::from_millis(5);
+
+/// Largest number of evaluations in one sample.
+const MAX_REPEATS: f64 = 1e4;
+
+/// Numbers of rounds: the fewest of which a median says something, and the most that improve it.
+const ROUNDS: [usize; 2] = [3, 201];
+
+/// The points of a measurement.
+pub(crate) enum BenchPoints {
+    Grid(Grid),
+    Scattered(Vec<DVec3>),
+}
+
+impl BenchPoints {
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            BenchPoints::Grid(grid) => grid.len(),
+            BenchPoints::Scattered(points) => points.len(),
+        }
+    }
+}
+
+/// The result of a measurement.
+pub(crate) struct Benchmark {
+    pub(crate) points: usize,
+    pub(crate) pairs: f64,
+    pub(crate) rounds: usize,
+    /// The exact field on one thread first.
+    pub(crate) cases: Vec<BenchCase>,
+}
+
+/// One accuracy on a number of threads.
+pub(crate) struct BenchCase {
+    pub(crate) accuracy: Accuracy,
+    pub(crate) threads: usize,
+    /// Median time in seconds of one field of all points, or why there is none.
+    pub(crate) seconds: Result<f64, PointErrors>,
+}
+
+impl Benchmark {
+    /// Median time of the exact field on as many threads as `case`, divided by that of `case`.
+    pub(crate) fn times_exact(&self, case: &BenchCase) -> Option<f64> {
+        let exact = self.cases.iter().find(|c| c.accuracy == Accuracy::Exact && c.threads == case.threads)?;
+        Some(exact.seconds.as_ref().ok()? / case.seconds.as_ref().ok()?)
+    }
+
+    /// Pairs of one tile and one point per second, if there is a field.
+    pub(crate) fn pairs_per_second(&self, case: &BenchCase) -> Option<f64> {
+        Some(self.pairs / case.seconds.as_ref().ok()?)
+    }
+}
+
+/// Measures for about `budget`. `progress` is called with the number of finished rounds.
+///
+/// # Errors
+/// If a thread cannot be started.
+pub(crate) fn measure(
+    layout: &Layout,
+    points: &BenchPoints,
+    budget: Duration,
+    progress: &dyn Fn(usize),
+) -> Result<Benchmark, ThreadPoolBuildError> {
+    let tolerances = FRACTIONS.map(|fraction| Tolerance::relative(fraction).expect("greater than 0"));
+    let accuracies: Vec<Accuracy> = std::iter::once(Accuracy::Exact).chain(tolerances.map(Accuracy::Within)).collect();
+    let films: Vec<Film> = accuracies.iter().map(|accuracy| Film::new(layout).with_accuracy(*accuracy)).collect();
+    let mut counts = vec![1, rayon::current_num_threads()];
+    counts.dedup();
+    let pools: Vec<ThreadPool> =
+        counts.iter().map(|n| ThreadPoolBuilder::new().num_threads(*n).build()).collect::<Result<_, _>>()?;
+    let mut field = vec![DVec3::ZERO; points.len()];
+    let mut evaluate = |film: &Film, pool: &ThreadPool| -> Result<Duration, PointErrors> {
+        let started = Instant::now();
+        pool.install(|| match points {
+            BenchPoints::Grid(grid) => film.scene().field_on_grid_into(Quantity::FluxDensity, grid, &mut field),
+            BenchPoints::Scattered(points) => film.scene().field_into(Quantity::FluxDensity, points, &mut field),
+        })?;
+        black_box(&mut field);
+        Ok(started.elapsed())
+    };
+
+    // The first evaluation warms caches and threads, and says how often a sample repeats it.
+    let started = Instant::now();
+    let mut cases = Vec::new();
+    for (pool, threads) in pools.iter().zip(&counts) {
+        for (film, accuracy) in films.iter().zip(&accuracies) {
+            let repeats = evaluate(film, pool).map(|took| {
+                let repeats = SHORTEST_SAMPLE.as_secs_f64() / took.as_secs_f64().max(f64::MIN_POSITIVE);
+                repeats.ceil().clamp(1.0, MAX_REPEATS) as usize
+            });
+            cases.push((film, pool, *accuracy, *threads, repeats, Vec::new()));
+        }
+    }
+    let mut rounds = 0;
+    while rounds < ROUNDS[0] || (rounds < ROUNDS[1] && started.elapsed() < budget) {
+        progress(rounds);
+        for (film, pool, _, _, repeats, samples) in &mut cases {
+            let Ok(count) = *repeats else { continue };
+            let total = (0..count).try_fold(Duration::ZERO, |total, _| Ok(total + evaluate(film, pool)?));
+            match total {
+                Ok(total) => samples.push(total.as_secs_f64() / count as f64),
+                Err(errors) => *repeats = Err(errors),
+            }
+        }
+        rounds += 1;
+    }
+    let cases = cases.into_iter().map(|(_, _, accuracy, threads, repeats, samples)| BenchCase {
+        accuracy,
+        threads,
+        seconds: repeats.map(|_| median(samples)),
+    });
+    Ok(Benchmark {
+        points: points.len(),
+        pairs: layout.tiles.len() as f64 * points.len() as f64,
+        rounds,
+        cases: cases.collect(),
+    })
+}
+
+/// The middle value of at least one.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn median_is_the_middle_of_sorted_values() {
+        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(vec![4.0, 1.0, 2.0, 100.0]), 3.0);
+    }
+}

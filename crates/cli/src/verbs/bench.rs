@@ -1,0 +1,47 @@
+//! `magsplice bench`: measures how fast the field is computed.
+
+use std::time::Duration;
+
+use magsplice::magnet::Accuracy;
+use magsplice::{Film, FilmError, Stage};
+
+use crate::args::bench::BenchArgs;
+use crate::args::formats::TextOrJson;
+use crate::benchmark::{self, BenchPoints};
+use crate::failure::Failure;
+use crate::output::destination::print;
+use crate::progress::ProgressLine;
+use crate::words::{film_failure, no_points};
+use crate::{json, point_file, remarks, text};
+
+pub(crate) fn run(args: &BenchArgs, quiet: bool) -> Result<(), Failure> {
+    let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.as_deref()));
+    let subjects = if args.points.is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
+    let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
+    let (points, points_of) = match &args.points {
+        Some(path) => {
+            let points = point_file::read_all(path)?;
+            (BenchPoints::Scattered(points), format!("points of {}", path.display()))
+        }
+        None => {
+            let film = Film::new(&layout);
+            let volume = film.volume().map_err(|error| no_points(&args.layout, error))?;
+            (BenchPoints::Grid(volume.grid), "points of the working volume".to_owned())
+        }
+    };
+    let show = |done| progress.show(Stage { name: "measuring", done, of: None, unit: "rounds" });
+    let budget = Duration::from_secs_f64(args.seconds);
+    let measured = benchmark::measure(&layout, &points, budget, &show)
+        .map_err(|error| Failure::Format(format!("cannot start threads: {error}")))?;
+    progress.end();
+    // Points without any field have none to a tolerance either.
+    for case in measured.cases.iter().filter(|case| case.accuracy == Accuracy::Exact) {
+        if let Err(errors) = &case.seconds {
+            return Err(film_failure(&args.layout, &layout, FilmError::Points(errors.clone())));
+        }
+    }
+    print(&match args.format {
+        TextOrJson::Text => text::bench::benchmark(&layout, &measured, &points_of),
+        TextOrJson::Json => json::pretty(&json::bench::BenchJson::new(&layout, &measured)),
+    })
+}
