@@ -8,10 +8,11 @@ use magsplice::expect::Baseline;
 use magsplice::magnet::Grid;
 use magsplice::prelude::DVec3;
 
+use crate::csv_input::limited_lines::{LimitedLines, read_error, shown};
 use crate::failure::Failure;
 use crate::faults::FaultList;
 use crate::output::destination::Output;
-use crate::point_file::{LimitedLines, MAX_HELD_POINTS, read_error, shown, too_many_points};
+use crate::point_file::{MAX_HELD_POINTS, too_many_points};
 
 const COLUMNS: [&str; 6] = ["x_mm", "y_mm", "z_mm", "bx_t", "by_t", "bz_t"];
 

@@ -23,6 +23,11 @@ impl FaultList {
         self.named.is_empty()
     }
 
+    /// The faults as remarks about a place, in the order of their lines.
+    pub(crate) fn remarks(self, place: &str) -> String {
+        self.failure(place.to_owned()).to_string()
+    }
+
     /// The faults as the reason why the program stops, in the order of their lines.
     pub(crate) fn failure(mut self, place: String) -> Failure {
         self.named.sort_by_key(|(line, _)| *line);

@@ -14,6 +14,10 @@ mod baseline;
 mod benchmark;
 /// Results of `check`: a layout with the outcome of each of its expectations.
 mod checked;
+/// Tables of numbers that users bring.
+mod csv_input;
+/// Decimal numbers with a unit.
+mod decimal;
 /// Results of `decouple`: a film with its field, comparison and decoupling.
 mod evaluation;
 /// Reasons why the program stops, and how it tells them.
@@ -38,6 +42,8 @@ mod progress;
 mod remarks;
 /// Results as printed tables.
 mod text;
+/// Units that people write.
+mod units;
 /// One file per verb.
 mod verbs;
 /// Errors of the library in words with the names of tiles.

@@ -1,14 +1,17 @@
 //! Points from a CSV file, read in batches.
 
-use std::fs::File;
-use std::io::{self, IsTerminal, Read};
+use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
-use csv::{ReaderBuilder, StringRecord, Trim};
 use magsplice::prelude::DVec3;
 
+use crate::args::points::LengthUnitArg;
+use crate::csv_input::limited_lines::shown;
+use crate::csv_input::names::unit_in;
+use crate::csv_input::table::{CsvTable, Row, is_stdin};
 use crate::failure::Failure;
 use crate::faults::FaultList;
+use crate::units::{self, LENGTHS};
 
 /// Points read at a time, and in `field` evaluated and written at a time. Bounds the memory, and is
 /// enough work for every thread.
@@ -18,29 +21,27 @@ pub(crate) const BATCH: usize = 1 << 16;
 /// not written point by point. With their fields they take 5 GB.
 pub(crate) const MAX_HELD_POINTS: usize = 100_000_000;
 
-/// Longest line of a file of numbers. A file without ends of lines is no such file, and a device
-/// may have no end.
-const MAX_LINE_BYTES: usize = 64 << 10;
+/// The line of names that messages show.
+const EXAMPLE: &str = "x_mm,y_mm,z_mm";
 
-/// Largest number of characters that a message shows of a line.
-const MAX_SHOWN: usize = 200;
-
-const COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
+const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// An open point file.
 pub(crate) struct PointFile {
     path: PathBuf,
-    reader: csv::Reader<Box<dyn Read>>,
-    /// Indices of the columns x_mm, y_mm, z_mm.
-    columns: [usize; 3],
-    record: StringRecord,
-    /// Whether any record has been read.
+    table: CsvTable,
+    /// The columns of x, y, z.
+    columns: [LengthColumn; 3],
+    /// Whether any row has been read.
     started: bool,
 }
 
-/// Whether this path names standard input.
-pub(crate) fn is_stdin(path: &Path) -> bool {
-    path == Path::new("-")
+/// A column of lengths.
+#[derive(Clone, Copy)]
+pub(crate) struct LengthColumn {
+    pub(crate) index: usize,
+    /// Power of ten that converts its values to millimetres.
+    pub(crate) exponent: i32,
 }
 
 /// Whether points are read from standard input on a terminal, where a person types them.
@@ -49,8 +50,8 @@ pub(crate) fn are_typed(path: Option<&Path>) -> bool {
 }
 
 /// All points of a file.
-pub(crate) fn read_all(path: &Path) -> Result<Vec<DVec3>, Failure> {
-    let mut file = PointFile::open(path)?;
+pub(crate) fn read_all(path: &Path, unit: Option<LengthUnitArg>) -> Result<Vec<DVec3>, Failure> {
+    let mut file = PointFile::open(path, unit)?;
     let mut faults = FaultList::default();
     let (mut all, mut points, mut lines) = (Vec::new(), Vec::new(), Vec::new());
     loop {
@@ -67,33 +68,14 @@ pub(crate) fn read_all(path: &Path) -> Result<Vec<DVec3>, Failure> {
 }
 
 impl PointFile {
-    /// Opens a file, or standard input for `-`, and reads its first line.
-    pub(crate) fn open(path: &Path) -> Result<PointFile, Failure> {
+    /// Opens a file, or standard input for `-`, and reads the names of its columns. `unit` is that
+    /// of columns without a unit in their names.
+    pub(crate) fn open(path: &Path, unit: Option<LengthUnitArg>) -> Result<PointFile, Failure> {
         let failed = |message: String| Failure::Points { path: path.to_owned(), message };
-        let source: Box<dyn Read> = if is_stdin(path) {
-            Box::new(io::stdin())
-        } else {
-            Box::new(File::open(path).map_err(|e| failed(format!("cannot read: {e}")))?)
-        };
-        let source: Box<dyn Read> = Box::new(LimitedLines::new(source));
-        let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(source);
-        let header = reader.headers().map_err(|e| failed(read_error(&e)))?.clone();
-        if header.is_empty() {
-            return Err(failed("is empty, must begin with the line x_mm,y_mm,z_mm".to_owned()));
-        }
-        let count = |column: &str| header.iter().filter(|h| *h == column).count();
-        let named =
-            |wrong: fn(usize) -> bool| COLUMNS.into_iter().filter(|c| wrong(count(c))).collect::<Vec<_>>().join(", ");
-        let (missing, repeated) = (named(|n| n == 0), named(|n| n > 1));
-        if !missing.is_empty() {
-            let found = shown(&header.iter().collect::<Vec<_>>().join(","));
-            return Err(failed(format!("line 1: no column {missing}, must have x_mm,y_mm,z_mm (found: {found})")));
-        }
-        if !repeated.is_empty() {
-            return Err(failed(format!("line 1: more than one column {repeated}, must have one of each")));
-        }
-        let columns = COLUMNS.map(|c| header.iter().position(|h| h == c).expect("no column is missing"));
-        Ok(PointFile { path: path.to_owned(), reader, columns, record: StringRecord::new(), started: false })
+        let has_names = |names: &[String]| AXES.iter().all(|axis| names.iter().any(|name| is_length(name, axis)));
+        let table = CsvTable::open(path, has_names, EXAMPLE).map_err(failed)?;
+        let columns = columns(&table.names, unit).map_err(|why| failed(format!("line {}: {why}", table.names_line)))?;
+        Ok(PointFile { path: path.to_owned(), table, columns, started: false })
     }
 
     /// Replaces `points` by up to `limit` further points, and `lines` by their line numbers. Adds
@@ -110,33 +92,30 @@ impl PointFile {
         points.clear();
         lines.clear();
         while points.len() < limit {
-            match self.reader.read_record(&mut self.record) {
-                Ok(true) => self.started = true,
-                Ok(false) if !self.started => {
-                    return Err(Failure::Points {
-                        path: self.path.clone(),
-                        message: "has no points below its first line".to_owned(),
-                    });
-                }
-                Ok(false) => return Ok(false),
-                Err(error)
-                    if matches!(error.kind(), csv::ErrorKind::UnequalLengths { .. } | csv::ErrorKind::Utf8 { .. }) =>
-                {
+            let failed = |message: String| Failure::Points { path: self.path.clone(), message };
+            let line = match self.table.next_row().map_err(failed)? {
+                Some(Row::Cells(line)) => line,
+                Some(Row::Fault(line, fault)) => {
                     self.started = true;
-                    if self.record.iter().any(|field| !field.is_empty()) {
-                        faults.add(self.record.position().map_or(0, csv::Position::line), read_error(&error));
-                    }
+                    faults.add(line, fault);
                     continue;
                 }
-                Err(error) => return Err(Failure::Points { path: self.path.clone(), message: read_error(&error) }),
-            }
-            let line = self.record.position().map_or(0, csv::Position::line);
-            match point(&self.record, self.columns, line) {
-                Ok(point) => {
-                    points.push(point);
-                    lines.push(line);
+                None if self.started => return Ok(false),
+                None => return Err(failed("has no points below its names of columns".to_owned())),
+            };
+            self.started = true;
+            let (mut point, mut wrong) = (DVec3::ZERO, Vec::new());
+            for (axis, column) in self.columns.into_iter().enumerate() {
+                match self.table.number(column.index, column.exponent, line) {
+                    Ok(value) => point[axis] = value,
+                    Err(fault) => wrong.push(fault),
                 }
-                Err(fault) => faults.add(line, fault),
+            }
+            if wrong.is_empty() {
+                points.push(point);
+                lines.push(line);
+            } else {
+                faults.add(line, format!("line {line}: {}", wrong.join("; ")));
             }
         }
         Ok(true)
@@ -149,68 +128,56 @@ pub(crate) fn too_many_points(path: &Path) -> Failure {
     Failure::Points { path: path.to_owned(), message }
 }
 
-/// The beginning of a field.
-pub(crate) fn shown(text: &str) -> String {
-    text.chars().take(MAX_SHOWN).collect()
+/// Whether this is the name of a column of lengths along an axis, with a unit or without one.
+pub(crate) fn is_length(name: &str, base: &str) -> bool {
+    unit_in(name, base).is_some_and(|unit| unit.is_empty() || units::exponent(&LENGTHS, &unit).is_some())
 }
 
-/// A reader that fails at a line longer than [`MAX_LINE_BYTES`].
-pub(crate) struct LimitedLines<R> {
-    source: R,
-    /// Bytes since the last end of a line.
-    line_bytes: usize,
-}
-
-impl<R> LimitedLines<R> {
-    pub(crate) fn new(source: R) -> LimitedLines<R> {
-        LimitedLines { source, line_bytes: 0 }
+/// The columns of x, y, z. A column with a unit comes before one without.
+fn columns(names: &[String], unit: Option<LengthUnitArg>) -> Result<[LengthColumn; 3], String> {
+    let named = |axis: &&'static str, has_unit: bool| -> Vec<usize> {
+        let is_wanted =
+            |name: &String| is_length(name, axis) && (unit_in(name, axis).as_deref() != Some("")) == has_unit;
+        (0..names.len()).filter(|column| is_wanted(&names[*column])).collect()
+    };
+    let found = AXES.map(|axis| {
+        let with_unit = named(&axis, true);
+        if with_unit.is_empty() { named(&axis, false) } else { with_unit }
+    });
+    let quoted = |columns: &[usize]| columns.iter().map(|i| shown(&names[*i])).collect::<Vec<_>>().join(", ");
+    let missing: Vec<String> = (0..3).filter(|i| found[*i].is_empty()).map(|i| format!("{}_mm", AXES[i])).collect();
+    if !missing.is_empty() {
+        let found = shown(&names.join(","));
+        return Err(format!("no column {}, must have {EXAMPLE} (found: {found})", missing.join(", ")));
     }
-}
-
-impl<R: Read> Read for LimitedLines<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.source.read(buffer)?;
-        // The reader above reads less than a line at a time, so that the line at its end decides.
-        match buffer[..count].iter().rposition(|byte| matches!(byte, b'\n' | b'\r')) {
-            Some(end) => self.line_bytes = count - end - 1,
-            None => self.line_bytes += count,
-        }
-        if self.line_bytes > MAX_LINE_BYTES {
-            return Err(io::Error::other(format!("a line has more than {MAX_LINE_BYTES} bytes")));
-        }
-        Ok(count)
+    let repeated: Vec<usize> = found.iter().filter(|columns| columns.len() > 1).flatten().copied().collect();
+    if !repeated.is_empty() {
+        return Err(format!("more than one column of a coordinate: {}, must have one of each", quoted(&repeated)));
     }
-}
-
-/// The point of a record, or the values that are no numbers.
-fn point(record: &StringRecord, columns: [usize; 3], line: u64) -> Result<DVec3, String> {
-    let mut point = DVec3::ZERO;
-    let mut wrong = Vec::new();
-    for axis in 0..3 {
-        let text = &record[columns[axis]];
-        match text.parse::<f64>() {
-            Ok(value) if value.is_finite() => point[axis] = value,
-            _ => wrong.push(format!("{} = \"{}\"", COLUMNS[axis], shown(text))),
+    let found = found.map(|columns| columns[0]);
+    let unit_of = |axis: usize| unit_in(&names[found[axis]], AXES[axis]).unwrap_or_default();
+    let bare: Vec<usize> = (0..3).filter(|axis| unit_of(*axis).is_empty()).map(|axis| found[axis]).collect();
+    match unit {
+        None if !bare.is_empty() => {
+            let columns = if bare.len() == 1 { "column" } else { "columns" };
+            return Err(format!(
+                "{columns} {} without a unit: name it, as in {EXAMPLE}, or give --unit mm or --unit m",
+                quoted(&bare)
+            ));
         }
-    }
-    if wrong.is_empty() {
-        Ok(point)
-    } else {
-        Err(format!("line {line}: {}, must be a finite number", wrong.join(", ")))
-    }
-}
-
-/// An error of the CSV reader in words.
-pub(crate) fn read_error(error: &csv::Error) -> String {
-    match error.kind() {
-        csv::ErrorKind::Io(io) => format!("cannot read: {io}"),
-        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
-            let line = pos.as_ref().map_or(0, csv::Position::line);
-            format!("line {line}: has {len} fields, must have {expected_len} like the first line")
+        Some(given) => {
+            let others: Vec<usize> =
+                (0..3).filter(|axis| !["", given.name()].contains(&&*unit_of(*axis))).map(|axis| found[axis]).collect();
+            if !others.is_empty() {
+                let (columns, given) = (quoted(&others), given.name());
+                return Err(format!("{columns} contradicts --unit {given}: leave out the option or rename the column"));
+            }
         }
-        csv::ErrorKind::Utf8 { pos, .. } => {
-            format!("line {}: is not UTF-8 text", pos.as_ref().map_or(0, csv::Position::line))
-        }
-        _ => error.to_string(),
+        None => {}
     }
+    let exponent = |axis: usize| match &*unit_of(axis) {
+        "" => unit.and_then(|unit| units::exponent(&LENGTHS, unit.name())),
+        unit => units::exponent(&LENGTHS, unit),
+    };
+    Ok([0, 1, 2].map(|axis| LengthColumn { index: found[axis], exponent: exponent(axis).unwrap_or(0) }))
 }

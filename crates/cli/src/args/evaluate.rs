@@ -6,21 +6,19 @@ use clap::ValueEnum;
 
 use super::accuracy::AccuracyArgs;
 use super::formats::{DecoupleFormat, TableFormat, TextOrJson};
+use super::points::PointsArgs;
 
 /// Compute the field at points and write it as CSV or another table format.
 ///
-/// The points are the grid of the layout's working volume, or are read from the columns x_mm, y_mm,
-/// z_mm of a CSV file; other columns are ignored. Results keep the order of the points. Numbers are
-/// written with enough digits to read back to the same number.
+/// The points are the grid of the layout's working volume, or those of a CSV file. Results keep the
+/// order of the points. Numbers are written with enough digits to read back to the same number.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice field layouts/published-film.toml --points points.csv -o field.csv")]
 pub(crate) struct FieldArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
-    /// CSV file with columns x_mm, y_mm, z_mm; - is standard input [default: the grid of the
-    /// working volume]
-    #[arg(long, value_name = "CSV")]
-    pub(crate) points: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) points: PointsArgs,
     /// File to write, complete or not at all [default: -, standard output]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
@@ -30,6 +28,10 @@ pub(crate) struct FieldArgs {
     /// Quantity to compute
     #[arg(long, value_enum, default_value = "b")]
     pub(crate) quantity: QuantityArg,
+    /// What to do with points at which the field is unbounded, on exposed edges of tiles; for
+    /// gradients also points on shared edges
+    #[arg(long, value_enum, default_value = "error")]
+    pub(crate) unbounded: UnboundedArg,
     #[command(flatten)]
     pub(crate) accuracy: AccuracyArgs,
 }
@@ -44,6 +46,14 @@ pub(crate) enum QuantityArg {
     J,
     /// Gradient of B: nine components, in T/mm
     Gradient,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub(crate) enum UnboundedArg {
+    /// Name the points and write nothing
+    Error,
+    /// Write NaN there (null in JSON) and name the points on standard error
+    Nan,
 }
 
 /// Compare the field with the ideal film (Eq. 2) over the working volume.
@@ -92,10 +102,8 @@ pub(crate) struct DecoupleArgs {
 pub(crate) struct PlanArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
-    /// CSV file with columns x_mm, y_mm, z_mm; - is standard input [default: the grid of the
-    /// working volume]
-    #[arg(long, value_name = "CSV")]
-    pub(crate) points: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) points: PointsArgs,
     /// Format of the result
     #[arg(long, value_enum, default_value = "text")]
     pub(crate) format: TextOrJson,

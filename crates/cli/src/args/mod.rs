@@ -15,6 +15,8 @@ pub(crate) mod evaluate;
 pub(crate) mod files;
 /// Output formats, their names and file endings.
 pub(crate) mod formats;
+/// `--points` and `--unit`: points from a file.
+pub(crate) mod points;
 
 use clap::{Parser, Subcommand};
 

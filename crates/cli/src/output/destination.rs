@@ -1,13 +1,16 @@
 //! Standard output, or a file that appears complete or not at all.
 
 use std::fs;
-use std::io::{self, BufWriter, StdoutLock, Write};
+use std::io::{self, BufWriter, Seek, StdoutLock, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::{NamedTempFile, SpooledTempFile, TempPath};
 
 use crate::failure::Failure;
 use crate::interrupt;
+
+/// Bytes of a result that are held back in memory; more of them go to a temporary file.
+const MAX_HELD_BYTES: usize = 64 << 20;
 
 /// An open destination of a result.
 pub(crate) enum Output {
@@ -24,6 +27,11 @@ pub(crate) enum Output {
     Special {
         writer: BufWriter<fs::File>,
         named: PathBuf,
+    },
+    /// Anything that [`Output::finish`] passes on as a whole.
+    HeldBack {
+        held: SpooledTempFile,
+        output: Box<Output>,
     },
 }
 
@@ -57,6 +65,15 @@ impl Output {
         Ok(Output::File { writer: BufWriter::new(file), temporary, destination, named: path.to_owned() })
     }
 
+    /// The same output, of which nothing appears before [`Output::finish`].
+    pub(crate) fn held_back(self) -> Output {
+        match self {
+            // A file appears as a whole already.
+            Output::File { .. } | Output::HeldBack { .. } => self,
+            output => Output::HeldBack { held: SpooledTempFile::new(MAX_HELD_BYTES), output: Box::new(output) },
+        }
+    }
+
     /// Whether this is standard output.
     pub(crate) fn is_standard(&self) -> bool {
         matches!(self, Output::Stdout(_))
@@ -67,6 +84,7 @@ impl Output {
         let writer: &mut dyn Write = match self {
             Output::Stdout(writer) => writer,
             Output::File { writer, .. } | Output::Special { writer, .. } => writer,
+            Output::HeldBack { held, .. } => held,
         };
         let mut writer = FirstError { writer, error: None };
         let result = write(&mut writer);
@@ -76,6 +94,11 @@ impl Output {
     /// Completes the output. Without this call a file never appears.
     pub(crate) fn finish(mut self) -> Result<(), Failure> {
         self.write(|writer| writer.flush())?;
+        if let Output::HeldBack { mut held, mut output } = self {
+            held.rewind().map_err(|error| output.failure(error))?;
+            output.write(|writer| io::copy(&mut held, writer).map(drop))?;
+            return output.finish();
+        }
         if let Output::File { temporary, destination, named, .. } = self {
             temporary
                 .persist(&destination)
@@ -90,6 +113,9 @@ impl Output {
             Output::Stdout(_) => Failure::Write { target: "standard output".to_owned(), error },
             Output::File { named, .. } | Output::Special { named, .. } => {
                 Failure::Write { target: named.display().to_string(), error }
+            }
+            Output::HeldBack { .. } => {
+                Failure::Write { target: format!("to the folder {}", std::env::temp_dir().display()), error }
             }
         }
     }

@@ -5,14 +5,14 @@ use std::mem;
 use std::path::{Path, PathBuf};
 
 use magsplice::field::Scene;
-use magsplice::magnet::{Accuracy, PointErrors, Quantity};
+use magsplice::magnet::{Accuracy, Cause, PointError, PointErrors, Quantity};
 use magsplice::prelude::{DMat3, DVec3};
 use magsplice::{Film, Stage};
 use magsplice_export::{Metadata, Points, Table, csv};
 
-use crate::args::evaluate::{FieldArgs, QuantityArg};
+use crate::args::evaluate::{FieldArgs, QuantityArg, UnboundedArg};
 use crate::args::formats::TableFormat;
-use crate::failure::Failure;
+use crate::failure::{self, Failure};
 use crate::faults::FaultList;
 use crate::json::field::FieldJson;
 use crate::output::destination::{Output, is_standard};
@@ -25,9 +25,9 @@ use crate::words::{no_field, no_points};
 pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
     // No progress line between results on the same terminal, nor between points that a person types.
     let results_on_terminal = args.output.as_deref().is_none_or(is_standard) && stdout().is_terminal();
-    let visible = !quiet && !results_on_terminal && !point_file::are_typed(args.points.as_deref());
+    let visible = !quiet && !results_on_terminal && !point_file::are_typed(args.points.path());
     let progress = ProgressLine::start(visible);
-    let subjects = if args.points.is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
+    let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
     let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
     let accuracy = match args.quantity {
         QuantityArg::B | QuantityArg::H => args.accuracy.accuracy(),
@@ -35,26 +35,24 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
         QuantityArg::J | QuantityArg::Gradient => Accuracy::Exact,
     };
     let film = Film::new(&layout).with_accuracy(accuracy);
-    match &args.points {
-        Some(path) => at_points(args, &film, path, &progress),
-        None => on_grid(args, &film, &progress),
+    match args.points.path() {
+        Some(path) => at_points(args, &film, path, &progress, quiet),
+        None => on_grid(args, &film, &progress, quiet),
     }
 }
 
-fn at_points(args: &FieldArgs, film: &Film, path: &Path, progress: &ProgressLine) -> Result<(), Failure> {
-    let mut file = PointFile::open(path)?;
+fn at_points(args: &FieldArgs, film: &Film, path: &Path, progress: &ProgressLine, quiet: bool) -> Result<(), Failure> {
+    let mut file = PointFile::open(path, args.points.unit)?;
     let mut writer = FieldWriter::open(args, film, Points::Scattered(Vec::new()))?;
-    let mut faults = FaultList::default();
+    let mut faults = PointFaults::new(args.unbounded);
     let (mut points, mut lines) = (Vec::new(), Vec::new());
     let mut done = 0;
     loop {
-        let more = file.read(BATCH, &mut points, &mut lines, &mut faults)?;
-        let errors = writer.evaluate(film.scene(), &points, faults.is_empty())?;
-        for error in errors.0 {
-            let (line, cause) = (lines[error.index], no_field(error.cause, film.layout()));
-            let p = error.point;
-            faults.add(line, format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z));
-        }
+        let more = file.read(BATCH, &mut points, &mut lines, &mut faults.errors)?;
+        writer.evaluate(film.scene(), &points, &mut faults, |error, cause| {
+            let (line, p) = (lines[error.index], error.point);
+            (line, format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z))
+        })?;
         done += points.len();
         if writer.format != TableFormat::Csv && done > point_file::MAX_HELD_POINTS {
             return Err(point_file::too_many_points(path));
@@ -64,19 +62,16 @@ fn at_points(args: &FieldArgs, film: &Film, path: &Path, progress: &ProgressLine
             break;
         }
     }
-    if faults.is_empty() { writer.finish(film) } else { Err(faults.failure(path.display().to_string())) }
+    writer.finish(film, faults, path, progress, quiet)
 }
 
-fn on_grid(args: &FieldArgs, film: &Film, progress: &ProgressLine) -> Result<(), Failure> {
+fn on_grid(args: &FieldArgs, film: &Film, progress: &ProgressLine, quiet: bool) -> Result<(), Failure> {
     let grid = film.volume().map_err(|error| no_points(&args.layout, error))?.grid;
     let mut writer = FieldWriter::open(args, film, Points::Grid(grid))?;
-    let mut faults = FaultList::default();
-    let mut add = |errors: PointErrors| {
-        for error in errors.0 {
-            let (p, cause) = (error.point, no_field(error.cause, film.layout()));
-            faults.add(0, format!("point ({}, {}, {}) mm of the working volume: {cause}", p.x, p.y, p.z));
-        }
-        faults.is_empty()
+    let mut faults = PointFaults::new(args.unbounded);
+    let fault = |error: &PointError, cause: &str| {
+        let p = error.point;
+        (0, format!("point ({}, {}, {}) mm of the working volume: {cause}", p.x, p.y, p.z))
     };
     match (film.scene().accuracy(), quantity(args.quantity)) {
         // The methods that a tolerance allows need the whole grid at once.
@@ -85,22 +80,48 @@ fn on_grid(args: &FieldArgs, film: &Film, progress: &ProgressLine) -> Result<(),
             let mut field = vec![DVec3::ZERO; points.len()];
             progress.show(Stage::uncounted("field"));
             let evaluated = film.scene().field_on_grid_into(quantity, &grid, &mut field);
-            add(writer.add(evaluated, &points, field.iter().flat_map(DVec3::to_array), true)?);
+            writer.add(evaluated, &points, field.iter().flat_map(DVec3::to_array), &mut faults, fault)?;
         }
         _ => {
-            let mut complete = true;
             for start in (0..grid.len()).step_by(BATCH) {
                 progress.show(Stage { name: "field", done: start, of: Some(grid.len()), unit: "points" });
                 let points: Vec<DVec3> = (start..grid.len().min(start + BATCH)).map(|i| grid.point(i)).collect();
-                complete = add(writer.evaluate(film.scene(), &points, complete)?);
+                writer.evaluate(film.scene(), &points, &mut faults, fault)?;
             }
         }
     }
-    if faults.is_empty() { writer.finish(film) } else { Err(faults.failure(args.layout.display().to_string())) }
+    writer.finish(film, faults, &args.layout, progress, quiet)
+}
+
+/// Points and lines without a field: those that stop the program, and those written as NaN.
+struct PointFaults {
+    unbounded: UnboundedArg,
+    errors: FaultList,
+    written_as_nan: FaultList,
+}
+
+impl PointFaults {
+    fn new(unbounded: UnboundedArg) -> PointFaults {
+        PointFaults { unbounded, errors: FaultList::default(), written_as_nan: FaultList::default() }
+    }
+
+    /// Adds the points without a field. `fault` gives the line of a point and the words for it.
+    fn add(&mut self, errors: PointErrors, layout: &Layout, fault: impl Fn(&PointError, &str) -> (u64, String)) {
+        for error in errors.0 {
+            let (line, words) = fault(&error, &no_field(error.cause, layout));
+            let on_edge = matches!(error.cause, Cause::Unbounded { .. } | Cause::Unresolved { .. });
+            if on_edge && self.unbounded == UnboundedArg::Nan {
+                self.written_as_nan.add(line, format!("{words}; written as NaN"));
+            } else {
+                self.errors.add(line, words);
+            }
+        }
+    }
 }
 
 /// Evaluates the field and writes it: CSV batch by batch, other formats at the end.
-struct FieldWriter {
+struct FieldWriter<'a> {
+    layout: &'a Layout,
     output: Output,
     format: TableFormat,
     quantity: QuantityArg,
@@ -110,15 +131,17 @@ struct FieldWriter {
     metadata: Metadata,
 }
 
-impl FieldWriter {
+impl<'a> FieldWriter<'a> {
     /// Opens the output. `points` are all points of the result, or empty if they are not known yet.
-    fn open(args: &FieldArgs, film: &Film, points: Points) -> Result<FieldWriter, Failure> {
+    fn open(args: &FieldArgs, film: &Film<'a>, points: Points) -> Result<FieldWriter<'a>, Failure> {
         let format = choice::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
         choice::accept(format, args.output.as_deref(), matches!(points, Points::Grid(_)))?;
-        let inputs: Vec<&Path> = std::iter::once(&args.layout).chain(&args.points).map(PathBuf::as_path).collect();
-        let output = Output::open(args.output.as_deref(), &inputs)?;
+        let inputs: Vec<&Path> = std::iter::once(&args.layout).chain(&args.points.file).map(PathBuf::as_path).collect();
+        // A later point may have no field, and then nothing may have been printed.
+        let output = Output::open(args.output.as_deref(), &inputs)?.held_back();
         let (values, metadata) = (Vec::new(), table::film_metadata(film));
-        let mut writer = FieldWriter { output, format, quantity: args.quantity, points, values, metadata };
+        let layout = film.layout();
+        let mut writer = FieldWriter { layout, output, format, quantity: args.quantity, points, values, metadata };
         if format == TableFormat::Csv {
             writer.points = Points::Scattered(Vec::new());
             let empty = writer.take_table();
@@ -134,18 +157,25 @@ impl FieldWriter {
         Table::new(points, vec![columns], mem::take(&mut self.metadata)).expect("every point has its values")
     }
 
-    /// Evaluates further points, and adds their rows if all rows before are `complete`. Returns the
-    /// points without a field.
-    fn evaluate(&mut self, scene: &Scene, points: &[DVec3], complete: bool) -> Result<PointErrors, Failure> {
+    /// Evaluates further points, and adds their rows if no point before is an error. Adds points
+    /// without a field to `faults`, in the words of `fault`.
+    fn evaluate(
+        &mut self,
+        scene: &Scene,
+        points: &[DVec3],
+        faults: &mut PointFaults,
+        fault: impl Fn(&PointError, &str) -> (u64, String),
+    ) -> Result<(), Failure> {
         let Some(quantity) = quantity(self.quantity) else {
             let mut gradient = vec![DMat3::ZERO; points.len()];
             let evaluated = scene.gradient_into(Quantity::FluxDensity, points, &mut gradient);
             // Row by row: the derivatives of one component of B together.
-            return self.add(evaluated, points, gradient.iter().flat_map(|g| g.transpose().to_cols_array()), complete);
+            let values = gradient.iter().flat_map(|g| g.transpose().to_cols_array());
+            return self.add(evaluated, points, values, faults, fault);
         };
         let mut field = vec![DVec3::ZERO; points.len()];
         let evaluated = scene.field_into(quantity, points, &mut field);
-        self.add(evaluated, points, field.iter().flat_map(DVec3::to_array), complete)
+        self.add(evaluated, points, field.iter().flat_map(DVec3::to_array), faults, fault)
     }
 
     /// Adds the rows of points that were evaluated, as [`FieldWriter::evaluate`] does.
@@ -154,12 +184,14 @@ impl FieldWriter {
         evaluated: Result<(), PointErrors>,
         points: &[DVec3],
         values: impl Iterator<Item = f64>,
-        complete: bool,
-    ) -> Result<PointErrors, Failure> {
+        faults: &mut PointFaults,
+        fault: impl Fn(&PointError, &str) -> (u64, String),
+    ) -> Result<(), Failure> {
         if let Err(errors) = evaluated {
-            return Ok(errors);
+            faults.add(errors, self.layout, fault);
         }
-        if complete {
+        // Points without a field have NaN for a value.
+        if faults.errors.is_empty() {
             if let Points::Scattered(known) = &mut self.points {
                 known.extend(points);
             }
@@ -169,15 +201,31 @@ impl FieldWriter {
                 self.output.write(|w| csv::rows(&table, w))?;
             }
         }
-        Ok(PointErrors(Vec::new()))
+        Ok(())
     }
 
-    fn finish(mut self, film: &Film) -> Result<(), Failure> {
+    /// Completes the result. `place` is the file that the points are from.
+    fn finish(
+        mut self,
+        film: &Film,
+        faults: PointFaults,
+        place: &Path,
+        progress: &ProgressLine,
+        quiet: bool,
+    ) -> Result<(), Failure> {
+        if !faults.errors.is_empty() {
+            return Err(faults.errors.failure(place.display().to_string()));
+        }
         if self.format != TableFormat::Csv {
             let table = self.take_table();
             table::write(&table, &FieldJson::new(film, &table), self.format, &mut self.output)?;
         }
-        self.output.finish()
+        self.output.finish()?;
+        progress.end();
+        if !faults.written_as_nan.is_empty() && !quiet {
+            failure::tell(&faults.written_as_nan.remarks(&place.display().to_string()));
+        }
+        Ok(())
     }
 }
 

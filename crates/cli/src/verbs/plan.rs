@@ -16,14 +16,14 @@ use crate::{json, point_file, remarks, text};
 
 pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
     // No progress line between points that a person types.
-    let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.as_deref()));
-    let subjects = if args.points.is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
+    let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.path()));
+    let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
     let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
     let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy());
     let planning = Stage::uncounted("planning");
-    let (plan, points_of) = match &args.points {
+    let (plan, points_of) = match args.points.path() {
         Some(path) => {
-            let points = point_file::read_all(path)?;
+            let points = point_file::read_all(path, args.points.unit)?;
             progress.show(planning);
             check_accuracy(&film, path, points.len(), |index| points[index])?;
             (film.scene().plan_at_points(&points), format!("points of {}", path.display()))

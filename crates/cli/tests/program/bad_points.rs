@@ -18,8 +18,11 @@ fn refused(points: &str, messages: &[&str]) {
 #[test]
 fn missing_columns_are_named() {
     refused("x_mm,z_mm\n1,2\n", &["points.csv: line 1: no column y_mm, must have x_mm,y_mm,z_mm (found: x_mm,z_mm)"]);
-    refused("x,y,z\n1,2,3\n", &["no column x_mm, y_mm, z_mm"]);
-    refused("x_mm,x_mm,y_mm,z_mm\n1,2,3,4\n", &["more than one column x_mm, must have one of each"]);
+    refused("a,b,c\n1,2,3\n", &["no column x_mm, y_mm, z_mm"]);
+    refused(
+        "x_mm,x_mm,y_mm,z_mm\n1,2,3,4\n",
+        &["more than one column of a coordinate: x_mm, x_mm, must have one of each"],
+    );
     refused("", &["points.csv: is empty"]);
 }
 
@@ -30,7 +33,7 @@ fn every_faulty_line_is_named() {
         points,
         &[
             "points.csv: line 3: y_mm = \"two\", must be a finite number",
-            "points.csv: line 4: has 2 fields, must have 3 like the first line",
+            "points.csv: line 4: has 2 fields, must have 3 like line 1",
             "points.csv: line 5: z_mm = \"inf\", must be a finite number",
             "points.csv: line 6: x_mm = \"\", must be a finite number",
         ],

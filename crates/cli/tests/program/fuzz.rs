@@ -50,15 +50,25 @@ impl Sequence {
     }
 }
 
+/// The same points in each form of a point file, and the options that each needs.
+const POINT_FILES: [(&[u8], &[&str]); 5] = [
+    (b"x_mm,y_mm,z_mm\n0,0,-4\n1.5,-2,-3\n-1e-3,2e0,5\n0.25,0.125,-4.5\n", &[]),
+    (b"x (mm);note;y[m];Z_mm\n0;a;0;-4\n1,5;b;-2;-3\n-1e-3;c;2e0;5\n0,25;d;0,125;-4,5\n", &[]),
+    (b"# x y z\n0 0 -4\n1.5 -2 -3\n-1e-3 2e0 5\n0.25 0.125 -4.5\n", &["--unit", "m"]),
+    (b"# a comment\nx\ty\tz\n0\t0\t-4\n1.5\t-2\t-3\n# one more\n0.25\t0.125\t-4.5\n", &["--unit", "mm"]),
+    (b"x_um y_um z_um\n  0   0 -4000 \n1500\t-2000 -3000\n", &["--unbounded", "nan"]),
+];
+
 #[test]
 fn edited_point_files_are_used_or_refused_in_words() {
-    let points = b"x_mm,y_mm,z_mm\n0,0,-4\n1.5,-2,-3\n-1e-3,2e0,5\n0.25,0.125,-4.5\n";
     let mut used = 0;
     for run in 0..RUNS {
         let sandbox = Sandbox::new();
+        let (points, options) = POINT_FILES[run as usize % POINT_FILES.len()];
         let edited = Sequence(run).edited(points);
         std::fs::write(sandbox.path("points.csv"), &edited).expect("a writable folder");
-        let said = sandbox.run(&["field", &shipped("single-tile"), "--points", "points.csv", "-o", "out.csv"]);
+        let layout = shipped("single-tile");
+        let said = sandbox.run(&[&["field", &layout, "--points", "points.csv", "-o", "out.csv"], options].concat());
         let context = format!("{:?}: {}", String::from_utf8_lossy(&edited), said.stderr);
         assert!([0, 2].contains(&said.status) && said.stderr.len() <= LONGEST_MESSAGE, "{context}");
         assert_eq!(sandbox.files().contains(&"out.csv".to_owned()), said.status == 0, "{context}");

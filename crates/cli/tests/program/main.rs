@@ -12,6 +12,7 @@ mod formats;
 mod fuzz;
 mod help;
 mod hints;
+mod point_files;
 #[cfg(target_os = "linux")]
 mod progress;
 #[cfg(feature = "report")]
@@ -21,6 +22,7 @@ mod suspicious;
 #[cfg(target_os = "linux")]
 mod terminal;
 mod tolerances;
+mod unbounded;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,34 @@
+//! Names of columns with units: `x_mm`, `x (mm)`, `x[mm]`, `X_mm`, `x/mm`.
+
+/// The unit in the name of a column that is called `base`, in lower case; empty if the name has no
+/// unit. `None` if it is the name of another column.
+pub(crate) fn unit_in(name: &str, base: &str) -> Option<String> {
+    let name = name.trim().to_lowercase();
+    let rest = name.strip_prefix(base)?;
+    if rest.is_empty() {
+        return Some(String::new());
+    }
+    let unit = rest.strip_prefix(['_', '/', ' ']).unwrap_or(rest).trim();
+    let bracketed = |open, close| unit.strip_prefix(open).and_then(|unit: &str| unit.strip_suffix(close));
+    let in_brackets = bracketed('(', ')').or(bracketed('[', ']')).map(str::trim);
+    let unit = in_brackets.or_else(|| (unit.len() < rest.len()).then_some(unit))?;
+    (!unit.is_empty()).then(|| unit.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_found_in_every_form() {
+        for name in ["x_mm", "x (mm)", "x[mm]", "X_mm", " x (mm) ", "x/mm", "x mm", "x_(mm)", "x(mm)", "X [ MM ]"] {
+            assert_eq!(unit_in(name, "x").as_deref(), Some("mm"), "{name}");
+        }
+        assert_eq!(unit_in("Jx (kA/m)", "jx").as_deref(), Some("ka/m"));
+        assert_eq!(unit_in("size_x_mm", "size_x").as_deref(), Some("mm"));
+        assert_eq!(unit_in("X", "x").as_deref(), Some(""));
+        for name in ["", "y", "xmm", "xy_mm", "x_", "x()", "note"] {
+            assert_eq!(unit_in(name, "x"), None, "{name}");
+        }
+    }
+}

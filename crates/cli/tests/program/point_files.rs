@@ -1,0 +1,104 @@
+//! Forms of point files: separators, decimal marks, comments, names and units of columns.
+
+use crate::{Sandbox, shipped};
+
+/// Points in millimetres that the file must give; those of all files here.
+const POINTS: &str = "x_mm,y_mm,z_mm\n1.5,-2,-3.25\n0.1,0,-4\n";
+
+/// What `field` prints for this file.
+fn field(points: &str, options: &[&str]) -> crate::RunOutput {
+    let sandbox = Sandbox::new();
+    sandbox.write("points.csv", points);
+    let layout = shipped("single-tile");
+    sandbox.run(&[&["field", &layout, "--points", "points.csv"], options].concat())
+}
+
+#[track_caller]
+fn same(points: &str, options: &[&str]) {
+    let (wanted, found) = (field(POINTS, &[]), field(points, options));
+    assert_eq!((found.status, found.stderr.as_str()), (0, ""), "{points}");
+    assert_eq!(found.stdout, wanted.stdout, "{points}");
+    assert_eq!(wanted.stdout.lines().count(), 3);
+}
+
+#[track_caller]
+fn refused(points: &str, options: &[&str], message: &str) {
+    field(points, options).refuses(message);
+}
+
+#[test]
+fn separators_are_found_in_the_line_of_names() {
+    same("x_mm;y_mm;z_mm\n1.5;-2;-3.25\n0.1;0;-4\n", &[]);
+    same("x_mm;y_mm;z_mm\r\n1,5;-2;-3,25\r\n0,1;0;-4\r\n", &[]);
+    same("note\tx_mm\ty_mm\tz_mm\na b\t1,5\t-2\t-3,25\n\t0,1\t0\t-4\n", &[]);
+    same("  x_mm   y_mm z_mm\n  1.5e0 -2.0  -3.25 \n\n 0.1\t0 -4\n", &[]);
+    same("\u{feff}\"x_mm\",\"y_mm\",\"z_mm\",\"a, b\"\n1.5,-2,-3.25,\"1;2\"\n0.1,0,-4,\n", &[]);
+}
+
+#[test]
+fn comments_are_skipped_and_may_hold_the_names() {
+    same("# measured today\n#\nx_mm,y_mm,z_mm\n1.5,-2,-3.25\n# the last\n0.1,0,-4\n", &[]);
+    // As numpy.savetxt writes it, with its own separator and with that of the header.
+    same("# x,y,z\n1.5 -2 -3.25\n0.1 0 -4\n", &["--unit", "mm"]);
+    same("# x,y,z\n1.500e+00,-2.000e+00,-3.250e+00\n1.000e-01,0,-4\n", &["--unit", "mm"]);
+    same("# Points of the probe.\n# x_mm y_mm z_mm\n1.5 -2 -3.25\n0.1 0 -4\n", &[]);
+}
+
+#[test]
+fn columns_name_their_unit_in_any_form() {
+    for names in ["x (mm),y (mm),z (mm)", "x[mm],y[mm],z[mm]", "X_mm,Y_mm,Z_mm", "x/mm,y [mm],z_mm", "z,x_mm,y_mm,z_mm"]
+    {
+        let (first, rest) = if names.starts_with("z,") { ("7,", ",") } else { ("", ",") };
+        same(&format!("{names}\n{first}1.5{rest}-2,-3.25\n{first}0.1,0,-4\n"), &[]);
+    }
+    // Metres are converted without an error: 0.0001 m is 0.1 mm to the last digit.
+    same("x_m,y_m,z_m\n0.0015,-2e-3,-3.25E-3\n0.0001,0,-0.004\n", &[]);
+    same("x (m) y (m) z (m)\n0.0015 -2e-3 -3.25E-3\n0.0001 0 -0.004\n", &[]);
+    same("x_um;y_cm;z_m\n1500;-0,2;-3,25e-3\n100;0;-0,004\n", &[]);
+    same("x,y,z\n1.5,-2,-3.25\n0.1,0,-4\n", &["--unit", "mm"]);
+    same("x,y,z\n0.0015,-0.002,-0.00325\n0.0001,0,-0.004\n", &["--unit", "m"]);
+}
+
+#[test]
+fn units_that_are_missing_or_contradict_are_named() {
+    let bare = "points.csv: line 1: columns x, y, z without a unit: name it, as in x_mm,y_mm,z_mm, or give --unit mm or --unit m";
+    refused("x,y,z\n1,2,3\n", &[], bare);
+    refused("# x y z\n1 2 3\n", &[], "line 1: columns x, y, z without a unit");
+    refused("x_mm,y_mm,z_mm\n1,2,3\n", &["--unit", "m"], "x_mm, y_mm, z_mm contradicts --unit m: leave out the option");
+    refused(
+        "x_inch,y_mm,z_mm\n1,2,3\n",
+        &[],
+        "line 1: no column x_mm, must have x_mm,y_mm,z_mm (found: x_inch,y_mm,z_mm)",
+    );
+    refused(
+        "x_mm,x_m,y_mm,z_mm\n1,2,3,4\n",
+        &[],
+        "more than one column of a coordinate: x_mm, x_m, must have one of each",
+    );
+    refused("1,2,3\n4,5,6\n", &[], "line 1: has no names of columns, must begin with the line x_mm,y_mm,z_mm");
+    Sandbox::new()
+        .run(&["field", &shipped("single-tile"), "--unit", "mm"])
+        .refuses_arguments("required arguments were not provided");
+}
+
+#[test]
+fn wrong_and_mixed_separators_are_named() {
+    let line_2 = |other: &str, own: &str| {
+        format!("points.csv: line 2: is separated by {other}, must be separated by {own} like line 1")
+    };
+    refused("x_mm,y_mm,z_mm\n1;2;3\n", &[], &line_2("semicolons", "commas"));
+    refused("x_mm,y_mm,z_mm\n1,5;2,5;3,5\n", &[], &line_2("semicolons", "commas"));
+    refused("x_mm,y_mm,z_mm\n1 2 3\n", &[], &line_2("spaces", "commas"));
+    refused("x_mm;y_mm;z_mm\n1.5,2,3\n", &[], &line_2("commas", "semicolons"));
+    refused("x_mm y_mm z_mm\n1,2,3\n", &[], &line_2("commas", "spaces"));
+    refused("x_mm y_mm z_mm\n1, 2, 3\n", &[], "x_mm = \"1,\", must be a finite number, and commas do not separate");
+    refused("x_mm;y_mm,z_mm\n1;2,3\n", &[], "line 1: mixes commas and semicolons between its names, must have one");
+    refused("x_mm|y_mm|z_mm\n1|2|3\n", &[], "line 1: is separated by bars, must be separated by commas, semicolons");
+    refused("x_mm,y_mm,z_mm\n1,5,2,5,3,5\n", &[], "line 2: has 6 fields, must have 3 like line 1 (with decimal commas");
+    refused(
+        "x_mm;y_mm;z_mm\n1,5;2;3\n1.5;2;3\n",
+        &[],
+        "line 3: x_mm = \"1.5\", has a decimal point, must have a decimal comma like line 2",
+    );
+    refused("x_mm;y_mm;z_mm\n1,234.5;2;3\n", &[], "line 2: x_mm = \"1,234.5\", must be a finite number");
+}
