@@ -4,12 +4,11 @@
 use glam::DVec3;
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Grid, Tile};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::brief::Brief;
 use crate::expectations::Expectations;
 use crate::finding::Finding;
+use crate::rotation::Rotation;
 
 /// A spliced film or any other arrangement of block magnets, with the ideal film it is compared
 /// with and the requirements it must meet.
@@ -81,17 +80,6 @@ pub struct NamedTile {
     pub rotation: Option<Rotation>,
     /// The tile, in millimetres and tesla.
     pub tile: Tile,
-}
-
-// The comments of this type are descriptions in the JSON Schema.
-/// A rotation about the tile's centre, from the tile's own frame to the scene's.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Rotation {
-    /// Axis of rotation, a vector of any length but zero.
-    pub axis: [f64; 3],
-    /// Angle, right-handed about the axis, in degrees.
-    pub angle_deg: f64,
 }
 
 /// The region in which the sensor moves, sampled on a regular grid.

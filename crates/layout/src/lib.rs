@@ -37,6 +37,8 @@ mod error;
 mod expectations;
 /// Properties that are allowed but usually a mistake.
 mod finding;
+/// A layout of tiles that were not read from a layout file.
+mod from_tiles;
 /// The checked layout: tiles, ideal film, working volume.
 mod layout;
 /// The format version, and counts and lengths above which a file is refused.
@@ -47,6 +49,8 @@ mod parts;
 mod plausible;
 /// Text to tables to a checked layout: every rule for files.
 mod read;
+/// Rotations in every form of the file.
+mod rotation;
 /// The JSON Schema of the layout file.
 mod schema;
 /// The TOML tables as written.
@@ -60,7 +64,7 @@ pub use brief::{Brief, Goal, StockPart, Symmetry, Variables};
 pub use error::{LayoutError, LayoutFault};
 pub use expectations::{Expectations, ExpectedField};
 pub use finding::{Finding, FindingSubject};
-pub use layout::{Layout, NamedTile, Rotation, WorkingVolume};
+pub use layout::{Layout, NamedTile, WorkingVolume};
 pub use limits::MAX_NAME_BYTES;
 pub use parts::Part;
 pub use plausible::{
@@ -68,6 +72,7 @@ pub use plausible::{
     meant_polarization,
 };
 pub use read::is_layout;
+pub use rotation::{EulerOrder, InvalidEulerOrder, ORTHOGONALITY_TOLERANCE, Rotation, RotationFault, RotationFaults};
 pub use schema::schema;
 pub use write::PlainLayout;
 

@@ -15,7 +15,7 @@ fn mirrored_tiles_have_the_mirrored_axis_and_the_opposite_angle() {
     let written: Vec<Rotation> = layout.tiles.iter().map(|tile| tile.rotation.expect("a rotation")).collect();
     let expected =
         [([1.0, 2.0, 3.0], 40.0), ([-1.0, 2.0, 3.0], -40.0), ([1.0, 2.0, -3.0], -40.0), ([-1.0, 2.0, -3.0], 40.0)];
-    assert_eq!(written, expected.map(|(axis, angle_deg)| Rotation { axis, angle_deg }));
+    assert_eq!(written, expected.map(|(axis, angle_deg)| Rotation::AxisAngle { axis, angle_deg }));
 }
 
 /// The rotation as written describes the tile, so that the plain form is the same film.

@@ -213,8 +213,8 @@ fn a_mirror_image_has_the_reflected_arrow_or_keeps_it() {
         let tiles = repeated(&(keys + turned)).expect("a valid mirror").tiles;
         let [original, image] = [0, 1].map(|i| tiles[i].tile);
         let written = tiles[1].rotation.expect("rotated");
-        let written =
-            glam::DQuat::from_axis_angle(DVec3::from(written.axis).normalize(), written.angle_deg.to_radians());
+        let magsplice_layout::Rotation::AxisAngle { axis, angle_deg } = written else { panic!("{written:?}") };
+        let written = glam::DQuat::from_axis_angle(DVec3::from(axis).normalize(), angle_deg.to_radians());
         // Some ten roundings in quaternions and angles of order 1.
         assert!(written.dot(image.rotation()).abs() > 1.0 - 1e-15, "{polarization}");
         let corner =

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use magsplice::layout::{Layout, NamedTile, Part};
+use magsplice::layout::{Layout, NamedTile, Part, Rotation};
 use magsplice::prelude::DVec3;
 
 use super::header::tile_count;
@@ -28,8 +28,17 @@ fn table(rows: &[[String; 5]]) -> String {
 
 fn tile_row(named: &NamedTile) -> [String; 5] {
     let NamedTile { name, tile, rotation, .. } = named;
-    let turn =
-        rotation.map_or(String::new(), |r| format!("{} deg about {}", short(r.angle_deg), triple(r.axis.into())));
+    let turn = rotation.map_or(String::new(), |rotation| {
+        // As written; the other forms are easier to read as an axis and an angle too.
+        let (axis, angle_deg) = match rotation {
+            Rotation::AxisAngle { axis, angle_deg } => (axis.into(), angle_deg),
+            other => {
+                let (axis, angle) = other.quaternion().to_axis_angle();
+                (axis, angle.to_degrees())
+            }
+        };
+        format!("{} deg about {}", short(angle_deg), triple(axis))
+    });
     [name.clone(), size(tile.size()), triple(tile.position()), triple(tile.polarization_t()), turn]
 }
 

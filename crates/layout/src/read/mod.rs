@@ -46,6 +46,8 @@ mod plausibility;
 mod repeat;
 /// The limits on all tiles together.
 mod room;
+/// Rules of the table `rotation` of a tile.
+mod rotation;
 /// One `[[tile]]` with its kind resolved.
 mod single_tile;
 /// Magnitudes of polarizations that a material has.

@@ -1,8 +1,8 @@
 //! Repetition of one tile: copies on a grid, and mirror images.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
-use crate::layout::{NamedTile, Rotation};
+use crate::layout::NamedTile;
 use crate::read::faults::TableFaults;
 use crate::read::number_rules::check_finite_vector;
 use crate::read::room::Room;
@@ -102,8 +102,7 @@ fn copies_on_grid(tile: &NamedTile, grid: &GridTable, faults: &mut TableFaults) 
 /// The mirror image of a tile in the plane normal to `axis`.
 ///
 /// With M the mirror, a tile rotated by R becomes one rotated by M R M. In its own frame a cuboid
-/// is its own mirror image, and M reflects the arrow of its polarization. The vector part of the
-/// quaternion of M R M is -M times that of R.
+/// is its own mirror image, and M reflects the arrow of its polarization.
 fn mirror_image(
     named: &NamedTile,
     axis: AxisName,
@@ -118,10 +117,9 @@ fn mirror_image(
     let mut position = tile.position();
     position[axis.index()] = 2.0 * mirror.at_mm[axis.index()] - position[axis.index()];
     let q = tile.rotation();
-    let vector = -flip(DVec3::new(q.x, q.y, q.z));
-    let rotation = DQuat::from_xyzw(vector.x, vector.y, vector.z, q.w);
-    let written =
-        named.rotation.map(|r| Rotation { axis: flip(DVec3::from(r.axis)).to_array(), angle_deg: -r.angle_deg });
+    // From the written rotation, so that the written image is the same tile to the last digit.
+    let written = named.rotation.map(|rotation| rotation.mirrored(axis.index()));
+    let rotation = written.map_or(q, |written| written.quaternion());
     let own = tile.polarization_t();
     let polarization = match mirror.polarization {
         Reflection::Reflect => flip(own),

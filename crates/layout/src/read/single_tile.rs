@@ -2,18 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use magsplice_magnet::Tile;
 use toml::Spanned;
 
-use crate::layout::{NamedTile, Rotation};
+use crate::layout::NamedTile;
 use crate::limits::MAX_LISTED;
 use crate::read::faults::TableFaults;
 use crate::read::names::shown;
+use crate::read::rotation;
 use crate::read::strength_rules::{check_polarization, check_strength};
 use crate::read::tile_rules::checked_tile;
 use crate::tables::tile::{KindTable, TileTable};
-use crate::units::{rotation_from_degrees, unit_vector};
+use crate::units::unit_vector;
 
 /// Checks a kind by itself, so that its faults are not repeated for every tile that names it.
 pub(crate) fn check_kind(kind: &KindTable, faults: &mut TableFaults) {
@@ -39,7 +40,7 @@ pub(crate) fn resolve(
     };
     let size = size(table, kind, faults);
     let polarization = polarization(table, kind, faults).unwrap_or(DVec3::ZERO);
-    let rotation = table.rotation.map(|rotation| quaternion(rotation, faults));
+    let rotation = table.rotation.as_ref().map(|table| rotation::resolve(table, faults));
     // The size of a kind has been checked with the kind.
     let own_size = if table.size_mm.is_some() { size? } else { [1.0; 3] };
     checked_tile(table.position_mm.into(), own_size.into(), polarization, faults)?;
@@ -47,10 +48,14 @@ pub(crate) fn resolve(
         return None;
     }
     let mut tile = Tile::new(table.position_mm.into(), size?.into(), polarization).ok()?;
+    let rotation = match rotation {
+        Some(rotation) => Some(rotation?),
+        None => None,
+    };
     if let Some(rotation) = rotation {
-        tile = tile.rotated(rotation?).ok()?;
+        tile = tile.rotated(rotation.quaternion()).ok()?;
     }
-    Some(NamedTile { name, kind: table.kind.clone(), rotation: table.rotation, tile })
+    Some(NamedTile { name, kind: table.kind.clone(), rotation, tile })
 }
 
 fn declared_kind<'k>(
@@ -125,16 +130,4 @@ fn polarization(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableF
             None
         }
     }
-}
-
-fn quaternion(rotation: Rotation, faults: &mut TableFaults) -> Option<DQuat> {
-    let axis = unit_vector(rotation.axis);
-    if axis.is_none() {
-        faults.add(format!("rotation.axis = {:?}, must be finite and not zero", rotation.axis));
-    }
-    if !rotation.angle_deg.is_finite() {
-        faults.add(format!("rotation.angle_deg = {}, must be a finite number", rotation.angle_deg));
-        return None;
-    }
-    Some(rotation_from_degrees(axis?, rotation.angle_deg))
 }

@@ -26,6 +26,8 @@ pub(crate) mod expect;
 pub(crate) mod ideal;
 /// `[[lattice]]`: a film cut along lines parallel to x and y.
 pub(crate) mod lattice;
+/// `rotation` of a tile.
+pub(crate) mod rotation;
 /// `[[tile]]` with its `grid` and `mirror`, and `[kind.NAME]`.
 pub(crate) mod tile;
 /// `[volume]`: the region in which the field is evaluated.

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::layout::Rotation;
+use crate::tables::rotation::RotationTable;
 
 /// The properties that tiles of one kind have in common.
 #[derive(Deserialize, JsonSchema)]
@@ -44,7 +44,7 @@ pub(crate) struct TileTable {
     pub(crate) direction: Option<[f64; 3]>,
     /// Rotation about the tile's centre.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) rotation: Option<Rotation>,
+    pub(crate) rotation: Option<RotationTable>,
     /// Copies on a regular grid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) grid: Option<GridTable>,

@@ -1,0 +1,298 @@
+//! Rotations in every form of the file, and the quaternions that they are.
+
+use std::error::Error;
+use std::fmt;
+
+use glam::{DMat3, DQuat, DVec3};
+
+use crate::units::{rotation_from_degrees, unit_vector};
+
+/// Largest deviation of a matrix from orthogonality: of any element of its product with its
+/// transpose from the unit matrix. Elements with six decimals stay below it.
+pub const ORTHOGONALITY_TOLERANCE: f64 = 1e-5;
+
+/// Largest deviation from 1 of the norm of a quaternion that is taken as it is. Normalizing it
+/// would only change the last digit.
+const NORM_ROUNDING: f64 = 2.0 * f64::EPSILON;
+
+/// Steps to the nearest orthogonal matrix. Each squares the deviation: 1e-5, 1e-10, 1e-20.
+const ORTHOGONALIZATIONS: usize = 2;
+
+/// A rotation about the tile's centre as written, from the tile's own frame to the scene's.
+///
+/// The constructors check the numbers. A value that was not made by one of them may have no
+/// meaning, and [`Rotation::quaternion`] then is not a rotation.
+///
+/// # Example
+/// ```
+/// use magsplice_layout::{EulerOrder, Rotation};
+///
+/// let about_z = Rotation::from_axis_angle([0.0, 0.0, 1.0], 30.0)?;
+/// let order: EulerOrder = "zyx".parse()?;
+/// let euler = Rotation::from_euler([30.0, 0.0, 0.0], order)?;
+/// assert_eq!(about_z.quaternion(), euler.quaternion());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Rotation {
+    /// About an axis.
+    AxisAngle {
+        /// Axis of rotation, a vector of any length but zero.
+        axis: [f64; 3],
+        /// Angle, right-handed about the axis, in degrees.
+        angle_deg: f64,
+    },
+    /// A quaternion x, y, z, w of any norm but zero; w is the scalar part.
+    Quaternion([f64; 4]),
+    /// Three rotations one after the other.
+    Euler {
+        /// The angles in degrees, in the order of the axes.
+        angles_deg: [f64; 3],
+        /// The axes.
+        order: EulerOrder,
+    },
+    /// The rows of a matrix that takes vectors from the tile's own frame to the scene's.
+    Matrix([[f64; 3]; 3]),
+}
+
+/// The axes of three successive rotations, as the letters of `scipy.spatial.transform.Rotation`:
+/// `"xyz"` about the fixed axes of the scene (extrinsic), `"XYZ"` about the axes of the turned tile
+/// (intrinsic).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EulerOrder {
+    /// 0, 1, 2 for x, y, z.
+    axes: [usize; 3],
+    intrinsic: bool,
+}
+
+/// Why numbers are not a rotation: the value, then the rule. The names are the keys of the file.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum RotationFault {
+    /// The axis is zero or not finite.
+    Axis([f64; 3]),
+    /// The angle is not finite.
+    Angle(f64),
+    /// The quaternion is zero or not finite.
+    Quaternion([f64; 4]),
+    /// An Euler angle is not finite.
+    EulerAngles([f64; 3]),
+    /// An element of the matrix is not finite.
+    MatrixElements([[f64; 3]; 3]),
+    /// The matrix is not orthogonal.
+    NotOrthogonal {
+        /// Largest deviation of its product with its transpose from the unit matrix.
+        deviation: f64,
+    },
+    /// The matrix is orthogonal and reflects.
+    Reflection,
+}
+
+/// A text that is no order of Euler angles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InvalidEulerOrder;
+
+impl Rotation {
+    /// A rotation by an angle in degrees, right-handed about an axis.
+    ///
+    /// # Errors
+    /// All faults: an axis that is zero or not finite, an angle that is not finite.
+    pub fn from_axis_angle(axis: [f64; 3], angle_deg: f64) -> Result<Rotation, RotationFaults> {
+        let faults = [
+            unit_vector(axis).is_none().then_some(RotationFault::Axis(axis)),
+            (!angle_deg.is_finite()).then_some(RotationFault::Angle(angle_deg)),
+        ];
+        checked(Rotation::AxisAngle { axis, angle_deg }, faults)
+    }
+
+    /// The rotation of a quaternion x, y, z, w. Its norm does not matter.
+    ///
+    /// # Errors
+    /// If the quaternion is zero or not finite.
+    pub fn from_quaternion(xyzw: [f64; 4]) -> Result<Rotation, RotationFaults> {
+        let largest = xyzw.iter().fold(0.0, |largest: f64, c| largest.max(c.abs()));
+        let valid = xyzw.iter().all(|c| c.is_finite()) && largest > 0.0;
+        checked(Rotation::Quaternion(xyzw), [(!valid).then_some(RotationFault::Quaternion(xyzw))])
+    }
+
+    /// Three rotations by angles in degrees, one after the other.
+    ///
+    /// # Errors
+    /// If an angle is not finite.
+    pub fn from_euler(angles_deg: [f64; 3], order: EulerOrder) -> Result<Rotation, RotationFaults> {
+        let valid = angles_deg.iter().all(|angle| angle.is_finite());
+        checked(Rotation::Euler { angles_deg, order }, [(!valid).then_some(RotationFault::EulerAngles(angles_deg))])
+    }
+
+    /// The rotation of a matrix, given row by row. It is replaced by the nearest rotation, because
+    /// decimals are rounded.
+    ///
+    /// # Errors
+    /// If an element is not finite, the matrix deviates by more than [`ORTHOGONALITY_TOLERANCE`]
+    /// from orthogonality, or it is a reflection.
+    pub fn from_matrix(rows: [[f64; 3]; 3]) -> Result<Rotation, RotationFaults> {
+        let fault = if rows.iter().flatten().all(|element| element.is_finite()) {
+            let matrix = matrix(rows);
+            let product = matrix * matrix.transpose() - DMat3::IDENTITY;
+            let deviation = product.to_cols_array().iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
+            // Written so that NaN, from elements that overflow, is a fault.
+            if !(deviation <= ORTHOGONALITY_TOLERANCE) {
+                Some(RotationFault::NotOrthogonal { deviation })
+            } else {
+                (matrix.determinant() < 0.0).then_some(RotationFault::Reflection)
+            }
+        } else {
+            Some(RotationFault::MatrixElements(rows))
+        };
+        checked(Rotation::Matrix(rows), [fault])
+    }
+
+    /// The unit quaternion of the rotation. Angles are first reduced to one turn, which is exact.
+    ///
+    /// # Accuracy
+    /// Components are right to a few units of round-off. A quaternion of norm 1 keeps its digits.
+    pub fn quaternion(&self) -> DQuat {
+        match *self {
+            Rotation::AxisAngle { axis, angle_deg } => {
+                rotation_from_degrees(unit_vector(axis).unwrap_or(DVec3::Z), angle_deg)
+            }
+            Rotation::Quaternion(xyzw) => {
+                let given = DQuat::from_array(xyzw);
+                if (given.length() - 1.0).abs() <= NORM_ROUNDING {
+                    return given;
+                }
+                // Scaled first, so that squares neither overflow nor underflow.
+                let largest = xyzw.iter().fold(0.0, |largest: f64, c| largest.max(c.abs()));
+                DQuat::from_array(xyzw.map(|c| c / largest)).normalize()
+            }
+            Rotation::Euler { angles_deg, order } => {
+                let [first, second, third] =
+                    [0, 1, 2].map(|i| rotation_from_degrees(DVec3::AXES[order.axes[i]], angles_deg[i]));
+                let product = if order.intrinsic { first * second * third } else { third * second * first };
+                product.normalize()
+            }
+            Rotation::Matrix(rows) => {
+                let mut matrix = matrix(rows);
+                for _ in 0..ORTHOGONALIZATIONS {
+                    matrix = (matrix + matrix.inverse().transpose()) * 0.5;
+                }
+                DQuat::from_mat3(&matrix).normalize()
+            }
+        }
+    }
+
+    /// The same rotation seen in a mirror normal to an axis: M R M, with M the mirror.
+    pub(crate) fn mirrored(&self, normal: usize) -> Rotation {
+        let sign = |axis: usize| if axis == normal { -1.0 } else { 1.0 };
+        match *self {
+            Rotation::AxisAngle { axis, angle_deg } => {
+                Rotation::AxisAngle { axis: [0, 1, 2].map(|i| sign(i) * axis[i]), angle_deg: -angle_deg }
+            }
+            Rotation::Quaternion([x, y, z, w]) => Rotation::Quaternion([-sign(0) * x, -sign(1) * y, -sign(2) * z, w]),
+            Rotation::Euler { angles_deg, order } => {
+                let angles_deg = [0, 1, 2].map(|i| -sign(order.axes[i]) * angles_deg[i]);
+                Rotation::Euler { angles_deg, order }
+            }
+            Rotation::Matrix(rows) => {
+                Rotation::Matrix([0, 1, 2].map(|i| [0, 1, 2].map(|j| sign(i) * sign(j) * rows[i][j])))
+            }
+        }
+    }
+}
+
+fn checked<const N: usize>(rotation: Rotation, faults: [Option<RotationFault>; N]) -> Result<Rotation, RotationFaults> {
+    let faults: Vec<RotationFault> = faults.into_iter().flatten().collect();
+    if faults.is_empty() { Ok(rotation) } else { Err(RotationFaults(faults)) }
+}
+
+fn matrix(rows: [[f64; 3]; 3]) -> DMat3 {
+    DMat3::from_cols_array_2d(&rows).transpose()
+}
+
+impl EulerOrder {
+    /// The axes in the order of the rotations: 0, 1, 2 for x, y, z.
+    pub fn axes(&self) -> [usize; 3] {
+        self.axes
+    }
+
+    /// Whether the rotations are about the axes of the turned tile, not about fixed ones.
+    pub fn is_intrinsic(&self) -> bool {
+        self.intrinsic
+    }
+}
+
+impl std::str::FromStr for EulerOrder {
+    type Err = InvalidEulerOrder;
+
+    fn from_str(text: &str) -> Result<EulerOrder, InvalidEulerOrder> {
+        let letters: [char; 3] = text.chars().collect::<Vec<_>>().try_into().map_err(|_| InvalidEulerOrder)?;
+        let intrinsic = letters[0].is_ascii_uppercase();
+        let alphabet = if intrinsic { ['X', 'Y', 'Z'] } else { ['x', 'y', 'z'] };
+        let mut axes = [0; 3];
+        for (axis, letter) in axes.iter_mut().zip(letters) {
+            *axis = alphabet.iter().position(|known| *known == letter).ok_or(InvalidEulerOrder)?;
+        }
+        let distinct = axes[0] != axes[1] && axes[1] != axes[2];
+        distinct.then_some(EulerOrder { axes, intrinsic }).ok_or(InvalidEulerOrder)
+    }
+}
+
+impl fmt::Display for EulerOrder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let letters = if self.intrinsic { ["X", "Y", "Z"] } else { ["x", "y", "z"] };
+        self.axes.iter().try_for_each(|axis| f.write_str(letters[*axis]))
+    }
+}
+
+impl fmt::Display for InvalidEulerOrder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(
+            "must be three letters, no two equal ones side by side: xyz for rotations about the fixed axes, in this \
+             order (extrinsic), XYZ for rotations about the axes of the turned tile (intrinsic)",
+        )
+    }
+}
+
+impl fmt::Display for RotationFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            RotationFault::Axis(axis) => write!(f, "axis = {axis:?}, must be finite and not zero"),
+            RotationFault::Angle(angle) => write!(f, "angle_deg = {angle}, must be a finite number"),
+            RotationFault::Quaternion(xyzw) => write!(f, "quaternion = {xyzw:?}, must be finite and not zero"),
+            RotationFault::EulerAngles(angles) => write!(f, "euler_deg = {angles:?}, must be three finite numbers"),
+            RotationFault::MatrixElements(rows) => write!(f, "matrix = {rows:?}, must be nine finite numbers"),
+            RotationFault::NotOrthogonal { deviation } => write!(
+                f,
+                "matrix times its transpose deviates by {deviation:.1e} from the unit matrix, must be at most \
+                 {ORTHOGONALITY_TOLERANCE:e}"
+            ),
+            RotationFault::Reflection => {
+                f.write_str("matrix has the determinant -1, a reflection, must be a rotation with 1")
+            }
+        }
+    }
+}
+
+/// Everything that is wrong with one rotation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RotationFaults(pub Vec<RotationFault>);
+
+impl fmt::Display for RotationFaults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, fault) in self.0.iter().enumerate() {
+            let separator = if i == 0 { "" } else { "; " };
+            write!(f, "{separator}{fault}")?;
+        }
+        Ok(())
+    }
+}
+
+impl Error for InvalidEulerOrder {}
+impl Error for RotationFault {}
+
+impl Error for RotationFaults {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        self.0.first().map(|fault| fault as _)
+    }
+}
