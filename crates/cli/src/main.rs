@@ -12,6 +12,8 @@ mod args;
 mod baseline;
 /// The measurement of `bench`.
 mod benchmark;
+/// Blocks from a CSV file.
+mod blocks;
 /// Results of `check`: a layout with the outcome of each of its expectations.
 mod checked;
 /// Tables of numbers that users bring.
@@ -90,6 +92,7 @@ fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
         Verb::Report(args) => verbs::report::run(args, quiet),
         Verb::Tiles(args) => verbs::tiles::run(args, quiet),
         Verb::Export(args) => verbs::export::run(args, quiet),
+        Verb::Import(args) => verbs::import::run(args, quiet),
         Verb::Init(args) => verbs::init::run(args, quiet),
         Verb::Schema => verbs::schema::run(),
         Verb::Completions(args) => verbs::completions::run(args),

@@ -7,7 +7,19 @@ pub(crate) type Unit = (&'static str, i32);
 /// Lengths in millimetres. Each unit stands before those that its name ends in.
 pub(crate) const LENGTHS: [Unit; 6] = [("mm", 0), ("cm", 1), ("um", -3), ("µm", -3), ("μm", -3), ("m", 3)];
 
+/// Flux densities and polarizations in tesla, in the same order.
+pub(crate) const FLUX_DENSITIES: [Unit; 6] = [("mT", -3), ("uT", -6), ("µT", -6), ("μT", -6), ("nT", -9), ("T", 0)];
+
+/// Magnetizations in A/m, as names of columns have them.
+pub(crate) const MAGNETIZATIONS: [Unit; 4] = [("A_per_m", 0), ("kA_per_m", 3), ("A/m", 0), ("kA/m", 3)];
+
 /// The exponent of a unit, written in lower or upper case.
 pub(crate) fn exponent(units: &[Unit], name: &str) -> Option<i32> {
     units.iter().find(|(unit, _)| unit.eq_ignore_ascii_case(name)).map(|(_, exponent)| *exponent)
+}
+
+/// The names of units for a message. The two signs for micro look alike and are one name.
+pub(crate) fn names(units: &[Unit]) -> String {
+    let names: Vec<&str> = units.iter().map(|(name, _)| *name).filter(|name| !name.starts_with('μ')).collect();
+    names.join(", ")
 }

@@ -15,6 +15,8 @@ pub(crate) mod evaluate;
 pub(crate) mod files;
 /// Output formats, their names and file endings.
 pub(crate) mod formats;
+/// Arguments of `import`.
+pub(crate) mod import;
 /// `--points` and `--unit`: points from a file.
 pub(crate) mod points;
 
@@ -27,6 +29,7 @@ use self::design::{DesignArgs, SpliceArgs};
 use self::evaluate::ReportArgs;
 use self::evaluate::{CompareArgs, DecoupleArgs, FieldArgs, PlanArgs};
 use self::files::{CompletionsArgs, ExportArgs, InitArgs, TilesArgs};
+use self::import::ImportArgs;
 
 const FIRST_STEPS: &str = if cfg!(feature = "report") {
     "Example:\n  magsplice init film.toml\n  magsplice report film.toml -o report\n  magsplice decouple film.toml"
@@ -84,6 +87,7 @@ pub(crate) enum Verb {
     Splice(SpliceArgs),
     Tiles(TilesArgs),
     Export(ExportArgs),
+    Import(ImportArgs),
     Init(InitArgs),
     /// Print the JSON Schema of layout files, for editors.
     #[command(after_help = "Example:\n  magsplice schema > layout.schema.json")]

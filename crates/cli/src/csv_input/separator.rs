@@ -4,6 +4,8 @@ use std::io::{self, Read};
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
+use super::content_lines::{ContentLines, LineNumbers};
+
 /// What stands between the cells of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Separator {
@@ -48,7 +50,8 @@ impl Separator {
     pub(crate) fn cells(self, line: &str) -> Vec<String> {
         let mut record = StringRecord::new();
         // Nothing but text that was read before is read, so that there is no error.
-        let _ = self.reader(Box::new(io::Cursor::new(line.to_owned().into_bytes()))).read_record(&mut record);
+        let (mut reader, _) = self.reader(Box::new(io::Cursor::new(line.to_owned().into_bytes())), 0);
+        let _ = reader.read_record(&mut record);
         let mut cells: Vec<String> = Vec::new();
         for cell in &record {
             match cells.last_mut() {
@@ -60,16 +63,14 @@ impl Separator {
         cells
     }
 
-    /// A reader of rows with this separator. Lines that begin with `#` are comments.
-    pub(crate) fn reader(self, source: Box<dyn Read>) -> csv::Reader<Box<dyn Read>> {
-        let source = if self == Separator::Spaces { Box::new(SingleSpaces::new(source)) } else { source };
-        ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .trim(Trim::All)
-            .comment(Some(b'#'))
-            .delimiter(self.mark() as u8)
-            .from_reader(source)
+    /// A reader of rows with this separator, without comments and blank lines, and the numbers of
+    /// their lines.
+    pub(crate) fn reader(self, source: Box<dyn Read>, lines_before: u64) -> (csv::Reader<Box<dyn Read>>, LineNumbers) {
+        let lines = ContentLines::new(source, self == Separator::Spaces, lines_before);
+        let numbers = lines.numbers();
+        let mut builder = ReaderBuilder::new();
+        builder.has_headers(false).flexible(true).trim(Trim::All).delimiter(self.mark() as u8);
+        (builder.from_reader(Box::new(lines)), numbers)
     }
 }
 
@@ -82,62 +83,6 @@ pub(crate) fn other_than(than: Separator, line: &str, cells: usize) -> Option<Se
     Separator::ALL.into_iter().filter(|separator| *separator != than).find(divides)
 }
 
-/// Replaces each run of spaces and tabs by one space, and removes those at the ends of lines.
-struct SingleSpaces<R> {
-    source: R,
-    /// Whether a run of spaces is still to be written.
-    pending: bool,
-    /// Whether nothing of the line has been written.
-    at_start: bool,
-}
-
-impl<R> SingleSpaces<R> {
-    fn new(source: R) -> SingleSpaces<R> {
-        SingleSpaces { source, pending: false, at_start: true }
-    }
-}
-
-impl<R: Read> Read for SingleSpaces<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        // A pending space adds one byte to what is read.
-        let room = buffer.len().saturating_sub(1);
-        if room == 0 {
-            return Err(io::Error::other("a buffer of one byte is too small"));
-        }
-        loop {
-            let mut bytes = vec![0; room];
-            let count = self.source.read(&mut bytes)?;
-            if count == 0 {
-                return Ok(0);
-            }
-            let mut kept = 0;
-            for &byte in &bytes[..count] {
-                match byte {
-                    b' ' | b'\t' => self.pending = !self.at_start,
-                    b'\n' | b'\r' => {
-                        (self.pending, self.at_start) = (false, true);
-                        buffer[kept] = byte;
-                        kept += 1;
-                    }
-                    _ => {
-                        if self.pending {
-                            buffer[kept] = b' ';
-                            kept += 1;
-                        }
-                        (self.pending, self.at_start) = (false, false);
-                        buffer[kept] = byte;
-                        kept += 1;
-                    }
-                }
-            }
-            // Nothing kept is not the end of the source.
-            if kept > 0 {
-                return Ok(kept);
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,20 +91,6 @@ mod tests {
     fn runs_of_spaces_are_one_separator() {
         let line = "  x_mm\t y (mm)  z [mm] \"a b\" ";
         assert_eq!(Separator::Spaces.cells(line), ["x_mm", "y(mm)", "z[mm]", "a b"]);
-    }
-
-    #[test]
-    fn spaces_are_joined_across_reads() {
-        // A source that gives one byte at a time.
-        struct Single<'a>(&'a [u8]);
-        impl Read for Single<'_> {
-            fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-                self.0.read(&mut buffer[..1])
-            }
-        }
-        let mut text = String::new();
-        SingleSpaces::new(Single(b"  1 \t 2\r\n \n3   \n  4 ")).read_to_string(&mut text).expect("text");
-        assert_eq!(text, "1 2\r\n\n3\n4");
     }
 
     #[test]

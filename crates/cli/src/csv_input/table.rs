@@ -10,6 +10,7 @@ use std::path::Path;
 
 use csv::StringRecord;
 
+use super::content_lines::LineNumbers;
 use super::limited_lines::{LimitedLines, read_error, shown};
 use super::separator::{Separator, other_than};
 use crate::decimal;
@@ -23,8 +24,8 @@ pub(crate) struct CsvTable {
     separator: Separator,
     reader: csv::Reader<Box<dyn Read>>,
     record: StringRecord,
-    /// Lines before those that `reader` reads.
-    lines_before: u64,
+    /// Numbers of the lines that `reader` reads.
+    numbers: LineNumbers,
     /// The first decimal mark that was not the only possible one, and its line.
     decimal_mark: Option<(char, u64)>,
 }
@@ -68,7 +69,7 @@ impl CsvTable {
                 };
             };
             let number = lines + 1;
-            lines += u64::from(bytes.ends_with(b"\n"));
+            lines += 1;
             let text = std::str::from_utf8(&bytes).map_err(|_| format!("line {number}: is not UTF-8 text"))?;
             let text = text.trim_start_matches('\u{feff}').trim_end_matches(['\r', '\n']);
             if text.trim().is_empty() {
@@ -111,8 +112,8 @@ impl CsvTable {
         source: Box<dyn Read>,
         lines_before: u64,
     ) -> CsvTable {
-        let (reader, record) = (separator.reader(source), StringRecord::new());
-        CsvTable { names, names_line, separator, reader, record, lines_before, decimal_mark: None }
+        let (reader, numbers) = separator.reader(source, lines_before);
+        CsvTable { names, names_line, separator, reader, record: StringRecord::new(), numbers, decimal_mark: None }
     }
 
     /// Reads the next row that is not blank; `None` at the end of the file.
@@ -126,13 +127,13 @@ impl CsvTable {
                 Ok(false) => return Ok(None),
                 Err(error) => match error.kind() {
                     csv::ErrorKind::Utf8 { pos, .. } => {
-                        let line = self.lines_before + pos.as_ref().map_or(0, csv::Position::line);
+                        let line = self.numbers.in_file(pos.as_ref().map_or(0, csv::Position::line));
                         return Ok(Some(Row::Fault(line, format!("line {line}: is not UTF-8 text"))));
                     }
                     _ => return Err(read_error(&error)),
                 },
             }
-            let line = self.lines_before + self.record.position().map_or(0, csv::Position::line);
+            let line = self.numbers.in_file(self.record.position().map_or(0, csv::Position::line));
             if self.record.len() == self.names.len() {
                 return Ok(Some(Row::Cells(line)));
             }
@@ -158,6 +159,11 @@ impl CsvTable {
     fn wrong_separator(&self, line: u64, other: Separator) -> String {
         let (other, own) = (other.name(), self.separator.name());
         format!("line {line}: is separated by {other}, must be separated by {own} like line {}", self.names_line)
+    }
+
+    /// The text of a cell of the last row.
+    pub(crate) fn cell(&self, column: usize) -> &str {
+        &self.record[column]
     }
 
     /// The number in a cell of the row on this line, times a power of ten, or the words for what is
@@ -236,6 +242,11 @@ fn line(source: &mut BufReader<LimitedLines<Box<dyn Read>>>) -> Result<Option<Ve
         line.extend_from_slice(&available[..taken]);
         source.consume(taken);
         if end.is_some() {
+            // A line feed after a carriage return belongs to the same end.
+            let is_return = line.ends_with(b"\r");
+            if is_return && source.fill_buf().is_ok_and(|next| next.starts_with(b"\n")) {
+                source.consume(1);
+            }
             return Ok(Some(line));
         }
     }

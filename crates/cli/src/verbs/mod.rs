@@ -18,6 +18,8 @@ pub(crate) mod export;
 pub(crate) mod field;
 /// `design --front`: searches the films of a trade-off.
 pub(crate) mod front;
+/// Makes a layout from a table of blocks.
+pub(crate) mod import;
 /// Writes a commented layout to start from.
 pub(crate) mod init;
 /// Shows which methods a tolerance allows.

@@ -12,6 +12,7 @@ mod formats;
 mod fuzz;
 mod help;
 mod hints;
+mod import;
 mod point_files;
 #[cfg(target_os = "linux")]
 mod progress;

@@ -81,6 +81,16 @@ fn units_that_are_missing_or_contradict_are_named() {
         .refuses_arguments("required arguments were not provided");
 }
 
+/// Comments and blank lines count, with either end of a line.
+#[test]
+fn faults_have_the_line_of_the_file() {
+    for end in ["\n", "\r\n", "\r"] {
+        let text = "# a\n\nx_mm y_mm z_mm\n# b\n\n1 2 3\n  # c\n1 2 x\n\n\n1 2\n";
+        refused(&text.replace('\n', end), &[], "line 8: z_mm = \"x\", must be a finite number");
+        refused(&text.replace('\n', end), &[], "line 11: has 2 fields, must have 3 like line 3");
+    }
+}
+
 #[test]
 fn wrong_and_mixed_separators_are_named() {
     let line_2 = |other: &str, own: &str| {

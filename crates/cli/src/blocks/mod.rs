@@ -1,0 +1,6 @@
+//! Blocks from a CSV file.
+
+/// The columns that hold the properties of a block.
+pub(crate) mod columns;
+/// The rows as tiles.
+pub(crate) mod rows;

@@ -1,0 +1,211 @@
+//! `import`: blocks from a table become the tiles of a layout.
+
+use serde_json::Value;
+
+use crate::{RunOutput, Sandbox, rows};
+
+const HEAD: &str = "name,x_mm,y_mm,z_mm,size_x_mm,size_y_mm,size_z_mm,jx_t,jy_t,jz_t";
+
+fn import(csv: &str, options: &[&str]) -> (Sandbox, RunOutput) {
+    let sandbox = Sandbox::new();
+    sandbox.write("blocks.csv", csv);
+    let said = sandbox.run(&[&["import", "blocks.csv", "-o", "film.toml"], options].concat());
+    (sandbox, said)
+}
+
+/// The tiles of the layout that `import` writes, as `tiles --format json` prints them.
+#[track_caller]
+fn tiles(csv: &str, options: &[&str]) -> Vec<Value> {
+    let (sandbox, said) = import(csv, options);
+    assert_eq!((said.status, said.stdout.as_str()), (0, ""), "{}", said.stderr);
+    let said = sandbox.run(&["tiles", "film.toml", "--format", "json"]);
+    let json: Value = serde_json::from_str(&said.stdout).expect("JSON");
+    json["tile"].as_array().expect("tiles").clone()
+}
+
+#[track_caller]
+fn refused(csv: &str, options: &[&str], messages: &[&str]) {
+    let (sandbox, said) = import(csv, options);
+    messages.iter().for_each(|message| said.refuses(message));
+    assert_eq!(sandbox.files(), ["blocks.csv"]);
+}
+
+#[test]
+fn numbers_of_blocks_come_back_to_the_last_digit() {
+    let csv = format!("{HEAD}\nleft,0.1,-2,1e-3,3.3,1.7,0.30000000000000004,0.12,-0.0,1e-9\n,9,0,0,1,2,3,0,0,1\n");
+    let found = tiles(&csv, &[]);
+    assert_eq!(
+        found,
+        [
+            serde_json::json!({ "name": "left", "position_mm": [0.1, -2.0, 1e-3],
+                "size_mm": [3.3, 1.7, 0.30000000000000004], "polarization_t": [0.12, -0.0, 1e-9] }),
+            serde_json::json!({ "name": "tile-2", "position_mm": [9.0, 0.0, 0.0], "size_mm": [1.0, 2.0, 3.0],
+                "polarization_t": [0.0, 0.0, 1.0] }),
+        ]
+    );
+}
+
+#[test]
+fn units_are_those_of_the_columns() {
+    let csv =
+        "x_m;y_m;z_m;size_x [cm];size_y (mm);size_z/um;jx_mT;jy_mT;jz_mT\n0,0033;0;-0,001;0,33;1,7;500;120;-3,5;0\n";
+    let tile = &tiles(csv, &[])[0];
+    assert_eq!(tile["position_mm"], serde_json::json!([3.3, 0.0, -1.0]));
+    assert_eq!(tile["size_mm"], serde_json::json!([3.3, 1.7, 0.5]));
+    assert_eq!(tile["polarization_t"], serde_json::json!([0.12, -0.0035, 0.0]));
+    for (unit, strength) in [("mx_a_per_m,my_A/m,mz (A/m)", "95492.96"), ("mx_ka_per_m,my_kA/m,mz [kA/m]", "95.49296")]
+    {
+        let csv = format!("x,y,z,size_x,size_y,size_z,{unit}\n0,0,0,1,1,1,{strength},0,0\n");
+        let tile = &tiles(&csv, &["--unit", "m"])[0];
+        // mu0 = 1.25663706127e-6 T m/A.
+        let j = tile["polarization_t"][0].as_f64().expect("a number");
+        assert!((j - 95492.96 * 1.25663706127e-6).abs() < 1e-15, "{j}");
+        assert_eq!(tile["size_mm"], serde_json::json!([1000.0, 1000.0, 1000.0]));
+    }
+}
+
+/// One rotation, 120 degrees about (1, 1, 1), in every form, has one field; no rotation another.
+#[test]
+fn rotations_in_every_form_are_the_same() {
+    let block = "1,2,3,3,2,1,0.1,0.2,0.3";
+    let columns = "x_mm,y_mm,z_mm,size_x_mm,size_y_mm,size_z_mm,jx_t,jy_t,jz_t";
+    let field = |rotation: &str, cells: &str, options: &[&str]| {
+        let (sandbox, said) = import(&format!("{columns}{rotation}\n{block}{cells}\n"), options);
+        assert_eq!(said.status, 0, "{}", said.stderr);
+        sandbox.write("points.csv", "x_mm,y_mm,z_mm\n5,0,-4\n");
+        rows(&sandbox.run(&["field", "film.toml", "--points", "points.csv"]).stdout)[0][3..].to_vec()
+    };
+    let wanted = field(",qx,qy,qz,qw", ",0.5,0.5,0.5,0.5", &[]);
+    let plain = field("", "", &[]);
+    let near = |found: &[f64]| found.iter().zip(&wanted).all(|(f, w)| (f - w).abs() < 1e-14 * w.abs());
+    assert!(!near(&plain));
+    assert_eq!(field(",qx,qy,qz,qw", ",,,,", &[]), plain);
+    assert_eq!(field(",angle_deg,axis_x,axis_y,axis_z", ",0,1,2,3", &[]), plain);
+    for (rotation, cells, options) in [
+        (",qw,qx,qy,qz", ",2,2,2,2", &[][..]),
+        (",angle_deg,axis_x,axis_y,axis_z", ",120,7,7,7", &[]),
+        (",rx_deg,ry_deg,rz_deg", ",90,0,90", &["--euler", "xyz"]),
+        (",rx_deg,ry_deg,rz_deg", ",0,90,90", &["--euler", "YZX"]),
+        (",euler_1_deg,euler_2_deg,euler_3_deg", ",0,90,90", &["--euler", "zxz"]),
+        (",r11,r12,r13,r21,r22,r23,r31,r32,r33", ",0,0,1,1,0,0,0,1,0", &[]),
+    ] {
+        let found = field(rotation, cells, options);
+        assert!(near(&found), "{rotation} {options:?}: {found:?}, not {wanted:?}");
+    }
+}
+
+#[test]
+fn written_layout_keeps_the_form_and_its_source() {
+    let csv = format!("{HEAD},qx,qy,qz,qw\na,0,0,0,1,1,1,0,0,1,0.5,0.5,0.5,0.5\nb,5,0,0,1,1,1,0,0,1,0,0,0,1\n");
+    let (sandbox, said) = import(&csv, &["--name", "forty blocks"]);
+    assert!(said.stderr.contains("wrote film.toml: 2 tiles"), "{}", said.stderr);
+    let text = sandbox.read("film.toml");
+    let layout: toml::Table = toml::from_str(&text).expect("TOML");
+    assert_eq!(layout["name"].as_str(), Some("forty blocks"));
+    assert!(layout["history"][0].as_str().expect("a text").starts_with("imported from blocks.csv by magsplice"));
+    assert_eq!(layout["tile"][0]["rotation"]["quaternion"].as_array().map(Vec::len), Some(4));
+    assert!(layout["tile"][1].get("rotation").is_none(), "{text}");
+    assert_eq!(sandbox.run(&["check", "film.toml"]).status, 0);
+    let said = sandbox.run(&["import", "blocks.csv"]);
+    assert_eq!(said.stdout.replace("name = \"blocks\"", "name = \"forty blocks\""), text);
+    assert_eq!(sandbox.run(&["import", "blocks.csv", "-q", "-o", "film.toml"]).stderr, "");
+    sandbox.run(&["import", "blocks.csv", "-o", "blocks.csv"]).refuses("it is an input, which would be lost");
+}
+
+#[test]
+fn every_bad_row_is_named() {
+    let csv = format!(
+        "{HEAD},qx,qy,qz,qw\na,0,0,0,1,-1,0,0,0,1,0,0,0,1\nb,zero,0,0,1,1,1,0,nan,1,0,0,0,1\nc,9,0,0,1,1,1,0,0,1,0,0,0,0\n\
+         d,5,0,0\ne,19,0,0,1,1,1,0,0,1,0,0,,1\n"
+    );
+    refused(
+        &csv,
+        &[],
+        &[
+            "blocks.csv: line 2: size_y_mm = \"-1\", must be greater than 0; size_z_mm = \"0\", must be greater than 0",
+            "blocks.csv: line 3: x_mm = \"zero\", must be a finite number; jy_t = \"nan\", must be a finite number",
+            "blocks.csv: line 4: quaternion = [0.0, 0.0, 0.0, 0.0], must be finite and not zero",
+            "blocks.csv: line 5: has 4 fields, must have 14 like line 1",
+            "blocks.csv: line 6: qz = \"\", must be a finite number",
+        ],
+    );
+    let many: String = (0..1000).map(|i| format!("t{i},0,0,0,1,1,-1,0,0,1\n")).collect();
+    refused(&format!("{HEAD}\n{many}"), &[], &["line 21: size_z_mm", "blocks.csv: and 980 more"]);
+    let matrix = format!("{HEAD},r11,r12,r13,r21,r22,r23,r31,r32,r33\na,0,0,0,1,1,1,0,0,1,1,0,0,0,1,0.01,0,0,1\n");
+    refused(&matrix, &[], &["line 2: matrix times its transpose deviates by 1.0e-2 from the unit matrix"]);
+}
+
+#[test]
+fn blocks_that_overlap_are_named_with_their_lines() {
+    let csv = format!("{HEAD}\na,0,0,0,1,1,1,0,0,1\n# a comment\nb,0.75,0,0,1,1,1,0,0,1\n");
+    refused(&csv, &[], &["blocks.csv: lines 2 and 4: tiles \"a\" and \"b\": overlap by 0.25 mm"]);
+    let csv = format!("{HEAD}\na,0,0,0,1,1,1,0,0,1\na,5,0,0,1,1,1,0,0,1\n");
+    refused(&csv, &[], &["blocks.csv: line 2: tile \"a\": 2 tiles have this name"]);
+}
+
+#[test]
+fn columns_that_are_missing_or_contradict_are_named() {
+    let size = "size_x_mm,size_y_mm,size_z_mm";
+    let j = "jx_t,jy_t,jz_t";
+    let cases: &[(&str, &[&str], &[&str])] = &[
+        (&format!("x_mm,y_mm,z_mm,{j}"), &[], &["line 1: no columns of the size: size_x_mm, size_y_mm, size_z_mm"]),
+        (&format!("x_mm,y_mm,z_mm,{size}"), &[], &["line 1: no columns of the polarization: jx_t, jy_t, jz_t, or"]),
+        (&format!("x_mm,z_mm,{size},{j}"), &[], &["line 1: position has no column y"]),
+        (
+            &format!("x,y,z,{size},{j}"),
+            &[],
+            &["position in the column x has no unit, must name one of: mm, cm, um, µm, m"],
+        ),
+        (
+            &format!("x_mm,y_mm,z_mm,{size},{j}"),
+            &["--unit", "m"],
+            &["--unit m contradicts the columns x_mm, y_mm, z_mm"],
+        ),
+        (&format!("x_mm,y_mm,z_mm,{size},jx,jy,jz"), &[], &["polarization in the column jx has no unit"]),
+        (
+            &format!("x_mm,y_mm,z_mm,{size},jx_kg,jy_kg,jz_kg"),
+            &[],
+            &["column jx_kg has the unit kg, must be one of: mT,"],
+        ),
+        (&format!("x_mm,y_mm,z_mm,{size},{j},mx_A/m,my_A/m,mz_A/m"), &[], &["has both polarization"]),
+        (&format!("x_mm,y_mm,z_mm,{size},{j},qx,qy,qz"), &[], &["quaternion has no column qw"]),
+        (
+            &format!("x_mm,y_mm,z_mm,{size},{j},rx_deg,ry_deg,rz_deg"),
+            &[],
+            &["Euler angles have no order: give --euler xyz"],
+        ),
+        (
+            &format!("x_mm,y_mm,z_mm,{size},{j},rx_deg,ry_deg,rz_deg"),
+            &["--euler", "zxz"],
+            &["need columns euler_1_deg"],
+        ),
+        (
+            &format!("x_mm,y_mm,z_mm,{size},{j},rx_rad,ry_rad,rz_rad"),
+            &["--euler", "xyz"],
+            &["has the unit rad, must be one of: deg"],
+        ),
+        (&format!("x_mm,y_mm,z_mm,{size},{j},angle_deg"), &[], &["angle has no columns axis_x, axis_y, axis_z"]),
+        (&format!("x_mm,y_mm,z_mm,{size},{j}"), &["--euler", "xyz"], &["--euler is given, and there are no columns"]),
+        (
+            &format!("x_mm,y_mm,z_mm,{size},{j},qx,qy,qz,qw,axis_x,axis_y,axis_z,angle_deg"),
+            &[],
+            &["in more than one form"],
+        ),
+    ];
+    for (names, options, messages) in cases {
+        refused(&format!("{names}\n1,2,3\n"), options, messages);
+    }
+    import(HEAD, &["--euler", "xxz"]).1.refuses_arguments("must be three letters");
+    refused("", &[], &["blocks.csv: is empty, must begin with the line x_mm,y_mm,z_mm,size_x_mm"]);
+    refused(&format!("{HEAD}\n"), &[], &["has no blocks below its names of columns"]);
+}
+
+#[test]
+fn columns_that_are_not_read_are_told() {
+    let (_, said) = import(&format!("{HEAD},grade,angel_deg\na,0,0,0,1,1,1,0,0,1,N35,30\n"), &[]);
+    assert!(
+        said.status == 0 && said.stderr.contains("columns that were not read: grade, angel_deg"),
+        "{}",
+        said.stderr
+    );
+}
