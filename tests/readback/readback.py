@@ -329,6 +329,97 @@ class Magpylib(Case):
             self.assertLess(error.max(), MAGPYLIB_IS_OFF_BY)
 
 
+MAGNETS = """
+import magpylib as magpy
+from scipy.spatial.transform import Rotation
+
+J = (0.1, -0.2, 0.3)
+def cuboid(x, label=None, **kwargs):
+    return magpy.magnet.Cuboid(
+        position=(x, 0.1e-3, -0.7e-3), dimension=(3.3e-3, 1.7e-3, 1e-3), polarization=J, style_label=label, **kwargs
+    )
+inner = magpy.Collection(
+    cuboid(0.01, "a", orientation=Rotation.from_euler("xyz", (10, 20, 30), degrees=True)), cuboid(0.02, "a")
+)
+inner.rotate_from_angax(33, (1, 2, 3), anchor=0)
+blocks = magpy.Collection(inner, cuboid(-0.02), magpy.Sensor())
+magnetized = [magpy.magnet.Cuboid(dimension=(1e-3, 1e-3, 1e-3), magnetization=(1e5, 0, -2e5))]
+mixed = [magpy.magnet.Cylinder(dimension=(1, 1), polarization=J, style_label="round"), cuboid(0), inner,
+         cuboid(1).move([(1, 0, 0)] * 3), magpy.current.Circle(diameter=1, current=1), magpy.magnet.Cuboid()]
+"""
+
+
+class MagpylibImport(Case):
+    def setUp(self):
+        super().setUp()
+        self.script = self.folder / "blocks_from_magpylib.py"
+        run("export", "--to", "magpylib-import", "-o", self.script)
+        (self.folder / "magnets.py").write_text(MAGNETS)
+
+    def python(self, *arguments):
+        command = [sys.executable, str(self.script), *map(str, arguments)]
+        return subprocess.run(command, capture_output=True, text=True, cwd=self.folder)
+
+    def test_collection_has_the_same_field(self):
+        sys.path.insert(0, str(self.folder))
+        self.addCleanup(sys.path.remove, str(self.folder))
+        self.addCleanup(sys.modules.pop, "magnets", None)
+        import magnets
+
+        points = self.folder / "points.csv"
+        places = np.random.default_rng(1).uniform(-8, 8, (50, 3)) + [0, 0, -12]
+        np.savetxt(points, places, header="x,y,z", fmt="%.17g")
+        for variable, names in [("blocks", ["a", "a-2", "tile-3"]), ("magnetized", ["tile-1"]), ("inner", ["a", "a-2"])]:
+            table, layout = self.folder / "blocks.csv", self.folder / "film.toml"
+            done = self.python(f"magnets:{variable}", table)
+            self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+            self.assertEqual(self.python(f"magnets.py:{variable}").stdout, table.read_text())
+            run("import", table, "-o", layout)
+            tiles = json.loads(run("tiles", layout, "--format", "json").stdout)["tile"]
+            self.assertEqual([tile["name"] for tile in tiles], names)
+            out = self.folder / "out.csv"
+            run("field", layout, "--points", points, "--unit", "mm", "-o", out)
+            found = read_csv(out)
+            self.same(np.stack([found[name] for name in POINT], axis=1), places, "points")
+            collection = magnets.__dict__[variable]
+            wanted = magnets.magpy.getB(collection, places / 1000.0, sumup=True)
+            found = np.stack([found[name] for name in B], axis=1)
+            error = np.linalg.norm(found - wanted, axis=1) / np.linalg.norm(wanted, axis=1)
+            # Up to ten sizes from a block the differences of magpylib lose another digit.
+            self.assertLess(error.max(), 10 * MAGPYLIB_IS_OFF_BY)
+
+    def test_film_goes_there_and_back(self):
+        for layout in [PUBLISHED, TURNED]:
+            film = self.write("export", layout, ".py")
+            done = self.python(f"{film}:film", self.folder / "blocks.csv")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            run("import", self.folder / "blocks.csv", "-o", self.folder / "again.toml")
+            read = lambda path: json.loads(run("tiles", path, "--format", "json").stdout)["tile"]
+            for tile, again in zip(read(layout), read(self.folder / "again.toml"), strict=True):
+                self.assertEqual((tile["name"], tile["polarization_t"]), (again["name"], again["polarization_t"]))
+                for key in ["position_mm", "size_mm"]:
+                    # The script divides by 1000, which rounds.
+                    np.testing.assert_allclose(again[key], tile[key], rtol=3e-16, atol=0)
+
+    def test_other_objects_are_named(self):
+        done = self.python("magnets:mixed", self.folder / "blocks.csv")
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        for message in [
+            "magnets:mixed: Cylinder 'round' (number 1) is no cuboid",
+            "(number 5) has a path of",
+            "Circle",
+            "(number 7) has no dimension",
+        ]:
+            self.assertIn(message, done.stderr)
+        self.assertEqual(len(done.stderr.splitlines()), 4)
+        self.assertFalse((self.folder / "blocks.csv").exists())
+        for name in ["magnets", "magnets:nothing", "none.py:x", "magnets:J"]:
+            done = self.python(name)
+            self.assertEqual(done.returncode, 1)
+            self.assertNotIn("Traceback", done.stderr)
+        self.assertIn("write_blocks(collection", self.python().stderr)
+
+
 if __name__ == "__main__":
     PROGRAM = str(Path(sys.argv.pop(1)).resolve())
     unittest.main()

@@ -23,6 +23,8 @@ pub mod csv;
 pub mod json;
 /// A film as a Python script for magpylib.
 pub mod magpylib;
+/// A Python script that writes a magpylib collection as a table of blocks.
+pub mod magpylib_import;
 /// Tables as NPY and NPZ, for NumPy.
 pub mod numpy;
 /// Tables as Parquet.

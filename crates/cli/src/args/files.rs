@@ -21,12 +21,13 @@ pub(crate) struct TilesArgs {
 /// Write the film for another program.
 ///
 /// For magpylib: a Python script that rebuilds the film and prints its field. For ParaView: the
-/// faces of the tiles with their polarization.
+/// faces of the tiles with their polarization. The other way round, --to magpylib-import writes a
+/// Python script that turns a magpylib collection into a table for `magsplice import`.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice export layouts/published-film.toml --to magpylib -o film.py")]
 pub(crate) struct ExportArgs {
-    /// Layout file
-    pub(crate) layout: PathBuf,
+    /// Layout file; none for --to magpylib-import
+    pub(crate) layout: Option<PathBuf>,
     /// Program to write for [default: by the file's ending]
     #[arg(long, value_enum, required_unless_present = "output")]
     pub(crate) to: Option<ExportFormat>,

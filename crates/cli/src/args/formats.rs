@@ -48,6 +48,8 @@ pub(crate) enum DecoupleFormat {
 pub(crate) enum ExportFormat {
     /// A Python script for magpylib 5 and 6 (.py)
     Magpylib,
+    /// A Python script that writes a magpylib collection as a table for `import`; needs no layout
+    MagpylibImport,
     /// Poly data for ParaView (.vtp)
     Vtk,
 }
@@ -98,7 +100,7 @@ impl FileFormat for ExportFormat {
 
     fn endings(self) -> &'static [&'static str] {
         match self {
-            ExportFormat::Magpylib => &["py"],
+            ExportFormat::Magpylib | ExportFormat::MagpylibImport => &["py"],
             ExportFormat::Vtk => &["vtp"],
         }
     }

@@ -17,10 +17,14 @@ pub(crate) const WITHOUT_PARQUET: &str = "parquet is not built into this program
 pub(crate) fn choose<F: FileFormat>(asked: Option<F>, output: Option<&Path>, default: Option<F>) -> Result<F, Failure> {
     let formats = F::value_variants();
     let ending = output.and_then(|path| path.extension()).map(|ending| ending.to_string_lossy().to_lowercase());
-    let meant = ending.as_ref().and_then(|e| formats.iter().copied().find(|f| f.endings().contains(&e.as_str())));
+    // Formats may share an ending, which then stands for the first of them.
+    let has_ending = |format: &F| ending.as_ref().is_some_and(|e| format.endings().contains(&e.as_str()));
+    let meant = asked.filter(has_ending).or_else(|| formats.iter().copied().find(has_ending));
     let path = || output.unwrap_or(Path::new("-")).display();
     let endings = |formats: &[F]| {
-        let all: Vec<String> = formats.iter().flat_map(|f| f.endings()).map(|ending| format!(".{ending}")).collect();
+        let mut all: Vec<String> =
+            formats.iter().flat_map(|f| f.endings()).map(|ending| format!(".{ending}")).collect();
+        all.dedup();
         all.join(", ")
     };
     let refused = |why: String| Err(Failure::Format(format!("{}: {why}", path())));

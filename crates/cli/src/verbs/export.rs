@@ -1,9 +1,11 @@
 //! `magsplice export`: writes the film for another program.
 
 use magsplice_export::{magpylib, vtk};
+use magsplice::layout::Layout;
+use magsplice_export::{magpylib, magpylib_import, vtk};
 
 use crate::args::files::ExportArgs;
-use crate::args::formats::ExportFormat;
+use crate::args::formats::{ExportFormat, FileFormat};
 use crate::failure::Failure;
 use crate::output::destination::Output;
 use crate::output::{choice, table};
@@ -15,11 +17,28 @@ pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
     let format = choice::choose(args.to, args.output.as_deref(), None)?;
     let layout = remarks::read_layout(&args.layout, remarks::OF_TILES, quiet, &progress)?;
     let mut output = Output::open(args.output.as_deref(), &[&args.layout])?;
+    let path = match (format, &args.layout) {
+        (ExportFormat::MagpylibImport, None) => {
+            let mut output = Output::open(args.output.as_deref(), &[])?;
+            progress.end();
+            output.write(|w| magpylib_import::script(env!("CARGO_PKG_VERSION"), w))?;
+            return output.finish();
+        }
+        (ExportFormat::MagpylibImport, Some(path)) => {
+            let why = "--to magpylib-import writes a script that reads a magpylib collection, and takes no layout";
+            return Err(Failure::Format(format!("{}: {why}", path.display())));
+        }
+        (_, None) => return Err(Failure::Format(format!("--to {} needs a layout file", format.name()))),
+        (_, Some(path)) => path,
+    };
+    let layout = Layout::read(path)?;
+    let mut output = Output::open(args.output.as_deref(), &[path])?;
     if let Output::Stdout(_) = output {
         progress.end();
     }
     output.write(|w| match format {
         ExportFormat::Magpylib => magpylib::script(&layout, env!("CARGO_PKG_VERSION"), w),
+        ExportFormat::MagpylibImport => unreachable!("refused above"),
         ExportFormat::Vtk => vtk::film(&layout, &table::layout_metadata(&layout), w),
     })?;
     output.finish()

@@ -200,6 +200,24 @@ fn columns_that_are_missing_or_contradict_are_named() {
     refused(&format!("{HEAD}\n"), &[], &["has no blocks below its names of columns"]);
 }
 
+/// tests/readback runs the script with magpylib.
+#[test]
+fn script_for_magpylib_collections_needs_no_layout() {
+    let sandbox = Sandbox::new();
+    let printed = sandbox.run(&["export", "--to", "magpylib-import"]);
+    assert_eq!((printed.status, printed.stderr.as_str()), (0, ""));
+    let version = format!("\nPROGRAM = \"{}\"\n", env!("CARGO_PKG_VERSION"));
+    assert!(printed.stdout.contains(&version) && printed.stdout.contains("def write_blocks(collection, path):"));
+    assert_eq!(sandbox.run(&["export", "--to", "magpylib-import", "-o", "script.py"]).status, 0);
+    assert_eq!(sandbox.read("script.py"), printed.stdout);
+    let film = crate::shipped("single-tile");
+    sandbox.run(&["export", &film, "--to", "magpylib-import"]).refuses("and takes no layout");
+    sandbox.run(&["export", "--to", "magpylib"]).refuses("--to magpylib needs a layout file");
+    assert!(
+        sandbox.run(&["export", &film, "-o", "film.py"]).status == 0 && sandbox.read("film.py").contains("TILES = [")
+    );
+}
+
 #[test]
 fn columns_that_are_not_read_are_told() {
     let (_, said) = import(&format!("{HEAD},grade,angel_deg\na,0,0,0,1,1,1,0,0,1,N35,30\n"), &[]);

@@ -1,0 +1,19 @@
+//! A Python script that writes the blocks of a magpylib collection as a table for `import`.
+
+use std::io::{self, Write};
+
+/// The script, with a placeholder for the version.
+const SCRIPT: &str = include_str!("magpylib_import.py");
+
+/// Writes the script. Run where magpylib 5 or 6 and a collection are at hand, it writes the cuboids
+/// as CSV with lengths in metres and polarizations in tesla. `version` is the version of the program
+/// that writes the script.
+///
+/// # Accuracy
+/// Numbers have the shortest digits that read back to the same number.
+///
+/// # Errors
+/// Errors of the writer.
+pub fn script(version: &str, w: &mut dyn Write) -> io::Result<()> {
+    w.write_all(SCRIPT.replace("\"{version}\"", &format!("{version:?}")).as_bytes())
+}
