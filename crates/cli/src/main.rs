@@ -26,6 +26,8 @@ mod evaluation;
 mod failure;
 /// Lists of faulty lines and points.
 mod faults;
+/// Points of a file for the verbs that compare with the ideal film.
+mod given_points;
 /// Ctrl-C: temporary files are removed, a search ends with its best film.
 mod interrupt;
 /// JSON forms of results.
@@ -36,6 +38,8 @@ mod junit;
 mod layout_files;
 /// Where results go: standard output, files, folders, tables.
 mod output;
+/// Results of `decouple --points`.
+mod point_evaluation;
 /// Points from a CSV file.
 mod point_file;
 /// The progress line on a terminal.

@@ -49,14 +49,16 @@ pub(crate) fn are_typed(path: Option<&Path>) -> bool {
     path.is_some_and(is_stdin) && io::stdin().is_terminal()
 }
 
-/// All points of a file.
-pub(crate) fn read_all(path: &Path, unit: Option<LengthUnitArg>) -> Result<Vec<DVec3>, Failure> {
+/// All points of a file, and the line of each.
+pub(crate) fn read_all(path: &Path, unit: Option<LengthUnitArg>) -> Result<(Vec<DVec3>, Vec<u64>), Failure> {
     let mut file = PointFile::open(path, unit)?;
     let mut faults = FaultList::default();
-    let (mut all, mut points, mut lines) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut all, mut all_lines) = (Vec::new(), Vec::new());
+    let (mut points, mut lines) = (Vec::new(), Vec::new());
     loop {
         let more = file.read(BATCH, &mut points, &mut lines, &mut faults)?;
         all.extend_from_slice(&points);
+        all_lines.extend_from_slice(&lines);
         if all.len() > MAX_HELD_POINTS {
             return Err(too_many_points(path));
         }
@@ -64,7 +66,7 @@ pub(crate) fn read_all(path: &Path, unit: Option<LengthUnitArg>) -> Result<Vec<D
             break;
         }
     }
-    if faults.is_empty() { Ok(all) } else { Err(faults.failure(path.display().to_string())) }
+    if faults.is_empty() { Ok((all, all_lines)) } else { Err(faults.failure(path.display().to_string())) }
 }
 
 impl PointFile {

@@ -8,7 +8,8 @@ use magsplice_ideal::IdealFilm;
 use magsplice_magnet::Grid;
 use ndarray::{Array3, ArrayView2, Axis};
 
-use crate::parameters::{Branch, Parameters, half_turn};
+use crate::ideal_error::{SquareSums, ideal_error};
+use crate::parameters::{Branch, Parameters};
 use crate::per_parameter::{Parameter, PerParameter};
 
 /// The decoupling parameters of a film over a working volume, with their errors.
@@ -111,16 +112,8 @@ impl Decoupling {
         ideal: &IdealFilm,
     ) -> Result<Decoupling, DecouplingError> {
         assert_eq!(field_t.len(), grid.len(), "one field value per point of the grid");
-        let half_wavelength = 0.5 * ideal.wavelength();
-        for axis in 0..2 {
-            let reach = grid.lower()[axis].abs().max(grid.upper()[axis].abs());
-            if reach >= half_wavelength {
-                return Err(DecouplingError::BeyondHalfWave { axis, reach, half_wavelength });
-            }
-        }
-        let singular_reference = DecouplingError::SingularReference { at: reference };
-        let branch = Branch::from_axis_field(reference_field_t).ok_or(singular_reference)?;
-        let at_reference = Parameters::from_field(reference_field_t, branch).ok_or(singular_reference)?;
+        check_reach(grid.lower().abs().max(grid.upper().abs()), ideal)?;
+        let (branch, at_reference) = reference_parameters(reference, reference_field_t)?;
 
         let [nx, ny, nz] = grid.counts();
         let parameters = Array3::from_shape_fn((nx, ny, nz), |(i, j, k)| {
@@ -178,18 +171,32 @@ fn ideal_rmse(
     reference: DVec3,
     k: f64,
 ) -> PerParameter {
-    let mut squares = PerParameter::default();
-    let mut count = 0.0;
+    let mut squares = SquareSums::default();
     for (p, at) in parameters.iter().zip(grid.points()) {
         let Some(p) = p else { continue };
-        let moved = at - reference;
-        squares.r_x += half_turn(p.r_x - at_reference.r_x + k * moved.x).powi(2);
-        squares.r_y += half_turn(p.r_y - at_reference.r_y + k * moved.y).powi(2);
-        squares.s_z += (p.s_z - at_reference.s_z - k * moved.z).powi(2);
-        count += 1.0;
+        squares.add(ideal_error(p, at_reference, at - reference, k));
     }
-    let root = |sum: f64| (sum / count).sqrt();
-    PerParameter { r_x: root(squares.r_x), r_y: root(squares.r_y), s_z: root(squares.s_z) }
+    squares.rmse()
+}
+
+/// Refuses points that reach half a wavelength from the axis. `reach` has the largest magnitude of
+/// each coordinate.
+pub(crate) fn check_reach(reach: DVec3, ideal: &IdealFilm) -> Result<(), DecouplingError> {
+    let half_wavelength = 0.5 * ideal.wavelength();
+    for axis in 0..2 {
+        if reach[axis] >= half_wavelength {
+            return Err(DecouplingError::BeyondHalfWave { axis, reach: reach[axis], half_wavelength });
+        }
+    }
+    Ok(())
+}
+
+/// The branch and the parameters at the reference point.
+pub(crate) fn reference_parameters(at: DVec3, field_t: DVec3) -> Result<(Branch, Parameters), DecouplingError> {
+    let singular = DecouplingError::SingularReference { at };
+    let branch = Branch::from_axis_field(field_t).ok_or(singular)?;
+    let parameters = Parameters::from_field(field_t, branch).ok_or(singular)?;
+    Ok((branch, parameters))
 }
 
 impl fmt::Display for DecouplingError {

@@ -4,6 +4,7 @@
 //! * [`Parameters`]: R_x, R_y, S_z of a field value, and displacement from their change (Dai 2024,
 //!   Eqs. 13 to 15).
 //! * [`Decoupling`]: the parameters over a working volume, and their errors.
+//! * [`PointDecoupling`]: the parameters at given points, and their errors.
 //!
 //! Flux densities in tesla; lengths in any one unit. This crate computes no field, reads no files
 //! and prints nothing.
@@ -34,13 +35,18 @@
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+/// The parameters at given points, and their errors.
+mod at_points;
 /// The parameters over a working volume, and their errors.
 mod decoupling;
+/// The error of a parameter's change against the ideal film.
+mod ideal_error;
 /// The parameters of one field value, and displacement from their change.
 mod parameters;
 /// One number for each parameter.
 mod per_parameter;
 
+pub use at_points::PointDecoupling;
 pub use decoupling::{Decoupling, DecouplingError, PlaneStatistics};
 pub use parameters::{Branch, ParameterDerivatives, Parameters};
 pub use per_parameter::{Parameter, PerParameter};

@@ -5,11 +5,12 @@ use std::fmt;
 
 use glam::DVec3;
 use magsplice_decouple::{Decoupling, DecouplingError, Parameter};
+use magsplice_decouple::{Decoupling, DecouplingError, PointDecoupling};
 use magsplice_expect::PointsMismatch;
 use magsplice_field::Scene;
 use magsplice_ideal::{Comparison, ComparisonError, IdealFilm};
 use magsplice_layout::{Layout, WorkingVolume};
-use magsplice_magnet::{Accuracy, Cause, Grid, PointError, PointErrors, Quantity};
+use magsplice_magnet::{Accuracy, Cause, PointError, PointErrors, Quantity};
 
 use crate::stage::Stage;
 
@@ -140,7 +141,7 @@ impl<'a> Film<'a> {
         let grid = &self.volume()?.grid;
         let mut field = vec![DVec3::ZERO; grid.len()];
         let evaluated = match self.scene.accuracy() {
-            Accuracy::Exact => self.exact_field_t(grid, &mut field),
+            Accuracy::Exact => self.exact_field_t(|index| grid.point(index), &mut field),
             // Fields to a tolerance are chosen for the grid as a whole.
             Accuracy::Within(_) => {
                 self.tell(Stage::uncounted("field"));
@@ -150,16 +151,34 @@ impl<'a> Film<'a> {
         evaluated.map(|()| field).map_err(FilmError::Points)
     }
 
-    /// Evaluates the grid in stretches, with progress callbacks between them. No digit depends on
-    /// the stretches.
-    fn exact_field_t(&self, grid: &Grid, field: &mut [DVec3]) -> Result<(), PointErrors> {
+    /// B in tesla at points, in their order, to the film's accuracy.
+    ///
+    /// # Errors
+    /// [`FilmError::Points`] if the field does not exist at some of the points.
+    pub fn field_at_t(&self, points: &[DVec3]) -> Result<Vec<DVec3>, FilmError> {
+        let mut field = vec![DVec3::ZERO; points.len()];
+        let evaluated = match self.scene.accuracy() {
+            Accuracy::Exact => self.exact_field_t(|index| points[index], &mut field),
+            // Fields to a tolerance are chosen for the points as a whole.
+            Accuracy::Within(_) => {
+                self.tell(Stage::uncounted("field"));
+                self.scene.field_into(Quantity::FluxDensity, points, &mut field)
+            }
+        };
+        evaluated.map(|()| field).map_err(FilmError::Points)
+    }
+
+    /// Evaluates points in stretches, with progress callbacks between them. No digit depends on the
+    /// stretches.
+    fn exact_field_t(&self, point: impl Fn(usize) -> DVec3, field: &mut [DVec3]) -> Result<(), PointErrors> {
+        let total = field.len();
         let [least, most] = STRETCH_POINTS;
         let stretch = (STRETCH_VALUES / self.scene.tile_count().max(1)).clamp(least, most);
         let mut errors = Vec::new();
         for (number, field) in field.chunks_mut(stretch).enumerate() {
             let start = number * stretch;
-            self.tell(Stage { name: "field", done: start, of: Some(grid.len()), unit: "points" });
-            let points: Vec<DVec3> = (start..start + field.len()).map(|index| grid.point(index)).collect();
+            self.tell(Stage { name: "field", done: start, of: Some(total), unit: "points" });
+            let points: Vec<DVec3> = (start..start + field.len()).map(&point).collect();
             if let Err(PointErrors(found)) = self.scene.field_into(Quantity::FluxDensity, &points, field) {
                 errors.extend(found.into_iter().map(|error| PointError { index: start + error.index, ..error }));
             }
@@ -173,14 +192,23 @@ impl<'a> Film<'a> {
     /// # Errors
     /// If the layout has no ideal film or no working volume, or the volume is not below the film.
     pub fn compare(&self, field_t: &[DVec3]) -> Result<Comparison, FilmError> {
-        let (ideal, volume) = (self.ideal()?, self.volume()?);
+        let points: Vec<DVec3> = self.volume()?.grid.points().collect();
+        self.compare_at(&points, field_t)
+    }
+
+    /// The comparison of a field with the ideal film (Dai 2024, Eq. 2) at points. `field_t` is the
+    /// field that [`Film::field_at_t`] returns.
+    ///
+    /// # Errors
+    /// If the layout has no ideal film, or a point is not below the film.
+    pub fn compare_at(&self, points: &[DVec3], field_t: &[DVec3]) -> Result<Comparison, FilmError> {
+        let ideal = self.ideal()?;
         self.tell(Stage::uncounted("comparison with the ideal film"));
-        let points: Vec<DVec3> = volume.grid.points().collect();
         let reference = points
             .iter()
             .map(|&p| ideal.flux_density_t(p).ok_or(FilmError::NotBelow(p)))
             .collect::<Result<Vec<DVec3>, _>>()?;
-        Comparison::new(&points, field_t, &reference).map_err(FilmError::Comparison)
+        Comparison::new(points, field_t, &reference).map_err(FilmError::Comparison)
     }
 
     /// The decoupling parameters over the working volume (Dai 2024, Eq. 15). `field_t` is the field
@@ -196,6 +224,22 @@ impl<'a> Film<'a> {
         }
         self.tell(Stage::uncounted("decoupling parameters"));
         Decoupling::from_field(&volume.grid, field_t, (reference, self.reference_field_t()?), ideal)
+            .map_err(FilmError::Decoupling)
+    }
+
+    /// The decoupling parameters at points (Dai 2024, Eq. 15). Changes are measured from the
+    /// reference point of the working volume. `field_t` is the field that [`Film::field_at_t`]
+    /// returns.
+    ///
+    /// # Errors
+    /// If the layout has no ideal film or no working volume, or the parameters do not exist there.
+    pub fn decouple_at(&self, points: &[DVec3], field_t: &[DVec3]) -> Result<PointDecoupling, FilmError> {
+        let (ideal, reference) = (self.ideal()?, self.volume()?.reference_mm);
+        if ideal.flux_density_t(reference).is_none() {
+            return Err(FilmError::NotBelow(reference));
+        }
+        self.tell(Stage::uncounted("decoupling parameters"));
+        PointDecoupling::from_field(points, field_t, (reference, self.reference_field_t()?), ideal)
             .map_err(FilmError::Decoupling)
     }
 

@@ -56,12 +56,14 @@ pub(crate) enum UnboundedArg {
     Nan,
 }
 
-/// Compare the field with the ideal film (Eq. 2) over the working volume.
+/// Compare the field with the ideal film (Eq. 2) over the working volume, or at given points.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice compare layouts/published-film.toml")]
 pub(crate) struct CompareArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
+    #[command(flatten)]
+    pub(crate) points: PointsArgs,
     /// Format of the result
     #[arg(long, value_enum, default_value = "text")]
     pub(crate) format: TextOrJson,
@@ -72,7 +74,8 @@ pub(crate) struct CompareArgs {
 /// Evaluate the film: its field, its difference from the ideal film, and its decoupling errors.
 ///
 /// Text is a report. JSON is the report with every point of the working volume. The other formats
-/// hold B, R_x, R_y and S_z at every point.
+/// hold B, R_x, R_y and S_z at every point. With --points they also hold the errors of the parameters
+/// and of the displacement at each point; there is no uniformity RMSE then, which needs a grid.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  magsplice decouple layouts/published-film.toml\n  magsplice decouple layouts/published-film.toml -o film.npz"
@@ -80,6 +83,8 @@ pub(crate) struct CompareArgs {
 pub(crate) struct DecoupleArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
+    #[command(flatten)]
+    pub(crate) points: PointsArgs,
     /// File to write, complete or not at all [default: -, standard output]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,

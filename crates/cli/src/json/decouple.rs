@@ -57,7 +57,7 @@ impl<'a> DecoupleJson<'a> {
 }
 
 #[derive(Serialize)]
-struct LengthsJson {
+pub(crate) struct LengthsJson {
     x: f64,
     y: f64,
     z: f64,

@@ -8,6 +8,8 @@ pub(crate) mod check;
 pub(crate) mod compare;
 /// `decouple`: the comparison, the decoupling errors and every point.
 pub(crate) mod decouple;
+/// `decouple --points`: the comparison, the errors and every point.
+pub(crate) mod decouple_points;
 /// `design --front`: the films of a front.
 pub(crate) mod design;
 /// `field`: every point.

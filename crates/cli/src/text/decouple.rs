@@ -36,7 +36,18 @@ pub(crate) fn field(
     reference_field_t: DVec3,
     ideal: Option<&IdealFilm>,
 ) -> String {
-    let r = volume.reference_mm;
+    field_rows(field_t, "volume", volume.reference_mm, reference_field_t, ideal)
+}
+
+/// The field at the reference point, beside the ideal film's if there is one, and its range over
+/// the volume or over points.
+pub(crate) fn field_rows(
+    field_t: &[DVec3],
+    over: &str,
+    r: DVec3,
+    reference_field_t: DVec3,
+    ideal: Option<&IdealFilm>,
+) -> String {
     let mut text = String::new();
     rows::heading(&mut text, "field, mT", ["B_x", "B_y", "B_z"]);
     let at_reference = format!("  at the reference ({}, {}, {}) mm", r.x, r.y, r.z);
@@ -46,8 +57,8 @@ pub(crate) fn field(
     }
     let least = field_t.iter().copied().reduce(DVec3::min).unwrap_or_default();
     let most = field_t.iter().copied().reduce(DVec3::max).unwrap_or_default();
-    rows::vector(&mut text, "  least in the volume", least * MT_PER_T);
-    rows::vector(&mut text, "  most in the volume", most * MT_PER_T);
+    rows::vector(&mut text, &format!("  least in the {over}"), least * MT_PER_T);
+    rows::vector(&mut text, &format!("  most in the {over}"), most * MT_PER_T);
     text
 }
 
@@ -94,7 +105,7 @@ fn decoupling(d: &Decoupling, uniformity: PerParameter, volume: &WorkingVolume, 
     text
 }
 
-fn first_points(points: &[DVec3]) -> String {
+pub(crate) fn first_points(points: &[DVec3]) -> String {
     let named: Vec<String> =
         points.iter().take(PRINTED_FAULTS).map(|p| format!("({}, {}, {})", p.x, p.y, p.z)).collect();
     let rest = if points.len() > PRINTED_FAULTS { " and more" } else { "" };

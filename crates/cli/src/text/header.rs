@@ -1,5 +1,7 @@
 //! The header of a film: its name, tiles, working volume and accuracy.
 
+use std::path::Path;
+
 use magsplice::Film;
 use magsplice::layout::{Layout, WorkingVolume};
 
@@ -26,6 +28,12 @@ pub(crate) fn film(film: &Film, volume: &WorkingVolume) -> String {
         volume.grid.len(),
         accuracy(film)
     )
+}
+
+/// A layout with the points of a file and the accuracy of its field.
+pub(crate) fn film_at_points(film: &Film, path: &Path, points: usize) -> String {
+    let points = counted(points, "point", "points");
+    format!("{}at {points} of {}\n{}", layout(film.layout()), path.display(), accuracy(film))
 }
 
 /// The accuracy of a film's field.

@@ -6,6 +6,8 @@ pub(crate) mod bench;
 pub(crate) mod check;
 /// `decouple` and `compare`: field, comparison with the ideal film, decoupling errors.
 pub(crate) mod decouple;
+/// `decouple --points`: parameters and errors at points.
+pub(crate) mod decouple_points;
 /// `design` and `splice`: a film that was found, and the films of a front.
 pub(crate) mod design;
 /// The header of a film: its name, tiles, working volume and accuracy.

@@ -5,13 +5,17 @@ use magsplice::{Film, Stage};
 use crate::args::evaluate::CompareArgs;
 use crate::args::formats::TextOrJson;
 use crate::failure::Failure;
+use crate::given_points::GivenPoints;
 use crate::output::destination::print;
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_film};
 use crate::{json, remarks, text};
+use crate::words::film_failure;
+use crate::{json, point_file, text};
 
 pub(crate) fn run(args: &CompareArgs, quiet: bool) -> Result<(), Failure> {
-    let progress = ProgressLine::start(!quiet);
+    // No progress line between points that a person types.
+    let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.path()));
     let show = |stage: Stage| progress.show(stage);
     let layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
     let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy()).with_progress(&show);
@@ -20,6 +24,20 @@ pub(crate) fn run(args: &CompareArgs, quiet: bool) -> Result<(), Failure> {
     let purpose = "compares the field with that of the ideal, sinusoidal film";
     let no_film = |error| no_film(&args.layout, error, "compare", purpose);
     film.ideal().and(film.volume().map(|_| ())).map_err(no_film)?;
+    let ideal = film.ideal().map_err(failed)?;
+    if let Some(path) = args.points.path() {
+        let given = GivenPoints::read(path, args.points.unit, ideal, false)?;
+        let field = film.field_at_t(&given.points).map_err(|error| given.failure(&args.layout, &layout, error))?;
+        let comparison = film.compare_at(&given.points, &field).map_err(failed)?;
+        progress.end();
+        return print(&match args.format {
+            TextOrJson::Json => json::pretty(&json::compare::CompareJson::new(&film, &comparison)),
+            TextOrJson::Text => {
+                let header = text::header::film_at_points(&film, path, given.points.len());
+                format!("{header}\n{}", text::decouple::comparison(&comparison))
+            }
+        });
+    }
     let field = film.volume_field_t().map_err(failed)?;
     let comparison = film.compare(&field).map_err(failed)?;
     progress.end();

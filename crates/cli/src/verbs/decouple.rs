@@ -1,14 +1,22 @@
 //! `magsplice decouple`: evaluates a film: field, comparison and decoupling errors.
 
+use std::iter;
+use std::path::Path;
+
+use magsplice::layout::Layout;
 use magsplice::{Film, Stage};
 
 use crate::args::evaluate::DecoupleArgs;
 use crate::args::formats::{DecoupleFormat, TableFormat};
 use crate::evaluation::Evaluation;
 use crate::failure::{self, Failure};
+use crate::given_points::GivenPoints;
 use crate::json::decouple::DecoupleJson;
+use crate::json::decouple_points::DecouplePointsJson;
 use crate::output::destination::Output;
 use crate::output::{choice, table};
+use crate::point_evaluation::PointEvaluation;
+use crate::point_file;
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_film};
 use crate::{remarks, text};
@@ -16,9 +24,10 @@ use crate::{remarks, text};
 pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
     let format = choice::choose(args.format, args.output.as_deref(), Some(DecoupleFormat::Text))?;
     if let DecoupleFormat::Table(format) = format {
-        choice::accept(format, args.output.as_deref(), true)?;
+        choice::accept(format, args.output.as_deref(), args.points.path().is_none())?;
     }
-    let progress = ProgressLine::start(!quiet);
+    // No progress line between points that a person types.
+    let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.path()));
     let show = |stage: Stage| progress.show(stage);
     let layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
     let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy()).with_progress(&show);
@@ -29,6 +38,14 @@ pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
     let no_film = |error| no_film(&args.layout, error, "decouple", purpose);
     film.ideal().and(film.volume().map(|_| ())).map_err(no_film)?;
     let mut output = Output::open(args.output.as_deref(), &[&args.layout])?;
+    film.ideal().and(film.volume().map(|_| ())).map_err(failed)?;
+    let inputs: Vec<&Path> = iter::once(args.layout.as_path()).chain(args.points.path()).collect();
+    let mut output = Output::open(args.output.as_deref(), &inputs)?;
+    if let Some(path) = args.points.path() {
+        let given = GivenPoints::read(path, args.points.unit, film.ideal().map_err(failed)?, true)?;
+        let evaluation = PointEvaluation::new(&film, given, &args.layout, &layout)?;
+        return write_at_points(&evaluation, format, output, &progress, quiet);
+    }
     let evaluation = Evaluation::new(&film).map_err(failed)?;
     let DecoupleFormat::Table(format) = format else {
         progress.end();
@@ -43,10 +60,34 @@ pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
     table::write(&table, &DecoupleJson::new(&evaluation, Some(&table)), format, &mut output)?;
     output.finish()?;
     progress.end();
-    let singular = evaluation.decoupling.singular.len();
+    tell_singular(evaluation.decoupling.singular.len(), format, quiet);
+    Ok(())
+}
+
+/// Writes the result of `decouple --points`.
+fn write_at_points(
+    evaluation: &PointEvaluation,
+    format: DecoupleFormat,
+    mut output: Output,
+    progress: &ProgressLine,
+    quiet: bool,
+) -> Result<(), Failure> {
+    progress.end();
+    let DecoupleFormat::Table(format) = format else {
+        output.write(|w| w.write_all(text::decouple_points::evaluation(evaluation).as_bytes()))?;
+        return output.finish();
+    };
+    let table = evaluation.table();
+    table::write(&table, &DecouplePointsJson::new(evaluation, &table), format, &mut output)?;
+    output.finish()?;
+    tell_singular(evaluation.decoupling.singular.len(), format, quiet);
+    Ok(())
+}
+
+/// Says how many points have NaN for parameters. JSON lists them itself.
+fn tell_singular(singular: usize, format: TableFormat, quiet: bool) {
     if singular > 0 && !quiet && format != TableFormat::Json {
         let points = if singular == 1 { "point has" } else { "points have" };
         failure::tell(&format_args!("{singular} singular {points} B_z = 0: their R_x, R_y, S_z are written as NaN"));
     }
-    Ok(())
 }
