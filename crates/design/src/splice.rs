@@ -229,6 +229,9 @@ impl SpliceRequest {
                 }
             }
         }
+        if !(self.gap_mm >= 0.0 && self.gap_mm.is_finite()) {
+            problems.push(format!("gap: {} mm, must be a finite number of at least 0", self.gap_mm));
+        }
         if !(self.distance_mm[0] < self.distance_mm[1]) {
             let [near, far] = self.distance_mm;
             problems.push(format!("distance: {near} to {far} mm, the first must be less than the second"));

@@ -4,8 +4,7 @@ use std::error::Error;
 use std::fmt;
 
 use glam::DVec3;
-use magsplice_decouple::{Decoupling, DecouplingError, Parameter};
-use magsplice_decouple::{Decoupling, DecouplingError, PointDecoupling};
+use magsplice_decouple::{Decoupling, DecouplingError, Parameter, PointDecoupling};
 use magsplice_expect::PointsMismatch;
 use magsplice_field::Scene;
 use magsplice_ideal::{Comparison, ComparisonError, IdealFilm};

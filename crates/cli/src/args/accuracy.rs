@@ -2,10 +2,12 @@
 
 use magsplice::magnet::{Accuracy, Tolerance};
 
+use super::numbers;
+
 #[derive(clap::Args)]
 pub(crate) struct AccuracyArgs {
     /// Largest accepted error of B (of mu0 H for H): a fraction of |B| such as 1e-6, or a value
-    /// with a unit (T, mT, uT, nT) such as 10nT
+    /// with a unit (T, mT, uT or µT, nT) such as 10nT
     ///
     /// Without it the field is exact up to round-off. With it the program chooses the cheapest
     /// method that keeps the tolerance at every point; where no method keeps it, the program names
@@ -25,27 +27,24 @@ impl AccuracyArgs {
 /// Fraction of |B| that is too large for a tolerance: it was probably meant as a field.
 const LARGEST_FRACTION: f64 = 0.1;
 
-/// Units of an absolute tolerance, and how many of each make one tesla. `T` is the last, because
-/// the other names end in it too.
-const UNITS_PER_T: [(&str, f64); 4] = [("mT", 1e3), ("uT", 1e6), ("nT", 1e9), ("T", 1.0)];
-
 fn tolerance(text: &str) -> Result<Tolerance, String> {
-    let unit = UNITS_PER_T.iter().find_map(|(name, per_t)| Some((text.strip_suffix(name)?.trim_end(), per_t)));
-    let number = unit.map_or(text, |(number, _)| number);
-    let value: f64 = number.parse().map_err(|_| {
-        "must be a number: a fraction of |B| such as 1e-6, or a value with a unit (T, mT, uT, nT) such as 10nT"
-            .to_owned()
-    })?;
-    let tolerance = match unit {
-        // Divided, so that 2.5 uT is 2.5e-6 T to the last digit.
-        Some((_, per_t)) => Tolerance::absolute_t(value / per_t),
-        None if value >= LARGEST_FRACTION => {
-            return Err(format!(
-                "{value} is {} % of |B|, must be a fraction below {LARGEST_FRACTION}; a field has a unit, as in {number}nT",
-                100.0 * value
-            ));
+    let in_tesla = numbers::flux_density_with_unit_t(text)?;
+    let tolerance = match in_tesla {
+        Some(value) => Tolerance::absolute_t(value),
+        None => {
+            let fraction: f64 = text.trim().parse().map_err(|_| {
+                "must be a number: a fraction of |B| such as 1e-6, or a value with a unit (T, mT, uT, nT) such as 10nT"
+                    .to_owned()
+            })?;
+            if fraction >= LARGEST_FRACTION {
+                return Err(format!(
+                    "{fraction} is {} % of |B|, must be a fraction below {LARGEST_FRACTION}; a field has a unit, as in {}nT",
+                    100.0 * fraction,
+                    text.trim()
+                ));
+            }
+            Tolerance::relative(fraction)
         }
-        None => Tolerance::relative(value),
     };
     tolerance.map_err(|error| error.to_string())
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::formats::TextOrJson;
+use super::points::PointsArgs;
 
 /// Measure how fast the field of a layout is computed on this machine.
 ///
@@ -14,10 +15,8 @@ use super::formats::TextOrJson;
 pub(crate) struct BenchArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
-    /// CSV file with columns x_mm, y_mm, z_mm; - is standard input [default: the grid of the
-    /// working volume]
-    #[arg(long, value_name = "CSV")]
-    pub(crate) points: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) points: PointsArgs,
     /// Time to spend, in seconds; at least three rounds are measured however long they take
     #[arg(long, value_name = "S", value_parser = seconds, default_value = "5")]
     pub(crate) seconds: f64,

@@ -7,6 +7,7 @@ use magsplice::design::SpliceRequest;
 use magsplice::layout::Goal;
 
 use super::formats::TextOrJson;
+use super::numbers::{extents_mm, flux_density_t, interval_mm, length_mm};
 
 /// Search for a better film, as the table [design] of the layout asks.
 ///
@@ -42,41 +43,44 @@ pub(crate) struct DesignArgs {
 /// Starts from the pattern of Dai 2024, Fig. 5: intervals one third of the wavelength wide about
 /// the crests of the ideal polarization, and one sixth wide about its zeros. Then searches as
 /// `design` does, with sizes, positions and directions free.
+///
+/// Lengths may have a unit (mm, cm, um, m) and polarizations too (T, mT, uT, nT), such as 0.8cm,
+/// 20mmx20mm, 120mT.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice splice --wavelength 10 --film 20x20 --parts 3 -o film.toml")]
 pub(crate) struct SpliceArgs {
     /// Wavelength of the ideal film, in mm
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true)]
     wavelength: f64,
     /// Extent of the film along x and y, in mm, such as 20x20
-    #[arg(long, value_name = "XxY", value_parser = extents)]
+    #[arg(long, value_name = "XxY", value_parser = extents_mm, allow_hyphen_values = true)]
     film: [f64; 2],
     /// Largest number of distinct parts [default: no limit]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     parts: Option<u32>,
     /// Thickness of the film, in mm [default: 0.1 of the wavelength]
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true)]
     thickness: Option<f64>,
     /// Polarization of every tile, in T
-    #[arg(long, value_name = "T", default_value_t = 0.12)]
+    #[arg(long, value_name = "T", value_parser = flux_density_t, allow_hyphen_values = true, default_value_t = 0.12)]
     remanence: f64,
     /// Extent of the working volume along x and y, in mm, such as 4x4 [default: 0.4 of the
     /// wavelength each]
-    #[arg(long, value_name = "XxY", value_parser = extents)]
+    #[arg(long, value_name = "XxY", value_parser = extents_mm, allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
-    /// Least and greatest distance of the sensor below the film, in mm, such as 3..5 [default: 0.3
-    /// and 0.5 of the wavelength]
-    #[arg(long, value_name = "A..B", value_parser = interval)]
+    /// Least and greatest distance of the sensor below the film, in mm, such as 3..5, or its z, such
+    /// as -5..-3 [default: 0.3 and 0.5 of the wavelength]
+    #[arg(long, value_name = "A..B", value_parser = distance_mm, allow_hyphen_values = true)]
     distance: Option<[f64; 2]>,
     /// Shortest side of a tile, in mm [default: 0.08 of the wavelength]
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true)]
     smallest_cut: Option<f64>,
     /// Least distance between neighbouring tiles, in mm
-    #[arg(long, value_name = "MM", default_value_t = 0.0)]
+    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true, default_value_t = 0.0)]
     gap: f64,
     /// Least amplitude of the field, as a fraction of the field of an ideal film with the
     /// polarization of the tiles
-    #[arg(long, value_name = "FRACTION", value_parser = fraction, default_value_t = 0.65)]
+    #[arg(long, value_name = "FRACTION", value_parser = fraction, allow_hyphen_values = true, default_value_t = 0.65)]
     amplitude: f64,
     /// Error to minimize
     #[arg(long, value_enum, default_value = "displacement")]
@@ -141,15 +145,9 @@ fn fraction(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "must be a number greater than 0".to_owned())
 }
 
-fn extents(text: &str) -> Result<[f64; 2], String> {
-    pair(text, "x").ok_or_else(|| "must be two numbers with an x between them, such as 20x20".to_owned())
-}
-
-fn interval(text: &str) -> Result<[f64; 2], String> {
-    pair(text, "..").ok_or_else(|| "must be two numbers with .. between them, such as 3..5".to_owned())
-}
-
-fn pair(text: &str, separator: &str) -> Option<[f64; 2]> {
-    let (first, second) = text.split_once(separator)?;
-    Some([first.trim().parse().ok()?, second.trim().parse().ok()?])
+/// The distances of an interval of distances or, where both are negative, of z.
+fn distance_mm(text: &str) -> Result<[f64; 2], String> {
+    let interval = interval_mm(text)?;
+    let [one, other] = interval.map(|z| -z);
+    Ok(if one > 0.0 && other > 0.0 { [one.min(other), one.max(other)] } else { interval })
 }

@@ -17,6 +17,8 @@ pub(crate) mod files;
 pub(crate) mod formats;
 /// Arguments of `import`.
 pub(crate) mod import;
+/// Numbers with units as a person types them.
+pub(crate) mod numbers;
 /// `--points` and `--unit`: points from a file.
 pub(crate) mod points;
 

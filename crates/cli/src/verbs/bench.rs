@@ -15,12 +15,12 @@ use crate::words::{film_failure, no_points};
 use crate::{json, point_file, remarks, text};
 
 pub(crate) fn run(args: &BenchArgs, quiet: bool) -> Result<(), Failure> {
-    let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.as_deref()));
-    let subjects = if args.points.is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
+    let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.path()));
+    let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
     let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
-    let (points, points_of) = match &args.points {
+    let (points, points_of) = match args.points.path() {
         Some(path) => {
-            let points = point_file::read_all(path)?;
+            let (points, _) = point_file::read_all(path, args.points.unit)?;
             (BenchPoints::Scattered(points), format!("points of {}", path.display()))
         }
         None => {

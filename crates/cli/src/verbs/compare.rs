@@ -9,9 +9,7 @@ use crate::given_points::GivenPoints;
 use crate::output::destination::print;
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_film};
-use crate::{json, remarks, text};
-use crate::words::film_failure;
-use crate::{json, point_file, text};
+use crate::{json, point_file, remarks, text};
 
 pub(crate) fn run(args: &CompareArgs, quiet: bool) -> Result<(), Failure> {
     // No progress line between points that a person types.
@@ -23,8 +21,10 @@ pub(crate) fn run(args: &CompareArgs, quiet: bool) -> Result<(), Failure> {
     // A layout without an ideal film is refused before the field is computed.
     let purpose = "compares the field with that of the ideal, sinusoidal film";
     let no_film = |error| no_film(&args.layout, error, "compare", purpose);
-    film.ideal().and(film.volume().map(|_| ())).map_err(no_film)?;
-    let ideal = film.ideal().map_err(failed)?;
+    let ideal = film.ideal().map_err(no_film)?;
+    if args.points.path().is_none() {
+        film.volume().map_err(no_film)?;
+    }
     if let Some(path) = args.points.path() {
         let given = GivenPoints::read(path, args.points.unit, ideal, false)?;
         let field = film.field_at_t(&given.points).map_err(|error| given.failure(&args.layout, &layout, error))?;

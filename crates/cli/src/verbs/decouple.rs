@@ -3,7 +3,6 @@
 use std::iter;
 use std::path::Path;
 
-use magsplice::layout::Layout;
 use magsplice::{Film, Stage};
 
 use crate::args::evaluate::DecoupleArgs;
@@ -37,8 +36,6 @@ pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
     let purpose = "evaluates how well a film above a sensor separates the three displacements";
     let no_film = |error| no_film(&args.layout, error, "decouple", purpose);
     film.ideal().and(film.volume().map(|_| ())).map_err(no_film)?;
-    let mut output = Output::open(args.output.as_deref(), &[&args.layout])?;
-    film.ideal().and(film.volume().map(|_| ())).map_err(failed)?;
     let inputs: Vec<&Path> = iter::once(args.layout.as_path()).chain(args.points.path()).collect();
     let mut output = Output::open(args.output.as_deref(), &inputs)?;
     if let Some(path) = args.points.path() {

@@ -1,7 +1,5 @@
 //! `magsplice export`: writes the film for another program.
 
-use magsplice_export::{magpylib, vtk};
-use magsplice::layout::Layout;
 use magsplice_export::{magpylib, magpylib_import, vtk};
 
 use crate::args::files::ExportArgs;
@@ -15,8 +13,6 @@ use crate::remarks;
 pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let format = choice::choose(args.to, args.output.as_deref(), None)?;
-    let layout = remarks::read_layout(&args.layout, remarks::OF_TILES, quiet, &progress)?;
-    let mut output = Output::open(args.output.as_deref(), &[&args.layout])?;
     let path = match (format, &args.layout) {
         (ExportFormat::MagpylibImport, None) => {
             let mut output = Output::open(args.output.as_deref(), &[])?;
@@ -31,7 +27,7 @@ pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
         (_, None) => return Err(Failure::Format(format!("--to {} needs a layout file", format.name()))),
         (_, Some(path)) => path,
     };
-    let layout = Layout::read(path)?;
+    let layout = remarks::read_layout(path, remarks::OF_TILES, quiet, &progress)?;
     let mut output = Output::open(args.output.as_deref(), &[path])?;
     if let Output::Stdout(_) = output {
         progress.end();

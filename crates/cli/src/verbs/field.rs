@@ -5,6 +5,7 @@ use std::mem;
 use std::path::{Path, PathBuf};
 
 use magsplice::field::Scene;
+use magsplice::layout::Layout;
 use magsplice::magnet::{Accuracy, Cause, PointError, PointErrors, Quantity};
 use magsplice::prelude::{DMat3, DVec3};
 use magsplice::{Film, Stage};

@@ -25,6 +25,7 @@ mod suspicious;
 mod terminal;
 mod tolerances;
 mod unbounded;
+mod units;
 
 use std::fs;
 use std::path::{Path, PathBuf};

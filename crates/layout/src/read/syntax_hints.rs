@@ -31,7 +31,7 @@ pub(crate) fn hint(text: &str, message: &str, span: Option<Range<usize>>) -> Opt
     match key? {
         "rotation" => Some(
             "give an axis and an angle: `rotation = { axis = [0, 0, 1], angle_deg = 30 }` turns a tile by 30 degrees, \
-             right-handed, about z"
+             right-handed, about z. Other forms: `quaternion = [x, y, z, w]`, `euler_deg` with `order`, `matrix`"
                 .to_owned(),
         ),
         "tile" | "lattice" if message.contains("expected a sequence") => {

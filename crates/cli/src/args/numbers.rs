@@ -1,0 +1,125 @@
+//! Numbers with units as a person types them: `8mm`, `20mmx20mm`, `-3.9..-2.4`, `0.1µT`.
+
+use crate::decimal;
+use crate::units::{self, FLUX_DENSITIES, LENGTHS, Unit};
+
+/// What an option takes.
+struct Kind {
+    /// Its name in messages.
+    name: &'static str,
+    units: &'static [Unit],
+    /// The unit of a number without one.
+    default: &'static str,
+}
+
+const LENGTH: Kind = Kind { name: "length", units: &LENGTHS, default: "mm" };
+const FLUX_DENSITY: Kind = Kind { name: "flux density", units: &FLUX_DENSITIES, default: "T" };
+
+/// A length in mm.
+pub(crate) fn length_mm(text: &str) -> Result<f64, String> {
+    let (number, unit) = split(text);
+    LENGTH.value(number, unit)
+}
+
+/// A flux density or polarization in T.
+pub(crate) fn flux_density_t(text: &str) -> Result<f64, String> {
+    let (number, unit) = split(text);
+    FLUX_DENSITY.value(number, unit)
+}
+
+/// A flux density in T, or `None` for a number without a unit.
+pub(crate) fn flux_density_with_unit_t(text: &str) -> Result<Option<f64>, String> {
+    let (number, unit) = split(text);
+    if unit.is_empty() { Ok(None) } else { FLUX_DENSITY.value(number, unit).map(Some) }
+}
+
+/// Two lengths in mm with an x between them.
+pub(crate) fn extents_mm(text: &str) -> Result<[f64; 2], String> {
+    let parts = text.split_once(['x', 'X', '×']);
+    lengths_mm(parts, "x", "must be two lengths with an x between them, such as 20x20 or 20mmx20mm")
+}
+
+/// Two lengths in mm with .. between them.
+pub(crate) fn interval_mm(text: &str) -> Result<[f64; 2], String> {
+    lengths_mm(text.split_once(".."), "..", "must be two lengths with .. between them, such as 3..5 or 3mm..5mm")
+}
+
+/// The lengths of two parts. A unit at the end holds for both.
+fn lengths_mm(parts: Option<(&str, &str)>, between: &str, rule: &str) -> Result<[f64; 2], String> {
+    let (first, second) = parts.ok_or_else(|| rule.to_owned())?;
+    let ((first, first_unit), (second, second_unit)) = (split(first), split(second));
+    let is_number = |text: &str| decimal::scaled(text, 0).is_some();
+    if !is_number(first) || !is_number(second) {
+        return Err(rule.to_owned());
+    }
+    if second_unit.is_empty() && !first_unit.is_empty() {
+        return Err(format!(
+            "has a unit for the first length only, must have it at the end, as in {first}{between}{second}{first_unit}"
+        ));
+    }
+    let first_unit = if first_unit.is_empty() { second_unit } else { first_unit };
+    Ok([LENGTH.value(first, first_unit)?, LENGTH.value(second, second_unit)?])
+}
+
+/// The number at the beginning of a text, and the unit behind it, which may be empty.
+fn split(text: &str) -> (&str, &str) {
+    let end = text.rfind(|c: char| c.is_ascii_digit() || c == '.').map_or(text.len(), |last| last + 1);
+    (text[..end].trim(), text[end..].trim())
+}
+
+impl Kind {
+    fn value(&self, number: &str, unit: &str) -> Result<f64, String> {
+        let Kind { name, units, default } = self;
+        let known = units::names(units);
+        let unit = if unit.is_empty() { default } else { unit };
+        let exponent = units.iter().find(|(known, _)| *known == unit).map(|(_, exponent)| *exponent);
+        let value = decimal::scaled(number, exponent.unwrap_or(0));
+        match (value, exponent) {
+            (Some(value), Some(_)) => Ok(value),
+            (Some(_), None) => Err(format!(
+                "has the unit {unit}, must be a {name} in {known}; a number without a unit is in {default}"
+            )),
+            (None, _) => Err(format!("must be a number with or without a unit ({known}), such as 8{default} or 8")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_move_the_decimal_point() {
+        for text in ["8", "8mm", "8 mm", " 0.8cm ", "8000um", "8e3µm", "8000μm", "0.008m", "8e-3 m"] {
+            assert_eq!(length_mm(text), Ok(8.0), "{text}");
+        }
+        for text in ["1e-7", "0.1uT", "0.1µT", "0.1μT", "100nT", "1e-4mT", "1E-7 T"] {
+            assert_eq!(flux_density_t(text), Ok(1e-7), "{text}");
+        }
+        assert_eq!(flux_density_with_unit_t("1e-6"), Ok(None));
+        assert_eq!(flux_density_with_unit_t("2.5uT"), Ok(Some(2.5e-6)));
+    }
+
+    #[test]
+    fn a_unit_at_the_end_holds_for_both() {
+        for text in ["20x10", "20mmx10mm", "20x10mm", "2x1cm", "20mm x 1cm", "20×10"] {
+            assert_eq!(extents_mm(text), Ok([20.0, 10.0]), "{text}");
+        }
+        for text in ["-3.9..-2.4", "-3.9mm..-2.4mm", "-0.39..-0.24cm", "-3.9 .. -2.4"] {
+            assert_eq!(interval_mm(text), Ok([-3.9, -2.4]), "{text}");
+        }
+        let one = extents_mm("2cmx10").expect_err("one unit");
+        assert!(one.contains("for the first length only") && one.contains("2x10cm"), "{one}");
+    }
+
+    #[test]
+    fn wrong_units_and_numbers_are_named() {
+        for (text, named) in [("8kg", "has the unit kg"), ("8MM", "has the unit MM"), ("120mT", "has the unit mT")] {
+            assert!(length_mm(text).expect_err(text).starts_with(named), "{text}");
+        }
+        for text in ["", "mm", "eight", "nan", "inf", "8,5", "1e999", "8mm2", "..", "é"] {
+            assert!(length_mm(text).is_err() && extents_mm(text).is_err() && interval_mm(text).is_err(), "{text}");
+        }
+        assert!(interval_mm("3").is_err() && interval_mm("3..4..5").is_err() && extents_mm("3xx4").is_err());
+    }
+}
