@@ -159,7 +159,7 @@ fn splice_finds_a_film() {
         .refuses("film: 3 mm along x, must be at least 5.0000 mm");
     sandbox
         .run(&["splice", "--wavelength", "6", "--film", "12"])
-        .refuses_arguments("two numbers with an x between them");
+        .refuses_arguments("two lengths with an x between them");
 }
 
 /// The first Ctrl-C ends the search, and the program writes its result.

@@ -78,6 +78,47 @@ fn edited_point_files_are_used_or_refused_in_words() {
     assert!(0 < used && used < RUNS, "{used} of {RUNS} files were used");
 }
 
+/// Blocks with each form of a rotation, and the options that each needs.
+const BLOCK_FILES: [(&[u8], &[&str]); 3] = [
+    (
+        b"x_mm,y_mm,z_mm,size_x_mm,size_y_mm,size_z_mm,jx_t,jy_t,jz_t,qx,qy,qz,qw,name\n\
+          0,0,0,1,2,1,0,0,1,0.5,0.5,0.5,0.5,a\n5,0,0,1,1,1,0,0.5,0,,,,,b\n",
+        &[],
+    ),
+    (
+        b"# blocks\nx;y;z;size_x;size_y;size_z;mx (kA/m);my (kA/m);mz (kA/m);rx_deg;ry_deg;rz_deg\n\
+          0,5;0;0;1;2,5;1;0;0;100;10;20;-30,5\n-9;0;1e-3;1;1;1;0;95,5;0;0;0;0\n",
+        &["--unit", "mm", "--euler", "XYZ"],
+    ),
+    (
+        b"x_m y_m z_m size_x_m size_y_m size_z_m jx_mT jy_mT jz_mT r11 r12 r13 r21 r22 r23 r31 r32 r33\n\
+          0 0 0 1e-3 1e-3 2e-3 0 0 120 0 -1 0 1 0 0 0 0 1\n",
+        &[],
+    ),
+];
+
+#[test]
+fn edited_blocks_become_layouts_or_are_refused_in_words() {
+    let mut used = 0;
+    for run in 0..RUNS {
+        let sandbox = Sandbox::new();
+        let (blocks, options) = BLOCK_FILES[run as usize % BLOCK_FILES.len()];
+        let edited = Sequence(run).edited(blocks);
+        std::fs::write(sandbox.path("blocks.csv"), &edited).expect("a writable folder");
+        let said = sandbox.run(&[&["import", "blocks.csv", "-o", "film.toml"], options].concat());
+        let context = format!("{:?}: {}", String::from_utf8_lossy(&edited), said.stderr);
+        assert!([0, 2].contains(&said.status) && said.stderr.len() <= LONGEST_MESSAGE, "{context}");
+        assert_eq!(sandbox.files().contains(&"film.toml".to_owned()), said.status == 0, "{context}");
+        assert!(!said.stderr.chars().any(|c| c.is_control() && !"\n\t".contains(c)), "{context}");
+        if said.status == 0 {
+            // What is written is a layout.
+            assert_eq!(sandbox.run(&["tiles", "film.toml"]).status, 0, "{context}");
+            used += 1;
+        }
+    }
+    assert!(0 < used && used < RUNS, "{used} of {RUNS} files were used");
+}
+
 #[test]
 fn edited_baselines_are_compared_or_refused_in_words() {
     let layout = std::fs::read_to_string(shipped("published-film")).expect("a layout");
