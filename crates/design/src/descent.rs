@@ -4,14 +4,15 @@ use std::ops::ControlFlow;
 
 use magsplice_layout::Goal;
 
+use crate::low_rank;
 use crate::objective::{Objective, Residuals};
 use crate::pattern::{Pattern, VariableKind};
-use crate::quadratic::QuadraticProgram;
+use crate::quadratic::{Curvature, QuadraticProgram};
 use crate::rules::{DesignBounds, LinearRule};
 use crate::sampling::Sampling;
 use crate::tolerances::{
-    FIRST_DAMPING, KEPT_MM, LEAST_DAMPING, LEAST_GAIN, LESS_DAMPING, LONGEST_STEP, MORE_DAMPING, MOST_DAMPING,
-    PATIENCE, PRICE_OF_AMPLITUDE, STRONGEST_STEP, WIDEST_STEP,
+    FACTORED_FROM, FIRST_DAMPING, KEPT_MM, LEAST_DAMPING, LEAST_GAIN, LESS_DAMPING, LONGEST_STEP, MORE_DAMPING,
+    MOST_DAMPING, NOTHING_LEFT, PATIENCE, PRICE_OF_AMPLITUDE, STRONGEST_STEP, WIDEST_STEP,
 };
 
 /// The least-squares problem of a design: what is minimized, at which points, within which bounds.
@@ -107,10 +108,8 @@ impl LeastSquares {
             return Ok(variables.to_vec());
         }
         let n = variables.len();
-        let mut curvature = vec![0.0; n * n];
-        for (i, step) in self.steps(pattern).into_iter().enumerate() {
-            curvature[i * n + i] = 1.0 / (step * step);
-        }
+        let curvature =
+            Curvature::diagonal(self.steps(pattern).into_iter().map(|step| 1.0 / (step * step)).collect());
         let program = QuadraticProgram { curvature, gradient: vec![0.0; n], rules: around(&rules, variables) };
         match program.solve() {
             Some(change) => Ok(moved(variables, &change)),
@@ -159,7 +158,7 @@ impl LeastSquares {
             damping = (damping * LESS_DAMPING).max(LEAST_DAMPING);
             candidate = better;
             merits.push(candidate.merit());
-            if observe(&candidate).is_break() || linear {
+            if observe(&candidate).is_break() || linear || self.is_done(&candidate) {
                 break;
             }
             let before = merits.len().checked_sub(1 + PATIENCE).map(|index| merits[index]);
@@ -169,6 +168,15 @@ impl LeastSquares {
             residuals = self.residuals(pattern, &candidate.variables, true)?;
         }
         Some(candidate)
+    }
+
+    /// Whether a film leaves nothing to improve: neither error nor amplitude.
+    fn is_done(&self, candidate: &Candidate) -> bool {
+        let unit = match self.objective.goal {
+            Goal::Displacement => 1.0 / self.objective.ideal.wavenumber(),
+            _ => 1.0,
+        };
+        candidate.lack == 0.0 && candidate.root_mean_square() < NOTHING_LEFT * unit
     }
 
     /// The quadratic program of one step: residuals and amplitude linearized, within step lengths
@@ -184,25 +192,47 @@ impl LeastSquares {
     ) -> QuadraticProgram {
         let n = variables.len();
         let all = n + usize::from(self.least_amplitude.is_some());
-        let mut curvature = vec![0.0; all * all];
         let mut gradient = vec![0.0; all];
         for (value, row) in residuals.values.iter().zip(residuals.derivatives.chunks_exact(n)) {
             for i in 0..n {
                 gradient[i] += value * row[i];
-                for k in i..n {
-                    curvature[i * all + k] += row[i] * row[k];
-                }
             }
         }
         // Damping is measured in units of the steps, so that it does not depend on the units of the
         // variables. A part of it is the same for all variables and holds variables that change
         // nothing.
         let unit = |i: usize| if steps[i].is_finite() { steps[i] } else { 1.0 };
-        let largest = (0..n).map(|i| curvature[i * all + i] * unit(i) * unit(i)).fold(0.0, f64::max);
-        for i in 0..n {
-            let own = curvature[i * all + i];
-            curvature[i * all + i] += damping * (own + LEAST_CURVATURE * largest / (unit(i) * unit(i)));
-        }
+        let damped = |own: &[f64]| -> Vec<f64> {
+            let largest = (0..n).map(|i| own[i] * unit(i) * unit(i)).fold(0.0, f64::max);
+            (0..n).map(|i| damping * (own[i] + LEAST_CURVATURE * largest / (unit(i) * unit(i)))).collect()
+        };
+        let curvature = if n < FACTORED_FROM {
+            let mut curvature = vec![0.0; all * all];
+            for row in residuals.derivatives.chunks_exact(n) {
+                for i in 0..n {
+                    for k in i..n {
+                        curvature[i * all + k] += row[i] * row[k];
+                    }
+                }
+            }
+            let own: Vec<f64> = (0..n).map(|i| curvature[i * all + i]).collect();
+            damped(&own).into_iter().enumerate().for_each(|(i, damping)| curvature[i * all + i] += damping);
+            Curvature::Dense(curvature)
+        } else {
+            let units: Vec<f64> = (0..n).map(unit).collect();
+            let rows = low_rank::reduced(&self.distinct_rows(residuals, n), &units);
+            let own: Vec<f64> =
+                (0..n).map(|i| rows.iter().skip(i).step_by(n).map(|value| value * value).sum()).collect();
+            let mut diagonal = damped(&own);
+            diagonal.resize(all, 0.0);
+            // The lacking amplitude has no curvature.
+            let mut with_lack = Vec::with_capacity(rows.len() / n * all);
+            for row in rows.chunks_exact(n) {
+                with_lack.extend_from_slice(row);
+                with_lack.resize(with_lack.len() + all - n, 0.0);
+            }
+            Curvature::Factored { diagonal, rows: with_lack }
+        };
         let mut limits = around(rules, variables);
         for (i, step) in steps.iter().enumerate().filter(|(_, step)| step.is_finite()) {
             limits.push((vec![(i, 1.0)], -step));
@@ -218,6 +248,31 @@ impl LeastSquares {
             limits.push((vec![(n, 1.0)], 0.0));
         }
         QuadraticProgram { curvature, gradient, rules: limits }
+    }
+}
+
+impl LeastSquares {
+    /// The derivatives of the residuals, where one row stands for all rows that are multiples of it
+    /// by symmetry: the sum of squares is the same.
+    fn distinct_rows(&self, residuals: &Residuals, n: usize) -> Vec<f64> {
+        let Some(classes) = self.sampling.classes() else { return residuals.derivatives.clone() };
+        let count = classes.iter().max().map_or(0, |last| last + 1);
+        // For each class the sum of squares, the largest square, and its row.
+        let mut found = vec![(0.0, 0.0, 0); count];
+        for (row, (&class, values)) in classes.iter().zip(residuals.derivatives.chunks_exact(n)).enumerate() {
+            let square = values.iter().map(|value| value * value).sum::<f64>();
+            let of_class = &mut found[class];
+            of_class.0 += square;
+            if square > of_class.1 {
+                (of_class.1, of_class.2) = (square, row);
+            }
+        }
+        let mut rows = Vec::new();
+        for (all, largest, row) in found.into_iter().filter(|of_class| of_class.1 > 0.0) {
+            let factor = (all / largest).sqrt();
+            rows.extend(residuals.derivatives[row * n..][..n].iter().map(|value| factor * value));
+        }
+        rows
     }
 }
 

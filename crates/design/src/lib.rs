@@ -65,6 +65,8 @@ mod descent;
 mod design_problem;
 /// Why a film cannot be designed.
 mod error;
+/// Matrices of few rows.
+mod low_rank;
 /// Errors of a film over a grid.
 mod metrics;
 /// Residuals of each goal, with derivatives.

@@ -4,14 +4,54 @@
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
+use crate::tolerances::FACTORED_FROM;
+
 /// Minimize x^T H x / 2 + g^T x under linear inequalities.
 pub(crate) struct QuadraticProgram {
-    /// H by rows, symmetric and positive semidefinite. Only its upper triangle is read.
-    pub(crate) curvature: Vec<f64>,
+    /// H.
+    pub(crate) curvature: Curvature,
     /// g.
     pub(crate) gradient: Vec<f64>,
     /// Linear expressions, as terms of variable and factor, and their lower bounds.
     pub(crate) rules: Vec<(Vec<(usize, f64)>, f64)>,
+}
+
+/// A symmetric positive semidefinite matrix.
+pub(crate) enum Curvature {
+    /// All elements by rows. Only the upper triangle is read.
+    Dense(Vec<f64>),
+    /// A diagonal matrix plus R^T R with few rows R. The solver gets the product R x as further
+    /// variables, so that its matrices stay sparse.
+    Factored {
+        /// The diagonal.
+        diagonal: Vec<f64>,
+        /// The rows of R, one after the other.
+        rows: Vec<f64>,
+    },
+}
+
+impl Curvature {
+    /// A diagonal matrix.
+    pub(crate) fn diagonal(diagonal: Vec<f64>) -> Curvature {
+        let n = diagonal.len();
+        if n >= FACTORED_FROM {
+            return Curvature::Factored { diagonal, rows: Vec::new() };
+        }
+        let mut all = vec![0.0; n * n];
+        diagonal.into_iter().enumerate().for_each(|(i, value)| all[i * n + i] = value);
+        Curvature::Dense(all)
+    }
+
+    /// Largest element of the diagonal.
+    fn largest(&self, n: usize) -> f64 {
+        match self {
+            Curvature::Dense(all) => (0..n).map(|i| all[i * n + i]).fold(0.0, f64::max),
+            Curvature::Factored { diagonal, rows } => {
+                let squares = |i: usize| rows.iter().skip(i).step_by(n).map(|r| r * r).sum::<f64>();
+                (0..n).map(|i| diagonal[i] + squares(i)).fold(0.0, f64::max)
+            }
+        }
+    }
 }
 
 /// Tolerance of the solver, relative to the objective. Steps need no more digits, because films are
@@ -23,32 +63,46 @@ impl QuadraticProgram {
     pub(crate) fn solve(&self) -> Option<Vec<f64>> {
         let n = self.gradient.len();
         // The solver also applies its tolerances as absolute ones, so the numbers are scaled.
-        let scale =
-            (0..n).map(|i| self.curvature[i * n + i]).chain(self.gradient.iter().map(|g| g.abs())).fold(0.0, f64::max);
+        let scale = self.gradient.iter().map(|g| g.abs()).fold(self.curvature.largest(n), f64::max);
         if !(scale.is_finite() && scale > 0.0) {
             return None;
         }
-        let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
-        for column in 0..n {
-            for row in 0..=column {
-                rows.push(row);
-                columns.push(column);
-                values.push(self.curvature[row * n + column] / scale);
+        let mut gradient: Vec<f64> = self.gradient.iter().map(|g| g / scale).collect();
+        let mut curvature = Triplets::default();
+        let mut matrix = Triplets::default();
+        let mut limits = Vec::new();
+        let mut cones = Vec::new();
+        match &self.curvature {
+            Curvature::Dense(all) => {
+                for column in 0..n {
+                    for row in 0..=column {
+                        curvature.push(row, column, all[row * n + column] / scale);
+                    }
+                }
+            }
+            Curvature::Factored { diagonal, rows } => {
+                let factors = rows.len() / n;
+                diagonal.iter().enumerate().for_each(|(i, value)| curvature.push(i, i, value / scale));
+                // Further variables, each equal to a row of R times the variables.
+                let root = scale.sqrt();
+                for (factor, row) in rows.chunks_exact(n).enumerate() {
+                    curvature.push(n + factor, n + factor, 1.0);
+                    row.iter().enumerate().for_each(|(i, value)| matrix.push(factor, i, value / root));
+                    matrix.push(factor, n + factor, -1.0);
+                }
+                gradient.resize(n + factors, 0.0);
+                limits.resize(factors, 0.0);
+                cones.push(SupportedConeT::ZeroConeT(factors));
             }
         }
-        let curvature = CscMatrix::new_from_triplets(n, n, rows, columns, values);
-        let gradient: Vec<f64> = self.gradient.iter().map(|g| g / scale).collect();
-        let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
-        for (row, (terms, _)) in self.rules.iter().enumerate() {
-            for &(column, factor) in terms {
-                rows.push(row);
-                columns.push(column);
-                values.push(-factor);
-            }
+        let first = limits.len();
+        for (rule, (terms, least)) in self.rules.iter().enumerate() {
+            terms.iter().for_each(|&(column, factor)| matrix.push(first + rule, column, -factor));
+            limits.push(-least);
         }
-        let matrix = CscMatrix::new_from_triplets(self.rules.len(), n, rows, columns, values);
-        let limits: Vec<f64> = self.rules.iter().map(|(_, least)| -least).collect();
-        let cones = [SupportedConeT::NonnegativeConeT(self.rules.len())];
+        cones.push(SupportedConeT::NonnegativeConeT(self.rules.len()));
+        let curvature = curvature.into_matrix(gradient.len(), gradient.len());
+        let matrix = matrix.into_matrix(limits.len(), gradient.len());
         let settings = DefaultSettings {
             verbose: false,
             max_threads: 1,
@@ -59,8 +113,30 @@ impl QuadraticProgram {
         };
         let mut solver = DefaultSolver::new(&curvature, &gradient, &matrix, &limits, &cones, settings).ok()?;
         solver.solve();
-        matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved)
-            .then(|| std::mem::take(&mut solver.solution.x))
+        let solved = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
+        let mut solution = std::mem::take(&mut solver.solution.x);
+        solution.truncate(n);
+        solved.then_some(solution)
+    }
+}
+
+/// A sparse matrix under construction.
+#[derive(Default)]
+struct Triplets {
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl Triplets {
+    fn push(&mut self, row: usize, column: usize, value: f64) {
+        self.rows.push(row);
+        self.columns.push(column);
+        self.values.push(value);
+    }
+
+    fn into_matrix(self, rows: usize, columns: usize) -> CscMatrix<f64> {
+        CscMatrix::new_from_triplets(rows, columns, self.rows, self.columns, self.values)
     }
 }
 
@@ -71,8 +147,8 @@ mod tests {
     #[test]
     fn finds_free_and_constrained_minima_and_refuses_contradictions() {
         // (x - 1)^2 + (y - 2)^2.
-        let mut program =
-            QuadraticProgram { curvature: vec![2.0, 0.0, 0.0, 2.0], gradient: vec![-2.0, -4.0], rules: Vec::new() };
+        let dense = || Curvature::Dense(vec![2.0, 0.0, 0.0, 2.0]);
+        let mut program = QuadraticProgram { curvature: dense(), gradient: vec![-2.0, -4.0], rules: Vec::new() };
         program.rules.push((vec![(0, 1.0)], -10.0));
         let free = program.solve().unwrap();
         assert!((free[0] - 1.0).abs() < 1e-6 && (free[1] - 2.0).abs() < 1e-6, "{free:?}");
@@ -81,6 +157,12 @@ mod tests {
         program.rules.push((vec![(0, 1.0)], 0.5));
         let corner = program.solve().unwrap();
         assert!((corner[0] - 0.5).abs() < 1e-6 && (corner[1] - 0.5).abs() < 1e-6, "{corner:?}");
+        // The same matrix with a factor: 2 = 1.5 + 0.5.
+        let half = 0.5_f64.sqrt();
+        program.curvature = Curvature::Factored { diagonal: vec![1.5, 1.5], rows: vec![half, 0.0, 0.0, half] };
+        let again = program.solve().unwrap();
+        assert!(again.len() == 2 && (again[0] - 0.5).abs() < 1e-6 && (again[1] - 0.5).abs() < 1e-6, "{again:?}");
+        program.curvature = dense();
         program.rules.push((vec![(1, 1.0)], 0.7));
         assert_eq!(program.solve(), None);
     }

@@ -1,5 +1,7 @@
 //! Rules that every film of a design keeps, as linear inequalities of the variables.
 
+use std::collections::HashSet;
+
 use magsplice_layout::{Brief, Symmetry};
 use magsplice_magnet::Tile;
 
@@ -163,13 +165,14 @@ fn at_most(value: &Affine, most: f64, meaning: RuleMeaning) -> LinearRule {
 
 /// The rules without repetitions, which images cause.
 fn distinct(rules: Vec<LinearRule>) -> Vec<LinearRule> {
-    let mut kept: Vec<LinearRule> = Vec::new();
-    for rule in rules {
-        if !kept.iter().any(|known| known.value == rule.value) {
-            kept.push(rule);
-        }
-    }
-    kept
+    // Adding 0 turns -0 into 0.
+    let bits = |value: f64| (value + 0.0).to_bits();
+    let mut known: HashSet<(u64, Vec<(usize, u64)>)> = HashSet::new();
+    let mut is_new = |rule: &LinearRule| {
+        let terms = rule.value.terms.iter().map(|&(index, factor)| (index, bits(factor))).collect();
+        known.insert((bits(rule.value.constant), terms))
+    };
+    rules.into_iter().filter(|rule| is_new(rule)).collect()
 }
 
 #[cfg(test)]

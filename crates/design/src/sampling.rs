@@ -88,6 +88,18 @@ impl Sampling {
         &self.images
     }
 
+    /// For each residual of a point of the grid along an axis, axis fastest, a number that residuals
+    /// share whose derivatives are multiples of each other by symmetry. `None` if the reference
+    /// point is off the axis, where its derivatives break the symmetry.
+    pub(crate) fn classes(&self) -> Option<Vec<usize>> {
+        let on_axis = self.reference.x == 0.0 && self.reference.y == 0.0;
+        let class = |&(index, operation): &(usize, SymmetryOperation)| {
+            let [x, y] = if operation.exchange { [1, 0] } else { [0, 1] };
+            [3 * index + x, 3 * index + y, 3 * index + 2]
+        };
+        on_axis.then(|| self.images.iter().flat_map(class).collect())
+    }
+
     /// The field of a film, with derivatives on request. `None` where a point lies on an edge of a
     /// tile, or a side of a tile is not positive.
     pub(crate) fn field(&self, pattern: &Pattern, variables: &[f64], with_derivatives: bool) -> Option<SampledField> {
