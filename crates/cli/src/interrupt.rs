@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 
 /// Exit status after Ctrl-C, the one that shells give.
-const INTERRUPTED: i32 = 130;
+pub(crate) const INTERRUPTED: u8 = 130;
 
 /// The temporary file or folder that an interruption removes.
 static TEMPORARY: Mutex<Option<PathBuf>> = Mutex::new(None);
@@ -50,7 +50,7 @@ fn handle() {
             if let Ok(Some(path)) = temporary.as_deref() {
                 let _ = fs::remove_file(path).or_else(|_| fs::remove_dir_all(path));
             }
-            std::process::exit(INTERRUPTED);
+            std::process::exit(INTERRUPTED.into());
         });
     });
 }

@@ -1,14 +1,16 @@
-//! The progress line on a terminal.
+//! The progress line on a terminal, and lines about long searches elsewhere.
 
 use std::fmt::Write;
 use std::io::{IsTerminal, stderr};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use magsplice::Stage;
+
+use crate::failure;
 
 /// Time before the line appears; shorter work shows none.
 const DELAY: Duration = Duration::from_secs(1);
@@ -16,10 +18,16 @@ const DELAY: Duration = Duration::from_secs(1);
 /// Interval at which the line is redrawn without news, so that it is seen to be alive.
 const TICK: Duration = Duration::from_millis(200);
 
+/// Interval of the lines about a search where there is no terminal.
+const LOG_INTERVAL: Duration = Duration::from_secs(10);
+
 /// A line on standard error that shows how far the work is. It disappears when the work ends.
 pub(crate) struct ProgressLine {
     bar: ProgressBar,
     stage: Mutex<Option<Stage>>,
+    /// The thread that prints lines, and the line it prints next. Only for searches without a
+    /// terminal.
+    log: Option<ProgressLog>,
     /// The thread that makes the line appear after [`DELAY`], unless the sender is dropped before.
     watch: Mutex<Option<(Sender<()>, JoinHandle<()>)>>,
 }
@@ -30,8 +38,17 @@ impl ProgressLine {
     pub(crate) fn start(visible: bool) -> ProgressLine {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
         let watch = (visible && stderr().is_terminal()).then(|| watch(&bar));
-        let line = ProgressLine { bar, stage: Mutex::new(None), watch: Mutex::new(watch) };
+        let line = ProgressLine { bar, stage: Mutex::new(None), log: None, watch: Mutex::new(watch) };
         line.show(Stage::uncounted("reading the layout"));
+        line
+    }
+
+    /// The line of a search. Where standard error is no terminal, a line about the search is printed
+    /// every [`LOG_INTERVAL`] instead.
+    pub(crate) fn start_search(visible: bool) -> ProgressLine {
+        let log = (visible && !stderr().is_terminal()).then(ProgressLog::start);
+        let mut line = ProgressLine::start(visible);
+        line.log = log;
         line
     }
 
@@ -49,6 +66,9 @@ impl ProgressLine {
             state.set_pos(stage.done as u64);
             state.set_len(stage.of.unwrap_or(0) as u64);
         });
+        if let Some(log) = &self.log {
+            log.set(format!("{}{}", self.bar.prefix(), in_words(&stage)));
+        }
         *last = Some(stage);
     }
 
@@ -64,6 +84,9 @@ impl ProgressLine {
 
     /// Removes the line for good, before results are written to the same terminal.
     pub(crate) fn end(&self) {
+        if let Some(log) = &self.log {
+            log.end();
+        }
         if let Ok(mut watch) = self.watch.lock()
             && let Some((ended, thread)) = watch.take()
         {
@@ -72,6 +95,15 @@ impl ProgressLine {
             let _ = thread.join();
             self.bar.finish_and_clear();
         }
+    }
+}
+
+/// A stage and its progress as text.
+fn in_words(stage: &Stage) -> String {
+    match stage {
+        Stage { name, done, of: Some(of), unit } => format!("{name}: {done} of {of} {unit}").trim_end().to_owned(),
+        Stage { name, of: None, unit: "", .. } => (*name).to_owned(),
+        Stage { name, done, of: None, unit } => format!("{name}: {done} {unit}"),
     }
 }
 
@@ -108,5 +140,43 @@ fn watch(bar: &ProgressBar) -> (Sender<()>, JoinHandle<()>) {
 impl Drop for ProgressLine {
     fn drop(&mut self) {
         self.end();
+    }
+}
+
+/// Lines about a search on standard error that is no terminal, such as the log of a build.
+struct ProgressLog {
+    /// The text of the next line.
+    next: Arc<Mutex<String>>,
+    /// The thread that prints, until the sender is dropped.
+    thread: Mutex<Option<(Sender<()>, JoinHandle<()>)>>,
+}
+
+impl ProgressLog {
+    fn start() -> ProgressLog {
+        let next = Arc::new(Mutex::new(String::new()));
+        let (ended, end) = mpsc::channel();
+        let (text, begun) = (next.clone(), Instant::now());
+        let thread = thread::spawn(move || {
+            while end.recv_timeout(LOG_INTERVAL) == Err(RecvTimeoutError::Timeout) {
+                let Ok(text) = text.lock().map(|text| text.clone()) else { return };
+                failure::tell(&format_args!("{} s: {text}", begun.elapsed().as_secs()));
+            }
+        });
+        ProgressLog { next, thread: Mutex::new(Some((ended, thread))) }
+    }
+
+    fn set(&self, text: String) {
+        if let Ok(mut next) = self.next.lock() {
+            *next = text;
+        }
+    }
+
+    fn end(&self) {
+        if let Ok(mut thread) = self.thread.lock()
+            && let Some((ended, thread)) = thread.take()
+        {
+            drop(ended);
+            let _ = thread.join();
+        }
     }
 }

@@ -69,6 +69,8 @@ mod error;
 mod low_rank;
 /// Errors of a film over a grid.
 mod metrics;
+/// The time that a search will take.
+mod estimate;
 /// Residuals of each goal, with derivatives.
 mod objective;
 /// Error against amplitude and against the number of parts.
@@ -106,6 +108,7 @@ mod write_layout;
 
 pub use design_problem::DesignProblem;
 pub use error::DesignError;
+pub use estimate::SearchEstimate;
 pub use metrics::Metrics;
 pub use pareto_front::ParetoFront;
 pub use progress::{Progress, ProgressUpdate, SearchStage, ignore_progress};

@@ -121,6 +121,25 @@ impl PartAssignment {
         all
     }
 
+    /// The assignment in which the two parts of the nearest sizes are merged.
+    pub(crate) fn nearest_merged(&self, turns: bool) -> Option<PartAssignment> {
+        let used = self.used();
+        let mut pairs: Vec<(f64, usize, usize, bool)> = Vec::new();
+        for &from in used.iter().filter(|&&part| !self.parts[part].in_stock) {
+            for into in 0..self.parts.len() {
+                let in_stock = self.parts[into].in_stock;
+                if into == from || (!in_stock && (into < from || !used.contains(&into))) {
+                    continue;
+                }
+                let ([a, b], [c, d]) = (self.parts[from].size, self.parts[into].size);
+                pairs.push(((a - c).hypot(b - d), from, into, false));
+                pairs.push(((a - d).hypot(b - c), from, into, true));
+            }
+        }
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        pairs.into_iter().find_map(|(_, from, into, flip)| Some(self.with_merged(from, into, flip, turns)?.assignment))
+    }
+
     /// The assignment whose tiles of part `from` are made of part `into`. `flip` exchanges their
     /// sides. Where directions may not change, the direction of `into` holds. `None` if symmetry or
     /// stock forbids it.

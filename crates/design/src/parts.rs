@@ -17,7 +17,7 @@ use crate::design_problem::DesignProblem;
 use crate::part_assignment::PartAssignment;
 use crate::pattern::Pattern;
 use crate::progress::{Progress, ProgressUpdate, SearchStage};
-use crate::tolerances::{MOST_STEPS, PARTS_TRIED, TRIAL_STEPS, TRIALS_FINISHED};
+use crate::tolerances::{MOST_STEPS, PARTS_SINGLY, PARTS_TRIED, TRIAL_STEPS, TRIALS_FINISHED};
 
 /// A film whose tiles share parts.
 #[derive(Clone, Debug)]
@@ -67,7 +67,7 @@ pub(crate) fn levels(
     progress: Progress,
 ) -> Vec<FilmOfParts> {
     let assignment = PartAssignment::new(&problem.brief, pattern, candidate);
-    let Some(mut film) = designed(assignment, problem, pattern, MOST_STEPS) else {
+    let Some(mut film) = designed(assignment, problem, pattern, MOST_STEPS, &|| progress(unmerged(candidate))) else {
         return Vec::new();
     };
     let from = film.assignment.free();
@@ -86,17 +86,47 @@ pub(crate) fn levels(
         if progress(update).is_break() {
             return levels;
         }
+        let still = || progress(update);
+        if left > PARTS_SINGLY {
+            let aim = (left - left / 4).max(PARTS_SINGLY).max(free_parts);
+            let assignment = with_nearest_merged(film.assignment.clone(), aim, problem.brief.vary.direction);
+            match designed(assignment, problem, &film.pattern, MOST_STEPS, &still) {
+                Some(next) if next.assignment.free() < left => film = next,
+                _ => return levels,
+            }
+            continue;
+        }
         let mut merged = film.assignment.merged(problem.brief.vary.direction);
         if left > PARTS_TRIED {
             merged.sort_by(|a, b| a.distance.total_cmp(&b.distance));
             merged.truncate(TRIALS_FINISHED);
         }
-        match best_of(problem, &film.pattern, merged.into_iter().map(|m| m.assignment).collect()) {
+        match best_of(problem, &film.pattern, merged.into_iter().map(|m| m.assignment).collect(), &still) {
             Some(next) => film = next,
             None => return levels,
         }
     }
 }
+
+/// The assignment with its nearest parts merged, pair after pair, until `aim` parts are left that are
+/// not in stock.
+fn with_nearest_merged(mut assignment: PartAssignment, aim: usize, turns: bool) -> PartAssignment {
+    while assignment.free() > aim {
+        match assignment.nearest_merged(turns) {
+            Some(merged) => assignment = merged,
+            None => break,
+        }
+    }
+    assignment
+}
+
+/// The progress before the first merger.
+fn unmerged(candidate: &Candidate) -> ProgressUpdate {
+    ProgressUpdate { stage: SearchStage::Parts(0), done: 0, of: 0, best: Some(candidate.root_mean_square()) }
+}
+
+/// Asked in the course of a descent whether to go on.
+type StillWanted<'a> = &'a (dyn Fn() -> ControlFlow<()> + Sync);
 
 /// Moves single tiles to other parts as long as that makes the film better.
 fn regrouped(problem: &DesignProblem, film: &FilmOfParts, progress: Progress) -> Option<FilmOfParts> {
@@ -106,7 +136,8 @@ fn regrouped(problem: &DesignProblem, film: &FilmOfParts, progress: Progress) ->
         if now.assignment.placed.len() > PARTS_TRIED || progress(now.update(0, 0)).is_break() {
             return best;
         }
-        let next = best_of(problem, &now.pattern, now.assignment.with_one_exchanged(problem.brief.vary.direction))?;
+        let exchanged = now.assignment.with_one_exchanged(problem.brief.vary.direction);
+        let Some(next) = best_of(problem, &now.pattern, exchanged, &|| progress(now.update(0, 0))) else { return best };
         if next.candidate.merit() >= 0.999 * now.candidate.merit() {
             return best;
         }
@@ -115,17 +146,22 @@ fn regrouped(problem: &DesignProblem, film: &FilmOfParts, progress: Progress) ->
 }
 
 /// Tries all assignments for a few steps, and finishes the best of them.
-fn best_of(problem: &DesignProblem, pattern: &Pattern, assignments: Vec<PartAssignment>) -> Option<FilmOfParts> {
+fn best_of(
+    problem: &DesignProblem,
+    pattern: &Pattern,
+    assignments: Vec<PartAssignment>,
+    still: StillWanted,
+) -> Option<FilmOfParts> {
     let mut tried: Vec<FilmOfParts> = assignments
         .into_par_iter()
-        .filter_map(|assignment| designed(assignment, problem, pattern, TRIAL_STEPS))
+        .filter_map(|assignment| designed(assignment, problem, pattern, TRIAL_STEPS, still))
         .collect();
     tried.sort_by(|a, b| a.candidate.merit().total_cmp(&b.candidate.merit()));
     tried.truncate(TRIALS_FINISHED);
     let finished: Vec<FilmOfParts> = tried
         .into_par_iter()
         .filter_map(|film| {
-            let go_on = &mut |_: &Candidate| ControlFlow::Continue(());
+            let go_on = &mut |_: &Candidate| still();
             let candidate =
                 problem.least_squares.descend(&film.pattern, film.candidate.variables, MOST_STEPS, go_on)?;
             let assignment = film.assignment.updated(&film.pattern, &candidate);
@@ -137,10 +173,16 @@ fn best_of(problem: &DesignProblem, pattern: &Pattern, assignments: Vec<PartAssi
 
 /// The film of an assignment, with the sizes of parts and the positions of tiles free, after at
 /// most `steps` steps.
-fn designed(assignment: PartAssignment, problem: &DesignProblem, like: &Pattern, steps: usize) -> Option<FilmOfParts> {
+fn designed(
+    assignment: PartAssignment,
+    problem: &DesignProblem,
+    like: &Pattern,
+    steps: usize,
+    still: StillWanted,
+) -> Option<FilmOfParts> {
     let pattern = assignment.pattern(problem.brief.vary, like);
     let start = problem.least_squares.nearest(&pattern, &pattern.start).ok()?;
-    let go_on = &mut |_: &Candidate| ControlFlow::Continue(());
+    let go_on = &mut |_: &Candidate| still();
     let candidate = problem.least_squares.descend(&pattern, start, steps, go_on)?;
     Some(FilmOfParts { assignment: assignment.updated(&pattern, &candidate), pattern, candidate })
 }

@@ -1,6 +1,5 @@
 //! The search for a film: several starts, strengths in stock, fewer parts if asked for, rounding.
 
-use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use magsplice_decouple::PerParameter;
@@ -125,7 +124,7 @@ impl DesignProblem<'_> {
             }
             rounds += 1;
             self.least_squares.least_amplitude = self.least_squares.least_amplitude.map(|least| least + 1.1 * short);
-            let go_on = &mut |_: &Candidate| ControlFlow::Continue(());
+            let go_on = &mut |_: &Candidate| progress(update);
             candidate = self
                 .least_squares
                 .descend(pattern, candidate.variables, MOST_STEPS, go_on)

@@ -1,8 +1,6 @@
 //! Strengths in stock: the strengths of a film are replaced by strengths in stock, one after the
 //! other.
 
-use std::ops::ControlFlow;
-
 use crate::affine::Affine;
 use crate::descent::Candidate;
 use crate::design_problem::DesignProblem;
@@ -36,7 +34,7 @@ pub(crate) fn fix_to_stock(
         candidate = problem.least_squares.candidate_at(&pattern, variables).unwrap_or(candidate);
         // After a stop the remaining strengths are fixed without further descents.
         if flow.is_continue() {
-            let go_on = &mut |_: &Candidate| ControlFlow::Continue(());
+            let go_on = &mut |_: &Candidate| progress(ProgressUpdate { stage: SearchStage::Strengths, done, of, best });
             let better = problem.least_squares.descend(&pattern, candidate.variables.clone(), MOST_STEPS, go_on);
             candidate = better.unwrap_or(candidate);
         }

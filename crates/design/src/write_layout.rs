@@ -63,7 +63,7 @@ impl DesignProblem<'_> {
             self.brief.seed,
             errors(&result.before),
             errors(&result.after)
-        )
+        ) + if result.interrupted { "; interrupted, the best film found until then" } else { "" }
     }
 }
 

@@ -14,7 +14,7 @@ pub(crate) fn run(args: &DesignArgs, quiet: bool) -> Result<u8, Failure> {
     let layout = remarks::read_layout(&args.layout, remarks::OF_DESIGNS, quiet, &progress)?;
     progress.end();
     if args.front {
-        return front::run(args, &layout, quiet).map(|()| 0);
+        return front::run(args, &layout, quiet);
     }
     let failed = |error| Failure::Design { place: args.layout.display().to_string(), error };
     let problem = DesignProblem::new(&layout).map_err(failed)?;

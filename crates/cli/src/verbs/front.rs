@@ -1,5 +1,7 @@
 //! `magsplice design --front`: searches the films of a trade-off.
 
+use std::sync::atomic::Ordering;
+
 use magsplice::design::{DesignProblem, ParetoFront};
 use magsplice::layout::Layout;
 
@@ -13,7 +15,7 @@ use crate::output::folder::Folder;
 use crate::progress::ProgressLine;
 use crate::{interrupt, json, text};
 
-pub(crate) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<(), Failure> {
+pub(crate) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<u8, Failure> {
     let failed = |error| Failure::Design { place: args.layout.display().to_string(), error };
     let problem = DesignProblem::new(layout).map_err(failed)?;
     let output = args
@@ -21,9 +23,9 @@ pub(crate) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<(),
         .as_deref()
         .ok_or_else(|| Failure::Format("--front writes a folder: name one with -o DIR".to_owned()))?;
     let mut folder = Folder::open(output, "design --front", &[&args.layout])?;
+    let stop = interrupt::defer();
     let front = {
-        let progress = ProgressLine::start(!quiet);
-        let stop = interrupt::defer();
+        let progress = ProgressLine::start_search(!quiet);
         problem.pareto_front(&args.amplitudes, &|update| show(&progress, stop, update)).map_err(failed)?
     };
     // A film that misses its amplitude is not on the front.
@@ -58,7 +60,13 @@ pub(crate) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<(),
             failure::tell(&format_args!("no film with an amplitude of {least} was found"));
         }
     }
-    Ok(())
+    if stop.load(Ordering::Relaxed) {
+        if !quiet {
+            failure::tell(&"interrupted: these are the best films found so far");
+        }
+        return Ok(interrupt::INTERRUPTED);
+    }
+    Ok(0)
 }
 
 #[cfg(not(feature = "report"))]

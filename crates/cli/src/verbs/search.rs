@@ -4,14 +4,20 @@ use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
+use indicatif::HumanDuration;
 use magsplice::Stage;
-use magsplice::design::{DesignError, DesignProblem, ProgressUpdate, SearchResult, SearchStage};
+use magsplice::design::{
+    DesignError, DesignProblem, ProgressUpdate, SearchEstimate, SearchResult, SearchStage,
+};
 use magsplice::layout::Layout;
 
 use crate::args::formats::TextOrJson;
 use crate::failure::{self, Failure};
 use crate::output::destination::{Output, print};
+use crate::text::number::counted;
+use crate::interrupt::INTERRUPTED;
 use crate::progress::ProgressLine;
 use crate::{interrupt, json, text};
 
@@ -20,9 +26,30 @@ pub(crate) const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION")
 
 /// Searches for a film and shows the progress. Ctrl-C ends the search with the best film so far.
 pub(crate) fn search(problem: &DesignProblem, quiet: bool) -> Result<SearchResult, DesignError> {
-    let progress = ProgressLine::start(!quiet);
     let stop = interrupt::defer();
+    if !quiet {
+        announce(&problem.estimate(rayon::current_num_threads())?);
+    }
+    let progress = ProgressLine::start_search(!quiet);
     problem.search(&|update| show(&progress, stop, update))
+}
+
+/// Searches that take longer than this are announced with their size.
+const LONG: Duration = Duration::from_secs(10);
+
+/// Tells the size of a long search and how long it will take.
+fn announce(estimate: &SearchEstimate) {
+    let SearchEstimate { tiles, variables, starts, step, total } = *estimate;
+    if total >= LONG {
+        failure::tell(&format_args!(
+            "{}, {}, {}: about {}, estimated from the first step, which took {:.2} s",
+            counted(tiles, "tile", "tiles"),
+            counted(variables, "free number", "free numbers"),
+            counted(starts, "start", "starts"),
+            HumanDuration(total),
+            step.as_secs_f64()
+        ));
+    }
 }
 
 /// Shows the progress of a search, and ends the search if `stop` is set.
@@ -45,7 +72,7 @@ pub(crate) fn show(progress: &ProgressLine, stop: &AtomicBool, update: ProgressU
 /// Writes the layout of the film to `output`, and prints a summary: on standard output if the
 /// layout went to a file, else on standard error.
 ///
-/// Returns exit status 1 if the film misses a requirement.
+/// Returns exit status 130 if the search was interrupted, and 1 if the film misses a requirement.
 pub(crate) fn finish(
     problem: &DesignProblem,
     result: &SearchResult,
@@ -68,8 +95,11 @@ pub(crate) fn finish(
     } else if !quiet {
         let _ = std::io::stderr().write_all(summary.as_bytes());
     }
-    if result.interrupted && !quiet {
-        failure::tell(&"interrupted: this is the best film found so far");
+    if result.interrupted {
+        if !quiet {
+            failure::tell(&"interrupted: this is the best film found so far");
+        }
+        return Ok(INTERRUPTED);
     }
     Ok(u8::from(!result.short_of.is_empty()))
 }

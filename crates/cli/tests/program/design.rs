@@ -162,35 +162,70 @@ fn splice_finds_a_film() {
         .refuses_arguments("two lengths with an x between them");
 }
 
-/// The first Ctrl-C ends the search, and the program writes its result.
+/// The first Ctrl-C ends the search, and the program writes its result. Before, a search that is not
+/// on a terminal says how long it takes, and every ten seconds how far it is.
 #[cfg(unix)]
 #[test]
-fn interrupted_search_writes_its_best_film() {
+fn long_search_is_announced_and_logged_and_interrupted_with_its_best_film() {
     let sandbox = Sandbox::new();
-    sandbox.write(
-        "film.toml",
-        &film("vary = [\"size\", \"position\", \"direction\"]\nsmallest_cut_mm = 0.8\nstarts = 10000\n"),
-    );
-    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_magsplice"))
+    let mut program = long_search(&sandbox);
+    let mut said = String::new();
+    let mut lines = std::io::BufReader::new(program.stderr.take().expect("a pipe"));
+    let begun = std::time::Instant::now();
+    while !said.contains(" s: ") {
+        let length = std::io::BufRead::read_line(&mut lines, &mut said).expect("UTF-8");
+        assert!(length > 0, "the search ended: {said}");
+    }
+    assert!(begun.elapsed() >= std::time::Duration::from_secs(9), "{said}");
+    let announced = "56 tiles, 280 free numbers, 10000 starts: about ";
+    assert!(said.starts_with(&format!("magsplice: {announced}")), "{said}");
+    assert!(said.contains(", estimated from the first step, which took "), "{said}");
+    assert!(said.contains("best error ") && said.contains("searching: ") && said.contains(" of 10000 starts"), "{said}");
+    send_interrupt(&program);
+    assert_eq!(program.wait().expect("it ends").code(), Some(130));
+    std::io::Read::read_to_string(&mut lines, &mut said).expect("UTF-8");
+    assert!(said.contains("interrupted: this is the best film found so far"), "{said}");
+    assert_eq!(sandbox.run(&["check", "better.toml"]).status, 0);
+    assert!(sandbox.read("better.toml").contains("; interrupted, the best film found until then"));
+    assert_eq!(sandbox.files(), ["better.toml", "film.toml"]);
+}
+
+/// The second Ctrl-C ends the program at once, and nothing is written.
+#[cfg(unix)]
+#[test]
+fn second_interruption_ends_at_once_without_a_file() {
+    let sandbox = Sandbox::new();
+    let mut program = long_search(&sandbox);
+    // The temporary file appears when the search begins.
+    while sandbox.files().len() < 2 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    // A second signal that comes before the handler has seen the first is lost.
+    while program.try_wait().expect("it runs").is_none() {
+        send_interrupt(&program);
+        std::thread::sleep(std::time::Duration::from_millis(3));
+    }
+    assert_eq!(program.wait().expect("it ends").code(), Some(130));
+    assert_eq!(sandbox.files(), ["film.toml"]);
+}
+
+/// A search of ten thousand starts with 280 free numbers, which takes hours.
+#[cfg(unix)]
+fn long_search(sandbox: &Sandbox) -> std::process::Child {
+    let design = "vary = [\"size\", \"position\", \"direction\"]\nsmallest_cut_mm = 0.8\nstarts = 10000\n";
+    sandbox.write("film.toml", &film(design));
+    std::process::Command::new(env!("CARGO_BIN_EXE_magsplice"))
         .args(["design", "film.toml", "-o", "better.toml"])
         .current_dir(sandbox.path("."))
         .stdout(std::process::Stdio::null())
         .stderr(std::process::Stdio::piped())
         .spawn()
-        .expect("it starts");
-    // Ten thousand starts of 280 free numbers take hours. The temporary file appears when the search
-    // begins.
-    while sandbox.files().len() < 2 {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    std::thread::sleep(std::time::Duration::from_millis(1500));
-    let killed =
-        std::process::Command::new("kill").args(["-INT", &program.id().to_string()]).status().expect("kill runs");
-    assert!(killed.success());
-    assert_eq!(program.wait().expect("it ends").code(), Some(0));
-    let mut said = String::new();
-    std::io::Read::read_to_string(&mut program.stderr.take().expect("a pipe"), &mut said).expect("UTF-8");
-    assert!(said.contains("interrupted: this is the best film found so far"), "{said}");
-    assert_eq!(sandbox.run(&["check", "better.toml"]).status, 0);
-    assert_eq!(sandbox.files(), ["better.toml", "film.toml"]);
+        .expect("it starts")
+}
+
+#[cfg(unix)]
+fn send_interrupt(program: &std::process::Child) {
+    let sent = std::process::Command::new("kill").args(["-INT", &program.id().to_string()]).status();
+    assert!(sent.expect("kill runs").success());
 }
