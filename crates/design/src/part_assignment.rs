@@ -4,11 +4,11 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::DVec3;
-use magsplice_layout::{Brief, StockPart, Variables};
+use magsplice_layout::{Brief, StockPart, Variables, direction_from_degrees};
 
 use crate::affine::Affine;
 use crate::descent::Candidate;
-use crate::pattern::{Pattern, VariableKind, VariableTile, unit_vector};
+use crate::pattern::{Pattern, VariableKind, VariableTile};
 use crate::symmetry::{Orbit, SymmetryOperation};
 use crate::tolerances::SAME_TILE;
 
@@ -290,7 +290,7 @@ impl PartAssignment {
                 direction: placed.orientation.apply_to_angle(angle),
                 tilt: Affine::constant(0.0),
                 strength: strength.clone(),
-                unit: placed.orientation.apply(unit_vector([in_degrees, 0.0])),
+                unit: placed.orientation.apply(direction_from_degrees([in_degrees, 0.0])),
                 original: variable_tile.original,
             });
         }
@@ -334,7 +334,7 @@ fn part_of(orbit: &Orbit, size: DVec3, j: DVec3) -> (DistinctPart, SymmetryOpera
 
 /// A part in stock, with its polarization within the first right angle.
 fn part_in_stock(stock: &StockPart, strength: f64) -> DistinctPart {
-    let direction = unit_vector([stock.direction_deg, 0.0]).abs();
+    let direction = direction_from_degrees([stock.direction_deg, 0.0]).abs();
     let angle = direction.y.atan2(direction.x);
     let [first, second] = stock.size_mm;
     let near = |a: f64, b: f64| (a - b).abs() <= SAME_TILE;

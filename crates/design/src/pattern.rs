@@ -252,20 +252,6 @@ impl PatternBuilder {
     }
 }
 
-/// The unit vector at these angles. It lies exactly along an axis where the angles are multiples of
-/// 90 degrees.
-pub(crate) fn unit_vector([direction_deg, tilt_deg]: [f64; 2]) -> DVec3 {
-    let [(along, across), (plane, height)] = [direction_deg, tilt_deg].map(|angle| {
-        let quarters = angle / 90.0;
-        if quarters == quarters.round() {
-            [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][quarters.rem_euclid(4.0) as usize]
-        } else {
-            (angle.to_radians().cos(), angle.to_radians().sin())
-        }
-    });
-    DVec3::new(plane * along, plane * across, height)
-}
-
 /// The same angle within half a turn of zero.
 pub(crate) fn half_turn(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()

@@ -3,11 +3,12 @@
 use std::cmp::Ordering;
 
 use glam::DVec3;
+use magsplice_layout::{direction_from_degrees, ten_decimals as decimal};
 use magsplice_magnet::Tile;
 
 use crate::descent::LeastSquares;
 use crate::design_problem::DesignProblem;
-use crate::pattern::{Pattern, VariableKind, VariableTile, image, unit_vector};
+use crate::pattern::{Pattern, VariableKind, VariableTile, angles, image};
 use crate::rules::LinearRule;
 use crate::tolerances::{KEPT_MM, ROUNDINGS};
 
@@ -227,23 +228,29 @@ fn tile(variable_tile: &VariableTile, variables: &[f64]) -> Option<Tile> {
     let j = if free_angle {
         let in_degrees =
             [&variable_tile.direction, &variable_tile.tilt].map(|angle| decimal(angle.eval(variables).to_degrees()));
-        decimal(variable_tile.strength.eval(variables)) * unit_vector(in_degrees)
+        decimal(variable_tile.strength.eval(variables)) * direction_from_degrees(in_degrees)
     } else if variable_tile.strength.terms.is_empty() {
-        variable_tile.polarization_t(variables)
+        short_form(variable_tile.polarization_t(variables))
     } else {
         decimal(variable_tile.strength.eval(variables)) * variable_tile.unit
     };
     Tile::new(position, size, j).ok()?.rotated(variable_tile.original.rotation()).ok()
 }
 
+/// The polarization that a strength and angles of ten decimals give, if it differs by round-off only:
+/// this one is written in the layout. Else the polarization itself.
+fn short_form(j: DVec3) -> DVec3 {
+    let in_degrees = angles(j).map(|angle| decimal(angle.to_degrees()));
+    let short = decimal(j.length()) * direction_from_degrees(in_degrees);
+    if short.distance(j) <= ROUND_OFF * j.length() { short } else { j }
+}
+
+/// Round-off of a polarization: a few units in the last place.
+const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
+
 /// The nearest multiple of `step`.
 fn to_multiple(value: f64, step: f64) -> f64 {
     (value / step).round() * step
-}
-
-/// The same number rounded to ten decimals, which removes round-off: 0.1 + 0.2 becomes 0.3.
-fn decimal(value: f64) -> f64 {
-    format!("{value:.10}").parse::<f64>().unwrap_or(value) + 0.0
 }
 
 #[cfg(test)]

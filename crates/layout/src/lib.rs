@@ -31,6 +31,8 @@
 
 /// The design brief: what a search may change, and its goal.
 mod brief;
+/// A layout to text for people: kinds, mirror images, one line for each tile.
+mod compact;
 /// Errors of reading a layout.
 mod error;
 /// Requirements on a film.
@@ -55,7 +57,7 @@ mod rotation;
 mod schema;
 /// The TOML tables as written.
 mod tables;
-/// Degrees to quaternions, and why lengths need no conversion.
+/// Degrees to quaternions and directions, and why lengths need no conversion.
 mod units;
 /// A layout to tables and text.
 mod write;
@@ -74,6 +76,7 @@ pub use plausible::{
 pub use read::is_layout;
 pub use rotation::{EulerOrder, InvalidEulerOrder, ORTHOGONALITY_TOLERANCE, Rotation, RotationFault, RotationFaults};
 pub use schema::schema;
+pub use units::{direction_from_degrees, ten_decimals};
 pub use write::PlainLayout;
 
 /// A layout file with a comment on every key, as `magsplice init` writes it.

@@ -1,6 +1,8 @@
 //! Units. Lengths in millimetres and polarizations in tesla pass through unchanged, because the
 //! field depends on ratios of lengths only. Rotation angles in degrees become quaternions here.
 
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
+
 use glam::{DQuat, DVec3};
 
 /// The rotation by `angle_deg` degrees, right-handed, about a unit vector.
@@ -20,9 +22,62 @@ pub(crate) fn unit_vector(vector: [f64; 3]) -> Option<DVec3> {
     (vector.is_finite() && largest > 0.0).then(|| (vector / largest).normalize())
 }
 
+/// The unit vector at an angle in the xy plane, from x towards y, and an angle out of it towards z,
+/// both in degrees.
+///
+/// It lies exactly along an axis where the angles are multiples of 90 degrees. Angles that are mirror
+/// images of each other in an axis or in a diagonal give vectors that are so to the last digit, if
+/// the angles have at most ten decimals.
+pub fn direction_from_degrees([direction_deg, tilt_deg]: [f64; 2]) -> DVec3 {
+    let [(along, across), (plane, height)] = [direction_deg, tilt_deg].map(cos_sin);
+    DVec3::new(plane * along, plane * across, height)
+}
+
+/// Cosine and sine, from an angle within half a right angle.
+fn cos_sin(angle_deg: f64) -> (f64, f64) {
+    let turn = angle_deg % 360.0;
+    let quarters = (turn / 90.0).round();
+    // Ten decimals remove the round-off of the difference.
+    let rest = ten_decimals(turn - 90.0 * quarters).to_radians();
+    // Half a right angle has one digit for both, which two functions need not give.
+    let (cos, sin) = match rest.abs() == FRAC_PI_4 {
+        true => (FRAC_1_SQRT_2, FRAC_1_SQRT_2.copysign(rest)),
+        false => (rest.cos(), rest.sin()),
+    };
+    match quarters.rem_euclid(4.0) as u8 {
+        0 => (cos, sin),
+        1 => (-sin, cos),
+        2 => (-cos, -sin),
+        _ => (sin, -cos),
+    }
+}
+
+/// The number rounded to ten decimals, which removes round-off: 0.1 + 0.2 becomes 0.3. Negative zero
+/// becomes zero.
+pub fn ten_decimals(value: f64) -> f64 {
+    format!("{value:.10}").parse::<f64>().unwrap_or(value) + 0.0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn directions_keep_symmetry_to_the_last_digit() {
+        assert_eq!(direction_from_degrees([450.0, 0.0]), DVec3::Y);
+        assert_eq!(direction_from_degrees([12.0, -90.0]), -DVec3::Z);
+        assert_eq!(direction_from_degrees([45.0, 0.0]).x, direction_from_degrees([45.0, 0.0]).y);
+        for angle in [0.01, 12.34, 39.27, 44.99, 50.73, 89.99] {
+            let v = direction_from_degrees([angle, 0.0]);
+            let (sin, cos) = f64::to_radians(angle).sin_cos();
+            assert!((v - DVec3::new(cos, sin, 0.0)).length() < 1e-15, "{angle}: {v}");
+            let image = |degrees: f64| direction_from_degrees([ten_decimals(degrees), 0.0]);
+            assert_eq!(image(90.0 - angle), DVec3::new(v.y, v.x, 0.0));
+            assert_eq!(image(180.0 - angle), DVec3::new(-v.x, v.y, 0.0));
+            assert_eq!(image(-angle), DVec3::new(v.x, -v.y, 0.0));
+            assert_eq!(image(angle - 180.0), DVec3::new(-v.x, -v.y, 0.0));
+        }
+    }
 
     #[test]
     fn rotations_are_right_handed_and_reduced_to_a_turn() {

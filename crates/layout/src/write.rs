@@ -74,7 +74,7 @@ pub struct PlainLayout<'a> {
     tile: Vec<TileTable>,
 }
 
-fn volume_table(volume: &WorkingVolume) -> VolumeTable {
+pub(crate) fn volume_table(volume: &WorkingVolume) -> VolumeTable {
     let range = |axis: usize| [volume.lower_mm[axis], volume.upper_mm[axis]];
     let step = volume.step_mm;
     let same = step.x == step.y && step.x == step.z;
@@ -87,7 +87,7 @@ fn volume_table(volume: &WorkingVolume) -> VolumeTable {
     }
 }
 
-fn expect_table(expectations: &Expectations) -> Option<ExpectTable> {
+pub(crate) fn expect_table(expectations: &Expectations) -> Option<ExpectTable> {
     let [r_x, r_y, s_z] = expectations.uniformity_rmse;
     let [x, y, z] = expectations.displacement_rmse_mm;
     let at_least = |min: Option<f64>| min.map(|min| LowerBound { min });
@@ -104,7 +104,7 @@ fn expect_table(expectations: &Expectations) -> Option<ExpectTable> {
     })
 }
 
-fn design_table(brief: &Brief) -> DesignTable {
+pub(crate) fn design_table(brief: &Brief) -> DesignTable {
     let Variables { size, position, cut, thickness, direction, tilt, strength } = brief.vary;
     let variables = [
         (size, Variable::Size),
@@ -150,6 +150,9 @@ fn tile_table(named: &NamedTile) -> TileTable {
         strength_t: None,
         direction: None,
         rotation: named.rotation.map(Into::into),
+        direction_deg: None,
+        tilt_deg: None,
+        rotation: named.rotation,
         grid: None,
         mirror: None,
     }

@@ -8,17 +8,15 @@ use std::time::Duration;
 
 use indicatif::HumanDuration;
 use magsplice::Stage;
-use magsplice::design::{
-    DesignError, DesignProblem, ProgressUpdate, SearchEstimate, SearchResult, SearchStage,
-};
+use magsplice::design::{DesignError, DesignProblem, ProgressUpdate, SearchEstimate, SearchResult, SearchStage};
 use magsplice::layout::Layout;
 
 use crate::args::formats::TextOrJson;
 use crate::failure::{self, Failure};
-use crate::output::destination::{Output, print};
-use crate::text::number::counted;
 use crate::interrupt::INTERRUPTED;
+use crate::output::destination::{Output, print};
 use crate::progress::ProgressLine;
+use crate::text::number::counted;
 use crate::{interrupt, json, text};
 
 /// Name and version of the program in the history of layouts.
@@ -106,7 +104,7 @@ pub(crate) fn finish(
 
 /// The layout file of a film that was found. Refuses a film that breaks a rule of layouts.
 pub(crate) fn layout_text(problem: &DesignProblem, result: &SearchResult, verb: &str) -> Result<String, Failure> {
-    let text = problem.designed_layout(result, &format!("{PROGRAM} {verb}")).to_toml();
+    let text = problem.designed_layout(result, &format!("{PROGRAM} {verb}")).to_compact_toml();
     Layout::parse(&text, "the film found")?;
     Ok(text)
 }

@@ -151,6 +151,18 @@ fn splice_finds_a_film() {
     assert_eq!(said.status, 0, "{}{}", said.stdout, said.stderr);
     let checked = sandbox.run(&["check", "film.toml"]);
     assert_eq!(checked.status, 0, "{}", checked.stdout);
+    // The layout is short: one line for each of nine tiles, whose images are the other 47, and angles
+    // with as many digits as were asked for.
+    let text = sandbox.read("film.toml");
+    let lines: Vec<&str> = text.lines().filter(|line| line.contains("position_mm")).collect();
+    assert!((9..=20).contains(&lines.len()) && text.lines().count() < 90, "{text}");
+    for line in lines {
+        assert!(!line.contains("polarization_t") && line.contains("direction_deg = "), "{line}");
+        let (_, angle) = line.split_once("direction_deg = ").expect("an angle");
+        let angle = angle.split([',', ' ']).next().expect("a number");
+        assert!(angle.split_once('.').is_some_and(|(_, decimals)| decimals.len() <= 2), "{line}");
+    }
+    assert!(text.contains("mirror = { axes = [\"x\", \"y\"] }"), "{text}");
     let found = sandbox.run(&["decouple", "film.toml", "--format", "json"]);
     let found: serde_json::Value = serde_json::from_str(&found.stdout).expect("JSON");
     assert!(found["displacement_rmse_mm"]["x"].as_f64().expect("a number") < 0.002, "{found}");
@@ -180,7 +192,10 @@ fn long_search_is_announced_and_logged_and_interrupted_with_its_best_film() {
     let announced = "56 tiles, 280 free numbers, 10000 starts: about ";
     assert!(said.starts_with(&format!("magsplice: {announced}")), "{said}");
     assert!(said.contains(", estimated from the first step, which took "), "{said}");
-    assert!(said.contains("best error ") && said.contains("searching: ") && said.contains(" of 10000 starts"), "{said}");
+    assert!(
+        said.contains("best error ") && said.contains("searching: ") && said.contains(" of 10000 starts"),
+        "{said}"
+    );
     send_interrupt(&program);
     assert_eq!(program.wait().expect("it ends").code(), Some(130));
     std::io::Read::read_to_string(&mut lines, &mut said).expect("UTF-8");

@@ -15,6 +15,7 @@ use crate::read::strength_rules::{check_polarization, check_strength};
 use crate::read::tile_rules::checked_tile;
 use crate::tables::tile::{KindTable, TileTable};
 use crate::units::unit_vector;
+use crate::units::{direction_from_degrees, rotation_from_degrees, unit_vector};
 
 /// Checks a kind by itself, so that its faults are not repeated for every tile that names it.
 pub(crate) fn check_kind(kind: &KindTable, faults: &mut TableFaults) {
@@ -109,20 +110,16 @@ fn polarization(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableF
     check_strength(table.strength_t, faults);
     check_polarization(table.polarization_t, faults);
     match (table.polarization_t.or(kind_polarization), table.strength_t.or(kind_strength), table.direction) {
+    let direction = direction(table, faults)?;
+    match (table.polarization_t.or(kind_polarization), table.strength_t.or(kind_strength), direction) {
         (Some(polarization), _, None) => Some(polarization.into()),
         (Some(_), _, Some(_)) => {
             faults.add("gives a direction, which goes with strength_t and not with polarization_t");
             None
         }
-        (None, Some(strength), Some(direction)) => {
-            let unit = unit_vector(direction);
-            if unit.is_none() {
-                faults.add(format!("direction = {direction:?}, must be finite and not zero"));
-            }
-            Some(unit? * strength)
-        }
+        (None, Some(strength), Some(unit)) => Some(unit * strength),
         (None, Some(_), None) => {
-            faults.add("has a strength_t and no direction");
+            faults.add("has a strength_t and no direction or direction_deg");
             None
         }
         (None, None, _) => {
@@ -130,4 +127,44 @@ fn polarization(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableF
             None
         }
     }
+}
+
+/// The direction as a unit vector. The outer option is `None` after adding a fault, the inner one
+/// where the tile gives no direction.
+fn direction(table: &TileTable, faults: &mut TableFaults) -> Option<Option<DVec3>> {
+    if table.direction.is_some() && table.direction_deg.is_some() {
+        faults.add("gives both direction and direction_deg, must give only one of them");
+        return None;
+    }
+    if table.tilt_deg.is_some() && table.direction_deg.is_none() {
+        faults.add("gives a tilt_deg, which goes with direction_deg");
+        return None;
+    }
+    if let Some(direction) = table.direction {
+        let unit = unit_vector(direction);
+        if unit.is_none() {
+            faults.add(format!("direction = {direction:?}, must be finite and not zero"));
+        }
+        return unit.map(Some);
+    }
+    let Some(direction_deg) = table.direction_deg else { return Some(None) };
+    let angles = [("direction_deg", direction_deg), ("tilt_deg", table.tilt_deg.unwrap_or(0.0))];
+    let wrong = angles.iter().find(|(_, angle)| !angle.is_finite());
+    if let Some((key, angle)) = wrong {
+        faults.add(format!("{key} = {angle}, must be a finite number"));
+        return None;
+    }
+    Some(Some(direction_from_degrees(angles.map(|(_, angle)| angle))))
+}
+
+fn quaternion(rotation: Rotation, faults: &mut TableFaults) -> Option<DQuat> {
+    let axis = unit_vector(rotation.axis);
+    if axis.is_none() {
+        faults.add(format!("rotation.axis = {:?}, must be finite and not zero", rotation.axis));
+    }
+    if !rotation.angle_deg.is_finite() {
+        faults.add(format!("rotation.angle_deg = {}, must be a finite number", rotation.angle_deg));
+        return None;
+    }
+    Some(rotation_from_degrees(axis?, rotation.angle_deg))
 }

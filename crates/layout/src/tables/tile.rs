@@ -42,6 +42,14 @@ pub(crate) struct TileTable {
     /// Direction of the polarization in the tile's own frame, a vector of any length but zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) direction: Option<[f64; 3]>,
+    /// Angle of the polarization in the tile's own xy plane, from x towards y, in degrees. Goes with
+    /// strength_t, instead of direction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) direction_deg: Option<f64>,
+    /// Angle of the polarization out of the tile's own xy plane towards z, in degrees. Goes with
+    /// direction_deg. Default: 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) tilt_deg: Option<f64>,
     /// Rotation about the tile's centre.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) rotation: Option<RotationTable>,

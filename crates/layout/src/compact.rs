@@ -1,0 +1,259 @@
+//! Writing a layout compactly: kinds, mirror images, angles in degrees, one line for each tile.
+
+use std::collections::HashMap;
+use std::fmt::Write;
+
+use glam::DVec3;
+use magsplice_magnet::Tile;
+use serde::Serialize;
+
+use crate::layout::{Layout, NamedTile};
+use crate::limits::{FORMAT, MAX_NAME_BYTES};
+use crate::tables::design::DesignTable;
+use crate::tables::expect::ExpectTable;
+use crate::tables::ideal::IdealTable;
+use crate::tables::volume::VolumeTable;
+use crate::units::{direction_from_degrees, ten_decimals};
+use crate::write::{design_table, expect_table, volume_table};
+
+/// The keys before the tiles.
+#[derive(Serialize)]
+struct Head<'a> {
+    format: i64,
+    name: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    description: Option<&'a str>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    history: &'a [String],
+}
+
+/// The tables, which TOML requires after the keys.
+#[derive(Serialize)]
+struct Tables {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ideal: Option<IdealTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    volume: Option<VolumeTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    expect: Option<ExpectTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    design: Option<DesignTable>,
+}
+
+/// Largest number of letters that the suffixes of mirror images add to a name.
+const SUFFIXES: usize = "-mx-my".len();
+
+impl Layout {
+    /// The layout as TOML for people: one line for each tile, without its mirror images at x = 0 and
+    /// y = 0. Sizes and strengths that several lines share become kinds. Polarizations are strengths
+    /// with angles in degrees.
+    ///
+    /// Parsing the text gives the same tiles, number for number, in another order, and mirror images
+    /// have the names of images. Numbers that no short form gives exactly are written in the plain
+    /// form.
+    ///
+    /// # Panics
+    /// If the path of the expected field is not UTF-8, which no layout file can express.
+    ///
+    /// # Example
+    /// ```
+    /// use magsplice_layout::{COMMENTED_LAYOUT, Layout};
+    ///
+    /// let layout = Layout::parse(COMMENTED_LAYOUT, "commented")?;
+    /// let text = layout.to_compact_toml();
+    /// assert_eq!(Layout::parse(&text, "compact")?.tiles.len(), 56);
+    /// assert!(text.lines().count() < 80);
+    /// # Ok::<(), magsplice_layout::LayoutError>(())
+    /// ```
+    pub fn to_compact_toml(&self) -> String {
+        let written = "numbers and strings can always be written as TOML";
+        let Layout { name, description, history, .. } = self;
+        let head = Head { format: FORMAT, name, description: description.as_deref(), history };
+        let tables = Tables {
+            ideal: self.ideal.map(|film| IdealTable {
+                wavelength_mm: film.wavelength(),
+                thickness_mm: film.thickness(),
+                amplitude_t: film.amplitude_t(),
+            }),
+            volume: self.volume.as_ref().map(volume_table),
+            expect: expect_table(&self.expectations),
+            design: self.brief.as_ref().map(design_table),
+        };
+        let mut text = toml::to_string(&head).expect(written);
+        let lines = lines(&self.tiles);
+        let kinds = kinds(&lines);
+        if !kinds.is_empty() {
+            text.push('\n');
+        }
+        for (index, (size_mm, strength_t)) in kinds.iter().enumerate() {
+            let size_mm = numbers(*size_mm);
+            let _ =
+                writeln!(text, "kind.{} = {{ size_mm = {size_mm}, strength_t = {strength_t:?} }}", kind_name(index));
+        }
+        text += "\ntile = [\n";
+        for line in &lines {
+            let _ = writeln!(text, "  {{ {} }},", line.keys(&kinds));
+        }
+        text += "]\n\n";
+        text + &toml::to_string(&tables).expect(written)
+    }
+}
+
+/// A tile and the axes along which it is mirrored.
+struct Line<'a> {
+    named: &'a NamedTile,
+    axes: &'static [usize],
+    /// Strength and the angles in the plane and out of it, in degrees, if they give the polarization
+    /// exactly.
+    angles: Option<(f64, [f64; 2])>,
+}
+
+impl Line<'_> {
+    fn keys(&self, kinds: &[(DVec3, f64)]) -> String {
+        let NamedTile { name, tile, rotation, .. } = self.named;
+        let mut keys = vec![format!("name = {}", toml::Value::String(name.clone()))];
+        let known = self.kind().and_then(|kind| kinds.iter().position(|known| *known == kind));
+        match known {
+            Some(index) => keys.push(format!("kind = \"{}\"", kind_name(index))),
+            None => keys.push(format!("size_mm = {}", numbers(tile.size()))),
+        }
+        keys.push(format!("position_mm = {}", numbers(tile.position())));
+        match self.angles {
+            Some((strength_t, [direction_deg, tilt_deg])) => {
+                if known.is_none() {
+                    keys.push(format!("strength_t = {strength_t:?}"));
+                }
+                keys.push(format!("direction_deg = {direction_deg:?}"));
+                if tilt_deg != 0.0 {
+                    keys.push(format!("tilt_deg = {tilt_deg:?}"));
+                }
+            }
+            None => keys.push(format!("polarization_t = {}", numbers(tile.polarization_t()))),
+        }
+        if let Some(rotation) = rotation {
+            let (axis, angle_deg) = (numbers(rotation.axis.into()), rotation.angle_deg);
+            keys.push(format!("rotation = {{ axis = {axis}, angle_deg = {angle_deg:?} }}"));
+        }
+        match self.axes {
+            [] => {}
+            [0] => keys.push("mirror = { axes = [\"x\"] }".to_owned()),
+            [1] => keys.push("mirror = { axes = [\"y\"] }".to_owned()),
+            _ => keys.push("mirror = { axes = [\"x\", \"y\"] }".to_owned()),
+        }
+        keys.join(", ")
+    }
+
+    /// Size and strength.
+    fn kind(&self) -> Option<(DVec3, f64)> {
+        self.angles.map(|(strength_t, _)| (self.named.tile.size(), strength_t))
+    }
+}
+
+/// The tiles without those that are mirror images of others.
+fn lines(tiles: &[NamedTile]) -> Vec<Line<'_>> {
+    let mut written = vec![false; tiles.len()];
+    // By position, so that images are found without a search among all tiles.
+    let mut by_x: Vec<usize> = (0..tiles.len()).collect();
+    let x = |index: usize| tiles[index].tile.position().x + 0.0;
+    by_x.sort_by(|&a, &b| x(a).total_cmp(&x(b)));
+    let found = |image: &Tile| {
+        let at = image.position().x + 0.0;
+        let first = by_x.partition_point(|&index| x(index) < at);
+        by_x[first..].iter().copied().take_while(|&index| x(index) == at).find(|&index| tiles[index].tile == *image)
+    };
+    let names: HashMap<&str, usize> =
+        tiles.iter().enumerate().map(|(index, named)| (named.name.as_str(), index)).collect();
+    // Tiles at positive coordinates stand for their images.
+    let mut order: Vec<usize> = (0..tiles.len()).collect();
+    let negative = |index: usize| {
+        let p = tiles[index].tile.position();
+        p.x < 0.0 || p.y < 0.0
+    };
+    order.sort_by_key(|&index| negative(index));
+    let mut lines = Vec::new();
+    for index in order {
+        if written[index] {
+            continue;
+        }
+        written[index] = true;
+        let named = &tiles[index];
+        let mut axes: &'static [usize] = &[];
+        for candidate in [&[0, 1][..], &[0], &[1]] {
+            let images =
+                images(&named.tile, candidate).into_iter().map(|image| found(&image?)).collect::<Option<Vec<_>>>();
+            let Some(images) = images else { continue };
+            let mut all = images.clone();
+            all.push(index);
+            all.sort_unstable();
+            all.dedup();
+            // An image takes its name from no other tile.
+            let is_free = |suffix: &&str| {
+                names.get(format!("{}{suffix}", named.name).as_str()).is_none_or(|holder| images.contains(holder))
+            };
+            let fits = named.name.len() + SUFFIXES <= MAX_NAME_BYTES && suffixes(candidate).iter().all(is_free);
+            // Each image is a tile of its own that has not been written.
+            if named.rotation.is_none() && fits && all.len() == images.len() + 1 && images.iter().all(|&i| !written[i])
+            {
+                images.iter().for_each(|&image| written[image] = true);
+                axes = candidate;
+                break;
+            }
+        }
+        lines.push(Line { named, axes, angles: angles(named.tile.polarization_t()) });
+    }
+    lines
+}
+
+/// Endings of the names of the images.
+fn suffixes(axes: &[usize]) -> &'static [&'static str] {
+    match axes {
+        [0] => &["-mx"],
+        [1] => &["-my"],
+        _ => &["-mx", "-my", "-mx-my"],
+    }
+}
+
+/// The mirror images of a tile that is not rotated, with the polarization mirrored like an arrow.
+fn images(tile: &Tile, axes: &[usize]) -> Vec<Option<Tile>> {
+    let image = |signs: DVec3| Tile::new(tile.position() * signs, tile.size(), tile.polarization_t() * signs).ok();
+    let (x, y) = (DVec3::new(-1.0, 1.0, 1.0), DVec3::new(1.0, -1.0, 1.0));
+    match axes {
+        [0] => vec![image(x)],
+        [1] => vec![image(y)],
+        _ => vec![image(x), image(y), image(x * y)],
+    }
+}
+
+/// Strength and angles in degrees with at most ten decimals that give the polarization exactly.
+fn angles(polarization_t: DVec3) -> Option<(f64, [f64; 2])> {
+    // Adding 0 turns -0 into 0, so that the angle is 180 and not -180 degrees.
+    let polarization_t = polarization_t + DVec3::ZERO;
+    let strength_t = ten_decimals(polarization_t.length());
+    let plane = polarization_t.truncate().length();
+    let direction_deg = ten_decimals(polarization_t.y.atan2(polarization_t.x).to_degrees());
+    let tilt_deg = ten_decimals(polarization_t.z.atan2(plane).to_degrees());
+    let found = [direction_deg, tilt_deg];
+    (strength_t > 0.0 && direction_from_degrees(found) * strength_t == polarization_t).then_some((strength_t, found))
+}
+
+/// Sizes and strengths that more than one line has, in the order of the lines.
+fn kinds(lines: &[Line]) -> Vec<(DVec3, f64)> {
+    let mut counted: Vec<((DVec3, f64), usize)> = Vec::new();
+    for kind in lines.iter().filter_map(Line::kind) {
+        match counted.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, count)) => *count += 1,
+            None => counted.push((kind, 1)),
+        }
+    }
+    counted.into_iter().filter(|(_, count)| *count > 1).map(|(kind, _)| kind).collect()
+}
+
+fn kind_name(index: usize) -> String {
+    format!("kind-{}", index + 1)
+}
+
+/// A vector with the shortest digits that read back to the same numbers.
+fn numbers(v: DVec3) -> String {
+    // Adding 0 turns -0 into 0.
+    format!("{:?}", (v + DVec3::ZERO).to_array())
+}
