@@ -108,8 +108,7 @@ impl LeastSquares {
             return Ok(variables.to_vec());
         }
         let n = variables.len();
-        let curvature =
-            Curvature::diagonal(self.steps(pattern).into_iter().map(|step| 1.0 / (step * step)).collect());
+        let curvature = Curvature::diagonal(self.steps(pattern).into_iter().map(|step| 1.0 / (step * step)).collect());
         let program = QuadraticProgram { curvature, gradient: vec![0.0; n], rules: around(&rules, variables) };
         match program.solve() {
             Some(change) => Ok(moved(variables, &change)),

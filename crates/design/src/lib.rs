@@ -65,12 +65,12 @@ mod descent;
 mod design_problem;
 /// Why a film cannot be designed.
 mod error;
+/// The time that a search will take.
+mod estimate;
 /// Matrices of few rows.
 mod low_rank;
 /// Errors of a film over a grid.
 mod metrics;
-/// The time that a search will take.
-mod estimate;
 /// Residuals of each goal, with derivatives.
 mod objective;
 /// Error against amplitude and against the number of parts.

@@ -67,7 +67,9 @@ mod tests {
         let base = |k: usize, i: usize| ((k * k + 2) as f64 * (i as f64 + 0.3)).sin();
         let units: Vec<f64> = (0..5).map(|i| 10_f64.powi(i - 2)).collect();
         let rows: Vec<f64> = (0..12)
-            .flat_map(|row| (0..5).map(move |i| (0..3).map(|k| base(k, i) * ((row * (k + 1)) as f64).cos()).sum::<f64>()))
+            .flat_map(|row| {
+                (0..5).map(move |i| (0..3).map(|k| base(k, i) * ((row * (k + 1)) as f64).cos()).sum::<f64>())
+            })
             .enumerate()
             .map(|(at, value)| value / units[at % 5])
             .collect();

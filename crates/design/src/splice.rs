@@ -29,6 +29,8 @@ use crate::error::DesignError;
 ///     distance_mm: [3.0, 5.0],
 ///     smallest_cut_mm: 0.8,
 ///     gap_mm: 0.0,
+///     resolution_mm: 0.001,
+///     resolution_deg: 0.01,
 ///     least_amplitude: 0.65,
 ///     parts: None,
 ///     goal: Goal::Displacement,
@@ -57,6 +59,10 @@ pub struct SpliceRequest {
     pub smallest_cut_mm: f64,
     /// Least distance of neighbouring tiles.
     pub gap_mm: f64,
+    /// Faces are rounded to multiples of this, in millimetres.
+    pub resolution_mm: f64,
+    /// Directions are rounded to multiples of this, in degrees.
+    pub resolution_deg: f64,
     /// Least best-fit amplitude against the ideal film.
     pub least_amplitude: f64,
     /// Maximum number of distinct parts, if bounded.
@@ -139,6 +145,8 @@ impl SpliceRequest {
             outline_mm: self.film_mm.map(|extent| Some([-0.5 * extent, 0.5 * extent])),
             smallest_cut_mm: Some(self.smallest_cut_mm),
             gap_mm: self.gap_mm,
+            resolution_mm: self.resolution_mm,
+            resolution_deg: self.resolution_deg,
             parts: self.parts,
             starts: self.starts,
             seed: self.seed,
@@ -188,6 +196,7 @@ impl SpliceRequest {
             ("range, along y", self.range_mm[1]),
             ("distance, the nearest", self.distance_mm[0]),
             ("smallest cut", self.smallest_cut_mm),
+            ("resolution", self.resolution_mm),
         ];
         for (name, value) in positive {
             if !(value > 0.0 && value.is_finite()) {
@@ -231,6 +240,11 @@ impl SpliceRequest {
         }
         if !(self.gap_mm >= 0.0 && self.gap_mm.is_finite()) {
             problems.push(format!("gap: {} mm, must be a finite number of at least 0", self.gap_mm));
+        }
+        if !(self.resolution_deg > 0.0 && self.resolution_deg.is_finite()) {
+            let resolution = self.resolution_deg;
+            problems
+                .push(format!("resolution of directions: {resolution} deg, must be a finite number greater than 0"));
         }
         if !(self.distance_mm[0] < self.distance_mm[1]) {
             let [near, far] = self.distance_mm;

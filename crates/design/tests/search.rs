@@ -227,6 +227,8 @@ fn splice_request_has_the_published_pattern() {
         distance_mm: [3.0, 5.0],
         smallest_cut_mm: 0.8,
         gap_mm: 0.0,
+        resolution_mm: 0.001,
+        resolution_deg: 0.01,
         least_amplitude: 0.65,
         parts: None,
         goal: Goal::Displacement,

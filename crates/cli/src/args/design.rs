@@ -67,6 +67,9 @@ pub(crate) struct SpliceArgs {
     /// Extent of the working volume along x and y, in mm, such as 4x4 [default: 0.4 of the
     /// wavelength each]
     #[arg(long, value_name = "XxY", value_parser = extents_mm, allow_hyphen_values = true)]
+    /// Extent of the working volume along x and y, in mm, such as 4x4: the region under the middle of
+    /// the film in which the sensor moves [default: 0.4 of the wavelength each]
+    #[arg(long, visible_alias = "under", value_name = "XxY", value_parser = extents)]
     range: Option<[f64; 2]>,
     /// Least and greatest distance of the sensor below the film, in mm, such as 3..5, or its z, such
     /// as -5..-3 [default: 0.3 and 0.5 of the wavelength]
@@ -78,6 +81,12 @@ pub(crate) struct SpliceArgs {
     /// Least distance between neighbouring tiles, in mm
     #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true, default_value_t = 0.0)]
     gap: f64,
+    /// Faces of tiles are rounded to multiples of this, in mm
+    #[arg(long, value_name = "MM", default_value_t = 0.001, allow_negative_numbers = true)]
+    resolution: f64,
+    /// Directions of polarization are rounded to multiples of this, in degrees
+    #[arg(long, value_name = "DEG", default_value_t = 0.01, allow_negative_numbers = true)]
+    resolution_deg: f64,
     /// Least amplitude of the field, as a fraction of the field of an ideal film with the
     /// polarization of the tiles
     #[arg(long, value_name = "FRACTION", value_parser = fraction, allow_hyphen_values = true, default_value_t = 0.65)]
@@ -112,6 +121,8 @@ impl SpliceArgs {
             distance_mm: self.distance.unwrap_or([rounded(0.3 * lambda), rounded(0.5 * lambda)]),
             smallest_cut_mm: self.smallest_cut.unwrap_or(rounded(0.08 * lambda)),
             gap_mm: self.gap,
+            resolution_mm: self.resolution,
+            resolution_deg: self.resolution_deg,
             least_amplitude: self.amplitude,
             parts: self.parts.map(|parts| parts as usize),
             goal: match self.goal {
