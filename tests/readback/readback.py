@@ -14,8 +14,10 @@ import unittest
 from hashlib import sha256
 from pathlib import Path
 
+import ezdxf
 import numpy as np
 import pyarrow.parquet
+import trimesh
 from scipy.spatial.transform import Rotation
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLPolyDataReader
@@ -301,6 +303,43 @@ class Singular(Case):
         said = run("decouple", SINGULAR, "-o", self.folder / "out.npy").stderr
         self.assertIn("6 singular points", said)
         self.assertEqual(run("decouple", SINGULAR, "-o", self.folder / "out.npy", "--quiet").stderr, "")
+
+
+class Cad(Case):
+    def test_drawing_is_clean_and_in_mm(self):
+        for layout, tiles in [(PUBLISHED, 56), (TURNED, 3)]:
+            with self.subTest(layout=layout.name):
+                drawing = ezdxf.readfile(self.write("export", layout, ".dxf"))
+                audit = drawing.audit()
+                self.assertEqual((audit.errors, audit.fixes), ([], []))
+                self.assertEqual(drawing.header["$INSUNITS"], ezdxf.units.MM)
+                outlines = drawing.modelspace().query("POLYLINE")
+                self.assertEqual(len(outlines), tiles)
+                self.assertTrue(all(outline.is_closed for outline in outlines))
+                layers = {layer.dxf.name for layer in drawing.layers}
+                parts = run("tiles", layout, "--format", "csv").stdout.splitlines()[1:]
+                self.assertEqual({name for name in layers if name.startswith("PART-")}, {f"PART-{i + 1}" for i in range(len(parts))})
+                for i, part in enumerate(parts):
+                    on_layer = outlines.query(f'*[layer=="PART-{i + 1}"]')
+                    self.assertEqual(len(on_layer), int(part.split(",")[1]))
+                    if layout == PUBLISHED:
+                        for outline in on_layer:
+                            corners = np.array([vertex.dxf.location for vertex in outline.vertices])
+                            sides = sorted(np.ptp(corners, axis=0)[:2], reverse=True)
+                            np.testing.assert_allclose(sides, [float(side) for side in part.split(",")[2:4]], atol=1e-12)
+
+    def test_bodies_are_watertight_with_the_volume_of_the_tiles(self):
+        for layout in [PUBLISHED, TURNED]:
+            with self.subTest(layout=layout.name):
+                tiles = json.loads(run("tiles", layout, "--format", "json").stdout)["tile"]
+                mesh = trimesh.load(self.write("export", layout, ".stl"), process=False)
+                self.assertEqual(len(mesh.faces), 12 * len(tiles))
+                for i, tile in enumerate(tiles):
+                    faces = mesh.triangles[12 * i : 12 * i + 12]
+                    body = trimesh.Trimesh(**trimesh.triangles.to_kwargs(faces), process=True)
+                    self.assertTrue(body.is_watertight and body.is_winding_consistent)
+                    np.testing.assert_allclose(body.volume, np.prod(tile["size_mm"]), rtol=1e-5)
+                    np.testing.assert_allclose(body.center_mass, tile["position_mm"], atol=1e-5)
 
 
 class Magpylib(Case):

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 use std::io::{IsTerminal, stderr};
-use std::sync::{Arc, Mutex};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 

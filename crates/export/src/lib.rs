@@ -2,7 +2,7 @@
 //!
 //! A [`Table`] holds points, the quantities known at each of them, and metadata. [`csv`], [`json`],
 //! [`numpy`], [`vtk`] and, with the feature `parquet`, the module `parquet` write a table.
-//! [`vtk`] and [`magpylib`] write the tiles of a layout. Every function writes to a
+//! [`vtk`], [`magpylib`], [`dxf`] and [`stl`] write the tiles of a layout. Every function writes to a
 //! [`std::io::Write`] and returns the errors of that writer.
 //!
 //! This crate computes nothing, opens no file and parses no arguments. The page
@@ -19,6 +19,10 @@
 
 /// Tables as CSV.
 pub mod csv;
+/// Corners and faces of tiles.
+mod cuboid_faces;
+/// A film as a DXF drawing, seen from above.
+pub mod dxf;
 /// Any value as JSON with one entry per line.
 pub mod json;
 /// A film as a Python script for magpylib.
@@ -30,6 +34,8 @@ pub mod numpy;
 /// Tables as Parquet.
 #[cfg(feature = "parquet")]
 pub mod parquet;
+/// A film as STL bodies.
+pub mod stl;
 /// [`Table`]: points, quantities and metadata, from which every format is written.
 mod table;
 /// Tables and tiles as XML files for VTK and ParaView.

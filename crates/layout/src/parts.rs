@@ -25,6 +25,8 @@ pub struct Part {
     pub direction: DVec3,
     /// Name of the first such tile.
     pub example: String,
+    /// Indices of all such tiles in the layout, in ascending order.
+    pub tiles: Vec<usize>,
 }
 
 impl Layout {
@@ -44,27 +46,43 @@ impl Layout {
     /// # Ok::<(), magsplice_layout::LayoutError>(())
     /// ```
     pub fn parts(&self) -> Vec<Part> {
-        // Count and first tile of each piece.
-        let mut parts: BTreeMap<CanonicalPiece, (usize, usize)> = BTreeMap::new();
+        // The tiles of each piece.
+        let mut parts: BTreeMap<CanonicalPiece, Vec<usize>> = BTreeMap::new();
         for (index, named) in self.tiles.iter().enumerate() {
             let piece = CanonicalPiece::from_tile(&named.tile).least_of(quarter_turns());
-            parts.entry(piece).or_insert((0, index)).0 += 1;
+            parts.entry(piece).or_default().push(index);
         }
-        let part = |(count, first): (usize, usize)| {
-            let named = &self.tiles[first];
+        let part = |tiles: Vec<usize>| {
+            let named = &self.tiles[tiles[0]];
             let flat = quarter_turns().filter(|turn| turn(DVec3::Z).z != 0.0);
             let CanonicalPiece([x, y, z, strength, u, v, w]) = CanonicalPiece::from_tile(&named.tile).least_of(flat);
             Part {
-                count,
+                count: tiles.len(),
                 size_mm: DVec3::new(x.0, y.0, z.0),
                 strength_t: strength.0,
                 direction: DVec3::new(u.0, v.0, w.0).normalize_or_zero(),
                 example: named.name.clone(),
+                tiles,
             }
         };
         parts.into_values().map(part).collect()
     }
 }
+
+impl Part {
+    /// Angle of the polarization in the plane of the first two sides, from the first towards the
+    /// second, and out of this plane towards the third, in degrees. `None` without polarization.
+    ///
+    /// The angles have six decimals, because directions of parts have nine digits.
+    pub fn angles_deg(&self) -> Option<[f64; 2]> {
+        let DVec3 { x, y, z } = self.direction;
+        let in_degrees = |angle: f64| rounded(angle.to_degrees(), ANGLE_DECIMALS) + 0.0;
+        (self.direction != DVec3::ZERO).then(|| [in_degrees(y.atan2(x)), in_degrees(z.atan2(x.hypot(y)))])
+    }
+}
+
+/// Decimals of angles of parts, in degrees.
+const ANGLE_DECIMALS: i32 = 6;
 
 /// Size (3), strength (1) and direction (3) of a tile in one orientation, rounded to
 /// [`SAME_DIGITS`].
@@ -178,7 +196,8 @@ mod tests {
             [tile(0, "3, 2, 1", "0.1, 0, 0"), tile(9, "2, 3, 1", "0, -0.1, 0"), tile(18, "1, 2, 3", "0, 0, 0.1")];
         let found = parts(&same.concat());
         assert_eq!(found.len(), 1, "{found:?}");
-        let Part { count, size_mm, strength_t, direction, example } = &found[0];
+        let Part { count, size_mm, strength_t, direction, example, tiles } = &found[0];
+        assert_eq!(tiles[..], [0, 1, 2]);
         assert_eq!((*count, *size_mm, *strength_t), (3, DVec3::new(3.0, 2.0, 1.0), 0.1));
         assert_eq!((*direction, example.as_str()), (DVec3::X, "tile-1"));
     }

@@ -2,20 +2,27 @@
 
 use std::path::PathBuf;
 
-use super::formats::{ExportFormat, TextOrJson};
+use super::formats::{ExportFormat, TilesFormat};
 
 /// List the tiles of a layout and its bill of materials.
 ///
 /// The bill counts the pieces of each part. Tiles that differ only in position and orientation are
-/// the same part.
+/// the same part. Angles are those of the polarization from the first side of a part towards the
+/// second.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  magsplice tiles layouts/published-film.toml")]
+#[command(
+    after_help = "Example:\n  magsplice tiles layouts/published-film.toml --kerf-mm 0.2\n  magsplice tiles layouts/published-film.toml --format csv > cut-list.csv"
+)]
 pub(crate) struct TilesArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
-    /// Format of the result; json is a layout with one entry per tile
+    /// Format of the result
     #[arg(long, value_enum, default_value = "text")]
-    pub(crate) format: TextOrJson,
+    pub(crate) format: TilesFormat,
+    /// Width of material that each cut removes, in mm; adds the area of sheet and the length of bar
+    /// that the parts need
+    #[arg(long, value_name = "MM", value_parser = kerf, allow_negative_numbers = true)]
+    pub(crate) kerf_mm: Option<f64>,
 }
 
 /// Write the film for another program.
@@ -23,6 +30,7 @@ pub(crate) struct TilesArgs {
 /// For magpylib: a Python script that rebuilds the film and prints its field. For ParaView: the
 /// faces of the tiles with their polarization. The other way round, --to magpylib-import writes a
 /// Python script that turns a magpylib collection into a table for `magsplice import`.
+/// faces of the tiles with their polarization. For CAD: a drawing (DXF) or bodies (STL).
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice export layouts/published-film.toml --to magpylib -o film.py")]
 pub(crate) struct ExportArgs {
@@ -34,6 +42,14 @@ pub(crate) struct ExportArgs {
     /// File to write, complete or not at all [default: -, standard output]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+}
+
+/// Largest kerf. No saw removes more, and areas stay within the range of numbers.
+const MAX_KERF_MM: f64 = 100.0;
+
+fn kerf(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|kerf: &f64| (0.0..=MAX_KERF_MM).contains(kerf));
+    number.ok_or_else(|| format!("must be a number of mm from 0 to {MAX_KERF_MM}"))
 }
 
 /// Write a commented layout to start from; never overwrites a file.

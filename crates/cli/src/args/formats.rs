@@ -10,6 +10,17 @@ pub(crate) enum TextOrJson {
     Json,
 }
 
+/// Formats of `tiles`.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub(crate) enum TilesFormat {
+    /// The tiles and the bill of materials as printed tables
+    Text,
+    /// A layout with one entry per tile
+    Json,
+    /// The cut list: one line per part
+    Csv,
+}
+
 /// Formats of `check`.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub(crate) enum CheckFormat {
@@ -52,6 +63,10 @@ pub(crate) enum ExportFormat {
     MagpylibImport,
     /// Poly data for ParaView (.vtp)
     Vtk,
+    /// A drawing of the film from above, in mm: outlines and arrows, a layer for each part (.dxf)
+    Dxf,
+    /// The bodies of the tiles as triangles, in mm (.stl)
+    Stl,
 }
 
 /// A format that an option or the ending of a file chooses.
@@ -102,15 +117,17 @@ impl FileFormat for ExportFormat {
         match self {
             ExportFormat::Magpylib | ExportFormat::MagpylibImport => &["py"],
             ExportFormat::Vtk => &["vtp"],
+            ExportFormat::Dxf => &["dxf"],
+            ExportFormat::Stl => &["stl"],
         }
     }
 
     fn is_binary(self) -> bool {
-        self == ExportFormat::Vtk
+        matches!(self, ExportFormat::Vtk | ExportFormat::Stl)
     }
 
     fn is_known_by_ending(self) -> bool {
-        self == ExportFormat::Vtk
+        self != ExportFormat::Magpylib
     }
 }
 

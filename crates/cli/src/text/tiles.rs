@@ -1,5 +1,6 @@
 //! `tiles`: the tiles of a layout and its bill of materials.
 
+use std::fmt::Write;
 use std::path::Path;
 
 use magsplice::layout::{Layout, NamedTile, Part, Rotation};
@@ -7,6 +8,7 @@ use magsplice::prelude::DVec3;
 
 use super::header::tile_count;
 use super::rows;
+use crate::cut_list::{CutList, bar_length_mm, sheet_area_mm2};
 
 /// The tiles of a layout, one line each.
 pub(crate) fn tiles(path: &Path, layout: &Layout) -> String {
@@ -15,11 +17,40 @@ pub(crate) fn tiles(path: &Path, layout: &Layout) -> String {
     format!("{}: {}, {}\n{}", path.display(), layout.name, tile_count(layout), table(&rows))
 }
 
-/// The parts of a layout and how many pieces of each there are.
-pub(crate) fn bill(layout: &Layout) -> String {
-    let head = ["pieces", "size, mm", "strength, T", "direction along its sides", "such as"].map(str::to_owned);
-    let rows: Vec<[String; 5]> = std::iter::once(head).chain(layout.parts().into_iter().map(part_row)).collect();
-    format!("bill of materials\n{}", table(&rows))
+/// The parts of a layout and how many pieces of each there are; with a kerf also the material.
+pub(crate) fn bill(list: &CutList) -> String {
+    let head = ["pieces", "size, mm", "strength, T", "polarized from the first side", "such as"].map(str::to_owned);
+    let rows: Vec<[String; 5]> = std::iter::once(head).chain(list.parts.iter().map(part_row)).collect();
+    let mut text = format!("bill of materials\n{}", table(&rows));
+    if let Some(kerf_mm) = list.kerf_mm {
+        text += &material(&list.parts, kerf_mm);
+    }
+    text
+}
+
+/// The sheet or the bars that the parts need.
+fn material(parts: &[Part], kerf_mm: f64) -> String {
+    let head = ["pieces", "size, mm", "sheet, mm2", "or bar, mm", ""].map(str::to_owned);
+    let row = |part: &Part| {
+        let section = size2(part.size_mm.y, part.size_mm.z);
+        let bar = format!("{} of {section}", short(bar_length_mm(part, kerf_mm)));
+        [part.count.to_string(), size(part.size_mm), short(sheet_area_mm2(part, kerf_mm)), bar, String::new()]
+    };
+    let rows: Vec<[String; 5]> = std::iter::once(head).chain(parts.iter().map(row)).collect();
+    let mut text = format!("\nmaterial with a kerf of {} mm\n{}", short(kerf_mm), table(&rows));
+    let mut sheets: Vec<(f64, f64)> = Vec::new();
+    for part in parts {
+        let area = sheet_area_mm2(part, kerf_mm);
+        match sheets.iter_mut().find(|(thickness, _)| *thickness == part.size_mm.z) {
+            Some((_, sum)) => *sum += area,
+            None => sheets.push((part.size_mm.z, area)),
+        }
+    }
+    for (thickness, area) in sheets {
+        let _ = writeln!(text, "  sheet of {} mm: {} mm2 in all", short(thickness), short(area));
+    }
+    text + "  A piece takes its first and second side of the sheet, or its first side of the bar, each with\n  one \
+            kerf. Rims of the sheet, ends of bars and the direction of magnetization are not counted.\n"
 }
 
 fn table(rows: &[[String; 5]]) -> String {
@@ -42,8 +73,18 @@ fn tile_row(named: &NamedTile) -> [String; 5] {
     [name.clone(), size(tile.size()), triple(tile.position()), triple(tile.polarization_t()), turn]
 }
 
-fn part_row(part: Part) -> [String; 5] {
-    [part.count.to_string(), size(part.size_mm), short(part.strength_t), triple(part.direction), part.example]
+fn part_row(part: &Part) -> [String; 5] {
+    let angle = match part.angles_deg() {
+        None => "not polarized".to_owned(),
+        Some([direction, 0.0]) => format!("{} deg", short(direction)),
+        Some([_, tilt]) if tilt.abs() == 90.0 => format!("{} deg out of plane", short(tilt)),
+        Some([direction, tilt]) => format!("{} deg, {} deg out of plane", short(direction), short(tilt)),
+    };
+    [part.count.to_string(), size(part.size_mm), short(part.strength_t), angle, part.example.clone()]
+}
+
+fn size2(first: f64, second: f64) -> String {
+    format!("{} x {} mm", short(first), short(second))
 }
 
 fn size(v: DVec3) -> String {

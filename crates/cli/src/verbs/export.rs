@@ -1,6 +1,8 @@
 //! `magsplice export`: writes the film for another program.
 
 use magsplice_export::{magpylib, magpylib_import, vtk};
+use magsplice::layout::Layout;
+use magsplice_export::{dxf, magpylib, stl, vtk};
 
 use crate::args::files::ExportArgs;
 use crate::args::formats::{ExportFormat, FileFormat};
@@ -36,6 +38,8 @@ pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
         ExportFormat::Magpylib => magpylib::script(&layout, env!("CARGO_PKG_VERSION"), w),
         ExportFormat::MagpylibImport => unreachable!("refused above"),
         ExportFormat::Vtk => vtk::film(&layout, &table::layout_metadata(&layout), w),
+        ExportFormat::Dxf => dxf::film(&layout, w),
+        ExportFormat::Stl => stl::film(&layout, w),
     })?;
     output.finish()
 }

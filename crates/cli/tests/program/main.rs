@@ -5,6 +5,7 @@ mod bad_layouts;
 mod bad_points;
 mod bench;
 mod checks;
+mod cut_list;
 mod decouple;
 mod design;
 mod field;

@@ -132,9 +132,9 @@ fn tiles_lists_tiles_and_bill_of_the_published_film() {
     let bill = said.stdout.split("bill of materials\n").nth(1).expect("a bill");
     let rows: Vec<String> = bill.lines().skip(1).map(|l| l.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
     let known = [
-        "16 3.3 x 3.3 x 1 0.12 (0.707107, 0.707107, 0) film-x2-y2",
-        "24 3.3 x 1.7 x 1 0.12 (1, 0, 0) film-x2-y3",
-        "16 3.3 x 0.85 x 1 0.12 (1, 0, 0) film-x1-y2",
+        "16 3.3 x 3.3 x 1 0.12 45 deg film-x2-y2",
+        "24 3.3 x 1.7 x 1 0.12 0 deg film-x2-y3",
+        "16 3.3 x 0.85 x 1 0.12 0 deg film-x1-y2",
     ];
     assert_eq!(rows, known);
 }

@@ -1,0 +1,58 @@
+//! The cut list: the parts of a layout, and the material that they need.
+
+use magsplice::layout::{Layout, Part};
+
+/// The parts of a layout, largest first.
+pub(crate) struct CutList {
+    pub(crate) parts: Vec<Part>,
+    /// Width of material that a cut removes, in mm, if the material is asked for.
+    pub(crate) kerf_mm: Option<f64>,
+}
+
+impl CutList {
+    pub(crate) fn new(layout: &Layout, kerf_mm: Option<f64>) -> CutList {
+        CutList { parts: layout.parts(), kerf_mm }
+    }
+
+    /// The list as CSV, one line for each part: its number, the number of pieces, sides in mm, strength
+    /// in T, angles of the polarization in degrees, a tile made of it; with a kerf the material.
+    pub(crate) fn csv(&self) -> String {
+        let mut head = vec!["part", "count", "a_mm", "b_mm", "c_mm", "strength_t", "direction_deg", "tilt_deg", "tile"];
+        if self.kerf_mm.is_some() {
+            head.extend(["sheet_area_mm2", "bar_length_mm"]);
+        }
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let mut write = |row: &[String]| writer.write_record(row).expect("memory takes every row");
+        write(&head.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
+        for (index, part) in self.parts.iter().enumerate() {
+            let angles =
+                part.angles_deg().map_or([String::new(), String::new()], |angles| angles.map(|a| a.to_string()));
+            let sides = part.size_mm.to_array().map(|side| side.to_string());
+            let mut row = vec![(index + 1).to_string(), part.count.to_string()];
+            row.extend(sides);
+            row.push(part.strength_t.to_string());
+            row.extend(angles);
+            row.push(part.example.clone());
+            if let Some(kerf_mm) = self.kerf_mm {
+                row.extend(
+                    [sheet_area_mm2(part, kerf_mm), bar_length_mm(part, kerf_mm)].map(|value| value.to_string()),
+                );
+            }
+            write(&row);
+        }
+        let bytes = writer.into_inner().expect("memory takes every row");
+        String::from_utf8(bytes).expect("text is written as text")
+    }
+}
+
+/// Area of a sheet, as thick as the third side, for all pieces of a part. Each piece takes its first
+/// two sides with one kerf each.
+pub(crate) fn sheet_area_mm2(part: &Part, kerf_mm: f64) -> f64 {
+    part.count as f64 * (part.size_mm.x + kerf_mm) * (part.size_mm.y + kerf_mm)
+}
+
+/// Length of a bar with the second and third side as its section, for all pieces of a part. Each
+/// piece takes its first side with one kerf.
+pub(crate) fn bar_length_mm(part: &Part, kerf_mm: f64) -> f64 {
+    part.count as f64 * (part.size_mm.x + kerf_mm)
+}

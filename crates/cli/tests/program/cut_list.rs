@@ -1,0 +1,105 @@
+//! The cut list of `tiles`, the drawing and the bodies of `export`, and what `splice` rounds to.
+
+use crate::{Sandbox, shipped};
+
+#[test]
+fn cut_list_has_sides_strength_and_angles_of_each_part() {
+    let said = Sandbox::new().run(&["tiles", &shipped("published-film"), "--format", "csv"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    let known = "part,count,a_mm,b_mm,c_mm,strength_t,direction_deg,tilt_deg,tile\n\
+                 1,16,3.3,3.3,1,0.12,45,0,film-x2-y2\n2,24,3.3,1.7,1,0.12,0,0,film-x2-y3\n3,16,3.3,0.85,1,0.12,0,0,film-x1-y2\n";
+    assert_eq!(said.stdout, known);
+    // Angles out of the plane, and a part without polarization.
+    let sandbox = Sandbox::new();
+    let tile = |x: f64, j: &str| format!("[[tile]]\nposition_mm = [{x}, 0, 0]\nsize_mm = [3, 2, 1]\n{j}\n");
+    let tiles =
+        tile(0.0, "strength_t = 0.1\ndirection_deg = 39\ntilt_deg = 12.5") + &tile(9.0, "polarization_t = [0, 0, 0]");
+    sandbox.write("film.toml", &format!("format = 1\nname = \"film\"\n{tiles}"));
+    let said = sandbox.run(&["tiles", "film.toml", "--format", "csv"]);
+    assert!(said.stdout.contains("1,1,3,2,1,0.1,39,12.5,tile-1\n2,1,3,2,1,0,,,tile-2\n"), "{}", said.stdout);
+    let bill = sandbox.run(&["tiles", "film.toml"]).stdout;
+    assert!(bill.contains("39 deg, 12.5 deg out of plane") && bill.contains("not polarized"), "{bill}");
+}
+
+#[test]
+fn kerf_adds_the_material() {
+    let sandbox = Sandbox::new();
+    let layout = shipped("published-film");
+    let said = sandbox.run(&["tiles", &layout, "--format", "csv", "--kerf-mm", "0.2"]);
+    let numbers = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        [cells[9], cells[10]].map(|cell| cell.parse::<f64>().expect("a number"))
+    };
+    let found: Vec<[f64; 2]> = said.stdout.lines().skip(1).map(numbers).collect();
+    let known = [[16.0 * 3.5 * 3.5, 16.0 * 3.5], [24.0 * 3.5 * 1.9, 24.0 * 3.5], [16.0 * 3.5 * 1.05, 16.0 * 3.5]];
+    assert!(found.as_flattened().iter().zip(known.as_flattened()).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
+    let text = sandbox.run(&["tiles", &layout, "--kerf-mm", "0.2"]).stdout;
+    assert!(text.contains("material with a kerf of 0.2 mm") && text.contains("84 of 1.7 x 1 mm"), "{text}");
+    assert!(text.contains("sheet of 1 mm: 414.4 mm2 in all"), "{text}");
+    sandbox.run(&["tiles", &layout, "--kerf-mm", "-1"]).refuses_arguments("must be a number of mm from 0 to 100");
+    sandbox.run(&["tiles", &layout, "--kerf-mm", "1", "--format", "json"]).refuses("--kerf-mm goes with");
+}
+
+#[test]
+fn drawing_has_outlines_and_arrows_on_a_layer_for_each_part() {
+    let sandbox = Sandbox::new();
+    assert_eq!(sandbox.run(&["export", &shipped("published-film"), "-o", "film.dxf"]).status, 0);
+    let drawing = sandbox.read("film.dxf");
+    assert!(drawing.contains("9\n$INSUNITS\n70\n4\n") && drawing.ends_with("0\nEOF\n"));
+    for (layer, count) in [("PART-1", 16), ("PART-2", 24), ("PART-3", 16)] {
+        assert_eq!(drawing.matches(&format!("0\nPOLYLINE\n8\n{layer}\n")).count(), count);
+        assert_eq!(drawing.matches(&format!("0\nVERTEX\n8\n{layer}\n")).count(), 4 * count);
+        assert_eq!(drawing.matches(&format!("0\nLINE\n8\n{layer}\n")).count(), 3 * count);
+    }
+    // A corner of the first tile.
+    assert!(drawing.contains("0\nVERTEX\n8\nPART-3\n10\n-10.0\n20\n-9.15\n30\n0.0\n"), "{}", &drawing[..2000]);
+}
+
+#[test]
+fn bodies_have_twelve_triangles_with_outward_normals() {
+    let sandbox = Sandbox::new();
+    assert_eq!(sandbox.run(&["export", &shipped("published-film"), "--to", "stl", "-o", "film.stl"]).status, 0);
+    let bytes = std::fs::read(sandbox.path("film.stl")).expect("a file");
+    assert_eq!(bytes.len(), 84 + 50 * 12 * 56);
+    assert_eq!(u32::from_le_bytes(bytes[80..84].try_into().expect("four bytes")), 12 * 56);
+    let mut volume = 0.0;
+    for triangle in bytes[84..].chunks_exact(50) {
+        let numbers: Vec<f64> =
+            triangle[..48].chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().expect("four")).into()).collect();
+        let [n, a, b, c] = [0, 3, 6, 9].map(|at| [numbers[at], numbers[at + 1], numbers[at + 2]]);
+        let cross = |u: [f64; 3], v: [f64; 3]| {
+            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+        };
+        let minus = |u: [f64; 3], v: [f64; 3]| [u[0] - v[0], u[1] - v[1], u[2] - v[2]];
+        let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+        let normal = cross(minus(b, a), minus(c, a));
+        assert!((dot(normal, n) - dot(normal, normal).sqrt()).abs() < 1e-5);
+        volume += dot(a, cross(b, c)) / 6.0;
+    }
+    // 16 squares, 24 strips, 16 strips at the rim, 1 mm thick.
+    let known = 16.0 * 3.3 * 3.3 + 24.0 * 3.3 * 1.7 + 16.0 * 3.3 * 0.85;
+    assert!((volume - known).abs() < 1e-4, "{volume}, {known}");
+}
+
+#[test]
+fn splice_rounds_to_the_resolution_asked_for() {
+    let sandbox = Sandbox::new();
+    let common = ["splice", "--wavelength", "10", "--film", "20x20", "--starts", "1", "--under", "3x3"];
+    let coarse = [&common[..], &["--resolution", "0.05", "--resolution-deg", "1", "-o", "film.toml"]].concat();
+    let said = sandbox.run(&coarse);
+    assert_eq!(said.status, 0, "{}{}", said.stdout, said.stderr);
+    let text = sandbox.read("film.toml");
+    assert!(text.contains("resolution_mm = 0.05\nresolution_deg = 1.0\n"), "{text}");
+    assert!(text.contains("x_mm = [-1.5, 1.5]\ny_mm = [-1.5, 1.5]\n"), "{text}");
+    let tiles = sandbox.run(&["tiles", "film.toml", "--format", "csv"]).stdout;
+    for line in tiles.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        for (cell, step) in [(cells[2], 0.05), (cells[3], 0.05), (cells[6], 1.0)] {
+            let steps = cell.parse::<f64>().expect("a number") / step;
+            assert!((steps - steps.round()).abs() < 1e-6, "{line}");
+        }
+    }
+    sandbox
+        .run(&[&common[..], &["--resolution", "0", "--resolution-deg", "-1"]].concat())
+        .refuses("resolution: 0 mm, must be a finite number greater than 0");
+}

@@ -1,0 +1,197 @@
+//! A film as a DXF drawing, seen from above.
+//!
+//! The drawing is written as DXF R12, which every CAD program reads. A polyline, lines and circles
+//! need no more than pairs of a code and a value.
+
+use std::fmt::Display;
+use std::io::{self, Write};
+
+use glam::{DVec2, DVec3};
+use magsplice_layout::Layout;
+use magsplice_magnet::Tile;
+
+use crate::cuboid_faces::corner_mm;
+
+/// Length of an arrow, as a fraction of the shortest side of its tile.
+const ARROW: f64 = 0.7;
+/// Length and half width of the head of an arrow, as a fraction of the shortest side.
+const HEAD: [f64; 2] = [0.2, 0.1];
+/// Polarizations whose part in the plane is less than this fraction are drawn as circles.
+const VERTICAL: f64 = 0.01;
+/// Radius of such a circle, as a fraction of the shortest side.
+const RADIUS: f64 = 0.2;
+/// Number of colours that tell layers apart: red, yellow, green, cyan, blue, magenta.
+const COLOURS: usize = 6;
+
+/// Writes the outlines of the tiles in the xy plane and an arrow for each polarization, in
+/// millimetres. The tiles of the n-th part of [`Layout::parts`] are on the layer `PART-n`.
+///
+/// The arrow is the projection of the polarization onto the plane. A polarization normal to the plane
+/// is a circle, with a point if it comes up and with a cross if it goes down.
+///
+/// # Errors
+/// Errors of the writer.
+pub fn film(layout: &Layout, w: &mut dyn Write) -> io::Result<()> {
+    let parts = layout.parts();
+    let mut drawing = Drawing { w, layer: String::new() };
+    drawing.section("HEADER")?;
+    drawing.pair(9, "$ACADVER")?;
+    drawing.pair(1, "AC1009")?;
+    // Millimetres, and metric hatches and line types.
+    drawing.pair(9, "$INSUNITS")?;
+    drawing.pair(70, 4)?;
+    drawing.pair(9, "$MEASUREMENT")?;
+    drawing.pair(70, 1)?;
+    drawing.pair(0, "ENDSEC")?;
+    drawing.section("TABLES")?;
+    drawing.pair(0, "TABLE")?;
+    drawing.pair(2, "LTYPE")?;
+    drawing.pair(70, 1)?;
+    drawing.pair(0, "LTYPE")?;
+    for (code, value) in [(2, "CONTINUOUS"), (70, "0"), (3, "Solid line"), (72, "65"), (73, "0"), (40, "0.0")] {
+        drawing.pair(code, value)?;
+    }
+    drawing.pair(0, "ENDTAB")?;
+    drawing.pair(0, "TABLE")?;
+    drawing.pair(2, "LAYER")?;
+    drawing.pair(70, parts.len() + 1)?;
+    drawing.add_layer("0", 7)?;
+    for index in 0..parts.len() {
+        drawing.add_layer(&layer(index), 1 + index % COLOURS)?;
+    }
+    drawing.pair(0, "ENDTAB")?;
+    drawing.pair(0, "ENDSEC")?;
+    drawing.section("ENTITIES")?;
+    for (index, part) in parts.iter().enumerate() {
+        drawing.layer = layer(index);
+        for &tile in &part.tiles {
+            let tile = &layout.tiles[tile].tile;
+            drawing.outline(&outline(tile))?;
+            drawing.arrow(tile)?;
+        }
+    }
+    drawing.pair(0, "ENDSEC")?;
+    drawing.pair(0, "EOF")
+}
+
+fn layer(part: usize) -> String {
+    format!("PART-{}", part + 1)
+}
+
+/// The corners of the outline from above, counter-clockwise: the convex hull of the corners.
+fn outline(tile: &Tile) -> Vec<DVec2> {
+    let slack = 1e-9 * tile.size().max_element() * tile.size().max_element();
+    let mut corners: Vec<DVec2> = (0..8).map(|corner| corner_mm(tile, corner).truncate()).collect();
+    corners.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let half = |corners: &mut dyn Iterator<Item = DVec2>| {
+        let mut hull: Vec<DVec2> = Vec::new();
+        for corner in corners {
+            while let [.., a, b] = hull[..]
+                && (b - a).perp_dot(corner - b) <= slack
+            {
+                hull.pop();
+            }
+            hull.push(corner);
+        }
+        // The last corner is the first of the other half.
+        hull.pop();
+        hull
+    };
+    let mut hull = half(&mut corners.iter().copied());
+    hull.extend(half(&mut corners.iter().rev().copied()));
+    hull
+}
+
+/// A drawing that is being written, as pairs of a code and a value.
+struct Drawing<'w> {
+    w: &'w mut dyn Write,
+    /// Layer of the entities.
+    layer: String,
+}
+
+impl Drawing<'_> {
+    fn pair(&mut self, code: u32, value: impl Display) -> io::Result<()> {
+        writeln!(self.w, "{code}\n{value}")
+    }
+
+    fn section(&mut self, name: &str) -> io::Result<()> {
+        self.pair(0, "SECTION")?;
+        self.pair(2, name)
+    }
+
+    fn add_layer(&mut self, name: &str, colour: usize) -> io::Result<()> {
+        self.pair(0, "LAYER")?;
+        self.pair(2, name)?;
+        self.pair(70, 0)?;
+        self.pair(62, colour)?;
+        self.pair(6, "CONTINUOUS")
+    }
+
+    fn entity(&mut self, name: &str) -> io::Result<()> {
+        self.pair(0, name)?;
+        let layer = self.layer.clone();
+        self.pair(8, layer)
+    }
+
+    /// A point, with codes from `first` on.
+    fn point(&mut self, first: u32, p: DVec2) -> io::Result<()> {
+        // `{:?}` has a decimal point, which some readers require of real numbers.
+        self.pair(first, format_args!("{:?}", p.x))?;
+        self.pair(first + 10, format_args!("{:?}", p.y))?;
+        self.pair(first + 20, "0.0")
+    }
+
+    fn line(&mut self, from: DVec2, to: DVec2) -> io::Result<()> {
+        self.entity("LINE")?;
+        self.point(10, from)?;
+        self.point(11, to)
+    }
+
+    fn outline(&mut self, corners: &[DVec2]) -> io::Result<()> {
+        self.entity("POLYLINE")?;
+        self.pair(66, 1)?;
+        self.point(10, DVec2::ZERO)?;
+        // Closed.
+        self.pair(70, 1)?;
+        for corner in corners {
+            self.entity("VERTEX")?;
+            self.point(10, *corner)?;
+        }
+        self.entity("SEQEND")
+    }
+
+    fn arrow(&mut self, tile: &Tile) -> io::Result<()> {
+        let j = tile.scene_polarization_t();
+        let largest = j.abs().max_element();
+        if largest == 0.0 {
+            return Ok(());
+        }
+        let unit: DVec3 = (j / largest).normalize();
+        let (centre, side) =
+            (tile.position().truncate(), tile.size().min_element().min(tile.size().truncate().min_element()));
+        let along = unit.truncate();
+        if along.length() < VERTICAL {
+            let radius = RADIUS * side;
+            self.entity("CIRCLE")?;
+            self.point(10, centre)?;
+            self.pair(40, format_args!("{radius:?}"))?;
+            if unit.z > 0.0 {
+                self.entity("POINT")?;
+                return self.point(10, centre);
+            }
+            for arm in [DVec2::new(radius, radius), DVec2::new(radius, -radius)] {
+                let arm = arm * std::f64::consts::FRAC_1_SQRT_2;
+                self.line(centre - arm, centre + arm)?;
+            }
+            return Ok(());
+        }
+        let half = 0.5 * ARROW * side * along;
+        let tip = centre + half;
+        self.line(centre - half, tip)?;
+        let direction = along.normalize();
+        for sign in [-1.0, 1.0] {
+            self.line(tip, tip + side * (sign * HEAD[1] * direction.perp() - HEAD[0] * direction))?;
+        }
+        Ok(())
+    }
+}
