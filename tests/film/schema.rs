@@ -68,6 +68,12 @@ size_mm = [1, 1, 1]
 strength_t = 1
 direction = [0, 0, 1]
 [[tile]]
+position_mm = [50, 0, 20]
+size_mm = [1, 1, 1]
+strength_t = 1
+direction_deg = 30
+tilt_deg = 10
+[[tile]]
 position_mm = [60, 0, 20]
 size_mm = [1, 1, 1]
 polarization_t = [0, 0, 1]

@@ -18,10 +18,10 @@ mod blocks;
 mod checked;
 /// Tables of numbers that users bring.
 mod csv_input;
-/// Decimal numbers with a unit.
-mod decimal;
 /// The parts of a layout, and the material that they need.
 mod cut_list;
+/// Decimal numbers with a unit.
+mod decimal;
 /// Results of `decouple`: a film with its field, comparison and decoupling.
 mod evaluation;
 /// Reasons why the program stops, and how it tells them.

@@ -12,6 +12,7 @@ use crate::limits::{FORMAT, MAX_NAME_BYTES};
 use crate::tables::design::DesignTable;
 use crate::tables::expect::ExpectTable;
 use crate::tables::ideal::IdealTable;
+use crate::tables::rotation::RotationTable;
 use crate::tables::volume::VolumeTable;
 use crate::units::{direction_from_degrees, ten_decimals};
 use crate::write::{design_table, expect_table, volume_table};
@@ -62,7 +63,7 @@ impl Layout {
     /// let layout = Layout::parse(COMMENTED_LAYOUT, "commented")?;
     /// let text = layout.to_compact_toml();
     /// assert_eq!(Layout::parse(&text, "compact")?.tiles.len(), 56);
-    /// assert!(text.lines().count() < 80);
+    /// assert!(text.lines().count() < layout.to_toml().lines().count() / 4);
     /// # Ok::<(), magsplice_layout::LayoutError>(())
     /// ```
     pub fn to_compact_toml(&self) -> String {
@@ -131,8 +132,11 @@ impl Line<'_> {
             None => keys.push(format!("polarization_t = {}", numbers(tile.polarization_t()))),
         }
         if let Some(rotation) = rotation {
-            let (axis, angle_deg) = (numbers(rotation.axis.into()), rotation.angle_deg);
-            keys.push(format!("rotation = {{ axis = {axis}, angle_deg = {angle_deg:?} }}"));
+            let mut inline = String::new();
+            RotationTable::from(*rotation)
+                .serialize(toml::ser::ValueSerializer::new(&mut inline))
+                .expect("a rotation can be written");
+            keys.push(format!("rotation = {inline}"));
         }
         match self.axes {
             [] => {}

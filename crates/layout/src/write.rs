@@ -149,10 +149,9 @@ fn tile_table(named: &NamedTile) -> TileTable {
         polarization_t: Some(named.tile.polarization_t().to_array()),
         strength_t: None,
         direction: None,
-        rotation: named.rotation.map(Into::into),
         direction_deg: None,
         tilt_deg: None,
-        rotation: named.rotation,
+        rotation: named.rotation.map(Into::into),
         grid: None,
         mirror: None,
     }

@@ -64,12 +64,9 @@ pub(crate) struct SpliceArgs {
     /// Polarization of every tile, in T
     #[arg(long, value_name = "T", value_parser = flux_density_t, allow_hyphen_values = true, default_value_t = 0.12)]
     remanence: f64,
-    /// Extent of the working volume along x and y, in mm, such as 4x4 [default: 0.4 of the
-    /// wavelength each]
-    #[arg(long, value_name = "XxY", value_parser = extents_mm, allow_hyphen_values = true)]
     /// Extent of the working volume along x and y, in mm, such as 4x4: the region under the middle of
     /// the film in which the sensor moves [default: 0.4 of the wavelength each]
-    #[arg(long, visible_alias = "under", value_name = "XxY", value_parser = extents)]
+    #[arg(long, visible_alias = "under", value_name = "XxY", value_parser = extents_mm, allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
     /// Least and greatest distance of the sensor below the film, in mm, such as 3..5, or its z, such
     /// as -5..-3 [default: 0.3 and 0.5 of the wavelength]
@@ -82,7 +79,7 @@ pub(crate) struct SpliceArgs {
     #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true, default_value_t = 0.0)]
     gap: f64,
     /// Faces of tiles are rounded to multiples of this, in mm
-    #[arg(long, value_name = "MM", default_value_t = 0.001, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true, default_value_t = 0.001)]
     resolution: f64,
     /// Directions of polarization are rounded to multiples of this, in degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.01, allow_negative_numbers = true)]

@@ -28,9 +28,9 @@ pub(crate) struct TilesArgs {
 /// Write the film for another program.
 ///
 /// For magpylib: a Python script that rebuilds the film and prints its field. For ParaView: the
-/// faces of the tiles with their polarization. The other way round, --to magpylib-import writes a
-/// Python script that turns a magpylib collection into a table for `magsplice import`.
-/// faces of the tiles with their polarization. For CAD: a drawing (DXF) or bodies (STL).
+/// faces of the tiles with their polarization. For CAD: a drawing (DXF) or bodies (STL). The other
+/// way round, --to magpylib-import writes a Python script that turns a magpylib collection into a
+/// table for `magsplice import`.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice export layouts/published-film.toml --to magpylib -o film.py")]
 pub(crate) struct ExportArgs {

@@ -1,8 +1,6 @@
 //! `magsplice export`: writes the film for another program.
 
-use magsplice_export::{magpylib, magpylib_import, vtk};
-use magsplice::layout::Layout;
-use magsplice_export::{dxf, magpylib, stl, vtk};
+use magsplice_export::{dxf, magpylib, magpylib_import, stl, vtk};
 
 use crate::args::files::ExportArgs;
 use crate::args::formats::{ExportFormat, FileFormat};

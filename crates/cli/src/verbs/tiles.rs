@@ -11,7 +11,6 @@ use crate::{json, remarks, text};
 pub(crate) fn run(args: &TilesArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_TILES, quiet, &progress)?;
-    let layout = Layout::read(&args.layout)?;
     if args.kerf_mm.is_some() && args.format == TilesFormat::Json {
         return Err(Failure::Format("--kerf-mm goes with --format text or csv: json is the layout itself".to_owned()));
     }

@@ -14,8 +14,7 @@ use crate::read::rotation;
 use crate::read::strength_rules::{check_polarization, check_strength};
 use crate::read::tile_rules::checked_tile;
 use crate::tables::tile::{KindTable, TileTable};
-use crate::units::unit_vector;
-use crate::units::{direction_from_degrees, rotation_from_degrees, unit_vector};
+use crate::units::{direction_from_degrees, unit_vector};
 
 /// Checks a kind by itself, so that its faults are not repeated for every tile that names it.
 pub(crate) fn check_kind(kind: &KindTable, faults: &mut TableFaults) {
@@ -109,7 +108,6 @@ fn polarization(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableF
     }
     check_strength(table.strength_t, faults);
     check_polarization(table.polarization_t, faults);
-    match (table.polarization_t.or(kind_polarization), table.strength_t.or(kind_strength), table.direction) {
     let direction = direction(table, faults)?;
     match (table.polarization_t.or(kind_polarization), table.strength_t.or(kind_strength), direction) {
         (Some(polarization), _, None) => Some(polarization.into()),
@@ -155,16 +153,4 @@ fn direction(table: &TileTable, faults: &mut TableFaults) -> Option<Option<DVec3
         return None;
     }
     Some(Some(direction_from_degrees(angles.map(|(_, angle)| angle))))
-}
-
-fn quaternion(rotation: Rotation, faults: &mut TableFaults) -> Option<DQuat> {
-    let axis = unit_vector(rotation.axis);
-    if axis.is_none() {
-        faults.add(format!("rotation.axis = {:?}, must be finite and not zero", rotation.axis));
-    }
-    if !rotation.angle_deg.is_finite() {
-        faults.add(format!("rotation.angle_deg = {}, must be a finite number", rotation.angle_deg));
-        return None;
-    }
-    Some(rotation_from_degrees(axis?, rotation.angle_deg))
 }
