@@ -9,6 +9,11 @@ import { createRequire } from "node:module";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 
+import { checkControls } from "./controls.mjs";
+import { checkPhone } from "./phone.mjs";
+import { checkScheme } from "./scheme.mjs";
+import { checkTiles } from "./tiles.mjs";
+
 // Found through NODE_PATH, which `import` does not use.
 const { chromium } = createRequire(import.meta.url)("playwright-core");
 const [program, executablePath, layout, folder] = process.argv.slice(2);
@@ -107,6 +112,10 @@ try {
   assert.ok((await changed(true)) < 0.01, "a double click does not bring the view back");
 
   if (inVolume) await checkMap(page, data, withIdeal, pixels);
+  await checkTiles(page, data, run);
+  await checkControls(page, inVolume);
+  for (const width of [390, 320]) await checkPhone(browser, page.url(), width, inVolume);
+  await checkScheme(browser, page.url(), inVolume);
   assert.deepEqual(errors, []);
   const maps = inVolume ? `, ${data.maps.length} maps` : "";
   console.log(`${folder}/report.html: ${figures.length} figures, ${data.tiles.length} tiles${maps}, no error`);

@@ -144,6 +144,16 @@ impl Scene {
         }
     }
 
+    /// Upper bound of the error of the exact B at each point, in tesla: 2e-14 of an upper bound of
+    /// the sum over tiles of the fields that the three components of J make alone.
+    ///
+    /// A component of B below it may be rounding alone. The bound is infinite at points that are
+    /// not finite. The displacement of points in the frames of rotated tiles (see [`Scene`]) is not
+    /// part of it.
+    pub fn error_bounds_t(&self, points: &[DVec3]) -> Vec<f64> {
+        self.direct.error_bounds_t(points)
+    }
+
     /// The field at every point of a grid, z fastest; [`Scene::field_on_grid_into`] with a new
     /// vector.
     ///

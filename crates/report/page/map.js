@@ -1,5 +1,5 @@
 // The map of the working volume: one quantity on one plane of constant z, with a slider for z and
-// the value under the cursor.
+// the value at the point that the mouse, a tap or the keyboard points at.
 function showMap(data) {
   const canvas = document.getElementById("map");
   if (!canvas || !data.volume) return;
@@ -13,7 +13,11 @@ function showMap(data) {
   for (const map of maps) {
     if (map.difference_of) {
       const [a, b] = map.difference_of.map((name) => maps.find((other) => other.name === name).values);
-      map.values = a.map((value, i) => (value === null || b[i] === null ? null : value - b[i]));
+      map.values = a.map((value, i) => {
+        if (value === null || b[i] === null) return null;
+        const difference = value - b[i];
+        return Math.abs(difference) <= map.round_off ? 0 : difference;
+      });
     }
   }
   let group = null;
@@ -29,17 +33,13 @@ function showMap(data) {
   plane.disabled = zs.length < 2;
   plane.value = String(zs.length >> 1);
 
-  const minus = (text) => text.replace(/-/g, "\u2212");
-  const short = (value) => minus(String(Number(value.toPrecision(6))));
   const at = (map, i, j) => map.values[(i * ys.length + j) * zs.length + Number(plane.value)];
-  const units = [["T", 1], ["mT", 1e3], ["\u00b5T", 1e6], ["nT", 1e9]];
+  const most = (map) => map.values.reduce((most, v) => Math.max(most, Math.abs(v ?? 0)), 0);
+  // A map that is 0 everywhere has the unit of |B|.
+  const most_t = most(maps.find((map) => map.name === "|B|"));
   // The unit that is shown and its factor. Flux densities are stored in tesla and shown in a unit
   // in which they have few digits.
-  function unitOf(map) {
-    if (map.unit !== "T") return [map.unit, 1];
-    const most = map.values.reduce((most, v) => Math.max(most, Math.abs(v ?? 0)), 0);
-    return units.find(([, perT]) => most * perT >= 0.5) ?? units[3];
-  }
+  const unitOf = (map) => (map.unit === "T" ? fluxUnit(most(map) || most_t) : [map.unit, 1]);
   // The range of the colour scale, and whether it is symmetric about zero.
   function rangeOf(map) {
     let low = Infinity, high = -Infinity;
@@ -48,18 +48,22 @@ function showMap(data) {
       low = Math.min(low, value);
       high = Math.max(high, value);
     });
-    if (low > high) return [0, 1, false];
-    const slight = 0.02 * (high - low);
-    const signed = map.difference_of !== undefined || (map.name !== "S_z" && low < -slight && high > slight);
+    // One quantity has one palette everywhere: |B| and S_z have no meaningful zero between them.
+    const signed = map.signed;
+    if (low > high) return [0, 1, signed];
     if (signed) {
-      const reach = Math.max(-low, high) || 1;
-      return [-reach, reach, true];
+      // Values of one sign use one half of the palette.
+      const slight = 0.02 * (high - low);
+      const reach = Math.max(-low, high) || most_t || 1;
+      const [below, above] = [low < -slight, high > slight];
+      if (below === above) return [-reach, reach, signed];
+      return above ? [0, reach, signed] : [-reach, 0, signed];
     }
     if (high - low <= 1e-9 * Math.max(Math.abs(low), Math.abs(high))) {
       const half = low === 0 ? 1 : 0.1 * Math.abs(low);
-      return [low - half, high + half, false];
+      return [low - half, high + half, signed];
     }
-    return [low, high, false];
+    return [low, high, signed];
   }
   // Round numbers from `low` to `high`, at most about `most` of them.
   function ticks(low, high, most) {
@@ -89,20 +93,35 @@ function showMap(data) {
     const colours = signed ? data.colours.signed : data.colours.one_signed;
     const colour = (value) => {
       if (value === null) return "#bebebe";
-      const index = Math.round(255 * Math.min(1, Math.max(0, (value - low) / (high - low))));
+      const reach = Math.max(-low, high);
+      const part = signed ? (value + reach) / (2 * reach) : (value - low) / (high - low);
+      const index = Math.round(255 * Math.min(1, Math.max(0, part)));
       return "#" + colours.slice(6 * index, 6 * index + 6);
     };
-    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    const style = getComputedStyle(document.documentElement);
+    const [ink, background] = ["--ink", "--paper"].map((name) => style.getPropertyValue(name).trim());
+    // The map is as wide as the page allows, and only as high as it needs to be.
+    const narrow = canvas.clientWidth < 440;
+    const [left, right] = narrow ? [50, 88] : [62, 108];
+    const width = canvas.clientWidth;
+    const most_px = narrow ? 420 : 470;
+    const scale = Math.min((width - left - right) / (x1 - x0), (most_px - 16 - 48) / (y1 - y0));
+    const size = [x1 - x0, y1 - y0].map((extent) => Math.max(60, scale * extent));
+    const height = narrow ? size[1] + 16 + 48 : most_px;
+    canvas.style.height = `${height + canvas.offsetHeight - canvas.clientHeight}px`;
     const density = window.devicePixelRatio || 1;
     canvas.width = Math.round(width * density);
     canvas.height = Math.round(height * density);
     paper.setTransform(density, 0, 0, density, 0, 0);
-    paper.fillStyle = "#fff";
+    paper.fillStyle = background;
     paper.fillRect(0, 0, width, height);
-    const room = [width - 62 - 108, height - 16 - 48];
-    const scale = Math.min(room[0] / (x1 - x0), room[1] / (y1 - y0));
-    const size = [Math.max(40, scale * (x1 - x0)), Math.max(40, scale * (y1 - y0))];
-    area = { left: 62 + Math.max(0, (room[0] - size[0]) / 2), top: 16, width: size[0], height: size[1] };
+    const spare = (room, used) => Math.max(0, (room - used) / 2);
+    area = {
+      left: left + spare(width - left - right, size[0]),
+      top: 16 + spare(height - 16 - 48, size[1]),
+      width: size[0],
+      height: size[1],
+    };
     const px = (x) => area.left + ((x - x0) / (x1 - x0)) * area.width;
     const py = (y) => area.top + ((y1 - y) / (y1 - y0)) * area.height;
     for (let i = 0; i < xs.length; i++) {
@@ -114,11 +133,18 @@ function showMap(data) {
         paper.fillRect(left, top, right - left, bottom - top);
       }
     }
-    paper.strokeStyle = paper.fillStyle = "#1e1e1e";
+    paper.strokeStyle = paper.fillStyle = ink;
     paper.lineWidth = 1;
-    paper.font = "13px system-ui, sans-serif";
+    paper.font = `${narrow ? 11 : 13}px system-ui, sans-serif`;
     paper.strokeRect(area.left, area.top, area.width, area.height);
     paper.textAlign = "center";
+    const zero = map.values.every((value) => value === 0);
+    if (zero) {
+      paper.fillStyle = "#1e1e1e";
+      paper.textBaseline = "middle";
+      paper.fillText("0 everywhere", area.left + area.width / 2, area.top + area.height / 2);
+      paper.fillStyle = ink;
+    }
     paper.textBaseline = "top";
     const bottom = area.top + area.height;
     const line = (a, b, c, d) => {
@@ -127,7 +153,7 @@ function showMap(data) {
       paper.lineTo(c, d);
       paper.stroke();
     };
-    for (const x of ticks(x0, x1, 6)) {
+    for (const x of ticks(x0, x1, narrow ? 4 : 6)) {
       line(px(x), bottom, px(x), bottom + 4);
       paper.fillText(short(x), px(x), bottom + 7);
     }
@@ -145,7 +171,7 @@ function showMap(data) {
       paper.fillRect(bar, area.top + n, 14, Math.min(1.5, area.height - n));
     }
     paper.strokeRect(bar, area.top, 14, area.height);
-    paper.fillStyle = "#1e1e1e";
+    paper.fillStyle = ink;
     paper.textAlign = "left";
     for (const value of ticks(low * factor, high * factor, 7)) {
       line(bar + 14, level(value / factor), bar + 18, level(value / factor));
@@ -159,47 +185,88 @@ function showMap(data) {
       paper.fillText(text, 0, 0);
       paper.restore();
     };
-    upright("y (mm)", area.left - 48);
-    upright(`${map.name} (${unit})`, bar + 80);
+    upright("y (mm)", area.left - (narrow ? 38 : 48));
+    upright(`${map.name} (${unit})`, bar + (narrow ? 62 : 80));
     if (pointed) {
       const [i, j] = pointed;
       paper.lineWidth = 2;
+      paper.strokeStyle = "#1e1e1e";
       const box = [px(xSides[i]), py(ySides[j + 1])];
       paper.strokeRect(box[0], box[1], px(xSides[i + 1]) - box[0], py(ySides[j]) - box[1]);
     }
     const z = zs[Number(plane.value)];
-    document.getElementById("z").textContent = `z = ${short(z)} mm`;
+    const zText = `z = ${short(z)} mm`;
+    document.getElementById("z").textContent = zText;
+    plane.setAttribute("aria-valuetext", zText);
+    tell(map, unit, factor, z);
+  }
+
+  // Writes the value at the point below the map, and passes the point to the line about tiles.
+  function tell(map, unit, factor, z) {
     if (!pointed) {
-      readout.textContent = "Point at the map to read a value.";
+      readout.textContent = "Point at the map, or tap it, to read a value.";
+      selection.set({ point: null });
       return;
     }
+    const position = [xs[pointed[0]], ys[pointed[1]], z];
+    const where = position.map((c, i) => `${"xyz"[i]} = ${short(c)}`).join(", ") + " mm";
     const value = at(map, ...pointed);
-    const where = `x = ${short(xs[pointed[0]])}, y = ${short(ys[pointed[1]])}, z = ${short(z)} mm`;
+    const b_t = ["B_x", "B_y", "B_z"].map((name) => at(maps.find((other) => other.name === name), ...pointed));
+    selection.set({ point: { at: position, b_t } });
     if (value === null) {
       readout.textContent = `${map.name} has no value at ${where}`;
       return;
     }
-    const digits = minus(String(Number((value * factor).toPrecision(9))));
-    readout.textContent = `${map.name} = ${digits} ${unit} at ${where}`;
+    readout.textContent = `${map.name} = ${short(value * factor, 9)} ${unit} at ${where}`;
   }
 
-  // Marks the cell under the cursor.
+  // Points at the cell under the mouse or the finger.
   function point(event) {
     const box = canvas.getBoundingClientRect();
-    const x = x0 + ((event.clientX - box.left - area.left) / area.width) * (x1 - x0);
-    const y = y1 - ((event.clientY - box.top - area.top) / area.height) * (y1 - y0);
+    const [left, top] = [box.left + canvas.clientLeft + area.left, box.top + canvas.clientTop + area.top];
+    const x = x0 + ((event.clientX - left) / area.width) * (x1 - x0);
+    const y = y1 - ((event.clientY - top) / area.height) * (y1 - y0);
     const i = xSides.findIndex((side, n) => x >= side && x < xSides[n + 1]);
     const j = ySides.findIndex((side, n) => y >= side && y < ySides[n + 1]);
     pointed = i < 0 || j < 0 ? null : [i, j];
+    kept = false;
     draw();
   }
-  canvas.addEventListener("pointermove", point);
-  canvas.addEventListener("pointerdown", point);
-  canvas.addEventListener("pointerleave", () => {
+  // Moves the point by cells, from the middle if there is none.
+  function step(di, dj) {
+    const [i, j] = pointed ?? [xs.length >> 1, ys.length >> 1];
+    const moved = pointed ? [i + di, j + dj] : [i, j];
+    pointed = moved.map((c, axis) => Math.min((axis ? ys : xs).length - 1, Math.max(0, c)));
+    kept = true;
+    draw();
+  }
+  // Whether the value stays when the mouse leaves: after a click, a tap or a step.
+  let kept = false;
+  const isTouch = (event) => event.pointerType === "touch";
+  canvas.addEventListener("pointermove", (event) => isTouch(event) || kept || point(event));
+  canvas.addEventListener("pointerleave", (event) => {
+    if (isTouch(event) || kept) return;
     pointed = null;
     draw();
   });
+  // A click keeps its value until the next one. A swipe that scrolls the page is no click.
+  canvas.addEventListener("click", (event) => {
+    const before = kept && pointed;
+    point(event);
+    kept = pointed !== null && !(before && before.join() === pointed.join() && !isTouch(event));
+  });
+  const steps = { left: [-1, 0], right: [1, 0], up: [0, 1], down: [0, -1] };
+  for (const button of document.querySelectorAll("[data-step]")) {
+    button.addEventListener("click", () => step(...steps[button.dataset.step]));
+  }
+  canvas.addEventListener("keydown", (event) => {
+    const by = steps[event.key.replace("Arrow", "").toLowerCase()];
+    if (!by || !event.key.startsWith("Arrow")) return;
+    event.preventDefault();
+    step(...by);
+  });
   for (const control of [quantity, plane, ownScale]) control.addEventListener("input", draw);
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   window.addEventListener("resize", draw);
   draw();
 }

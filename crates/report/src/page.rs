@@ -15,7 +15,17 @@ use crate::typeset::AXIS_NAMES;
 const PAGE: &str = include_str!("../page/page.html");
 const MAP: &str = include_str!("../page/map.html");
 const STYLE: &str = include_str!("../page/page.css");
-const SCRIPTS: [&str; 2] = [include_str!("../page/map.js"), include_str!("../page/view.js")];
+const SCRIPTS: [&str; 6] = [
+    include_str!("../page/numbers.js"),
+    include_str!("../page/tile_field.js"),
+    include_str!("../page/selection.js"),
+    include_str!("../page/map.js"),
+    include_str!("../page/view.js"),
+    include_str!("../page/start.js"),
+];
+
+/// What the frame in the view means.
+const FRAME_HINT: &str = "\nThe blue frame is the working volume, dashed where tiles hide it.";
 
 /// The results of a film as the program prints them, which the page repeats.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +58,7 @@ pub(crate) fn page(
         "description" => description.clone(),
         "facts" => facts(film, survey, tiles.len()),
         "absent" => absent.clone(),
+        "frame_hint" => if survey.is_some() { FRAME_HINT } else { "" }.to_owned(),
         "map" => if survey.is_some() { MAP } else { "" }.to_owned(),
         "numbers" => escaped(results.text),
         "numbers_json" => in_script(results.json),
@@ -107,11 +118,12 @@ fn facts(film: &Film, survey: Option<&Survey>, drawn: usize) -> String {
 
 fn figure_element(figure: &Figure) -> String {
     format!(
-        "<figure id=\"{}\"><img alt=\"{}\" src=\"{}\"><figcaption>{}</figcaption></figure>\n",
+        "<figure id=\"{0}\"><a href=\"{0}.svg\"><img alt=\"{1}\" src=\"{2}\"></a><figcaption>{1} Files beside this \
+         page: <a href=\"{0}.svg\">SVG</a>, <a href=\"{0}.png\">PNG</a>, <a href=\"{0}.csv\">CSV of its \
+         data</a>.</figcaption></figure>\n",
         figure.name,
         escaped(&figure.caption),
         data_url("image/svg+xml", figure.svg.as_bytes()),
-        escaped(&figure.caption)
     )
 }
 

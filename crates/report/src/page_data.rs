@@ -49,6 +49,11 @@ struct MapData {
     group: &'static str,
     name: &'static str,
     unit: &'static str,
+    /// Whether its colours are those of values of both signs.
+    signed: bool,
+    /// Differences up to this are round-off and count as 0; in the unit of the values.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    round_off: Option<f64>,
     /// Names of the two maps whose difference the script computes.
     #[serde(skip_serializing_if = "Option::is_none")]
     difference_of: Option<[&'static str; 2]>,
@@ -138,23 +143,35 @@ fn volume_maps(survey: &Survey) -> Vec<MapData> {
     let mut maps = Vec::new();
     for (name, component) in ["B_x", "B_y", "B_z", "|B|"].into_iter().zip(components) {
         let values = values(&survey.field_t, component);
-        maps.push(MapData { group: "this film", name, unit: "T", difference_of: None, values });
+        let signed = name != "|B|";
+        let map = MapData { group: "this film", name, unit: "T", signed, round_off: None, difference_of: None, values };
+        maps.push(map);
     }
     let Some(against) = &survey.against_ideal else { return maps };
     let ideal = ["ideal B_x", "ideal B_y", "ideal B_z"];
     for (name, component) in ideal.into_iter().zip(components) {
         let values = values(&against.field_t, component);
-        maps.push(MapData { group: "ideal film", name, unit: "T", difference_of: None, values });
+        let group = "ideal film";
+        maps.push(MapData { group, name, unit: "T", signed: true, round_off: None, difference_of: None, values });
     }
     let differences = ["B_x \u{2212} ideal", "B_y \u{2212} ideal", "B_z \u{2212} ideal"];
     for ((name, of), ideal) in differences.into_iter().zip(["B_x", "B_y", "B_z"]).zip(ideal) {
         let values = Vec::new();
-        maps.push(MapData { group: "difference", name, unit: "T", difference_of: Some([of, ideal]), values });
+        maps.push(MapData {
+            group: "difference",
+            name,
+            unit: "T",
+            signed: true,
+            round_off: Some(survey.round_off_t),
+            difference_of: Some([of, ideal]),
+            values,
+        });
     }
     let parameters: Vec<_> = against.decoupling.parameters.iter().collect();
     for (name, unit, parameter) in PARAMETERS {
         let values = shown.iter().map(|&i| parameters[i].as_ref().map(parameter)).collect();
-        maps.push(MapData { group: "decoupling", name, unit, difference_of: None, values });
+        let signed = name != "S_z";
+        maps.push(MapData { group: "decoupling", name, unit, signed, round_off: None, difference_of: None, values });
     }
     maps
 }

@@ -3,8 +3,9 @@
 
 use glam::DVec3;
 use magsplice::decouple::{Branch, Decoupling, Parameters};
-use magsplice::field::{Cause, Grid, IdealFilm, PointErrors, Quantity};
+use magsplice::field::{Cause, PointErrors};
 use magsplice::layout::{NamedTile, WorkingVolume};
+use magsplice::prelude::{Accuracy, Grid, IdealFilm, Quantity, Tolerance};
 use magsplice::{Film, FilmError};
 
 use crate::error::ReportError;
@@ -27,11 +28,38 @@ pub(crate) fn tiles_to_draw(tiles: &[NamedTile], centre_mm: DVec3) -> Vec<&Named
     drawn
 }
 
+/// What is left of the error of the field of the ideal film, as a fraction of |B|. Its phases are
+/// right to one unit of round-off of about ten periods, its exponential to a few more.
+const IDEAL_ROUND_OFF: f64 = 1e-14;
+
+/// Error bounds by which a component of B must exceed zero. Two, because the stated bound does not
+/// count the displacement of points in the frames of rotated tiles.
+const BOUNDS_OF_ZERO: f64 = 2.0;
+
+/// The largest component of B that may be an error alone, at each point, in tesla: the stated error
+/// of the exact field, and the tolerance if there is one.
+pub(crate) fn round_off_t(film: &Film, points: &[DVec3], field_t: &[DVec3]) -> Vec<f64> {
+    let tolerated_t = |b: &DVec3| match film.scene().accuracy() {
+        Accuracy::Within(Tolerance::Relative { fraction, .. }) => fraction * b.length(),
+        Accuracy::Within(Tolerance::AbsoluteT { error_t, .. }) => error_t,
+        _ => 0.0,
+    };
+    let exact_t = film.scene().error_bounds_t(points);
+    exact_t.into_iter().zip(field_t).map(|(bound, b)| BOUNDS_OF_ZERO * bound + tolerated_t(b)).collect()
+}
+
+/// The vector with each component set to 0 whose magnitude is at most `round_off`.
+pub(crate) fn without_round_off(b: DVec3, round_off: f64) -> DVec3 {
+    DVec3::from(b.to_array().map(|c| if c.abs() <= round_off { 0.0 } else { c }))
+}
+
 /// A film over its working volume.
 pub(crate) struct Survey<'a> {
     pub(crate) volume: &'a WorkingVolume,
-    /// B in tesla on the grid of the volume, z fastest.
+    /// B in tesla on the grid of the volume, z fastest. Components that are round-off are 0.
     pub(crate) field_t: Vec<DVec3>,
+    /// Components of B up to this are round-off, at every point of the grid, in tesla.
+    pub(crate) round_off_t: f64,
     /// The ideal film and the decoupling parameters, if the layout has an ideal film.
     pub(crate) against_ideal: Option<AgainstIdeal<'a>>,
 }
@@ -64,14 +92,18 @@ impl<'a> Survey<'a> {
                 // decouple() returned, so the reference point has parameters and thus a branch.
                 Branch::from_axis_field(film.reference_field_t()?).map(|branch| AgainstIdeal {
                     film: ideal,
-                    field_t: ideal_t,
+                    field_t: ideal_t.into_iter().map(|b| without_round_off(b, IDEAL_ROUND_OFF * b.length())).collect(),
                     decoupling,
                     branch,
                 })
             }
             Err(_) => None,
         };
-        Ok(Some(Survey { volume, field_t, against_ideal }))
+        let points: Vec<DVec3> = volume.grid.points().collect();
+        let round_off_t = round_off_t(film, &points, &field_t);
+        let most_t = round_off_t.iter().copied().filter(|b| b.is_finite()).fold(0.0, f64::max);
+        let field_t = field_t.into_iter().zip(&round_off_t).map(|(b, &bound)| without_round_off(b, bound)).collect();
+        Ok(Some(Survey { volume, field_t, round_off_t: most_t, against_ideal }))
     }
 
     /// Indices along z of the lowest, the middle and the highest plane of the grid, without
@@ -103,6 +135,8 @@ pub(crate) struct FieldSlice {
     pub(crate) ranges_mm: [[f64; 2]; 2],
     grid: Grid,
     field_t: Vec<DVec3>,
+    /// Components of B up to this are round-off, in tesla.
+    round_off_t: Vec<f64>,
 }
 
 impl FieldSlice {
@@ -128,7 +162,12 @@ impl FieldSlice {
                 return Err(FilmError::Points(PointErrors(other)));
             }
         }
-        Ok(FieldSlice { axes, ranges_mm, grid, field_t })
+        let points: Vec<DVec3> = grid.points().collect();
+        let round_off_t = round_off_t(film, &points, &field_t);
+        for (b, &bound) in field_t.iter_mut().zip(&round_off_t) {
+            *b = without_round_off(*b, bound);
+        }
+        Ok(FieldSlice { axes, ranges_mm, grid, field_t, round_off_t })
     }
 
     /// Number of cells along the two axes.
@@ -149,7 +188,21 @@ impl FieldSlice {
 
     /// B of the ideal film in tesla in a cell; NaN where Eq. 2 does not hold.
     pub(crate) fn ideal_t(&self, film: &IdealFilm, u: usize, v: usize) -> DVec3 {
-        film.flux_density_t(self.grid.point(self.index(u, v))).unwrap_or(DVec3::NAN)
+        let b = film.flux_density_t(self.grid.point(self.index(u, v))).unwrap_or(DVec3::NAN);
+        without_round_off(b, IDEAL_ROUND_OFF * b.length())
+    }
+
+    /// B of the film minus B of the ideal film in tesla in a cell. Components that are round-off
+    /// are 0.
+    pub(crate) fn difference_t(&self, film: &IdealFilm, u: usize, v: usize) -> DVec3 {
+        let ideal = self.ideal_t(film, u, v);
+        let bound = self.round_off_t[self.index(u, v)] + IDEAL_ROUND_OFF * ideal.length();
+        without_round_off(self.field_t(u, v) - ideal, bound)
+    }
+
+    /// The point at the centre of a cell.
+    pub(crate) fn point_mm(&self, u: usize, v: usize) -> DVec3 {
+        self.grid.point(self.index(u, v))
     }
 
     /// The decoupling parameters in a cell; `None` where they do not exist.

@@ -84,6 +84,7 @@ fn numbers_on_the_page_are_those_of_decouple_and_field() {
         let exact = page.contains("<dd>exact</dd>");
         assert_eq!((exact, page.contains("<dd>within 1e-6 of |B|</dd>")), (accuracy.is_empty(), !accuracy.is_empty()));
         // The maps, point by point.
+        let mut zeros = 0;
         let data = json(element(&page, "data"));
         let field = run(&["field", &layout]).stdout;
         let rows: Vec<Vec<f64>> =
@@ -93,11 +94,18 @@ fn numbers_on_the_page_are_those_of_decouple_and_field() {
             let values: Vec<f64> = map["values"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
             assert_eq!(values.len(), rows.len());
             for (value, row) in values.iter().zip(&rows) {
-                // Equal up to rounding of the last digit when JSON is read.
+                // Equal up to rounding of the last digit when JSON is read. Round-off is 0; to the
+                // tolerance of 1e-6 that is whatever is below 1e-6 of |B|.
                 let b = row[3 + component];
-                assert!((value - b).abs() <= f64::EPSILON * b.abs(), "{name}: {value}, not {b}");
+                let length = row[3..].iter().map(|c| c * c).sum::<f64>().sqrt();
+                let round_off = if accuracy.is_empty() { 1e-12 } else { 1.001e-6 } * length;
+                let zero = *value == 0.0 && b.abs() <= round_off;
+                assert!(zero || (value - b).abs() <= f64::EPSILON * b.abs(), "{name}: {value}, not {b}");
+                zeros += usize::from(zero && b != 0.0);
             }
         }
+        // On the planes x = 0 and y = 0 a component vanishes by symmetry, but for round-off.
+        assert!(zeros > 10, "{zeros} values of round-off are 0");
         assert_eq!(data["volume"]["z_mm"], serde_json::json!([-5.0, -4.5, -4.0, -3.5, -3.0]));
     }
 }

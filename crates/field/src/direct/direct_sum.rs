@@ -67,7 +67,7 @@ impl DirectSum {
         self.level
     }
 
-    fn magnitudes(&self) -> &MagnitudeBounds {
+    pub(super) fn magnitudes(&self) -> &MagnitudeBounds {
         self.magnitudes.get_or_init(|| MagnitudeBounds::new(&self.tiles))
     }
 

@@ -12,6 +12,8 @@ mod coordinates;
 pub(crate) mod direct_sum;
 /// Edges on which the field is unbounded.
 mod edges;
+/// The stated error of the exact field.
+mod error_bounds;
 /// The far field of a cluster, as a tree provides it.
 pub(crate) mod far_field;
 /// The gradient summed over tiles at a batch of points.
