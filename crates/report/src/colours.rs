@@ -42,18 +42,28 @@ pub(crate) enum Palette {
 const LINES_FRACTION: f32 = 0.86;
 
 impl ColourScale {
-    /// The scale for these values: symmetric about zero if they have both signs, else from their
-    /// minimum to their maximum. Values that are not finite are ignored.
-    pub(crate) fn from_values(values: impl Iterator<Item = f64>) -> ColourScale {
+    /// The diverging scale for values whose zero has a meaning. Values of one sign get the half of
+    /// the palette that is theirs, so that a quantity has the same colours in all figures. Values
+    /// that are not finite are ignored.
+    pub(crate) fn signed(values: impl Iterator<Item = f64>) -> ColourScale {
+        let (low, high) = values.filter(|v| v.is_finite()).fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+        let slight = ONE_SIGN_TOLERANCE * (high - low);
+        let whole = ColourScale::symmetric(high.max(-low));
+        match (-low > slight, high > slight) {
+            (false, true) => ColourScale { low: 0.0, ..whole },
+            (true, false) => ColourScale { high: 0.0, ..whole },
+            _ => whole,
+        }
+    }
+
+    /// The scale for these values from their minimum to their maximum. Values that are not finite
+    /// are ignored.
+    fn from_values(values: impl Iterator<Item = f64>) -> ColourScale {
         let (low, high) = values
             .filter(|v| v.is_finite())
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         if low > high {
             return ColourScale { low: 0.0, high: 1.0, palette: Palette::Sequential };
-        }
-        let slight = ONE_SIGN_TOLERANCE * (high - low);
-        if low < -slight && high > slight {
-            return ColourScale::symmetric(low.abs().max(high));
         }
         // A constant also needs a range.
         let least_range = 1e-9 * low.abs().max(high.abs());
@@ -73,14 +83,9 @@ impl ColourScale {
     }
 
     /// The diverging scale from `-reach` to `reach`, or to 1 if `reach` is not a positive number.
-    pub(crate) fn symmetric(reach: f64) -> ColourScale {
+    fn symmetric(reach: f64) -> ColourScale {
         let reach = if reach > 0.0 && reach.is_finite() { reach } else { 1.0 };
         ColourScale { low: -reach, high: reach, palette: Palette::Diverging }
-    }
-
-    /// The diverging scale for these values, symmetric about zero.
-    pub(crate) fn symmetric_from_values(values: impl Iterator<Item = f64>) -> ColourScale {
-        ColourScale::symmetric(values.filter(|v| v.is_finite()).fold(0.0, |most, v| most.max(v.abs())))
     }
 
     /// The function from values to colours.
@@ -98,7 +103,11 @@ impl ColourMapper {
             return NO_VALUE;
         }
         let ColourScale { low, high, palette } = self.1;
-        let t = ((value - low) / (high - low)).clamp(0.0, 1.0) as f32;
+        let t = match palette {
+            Palette::Sequential | Palette::Lines => (value - low) / (high - low),
+            Palette::Diverging => 0.5 + 0.5 * value / high.max(-low),
+        };
+        let t = t.clamp(0.0, 1.0) as f32;
         rgb(&self.0.at(match palette {
             Palette::Sequential => t,
             // From blue for negative values to red for positive ones.
@@ -110,8 +119,8 @@ impl ColourMapper {
 
 /// 256 colours from one end of a palette to the other, for the page.
 pub(crate) fn colour_table(palette: Palette) -> Vec<Rgb> {
-    let map = ColourScale { low: 0.0, high: 255.0, palette }.mapper();
-    (0..256).map(|i| map.colour(f64::from(i))).collect()
+    let map = ColourScale { low: -127.5, high: 127.5, palette }.mapper();
+    (0..256).map(|i| map.colour(f64::from(i) - 127.5)).collect()
 }
 
 fn rgb(colour: &Color) -> Rgb {
@@ -159,7 +168,7 @@ mod tests {
 
     #[test]
     fn values_of_both_signs_get_a_diverging_scale_with_white_at_zero() {
-        let scale = ColourScale::from_values([-1.0, 0.2, f64::NAN].into_iter());
+        let scale = ColourScale::signed([-1.0, 0.2, f64::NAN].into_iter());
         assert_eq!(scale, ColourScale { low: -1.0, high: 1.0, palette: Palette::Diverging });
         let map = scale.mapper();
         let middle = map.colour(0.0);
@@ -167,6 +176,11 @@ mod tests {
         // Blue below zero, red above.
         assert!(map.colour(-1.0)[2] > map.colour(-1.0)[0] && map.colour(1.0)[0] > map.colour(1.0)[2]);
         assert_eq!(map.colour(f64::NAN), NO_VALUE);
+        // Values of one sign have the same colours, and only theirs.
+        let negative = ColourScale::signed([-1.0, -0.5].into_iter());
+        assert_eq!(negative, ColourScale { low: -1.0, high: 0.0, palette: Palette::Diverging });
+        assert_eq!(negative.mapper().colour(-0.5), map.colour(-0.5));
+        assert_eq!(ColourScale::signed([0.0, 0.0].into_iter()), ColourScale::symmetric(1.0));
     }
 
     #[test]

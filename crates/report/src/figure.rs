@@ -1,16 +1,31 @@
 //! A finished figure.
 
-use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Indent, Options, Tree, WriteOptions};
 
 use crate::error::DrawError;
+use crate::sheet::millimetres;
+use crate::typeset::FAMILY;
 
-/// Pixels of the PNG per pixel of the SVG. 3 gives 288 dots per inch.
-const PNG_SCALE: f32 = 3.0;
+/// Resolution of PNG files.
+const DOTS_PER_INCH: f64 = 300.0;
+/// Pixels of SVG files per inch.
+const PX_PER_INCH: f64 = 96.0;
 /// Decimals of coordinates in the SVG, in pixels.
 const DECIMALS: u8 = 3;
 
-/// A figure as SVG and as PNG, both drawn from the same shapes.
+/// The form of text in SVG files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SvgText {
+    /// Text, which can be searched and edited. Where Roboto is not installed, a similar font takes
+    /// its place.
+    #[default]
+    Text,
+    /// Outlines of Roboto, the same on every machine.
+    Outlines,
+}
+
+/// A figure as SVG and as PNG, both drawn from the same shapes, and its data as CSV.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Figure {
@@ -18,15 +33,26 @@ pub struct Figure {
     pub name: &'static str,
     /// What the figure shows, in one to three sentences.
     pub caption: String,
-    /// The SVG, with text as outlines, at 96 pixels per inch.
+    /// The SVG. Its size is given in millimetres.
     pub svg: String,
-    /// The same as PNG, at 288 pixels per inch.
+    /// The same as PNG, at 300 dots per inch, which the file states.
     pub png: Vec<u8>,
+    /// The numbers that the figure shows, with one header line.
+    pub csv: String,
+    /// The SVG with text as outlines, for the page.
+    pub(crate) outlined: String,
 }
 
 impl Figure {
     /// A figure from SVG whose text is still text.
-    pub(crate) fn new(name: &'static str, caption: String, svg: &str, options: &Options) -> Result<Figure, DrawError> {
+    pub(crate) fn new(
+        name: &'static str,
+        caption: String,
+        svg: &str,
+        csv: String,
+        text: SvgText,
+        options: &Options,
+    ) -> Result<Figure, DrawError> {
         let tree = Tree::from_str(svg, options)?;
         let written = WriteOptions {
             coordinates_precision: DECIMALS,
@@ -34,10 +60,57 @@ impl Figure {
             indent: Indent::None,
             ..WriteOptions::default()
         };
-        let [width, height] = [tree.size().width(), tree.size().height()].map(|px| (px * PNG_SCALE).ceil() as u32);
+        let size = [tree.size().width(), tree.size().height()].map(|px| f64::from(px).round());
+        let scale = DOTS_PER_INCH / PX_PER_INCH;
+        let [width, height] = size.map(|px| (px * scale).ceil() as u32);
         let mut pixels = Pixmap::new(width, height).ok_or("its width or height is 0")?;
-        resvg::render(&tree, Transform::from_scale(PNG_SCALE, PNG_SCALE), &mut pixels.as_mut());
-        let png = pixels.encode_png()?;
-        Ok(Figure { name, caption, svg: tree.to_string(&written), png })
+        // A fraction of a pixel at the right and at the bottom is not covered by the sheet.
+        pixels.fill(Color::WHITE);
+        resvg::render(&tree, Transform::from_scale(scale as f32, scale as f32), &mut pixels.as_mut());
+        let outlined = sized(&tree.to_string(&written), size);
+        let svg = match text {
+            SvgText::Text => with_fallbacks(svg),
+            SvgText::Outlines => outlined.clone(),
+        };
+        Ok(Figure { name, caption, svg, png: encoded(&pixels)?, csv, outlined })
     }
+
+    /// Names and contents of the files: SVG, PNG and CSV.
+    pub fn files(&self) -> [(String, &[u8]); 3] {
+        let named = |ending: &str| format!("{}.{ending}", self.name);
+        [(named("svg"), self.svg.as_bytes()), (named("png"), &self.png), (named("csv"), self.csv.as_bytes())]
+    }
+}
+
+/// The SVG that usvg wrote, with its size in millimetres.
+fn sized(svg: &str, [width, height]: [f64; 2]) -> String {
+    let (head, rest) = svg.split_once('>').unwrap_or((svg, ""));
+    let kept =
+        head.split(' ').filter(|part| !["width=", "height=", "viewBox="].iter().any(|key| part.starts_with(key)));
+    // The four numbers of a view box contain spaces, so a part of them is a number and a quote.
+    let kept: Vec<&str> = kept.filter(|part| part.starts_with('<') || part.contains('=')).collect();
+    let [across, down] = [width, height].map(millimetres);
+    format!("{} width=\"{across}mm\" height=\"{down}mm\" viewBox=\"0 0 {width} {height}\">{rest}", kept.join(" "))
+}
+
+/// The SVG with fonts that are similar to Roboto where that is not installed.
+fn with_fallbacks(svg: &str) -> String {
+    let named = format!("font-family=\"{FAMILY}\"");
+    svg.replace(&named, &format!("font-family=\"{FAMILY}, Arial, Helvetica, sans-serif\""))
+}
+
+/// The pixels as PNG, with the resolution that the file is meant for.
+fn encoded(pixels: &Pixmap) -> Result<Vec<u8>, DrawError> {
+    const INCHES_PER_METRE: f64 = 1.0 / 0.0254;
+    let per_metre = (DOTS_PER_INCH * INCHES_PER_METRE).round() as u32;
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, pixels.width(), pixels.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }));
+    // Figures are drawn on white paper, so every pixel is opaque.
+    let colours: Vec<u8> =
+        pixels.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect();
+    encoder.write_header()?.write_image_data(&colours)?;
+    Ok(file)
 }

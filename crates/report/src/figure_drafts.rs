@@ -4,7 +4,8 @@ use magsplice::layout::NamedTile;
 use magsplice::{Film, Stage};
 
 use crate::error::{DrawError, ReportError};
-use crate::figures::{along_axes, field_maps, layout_from_above, parameter_maps, vectors};
+use crate::figures::along_axes::AlongAxes;
+use crate::figures::{field_maps, layout_from_above, parameter_maps, vectors};
 use crate::survey::{FieldSlice, Survey};
 use crate::typeset::{AXIS_NAMES, number, variable};
 
@@ -20,6 +21,8 @@ pub(crate) struct FigureDraft {
     pub(crate) name: &'static str,
     pub(crate) caption: String,
     pub(crate) svg: String,
+    /// The data behind the figure.
+    pub(crate) csv: String,
 }
 
 /// The number of figures.
@@ -38,16 +41,17 @@ pub(crate) fn drafts(
     let count = figure_count(survey);
     let tell = |done: usize| film.tell(Stage { name: "drawing", done, of: Some(count), unit: "figures" });
     tell(0);
-    let mut add = |name: &'static str, caption: String, drawn: Result<String, DrawError>| {
-        let svg = drawn.map_err(|source| ReportError::Drawing { figure: name, source })?;
-        drafts.push(FigureDraft { name, caption, svg });
+    let mut add = |name: &'static str, caption: String, drawn: Result<(String, String), DrawError>| {
+        let (svg, csv) = drawn.map_err(|source| ReportError::Drawing { figure: name, source })?;
+        drafts.push(FigureDraft { name, caption, svg, csv });
         tell(drafts.len());
         Ok::<(), ReportError>(())
     };
     let layout = film.layout();
     let volume = layout.volume.as_ref();
     let caption = "The tiles seen from above, with their polarization and their names.".to_owned();
-    add("layout", caption, layout_from_above::draw(tiles, layout.tiles.len(), volume))?;
+    let drawn = layout_from_above::draw(tiles, layout.tiles.len(), volume);
+    add("layout", caption, drawn.map(|svg| (svg, layout_from_above::csv(tiles))))?;
     let Some(survey) = survey else { return Ok(drafts) };
 
     let caption = "B in three planes. The length and the colour of an arrow show the logarithm of the \
@@ -71,8 +75,9 @@ pub(crate) fn drafts(
         } else {
             "the film"
         };
-        let caption = format!("B of {what}, at z = {z_mm} mm.");
-        add(name, caption, field_maps::draw(survey, slice, *z_mm))?;
+        let caption = format!("B of {what}, at z = {} mm.", number(*z_mm));
+        let drawn = field_maps::draw(survey, slice, *z_mm);
+        add(name, caption, drawn.map(|svg| (svg, field_maps::csv(survey, slice))))?;
     }
     let Some(against) = &survey.against_ideal else { return Ok(drafts) };
 
@@ -81,7 +86,8 @@ pub(crate) fn drafts(
     let caption = "The decoupling parameters on planes of constant z. R_x should depend on x only, R_y on y only, \
          and S_z on z only."
         .to_owned();
-    add("parameters-level", caption, parameter_maps::draw(against, &level, LEVEL_PX))?;
+    let drawn = parameter_maps::draw(against, &level, LEVEL_PX);
+    add("parameters-level", caption, drawn.map(|svg| (svg, parameter_maps::csv(against, &level))))?;
 
     let middle = 0.5 * (volume.lower_mm + volume.upper_mm);
     let mut upright = Vec::new();
@@ -91,13 +97,15 @@ pub(crate) fn drafts(
     }
     let caption =
         "The decoupling parameters on the two vertical planes through the centre of the working volume.".to_owned();
-    add("parameters-upright", caption, parameter_maps::draw(against, &upright, UPRIGHT_PX))?;
+    let drawn = parameter_maps::draw(against, &upright, UPRIGHT_PX);
+    add("parameters-upright", caption, drawn.map(|svg| (svg, parameter_maps::csv(against, &upright))))?;
 
-    if let Some(drawn) = along_axes::draw(survey) {
+    if let Some(along) = AlongAxes::new(survey) {
         let caption = "Each decoupling parameter along its own axis, the straight line of the ideal film, and the \
-                       spread of the parameter over the two other axes, on which it should not depend."
+                       spread of the parameter over the two other axes, on which it should not depend. Below: the \
+                       displacement from the reference point that the parameter shows, minus the true one."
             .to_owned();
-        add("parameters-along-axes", caption, drawn)?;
+        add("parameters-along-axes", caption, along.draw().map(|svg| (svg, along.csv())))?;
     }
     Ok(drafts)
 }
@@ -109,7 +117,7 @@ mod tests {
     use resvg::usvg::{Group, Node, Rect, Tree};
 
     use super::*;
-    use crate::figure::Figure;
+    use crate::figure::{Figure, SvgText};
     use crate::survey::tiles_to_draw;
     use crate::typeset;
 
@@ -202,12 +210,14 @@ mod tests {
         let survey = Survey::new(&film, None).unwrap();
         let drafts = drafts(&film, &[], survey.as_ref()).unwrap();
         let draft = drafts.iter().find(|draft| draft.name == "field-lowest").unwrap();
-        let figure = Figure::new(draft.name, String::new(), &draft.svg, &typeset::options()).unwrap();
+        let figure =
+            Figure::new(draft.name, String::new(), &draft.svg, String::new(), SvgText::Text, &typeset::options())
+                .unwrap();
         let png = resvg::tiny_skia::Pixmap::decode_png(&figure.png).unwrap();
-        // The first column of maps starts at (58, 52) in pixels of the SVG, each three of the PNG.
-        // A map is 220 wide and high; the next one is 238 below.
+        // The first column of maps starts at (58, 52) in pixels of the SVG, of which the PNG has
+        // 3.125 each. A map is 220 wide and high; the next one is 238 below.
         let is_red = |x: u32, y: u32| {
-            let pixel = png.pixel(3 * (58 + x), 3 * (52 + y)).unwrap();
+            let pixel = png.pixel((58 + x) * 25 / 8, (52 + y) * 25 / 8).unwrap();
             assert!(pixel.red().abs_diff(pixel.blue()) > 60, "{pixel:?}");
             pixel.red() > pixel.blue()
         };

@@ -5,8 +5,8 @@
 //! everything. [`FrontFigure`] draws the trade-offs that a design search found.
 //!
 //! plotters draws the figures. Their colours are readable in print and by colour-blind readers.
-//! All text is drawn as outlines of the font in `fonts/`, so a figure looks the same on every
-//! machine.
+//! Text of SVG files is text or outlines ([`SvgText`]). In PNG files and on the page it is drawn with
+//! the font in `fonts/`, so that a figure looks the same on every machine.
 //!
 //! This crate computes no field and no decoupling parameter by itself: [`Film`](magsplice::Film)
 //! does. It writes no files.
@@ -15,7 +15,7 @@
 mod colours;
 /// [`ReportError`].
 mod error;
-/// [`Figure`]: SVG with text as outlines, and PNG.
+/// [`Figure`]: SVG, PNG and CSV.
 mod figure;
 /// All figures of a report in order, with their captions, before text becomes outlines.
 mod figure_drafts;
@@ -45,7 +45,7 @@ mod tile_shapes;
 mod typeset;
 
 pub use error::ReportError;
-pub use figure::Figure;
+pub use figure::{Figure, SvgText};
 pub use figures::front::{FrontAxis, FrontFigure, FrontFilm};
 pub use page::PrintedResults;
 pub use report::Report;

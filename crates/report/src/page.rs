@@ -123,7 +123,7 @@ fn figure_element(figure: &Figure) -> String {
          data</a>.</figcaption></figure>\n",
         figure.name,
         escaped(&figure.caption),
-        data_url("image/svg+xml", figure.svg.as_bytes()),
+        data_url("image/svg+xml", figure.outlined.as_bytes()),
     )
 }
 

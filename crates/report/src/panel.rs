@@ -8,7 +8,7 @@ use plotters::style::text_anchor::VPos;
 use crate::colours::ColourScale;
 use crate::raster_image::RasterImage;
 use crate::sheet::{DrawResult, FRAME_PX, INK, LETTERS, Lettering, Sheet, units};
-use crate::typeset;
+use crate::typeset::{self, AxisNumbers};
 
 /// Room for numbers and a name at the left of a panel, in pixels.
 pub(crate) const LEFT_PX: f64 = 52.0;
@@ -23,6 +23,10 @@ const TICK_PX: f64 = 4.0;
 const NUMBERS_PX: f64 = 12.0;
 /// Minimum distance of the numbers on an axis, in pixels.
 const PX_PER_NUMBER: f64 = 34.0;
+
+/// Mean width of a letter and height of a line of a remark, in pixels.
+const REMARK_LETTER_PX: f64 = 6.6;
+const REMARK_LINE_PX: f64 = 18.0;
 
 /// Minimum side of a panel as a fraction of its room. A shorter axis would have no numbers.
 const MIN_ROOM_FRACTION: f64 = 0.45;
@@ -87,10 +91,27 @@ impl Panel {
         self.top + self.height
     }
 
-    /// Draws a title above the panel, aligned at the left.
-    pub(crate) fn title(&self, sheet: &Sheet, text: &str) -> DrawResult {
+    /// Draws the letter of the panel, (a) for 0, and a title above it, aligned at the left.
+    pub(crate) fn title(&self, sheet: &Sheet, index: usize, text: &str) -> DrawResult {
         let letters = Lettering { along: VPos::Bottom, ..LETTERS };
-        sheet.text([self.left, self.top - 5.0], text, letters)
+        let letter = char::from(b'a' + (index % 26) as u8);
+        sheet.text([self.left, self.top - 5.0], format!("({letter}) {text}").trim_end(), letters)
+    }
+
+    /// Draws a remark on a white plate in the middle of the panel.
+    pub(crate) fn remark(&self, sheet: &Sheet, lines: &[&str]) -> DrawResult {
+        let longest = lines.iter().map(|line| line.chars().count()).max().unwrap_or(0);
+        let middle = [self.left + 0.5 * self.width, self.top + 0.5 * self.height];
+        let [x, y] = middle;
+        let right = 0.5 * (REMARK_LETTER_PX * longest as f64 + 12.0);
+        let down = 0.5 * (REMARK_LINE_PX * lines.len() as f64 + 6.0);
+        let plate = [[x - right, y - down], [x + right, y - down], [x + right, y + down], [x - right, y + down]];
+        sheet.fill(&plate, WHITE)?;
+        for (n, line) in lines.iter().enumerate() {
+            let y = middle[1] + REMARK_LINE_PX * (n as f64 - 0.5 * (lines.len() as f64 - 1.0));
+            sheet.text([middle[0], y], line, LETTERS.centred())?;
+        }
+        Ok(())
     }
 
     /// Draws the frame with ticks, numbers and names.
@@ -105,11 +126,15 @@ impl Panel {
             .set_label_area_size(LabelAreaPosition::Bottom, units(below))
             .build_cartesian_2d(self.x[0]..self.x[1], self.y[0]..self.y[1])?;
         let numbers = LETTERS.sized(NUMBERS_PX).style();
-        let number = |named: AxisLabel, value: f64, range: [f64; 2]| match named {
-            AxisLabel::TicksOnly => String::new(),
-            AxisLabel::Named(_) | AxisLabel::Coordinate(_) => typeset::on_axis(value, range),
+        let numbers_along = |[low, high]: [f64; 2], px: f64| {
+            AxisNumbers::new(&RangedCoordf64::from(low..high).key_points(max_numbers(px)))
         };
-        let (number_x, number_y) = (|v: &f64| number(x, *v, self.x), |v: &f64| number(y, *v, self.y));
+        let (along_x, along_y) = (numbers_along(self.x, self.width), numbers_along(self.y, self.height));
+        let number = |named: AxisLabel, value: f64, along: &AxisNumbers| match named {
+            AxisLabel::TicksOnly => String::new(),
+            AxisLabel::Named(_) | AxisLabel::Coordinate(_) => along.text(value),
+        };
+        let (number_x, number_y) = (|v: &f64| number(x, *v, &along_x), |v: &f64| number(y, *v, &along_y));
         let mut mesh = chart.configure_mesh();
         mesh.disable_mesh()
             .axis_style(INK.stroke_width(units(FRAME_PX) as u32))
@@ -149,7 +174,8 @@ impl Panel {
     pub(crate) fn colour_bar(&self, sheet: &mut Sheet, away: f64, scale: ColourScale, name: &str) -> DrawResult {
         let bar = self.bar(sheet, away, scale);
         let values = RangedCoordf64::from(scale.low..scale.high).key_points(max_numbers(self.height));
-        bar.numbers(sheet, &values, |value| value)?;
+        let numbers = AxisNumbers::new(&values);
+        bar.numbers(sheet, &values, |value| numbers.text(value), |value| value)?;
         bar.named(sheet, name)
     }
 
@@ -158,21 +184,25 @@ impl Panel {
     pub(crate) fn logarithmic_bar(&self, sheet: &mut Sheet, away: f64, scale: ColourScale, name: &str) -> DrawResult {
         let bar = self.bar(sheet, away, scale);
         let values = steps(scale.low, scale.high);
-        bar.numbers(sheet, &values, f64::log10)?;
+        bar.numbers(sheet, &values, typeset::number, f64::log10)?;
         bar.named(sheet, name)
     }
 
     /// Draws ticks and numbers at the right of a bar. `level` maps a value to the y of the bar.
-    fn numbers(&self, sheet: &Sheet, values: &[f64], level: impl Fn(f64) -> f64) -> DrawResult {
+    fn numbers(
+        &self,
+        sheet: &Sheet,
+        values: &[f64],
+        text: impl Fn(f64) -> String,
+        level: impl Fn(f64) -> f64,
+    ) -> DrawResult {
         for &value in values {
             let [right, y] = self.at(1.0, level(value));
             if !(self.top..=self.bottom()).contains(&y) {
                 continue;
             }
             sheet.line(&[[right, y], [right + TICK_PX, y]], INK, FRAME_PX)?;
-            let range = [level(values[0]), level(values[values.len() - 1])];
-            let text = typeset::on_axis(value, if values.len() > 1 { range } else { [0.0, 0.0] });
-            sheet.text([right + 2.0 * TICK_PX, y], &text, LETTERS.sized(NUMBERS_PX))?;
+            sheet.text([right + 2.0 * TICK_PX, y], &text(value), LETTERS.sized(NUMBERS_PX))?;
         }
         Ok(())
     }

@@ -7,7 +7,7 @@ use magsplice::{Film, Stage};
 use rayon::prelude::*;
 
 use crate::error::ReportError;
-use crate::figure::Figure;
+use crate::figure::{Figure, SvgText};
 use crate::figure_drafts::{FigureDraft, drafts};
 use crate::page::{PrintedResults, page};
 use crate::survey::{Survey, tiles_to_draw};
@@ -27,7 +27,7 @@ const PAGE_NAME: &str = "report.html";
 /// ```
 /// use magsplice::Film;
 /// use magsplice::layout::Layout;
-/// use magsplice_report::{PrintedResults, Report};
+/// use magsplice_report::{PrintedResults, Report, SvgText};
 ///
 /// let layout = Layout::parse(
 ///     r#"
@@ -41,11 +41,12 @@ const PAGE_NAME: &str = "report.html";
 ///     "one-tile.toml",
 /// )?;
 /// let film = Film::new(&layout);
-/// let report = Report::new(&film, None, PrintedResults { text: "one tile", json: "{}" })?;
+/// let results = PrintedResults { text: "one tile", json: "{}" };
+/// let report = Report::new(&film, None, results, SvgText::Text)?;
 ///
 /// // The layout has no working volume, so the report has the tiles only.
 /// let names: Vec<String> = report.files().into_iter().map(|(name, _)| name).collect();
-/// assert_eq!(names, ["report.html", "layout.svg", "layout.png"]);
+/// assert_eq!(names, ["report.html", "layout.svg", "layout.png", "layout.csv"]);
 /// assert!(report.absent[0].contains("no [volume] table"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -64,13 +65,19 @@ impl Report {
     /// Draws all figures that the layout allows, and the page.
     ///
     /// `field_t` is B in tesla on the grid of the working volume, as [`Film::volume_field_t`]
-    /// returns it. `None` computes it here. The figures have the accuracy of the film.
+    /// returns it. `None` computes it here. The figures have the accuracy of the film. `text` is the
+    /// form of text in the SVG files; on the page it is always outlines.
     ///
     /// # Errors
     /// - [`ReportError::Film`] if the film cannot be evaluated.
     /// - [`ReportError::FieldLength`] if `field_t` does not have one value per point.
     /// - [`ReportError::Drawing`] if a figure cannot be drawn.
-    pub fn new(film: &Film, field_t: Option<Vec<DVec3>>, results: PrintedResults) -> Result<Report, ReportError> {
+    pub fn new(
+        film: &Film,
+        field_t: Option<Vec<DVec3>>,
+        results: PrintedResults,
+        text: SvgText,
+    ) -> Result<Report, ReportError> {
         let survey = Survey::new(film, field_t)?;
         let layout = film.layout();
         let centre_mm = layout.volume.as_ref().map_or(DVec3::ZERO, |volume| volume.reference_mm);
@@ -82,8 +89,8 @@ impl Report {
         tell(0);
         let figures = drafts
             .into_par_iter()
-            .map(|FigureDraft { name, caption, svg }| {
-                let figure = Figure::new(name, caption, &svg, &options);
+            .map(|FigureDraft { name, caption, svg, csv }| {
+                let figure = Figure::new(name, caption, &svg, csv, text, &options);
                 tell(rendered.fetch_add(1, Ordering::Relaxed) + 1);
                 figure.map_err(|source| ReportError::Drawing { figure: name, source })
             })
@@ -94,12 +101,11 @@ impl Report {
         Ok(Report { figures, html, absent })
     }
 
-    /// Names and contents of all files: the page, then SVG and PNG of each figure.
+    /// Names and contents of all files: the page, then SVG, PNG and CSV of each figure.
     pub fn files(&self) -> Vec<(String, &[u8])> {
         let mut files = vec![(PAGE_NAME.to_owned(), self.html.as_bytes())];
         for figure in &self.figures {
-            files.push((format!("{}.svg", figure.name), figure.svg.as_bytes()));
-            files.push((format!("{}.png", figure.name), &figure.png));
+            files.extend(figure.files());
         }
         files
     }
@@ -132,7 +138,7 @@ mod tests {
                     polarization_t = [0, 0, 1]\n[volume]\nx_mm = [-1, 1]\ny_mm = [-1, 1]\nz_mm = [-3, -2]\nstep_mm = 1\n";
         let layout = Layout::parse(text, "one").unwrap();
         let results = PrintedResults { text: "", json: "{}" };
-        let error = Report::new(&Film::new(&layout), Some(vec![DVec3::ZERO; 17]), results).unwrap_err();
+        let error = Report::new(&Film::new(&layout), Some(vec![DVec3::ZERO; 17]), results, SvgText::Text).unwrap_err();
         assert_eq!(error.to_string(), "the field has 17 values, must have 18: one per point of the working volume");
     }
 }

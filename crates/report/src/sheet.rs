@@ -12,6 +12,9 @@ use crate::typeset;
 /// pixel lines would be jagged.
 const UNITS_PER_PX: f64 = 10.0;
 
+/// Pixels per millimetre at 96 pixels per inch.
+const PX_PER_MM: f64 = 96.0 / 25.4;
+
 /// plotters divides a font size by this factor when it writes SVG.
 const FONT_SIZE_WRITTEN: f64 = 1.24;
 
@@ -23,6 +26,11 @@ pub(crate) const FRAME_PX: f64 = 1.0;
 /// Pixels as units of plotters.
 pub(crate) fn units(px: f64) -> i32 {
     (px * UNITS_PER_PX).round() as i32
+}
+
+/// Pixels in millimetres, to the micrometre.
+pub(crate) fn millimetres(px: f64) -> f64 {
+    (px / PX_PER_MM * 1e3).round() / 1e3
 }
 
 /// An error of plotters.
@@ -73,10 +81,9 @@ impl Lettering {
 
 /// The SVG of what `draw` draws on a sheet of this width and height in pixels. Its text is still
 /// text.
-pub(crate) fn sheet(
-    [width, height]: [f64; 2],
-    draw: impl FnOnce(&mut Sheet) -> DrawResult,
-) -> Result<String, DrawError> {
+pub(crate) fn sheet(size: [f64; 2], draw: impl FnOnce(&mut Sheet) -> DrawResult) -> Result<String, DrawError> {
+    // Whole pixels, so that PNG and SVG have the same extent.
+    let [width, height] = size.map(f64::ceil);
     let mut drawn = String::new();
     let size = (units(width) as u32, units(height) as u32);
     let images = {
@@ -86,9 +93,10 @@ pub(crate) fn sheet(
         sheet.area.present()?;
         sheet.images
     };
+    let [across, down] = [width, height].map(millimetres);
     let elements = drawn.split_once('\n').map_or("", |(_, elements)| elements);
     let head = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{across}mm\" height=\"{down}mm\" viewBox=\"0 0 {} {}\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
         size.0, size.1
     );

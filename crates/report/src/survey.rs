@@ -206,8 +206,16 @@ impl FieldSlice {
     }
 
     /// The decoupling parameters in a cell; `None` where they do not exist.
+    ///
+    /// R_x and R_y that are round-off are 0: an error of B of one bound changes them by at most a few
+    /// times the bound over |B_z|.
     pub(crate) fn parameters(&self, branch: Branch, u: usize, v: usize) -> Option<Parameters> {
-        Parameters::from_field(self.field_t(u, v), branch)
+        const BOUNDS_PER_ANGLE: f64 = 4.0;
+        let b = self.field_t(u, v);
+        let found = Parameters::from_field(b, branch)?;
+        let least = BOUNDS_PER_ANGLE * self.round_off_t[self.index(u, v)] / b.z.abs();
+        let angle = |r: f64| if r.abs() <= least { 0.0 } else { r };
+        Some(Parameters { r_x: angle(found.r_x), r_y: angle(found.r_y), ..found })
     }
 
     /// The indices of all cells along the two axes.

@@ -116,7 +116,7 @@ pub(crate) struct PlanArgs {
     pub(crate) accuracy: AccuracyArgs,
 }
 
-/// Draw the film and its field: figures as SVG and PNG, and one page with all of them.
+/// Draw the film and its field: figures as SVG, PNG and CSV, and one page with all of them.
 ///
 /// Draws the figures of Dai 2024 for any layout: the tiles from above, field vectors in three
 /// views, B beside the ideal film on planes, and the decoupling parameters through the working
@@ -132,6 +132,28 @@ pub(crate) struct ReportArgs {
     /// Folder to write: new, empty, or with an earlier report, which is replaced
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
+    /// Text in the SVG files
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) text: SvgTextArg,
     #[command(flatten)]
     pub(crate) accuracy: AccuracyArgs,
+}
+
+#[cfg(feature = "report")]
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum SvgTextArg {
+    /// Text that can be searched and edited, in Roboto or a similar font
+    Text,
+    /// Outlines of Roboto, the same on every machine
+    Outlines,
+}
+
+#[cfg(feature = "report")]
+impl From<SvgTextArg> for magsplice_report::SvgText {
+    fn from(text: SvgTextArg) -> magsplice_report::SvgText {
+        match text {
+            SvgTextArg::Text => magsplice_report::SvgText::Text,
+            SvgTextArg::Outlines => magsplice_report::SvgText::Outlines,
+        }
+    }
 }

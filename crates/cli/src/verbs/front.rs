@@ -94,8 +94,9 @@ fn write_figures(problem: &DesignProblem, front: &ParetoFront, folder: &mut Fold
     ];
     for figure in figures.into_iter().filter(|figure| !figure.films.is_empty()) {
         let figure = figure.draw().map_err(|error| Failure::Format(error.to_string()))?;
-        folder.write(&format!("{}.svg", figure.name), figure.svg.as_bytes())?;
-        folder.write(&format!("{}.png", figure.name), &figure.png)?;
+        for (name, contents) in figure.files() {
+            folder.write(&name, contents)?;
+        }
     }
     Ok(())
 }

@@ -27,7 +27,7 @@ pub(crate) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
     let mut folder = Folder::open(&args.output, "report", &[&args.layout])?;
     let PageNumbers { text, json, field_t } = numbers(&film).map_err(failed)?;
     let results = PrintedResults { text: &text, json: &json };
-    let report = Report::new(&film, field_t, results).map_err(|error| match error {
+    let report = Report::new(&film, field_t, results, args.text.into()).map_err(|error| match error {
         ReportError::Film(error) => failed(error),
         error => Failure::Report { layout: args.layout.clone(), message: error.to_string() },
     })?;
@@ -37,7 +37,7 @@ pub(crate) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
     folder.finish()?;
     progress.end();
     let page = args.output.join("report.html");
-    let mut said = format!("{}: {} figures, each also as SVG and PNG\n", page.display(), report.figures.len());
+    let mut said = format!("{}: {} figures, each also as SVG, PNG and CSV\n", page.display(), report.figures.len());
     for absent in &report.absent {
         let _ = writeln!(said, "absent: {absent}");
     }

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::{Sandbox, shipped};
+use crate::{Sandbox, rows, shipped};
 
 const FIGURES: [&str; 8] = [
     "field-highest",
@@ -38,8 +38,8 @@ fn report_writes_every_figure_of_the_published_film() {
     let said = sandbox.run(&["report", &shipped("published-film"), "-o", "out"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     assert!(said.stdout.contains("report.html: 8 figures"), "{}", said.stdout);
-    let mut expected: Vec<String> =
-        FIGURES.iter().flat_map(|name| [format!("{name}.png"), format!("{name}.svg")]).collect();
+    let endings = |name: &&str| ["csv", "png", "svg"].map(|ending| format!("{name}.{ending}"));
+    let mut expected: Vec<String> = FIGURES.iter().flat_map(endings).collect();
     expected.extend(["report.html".to_owned(), "files.sha256".to_owned()]);
     expected.sort();
     assert_eq!(files(&sandbox, "out"), expected);
@@ -47,17 +47,39 @@ fn report_writes_every_figure_of_the_published_film() {
     for name in FIGURES {
         let svg = sandbox.read(&format!("out/{name}.svg"));
         let xml = roxmltree::Document::parse(&svg).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let side = |name: &str| xml.root_element().attribute(name).expect("a size").parse::<f64>().expect("a number");
+        // The size in millimetres, and the same in pixels, 96 per inch.
+        let side = |name: &str| {
+            let text = xml.root_element().attribute(name).expect("a size");
+            let mm: f64 = text.strip_suffix("mm").expect("millimetres").parse().expect("a number");
+            (mm * 96.0 / 25.4).round()
+        };
         let (width, height) = (side("width"), side("height"));
         assert!(width > 600.0 && height > 250.0, "{name}: {width} x {height}");
-        // Letters are outlines, independent of installed fonts.
-        assert!(!xml.descendants().any(|node| node.has_tag_name("text")) && !svg.contains("font-family"), "{name}");
-        assert!(xml.descendants().filter(|node| node.tag_name().name() == "path").count() > 50, "{name}");
+        // Text is text, in fonts that are everywhere where Roboto is missing.
+        let texts: Vec<_> = xml.descendants().filter(|node| node.has_tag_name("text")).collect();
+        assert!(texts.len() > 5, "{name}");
+        assert!(texts.iter().all(|text| text.attribute("font-family") == Some("Roboto, Arial, Helvetica, sans-serif")));
+        let numbers: String = texts.iter().flat_map(|text| text.descendants()).filter_map(|node| node.text()).collect();
+        assert!(!numbers.contains("e-") && !numbers.contains("e\u{2212}"), "{name}: {numbers}");
+        let letter = |letter: &str| texts.iter().any(|text| text.text().is_some_and(|t| t.trim().starts_with(letter)));
+        assert_eq!(letter("(a)"), name != "layout", "{name}");
         let png = fs::read(sandbox.path(&format!("out/{name}.png"))).unwrap();
         assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
-        let pixels = |at: usize| f64::from(u32::from_be_bytes(png[at..at + 4].try_into().unwrap()));
-        assert_eq!((pixels(16), pixels(20)), ((3.0 * width).ceil(), (3.0 * height).ceil()), "{name}");
-        assert!(page.contains(&format!("<figure id=\"{name}\"><img")), "{name}");
+        let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
+        let expected = [width, height].map(|px| (px * 300.0 / 96.0).ceil() as u32);
+        assert_eq!([number(16), number(20)], expected, "{name}");
+        // 300 dots per inch are 11811 per metre.
+        let resolution = png.windows(4).position(|chunk| chunk == b"pHYs").expect("a resolution") + 4;
+        assert_eq!((number(resolution), number(resolution + 4), png[resolution + 8]), (11811, 11811, 1), "{name}");
+        let csv = sandbox.read(&format!("out/{name}.csv"));
+        let (header, body) = csv.split_once('\n').expect("a header");
+        let columns = header.split(',').count();
+        assert!(columns >= 6 && body.lines().count() > 5, "{name}: {header}");
+        assert!(body.lines().all(|line| line.split(',').count() == columns), "{name}");
+        for ending in ["svg", "png", "csv"] {
+            assert!(page.contains(&format!("<a href=\"{name}.{ending}\">")), "{name}");
+        }
+        assert!(page.contains(&format!("<figure id=\"{name}\"><a href=\"{name}.svg\"><img")), "{name}");
     }
     // The page loads nothing from elsewhere.
     for outside in ["http://", "https://", "<link rel=\"style", "@import", "<script src"] {
@@ -116,7 +138,7 @@ fn report_names_absent_parts() {
     let said = sandbox.run(&["report", &shipped("single-tile"), "-o", "out"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
     assert!(said.stdout.contains("absent: no comparison and no decoupling: the layout has no [ideal] table"));
-    assert_eq!(files(&sandbox, "out").len(), 2 * 5 + 2);
+    assert_eq!(files(&sandbox, "out").len(), 3 * 5 + 2);
     let page = sandbox.read("out/report.html");
     assert!(page.contains("class=\"absent\"") && element(&page, "numbers").contains("least in the volume"));
     let tile = "[[tile]]\nposition_mm = [0, 0, 0.5]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
@@ -124,7 +146,7 @@ fn report_names_absent_parts() {
     let said = sandbox.run(&["report", "tiles.toml", "-o", "tiles"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
     assert!(said.stdout.contains("absent: no field and no decoupling: the layout has no [volume] table"));
-    assert_eq!(files(&sandbox, "tiles"), ["files.sha256", "layout.png", "layout.svg", "report.html"]);
+    assert_eq!(files(&sandbox, "tiles"), ["files.sha256", "layout.csv", "layout.png", "layout.svg", "report.html"]);
     let page = sandbox.read("tiles/report.html");
     assert!(page.contains("<title>&lt;/script&gt; &amp; &lt;b&gt;</title>"));
     // The page has three scripts; the name of the layout must not end one of them.
@@ -156,7 +178,7 @@ fn earlier_report_is_replaced_and_other_files_are_kept() {
     assert_eq!(report("published-film", "out").status, 0);
     // Figures that the single tile does not have are removed with the earlier report.
     assert_eq!(report("single-tile", "out").status, 0);
-    assert_eq!(files(&sandbox, "out").len(), 2 * 5 + 2);
+    assert_eq!(files(&sandbox, "out").len(), 3 * 5 + 2);
     assert_eq!(sandbox.files(), ["out"]);
 
     fs::create_dir(sandbox.path("mine")).unwrap();
@@ -203,4 +225,94 @@ fn failed_report_leaves_no_folder() {
     sandbox.write("wide.toml", &text.replace("x_mm = [-2.0, 2.0]", "x_mm = [-6.0, 6.0]"));
     sandbox.run(&["report", "wide.toml", "-o", "out"]).refuses("must stay below half a wavelength");
     assert_eq!(sandbox.files(), ["inside.toml", "wide.toml"]);
+}
+
+#[test]
+fn outlines_are_independent_of_installed_fonts() {
+    let sandbox = Sandbox::new();
+    let said = sandbox.run(&["report", &shipped("single-tile"), "-o", "out", "--text", "outlines"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    let svg = sandbox.read("out/layout.svg");
+    let xml = roxmltree::Document::parse(&svg).expect("XML");
+    assert!(!xml.descendants().any(|node| node.has_tag_name("text")) && !svg.contains("font-family"));
+    assert!(xml.descendants().filter(|node| node.tag_name().name() == "path").count() > 50);
+    assert!(xml.root_element().attribute("width").expect("a width").ends_with("mm"));
+}
+
+/// The texts of an SVG file.
+fn texts(svg: &str) -> Vec<String> {
+    let xml = roxmltree::Document::parse(svg).expect("XML");
+    let texts = xml.descendants().filter(|node| node.has_tag_name("text"));
+    texts.map(|text| text.descendants().filter_map(|node| node.text()).map(str::trim).collect()).collect()
+}
+
+/// A cube magnetized upwards: B_x vanishes on the plane x = 0, and a plane that a tile's B crosses at
+/// right angles has no arrows.
+#[test]
+fn maps_of_round_off_are_zero_and_say_so() {
+    let sandbox = Sandbox::new();
+    sandbox.write(
+        "bar.toml",
+        "format = 1\nname = \"bar\"\n[[tile]]\nposition_mm = [0, 0, 0.5]\nsize_mm = [3.3, 1.7, 1]\n\
+         polarization_t = [0.12, 0, 0]\n[volume]\nx_mm = [-1e-9, 1e-9]\ny_mm = [-2, 2]\nz_mm = [-3, -2]\n\
+         step_mm = [2e-9, 1, 1]\n",
+    );
+    let said = sandbox.run(&["report", "bar.toml", "-o", "out"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    let vectors = texts(&sandbox.read("out/vectors.svg"));
+    let remarks = vectors.iter().filter(|text| text.starts_with("no arrows")).count();
+    assert_eq!(remarks, 1, "{vectors:?}");
+    assert!(
+        texts(&sandbox.read("out/field-lowest.svg"))
+            .iter()
+            .all(|text| !text.contains("-0") && !text.contains("\u{2212}0.0") || text.len() > 4)
+    );
+    // A film of two opposite tiles has no field at all.
+    let tile =
+        |j: &str| format!("[[tile]]\nposition_mm = [0, 0, 0.5]\nsize_mm = [2, 2, 1]\npolarization_t = [0, 0, {j}]\n");
+    sandbox.write(
+        "upright.toml",
+        &format!(
+            "format = 1\nname = \"upright\"\n{}[volume]\nx_mm = [-1, 1]\ny_mm = [-1e-17, 1e-17]\nz_mm = [-3, -2]\n\
+             step_mm = [1, 1e-17, 1]\n",
+            tile("0.12")
+        ),
+    );
+    let said = sandbox.run(&["report", "upright.toml", "-o", "upright"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    let field = texts(&sandbox.read("upright/field-lowest.svg"));
+    assert_eq!(field.iter().filter(|text| *text == "0 everywhere,").count(), 1, "{field:?}");
+    let csv = sandbox.read("upright/field-lowest.csv");
+    assert!(csv.lines().skip(1).all(|line| line.split(',').nth(4) == Some("0")), "B_y in {csv}");
+}
+
+#[test]
+fn residuals_of_a_designed_film_are_in_micrometres_under_each_parameter() {
+    let sandbox = Sandbox::new();
+    let said = sandbox.run(&["report", &shipped("designed-displacement"), "-o", "out"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    let texts = texts(&sandbox.read("out/parameters-along-axes.svg"));
+    for axis in ["x", "y", "z"] {
+        assert!(texts.contains(&format!("\u{394}{axis} (\u{b5}m)")), "{texts:?}");
+    }
+    // The residuals, from the parameters that `decouple` writes for the same points.
+    let csv = sandbox.read("out/parameters-along-axes.csv");
+    let layout = shipped("designed-displacement");
+    let points = rows(&sandbox.run(&["decouple", &layout, "--format", "csv"]).stdout);
+    let header = sandbox.run(&["decouple", &layout, "--format", "csv"]).stdout;
+    let column =
+        |name: &str| header.lines().next().unwrap().split(',').position(|c| c.starts_with(name)).expect("a column");
+    let reference = points.iter().find(|p| p[..3] == [0.0, 0.0, -5.0]).expect("the reference point");
+    let k = std::f64::consts::TAU / 10.0;
+    for (axis, name, parameter, sign) in [(0, "R_x", "r_x", -1.0), (2, "S_z", "s_z", 1.0)] {
+        let value = column(parameter);
+        for line in csv.lines().filter(|line| line.starts_with(name)) {
+            let numbers: Vec<f64> = line.split(',').skip(1).map(|n| n.parse().unwrap()).collect();
+            let plane: Vec<&Vec<f64>> = points.iter().filter(|p| (p[axis] - numbers[0]).abs() < 1e-9).collect();
+            let mean = plane.iter().map(|p| p[value]).sum::<f64>() / plane.len() as f64;
+            let shown_mm = sign * (mean - reference[value]) / k;
+            let residual_um = 1e3 * (shown_mm - (numbers[0] - reference[axis]));
+            assert!((numbers[6] - residual_um).abs() < 1e-6, "{line}: not {residual_um}");
+        }
+    }
 }

@@ -1,5 +1,5 @@
 //! Each decoupling parameter along its own axis, its spread over the two other axes, and the
-//! straight line of the ideal film.
+//! straight line of the ideal film; below each the residual as a displacement.
 
 use magsplice::decouple::{Parameter, PlaneStatistics};
 use plotters::prelude::RGBColor;
@@ -7,15 +7,22 @@ use plotters::prelude::RGBColor;
 use crate::colours::{BLUE, VERMILION};
 use crate::error::DrawError;
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
-use crate::sheet::{LETTERS, sheet};
+use crate::sheet::{DrawResult, LETTERS, Sheet, sheet};
 use crate::survey::{AgainstIdeal, Survey};
-use crate::typeset::{self, AXIS_NAMES, symbol};
+use crate::typeset::{self, AXIS_NAMES, symbol, variable};
 
+use super::field_maps::csv_row;
 use super::parameter_maps::{names, value};
 
 const SIDE_PX: f64 = 250.0;
+/// Height of the panels of residuals, and their distance from the panels above, in pixels.
+const RESIDUAL_PX: f64 = 120.0;
+const BETWEEN_PX: f64 = 28.0;
 const TOP_PX: f64 = 58.0;
+/// Distance of neighbouring panels beside the numbers of their axes, in pixels.
+const ASIDE_PX: f64 = 28.0;
 const BAND: RGBColor = RGBColor(198, 221, 236);
+const UM_PER_MM: f64 = 1e3;
 
 /// A parameter over one plane normal to its axis, and its value for the ideal film.
 struct ParameterPlane {
@@ -24,62 +31,118 @@ struct ParameterPlane {
     ideal: f64,
 }
 
-/// The figure as SVG; `None` if the layout has no ideal film.
-pub(crate) fn draw(survey: &Survey) -> Option<Result<String, DrawError>> {
-    let against = survey.against_ideal.as_ref()?;
-    let rows: Vec<Vec<ParameterPlane>> = (0..3).map(|which| planes(survey, against, which)).collect();
-    let step = SIDE_PX + LEFT_PX + 22.0;
-    let size = [3.0 * step + 2.0, TOP_PX + SIDE_PX + BELOW_PX + 6.0];
-    let uniformity = against.decoupling.uniformity_rmse;
-    let uniformity = [uniformity.r_x, uniformity.r_y, uniformity.s_z];
-    Some(sheet(size, |sheet| {
-        let legend = [LEFT_PX + 6.0, 14.0];
-        sheet.line(&[legend, [legend[0] + 26.0, legend[1]]], VERMILION, 1.8)?;
-        sheet.text([legend[0] + 34.0, legend[1]], "ideal film", LETTERS)?;
-        let (left, right) = (legend[0] + 124.0, legend[0] + 150.0);
-        sheet.disc([0.5 * (left + right), legend[1]], 3.0, BLUE)?;
-        sheet.line(&[[0.5 * (left + right), legend[1] - 9.0], [0.5 * (left + right), legend[1] + 9.0]], BLUE, 1.4)?;
-        sheet.text([right + 4.0, legend[1]], "mean over the two other axes, \u{b1} standard deviation", LETTERS)?;
-        let (left, right) = (legend[0] + 490.0, legend[0] + 516.0);
-        let (up, down) = (legend[1] - 7.0, legend[1] + 7.0);
-        sheet.fill(&[[left, up], [right, up], [right, down], [left, down]], BAND)?;
-        sheet.text([right + 8.0, legend[1]], "minimum to maximum", LETTERS)?;
-        for (which, planes) in rows.iter().enumerate() {
-            let values = planes.iter().flat_map(|ParameterPlane { over, ideal, .. }| {
-                [over.least, over.most, over.mean - over.deviation, over.mean + over.deviation, *ideal]
-            });
-            let panel = Panel {
-                left: LEFT_PX + 6.0 + which as f64 * step,
-                top: TOP_PX,
-                width: SIDE_PX,
-                height: SIDE_PX,
-                x: padded(planes.iter().map(|p| p.at_mm)),
-                y: padded(values),
-            };
-            let upper = planes.iter().map(|p| panel.at(p.at_mm, p.over.most));
-            let lower = planes.iter().rev().map(|p| panel.at(p.at_mm, p.over.least));
-            sheet.fill(&upper.chain(lower).collect::<Vec<_>>(), BAND)?;
-            let line: Vec<[f64; 2]> = planes.iter().map(|p| panel.at(p.at_mm, p.ideal)).collect();
-            sheet.line(&line, VERMILION, 1.8)?;
-            let mean: Vec<[f64; 2]> = planes.iter().map(|p| panel.at(p.at_mm, p.over.mean)).collect();
-            sheet.line(&mean, BLUE, 0.8)?;
-            let radius = (0.12 * SIDE_PX / planes.len() as f64).clamp(0.6, 3.0);
-            for p in planes {
-                let [x, y] = panel.at(p.at_mm, p.over.mean);
-                let reach = p.over.deviation / (panel.y[1] - panel.y[0]) * panel.height;
-                sheet.line(&[[x, y - reach], [x, y + reach]], BLUE, 0.5 * radius)?;
-                for end in [y - reach, y + reach] {
-                    sheet.line(&[[x - radius, end], [x + radius, end]], BLUE, 0.5 * radius)?;
-                }
-                sheet.disc([x, y], radius, BLUE)?;
+/// The parameters of all planes, and the same as displacements.
+pub(crate) struct AlongAxes {
+    values: [Vec<ParameterPlane>; 3],
+    /// Displacement that the parameter shows, from the reference point, minus the true one, in um.
+    residuals_um: [Vec<ParameterPlane>; 3],
+    uniformity_rmse: [f64; 3],
+}
+
+impl AlongAxes {
+    /// `None` if the layout has no ideal film.
+    pub(crate) fn new(survey: &Survey) -> Option<AlongAxes> {
+        let against = survey.against_ideal.as_ref()?;
+        let values = [0, 1, 2].map(|which| planes(survey, against, which));
+        let residuals_um = [0, 1, 2].map(|which| residuals_um(survey, against, which, &values[which]));
+        let uniformity = against.decoupling.uniformity_rmse;
+        Some(AlongAxes { values, residuals_um, uniformity_rmse: [uniformity.r_x, uniformity.r_y, uniformity.s_z] })
+    }
+
+    /// The figure as SVG.
+    pub(crate) fn draw(&self) -> Result<String, DrawError> {
+        let step = SIDE_PX + LEFT_PX + ASIDE_PX;
+        let lower = TOP_PX + SIDE_PX + BETWEEN_PX;
+        let size = [3.0 * step + 8.0, lower + RESIDUAL_PX + BELOW_PX + 6.0];
+        sheet(size, |sheet| {
+            legend(sheet)?;
+            for which in 0..3 {
+                let left = LEFT_PX + 12.0 + which as f64 * step;
+                let (values, residuals) = (&self.values[which], &self.residuals_um[which]);
+                let x = padded(values.iter().map(|plane| plane.at_mm));
+                let upper =
+                    Panel { left, top: TOP_PX, width: SIDE_PX, height: SIDE_PX, x, y: padded(all_values(values)) };
+                draw_planes(sheet, &upper, values)?;
+                let axis = AXIS_NAMES[which];
+                upper.axes(sheet, AxisLabel::TicksOnly, AxisLabel::Named(&names()[which]))?;
+                let parameter = [symbol("R", "x"), symbol("R", "y"), symbol("S", "z")];
+                let rmse = rounded(self.uniformity_rmse[which]);
+                upper.title(sheet, which, &format!("uniformity RMSE of {}: {rmse}", parameter[which]))?;
+                let y = padded(all_values(residuals));
+                let under = Panel { top: lower, height: RESIDUAL_PX, y, ..upper };
+                draw_planes(sheet, &under, residuals)?;
+                under.title(sheet, 3 + which, "")?;
+                let residual = format!("\u{394}{} (\u{b5}m)", variable(axis));
+                under.axes(sheet, AxisLabel::Coordinate(axis), AxisLabel::Named(&residual))?;
             }
-            panel.axes(sheet, AxisLabel::Coordinate(AXIS_NAMES[which]), AxisLabel::Named(&names()[which]))?;
-            let parameter = [symbol("R", "x"), symbol("R", "y"), symbol("S", "z")];
-            let title = format!("uniformity RMSE of {}: {}", parameter[which], rounded(uniformity[which]));
-            panel.title(sheet, &title)?;
+            Ok(())
+        })
+    }
+
+    /// The planes as CSV.
+    pub(crate) fn csv(&self) -> String {
+        let statistics = ["mean", "deviation", "least", "most"];
+        let mut csv = "parameter,at_mm".to_owned();
+        for (of, unit) in [("value", ""), ("residual", "_um")] {
+            for statistic in statistics {
+                csv += &format!(",{of}_{statistic}{unit}");
+            }
+            csv += if of == "value" { ",value_ideal" } else { "\n" };
         }
-        Ok(())
-    }))
+        for (which, name) in ["R_x", "R_y", "S_z"].into_iter().enumerate() {
+            for (value, residual) in self.values[which].iter().zip(&self.residuals_um[which]) {
+                let of = |s: &PlaneStatistics| [s.mean, s.deviation, s.least, s.most];
+                let numbers = [value.at_mm].into_iter().chain(of(&value.over)).chain([value.ideal]);
+                csv += &format!("{name},");
+                csv_row(&mut csv, numbers.chain(of(&residual.over)));
+            }
+        }
+        csv
+    }
+}
+
+/// Draws what the marks mean, above the panels.
+fn legend(sheet: &Sheet) -> DrawResult {
+    let at = [LEFT_PX + 12.0, 14.0];
+    sheet.line(&[at, [at[0] + 26.0, at[1]]], VERMILION, 1.8)?;
+    sheet.text([at[0] + 34.0, at[1]], "ideal film", LETTERS)?;
+    let (left, right) = (at[0] + 124.0, at[0] + 150.0);
+    sheet.disc([0.5 * (left + right), at[1]], 3.0, BLUE)?;
+    sheet.line(&[[0.5 * (left + right), at[1] - 9.0], [0.5 * (left + right), at[1] + 9.0]], BLUE, 1.4)?;
+    sheet.text([right + 4.0, at[1]], "mean over the two other axes, \u{b1} standard deviation", LETTERS)?;
+    let (left, right) = (at[0] + 490.0, at[0] + 516.0);
+    let (up, down) = (at[1] - 7.0, at[1] + 7.0);
+    sheet.fill(&[[left, up], [right, up], [right, down], [left, down]], BAND)?;
+    sheet.text([right + 8.0, at[1]], "minimum to maximum", LETTERS)
+}
+
+/// Every value that a panel must show.
+fn all_values(planes: &[ParameterPlane]) -> impl Iterator<Item = f64> {
+    planes.iter().flat_map(|ParameterPlane { over, ideal, .. }| {
+        [over.least, over.most, over.mean - over.deviation, over.mean + over.deviation, *ideal]
+    })
+}
+
+/// Draws the band from minimum to maximum, the line of the ideal film, and the means.
+fn draw_planes(sheet: &Sheet, panel: &Panel, planes: &[ParameterPlane]) -> DrawResult {
+    let upper = planes.iter().map(|p| panel.at(p.at_mm, p.over.most));
+    let lower = planes.iter().rev().map(|p| panel.at(p.at_mm, p.over.least));
+    sheet.fill(&upper.chain(lower).collect::<Vec<_>>(), BAND)?;
+    let line: Vec<[f64; 2]> = planes.iter().map(|p| panel.at(p.at_mm, p.ideal)).collect();
+    sheet.line(&line, VERMILION, 1.8)?;
+    let mean: Vec<[f64; 2]> = planes.iter().map(|p| panel.at(p.at_mm, p.over.mean)).collect();
+    sheet.line(&mean, BLUE, 0.8)?;
+    let radius = (0.12 * SIDE_PX / planes.len() as f64).clamp(0.6, 3.0);
+    for p in planes {
+        let [x, y] = panel.at(p.at_mm, p.over.mean);
+        let reach = p.over.deviation / (panel.y[1] - panel.y[0]) * panel.height;
+        sheet.line(&[[x, y - reach], [x, y + reach]], BLUE, 0.5 * radius)?;
+        for end in [y - reach, y + reach] {
+            sheet.line(&[[x - radius, end], [x + radius, end]], BLUE, 0.5 * radius)?;
+        }
+        sheet.disc([x, y], radius, BLUE)?;
+    }
+    Ok(())
 }
 
 /// The planes normal to the axis of a parameter that have at least one regular point.
@@ -93,6 +156,32 @@ fn planes(survey: &Survey, against: &AgainstIdeal, which: usize) -> Vec<Paramete
             Some(ParameterPlane { at_mm, over: over?, ideal: value(&ideal, which) })
         })
         .collect()
+}
+
+/// The planes as residuals: the displacement from the reference point that the parameter shows (Eq.
+/// 14) minus the true one, in um. The ideal film has none.
+fn residuals_um(
+    survey: &Survey,
+    against: &AgainstIdeal,
+    which: usize,
+    planes: &[ParameterPlane],
+) -> Vec<ParameterPlane> {
+    let at_reference = value(&against.decoupling.at_reference, which);
+    // R_x and R_y fall along their axes, S_z rises.
+    let um_per_unit = UM_PER_MM / against.film.wavenumber() * if which == 2 { 1.0 } else { -1.0 };
+    let residual = |plane: &ParameterPlane| {
+        let true_um = UM_PER_MM * (plane.at_mm - survey.volume.reference_mm[which]);
+        let of = |v: f64| um_per_unit * (v - at_reference) - true_um;
+        let PlaneStatistics { mean, deviation, least, most } = plane.over;
+        let over = PlaneStatistics {
+            mean: of(mean),
+            deviation: um_per_unit.abs() * deviation,
+            least: of(least).min(of(most)),
+            most: of(least).max(of(most)),
+        };
+        ParameterPlane { at_mm: plane.at_mm, over, ideal: 0.0 }
+    };
+    planes.iter().map(residual).collect()
 }
 
 /// A number with four decimals, or with three digits where four decimals would not show it.

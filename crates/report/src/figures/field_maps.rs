@@ -1,7 +1,9 @@
 //! B_x, B_y, B_z on a plane below the film, of the spliced film, of the ideal film, and their
 //! difference (Dai 2024, Fig. 6).
 
-use magsplice::field::IdealFilm;
+use std::fmt::Write;
+
+use magsplice::prelude::IdealFilm;
 
 use crate::colours::ColourScale;
 use crate::error::DrawError;
@@ -14,6 +16,8 @@ use crate::typeset::{AXIS_NAMES, number, symbol, variable};
 const ROOM_PX: [f64; 2] = [220.0, 220.0];
 const TOP_PX: f64 = 52.0;
 const GAP_PX: f64 = 26.0;
+/// Distance of rows, with the letters of the panels, in pixels.
+pub(super) const ROW_GAP_PX: f64 = 26.0;
 
 /// The figure of the plane `slice` at `z_mm`, as SVG.
 pub(crate) fn draw(survey: &Survey, slice: &FieldSlice, z_mm: f64) -> Result<String, DrawError> {
@@ -34,6 +38,51 @@ fn heading(sheet: &Sheet, z_mm: f64) -> DrawResult {
     sheet.text([LEFT_PX + 6.0, 14.0], &heading, LETTERS.sized(14.0))
 }
 
+/// Says so if the values are 0 in every cell: round-off is drawn as 0.
+pub(super) fn remark_zero(
+    sheet: &Sheet,
+    panel: &Panel,
+    slice: &FieldSlice,
+    value: impl Fn(usize, usize) -> f64,
+) -> DrawResult {
+    if slice.all().all(|(u, v)| value(u, v) == 0.0) {
+        panel.remark(sheet, &["0 everywhere,", "but for round-off"])?;
+    }
+    Ok(())
+}
+
+/// B on the slice as CSV, with B of the ideal film if there is one.
+pub(crate) fn csv(survey: &Survey, slice: &FieldSlice) -> String {
+    let film = survey.against_ideal.as_ref().map(|against| against.film);
+    let mut csv = "x_mm,y_mm,z_mm,b_x_t,b_y_t,b_z_t".to_owned();
+    csv += if film.is_some() { ",ideal_b_x_t,ideal_b_y_t,ideal_b_z_t\n" } else { "\n" };
+    for (u, v) in slice.all() {
+        let ideal = film.map(|film| slice.ideal_t(film, u, v));
+        let numbers = [Some(slice.point_mm(u, v)), Some(slice.field_t(u, v)), ideal].into_iter().flatten();
+        csv_row(&mut csv, numbers.flat_map(|vector| vector.to_array()));
+    }
+    csv
+}
+
+/// Appends a row of numbers with nine digits, more than a figure shows. Where there is no value the
+/// field is empty.
+pub(crate) fn csv_row(csv: &mut String, numbers: impl Iterator<Item = f64>) {
+    for (column, number) in numbers.enumerate() {
+        if column > 0 {
+            csv.push(',');
+        }
+        if number == 0.0 {
+            csv.push('0');
+        } else if number.is_finite() {
+            // The shortest text of the rounded number.
+            let rounded: f64 = format!("{number:.8e}").parse().unwrap_or(number);
+            let plain = (1e-3..1e6).contains(&rounded.abs());
+            let _ = if plain { write!(csv, "{rounded}") } else { write!(csv, "{rounded:e}") };
+        }
+    }
+    csv.push('\n');
+}
+
 /// The three components side by side, each with its own colour scale.
 fn without_ideal(slice: &FieldSlice, z_mm: f64) -> Result<String, DrawError> {
     let unit = unit(slice);
@@ -45,10 +94,12 @@ fn without_ideal(slice: &FieldSlice, z_mm: f64) -> Result<String, DrawError> {
         for (component, axis) in AXIS_NAMES.into_iter().enumerate() {
             let left = LEFT_PX + 6.0 + component as f64 * step;
             let [x, y] = slice.ranges_mm;
-            let panel = Panel { left, top: TOP_PX - 18.0, width, height, x, y };
+            let panel = Panel { left, top: TOP_PX, width, height, x, y };
             let b = |u: usize, v: usize| slice.field_t(u, v)[component] * unit.per_t;
-            let scale = ColourScale::from_values(slice.all().map(|(u, v)| b(u, v)));
+            let scale = ColourScale::signed(slice.all().map(|(u, v)| b(u, v)));
             panel.cells(sheet, slice.cells(), scale, b);
+            panel.title(sheet, component, "")?;
+            remark_zero(sheet, &panel, slice, b)?;
             let beside = if component == 0 { AxisLabel::Coordinate("y") } else { AxisLabel::TicksOnly };
             panel.axes(sheet, AxisLabel::Coordinate("x"), beside)?;
             panel.colour_bar(sheet, 10.0, scale, &format!("{} ({})", symbol("B", axis), unit.name))?;
@@ -67,7 +118,7 @@ fn with_ideal(film: &IdealFilm, slice: &FieldSlice, z_mm: f64) -> Result<String,
     let left = |column: usize| {
         LEFT_PX + 6.0 + column as f64 * (width + GAP_PX) + if column == 2 { BAR_PX + 22.0 } else { 0.0 }
     };
-    let top = |row: usize| TOP_PX + row as f64 * (height + 18.0);
+    let top = |row: usize| TOP_PX + row as f64 * (height + ROW_GAP_PX);
     let size = [left(2) + width + 12.0 + BAR_PX, top(2) + height + BELOW_PX + 6.0];
     sheet(size, |sheet| {
         heading(sheet, z_mm)?;
@@ -75,9 +126,9 @@ fn with_ideal(film: &IdealFilm, slice: &FieldSlice, z_mm: f64) -> Result<String,
             let b = |u: usize, v: usize| slice.field_t(u, v)[component] * unit.per_t;
             let of_ideal = |u: usize, v: usize| slice.ideal_t(film, u, v)[component] * unit.per_t;
             let both = slice.all().flat_map(|(u, v)| [b(u, v), of_ideal(u, v)]);
-            let scale = ColourScale::from_values(both);
-            let difference = |u: usize, v: usize| b(u, v) - of_ideal(u, v);
-            let own = ColourScale::symmetric_from_values(slice.all().map(|(u, v)| difference(u, v)));
+            let scale = ColourScale::signed(both);
+            let difference = |u: usize, v: usize| slice.difference_t(film, u, v)[component] * unit.per_t;
+            let own = ColourScale::signed(slice.all().map(|(u, v)| difference(u, v)));
             let titles = ["spliced film", "ideal film", "spliced \u{2212} ideal"];
             for (column, title) in titles.into_iter().enumerate() {
                 let panel = Panel {
@@ -93,12 +144,15 @@ fn with_ideal(film: &IdealFilm, slice: &FieldSlice, z_mm: f64) -> Result<String,
                     1 => panel.cells(sheet, slice.cells(), scale, of_ideal),
                     _ => panel.cells(sheet, slice.cells(), own, difference),
                 }
+                panel.title(sheet, 3 * component + column, if component == 0 { title } else { "" })?;
+                match column {
+                    0 => remark_zero(sheet, &panel, slice, b)?,
+                    1 => remark_zero(sheet, &panel, slice, of_ideal)?,
+                    _ => remark_zero(sheet, &panel, slice, difference)?,
+                }
                 let x = if component == 2 { AxisLabel::Coordinate("x") } else { AxisLabel::TicksOnly };
                 let y = if column == 0 { AxisLabel::Coordinate("y") } else { AxisLabel::TicksOnly };
                 panel.axes(sheet, x, y)?;
-                if component == 0 {
-                    panel.title(sheet, title)?;
-                }
                 let name = format!("{} ({})", symbol("B", axis), unit.name);
                 match column {
                     2 => panel.colour_bar(sheet, 12.0, own, &format!("\u{394}{name}"))?,

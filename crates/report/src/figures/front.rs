@@ -6,10 +6,10 @@ use plotters::prelude::RGBColor;
 
 use crate::colours::{BLUE, VERMILION};
 use crate::error::{DrawError, ReportError};
-use crate::figure::Figure;
+use crate::figure::{Figure, SvgText};
 use crate::panel::{BELOW_PX, Panel};
 use crate::sheet::{DrawResult, FRAME_PX, INK, LETTERS, Lettering, Sheet, sheet};
-use crate::typeset;
+use crate::typeset::{self, AXIS_NAMES, AxisNumbers};
 
 const WIDTH_PX: f64 = 430.0;
 const HEIGHT_PX: f64 = 300.0;
@@ -69,8 +69,28 @@ impl FrontFigure {
             FrontAxis::Parts => ("front-parts", "its number of distinct parts"),
         };
         let caption = format!("RMSE of each film of the front against {cost}. Shear is the larger RMSE of x and y.");
-        let drawn = svg(self).and_then(|svg| Figure::new(name, caption, &svg, &typeset::options()));
+        let drawn = svg(self)
+            .and_then(|svg| Figure::new(name, caption, &svg, self.csv(), SvgText::Outlines, &typeset::options()));
         drawn.map_err(|source| ReportError::Drawing { figure: name, source })
+    }
+}
+
+impl FrontFigure {
+    /// The films as CSV.
+    fn csv(&self) -> String {
+        let first = match self.axis {
+            FrontAxis::Amplitude => "amplitude",
+            FrontAxis::Parts => "parts",
+        };
+        let errors = ["displacement", "uniformity"]
+            .map(|error| AXIS_NAMES.map(|axis| format!("{error}_rmse_{axis}_mm")).join(","));
+        let mut csv = format!("{first},{}\n", errors.join(","));
+        for film in self.films.iter().chain(&self.before) {
+            let errors = film.displacement_rmse_mm.iter().chain(&film.uniformity_rmse_mm);
+            csv += &errors.fold(film.at.to_string(), |row, error| format!("{row},{error}"));
+            csv.push('\n');
+        }
+        csv
     }
 }
 
@@ -206,10 +226,11 @@ fn frame(sheet: &Sheet, panel: &Panel, axis: FrontAxis) -> DrawResult {
         FrontAxis::Parts => (panel.x[0].ceil() as i64..=panel.x[1].floor() as i64).map(|n| n as f64).collect(),
         FrontAxis::Amplitude => RangedCoordf64::from(panel.x[0]..panel.x[1]).key_points(MAX_NUMBERS),
     };
+    let numbers = AxisNumbers::new(&values);
     for &value in &values {
         let [x, bottom] = panel.at(value, panel.y[0]);
         sheet.line(&[[x, bottom], [x, bottom + TICK_PX]], INK, FRAME_PX)?;
-        sheet.text([x, bottom + 14.0], &typeset::on_axis(value, panel.x), LETTERS.sized(NUMBERS_PX).centred())?;
+        sheet.text([x, bottom + 14.0], &numbers.text(value), LETTERS.sized(NUMBERS_PX).centred())?;
     }
     let name = match axis {
         FrontAxis::Parts => "distinct parts",

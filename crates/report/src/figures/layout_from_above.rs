@@ -12,6 +12,7 @@ use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
 use crate::tile_shapes::{bounds, from_above};
 use crate::typeset::plain;
 
+use super::field_maps::csv_row;
 use super::layout_legend::LayoutLegend;
 
 /// Length of the longer side of the drawing, in pixels.
@@ -96,6 +97,18 @@ pub(crate) fn draw(tiles: &[&NamedTile], all: usize, volume: Option<&WorkingVolu
         };
         legend.draw(sheet, &painter.directions)
     })
+}
+
+/// The tiles as CSV, with J in the frame of the film.
+pub(crate) fn csv(tiles: &[&NamedTile]) -> String {
+    let mut csv = "name,x_mm,y_mm,z_mm,size_x_mm,size_y_mm,size_z_mm,j_x_t,j_y_t,j_z_t\n".to_owned();
+    for NamedTile { name, tile, .. } in tiles {
+        // A name is quoted as CSV asks.
+        csv += &format!("\"{}\",", name.replace('"', "\"\""));
+        let numbers = [tile.position(), tile.size(), tile.scene_polarization_t()];
+        csv_row(&mut csv, numbers.into_iter().flat_map(|vector| vector.to_array()));
+    }
+    csv
 }
 
 /// Where the arrow and the name of a tile go. All lengths are in millimetres, seen from above.

@@ -6,9 +6,11 @@ use magsplice::decouple::Parameters;
 use crate::colours::ColourScale;
 use crate::error::DrawError;
 use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel, equal_scale};
-use crate::sheet::{LETTERS, sheet};
+use crate::sheet::sheet;
 use crate::survey::{AgainstIdeal, FieldSlice};
 use crate::typeset::{AXIS_NAMES, symbol};
+
+use super::field_maps::{ROW_GAP_PX, csv_row, remark_zero};
 
 const GAP_PX: f64 = 26.0;
 const TOP_PX: f64 = 30.0;
@@ -25,6 +27,19 @@ pub(crate) fn names() -> [String; 3] {
         format!("{} (rad)", symbol("R", "y")),
         format!("{} (ln of T)", symbol("S", "z")),
     ]
+}
+
+/// The parameters on all slices as CSV.
+pub(crate) fn csv(against: &AgainstIdeal, slices: &[(FieldSlice, String)]) -> String {
+    let mut csv = "x_mm,y_mm,z_mm,r_x_rad,r_y_rad,s_z_ln_t\n".to_owned();
+    for (slice, _) in slices {
+        for (u, v) in slice.all() {
+            let parameters = slice.parameters(against.branch, u, v);
+            let values = parameters.map_or([f64::NAN; 3], |p| [p.r_x, p.r_y, p.s_z]);
+            csv_row(&mut csv, slice.point_mm(u, v).to_array().into_iter().chain(values));
+        }
+    }
+    csv
 }
 
 /// The figure as SVG: one column per slice with its title, one row per parameter with one colour
@@ -54,7 +69,7 @@ pub(crate) fn draw(
         lefts.push(left);
         right = left + size[0];
     }
-    let top = |row: usize| TOP_PX + row as f64 * (height + 18.0);
+    let top = |row: usize| TOP_PX + row as f64 * (height + ROW_GAP_PX);
     sheet([right + 12.0 + BAR_PX, top(2) + height + BELOW_PX + 6.0], |sheet| {
         for (row, name) in names().iter().enumerate() {
             let at = |slice: &FieldSlice, u: usize, v: usize| {
@@ -63,7 +78,7 @@ pub(crate) fn draw(
             let values: Vec<f64> =
                 slices.iter().flat_map(|(slice, _)| slice.all().map(|(u, v)| at(slice, u, v))).collect();
             let values = values.into_iter();
-            let scale = if row == 2 { ColourScale::without_zero(values) } else { ColourScale::from_values(values) };
+            let scale = if row == 2 { ColourScale::without_zero(values) } else { ColourScale::signed(values) };
             for (i, (slice, title)) in slices.iter().enumerate() {
                 let [width, height] = sizes[i];
                 let panel = Panel {
@@ -75,13 +90,12 @@ pub(crate) fn draw(
                     y: slice.ranges_mm[1],
                 };
                 panel.cells(sheet, slice.cells(), scale, |u, v| at(slice, u, v));
+                panel.title(sheet, row * slices.len() + i, if row == 0 { title } else { "" })?;
+                remark_zero(sheet, &panel, slice, |u, v| at(slice, u, v))?;
                 let [across, along] = slice.axes.map(|axis| AxisLabel::Coordinate(AXIS_NAMES[axis]));
                 let x = if row == 2 { across } else { AxisLabel::TicksOnly };
                 let y = if named[i] { along } else { AxisLabel::TicksOnly };
                 panel.axes(sheet, x, y)?;
-                if row == 0 {
-                    sheet.text([panel.left, TOP_PX - 13.0], title, LETTERS)?;
-                }
                 if i + 1 == slices.len() {
                     panel.colour_bar(sheet, 12.0, scale, name)?;
                 }

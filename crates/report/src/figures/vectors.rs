@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 use magsplice::Film;
-use magsplice::field::Quantity;
 use magsplice::layout::{NamedTile, WorkingVolume};
+use magsplice::prelude::Quantity;
 use plotters::prelude::RGBColor;
 
 use crate::colours::{ColourScale, DirectionColours, Palette, light, plotters_colour};
@@ -12,9 +12,12 @@ use crate::error::DrawError;
 use crate::flux_unit::flux_unit;
 use crate::marks::arrow;
 use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel};
-use crate::sheet::{DrawResult, INK, LETTERS, Sheet, sheet};
+use crate::sheet::{DrawResult, INK, Sheet, sheet};
+use crate::survey::{round_off_t, without_round_off};
 use crate::tile_shapes::{bounds, in_plane, section};
 use crate::typeset::{AXIS_NAMES, number, variable};
+
+use super::field_maps::csv_row;
 
 /// Maximum width of the two vertical views, in pixels.
 const MAX_WIDTH_PX: f64 = 560.0;
@@ -50,10 +53,12 @@ struct PlaneView {
 struct FieldArrow {
     at: [f64; 2],
     field_t: [f64; 2],
+    point_mm: DVec3,
+    whole_t: DVec3,
 }
 
-/// The figure as SVG.
-pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) -> Result<String, DrawError> {
+/// The figure as SVG, and its arrows as CSV.
+pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) -> Result<(String, String), DrawError> {
     let [film_low, film_high] =
         bounds(tiles.iter().map(|named| &named.tile)).unwrap_or([volume.lower_mm, volume.upper_mm]);
     let middle = 0.5 * (volume.lower_mm + volume.upper_mm);
@@ -121,14 +126,18 @@ pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) ->
         ColourScale { low: 0.0, high: 1.0, palette: Palette::Lines }
     };
     let size = [third.right() + 14.0 + BAR_PX, second.bottom().max(third.bottom()) + BELOW_PX + 6.0];
-    sheet(size, |sheet| {
-        for (view, arrows) in views.iter().zip(&arrows) {
+    let mut csv = "x_mm,y_mm,z_mm,b_x_t,b_y_t,b_z_t\n".to_owned();
+    for arrow in arrows.iter().flatten() {
+        csv_row(&mut csv, arrow.point_mm.to_array().into_iter().chain(arrow.whole_t.to_array()));
+    }
+    let svg = sheet(size, |sheet| {
+        for (index, (view, arrows)) in views.iter().zip(&arrows).enumerate() {
             view.draw(sheet, tiles, volume)?;
             let mapper = scale.mapper();
             for field_arrow in arrows {
                 let strength = field_arrow.strength_t();
-                // The direction of round-off means nothing.
-                if strength <= 1e-9 * most_t {
+                // Round-off is 0 already.
+                if strength == 0.0 {
                     continue;
                 }
                 let level = decade(strength).max(scale.low);
@@ -139,12 +148,18 @@ pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) ->
                 let colour = plotters_colour(mapper.colour(level));
                 arrow(sheet, [x - half[0], y + half[1]], [x + half[0], y - half[1]], 1.5, colour)?;
             }
-            view.frame(sheet)?;
+            if arrows.is_empty() {
+                view.panel.remark(sheet, &["no arrows: B is not", "defined in this plane"])?;
+            } else if arrows.iter().all(|arrow| arrow.strength_t() == 0.0) {
+                view.panel.remark(sheet, &["no arrows: B has no component", "in this plane"])?;
+            }
+            view.frame(sheet, index)?;
         }
         let bar = Panel { height: third.height.max(MIN_BAR_PX), ..third };
         let name = format!("|{}| in the plane of view ({})", variable("B"), unit.name);
         bar.logarithmic_bar(sheet, 14.0, scale, &name)
-    })
+    })?;
+    Ok((svg, csv))
 }
 
 impl PlaneView {
@@ -170,8 +185,12 @@ impl PlaneView {
         let mut field = vec![DVec3::ZERO; points.len()];
         // Points without a field are NaN, and get no arrow.
         let _ = film.scene().field_into(Quantity::FluxDensity, &points, &mut field);
-        let field_arrow = |(p, b): (&DVec3, &DVec3)| FieldArrow { at: [p[u], p[v]], field_t: [b[u], b[v]] };
-        points.iter().zip(&field).filter(|(_, b)| b.is_finite()).map(field_arrow).collect()
+        let bounds = round_off_t(film, &points, &field);
+        let field_arrow = |((&p, &b), &bound): ((&DVec3, &DVec3), &f64)| {
+            let b = without_round_off(b, bound);
+            FieldArrow { at: [p[u], p[v]], field_t: [b[u], b[v]], point_mm: p, whole_t: b }
+        };
+        points.iter().zip(&field).zip(&bounds).filter(|((_, b), _)| b.is_finite()).map(field_arrow).collect()
     }
 
     /// The position on the sheet of the point of the view nearest to `p`.
@@ -213,12 +232,12 @@ impl PlaneView {
     }
 
     /// Draws the axes and the title.
-    fn frame(&self, sheet: &Sheet) -> DrawResult {
+    fn frame(&self, sheet: &Sheet, index: usize) -> DrawResult {
         let [across, along] = in_plane(self.normal).map(|axis| AxisLabel::Coordinate(AXIS_NAMES[axis]));
         self.panel.axes(sheet, across, along)?;
         let plane = format!("{} = {} mm", variable(AXIS_NAMES[self.normal]), number(self.at_mm));
         let title = if self.normal == 2 { format!("{plane}, from above") } else { plane };
-        sheet.text([self.panel.left, self.panel.top - 13.0], &title, LETTERS)
+        self.panel.title(sheet, index, &title)
     }
 }
 
