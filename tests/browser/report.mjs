@@ -167,6 +167,13 @@ async function checkMap(page, data, withIdeal, pixels) {
   assert.ok(places[0][0] < places[2][0] && places[1][1] > places[2][1], `${places}`);
 
   if (!withIdeal) return;
+  // On the axis of this film B_x is round-off, which is 0.
+  await page.mouse.move(...(await page.locator("#map").evaluate((canvas) => {
+    const box = canvas.getBoundingClientRect();
+    const { left, top, width, height } = canvas.area;
+    return [box.left + 1 + left + width / 2, box.top + 1 + top + height / 2];
+  })));
+  assert.match(await page.locator("#readout").textContent(), /^B_x = 0 \S+ at x = 0, y = 0,/);
   for (const name of ["B_z \u2212 ideal", "S_z"]) {
     await page.locator("#quantity").selectOption({ label: name });
     await page.mouse.move(box.x + 0.3 * box.width, box.y + 0.3 * box.height);

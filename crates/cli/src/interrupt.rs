@@ -37,7 +37,8 @@ pub(crate) fn temporary<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) ->
     Ok(made)
 }
 
-fn handle() {
+/// Installs the handler, so that Ctrl-C ends the program with status 130.
+pub(crate) fn handle() {
     HANDLER.call_once(|| {
         // Without a handler the program still works; an interruption leaves its temporary file.
         let _ = ctrlc::set_handler(|| {

@@ -122,6 +122,7 @@ function showMap(data) {
       width: size[0],
       height: size[1],
     };
+    canvas.area = area;
     const px = (x) => area.left + ((x - x0) / (x1 - x0)) * area.width;
     const py = (y) => area.top + ((y1 - y) / (y1 - y0)) * area.height;
     for (let i = 0; i < xs.length; i++) {

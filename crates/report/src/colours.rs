@@ -42,11 +42,11 @@ pub(crate) enum Palette {
 const LINES_FRACTION: f32 = 0.86;
 
 impl ColourScale {
-    /// The diverging scale for values whose zero has a meaning. Values of one sign get the half of
-    /// the palette that is theirs, so that a quantity has the same colours in all figures. Values
-    /// that are not finite are ignored.
-    pub(crate) fn signed(values: impl Iterator<Item = f64>) -> ColourScale {
-        let (low, high) = values.filter(|v| v.is_finite()).fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+    /// The diverging scale for a range of values whose zero has a meaning. Values of one sign get the
+    /// half of the palette that is theirs, so that a quantity has the same colours in all figures.
+    /// The range may be empty.
+    pub(crate) fn signed([low, high]: [f64; 2]) -> ColourScale {
+        let (low, high) = if low <= high { (low.min(0.0), high.max(0.0)) } else { (0.0, 0.0) };
         let slight = ONE_SIGN_TOLERANCE * (high - low);
         let whole = ColourScale::symmetric(high.max(-low));
         match (-low > slight, high > slight) {
@@ -56,30 +56,16 @@ impl ColourScale {
         }
     }
 
-    /// The scale for these values from their minimum to their maximum. Values that are not finite
-    /// are ignored.
-    fn from_values(values: impl Iterator<Item = f64>) -> ColourScale {
-        let (low, high) = values
-            .filter(|v| v.is_finite())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    /// The sequential scale for a range of values whose zero has no meaning, such as logarithms. The
+    /// range may be empty.
+    pub(crate) fn without_zero([low, high]: [f64; 2]) -> ColourScale {
         if low > high {
             return ColourScale { low: 0.0, high: 1.0, palette: Palette::Sequential };
         }
         // A constant also needs a range.
-        let least_range = 1e-9 * low.abs().max(high.abs());
-        if high - low <= least_range {
-            let half = if low == 0.0 && high == 0.0 { 1.0 } else { 0.1 * low.abs().max(high.abs()) };
-            return ColourScale { low: low - half, high: high + half, palette: Palette::Sequential };
-        }
-        ColourScale { low, high, palette: Palette::Sequential }
-    }
-
-    /// The scale from minimum to maximum for values whose zero has no meaning, such as logarithms.
-    pub(crate) fn without_zero(values: impl Iterator<Item = f64> + Clone) -> ColourScale {
-        let least = values.clone().filter(|v| v.is_finite()).fold(f64::INFINITY, f64::min);
-        let shifted = ColourScale::from_values(values.map(|v| v - least));
-        let (low, high) = (shifted.low + least, shifted.high + least);
-        if low < high && high.is_finite() { ColourScale { low, high, palette: Palette::Sequential } } else { shifted }
+        let most = low.abs().max(high.abs());
+        let half = if high - low > 1e-9 * most { 0.0 } else { (0.1 * most).max(f64::MIN_POSITIVE.sqrt()) };
+        ColourScale { low: low - half, high: high + half, palette: Palette::Sequential }
     }
 
     /// The diverging scale from `-reach` to `reach`, or to 1 if `reach` is not a positive number.
@@ -168,7 +154,7 @@ mod tests {
 
     #[test]
     fn values_of_both_signs_get_a_diverging_scale_with_white_at_zero() {
-        let scale = ColourScale::signed([-1.0, 0.2, f64::NAN].into_iter());
+        let scale = ColourScale::signed([-1.0, 0.2]);
         assert_eq!(scale, ColourScale { low: -1.0, high: 1.0, palette: Palette::Diverging });
         let map = scale.mapper();
         let middle = map.colour(0.0);
@@ -177,24 +163,20 @@ mod tests {
         assert!(map.colour(-1.0)[2] > map.colour(-1.0)[0] && map.colour(1.0)[0] > map.colour(1.0)[2]);
         assert_eq!(map.colour(f64::NAN), NO_VALUE);
         // Values of one sign have the same colours, and only theirs.
-        let negative = ColourScale::signed([-1.0, -0.5].into_iter());
+        let negative = ColourScale::signed([-1.0, -0.5]);
         assert_eq!(negative, ColourScale { low: -1.0, high: 0.0, palette: Palette::Diverging });
         assert_eq!(negative.mapper().colour(-0.5), map.colour(-0.5));
-        assert_eq!(ColourScale::signed([0.0, 0.0].into_iter()), ColourScale::symmetric(1.0));
+        assert_eq!(ColourScale::signed([0.0, 0.0]), ColourScale::symmetric(1.0));
     }
 
     #[test]
     fn constants_and_missing_values_get_a_scale_of_positive_length() {
-        assert_eq!(ColourScale::from_values([3.0, 3.0].into_iter()).palette, Palette::Sequential);
-        for values in [vec![], vec![0.0], vec![3.0, 3.0], vec![-2.0]] {
-            let scale = ColourScale::from_values(values.into_iter());
-            assert!(scale.low < scale.high);
+        for range in [[f64::INFINITY, f64::NEG_INFINITY], [0.0, 0.0], [3.0, 3.0], [-2.0, -2.0]] {
+            for scale in [ColourScale::signed(range), ColourScale::without_zero(range)] {
+                assert!(scale.low < scale.high, "{range:?}: {scale:?}");
+            }
         }
-        let logarithms = ColourScale::without_zero([-2.0, 3.0].into_iter());
+        let logarithms = ColourScale::without_zero([-2.0, 3.0]);
         assert_eq!(logarithms, ColourScale { low: -2.0, high: 3.0, palette: Palette::Sequential });
-        for values in [vec![], vec![-7.0], vec![f64::NAN]] {
-            let scale = ColourScale::without_zero(values.into_iter());
-            assert!(scale.low < scale.high);
-        }
     }
 }

@@ -6,6 +6,7 @@ use magsplice::{Film, Stage};
 use crate::error::{DrawError, ReportError};
 use crate::figures::along_axes::AlongAxes;
 use crate::figures::{field_maps, layout_from_above, parameter_maps, vectors};
+use crate::shared_ranges::SharedRanges;
 use crate::survey::{FieldSlice, Survey};
 use crate::typeset::{AXIS_NAMES, number, variable};
 
@@ -36,6 +37,7 @@ pub(crate) fn drafts(
     film: &Film,
     tiles: &[&NamedTile],
     survey: Option<&Survey>,
+    ranges: &SharedRanges,
 ) -> Result<Vec<FigureDraft>, ReportError> {
     let mut drafts = Vec::new();
     let count = figure_count(survey);
@@ -50,14 +52,14 @@ pub(crate) fn drafts(
     let layout = film.layout();
     let volume = layout.volume.as_ref();
     let caption = "The tiles seen from above, with their polarization and their names.".to_owned();
-    let drawn = layout_from_above::draw(tiles, layout.tiles.len(), volume);
+    let drawn = layout_from_above::draw(tiles, layout.tiles.len(), volume, ranges);
     add("layout", caption, drawn.map(|svg| (svg, layout_from_above::csv(tiles))))?;
     let Some(survey) = survey else { return Ok(drafts) };
 
     let caption = "B in three planes. The length and the colour of an arrow show the logarithm of the \
                    magnitude of B in the plane. The dashed rectangle is the working volume."
         .to_owned();
-    add("vectors", caption, vectors::draw(film, tiles, survey.volume))?;
+    add("vectors", caption, vectors::draw(film, tiles, survey.volume, ranges))?;
 
     let volume = survey.volume;
     let slice = |normal: usize, at_mm: f64| FieldSlice::new(film, volume, normal, at_mm);
@@ -76,7 +78,7 @@ pub(crate) fn drafts(
             "the film"
         };
         let caption = format!("B of {what}, at z = {} mm.", number(*z_mm));
-        let drawn = field_maps::draw(survey, slice, *z_mm);
+        let drawn = field_maps::draw(survey, slice, *z_mm, name, ranges);
         add(name, caption, drawn.map(|svg| (svg, field_maps::csv(survey, slice))))?;
     }
     let Some(against) = &survey.against_ideal else { return Ok(drafts) };
@@ -86,7 +88,7 @@ pub(crate) fn drafts(
     let caption = "The decoupling parameters on planes of constant z. R_x should depend on x only, R_y on y only, \
          and S_z on z only."
         .to_owned();
-    let drawn = parameter_maps::draw(against, &level, LEVEL_PX);
+    let drawn = parameter_maps::draw(against, &level, LEVEL_PX, "parameters-level", ranges);
     add("parameters-level", caption, drawn.map(|svg| (svg, parameter_maps::csv(against, &level))))?;
 
     let middle = 0.5 * (volume.lower_mm + volume.upper_mm);
@@ -97,7 +99,7 @@ pub(crate) fn drafts(
     }
     let caption =
         "The decoupling parameters on the two vertical planes through the centre of the working volume.".to_owned();
-    let drawn = parameter_maps::draw(against, &upright, UPRIGHT_PX);
+    let drawn = parameter_maps::draw(against, &upright, UPRIGHT_PX, "parameters-upright", ranges);
     add("parameters-upright", caption, drawn.map(|svg| (svg, parameter_maps::csv(against, &upright))))?;
 
     if let Some(along) = AlongAxes::new(survey) {
@@ -105,7 +107,7 @@ pub(crate) fn drafts(
                        spread of the parameter over the two other axes, on which it should not depend. Below: the \
                        displacement from the reference point that the parameter shows, minus the true one."
             .to_owned();
-        add("parameters-along-axes", caption, along.draw().map(|svg| (svg, along.csv())))?;
+        add("parameters-along-axes", caption, along.draw(ranges).map(|svg| (svg, along.csv())))?;
     }
     Ok(drafts)
 }
@@ -175,7 +177,9 @@ mod tests {
             let film = Film::new(&layout);
             let survey = Survey::new(&film, None).unwrap();
             let tiles = tiles_to_draw(&layout.tiles, DVec3::ZERO);
-            for FigureDraft { name, svg, .. } in drafts(&film, &tiles, survey.as_ref()).unwrap() {
+            for FigureDraft { name, svg, .. } in
+                drafts(&film, &tiles, survey.as_ref(), &SharedRanges::default()).unwrap()
+            {
                 let tree = Tree::from_str(&svg, &options).unwrap();
                 let mut found = Vec::new();
                 texts(tree.root(), &mut found);
@@ -208,7 +212,7 @@ mod tests {
         let layout = Layout::read(&path).unwrap();
         let film = Film::new(&layout);
         let survey = Survey::new(&film, None).unwrap();
-        let drafts = drafts(&film, &[], survey.as_ref()).unwrap();
+        let drafts = drafts(&film, &[], survey.as_ref(), &SharedRanges::default()).unwrap();
         let draft = drafts.iter().find(|draft| draft.name == "field-lowest").unwrap();
         let figure =
             Figure::new(draft.name, String::new(), &draft.svg, String::new(), SvgText::Text, &typeset::options())
@@ -230,7 +234,7 @@ mod tests {
         let layout = Layout::parse(&rotated_tiles(), "layout").unwrap();
         let film = Film::new(&layout);
         let tiles = tiles_to_draw(&layout.tiles, DVec3::ZERO);
-        let drafts = drafts(&film, &tiles, None).unwrap();
+        let drafts = drafts(&film, &tiles, None, &SharedRanges::default()).unwrap();
         assert_eq!(drafts.len(), 1);
         for name in ["north &lt;&amp;&gt; &apos;ß&apos;", "up", "none", "diagonal"] {
             assert!(drafts[0].svg.contains(&format!("\n{name}\n")), "{name}");

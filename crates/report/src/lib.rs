@@ -29,12 +29,16 @@ mod marks;
 mod page;
 /// The data on the page that its scripts draw: tiles, maps, colours.
 mod page_data;
+/// [`PairReport`]: two films side by side.
+mod pair;
 /// A rectangle with axes on a sheet, and its colour bar.
 mod panel;
 /// Images made of pixels inside a figure, and data URLs.
 mod raster_image;
 /// [`Report`].
 mod report;
+/// Ranges of axes and colours that two films share.
+mod shared_ranges;
 /// A drawing area in pixels with lines, polygons and text, written as SVG.
 mod sheet;
 /// The numbers to draw: the field, the ideal film and the decoupling parameters.
@@ -48,4 +52,5 @@ pub use error::ReportError;
 pub use figure::{Figure, SvgText};
 pub use figures::front::{FrontAxis, FrontFigure, FrontFilm};
 pub use page::PrintedResults;
+pub use pair::{PairReport, PairedNumber};
 pub use report::Report;

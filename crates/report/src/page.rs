@@ -14,7 +14,7 @@ use crate::typeset::AXIS_NAMES;
 
 const PAGE: &str = include_str!("../page/page.html");
 const MAP: &str = include_str!("../page/map.html");
-const STYLE: &str = include_str!("../page/page.css");
+pub(crate) const STYLE: &str = include_str!("../page/page.css");
 const SCRIPTS: [&str; 6] = [
     include_str!("../page/numbers.js"),
     include_str!("../page/tile_field.js"),
@@ -72,7 +72,7 @@ pub(crate) fn page(
 
 /// The template with each placeholder `{{...}}` replaced. Inserted text is not searched for
 /// placeholders again.
-fn filled(template: &str, text: &dyn Fn(&str) -> String) -> String {
+pub(crate) fn filled(template: &str, text: &dyn Fn(&str) -> String) -> String {
     let mut parts = template.split("{{");
     let mut page = parts.next().unwrap_or_default().to_owned();
     for part in parts {
@@ -128,7 +128,7 @@ fn figure_element(figure: &Figure) -> String {
 }
 
 /// Text with the characters escaped that HTML gives a meaning.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
+use magsplice::layout::NamedTile;
 use magsplice::{Film, Stage};
 use rayon::prelude::*;
 
@@ -10,11 +11,12 @@ use crate::error::ReportError;
 use crate::figure::{Figure, SvgText};
 use crate::figure_drafts::{FigureDraft, drafts};
 use crate::page::{PrintedResults, page};
+use crate::shared_ranges::SharedRanges;
 use crate::survey::{Survey, tiles_to_draw};
 use crate::typeset;
 
 /// File name of the page.
-const PAGE_NAME: &str = "report.html";
+pub(crate) const PAGE_NAME: &str = "report.html";
 
 /// The figures of a film, and the HTML page that shows them.
 ///
@@ -79,22 +81,9 @@ impl Report {
         text: SvgText,
     ) -> Result<Report, ReportError> {
         let survey = Survey::new(film, field_t)?;
-        let layout = film.layout();
-        let centre_mm = layout.volume.as_ref().map_or(DVec3::ZERO, |volume| volume.reference_mm);
-        let tiles = tiles_to_draw(&layout.tiles, centre_mm);
-        let options = typeset::options();
-        let drafts = drafts(film, &tiles, survey.as_ref())?;
-        let (rendered, all) = (AtomicUsize::new(0), drafts.len());
-        let tell = |done: usize| film.tell(Stage { name: "rendering", done, of: Some(all), unit: "figures" });
-        tell(0);
-        let figures = drafts
-            .into_par_iter()
-            .map(|FigureDraft { name, caption, svg, csv }| {
-                let figure = Figure::new(name, caption, &svg, csv, text, &options);
-                tell(rendered.fetch_add(1, Ordering::Relaxed) + 1);
-                figure.map_err(|source| ReportError::Drawing { figure: name, source })
-            })
-            .collect::<Result<Vec<Figure>, ReportError>>()?;
+        let tiles = drawn_tiles(film);
+        let drafts = drafts(film, &tiles, survey.as_ref(), &SharedRanges::default())?;
+        let figures = rendered(film, drafts, text)?;
         film.tell(Stage::uncounted("page"));
         let absent = absent(film);
         let html = page(film, survey.as_ref(), &tiles, &figures, &absent, results);
@@ -111,7 +100,31 @@ impl Report {
     }
 }
 
-fn absent(film: &Film) -> Vec<String> {
+/// The tiles to draw of a film.
+pub(crate) fn drawn_tiles<'a>(film: &Film<'a>) -> Vec<&'a NamedTile> {
+    let layout = film.layout();
+    let centre_mm = layout.volume.as_ref().map_or(DVec3::ZERO, |volume| volume.reference_mm);
+    tiles_to_draw(&layout.tiles, centre_mm)
+}
+
+/// The figures as SVG and PNG, drawn in parallel.
+pub(crate) fn rendered(film: &Film, drafts: Vec<FigureDraft>, text: SvgText) -> Result<Vec<Figure>, ReportError> {
+    let options = typeset::options();
+    let (rendered, all) = (AtomicUsize::new(0), drafts.len());
+    let tell = |done: usize| film.tell(Stage { name: "rendering", done, of: Some(all), unit: "figures" });
+    tell(0);
+    drafts
+        .into_par_iter()
+        .map(|FigureDraft { name, caption, svg, csv }| {
+            let figure = Figure::new(name, caption, &svg, csv, text, &options);
+            tell(rendered.fetch_add(1, Ordering::Relaxed) + 1);
+            figure.map_err(|source| ReportError::Drawing { figure: name, source })
+        })
+        .collect()
+}
+
+/// What the report of a film lacks, and why.
+pub(crate) fn absent(film: &Film) -> Vec<String> {
     let mut absent = Vec::new();
     if film.volume().is_err() {
         absent.push(

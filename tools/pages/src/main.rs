@@ -13,6 +13,8 @@ mod accuracy_and_speed;
 mod magpylib;
 /// `docs/speed.md`: times of the peers, growth with tiles, points and threads.
 mod speed;
+/// The style of all pictures.
+mod style;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -123,15 +123,27 @@ pub(crate) struct PlanArgs {
 /// volume and along its axes. The page report.html needs no network and no other file; it has the
 /// numbers, a view of the tiles that turns, and maps that show the value under the pointer. The
 /// folder appears complete or not at all. An earlier report in it is replaced.
+///
+/// Two layouts give one page with the numbers of both films and their difference, and the figures
+/// side by side on the same scales.
+///
+/// With --watch the program stays, draws anew when a layout is saved, and prints the faults of a
+/// layout that is broken. The page does not reload by itself.
 #[cfg(feature = "report")]
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  magsplice report layouts/published-film.toml -o report")]
+#[command(
+    after_help = "Example:\n  magsplice report layouts/published-film.toml -o report\n  magsplice report before.toml after.toml -o comparison"
+)]
 pub(crate) struct ReportArgs {
-    /// Layout file
-    pub(crate) layout: PathBuf,
+    /// Layout file, or two whose films are drawn side by side
+    #[arg(required = true, num_args = 1..=2, value_name = "LAYOUT")]
+    pub(crate) layouts: Vec<PathBuf>,
     /// Folder to write: new, empty, or with an earlier report, which is replaced
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
+    /// Draw anew whenever a layout is saved, until Ctrl-C
+    #[arg(long)]
+    pub(crate) watch: bool,
     /// Text in the SVG files
     #[arg(long, value_enum, default_value = "text")]
     pub(crate) text: SvgTextArg,

@@ -27,6 +27,12 @@ pub(crate) mod plan;
 /// Draws figures and a page.
 #[cfg(feature = "report")]
 pub(crate) mod report;
+/// The numbers of two films side by side.
+#[cfg(feature = "report")]
+mod report_pair;
+/// `report --watch`: draws anew when a layout is saved.
+#[cfg(feature = "report")]
+mod report_watch;
 /// Prints the JSON Schema of layout files.
 pub(crate) mod schema;
 /// Shared parts of `design`, `design --front` and `splice`: the search, its progress, its result.

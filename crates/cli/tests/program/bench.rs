@@ -66,6 +66,6 @@ fn bench_refuses_points_without_a_field_and_layouts_without_points() {
     sandbox.write("p.csv", "x_mm,y_mm,z_mm\n0.5,0,0.5\n");
     sandbox.run(&["bench", "t.toml", "--points", "p.csv"]).refuses("the field is unbounded there");
     sandbox.write("p.csv", "x_mm,y_mm,z_mm\n");
-    sandbox.run(&["bench", "t.toml", "--points", "p.csv"]).refuses("has no points below its first line");
+    sandbox.run(&["bench", "t.toml", "--points", "p.csv"]).refuses("has no points below its names of columns");
     sandbox.run(&["bench", "t.toml", "--seconds", "0"]).refuses_arguments("must be a number greater than 0");
 }

@@ -41,9 +41,10 @@ fn missing_and_malformed_values_get_the_sentence_that_helps() {
     hinted("format = 1\n", "give the layout a name");
     let rotated = format!("{HEAD}{TILE}rotation = ");
     let hint = "`rotation = { axis = [0, 0, 1], angle_deg = 30 }`";
-    for value in ["[0, 0, 30]", "30", "{ axis = [0, 0, 1] }", "[\n  0, 0,\n  30]"] {
+    for value in ["[0, 0, 30]", "30", "[\n  0, 0,\n  30]"] {
         hinted(&format!("{rotated}{value}\n"), hint);
     }
+    hinted(&format!("{rotated}{{ axis = [0, 0, 1] }}\n"), "rotation has axis without an angle_deg");
     hinted(&format!("{HEAD}{}", TILE.replace("[[tile]]", "[tile]")), "write [[tile]] with two brackets");
 }
 

@@ -138,7 +138,7 @@ fn every_bad_row_is_named() {
 #[test]
 fn blocks_that_overlap_are_named_with_their_lines() {
     let csv = format!("{HEAD}\na,0,0,0,1,1,1,0,0,1\n# a comment\nb,0.75,0,0,1,1,1,0,0,1\n");
-    refused(&csv, &[], &["blocks.csv: lines 2 and 4: tiles \"a\" and \"b\": overlap by 0.25 mm"]);
+    refused(&csv, &[], &["blocks.csv: line 4: tile \"b\": overlaps tile \"a\" before it by 0.25 mm"]);
     let csv = format!("{HEAD}\na,0,0,0,1,1,1,0,0,1\na,5,0,0,1,1,1,0,0,1\n");
     refused(&csv, &[], &["blocks.csv: line 2: tile \"a\": 2 tiles have this name"]);
 }

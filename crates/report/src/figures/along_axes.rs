@@ -7,6 +7,7 @@ use plotters::prelude::RGBColor;
 use crate::colours::{BLUE, VERMILION};
 use crate::error::DrawError;
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
+use crate::shared_ranges::SharedRanges;
 use crate::sheet::{DrawResult, LETTERS, Sheet, sheet};
 use crate::survey::{AgainstIdeal, Survey};
 use crate::typeset::{self, AXIS_NAMES, symbol, variable};
@@ -50,7 +51,7 @@ impl AlongAxes {
     }
 
     /// The figure as SVG.
-    pub(crate) fn draw(&self) -> Result<String, DrawError> {
+    pub(crate) fn draw(&self, ranges: &SharedRanges) -> Result<String, DrawError> {
         let step = SIDE_PX + LEFT_PX + ASIDE_PX;
         let lower = TOP_PX + SIDE_PX + BETWEEN_PX;
         let size = [3.0 * step + 8.0, lower + RESIDUAL_PX + BELOW_PX + 6.0];
@@ -59,16 +60,17 @@ impl AlongAxes {
             for which in 0..3 {
                 let left = LEFT_PX + 12.0 + which as f64 * step;
                 let (values, residuals) = (&self.values[which], &self.residuals_um[which]);
-                let x = padded(values.iter().map(|plane| plane.at_mm));
-                let upper =
-                    Panel { left, top: TOP_PX, width: SIDE_PX, height: SIDE_PX, x, y: padded(all_values(values)) };
+                let shared = |what: &str, range: [f64; 2]| ranges.widened(&format!("along {which} {what}"), range);
+                let x = shared("x", padded(values.iter().map(|plane| plane.at_mm)));
+                let y = shared("value", padded(all_values(values)));
+                let upper = Panel { left, top: TOP_PX, width: SIDE_PX, height: SIDE_PX, x, y };
                 draw_planes(sheet, &upper, values)?;
                 let axis = AXIS_NAMES[which];
                 upper.axes(sheet, AxisLabel::TicksOnly, AxisLabel::Named(&names()[which]))?;
                 let parameter = [symbol("R", "x"), symbol("R", "y"), symbol("S", "z")];
                 let rmse = rounded(self.uniformity_rmse[which]);
                 upper.title(sheet, which, &format!("uniformity RMSE of {}: {rmse}", parameter[which]))?;
-                let y = padded(all_values(residuals));
+                let y = shared("residual", padded(all_values(residuals)));
                 let under = Panel { top: lower, height: RESIDUAL_PX, y, ..upper };
                 draw_planes(sheet, &under, residuals)?;
                 under.title(sheet, 3 + which, "")?;

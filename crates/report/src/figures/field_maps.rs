@@ -9,6 +9,7 @@ use crate::colours::ColourScale;
 use crate::error::DrawError;
 use crate::flux_unit::{FluxUnit, flux_unit};
 use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel, equal_scale};
+use crate::shared_ranges::SharedRanges;
 use crate::sheet::{DrawResult, LETTERS, Sheet, sheet};
 use crate::survey::{FieldSlice, Survey};
 use crate::typeset::{AXIS_NAMES, number, symbol, variable};
@@ -20,17 +21,24 @@ const GAP_PX: f64 = 26.0;
 pub(super) const ROW_GAP_PX: f64 = 26.0;
 
 /// The figure of the plane `slice` at `z_mm`, as SVG.
-pub(crate) fn draw(survey: &Survey, slice: &FieldSlice, z_mm: f64) -> Result<String, DrawError> {
+pub(crate) fn draw(
+    survey: &Survey,
+    slice: &FieldSlice,
+    z_mm: f64,
+    name: &str,
+    ranges: &SharedRanges,
+) -> Result<String, DrawError> {
     match &survey.against_ideal {
-        Some(against) => with_ideal(against.film, slice, z_mm),
-        None => without_ideal(slice, z_mm),
+        Some(against) => with_ideal(against.film, slice, z_mm, name, ranges),
+        None => without_ideal(slice, z_mm, name, ranges),
     }
 }
 
 /// The unit in which the components of B on the slice have few digits.
-fn unit(slice: &FieldSlice) -> FluxUnit {
+fn unit(slice: &FieldSlice, name: &str, ranges: &SharedRanges) -> FluxUnit {
     let components = slice.all().map(|(u, v)| slice.field_t(u, v)).filter(|b| b.is_finite());
-    flux_unit(components.map(|b| b.abs().max_element()).fold(0.0, f64::max))
+    let most_t = components.map(|b| b.abs().max_element()).fold(0.0, f64::max);
+    flux_unit(ranges.widened(&format!("{name} unit"), [0.0, most_t])[1])
 }
 
 fn heading(sheet: &Sheet, z_mm: f64) -> DrawResult {
@@ -84,8 +92,8 @@ pub(crate) fn csv_row(csv: &mut String, numbers: impl Iterator<Item = f64>) {
 }
 
 /// The three components side by side, each with its own colour scale.
-fn without_ideal(slice: &FieldSlice, z_mm: f64) -> Result<String, DrawError> {
-    let unit = unit(slice);
+fn without_ideal(slice: &FieldSlice, z_mm: f64, name: &str, ranges: &SharedRanges) -> Result<String, DrawError> {
+    let unit = unit(slice, name, ranges);
     let [width, height] = equal_scale(ROOM_PX, slice.ranges_mm.map(|[low, high]| high - low));
     let step = width + BAR_PX + 34.0;
     let size = [LEFT_PX + 6.0 + 3.0 * step, TOP_PX + height + BELOW_PX + 6.0];
@@ -96,7 +104,8 @@ fn without_ideal(slice: &FieldSlice, z_mm: f64) -> Result<String, DrawError> {
             let [x, y] = slice.ranges_mm;
             let panel = Panel { left, top: TOP_PX, width, height, x, y };
             let b = |u: usize, v: usize| slice.field_t(u, v)[component] * unit.per_t;
-            let scale = ColourScale::signed(slice.all().map(|(u, v)| b(u, v)));
+            let scale =
+                ColourScale::signed(ranges.of_values(&format!("{name} {axis}"), slice.all().map(|(u, v)| b(u, v))));
             panel.cells(sheet, slice.cells(), scale, b);
             panel.title(sheet, component, "")?;
             remark_zero(sheet, &panel, slice, b)?;
@@ -109,8 +118,14 @@ fn without_ideal(slice: &FieldSlice, z_mm: f64) -> Result<String, DrawError> {
 }
 
 /// One row per component: spliced film, ideal film, difference.
-fn with_ideal(film: &IdealFilm, slice: &FieldSlice, z_mm: f64) -> Result<String, DrawError> {
-    let unit = unit(slice);
+fn with_ideal(
+    film: &IdealFilm,
+    slice: &FieldSlice,
+    z_mm: f64,
+    name: &str,
+    ranges: &SharedRanges,
+) -> Result<String, DrawError> {
+    let unit = unit(slice, name, ranges);
     let extents = slice.ranges_mm.map(|[low, high]| high - low);
     let [width, height] = equal_scale(ROOM_PX, extents);
     // The spliced and the ideal film share the colour bar at their right; the difference has its
@@ -126,9 +141,10 @@ fn with_ideal(film: &IdealFilm, slice: &FieldSlice, z_mm: f64) -> Result<String,
             let b = |u: usize, v: usize| slice.field_t(u, v)[component] * unit.per_t;
             let of_ideal = |u: usize, v: usize| slice.ideal_t(film, u, v)[component] * unit.per_t;
             let both = slice.all().flat_map(|(u, v)| [b(u, v), of_ideal(u, v)]);
-            let scale = ColourScale::signed(both);
+            let scale = ColourScale::signed(ranges.of_values(&format!("{name} {axis}"), both));
             let difference = |u: usize, v: usize| slice.difference_t(film, u, v)[component] * unit.per_t;
-            let own = ColourScale::signed(slice.all().map(|(u, v)| difference(u, v)));
+            let own = slice.all().map(|(u, v)| difference(u, v));
+            let own = ColourScale::signed(ranges.of_values(&format!("{name} difference {axis}"), own));
             let titles = ["spliced film", "ideal film", "spliced \u{2212} ideal"];
             for (column, title) in titles.into_iter().enumerate() {
                 let panel = Panel {

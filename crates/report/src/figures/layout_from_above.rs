@@ -8,6 +8,7 @@ use crate::colours::{DirectionColours, light};
 use crate::error::DrawError;
 use crate::marks::{VANISHING, arrow, corner_brackets, out_of_plane_mark};
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
+use crate::shared_ranges::SharedRanges;
 use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
 use crate::tile_shapes::{bounds, from_above};
 use crate::typeset::plain;
@@ -32,13 +33,20 @@ const LETTER_WIDTH: f64 = 0.56;
 /// How far an arrow may extend towards the name of its tile, as a fraction of the distance.
 const TO_NAME: f64 = 0.75;
 /// The figure as SVG. `tiles` are the ones drawn, `all` is the number of tiles of the layout.
-pub(crate) fn draw(tiles: &[&NamedTile], all: usize, volume: Option<&WorkingVolume>) -> Result<String, DrawError> {
+pub(crate) fn draw(
+    tiles: &[&NamedTile],
+    all: usize,
+    volume: Option<&WorkingVolume>,
+    ranges: &SharedRanges,
+) -> Result<String, DrawError> {
     let most_t = tiles.iter().map(|named| named.tile.polarization_t().length()).fold(0.0, f64::max);
     let [low, high] = bounds(tiles.iter().map(|named| &named.tile)).unwrap_or([DVec3::ZERO, DVec3::ONE]);
     let (low, high) = match volume {
         Some(v) => (low.min(v.lower_mm), high.max(v.upper_mm)),
         None => (low, high),
     };
+    let [x, y] = [("layout x", 0), ("layout y", 1)].map(|(key, axis)| ranges.widened(key, [low[axis], high[axis]]));
+    let (low, high) = (DVec3::new(x[0], y[0], low.z), DVec3::new(x[1], y[1], high.z));
     let (longest, middle) = ((high - low).truncate().max_element(), 0.5 * (low + high));
     let half = (0.5 * (high - low)).max(DVec3::splat(MIN_HALF_SIDE * longest)) + MARGIN * longest;
     let (low, high) = (middle - half, middle + half);

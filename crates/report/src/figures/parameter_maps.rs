@@ -6,6 +6,7 @@ use magsplice::decouple::Parameters;
 use crate::colours::ColourScale;
 use crate::error::DrawError;
 use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel, equal_scale};
+use crate::shared_ranges::SharedRanges;
 use crate::sheet::sheet;
 use crate::survey::{AgainstIdeal, FieldSlice};
 use crate::typeset::{AXIS_NAMES, symbol};
@@ -48,6 +49,8 @@ pub(crate) fn draw(
     against: &AgainstIdeal,
     slices: &[(FieldSlice, String)],
     room_px: [f64; 2],
+    figure: &str,
+    ranges: &SharedRanges,
 ) -> Result<String, DrawError> {
     // All slices have the same scale of length.
     let extents = |slice: &FieldSlice| slice.ranges_mm.map(|[low, high]| high - low);
@@ -77,8 +80,8 @@ pub(crate) fn draw(
             };
             let values: Vec<f64> =
                 slices.iter().flat_map(|(slice, _)| slice.all().map(|(u, v)| at(slice, u, v))).collect();
-            let values = values.into_iter();
-            let scale = if row == 2 { ColourScale::without_zero(values) } else { ColourScale::signed(values) };
+            let range = ranges.of_values(&format!("{figure} {row}"), values.into_iter());
+            let scale = if row == 2 { ColourScale::without_zero(range) } else { ColourScale::signed(range) };
             for (i, (slice, title)) in slices.iter().enumerate() {
                 let [width, height] = sizes[i];
                 let panel = Panel {

@@ -12,6 +12,7 @@ use crate::error::DrawError;
 use crate::flux_unit::flux_unit;
 use crate::marks::arrow;
 use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel};
+use crate::shared_ranges::SharedRanges;
 use crate::sheet::{DrawResult, INK, Sheet, sheet};
 use crate::survey::{round_off_t, without_round_off};
 use crate::tile_shapes::{bounds, in_plane, section};
@@ -58,7 +59,12 @@ struct FieldArrow {
 }
 
 /// The figure as SVG, and its arrows as CSV.
-pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) -> Result<(String, String), DrawError> {
+pub(crate) fn draw(
+    film: &Film,
+    tiles: &[&NamedTile],
+    volume: &WorkingVolume,
+    ranges: &SharedRanges,
+) -> Result<(String, String), DrawError> {
     let [film_low, film_high] =
         bounds(tiles.iter().map(|named| &named.tile)).unwrap_or([volume.lower_mm, volume.upper_mm]);
     let middle = 0.5 * (volume.lower_mm + volume.upper_mm);
@@ -85,7 +91,8 @@ pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) ->
         let more = (0.5 * (MIN_SIDE_FRACTION * widest - (high - low))).max(0.0);
         [low - more, high + more]
     };
-    let [x, y, z] = [window(0), window(1), z].map(wide_enough);
+    let shared = |axis: &str, range: [f64; 2]| ranges.widened(&format!("vectors {axis}"), wide_enough(range));
+    let [x, y, z] = [shared("x", window(0)), shared("y", window(1)), shared("z", z)];
     let per_mm = (MAX_WIDTH_PX / (x[1] - x[0])).min(MAX_WIDTH_PX / (y[1] - y[0])).min(MAX_HEIGHT_PX / (z[1] - z[0]));
     let height = per_mm * (z[1] - z[0]);
     let left = LEFT_PX + 6.0;
@@ -116,10 +123,11 @@ pub(crate) fn draw(film: &Film, tiles: &[&NamedTile], volume: &WorkingVolume) ->
     ];
     let arrows: Vec<Vec<FieldArrow>> = views.iter().map(|view| view.field_arrows(film)).collect();
     let strengths = || arrows.iter().flatten().map(FieldArrow::strength_t).filter(|b| *b > 0.0);
-    let most_t = strengths().fold(0.0, f64::max);
+    let most_t = ranges.widened("vectors most", [0.0, strengths().fold(0.0, f64::max)])[1];
     let unit = flux_unit(most_t);
     let least_t = strengths().fold(most_t, f64::min).max(most_t * 10_f64.powf(-DECADES));
     let decade = |t: f64| (t * unit.per_t).log10();
+    let least_t = ranges.widened("vectors least", [least_t, least_t])[0];
     let scale = if most_t > 0.0 {
         ColourScale { low: decade(least_t).min(decade(most_t) - 0.5), high: decade(most_t), palette: Palette::Lines }
     } else {

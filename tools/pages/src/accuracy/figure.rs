@@ -5,6 +5,8 @@ use std::path::Path;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
+use crate::style::restyle;
+
 use super::curves::ErrorsAtDistance;
 
 /// Colours by Okabe and Ito, which the colour-blind can tell apart. The marks differ too.
@@ -23,7 +25,9 @@ pub(crate) fn draw(path: &Path, distance: &[ErrorsAtDistance], closeness: &[Erro
     let (left, right) = area.split_horizontally(540);
     panel(&left, "Far away", "distance from the tile, in sizes", distance, 1.0..1e9, true)?;
     panel(&right, "Close to an edge", "distance from the edge, in sizes", closeness, 1e-16..1e-1, false)?;
-    area.present().map_err(|e| e.to_string())
+    area.present().map_err(|e| e.to_string())?;
+    drop(area);
+    restyle(path, 96.0)
 }
 
 fn panel(

@@ -6,6 +6,8 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use crate::style::restyle;
+
 use super::marks::{colour, mark};
 use super::measure::{Contender, Measured, MeasuredScene};
 use super::pareto::pareto_front;
@@ -27,7 +29,9 @@ pub(crate) fn draw(path: &Path, scenes: &[MeasuredScene]) -> Result<(), String> 
     for (area, (panel, letter)) in below.split_evenly((2, 2)).iter().zip(scenes.iter().zip('a'..)) {
         draw_panel(area, panel, letter)?;
     }
-    area.present().map_err(|e| e.to_string())
+    area.present().map_err(|e| e.to_string())?;
+    drop(area);
+    restyle(path, 192.0)
 }
 
 fn draw_legend(area: &Area) -> Result<(), String> {

@@ -6,6 +6,8 @@ use magsplice_benches::Growth;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use crate::style::restyle;
+
 use super::marks::{RADIUS, colour};
 use super::measure::Contender;
 
@@ -80,5 +82,7 @@ pub(crate) fn draw(path: &Path, films: &[Growth]) -> Result<(), String> {
         .label_font(("sans-serif", 28))
         .draw()
         .map_err(failed)?;
-    area.present().map_err(|e| e.to_string())
+    area.present().map_err(|e| e.to_string())?;
+    drop(area);
+    restyle(path, 192.0)
 }

@@ -5,6 +5,8 @@ use std::path::Path;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
+use crate::style::restyle;
+
 use super::growth::TimeAtCount;
 use super::peers::SceneTimes;
 
@@ -66,7 +68,9 @@ pub(crate) fn draw_peers(path: &Path, rows: &[SceneTimes]) -> Result<(), String>
         .label_font(("sans-serif", 15))
         .draw()
         .map_err(text)?;
-    area.present().map_err(|e| e.to_string())
+    area.present().map_err(|e| e.to_string())?;
+    drop(area);
+    restyle(path, 96.0)
 }
 
 /// Draws two panels: time for a tile and a point by the numbers of tiles and of points.
@@ -76,7 +80,9 @@ pub(crate) fn draw_growth(path: &Path, tiles: &[TimeAtCount], points: &[TimeAtCo
     let (left, right) = area.split_horizontally(450);
     panel(&left, "tiles, of different J", tiles, 1.0..2e4)?;
     panel(&right, "points, published film", points, 1.0..2e5)?;
-    area.present().map_err(|e| e.to_string())
+    area.present().map_err(|e| e.to_string())?;
+    drop(area);
+    restyle(path, 96.0)
 }
 
 fn panel(

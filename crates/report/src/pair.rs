@@ -1,0 +1,164 @@
+//! Two films side by side: their numbers with the difference, and their figures on the same scales.
+
+use std::fmt::Write;
+
+use glam::DVec3;
+use magsplice::Film;
+
+use crate::error::ReportError;
+use crate::figure::{Figure, SvgText};
+use crate::figure_drafts::drafts;
+use crate::page::{STYLE, escaped, filled};
+use crate::raster_image::data_url;
+use crate::report::{PAGE_NAME, absent, drawn_tiles, rendered};
+use crate::shared_ranges::SharedRanges;
+use crate::survey::Survey;
+use crate::typeset::number;
+
+const PAGE: &str = include_str!("../page/pair.html");
+
+/// Prefixes of the files of the two films.
+const PREFIXES: [&str; 2] = ["first", "second"];
+
+/// A number of both films.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairedNumber {
+    /// What it is, with its unit.
+    pub name: String,
+    /// Its value for each film; `None` where there is none.
+    pub values: [Option<f64>; 2],
+}
+
+/// The figures of two films on the same scales, and a page that shows them side by side.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct PairReport {
+    /// The figures of each film.
+    pub figures: [Vec<Figure>; 2],
+    /// The page: HTML that loads no other file.
+    pub html: String,
+    /// What the report lacks of each film, and why.
+    pub absent: [Vec<String>; 2],
+}
+
+impl PairReport {
+    /// Draws all figures that the layouts allow, and the page.
+    ///
+    /// `labels` tell the films apart, for example the paths of their layouts. `fields_t` is as for
+    /// [`Report::new`](crate::Report::new).
+    ///
+    /// # Errors
+    /// As [`Report::new`](crate::Report::new).
+    pub fn new(
+        films: [&Film; 2],
+        labels: [&str; 2],
+        fields_t: [Option<Vec<DVec3>>; 2],
+        numbers: &[PairedNumber],
+        text: SvgText,
+    ) -> Result<PairReport, ReportError> {
+        let [first_t, second_t] = fields_t;
+        let surveys = [Survey::new(films[0], first_t)?, Survey::new(films[1], second_t)?];
+        let ranges = SharedRanges::default();
+        let draw = |index: usize| drafts(films[index], &drawn_tiles(films[index]), surveys[index].as_ref(), &ranges);
+        // The first drawings only find the ranges that both films share. The vectors need two rounds:
+        // their arrows fill the window, and the window is shared.
+        for index in [0, 1, 0] {
+            draw(index)?;
+        }
+        let second = draw(1)?;
+        let first = draw(0)?;
+        let figures = [rendered(films[0], first, text)?, rendered(films[1], second, text)?];
+        let absent = films.map(absent);
+        let html = page(films, labels, &figures, &absent, numbers);
+        Ok(PairReport { figures, html, absent })
+    }
+
+    /// Names and contents of all files: the page, then SVG, PNG and CSV of each figure.
+    pub fn files(&self) -> Vec<(String, &[u8])> {
+        let mut files = vec![(PAGE_NAME.to_owned(), self.html.as_bytes())];
+        for (prefix, figures) in PREFIXES.iter().zip(&self.figures) {
+            for (name, contents) in figures.iter().flat_map(Figure::files) {
+                files.push((format!("{prefix}-{name}"), contents));
+            }
+        }
+        files
+    }
+}
+
+fn page(
+    films: [&Film; 2],
+    labels: [&str; 2],
+    figures: &[Vec<Figure>; 2],
+    absent: &[Vec<String>; 2],
+    numbers: &[PairedNumber],
+) -> String {
+    let names = films.map(|film| escaped(&film.layout().name));
+    let labels = labels.map(escaped);
+    let films = [0, 1].map(|i| {
+        let layout = films[i].layout();
+        let missing = absent[i].iter().fold(String::new(), |mut html, what| {
+            let _ = write!(html, "<p class=\"absent\">Absent: {}.</p>", escaped(what));
+            html
+        });
+        let tiles = layout.tiles.len();
+        format!(
+            "<div><h2>{}</h2><p>{}</p><p>{tiles} tiles, SHA-256 of the layout <code>{}</code></p>{missing}</div>\n",
+            names[i], labels[i], layout.sha256
+        )
+    });
+    filled(PAGE, &|placeholder| match placeholder {
+        "title" => format!("{} and {}", names[0], names[1]),
+        "version" => env!("CARGO_PKG_VERSION").to_owned(),
+        "style" => STYLE.to_owned(),
+        "films" => films.concat(),
+        "first" => labels[0].clone(),
+        "second" => labels[1].clone(),
+        "numbers" => numbers.iter().map(row).collect(),
+        "figures" => figure_pairs(figures, &labels),
+        _ => unreachable!("{placeholder} is not a placeholder of the page"),
+    })
+}
+
+/// A row of the table: both values, and the second minus the first.
+fn row(PairedNumber { name, values }: &PairedNumber) -> String {
+    let text = |value: Option<f64>| value.map_or("none".to_owned(), number);
+    let difference = match values {
+        [Some(a), Some(b)] => Some(b - a),
+        _ => None,
+    };
+    let cells = [values[0], values[1], difference].map(|value| format!("<td>{}</td>", text(value)));
+    format!("<tr><th scope=\"row\">{}</th>{}</tr>\n", escaped(name), cells.concat())
+}
+
+/// Figures of the same name beside each other.
+fn figure_pairs(figures: &[Vec<Figure>; 2], labels: &[String; 2]) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for figure in figures.iter().flatten() {
+        if !names.contains(&figure.name) {
+            names.push(figure.name);
+        }
+    }
+    names.iter().fold(String::new(), |mut html, name| {
+        html += "<div class=\"pair\">\n";
+        for ((prefix, figures), label) in PREFIXES.iter().zip(figures).zip(labels) {
+            let figure = figures.iter().find(|figure| figure.name == *name);
+            html += &figure.map_or_else(
+                || format!("<p class=\"absent\">{label} has no such figure.</p>\n"),
+                |figure| figure_element(figure, prefix, label),
+            );
+        }
+        html += "</div>\n";
+        html
+    })
+}
+
+fn figure_element(figure: &Figure, prefix: &str, label: &str) -> String {
+    let caption = escaped(&figure.caption);
+    let source = data_url("image/svg+xml", figure.outlined.as_bytes());
+    let file = format!("{prefix}-{}", figure.name);
+    format!(
+        "<figure id=\"{file}\"><a href=\"{file}.svg\"><img alt=\"{label}: {caption}\" \
+         src=\"{source}\"></a><figcaption><strong>{label}</strong> {caption} <a href=\"{file}.svg\">SVG</a>, <a \
+         href=\"{file}.png\">PNG</a>, <a href=\"{file}.csv\">CSV</a></figcaption></figure>\n"
+    )
+}

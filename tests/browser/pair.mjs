@@ -1,0 +1,42 @@
+// Opens the page of `magsplice report A.toml B.toml` in a headless browser.
+// Usage: node pair.mjs BROWSER FOLDER
+import assert from "node:assert/strict";
+import { createRequire } from "node:module";
+import { resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+
+// Found through NODE_PATH, which `import` does not use.
+const { chromium } = createRequire(import.meta.url)("playwright-core");
+const [executablePath, folder] = process.argv.slice(2);
+const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
+try {
+  for (const width of [1280, 390, 320]) {
+    const page = await browser.newPage({ viewport: { width, height: 900 } });
+    const errors = [];
+    page.on("pageerror", (error) => errors.push(String(error)));
+    page.on("request", (request) => /^(file|data):/.test(request.url()) || errors.push(`asks for ${request.url()}`));
+    await page.goto(pathToFileURL(resolve(folder, "report.html")).href);
+    const rows = await page.locator("#numbers tbody tr").evaluateAll((rows) =>
+      rows.map((row) => [...row.cells].map((cell) => cell.textContent)));
+    assert.ok(rows.length > 20 && rows.every((row) => row.length === 4), `rows: ${rows.length}`);
+    // Figures of the same name beside each other, or below each other on a telephone.
+    const boxes = await page.locator("figure img").evaluateAll(async (images) => {
+      await Promise.all(images.map((image) => image.decode()));
+      return images.map((image) => [image.closest("figure").id, image.getBoundingClientRect().toJSON()]);
+    });
+    assert.equal(boxes.length, 16);
+    for (let n = 0; n < boxes.length; n += 2) {
+      const [[first, a], [second, b]] = [boxes[n], boxes[n + 1]];
+      assert.equal(first.replace("first-", ""), second.replace("second-", ""));
+      assert.ok(Math.abs(a.width - b.width) < 1 && Math.abs(a.height - b.height) < 1, `${first}: ${a.width} and ${b.width}`);
+      if (width > 600) assert.ok(a.top === b.top && a.right <= b.left, `${first} is not beside ${second}`);
+      else assert.ok(a.bottom <= b.top, `${first} is not above ${second}`);
+    }
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width, "something is cut off");
+    assert.deepEqual(errors, []);
+    await page.close();
+  }
+  console.log(`${folder}/report.html: two films, no error`);
+} finally {
+  await browser.close();
+}
