@@ -187,7 +187,7 @@ impl SpliceRequest {
 
     fn validate(&self) -> Result<(), DesignError> {
         let mut problems = Vec::new();
-        let positive = [
+        let lengths = [
             ("wavelength", self.wavelength_mm),
             ("film, along x", self.film_mm[0]),
             ("film, along y", self.film_mm[1]),
@@ -196,9 +196,8 @@ impl SpliceRequest {
             ("range, along y", self.range_mm[1]),
             ("distance, the nearest", self.distance_mm[0]),
             ("smallest cut", self.smallest_cut_mm),
-            ("resolution", self.resolution_mm),
         ];
-        for (name, value) in positive {
+        for (name, value) in lengths.into_iter().chain([("resolution", self.resolution_mm)]) {
             if !(value > 0.0 && value.is_finite()) {
                 problems.push(format!("{name}: {value} mm, must be a finite number greater than 0"));
             }
@@ -228,7 +227,7 @@ impl SpliceRequest {
                 meant_length(self.wavelength_mm)
             ));
         } else {
-            for (name, value) in positive.into_iter().filter(|(name, _)| *name != "wavelength") {
+            for (name, value) in lengths.into_iter().filter(|(name, _)| *name != "wavelength") {
                 if value > 0.0 && value * MAX_LENGTH_RATIO < self.wavelength_mm {
                     problems.push(format!(
                         "{name}: {value} mm, must be at least a thousandth of the wavelength, {} mm ({})",
