@@ -21,11 +21,11 @@ use crate::words::film_failure;
 use crate::{json, remarks, text};
 
 pub(crate) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
-    if args.watch { report_watch::run(args, quiet) } else { draw(args, quiet) }
+    if args.watch { report_watch::run(args, quiet, || draw(args, quiet)) } else { draw(args, quiet) }
 }
 
 /// Draws the report once.
-pub(super) fn draw(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
+fn draw(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
     match args.layouts.as_slice() {
         [first, second] => draw_pair(args, [first, second], quiet),
         layouts => draw_one(args, layouts.first().map_or(Path::new(""), |layout| layout), quiet),
