@@ -218,15 +218,15 @@ mod tests {
             Figure::new(draft.name, String::new(), &draft.svg, String::new(), SvgText::Text, &typeset::options())
                 .unwrap();
         let png = resvg::tiny_skia::Pixmap::decode_png(&figure.png).unwrap();
-        // The first column of maps starts at (58, 52) in pixels of the SVG, of which the PNG has
-        // 3.125 each. A map is 220 wide and high; the next one is 238 below.
+        // The first column of maps starts at (64, 52) in pixels of the SVG, of which the PNG has
+        // 3.125 each. A map is 220 wide and high; the next one is 246 below.
         let is_red = |x: u32, y: u32| {
-            let pixel = png.pixel((58 + x) * 25 / 8, (52 + y) * 25 / 8).unwrap();
+            let pixel = png.pixel((64 + x) * 25 / 8, (52 + y) * 25 / 8).unwrap();
             assert!(pixel.red().abs_diff(pixel.blue()) > 60, "{pixel:?}");
             pixel.red() > pixel.blue()
         };
         assert!(is_red(10, 110) && !is_red(210, 110));
-        assert!(!is_red(110, 238 + 10) && is_red(110, 238 + 210));
+        assert!(!is_red(110, 246 + 10) && is_red(110, 246 + 210));
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::sheet::{DrawResult, FRAME_PX, INK, LETTERS, Lettering, Sheet, units};
 use crate::typeset::{self, AxisNumbers};
 
 /// Room for numbers and a name at the left of a panel, in pixels.
-pub(crate) const LEFT_PX: f64 = 52.0;
+pub(crate) const LEFT_PX: f64 = 58.0;
 /// Room for numbers and a name below a panel, in pixels.
 pub(crate) const BELOW_PX: f64 = 40.0;
 /// Room for a colour bar with its numbers and its name, in pixels.

@@ -27,6 +27,9 @@ pub(crate) mod plan;
 /// Draws figures and a page.
 #[cfg(feature = "report")]
 pub(crate) mod report;
+/// The drawing of a report.
+#[cfg(feature = "report")]
+mod report_draw;
 /// The numbers of two films side by side.
 #[cfg(feature = "report")]
 mod report_pair;

@@ -8,6 +8,9 @@ use magsplice_report::PairedNumber;
 use crate::evaluation::Evaluation;
 
 const MT_PER_T: f64 = 1e3;
+/// One of the decoupling errors of a film.
+type ErrorOf = fn(&Evaluation) -> PerParameter;
+
 /// Error bounds by which a component of B must exceed zero, as in the figures.
 const BOUNDS_OF_ZERO: f64 = 2.0;
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -45,7 +48,7 @@ pub(super) fn numbers(films: &[Film; 2], evaluated: &[Option<Evaluation>; 2]) ->
     add("relative RMSE as is".to_owned(), &|e| Some(e.comparison.relative_rmse));
     add("relative RMSE after scaling".to_owned(), &|e| e.comparison.scaled_relative_rmse);
     add("largest difference from the ideal film, mT".to_owned(), &|e| Some(e.comparison.worst_t * MT_PER_T));
-    let errors: [(&str, fn(&Evaluation) -> PerParameter); 2] = [
+    let errors: [(&str, ErrorOf); 2] = [
         ("uniformity RMSE", |e| e.decoupling.uniformity_rmse),
         ("RMSE against the ideal film", |e| e.decoupling.ideal_rmse),
     ];

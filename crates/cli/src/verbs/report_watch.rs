@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use notify::{Event, EventKind, RecursiveMode, Watcher};
 
+use super::report_draw::draw;
 use crate::args::evaluate::ReportArgs;
 use crate::failure::{self, Failure};
 use crate::interrupt;
@@ -16,9 +17,9 @@ use crate::interrupt;
 /// permissions of a file within a few milliseconds.
 const SETTLED: Duration = Duration::from_millis(150);
 
-/// Calls `draw`, which draws the report, and again whenever the contents of a layout have changed. It ends with Ctrl-C
+/// Draws the report, and again whenever the contents of a layout have changed. It ends with Ctrl-C
 /// only, or if the report cannot be written.
-pub(super) fn run(args: &ReportArgs, quiet: bool, draw: impl Fn() -> Result<(), Failure>) -> Result<(), Failure> {
+pub(super) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
     interrupt::handle();
     let (sender, changes) = mpsc::channel();
     let report = move |event: notify::Result<Event>| {
@@ -47,7 +48,7 @@ pub(super) fn run(args: &ReportArgs, quiet: bool, draw: impl Fn() -> Result<(), 
         let contents: Vec<Option<Vec<u8>>> = args.layouts.iter().map(|layout| fs::read(layout).ok()).collect();
         if contents != drawn {
             drawn = contents;
-            match draw() {
+            match draw(args, quiet) {
                 Ok(()) => {}
                 // Nobody can see the report or read of it.
                 Err(failure @ (Failure::Write { .. } | Failure::PipeClosed)) => return Err(failure),

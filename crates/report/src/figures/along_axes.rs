@@ -112,7 +112,7 @@ fn legend(sheet: &Sheet) -> DrawResult {
     sheet.disc([0.5 * (left + right), at[1]], 3.0, BLUE)?;
     sheet.line(&[[0.5 * (left + right), at[1] - 9.0], [0.5 * (left + right), at[1] + 9.0]], BLUE, 1.4)?;
     sheet.text([right + 4.0, at[1]], "mean over the two other axes, \u{b1} standard deviation", LETTERS)?;
-    let (left, right) = (at[0] + 490.0, at[0] + 516.0);
+    let (left, right) = (at[0] + 530.0, at[0] + 556.0);
     let (up, down) = (at[1] - 7.0, at[1] + 7.0);
     sheet.fill(&[[left, up], [right, up], [right, down], [left, down]], BAND)?;
     sheet.text([right + 8.0, at[1]], "minimum to maximum", LETTERS)

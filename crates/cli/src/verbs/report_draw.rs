@@ -1,0 +1,124 @@
+//! The drawing of a report: figures and a page of one film, or of two side by side.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use magsplice::layout::Layout;
+use magsplice::prelude::DVec3;
+use magsplice::{Film, FilmError, Stage};
+use magsplice_report::{PairReport, PrintedResults, Report, ReportError};
+
+use super::report_pair;
+use crate::args::evaluate::ReportArgs;
+use crate::evaluation::Evaluation;
+use crate::failure::Failure;
+use crate::json::decouple::DecoupleJson;
+use crate::json::source::SourceJson;
+use crate::output::destination::print;
+use crate::output::folder::Folder;
+use crate::progress::ProgressLine;
+use crate::words::film_failure;
+use crate::{json, remarks, text};
+
+/// Draws the report once.
+pub(super) fn draw(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
+    match args.layouts.as_slice() {
+        [first, second] => draw_pair(args, [first, second], quiet),
+        layouts => draw_one(args, layouts.first().map_or(Path::new(""), |layout| layout), quiet),
+    }
+}
+
+fn draw_one(args: &ReportArgs, path: &Path, quiet: bool) -> Result<(), Failure> {
+    let progress = ProgressLine::start(!quiet);
+    let show = |stage: Stage| progress.show(stage);
+    let layout = remarks::read_layout(path, remarks::OF_COMPARISONS, quiet, &progress)?;
+    let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy()).with_progress(&show);
+    // A folder that cannot be written is refused before the field is computed.
+    let folder = Folder::open(&args.output, "report", &[path])?;
+    let PageNumbers { text, json, field_t } = numbers(&film).map_err(|error| film_failure(path, &layout, error))?;
+    let results = PrintedResults { text: &text, json: &json };
+    let report = Report::new(&film, field_t, results, args.text.into());
+    let report = report.map_err(|error| report_failure(path, &layout, error))?;
+    written(folder, report.files())?;
+    progress.end();
+    let page = args.output.join("report.html");
+    let mut said = format!("{}: {} figures, each also as SVG, PNG and CSV\n", page.display(), report.figures.len());
+    for absent in &report.absent {
+        let _ = writeln!(said, "absent: {absent}");
+    }
+    print(&said)
+}
+
+fn draw_pair(args: &ReportArgs, paths: [&Path; 2], quiet: bool) -> Result<(), Failure> {
+    let progress = ProgressLine::start(!quiet);
+    let show = |stage: Stage| progress.show(stage);
+    let read = |path| remarks::read_layout(path, remarks::OF_COMPARISONS, quiet, &progress);
+    let layouts = [read(paths[0])?, read(paths[1])?];
+    let film = |layout| Film::new(layout).with_accuracy(args.accuracy.accuracy()).with_progress(&show);
+    let films = [film(&layouts[0]), film(&layouts[1])];
+    let folder = Folder::open(&args.output, "report", &paths)?;
+    let evaluated = |index: usize| {
+        let failed = |error| film_failure(paths[index], &layouts[index], error);
+        report_pair::evaluated(&films[index]).map_err(failed)
+    };
+    let evaluated = [evaluated(0)?, evaluated(1)?];
+    let numbers = report_pair::numbers(&films, &evaluated);
+    let labels = paths.map(|path| path.display().to_string());
+    let fields_t = evaluated.map(|evaluation| evaluation.map(|evaluation| evaluation.field_t));
+    let labels = [labels[0].as_str(), labels[1].as_str()];
+    let report = PairReport::new([&films[0], &films[1]], labels, fields_t, &numbers, args.text.into());
+    let report = report.map_err(|error| report_failure(paths[0], &layouts[0], error))?;
+    written(folder, report.files())?;
+    progress.end();
+    let page = args.output.join("report.html");
+    let [first, second] = report.figures.each_ref().map(Vec::len);
+    let mut said =
+        format!("{}: {first} and {second} figures side by side, each also as SVG, PNG and CSV\n", page.display());
+    for (label, absent) in labels.iter().zip(&report.absent) {
+        for absent in absent {
+            let _ = writeln!(said, "{label}: absent: {absent}");
+        }
+    }
+    print(&said)
+}
+
+/// Writes all files and lets the folder appear.
+fn written(mut folder: Folder, files: Vec<(String, &[u8])>) -> Result<(), Failure> {
+    for (name, contents) in files {
+        folder.write(&name, contents)?;
+    }
+    folder.finish()
+}
+
+fn report_failure(path: &Path, layout: &Layout, error: ReportError) -> Failure {
+    match error {
+        ReportError::Film(error) => film_failure(path, layout, error),
+        error => Failure::Report { layout: path.to_owned(), message: error.to_string() },
+    }
+}
+
+/// The numbers of the page, as `decouple` prints them.
+struct PageNumbers {
+    text: String,
+    json: String,
+    /// The field of the working volume, if the layout has one.
+    field_t: Option<Vec<DVec3>>,
+}
+
+/// As many numbers as the tables of the layout allow.
+fn numbers(film: &Film) -> Result<PageNumbers, FilmError> {
+    if film.ideal().is_ok() && film.volume().is_ok() {
+        let evaluation = Evaluation::new(film)?;
+        let text = text::decouple::evaluation(&evaluation);
+        let json = json::pretty(&DecoupleJson::new(&evaluation, None));
+        return Ok(PageNumbers { text, json, field_t: Some(evaluation.field_t) });
+    }
+    let json = json::pretty(&SourceJson::new(film));
+    let Ok(volume) = film.volume() else {
+        return Ok(PageNumbers { text: text::header::layout(film.layout()), json, field_t: None });
+    };
+    let field_t = film.volume_field_t()?;
+    let field = text::decouple::field(&field_t, volume, film.reference_field_t()?, None);
+    let text = format!("{}\n{field}", text::header::film(film, volume));
+    Ok(PageNumbers { text, json, field_t: Some(field_t) })
+}
