@@ -44,7 +44,9 @@ fn missing_and_malformed_values_get_the_sentence_that_helps() {
     for value in ["[0, 0, 30]", "30", "[\n  0, 0,\n  30]"] {
         hinted(&format!("{rotated}{value}\n"), hint);
     }
-    hinted(&format!("{rotated}{{ axis = [0, 0, 1] }}\n"), "rotation has axis without an angle_deg");
+    let sandbox = Sandbox::new();
+    sandbox.write("t.toml", &format!("{rotated}{{ axis = [0, 0, 1] }}\n"));
+    sandbox.run(&["tiles", "t.toml"]).refuses("line 3: tile \"tile-1\": rotation has axis without an angle_deg");
     hinted(&format!("{HEAD}{}", TILE.replace("[[tile]]", "[tile]")), "write [[tile]] with two brackets");
 }
 
