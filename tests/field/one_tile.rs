@@ -22,6 +22,27 @@ const GRADIENT: f64 = 2e-14;
 /// of the oracle leave round-off.
 const SYMMETRIC_ZERO: f64 = 1e-90;
 
+/// The stated error of B at a point is at least 2e-14 of the sum of the fields that the components of
+/// J make alone. It is proportional to J, and infinite where there is no point.
+#[test]
+fn error_bounds_are_at_least_the_exact_bound() {
+    let (size, j) = (DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7));
+    let scene = |j: DVec3| Scene::new(&[Tile::new(DVec3::ZERO, size, j).expect("a valid tile")]);
+    let outside = |n: i32| DVec3::new(0.4 * f64::from(n) - 4.0, 0.9, -0.6 - 0.2 * f64::from(n));
+    let points: Vec<DVec3> = (0..20).map(outside).collect();
+    let bounds_t = scene(j).error_bounds_t(&points);
+    let doubled_t = scene(2.0 * j).error_bounds_t(&points);
+    for (n, point) in points.iter().enumerate() {
+        let alone = |axis: usize| scene(j * DVec3::AXES[axis]).field(Quantity::FluxDensity, *point).expect("bounded");
+        let magnitude_t: f64 = [0, 1, 2].into_iter().map(|axis| alone(axis).length()).sum();
+        assert!(bounds_t[n] >= FIELD * magnitude_t, "{point}: {} of {magnitude_t}", bounds_t[n]);
+        // A bound that is much larger would say nothing about rounding.
+        assert!(bounds_t[n] <= 10.0 * FIELD * magnitude_t, "{point}: {} of {magnitude_t}", bounds_t[n]);
+        assert!((doubled_t[n] - 2.0 * bounds_t[n]).abs() <= 1e-6 * doubled_t[n], "{point}");
+    }
+    assert_eq!(scene(j).error_bounds_t(&[DVec3::splat(f64::NAN)]), [f64::INFINITY]);
+}
+
 /// The largest component of a matrix by magnitude.
 fn largest(m: DMat3) -> f64 {
     m.to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max)
