@@ -25,8 +25,15 @@ impl BoundingBox {
 
     /// The smallest box around points; of no points it is empty, from infinity to minus infinity.
     pub fn from_points(points: &[DVec3]) -> BoundingBox {
-        let lower = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        BoundingBox { lower, upper: points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) }
+        // Several boxes, so that no comparison waits for the one before.
+        let (mut lower, mut upper) = ([DVec3::INFINITY; 4], [DVec3::NEG_INFINITY; 4]);
+        for points in points.chunks(lower.len()) {
+            for ((lower, upper), point) in lower.iter_mut().zip(&mut upper).zip(points) {
+                (*lower, *upper) = (lower.min(*point), upper.max(*point));
+            }
+        }
+        let lower = lower.into_iter().fold(DVec3::INFINITY, DVec3::min);
+        BoundingBox { lower, upper: upper.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max) }
     }
 
     /// Half of its side lengths.

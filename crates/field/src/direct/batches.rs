@@ -27,7 +27,7 @@ pub(crate) fn for_each_batch<T: Send + Copy + Default>(
     let threads = rayon::current_num_threads();
     let count = if threads > 1 { BATCHES_PER_THREAD * threads } else { 1 };
     let size = (points.len() / count).clamp(POINTS_PER_BATCH[0], batches.most);
-    let mut failures = Vec::new();
+    let mut errors = Vec::new();
     if batches.regroup && points.len() > size {
         let stretches = points.chunks(REGROUPED_POINTS).zip(values.chunks_mut(REGROUPED_POINTS));
         for (stretch, (points, values)) in stretches.enumerate() {
@@ -36,31 +36,38 @@ pub(crate) fn for_each_batch<T: Send + Copy + Default>(
             let mut results = vec![T::default(); points.len()];
             let start = stretch * REGROUPED_POINTS;
             let failed = in_batches(&regrouped, &mut results, size, &evaluate);
-            failures.extend(failed.into_iter().map(|(position, cause)| (start + order[position] as usize, cause)));
+            let error = |(position, cause): (usize, Cause)| {
+                let index = start + order[position] as usize;
+                PointError { index, point: regrouped[position], cause }
+            };
+            errors.extend(failed.into_iter().flatten().map(error));
             for (&index, result) in order.iter().zip(results) {
                 values[index as usize] = result;
             }
         }
     } else {
-        failures = in_batches(points, values, size, &evaluate);
+        let failed = in_batches(points, values, size, &evaluate);
+        errors.reserve_exact(failed.iter().map(Vec::len).sum());
+        let error = |(index, cause)| PointError { index, point: points[index], cause };
+        errors.extend(failed.into_iter().flatten().map(error));
     }
-    failures.sort_by_key(|(index, _)| *index);
-    none_or(failures.into_iter().map(|(index, cause)| PointError { index, point: points[index], cause }).collect())
+    errors.sort_unstable_by_key(|error| error.index);
+    none_or(errors)
 }
 
 pub(crate) fn none_or(errors: Vec<PointError>) -> Result<(), PointErrors> {
     if errors.is_empty() { Ok(()) } else { Err(PointErrors(errors)) }
 }
 
-/// Evaluates batches of `size` points in parallel. Returns the points without a value.
+/// Evaluates batches of `size` points in parallel. Returns the points of each without a value.
 fn in_batches<T: Send>(
     points: &[DVec3],
     values: &mut [T],
     size: usize,
     evaluate: &(impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, Cause)) + Sync + Send),
-) -> Vec<(usize, Cause)> {
+) -> Vec<Vec<(usize, Cause)>> {
     let batches = points.par_chunks(size).zip(values.par_chunks_mut(size)).enumerate();
-    let failures: Vec<Vec<(usize, Cause)>> = batches
+    batches
         .map(|(batch, (points, values))| {
             let mut failures = Vec::new();
             evaluate(points, values, &mut |index, cause| {
@@ -73,8 +80,7 @@ fn in_batches<T: Send>(
             failures.shrink_to_fit();
             failures
         })
-        .collect();
-    failures.concat()
+        .collect()
 }
 
 /// Indices of points in an order in which consecutive points are neighbours: groups of the first of

@@ -22,6 +22,9 @@ use crate::tolerances::{DECIDED_BY_BOX, POINTS_OF_ONE_TILE, POINTS_PER_BATCH, RE
 /// Smallest length of a field whose square is a normal number.
 const LEAST_COMPARED: f64 = 1e-153;
 
+/// Number of points that are compared with a bound at a time, without a branch.
+const POINTS_COMPARED: usize = 64;
+
 /// Tiles prepared for direct summation.
 #[derive(Clone, Debug)]
 pub(crate) struct DirectSum {
@@ -193,17 +196,16 @@ impl DirectSum {
         field: &mut [DVec3],
         failed: &mut dyn FnMut(usize, Cause),
     ) {
-        let in_tesla = if quantity == Quantity::FieldStrength { MU_0 } else { 1.0 };
+        let per_tesla = if quantity == Quantity::FieldStrength { 1.0 / MU_0 } else { 1.0 };
         let (magnitudes, least) = (self.magnitudes(), LeastField::new(tolerance));
         let least_t = |magnitude_t: f64| least.at_t(EXACT_BOUND * magnitude_t);
         // Smallest square of the field that a magnitude allows.
         let least_squared = |magnitude_t: f64| {
-            let least = least_t(magnitude_t) / in_tesla;
+            let least = least_t(magnitude_t) * per_tesla;
             // Squares that are normal numbers can be compared.
             if least > 0.0 { least.max(LEAST_COMPARED).powi(2) } else { 0.0 }
         };
         let is_weak = |value: &DVec3, least: f64| value.length_squared() < least;
-        let any_weak = |field: &[DVec3], least: f64| field.iter().fold(false, |any, b| any | is_weak(b, least));
         let in_box_t = OnceCell::new();
         let of_box = || magnitudes.in_box_t(&self.boxes, &BoundingBox::from_points(points));
         let in_box_t = || *in_box_t.get_or_init(of_box);
@@ -215,8 +217,10 @@ impl DirectSum {
         self.field_and_magnitudes_of_batch(quantity, points, field, wanted, failed);
         // One bound for all points decides nearly all batches, and one for the box around the points
         // most others.
-        if !by_closed_form
-            && (!any_weak(field, least_squared(magnitudes.largest_t())) || !any_weak(field, least_squared(in_box_t())))
+        let any_weak = |least: f64| {
+            field.chunks(POINTS_COMPARED).any(|some| some.iter().fold(false, |any, b| any | is_weak(b, least)))
+        };
+        if !by_closed_form && (!any_weak(least_squared(magnitudes.largest_t())) || !any_weak(least_squared(in_box_t())))
         {
             return;
         }
@@ -225,28 +229,46 @@ impl DirectSum {
             let least = magnitudes_t.get(index).map_or(least_in_box, |own_t| least_squared(*own_t));
             is_weak(&field[index], least)
         };
-        let open: Vec<u32> = (0..points.len() as u32).filter(|&index| is_open(index as usize)).collect();
+        let mut open = Vec::with_capacity(points.len());
+        open.extend((0..points.len() as u32).filter(|&index| is_open(index as usize)));
         if open.is_empty() {
             return;
         }
-        let at = |indices: &[u32]| -> Vec<DVec3> { indices.iter().map(|&index| points[index as usize]).collect() };
-        if is_only && !by_closed_form {
-            let (mut again, mut of_open_t) = (vec![DVec3::ZERO; open.len()], Vec::new());
-            self.field_and_magnitudes_of_batch(quantity, &at(&open), &mut again, Some(&mut of_open_t), &mut |_, _| ());
-            magnitudes_t.resize(points.len(), f64::INFINITY);
-            open.iter().zip(of_open_t).for_each(|(&index, own_t)| magnitudes_t[index as usize] = own_t);
-        }
-        // The closed form of a single tile has no bound at points of other methods.
-        magnitudes_t.resize(points.len(), f64::INFINITY);
-        let others: Vec<u32> =
-            open.iter().copied().filter(|&index| magnitudes_t[index as usize].is_infinite()).collect();
-        others.iter().zip(self.magnitudes_t(&at(&others))).for_each(|(&index, t)| magnitudes_t[index as usize] = t);
-        for index in open.into_iter().map(|index| index as usize) {
-            if is_weak(&field[index], least_squared(magnitudes_t[index])) {
+        let mut refuse_weak = |index: u32, magnitude_t: f64| {
+            let index = index as usize;
+            if is_weak(&field[index], least_squared(magnitude_t)) {
                 field[index] = DVec3::NAN;
-                failed(index, Cause::TooExact { bound_t: EXACT_BOUND * magnitudes_t[index] });
+                failed(index, Cause::TooExact { bound_t: EXACT_BOUND * magnitude_t });
             }
+        };
+        let mut others = open;
+        if is_only {
+            // The closed form of a single tile has no bound at points of other methods.
+            let mut by_closed_form_t = magnitudes_t;
+            by_closed_form_t.resize(points.len(), f64::INFINITY);
+            if !by_closed_form {
+                let at_open: Vec<DVec3> = others.iter().map(|&index| points[index as usize]).collect();
+                let (mut again, mut of_open_t) = (vec![DVec3::ZERO; others.len()], Vec::new());
+                self.field_and_magnitudes_of_batch(
+                    quantity,
+                    &at_open,
+                    &mut again,
+                    Some(&mut of_open_t),
+                    &mut |_, _| (),
+                );
+                others.iter().zip(of_open_t).for_each(|(&index, own_t)| by_closed_form_t[index as usize] = own_t);
+            }
+            others.retain(|&index| {
+                let own_t = by_closed_form_t[index as usize];
+                if own_t.is_finite() {
+                    refuse_weak(index, own_t);
+                }
+                own_t.is_infinite()
+            });
         }
+        let mut others_t = Column::default();
+        magnitudes.write(self.level, others.iter().map(|&index| points[index as usize]), &mut others_t);
+        others.iter().zip(others_t.iter()).for_each(|(&index, &magnitude_t)| refuse_weak(index, magnitude_t));
     }
 
     /// Upper bounds, in tesla, of the sum over tiles of the magnitudes of the fields that the

@@ -214,8 +214,11 @@ impl GroupBound {
             }
             far_sum += is_far.select(bound, S::f32s::splat(simd, 0.0));
             let is_far = is_far.widen();
-            sums[0] = sums[0] + Lanes(is_far.0.select(zero.0, tile.at(simd, points[0]).0));
-            sums[1] = sums[1] + Lanes(is_far.1.select(zero.0, tile.at(simd, points[1]).0));
+            for (half, is_far) in [is_far.0, is_far.1].into_iter().enumerate() {
+                if !is_far.all_true() {
+                    sums[half] = sums[half] + Lanes(is_far.select(zero.0, tile.at(simd, points[half]).0));
+                }
+            }
         }
         let far_sums = far_sum.widen();
         [Lanes(far_sums.0).scale_add(self.strength_t, sums[0]), Lanes(far_sums.1).scale_add(self.strength_t, sums[1])]

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use magsplice_cuboid::field_bound::tile_field_bound_t;
 use magsplice_cuboid::tolerances::EXACT_BOUND;
 use magsplice_magnet::{BoundingBox, Quantity, Tolerance};
@@ -24,8 +24,9 @@ pub(crate) fn is_promising(direct: &DirectSum, region: &BoundingBox, tolerance: 
         let gap = region.gap(around);
         magnitude_t += tile_field_bound_t(tile, gap.length());
         for axis in (0..3).filter(|&axis| half[axis] > 0.0) {
-            let aside = gap[(axis + 1) % 3].hypot(gap[(axis + 2) % 3]);
-            slowest[axis] = slowest[axis].max(decay(gap[axis] / half[axis], aside / half[axis]));
+            let gap = gap / half[axis];
+            let aside = DVec2::new(gap[(axis + 1) % 3], gap[(axis + 2) % 3]).length();
+            slowest[axis] = slowest[axis].max(decay(gap[axis], aside));
         }
     }
     let relative = match tolerance {
@@ -60,6 +61,6 @@ pub(crate) fn is_promising(direct: &DirectSum, region: &BoundingBox, tolerance: 
 /// the box and to the side of it, in half lengths of the box (Eq. P26).
 fn decay(beyond: f64, aside: f64) -> f64 {
     let place = if beyond > 0.0 { 1.0 + beyond } else { 0.0 };
-    let half_sum = 0.5 * ((place + 1.0).hypot(aside) + (place - 1.0).hypot(aside));
+    let half_sum = 0.5 * (DVec2::new(place + 1.0, aside).length() + DVec2::new(place - 1.0, aside).length());
     1.0 / (half_sum + (half_sum * half_sum - 1.0).max(0.0).sqrt())
 }
