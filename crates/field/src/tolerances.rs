@@ -287,6 +287,11 @@ pub(crate) const MIN_FIT_POINTS: usize = 1000;
 /// its error costs as much as thousands of pairs, whether the fit is then made or not.
 pub(crate) const MIN_FIT_PAIRS: usize = 24_000;
 
+/// Smallest relative tolerance that a fit is tried for. A fit of 8 nodes along each axis amplifies
+/// the bound of the exact field 12 times, and the magnitudes of the fields of several tiles add up
+/// to a multiple of |B|.
+pub(crate) const MIN_FIT_FRACTION: f64 = 50.0 * EXACT_BOUND;
+
 /// Smallest number of grid points per node of a fit. Each node costs one exact field.
 pub(crate) const GRID_POINTS_PER_NODE: usize = 2;
 

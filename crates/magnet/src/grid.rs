@@ -148,7 +148,19 @@ impl Grid {
 
     /// All points, z fastest.
     pub fn points(&self) -> impl ExactSizeIterator<Item = DVec3> + '_ {
-        (0..self.len()).map(|index| self.point(index))
+        let heights: Vec<f64> = (0..self.counts[2]).map(|k| self.coordinate(2, k)).collect();
+        let (mut column, mut height) = (0, 0);
+        let mut point = self.lower;
+        // Without a division for each point.
+        (0..self.len()).map(move |_| {
+            if height == 0 {
+                point = self.point(column * heights.len());
+                column += 1;
+            }
+            point.z = heights[height];
+            height = if height + 1 == heights.len() { 0 } else { height + 1 };
+            point
+        })
     }
 }
 

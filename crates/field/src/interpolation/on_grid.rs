@@ -72,7 +72,8 @@ fn divide(
     };
     match fit {
         Ok(fit) => fitted.push((part, fit)),
-        Err(FitFailure::TooNear) if points >= 2 * min_points => {
+        // Parts of a grid near a single tile gain less than the attempts to fit them cost.
+        Err(FitFailure::TooNear) if points >= 2 * min_points && tiles > 1 => {
             let axis = part.longest_axis(grid);
             let middle = usize::midpoint(part.start[axis], part.end[axis]);
             let (mut low, mut high) = (part, part);

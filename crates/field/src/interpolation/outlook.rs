@@ -9,7 +9,7 @@ use magsplice_cuboid::tolerances::EXACT_BOUND;
 use magsplice_magnet::{BoundingBox, Quantity, Tolerance};
 
 use crate::direct::direct_sum::DirectSum;
-use crate::tolerances::MIN_FIELD_SHARE;
+use crate::tolerances::{MIN_FIELD_SHARE, MIN_FIT_FRACTION};
 
 /// Whether the distances of tiles suggest at most `max_nodes` nodes for a fit of the field in a box.
 /// Sampling a box whose fit then fails costs time, and distances cost nearly none.
@@ -18,6 +18,9 @@ use crate::tolerances::MIN_FIELD_SHARE;
 /// than a fit will need. The rounding of the exact values, which the fit amplifies, is compared with
 /// the tolerance at the corners of the box.
 pub(crate) fn is_promising(direct: &DirectSum, region: &BoundingBox, tolerance: Tolerance, max_nodes: usize) -> bool {
+    if matches!(tolerance, Tolerance::Relative { fraction, .. } if fraction < MIN_FIT_FRACTION) {
+        return false;
+    }
     let half = region.half_size();
     let (mut slowest, mut magnitude_t) = ([0.0_f64; 3], 0.0);
     for (tile, around) in direct.tiles().iter().zip(direct.boxes()) {

@@ -179,7 +179,8 @@ pub(crate) fn measure(
             if slow || !contender.is_magsplice() && round > effort.peer_rounds {
                 continue;
             }
-            let mut field = vec![DVec3::ZERO; known.points.len()];
+            // Written before the run, so that the run does not wait for memory from the system.
+            let mut field = vec![DVec3::NAN; known.points.len()];
             let took = run(runner, known.points, &mut field)?;
             if round == 0 {
                 // The first run builds what later ones reuse. It is not timed; its field gives the
