@@ -10,6 +10,8 @@ mod fuzz;
 mod layout_files;
 /// The published film against numbers known of it.
 mod published;
+/// Films with errors of their tiles, against known percentiles.
+mod real_films;
 /// Documents against the JSON Schema of layout files.
 #[cfg(feature = "schema")]
 mod schema;

@@ -1,0 +1,105 @@
+//! Mean and percentiles of samples, with confidence intervals.
+
+/// Half the width of a normal distribution's interval of 95 %, in standard deviations.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// A value estimated from samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Estimate {
+    /// The estimate.
+    pub value: f64,
+    /// Ends of an interval that contains the true value with a probability of 95 %. An end is
+    /// infinite where there are too few samples to state it.
+    pub interval: [f64; 2],
+}
+
+/// Mean and percentiles of samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Statistics {
+    /// Number of samples.
+    pub count: usize,
+    /// Mean.
+    pub mean: Estimate,
+    /// Median.
+    pub p50: Estimate,
+    /// 95th percentile.
+    pub p95: Estimate,
+    /// 99th percentile.
+    pub p99: Estimate,
+}
+
+impl Statistics {
+    /// Statistics of samples, which must be numbers. `None` without samples.
+    ///
+    /// The interval of the mean is that of normal errors. The intervals of percentiles are between
+    /// order statistics, whatever the distribution: below the percentile q of n independent samples
+    /// lie about n q (1 - q) +- 1.96 (n q (1 - q))^1/2 of them, by the normal approximation of the
+    /// binomial distribution.
+    pub fn new(samples: impl IntoIterator<Item = f64>) -> Option<Statistics> {
+        let mut sorted: Vec<f64> = samples.into_iter().collect();
+        let count = sorted.len();
+        let n = count as f64;
+        sorted.sort_by(f64::total_cmp);
+        let mean = sorted.iter().sum::<f64>() / n;
+        let variance = sorted.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let half = if count > 1 { NORMAL_95 * (variance / n).sqrt() } else { f64::INFINITY };
+        let [p50, p95, p99] = [0.5, 0.95, 0.99].map(|share| percentile(&sorted, share));
+        let mean = Estimate { value: mean, interval: [mean - half, mean + half] };
+        Some(Statistics { count, mean, p50: p50?, p95: p95?, p99: p99? })
+    }
+}
+
+/// The value below which a share of the sorted samples lies, by linear interpolation between them.
+fn percentile(sorted: &[f64], share: f64) -> Option<Estimate> {
+    let last = sorted.len().checked_sub(1)?;
+    let place = share * last as f64;
+    let below = place.floor() as usize;
+    let value = sorted[below] + (place - place.floor()) * (sorted[(below + 1).min(last)] - sorted[below]);
+    let n = sorted.len() as f64;
+    let spread = NORMAL_95 * (n * share * (1.0 - share)).sqrt();
+    // One-based ranks of the order statistics.
+    let (low, high) = ((n * share - spread).floor(), (n * share + spread).ceil() + 1.0);
+    let low = if low < 1.0 { f64::NEG_INFINITY } else { sorted[low as usize - 1] };
+    let high = if high > n { f64::INFINITY } else { sorted[high as usize - 1] };
+    Some(Estimate { value, interval: [low, high] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deviates::Deviates;
+
+    #[test]
+    fn percentiles_are_interpolated_between_samples() {
+        let found = Statistics::new((0..=100).rev().map(f64::from)).expect("samples");
+        assert_eq!([found.mean.value, found.p50.value, found.p95.value, found.p99.value], [50.0, 50.0, 95.0, 99.0]);
+        // Ranks 50.5 -+ 9.85, rounded outwards; 95.95 + 4.3 and one more is beyond the last.
+        assert_eq!(found.p50.interval, [39.0, 61.0]);
+        assert_eq!(found.p99.interval[1], f64::INFINITY);
+        assert!(Statistics::new([]).is_none());
+        assert_eq!(Statistics::new([2.0]).expect("one").mean.interval, [f64::NEG_INFINITY, f64::INFINITY]);
+    }
+
+    /// Of 1000 intervals of 95 %, 950 contain the true value, with a standard deviation of 7. Intervals
+    /// of percentiles are rounded outwards and contain it more often.
+    #[test]
+    fn intervals_contain_the_true_value_as_often_as_stated() {
+        let (mut mean, mut p50, mut p95) = (0, 0, 0);
+        for trial in 0..1000 {
+            let mut deviates = Deviates::new(3, trial);
+            let samples: Vec<f64> = (0..40).flat_map(|tile| deviates.of_tile(tile)).collect();
+            let found = Statistics::new(samples).expect("samples");
+            let contains = |estimate: Estimate, value: f64| {
+                usize::from(estimate.interval[0] <= value && value <= estimate.interval[1])
+            };
+            mean += contains(found.mean, 0.0);
+            p50 += contains(found.p50, 0.0);
+            p95 += contains(found.p95, 1.644_853_626_951_472);
+        }
+        for (count, most) in [(mean, 978), (p50, 990), (p95, 990)] {
+            assert!((922..=most).contains(&count), "{count} of 1000");
+        }
+    }
+}
