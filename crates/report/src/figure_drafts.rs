@@ -73,7 +73,8 @@ pub(crate) fn drafts(
     let names = if level.len() == 2 { vec![first, last] } else { FIELD_NAMES.to_vec() };
     for (name, (slice, z_mm)) in names.into_iter().zip(&level) {
         let what = if survey.against_ideal.is_some() {
-            "the spliced film, B of the ideal film (Eq. 2) on the same colour scale, and their difference"
+            "the spliced film, B of the ideal film (Eq. 2) on the same colour scale, and the spliced film minus the \
+             ideal film times the best-fit amplitude"
         } else {
             "the film"
         };

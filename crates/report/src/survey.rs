@@ -72,6 +72,8 @@ pub(crate) struct AgainstIdeal<'a> {
     pub(crate) decoupling: Decoupling,
     /// The branch of the arctangents on the axis of the film.
     pub(crate) branch: Branch,
+    /// Best-fit amplitude over the volume.
+    pub(crate) amplitude: f64,
 }
 
 impl<'a> Survey<'a> {
@@ -87,6 +89,7 @@ impl<'a> Survey<'a> {
         let against_ideal = match film.ideal() {
             Ok(ideal) => {
                 let decoupling = film.decouple(&field_t)?;
+                let amplitude = film.compare(&field_t)?.amplitude;
                 let at = |p| ideal.flux_density_t(p).ok_or(FilmError::NotBelow(p));
                 let ideal_t = volume.grid.points().map(at).collect::<Result<Vec<DVec3>, FilmError>>()?;
                 // decouple() returned, so the reference point has parameters and thus a branch.
@@ -95,6 +98,7 @@ impl<'a> Survey<'a> {
                     field_t: ideal_t.into_iter().map(|b| without_round_off(b, IDEAL_ROUND_OFF * b.length())).collect(),
                     decoupling,
                     branch,
+                    amplitude,
                 })
             }
             Err(_) => None,
@@ -192,10 +196,10 @@ impl FieldSlice {
         without_round_off(b, IDEAL_ROUND_OFF * b.length())
     }
 
-    /// B of the film minus B of the ideal film in tesla in a cell. Components that are round-off
-    /// are 0.
-    pub(crate) fn difference_t(&self, film: &IdealFilm, u: usize, v: usize) -> DVec3 {
-        let ideal = self.ideal_t(film, u, v);
+    /// B of the film minus B of the ideal film times `amplitude` in tesla in a cell. Components that
+    /// are round-off are 0.
+    pub(crate) fn difference_t(&self, film: &IdealFilm, amplitude: f64, u: usize, v: usize) -> DVec3 {
+        let ideal = amplitude * self.ideal_t(film, u, v);
         let bound = self.round_off_t[self.index(u, v)] + IDEAL_ROUND_OFF * ideal.length();
         without_round_off(self.field_t(u, v) - ideal, bound)
     }

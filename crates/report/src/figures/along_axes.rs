@@ -19,7 +19,9 @@ const SIDE_PX: f64 = 250.0;
 /// Height of the panels of residuals, and their distance from the panels above, in pixels.
 const RESIDUAL_PX: f64 = 120.0;
 const BETWEEN_PX: f64 = 28.0;
-const TOP_PX: f64 = 58.0;
+const TOP_PX: f64 = 78.0;
+/// Distance of the note from the legend above it, in pixels.
+const NOTE_PX: f64 = 22.0;
 /// Distance of neighbouring panels beside the numbers of their axes, in pixels.
 const ASIDE_PX: f64 = 28.0;
 const BAND: RGBColor = RGBColor(198, 221, 236);
@@ -109,13 +111,23 @@ fn legend(sheet: &Sheet) -> DrawResult {
     sheet.line(&[at, [at[0] + 26.0, at[1]]], VERMILION, 1.8)?;
     sheet.text([at[0] + 34.0, at[1]], "ideal film", LETTERS)?;
     let (left, right) = (at[0] + 124.0, at[0] + 150.0);
-    sheet.disc([0.5 * (left + right), at[1]], 3.0, BLUE)?;
-    sheet.line(&[[0.5 * (left + right), at[1] - 9.0], [0.5 * (left + right), at[1] + 9.0]], BLUE, 1.4)?;
+    let middle = 0.5 * (left + right);
+    sheet.disc([middle, at[1]], 3.0, BLUE)?;
+    sheet.line(&[[middle, at[1] - 9.0], [middle, at[1] + 9.0]], BLUE, 1.4)?;
+    for end in [at[1] - 9.0, at[1] + 9.0] {
+        sheet.line(&[[middle - 4.0, end], [middle + 4.0, end]], BLUE, 1.4)?;
+    }
     sheet.text([right + 4.0, at[1]], "mean over the two other axes, \u{b1} standard deviation", LETTERS)?;
     let (left, right) = (at[0] + 530.0, at[0] + 556.0);
     let (up, down) = (at[1] - 7.0, at[1] + 7.0);
     sheet.fill(&[[left, up], [right, up], [right, down], [left, down]], BAND)?;
-    sheet.text([right + 8.0, at[1]], "minimum to maximum", LETTERS)
+    sheet.text([right + 8.0, at[1]], "minimum to maximum", LETTERS)?;
+    let note = format!(
+        "\u{394}: displacement that the parameter shows, minus the true one. An offset of {} is the logarithm of the \
+         amplitude, and shows no displacement.",
+        symbol("S", "z")
+    );
+    sheet.text([at[0], at[1] + NOTE_PX], &note, LETTERS)
 }
 
 /// Every value that a panel must show.

@@ -1,9 +1,7 @@
 //! B_x, B_y, B_z on a plane below the film, of the spliced film, of the ideal film, and their
-//! difference (Dai 2024, Fig. 6).
+//! difference at best-fit amplitude (Dai 2024, Fig. 6).
 
 use std::fmt::Write;
-
-use magsplice::prelude::IdealFilm;
 
 use crate::colours::ColourScale;
 use crate::error::DrawError;
@@ -11,7 +9,7 @@ use crate::flux_unit::{FluxUnit, flux_unit};
 use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel, equal_scale};
 use crate::shared_ranges::SharedRanges;
 use crate::sheet::{DrawResult, LETTERS, Sheet, sheet};
-use crate::survey::{FieldSlice, Survey};
+use crate::survey::{AgainstIdeal, FieldSlice, Survey};
 use crate::typeset::{AXIS_NAMES, number, symbol, variable};
 
 const ROOM_PX: [f64; 2] = [220.0, 220.0];
@@ -29,7 +27,7 @@ pub(crate) fn draw(
     ranges: &SharedRanges,
 ) -> Result<String, DrawError> {
     match &survey.against_ideal {
-        Some(against) => with_ideal(against.film, slice, z_mm, name, ranges),
+        Some(against) => with_ideal(against, slice, z_mm, name, ranges),
         None => without_ideal(slice, z_mm, name, ranges),
     }
 }
@@ -117,15 +115,20 @@ fn without_ideal(slice: &FieldSlice, z_mm: f64, name: &str, ranges: &SharedRange
     })
 }
 
-/// One row per component: spliced film, ideal film, difference.
+/// One row per component: spliced film, ideal film, and the difference at best-fit amplitude. The
+/// amplitude changes no displacement, and its difference would hide all others.
 fn with_ideal(
-    film: &IdealFilm,
+    against: &AgainstIdeal,
     slice: &FieldSlice,
     z_mm: f64,
     name: &str,
     ranges: &SharedRanges,
 ) -> Result<String, DrawError> {
+    let (film, amplitude) = (against.film, against.amplitude);
     let unit = unit(slice, name, ranges);
+    let differences = slice.all().map(|(u, v)| slice.difference_t(film, amplitude, u, v)).filter(|b| b.is_finite());
+    let most_t = differences.map(|b| b.abs().max_element()).fold(0.0, f64::max);
+    let fine = flux_unit(ranges.widened(&format!("{name} difference unit"), [0.0, most_t])[1]);
     let extents = slice.ranges_mm.map(|[low, high]| high - low);
     let [width, height] = equal_scale(ROOM_PX, extents);
     // The spliced and the ideal film share the colour bar at their right; the difference has its
@@ -142,11 +145,11 @@ fn with_ideal(
             let of_ideal = |u: usize, v: usize| slice.ideal_t(film, u, v)[component] * unit.per_t;
             let both = slice.all().flat_map(|(u, v)| [b(u, v), of_ideal(u, v)]);
             let scale = ColourScale::signed(ranges.of_values(&format!("{name} {axis}"), both));
-            let difference = |u: usize, v: usize| slice.difference_t(film, u, v)[component] * unit.per_t;
+            let difference = |u: usize, v: usize| slice.difference_t(film, amplitude, u, v)[component] * fine.per_t;
             let own = slice.all().map(|(u, v)| difference(u, v));
             let own = ColourScale::signed(ranges.of_values(&format!("{name} difference {axis}"), own));
-            let titles = ["spliced film", "ideal film", "spliced \u{2212} ideal"];
-            for (column, title) in titles.into_iter().enumerate() {
+            let scaled = format!("spliced \u{2212} {} \u{d7} ideal", number((1e3 * amplitude).round() / 1e3));
+            for (column, title) in ["spliced film", "ideal film", &scaled].into_iter().enumerate() {
                 let panel = Panel {
                     left: left(column),
                     top: top(component),
@@ -169,10 +172,10 @@ fn with_ideal(
                 let x = if component == 2 { AxisLabel::Coordinate("x") } else { AxisLabel::TicksOnly };
                 let y = if column == 0 { AxisLabel::Coordinate("y") } else { AxisLabel::TicksOnly };
                 panel.axes(sheet, x, y)?;
-                let name = format!("{} ({})", symbol("B", axis), unit.name);
+                let component = symbol("B", axis);
                 match column {
-                    2 => panel.colour_bar(sheet, 12.0, own, &format!("\u{394}{name}"))?,
-                    1 => panel.colour_bar(sheet, 12.0, scale, &name)?,
+                    2 => panel.colour_bar(sheet, 12.0, own, &format!("\u{394}{component} ({})", fine.name))?,
+                    1 => panel.colour_bar(sheet, 12.0, scale, &format!("{component} ({})", unit.name))?,
                     _ => {}
                 }
             }

@@ -26,7 +26,7 @@ pub(crate) fn names() -> [String; 3] {
     [
         format!("{} (rad)", symbol("R", "x")),
         format!("{} (rad)", symbol("R", "y")),
-        format!("{} (ln of T)", symbol("S", "z")),
+        format!("{} (ln of B/T)", symbol("S", "z")),
     ]
 }
 
