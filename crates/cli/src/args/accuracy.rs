@@ -3,6 +3,7 @@
 use magsplice::magnet::{Accuracy, Tolerance};
 
 use super::numbers;
+use crate::decimal;
 
 #[derive(clap::Args)]
 pub(crate) struct AccuracyArgs {
@@ -28,7 +29,15 @@ impl AccuracyArgs {
 const LARGEST_FRACTION: f64 = 0.1;
 
 fn tolerance(text: &str) -> Result<Tolerance, String> {
-    let in_tesla = numbers::flux_density_with_unit_t(text)?;
+    if let Some(percent) = text.trim().strip_suffix('%') {
+        // The decimal point moves in the text, so that 5 % is the 0.05 that the user will type.
+        let fraction = decimal::scaled(percent.trim(), -2).map_or("0.05".to_owned(), |value| value.to_string());
+        return Err(format!(
+            "a fraction of |B| is written without a unit: {fraction}; it must be below {LARGEST_FRACTION}. A field has a \
+             unit (T, mT, uT, nT), as in 10nT"
+        ));
+    }
+    let in_tesla = numbers::flux_density_or_fraction_t(text)?;
     let tolerance = match in_tesla {
         Some(value) => Tolerance::absolute_t(value),
         None => {

@@ -10,10 +10,13 @@ struct Kind {
     units: &'static [Unit],
     /// The unit of a number without one.
     default: &'static str,
+    /// What a number without a unit is, in words.
+    bare: &'static str,
 }
 
-const LENGTH: Kind = Kind { name: "length", units: &LENGTHS, default: "mm" };
-const FLUX_DENSITY: Kind = Kind { name: "flux density", units: &FLUX_DENSITIES, default: "T" };
+const LENGTH: Kind = Kind { name: "length", units: &LENGTHS, default: "mm", bare: "in mm" };
+const FLUX_DENSITY: Kind = Kind { name: "flux density", units: &FLUX_DENSITIES, default: "T", bare: "in T" };
+const TOLERANCE: Kind = Kind { bare: "a fraction of |B|, below 0.1", ..FLUX_DENSITY };
 
 /// A length in mm.
 pub(crate) fn length_mm(text: &str) -> Result<f64, String> {
@@ -27,10 +30,10 @@ pub(crate) fn flux_density_t(text: &str) -> Result<f64, String> {
     FLUX_DENSITY.value(number, unit)
 }
 
-/// A flux density in T, or `None` for a number without a unit.
-pub(crate) fn flux_density_with_unit_t(text: &str) -> Result<Option<f64>, String> {
+/// A flux density in T, or `None` for a number without a unit, which is a fraction.
+pub(crate) fn flux_density_or_fraction_t(text: &str) -> Result<Option<f64>, String> {
     let (number, unit) = split(text);
-    if unit.is_empty() { Ok(None) } else { FLUX_DENSITY.value(number, unit).map(Some) }
+    if unit.is_empty() { Ok(None) } else { TOLERANCE.value(number, unit).map(Some) }
 }
 
 /// Two lengths in mm with an x between them.
@@ -69,16 +72,16 @@ fn split(text: &str) -> (&str, &str) {
 
 impl Kind {
     fn value(&self, number: &str, unit: &str) -> Result<f64, String> {
-        let Kind { name, units, default } = self;
+        let Kind { name, units, default, bare } = self;
         let known = units::names(units);
         let unit = if unit.is_empty() { default } else { unit };
         let exponent = units.iter().find(|(known, _)| *known == unit).map(|(_, exponent)| *exponent);
         let value = decimal::scaled(number, exponent.unwrap_or(0));
         match (value, exponent) {
             (Some(value), Some(_)) => Ok(value),
-            (Some(_), None) => Err(format!(
-                "has the unit {unit}, must be a {name} in {known}; a number without a unit is in {default}"
-            )),
+            (Some(_), None) => {
+                Err(format!("has the unit {unit}, must be a {name} in {known}; a number without a unit is {bare}"))
+            }
             (None, _) => Err(format!("must be a number with or without a unit ({known}), such as 8{default} or 8")),
         }
     }
@@ -96,8 +99,8 @@ mod tests {
         for text in ["1e-7", "0.1uT", "0.1µT", "0.1μT", "100nT", "1e-4mT", "1E-7 T"] {
             assert_eq!(flux_density_t(text), Ok(1e-7), "{text}");
         }
-        assert_eq!(flux_density_with_unit_t("1e-6"), Ok(None));
-        assert_eq!(flux_density_with_unit_t("2.5uT"), Ok(Some(2.5e-6)));
+        assert_eq!(flux_density_or_fraction_t("1e-6"), Ok(None));
+        assert_eq!(flux_density_or_fraction_t("2.5uT"), Ok(Some(2.5e-6)));
     }
 
     #[test]

@@ -124,5 +124,15 @@ fn tolerances_take_both_signs_for_micro() {
     sandbox
         .run(&["compare", &film, "--within", "1mm"])
         .refuses_arguments("has the unit mm, must be a flux density in mT,");
+    for (within, fraction) in [("5%", "0.05"), ("10 %", "0.1"), ("0.1%", "0.001"), ("%", "0.05")] {
+        let said = sandbox.run(&["compare", &film, "--within", within]);
+        said.refuses_arguments(&format!(
+            "a fraction of |B| is written without a unit: {fraction}; it must be below 0.1. A field has a unit (T, mT, \
+             uT, nT), as in 10nT"
+        ));
+    }
+    sandbox.run(&["compare", &film, "--within", "1kT"]).refuses_arguments(
+        "has the unit kT, must be a flux density in mT, uT, µT, nT, T; a number without a unit is a fraction of |B|",
+    );
     sandbox.run(&["compare", &film, "--within", "-1nT"]).refuses_arguments("for '--within <TOLERANCE>'");
 }
