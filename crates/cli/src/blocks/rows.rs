@@ -7,7 +7,9 @@ use magsplice::layout::{NamedTile, Rotation, RotationFaults};
 use magsplice::magnet::{MU_0, TileFault};
 use magsplice::prelude::{DQuat, DVec3, Tile};
 
-use super::columns::{self, BlockColumns, Column, MagnetColumns, RotationColumns};
+use super::columns::{self, BlockColumns, MagnetColumns};
+use super::finder::Column;
+use super::rotation::RotationColumns;
 use crate::args::import::ImportArgs;
 use crate::csv_input::limited_lines::shown;
 use crate::csv_input::table::{CsvTable, Row};
@@ -123,13 +125,20 @@ fn numbers<const N: usize>(
     faults: &mut Vec<String>,
 ) -> Option<[f64; N]> {
     let before = faults.len();
-    let numbers = columns.map(|column| {
-        table.number(column.index, column.exponent, line).unwrap_or_else(|fault| {
+    let numbers = columns.map(|column| number(column, table, line, faults));
+    (faults.len() == before).then_some(numbers)
+}
+
+/// The number of a row in a column, or 0 after adding a fault.
+fn number(column: Column, table: &mut CsvTable, line: u64, faults: &mut Vec<String>) -> f64 {
+    match table.number(column.index, column.exponent, line) {
+        Ok(radians) if column.is_in_radians => radians.to_degrees(),
+        Ok(value) => value,
+        Err(fault) => {
             faults.push(fault);
             0.0
-        })
-    });
-    (faults.len() == before).then_some(numbers)
+        }
+    }
 }
 
 fn vector(columns: &[Column; 3], table: &mut CsvTable, line: u64, faults: &mut Vec<String>) -> Option<DVec3> {
@@ -147,7 +156,14 @@ fn rotation(columns: &RotationColumns, table: &mut CsvTable, line: u64, faults: 
             let [x, y, z, angle_deg] = numbers(columns, table, line, faults)?;
             Rotation::from_axis_angle([x, y, z], angle_deg)
         }
-        RotationColumns::Euler(columns, order) => Rotation::from_euler(numbers(columns, table, line, faults)?, *order),
+        RotationColumns::Euler(columns, order) => {
+            let before = faults.len();
+            let angles_deg = columns.map(|column| column.map_or(0.0, |column| number(column, table, line, faults)));
+            if faults.len() > before {
+                return None;
+            }
+            Rotation::from_euler(angles_deg, *order)
+        }
         RotationColumns::Matrix(columns) => {
             let [a, b, c, d, e, f, g, h, i] = numbers(columns, table, line, faults)?;
             Rotation::from_matrix([[a, b, c], [d, e, f], [g, h, i]])

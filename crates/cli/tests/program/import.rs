@@ -4,6 +4,9 @@ use serde_json::Value;
 
 use crate::{RunOutput, Sandbox, rows};
 
+const NO_EULER: &str = "--euler is given, and there are no columns rx_deg, ry_deg, rz_deg or euler_1_deg, euler_2_deg, \
+    euler_3_deg (found: x_mm,y_mm,z_mm,size_x_mm";
+
 const HEAD: &str = "name,x_mm,y_mm,z_mm,size_x_mm,size_y_mm,size_z_mm,jx_t,jy_t,jz_t";
 
 fn import(csv: &str, options: &[&str]) -> (Sandbox, RunOutput) {
@@ -83,6 +86,11 @@ fn rotations_in_every_form_are_the_same() {
     assert_eq!(field(",angle_deg,axis_x,axis_y,axis_z", ",0,1,2,3", &[]), plain);
     for (rotation, cells, options) in [
         (",qw,qx,qy,qz", ",2,2,2,2", &[][..]),
+        (",quat_x,quat_y,quat_z,quat_w", ",-0.5,-0.5,-0.5,-0.5", &[]),
+        (",Q_x,Q_y,quaternion_z,quatW", ",1,1,1,1", &[]),
+        (",angle_rad,axis_x,axis_y,axis_z", ",2.0943951023931957,7,7,7", &[]),
+        (",rx (°),rz (rad)", ",90,1.5707963267948966", &["--euler", "xyz"]),
+        (",euler_1_rad,euler_2_deg,euler_3 [°]", ",0,90,90", &["--euler", "zxz"]),
         (",angle_deg,axis_x,axis_y,axis_z", ",120,7,7,7", &[]),
         (",rx_deg,ry_deg,rz_deg", ",90,0,90", &["--euler", "xyz"]),
         (",rx_deg,ry_deg,rz_deg", ",0,90,90", &["--euler", "YZX"]),
@@ -180,12 +188,18 @@ fn columns_that_are_missing_or_contradict_are_named() {
             &["need columns euler_1_deg"],
         ),
         (
-            &format!("x_mm,y_mm,z_mm,{size},{j},rx_rad,ry_rad,rz_rad"),
+            &format!("x_mm,y_mm,z_mm,{size},{j},rx_grad,ry_deg,rz_deg"),
             &["--euler", "xyz"],
-            &["has the unit rad, must be one of: deg"],
+            &["Euler angles in the column rx_grad have the unit grad, must be one of: deg, °, rad"],
         ),
         (&format!("x_mm,y_mm,z_mm,{size},{j},angle_deg"), &[], &["angle has no columns axis_x, axis_y, axis_z"]),
-        (&format!("x_mm,y_mm,z_mm,{size},{j}"), &["--euler", "xyz"], &["--euler is given, and there are no columns"]),
+        (&format!("x_mm,y_mm,z_mm,{size},{j}"), &["--euler", "xyz"], &[NO_EULER]),
+        (
+            &format!("x_mm,y_mm,z_mm,{size},{j},euler_1_deg"),
+            &["--euler", "xyz"],
+            &["Euler angles have no column euler_2"],
+        ),
+        (&format!("x_mm,y_mm,z_mm,{size},{j},rx_deg,rz_deg"), &[], &["Euler angles have no order: give --euler xyz"]),
         (
             &format!("x_mm,y_mm,z_mm,{size},{j},qx,qy,qz,qw,axis_x,axis_y,axis_z,angle_deg"),
             &[],
@@ -226,4 +240,68 @@ fn columns_that_are_not_read_are_told() {
         "{}",
         said.stderr
     );
+}
+
+/// Without these columns the blocks would stand unrotated.
+#[test]
+fn columns_that_look_like_a_rotation_are_read_or_refused() {
+    let read = "name a rotation qx, qy, qz, qw (or quat_x, ...; qw is the scalar), axis_x, axis_y, axis_z, angle_deg,";
+    for (names, found) in [
+        ("q0,q1,q2,q3", "columns q0, q1, q2, q3 look like a rotation and are not read"),
+        ("quat_1,quat_2,quat_3,quat_4", "columns quat_1, quat_2, quat_3, quat_4 look like a rotation"),
+        ("qx,qy,qz,qw,roll", "column roll looks like a rotation and is not read"),
+        ("rotation", "column rotation looks like a rotation and is not read"),
+        ("alpha,Beta (deg),gamma", "columns alpha, Beta (deg), gamma look like"),
+        ("yaw_deg,pitch_deg", "columns yaw_deg, pitch_deg look like"),
+        ("phi,theta,psi", "columns phi, theta, psi look like"),
+        ("euler_x,angle_z_deg", "euler_x"),
+    ] {
+        let cells = ",1".repeat(names.split(',').count());
+        let csv = format!("{HEAD},{names}\na,0,0,0,1,1,1,0,0,1{cells}\n");
+        refused(&csv, &[], &[found]);
+        if !names.contains("angle") {
+            refused(&csv, &[], &[read]);
+        }
+    }
+    refused(
+        &format!("{HEAD},qx,qy,qz,qw,quat_w\n"),
+        &[],
+        &["quaternion has more than one column of a kind: qw, quat_w"],
+    );
+    // Properties that only begin like one.
+    let (_, said) = import(&format!("{HEAD},quality,rotor\na,0,0,0,1,1,1,0,0,1,A,2\n"), &[]);
+    assert!(said.status == 0 && said.stderr.contains("columns that were not read: quality, rotor"), "{}", said.stderr);
+}
+
+/// The angles of the other axes are 0, and the order makes no difference.
+#[test]
+fn one_euler_angle_needs_no_order() {
+    let csv = format!("{HEAD},rz_deg\na,0,0,0,1,1,1,0,0,1,30\nb,5,0,0,1,1,1,0,0,1,\n");
+    let found = tiles(&csv, &[]);
+    assert_eq!(found[0]["rotation"], serde_json::json!({ "euler_deg": [0.0, 0.0, 30.0], "order": "xyz" }));
+    assert!(found[1].get("rotation").is_none(), "{}", found[1]);
+    let found = tiles(&csv, &["--euler", "zyx"]);
+    assert_eq!(found[0]["rotation"], serde_json::json!({ "euler_deg": [30.0, 0.0, 0.0], "order": "zyx" }));
+}
+
+/// The example of docs/file-formats.md.
+#[test]
+fn euler_angles_by_axis_and_by_turn_are_the_same() {
+    let rotation = |columns: &str, cells: &str| {
+        let csv = format!("{HEAD},{columns}\na,0,0,0,1,1,1,0,0,1,{cells}\n");
+        tiles(&csv, &["--euler", "zyx"])[0]["rotation"].clone()
+    };
+    let by_axis = rotation("rx_deg,ry_deg,rz_deg", "10,20,30");
+    assert_eq!(by_axis, serde_json::json!({ "euler_deg": [30.0, 20.0, 10.0], "order": "zyx" }));
+    assert_eq!(by_axis, rotation("euler_1_deg,euler_2_deg,euler_3_deg", "30,20,10"));
+}
+
+#[test]
+fn help_and_docs_state_the_mu0_of_the_program() {
+    let found = tiles("x_mm,y_mm,z_mm,dx_mm,dy_mm,dz_mm,mx_A/m,my_A/m,mz_A/m\n0,0,0,1,1,1,0,0,1\n", &[]);
+    let mu0 = format!("{:e}", found[0]["polarization_t"][2].as_f64().expect("a number"));
+    let docs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/file-formats.md");
+    for text in [std::fs::read_to_string(docs).expect("docs"), Sandbox::new().run(&["import", "--help"]).stdout] {
+        assert!(text.contains(&format!("mu0 = {mu0} T m/A")), "{mu0} is not in {text}");
+    }
 }

@@ -1,0 +1,151 @@
+//! The columns of a rotation.
+
+use magsplice::layout::EulerOrder;
+
+use super::finder::{ANGLES, Column, EULER_ANGLES, Finder, NO_UNIT};
+
+/// The columns of a rotation in one of its forms.
+pub(crate) enum RotationColumns {
+    Quaternion([Column; 4]),
+    /// x, y, z of the axis, then the angle.
+    AxisAngle([Column; 4]),
+    /// In the order of the rotations. The angle of a missing column is 0.
+    Euler([Option<Column>; 3], EulerOrder),
+    /// Row by row.
+    Matrix([Column; 9]),
+}
+
+impl RotationColumns {
+    pub(crate) fn columns(&self) -> Vec<Column> {
+        match self {
+            RotationColumns::Quaternion(columns) | RotationColumns::AxisAngle(columns) => columns.to_vec(),
+            RotationColumns::Euler(columns, _) => columns.iter().flatten().copied().collect(),
+            RotationColumns::Matrix(columns) => columns.to_vec(),
+        }
+    }
+}
+
+/// Names of the components of a quaternion. Numbers such as `q0` do not say which is the scalar.
+const QUATERNION: [[&str; 5]; 4] = [
+    ["qx", "q_x", "quat_x", "quatx", "quaternion_x"],
+    ["qy", "q_y", "quat_y", "quaty", "quaternion_y"],
+    ["qz", "q_z", "quat_z", "quatz", "quaternion_z"],
+    ["qw", "q_w", "quat_w", "quatw", "quaternion_w"],
+];
+
+/// The columns that are read, for messages.
+const READ: &str = "qx, qy, qz, qw (or quat_x, ...; qw is the scalar), axis_x, axis_y, axis_z, angle_deg, rx_deg, \
+    ry_deg, rz_deg or euler_1_deg, euler_2_deg, euler_3_deg with --euler, or r11, r12, ... r33";
+
+/// The rotation in its one form. Adds a fault for each column that looks like a rotation and is not
+/// read: without it the blocks would stand unrotated.
+pub(super) fn find(finder: &mut Finder, order: Option<EulerOrder>) -> Option<RotationColumns> {
+    let before = finder.faults.len();
+    let quaternion = finder.group("quaternion", QUATERNION, &NO_UNIT, None);
+    let axis = finder.group("axis", [["axis_x"], ["axis_y"], ["axis_z"]], &NO_UNIT, None);
+    let angle = finder.group("angle", [["angle"]], &ANGLES, None);
+    let about = finder.partial_group(EULER_ANGLES, [["rx"], ["ry"], ["rz"]], &ANGLES);
+    let numbered = finder.group(EULER_ANGLES, [["euler_1"], ["euler_2"], ["euler_3"]], &ANGLES, None);
+    let elements = ["r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"].map(|element| [element]);
+    let matrix = finder.group("matrix", elements, &NO_UNIT, None);
+    let unread: Vec<String> = finder.unused().into_iter().filter(|name| looks_like_rotation(name)).collect();
+    if !unread.is_empty() {
+        let (columns, look) = if unread.len() == 1 {
+            ("column", "looks like a rotation and is")
+        } else {
+            ("columns", "look like a rotation and are")
+        };
+        finder.fault(format!(
+            "{columns} {} {look} not read: name a rotation {READ}; leave out or rename other columns",
+            unread.join(", ")
+        ));
+    }
+    if finder.faults.len() > before {
+        return None;
+    }
+    let mut forms = Vec::new();
+    forms.extend(quaternion.map(RotationColumns::Quaternion));
+    match (axis, angle) {
+        (Some([x, y, z]), Some([angle])) => forms.push(RotationColumns::AxisAngle([x, y, z, angle])),
+        (Some(_), None) => finder.fault("axis has no column angle_deg"),
+        (None, Some(_)) => finder.fault("angle has no columns axis_x, axis_y, axis_z"),
+        (None, None) => {}
+    }
+    forms.extend(euler_about_axes(finder, about, order));
+    match (numbered, order) {
+        (Some(columns), Some(order)) => forms.push(RotationColumns::Euler(columns.map(Some), order)),
+        (Some(_), None) => finder.fault(NO_ORDER),
+        (None, _) => {}
+    }
+    forms.extend(matrix.map(RotationColumns::Matrix));
+    let faultless = finder.faults.len() == before;
+    if faultless && forms.len() > 1 {
+        finder.fault(
+            "rotation is given in more than one form, must be a quaternion, axis and angle, Euler angles or a matrix",
+        );
+    } else if faultless && order.is_some() && !matches!(forms[..], [RotationColumns::Euler(..)]) {
+        finder.fault(format!(
+            "--euler is given, and there are no columns rx_deg, ry_deg, rz_deg or euler_1_deg, euler_2_deg, \
+             euler_3_deg (found: {})",
+            finder.names_found()
+        ));
+    }
+    forms.pop().filter(|_| finder.faults.len() == before)
+}
+
+const NO_ORDER: &str = "Euler angles have no order: give --euler xyz (about the fixed axes) or --euler XYZ (turned)";
+
+/// Angles in columns that name their axes, in the order of the rotations.
+fn euler_about_axes(
+    finder: &mut Finder,
+    columns: [Option<Column>; 3],
+    order: Option<EulerOrder>,
+) -> Option<RotationColumns> {
+    // A rotation about one axis is the same in every order.
+    let any_order = || "xyz".parse().ok().filter(|_| columns.iter().flatten().count() == 1);
+    let order = match (columns.iter().any(Option::is_some), order.or_else(any_order)) {
+        (false, _) => return None,
+        (true, Some(order)) => order,
+        (true, None) => {
+            finder.fault(NO_ORDER);
+            return None;
+        }
+    };
+    let axes = order.axes();
+    if axes[0] == axes[2] {
+        finder.fault(format!("Euler angles in the order {order} need columns euler_1_deg, euler_2_deg, euler_3_deg"));
+        return None;
+    }
+    Some(RotationColumns::Euler(axes.map(|axis| columns[axis]), order))
+}
+
+/// Whether the name of a column seems to be that of a rotation.
+fn looks_like_rotation(name: &str) -> bool {
+    const BEGINNINGS: [&str; 4] = ["quat", "euler", "angle", "rot"];
+    const WORDS: [&str; 13] =
+        ["q", "rx", "ry", "rz", "alpha", "beta", "gamma", "roll", "pitch", "yaw", "phi", "theta", "psi"];
+    let name = name.trim().to_lowercase();
+    let word = name.split(|c: char| !c.is_alphabetic()).next().unwrap_or_default();
+    // `qx` is the component of a quaternion, while `quality` is not.
+    let is_component = word.len() == 2 && word.starts_with('q');
+    // A rotor is a part of a motor.
+    let begins = BEGINNINGS.iter().any(|beginning| word.starts_with(beginning)) && !word.starts_with("rotor");
+    is_component || begins || WORDS.contains(&word)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::looks_like_rotation;
+
+    #[test]
+    fn names_of_rotations_are_recognized() {
+        for name in
+            ["q0", "Q_1", "qx_deg", "quat_1", "Quaternion", "rot_z", "rotation", "euler_x", "angle z", "phi", "Yaw (°)"]
+        {
+            assert!(looks_like_rotation(name), "{name}");
+        }
+        for name in ["", "quality", "qty", "quantity", "rotor", "angel_deg", "grade", "phase", "rmse", "color"] {
+            assert!(!looks_like_rotation(name), "{name}");
+        }
+    }
+}
