@@ -22,14 +22,15 @@ pub(crate) struct GivenPoints<'a> {
 
 impl<'a> GivenPoints<'a> {
     /// Reads the points. The failure names all that are not below the film and, `within_half_wave`,
-    /// all that are half a wavelength or more from the axis.
+    /// all that are half a wavelength or more from the axis. `tell` prints a remark about the file.
     pub(crate) fn read(
         path: &'a Path,
         unit: Option<LengthUnitArg>,
         ideal: &IdealFilm,
         within_half_wave: bool,
+        tell: &dyn Fn(&str),
     ) -> Result<GivenPoints<'a>, Failure> {
-        let (points, lines) = point_file::read_all(path, unit)?;
+        let (points, lines) = point_file::read_all(path, unit, tell)?;
         let half = 0.5 * ideal.wavelength();
         let mut faults = FaultList::default();
         for (p, line) in points.iter().zip(&lines) {

@@ -50,8 +50,14 @@ pub(crate) fn are_typed(path: Option<&Path>) -> bool {
 }
 
 /// All points of a file, and the line of each.
-pub(crate) fn read_all(path: &Path, unit: Option<LengthUnitArg>) -> Result<(Vec<DVec3>, Vec<u64>), Failure> {
-    let mut file = PointFile::open(path, unit)?;
+///
+/// `tell` prints a remark about the file.
+pub(crate) fn read_all(
+    path: &Path,
+    unit: Option<LengthUnitArg>,
+    tell: &dyn Fn(&str),
+) -> Result<(Vec<DVec3>, Vec<u64>), Failure> {
+    let mut file = PointFile::open(path, unit, tell)?;
     let mut faults = FaultList::default();
     let (mut all, mut all_lines) = (Vec::new(), Vec::new());
     let (mut points, mut lines) = (Vec::new(), Vec::new());
@@ -71,12 +77,17 @@ pub(crate) fn read_all(path: &Path, unit: Option<LengthUnitArg>) -> Result<(Vec<
 
 impl PointFile {
     /// Opens a file, or standard input for `-`, and reads the names of its columns. `unit` is that
-    /// of columns without a unit in their names.
-    pub(crate) fn open(path: &Path, unit: Option<LengthUnitArg>) -> Result<PointFile, Failure> {
+    /// of columns without a unit in their names. `tell` prints a remark about the file.
+    pub(crate) fn open(path: &Path, unit: Option<LengthUnitArg>, tell: &dyn Fn(&str)) -> Result<PointFile, Failure> {
         let failed = |message: String| Failure::Points { path: path.to_owned(), message };
         let has_names = |names: &[String]| AXES.iter().all(|axis| names.iter().any(|name| is_length(name, axis)));
         let table = CsvTable::open(path, has_names, EXAMPLE).map_err(failed)?;
         let columns = columns(&table.names, unit).map_err(|why| failed(format!("line {}: {why}", table.names_line)))?;
+        if columns.iter().any(|column| column.exponent != columns[0].exponent) {
+            let names = columns.map(|column| shown(&table.names[column.index])).join(", ");
+            let (path, line) = (path.display(), table.names_line);
+            tell(&format!("warning: {path}: line {line}: the coordinates have different units: {names}"));
+        }
         Ok(PointFile { path: path.to_owned(), table, columns, started: false })
     }
 

@@ -50,6 +50,15 @@ fn tell(path: &Path, layout: &Layout, subjects: &[FindingSubject]) {
     }
 }
 
+/// Prints remarks that come up while work is under way. Prints nothing if `quiet`.
+pub(crate) fn teller(quiet: bool, progress: &ProgressLine) -> impl Fn(&str) {
+    move |remark| {
+        if !quiet {
+            progress.suspend(|| failure::tell(&remark));
+        }
+    }
+}
+
 /// A best-fit amplitude below zero in words.
 pub(crate) fn about_amplitude(amplitude: f64) -> Option<&'static str> {
     (amplitude < 0.0).then_some(

@@ -19,6 +19,10 @@ use crate::faults::FaultList;
 /// Largest number of blocks. A layout file, of at most 64 MiB, holds fewer.
 const MAX_BLOCKS: usize = 1_000_000;
 
+/// Length in mm below which no block of a magnet is made. Blocks of up to 20 mm, written in metres,
+/// are smaller numbers.
+pub(crate) const SMALLEST_MAGNET_MM: f64 = 0.02;
+
 /// The line of names that messages show.
 const EXAMPLE: &str = "x_mm,y_mm,z_mm,size_x_mm,size_y_mm,size_z_mm,jx_t,jy_t,jz_t";
 
@@ -29,6 +33,8 @@ pub(crate) struct Blocks {
     pub(crate) lines: HashMap<String, u64>,
     /// Names of columns that were not read.
     pub(crate) ignored: Vec<String>,
+    /// The largest size in mm, if it is one that only metres under a name with mm have.
+    pub(crate) suspicious_size_mm: Option<f64>,
 }
 
 /// Reads all blocks of a file. The failure lists all rows that break rules.
@@ -69,7 +75,10 @@ pub(crate) fn read(path: &Path, args: &ImportArgs) -> Result<Blocks, Failure> {
     if !faults.is_empty() {
         return Err(faults.failure(place));
     }
-    Ok(Blocks { tiles, lines, ignored: columns.ignored.into_iter().take(PRINTED_FAULTS).collect() })
+    let in_mm = columns.size.iter().all(|column| column.exponent == 0);
+    let largest_mm = tiles.iter().map(|tile| tile.tile.size().max_element()).fold(0.0, f64::max);
+    let suspicious_size_mm = (in_mm && largest_mm < SMALLEST_MAGNET_MM).then_some(largest_mm);
+    Ok(Blocks { tiles, lines, suspicious_size_mm, ignored: columns.ignored.into_iter().take(PRINTED_FAULTS).collect() })
 }
 
 /// The tile of a row, or everything that is wrong with it. `number` counts the rows from 1.

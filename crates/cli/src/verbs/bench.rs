@@ -20,7 +20,7 @@ pub(crate) fn run(args: &BenchArgs, quiet: bool) -> Result<(), Failure> {
     let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
     let (points, points_of) = match args.points.path() {
         Some(path) => {
-            let (points, _) = point_file::read_all(path, args.points.unit)?;
+            let (points, _) = point_file::read_all(path, args.points.unit, &remarks::teller(quiet, &progress))?;
             (BenchPoints::Scattered(points), format!("points of {}", path.display()))
         }
         None => {

@@ -26,7 +26,7 @@ pub(crate) fn run(args: &CompareArgs, quiet: bool) -> Result<(), Failure> {
         film.volume().map_err(no_film)?;
     }
     if let Some(path) = args.points.path() {
-        let given = GivenPoints::read(path, args.points.unit, ideal, false)?;
+        let given = GivenPoints::read(path, args.points.unit, ideal, false, &remarks::teller(quiet, &progress))?;
         let field = film.field_at_t(&given.points).map_err(|error| given.failure(&args.layout, &layout, error))?;
         let comparison = film.compare_at(&given.points, &field).map_err(failed)?;
         progress.end();

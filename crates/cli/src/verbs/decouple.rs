@@ -39,7 +39,8 @@ pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
     let inputs: Vec<&Path> = iter::once(args.layout.as_path()).chain(args.points.path()).collect();
     let mut output = Output::open(args.output.as_deref(), &inputs)?;
     if let Some(path) = args.points.path() {
-        let given = GivenPoints::read(path, args.points.unit, film.ideal().map_err(failed)?, true)?;
+        let tell = remarks::teller(quiet, &progress);
+        let given = GivenPoints::read(path, args.points.unit, film.ideal().map_err(failed)?, true, &tell)?;
         let evaluation = PointEvaluation::new(&film, given, &args.layout, &layout)?;
         return write_at_points(&evaluation, format, output, &progress, quiet);
     }

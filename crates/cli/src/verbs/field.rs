@@ -43,7 +43,7 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
 }
 
 fn at_points(args: &FieldArgs, film: &Film, path: &Path, progress: &ProgressLine, quiet: bool) -> Result<(), Failure> {
-    let mut file = PointFile::open(path, args.points.unit)?;
+    let mut file = PointFile::open(path, args.points.unit, &remarks::teller(quiet, progress))?;
     let mut writer = FieldWriter::open(args, film, Points::Scattered(Vec::new()))?;
     let mut faults = PointFaults::new(args.unbounded);
     let (mut points, mut lines) = (Vec::new(), Vec::new());

@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use magsplice::layout::{Layout, LayoutError, LayoutFault};
+use magsplice::layout::{Layout, LayoutError, LayoutFault, meant_length};
 
 use crate::args::import::ImportArgs;
-use crate::blocks::rows::{self, Blocks};
+use crate::blocks::rows::{self, Blocks, SMALLEST_MAGNET_MM};
 use crate::csv_input::table::is_stdin;
 use crate::failure::{self, Failure};
 use crate::faults::FaultList;
@@ -15,7 +15,7 @@ use crate::text::number::counted;
 
 pub(crate) fn run(args: &ImportArgs, quiet: bool) -> Result<(), Failure> {
     let mut output = Output::open(args.output.as_deref(), &[&args.blocks])?;
-    let Blocks { tiles, lines, ignored } = rows::read(&args.blocks, args)?;
+    let Blocks { tiles, lines, ignored, suspicious_size_mm } = rows::read(&args.blocks, args)?;
     let place = args.blocks.display().to_string();
     let source = if is_stdin(&args.blocks) { "standard input".to_owned() } else { file_name(&args.blocks) };
     let history = vec![format!("imported from {source} by magsplice {}", env!("CARGO_PKG_VERSION"))];
@@ -29,6 +29,13 @@ pub(crate) fn run(args: &ImportArgs, quiet: bool) -> Result<(), Failure> {
     }
     if !ignored.is_empty() {
         failure::tell(&format_args!("{place}: columns that were not read: {}", ignored.join(", ")));
+    }
+    if let Some(largest_mm) = suspicious_size_mm {
+        failure::tell(&format_args!(
+            "warning: {place}: the largest block measures {largest_mm} mm, less than {SMALLEST_MAGNET_MM} mm: are the \
+             numbers in m? ({})",
+            meant_length(largest_mm)
+        ));
     }
     for finding in &layout.findings {
         failure::tell(&format_args!("{place}: {finding}"));

@@ -23,7 +23,7 @@ pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
     let planning = Stage::uncounted("planning");
     let (plan, points_of) = match args.points.path() {
         Some(path) => {
-            let (points, _) = point_file::read_all(path, args.points.unit)?;
+            let (points, _) = point_file::read_all(path, args.points.unit, &remarks::teller(quiet, &progress))?;
             progress.show(planning);
             check_accuracy(&film, path, points.len(), |index| points[index])?;
             (film.scene().plan_at_points(&points), format!("points of {}", path.display()))

@@ -305,3 +305,20 @@ fn help_and_docs_state_the_mu0_of_the_program() {
         assert!(text.contains(&format!("mu0 = {mu0} T m/A")), "{mu0} is not in {text}");
     }
 }
+
+#[test]
+fn metres_under_names_in_mm_are_remarked_on() {
+    let blocks =
+        |head: &str| format!("{head}\na,0,0,0,0.0033,0.001,0.002,0,0,1\nb,0.005,0,0,0.001,0.001,0.001,0,0,1\n");
+    let remark = "magsplice: warning: blocks.csv: the largest block measures 0.0033 mm, less than 0.02 mm: are the \
+                  numbers in m? (mm, not m: 3.3?)\n";
+    let (_, said) = import(&blocks(HEAD), &[]);
+    assert!(said.status == 0 && said.stderr.contains(remark), "{}", said.stderr);
+    assert_eq!(import(&blocks(HEAD), &["-q"]).1.stderr, "");
+    // In metres these are ordinary blocks, and one ordinary block makes the others small ones.
+    let one_large = format!("{}c,9,0,0,1,1,1,0,0,1\n", blocks(HEAD));
+    for csv in [blocks(&HEAD.replace("_mm", "_m")), one_large] {
+        let (_, said) = import(&csv, &[]);
+        assert!(said.status == 0 && !said.stderr.contains("warning"), "{}", said.stderr);
+    }
+}

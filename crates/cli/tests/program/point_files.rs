@@ -54,7 +54,7 @@ fn columns_name_their_unit_in_any_form() {
     // Metres are converted without an error: 0.0001 m is 0.1 mm to the last digit.
     same("x_m,y_m,z_m\n0.0015,-2e-3,-3.25E-3\n0.0001,0,-0.004\n", &[]);
     same("x (m) y (m) z (m)\n0.0015 -2e-3 -3.25E-3\n0.0001 0 -0.004\n", &[]);
-    same("x_um;y_cm;z_m\n1500;-0,2;-3,25e-3\n100;0;-0,004\n", &[]);
+    same("x_um;y_um;z_um\n1500;-2e3;-3,25e3\n100;0;-4e3\n", &[]);
     same("x,y,z\n1.5,-2,-3.25\n0.1,0,-4\n", &["--unit", "mm"]);
     same("x,y,z\n0.0015,-0.002,-0.00325\n0.0001,0,-0.004\n", &["--unit", "m"]);
 }
@@ -111,4 +111,21 @@ fn wrong_and_mixed_separators_are_named() {
         "line 3: x_mm = \"1.5\", has a decimal point, must have a decimal comma like line 2",
     );
     refused("x_mm;y_mm;z_mm\n1,234.5;2;3\n", &[], "line 2: x_mm = \"1,234.5\", must be a finite number");
+}
+
+/// Each column is converted by its own unit, which is usually a slip in the names.
+#[test]
+fn coordinates_in_different_units_are_remarked_on() {
+    let remark = "magsplice: warning: points.csv: line 2: the coordinates have different units: x_um, y_cm, z_m\n";
+    let points = "# three\nx_um;y_cm;z_m\n1500;-0,2;-3,25e-3\n100;0;-0,004\n";
+    let said = field(points, &[]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, remark));
+    assert_eq!(said.stdout, field(POINTS, &[]).stdout);
+    assert_eq!(field(points, &["-q"]).stderr, "");
+    let sandbox = Sandbox::new();
+    sandbox.write("points.csv", points);
+    for verb in ["compare", "decouple", "plan"] {
+        let said = sandbox.run(&[verb, &shipped("published-film"), "--points", "points.csv"]);
+        assert_eq!((said.status, said.stderr.as_str()), (0, remark), "{verb}");
+    }
 }
