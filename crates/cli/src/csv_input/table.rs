@@ -26,6 +26,8 @@ pub(crate) struct CsvTable {
     record: StringRecord,
     /// Numbers of the lines that `reader` reads.
     numbers: LineNumbers,
+    /// Whether no row has been read yet.
+    is_before_rows: bool,
     /// The first decimal mark that was not the only possible one, and its line.
     decimal_mark: Option<(char, u64)>,
 }
@@ -55,6 +57,7 @@ impl CsvTable {
             Box::new(File::open(path).map_err(|e| format!("cannot read: {e}"))?)
         };
         let mut source = BufReader::new(LimitedLines::new(source));
+        check_is_text(source.fill_buf().map_err(|e| format!("cannot read: {e}"))?)?;
         let find = |line: &str| {
             let cells = Separator::ALL.into_iter().map(|separator| (separator, separator.cells(line)));
             cells.into_iter().find(|(_, names)| has_names(names))
@@ -70,9 +73,9 @@ impl CsvTable {
             };
             let number = lines + 1;
             lines += 1;
-            let text = std::str::from_utf8(&bytes).map_err(|_| format!("line {number}: is not UTF-8 text"))?;
+            let text = std::str::from_utf8(&bytes).map_err(|_| not_utf8(number))?;
             let text = text.trim_start_matches('\u{feff}').trim_end_matches(['\r', '\n']);
-            if text.trim().is_empty() {
+            if text.trim().is_empty() || number == 1 && names_separator(text) {
                 continue;
             }
             if let Some(comment) = text.trim_start().strip_prefix('#') {
@@ -113,7 +116,16 @@ impl CsvTable {
         lines_before: u64,
     ) -> CsvTable {
         let (reader, numbers) = separator.reader(source, lines_before);
-        CsvTable { names, names_line, separator, reader, record: StringRecord::new(), numbers, decimal_mark: None }
+        CsvTable {
+            names,
+            names_line,
+            separator,
+            reader,
+            record: StringRecord::new(),
+            numbers,
+            is_before_rows: true,
+            decimal_mark: None,
+        }
     }
 
     /// Reads the next row that is not blank; `None` at the end of the file.
@@ -128,30 +140,78 @@ impl CsvTable {
                 Err(error) => match error.kind() {
                     csv::ErrorKind::Utf8 { pos, .. } => {
                         let line = self.numbers.in_file(pos.as_ref().map_or(0, csv::Position::line));
-                        return Ok(Some(Row::Fault(line, format!("line {line}: is not UTF-8 text"))));
+                        return Ok(Some(Row::Fault(line, not_utf8(line))));
                     }
                     _ => return Err(read_error(&error)),
                 },
             }
             let line = self.numbers.in_file(self.record.position().map_or(0, csv::Position::line));
-            if self.record.len() == self.names.len() {
-                return Ok(Some(Row::Cells(line)));
+            // Spreadsheets end a table with lines of separators alone.
+            if self.record.iter().all(str::is_empty) {
+                continue;
             }
-            if self.record.iter().any(|cell| !cell.is_empty()) {
-                return Ok(Some(Row::Fault(line, self.wrong_count(line))));
+            let is_first = std::mem::replace(&mut self.is_before_rows, false);
+            if is_first {
+                self.check_form(line)?;
+            }
+            return Ok(Some(if self.record.len() == self.names.len() {
+                Row::Cells(line)
+            } else {
+                Row::Fault(line, self.wrong_count(line))
+            }));
+        }
+    }
+
+    /// Refuses the file if its first row has another separator than the names, or decimal commas
+    /// that cannot be told from separators. All further rows would be refused one by one.
+    fn check_form(&self, line: u64) -> Result<(), String> {
+        let (found, wanted) = (self.record.len(), self.names.len());
+        if found != wanted {
+            let is_form = other_than(self.separator, &self.text(), wanted).is_some() || self.has_decimal_commas();
+            return if is_form { Err(self.wrong_count(line)) } else { Ok(()) };
+        }
+        if self.separator != Separator::Spaces {
+            return Ok(());
+        }
+        // Between spaces a separator stays at the end of every cell but the last.
+        let cells: Vec<&str> = self.record.iter().collect();
+        let ends: Vec<Option<Separator>> = cells.iter().take(wanted - 1).map(|cell| trailing(cell)).collect();
+        match ends[..] {
+            [Some(other), ..] if ends.iter().all(|end| *end == Some(other)) => Err(self.wrong_separator(line, other)),
+            _ => {
+                let is_decimal =
+                    |cell: &&str| cell.parse::<f64>().is_err() && cell.replacen(',', ".", 1).parse::<f64>().is_ok();
+                match cells.iter().find(|cell| is_decimal(cell)) {
+                    Some(cell) => Err(format!(
+                        "line {line}: {} has a decimal comma: separate the columns by semicolons or tabs, or write decimal points",
+                        shown(cell)
+                    )),
+                    None => Ok(()),
+                }
             }
         }
+    }
+
+    /// Whether a row between commas has as many more cells as decimal commas may make.
+    fn has_decimal_commas(&self) -> bool {
+        let (found, wanted) = (self.record.len(), self.names.len());
+        self.separator == Separator::Comma
+            && (wanted + 1..=2 * wanted).contains(&found)
+            && self.record.iter().all(|cell| !cell.is_empty())
+    }
+
+    /// The cells of the last row with their separators.
+    fn text(&self) -> String {
+        self.record.iter().collect::<Vec<_>>().join(&self.separator.mark().to_string())
     }
 
     /// Words for a row whose number of cells is not that of the names.
     fn wrong_count(&self, line: u64) -> String {
         let (found, wanted) = (self.record.len(), self.names.len());
-        let text = self.record.iter().collect::<Vec<_>>().join(&self.separator.mark().to_string());
-        if let Some(other) = other_than(self.separator, &text, wanted) {
+        if let Some(other) = other_than(self.separator, &self.text(), wanted) {
             return self.wrong_separator(line, other);
         }
-        let comma = self.separator == Separator::Comma && found == 2 * wanted;
-        let hint = if comma { " (with decimal commas, separate by semicolons)" } else { "" };
+        let hint = if self.has_decimal_commas() { " (with decimal commas, separate by semicolons)" } else { "" };
         let fields = if found == 1 { "field" } else { "fields" };
         format!("line {line}: has {found} {fields}, must have {wanted} like line {}{hint}", self.names_line)
     }
@@ -202,6 +262,34 @@ impl CsvTable {
         }
         Ok(value)
     }
+}
+
+/// Words for a line that is not UTF-8.
+fn not_utf8(line: u64) -> String {
+    format!("line {line}: is not UTF-8 text: save it as CSV UTF-8")
+}
+
+/// Refuses the files that spreadsheets write instead of UTF-8 text, by their beginning.
+fn check_is_text(beginning: &[u8]) -> Result<(), String> {
+    let begins = |magic: &[u8]| beginning.starts_with(magic);
+    if begins(b"PK\x03\x04") || begins(b"\xd0\xcf\x11\xe0") {
+        return Err("is a workbook (.xlsx, .ods or .xls), must be text: save it as CSV".to_owned());
+    }
+    // Without a byte order mark every other byte of plain text is 0.
+    let zeros: Vec<bool> = beginning.iter().take(4).map(|byte| *byte == 0).collect();
+    let alternates = zeros == [false, true, false, true] || zeros == [true, false, true, false];
+    let is_utf16 = begins(b"\xff\xfe") || begins(b"\xfe\xff") || alternates;
+    if is_utf16 {
+        return Err("is UTF-16 text, must be UTF-8: save it as CSV UTF-8".to_owned());
+    }
+    Ok(())
+}
+
+/// Whether this is the line `sep=;`, by which Excel learns the separator of a file. The line of names
+/// shows it too.
+fn names_separator(text: &str) -> bool {
+    let text = text.trim_matches(['"', ' ', ',', ';', '\t']).to_lowercase();
+    text.strip_prefix("sep=").is_some_and(|mark| mark.chars().count() <= 1)
 }
 
 /// The separator at the end of a cell.

@@ -101,7 +101,7 @@ fn wrong_and_mixed_separators_are_named() {
     refused("x_mm,y_mm,z_mm\n1 2 3\n", &[], &line_2("spaces", "commas"));
     refused("x_mm;y_mm;z_mm\n1.5,2,3\n", &[], &line_2("commas", "semicolons"));
     refused("x_mm y_mm z_mm\n1,2,3\n", &[], &line_2("commas", "spaces"));
-    refused("x_mm y_mm z_mm\n1, 2, 3\n", &[], "x_mm = \"1,\", must be a finite number, and commas do not separate");
+    refused("x_mm y_mm z_mm\n1, 2, 3\n", &[], &line_2("commas", "spaces"));
     refused("x_mm;y_mm,z_mm\n1;2,3\n", &[], "line 1: mixes commas and semicolons between its names, must have one");
     refused("x_mm|y_mm|z_mm\n1|2|3\n", &[], "line 1: is separated by bars, must be separated by commas, semicolons");
     refused("x_mm,y_mm,z_mm\n1,5,2,5,3,5\n", &[], "line 2: has 6 fields, must have 3 like line 1 (with decimal commas");
@@ -127,5 +127,62 @@ fn coordinates_in_different_units_are_remarked_on() {
     for verb in ["compare", "decouple", "plan"] {
         let said = sandbox.run(&[verb, &shipped("published-film"), "--points", "points.csv"]);
         assert_eq!((said.status, said.stderr.as_str()), (0, remark), "{verb}");
+    }
+}
+
+/// A fault of the whole file is told once, not for each of its lines.
+#[test]
+fn wrong_form_of_all_lines_is_one_message() {
+    for (names, row, message) in [
+        ("x_mm,y_mm,z_mm", "1;2;3", "line 2: is separated by semicolons, must be separated by commas like line 1"),
+        ("x_mm;y_mm;z_mm", "1,2,3", "line 2: is separated by commas, must be separated by semicolons like line 1"),
+        ("x_mm y_mm z_mm", "1, 2, 3", "line 2: is separated by commas, must be separated by spaces like line 1"),
+        (
+            "x_mm,y_mm,z_mm",
+            "1,5,2,5,3,5",
+            "line 2: has 6 fields, must have 3 like line 1 (with decimal commas, separate by",
+        ),
+        (
+            "x_mm,y_mm,z_mm",
+            "1,5,2,3,5",
+            "line 2: has 5 fields, must have 3 like line 1 (with decimal commas, separate by",
+        ),
+        ("x_mm y_mm z_mm", "1,5 2 3,5", "line 2: 1,5 has a decimal comma: separate the columns by semicolons or tabs"),
+    ] {
+        let said = field(&format!("{names}\n{}", format!("{row}\n").repeat(50)), &[]);
+        said.refuses(message);
+        assert_eq!(said.stderr.lines().count(), 1, "{}", said.stderr);
+    }
+    // One faulty line among good ones is still named beside others.
+    let said = field("x_mm,y_mm,z_mm\n1,2,3\n1;2;3\n1,2,x\n", &[]);
+    said.refuses("line 3: is separated by semicolons");
+    said.refuses("line 4: z_mm = \"x\"");
+}
+
+#[test]
+fn leftovers_of_spreadsheets_are_understood() {
+    same("sep=;\nx_mm;y_mm;z_mm\n1,5;-2;-3,25\n0,1;0;-4\n;;\n;;;;\n", &[]);
+    same("\u{feff}SEP=,\r\nx_mm,y_mm,z_mm,note\r\n1.5,-2,-3.25,a\r\n,,,\r\n0.1,0,-4,\r\n,,,\r\n", &[]);
+    refused("x_mm,y_mm,z_mm\n,,\n", &[], "has no points below its names of columns");
+    let sandbox = Sandbox::new();
+    let utf16 =
+        |mark: &[u8]| [mark, &"x_mm;y_mm\r\n1;2\r\n".bytes().flat_map(|byte| [byte, 0]).collect::<Vec<_>>()].concat();
+    let is_utf16 = "is UTF-16 text, must be UTF-8: save it as CSV UTF-8";
+    for (bytes, message) in [
+        (
+            b"PK\x03\x04\x14\0\x06\0".to_vec(),
+            "points.csv: is a workbook (.xlsx, .ods or .xls), must be text: save it as CSV",
+        ),
+        (b"\xd0\xcf\x11\xe0\xa1\xb1".to_vec(), "save it as CSV"),
+        (utf16(b"\xff\xfe"), is_utf16),
+        (utf16(b""), is_utf16),
+        (b"x_mm,y_mm,z_mm,\xb5\n".to_vec(), "line 1: is not UTF-8 text: save it as CSV UTF-8"),
+        (b"x_mm,y_mm,z_mm,a\n1,2,3,\xb5\n".to_vec(), "line 2: is not UTF-8 text: save it as CSV UTF-8"),
+    ] {
+        std::fs::write(sandbox.path("points.csv"), bytes).expect("a writable folder");
+        sandbox.run(&["field", &shipped("single-tile"), "--points", "points.csv"]).refuses(message);
+        if !message.starts_with("line 2") {
+            sandbox.run(&["import", "points.csv"]).refuses(message);
+        }
     }
 }
