@@ -11,6 +11,12 @@ use crate::failure::Failure;
 pub(crate) const WITHOUT_PARQUET: &str = "parquet is not built into this program: build it with `--features parquet`, as \
     in `cargo install --path crates/cli --features parquet`";
 
+/// Ending of the legacy format of VTK.
+const LEGACY_VTK: &str = "vtk";
+
+/// Endings of the formats of VTK that are written.
+const VTK: [&str; 2] = ["vti", "vtp"];
+
 /// The format that was `asked` for, or that the ending of `output` stands for, or else `default`.
 ///
 /// Refuses a contradiction of the two, an ending that no format has, and binary data on a terminal.
@@ -34,6 +40,14 @@ pub(crate) fn choose<F: FileFormat>(asked: Option<F>, output: Option<&Path>, def
             return refused(format!(
                 "the ending means {meant}, which contradicts {option} {asked}: change one of them"
             ));
+        }
+        (asked, None, Some(ending)) if ending == LEGACY_VTK && asked.is_none_or(FileFormat::is_known_by_ending) => {
+            let others = formats.iter().flat_map(|format| format.endings());
+            let words = match others.filter(|ending| VTK.contains(ending)).count() {
+                1 => "write .vtp",
+                _ => "write .vti (grid) or .vtp (points)",
+            };
+            return refused(format!("the legacy format of VTK is not written: {words}"));
         }
         (Some(asked), None, Some(ending)) if asked.is_known_by_ending() => {
             let (name, endings) = (asked.name(), endings(&[asked]));

@@ -42,7 +42,7 @@ fn contradicting_and_unknown_formats_are_refused() {
     let sandbox = Sandbox::new();
     sandbox.write("points.csv", "x_mm,y_mm,z_mm\n0,0,-4\n");
     let layout = shipped("published-film");
-    let cases: [(&[&str], &str); 11] = [
+    let cases: [(&[&str], &str); 14] = [
         (&["field", "--format", "npz", "-o", "out.npy"], "the ending means npy, which contradicts --format npz"),
         (&["decouple", "--format", "text", "-o", "out.json"], "the ending means json, which contradicts --format text"),
         (&["decouple", "-o", "out.xlsx"], "no format has the ending .xlsx: use one of .txt, .json, .csv, .npy, .npz,"),
@@ -53,7 +53,13 @@ fn contradicting_and_unknown_formats_are_refused() {
         ),
         (&["decouple", "-o", "out.vtp"], "use .vti"),
         (&["field", "--points", "points.csv", "-o", "out.vti"], "points of a file are poly data"),
-        (&["field", "--format", "vtk", "-o", "out.vtk"], ".vtk is another format: use .vti, .vtp"),
+        (
+            &["field", "--format", "vtk", "-o", "out.vtk"],
+            "out.vtk: the legacy format of VTK is not written: write .vti (grid) or .vtp (points)",
+        ),
+        (&["decouple", "-o", "OUT.VTK"], "write .vti (grid) or .vtp (points)"),
+        (&["export", "-o", "out.vtk"], "the legacy format of VTK is not written: write .vtp\n"),
+        (&["field", "--format", "vtk", "-o", "out.xml"], ".xml is another format: use .vti, .vtp"),
         (&["export", "--to", "vtk", "-o", "out.py"], "the ending means magpylib, which contradicts --to vtk"),
         (&["export", "-o", "out"], "out: without an ending it has no format: give --to"),
         (&["export", "-o", "out.vti"], "no format has the ending .vti: use one of .py, .vtp, .dxf, .stl, or give --to"),
