@@ -11,15 +11,26 @@ pub(crate) const LENGTHS: [Unit; 6] = [("mm", 0), ("cm", 1), ("um", -3), ("µm",
 pub(crate) const FLUX_DENSITIES: [Unit; 6] = [("mT", -3), ("uT", -6), ("µT", -6), ("μT", -6), ("nT", -9), ("T", 0)];
 
 /// Magnetizations in A/m, as names of columns have them.
-pub(crate) const MAGNETIZATIONS: [Unit; 4] = [("A_per_m", 0), ("kA_per_m", 3), ("A/m", 0), ("kA/m", 3)];
+pub(crate) const MAGNETIZATIONS: [Unit; 8] = [
+    ("A_per_m", 0),
+    ("kA_per_m", 3),
+    ("A/m", 0),
+    ("kA/m", 3),
+    ("A m^-1", 0),
+    ("kA m^-1", 3),
+    ("A m-1", 0),
+    ("kA m-1", 3),
+];
 
 /// The exponent of a unit, written in lower or upper case.
 pub(crate) fn exponent(units: &[Unit], name: &str) -> Option<i32> {
     units.iter().find(|(unit, _)| unit.eq_ignore_ascii_case(name)).map(|(_, exponent)| *exponent)
 }
 
-/// The names of units for a message. The two signs for micro look alike and are one name.
+/// The names of units for a message. The two signs for micro look alike and are one name. Other
+/// spellings of A/m are left out.
 pub(crate) fn names(units: &[Unit]) -> String {
-    let names: Vec<&str> = units.iter().map(|(name, _)| *name).filter(|name| !name.starts_with('μ')).collect();
+    let names: Vec<&str> =
+        units.iter().map(|(name, _)| *name).filter(|name| !name.starts_with('μ') && !name.ends_with("-1")).collect();
     names.join(", ")
 }

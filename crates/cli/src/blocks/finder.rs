@@ -54,8 +54,9 @@ impl<'a> Finder<'a> {
 
     /// Adds the fault of a group without any column, unless its columns have faults already.
     pub(super) fn missing(&mut self, columns: &str) {
-        let group = columns.split(':').next().unwrap_or(columns);
-        if !self.faults.iter().any(|fault| fault.starts_with(group)) {
+        // Groups that stand in for each other have their names before the colons.
+        let groups: Vec<&str> = columns.split(", or ").filter_map(|group| group.split(':').next()).collect();
+        if !self.faults.iter().any(|fault| groups.iter().any(|group| fault.starts_with(group))) {
             self.fault(format!("no columns of the {columns} (found: {})", self.names_found()));
         }
     }

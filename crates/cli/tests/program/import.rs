@@ -56,8 +56,12 @@ fn units_are_those_of_the_columns() {
     assert_eq!(tile["position_mm"], serde_json::json!([3.3, 0.0, -1.0]));
     assert_eq!(tile["size_mm"], serde_json::json!([3.3, 1.7, 0.5]));
     assert_eq!(tile["polarization_t"], serde_json::json!([0.12, -0.0035, 0.0]));
-    for (unit, strength) in [("mx_a_per_m,my_A/m,mz (A/m)", "95492.96"), ("mx_ka_per_m,my_kA/m,mz [kA/m]", "95.49296")]
-    {
+    for (unit, strength) in [
+        ("mx_a_per_m,my_A/m,mz (A/m)", "95492.96"),
+        ("mx_ka_per_m,my_kA/m,mz [kA/m]", "95.49296"),
+        ("Mx [A m^-1],My (A m-1),Mz_A/m", "95492.96"),
+        ("Mx [kA m^-1],My [kA m-1],mz_kA/m", "95.49296"),
+    ] {
         let csv = format!("x,y,z,size_x,size_y,size_z,{unit}\n0,0,0,1,1,1,{strength},0,0\n");
         let tile = &tiles(&csv, &["--unit", "m"])[0];
         // mu0 = 1.25663706127e-6 T m/A.
@@ -321,4 +325,11 @@ fn metres_under_names_in_mm_are_remarked_on() {
         let (_, said) = import(&csv, &[]);
         assert!(said.status == 0 && !said.stderr.contains("warning"), "{}", said.stderr);
     }
+}
+
+#[test]
+fn magnetization_without_a_unit_is_one_fault() {
+    let (_, said) = import("x_mm,y_mm,z_mm,dx_mm,dy_mm,dz_mm,Mx,My,Mz\n0,0,0,1,1,1,0,0,1\n", &[]);
+    said.refuses("magnetization in the column Mx has no unit, must name one of: A_per_m, kA_per_m, A/m, kA/m\n");
+    assert!(said.stderr.lines().count() == 3 && !said.stderr.contains("no columns of"), "{}", said.stderr);
 }
