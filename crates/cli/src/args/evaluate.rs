@@ -26,11 +26,13 @@ pub(crate) struct FieldArgs {
     #[arg(long, value_enum)]
     pub(crate) format: Option<TableFormat>,
     /// Quantity to compute
-    #[arg(long, value_enum, default_value = "b")]
+    #[arg(long, value_enum, ignore_case = true, default_value = "b")]
     pub(crate) quantity: QuantityArg,
     /// What to do with points at which the field is unbounded, on exposed edges of tiles; for
     /// gradients also points on shared edges
-    #[arg(long, value_enum, default_value = "error")]
+    ///
+    /// Edges parallel to J are bounded.
+    #[arg(long, value_enum, ignore_case = true, default_value = "error")]
     pub(crate) unbounded: UnboundedArg,
     #[command(flatten)]
     pub(crate) accuracy: AccuracyArgs,

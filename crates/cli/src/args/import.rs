@@ -43,7 +43,7 @@ pub(crate) struct ImportArgs {
     /// ry_deg = 20, rz_deg = 30 is the same as euler_1_deg = 30, euler_2_deg = 20, euler_3_deg = 10.
     #[arg(long, value_name = "ORDER", value_parser = order)]
     pub(crate) euler: Option<EulerOrder>,
-    /// Unit of positions and sizes without a unit in their names
+    /// Unit of positions and sizes without a unit in their names; the names are still needed
     #[arg(long, value_enum, value_name = "UNIT")]
     pub(crate) unit: Option<LengthUnitArg>,
     /// Name of the layout [default: the name of the file]

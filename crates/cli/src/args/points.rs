@@ -14,7 +14,7 @@ pub(crate) struct PointsArgs {
     /// in one, as numpy.savetxt writes them. Other columns are ignored.
     #[arg(id = "points", long = "points", value_name = "CSV")]
     pub(crate) file: Option<PathBuf>,
-    /// Unit of columns x, y, z without a unit in their names
+    /// Unit of columns x, y, z without a unit in their names; the names are still needed
     #[arg(long, value_enum, value_name = "UNIT", requires = "points")]
     pub(crate) unit: Option<LengthUnitArg>,
 }

@@ -17,6 +17,7 @@ use crate::json::source::SourceJson;
 use crate::output::destination::print;
 use crate::output::folder::Folder;
 use crate::progress::ProgressLine;
+use crate::text::number::counted;
 use crate::words::film_failure;
 use crate::{json, remarks, text};
 
@@ -42,7 +43,11 @@ fn draw_one(args: &ReportArgs, path: &Path, quiet: bool) -> Result<(), Failure> 
     written(folder, report.files())?;
     progress.end();
     let page = args.output.join("report.html");
-    let mut said = format!("{}: {} figures, each also as SVG, PNG and CSV\n", page.display(), report.figures.len());
+    let mut said = format!(
+        "{}: {}, each also as SVG, PNG and CSV\n",
+        page.display(),
+        counted(report.figures.len(), "figure", "figures")
+    );
     for absent in &report.absent {
         let _ = writeln!(said, "absent: {absent}");
     }
@@ -72,8 +77,11 @@ fn draw_pair(args: &ReportArgs, paths: [&Path; 2], quiet: bool) -> Result<(), Fa
     progress.end();
     let page = args.output.join("report.html");
     let [first, second] = report.figures.each_ref().map(Vec::len);
-    let mut said =
-        format!("{}: {first} and {second} figures side by side, each also as SVG, PNG and CSV\n", page.display());
+    let mut said = format!(
+        "{}: {first} and {} side by side, each also as SVG, PNG and CSV\n",
+        page.display(),
+        counted(second, "figure", "figures")
+    );
     for (label, absent) in labels.iter().zip(&report.absent) {
         for absent in absent {
             let _ = writeln!(said, "{label}: absent: {absent}");

@@ -145,6 +145,7 @@ fn report_names_absent_parts() {
     sandbox.write("tiles.toml", &format!("format = 1\nname = \"</script> & <b>\"\n{tile}"));
     let said = sandbox.run(&["report", "tiles.toml", "-o", "tiles"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
+    assert!(said.stdout.contains("report.html: 1 figure, each also"), "{}", said.stdout);
     assert!(said.stdout.contains("absent: no field and no decoupling: the layout has no [volume] table"));
     assert_eq!(files(&sandbox, "tiles"), ["files.sha256", "layout.csv", "layout.png", "layout.svg", "report.html"]);
     let page = sandbox.read("tiles/report.html");

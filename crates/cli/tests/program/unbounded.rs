@@ -34,6 +34,37 @@ fn unbounded_points_are_nan_and_listed() {
 }
 
 #[test]
+fn names_of_choices_are_read_in_either_case() {
+    let sandbox = Sandbox::new();
+    sandbox.write("points.csv", POINTS);
+    let run = |quantity, unbounded| {
+        let options = ["--quantity", quantity, "--unbounded", unbounded];
+        sandbox.run(&[&["field", &shipped("single-tile"), "--points", "points.csv"][..], &options].concat())
+    };
+    for (upper, lower) in [("B", "b"), ("H", "h"), ("Gradient", "gradient")] {
+        let said = run(upper, "NaN");
+        assert_eq!((said.status, &said.stdout), (0, &run(lower, "nan").stdout), "{}", said.stderr);
+    }
+    assert_ne!(run("B", "NaN").stdout, run("H", "NaN").stdout);
+}
+
+/// As docs/file-formats.md says: lower faces belong to the tile, and edges parallel to J are bounded.
+#[test]
+fn faces_and_edges_are_as_documented() {
+    let sandbox = Sandbox::new();
+    let layout = "format = 1\nname = \"t\"\n[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [2, 2, 2]\npolarization_t = [1, 0, 0]\n";
+    sandbox.write("t.toml", layout);
+    sandbox.write("faces.csv", "x_mm,y_mm,z_mm\n-1,0,0\n1,0,0\n0,-1,0\n0,1,0\n0,1,1\n");
+    let j = sandbox.run(&["field", "t.toml", "--points", "faces.csv", "--quantity", "j"]);
+    let x: Vec<f64> = crate::rows(&j.stdout).iter().map(|row| row[3]).collect();
+    assert_eq!(x, [1.0, 0.0, 1.0, 0.0, 0.0]);
+    // The last point is on an edge along x.
+    assert_eq!(sandbox.run(&["field", "t.toml", "--points", "faces.csv"]).status, 0);
+    sandbox.write("edge.csv", "x_mm,y_mm,z_mm\n1,1,0\n");
+    sandbox.run(&["field", "t.toml", "--points", "edge.csv"]).refuses("on an exposed edge of tile");
+}
+
+#[test]
 fn other_points_keep_their_field() {
     let sandbox = Sandbox::new();
     sandbox.write("points.csv", POINTS);
