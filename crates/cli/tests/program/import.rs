@@ -252,6 +252,7 @@ fn columns_that_look_like_a_rotation_are_read_or_refused() {
     let read = "name a rotation qx, qy, qz, qw (or quat_x, ...; qw is the scalar), axis_x, axis_y, axis_z, angle_deg,";
     for (names, found) in [
         ("q0,q1,q2,q3", "columns q0, q1, q2, q3 look like a rotation and are not read"),
+        ("qi,qj,qk,qr", "columns qi, qj, qk, qr look like a rotation and are not read"),
         ("quat_1,quat_2,quat_3,quat_4", "columns quat_1, quat_2, quat_3, quat_4 look like a rotation"),
         ("qx,qy,qz,qw,roll", "column roll looks like a rotation and is not read"),
         ("rotation", "column rotation looks like a rotation and is not read"),
@@ -319,9 +320,11 @@ fn metres_under_names_in_mm_are_remarked_on() {
     let (_, said) = import(&blocks(HEAD), &[]);
     assert!(said.status == 0 && said.stderr.contains(remark), "{}", said.stderr);
     assert_eq!(import(&blocks(HEAD), &["-q"]).1.stderr, "");
+    // Who writes um means it.
+    let in_um = "x_um,y_um,z_um,dx_um,dy_um,dz_um,jx_t,jy_t,jz_t\n0,0,0,3,3,3,0,0,1\n".to_owned();
     // In metres these are ordinary blocks, and one ordinary block makes the others small ones.
     let one_large = format!("{}c,9,0,0,1,1,1,0,0,1\n", blocks(HEAD));
-    for csv in [blocks(&HEAD.replace("_mm", "_m")), one_large] {
+    for csv in [blocks(&HEAD.replace("_mm", "_m")), one_large, in_um] {
         let (_, said) = import(&csv, &[]);
         assert!(said.status == 0 && !said.stderr.contains("warning"), "{}", said.stderr);
     }
