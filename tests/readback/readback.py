@@ -15,9 +15,11 @@ from hashlib import sha256
 from pathlib import Path
 
 import ezdxf
+import ezdxf.bbox
 import numpy as np
 import pyarrow.parquet
 import trimesh
+from ezdxf.lldxf.encoding import decode_dxf_unicode
 from scipy.spatial.transform import Rotation
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLPolyDataReader
@@ -322,6 +324,16 @@ class Cad(Case):
                 for i, part in enumerate(parts):
                     on_layer = outlines.query(f'*[layer=="PART-{i + 1}"]')
                     self.assertEqual(len(on_layer), int(part.split(",")[1]))
+                    # A name in each outline, within its box.
+                    names = drawing.modelspace().query(f'TEXT[layer=="PART-{i + 1}"]')
+                    named = [decode_dxf_unicode(name.plain_text()) for name in names]
+                    self.assertEqual(named, list(csv.reader([part]))[0][8].split(";"))
+                    for name, outline in zip(names, on_layer):
+                        corners = np.array([vertex.dxf.location for vertex in outline.vertices])
+                        box = ezdxf.bbox.extents([name])
+                        for axis in range(2):
+                            self.assertLess(corners[:, axis].min(), box.extmin[axis])
+                            self.assertLess(box.extmax[axis], corners[:, axis].max())
                     if layout == PUBLISHED:
                         for outline in on_layer:
                             corners = np.array([vertex.dxf.location for vertex in outline.vertices])
@@ -370,6 +382,7 @@ class Magpylib(Case):
 
 MAGNETS = """
 import magpylib as magpy
+from ezdxf.lldxf.encoding import decode_dxf_unicode
 from scipy.spatial.transform import Rotation
 
 J = (0.1, -0.2, 0.3)

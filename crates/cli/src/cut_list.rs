@@ -2,22 +2,44 @@
 
 use magsplice::layout::{Layout, Part};
 
-/// The parts of a layout, largest first.
-pub(crate) struct CutList {
+/// The parts of a layout, largest first. They are numbered from 1 on in this order, here, in the
+/// bill of materials and on the layers of a drawing.
+pub(crate) struct CutList<'a> {
+    pub(crate) layout: &'a Layout,
     pub(crate) parts: Vec<Part>,
     /// Width of material that a cut removes, in mm, if the material is asked for.
     pub(crate) kerf_mm: Option<f64>,
 }
 
-impl CutList {
-    pub(crate) fn new(layout: &Layout, kerf_mm: Option<f64>) -> CutList {
-        CutList { parts: layout.parts(), kerf_mm }
+/// Between the names of tiles in one cell. A comma would look like the next cell.
+const BETWEEN_NAMES: &str = ";";
+
+impl CutList<'_> {
+    pub(crate) fn new(layout: &Layout, kerf_mm: Option<f64>) -> CutList<'_> {
+        CutList { layout, parts: layout.parts(), kerf_mm }
+    }
+
+    /// The number of the part that each tile is.
+    pub(crate) fn part_numbers(&self) -> Vec<usize> {
+        let mut numbers = vec![0; self.layout.tiles.len()];
+        for (index, part) in self.parts.iter().enumerate() {
+            for &tile in &part.tiles {
+                numbers[tile] = index + 1;
+            }
+        }
+        numbers
+    }
+
+    /// The names of the tiles of a part, in the order of the layout.
+    pub(crate) fn names(&self, part: &Part) -> Vec<&str> {
+        part.tiles.iter().map(|&tile| self.layout.tiles[tile].name.as_str()).collect()
     }
 
     /// The list as CSV, one line for each part: its number, the number of pieces, sides in mm, strength
-    /// in T, angles of the polarization in degrees, a tile made of it; with a kerf the material.
+    /// in T, angles of the polarization in degrees, the tiles made of it; with a kerf the material.
     pub(crate) fn csv(&self) -> String {
-        let mut head = vec!["part", "count", "a_mm", "b_mm", "c_mm", "strength_t", "direction_deg", "tilt_deg", "tile"];
+        let mut head =
+            vec!["part", "count", "a_mm", "b_mm", "c_mm", "strength_t", "direction_deg", "tilt_deg", "tiles"];
         if self.kerf_mm.is_some() {
             head.extend(["sheet_area_mm2", "bar_length_mm"]);
         }
@@ -32,7 +54,7 @@ impl CutList {
             row.extend(sides);
             row.push(part.strength_t.to_string());
             row.extend(angles);
-            row.push(part.example.clone());
+            row.push(self.names(part).join(BETWEEN_NAMES));
             if let Some(kerf_mm) = self.kerf_mm {
                 row.extend(
                     [sheet_area_mm2(part, kerf_mm), bar_length_mm(part, kerf_mm)].map(|value| value.to_string()),

@@ -22,9 +22,20 @@ const VERTICAL: f64 = 0.01;
 const RADIUS: f64 = 0.2;
 /// Number of colours that tell layers apart: red, yellow, green, cyan, blue, magenta.
 const COLOURS: usize = 6;
+/// Distance of a name from the centre of its outline, as a fraction of the way to an edge: beside
+/// the arrow, which ends at [`ARROW`] of this way at the latest.
+const NAME_AT: f64 = 0.82;
+/// Largest height of a name, as a fraction of the width of its outline: it fits between the arrow and
+/// the edge.
+const NAME_HEIGHT: f64 = 0.1;
+/// Largest length of a name, as a fraction of the edge that it runs along.
+const NAME_LENGTH: f64 = 0.9;
+/// Width of a character in the standard font of drawings, as a fraction of its height, at the most.
+const CHARACTER: f64 = 1.0;
 
 /// Writes the outlines of the tiles in the xy plane and an arrow for each polarization, in
-/// millimetres. The tiles of the n-th part of [`Layout::parts`] are on the layer `PART-n`.
+/// millimetres. The tiles of the n-th part of [`Layout::parts`] are on the layer `PART-n`. The name of
+/// each tile is a text inside its outline.
 ///
 /// The arrow is the projection of the polarization onto the plane. A polarization normal to the plane
 /// is a circle, with a point if it comes up and with a cross if it goes down.
@@ -60,14 +71,27 @@ pub fn film(layout: &Layout, w: &mut dyn Write) -> io::Result<()> {
         drawing.add_layer(&layer(index), 1 + index % COLOURS)?;
     }
     drawing.pair(0, "ENDTAB")?;
+    drawing.pair(0, "TABLE")?;
+    drawing.pair(2, "STYLE")?;
+    drawing.pair(70, 1)?;
+    drawing.pair(0, "STYLE")?;
+    // Upright characters of any height, in the font that every CAD program has.
+    for (code, value) in
+        [(2, "STANDARD"), (70, "0"), (40, "0.0"), (41, "1.0"), (50, "0.0"), (71, "0"), (42, "1.0"), (3, "txt"), (4, "")]
+    {
+        drawing.pair(code, value)?;
+    }
+    drawing.pair(0, "ENDTAB")?;
     drawing.pair(0, "ENDSEC")?;
     drawing.section("ENTITIES")?;
     for (index, part) in parts.iter().enumerate() {
         drawing.layer = layer(index);
         for &tile in &part.tiles {
-            let tile = &layout.tiles[tile].tile;
-            drawing.outline(&outline(tile))?;
-            drawing.arrow(tile)?;
+            let named = &layout.tiles[tile];
+            let corners = outline(&named.tile);
+            drawing.outline(&corners)?;
+            drawing.name(&named.name, &corners)?;
+            drawing.arrow(&named.tile)?;
         }
     }
     drawing.pair(0, "ENDSEC")?;
@@ -100,6 +124,17 @@ fn outline(tile: &Tile) -> Vec<DVec2> {
     let mut hull = half(&mut corners.iter().copied());
     hull.extend(half(&mut corners.iter().rev().copied()));
     hull
+}
+
+/// A text as DXF R12 has it: other characters than ASCII by their number, and percent signs that
+/// would begin a code. Characters beyond four hexadecimal digits become question marks.
+fn encoded(text: &str) -> String {
+    let encode = |c: char| match c {
+        ' '..='~' => c.to_string(),
+        '\u{80}'..='\u{ffff}' => format!("\\U+{:04X}", u32::from(c)),
+        _ => "?".to_owned(),
+    };
+    text.replace("%%", "%%%%%%").chars().map(encode).collect()
 }
 
 /// A drawing that is being written, as pairs of a code and a value.
@@ -158,6 +193,33 @@ impl Drawing<'_> {
             self.point(10, *corner)?;
         }
         self.entity("SEQEND")
+    }
+
+    /// A name along the longest edge of an outline, the lowest of several; upright or read from the
+    /// right.
+    fn name(&mut self, name: &str, corners: &[DVec2]) -> io::Result<()> {
+        let centre = corners.iter().sum::<DVec2>() / corners.len() as f64;
+        let edges = || corners.iter().zip(corners.iter().cycle().skip(1));
+        let longest = edges().map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+        // Round-off does not choose between edges of the same length.
+        let long = edges().filter(|(a, b)| a.distance(**b) >= (1.0 - 1e-9) * longest);
+        let Some((a, b)) = long.min_by(|(a, b), (c, d)| (a.y + b.y).total_cmp(&(c.y + d.y))) else { return Ok(()) };
+        let along = (b - a) / longest;
+        let along = if along.x < 0.0 || (along.x == 0.0 && along.y < 0.0) { -along } else { along };
+        let to_edge = 0.5 * (*a + *b) - centre;
+        let width = 2.0 * to_edge.perp_dot(along).abs();
+        let characters = name.chars().count().max(1) as f64;
+        let height = (NAME_HEIGHT * width).min(NAME_LENGTH * longest / (CHARACTER * characters));
+        let at = centre + NAME_AT * to_edge;
+        self.entity("TEXT")?;
+        self.point(10, at)?;
+        self.pair(40, format_args!("{height:?}"))?;
+        self.pair(1, encoded(name))?;
+        self.pair(50, format_args!("{:?}", along.y.atan2(along.x).to_degrees()))?;
+        // Centred about its point in both directions.
+        self.pair(72, 1)?;
+        self.point(11, at)?;
+        self.pair(73, 2)
     }
 
     fn arrow(&mut self, tile: &Tile) -> io::Result<()> {

@@ -15,7 +15,7 @@ pub(crate) enum TextOrJson {
 pub(crate) enum TilesFormat {
     /// The tiles and the bill of materials as printed tables
     Text,
-    /// A layout with one entry per tile
+    /// A layout with one entry per tile, and its parts with the tiles of each
     Json,
     /// The cut list: one line per part
     Csv,

@@ -20,6 +20,8 @@ pub(crate) mod plan;
 pub(crate) mod renamed;
 /// Layout, program and accuracy of a result.
 pub(crate) mod source;
+/// `tiles`: a layout with one entry per tile, and its parts.
+pub(crate) mod tiles;
 
 use serde::Serialize;
 

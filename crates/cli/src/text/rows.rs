@@ -48,14 +48,15 @@ pub(crate) fn vector(text: &mut String, label: &str, v: DVec3) {
 }
 
 /// Lines of cells in columns that are as wide as their widest cell, separated by two spaces.
-pub(crate) fn columns(rows: &[[String; 5]]) -> Vec<String> {
-    let widths = [0, 1, 2, 3].map(|column| rows.iter().map(|row| row[column].len()).max().unwrap_or(0));
-    let line = |row: &[String; 5]| {
+pub(crate) fn columns<const N: usize>(rows: &[[String; N]]) -> Vec<String> {
+    let widths: [usize; N] =
+        std::array::from_fn(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0));
+    let line = |row: &[String; N]| {
         let mut line = String::new();
         for (cell, width) in row.iter().zip(widths) {
             let _ = write!(line, "  {cell:<width$}");
         }
-        format!("{line}  {}", row[4]).trim_end().to_owned()
+        line.trim_end().to_owned()
     };
     rows.iter().map(line).collect()
 }

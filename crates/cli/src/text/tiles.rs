@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use magsplice::layout::{Layout, NamedTile, Part, Rotation};
+use magsplice::layout::{NamedTile, Part, Rotation};
 use magsplice::prelude::DVec3;
 
 use super::header::tile_count;
@@ -11,16 +11,20 @@ use super::rows;
 use crate::cut_list::{CutList, bar_length_mm, sheet_area_mm2};
 
 /// The tiles of a layout, one line each.
-pub(crate) fn tiles(path: &Path, layout: &Layout) -> String {
-    let head = ["tile", "size, mm", "centre, mm", "polarization in its own frame, T", "rotation"].map(str::to_owned);
-    let rows: Vec<[String; 5]> = std::iter::once(head).chain(layout.tiles.iter().map(tile_row)).collect();
+pub(crate) fn tiles(path: &Path, list: &CutList) -> String {
+    let layout = list.layout;
+    let head =
+        ["tile", "part", "size, mm", "centre, mm", "polarization in its own frame, T", "rotation"].map(str::to_owned);
+    let tiles = layout.tiles.iter().zip(list.part_numbers()).map(|(named, part)| tile_row(named, part));
+    let rows: Vec<[String; 6]> = std::iter::once(head).chain(tiles).collect();
     format!("{}: {}, {}\n{}", path.display(), layout.name, tile_count(layout), table(&rows))
 }
 
 /// The parts of a layout and how many pieces of each there are; with a kerf also the material.
 pub(crate) fn bill(list: &CutList) -> String {
-    let head = ["pieces", "size, mm", "strength, T", "polarized from the first side", "such as"].map(str::to_owned);
-    let rows: Vec<[String; 5]> = std::iter::once(head).chain(list.parts.iter().map(part_row)).collect();
+    let head =
+        ["part", "pieces", "size, mm", "strength, T", "polarized from the first side", "such as"].map(str::to_owned);
+    let rows: Vec<[String; 6]> = std::iter::once(head).chain(list.parts.iter().enumerate().map(part_row)).collect();
     let mut text = format!("bill of materials\n{}", table(&rows));
     if let Some(kerf_mm) = list.kerf_mm {
         text += &material(&list.parts, kerf_mm);
@@ -30,13 +34,14 @@ pub(crate) fn bill(list: &CutList) -> String {
 
 /// The sheet or the bars that the parts need.
 fn material(parts: &[Part], kerf_mm: f64) -> String {
-    let head = ["pieces", "size, mm", "sheet, mm2", "or bar, mm", ""].map(str::to_owned);
-    let row = |part: &Part| {
+    let head = ["part", "pieces", "size, mm", "sheet, mm2", "or bar, mm"].map(str::to_owned);
+    let row = |(index, part): (usize, &Part)| {
         let section = size2(part.size_mm.y, part.size_mm.z);
         let bar = format!("{} of {section}", short(bar_length_mm(part, kerf_mm)));
-        [part.count.to_string(), size(part.size_mm), short(sheet_area_mm2(part, kerf_mm)), bar, String::new()]
+        let sheet = short(sheet_area_mm2(part, kerf_mm));
+        [(index + 1).to_string(), part.count.to_string(), size(part.size_mm), sheet, bar]
     };
-    let rows: Vec<[String; 5]> = std::iter::once(head).chain(parts.iter().map(row)).collect();
+    let rows: Vec<[String; 5]> = std::iter::once(head).chain(parts.iter().enumerate().map(row)).collect();
     let mut text = format!("\nmaterial with a kerf of {} mm\n{}", short(kerf_mm), table(&rows));
     let mut sheets: Vec<(f64, f64)> = Vec::new();
     for part in parts {
@@ -53,11 +58,11 @@ fn material(parts: &[Part], kerf_mm: f64) -> String {
             kerf. Rims of the sheet, ends of bars and the direction of magnetization are not counted.\n"
 }
 
-fn table(rows: &[[String; 5]]) -> String {
+fn table<const N: usize>(rows: &[[String; N]]) -> String {
     rows::columns(rows).into_iter().map(|line| line + "\n").collect()
 }
 
-fn tile_row(named: &NamedTile) -> [String; 5] {
+fn tile_row(named: &NamedTile, part: usize) -> [String; 6] {
     let NamedTile { name, tile, rotation, .. } = named;
     let turn = rotation.map_or(String::new(), |rotation| {
         // As written; the other forms are easier to read as an axis and an angle too.
@@ -70,17 +75,19 @@ fn tile_row(named: &NamedTile) -> [String; 5] {
         };
         format!("{} deg about {}", short(angle_deg), triple(axis))
     });
-    [name.clone(), size(tile.size()), triple(tile.position()), triple(tile.polarization_t()), turn]
+    let [size, centre, j] = [size(tile.size()), triple(tile.position()), triple(tile.polarization_t())];
+    [name.clone(), part.to_string(), size, centre, j, turn]
 }
 
-fn part_row(part: &Part) -> [String; 5] {
+fn part_row((index, part): (usize, &Part)) -> [String; 6] {
     let angle = match part.angles_deg() {
         None => "not polarized".to_owned(),
         Some([direction, 0.0]) => format!("{} deg", short(direction)),
         Some([_, tilt]) if tilt.abs() == 90.0 => format!("{} deg out of plane", short(tilt)),
         Some([direction, tilt]) => format!("{} deg, {} deg out of plane", short(direction), short(tilt)),
     };
-    [part.count.to_string(), size(part.size_mm), short(part.strength_t), angle, part.example.clone()]
+    let [number, count] = [index + 1, part.count].map(|n| n.to_string());
+    [number, count, size(part.size_mm), short(part.strength_t), angle, part.example.clone()]
 }
 
 fn size2(first: f64, second: f64) -> String {

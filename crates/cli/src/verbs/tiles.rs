@@ -12,15 +12,13 @@ pub(crate) fn run(args: &TilesArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_TILES, quiet, &progress)?;
     if args.kerf_mm.is_some() && args.format == TilesFormat::Json {
-        return Err(Failure::Format("--kerf-mm goes with --format text or csv: json is the layout itself".to_owned()));
+        return Err(Failure::Format("--kerf-mm goes with --format text or csv: json has no material".to_owned()));
     }
+    let list = CutList::new(&layout, args.kerf_mm);
     let said = match args.format {
-        TilesFormat::Json => json::pretty(&layout.plain()),
-        TilesFormat::Text => {
-            let list = CutList::new(&layout, args.kerf_mm);
-            format!("{}\n{}", text::tiles::tiles(&args.layout, &layout), text::tiles::bill(&list))
-        }
-        TilesFormat::Csv => CutList::new(&layout, args.kerf_mm).csv(),
+        TilesFormat::Json => json::pretty(&json::tiles::TilesJson::new(&list)),
+        TilesFormat::Text => format!("{}\n{}", text::tiles::tiles(&args.layout, &list), text::tiles::bill(&list)),
+        TilesFormat::Csv => list.csv(),
     };
     progress.end();
     print(&said)
