@@ -1,6 +1,7 @@
 //! The cut list: the parts of a layout, and the material that they need.
 
 use magsplice::layout::{Layout, Part};
+use magsplice_export::twelve_digits;
 
 /// The parts of a layout, largest first. They are numbered from 1 on in this order, here, in the
 /// bill of materials and on the layers of a drawing.
@@ -47,24 +48,25 @@ impl CutList<'_> {
         let mut write = |row: &[String]| writer.write_record(row).expect("memory takes every row");
         write(&head.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
         for (index, part) in self.parts.iter().enumerate() {
-            let angles =
-                part.angles_deg().map_or([String::new(), String::new()], |angles| angles.map(|a| a.to_string()));
-            let sides = part.size_mm.to_array().map(|side| side.to_string());
+            let angles = part.angles_deg().map_or([String::new(), String::new()], |angles| angles.map(digits));
+            let sides = part.size_mm.to_array().map(digits);
             let mut row = vec![(index + 1).to_string(), part.count.to_string()];
             row.extend(sides);
-            row.push(part.strength_t.to_string());
+            row.push(digits(part.strength_t));
             row.extend(angles);
             row.push(self.names(part).join(BETWEEN_NAMES));
             if let Some(kerf_mm) = self.kerf_mm {
-                row.extend(
-                    [sheet_area_mm2(part, kerf_mm), bar_length_mm(part, kerf_mm)].map(|value| value.to_string()),
-                );
+                row.extend([sheet_area_mm2(part, kerf_mm), bar_length_mm(part, kerf_mm)].map(digits));
             }
             write(&row);
         }
         let bytes = writer.into_inner().expect("memory takes every row");
         String::from_utf8(bytes).expect("text is written as text")
     }
+}
+
+fn digits(value: f64) -> String {
+    twelve_digits(value).to_string()
 }
 
 /// Area of a sheet, as thick as the third side, for all pieces of a part. Each piece takes its first

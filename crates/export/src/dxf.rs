@@ -11,6 +11,7 @@ use magsplice_layout::Layout;
 use magsplice_magnet::Tile;
 
 use crate::cuboid_faces::corner_mm;
+use crate::significant::{rounded_beside, twelve_digits};
 
 /// Length of an arrow, as a fraction of the shortest side of its tile.
 const ARROW: f64 = 0.7;
@@ -44,7 +45,9 @@ const CHARACTER: f64 = 1.0;
 /// Errors of the writer.
 pub fn film(layout: &Layout, w: &mut dyn Write) -> io::Result<()> {
     let parts = layout.parts();
-    let mut drawing = Drawing { w, layer: String::new() };
+    let corners = layout.tiles.iter().flat_map(|named| (0..8).map(|corner| corner_mm(&named.tile, corner)));
+    let largest_mm = corners.map(|corner| corner.truncate().abs().max_element()).fold(0.0, f64::max);
+    let mut drawing = Drawing { w, layer: String::new(), largest_mm };
     drawing.section("HEADER")?;
     drawing.pair(9, "$ACADVER")?;
     drawing.pair(1, "AC1009")?;
@@ -142,6 +145,8 @@ struct Drawing<'w> {
     w: &'w mut dyn Write,
     /// Layer of the entities.
     layer: String,
+    /// The largest coordinate, in mm. Others are rounded to its twelve digits.
+    largest_mm: f64,
 }
 
 impl Drawing<'_> {
@@ -170,10 +175,15 @@ impl Drawing<'_> {
 
     /// A point, with codes from `first` on.
     fn point(&mut self, first: u32, p: DVec2) -> io::Result<()> {
-        // `{:?}` has a decimal point, which some readers require of real numbers.
-        self.pair(first, format_args!("{:?}", p.x))?;
-        self.pair(first + 10, format_args!("{:?}", p.y))?;
+        self.real(first, p.x)?;
+        self.real(first + 10, p.y)?;
         self.pair(first + 20, "0.0")
+    }
+
+    /// A length or a coordinate in mm.
+    fn real(&mut self, code: u32, value: f64) -> io::Result<()> {
+        // `{:?}` has a decimal point, which some readers require of real numbers.
+        self.pair(code, format_args!("{:?}", rounded_beside(value, self.largest_mm)))
     }
 
     fn line(&mut self, from: DVec2, to: DVec2) -> io::Result<()> {
@@ -213,9 +223,9 @@ impl Drawing<'_> {
         let at = centre + NAME_AT * to_edge;
         self.entity("TEXT")?;
         self.point(10, at)?;
-        self.pair(40, format_args!("{height:?}"))?;
+        self.real(40, height)?;
         self.pair(1, encoded(name))?;
-        self.pair(50, format_args!("{:?}", along.y.atan2(along.x).to_degrees()))?;
+        self.pair(50, format_args!("{:?}", twelve_digits(along.y.atan2(along.x).to_degrees())))?;
         // Centred about its point in both directions.
         self.pair(72, 1)?;
         self.point(11, at)?;
@@ -236,7 +246,7 @@ impl Drawing<'_> {
             let radius = RADIUS * side;
             self.entity("CIRCLE")?;
             self.point(10, centre)?;
-            self.pair(40, format_args!("{radius:?}"))?;
+            self.real(40, radius)?;
             if unit.z > 0.0 {
                 self.entity("POINT")?;
                 return self.point(10, centre);

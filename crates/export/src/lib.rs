@@ -34,6 +34,8 @@ pub mod numpy;
 /// Tables as Parquet.
 #[cfg(feature = "parquet")]
 pub mod parquet;
+/// Numbers with as many digits as a person would write.
+mod significant;
 /// A film as STL bodies.
 pub mod stl;
 /// [`Table`]: points, quantities and metadata, from which every format is written.
@@ -41,4 +43,5 @@ mod table;
 /// Tables and tiles as XML files for VTK and ParaView.
 pub mod vtk;
 
+pub use significant::twelve_digits;
 pub use table::{ColumnQuantity, Metadata, MetadataValue, Points, Table, TableColumn, TableError};

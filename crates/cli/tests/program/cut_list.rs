@@ -122,6 +122,26 @@ fn drawing_has_outlines_and_arrows_on_a_layer_for_each_part() {
 }
 
 #[test]
+fn cut_list_and_drawing_have_the_digits_that_a_person_would_write() {
+    let sandbox = Sandbox::new();
+    // 2.1 + 0.1 is 2.2000000000000002, 3.982 is 4.03 - 0.048 = 3.9819999999999998, and the arrow at 90
+    // degrees ends at x = 6e-17.
+    let tile = |x: f64, size: &str| {
+        format!("[[tile]]\nposition_mm = [{x}, 0, 0.5]\nsize_mm = {size}\nstrength_t = 0.1\ndirection_deg = 90\n")
+    };
+    let tiles = tile(0.0, "[2.1, 1.1, 1]") + &tile(4.03, "[0.096, 1, 1]");
+    sandbox.write("film.toml", &format!("format = 1\nname = \"film\"\n{tiles}"));
+    let csv = sandbox.run(&["tiles", "film.toml", "--format", "csv", "--kerf-mm", "0.1"]).stdout;
+    assert!(csv.contains(",2.64,2.2\n"), "{csv}");
+    let drawing = sandbox.run(&["export", "film.toml", "--to", "dxf"]).stdout;
+    assert!(drawing.contains("\n10\n3.982\n"), "{drawing}");
+    for number in csv.split(['\n', ',']).chain(drawing.lines()).filter(|cell| cell.parse::<f64>().is_ok()) {
+        let digits = number.chars().filter(char::is_ascii_digit).count();
+        assert!(digits <= 13 && !number.contains('e'), "{number}");
+    }
+}
+
+#[test]
 fn bodies_have_twelve_triangles_with_outward_normals() {
     let sandbox = Sandbox::new();
     assert_eq!(sandbox.run(&["export", &shipped("published-film"), "--to", "stl", "-o", "film.stl"]).status, 0);
