@@ -59,7 +59,8 @@ pub struct SpliceRequest {
     pub smallest_cut_mm: f64,
     /// Least distance of neighbouring tiles.
     pub gap_mm: f64,
-    /// Faces are rounded to multiples of this, in millimetres.
+    /// Sizes are rounded to multiples of this, in millimetres; a tile centred on a mirror plane has its
+    /// faces at half multiples.
     pub resolution_mm: f64,
     /// Directions are rounded to multiples of this, in degrees.
     pub resolution_deg: f64,

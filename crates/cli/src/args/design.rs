@@ -12,7 +12,7 @@ use super::numbers::{extents_mm, flux_density_t, interval_mm, length_mm};
 /// Search for a better film, as the table [design] of the layout asks.
 ///
 /// The result is a complete layout: the tiles, an [expect] table with the values reached, and a
-/// line of history. Faces and angles are rounded to the resolution of [design]. Ctrl-C ends the
+/// line of history. Sides and angles are rounded to the resolution of [design]. Ctrl-C ends the
 /// search and keeps the best film so far. Exit status: 0 success; 1 a required amplitude or number
 /// of parts was not reached; 2 there is no film.
 #[derive(clap::Args)]
@@ -78,7 +78,8 @@ pub(crate) struct SpliceArgs {
     /// Least distance between neighbouring tiles, in mm
     #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true, default_value_t = 0.0)]
     gap: f64,
-    /// Faces of tiles are rounded to multiples of this, in mm
+    /// Sides of tiles are rounded to multiples of this, in mm. A tile centred on a mirror plane has
+    /// its faces at half multiples
     #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true, default_value_t = 0.001)]
     resolution: f64,
     /// Directions of polarization are rounded to multiples of this, in degrees

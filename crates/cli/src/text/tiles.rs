@@ -3,8 +3,9 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use magsplice::expect::NarrowGaps;
 use magsplice::layout::{NamedTile, Part, Rotation};
-use magsplice::prelude::DVec3;
+use magsplice::prelude::{DVec3, Tile};
 
 use super::header::tile_count;
 use super::rows;
@@ -17,7 +18,24 @@ pub(crate) fn tiles(path: &Path, list: &CutList) -> String {
         ["tile", "part", "size, mm", "centre, mm", "polarization in its own frame, T", "rotation"].map(str::to_owned);
     let tiles = layout.tiles.iter().zip(list.part_numbers()).map(|(named, part)| tile_row(named, part));
     let rows: Vec<[String; 6]> = std::iter::once(head).chain(tiles).collect();
-    format!("{}: {}, {}\n{}", path.display(), layout.name, tile_count(layout), table(&rows))
+    format!("{}: {}, {}\n{}{}", path.display(), layout.name, tile_count(layout), table(&rows), narrow_gaps(list))
+}
+
+/// Gaps below this are no gaps in a made film: tiles are placed to about 0.01 mm at best, and sawn
+/// sides are no better.
+const NARROW_GAP_MM: f64 = 0.01;
+
+/// A sentence about tiles that almost touch, if there are any.
+fn narrow_gaps(list: &CutList) -> String {
+    let tiles: Vec<Tile> = list.layout.tiles.iter().map(|named| named.tile).collect();
+    NarrowGaps::below(NARROW_GAP_MM, &tiles).map_or(String::new(), |NarrowGaps { pairs, smallest }| {
+        let [pairs, verb, not] =
+            if pairs == 1 { ["1 pair".to_owned(), "is".to_owned(), "does".to_owned()] } else { [format!("{pairs} pairs"), "are".to_owned(), "do".to_owned()] };
+        format!(
+            "{pairs} of tiles {verb} less than {NARROW_GAP_MM} mm apart and {not} not touch; the smallest gap is {} mm\n",
+            short(smallest)
+        )
+    })
 }
 
 /// The parts of a layout and how many pieces of each there are; with a kerf also the material.

@@ -124,20 +124,41 @@ fn drawing_has_outlines_and_arrows_on_a_layer_for_each_part() {
 #[test]
 fn cut_list_and_drawing_have_the_digits_that_a_person_would_write() {
     let sandbox = Sandbox::new();
-    // 2.1 + 0.1 is 2.2000000000000002, 3.982 is 4.03 - 0.048 = 3.9819999999999998, and the arrow at 90
-    // degrees ends at x = 6e-17.
+    // (2.1 + 0.1) (1.1 + 0.1) is 2.6400000000000006 in binary numbers, and 4.1 - 0.1 is 3.9999999999999996.
     let tile = |x: f64, size: &str| {
         format!("[[tile]]\nposition_mm = [{x}, 0, 0.5]\nsize_mm = {size}\nstrength_t = 0.1\ndirection_deg = 90\n")
     };
-    let tiles = tile(0.0, "[2.1, 1.1, 1]") + &tile(4.03, "[0.096, 1, 1]");
+    let tiles = tile(0.0, "[2.1, 1.1, 1]") + &tile(4.1, "[0.2, 1, 1]");
     sandbox.write("film.toml", &format!("format = 1\nname = \"film\"\n{tiles}"));
     let csv = sandbox.run(&["tiles", "film.toml", "--format", "csv", "--kerf-mm", "0.1"]).stdout;
     assert!(csv.contains(",2.64,2.2\n"), "{csv}");
     let drawing = sandbox.run(&["export", "film.toml", "--to", "dxf"]).stdout;
-    assert!(drawing.contains("\n10\n3.982\n"), "{drawing}");
+    assert!(drawing.contains("\n10\n4.0\n"), "{drawing}");
     for number in csv.split(['\n', ',']).chain(drawing.lines()).filter(|cell| cell.parse::<f64>().is_ok()) {
         let digits = number.chars().filter(char::is_ascii_digit).count();
         assert!(digits <= 13 && !number.contains('e'), "{number}");
+    }
+}
+
+#[test]
+fn tiles_that_almost_touch_are_counted() {
+    let sandbox = Sandbox::new();
+    let film = |ends: [f64; 3]| {
+        let tile = |x: f64| {
+            format!("[[tile]]\nposition_mm = [{x}, 0, 0.5]\nsize_mm = [2, 1, 1]\nstrength_t = 0.1\ndirection_deg = 0\n")
+        };
+        sandbox.write("film.toml", &format!("format = 1\nname = \"film\"\n{}", ends.map(tile).concat()));
+        sandbox.run(&["tiles", "film.toml"]).stdout
+    };
+    let said = film([0.0, 2.0005, 4.0045]);
+    let both = "\n2 pairs of tiles are less than 0.01 mm apart and do not touch; the smallest gap is 0.0005 mm\n";
+    assert!(said.contains(both), "{said}");
+    let said = film([0.0, 2.0, 4.004]);
+    let one = "\n1 pair of tiles is less than 0.01 mm apart and does not touch; the smallest gap is 0.004 mm\n";
+    assert!(said.contains(one), "{said}");
+    for ends in [[0.0, 2.0, 4.0], [0.0, 2.01, 4.02]] {
+        let said = film(ends);
+        assert!(!said.contains("apart"), "{said}");
     }
 }
 

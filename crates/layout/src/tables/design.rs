@@ -39,7 +39,8 @@ pub(crate) struct DesignTable {
     /// Bounds of the magnitude of the polarization, in T. Required if the strength varies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) strength_t: Option<MinMax>,
-    /// Faces are rounded to multiples of this, in mm. Default: 0.001.
+    /// Sizes are rounded to multiples of this, in mm; a tile centred on a mirror plane has its faces at
+    /// half multiples. Default: 0.001.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) resolution_mm: Option<f64>,
     /// Directions are rounded to multiples of this, in degrees. Default: 0.01.
