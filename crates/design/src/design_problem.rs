@@ -89,6 +89,16 @@ impl<'a> DesignProblem<'a> {
         self.pattern.kinds.len()
     }
 
+    /// The number of starts of the search.
+    pub fn starts(&self) -> usize {
+        self.brief.starts
+    }
+
+    /// The symmetry that the search keeps.
+    pub fn symmetry(&self) -> Symmetry {
+        self.brief.symmetry
+    }
+
     /// Number of tiles that determine all others by symmetry.
     pub fn orbit_count(&self) -> usize {
         self.pattern.tiles.len()

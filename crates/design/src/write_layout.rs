@@ -22,6 +22,19 @@ impl DesignProblem<'_> {
     /// description and the baseline of the field are left out, because they belong to the film
     /// before. Tiles whose strength has become 0 are left out too.
     pub fn designed_layout(&self, result: &SearchResult, program: &str) -> Layout {
+        let start = format!("\"{}\" (sha256 {})", self.layout.name, &self.layout.sha256[..12]);
+        self.layout_from(&start, result, program)
+    }
+
+    /// [`designed_layout`](DesignProblem::designed_layout) of a film that began as the pattern of
+    /// [`SpliceRequest::layout`](crate::SpliceRequest::layout). The history names this pattern,
+    /// because there is no file with its tiles.
+    pub fn spliced_layout(&self, result: &SearchResult, program: &str) -> Layout {
+        let start = format!("the start pattern (Dai 2024, Fig. 5) for \"{}\"", self.layout.name);
+        self.layout_from(&start, result, program)
+    }
+
+    fn layout_from(&self, start: &str, result: &SearchResult, program: &str) -> Layout {
         let mut layout = self.layout.clone();
         for (named, tile) in layout.tiles.iter_mut().zip(&result.tiles) {
             (named.tile, named.kind) = (*tile, None);
@@ -40,11 +53,11 @@ impl DesignProblem<'_> {
             ..layout.expectations
         };
         layout.brief = Some(self.brief.clone());
-        layout.history.push(self.history_line(result, program));
+        layout.history.push(self.history_line(start, result, program));
         layout
     }
 
-    fn history_line(&self, result: &SearchResult, program: &str) -> String {
+    fn history_line(&self, start: &str, result: &SearchResult, program: &str) -> String {
         let errors = |metrics: &Metrics| {
             let PerParameter { r_x, r_y, s_z } = metrics.uniformity_rmse;
             let [x, y, z] = metrics.displacement_rmse_mm;
@@ -55,9 +68,7 @@ impl DesignProblem<'_> {
             )
         };
         format!(
-            "{program}: from \"{}\" (sha256 {}), {} free numbers, {} starts, seed {}: {} -> {}",
-            self.layout.name,
-            &self.layout.sha256[..12],
+            "{program}: from {start}, {} free numbers, {} starts, seed {}: {} -> {}",
             self.variable_count(),
             self.brief.starts,
             self.brief.seed,

@@ -4,25 +4,39 @@ use std::fmt::Write;
 use std::path::Path;
 
 use magsplice::design::{DesignProblem, Metrics, ParetoFront, SearchResult};
+use magsplice::layout::Symmetry;
 use magsplice::prelude::DVec3;
 
 use super::number::{counted, number};
 use super::rows;
 
-/// The film before and after the search, side by side.
-pub(crate) fn search_result(problem: &DesignProblem, result: &SearchResult, path: Option<&Path>) -> String {
+/// The film before and after the search, side by side. The film before is a pattern if `from_pattern`.
+pub(crate) fn search_result(
+    problem: &DesignProblem,
+    result: &SearchResult,
+    path: Option<&Path>,
+    from_pattern: bool,
+) -> String {
     let [nx, ny, nz] = problem.grid().counts();
     let mut text = format!(
         "{} in {}, designed on {nx} x {ny} x {nz} points; {}\n\n",
         counted(problem.variable_count(), "free number", "free numbers"),
         match (problem.orbit_count(), result.tiles.len()) {
             (orbits, tiles) if orbits == tiles => counted(tiles, "tile", "tiles"),
-            (orbits, tiles) => format!("{orbits} tiles, whose images are the other {}", tiles - orbits),
+            (orbits, tiles) => {
+                let symmetry = if problem.symmetry() == Symmetry::FourFold { "four-fold" } else { "mirror" };
+                format!("{orbits} tiles, from which the {symmetry} symmetry makes all {tiles}")
+            }
         },
-        counted(result.agreeing_starts, "start found this film", "starts found this film or one as good"),
+        format_args!(
+            "{} of {} found this film or one as good",
+            result.agreeing_starts,
+            counted(problem.starts(), "start", "starts")
+        ),
     );
     let columns = [&result.before, &result.after, &result.finer];
-    rows::heading(&mut text, "", ["before", "after", "5 x finer"]);
+    let before = if from_pattern { "start pattern" } else { "before" };
+    rows::heading(&mut text, "", [before, "after", "5 x finer"]);
     let mut errors = |title: &str, of: &dyn Fn(&Metrics) -> [f64; 3], names: [&str; 3]| {
         let _ = writeln!(text, "{title}");
         for (index, name) in names.into_iter().enumerate() {

@@ -22,6 +22,9 @@ use crate::{interrupt, json, text};
 /// Name and version of the program in the history of layouts.
 pub(crate) const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"));
 
+/// The verb that begins with a pattern instead of a layout file.
+pub(crate) const SPLICE: &str = "splice";
+
 /// Searches for a film and shows the progress. Ctrl-C ends the search with the best film so far.
 pub(crate) fn search(problem: &DesignProblem, quiet: bool) -> Result<SearchResult, DesignError> {
     let stop = interrupt::defer();
@@ -86,7 +89,7 @@ pub(crate) fn finish(
     output.finish()?;
     let summary = match format {
         TextOrJson::Json => json::pretty(result),
-        TextOrJson::Text => text::design::search_result(problem, result, path),
+        TextOrJson::Text => text::design::search_result(problem, result, path, verb == SPLICE),
     };
     if to_file {
         print(&summary)?;
@@ -104,7 +107,13 @@ pub(crate) fn finish(
 
 /// The layout file of a film that was found. Refuses a film that breaks a rule of layouts.
 pub(crate) fn layout_text(problem: &DesignProblem, result: &SearchResult, verb: &str) -> Result<String, Failure> {
-    let text = problem.designed_layout(result, &format!("{PROGRAM} {verb}")).to_compact_toml();
+    let program = format!("{PROGRAM} {verb}");
+    let layout = if verb == SPLICE {
+        problem.spliced_layout(result, &program)
+    } else {
+        problem.designed_layout(result, &program)
+    };
+    let text = layout.to_compact_toml();
     Layout::parse(&text, "the film found")?;
     Ok(text)
 }

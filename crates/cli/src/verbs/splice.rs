@@ -13,5 +13,5 @@ pub(crate) fn run(args: &SpliceArgs, quiet: bool) -> Result<u8, Failure> {
     let problem = DesignProblem::new(&layout).map_err(failed)?;
     let output = Output::open(args.output.as_deref(), &[])?;
     let result = search::search(&problem, quiet).map_err(failed)?;
-    search::finish(&problem, &result, "splice", output, args.output.as_deref(), args.format, quiet)
+    search::finish(&problem, &result, search::SPLICE, output, args.output.as_deref(), args.format, quiet)
 }

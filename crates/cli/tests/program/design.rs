@@ -163,6 +163,10 @@ fn splice_finds_a_film() {
         assert!(angle.split_once('.').is_some_and(|(_, decimals)| decimals.len() <= 2), "{line}");
     }
     assert!(text.contains("mirror = { axes = [\"x\", \"y\"] }"), "{text}");
+    assert!(!text.contains("sha256") && text.contains("from the start pattern (Dai 2024, Fig. 5) for "), "{text}");
+    assert!(said.stdout.contains(" tiles, from which the four-fold symmetry makes all "), "{}", said.stdout);
+    assert!(said.stdout.contains("; 1 of 1 start found this film or one as good\n"), "{}", said.stdout);
+    assert!(said.stdout.contains("start pattern        after"), "{}", said.stdout);
     let found = sandbox.run(&["decouple", "film.toml", "--format", "json"]);
     let found: serde_json::Value = serde_json::from_str(&found.stdout).expect("JSON");
     assert!(found["displacement_rmse_mm"]["x"].as_f64().expect("a number") < 0.002, "{found}");
