@@ -6,6 +6,7 @@ use magsplice::layout::{FindingSubject, Layout, LayoutError};
 
 use crate::failure;
 use crate::progress::ProgressLine;
+use crate::text::number::counted;
 
 /// Largest number of findings that a verb other than `check` prints.
 const PRINTED_FINDINGS: usize = 5;
@@ -36,6 +37,14 @@ pub(crate) fn read_layout(
         progress.suspend(|| tell(path, &layout, subjects));
     }
     Ok(layout)
+}
+
+/// Says after a long result how many warnings were printed before it, unless `quiet`.
+pub(crate) fn recall(layout: &Layout, subjects: &[FindingSubject], quiet: bool) {
+    let told = layout.findings.iter().filter(|finding| subjects.contains(&finding.subject)).count();
+    if told > 0 && !quiet {
+        failure::tell(&format_args!("{} above", counted(told, "warning", "warnings")));
+    }
 }
 
 fn tell(path: &Path, layout: &Layout, subjects: &[FindingSubject]) {

@@ -3,6 +3,7 @@
 use std::iter;
 use std::path::Path;
 
+use magsplice::layout::Layout;
 use magsplice::{Film, Stage};
 
 use crate::args::evaluate::DecoupleArgs;
@@ -42,13 +43,13 @@ pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
         let tell = remarks::teller(quiet, &progress);
         let given = GivenPoints::read(path, args.points.unit, film.ideal().map_err(failed)?, true, &tell)?;
         let evaluation = PointEvaluation::new(&film, given, &args.layout, &layout)?;
-        return write_at_points(&evaluation, format, output, &progress, quiet);
+        return write_at_points(&evaluation, &layout, format, output, &progress, quiet);
     }
     let evaluation = Evaluation::new(&film).map_err(failed)?;
     let DecoupleFormat::Table(format) = format else {
         progress.end();
         output.write(|w| w.write_all(text::decouple::evaluation(&evaluation).as_bytes()))?;
-        return output.finish();
+        return finish_text(output, &layout, quiet);
     };
     let table = evaluation.table();
     match &output {
@@ -65,6 +66,7 @@ pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
 /// Writes the result of `decouple --points`.
 fn write_at_points(
     evaluation: &PointEvaluation,
+    layout: &Layout,
     format: DecoupleFormat,
     mut output: Output,
     progress: &ProgressLine,
@@ -73,12 +75,22 @@ fn write_at_points(
     progress.end();
     let DecoupleFormat::Table(format) = format else {
         output.write(|w| w.write_all(text::decouple_points::evaluation(evaluation).as_bytes()))?;
-        return output.finish();
+        return finish_text(output, layout, quiet);
     };
     let table = evaluation.table();
     table::write(&table, &DecouplePointsJson::new(evaluation, &table), format, &mut output)?;
     output.finish()?;
     tell_singular(evaluation.decoupling.singular.len(), format, quiet);
+    Ok(())
+}
+
+/// Ends a text. On a terminal it has moved the warnings out of view, so they are recalled after it.
+fn finish_text(output: Output, layout: &Layout, quiet: bool) -> Result<(), Failure> {
+    let is_standard = output.is_standard();
+    output.finish()?;
+    if is_standard {
+        remarks::recall(layout, remarks::OF_COMPARISONS, quiet);
+    }
     Ok(())
 }
 

@@ -78,3 +78,24 @@ fn compare_as_text_and_json() {
     assert!((json["comparison"]["relative_rmse"].as_f64().unwrap() - 0.197428).abs() < 0.5e-6);
     assert_eq!(json["comparison"]["worst_at_mm"], serde_json::json!([0.0, 0.0, -3.0]));
 }
+
+#[test]
+fn warnings_are_recalled_after_the_numbers() {
+    let sandbox = Sandbox::new();
+    let text = std::fs::read_to_string(shipped("published-film")).expect("a shipped layout");
+    let text = text.replace("field = {", "# field = {");
+    let idle = |n: usize| {
+        format!(
+            "[[tile]]\nname = \"idle-{n}\"\nposition_mm = [{n}, 20, 0.5]\nsize_mm = [0.5, 1, 1]\npolarization_t = [0, 0, 0]\n"
+        )
+    };
+    for (count, recalled) in [(0, ""), (1, "magsplice: 1 warning above\n"), (2, "magsplice: 2 warnings above\n")] {
+        sandbox.write("film.toml", &(text.clone() + &(0..count).map(idle).collect::<String>()));
+        let said = sandbox.run(&["decouple", "film.toml"]);
+        assert_eq!(said.stderr.matches("warning: ").count(), count, "{}", said.stderr);
+        let end = said.stderr.lines().last().map_or(String::new(), |line| format!("{line}\n"));
+        assert_eq!(end, recalled);
+        assert!(!sandbox.run(&["decouple", "film.toml", "--quiet"]).stderr.contains("above"));
+        assert!(!sandbox.run(&["decouple", "film.toml", "-o", "film.txt"]).stderr.contains("above"));
+    }
+}
