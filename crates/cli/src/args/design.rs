@@ -44,6 +44,10 @@ pub(crate) struct DesignArgs {
 /// the crests of the ideal polarization, and one sixth wide about its zeros. Then searches as
 /// `design` does, with sizes, positions and directions free.
 ///
+/// Lengths scale with the wavelength: by default the thickness is 0.1, the range 0.4 and the distance
+/// 0.3 to 0.5 of it, and a film of two wavelengths is as large as the published one. The film must
+/// hold the crests about its middle: it is at least 5/6 of the wavelength long and wide.
+///
 /// Lengths may have a unit (mm, cm, um, m) and polarizations too (T, mT, uT, nT), such as 0.8cm,
 /// 20mmx20mm, 120mT.
 #[derive(clap::Args)]
@@ -72,7 +76,8 @@ pub(crate) struct SpliceArgs {
     /// as -5..-3 [default: 0.3 and 0.5 of the wavelength]
     #[arg(long, value_name = "A..B", value_parser = distance_mm, allow_hyphen_values = true)]
     distance: Option<[f64; 2]>,
-    /// Shortest side of a tile, in mm [default: 0.08 of the wavelength]
+    /// Shortest side of a tile, in mm, at most a quarter of the wavelength [default: 0.08 of the
+    /// wavelength]
     #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true)]
     smallest_cut: Option<f64>,
     /// Least distance between neighbouring tiles, in mm
