@@ -43,6 +43,10 @@ pub(crate) const PAIRS_PER_TILE: usize = 16;
 /// side that are not along an axis, each of which is near every other.
 pub(crate) const SPARE_PAIRS: usize = 5_000_000;
 
+/// Largest number of overlapping pairs of tiles that are looked through for those to name. It finds
+/// every pair of entries of a film that has a few mistakes.
+pub(crate) const MAX_OVERLAPS: usize = 100_000;
+
 /// Largest number of starting points of a design search.
 pub(crate) const MAX_STARTS: usize = 10_000;
 

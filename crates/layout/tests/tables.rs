@@ -239,3 +239,42 @@ fn overlaps_name_both_tiles_and_the_way_out() {
     assert!(message.contains("tile \"b\": overlaps tile \"a\" before it by 0.25 mm"), "{message}");
     assert!(message.contains("move \"b\" that far along +x"), "{message}");
 }
+
+#[test]
+fn overlaps_of_images_are_told_of_the_tiles_in_the_file() {
+    let tile = |keys: &str| format!("[[tile]]\n{keys}\npolarization_t = [0, 0, 1]\n");
+    let told = |tiles: &[&str]| {
+        let text: String = tiles.iter().map(|keys| tile(keys)).collect();
+        parse(&text).expect_err("an overlap").replace("test: ", "")
+    };
+    // Over its own mirror. The least depth is along y, where a move does not help.
+    let own = "position_mm = [1.2, 0, 0.5]\nsize_mm = [3, 0.2, 1]\nmirror = { axes = [\"x\"] }";
+    let wanted = "tile \"tile-1\": overlaps its own mirror image by 0.6 mm, must not overlap: move \"tile-1\" by 0.3 mm \
+                  along +x";
+    assert!(told(&[own]).ends_with(wanted), "{}", told(&[own]));
+    assert!(parse(&tile(&own.replace("1.2", "1.5"))).is_ok());
+    let left = own.replace("1.2, 0", "-1.2, 1").replace("[\"x\"]", "[\"y\", \"x\"], at_mm = [0.2, 0, 0]");
+    assert!(
+        told(&[&left]).ends_with("by 0.2 mm, must not overlap: move \"tile-1\" by 0.1 mm along -x"),
+        "{}",
+        told(&[&left])
+    );
+    // Over both mirrors: one line for each.
+    let both = told(&[&own.replace("[\"x\"]", "[\"x\", \"y\"]")]);
+    assert_eq!(both.lines().count(), 2, "{both}");
+    assert!(both.contains("by 0.1 mm along +y, or leave \"y\" out of mirror.axes"), "{both}");
+    // Two mirrored tiles: the tiles of the file, once.
+    let mirror = "size_mm = [1, 1, 1]\nmirror = { axes = [\"x\", \"y\"] }";
+    let pair = told(&[&format!("position_mm = [2, 2, 0]\n{mirror}"), &format!("position_mm = [2.75, 2, 0]\n{mirror}")]);
+    assert_eq!(pair.lines().count(), 1, "{pair}");
+    assert!(pair.contains("tile \"tile-2\": overlaps tile \"tile-1\" before it by 0.25 mm"), "{pair}");
+    assert!(pair.ends_with("move \"tile-2\" that far along +x"), "{pair}");
+    // The image of the second alone: the advice is for the tile of the file.
+    let image =
+        told(&["position_mm = [-2, 2, 0]\nsize_mm = [1, 1, 1]", &format!("position_mm = [2.75, 2, 0]\n{mirror}")]);
+    let wanted = "tile \"tile-2\": its image mirrored along x overlaps tile \"tile-1\" before it by 0.25 mm, must not \
+                  overlap: move \"tile-2\" that far along +x";
+    assert!(image.ends_with(wanted), "{image}");
+    let moved = format!("position_mm = [3, 2, 0]\n{mirror}");
+    assert!(parse(&(tile("position_mm = [-2, 2, 0]\nsize_mm = [1, 1, 1]") + &tile(&moved))).is_ok());
+}

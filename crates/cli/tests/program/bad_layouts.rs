@@ -116,6 +116,27 @@ fn overlapping_tiles_are_refused_with_names_and_depth() {
 }
 
 #[test]
+fn overlapping_images_are_told_of_the_tiles_in_the_file() {
+    let mirrored = |name: &str, x: &str| {
+        TILE.replace("\"a\"", name).replace("[0, 0, 0]", x) + "mirror = { axes = [\"x\", \"y\"] }\n"
+    };
+    let own = mirrored("\"a\"", "[0.2, 2, 0]");
+    refused(
+        &format!("{HEAD}{own}"),
+        &[
+            "line 3: tile \"a\": overlaps its own mirror image by 0.6 mm, must not overlap: move \"a\" by 0.3 mm along +x",
+        ],
+    );
+    let pair = format!("{HEAD}{}{}", mirrored("\"a\"", "[2, 2, 0]"), mirrored("\"b\"", "[2.75, 2, 0]"));
+    let message =
+        "tile \"b\": overlaps tile \"a\" before it by 0.25 mm, must not overlap: move \"b\" that far along +x";
+    refused(&pair, &[message]);
+    let sandbox = Sandbox::new();
+    sandbox.write("t.toml", &pair);
+    assert_eq!(sandbox.run(&["check", "t.toml"]).stderr.matches("overlaps").count(), 1);
+}
+
+#[test]
 fn inverted_empty_and_enormous_volumes_are_refused() {
     for (from, to, message) in [
         ("x_mm = [-2, 2]", "x_mm = [2, -2]", "volume: x_mm = [2, -2] is inverted"),

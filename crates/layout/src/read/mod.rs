@@ -13,6 +13,7 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 use toml::Spanned;
 
+use self::entries::Entry;
 use self::faults::Faults;
 use self::room::Room;
 use self::tables_present::TablesPresent;
@@ -24,6 +25,8 @@ use crate::tables::LayoutFile;
 
 /// Rules and defaults of `[design]`.
 mod design;
+/// The tiles that one entry of the file makes.
+mod entries;
 /// Rules of `[expect]`.
 mod expect;
 /// The list of broken rules, with lines.
@@ -210,6 +213,7 @@ fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<L
     let mut tiles: Vec<NamedTile> = Vec::new();
     // The place of each tile's table in the text.
     let mut spans: Vec<Range<usize>> = Vec::new();
+    let mut entries: Vec<Entry> = Vec::new();
     let mut room = Room::default();
     for (index, table) in file.tile.iter().enumerate() {
         let (span, table) = (table.span(), table.get_ref());
@@ -219,6 +223,7 @@ fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<L
         let single = single_tile::resolve(table, name, &file.kind, &mut faults);
         let repeated = single
             .and_then(|tile| repeat::resolve(tile, table.grid.as_ref(), table.mirror.as_ref(), &mut room, &mut faults));
+        entries.push(Entry { span: span.clone(), first: tiles.len(), mirror: table.mirror.as_ref() });
         tiles.extend(repeated.unwrap_or_default());
         spans.resize(tiles.len(), span);
     }
@@ -227,12 +232,13 @@ fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<L
         let name = table.name.clone().unwrap_or_else(|| format!("lattice-{}", index + 1));
         let mut faults = faults.at(&span, format!("lattice \"{}\"", names::shown(&name)));
         names::check_name("name", &name, &mut faults);
+        entries.push(Entry { span: span.clone(), first: tiles.len(), mirror: None });
         tiles.extend(lattice::resolve(table, &name, &mut room, &mut faults).unwrap_or_default());
         spans.resize(tiles.len(), span);
     }
     names::check(&tiles, &spans, &mut faults);
     if faults.is_empty() {
-        overlap::check(&tiles, &spans, &mut faults);
+        overlap::check(&tiles, &entries, &mut faults);
     }
     if !faults.is_empty() {
         return Err(faults.into_sorted());

@@ -1,39 +1,119 @@
 //! The rule that tiles do not overlap. Touching tiles are allowed.
 
-use std::ops::Range;
+use std::collections::BTreeMap;
 
 use glam::DVec3;
-use magsplice_magnet::{Tile, overlaps_among};
+use magsplice_magnet::{BoundingBox, Overlap, Tile, overlaps_among};
 
 use crate::layout::NamedTile;
-use crate::limits::{MAX_LISTED, PAIRS_PER_TILE, SPARE_PAIRS};
+use crate::limits::{MAX_LISTED, MAX_OVERLAPS, PAIRS_PER_TILE, SPARE_PAIRS};
+use crate::read::entries::{Entry, Origin, origin};
 use crate::read::faults::Faults;
+use crate::tables::tile::AXIS_LETTERS;
 
-/// Adds a fault for each pair of tiles that overlap by more than round-off. `spans` says where in
-/// the text each tile stands.
-pub(crate) fn check(tiles: &[NamedTile], spans: &[Range<usize>], faults: &mut Faults) {
+/// Two entries of the file whose tiles overlap, by index. An entry that overlaps its own images is
+/// listed once for each axis that the mirror reflects.
+type Between = (usize, usize, Option<usize>);
+
+/// Adds a fault for each pair of entries with tiles that overlap by more than round-off. A pair of
+/// tiles that stand in the file is named before one of images.
+pub(crate) fn check(tiles: &[NamedTile], entries: &[Entry], faults: &mut Faults) {
     let bare: Vec<Tile> = tiles.iter().map(|named| named.tile).collect();
     let most = PAIRS_PER_TILE * tiles.len() + SPARE_PAIRS;
-    let mut pairs = overlaps_among(&bare, most);
-    for pair in pairs.by_ref().take(MAX_LISTED - 1) {
+    let mut listed: BTreeMap<Between, [(usize, Origin); 2]> = BTreeMap::new();
+    let mut order: Vec<(Between, Overlap)> = Vec::new();
+    let mut more = false;
+    for (number, pair) in overlaps_among(&bare, most).enumerate() {
         let Ok(pair) = pair else {
             faults.add_to_layout(format!(
                 "more than {most} pairs of tiles may overlap, too many to examine: many tiles are in one place, for \
                  example beyond the digits of numbers, or next to each other and rotated"
             ));
-            return;
+            break;
         };
-        let (first, second) = (&tiles[pair.first].name, &tiles[pair.second].name);
-        let d = pair.direction;
-        let depth_mm = three_digits_up(pair.depth);
-        faults.at(&spans[pair.second], format!("tile \"{second}\"")).add(format!(
-            "overlaps tile \"{first}\" before it by {depth_mm} mm, must not overlap: move \"{second}\" that far along {}",
-            direction(d)
-        ));
+        let ends = [pair.first, pair.second].map(|index| (index, origin(index, entries, tiles.len())));
+        let between = between(ends[0].1, ends[1].1);
+        let is_written = |ends: &[(usize, Origin); 2]| ends.iter().all(|(_, origin)| !origin.is_image());
+        match listed.get(&between) {
+            None if order.len() == MAX_LISTED - 1 => more = true,
+            None => order.push((between, pair)),
+            Some(known) if !is_written(known) && is_written(&ends) => {
+                order.iter_mut().filter(|(other, _)| *other == between).for_each(|(_, shown)| *shown = pair);
+            }
+            Some(_) => continue,
+        }
+        // The list is full, or complete enough.
+        if more || number == MAX_OVERLAPS {
+            more = true;
+            break;
+        }
+        listed.insert(between, ends);
     }
-    if pairs.next().is_some() {
+    for (between, pair) in order {
+        let [(_, first), (_, second)] = listed[&between];
+        let place = format!("tile \"{}\"", tiles[second.original].name);
+        let message = match between {
+            (_, _, Some(axis)) => of_own_image(&tiles[second.original], axis, &entries[second.entry], &pair),
+            _ => of_two(tiles, first, second, &pair),
+        };
+        faults.at(&entries[second.entry].span, place).add(message);
+    }
+    if more {
         faults.add_to_layout("more pairs of tiles overlap");
     }
+}
+
+fn between(first: Origin, second: Origin) -> Between {
+    let own = first.original == second.original;
+    let axis = (0..3).find(|&axis| own && first.mirrored[axis] != second.mirrored[axis]);
+    (first.entry, second.entry, axis)
+}
+
+/// A tile that reaches over its mirror normal to `axis`. It must leave this mirror, along the axis:
+/// its image moves with it along all others.
+fn of_own_image(named: &NamedTile, axis: usize, entry: &Entry, pair: &Overlap) -> String {
+    let (name, letter) = (&named.name, AXIS_LETTERS[axis]);
+    let mirror_mm = entry.mirror.map_or(0.0, |mirror| mirror.at_mm[axis]);
+    let bounds = BoundingBox::from_tile(&named.tile);
+    let distance = named.tile.position()[axis] - mirror_mm;
+    let reach = 0.5 * (bounds.upper[axis] - bounds.lower[axis]);
+    let move_mm = three_digits_up((reach - distance.abs()).max(0.5 * pair.depth));
+    let depth_mm = three_digits_up(2.0 * (reach - distance.abs()).max(0.5 * pair.depth));
+    let sign = if distance < 0.0 { '-' } else { '+' };
+    let or = if distance.abs() <= DECIMAL_ROUNDING * reach {
+        format!(", or leave \"{letter}\" out of mirror.axes: the tile is its own image")
+    } else {
+        String::new()
+    };
+    format!(
+        "overlaps its own mirror image by {depth_mm} mm, must not overlap: move \"{name}\" by {move_mm} mm along \
+         {sign}{letter}{or}"
+    )
+}
+
+/// Two tiles, of different entries or copies of one. Only the second moves; its image moves with it.
+fn of_two(tiles: &[NamedTile], first: Origin, second: Origin, pair: &Overlap) -> String {
+    let name = &tiles[second.original].name;
+    let whole =
+        if second.is_image() { format!("its image{} overlaps", mirrors(second)) } else { "overlaps".to_owned() };
+    let other = &tiles[first.original].name;
+    let other = if first.is_image() {
+        format!("the image{} of tile \"{other}\"", mirrors(first))
+    } else {
+        format!("tile \"{other}\"")
+    };
+    format!(
+        "{whole} {other} before it by {} mm, must not overlap: move \"{name}\" that far along {}",
+        three_digits_up(pair.depth),
+        direction(second.shift_of_original(pair.direction))
+    )
+}
+
+/// The axes that an image mirrors, such as " mirrored along x and y".
+fn mirrors(origin: Origin) -> String {
+    let axes: Vec<String> =
+        (0..3).filter(|&axis| origin.mirrored[axis]).map(|axis| AXIS_LETTERS[axis].to_string()).collect();
+    format!(" mirrored along {}", axes.join(" and "))
 }
 
 /// Three significant digits, rounded up, so that a move by that much ends the overlap.
