@@ -72,6 +72,12 @@ pub(crate) fn short(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
 
+/// Twelve significant digits, more than anyone types: without the round-off of sums and products of
+/// decimal numbers.
+pub(crate) fn typed(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -278,3 +278,31 @@ fn overlaps_of_images_are_told_of_the_tiles_in_the_file() {
     let moved = format!("position_mm = [3, 2, 0]\n{mirror}");
     assert!(parse(&(tile("position_mm = [-2, 2, 0]\nsize_mm = [1, 1, 1]") + &tile(&moved))).is_ok());
 }
+
+#[test]
+fn volumes_in_metres_and_round_off_are_told() {
+    let film = TILE.replace("[0, 0, 0]\nsize_mm = [1, 1, 1]", "[0, 0, 0.5]\nsize_mm = [8, 8, 1]");
+    let found = |volume: &str| -> Vec<String> {
+        let layout = parse(&format!("{IDEAL}{volume}{film}")).expect("a valid layout");
+        layout.findings.iter().map(ToString::to_string).collect()
+    };
+    let z = |range: &str, step: &str| VOLUME.replace("[-5, -3]", range).replace("step_mm = 0.5", step);
+    assert_eq!(found(VOLUME), [""; 0]);
+    assert_eq!(
+        found(&z("[-0.003, -0.002]", "step_mm = [1, 1, 0.001]")),
+        ["volume: z_mm = [-0.003, -0.002] begins 0.002 mm from the film, nearer than a hundredth of the wavelength, \
+          10 mm (mm, not m: -3 .. -2?)"]
+    );
+    // One end alone is not in metres, and 0.1 mm is a hundredth of the wavelength.
+    assert!(found(&z("[-3.099, -0.099]", "step_mm = 1"))[0].ends_with("wavelength, 10 mm"));
+    assert_eq!(found(&z("[-3.1, -0.1]", "step_mm = 1")), [""; 0]);
+    let step = |step: &str| parse(&format!("{}{film}", z("[-5, -3]", step))).expect_err("too many points");
+    assert!(
+        step("step_mm = 0.00025").ends_with("mm along each axis (mm, not m: 0.25?)"),
+        "{}",
+        step("step_mm = 0.00025")
+    );
+    assert!(step("step_mm = 1e-6").ends_with("mm along each axis"));
+    let ends = VOLUME.replace("x_mm = [-2, 2]", "x_mm = [0.2, 1]").replace("step_mm = 0.5", "step_mm = [0.3, 1, 1]");
+    assert!(found(&ends)[0].ends_with("the last points are at 0.8"), "{:?}", found(&ends));
+}

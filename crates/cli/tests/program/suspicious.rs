@@ -134,19 +134,41 @@ fn lengths_in_metres_are_remarked_on() {
     let small = film.replace(tile, "position_mm = [0.0025, 0.0025, 0.0005]\nsize_mm = [0.0033, 0.0033, 0.001]");
     let (status, found) = findings(&small);
     assert_eq!(status, 1);
-    assert!(found[0].contains("the tiles extend over 0.0083 mm and the working volume over 4 mm"), "{found:?}");
+    assert!(found[0].contains("the film measures 0.0083 mm along x, and the working volume 4 mm along x"), "{found:?}");
     assert!(
-        found[1].contains("a small fraction of the wavelength of [ideal], 10 mm: no film (mm, not m: 8.3?)"),
+        found[1].contains("a small fraction of the wavelength of [ideal], 10 mm: are its tiles in m, not mm?"),
         "{found:?}"
     );
-    remarked(&small.replace(IDEAL, ""), "field", "are the tiles in m? (mm, not m: 8.3?)");
+    remarked(&small.replace(IDEAL, ""), "field", "are the tiles in m, not mm?");
     let volume = "[volume]\nx_mm = [-0.002, 0.002]\ny_mm = [-0.002, 0.002]\nz_mm = [-0.005, -0.003]\nstep_mm = 0.001\n";
-    remarked(&film.replace(VOLUME, volume), "decouple", "is the volume in m? (mm, not m: 4?)");
+    remarked(&film.replace(VOLUME, volume), "decouple", "is the volume in m, not mm?");
     remarked(
         &film.replace("thickness_mm = 1\n", "thickness_mm = 0.001\n"),
         "compare",
         "less than a thousandth of the wavelength",
     );
+}
+
+#[test]
+fn a_volume_that_nearly_touches_the_film_is_remarked_on() {
+    let metres = film().replace("[-5, -3]\nstep_mm = 1", "[-0.003, -0.002]\nstep_mm = [1, 1, 0.001]");
+    let message = "volume: z_mm = [-0.003, -0.002] begins 0.002 mm from the film, nearer than a hundredth of the \
+                   wavelength, 10 mm (mm, not m: -3 .. -2?)";
+    for verb in ["field", "decouple"] {
+        remarked(&metres, verb, message);
+    }
+    // One end alone is not in metres, and 0.1 mm is a hundredth of the wavelength.
+    let near = film().replace("[-5, -3]\nstep_mm = 1", "[-3.099, -0.099]\nstep_mm = 1");
+    let (_, found) = findings(&near);
+    assert!(found.len() == 1 && found[0].ends_with("wavelength, 10 mm"), "{found:?}");
+    assert_eq!(findings(&near.replace("[-3.099, -0.099]", "[-3.1, -0.1]")).0, 0);
+}
+
+#[test]
+fn steps_in_metres_and_ends_without_round_off_are_shown() {
+    refused(&film().replace("step_mm = 1", "step_mm = 0.00025"), "mm along each axis (mm, not m: 0.25?)");
+    let coarse = film().replace("x_mm = [-2, 2]", "x_mm = [0.2, 1]").replace("step_mm = 1", "step_mm = [0.3, 1, 1]");
+    remarked(&coarse, "field", "x_mm = [0.2, 1]; the last points are at 0.8");
 }
 
 #[test]

@@ -244,7 +244,11 @@ fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<L
         return Err(faults.into_sorted());
     }
     findings.extend(findings::about_tiles(&tiles, volume.as_ref()));
-    findings.extend(volume.as_ref().and_then(|volume| plausibility::about_volume(&tiles, volume)));
+    let about_volume = volume.as_ref().and_then(|volume| {
+        let near = || plausibility::about_distance(&tiles, ideal.as_ref()?, volume);
+        plausibility::about_volume(&tiles, volume).or_else(near)
+    });
+    findings.extend(about_volume);
     findings.extend(ideal.iter().flat_map(|ideal| plausibility::about_ideal_film(&tiles, ideal, volume.as_ref())));
     findings.extend(findings::about_expectations(&expectations));
     Ok(Layout {

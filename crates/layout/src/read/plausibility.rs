@@ -6,8 +6,9 @@ use magsplice_magnet::BoundingBox;
 
 use crate::finding::{Finding, FindingSubject};
 use crate::layout::{NamedTile, WorkingVolume};
-use crate::plausible::{MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, meant_length, short};
+use crate::plausible::{MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, meant_length, short, typed};
 use crate::read::strength_rules::doubt;
+use crate::tables::tile::AXIS_LETTERS;
 
 /// Distance of the film from z = 0 that is accepted, as a fraction of the wavelength. It changes the
 /// field by 2 pi times as much, 0.6 %, less than errors of manufacture do.
@@ -24,6 +25,11 @@ const MAX_HEIGHT_RATIO: f64 = 30.0;
 /// Largest ratio of the volume's longest side to that of the tiles. The sides of a film and of its
 /// volume, 20 and 4 mm, have a ratio of 200 if the film is in metres.
 const MAX_VOLUME_RATIO: f64 = 150.0;
+
+/// Distance of the volume from the film that is too small for a sensor, as a fraction of the
+/// wavelength. Half of the harmonic of order 11 reaches it: the field shows every seam, and has
+/// little in common with a sinusoid. No chip in its package comes so near to a film of 10 mm.
+const LEAST_DISTANCE: f64 = 0.01;
 
 /// Findings about the ideal film, and about tiles and volume that it cannot be compared with.
 pub(crate) fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: Option<&WorkingVolume>) -> Vec<Finding> {
@@ -51,10 +57,10 @@ pub(crate) fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: O
     let extent = size.x.max(size.y);
     if extent < LEAST_FILM * wavelength {
         add(format!(
-            "the tiles extend over {} mm along x and y, a small fraction of the wavelength of [ideal], {wavelength} mm: \
-             no film ({})",
+            "the film measures {} mm along {}, a small fraction of the wavelength of [ideal], {wavelength} mm: are its \
+             tiles in m, not mm?",
             short(extent),
-            meant_length(extent)
+            longest_axis(size.with_z(0.0))
         ));
     } else if !is_thin && (size.z > MAX_HEIGHT_RATIO * thickness || size.z * MAX_HEIGHT_RATIO < thickness) {
         let height = short(size.z);
@@ -101,25 +107,54 @@ pub(crate) fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: O
 /// Findings about a volume that is far too large or too small for the tiles.
 pub(crate) fn about_volume(tiles: &[NamedTile], volume: &WorkingVolume) -> Option<Finding> {
     let film = bounds(tiles);
-    let (tiles_mm, volume_mm) =
-        ((film.upper - film.lower).max_element(), (volume.upper_mm - volume.lower_mm).max_element());
-    let [tiles, region] = [tiles_mm, volume_mm].map(short);
-    let message = if tiles_mm * MAX_VOLUME_RATIO < volume_mm {
+    let (film_extents, volume_extents) = (film.upper - film.lower, volume.upper_mm - volume.lower_mm);
+    let (film_mm, volume_mm) = (film_extents.max_element(), volume_extents.max_element());
+    let longest = |extents: DVec3| format!("{} mm along {}", short(extents.max_element()), longest_axis(extents));
+    let [film, region] = [film_extents, volume_extents].map(longest);
+    let message = if film_mm * MAX_VOLUME_RATIO < volume_mm {
         format!(
-            "the tiles extend over {tiles} mm and the working volume over {region} mm, more than {MAX_VOLUME_RATIO} times \
-             as far: are the tiles in m? ({})",
-            meant_length(tiles_mm)
+            "the film measures {film}, and the working volume {region}, more than {MAX_VOLUME_RATIO} times as much: are the \
+             tiles in m, not mm?"
         )
-    } else if volume_mm * MAX_LENGTH_RATIO < tiles_mm {
+    } else if volume_mm * MAX_LENGTH_RATIO < film_mm {
         format!(
-            "the working volume extends over {region} mm and the tiles over {tiles} mm, more than {MAX_LENGTH_RATIO} times \
-             as far: is the volume in m? ({})",
-            meant_length(volume_mm)
+            "the working volume measures {region}, and the film {film}, more than {MAX_LENGTH_RATIO} times as much: is the \
+             volume in m, not mm?"
         )
     } else {
         return None;
     };
     Some(Finding::new(FindingSubject::Volume, message))
+}
+
+/// The finding about a volume below the film that is nearer to it than a sensor can be.
+pub(crate) fn about_distance(tiles: &[NamedTile], ideal: &IdealFilm, volume: &WorkingVolume) -> Option<Finding> {
+    let film = bounds(tiles);
+    let wavelength = ideal.wavelength();
+    // Along x and y the volume may be beside the film.
+    let apart = (film.lower - volume.upper_mm).max(volume.lower_mm - film.upper).max(DVec3::ZERO).length();
+    let distance = film.lower.z - volume.upper_mm.z;
+    if !(distance > 0.0 && apart < LEAST_DISTANCE * wavelength) {
+        return None;
+    }
+    let [low, high] = [volume.lower_mm.z, volume.upper_mm.z].map(typed);
+    let all_near = film.lower.z - volume.lower_mm.z < LEAST_DISTANCE * wavelength;
+    // In metres, the volume is at a distance that a sensor has.
+    let meant = (1e3 * distance >= LEAST_DISTANCE * wavelength && all_near)
+        .then(|| format!(" (mm, not m: {} .. {}?)", typed(1e3 * low), typed(1e3 * high)));
+    Some(Finding::new(
+        FindingSubject::Volume,
+        format!(
+            "volume: z_mm = [{low}, {high}] begins {} mm from the film, nearer than a hundredth of the wavelength, \
+             {wavelength} mm{}",
+            short(distance),
+            meant.unwrap_or_default()
+        ),
+    ))
+}
+
+fn longest_axis(extents: DVec3) -> char {
+    AXIS_LETTERS[extents.max_position()]
 }
 
 /// The box around all tiles.

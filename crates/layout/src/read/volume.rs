@@ -6,6 +6,7 @@ use magsplice_magnet::{Grid, MAX_LENGTH, MIN_SIZE};
 use crate::finding::{Finding, FindingSubject};
 use crate::layout::WorkingVolume;
 use crate::limits::{BYTES_PER_POINT, MAX_POINTS, STEP_ROUNDING};
+use crate::plausible::{MAX_LENGTH_RATIO, meant_length, typed};
 use crate::read::faults::TableFaults;
 use crate::read::number_rules::check_positive;
 use crate::tables::volume::{Step, VolumeTable};
@@ -37,10 +38,11 @@ pub(crate) fn resolve(
     if points > MAX_POINTS {
         faults.add(format!(
             "step_mm = {} makes {points:.3e} points ({:.3e} GB), must make at most {MAX_POINTS:e}: \
-             use a step of at least {} mm along each axis",
+             use a step of at least {} mm along each axis{}",
             as_written(table.step_mm),
             points * BYTES_PER_POINT * 1e-9,
-            least_step(end - lower)
+            least_step(end - lower),
+            meant_step(steps.into(), end - lower).map_or(String::new(), |meant| format!(" ({meant})"))
         ));
         return None;
     }
@@ -51,8 +53,12 @@ pub(crate) fn resolve(
         upper[axis] = if reaches_end { end[axis] } else { reached };
         if !reaches_end {
             let message = format!(
-                "volume: a step of {} mm does not divide {} = [{}, {}]; the last points are at {reached}",
-                steps[axis], ranges[axis].0, lower[axis], end[axis]
+                "volume: a step of {} mm does not divide {} = [{}, {}]; the last points are at {}",
+                steps[axis],
+                ranges[axis].0,
+                lower[axis],
+                end[axis],
+                typed(reached)
             );
             findings.push(Finding::new(FindingSubject::Volume, message));
         }
@@ -76,7 +82,10 @@ fn check_range(key: &str, [low, high]: [f64; 2], faults: &mut TableFaults) {
     } else if low > high {
         faults.add(format!("{key} = [{low}, {high}] is inverted, the first must be less than the second"));
     } else if high - low < MIN_SIZE {
-        faults.add(format!("{key} = [{low:e}, {high:e}] is {:e} long, must be at least {MIN_SIZE:e} long", high - low));
+        faults.add(format!(
+            "{key} = [{low:e}, {high:e}] is {:e} long, must be at least {MIN_SIZE:e} long",
+            typed(high - low)
+        ));
     }
 }
 
@@ -110,6 +119,15 @@ fn least_step(extents: DVec3) -> f64 {
     let digit = 10_f64.powf(step.log10().floor() - 1.0);
     // Through decimal text, which removes the round-off of the product.
     format!("{:.1e}", (step / digit).ceil() * digit).parse().unwrap_or(step)
+}
+
+/// What steps in metres were meant to be: a step below a thousandth of the shortest extent, if a
+/// thousand times the steps make a grid.
+fn meant_step(steps: DVec3, extents: DVec3) -> Option<String> {
+    let shortest = steps.min_element();
+    let points = (extents / (MAX_LENGTH_RATIO * steps) + 1.0).element_product();
+    let is_likely = shortest * MAX_LENGTH_RATIO < extents.min_element() && points <= MAX_POINTS;
+    is_likely.then(|| meant_length(shortest))
 }
 
 fn as_written(step: Step) -> String {
