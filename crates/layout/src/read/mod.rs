@@ -61,6 +61,8 @@ mod syntax_hints;
 mod tables_present;
 /// Position, size and polarization of one tile.
 mod tile_rules;
+/// Values of a wrong type, in the words of the format.
+mod value_types;
 /// Ranges and a step become a grid.
 mod volume;
 
@@ -127,9 +129,11 @@ impl Layout {
             return Err(refused(format!("has {} bytes, must have at most {MAX_FILE_BYTES}", text.len())));
         }
         let file: LayoutFile = toml::from_str(text).map_err(|error| {
-            let hint = syntax_hints::hint(text, error.message(), error.span());
-            let hint = hint.map_or(String::new(), |hint| format!("\n{hint}"));
-            refused(printable(&format!("{}{hint}", error.to_string().trim_end())))
+            let message = syntax_hints::message(text, error.message(), error.span());
+            // The parser's own text ends with its message, after the place in the file.
+            let shown = error.to_string();
+            let place = shown.trim_end().strip_suffix(error.message().trim_end()).unwrap_or(&shown);
+            refused(printable(&format!("{place}{message}")))
         })?;
         let sha256 = Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
         resolve(file, text, sha256).map_err(|faults| LayoutError::Invalid { origin: origin.to_owned(), faults })

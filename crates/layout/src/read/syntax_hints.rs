@@ -7,6 +7,8 @@ use std::ops::Range;
 
 use strsim::jaro_winkler;
 
+use crate::read::value_types;
+
 /// Similarity (Jaro and Winkler) from which on a key is suggested. `tiles` has 0.96 to `tile`,
 /// `wavelenght_mm` 0.98 to `wavelength_mm`; `colour` has 0.4 to 0.6 to every key of a tile.
 const LEAST_SIMILARITY: f64 = 0.84;
@@ -14,9 +16,23 @@ const LEAST_SIMILARITY: f64 = 0.84;
 /// The unit that the end of a key names, in words.
 const UNITS: [(&str, &str); 3] = [("_mm", "mm"), ("_t", "tesla"), ("_deg", "degrees")];
 
+/// The message about a syntax error. `message` and `span` are of the TOML parser. A value of a wrong
+/// type is told by the form that its key wants, if this is known.
+pub(crate) fn message(text: &str, message: &str, span: Option<Range<usize>>) -> String {
+    let key = span.clone().and_then(|span| key_at(text, span.start));
+    let written = span.clone().and_then(|span| text.get(span)).unwrap_or_default();
+    let is_type = message.starts_with("invalid type") || message.starts_with("invalid length");
+    let form = key.filter(|_| is_type).and_then(|key| value_types::wanted_form(key, written));
+    if let Some(form) = form {
+        return form;
+    }
+    let hint = hint(text, message, span).map_or(String::new(), |hint| format!("\n{hint}"));
+    format!("{}{hint}", value_types::without_rust_names(message.trim_end()))
+}
+
 /// A sentence that helps with a syntax error, if there is one. `message` and `span` are of the TOML
 /// parser.
-pub(crate) fn hint(text: &str, message: &str, span: Option<Range<usize>>) -> Option<String> {
+fn hint(text: &str, message: &str, span: Option<Range<usize>>) -> Option<String> {
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let key = span.and_then(|span| key_at(text, span.start));
     if let Some(unknown) = quoted.first().filter(|_| message.starts_with("unknown field")) {
@@ -29,11 +45,6 @@ pub(crate) fn hint(text: &str, message: &str, span: Option<Range<usize>>) -> Opt
         return about_missing(quoted.first()?);
     }
     match key? {
-        "rotation" => Some(
-            "give an axis and an angle: `rotation = { axis = [0, 0, 1], angle_deg = 30 }` turns a tile by 30 degrees, \
-             right-handed, about z. Other forms: `quaternion = [x, y, z, w]`, `euler_deg` with `order`, `matrix`"
-                .to_owned(),
-        ),
         "tile" | "lattice" if message.contains("expected a sequence") => {
             let key = key?;
             Some(format!("write [[{key}]] with two brackets: a layout has a list of them"))
