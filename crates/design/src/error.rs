@@ -56,6 +56,10 @@ impl DesignError {
 impl fmt::Display for DesignError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            DesignError::Missing("design") => f.write_str(
+                "the layout has no [design] table, which design needs: add one, at the least the line \
+                 `design = { vary = [\"size\", \"position\", \"direction\"] }` below the name",
+            ),
             DesignError::Missing(table) => write!(f, "the layout has no [{table}] table, which design needs: add one"),
             DesignError::NotSymmetric(tiles) => write!(
                 f,

@@ -87,7 +87,10 @@ fn impossible_designs_are_refused_and_nothing_is_written() {
     }
     sandbox.write("film.toml", &film("vary = [\"size\"]\nsmallest_cut_mm = 4.0\nstarts = 1"));
     sandbox.run(&["design", "film.toml", "-o", "better.toml"]).refuses("a side must be at least 4 mm");
-    sandbox.run(&["design", &shipped("single-tile"), "-o", "better.toml"]).refuses("no [design] table");
+    sandbox.run(&["design", &shipped("single-tile"), "-o", "better.toml"]).refuses(
+        "no [design] table, which design needs: add one, at the least the line `design = { vary = [\"size\", \"position\", \
+         \"direction\"] }` below the name",
+    );
     sandbox.write("film.toml", &film(QUICK));
     sandbox.run(&["design", "film.toml", "-o", "film.toml"]).refuses("it is an input, which would be lost");
     sandbox.run(&["design", "film.toml", "--front"]).refuses("--front writes a folder: name one with -o DIR");
