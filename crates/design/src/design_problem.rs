@@ -3,7 +3,7 @@
 use magsplice_ideal::IdealFilm;
 
 use magsplice_layout::{Brief, Layout, Symmetry, WorkingVolume};
-use magsplice_magnet::{Grid, Tile};
+use magsplice_magnet::{BoundingBox, Grid, Tile};
 
 use crate::descent::LeastSquares;
 use crate::error::DesignError;
@@ -12,7 +12,7 @@ use crate::pattern::Pattern;
 use crate::rules::{DesignBounds, LinearRule, RuleMeaning};
 use crate::sampling::Sampling;
 use crate::symmetry::orbits;
-use crate::tolerances::{AMPLITUDE_MARGIN, POINTS_ALONG};
+use crate::tolerances::{AMPLITUDE_MARGIN, POINTS_ALONG, SAME_TILE};
 
 /// A layout with a brief that can be carried out. Lengths in millimetres, polarization in tesla.
 ///
@@ -27,6 +27,26 @@ pub struct DesignProblem<'a> {
     /// The film with every number free that the brief lets vary.
     pub(crate) pattern: Pattern,
     pub(crate) least_squares: LeastSquares,
+}
+
+/// Where a film lies that is not centred on 0 along x and y.
+fn off_centre(tiles: &[Tile]) -> Option<String> {
+    let bounds = tiles.iter().map(BoundingBox::from_tile);
+    let film = bounds
+        .reduce(|all, tile| BoundingBox { lower: all.lower.min(tile.lower), upper: all.upper.max(tile.upper) })?;
+    let spans: Vec<String> = ["x", "y"]
+        .into_iter()
+        .zip(film.lower.to_array().into_iter().zip(film.upper.to_array()))
+        .filter(|(_, (low, high))| (low + high).abs() > SAME_TILE * (high - low))
+        .map(|(axis, (low, high))| format!("{axis} = {} .. {}", shown_mm(low), shown_mm(high)))
+        .collect();
+    (!spans.is_empty()).then(|| format!("the film spans {} mm, which is not centred on 0", spans.join(" and ")))
+}
+
+/// A length without the round-off of sums of decimal numbers.
+fn shown_mm(value_mm: f64) -> f64 {
+    // Adding 0 turns -0 into 0.
+    format!("{value_mm:.6}").parse().unwrap_or(value_mm) + 0.0
 }
 
 impl<'a> DesignProblem<'a> {
@@ -54,7 +74,10 @@ impl<'a> DesignProblem<'a> {
         if moves && !rotated.is_empty() {
             return Err(DesignError::Rotated(named(rotated)));
         }
-        let orbits = orbits(&tiles, brief.symmetry).map_err(|without| DesignError::NotSymmetric(named(without)))?;
+        let orbits = orbits(&tiles, brief.symmetry).map_err(|without| {
+            let most = 2 * without.len() >= tiles.len();
+            DesignError::NotSymmetric { off_centre: off_centre(&tiles).filter(|_| most), tiles: named(without) }
+        })?;
         let pattern = Pattern::new(&tiles, &orbits, &brief);
         if pattern.kinds.is_empty() {
             return Err(DesignError::NothingFree);

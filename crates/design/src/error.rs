@@ -15,8 +15,13 @@ use crate::tolerances::MAX_LISTED;
 pub enum DesignError {
     /// The layout lacks this table.
     Missing(&'static str),
-    /// These tiles have no image under the symmetry of the brief.
-    NotSymmetric(Vec<String>),
+    /// Some tiles have no image under the symmetry of the brief.
+    NotSymmetric {
+        /// Names of these tiles.
+        tiles: Vec<String>,
+        /// Where the film lies, if it is not centred on 0, so that most tiles have no image.
+        off_centre: Option<String>,
+    },
     /// These tiles are rotated, and the brief lets sizes or positions vary or has a symmetry.
     Rotated(Vec<String>),
     /// The brief and the symmetry leave no number free.
@@ -61,10 +66,11 @@ impl fmt::Display for DesignError {
                  `design = { vary = [\"size\", \"position\", \"direction\"] }` below the name",
             ),
             DesignError::Missing(table) => write!(f, "the layout has no [{table}] table, which design needs: add one"),
-            DesignError::NotSymmetric(tiles) => write!(
+            DesignError::NotSymmetric { tiles, off_centre } => write!(
                 f,
-                "tiles without an image under the symmetry of [design]: {}; add the images (arrows are mirrored like \
+                "{}tiles without an image under the symmetry of [design]: {}; add the images (arrows are mirrored like \
                  drawn ones), or ask for less symmetry",
+                off_centre.as_ref().map_or(String::new(), |reason| format!("{reason}: ")),
                 listed(tiles, ", ")
             ),
             DesignError::Rotated(tiles) => write!(

@@ -100,6 +100,29 @@ fn impossible_designs_are_refused_and_nothing_is_written() {
 }
 
 #[test]
+fn a_film_beside_the_centre_has_no_symmetry() {
+    let sandbox = Sandbox::new();
+    let lattice = film("vary = [\"direction\"]\nsymmetry = \"four-fold\"\nstarts = 1");
+    let moved = lattice.replace("start_mm = [-10.0,", "start_mm = [-10.2,");
+    assert_ne!(lattice, moved);
+    sandbox.write("film.toml", &moved);
+    let said = sandbox.run(&["design", "film.toml", "-o", "better.toml"]);
+    said.refuses(
+        "the film spans x = -10.2 .. 9.8 mm, which is not centred on 0: tiles without an image under the symmetry",
+    );
+}
+
+#[test]
+fn the_shortest_design_table_works() {
+    let sandbox = Sandbox::new();
+    let text = film("").replace("[design]\n", "");
+    let (head, tables) = text.split_at(text.find("\n[").expect("a table") + 1);
+    sandbox
+        .write("film.toml", &format!("{head}design = {{ vary = [\"size\", \"position\", \"direction\"] }}\n{tables}"));
+    assert_eq!(sandbox.run(&["check", "film.toml"]).status, 0);
+}
+
+#[test]
 fn front_writes_tables_figures_and_layouts() {
     let sandbox = Sandbox::new();
     sandbox.write("film.toml", &film(QUICK));
