@@ -1,6 +1,6 @@
 //! Results of `check`: a layout with the outcome of each of its expectations.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use magsplice::expect::{Expectation, Outcome};
@@ -47,6 +47,12 @@ impl CheckedExpectation {
 }
 
 impl CheckedLayout {
+    /// A file or a folder that cannot be checked.
+    pub(crate) fn refused(path: &Path, message: &str) -> CheckedLayout {
+        let layout = Err(format!("{}: {message}", path.display()));
+        CheckedLayout { path: path.to_owned(), layout, expectations: Vec::new(), reading: Duration::ZERO }
+    }
+
     /// The worst status of the layout and its expectations.
     pub(crate) fn status(&self) -> CheckStatus {
         let own = match &self.layout {

@@ -1,6 +1,7 @@
 //! The JUnit form of the results of `check`: a suite for each layout, with a case for the file and
 //! one for each expectation.
 
+use std::path::Path;
 use std::time::Duration;
 
 use magsplice::expect::Outcome;
@@ -8,12 +9,14 @@ use magsplice::layout::Layout;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
 use crate::checked::{CheckStatus, CheckedLayout};
+use crate::layout_files::NO_LAYOUT;
 use crate::text::check::{bound, location};
 
 /// The results as JUnit XML.
-pub(crate) fn xml(layouts: &[CheckedLayout]) -> String {
+pub(crate) fn xml(layouts: &[CheckedLayout], skipped: &[&Path]) -> String {
     let mut report = Report::new("magsplice check");
     report.add_test_suites(layouts.iter().map(suite));
+    report.add_test_suites(skipped.iter().map(|path| skipped_suite(path)));
     let all =
         layouts.iter().map(|layout| layout.reading + layout.expectations.iter().map(|e| e.took).sum::<Duration>());
     report.set_time(all.sum());
@@ -46,6 +49,17 @@ fn suite(checked: &CheckedLayout) -> TestSuite {
             case
         }));
     }
+    suite
+}
+
+/// A TOML file that is no layout.
+fn skipped_suite(path: &Path) -> TestSuite {
+    let file = xml_text(&path.display().to_string());
+    let mut suite = TestSuite::new(file.clone());
+    let mut skipped = TestCaseStatus::skipped();
+    skipped.set_message(NO_LAYOUT);
+    suite.add_test_case(case("layout", &file, skipped, Duration::ZERO));
+    suite.set_time(Duration::ZERO);
     suite
 }
 

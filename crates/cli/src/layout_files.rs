@@ -6,62 +6,100 @@ use std::path::{Path, PathBuf};
 
 use magsplice::layout::is_layout;
 
-use crate::failure::Failure;
-
 /// Deepest folder below an argument that is searched. A deeper tree is a mistake or a circle of
 /// mounts.
 const MAX_DEPTH: usize = 64;
 
-/// The layout files that `arguments` name, and the files of folders that were skipped because they
-/// are TOML but no layouts.
+/// Why a TOML file of a folder is skipped.
+pub(crate) const NO_LAYOUT: &str = "no layout: it has no key format";
+
+/// A file or a folder that the arguments name.
+pub(crate) enum NamedFile {
+    /// A layout, or a file that may be a broken one.
+    Layout(PathBuf),
+    /// A TOML file of a folder that is no layout.
+    Skipped(PathBuf),
+    /// A folder without a layout, or what cannot be searched or read, with the reason.
+    Refused(PathBuf, String),
+}
+
+/// The files that `arguments` name, in the order of the arguments.
 ///
 /// A folder stands for all files `*.toml` below it, in the order of their paths. Folders and files
 /// whose names begin with a dot are not searched, nor are links to folders. A folder without a
-/// layout is refused: a build that checks nothing must not pass.
-pub(crate) fn expand(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Failure> {
-    let (mut layouts, mut skipped) = (Vec::new(), Vec::new());
+/// layout is refused: a build that checks nothing must not pass. So is a link `*.toml` that leads
+/// nowhere: the film behind it would vanish from the build.
+pub(crate) fn expand(arguments: &[PathBuf]) -> Vec<NamedFile> {
+    let mut files = Vec::new();
     for argument in arguments {
         if !argument.is_dir() {
-            layouts.push(argument.clone());
+            files.push(NamedFile::Layout(argument.clone()));
             continue;
         }
         let mut found = Vec::new();
-        search(argument, 0, &mut found)?;
-        found.sort();
-        let before = layouts.len();
-        for path in found {
-            // A file that cannot be read, or is not TOML, may be a broken layout: `check` says why.
-            let is_other = fs::read_to_string(&path).is_ok_and(|text| is_layout(&text) == Some(false));
-            if is_other { skipped.push(path) } else { layouts.push(path) }
-        }
-        if layouts.len() == before {
+        search(argument, 0, &mut found);
+        found.sort_by(|a, b| a.path().cmp(b.path()));
+        if found.iter().all(|file| matches!(file, NamedFile::Skipped(_))) {
             let message = "no layout in this folder: a layout is a file *.toml with the key format".to_owned();
-            return Err(Failure::Points { path: argument.clone(), message });
+            files.push(NamedFile::Refused(argument.clone(), message));
         }
+        files.append(&mut found);
     }
-    Ok((layouts, skipped))
+    files
 }
 
-fn search(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
-    let failed = |error: &dyn std::fmt::Display| Failure::Points {
-        path: folder.to_owned(),
-        message: format!("cannot read this folder: {error}"),
+impl NamedFile {
+    fn path(&self) -> &Path {
+        match self {
+            NamedFile::Layout(path) | NamedFile::Skipped(path) | NamedFile::Refused(path, _) => path,
+        }
+    }
+
+    /// A file `*.toml` of a folder.
+    fn in_folder(path: PathBuf) -> NamedFile {
+        match fs::metadata(&path) {
+            Err(error) if path.is_symlink() => {
+                NamedFile::Refused(path, format!("cannot follow this symbolic link: {error}"))
+            }
+            Ok(file) if !file.is_file() => NamedFile::Refused(path, "not a regular file".to_owned()),
+            // A file that cannot be read, or is not TOML, may be a broken layout: `check` says why.
+            _ if fs::read_to_string(&path).is_ok_and(|text| is_layout(&text) == Some(false)) => {
+                NamedFile::Skipped(path)
+            }
+            _ => NamedFile::Layout(path),
+        }
+    }
+}
+
+/// Adds what is below a folder. A part that cannot be read does not hide the rest.
+fn search(folder: &Path, depth: usize, found: &mut Vec<NamedFile>) {
+    let failed = |error: &dyn std::fmt::Display| {
+        NamedFile::Refused(folder.to_owned(), format!("cannot read this folder: {error}"))
     };
     if depth > MAX_DEPTH {
-        return Err(failed(&format_args!("more than {MAX_DEPTH} folders deep")));
+        return found.push(failed(&format_args!("more than {MAX_DEPTH} folders deep")));
     }
-    for entry in fs::read_dir(folder).map_err(|error| failed(&error))? {
-        let entry = entry.map_err(|error| failed(&error))?;
-        let (path, kind) = (entry.path(), entry.file_type().map_err(|error| failed(&error))?);
+    let entries = match fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) => return found.push(failed(&error)),
+    };
+    for entry in entries {
+        let (entry, kind) = match entry.and_then(|entry| entry.file_type().map(|kind| (entry, kind))) {
+            Ok(entry) => entry,
+            Err(error) => {
+                found.push(failed(&error));
+                continue;
+            }
+        };
+        let path = entry.path();
         if entry.file_name().as_encoded_bytes().starts_with(b".") {
             continue;
         }
         let is_toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
         if kind.is_dir() {
-            search(&path, depth + 1, found)?;
-        } else if is_toml && path.is_file() {
-            found.push(path);
+            search(&path, depth + 1, found);
+        } else if is_toml && !path.is_dir() {
+            found.push(NamedFile::in_folder(path));
         }
     }
-    Ok(())
 }

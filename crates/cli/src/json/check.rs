@@ -1,21 +1,37 @@
 //! `check`: layouts with their expectations.
 
+use std::path::Path;
+
 use magsplice::expect::{Bound, Expectation, Location};
 use magsplice::layout::Layout;
 use serde::Serialize;
 
 use crate::checked::{CheckStatus, CheckedExpectation, CheckedLayout};
+use crate::layout_files::NO_LAYOUT;
 
 /// The result of `check`.
 #[derive(Serialize)]
 pub(crate) struct CheckJson<'a> {
     version: &'static str,
     layouts: Vec<CheckedLayoutJson<'a>>,
+    skipped: Vec<SkippedJson>,
+}
+
+/// A TOML file of a folder that is no layout.
+#[derive(Serialize)]
+struct SkippedJson {
+    file: String,
+    reason: &'static str,
 }
 
 impl<'a> CheckJson<'a> {
-    pub(crate) fn new(layouts: &'a [CheckedLayout]) -> CheckJson<'a> {
-        CheckJson { version: env!("CARGO_PKG_VERSION"), layouts: layouts.iter().map(CheckedLayoutJson::from).collect() }
+    pub(crate) fn new(layouts: &'a [CheckedLayout], skipped: &[&Path]) -> CheckJson<'a> {
+        let skipped = skipped.iter().map(|path| SkippedJson { file: path.display().to_string(), reason: NO_LAYOUT });
+        CheckJson {
+            version: env!("CARGO_PKG_VERSION"),
+            layouts: layouts.iter().map(CheckedLayoutJson::from).collect(),
+            skipped: skipped.collect(),
+        }
     }
 }
 

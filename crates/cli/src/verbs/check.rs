@@ -16,10 +16,11 @@ use crate::args::check::CheckArgs;
 use crate::args::formats::CheckFormat;
 use crate::checked::{CheckStatus, CheckedExpectation, CheckedLayout};
 use crate::failure::{self, Failure};
+use crate::layout_files::{self, NO_LAYOUT, NamedFile};
 use crate::output::destination::print;
 use crate::progress::ProgressLine;
 use crate::words::film_failure;
-use crate::{baseline, json, junit, layout_files, text};
+use crate::{baseline, json, junit, text};
 
 /// Returns the worst status of all layouts, as an exit status.
 pub(crate) fn run(args: &CheckArgs, quiet: bool) -> Result<u8, Failure> {
@@ -29,18 +30,26 @@ pub(crate) fn run(args: &CheckArgs, quiet: bool) -> Result<u8, Failure> {
     let mut printed = Ok(());
     let mut all = Vec::new();
     let progress = ProgressLine::start(!quiet);
-    let (paths, skipped) = layout_files::expand(&args.layouts)?;
-    if !quiet {
-        for path in &skipped {
-            failure::tell(&format_args!("{}: skipped, no layout: it has no key format", path.display()));
-        }
-    }
-    for (index, path) in paths.iter().enumerate() {
-        if paths.len() > 1 {
-            progress.set_prefix(format!("{} ({} of {}): ", path.display(), index + 1, paths.len()));
-            progress.show(Stage::uncounted("reading the layout"));
-        }
-        let checked = check(path, args.update, quiet, &progress);
+    let files = layout_files::expand(&args.layouts);
+    let mut skipped = Vec::new();
+    for (index, file) in files.iter().enumerate() {
+        let checked = match file {
+            NamedFile::Skipped(path) => {
+                if !quiet {
+                    progress.suspend(|| failure::tell(&format_args!("{}: skipped, {NO_LAYOUT}", path.display())));
+                }
+                skipped.push(path.as_path());
+                continue;
+            }
+            NamedFile::Refused(path, message) => CheckedLayout::refused(path, message),
+            NamedFile::Layout(path) => {
+                if files.len() > 1 {
+                    progress.set_prefix(format!("{} ({} of {}): ", path.display(), index + 1, files.len()));
+                    progress.show(Stage::uncounted("reading the layout"));
+                }
+                check(path, args.update, quiet, &progress)
+            }
+        };
         status = status.max(checked.status());
         progress.suspend(|| {
             // Each layout as soon as it is checked. Findings go to standard error, also after the
@@ -55,8 +64,8 @@ pub(crate) fn run(args: &CheckArgs, quiet: bool) -> Result<u8, Failure> {
     progress.end();
     let printed = match args.format {
         CheckFormat::Text => printed,
-        CheckFormat::Json => print(&json::pretty(&json::check::CheckJson::new(&all))),
-        CheckFormat::Junit => print(&junit::xml(&all)),
+        CheckFormat::Json => print(&json::pretty(&json::check::CheckJson::new(&all, &skipped))),
+        CheckFormat::Junit => print(&junit::xml(&all, &skipped)),
     };
     match printed {
         Ok(()) | Err(Failure::PipeClosed) => Ok(status as u8),

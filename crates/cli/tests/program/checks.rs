@@ -367,3 +367,45 @@ fn folders_stand_for_all_layouts_below_them_in_order() {
         assert!(said.stdout.contains("films/z.toml") && !said.stdout.contains("loop"), "{}", said.stdout);
     }
 }
+
+/// A build reads the file of results: a bad path must not leave it empty, nor hide good films.
+#[test]
+fn folder_without_layouts_is_an_error_among_the_results() {
+    let sandbox = Sandbox::new();
+    published(&sandbox, |text| text);
+    for folder in ["empty", "others"] {
+        std::fs::create_dir_all(sandbox.path(folder)).unwrap();
+    }
+    sandbox.write("others/Cargo.toml", "[package]\nname = \"film\"\n");
+    let (status, json) = report(&sandbox, &["empty", "others", "films"]);
+    assert_eq!(status, 2);
+    let of = |key: &str| json["layouts"].as_array().unwrap().iter().map(|l| l[key].clone()).collect::<Vec<Value>>();
+    assert_eq!(of("file"), ["empty", "others", "films/film.toml"]);
+    assert_eq!(of("status"), ["error", "error", "ok"]);
+    assert!(of("error")[0].as_str().unwrap().starts_with("empty: no layout in this folder"), "{json}");
+    assert_eq!(json["skipped"], json!([{ "file": "others/Cargo.toml", "reason": "no layout: it has no key format" }]));
+    assert_eq!(of("expectations")[2].as_array().unwrap().len(), 6);
+
+    let said = sandbox.run(&["check", "empty", "others", "films", "--format", "junit", "-q"]);
+    assert_eq!(said.status, 2);
+    let xml = roxmltree::Document::parse(&said.stdout).expect("well-formed XML");
+    let count = |tag: &'static str| xml.descendants().filter(move |node| node.has_tag_name(tag)).count();
+    assert_eq!((count("testsuite"), count("testcase"), count("error"), count("skipped")), (4, 10, 2, 1));
+    assert_eq!(xml.root_element().attribute("skipped"), Some("1"));
+}
+
+/// A film whose link is broken must not vanish from the build.
+#[cfg(unix)]
+#[test]
+fn link_to_nothing_in_a_folder_is_an_error() {
+    let sandbox = Sandbox::new();
+    published(&sandbox, |text| text);
+    std::os::unix::fs::symlink("gone.toml", sandbox.path("films/a.toml")).unwrap();
+    let (status, json) = report(&sandbox, &["films"]);
+    assert_eq!(status, 2);
+    let first = &json["layouts"][0];
+    assert_eq!((&first["file"], &first["status"]), (&json!("films/a.toml"), &json!("error")));
+    let message = first["error"].as_str().unwrap();
+    assert!(message.starts_with("films/a.toml: cannot follow this symbolic link: No such file"), "{message}");
+    assert_eq!(json["layouts"][1]["status"], "ok");
+}
