@@ -12,6 +12,8 @@ pub(crate) struct CheckedLayout {
     /// The layout, or why it cannot be used.
     pub(crate) layout: Result<Layout, String>,
     pub(crate) expectations: Vec<CheckedExpectation>,
+    /// How far the field moved from the earlier baseline, in words, if the baseline was rewritten.
+    pub(crate) moved: Option<String>,
     /// Time that reading and validating the file took.
     pub(crate) reading: Duration,
 }
@@ -50,7 +52,7 @@ impl CheckedLayout {
     /// A file or a folder that cannot be checked.
     pub(crate) fn refused(path: &Path, message: &str) -> CheckedLayout {
         let layout = Err(format!("{}: {message}", path.display()));
-        CheckedLayout { path: path.to_owned(), layout, expectations: Vec::new(), reading: Duration::ZERO }
+        CheckedLayout { path: path.to_owned(), layout, expectations: Vec::new(), moved: None, reading: Duration::ZERO }
     }
 
     /// The worst status of the layout and its expectations.

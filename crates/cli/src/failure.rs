@@ -16,6 +16,11 @@ pub(crate) const PRINTED_FAULTS: usize = 20;
 /// A message may cite a path or a file, so control characters are written as escapes: a terminal
 /// would obey them.
 pub(crate) fn tell(message: &impl fmt::Display) {
+    let _ = writeln!(io::stderr(), "magsplice: {}", escaped(message));
+}
+
+/// The text with escapes in place of control characters, but for ends of lines and tabs.
+pub(crate) fn escaped(message: &impl fmt::Display) -> String {
     let mut text = String::new();
     for c in message.to_string().chars() {
         if c.is_control() && !matches!(c, '\n' | '\t') {
@@ -24,7 +29,7 @@ pub(crate) fn tell(message: &impl fmt::Display) {
             text.push(c);
         }
     }
-    let _ = writeln!(io::stderr(), "magsplice: {text}");
+    text
 }
 
 /// Why the program stops.

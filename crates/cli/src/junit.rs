@@ -4,13 +4,11 @@
 use std::path::Path;
 use std::time::Duration;
 
-use magsplice::expect::Outcome;
-use magsplice::layout::Layout;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
 use crate::checked::{CheckStatus, CheckedLayout};
 use crate::layout_files::NO_LAYOUT;
-use crate::text::check::{bound, location};
+use crate::text::check::sentence;
 
 /// The results as JUnit XML.
 pub(crate) fn xml(layouts: &[CheckedLayout], skipped: &[&Path]) -> String {
@@ -37,6 +35,9 @@ fn suite(checked: &CheckedLayout) -> TestSuite {
     suite.add_test_case(case("layout", &file, own, checked.reading));
     let evaluation: Duration = checked.expectations.iter().map(|expectation| expectation.took).sum();
     suite.set_time(checked.reading + evaluation);
+    if let Some(moved) = &checked.moved {
+        suite.add_property(("moved", moved.as_str()));
+    }
     if let Ok(layout) = &checked.layout {
         suite.add_test_cases(checked.expectations.iter().map(|checked| {
             let message = match &checked.outcome {
@@ -45,7 +46,10 @@ fn suite(checked: &CheckedLayout) -> TestSuite {
             };
             let mut case =
                 case(&checked.expectation.to_string(), &file, status(checked.status(), &message), checked.took);
-            case.set_system_out(xml_text(&message));
+            // A failure and an error hold the message themselves.
+            if checked.status() == CheckStatus::Ok {
+                case.set_system_out(xml_text(&message));
+            }
             case
         }));
     }
@@ -83,11 +87,8 @@ fn status(status: CheckStatus, message: &str) -> TestCaseStatus {
         CheckStatus::Unusable => NonSuccessKind::Error,
     };
     let mut status = TestCaseStatus::non_success(kind);
-    status.set_message(xml_text(message));
+    // An attribute has no line breaks: XML parsers read them as blanks.
+    status.set_message(xml_text(message.lines().next().unwrap_or_default()));
+    status.set_description(xml_text(message));
     status
-}
-
-fn sentence(outcome: &Outcome, layout: &Layout) -> String {
-    let (value, margin) = (outcome.value, outcome.margin());
-    format!("{value:?}, {}, margin {margin:?} {}", bound(outcome), location(outcome, layout)).trim_end().to_owned()
 }

@@ -1,7 +1,7 @@
 //! The program `magsplice`. Results go to standard output, everything else to standard error.
 //!
-//! Exit status: 0 success; 1 `check` has a finding, or a designed film misses a requirement; 2 the
-//! work could not be done; 130 interrupted.
+//! Exit status: 0 success; 1 a check fails or has a finding, or a designed film misses a
+//! requirement; 2 the work could not be done; 130 interrupted.
 //!
 //! A verb in `verbs/` takes its arguments from `args/`, runs the library, and passes the result
 //! through `text/`, `json/`, `junit.rs` or `output/table.rs` to a destination in `output/`.

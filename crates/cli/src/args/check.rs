@@ -6,9 +6,9 @@ use super::formats::CheckFormat;
 
 /// Validate layouts, and check their films against what their [expect] tables state.
 ///
-/// Prints one line per expectation: the value found, its bound and the margin. Exit status: 0 no
-/// finding; 1 an expectation is not met, or a layout has something that is allowed but rarely
-/// intended; 2 a layout cannot be used, or an expectation cannot be evaluated.
+/// Prints one line per expectation: the value found, its bound and the margin. Exit status: 0 every
+/// expectation is met; 1 an expectation is not met, or a layout has a finding, which is allowed but
+/// rarely intended; 2 a layout cannot be used, or an expectation cannot be evaluated.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  magsplice check layouts/*.toml\n  magsplice check layouts --format junit > checks.xml"

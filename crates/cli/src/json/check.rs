@@ -46,6 +46,9 @@ struct CheckedLayoutJson<'a> {
     tiles: Option<usize>,
     findings: Vec<&'a str>,
     expectations: Vec<CheckedExpectationJson<'a>>,
+    /// How far the field moved from the earlier baseline.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    moved: Option<&'a str>,
 }
 
 impl<'a> From<&'a CheckedLayout> for CheckedLayoutJson<'a> {
@@ -61,6 +64,7 @@ impl<'a> From<&'a CheckedLayout> for CheckedLayoutJson<'a> {
             tiles: layout.ok().map(|l| l.tiles.len()),
             findings: checked.findings().iter().map(|finding| finding.message.as_str()).collect(),
             expectations: checked.expectations.iter().map(expectation).collect(),
+            moved: checked.moved.as_deref(),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! `magsplice check`: validates layouts, and checks films against their expectations.
 
-use std::fmt;
+use std::collections::HashMap;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anstream::{AutoStream, ColorChoice};
@@ -31,13 +31,21 @@ pub(crate) fn run(args: &CheckArgs, quiet: bool) -> Result<u8, Failure> {
     let mut all = Vec::new();
     let progress = ProgressLine::start(!quiet);
     let files = layout_files::expand(&args.layouts);
+    if args.update {
+        refuse_shared_baselines(&files)?;
+    }
     let mut skipped = Vec::new();
     for (index, file) in files.iter().enumerate() {
         let checked = match file {
             NamedFile::Skipped(path) => {
-                if !quiet {
-                    progress.suspend(|| failure::tell(&format_args!("{}: skipped, {NO_LAYOUT}", path.display())));
-                }
+                let remark = format!("{}: skipped, {NO_LAYOUT}", path.display());
+                progress.suspend(|| match args.format {
+                    _ if quiet => {}
+                    CheckFormat::Text if printed.is_ok() => {
+                        printed = print(&format!("{}\n", failure::escaped(&remark)));
+                    }
+                    CheckFormat::Text | CheckFormat::Json | CheckFormat::Junit => failure::tell(&remark),
+                });
                 skipped.push(path.as_path());
                 continue;
             }
@@ -52,18 +60,21 @@ pub(crate) fn run(args: &CheckArgs, quiet: bool) -> Result<u8, Failure> {
         };
         status = status.max(checked.status());
         progress.suspend(|| {
-            // Each layout as soon as it is checked. Findings go to standard error, also after the
-            // reader of standard output has closed it.
+            // Each layout as soon as it is checked.
             if args.format == CheckFormat::Text && printed.is_ok() {
                 printed = print(&text::check::checked_layout(&checked, quiet, colours));
             }
-            tell(&checked);
+            // Beside a file of results, the log of a build has standard error only. A reader that
+            // has closed standard output may still read it, too.
+            if args.format != CheckFormat::Text || printed.is_err() {
+                tell(&checked);
+            }
         });
         all.push(checked);
     }
     progress.end();
     let printed = match args.format {
-        CheckFormat::Text => printed,
+        CheckFormat::Text => printed.and_then(|()| print(&text::check::summary(&all, skipped.len()))),
         CheckFormat::Json => print(&json::pretty(&json::check::CheckJson::new(&all, &skipped))),
         CheckFormat::Junit => print(&junit::xml(&all, &skipped)),
     };
@@ -76,8 +87,13 @@ pub(crate) fn run(args: &CheckArgs, quiet: bool) -> Result<u8, Failure> {
 fn check(path: &Path, update: bool, quiet: bool, progress: &ProgressLine) -> CheckedLayout {
     let started = Instant::now();
     let layout = Layout::read(path).map_err(|e| e.to_string());
-    let mut checked =
-        CheckedLayout { path: path.to_owned(), layout, expectations: Vec::new(), reading: started.elapsed() };
+    let mut checked = CheckedLayout {
+        path: path.to_owned(),
+        layout,
+        expectations: Vec::new(),
+        moved: None,
+        reading: started.elapsed(),
+    };
     let Ok(layout) = &checked.layout else { return checked };
     if layout.expectations.is_empty() {
         return checked;
@@ -85,10 +101,13 @@ fn check(path: &Path, update: bool, quiet: bool, progress: &ProgressLine) -> Che
     let show = |stage: Stage| progress.show(stage);
     let film = Film::new(layout).with_progress(&show);
     let mut started = Instant::now();
-    let baseline = baseline(path, &film, update, |remark| {
+    let mut moved = None;
+    let baseline = baseline(path, &film, update, |file, points, how_far| {
         if !quiet {
-            progress.suspend(|| failure::tell(&remark));
+            let wrote = format_args!("wrote {}, {points} points: {how_far}", file.display());
+            progress.suspend(|| failure::tell(&wrote));
         }
+        moved = Some(how_far);
     });
     let mut expectations = Vec::new();
     film.each_outcome(baseline.as_ref().and_then(|b| b.as_ref().ok()), |expectation, outcome| {
@@ -99,8 +118,46 @@ fn check(path: &Path, update: bool, quiet: bool, progress: &ProgressLine) -> Che
         expectations.push(CheckedExpectation { expectation, outcome, took: started.elapsed() });
         started = Instant::now();
     });
-    checked.expectations = expectations;
+    (checked.expectations, checked.moved) = (expectations, moved);
     checked
+}
+
+/// Refuses layouts that name one file as their baseline: the last would replace those of the others.
+fn refuse_shared_baselines(files: &[NamedFile]) -> Result<(), Failure> {
+    let mut owners: HashMap<PathBuf, (PathBuf, &Path)> = HashMap::new();
+    for file in files {
+        let NamedFile::Layout(path) = file else { continue };
+        // What is wrong with a layout is told when it is checked.
+        let Ok(layout) = Layout::read(path) else { continue };
+        let Some(expected) = &layout.expectations.field else { continue };
+        let baseline = baseline_path(path, &expected.file);
+        // A layout that is named twice, or by a link, shares its baseline with itself only.
+        let (baseline_id, layout_id) = (file_id(&baseline), file_id(path));
+        let (owner_id, owner) = owners.entry(baseline_id).or_insert_with(|| (layout_id.clone(), path.as_path()));
+        if *owner_id != layout_id {
+            let message = format!(
+                "the layouts {} and {} name the same baseline: give each its own (nothing was written)",
+                owner.display(),
+                path.display()
+            );
+            return Err(Failure::Points { path: baseline, message });
+        }
+    }
+    Ok(())
+}
+
+/// The path without links, also of a file that does not exist yet.
+fn file_id(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+        folder.join(path.file_name().unwrap_or_default())
+    })
+}
+
+/// The file of a baseline. Its name is relative to the layout, not to the working directory.
+fn baseline_path(layout: &Path, name: &(impl AsRef<Path> + ?Sized)) -> PathBuf {
+    layout.parent().unwrap_or(Path::new("")).join(name)
 }
 
 /// The baseline of the layout, if it names one; with `update` it is rewritten first.
@@ -108,11 +165,10 @@ fn baseline(
     path: &Path,
     film: &Film,
     update: bool,
-    remark: impl Fn(fmt::Arguments),
+    wrote: impl FnOnce(&Path, usize, String),
 ) -> Option<Result<Baseline, Failure>> {
     let expected = film.layout().expectations.field.as_ref()?;
-    // The name is relative to the layout, not to the working directory.
-    let file = path.parent().unwrap_or(Path::new("")).join(&expected.file);
+    let file = baseline_path(path, &expected.file);
     let rewrite = || -> Result<(), Failure> {
         let failed = |error| film_failure(path, film.layout(), error);
         baseline::check_replaceable(&file)?;
@@ -120,7 +176,7 @@ fn baseline(
         let grid = &film.volume().map_err(failed)?.grid;
         let moved = moved(&file, grid, &field_t);
         baseline::write(&file, path, grid, &field_t)?;
-        remark(format_args!("wrote {}, {} points: {moved}", file.display(), grid.len()));
+        wrote(&file, grid.len(), moved);
         Ok(())
     };
     let rewritten = if update { rewrite() } else { Ok(()) };
@@ -144,13 +200,24 @@ fn moved(file: &Path, grid: &Grid, field_t: &[DVec3]) -> String {
     }
 }
 
-/// Prints errors and findings on standard error.
+/// Prints errors, findings and expectations that are not met on standard error.
 fn tell(checked: &CheckedLayout) {
     if let Err(message) = &checked.layout {
         failure::tell(message);
     }
     for finding in checked.findings() {
         failure::tell(&format_args!("{}: {finding}", checked.path.display()));
+    }
+    if let Ok(layout) = &checked.layout {
+        for expectation in &checked.expectations {
+            if let Ok(outcome) = &expectation.outcome
+                && !outcome.is_met()
+            {
+                let key = expectation.expectation;
+                let sentence = text::check::sentence(outcome, layout);
+                failure::tell(&format_args!("{}: FAILED {key}: {sentence}", checked.path.display()));
+            }
+        }
     }
     let mut told: Vec<&String> = Vec::new();
     for message in checked.expectations.iter().filter_map(|expectation| expectation.outcome.as_ref().err()) {

@@ -197,7 +197,7 @@ fn long_names_and_control_characters_are_refused() {
     for file in ["\u{1b}[2J.toml", "broken.toml"] {
         let said = sandbox.run(&["check", file]);
         said.refuses("\\u{1b}[2J");
-        assert!(!said.stderr.contains(|c: char| c != '\n' && c.is_control() || c == '\u{202e}'), "{:?}", said.stderr);
+        assert!(!said.stdout.contains(|c: char| c != '\n' && c.is_control() || c == '\u{202e}'), "{:?}", said.stdout);
     }
 }
 

@@ -36,10 +36,11 @@ fn check_prints_value_bound_and_margin_of_each_expectation() {
     let lines: Vec<Vec<&str>> = said.stdout.lines().map(|l| l.split_whitespace().collect()).collect();
     assert_eq!(lines[0].join(" "), "films/film.toml: published film, 56 tiles");
     assert_eq!(lines[1].join(" "), "ok uniformity_rmse.r_x 0.062872 at most 0.0629 margin 2.83687e-5");
-    let keys: Vec<&str> = lines[1..].iter().map(|l| l[1]).collect();
+    let keys: Vec<&str> = lines[1..7].iter().map(|l| l[1]).collect();
     let known =
         ["uniformity_rmse.r_x", "uniformity_rmse.r_y", "uniformity_rmse.s_z", "amplitude", "field", "clearance_mm"];
     assert_eq!(keys, known);
+    assert_eq!(lines[7].join(" "), "1 layout checked");
     assert_eq!(lines[6][1..6], ["clearance_mm", "3.000000", "at", "least", "3.0"]);
     assert!(said.stdout.lines().all(|l| l.len() <= 100), "fits a wide terminal: {}", said.stdout);
 
@@ -150,14 +151,14 @@ fn unusable_baseline_is_an_error() {
         let said = sandbox.run(&["check", "films/film.toml"]);
         assert_eq!(said.status, 2, "{message}: {}", said.stdout);
         assert!(
-            said.stderr.starts_with("magsplice: ") && said.stderr.contains(message),
-            "{message:?} is not in {:?}",
+            said.stdout.contains(message) && said.stderr.is_empty(),
+            "{message:?} is not in {:?}, or in {:?}",
+            said.stdout,
             said.stderr
         );
-        assert_eq!(said.stderr.matches('\n').count(), 1);
         // The other expectations are evaluated.
         assert!(
-            said.stdout.contains("  ERROR   field")
+            said.stdout.contains("  ERROR    field")
                 && said.stdout.matches("  ok  ").count() == 5
                 && said.stdout.contains(message),
             "{}",
@@ -174,7 +175,7 @@ fn failed_update_keeps_the_earlier_files() {
     let layout = sandbox.read("films/film.toml");
     let said = sandbox.run(&["check", "--update", "films/film.toml"]);
     assert_eq!(said.status, 2);
-    assert!(said.stderr.contains("cannot write films/film.toml: it is no baseline"), "{}", said.stderr);
+    assert!(said.stdout.contains("cannot write films/film.toml: it is no baseline"), "{}", said.stdout);
     assert_eq!(sandbox.read("films/film.toml"), layout);
     // Points of the volume on an exposed edge have no field.
     published(&sandbox, |text| {
@@ -184,16 +185,18 @@ fn failed_update_keeps_the_earlier_files() {
     let said = sandbox.run(&["check", "--update", "films/film.toml"]);
     assert_eq!(said.status, 2);
     assert!(
-        said.stderr.contains("mm: the field is unbounded there, on an exposed edge of tile \"in the way\""),
+        said.stdout.contains("mm: the field is unbounded there, on an exposed edge of tile \"in the way\""),
         "{}",
-        said.stderr
+        said.stdout
     );
     assert_eq!(sandbox.read("films/published.field.csv"), baseline);
     // Five expectations fail for one cause, which is printed once. The clearance is negative: the
     // depth by which the tile reaches into the volume.
-    assert_eq!(said.stderr.matches("(-0.5, -0.5, -5) mm").count(), 1, "{}", said.stderr);
+    assert_eq!(said.stdout.matches("(-0.5, -0.5, -5) mm").count(), 1, "{}", said.stdout);
+    assert_eq!(said.stdout.matches("for the same reason as uniformity_rmse.r_x\n").count(), 4, "{}", said.stdout);
+    assert_eq!(said.stderr, "");
     assert!(
-        said.stdout.contains("FAILED  clearance_mm") && said.stdout.contains("-1.000000  at least 3.0"),
+        said.stdout.contains("FAILED   clearance_mm") && said.stdout.contains("-1.000000  at least 3.0"),
         "{}",
         said.stdout
     );
@@ -212,10 +215,11 @@ fn update_replaces_nothing_but_a_baseline() {
         let said = sandbox.run(&["check", "--update", "films/film.toml"]);
         assert_eq!(said.status, 2);
         assert!(
-            said.stderr
-                .contains("cannot write films/../notes.txt: it is no baseline, which begins with the line x_mm,"),
+            said.stdout
+                .contains("cannot write films/../notes.txt: it is no baseline, which begins with the line x_mm,")
+                && said.stdout.contains(" and would be lost: delete it first\n"),
             "{}",
-            said.stderr
+            said.stdout
         );
         assert_eq!(sandbox.read("notes.txt"), text);
     }
@@ -231,7 +235,7 @@ fn update_replaces_nothing_but_a_baseline() {
         for arguments in [&["check", "films/film.toml"][..], &["check", "--update", "films/film.toml"]] {
             let said = sandbox.run(arguments);
             assert_eq!(said.status, 2);
-            assert!(said.stderr.contains("/dev/zero: ") && said.stderr.contains("it is not a regular file"));
+            assert!(said.stdout.contains("/dev/zero: ") && said.stdout.contains("it is not a regular file"));
         }
     }
     // An earlier baseline with the ends of lines of Windows is one.
@@ -270,6 +274,72 @@ fn json_and_junit_hold_findings_and_errors_of_all_layouts() {
     assert!(xml.contains("<failure message=\"tile &quot;tile-1&quot; has no polarization"), "{xml}");
     assert!(xml.contains("<error message=\"broken.toml: line 3: "), "{xml}");
     assert!(xml.contains("at most 1e-12, margin "), "{xml}");
+    // Standard output is a file in a build, and the log has standard error.
+    for told in [
+        "magsplice: films/film.toml: FAILED clearance_mm: 3.0, at least 4.0, margin -1.0 tile \"",
+        "magsplice: idle.toml: tile \"tile-1\" has no polarization, so no field\n",
+        "magsplice: broken.toml: line 3: ",
+    ] {
+        assert_eq!(said.stderr.matches(told).count(), 1, "{}", said.stderr);
+    }
+}
+
+/// A message of many lines is the body of its element; its attribute has the first line.
+#[test]
+fn junit_messages_have_one_line() {
+    let sandbox = Sandbox::new();
+    published(&sandbox, |text| text.replace("published.field.csv", "bad.csv"));
+    sandbox.write("films/bad.csv", "x_mm,y_mm,z_mm,bx_t,by_t,bz_t\n0,0,0,0,0,a\n0,0,0,0,0,b\n");
+    sandbox.write("broken.toml", "format = 1\n[[tile]\n");
+    let said = sandbox.run(&["check", "--format", "junit", "films", "broken.toml"]);
+    let xml = roxmltree::Document::parse(&said.stdout).expect("well-formed XML");
+    let errors: Vec<_> = xml.descendants().filter(|node| node.has_tag_name("error")).collect();
+    assert_eq!(errors.len(), 2, "{}", said.stdout);
+    for error in errors {
+        let (message, body) = (error.attribute("message").expect("a message"), error.text().expect("a body"));
+        assert_eq!(Some(message), body.lines().next());
+        assert!(body.lines().count() > 1, "{body}");
+        let case = error.parent_element().expect("a case");
+        assert!(!case.children().any(|node| node.has_tag_name("system-out")), "{}", said.stdout);
+    }
+    assert!(!said.stdout.contains("&#xA;") && !said.stdout.contains("&#10;"), "{}", said.stdout);
+}
+
+#[test]
+fn update_refuses_a_baseline_of_two_layouts() {
+    let sandbox = Sandbox::new();
+    published(&sandbox, |text| text);
+    let other = sandbox.read("films/film.toml").replace("0.85, 3.3", "0.8500001, 3.3");
+    sandbox.write("films/other.toml", &other.replace("published.field.csv", "../films/published.field.csv"));
+    let baseline = sandbox.read("films/published.field.csv");
+    for exists in [true, false] {
+        if !exists {
+            std::fs::remove_file(sandbox.path("films/published.field.csv")).unwrap();
+        }
+        let said = sandbox.run(&["check", "--update", "films"]);
+        assert_eq!((said.status, said.stdout.as_str()), (2, ""));
+        let both = "the layouts films/film.toml and films/other.toml name the same baseline";
+        assert!(said.stderr.contains(both), "{}", said.stderr);
+        assert_eq!(sandbox.path("films/published.field.csv").exists(), exists);
+        assert!(!exists || sandbox.read("films/published.field.csv") == baseline);
+    }
+    // One layout that is named twice is no conflict.
+    assert_eq!(sandbox.run(&["check", "--update", "films/film.toml", "./films/film.toml"]).status, 0);
+}
+
+#[test]
+fn quiet_update_states_in_its_results_how_far_the_field_moved() {
+    let sandbox = Sandbox::new();
+    published(&sandbox, |text| text.replace("0.85, 3.3", "0.8500001, 3.3"));
+    let arguments = ["check", "--update", "-q", "films/film.toml", "--format"];
+    let said = sandbox.run(&[&arguments[..], &["json"]].concat());
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    let json: Value = serde_json::from_str(&said.stdout).unwrap();
+    let moved = json["layouts"][0]["moved"].as_str().expect("a text");
+    assert!(moved.starts_with("the field moved by at most ") && moved.ends_with(" mm"), "{moved}");
+    let xml = sandbox.run(&[&arguments[..], &["junit"]].concat()).stdout;
+    assert!(xml.contains("<property name=\"moved\" value=\"the field is the same to the last digit\"/>"), "{xml}");
+    assert!(report(&sandbox, &["films/film.toml"]).1["layouts"][0].get("moved").is_none());
 }
 
 /// XML has no escapes for some characters, which names, paths and excerpts may have.
@@ -300,14 +370,24 @@ fn findings_exit_with_1_and_unusable_layouts_with_2() {
     sandbox.write("idle.toml", &format!("{tile}polarization_t = [0, 0, 0]\n"));
     let said = sandbox.run(&["check", "idle.toml"]);
     assert_eq!(said.status, 1);
-    assert_eq!(said.stderr, "magsplice: idle.toml: tile \"tile-1\" has no polarization, so no field\n");
+    assert_eq!(said.stderr, "");
+    let lines = [
+        "idle.toml: idle, 1 tile, no expectations",
+        "  FINDING  tile \"tile-1\" has no polarization, so no field",
+        "1 layout checked, 1 failed",
+    ];
+    assert_eq!(said.stdout.lines().collect::<Vec<_>>(), lines);
 
     // An unusable layout does not hide the findings of the others.
     sandbox.write("broken.toml", tile);
     let said = sandbox.run(&["check", "broken.toml", "idle.toml"]);
     assert_eq!(said.status, 2);
-    assert!(said.stderr.contains("broken.toml: line 3: tile \"tile-1\": has no polarization: give polarization_t"));
-    assert!(said.stderr.contains("idle.toml: tile \"tile-1\" has no polarization, so no field"));
+    let error =
+        "broken.toml: cannot be used\n  ERROR    broken.toml: line 3: tile \"tile-1\": has no polarization: give";
+    assert!(said.stdout.contains(error), "{}", said.stdout);
+    assert!(said.stdout.contains("  FINDING  tile \"tile-1\" has no polarization, so no field\n"), "{}", said.stdout);
+    assert!(said.stdout.ends_with("\n2 layouts checked, 1 failed, 1 with an error\n"), "{}", said.stdout);
+    assert_eq!(said.stderr, "");
 }
 
 #[test]
@@ -346,8 +426,9 @@ fn folders_stand_for_all_layouts_below_them_in_order() {
     assert_eq!(files(&json), ["films/a/deep/b.TOML", "films/film.toml", "films/z.toml"]);
     assert_eq!(status, 0);
     let said = sandbox.run(&["check", "films"]);
-    assert_eq!(said.stderr, "magsplice: films/Cargo.toml: skipped, no layout: it has no key format\n");
-    assert_eq!(sandbox.run(&["check", "films", "--quiet"]).stderr, "");
+    assert!(said.stdout.starts_with("films/Cargo.toml: skipped, no layout: it has no key format\n"), "{}", said.stdout);
+    let quiet = sandbox.run(&["check", "films", "--quiet"]);
+    assert_eq!((quiet.stdout.as_str(), quiet.stderr.as_str()), ("3 layouts checked, 1 other file skipped\n", ""));
     // A file and a folder, in the order of the arguments.
     assert_eq!(files(&report(&sandbox, &["films/z.toml", "films/a"]).1), ["films/z.toml", "films/a/deep/b.TOML"]);
     // A broken layout is no other file, and neither is one without its first line.
@@ -356,7 +437,7 @@ fn folders_stand_for_all_layouts_below_them_in_order() {
     let said = sandbox.run(&["check", "films"]);
     assert_eq!(said.status, 2);
     for error in ["films/a/broken.toml: TOML parse error", "films/a/headless.toml: TOML parse error"] {
-        assert!(said.stderr.contains(error), "{}", said.stderr);
+        assert!(said.stdout.contains(error), "{}", said.stdout);
     }
     sandbox.run(&["check", "empty"]).refuses("empty: no layout in this folder");
     #[cfg(unix)]

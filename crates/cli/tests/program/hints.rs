@@ -11,7 +11,7 @@ fn hinted(text: &str, hint: &str) {
     sandbox.write("t.toml", text);
     let said = sandbox.run(&["check", "t.toml"]);
     said.refuses(hint);
-    assert!(said.stderr.contains("TOML parse error"), "the place is shown too: {}", said.stderr);
+    assert!(said.stdout.contains("TOML parse error"), "the place is shown too: {}", said.stdout);
 }
 
 #[test]

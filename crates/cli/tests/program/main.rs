@@ -44,6 +44,8 @@ struct RunOutput {
     status: i32,
     stdout: String,
     stderr: String,
+    /// Whether this is `check` on a layout, whose errors are results on standard output.
+    is_check: bool,
 }
 
 impl Sandbox {
@@ -85,14 +87,24 @@ impl Sandbox {
             status: output.status.code().expect("an exit status"),
             stdout: text(output.stdout),
             stderr: text(output.stderr),
+            is_check: arguments.first() == Some(&"check"),
         }
     }
 }
 
 impl RunOutput {
     /// Asserts that the program printed this message, nothing on standard output, and exited with 2.
+    /// For `check`, that the message is the result of the layout.
     #[track_caller]
     fn refuses(&self, message: &str) {
+        if self.is_check {
+            assert_eq!((self.status, self.stderr.as_str()), (2, ""), "stdout: {}", self.stdout);
+            // Lines after the first are indented.
+            let text = self.stdout.replace(&format!("\n{:11}", ""), "\n");
+            assert!(text.contains(message), "{message:?} is not in {:?}", self.stdout);
+            assert!(text.contains("  ERROR    ") && text.ends_with("1 layout checked, 1 with an error\n"), "{text}");
+            return;
+        }
         assert_eq!((self.status, self.stdout.as_str()), (2, ""), "stderr: {}", self.stderr);
         assert!(self.stderr.contains(message), "{message:?} is not in {:?}", self.stderr);
         assert!(self.stderr.starts_with("magsplice: ") && !self.stderr.contains("panicked"), "{:?}", self.stderr);

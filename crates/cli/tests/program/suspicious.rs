@@ -233,9 +233,9 @@ fn uniformity_of_single_points_has_no_value() {
     assert!(json["uniformity_rmse"]["r_x"].is_null() && json["uniformity_rmse"]["s_z"].is_number(), "{json}");
     let said = sandbox.run(&["check", "film.toml"]);
     assert_eq!(said.status, 2);
-    let reason = "ERROR   uniformity_rmse.r_x  film.toml: the grid has one point in each plane normal to x";
+    let reason = "ERROR    uniformity_rmse.r_x  film.toml: the grid has one point in each plane normal to x";
     assert!(said.stdout.contains(reason), "{}", said.stdout);
-    assert!(!said.stdout.contains("ERROR   uniformity_rmse.r_y"), "{}", said.stdout);
+    assert!(!said.stdout.contains("ERROR    uniformity_rmse.r_y"), "{}", said.stdout);
     sandbox.write("design.toml", &format!("{line}[design]\nvary = [\"direction\"]\n"));
     sandbox.run(&["check", "design.toml"]).refuses("goal = \"uniformity\" needs at least two points in each plane");
 }

@@ -59,10 +59,10 @@ fn on_a_terminal(sandbox: &Sandbox, arguments: &[&str], no_color: Option<&str>) 
 fn colours_are_for_terminals_and_respect_no_color() {
     let sandbox = Sandbox::new();
     let layout = shipped("published-film");
-    let green = "  \u{1b}[32mok    \u{1b}[0m  amplitude";
+    let green = "  \u{1b}[32mok     \u{1b}[0m  amplitude";
     assert!(on_a_terminal(&sandbox, &["check", &layout], None).contains(green));
     let plain = on_a_terminal(&sandbox, &["check", &layout], Some("1"));
-    assert!(!plain.contains('\u{1b}') && plain.contains("  ok      amplitude"), "{plain}");
+    assert!(!plain.contains('\u{1b}') && plain.contains("  ok       amplitude"), "{plain}");
     let piped = program(&sandbox, &["check", &layout]).output().expect("it runs");
     assert_eq!(plain.replace("\r\n", "\n"), String::from_utf8(piped.stdout).expect("UTF-8"));
     // Help texts too.
