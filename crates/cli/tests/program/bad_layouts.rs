@@ -133,7 +133,7 @@ fn overlapping_images_are_told_of_the_tiles_in_the_file() {
     refused(&pair, &[message]);
     let sandbox = Sandbox::new();
     sandbox.write("t.toml", &pair);
-    assert_eq!(sandbox.run(&["check", "t.toml"]).stderr.matches("overlaps").count(), 1);
+    assert_eq!(sandbox.run(&["check", "t.toml"]).stdout.matches("overlaps").count(), 1);
 }
 
 #[test]

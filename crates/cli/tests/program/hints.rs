@@ -77,7 +77,7 @@ fn values_of_a_wrong_type_are_told_by_the_form_that_is_wanted() {
         hinted(&text, form);
         let sandbox = Sandbox::new();
         sandbox.write("t.toml", &text);
-        let said = sandbox.run(&["check", "t.toml"]).stderr;
+        let said = sandbox.run(&["check", "t.toml"]).stdout;
         for word in ["f64", "i64", "usize", "u64", "struct", "Table", "array of length", "sequence"] {
             assert!(!said.contains(word), "{word}: {said}");
         }

@@ -36,7 +36,8 @@ pub(crate) fn wanted_form(key: &str, written: &str) -> Option<String> {
                 _ => format!("{key} is a list of axes: write `{key} = {list}`"),
             })
         }
-        _ => number_without_unit(key, text),
+        _ if written.trim().starts_with(['"', '\'']) => number_without_unit(key, text),
+        _ => None,
     }
 }
 
