@@ -200,7 +200,7 @@ fn faulty_grids_mirrors_names_and_lattices_are_refused() {
         ("grid = { count = [90000, 90000, 1], pitch_mm = [1, 1, 1] }", "at most 4000000 tiles"),
         ("grid = { count = [2, 1, 1], pitch_mm = [0.9, 0, 0] }", "before it by 0.1 mm"),
         ("mirror = { axes = [] }", "mirror.axes is empty"),
-        ("mirror = { axes = [\"x\"] }", "before it by 1 mm"),
+        ("mirror = { axes = [\"x\"] }", "overlaps its own mirror image by 1 mm"),
         (
             "grid = { count = [2, 1, 1], pitch_mm = [inf, 0, 0] }",
             "grid.pitch_mm = [inf, 0.0, 0.0], must be three finite",
