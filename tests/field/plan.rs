@@ -120,10 +120,14 @@ fn grid_close_to_a_single_tile_is_summed_directly() {
     let counts = [61, 61, 31];
     let close = Grid::new(DVec3::new(-2.0, -2.0, -3.0), DVec3::new(2.0, 2.0, -1.0), counts).expect("a grid");
     let far = Grid::new(DVec3::new(98.0, 98.0, 99.0), DVec3::new(102.0, 102.0, 101.0), counts).expect("a grid");
+    // On a finer grid, parts of the box would have enough points for their nodes.
+    let finer = Grid::new(close.lower(), close.upper(), [81, 81, 41]).expect("a grid");
     for exponent in 2..=10 {
         let scene = within(&[one], Tolerance::relative(10_f64.powi(-exponent)).expect("a tolerance"));
-        let plan = scene.plan_on_grid(&close);
-        assert!(plan.parts.iter().all(|part| part.model == Model::Exact), "1e-{exponent}: {plan:?}");
+        for close in [&close, &finer] {
+            let plan = scene.plan_on_grid(close);
+            assert!(plan.parts.iter().all(|part| part.model == Model::Exact), "1e-{exponent}: {plan:?}");
+        }
         let plan = scene.plan_on_grid(&far);
         assert!(plan.parts.iter().all(|part| part.model != Model::Exact), "1e-{exponent}: {plan:?}");
     }

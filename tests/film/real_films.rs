@@ -3,7 +3,7 @@
 
 use magsplice::decouple::Parameter;
 use magsplice::prelude::*;
-use magsplice::tolerance::{Estimate, RealFilm, Sampled, TileErrors, WorkingVolume};
+use magsplice::tolerance::{Estimate, EvaluationGrid, RealFilm, Sampled, TileErrors};
 
 use crate::shipped::layout;
 
@@ -13,7 +13,7 @@ const SAMPLES: u64 = 400;
 fn sampled(name: &str, errors: TileErrors) -> Sampled {
     let layout = layout(name);
     let (volume, ideal) = (layout.volume.as_ref().expect("stated"), layout.ideal.expect("stated"));
-    let volume = WorkingVolume { grid: volume.grid, reference: volume.reference_mm };
+    let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
     let tiles = layout.bare_tiles();
     let film = RealFilm::new(&tiles, &vec![errors; tiles.len()]);
     Sampled::new(&film, &volume, &ideal, 1, 0..SAMPLES).expect("every sample has its parameters")
@@ -76,7 +76,7 @@ fn films_with_each_cause_of_error_have_the_known_displacement_errors() {
 fn samples_of_parts_are_those_of_the_whole_for_any_number_of_threads() {
     let layout = layout("designed-tilted");
     let (volume, ideal) = (layout.volume.as_ref().expect("stated"), layout.ideal.expect("stated"));
-    let volume = WorkingVolume { grid: volume.grid, reference: volume.reference_mm };
+    let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
     let tiles = layout.bare_tiles();
     let film = RealFilm::new(&tiles, &vec![TileErrors::WORKSHOP_MM; tiles.len()]);
     let sampled = |threads: usize, samples: std::ops::Range<u64>| {

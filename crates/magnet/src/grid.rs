@@ -203,4 +203,14 @@ mod tests {
         let infinite = DVec3::new(1.0, 1.0, f64::INFINITY);
         assert_eq!(refused(infinite, [2; 3]), GridFault::NotFinite { axis: 2, value: f64::INFINITY });
     }
+
+    #[test]
+    fn points_are_those_of_their_indices() {
+        for counts in [[3, 4, 5], [1, 2, 1], [2, 1, 3], [1, 1, 1]] {
+            let grid = Grid::new(DVec3::new(-1.0, 0.3, -5.0), DVec3::new(1.0, 0.9, -3.0), counts).unwrap();
+            let points: Vec<DVec3> = grid.points().collect();
+            let by_index: Vec<DVec3> = (0..grid.len()).map(|index| grid.point(index)).collect();
+            assert_eq!(points, by_index);
+        }
+    }
 }

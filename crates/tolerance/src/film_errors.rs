@@ -12,7 +12,7 @@ use magsplice_magnet::{Grid, PointErrors, Quantity, Tile, TileFaults};
 /// Where a film is used: the points of its working volume, and the reference point from which
 /// displacements count.
 #[derive(Clone, Copy, Debug)]
-pub struct WorkingVolume {
+pub struct EvaluationGrid {
     /// Points over which errors are averaged.
     pub grid: Grid,
     /// A point near the axis of the film.
@@ -52,7 +52,7 @@ impl FilmErrors {
     ///
     /// # Errors
     /// If the field or a decoupling parameter does not exist at a point of the volume.
-    pub fn from_tiles(tiles: &[Tile], volume: &WorkingVolume, ideal: &IdealFilm) -> Result<FilmErrors, SampleError> {
+    pub fn from_tiles(tiles: &[Tile], volume: &EvaluationGrid, ideal: &IdealFilm) -> Result<FilmErrors, SampleError> {
         let mut points: Vec<DVec3> = volume.grid.points().collect();
         points.push(volume.reference);
         let mut field_t = vec![DVec3::ZERO; points.len()];

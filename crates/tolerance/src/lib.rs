@@ -25,7 +25,7 @@ mod statistics;
 /// Standard deviations of the errors of one tile.
 mod tile_errors;
 
-pub use film_errors::{FilmErrors, SampleError, WorkingVolume};
+pub use film_errors::{EvaluationGrid, FilmErrors, SampleError};
 pub use real_film::RealFilm;
 pub use sampled::Sampled;
 pub use statistics::{Estimate, Statistics};

@@ -6,7 +6,7 @@ use magsplice_decouple::Parameter;
 use magsplice_ideal::IdealFilm;
 use rayon::prelude::*;
 
-use crate::film_errors::{FilmErrors, SampleError, WorkingVolume};
+use crate::film_errors::{EvaluationGrid, FilmErrors, SampleError};
 use crate::real_film::RealFilm;
 use crate::statistics::Statistics;
 
@@ -28,7 +28,7 @@ impl Sampled {
     /// The first sample without errors, by its number, and the reason.
     pub fn new(
         film: &RealFilm,
-        volume: &WorkingVolume,
+        volume: &EvaluationGrid,
         ideal: &IdealFilm,
         seed: u64,
         samples: Range<u64>,
