@@ -37,6 +37,7 @@ impl Layout {
             volume: None,
             expectations: Expectations::default(),
             brief: None,
+            tolerance: None,
             history,
             tiles,
             sha256: String::new(),

@@ -9,6 +9,7 @@ use crate::brief::Brief;
 use crate::expectations::Expectations;
 use crate::finding::Finding;
 use crate::rotation::Rotation;
+use crate::tolerance::FilmTolerance;
 
 /// A spliced film or any other arrangement of block magnets, with the ideal film it is compared
 /// with and the requirements it must meet.
@@ -52,6 +53,8 @@ pub struct Layout {
     pub expectations: Expectations,
     /// What a search may change to improve the film, and its goal.
     pub brief: Option<Brief>,
+    /// The errors of the films that are made from the layout. `None` if none are stated.
+    pub tolerance: Option<FilmTolerance>,
     /// The steps that led to this layout, one text each.
     pub history: Vec<String>,
     /// All tiles, repetitions written out. No two of them overlap by more than round-off.

@@ -33,6 +33,8 @@
 mod brief;
 /// A layout to text for people: kinds, mirror images, one line for each tile.
 mod compact;
+/// Distributions of errors.
+mod distribution;
 /// Errors of reading a layout.
 mod error;
 /// Requirements on a film.
@@ -57,12 +59,15 @@ mod rotation;
 mod schema;
 /// The TOML tables as written.
 mod tables;
+/// What a film that is made differs by from its layout.
+mod tolerance;
 /// Degrees to quaternions and directions, and why lengths need no conversion.
 mod units;
 /// A layout to tables and text.
 mod write;
 
 pub use brief::{Brief, Goal, StockPart, Symmetry, Variables};
+pub use distribution::Distribution;
 pub use error::{LayoutError, LayoutFault};
 pub use expectations::{Expectations, ExpectedField};
 pub use finding::{Finding, FindingSubject};
@@ -76,6 +81,9 @@ pub use plausible::{
 pub use read::is_layout;
 pub use rotation::{EulerOrder, InvalidEulerOrder, ORTHOGONALITY_TOLERANCE, Rotation, RotationFault, RotationFaults};
 pub use schema::schema;
+pub use tolerance::{
+    CommonErrors, ErrorGroup, FilmPose, FilmTolerance, Neighbour, SensorErrors, StrayField, Temperature, TileErrors,
+};
 pub use units::{direction_from_degrees, ten_decimals};
 pub use write::PlainLayout;
 

@@ -5,12 +5,11 @@ use std::fmt;
 
 use glam::DVec3;
 use magsplice_decouple::{Decoupling, DecouplingError, PerParameter};
-use magsplice_field::Scene;
 use magsplice_ideal::IdealFilm;
-use magsplice_magnet::{Grid, PointErrors, Quantity, Tile, TileFaults};
+use magsplice_magnet::{Grid, PointErrors, TileFaults};
 
 /// Where a film is used: the points of its working volume, and the reference point from which
-/// displacements count.
+/// displacements count. Lengths in millimetres.
 #[derive(Clone, Copy, Debug)]
 pub struct EvaluationGrid {
     /// Points over which errors are averaged.
@@ -25,9 +24,78 @@ pub struct EvaluationGrid {
 pub struct FilmErrors {
     /// See [`Decoupling::uniformity_rmse`].
     pub uniformity_rmse: PerParameter,
-    /// RMSE of the displacement along x, y, z that the parameters give (Dai 2024, Eq. 14), in the
-    /// unit of lengths: [`Decoupling::ideal_rmse`] over the wavenumber.
-    pub displacement_rmse: [f64; 3],
+    /// RMSE of the displacement along x, y, z that the parameters give (Dai 2024, Eq. 14), in
+    /// millimetres: [`Decoupling::ideal_rmse`] over the wavenumber.
+    pub displacement_rmse_mm: [f64; 3],
+    /// The factor that brings the field of the ideal film closest to that of the film.
+    pub amplitude: f64,
+}
+
+/// A figure of a film: one number of its [`FilmErrors`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Figure {
+    /// Uniformity RMSE of R_x, R_y or S_z, by axis.
+    Uniformity(usize),
+    /// Displacement RMSE along an axis, in millimetres.
+    Displacement(usize),
+    /// Amplitude.
+    Amplitude,
+}
+
+impl Figure {
+    /// All figures.
+    pub const ALL: [Figure; 7] = [
+        Figure::Uniformity(0),
+        Figure::Uniformity(1),
+        Figure::Uniformity(2),
+        Figure::Displacement(0),
+        Figure::Displacement(1),
+        Figure::Displacement(2),
+        Figure::Amplitude,
+    ];
+}
+
+impl FilmErrors {
+    /// The errors of a field that the sensor reads on the grid, z fastest, and at the reference point.
+    ///
+    /// # Errors
+    /// If a decoupling parameter does not exist at a point of the volume.
+    pub fn from_field(
+        field_t: &[DVec3],
+        at_reference_t: DVec3,
+        volume: &EvaluationGrid,
+        ideal: &IdealFilm,
+    ) -> Result<FilmErrors, SampleError> {
+        let decoupling = Decoupling::from_field(&volume.grid, field_t, (volume.reference, at_reference_t), ideal)
+            .map_err(SampleError::Decoupling)?;
+        if !decoupling.singular.is_empty() {
+            return Err(SampleError::Singular { points: decoupling.singular });
+        }
+        let (mut product, mut square) = (0.0, 0.0);
+        for (point, b_t) in volume.grid.points().zip(field_t) {
+            let ideal_t = ideal.flux_density_t(point).ok_or(SampleError::NotBelow { point })?;
+            product += ideal_t.dot(*b_t);
+            square += ideal_t.length_squared();
+        }
+        Ok(FilmErrors {
+            uniformity_rmse: decoupling.uniformity_rmse,
+            displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(ideal.wavenumber()).to_array(),
+            amplitude: product / square,
+        })
+    }
+
+    /// One of its numbers.
+    ///
+    /// # Panics
+    /// If the figure has an axis that is not 0, 1 or 2.
+    pub fn get(&self, figure: Figure) -> f64 {
+        let PerParameter { r_x, r_y, s_z } = self.uniformity_rmse;
+        match figure {
+            Figure::Uniformity(axis) => [r_x, r_y, s_z][axis],
+            Figure::Displacement(axis) => self.displacement_rmse_mm[axis],
+            Figure::Amplitude => self.amplitude,
+        }
+    }
 }
 
 /// Why a sample of a film has no errors.
@@ -45,29 +113,11 @@ pub enum SampleError {
         /// These points.
         points: Vec<DVec3>,
     },
-}
-
-impl FilmErrors {
-    /// Evaluates the exact field of tiles over a working volume.
-    ///
-    /// # Errors
-    /// If the field or a decoupling parameter does not exist at a point of the volume.
-    pub fn from_tiles(tiles: &[Tile], volume: &EvaluationGrid, ideal: &IdealFilm) -> Result<FilmErrors, SampleError> {
-        let mut points: Vec<DVec3> = volume.grid.points().collect();
-        points.push(volume.reference);
-        let mut field_t = vec![DVec3::ZERO; points.len()];
-        Scene::new(tiles).field_into(Quantity::FluxDensity, &points, &mut field_t).map_err(SampleError::Field)?;
-        let (at_reference_t, field_t) = field_t.split_last().expect("at least the reference");
-        let decoupling = Decoupling::from_field(&volume.grid, field_t, (volume.reference, *at_reference_t), ideal)
-            .map_err(SampleError::Decoupling)?;
-        if !decoupling.singular.is_empty() {
-            return Err(SampleError::Singular { points: decoupling.singular });
-        }
-        Ok(FilmErrors {
-            uniformity_rmse: decoupling.uniformity_rmse,
-            displacement_rmse: decoupling.ideal_rmse.as_lengths(ideal.wavenumber()).to_array(),
-        })
-    }
+    /// A point of the volume is not below the film, where the field of the ideal film is known.
+    NotBelow {
+        /// The point.
+        point: DVec3,
+    },
 }
 
 impl fmt::Display for SampleError {
@@ -81,6 +131,12 @@ impl fmt::Display for SampleError {
                 "B_z vanishes at {} points of the working volume, where no decoupling parameter exists",
                 points.len()
             ),
+            SampleError::NotBelow { point } => write!(
+                f,
+                "the point ({}, {}, {}) mm of the working volume is not below the film, and Eq. 2 of the ideal film \
+                 holds only for z < 0",
+                point.x, point.y, point.z
+            ),
         }
     }
 }
@@ -91,7 +147,7 @@ impl Error for SampleError {
             SampleError::Tile(faults) => Some(faults),
             SampleError::Field(errors) => Some(errors),
             SampleError::Decoupling(error) => Some(error),
-            SampleError::Singular { .. } => None,
+            SampleError::Singular { .. } | SampleError::NotBelow { .. } => None,
         }
     }
 }

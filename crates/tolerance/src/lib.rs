@@ -1,32 +1,34 @@
 //! Real films: the decoupling errors of films whose tiles are misplaced, turned, cut to wrong sizes,
-//! and weaker or magnetized in another direction than ordered.
+//! and weaker or magnetized in another direction than ordered, in stray fields, read by real sensors.
 //!
-//! * [`TileErrors`]: standard deviations of the errors of one tile.
-//! * [`RealFilm`]: sample number i of a film, which depends on a seed and on i alone.
+//! * [`RealFilm`]: a film with the errors of those that are made like it, and its samples.
+//! * [`Sampler`]: sample number i, which depends on a seed and on i alone, and its errors.
 //! * [`FilmErrors`]: the errors of decoupling and displacement of one sample.
-//! * [`Sampled`]: the errors of many samples, with their mean, percentiles and confidence intervals.
+//! * [`Statistics`]: mean and percentiles of many samples, with confidence intervals.
 //!
-//! Flux densities in tesla, angles in radians; lengths in any one unit. This crate reads no files
-//! and prints nothing.
+//! The errors themselves, such as [`magsplice_layout::FilmTolerance`], are values of a layout: lengths
+//! in millimetres, flux densities in tesla, angles in radians. This crate reads no files and prints
+//! nothing.
 //!
 //! # Features
 //! `serde` (off by default): `Serialize` for values and results, `Deserialize` for values.
 
-/// Independent normal deviates by sample, tile and error.
-mod deviates;
+/// Errors drawn at random, each by its place in a random stream.
+mod draws;
 /// The errors of decoupling and displacement of a film.
 mod film_errors;
+/// Quantiles, means and variances of distributions.
+mod quantile;
+/// What the sensor reads of a film.
+mod readings;
 /// Samples of a film with errors of its tiles.
 mod real_film;
 /// The errors of many samples.
-mod sampled;
+mod sampler;
 /// Mean and percentiles of samples, with confidence intervals.
 mod statistics;
-/// Standard deviations of the errors of one tile.
-mod tile_errors;
 
-pub use film_errors::{EvaluationGrid, FilmErrors, SampleError};
+pub use film_errors::{EvaluationGrid, Figure, FilmErrors, SampleError};
 pub use real_film::RealFilm;
-pub use sampled::Sampled;
+pub use sampler::{Sampler, statistics};
 pub use statistics::{Estimate, Statistics};
-pub use tile_errors::TileErrors;

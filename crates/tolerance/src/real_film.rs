@@ -1,39 +1,54 @@
-//! Samples of a film with errors of its tiles.
+//! Samples of the films that are made from a layout.
 
 use glam::{DQuat, DVec3};
-use magsplice_magnet::{Tile, TileFaults};
+use magsplice_layout::FilmTolerance;
+use magsplice_magnet::{BoundingBox, Tile, TileFaults};
 
-use crate::deviates::Deviates;
-use crate::tile_errors::TileErrors;
+use crate::draws::{DrawnErrors, Draws};
+use crate::readings::{Pose, Surroundings};
 
-/// A film with the errors of its tiles.
+/// A film with the errors of those that are made like it. Lengths in millimetres, J in tesla.
 ///
 /// ```
 /// use glam::DVec3;
+/// use magsplice_layout::{Distribution, FilmTolerance, TileErrors};
 /// use magsplice_magnet::Tile;
-/// use magsplice_tolerance::{RealFilm, TileErrors};
+/// use magsplice_tolerance::RealFilm;
 ///
 /// let cube = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::Z).unwrap();
-/// let errors = TileErrors { strength: 0.1, ..TileErrors::default() };
-/// let film = RealFilm::new(&[cube, cube], &[errors, TileErrors::default()]);
-/// let sample = film.sample(1, 0).unwrap();
+/// let weak = TileErrors { strength: Distribution::normal(0.1), ..TileErrors::default() };
+/// let tolerance = FilmTolerance { tiles: vec![weak, TileErrors::default()], ..FilmTolerance::default() };
+/// let film = RealFilm::new(&[cube, cube], &tolerance);
+/// let sample = film.sample_tiles(1, 0).unwrap();
 /// assert!(sample[0].polarization_t() != cube.polarization_t());
 /// assert_eq!(sample[1], cube);
 /// ```
 #[derive(Clone, Debug)]
 pub struct RealFilm {
     tiles: Vec<Tile>,
-    errors: Vec<TileErrors>,
+    tolerance: FilmTolerance,
+    /// The point about which the film turns as a whole.
+    centre_mm: DVec3,
 }
 
 impl RealFilm {
-    /// Pairs each tile with its errors.
+    /// Pairs tiles with their errors.
     ///
     /// # Panics
-    /// If there are not as many errors as tiles.
-    pub fn new(tiles: &[Tile], errors: &[TileErrors]) -> RealFilm {
-        assert_eq!(tiles.len(), errors.len(), "errors of each tile");
-        RealFilm { tiles: tiles.to_vec(), errors: errors.to_vec() }
+    /// If there are errors of some tiles and not of all, or a group has a tile that does not exist.
+    pub fn new(tiles: &[Tile], tolerance: &FilmTolerance) -> RealFilm {
+        assert!(tolerance.tiles.is_empty() || tolerance.tiles.len() == tiles.len(), "errors of each tile");
+        assert!(
+            tolerance.groups.iter().flat_map(|group| &group.tiles).all(|&tile| tile < tiles.len()),
+            "tiles of groups"
+        );
+        let ends = |tile: &Tile| {
+            let around = BoundingBox::from_tile(tile);
+            [around.lower, around.upper]
+        };
+        let ends: Vec<DVec3> = tiles.iter().flat_map(ends).collect();
+        let centre_mm = if ends.is_empty() { DVec3::ZERO } else { BoundingBox::from_points(&ends).centre() };
+        RealFilm { tiles: tiles.to_vec(), tolerance: tolerance.clone(), centre_mm }
     }
 
     /// The tiles without errors.
@@ -41,68 +56,122 @@ impl RealFilm {
         &self.tiles
     }
 
-    /// Sample number `sample` of the film. It depends on `seed` and `sample` alone, and a tile of it
-    /// on its own errors alone. Tiles may overlap.
+    /// The errors.
+    pub fn tolerance(&self) -> &FilmTolerance {
+        &self.tolerance
+    }
+
+    /// The point about which the film turns as a whole: the centre of its bounding box.
+    pub fn centre_mm(&self) -> DVec3 {
+        self.centre_mm
+    }
+
+    /// The tiles of sample number `sample`, without the pose of the film. They depend on `seed` and
+    /// `sample` alone, and each on its own errors and those of its groups alone. Tiles may overlap.
     ///
     /// # Errors
     /// The faults of the first tile that cannot exist, such as one without thickness.
-    pub fn sample(&self, seed: u64, sample: u64) -> Result<Vec<Tile>, TileFaults> {
-        let mut deviates = Deviates::new(seed, sample);
-        let tiles = self.tiles.iter().zip(&self.errors).enumerate();
-        tiles.map(|(index, (tile, errors))| with_errors(tile, errors, deviates.of_tile(index))).collect()
+    pub fn sample_tiles(&self, seed: u64, sample: u64) -> Result<Vec<Tile>, TileFaults> {
+        self.draw_tiles(&mut Draws::new(seed, sample))
+    }
+
+    pub(crate) fn draw_tiles(&self, draws: &mut Draws) -> Result<Vec<Tile>, TileFaults> {
+        let mut tiles = self.tiles.clone();
+        for (index, (tile, errors)) in tiles.iter_mut().zip(&self.tolerance.tiles).enumerate() {
+            if errors.all().iter().any(|error| !error.is_none()) {
+                let drawn = draws.of_tile(index, errors);
+                *tile = with_errors(tile, &drawn, tile.position())?;
+            }
+        }
+        for (number, group) in self.tolerance.groups.iter().enumerate() {
+            let drawn = draws.of_group(number, &group.errors);
+            let centres = group.tiles.iter().map(|&tile| self.tiles[tile].position());
+            let centre = centres.sum::<DVec3>() / group.tiles.len().max(1) as f64;
+            for &tile in &group.tiles {
+                tiles[tile] = with_errors(&tiles[tile], &drawn, centre)?;
+            }
+        }
+        Ok(tiles)
+    }
+
+    /// The pose of the film and what else the sensor reads in a sample.
+    pub(crate) fn draw_surroundings(&self, draws: &mut Draws) -> Surroundings {
+        Surroundings::draw(&self.tolerance.common, self.centre_mm, draws)
     }
 }
 
-/// A tile with errors of these deviates: three each of position, rotation and size, one of strength,
-/// and two of direction.
-fn with_errors(tile: &Tile, errors: &TileErrors, deviates: [f64; 12]) -> Result<Tile, TileFaults> {
-    if *errors == TileErrors::default() {
-        return Ok(*tile);
-    }
-    let [px, py, pz, rx, ry, rz, sx, sy, sz, strength, first, second] = deviates;
-    let position = tile.position() + errors.position * DVec3::new(px, py, pz);
-    let turn = DQuat::from_scaled_axis(errors.rotation_rad * DVec3::new(rx, ry, rz));
-    let size = tile.size() + errors.size * DVec3::new(sx, sy, sz);
+/// A tile with errors, turned about a point.
+fn with_errors(tile: &Tile, errors: &DrawnErrors, about: DVec3) -> Result<Tile, TileFaults> {
+    let pose = Pose::new(about, errors.position_mm, errors.rotation_rad);
+    let turned_t = turned_in_tile(tile, errors.direction_rad) * (1.0 + errors.strength);
+    let made = Tile::new(pose.apply(tile.position()), tile.size() + errors.size_mm, turned_t)?;
+    made.rotated(pose.rotation() * tile.rotation())
+}
+
+/// J in the frame of the tile, turned by two angles: in the plane of the film, and out of it.
+fn turned_in_tile(tile: &Tile, [in_plane, out_of_plane]: [f64; 2]) -> DVec3 {
     let j_t = tile.polarization_t();
-    let mut turned_t = j_t;
-    if let Some(along) = j_t.try_normalize() {
-        let (one, other) = along.any_orthonormal_pair();
-        let axis = errors.direction_rad * (first * one + second * other);
-        turned_t = DQuat::from_scaled_axis(axis) * j_t;
+    match direction_axes(tile) {
+        Some([normal, level]) if in_plane != 0.0 || out_of_plane != 0.0 => {
+            DQuat::from_scaled_axis(in_plane * normal + out_of_plane * level) * j_t
+        }
+        _ => j_t,
     }
-    Tile::new(position, size, turned_t * (1.0 + errors.strength * strength))?.rotated(turn * tile.rotation())
+}
+
+/// The axes, in the frame of the tile, about which errors turn J: the part of the film's normal that
+/// is normal to J, and the axis normal to both. `None` if J is zero.
+///
+/// Where J is along the film's normal, which leaves no part, the tile's own x takes its place.
+pub(crate) fn direction_axes(tile: &Tile) -> Option<[DVec3; 2]> {
+    let along = tile.polarization_t().try_normalize()?;
+    let film_normal = tile.rotation().inverse() * DVec3::Z;
+    let across = |axis: DVec3| axis - along * along.dot(axis);
+    let normal = match across(film_normal) {
+        // The sine of a quarter of a degree: J is normal to the film for any magnetizing coil.
+        part if part.length() > 0.005 => part.normalize(),
+        _ => across(if along.x.abs() < 0.9 { DVec3::X } else { DVec3::Y }).normalize(),
+    };
+    Some([normal, along.cross(normal)])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use magsplice_layout::{Distribution, ErrorGroup, TileErrors};
 
-    fn film(errors: TileErrors) -> RealFilm {
+    fn normal(deviations: [f64; 3]) -> [Distribution; 3] {
+        deviations.map(Distribution::normal)
+    }
+
+    fn film(errors: &TileErrors) -> RealFilm {
         let tile = |n: usize| {
             let turn = DQuat::from_scaled_axis(DVec3::new(0.3, -0.2, 0.1) * n as f64);
             let tile = Tile::new(DVec3::splat(n as f64), DVec3::new(3.0, 2.0, 1.0), DVec3::new(0.3, -0.4, 0.5));
             tile.and_then(|tile| tile.rotated(turn)).expect("valid")
         };
         let tiles: Vec<Tile> = (0..4).map(tile).collect();
-        RealFilm::new(&tiles, &[errors; 4])
+        RealFilm::new(&tiles, &FilmTolerance::of_tiles(errors, 4))
     }
 
     /// Means of squares of each error over `n` values are wrong by a normal error of (2 / n)^1/2.
     /// Six of these are allowed, and the square of the error, by which rotations are not normal.
     #[test]
     fn samples_have_the_standard_deviations_of_the_errors() {
+        let [position, rotation, size] = [[0.01, 0.02, 0.03], [0.004, 0.005, 0.006], [0.001, 0.002, 0.003]];
+        let (strength_error, angles) = (0.01, [0.02, 0.03]);
         let errors = TileErrors {
-            position: DVec3::new(0.01, 0.02, 0.03),
-            rotation_rad: DVec3::new(0.004, 0.005, 0.006),
-            size: DVec3::new(0.001, 0.002, 0.003),
-            strength: 0.01,
-            direction_rad: 0.02,
+            position_mm: normal(position),
+            rotation_rad: normal(rotation),
+            size_mm: normal(size),
+            strength: Distribution::normal(strength_error),
+            direction_rad: angles.map(Distribution::normal),
         };
-        let film = film(errors);
+        let film = film(&errors);
         let (mut squares, mut count) = ([[0.0; 3]; 3], 0.0);
-        let (mut strength, mut direction) = (0.0, 0.0);
+        let (mut strength, mut direction) = (0.0, [0.0; 2]);
         for sample in 0..5000 {
-            let made = film.sample(11, sample).expect("no tile has lost its sides");
+            let made = film.sample_tiles(11, sample).expect("no tile has lost its sides");
             for (tile, ideal) in made.iter().zip(film.tiles()) {
                 let turn = (tile.rotation() * ideal.rotation().inverse()).to_scaled_axis();
                 let found = [tile.position() - ideal.position(), turn, tile.size() - ideal.size()];
@@ -111,30 +180,33 @@ mod tests {
                 }
                 let (j, ideal_j) = (tile.polarization_t(), ideal.polarization_t());
                 strength += (j.length() / ideal_j.length() - 1.0).powi(2);
-                direction += j.angle_between(ideal_j).powi(2);
+                let [first, second] = direction_axes(ideal).expect("J");
+                // A turn about one axis moves J along the other.
+                direction[0] += (j.normalize().dot(second)).powi(2);
+                direction[1] += (j.normalize().dot(first)).powi(2);
                 count += 1.0;
             }
         }
         let allowed = 6.0 * (2.0_f64 / count).sqrt() + 1e-3;
-        let wanted = [errors.position, errors.rotation_rad, errors.size];
-        for (squares, wanted) in squares.iter().zip(wanted) {
+        for (squares, wanted) in squares.iter().zip([position, rotation, size]) {
             for axis in 0..3 {
                 let ratio = squares[axis] / count / wanted[axis].powi(2);
-                assert!((ratio - 1.0).abs() < allowed, "{ratio} along {axis} of {wanted}");
+                assert!((ratio - 1.0).abs() < allowed, "{ratio} along {axis} of {wanted:?}");
             }
         }
-        let ratio = strength / count / errors.strength.powi(2);
+        let ratio = strength / count / strength_error.powi(2);
         assert!((ratio - 1.0).abs() < allowed, "{ratio} of the strength");
-        // Two angles.
-        let ratio = direction / count / (2.0 * errors.direction_rad.powi(2));
-        assert!((ratio - 1.0).abs() < allowed, "{ratio} of the direction");
+        for (squares, wanted) in direction.iter().zip(angles) {
+            let ratio = squares / count / wanted.powi(2);
+            assert!((ratio - 1.0).abs() < allowed, "{ratio} of a direction of {wanted}");
+        }
     }
 
     #[test]
     fn a_further_error_changes_no_other() {
-        let only_position = TileErrors { position: DVec3::splat(0.1), ..TileErrors::default() };
-        let both = TileErrors { strength: 0.1, ..only_position };
-        let (one, other) = (film(only_position).sample(5, 17), film(both).sample(5, 17));
+        let only_position = TileErrors { position_mm: normal([0.1; 3]), ..TileErrors::default() };
+        let both = TileErrors { strength: Distribution::normal(0.1), ..only_position.clone() };
+        let (one, other) = (film(&only_position).sample_tiles(5, 17), film(&both).sample_tiles(5, 17));
         for (one, other) in one.expect("valid").iter().zip(&other.expect("valid")) {
             assert_eq!(one.position(), other.position());
             assert_ne!(one.polarization_t(), other.polarization_t());
@@ -143,7 +215,50 @@ mod tests {
 
     #[test]
     fn tiles_that_cannot_exist_are_faults() {
-        let errors = TileErrors { size: DVec3::splat(10.0), ..TileErrors::default() };
-        assert!((0..20).any(|sample| film(errors).sample(1, sample).is_err()));
+        let errors = TileErrors { size_mm: normal([10.0; 3]), ..TileErrors::default() };
+        assert!((0..20).any(|sample| film(&errors).sample_tiles(1, sample).is_err()));
+    }
+
+    /// Distances within the group stay, distances to other tiles do not; strengths change by one factor.
+    #[test]
+    fn a_group_is_a_rigid_body_of_equal_strength_errors() {
+        let errors = TileErrors {
+            position_mm: normal([0.3; 3]),
+            rotation_rad: normal([0.2; 3]),
+            strength: Distribution::normal(0.1),
+            ..TileErrors::default()
+        };
+        let group = ErrorGroup { name: "row".to_owned(), tiles: vec![0, 1, 3], errors };
+        let tiles = film(&TileErrors::default()).tiles().to_vec();
+        let film = RealFilm::new(&tiles, &FilmTolerance { groups: vec![group], ..FilmTolerance::default() });
+        let made = film.sample_tiles(3, 4).expect("valid");
+        let distance = |tiles: &[Tile], a: usize, b: usize| tiles[a].position().distance(tiles[b].position());
+        for (a, b) in [(0, 1), (1, 3)] {
+            assert!((distance(&made, a, b) - distance(&tiles, a, b)).abs() < 1e-12);
+        }
+        assert!((distance(&made, 0, 2) - distance(&tiles, 0, 2)).abs() > 1e-3);
+        assert_eq!(made[2], tiles[2]);
+        let factor = |tile: usize| made[tile].polarization_t().length() / tiles[tile].polarization_t().length();
+        assert!((factor(0) - 1.0).abs() > 1e-3 && (factor(0) - factor(3)).abs() < 1e-12);
+        // The centre turns about itself, so that it has the errors of position alone.
+        let moved = |tile: usize| made[tile].position() - tiles[tile].position();
+        let mean = (moved(0) + moved(1) + moved(3)) / 3.0;
+        let alone = TileErrors { position_mm: normal([0.3; 3]), ..TileErrors::default() };
+        let group = ErrorGroup { name: "row".to_owned(), tiles: vec![0, 1, 3], errors: alone };
+        let shifted = RealFilm::new(&tiles, &FilmTolerance { groups: vec![group], ..FilmTolerance::default() });
+        let shift = shifted.sample_tiles(3, 4).expect("valid")[1].position() - tiles[1].position();
+        assert!(mean.distance(shift) < 1e-12, "{mean}, not {shift}");
+    }
+
+    /// Errors in the plane of the film keep J in it for tiles in any rotation about its normal.
+    #[test]
+    fn direction_errors_are_in_the_plane_of_the_film_and_out_of_it() {
+        let j_t = DVec3::new(0.3, -0.4, 0.0);
+        let turn = DQuat::from_rotation_z(0.7);
+        let tile = Tile::new(DVec3::ZERO, DVec3::ONE, j_t).and_then(|tile| tile.rotated(turn)).expect("valid");
+        let in_plane = turned_in_tile(&tile, [0.1, 0.0]);
+        assert!(in_plane.z.abs() < 1e-15 && (in_plane.angle_between(j_t) - 0.1).abs() < 1e-12);
+        let out = turned_in_tile(&tile, [0.0, 0.1]);
+        assert!((out.z.abs() - 0.5 * 0.1_f64.sin()).abs() < 1e-12, "{out}");
     }
 }

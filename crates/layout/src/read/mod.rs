@@ -262,6 +262,7 @@ fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<L
         volume,
         expectations,
         brief,
+        tolerance: None,
         history: file.history,
         tiles,
         sha256,

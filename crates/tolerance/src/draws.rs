@@ -1,0 +1,194 @@
+//! Errors drawn at random, without state: each is a function of the seed, the sample and its own
+//! place alone.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use magsplice_layout::{Distribution, StrayField, TileErrors};
+use rand::{RngCore, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::quantile::{mean, quantile};
+
+/// Words of 32 bits of the random stream for each deviate.
+const WORDS_PER_DEVIATE: u128 = 2;
+
+/// Regions of the stream of a sample, in deviates. Each has room for 2^40 deviates, more than any
+/// layout has errors.
+const REGION: u128 = 1 << 40;
+
+/// The errors of one tile or group: values of its distributions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DrawnErrors {
+    pub(crate) position_mm: DVec3,
+    pub(crate) rotation_rad: DVec3,
+    pub(crate) size_mm: DVec3,
+    pub(crate) strength: f64,
+    pub(crate) direction_rad: [f64; 2],
+}
+
+/// Deviates of one sample. The stream of ChaCha8 that belongs to the sample is read at the place of
+/// each error, so that neither other samples nor other errors change it.
+pub(crate) struct Draws {
+    stream: ChaCha8Rng,
+}
+
+impl Draws {
+    pub(crate) fn new(seed: u64, sample: u64) -> Draws {
+        let mut stream = ChaCha8Rng::seed_from_u64(seed);
+        stream.set_stream(sample);
+        Draws { stream }
+    }
+
+    /// The errors of tile number `tile`.
+    pub(crate) fn of_tile(&mut self, tile: usize, errors: &TileErrors) -> DrawnErrors {
+        self.of_errors(0, tile, errors)
+    }
+
+    /// The errors of group number `group`.
+    pub(crate) fn of_group(&mut self, group: usize, errors: &TileErrors) -> DrawnErrors {
+        self.of_errors(REGION, group, errors)
+    }
+
+    fn of_errors(&mut self, region: u128, number: usize, errors: &TileErrors) -> DrawnErrors {
+        let mut values = [0.0; TileErrors::COUNT];
+        self.fill(region + number as u128 * TileErrors::COUNT as u128, errors.all(), &mut values);
+        DrawnErrors::from_values(values)
+    }
+
+    /// Values of errors that all tiles share. `cause` is the number of the first.
+    pub(crate) fn common<const N: usize>(&mut self, cause: usize, errors: [&Distribution; N]) -> [f64; N] {
+        let mut values = [0.0; N];
+        self.fill(2 * REGION + cause as u128, errors, &mut values);
+        values
+    }
+
+    /// The uniform field, whose errors begin at number `cause`.
+    pub(crate) fn stray_field_t(&mut self, cause: usize, field: &StrayField) -> DVec3 {
+        let [x, y, z] = &field.field_t;
+        let components = self.common(cause, [x, y, z]);
+        let [magnitude] = self.common(cause + 3, [&field.any_direction_t]);
+        // The direction does not depend on how the magnitude is distributed.
+        let unit = Distribution::Uniform { half_width: 1.0 };
+        let [height, turn] = self.common(cause + 4, [&unit, &unit]);
+        let (sine, cosine) = (0.5 * TAU * turn).sin_cos();
+        let across = (1.0 - height * height).sqrt();
+        DVec3::from(components) + magnitude * DVec3::new(across * cosine, across * sine, height)
+    }
+
+    /// Noise of reading number `reading` along each axis.
+    pub(crate) fn noise_t(&mut self, reading: usize, [x, y, z]: &[Distribution; 3]) -> DVec3 {
+        let mut values = [0.0; 3];
+        self.fill(3 * REGION + 3 * reading as u128, [x, y, z], &mut values);
+        DVec3::from(values)
+    }
+
+    /// Values of distributions, the first at this place of the stream.
+    fn fill<const N: usize>(&mut self, place: u128, errors: [&Distribution; N], values: &mut [f64; N]) {
+        let is_fixed = |error: &Distribution| matches!(error, Distribution::Fixed(_));
+        if errors.into_iter().all(is_fixed) {
+            *values = errors.map(mean);
+            return;
+        }
+        self.stream.set_word_pos(place * WORDS_PER_DEVIATE);
+        for (value, error) in values.iter_mut().zip(errors) {
+            *value = quantile(error, self.uniform());
+        }
+    }
+
+    /// A uniform deviate in (0, 1), an odd multiple of 2^-53, so that its quantiles are finite.
+    fn uniform(&mut self) -> f64 {
+        ((self.stream.next_u64() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
+    }
+}
+
+impl DrawnErrors {
+    fn from_values(
+        [px, py, pz, rx, ry, rz, sx, sy, sz, strength, in_plane, out_of_plane]: [f64; TileErrors::COUNT],
+    ) -> DrawnErrors {
+        DrawnErrors {
+            position_mm: DVec3::new(px, py, pz),
+            rotation_rad: DVec3::new(rx, ry, rz),
+            size_mm: DVec3::new(sx, sy, sz),
+            strength,
+            direction_rad: [in_plane, out_of_plane],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all_normal() -> TileErrors {
+        let normal = || Distribution::normal(1.0);
+        let three = || [normal(), normal(), normal()];
+        TileErrors {
+            position_mm: three(),
+            rotation_rad: three(),
+            size_mm: three(),
+            strength: normal(),
+            direction_rad: [normal(), normal()],
+        }
+    }
+
+    fn values(drawn: &DrawnErrors) -> [f64; TileErrors::COUNT] {
+        let DrawnErrors { position_mm: p, rotation_rad: r, size_mm: s, strength, direction_rad: [a, b] } = *drawn;
+        [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z, strength, a, b]
+    }
+
+    /// Mean, variance and fourth moment of n normal deviates deviate from 0, 1 and 3 by normal errors
+    /// of 1, 2^1/2 and 96^1/2 over the root of n. Six of these are allowed.
+    #[test]
+    fn deviates_are_normal_and_independent() {
+        let tiles = 20_000;
+        let mut draws = Draws::new(7, 3);
+        let errors = all_normal();
+        let all: Vec<_> = (0..tiles).map(|tile| values(&draws.of_tile(tile, &errors))).collect();
+        let root = (tiles as f64).sqrt();
+        let mean = |f: &dyn Fn(&[f64; TileErrors::COUNT]) -> f64| all.iter().map(f).sum::<f64>() / tiles as f64;
+        for i in 0..TileErrors::COUNT {
+            assert!(mean(&|d| d[i]).abs() < 6.0 / root, "mean of deviate {i}");
+            assert!((mean(&|d| d[i].powi(2)) - 1.0).abs() < 6.0 * 2.0_f64.sqrt() / root, "variance of deviate {i}");
+            assert!((mean(&|d| d[i].powi(4)) - 3.0).abs() < 6.0 * 96.0_f64.sqrt() / root, "moment of deviate {i}");
+            for j in 0..i {
+                assert!(mean(&|d| d[i] * d[j]).abs() < 6.0 / root, "deviates {i} and {j}");
+            }
+        }
+    }
+
+    #[test]
+    fn draws_depend_on_seed_sample_and_place_alone() {
+        let errors = all_normal();
+        let in_order = Draws::new(7, 3).of_tile(4, &errors);
+        let mut later = Draws::new(7, 3);
+        later.of_tile(9, &errors);
+        assert_eq!(later.of_tile(4, &errors), in_order);
+        for (seed, sample, tile) in [(8, 3, 4), (7, 2, 4), (7, 3, 5)] {
+            assert_ne!(Draws::new(seed, sample).of_tile(tile, &errors), in_order);
+        }
+        // Tiles, groups, common errors and noise have deviates of their own.
+        let position = in_order.position_mm.to_array();
+        assert_ne!(later.of_group(4, &errors), in_order);
+        let [x, y, z] = &errors.position_mm;
+        assert_ne!(later.common(4 * TileErrors::COUNT, [x, y, z]), position);
+        assert_ne!(later.noise_t(4 * TileErrors::COUNT / 3, &errors.position_mm).to_array(), position);
+    }
+
+    /// Components of a unit vector of any direction have mean 0 and mean square 1/3, with standard
+    /// deviations of (1/3)^1/2 and (4/45)^1/2 over the root of n.
+    #[test]
+    fn any_direction_has_no_preference() {
+        let field = StrayField { any_direction_t: Distribution::Fixed(2.0), ..StrayField::default() };
+        let n = 20_000;
+        let all: Vec<DVec3> = (0..n).map(|sample| 0.5 * Draws::new(1, sample).stray_field_t(6, &field)).collect();
+        let root = (n as f64).sqrt();
+        assert!(all.iter().all(|b| (b.length() - 1.0).abs() < 1e-12));
+        let mean = all.iter().sum::<DVec3>() / n as f64;
+        assert!(mean.abs().max_element() < 6.0 * (1.0 / 3.0_f64).sqrt() / root, "{mean}");
+        let squares = all.iter().map(|b| *b * *b).sum::<DVec3>() / n as f64 - DVec3::splat(1.0 / 3.0);
+        assert!(squares.abs().max_element() < 6.0 * (4.0_f64 / 45.0).sqrt() / root, "{squares}");
+        let products = all.iter().map(|b| b.x * b.y).sum::<f64>() / n as f64;
+        assert!(products.abs() < 6.0 * (1.0 / 15.0_f64).sqrt() / root, "{products}");
+    }
+}

@@ -1,0 +1,132 @@
+//! What the sensor reads of a film: its pose, other fields, the temperature, and the sensor's own
+//! errors.
+
+use glam::{DQuat, DVec3};
+use magsplice_layout::CommonErrors;
+
+use crate::draws::Draws;
+
+/// A rigid motion: a rotation about a point, then a shift.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pose {
+    about: DVec3,
+    shift: DVec3,
+    turn: DQuat,
+}
+
+impl Pose {
+    pub(crate) fn new(about: DVec3, shift: DVec3, rotation_rad: DVec3) -> Pose {
+        Pose { about, shift, turn: DQuat::from_scaled_axis(rotation_rad) }
+    }
+
+    pub(crate) fn rotation(&self) -> DQuat {
+        self.turn
+    }
+
+    /// The place of a point of the body after the motion.
+    pub(crate) fn apply(&self, point: DVec3) -> DVec3 {
+        if self.turn == DQuat::IDENTITY {
+            // Without the rounding of the difference.
+            return point + self.shift;
+        }
+        self.about + self.turn * (point - self.about) + self.shift
+    }
+
+    /// The point of the body that the motion brings to `place`.
+    pub(crate) fn undo(&self, place: DVec3) -> DVec3 {
+        if self.turn == DQuat::IDENTITY {
+            return place - self.shift;
+        }
+        self.about + self.turn.inverse() * (place - self.about - self.shift)
+    }
+}
+
+/// The errors of one sample that all tiles share.
+#[derive(Clone, Debug)]
+pub(crate) struct Surroundings {
+    pub(crate) pose: Pose,
+    stray_field_t: DVec3,
+    stray_field_later: bool,
+    neighbour_later: bool,
+    /// Relative change of all strengths after the reading at the reference point.
+    warming: f64,
+    sensor_turn: DQuat,
+    gain: DVec3,
+    offset_t: DVec3,
+}
+
+/// Numbers of the common causes in the random stream. Each has as many errors as the next one is
+/// away.
+const FILM_POSITION: usize = 0;
+const FILM_ROTATION: usize = 3;
+const STRAY_FIELD: usize = 6;
+const TEMPERATURE: usize = 12;
+const SENSOR_OFFSET: usize = 13;
+const SENSOR_ROTATION: usize = 16;
+const SENSOR_GAIN: usize = 19;
+
+impl Surroundings {
+    pub(crate) fn draw(common: &CommonErrors, centre: DVec3, draws: &mut Draws) -> Surroundings {
+        let CommonErrors { film, stray_field, neighbour, temperature, sensor } = common;
+        let mut vector = |cause, errors: &[_; 3]| {
+            let [x, y, z] = errors;
+            DVec3::from(draws.common(cause, [x, y, z]))
+        };
+        let pose =
+            Pose::new(centre, vector(FILM_POSITION, &film.position_mm), vector(FILM_ROTATION, &film.rotation_rad));
+        let offset_t = vector(SENSOR_OFFSET, &sensor.offset_t);
+        let sensor_turn = DQuat::from_scaled_axis(vector(SENSOR_ROTATION, &sensor.rotation_rad));
+        let gain = DVec3::ONE + vector(SENSOR_GAIN, &sensor.gain);
+        let warming = temperature.as_ref().map_or(0.0, |temperature| {
+            let [change_k] = draws.common(TEMPERATURE, [&temperature.change_k]);
+            change_k * temperature.strength_per_k
+        });
+        Surroundings {
+            pose,
+            stray_field_t: stray_field.as_ref().map_or(DVec3::ZERO, |field| draws.stray_field_t(STRAY_FIELD, field)),
+            stray_field_later: stray_field.as_ref().is_some_and(|field| field.later),
+            neighbour_later: neighbour.as_ref().is_some_and(|neighbour| neighbour.later),
+            warming,
+            sensor_turn,
+            gain,
+            offset_t,
+        }
+    }
+
+    /// Where a point of the sensor lies in the frame of the film.
+    pub(crate) fn in_film(&self, point: DVec3) -> DVec3 {
+        self.pose.undo(point)
+    }
+
+    /// What the sensor reads, in tesla, without noise. `film_t` is the field of the film in its own
+    /// frame, `neighbour_t` that of its neighbour. The first reading, at the reference point, lacks
+    /// what comes later.
+    pub(crate) fn reading_t(&self, film_t: DVec3, neighbour_t: DVec3, is_first: bool) -> DVec3 {
+        let mut b_t = self.pose.rotation() * film_t;
+        if !is_first {
+            b_t *= 1.0 + self.warming;
+        }
+        if !(is_first && self.neighbour_later) {
+            b_t += neighbour_t;
+        }
+        if !(is_first && self.stray_field_later) {
+            b_t += self.stray_field_t;
+        }
+        self.gain * (self.sensor_turn.inverse() * b_t) + self.offset_t
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pose_is_undone() {
+        let pose = Pose::new(DVec3::new(1.0, -2.0, 0.5), DVec3::new(0.1, 0.2, -0.3), DVec3::new(0.2, -0.1, 0.3));
+        let point = DVec3::new(3.0, 4.0, -5.0);
+        assert!(pose.undo(pose.apply(point)).distance(point) < 1e-14);
+        // The point about which it turns is only shifted.
+        let centre = DVec3::new(1.0, -2.0, 0.5);
+        assert!(pose.apply(centre).distance(centre + DVec3::new(0.1, 0.2, -0.3)) < 1e-15);
+    }
+}

@@ -1,0 +1,94 @@
+//! The errors of samples of a film.
+
+use std::ops::Range;
+
+use glam::DVec3;
+use magsplice_field::Scene;
+use magsplice_ideal::IdealFilm;
+use magsplice_magnet::Quantity;
+use rayon::prelude::*;
+
+use crate::draws::Draws;
+use crate::film_errors::{EvaluationGrid, Figure, FilmErrors, SampleError};
+use crate::real_film::RealFilm;
+use crate::statistics::Statistics;
+
+/// Draws samples of a film and evaluates their errors over a working volume.
+#[derive(Clone, Debug)]
+pub struct Sampler<'a> {
+    film: &'a RealFilm,
+    volume: EvaluationGrid,
+    ideal: &'a IdealFilm,
+    seed: u64,
+    /// The points of the grid, then the reference point.
+    points: Vec<DVec3>,
+    /// The field of the neighbour at each of them.
+    neighbour_t: Vec<DVec3>,
+}
+
+impl<'a> Sampler<'a> {
+    /// Prepares what all samples share.
+    ///
+    /// # Errors
+    /// If the neighbour has no field at a point of the volume.
+    pub fn new(
+        film: &'a RealFilm,
+        volume: &EvaluationGrid,
+        ideal: &'a IdealFilm,
+        seed: u64,
+    ) -> Result<Sampler<'a>, SampleError> {
+        let points: Vec<DVec3> = volume.grid.points().chain([volume.reference]).collect();
+        let neighbour_t = match &film.tolerance().common.neighbour {
+            Some(neighbour) => exact_field_t(&Scene::new(&neighbour.tiles), &points)?,
+            None => vec![DVec3::ZERO; points.len()],
+        };
+        Ok(Sampler { film, volume: *volume, ideal, seed, points, neighbour_t })
+    }
+
+    /// The errors of sample number `sample`, which depend on the seed and on this number alone.
+    ///
+    /// # Errors
+    /// If a tile of the sample cannot exist, or the parameters do not exist in the volume.
+    pub fn errors_of(&self, sample: u64) -> Result<FilmErrors, SampleError> {
+        let mut draws = Draws::new(self.seed, sample);
+        let tiles = self.film.draw_tiles(&mut draws).map_err(SampleError::Tile)?;
+        let surroundings = self.film.draw_surroundings(&mut draws);
+        let in_film: Vec<DVec3> = self.points.iter().map(|point| surroundings.in_film(*point)).collect();
+        let mut read_t = exact_field_t(&Scene::new(&tiles), &in_film)?;
+        let noise = &self.film.tolerance().common.sensor.noise_t;
+        let noisy = noise.iter().any(|noise| !noise.is_none());
+        let last = read_t.len() - 1;
+        for (reading, (b_t, neighbour_t)) in read_t.iter_mut().zip(&self.neighbour_t).enumerate() {
+            *b_t = surroundings.reading_t(*b_t, *neighbour_t, reading == last);
+            if noisy {
+                *b_t += draws.noise_t(reading, noise);
+            }
+        }
+        FilmErrors::from_field(&read_t[..last], read_t[last], &self.volume, self.ideal)
+    }
+
+    /// The errors of samples with these numbers, computed in parallel. They do not depend on the number
+    /// of threads, and samples of several ranges are those of the joined range.
+    ///
+    /// # Errors
+    /// The first sample without errors, by its number, and the reason.
+    pub fn errors_of_range(&self, samples: Range<u64>) -> Result<Vec<FilmErrors>, (u64, SampleError)> {
+        let of_sample = |sample| self.errors_of(sample).map_err(|error| (sample, error));
+        let results: Vec<Result<FilmErrors, _>> = samples.into_par_iter().map(of_sample).collect();
+        results.into_iter().collect()
+    }
+}
+
+/// Statistics of one figure of samples. `None` without samples.
+///
+/// # Panics
+/// If the figure has an axis that is not 0, 1 or 2.
+pub fn statistics(errors: &[FilmErrors], figure: Figure) -> Option<Statistics> {
+    Statistics::new(errors.iter().map(|errors| errors.get(figure)))
+}
+
+fn exact_field_t(scene: &Scene, points: &[DVec3]) -> Result<Vec<DVec3>, SampleError> {
+    let mut field_t = vec![DVec3::ZERO; points.len()];
+    scene.field_into(Quantity::FluxDensity, points, &mut field_t).map_err(SampleError::Field)?;
+    Ok(field_t)
+}
