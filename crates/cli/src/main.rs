@@ -48,6 +48,8 @@ mod point_file;
 mod progress;
 /// Remarks on standard error.
 mod remarks;
+/// Samples of real films: what they are samples of, their files, and runs that can be continued.
+mod sampling;
 /// Results as printed tables.
 mod text;
 /// Units that people write.
@@ -89,6 +91,7 @@ fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
         Verb::Check(args) => return verbs::check::run(args, quiet),
         Verb::Design(args) => return verbs::design::run(args, quiet),
         Verb::Splice(args) => return verbs::splice::run(args, quiet),
+        Verb::Tolerance(args) => return verbs::tolerance::run(args, quiet),
         Verb::Field(args) => verbs::field::run(args, quiet),
         Verb::Compare(args) => verbs::compare::run(args, quiet),
         Verb::Decouple(args) => verbs::decouple::run(args, quiet),

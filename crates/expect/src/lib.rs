@@ -3,6 +3,7 @@
 //! * [`Outcome`]: one expectation with its value, bound and margin.
 //! * [`Baseline`]: a stored field, and the difference of another field from it.
 //! * [`Clearance`]: the distance of the tiles from the working volume.
+//! * [`keeps_bounds`]: whether a film that is made keeps its bounds.
 //! * [`NarrowGaps`]: the pairs of tiles that almost touch.
 //!
 //! Lengths in millimetres, as in layout files. This crate computes no field, reads no files and
@@ -24,6 +25,8 @@
 mod baseline;
 /// The distance of tiles from the working volume.
 mod clearance;
+/// Bounds that each film that is made keeps or breaks.
+mod made;
 /// Tiles that almost touch.
 mod narrow_gaps;
 /// Boxes with their own axes, and the distance between two of them.
@@ -33,5 +36,6 @@ mod outcome;
 
 pub use baseline::{Baseline, BaselineDifference, PointsMismatch};
 pub use clearance::Clearance;
+pub use made::keeps_bounds;
 pub use narrow_gaps::NarrowGaps;
 pub use outcome::{Bound, DisplacementAxis, Expectation, Location, Outcome};

@@ -37,8 +37,8 @@ pub fn header(table: &Table, w: &mut dyn Write) -> io::Result<()> {
 /// Errors of the writer.
 pub fn rows(table: &Table, w: &mut dyn Write) -> io::Result<()> {
     let columns = table.columns();
-    let (first, others) = columns.split_first().expect("a table has columns of coordinates");
-    for row in 0..table.points().len() {
+    let (first, others) = columns.split_first().expect("a table has a column of its rows");
+    for row in 0..table.rows().len() {
         // Debug writes an exponent where that is shorter; Display never does.
         write!(w, "{:?}", first.get(row))?;
         others.iter().try_for_each(|column| write!(w, ",{:?}", column.get(row)))?;

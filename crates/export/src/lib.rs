@@ -38,10 +38,10 @@ pub mod parquet;
 mod significant;
 /// A film as STL bodies.
 pub mod stl;
-/// [`Table`]: points, quantities and metadata, from which every format is written.
+/// [`Table`]: rows, quantities and metadata, from which every format is written.
 mod table;
 /// Tables and tiles as XML files for VTK and ParaView.
 pub mod vtk;
 
 pub use significant::twelve_digits;
-pub use table::{ColumnQuantity, Metadata, MetadataValue, Points, Table, TableColumn, TableError};
+pub use table::{ColumnQuantity, Metadata, MetadataValue, Points, Rows, Table, TableColumn, TableError};

@@ -9,24 +9,24 @@ use zip::write::SimpleFileOptions;
 
 use crate::table::{MetadataValue, Table};
 
-/// Writes an NPY file: one array of records, in the shape of [`Points::shape`], with one field per
+/// Writes an NPY file: one array of records, in the shape of [`Rows::shape`], with one field per
 /// column. The format has no place for metadata, so they are not written.
 ///
-/// [`Points::shape`]: crate::Points::shape
+/// [`Rows::shape`]: crate::Rows::shape
 ///
 /// # Errors
 /// Errors of the writer.
 pub fn npy(table: &Table, w: &mut dyn Write) -> io::Result<()> {
     let columns = table.columns();
     let fields = columns.iter().map(|column| Field { name: column.name.to_owned(), dtype: scalar("<f8") });
-    header(DType::Record(fields.collect()), &table.points().shape(), w)?;
-    (0..table.points().len()).try_for_each(|row| numbers(columns.iter().map(|column| column.get(row)), w))
+    header(DType::Record(fields.collect()), &table.rows().shape(), w)?;
+    (0..table.rows().len()).try_for_each(|row| numbers(columns.iter().map(|column| column.get(row)), w))
 }
 
-/// Writes an NPZ archive: one array per column, in the shape of [`Points::shape`], and one array
+/// Writes an NPZ archive: one array per column, in the shape of [`Rows::shape`], and one array
 /// per entry of the metadata.
 ///
-/// [`Points::shape`]: crate::Points::shape
+/// [`Rows::shape`]: crate::Rows::shape
 ///
 /// # Errors
 /// Errors of the writer.
@@ -39,9 +39,9 @@ pub fn npz(table: &Table, w: &mut dyn Write) -> io::Result<()> {
             .large_file(bytes as u64 >= u64::from(u32::MAX) / 2);
         archive.start_file(file_name_from_array_name(name), options)
     };
-    let shape = table.points().shape();
+    let shape = table.rows().shape();
     for column in table.columns() {
-        begin(&mut archive, column.name, 8 * table.points().len())?;
+        begin(&mut archive, column.name, 8 * table.rows().len())?;
         let mut entry = BufWriter::new(&mut archive);
         header(scalar("<f8"), &shape, &mut entry)?;
         numbers(column.values(), &mut entry)?;

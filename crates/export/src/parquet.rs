@@ -48,8 +48,8 @@ fn in_row_groups(table: &Table, w: &mut dyn Write) -> Result<(), ParquetError> {
         .build();
     // The crate needs a writer that is Send, which `w` is not. So each group goes to memory first.
     let mut file = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;
-    for start in (0..table.points().len()).step_by(ROW_GROUP) {
-        let rows = start..table.points().len().min(start + ROW_GROUP);
+    for start in (0..table.rows().len()).step_by(ROW_GROUP) {
+        let rows = start..table.rows().len().min(start + ROW_GROUP);
         let mut group = file.next_row_group()?;
         for column in &columns {
             let values: Vec<f64> = rows.clone().map(|row| column.get(row)).collect();

@@ -1,4 +1,4 @@
-//! A table of results at points, from which every format is written.
+//! A table of results, one row for each point or sample, from which every format is written.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 /// Names of the columns of the coordinates.
 const COORDINATES: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 
-/// Points, the quantities known at each of them, and metadata.
+/// Rows, the quantities known in each of them, and metadata.
 ///
 /// Serialized, a table is a map from the name of each column to the list of its numbers.
 ///
@@ -39,9 +39,26 @@ const COORDINATES: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    points: Points,
+    rows: Rows,
     quantities: Vec<ColumnQuantity>,
     metadata: Metadata,
+}
+
+/// What the rows of a table belong to.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Rows {
+    /// Points. Their coordinates are the first columns.
+    Points(Points),
+    /// Things with consecutive numbers, which are the first column.
+    Numbered {
+        /// Name of that column.
+        name: &'static str,
+        /// Number of the first row.
+        first: u64,
+        /// Number of rows.
+        count: usize,
+    },
 }
 
 /// The points of a table in the order of its rows, in millimetres.
@@ -54,14 +71,14 @@ pub enum Points {
     Scattered(Vec<DVec3>),
 }
 
-/// A scalar, a vector or a tensor at every point of a table.
+/// A scalar, a vector or a tensor in every row of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnQuantity {
     /// Name of the quantity with its unit, such as `b_t`. Formats with vectors use it.
     pub name: &'static str,
     /// Names of the columns, one per component, such as `bx_t`.
     pub components: &'static [&'static str],
-    /// All components of the first point, then of the second, and so on.
+    /// All components of the first row, then of the second, and so on.
     pub values: Vec<f64>,
 }
 
@@ -80,7 +97,7 @@ pub enum MetadataValue {
     Numbers(Vec<f64>),
 }
 
-/// A column of a table: one number per point.
+/// A column of a table: one number per row.
 #[derive(Clone, Copy)]
 pub struct TableColumn<'a> {
     /// Name with its unit.
@@ -92,6 +109,7 @@ pub struct TableColumn<'a> {
 #[derive(Clone, Copy)]
 enum ColumnSource<'a> {
     Coordinate { points: &'a Points, axis: usize },
+    Number { first: u64 },
     Component { values: &'a [f64], first: usize, step: usize },
 }
 
@@ -107,8 +125,8 @@ pub enum TableError {
         values: usize,
         /// Number of its components.
         components: usize,
-        /// Number of points of the table.
-        points: usize,
+        /// Number of rows of the table.
+        rows: usize,
     },
 }
 
@@ -147,24 +165,58 @@ impl Points {
     }
 }
 
-impl Table {
-    /// A table of these quantities at these points.
-    ///
-    /// # Errors
-    /// [`TableError::Length`] if a quantity does not have one value per component and point.
-    pub fn new(points: Points, quantities: Vec<ColumnQuantity>, metadata: Metadata) -> Result<Table, TableError> {
-        for ColumnQuantity { name, components, values } in &quantities {
-            let (values, components, points) = (values.len(), components.len(), points.len());
-            if values != components * points {
-                return Err(TableError::Length { quantity: name, values, components, points });
-            }
+impl From<Points> for Rows {
+    fn from(points: Points) -> Rows {
+        Rows::Points(points)
+    }
+}
+
+impl Rows {
+    /// The number of rows.
+    pub fn len(&self) -> usize {
+        match self {
+            Rows::Points(points) => points.len(),
+            Rows::Numbered { count, .. } => *count,
         }
-        Ok(Table { points, quantities, metadata })
     }
 
-    /// The points.
-    pub fn points(&self) -> &Points {
-        &self.points
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The shape of an array with one entry per row: see [`Points::shape`].
+    pub fn shape(&self) -> Vec<usize> {
+        match self {
+            Rows::Points(points) => points.shape(),
+            Rows::Numbered { count, .. } => vec![*count],
+        }
+    }
+}
+
+impl Table {
+    /// A table of these quantities in these rows.
+    ///
+    /// # Errors
+    /// [`TableError::Length`] if a quantity does not have one value per component and row.
+    pub fn new(
+        rows: impl Into<Rows>,
+        quantities: Vec<ColumnQuantity>,
+        metadata: Metadata,
+    ) -> Result<Table, TableError> {
+        let rows = rows.into();
+        for ColumnQuantity { name, components, values } in &quantities {
+            let (values, components, rows) = (values.len(), components.len(), rows.len());
+            if values != components * rows {
+                return Err(TableError::Length { quantity: name, values, components, rows });
+            }
+        }
+        Ok(Table { rows, quantities, metadata })
+    }
+
+    /// The rows.
+    pub fn rows(&self) -> &Rows {
+        &self.rows
     }
 
     /// The quantities.
@@ -177,13 +229,18 @@ impl Table {
         &self.metadata
     }
 
-    /// All columns: the three coordinates, then the components of each quantity.
+    /// All columns: the three coordinates or the number of the row, then the components of each
+    /// quantity.
     pub fn columns(&self) -> Vec<TableColumn<'_>> {
-        let rows = self.points.len();
-        let coordinate = |axis: usize| TableColumn {
-            name: COORDINATES[axis],
-            source: ColumnSource::Coordinate { points: &self.points, axis },
-            rows,
+        let rows = self.rows.len();
+        let first: Vec<TableColumn> = match &self.rows {
+            Rows::Points(points) => {
+                let source = |axis| ColumnSource::Coordinate { points, axis };
+                (0..3).map(|axis| TableColumn { name: COORDINATES[axis], source: source(axis), rows }).collect()
+            }
+            Rows::Numbered { name, first, .. } => {
+                vec![TableColumn { name, source: ColumnSource::Number { first: *first }, rows }]
+            }
         };
         let components = self.quantities.iter().flat_map(|quantity| {
             let (values, step) = (&quantity.values[..], quantity.components.len());
@@ -194,7 +251,7 @@ impl Table {
             };
             quantity.components.iter().enumerate().map(column)
         });
-        (0..3).map(coordinate).chain(components).collect()
+        first.into_iter().chain(components).collect()
     }
 }
 
@@ -206,6 +263,7 @@ impl TableColumn<'_> {
     pub fn get(&self, row: usize) -> f64 {
         match self.source {
             ColumnSource::Coordinate { points, axis } => points.get(row)[axis],
+            ColumnSource::Number { first } => (first + row as u64) as f64,
             ColumnSource::Component { values, first, step } => values[row * step + first],
         }
     }
@@ -235,12 +293,11 @@ impl Serialize for TableColumn<'_> {
 
 impl fmt::Display for TableError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let TableError::Length { quantity, values, components, points } = self;
+        let TableError::Length { quantity, values, components, rows } = self;
         write!(
             f,
-            "quantity {quantity} has {values} values, must have {}: {components} per point for \
-             {points} points",
-            components * points
+            "quantity {quantity} has {values} values, must have {}: {components} per row for {rows} rows",
+            components * rows
         )
     }
 }
@@ -256,6 +313,6 @@ mod tests {
         let points = Points::Scattered(vec![DVec3::ZERO; 2]);
         let quantity = ColumnQuantity { name: "b_t", components: &["bx_t", "by_t", "bz_t"], values: vec![0.0; 5] };
         let error = Table::new(points, vec![quantity], Vec::new()).unwrap_err();
-        assert_eq!(error.to_string(), "quantity b_t has 5 values, must have 6: 3 per point for 2 points");
+        assert_eq!(error.to_string(), "quantity b_t has 5 values, must have 6: 3 per row for 2 rows");
     }
 }

@@ -10,7 +10,7 @@ use crate::distribution::Distribution;
 /// # Units
 /// Lengths in millimetres, angles in radians, flux densities in tesla; strengths and gains are
 /// fractions.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FilmTolerance {
     /// The errors of each tile, independent of those of other tiles. Empty, or one for each tile.
     pub tiles: Vec<TileErrors>,
@@ -18,6 +18,17 @@ pub struct FilmTolerance {
     pub groups: Vec<ErrorGroup>,
     /// Errors that all tiles share, and those of the surroundings and of the sensor.
     pub common: CommonErrors,
+    /// Number of samples that are evaluated unless another number is asked for.
+    pub samples: u64,
+    /// Seed of the random numbers unless another one is asked for.
+    pub seed: u64,
+}
+
+impl Default for FilmTolerance {
+    fn default() -> FilmTolerance {
+        let (tiles, groups, common) = (Vec::new(), Vec::new(), CommonErrors::default());
+        FilmTolerance { tiles, groups, common, samples: 1000, seed: 1 }
+    }
 }
 
 impl FilmTolerance {

@@ -10,6 +10,7 @@ use magsplice_field::Scene;
 use magsplice_ideal::{Comparison, ComparisonError, IdealFilm};
 use magsplice_layout::{Layout, WorkingVolume};
 use magsplice_magnet::{Accuracy, Cause, PointError, PointErrors, Quantity};
+use magsplice_tolerance::{EvaluationGrid, RealFilm};
 
 use crate::stage::Stage;
 
@@ -129,6 +130,24 @@ impl<'a> Film<'a> {
     /// If the layout has none.
     pub fn ideal(&self) -> Result<&'a IdealFilm, FilmError> {
         self.layout.ideal.as_ref().ok_or(FilmError::Missing("ideal"))
+    }
+
+    /// The film with the errors of those that are made from the layout.
+    ///
+    /// # Errors
+    /// If the layout states no errors.
+    pub fn real_film(&self) -> Result<RealFilm, FilmError> {
+        let tolerance = self.layout.tolerance.as_ref().ok_or(FilmError::Missing("tolerance"))?;
+        Ok(RealFilm::new(&self.layout.bare_tiles(), tolerance))
+    }
+
+    /// The points of the working volume and the reference point.
+    ///
+    /// # Errors
+    /// If the layout has no working volume.
+    pub fn evaluation_grid(&self) -> Result<EvaluationGrid, FilmError> {
+        let volume = self.volume()?;
+        Ok(EvaluationGrid { grid: volume.grid, reference: volume.reference_mm })
     }
 
     /// B in tesla on the grid of the working volume, z fastest, to the film's accuracy.

@@ -6,8 +6,8 @@
 //! * [`ideal`]: the ideal film, and the comparison of two fields.
 //! * [`field`]: the field of tiles, exact or to a tolerance.
 //! * [`decouple`]: decoupling parameters and their errors.
-//! * [`tolerance`]: films whose tiles are misplaced, turned and of unequal strength.
 //! * [`layout`]: layout files.
+//! * [`tolerance`]: films whose tiles are misplaced, turned and of unequal strength.
 //! * [`expect`]: expectations of a layout, compared with computed values.
 //! * [`design`]: the search for better films.
 //!
@@ -19,10 +19,9 @@
 //! layout files any unit of length will do, because the field depends on ratios of lengths only.
 //!
 //! # Features
-//! * `layout` (on by default): layout files, [`Film`] and [`expect`]. Without it, no TOML and no
-//!   SHA-2 is compiled.
+//! * `layout` (on by default): layout files, [`Film`], [`expect`] and [`tolerance`]. Without it, no
+//!   TOML, no SHA-2 and no random numbers are compiled.
 //! * `design` (on by default): [`design`]. Without it, no solver of quadratic programs is compiled.
-//! * `tolerance` (on by default): [`tolerance`]. Without it, no random numbers are compiled.
 //! * `serde` (off by default): `Serialize` for results, `Serialize` and `Deserialize` for values.
 //!
 //! # Example
@@ -66,7 +65,7 @@ pub use magsplice_ideal as ideal;
 #[cfg(feature = "layout")]
 pub use magsplice_layout as layout;
 pub use magsplice_magnet as magnet;
-#[cfg(feature = "tolerance")]
+#[cfg(feature = "layout")]
 pub use magsplice_tolerance as tolerance;
 #[cfg(feature = "layout")]
 pub use stage::Stage;

@@ -5,6 +5,7 @@ use magsplice::{Film, Stage};
 
 use crate::error::{DrawError, ReportError};
 use crate::figures::along_axes::AlongAxes;
+use crate::figures::distributions::{Distributions, ErrorKind};
 use crate::figures::{field_maps, layout_from_above, parameter_maps, vectors};
 use crate::shared_ranges::SharedRanges;
 use crate::survey::{FieldSlice, Survey};
@@ -29,7 +30,11 @@ pub(crate) struct FigureDraft {
 /// The number of figures.
 fn figure_count(survey: Option<&Survey>) -> usize {
     // Layout, vectors, one field map per plane; three figures of the parameters.
-    survey.map_or(1, |survey| 2 + survey.z_planes().len() + survey.against_ideal.as_ref().map_or(0, |_| 3))
+    // Two figures of samples.
+    survey.map_or(1, |survey| {
+        let against_ideal = survey.against_ideal.as_ref().map_or(0, |_| 3);
+        2 + survey.z_planes().len() + against_ideal + survey.samples.as_ref().map_or(0, |_| 2)
+    })
 }
 
 /// All figures that the layout allows.
@@ -109,6 +114,20 @@ pub(crate) fn drafts(
                        displacement from the reference point that the parameter shows, minus the true one."
             .to_owned();
         add("parameters-along-axes", caption, along.draw(ranges).map(|svg| (svg, along.csv())))?;
+    }
+    if let Some(samples) = survey.samples.as_ref().filter(|samples| !samples.errors.is_empty()) {
+        let kinds = [
+            ("made-displacement", ErrorKind::Displacement, "displacement RMSE"),
+            ("made-uniformity", ErrorKind::Uniformity, "uniformity RMSE"),
+        ];
+        for (name, kind, error) in kinds {
+            let caption = format!(
+                "The {error} of the films that are made, with the errors of [tolerance]. Above: the number of films in \
+                 ranges of equal width. Below: the share of the films with a smaller error."
+            );
+            let distributions = Distributions::new(kind, &samples.nominal, &samples.errors);
+            add(name, caption, distributions.draw().map(|svg| (svg, distributions.csv())))?;
+        }
     }
     Ok(drafts)
 }

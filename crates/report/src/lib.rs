@@ -54,3 +54,4 @@ pub use figures::front::{FrontAxis, FrontFigure, FrontFilm};
 pub use page::PrintedResults;
 pub use pair::{PairReport, PairedNumber};
 pub use report::Report;
+pub use survey::FilmSamples;

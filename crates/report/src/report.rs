@@ -12,7 +12,7 @@ use crate::figure::{Figure, SvgText};
 use crate::figure_drafts::{FigureDraft, drafts};
 use crate::page::{PrintedResults, page};
 use crate::shared_ranges::SharedRanges;
-use crate::survey::{Survey, tiles_to_draw};
+use crate::survey::{FilmSamples, Survey, tiles_to_draw};
 use crate::typeset;
 
 /// File name of the page.
@@ -44,7 +44,7 @@ pub(crate) const PAGE_NAME: &str = "report.html";
 /// )?;
 /// let film = Film::new(&layout);
 /// let results = PrintedResults { text: "one tile", json: "{}" };
-/// let report = Report::new(&film, None, results, SvgText::Text)?;
+/// let report = Report::new(&film, None, None, results, SvgText::Text)?;
 ///
 /// // The layout has no working volume, so the report has the tiles only.
 /// let names: Vec<String> = report.files().into_iter().map(|(name, _)| name).collect();
@@ -67,7 +67,8 @@ impl Report {
     /// Draws all figures that the layout allows, and the page.
     ///
     /// `field_t` is B in tesla on the grid of the working volume, as [`Film::volume_field_t`]
-    /// returns it. `None` computes it here. The figures have the accuracy of the film. `text` is the
+    /// returns it. `None` computes it here. `samples` are films that are made from the layout, whose
+    /// errors two further figures show. The figures have the accuracy of the film. `text` is the
     /// form of text in the SVG files; on the page it is always outlines.
     ///
     /// # Errors
@@ -77,10 +78,11 @@ impl Report {
     pub fn new(
         film: &Film,
         field_t: Option<Vec<DVec3>>,
+        samples: Option<FilmSamples>,
         results: PrintedResults,
         text: SvgText,
     ) -> Result<Report, ReportError> {
-        let survey = Survey::new(film, field_t)?;
+        let survey = Survey::new(film, field_t)?.map(|survey| Survey { samples, ..survey });
         let tiles = drawn_tiles(film);
         let drafts = drafts(film, &tiles, survey.as_ref(), &SharedRanges::default())?;
         let figures = rendered(film, drafts, text)?;
@@ -151,7 +153,8 @@ mod tests {
                     polarization_t = [0, 0, 1]\n[volume]\nx_mm = [-1, 1]\ny_mm = [-1, 1]\nz_mm = [-3, -2]\nstep_mm = 1\n";
         let layout = Layout::parse(text, "one").unwrap();
         let results = PrintedResults { text: "", json: "{}" };
-        let error = Report::new(&Film::new(&layout), Some(vec![DVec3::ZERO; 17]), results, SvgText::Text).unwrap_err();
+        let error =
+            Report::new(&Film::new(&layout), Some(vec![DVec3::ZERO; 17]), None, results, SvgText::Text).unwrap_err();
         assert_eq!(error.to_string(), "the field has 17 values, must have 18: one per point of the working volume");
     }
 }

@@ -6,6 +6,7 @@ use magsplice::decouple::{Branch, Decoupling, Parameters};
 use magsplice::field::{Cause, PointErrors};
 use magsplice::layout::{NamedTile, WorkingVolume};
 use magsplice::prelude::{Accuracy, Grid, IdealFilm, Quantity, Tolerance};
+use magsplice::tolerance::FilmErrors;
 use magsplice::{Film, FilmError};
 
 use crate::error::ReportError;
@@ -62,6 +63,17 @@ pub(crate) struct Survey<'a> {
     pub(crate) round_off_t: f64,
     /// The ideal film and the decoupling parameters, if the layout has an ideal film.
     pub(crate) against_ideal: Option<AgainstIdeal<'a>>,
+    /// Samples of the films that are made, if they were drawn.
+    pub(crate) samples: Option<FilmSamples>,
+}
+
+/// Samples of the films that are made from a layout, for [`Report::new`](crate::Report::new).
+#[derive(Clone, Debug)]
+pub struct FilmSamples {
+    /// The errors of the film as it was ordered.
+    pub nominal: FilmErrors,
+    /// The errors of each sample.
+    pub errors: Vec<FilmErrors>,
 }
 
 /// The ideal film over the same grid, and the decoupling parameters of the spliced film.
@@ -107,7 +119,7 @@ impl<'a> Survey<'a> {
         let round_off_t = round_off_t(film, &points, &field_t);
         let most_t = round_off_t.iter().copied().filter(|b| b.is_finite()).fold(0.0, f64::max);
         let field_t = field_t.into_iter().zip(&round_off_t).map(|(b, &bound)| without_round_off(b, bound)).collect();
-        Ok(Some(Survey { volume, field_t, round_off_t: most_t, against_ideal }))
+        Ok(Some(Survey { volume, field_t, round_off_t: most_t, against_ideal, samples: None }))
     }
 
     /// Indices along z of the lowest, the middle and the highest plane of the grid, without

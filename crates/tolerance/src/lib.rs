@@ -25,10 +25,10 @@ mod readings;
 mod real_film;
 /// The errors of many samples.
 mod sampler;
-/// Mean and percentiles of samples, with confidence intervals.
+/// Mean, percentiles and shares of samples, with confidence intervals.
 mod statistics;
 
 pub use film_errors::{EvaluationGrid, Figure, FilmErrors, SampleError};
 pub use real_film::RealFilm;
 pub use sampler::{Sampler, statistics};
-pub use statistics::{Estimate, Statistics};
+pub use statistics::{Estimate, Statistics, probability_of_at_least, share};

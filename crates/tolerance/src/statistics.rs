@@ -1,4 +1,6 @@
-//! Mean and percentiles of samples, with confidence intervals.
+//! Mean, percentiles and shares of samples, with confidence intervals.
+
+use statrs::function::beta::beta_reg;
 
 /// Half the width of a normal distribution's interval of 95 %, in standard deviations.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -22,6 +24,10 @@ pub struct Statistics {
     pub count: usize,
     /// Mean.
     pub mean: Estimate,
+    /// 1st percentile.
+    pub p1: Estimate,
+    /// 5th percentile.
+    pub p5: Estimate,
     /// Median.
     pub p50: Estimate,
     /// 95th percentile.
@@ -45,9 +51,40 @@ impl Statistics {
         let mean = sorted.iter().sum::<f64>() / n;
         let variance = sorted.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
         let half = if count > 1 { NORMAL_95 * (variance / n).sqrt() } else { f64::INFINITY };
-        let [p50, p95, p99] = [0.5, 0.95, 0.99].map(|share| percentile(&sorted, share));
+        let [p1, p5, p50, p95, p99] = [0.01, 0.05, 0.5, 0.95, 0.99].map(|share| percentile(&sorted, share));
         let mean = Estimate { value: mean, interval: [mean - half, mean + half] };
-        Some(Statistics { count, mean, p50: p50?, p95: p95?, p99: p99? })
+        Some(Statistics { count, mean, p1: p1?, p5: p5?, p50: p50?, p95: p95?, p99: p99? })
+    }
+}
+
+/// The share of films with a property, estimated from samples.
+///
+/// The interval is Wilson's: values whose normal approximation does not exclude the number that was
+/// found. `None` without samples.
+pub fn share(found: usize, samples: usize) -> Option<Estimate> {
+    if samples == 0 {
+        return None;
+    }
+    let n = samples as f64;
+    let (value, square) = (found as f64 / n, NORMAL_95 * NORMAL_95);
+    let centre = (value + 0.5 * square / n) / (1.0 + square / n);
+    let half = NORMAL_95 / (1.0 + square / n) * (value * (1.0 - value) / n + 0.25 * square / (n * n)).sqrt();
+    Some(Estimate { value, interval: [(centre - half).max(0.0), (centre + half).min(1.0)] })
+}
+
+/// The probability that at least `found` of `samples` independent samples have a property that a
+/// share of all films has: the tail of the binomial distribution. A share is excluded with a
+/// confidence c if this is below 1 - c.
+///
+/// # Panics
+/// If the share is not between 0 and 1.
+pub fn probability_of_at_least(found: usize, samples: usize, share: f64) -> f64 {
+    match found {
+        0 => 1.0,
+        _ if found > samples => 0.0,
+        _ if share == 0.0 || share == 1.0 => share,
+        // The tail is a regularized incomplete beta function.
+        _ => beta_reg(found as f64, (samples - found + 1) as f64, share),
     }
 }
 
@@ -82,6 +119,19 @@ mod tests {
         assert_eq!(found.p99.interval[1], f64::INFINITY);
         assert!(Statistics::new([]).is_none());
         assert_eq!(Statistics::new([2.0]).expect("one").mean.interval, [f64::NEG_INFINITY, f64::INFINITY]);
+    }
+
+    /// Known values: Wilson's interval of 8 of 10 is 0.4901 to 0.9433; of ten throws of a coin, at least
+    /// eight are heads in 56 of 1024 cases.
+    #[test]
+    fn shares_have_the_known_intervals_and_tails() {
+        let [low, high] = share(8, 10).expect("samples").interval;
+        assert!((low - 0.4901).abs() < 1e-4 && (high - 0.9433).abs() < 1e-4, "{low} {high}");
+        assert_eq!(share(0, 0), None);
+        assert!(share(0, 5).expect("samples").interval[0] == 0.0 && share(5, 5).expect("samples").interval[1] == 1.0);
+        assert!((probability_of_at_least(8, 10, 0.5) - 56.0 / 1024.0).abs() < 1e-12);
+        assert_eq!(probability_of_at_least(0, 10, 0.05), 1.0);
+        assert!((probability_of_at_least(10, 10, 0.9) - 0.9_f64.powi(10)).abs() < 1e-12);
     }
 
     /// Of 1000 intervals of 95 %, 950 contain the true value, with a standard deviation of 7. Intervals

@@ -21,6 +21,8 @@ pub(crate) mod import;
 pub(crate) mod numbers;
 /// `--points` and `--unit`: points from a file.
 pub(crate) mod points;
+/// Arguments of `tolerance`.
+pub(crate) mod tolerance;
 
 use clap::{Parser, Subcommand};
 
@@ -32,6 +34,7 @@ use self::evaluate::ReportArgs;
 use self::evaluate::{CompareArgs, DecoupleArgs, FieldArgs, PlanArgs};
 use self::files::{CompletionsArgs, ExportArgs, InitArgs, TilesArgs};
 use self::import::ImportArgs;
+use self::tolerance::ToleranceArgs;
 
 const FIRST_STEPS: &str = if cfg!(feature = "report") {
     "Example:\n  magsplice init film.toml\n  magsplice report film.toml -o report\n  magsplice decouple film.toml"
@@ -84,6 +87,7 @@ pub(crate) enum Verb {
     Bench(BenchArgs),
     #[cfg(feature = "report")]
     Report(ReportArgs),
+    Tolerance(ToleranceArgs),
     Check(CheckArgs),
     Design(DesignArgs),
     Splice(SpliceArgs),

@@ -18,7 +18,7 @@ pub(crate) struct FieldJson<'a> {
 
 impl<'a> FieldJson<'a> {
     pub(crate) fn new(film: &Film<'a>, table: &'a Table) -> FieldJson<'a> {
-        FieldJson { source: SourceJson::new(film), points: table.points().len(), columns: ColumnsJson::new(table) }
+        FieldJson { source: SourceJson::new(film), points: table.rows().len(), columns: ColumnsJson::new(table) }
     }
 }
 
@@ -32,6 +32,6 @@ pub(crate) struct ColumnsJson<'a> {
 
 impl<'a> ColumnsJson<'a> {
     pub(crate) fn new(table: &'a Table) -> ColumnsJson<'a> {
-        ColumnsJson { shape: table.points().shape(), columns: table }
+        ColumnsJson { shape: table.rows().shape(), columns: table }
     }
 }

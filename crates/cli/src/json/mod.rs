@@ -22,6 +22,8 @@ pub(crate) mod renamed;
 pub(crate) mod source;
 /// `tiles`: a layout with one entry per tile, and its parts.
 pub(crate) mod tiles;
+/// `tolerance`: statistics of samples.
+pub(crate) mod tolerance;
 
 use serde::Serialize;
 

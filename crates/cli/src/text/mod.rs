@@ -20,3 +20,5 @@ pub(crate) mod plan;
 pub(crate) mod rows;
 /// `tiles`: the tiles of a layout and its bill of materials.
 pub(crate) mod tiles;
+/// `tolerance`: statistics of samples as tables.
+pub(crate) mod tolerance;

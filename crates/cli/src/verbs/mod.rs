@@ -44,3 +44,5 @@ pub(crate) mod search;
 pub(crate) mod splice;
 /// Lists the tiles of a layout and its bill of materials.
 pub(crate) mod tiles;
+/// Samples the films that are made from a layout.
+pub(crate) mod tolerance;

@@ -6,7 +6,7 @@ use std::path::Path;
 use magsplice::layout::Layout;
 use magsplice::prelude::DVec3;
 use magsplice::{Film, FilmError, Stage};
-use magsplice_report::{PairReport, PrintedResults, Report, ReportError};
+use magsplice_report::{FilmSamples, PairReport, PrintedResults, Report, ReportError};
 
 use super::report_pair;
 use crate::args::evaluate::ReportArgs;
@@ -17,6 +17,10 @@ use crate::json::source::SourceJson;
 use crate::output::destination::print;
 use crate::output::folder::Folder;
 use crate::progress::ProgressLine;
+use crate::sampling::run::SamplingRun;
+use crate::sampling::sampled_film::SampledFilm;
+use crate::sampling::scene::SampledScene;
+use crate::sampling::source::SampleSource;
 use crate::text::number::counted;
 use crate::words::film_failure;
 use crate::{json, remarks, text};
@@ -36,9 +40,10 @@ fn draw_one(args: &ReportArgs, path: &Path, quiet: bool) -> Result<(), Failure> 
     let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy()).with_progress(&show);
     // A folder that cannot be written is refused before the field is computed.
     let folder = Folder::open(&args.output, "report", &[path])?;
-    let PageNumbers { text, json, field_t } = numbers(&film).map_err(|error| film_failure(path, &layout, error))?;
+    let PageNumbers { mut text, json, field_t } = numbers(&film).map_err(|error| film_failure(path, &layout, error))?;
+    let samples = samples(path, &layout, &progress, &mut text)?;
     let results = PrintedResults { text: &text, json: &json };
-    let report = Report::new(&film, field_t, results, args.text.into());
+    let report = Report::new(&film, field_t, samples, results, args.text.into());
     let report = report.map_err(|error| report_failure(path, &layout, error))?;
     written(folder, report.files())?;
     progress.end();
@@ -52,6 +57,27 @@ fn draw_one(args: &ReportArgs, path: &Path, quiet: bool) -> Result<(), Failure> 
         let _ = writeln!(said, "absent: {absent}");
     }
     print(&said)
+}
+
+/// Samples of the films that are made, if the layout states their errors. Appends their statistics to
+/// `text`.
+fn samples(
+    path: &Path,
+    layout: &Layout,
+    progress: &ProgressLine,
+    text: &mut String,
+) -> Result<Option<FilmSamples>, Failure> {
+    let Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } = layout else { return Ok(None) };
+    let scene = SampledScene::new(path, layout)?;
+    let source = SampleSource::new(layout, tolerance.seed, 0, tolerance.samples);
+    let sampler = scene.sampler(source.seed)?;
+    let mut errors = Vec::new();
+    let run = SamplingRun { scene: &scene, sampler: &sampler, source: &source };
+    run.extend(&mut errors, |_| Ok(()), progress, None)?;
+    let nominal = scene.nominal()?;
+    let film = SampledFilm::new(layout, nominal, source, &errors);
+    let _ = write!(text, "\nfilms that are made: {}", text::tolerance::samples(&film));
+    Ok(Some(FilmSamples { nominal, errors }))
 }
 
 fn draw_pair(args: &ReportArgs, paths: [&Path; 2], quiet: bool) -> Result<(), Failure> {

@@ -18,6 +18,7 @@ mod import;
 mod point_files;
 #[cfg(target_os = "linux")]
 mod progress;
+mod real_films;
 #[cfg(feature = "report")]
 mod report;
 mod start;

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use magsplice_magnet::Grid;
 
 use super::dataset::{ArrayValues, VtkArray, VtkDataset};
-use crate::table::{ColumnQuantity, Points, Table};
+use crate::table::{ColumnQuantity, Points, Rows, Table};
 
 /// Writes a table: a grid as image data (`.vti`), scattered points as vertices of poly data
 /// (`.vtp`). Lengths are in millimetres.
@@ -15,11 +15,12 @@ use crate::table::{ColumnQuantity, Points, Table};
 /// spacing, so their coordinates differ from the table's by round-off.
 ///
 /// # Errors
-/// Errors of the writer.
+/// Errors of the writer, and rows without points.
 pub fn table(table: &Table, w: &mut dyn Write) -> io::Result<()> {
-    match table.points() {
-        Points::Grid(grid) => image_data(table, grid, w),
-        Points::Scattered(_) => vertices(table, w),
+    match table.rows() {
+        Rows::Points(Points::Grid(grid)) => image_data(table, grid, w),
+        Rows::Points(points) => vertices(table, points, w),
+        Rows::Numbered { .. } => Err(io::Error::other("rows without points have no place in VTK")),
     }
 }
 
@@ -43,9 +44,9 @@ fn image_data(table: &Table, grid: &Grid, w: &mut dyn Write) -> io::Result<()> {
     .write(w)
 }
 
-fn vertices(table: &Table, w: &mut dyn Write) -> io::Result<()> {
-    let count = table.points().len();
-    let coordinates = (0..count).flat_map(|row| table.points().get(row).to_array());
+fn vertices(table: &Table, points: &Points, w: &mut dyn Write) -> io::Result<()> {
+    let count = points.len();
+    let coordinates = (0..count).flat_map(|row| points.get(row).to_array());
     let points = ArrayValues::Float64(3 * count, Box::new(coordinates));
     let index = |name, first: usize| VtkArray {
         name,
@@ -70,7 +71,7 @@ fn quantities<'a>(table: &'a Table, row: impl Fn(usize) -> usize + Copy + 'a) ->
     let array = |quantity: &'a ColumnQuantity| {
         let (values, step) = (&quantity.values, quantity.components.len());
         let in_order =
-            (0..table.points().len()).map(row).flat_map(move |row| values[row * step..][..step].iter().copied());
+            (0..table.rows().len()).map(row).flat_map(move |row| values[row * step..][..step].iter().copied());
         VtkArray {
             name: quantity.name,
             components: if step == 1 { &[] } else { quantity.components },

@@ -1,0 +1,121 @@
+//! Arguments of `tolerance`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+
+use super::formats::{FileFormat, TextOrJson};
+
+/// Largest number of samples. The figures of more would take gigabytes of memory.
+pub(crate) const MAX_SAMPLES: u64 = 10_000_000;
+
+/// Evaluate the films that are made from a layout: samples with the errors of its [tolerance].
+///
+/// Each sample is a film whose tiles are misplaced, turned, cut to wrong sizes, and of wrong strength
+/// and direction, in the surroundings and under the sensor of [tolerance]. Its exact field gives the
+/// uniformity RMSE, the displacement RMSE and the amplitude. The result has their mean and percentiles
+/// with intervals of 95 % confidence, and the share of the films that keep [expect].
+///
+/// Sample i depends on the seed and on i alone, so that machines can share the work: see --first.
+/// Ctrl-C ends the run with the result so far.
+#[derive(Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+#[command(after_help = "Examples:\n  magsplice tolerance layouts/robust-in-plane.toml --samples 10000\n  \
+    magsplice tolerance film.toml --samples 100000 --first 25000 --count 25000 --save part-2.csv\n  \
+    magsplice tolerance merge film.toml part-*.csv --save samples.parquet")]
+pub(crate) struct ToleranceArgs {
+    #[command(subcommand)]
+    pub(crate) merge: Option<ToleranceVerb>,
+    /// Layout file
+    #[arg(required = true)]
+    pub(crate) layout: Option<PathBuf>,
+    /// Number of samples [default: that of [tolerance], else 1000]
+    #[arg(long, value_name = "N", value_parser = samples)]
+    pub(crate) samples: Option<u64>,
+    /// Seed of the random numbers [default: that of [tolerance], else 1]
+    #[arg(long, value_name = "S")]
+    pub(crate) seed: Option<u64>,
+    /// Number of the first sample, to compute a part of the samples
+    #[arg(long, value_name = "K", default_value = "0", value_parser = number)]
+    pub(crate) first: u64,
+    /// Number of samples of the part [default: all from the first on]
+    #[arg(long, value_name = "M", value_parser = samples)]
+    pub(crate) count: Option<u64>,
+    /// Continue a run that was interrupted or killed, from its file FILE.partial beside --save
+    #[arg(long, requires = "save")]
+    pub(crate) resume: bool,
+    #[command(flatten)]
+    pub(crate) result: ToleranceResultArgs,
+}
+
+/// Where the result of samples goes.
+#[derive(Args)]
+pub(crate) struct ToleranceResultArgs {
+    /// File for the figures of every sample: .csv, .npz or .parquet. Parts are .csv
+    #[arg(long, value_name = "FILE")]
+    pub(crate) save: Option<PathBuf>,
+    /// Format of the result
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: TextOrJson,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum ToleranceVerb {
+    Merge(MergeArgs),
+}
+
+/// Join parts of the samples of a layout. The result is that of one run, to the last bit.
+#[derive(Args)]
+pub(crate) struct MergeArgs {
+    /// Layout file that the parts were computed from
+    pub(crate) layout: PathBuf,
+    /// Files that `tolerance --save` wrote, in any order
+    #[arg(required = true, value_name = "PART")]
+    pub(crate) parts: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) result: ToleranceResultArgs,
+}
+
+/// Formats of the figures of samples.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub(crate) enum SampleFormat {
+    /// Text with one line per sample, after a line that tells what they are samples of
+    Csv,
+    /// NumPy: one array per figure
+    Npz,
+    /// Parquet, if the program was built with the feature `parquet`
+    Parquet,
+}
+
+impl FileFormat for SampleFormat {
+    const OPTION: &'static str = "--save";
+
+    fn endings(self) -> &'static [&'static str] {
+        match self {
+            SampleFormat::Csv => &["csv"],
+            SampleFormat::Npz => &["npz"],
+            SampleFormat::Parquet => &["parquet"],
+        }
+    }
+
+    fn is_binary(self) -> bool {
+        self != SampleFormat::Csv
+    }
+
+    fn is_known_by_ending(self) -> bool {
+        true
+    }
+}
+
+fn samples(text: &str) -> Result<u64, String> {
+    let samples = text.parse().ok().filter(|n| (1..=MAX_SAMPLES).contains(n));
+    samples.ok_or_else(|| format!("must be a whole number from 1 to {MAX_SAMPLES}"))
+}
+
+fn number(text: &str) -> Result<u64, String> {
+    let number = text.parse().ok().filter(|n| *n < MAX_SAMPLES);
+    number.ok_or_else(|| format!("must be a whole number below {MAX_SAMPLES}: samples are counted from 0"))
+}

@@ -1,0 +1,115 @@
+//! `tolerance`: statistics of samples.
+
+use magsplice::tolerance::{Estimate, Figure, Statistics};
+use serde::Serialize;
+
+use crate::sampling::sampled_film::SampledFilm;
+
+/// The result of `tolerance`.
+#[derive(Serialize)]
+pub(crate) struct ToleranceJson<'a> {
+    layout: &'a str,
+    sha256: &'a str,
+    version: &'static str,
+    tiles: usize,
+    /// Hash of the tiles, their errors, the volume and the ideal film.
+    film: &'a str,
+    seed: u64,
+    first: u64,
+    count: u64,
+    uniformity_rmse: ParametersJson,
+    displacement_rmse_mm: AxesJson,
+    amplitude: StatisticsJson,
+    /// The share of the films that keep the bounds of `[expect]`.
+    #[serde(rename = "yield")]
+    yield_share: Option<ShareJson>,
+}
+
+#[derive(Serialize)]
+struct ParametersJson {
+    r_x: StatisticsJson,
+    r_y: StatisticsJson,
+    s_z: StatisticsJson,
+}
+
+#[derive(Serialize)]
+struct AxesJson {
+    x: StatisticsJson,
+    y: StatisticsJson,
+    z: StatisticsJson,
+}
+
+#[derive(Serialize)]
+struct StatisticsJson {
+    nominal: f64,
+    mean: f64,
+    p1: f64,
+    p5: f64,
+    p50: f64,
+    p95: f64,
+    p99: f64,
+    /// Ends of intervals of 95 % confidence; null where there are too few samples.
+    interval_95: IntervalsJson,
+}
+
+#[derive(Serialize)]
+struct IntervalsJson {
+    mean: [f64; 2],
+    p1: [f64; 2],
+    p5: [f64; 2],
+    p50: [f64; 2],
+    p95: [f64; 2],
+    p99: [f64; 2],
+}
+
+#[derive(Serialize)]
+struct ShareJson {
+    share: f64,
+    interval_95: [f64; 2],
+}
+
+impl<'a> ToleranceJson<'a> {
+    pub(crate) fn new(film: &'a SampledFilm) -> ToleranceJson<'a> {
+        let statistics =
+            |index: usize| StatisticsJson::new(film.nominal.get(Figure::ALL[index]), &film.statistics[index]);
+        ToleranceJson {
+            layout: &film.layout.name,
+            sha256: &film.layout.sha256,
+            version: env!("CARGO_PKG_VERSION"),
+            tiles: film.layout.tiles.len(),
+            film: &film.source.fingerprint,
+            seed: film.source.seed,
+            first: film.source.first,
+            count: film.source.count,
+            uniformity_rmse: ParametersJson { r_x: statistics(0), r_y: statistics(1), s_z: statistics(2) },
+            displacement_rmse_mm: AxesJson { x: statistics(3), y: statistics(4), z: statistics(5) },
+            amplitude: statistics(6),
+            yield_share: film
+                .yield_share
+                .map(|Estimate { value, interval }| ShareJson { share: value, interval_95: interval }),
+        }
+    }
+}
+
+impl StatisticsJson {
+    fn new(nominal: f64, statistics: &Statistics) -> StatisticsJson {
+        let Statistics { mean, p1, p5, p50, p95, p99, .. } = statistics;
+        StatisticsJson {
+            nominal,
+            mean: mean.value,
+            p1: p1.value,
+            p5: p5.value,
+            p50: p50.value,
+            p95: p95.value,
+            p99: p99.value,
+            interval_95: IntervalsJson {
+                mean: mean.interval,
+                p1: p1.interval,
+                p5: p5.interval,
+                p50: p50.interval,
+                p95: p95.interval,
+                p99: p99.interval,
+            },
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! A film whose samples are drawn.
+
+use std::path::Path;
+
+use magsplice::layout::Layout;
+use magsplice::tolerance::{EvaluationGrid, FilmErrors, RealFilm, SampleError, Sampler};
+use magsplice::{Film, FilmError};
+
+use crate::failure::Failure;
+use crate::words::{film_failure, no_film};
+
+/// A film that is sampled, with its working volume and its ideal film.
+pub(crate) struct SampledScene<'a> {
+    path: &'a Path,
+    layout: &'a Layout,
+    film: Film<'a>,
+    real: RealFilm,
+    /// The same film without errors.
+    exact: RealFilm,
+    volume: EvaluationGrid,
+}
+
+impl<'a> SampledScene<'a> {
+    pub(crate) fn new(path: &'a Path, layout: &'a Layout) -> Result<SampledScene<'a>, Failure> {
+        let film = Film::new(layout);
+        let purpose = "evaluates the films that are made from a layout";
+        let missing = |error| no_film(path, error, "tolerance", purpose);
+        film.ideal().map_err(missing)?;
+        let volume = film.evaluation_grid().map_err(missing)?;
+        let real = film.real_film().map_err(|error| match error {
+            FilmError::Missing(_) => Failure::Points {
+                path: path.to_owned(),
+                message:
+                    "the layout has no [tolerance] table, which states the errors of the films that are made: add \
+                          [tolerance] with preset = \"workshop\" to begin with; docs/layout-format.md describes it"
+                        .to_owned(),
+            },
+            error => film_failure(path, layout, error),
+        })?;
+        let exact = RealFilm::new(real.tiles(), &Default::default());
+        Ok(SampledScene { path, layout, film, real, exact, volume })
+    }
+
+    pub(crate) fn sampler(&self, seed: u64) -> Result<Sampler<'_>, Failure> {
+        self.sampler_of(&self.real, seed)
+    }
+
+    fn sampler_of<'b>(&'b self, film: &'b RealFilm, seed: u64) -> Result<Sampler<'b>, Failure> {
+        let ideal = self.film.ideal().map_err(|error| film_failure(self.path, self.layout, error))?;
+        Sampler::new(film, &self.volume, ideal, seed).map_err(|error| self.failure(&error))
+    }
+
+    /// The errors of the film as it was ordered.
+    pub(crate) fn nominal(&self) -> Result<FilmErrors, Failure> {
+        self.sampler_of(&self.exact, 1)?.errors_of(0).map_err(|error| self.failure(&error))
+    }
+
+    fn failure(&self, error: &SampleError) -> Failure {
+        Failure::Points { path: self.path.to_owned(), message: error.to_string() }
+    }
+
+    pub(crate) fn sample_failure(&self, sample: u64, error: &SampleError) -> Failure {
+        Failure::Points { path: self.path.to_owned(), message: format!("sample {sample}: {error}") }
+    }
+}

@@ -1,0 +1,148 @@
+//! `tolerance`: statistics of samples as tables.
+
+use std::fmt::Write;
+
+use magsplice::layout::{Distribution, FilmTolerance, TileErrors};
+use magsplice::tolerance::{Estimate, Figure, Statistics};
+
+use super::number::counted;
+use super::{header, rows};
+use crate::sampling::sampled_film::SampledFilm;
+use crate::sampling::source::SampleSource;
+
+/// The report of `tolerance`.
+pub(crate) fn sampled(film: &SampledFilm) -> String {
+    header::layout(film.layout) + &samples(film)
+}
+
+/// The statistics of the samples, without the layout.
+pub(crate) fn samples(film: &SampledFilm) -> String {
+    let mut text = format!("{}\n", in_words(&film.source));
+    if let Some(tolerance) = &film.layout.tolerance {
+        text += &tile_errors(tolerance);
+    }
+    text.push('\n');
+    let names = ["", "nominal", "mean", "P50", "P95", "P99", "P95 is within"].map(str::to_owned);
+    let mut table = vec![names];
+    for (figure, statistics) in Figure::ALL.into_iter().zip(&film.statistics) {
+        if figure != Figure::Amplitude {
+            table.push(row(figure, film.nominal.get(figure), statistics));
+        }
+    }
+    lines(&mut text, &table);
+    let amplitude = &film.statistics[Figure::ALL.len() - 1];
+    let names = ["", "nominal", "mean", "P50", "P5", "P1", "P5 is within"].map(str::to_owned);
+    let values =
+        [film.nominal.amplitude, amplitude.mean.value, amplitude.p50.value, amplitude.p5.value, amplitude.p1.value];
+    let [nominal, mean, p50, p5, p1] = values.map(figure);
+    text.push('\n');
+    lines(&mut text, &[names, ["amplitude".to_owned(), nominal, mean, p50, p5, p1, interval(&amplitude.p5)]]);
+    if let Some(share) = &film.yield_share {
+        let percent = |share: f64| format!("{:.1}", 100.0 * share);
+        let [low, high] = share.interval.map(percent);
+        let _ = writeln!(text, "\nyield: {} % of the films keep [expect] ({low} .. {high} %)", percent(share.value));
+    }
+    text += "intervals hold with 95 % confidence\n";
+    text
+}
+
+/// The number of samples in words, for the header of the text.
+fn in_words(source: &SampleSource) -> String {
+    let samples = counted(source.count as usize, "sample", "samples");
+    let SampleSource { seed, first, count, .. } = source;
+    match (first, count) {
+        (0, _) => format!("{samples}, seed {seed}"),
+        (first, 1) => format!("sample {first}, seed {seed}"),
+        (first, count) => format!("{samples}, {first} to {}, seed {seed}", first + count - 1),
+    }
+}
+
+/// Appends lines of cells, the first column to the left and the others to the right.
+fn lines<const N: usize>(text: &mut String, table: &[[String; N]]) {
+    let widths: [usize; N] =
+        std::array::from_fn(|column| table.iter().map(|row| row[column].chars().count()).max().unwrap_or(0));
+    for cells in table {
+        let _ = write!(text, "{:<width$}", cells[0], width = FIRST_COLUMN.max(widths[0]));
+        for (cell, width) in cells.iter().zip(widths).skip(1) {
+            let _ = write!(text, "  {cell:>width$}", width = width.max(LEAST_COLUMN));
+        }
+        text.push('\n');
+    }
+}
+
+/// Widths of the columns of both tables, so that their numbers stand below each other.
+const FIRST_COLUMN: usize = 26;
+const LEAST_COLUMN: usize = 9;
+
+fn row(of: Figure, nominal: f64, statistics: &Statistics) -> [String; 7] {
+    let name = match of {
+        Figure::Uniformity(axis) => format!("uniformity RMSE of {}", ["R_x", "R_y", "S_z"][axis]),
+        Figure::Displacement(axis) => format!("displacement RMSE, {}, mm", ["x", "y", "z"][axis]),
+        Figure::Amplitude => "amplitude".to_owned(),
+    };
+    let Statistics { mean, p50, p95, p99, .. } = statistics;
+    let [nominal, mean, p50, p95_value, p99] = [nominal, mean.value, p50.value, p95.value, p99.value].map(figure);
+    [name, nominal, mean, p50, p95_value, p99, interval(p95)]
+}
+
+/// Three significant digits beyond the point for what samples tell, four for an amplitude.
+fn figure(value: f64) -> String {
+    if value.abs() < 1e-3 { format!("{value:.2e}") } else { format!("{value:.4}") }
+}
+
+fn interval(estimate: &Estimate) -> String {
+    let end = |end: f64| if end.is_finite() { figure(end) } else { "?".to_owned() };
+    let [low, high] = estimate.interval.map(end);
+    format!("{low} .. {high}")
+}
+
+/// The errors of the tiles in words, if all tiles have the same.
+fn tile_errors(tolerance: &FilmTolerance) -> String {
+    let Some(first) = tolerance.tiles.first() else { return String::new() };
+    if tolerance.tiles.iter().any(|errors| errors != first) {
+        return "errors of the tiles: not the same for all\n".to_owned();
+    }
+    let TileErrors { position_mm, rotation_rad, size_mm, strength, direction_rad } = first;
+    let degrees = 1.0_f64.to_degrees();
+    let causes = [
+        ("position", position_mm.as_slice(), 1.0, "mm"),
+        ("rotation", rotation_rad, degrees, "deg"),
+        ("size", size_mm, 1.0, "mm"),
+        ("strength", std::slice::from_ref(strength), 100.0, "%"),
+        ("direction", direction_rad, degrees, "deg"),
+    ];
+    let mut stated = Vec::new();
+    for (name, errors, factor, unit) in causes {
+        if errors.iter().any(|error| !error.is_none()) {
+            let mut shown: Vec<String> = errors.iter().map(|error| distribution(&error.scaled(factor))).collect();
+            if shown.iter().all(|one| *one == shown[0]) {
+                shown.truncate(1);
+            }
+            stated.push(format!("{name} {} {unit}", shown.join(", ")));
+        }
+    }
+    let mut text = String::new();
+    if !stated.is_empty() {
+        rows::prose(&mut text, &format!("each tile has errors of {}", stated.join("; ")));
+    }
+    text
+}
+
+/// A distribution in words: a plain number is a standard deviation.
+fn distribution(distribution: &Distribution) -> String {
+    // Twelve digits hide the rounding of degrees.
+    let number = |value: f64| magsplice_export::twelve_digits(value);
+    match distribution {
+        Distribution::Fixed(value) if *value == 0.0 => "0".to_owned(),
+        Distribution::Fixed(value) => format!("always {}", number(*value)),
+        Distribution::Normal { deviation } => number(*deviation).to_string(),
+        Distribution::Truncated { deviation, limit } => {
+            format!("{} (at most {})", number(*deviation), number(*limit))
+        }
+        Distribution::Uniform { half_width } => format!("-{0} .. {0}", number(*half_width)),
+        Distribution::Tabulated(values) => match &values[..] {
+            [first, .., last] => format!("{} .. {} as measured", number(*first), number(*last)),
+            _ => "as measured".to_owned(),
+        },
+    }
+}

@@ -1,0 +1,192 @@
+//! `tolerance`: samples of the films that are made, their parts, and runs that are continued.
+
+use std::fs;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::Duration;
+
+use serde_json::Value;
+
+use crate::{Sandbox, shipped};
+
+/// The published film with errors of its tiles, as `film.toml`.
+fn film(sandbox: &Sandbox, tolerance: &str) {
+    let text = fs::read_to_string(shipped("published-film")).expect("readable");
+    sandbox.write("film.toml", &format!("{text}\n[tolerance]\n{tolerance}\n"));
+}
+
+const WORKSHOP: &str = "preset = \"workshop\"";
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON")
+}
+
+/// The mean of the uniformity RMSE with 0.05 mm in x and y is known to be 0.0646, 0.0646 and 0.041. Of
+/// 400 samples it is known to four deviations of 0.0013 over the root of 400, and to the rounding.
+#[test]
+fn tolerance_gives_the_known_errors_of_the_published_film() {
+    let sandbox = Sandbox::new();
+    film(&sandbox, "position_mm = [0.05, 0.05, 0]");
+    let said = sandbox.run(&["tolerance", "film.toml", "--samples", "400", "--format", "json"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    let result = json(&said.stdout);
+    assert_eq!((result["count"].as_u64(), result["seed"].as_u64()), (Some(400), Some(1)));
+    for (name, known) in [("r_x", 0.0646), ("r_y", 0.0646), ("s_z", 0.041)] {
+        let statistics = &result["uniformity_rmse"][name];
+        let number = |key: &str| statistics[key].as_f64().expect("a number");
+        assert!((number("mean") - known).abs() < 3e-4 + 5e-4, "{name}: {statistics}");
+        assert!(number("p1") < number("p5") && number("p5") < number("p50") && number("p50") < number("p95"));
+        assert!(number("p95") < number("p99"), "{statistics}");
+    }
+    for axis in ["x", "y", "z"] {
+        let [low, high] = [0, 1].map(|end| result["displacement_rmse_mm"][axis]["interval_95"]["p95"][end].as_f64());
+        let p95 = result["displacement_rmse_mm"][axis]["p95"].as_f64();
+        assert!(low < p95 && p95 < high && low.is_some(), "{axis}: {low:?} {p95:?} {high:?}");
+    }
+    // The published film expects its nominal errors, which most of the films that are made exceed.
+    let share = result["yield"]["share"].as_f64().expect("a number");
+    assert!(share < 0.2, "{share}");
+    let text = sandbox.run(&["tolerance", "film.toml", "--samples", "400"]).stdout;
+    assert!(text.contains("400 samples, seed 1") && text.contains("errors of position 0.05, 0.05, 0 mm"), "{text}");
+    let row = text.lines().find(|line| line.starts_with("uniformity RMSE of R_x")).expect("a row");
+    assert!(row.contains(" 0.0629 "), "{row}");
+    assert!(text.lines().all(|line| line.len() <= 100), "{text}");
+}
+
+#[test]
+fn parts_are_merged_to_the_bits_of_one_run() {
+    let sandbox = Sandbox::new();
+    film(&sandbox, WORKSHOP);
+    let run = |arguments: &[&str]| {
+        let said = sandbox.run(&[&["tolerance"], arguments, &["--format", "json"]].concat());
+        assert_eq!((said.status, said.stderr.as_str()), (0, ""), "{arguments:?}");
+        said.stdout
+    };
+    let whole = run(&["film.toml", "--samples", "50", "--save", "whole.csv", "--threads", "1"]);
+    for (first, count, name) in [("0", "17", "a.csv"), ("17", "3", "b.csv"), ("20", "30", "c.csv")] {
+        run(&["film.toml", "--samples", "50", "--first", first, "--count", count, "--save", name]);
+    }
+    let merged = run(&["merge", "film.toml", "c.csv", "a.csv", "b.csv", "--save", "merged.csv"]);
+    assert_eq!(merged, whole);
+    assert_eq!(sandbox.read("merged.csv"), sandbox.read("whole.csv"));
+    run(&["merge", "film.toml", "whole.csv", "--save", "merged.npz"]);
+    run(&["film.toml", "--samples", "50", "--save", "whole.npz"]);
+    assert_eq!(fs::read(sandbox.path("merged.npz")).ok(), fs::read(sandbox.path("whole.npz")).ok());
+    // A part tells its own statistics.
+    let part = json(&run(&["merge", "film.toml", "b.csv"]));
+    assert_eq!((part["first"].as_u64(), part["count"].as_u64()), (Some(17), Some(3)));
+    assert!(!sandbox.files().iter().any(|name| name.ends_with(".partial")), "{:?}", sandbox.files());
+
+    let merge = |parts: &[&str]| sandbox.run(&[&["tolerance", "merge", "film.toml"], parts].concat());
+    merge(&["a.csv", "c.csv"]).refuses("c.csv: begins with sample 20: samples 17 to 19 are in no part");
+    merge(&["a.csv", "b.csv", "a.csv"]).refuses("a.csv: begins with sample 0, which another part has too");
+    run(&["film.toml", "--samples", "50", "--first", "17", "--count", "3", "--seed", "2", "--save", "d.csv"]);
+    merge(&["a.csv", "d.csv"]).refuses("d.csv: has seed 2, another part has seed 1");
+    merge(&["film.toml"]).refuses("film.toml: is not a file of samples");
+    sandbox.write("cut.csv", sandbox.read("c.csv").trim_end());
+    merge(&["cut.csv"]).refuses("cut.csv: has 29 of its 30 samples: its run has not ended");
+    let swapped = sandbox.read("b.csv").replace("\n18,", "\n19,");
+    sandbox.write("swapped.csv", &swapped);
+    merge(&["swapped.csv"]).refuses("swapped.csv: line 4: sample 19, must be sample 18");
+    film(&sandbox, "preset = \"jig\"");
+    merge(&["a.csv"]).refuses("a.csv: its samples are of another film or other errors than film.toml has now");
+}
+
+#[test]
+fn a_run_killed_twenty_times_gives_the_bytes_of_one_never_killed() {
+    let sandbox = Sandbox::new();
+    film(&sandbox, WORKSHOP);
+    let arguments = ["tolerance", "film.toml", "--samples", "3000", "--format", "json", "--save"];
+    let whole = sandbox.run(&[&arguments[..], &["whole.csv"]].concat());
+    assert_eq!(whole.status, 0, "{}", whole.stderr);
+    let killed = [&arguments[..], &["killed.csv", "--resume"]].concat();
+    let (mut kills, mut random) = (0, 1_u64);
+    for _ in 0..20 {
+        let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_magsplice"));
+        program.args(&killed).current_dir(sandbox.path(""));
+        let mut child = program.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
+        // Times of 0 to 63 ms, in an order without a pattern.
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        sleep(Duration::from_millis(random >> 58));
+        // SIGKILL on Unix.
+        kills += u32::from(child.kill().is_ok() && !child.wait().expect("it ends").success());
+    }
+    assert!(kills >= 5, "the program ended by itself in {} of 20 runs", 20 - kills);
+    let last = sandbox.run(&killed);
+    assert_eq!((last.status, &last.stdout), (0, &whole.stdout), "{}", last.stderr);
+    assert_eq!(sandbox.read("killed.csv"), sandbox.read("whole.csv"));
+    let partial = |name: &String| name.ends_with(".partial");
+    assert!(!sandbox.files().iter().any(partial), "{:?}", sandbox.files());
+}
+
+#[test]
+fn an_interrupted_run_tells_its_result_and_is_continued_only_on_request() {
+    let sandbox = Sandbox::new();
+    film(&sandbox, WORKSHOP);
+    let run = |arguments: &[&str]| sandbox.run(&[&["tolerance", "film.toml"], arguments].concat());
+    assert_eq!(run(&["--samples", "40", "--save", "whole.csv"]).status, 0);
+    let whole = sandbox.read("whole.csv");
+    // What a run leaves that was killed while it wrote sample 20.
+    let until = whole.find("\n20,").expect("sample 20") + 5;
+    let left = |text: &str| sandbox.write("s.csv.partial", text);
+    left(&whole[..until]);
+    run(&["--samples", "40", "--save", "s.csv"])
+        .refuses("s.csv.partial: holds 20 samples of an earlier run: give --resume to continue it, or remove the file");
+    run(&["--samples", "50", "--save", "s.csv", "--resume"])
+        .refuses("s.csv.partial: is of another run: it has seed 1, first 0, count 40");
+    run(&["--samples", "40", "--seed", "3", "--save", "s.csv", "--resume"]).refuses("is of another run");
+    let said = run(&["--samples", "40", "--save", "s.csv", "--resume"]);
+    assert_eq!((said.status, sandbox.read("s.csv")), (0, whole.clone()), "{}", said.stderr);
+    // Killed before its first line was whole; and somebody's file of the same name.
+    left("# magsplice tol");
+    assert_eq!(run(&["--samples", "40", "--save", "s.csv"]).status, 0);
+    left("my notes\n");
+    run(&["--samples", "40", "--save", "s.csv", "--resume"]).refuses("s.csv.partial: is not a file of samples");
+    assert_eq!(sandbox.read("s.csv.partial"), "my notes\n");
+    run(&["--resume"]).refuses_arguments("--save");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn ctrl_c_gives_the_result_so_far() {
+    let sandbox = Sandbox::new();
+    film(&sandbox, WORKSHOP);
+    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_magsplice"));
+    program.args(["tolerance", "film.toml", "--samples", "1000000", "--format", "json", "--save", "s.csv"]);
+    program.current_dir(sandbox.path("")).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = program.spawn().expect("it starts");
+    let partial = sandbox.path("s.csv.partial");
+    while fs::metadata(&partial).map_or(0, |file| file.len()) < 1000 {
+        sleep(Duration::from_millis(5));
+    }
+    let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(sent.expect("kill runs").success());
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(130));
+    let count = json(&String::from_utf8_lossy(&output.stdout))["count"].as_u64().expect("a count");
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        told.contains(&format!("interrupted after {count} of 1000000 samples, which are kept in s.csv.partial")),
+        "{told}"
+    );
+    assert_eq!(sandbox.read("s.csv.partial").lines().count() as u64, count + 2);
+    assert!(!sandbox.files().contains(&"s.csv".to_owned()));
+}
+
+#[test]
+fn tolerance_says_what_it_needs() {
+    let sandbox = Sandbox::new();
+    let bare = sandbox.run(&["tolerance", &shipped("published-film")]);
+    bare.refuses("the layout has no [tolerance] table, which states the errors of the films that are made");
+    film(&sandbox, WORKSHOP);
+    let run = |arguments: &[&str]| sandbox.run(&[&["tolerance", "film.toml"], arguments].concat());
+    run(&["--samples", "10", "--first", "10"]).refuses("--first 10 is beyond the last sample, of 10 samples");
+    run(&["--samples", "10", "--first", "5", "--count", "6"]).refuses("ends beyond the last sample");
+    run(&["--samples", "0"]).refuses_arguments("must be a whole number from 1 to 10000000");
+    run(&["--save", "s.txt"]).refuses("s.txt: no format has the ending .txt");
+    run(&["--save", "film.toml"]).refuses("film.toml: no format has the ending .toml");
+    film(&sandbox, "size_mm = { normal = 0.3 }");
+    let said = run(&["--samples", "2000"]);
+    said.refuses("a tile cannot exist");
+    assert!(said.stderr.contains("film.toml: sample "), "{}", said.stderr);
+}
