@@ -125,7 +125,7 @@ impl Edges {
 
 /// The integrals of 1 / r^3 and t / r^3 over t between the ends, r^2 = t^2 + rho^2, without
 /// cancellation (Eqs. P32, P33); `None` where they are unbounded.
-fn segment([from, to]: [f64; 2], rho_squared: f64) -> Option<(f64, f64)> {
+pub(crate) fn segment([from, to]: [f64; 2], rho_squared: f64) -> Option<(f64, f64)> {
     let [r_from, r_to] = [from, to].map(|t| (t * t + rho_squared).sqrt());
     let squares = (to - from) * (to + from);
     let across = if from * to > 0.0 {

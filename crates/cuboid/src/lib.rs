@@ -4,7 +4,8 @@
 //! * [`closed_form`]: the closed form for many points, in vectors.
 //! * [`series`]: the multipole series far away.
 //! * [`method`]: which of these is used at which distance, and why.
-//! * [`FaceDerivatives`]: derivatives of B with respect to the positions of the faces.
+//! * [`FaceDerivatives`], [`FaceHessian`]: first and second derivatives of B with respect to the
+//!   positions of the faces.
 //!
 //! # Units
 //! Lengths are in any one unit, polarization and mu0 H in tesla.
@@ -17,6 +18,8 @@ pub mod closed_form;
 pub mod evaluator;
 /// Derivatives of B with respect to the positions of the faces.
 mod face_derivatives;
+/// Second derivatives of B with respect to the positions of the faces.
+mod face_hessian;
 /// The bound of the magnitude far from a cuboid, in single precision.
 pub mod far_magnitude;
 /// A bound of the field without computing it.
@@ -37,6 +40,7 @@ pub mod shape;
 pub mod tolerances;
 
 pub use face_derivatives::FaceDerivatives;
+pub use face_hessian::FaceHessian;
 
 #[cfg(test)]
 mod tests;

@@ -37,7 +37,7 @@ mod tree;
 mod within;
 
 pub use interpolation::fitted_field::{FittedField, FittedFieldError, LookUpError, LookUpErrors};
-pub use magsplice_cuboid::FaceDerivatives;
+pub use magsplice_cuboid::{FaceDerivatives, FaceHessian};
 pub use magsplice_ideal::{Comparison, ComparisonError, IdealFilm, IdealFilmFault, IdealFilmFaults};
 pub use magsplice_magnet::{
     Accuracy, BoundingBox, Cause, Grid, GridFault, InvalidTolerance, MAX_LENGTH, MAX_POLARIZATION_T, MIN_ASPECT,
