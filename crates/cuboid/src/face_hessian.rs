@@ -123,8 +123,8 @@ struct EdgeMoments {
 }
 
 impl EdgeMoments {
-    /// The integrals over t between the ends, r^2 = t^2 + rho^2, without cancellation (Eqs. P32, P42
-    /// and P43); `None` where they are unbounded.
+    /// The integrals over t between the ends, r^2 = t^2 + rho^2, without cancellation (Eqs. P32, P60
+    /// and P61); `None` where they are unbounded.
     fn new([from, to]: [f64; 2], rho_squared: f64) -> Option<EdgeMoments> {
         let (across, _) = segment([from, to], rho_squared)?;
         let [from_squared, to_squared] = [from, to].map(|t| t * t + rho_squared);
@@ -214,9 +214,8 @@ mod tests {
             let hessian = FaceHessian::new(&tile, point).expect("off the edges");
             let round_off = 32.0 * f64::EPSILON / h * distance(&tile, point).powi(3);
             for other in faces() {
-                let at = |by: f64| {
-                    FaceDerivatives::new(&with_face_moved(&tile, other, by), point).expect("off the edges")
-                };
+                let at =
+                    |by: f64| FaceDerivatives::new(&with_face_moved(&tile, other, by), point).expect("off the edges");
                 let [one, two] = [1.0, 2.0].map(|steps: f64| {
                     let (above, below) = (at(steps * h), at(-steps * h));
                     let difference = |above: DMat3, below: DMat3| (above - below) * (0.5 / (steps * h));
