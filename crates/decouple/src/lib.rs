@@ -45,8 +45,11 @@ mod ideal_error;
 mod parameters;
 /// One number for each parameter.
 mod per_parameter;
+/// Second derivatives of the parameters.
+mod second_derivatives;
 
 pub use at_points::PointDecoupling;
 pub use decoupling::{Decoupling, DecouplingError, PlaneStatistics};
 pub use parameters::{Branch, ParameterDerivatives, Parameters};
 pub use per_parameter::{Parameter, PerParameter};
+pub use second_derivatives::ParameterSecondDerivatives;
