@@ -4,6 +4,8 @@
 mod designed;
 /// The published film against its expectations, and changed films against them.
 mod expectations;
+/// Errors to first order, against exact samples.
+mod first_order;
 /// Random edits of layouts, and arbitrary text.
 mod fuzz;
 /// The rules of layout files and their error messages.

@@ -114,6 +114,12 @@ impl DrawnErrors {
             direction_rad: [in_plane, out_of_plane],
         }
     }
+
+    /// The values, in the order of [`TileErrors::all`].
+    pub(crate) fn to_values(self) -> [f64; TileErrors::COUNT] {
+        let DrawnErrors { position_mm: p, rotation_rad: r, size_mm: s, strength, direction_rad: [a, b] } = self;
+        [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z, strength, a, b]
+    }
 }
 
 #[cfg(test)]
@@ -132,11 +138,6 @@ mod tests {
         }
     }
 
-    fn values(drawn: &DrawnErrors) -> [f64; TileErrors::COUNT] {
-        let DrawnErrors { position_mm: p, rotation_rad: r, size_mm: s, strength, direction_rad: [a, b] } = *drawn;
-        [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z, strength, a, b]
-    }
-
     /// Mean, variance and fourth moment of n normal deviates deviate from 0, 1 and 3 by normal errors
     /// of 1, 2^1/2 and 96^1/2 over the root of n. Six of these are allowed.
     #[test]
@@ -144,7 +145,7 @@ mod tests {
         let tiles = 20_000;
         let mut draws = Draws::new(7, 3);
         let errors = all_normal();
-        let all: Vec<_> = (0..tiles).map(|tile| values(&draws.of_tile(tile, &errors))).collect();
+        let all: Vec<_> = (0..tiles).map(|tile| draws.of_tile(tile, &errors).to_values()).collect();
         let root = (tiles as f64).sqrt();
         let mean = |f: &dyn Fn(&[f64; TileErrors::COUNT]) -> f64| all.iter().map(f).sum::<f64>() / tiles as f64;
         for i in 0..TileErrors::COUNT {

@@ -118,6 +118,18 @@ pub enum SampleError {
         /// The point.
         point: DVec3,
     },
+    /// The derivatives of the field of a tile do not exist at a point of the volume.
+    NoDerivative {
+        /// Index of the tile.
+        tile: usize,
+        /// The point.
+        point: DVec3,
+    },
+    /// The derivatives by all errors at all points need too much memory.
+    TooLarge {
+        /// Their size in bytes; `None` if it exceeds the range of `usize`.
+        bytes: Option<usize>,
+    },
 }
 
 impl fmt::Display for SampleError {
@@ -137,6 +149,15 @@ impl fmt::Display for SampleError {
                  holds only for z < 0",
                 point.x, point.y, point.z
             ),
+            SampleError::NoDerivative { tile, point } => write!(
+                f,
+                "the field of tile {tile} has no derivatives at the point ({}, {}, {}) mm of the working volume",
+                point.x, point.y, point.z
+            ),
+            SampleError::TooLarge { bytes } => {
+                let size = bytes.map_or("more bytes than can be counted".to_owned(), |bytes| format!("{bytes} bytes"));
+                write!(f, "the derivatives by all errors at all points need {size}; take fewer points")
+            }
         }
     }
 }
@@ -147,7 +168,10 @@ impl Error for SampleError {
             SampleError::Tile(faults) => Some(faults),
             SampleError::Field(errors) => Some(errors),
             SampleError::Decoupling(error) => Some(error),
-            SampleError::Singular { .. } | SampleError::NotBelow { .. } => None,
+            SampleError::Singular { .. }
+            | SampleError::NotBelow { .. }
+            | SampleError::NoDerivative { .. }
+            | SampleError::TooLarge { .. } => None,
         }
     }
 }

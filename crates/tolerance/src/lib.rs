@@ -4,6 +4,8 @@
 //! * [`RealFilm`]: a film with the errors of those that are made like it, and its samples.
 //! * [`Sampler`]: sample number i, which depends on a seed and on i alone, and its errors.
 //! * [`FilmErrors`]: the errors of decoupling and displacement of one sample.
+//! * [`FirstOrder`]: the errors to first order, by exact derivatives: shares of causes and tiles
+//!   without samples, and where this is valid.
 //! * [`Statistics`]: mean and percentiles of many samples, with confidence intervals.
 //!
 //! The errors themselves, such as [`magsplice_layout::FilmTolerance`], are values of a layout: lengths
@@ -17,6 +19,8 @@
 mod draws;
 /// The errors of decoupling and displacement of a film.
 mod film_errors;
+/// Errors to first order.
+mod first_order;
 /// Quantiles, means and variances of distributions.
 mod quantile;
 /// What the sensor reads of a film.
@@ -29,6 +33,9 @@ mod sampler;
 mod statistics;
 
 pub use film_errors::{EvaluationGrid, Figure, FilmErrors, SampleError};
+pub use first_order::{
+    AxisCheck, AxisErrors, Cause, Contribution, ErrorSource, ErrorTerm, FirstOrder, FirstOrderCheck, Share,
+};
 pub use real_film::RealFilm;
 pub use sampler::{Sampler, statistics};
 pub use statistics::{Estimate, Statistics, probability_of_at_least, share};

@@ -35,7 +35,6 @@ pub(crate) fn mean(distribution: &Distribution) -> f64 {
 }
 
 /// The variance of an error.
-#[allow(dead_code)]
 pub(crate) fn variance(distribution: &Distribution) -> f64 {
     match distribution {
         Distribution::Fixed(_) => 0.0,

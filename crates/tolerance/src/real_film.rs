@@ -1,7 +1,7 @@
 //! Samples of the films that are made from a layout.
 
 use glam::{DQuat, DVec3};
-use magsplice_layout::FilmTolerance;
+use magsplice_layout::{ErrorGroup, FilmTolerance};
 use magsplice_magnet::{BoundingBox, Tile, TileFaults};
 
 use crate::draws::{DrawnErrors, Draws};
@@ -75,6 +75,12 @@ impl RealFilm {
         self.draw_tiles(&mut Draws::new(seed, sample))
     }
 
+    /// The point about which a group turns: the mean of the centres of its tiles.
+    pub(crate) fn group_centre_mm(&self, group: &ErrorGroup) -> DVec3 {
+        let centres = group.tiles.iter().map(|&tile| self.tiles[tile].position());
+        centres.sum::<DVec3>() / group.tiles.len().max(1) as f64
+    }
+
     pub(crate) fn draw_tiles(&self, draws: &mut Draws) -> Result<Vec<Tile>, TileFaults> {
         let mut tiles = self.tiles.clone();
         for (index, (tile, errors)) in tiles.iter_mut().zip(&self.tolerance.tiles).enumerate() {
@@ -85,8 +91,7 @@ impl RealFilm {
         }
         for (number, group) in self.tolerance.groups.iter().enumerate() {
             let drawn = draws.of_group(number, &group.errors);
-            let centres = group.tiles.iter().map(|&tile| self.tiles[tile].position());
-            let centre = centres.sum::<DVec3>() / group.tiles.len().max(1) as f64;
+            let centre = self.group_centre_mm(group);
             for &tile in &group.tiles {
                 tiles[tile] = with_errors(&tiles[tile], &drawn, centre)?;
             }

@@ -50,6 +50,13 @@ impl<'a> Sampler<'a> {
     /// # Errors
     /// If a tile of the sample cannot exist, or the parameters do not exist in the volume.
     pub fn errors_of(&self, sample: u64) -> Result<FilmErrors, SampleError> {
+        let read_t = self.readings_of_t(sample)?;
+        let last = read_t.len() - 1;
+        FilmErrors::from_field(&read_t[..last], read_t[last], &self.volume, self.ideal)
+    }
+
+    /// The readings of sample number `sample` at the points of the grid, then at the reference point.
+    pub(crate) fn readings_of_t(&self, sample: u64) -> Result<Vec<DVec3>, SampleError> {
         let mut draws = Draws::new(self.seed, sample);
         let tiles = self.film.draw_tiles(&mut draws).map_err(SampleError::Tile)?;
         let surroundings = self.film.draw_surroundings(&mut draws);
@@ -64,7 +71,22 @@ impl<'a> Sampler<'a> {
                 *b_t += draws.noise_t(reading, noise);
             }
         }
-        FilmErrors::from_field(&read_t[..last], read_t[last], &self.volume, self.ideal)
+        Ok(read_t)
+    }
+
+    /// The points of the grid, then the reference point.
+    pub(crate) fn points(&self) -> &[DVec3] {
+        &self.points
+    }
+
+    /// The field of the neighbour at each point.
+    pub(crate) fn neighbour_t(&self) -> &[DVec3] {
+        &self.neighbour_t
+    }
+
+    /// The seed of its samples.
+    pub(crate) fn seed(&self) -> u64 {
+        self.seed
     }
 
     /// The errors of samples with these numbers, computed in parallel. They do not depend on the number
@@ -87,7 +109,8 @@ pub fn statistics(errors: &[FilmErrors], figure: Figure) -> Option<Statistics> {
     Statistics::new(errors.iter().map(|errors| errors.get(figure)))
 }
 
-fn exact_field_t(scene: &Scene, points: &[DVec3]) -> Result<Vec<DVec3>, SampleError> {
+/// The exact field of tiles at points.
+pub(crate) fn exact_field_t(scene: &Scene, points: &[DVec3]) -> Result<Vec<DVec3>, SampleError> {
     let mut field_t = vec![DVec3::ZERO; points.len()];
     scene.field_into(Quantity::FluxDensity, points, &mut field_t).map_err(SampleError::Field)?;
     Ok(field_t)

@@ -3,7 +3,7 @@
 use statrs::function::beta::beta_reg;
 
 /// Half the width of a normal distribution's interval of 95 %, in standard deviations.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
+pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// A value estimated from samples.
 #[derive(Clone, Copy, Debug, PartialEq)]

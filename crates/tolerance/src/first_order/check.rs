@@ -1,0 +1,184 @@
+//! The model against exact samples.
+//!
+//! Both are evaluated with the same random numbers. Their difference varies far less than either, so
+//! that a few hundred samples tell a bias that is much smaller than the error of a mean over them.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::displacement::displacement_errors_mm;
+use super::low_rank::{add, dot};
+use super::model::FirstOrder;
+use crate::film_errors::SampleError;
+use crate::sampler::Sampler;
+use crate::statistics::{Estimate, NORMAL_95};
+
+/// The part by which a valid model may be wrong.
+const ALLOWED: f64 = 0.05;
+
+/// Samples that are evaluated in parallel before they are added up. It bounds the memory.
+const SAMPLES_AT_ONCE: u64 = 64;
+
+/// How far exact samples agree with the model.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct FirstOrderCheck {
+    /// Number of samples.
+    pub samples: u64,
+    /// The displacement errors along x, y, z.
+    pub axes: [AxisCheck; 3],
+}
+
+/// How far the displacement errors along one axis agree with the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct AxisCheck {
+    /// The expected mean square of exact samples over that of the model. `None` if the model has no
+    /// error at all.
+    pub mean_square_ratio: Option<Estimate>,
+    /// The variance of the displacement error of exact samples, averaged over the points, over that of
+    /// the model. `None` if nothing varies in the model.
+    pub variance_ratio: Option<Estimate>,
+}
+
+impl AxisCheck {
+    /// Whether the mean square agrees with the model within 5 %, with all of its interval.
+    pub fn mean_square_is_valid(&self) -> bool {
+        agrees(self.mean_square_ratio)
+    }
+
+    /// Whether the variance agrees with the model within 5 %, with all of its interval.
+    pub fn variance_is_valid(&self) -> bool {
+        agrees(self.variance_ratio)
+    }
+
+    /// Whether both agree.
+    pub fn is_valid(&self) -> bool {
+        self.mean_square_is_valid() && self.variance_is_valid()
+    }
+}
+
+fn agrees(ratio: Option<Estimate>) -> bool {
+    ratio.is_none_or(|ratio| ratio.interval.iter().all(|end| (end - 1.0).abs() <= ALLOWED))
+}
+
+impl FirstOrderCheck {
+    /// Whether the model is valid along all axes.
+    pub fn is_valid(&self) -> bool {
+        self.axes.iter().all(AxisCheck::is_valid)
+    }
+}
+
+/// Sums over samples along one axis, each already averaged over the points.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    /// Differences of the squares of exact and of linear errors.
+    squares: Moments,
+    /// The same of the squares of their differences from the mean of the model.
+    about_mean: Moments,
+    /// Squares of the differences of exact and linear errors.
+    differences: f64,
+}
+
+/// Sums of numbers and of their squares.
+#[derive(Clone, Copy, Default)]
+struct Moments {
+    sum: f64,
+    squares: f64,
+}
+
+impl Moments {
+    fn add(&mut self, value: f64) {
+        self.sum += value;
+        self.squares += value * value;
+    }
+
+    /// Mean, and standard deviation of one value.
+    fn mean_and_deviation(&self, count: f64) -> (f64, f64) {
+        let mean = self.sum / count;
+        (mean, ((self.squares / count - mean * mean).max(0.0) * count / (count - 1.0)).sqrt())
+    }
+}
+
+impl FirstOrder {
+    /// Compares the model with exact samples of the same film and volume. 200 samples are enough for
+    /// errors of a usual workshop. The result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// The first sample without errors, by its number, and the reason.
+    ///
+    /// # Panics
+    /// If there are fewer than two samples, or the sampler has other points.
+    pub fn check(&self, sampler: &Sampler, samples: Range<u64>) -> Result<FirstOrderCheck, (u64, SampleError)> {
+        let count = samples.end.saturating_sub(samples.start);
+        assert!(count >= 2, "at least two samples");
+        assert_eq!(sampler.points().len(), self.points + 1, "a sampler of the same volume");
+        let mut sums = [Sums::default(); 3];
+        // Sums of the differences of exact and linear errors at each point.
+        let mut bias_mm = vec![0.0; 3 * self.points];
+        let mut first = samples.start;
+        while first < samples.end {
+            let next = samples.end.min(first.saturating_add(SAMPLES_AT_ONCE));
+            let pairs: Vec<_> = (first..next)
+                .into_par_iter()
+                .map(|sample| self.pair(sampler, sample).map_err(|error| (sample, error)))
+                .collect();
+            for pair in pairs {
+                let (exact_mm, linear_mm) = pair?;
+                self.add_pair(&exact_mm, &linear_mm, &mut sums, &mut bias_mm);
+            }
+            first = next;
+        }
+        let axis_check = |axis: usize| self.axis_check(axis, &sums[axis], self.along(&bias_mm, axis), count as f64);
+        Ok(FirstOrderCheck { samples: count, axes: [0, 1, 2].map(axis_check) })
+    }
+
+    /// Exact and linear displacement errors of a sample.
+    fn pair(&self, sampler: &Sampler, sample: u64) -> Result<(Vec<f64>, Vec<f64>), SampleError> {
+        let read_t = sampler.readings_of_t(sample)?;
+        let exact_mm = displacement_errors_mm(sampler.points(), &read_t, &self.ideal)?;
+        Ok((exact_mm, self.linear_sample(sampler.seed(), sample).0))
+    }
+
+    fn add_pair(&self, exact_mm: &[f64], linear_mm: &[f64], sums: &mut [Sums; 3], bias_mm: &mut [f64]) {
+        let count = self.points as f64;
+        add(bias_mm, 1.0, exact_mm);
+        add(bias_mm, -1.0, linear_mm);
+        for (axis, sums) in sums.iter_mut().enumerate() {
+            let (exact, linear) = (self.along(exact_mm, axis), self.along(linear_mm, axis));
+            let mean = self.along(&self.mean_mm, axis);
+            let (mut squares, mut about_mean) = (0.0, 0.0);
+            for ((exact, linear), mean) in exact.iter().zip(linear).zip(mean) {
+                let difference = exact - linear;
+                // Products of sum and difference, which do not cancel.
+                squares += difference * (exact + linear);
+                about_mean += difference * (exact + linear - 2.0 * mean);
+                sums.differences += difference * difference / count;
+            }
+            sums.squares.add(squares / count);
+            sums.about_mean.add(about_mean / count);
+        }
+    }
+
+    fn axis_check(&self, axis: usize, sums: &Sums, bias_mm: &[f64], count: f64) -> AxisCheck {
+        let errors = self.axis_errors(axis);
+        let ratio = |difference: f64, half: f64, of: f64| {
+            let [value, half] = [1.0 + difference / of, half / of];
+            (of > 0.0).then_some(Estimate { value, interval: [value - half, value + half] })
+        };
+        let per_root = NORMAL_95 / count.sqrt();
+        let (mean, deviation) = sums.squares.mean_and_deviation(count);
+        let mean_square_ratio = ratio(mean, per_root * deviation, errors.expected_mm2);
+        // The variance is the mean square about the mean of the model, less the square of the bias of
+        // this mean. The square of an estimated bias is too large by its own variance.
+        let (mean, deviation) = sums.about_mean.mean_and_deviation(count);
+        let found_bias = dot(bias_mm, bias_mm) / (count * count * self.points as f64);
+        let scatter = (sums.differences / count - found_bias).max(0.0) / (count - 1.0);
+        let bias = (found_bias - scatter).max(0.0);
+        // At most, as if each sample had its difference along the bias.
+        let bias_deviation = 2.0 * (bias * scatter * count).sqrt();
+        let variance_ratio = ratio(mean - bias, per_root * (deviation + bias_deviation), errors.variance_mm2);
+        AxisCheck { mean_square_ratio, variance_ratio }
+    }
+}

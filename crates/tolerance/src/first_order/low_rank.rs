@@ -1,0 +1,114 @@
+//! A few numbers that determine all displacement errors.
+//!
+//! The field in the working volume is smooth, so that a few dozen combinations of hundreds of errors
+//! reach it. An orthonormal basis of the sensitivities is built column by column, each time from the
+//! largest that is left (modified Gram-Schmidt with pivots).
+
+use rayon::prelude::*;
+
+/// The part of the root mean square of all sensitivities that the basis may lack. The expected square
+/// of the displacement errors, over all axes, lacks at most the square of this part.
+const LEFT_OUT: f64 = 1e-4;
+
+/// Columns as combinations of a few orthonormal ones.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LowRank {
+    /// Orthonormal columns.
+    pub(crate) basis: Vec<Vec<f64>>,
+    /// The coordinates of each column.
+    pub(crate) coordinates: Vec<Vec<f64>>,
+}
+
+impl LowRank {
+    /// The basis of columns.
+    pub(crate) fn new(mut columns: Vec<Vec<f64>>) -> LowRank {
+        let mut coordinates = vec![Vec::new(); columns.len()];
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        let mut squares: Vec<f64> = columns.iter().map(|column| dot(column, column)).collect();
+        let allowed = LEFT_OUT * LEFT_OUT * squares.iter().sum::<f64>();
+        loop {
+            let pivot = (0..columns.len()).max_by(|a, b| squares[*a].total_cmp(&squares[*b]));
+            let Some(pivot) = pivot.filter(|_| squares.iter().sum::<f64>() > allowed) else { break };
+            let mut next = columns[pivot].clone();
+            // Rounding of earlier steps is removed once more.
+            for earlier in &basis {
+                let along = dot(earlier, &next);
+                add(&mut next, -along, earlier);
+            }
+            let length = dot(&next, &next).sqrt();
+            next.iter_mut().for_each(|value| *value /= length);
+            let deflate = |((column, coordinates), square): ((&mut Vec<f64>, &mut Vec<f64>), &mut f64)| {
+                let along = dot(&next, column);
+                add(column, -along, &next);
+                coordinates.push(along);
+                *square = dot(column, column);
+            };
+            columns.par_iter_mut().zip(&mut coordinates).zip(&mut squares).for_each(deflate);
+            // Its remainder is rounding.
+            squares[pivot] = 0.0;
+            columns[pivot].fill(0.0);
+            basis.push(next);
+        }
+        LowRank { basis, coordinates }
+    }
+
+    /// Number of columns of the basis.
+    pub(crate) fn rank(&self) -> usize {
+        self.basis.len()
+    }
+
+    /// The sum of columns times factors, added to `sum`.
+    pub(crate) fn add_combination(&self, factors: impl IntoIterator<Item = f64>, sum: &mut [f64]) {
+        let mut along = vec![0.0; self.rank()];
+        for (factor, coordinates) in factors.into_iter().zip(&self.coordinates) {
+            add(&mut along, factor, coordinates);
+        }
+        for (along, column) in along.iter().zip(&self.basis) {
+            add(sum, *along, column);
+        }
+    }
+}
+
+/// The scalar product.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    // Four sums, so that additions need not wait for each other.
+    let mut sums = [0.0; 4];
+    let (a_fours, b_fours) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = a_fours.remainder().iter().zip(b_fours.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a_fours.zip(b_fours) {
+        (0..4).for_each(|i| sums[i] += a[i] * b[i]);
+    }
+    sums.iter().sum::<f64>() + rest
+}
+
+/// Adds a multiple of `b`.
+pub(crate) fn add(sum: &mut [f64], factor: f64, b: &[f64]) {
+    sum.iter_mut().zip(b).for_each(|(sum, b)| *sum += factor * b);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Columns that are combinations of three have a basis of three, which gives them back.
+    #[test]
+    fn combinations_of_three_columns_have_rank_three() {
+        let three: Vec<Vec<f64>> =
+            (1..4).map(|n| (0..50).map(|i| (f64::from(n) * f64::from(i) * 0.1).sin()).collect()).collect();
+        let columns: Vec<Vec<f64>> = (0..20)
+            .map(|number| {
+                let mut column = vec![0.0; 50];
+                (0..3).for_each(|n| add(&mut column, f64::from((number * 7 + n * 5) % 11) - 5.0, &three[n as usize]));
+                column
+            })
+            .collect();
+        let found = LowRank::new(columns.clone());
+        assert_eq!(found.rank(), 3);
+        for (number, column) in columns.iter().enumerate() {
+            let mut sum = vec![0.0; 50];
+            found.add_combination((0..20).map(|other| f64::from(u8::from(other == number))), &mut sum);
+            assert!(sum.iter().zip(column).all(|(found, wanted)| (found - wanted).abs() < 1e-12));
+        }
+        assert_eq!(LowRank::new(vec![vec![0.0; 5]; 3]).rank(), 0);
+    }
+}

@@ -1,0 +1,29 @@
+//! Errors of a film to first order: exact derivatives of the displacement errors by every error of
+//! every tile and of the surroundings, and what follows from them (docs/physics.md, section 7).
+
+/// Mean squares of the displacement errors along one axis, divided into causes and tiles.
+mod axis_errors;
+/// The model against exact samples.
+mod check;
+/// Displacement errors as a linear function of the readings.
+mod displacement;
+/// Figures as functions of the displacement errors, and their derivatives.
+mod figures;
+/// Samples of the linear model.
+mod linear_samples;
+/// A few numbers that determine all displacement errors.
+mod low_rank;
+/// The model: residuals and sensitivities.
+mod model;
+/// The errors of a film as one list.
+mod sources;
+/// The derivatives of the field of one tile by its errors.
+mod tile_response;
+
+pub use axis_errors::{AxisErrors, Contribution, Share};
+pub use check::{AxisCheck, FirstOrderCheck};
+pub use model::{ErrorTerm, FirstOrder};
+pub use sources::{Cause, ErrorSource};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,200 @@
+//! The errors of a film as one list, with their means, variances and values in samples.
+
+use magsplice_layout::{Distribution, TileErrors};
+
+use crate::draws::Draws;
+use crate::quantile::{mean, variance};
+use crate::readings::Surroundings;
+use crate::real_film::RealFilm;
+
+/// One error of a film, a number. Axes are 0, 1, 2 for x, y, z. Errors of tiles and groups are
+/// numbered as in [`TileErrors::all`].
+///
+/// # Units
+/// Lengths in millimetres, angles in radians, flux densities in tesla; strengths, gains and the change
+/// by temperature are fractions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum ErrorSource {
+    /// An error of one tile.
+    Tile {
+        /// Index of the tile.
+        tile: usize,
+        /// Number of the error.
+        error: usize,
+    },
+    /// An error of a group of tiles.
+    Group {
+        /// Index of the group.
+        group: usize,
+        /// Number of the error.
+        error: usize,
+    },
+    /// Position of the film along an axis.
+    FilmPosition(usize),
+    /// Component of the rotation vector of the film.
+    FilmRotation(usize),
+    /// Component of the stray field.
+    StrayField(usize),
+    /// Relative change of the strength of all tiles after the reading at the reference point.
+    Temperature,
+    /// Offset of the sensor along an axis.
+    SensorOffset(usize),
+    /// Component of the rotation vector of the sensor.
+    SensorRotation(usize),
+    /// Error of the gain of the sensor along an axis.
+    SensorGain(usize),
+    /// Noise of the reading at the reference point along an axis.
+    ReferenceNoise(usize),
+}
+
+/// What errors come from: one number of a tolerance, for all tiles where it is theirs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Cause {
+    /// Positions of tiles along x and y.
+    PositionInPlane,
+    /// Positions of tiles along z.
+    PositionZ,
+    /// Rotations of tiles.
+    Rotation,
+    /// Sizes of tiles.
+    Size,
+    /// Strengths of tiles.
+    Strength,
+    /// Directions in which tiles are magnetized.
+    Direction,
+    /// All errors of a group, by its index.
+    Group(usize),
+    /// Pose of the film against the sensor.
+    FilmPose,
+    /// Uniform stray field.
+    StrayField,
+    /// The neighbouring film.
+    Neighbour,
+    /// Change of temperature.
+    Temperature,
+    /// Offset of the sensor.
+    SensorOffset,
+    /// Rotation of the sensor.
+    SensorRotation,
+    /// Gain of the sensor.
+    SensorGain,
+    /// Noise of all readings.
+    SensorNoise,
+}
+
+impl ErrorSource {
+    /// What the error comes from.
+    pub fn cause(self) -> Cause {
+        match self {
+            ErrorSource::Tile { error, .. } => match error {
+                0 | 1 => Cause::PositionInPlane,
+                2 => Cause::PositionZ,
+                3..6 => Cause::Rotation,
+                6..9 => Cause::Size,
+                9 => Cause::Strength,
+                _ => Cause::Direction,
+            },
+            ErrorSource::Group { group, .. } => Cause::Group(group),
+            ErrorSource::FilmPosition(_) | ErrorSource::FilmRotation(_) => Cause::FilmPose,
+            ErrorSource::StrayField(_) => Cause::StrayField,
+            ErrorSource::Temperature => Cause::Temperature,
+            ErrorSource::SensorOffset(_) => Cause::SensorOffset,
+            ErrorSource::SensorRotation(_) => Cause::SensorRotation,
+            ErrorSource::SensorGain(_) => Cause::SensorGain,
+            ErrorSource::ReferenceNoise(_) => Cause::SensorNoise,
+        }
+    }
+
+    /// The errors that all tiles share, in the order of [`Surroundings::values`].
+    pub(crate) fn common() -> [ErrorSource; Surroundings::ERRORS] {
+        std::array::from_fn(|number| match number {
+            0..3 => ErrorSource::FilmPosition(number),
+            3..6 => ErrorSource::FilmRotation(number - 3),
+            6..9 => ErrorSource::StrayField(number - 6),
+            9 => ErrorSource::Temperature,
+            10..13 => ErrorSource::SensorOffset(number - 10),
+            13..16 => ErrorSource::SensorRotation(number - 13),
+            _ => ErrorSource::SensorGain(number - 16),
+        })
+    }
+}
+
+/// Mean and variance of an error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Moments {
+    pub(crate) mean: f64,
+    pub(crate) variance: f64,
+}
+
+impl Moments {
+    pub(crate) fn new(distribution: &Distribution) -> Moments {
+        Moments { mean: mean(distribution), variance: variance(distribution) }
+    }
+
+    fn scaled(self, factor: f64) -> Moments {
+        Moments { mean: factor * self.mean, variance: factor * factor * self.variance }
+    }
+}
+
+/// All errors of a film with their moments: those of each tile, each group, those in common, and the
+/// noise of the reading at the reference point.
+pub(crate) fn sources(film: &RealFilm) -> Vec<(ErrorSource, Moments)> {
+    let tolerance = film.tolerance();
+    let mut all = Vec::new();
+    for tile in 0..film.tiles().len() {
+        for error in 0..TileErrors::COUNT {
+            let of_tile = tolerance.tiles.get(tile).map(|errors| Moments::new(errors.all()[error]));
+            all.push((ErrorSource::Tile { tile, error }, of_tile.unwrap_or_default()));
+        }
+    }
+    for (group, errors) in tolerance.groups.iter().enumerate() {
+        let of_group = errors.errors.all().into_iter().map(Moments::new).enumerate();
+        all.extend(of_group.map(|(error, moments)| (ErrorSource::Group { group, error }, moments)));
+    }
+    let common = &tolerance.common;
+    let stray_field = |axis: usize| {
+        let Some(field) = &common.stray_field else { return Moments::default() };
+        let along = Moments::new(&field.field_t[axis]);
+        // A vector of any direction has a third of its square along each axis, and no correlations.
+        let any = Moments::new(&field.any_direction_t);
+        Moments { variance: along.variance + (any.variance + any.mean * any.mean) / 3.0, ..along }
+    };
+    all.extend(ErrorSource::common().map(|source| {
+        let moments = match source {
+            ErrorSource::FilmPosition(axis) => Moments::new(&common.film.position_mm[axis]),
+            ErrorSource::FilmRotation(axis) => Moments::new(&common.film.rotation_rad[axis]),
+            ErrorSource::StrayField(axis) => stray_field(axis),
+            ErrorSource::SensorOffset(axis) => Moments::new(&common.sensor.offset_t[axis]),
+            ErrorSource::SensorRotation(axis) => Moments::new(&common.sensor.rotation_rad[axis]),
+            ErrorSource::SensorGain(axis) => Moments::new(&common.sensor.gain[axis]),
+            // The temperature, alone among the common errors, has no axis.
+            _ => common.temperature.as_ref().map_or(Moments::default(), |temperature| {
+                Moments::new(&temperature.change_k).scaled(temperature.strength_per_k)
+            }),
+        };
+        (source, moments)
+    }));
+    let noise = |axis: usize| (ErrorSource::ReferenceNoise(axis), Moments::new(&common.sensor.noise_t[axis]));
+    all.extend([0, 1, 2].map(noise));
+    all
+}
+
+/// The values of all errors of [`sources`] in a sample. `reference` is the number of the reading at the
+/// reference point.
+pub(crate) fn drawn_values(film: &RealFilm, draws: &mut Draws, reference: usize) -> Vec<f64> {
+    let tolerance = film.tolerance();
+    let mut values = vec![0.0; TileErrors::COUNT * film.tiles().len()];
+    for (tile, (values, errors)) in values.chunks_exact_mut(TileErrors::COUNT).zip(&tolerance.tiles).enumerate() {
+        values.copy_from_slice(&draws.of_tile(tile, errors).to_values());
+    }
+    for (group, errors) in tolerance.groups.iter().enumerate() {
+        values.extend(draws.of_group(group, &errors.errors).to_values());
+    }
+    values.extend(film.draw_surroundings(draws).values());
+    values.extend(draws.noise_t(reference, &tolerance.common.sensor.noise_t).to_array());
+    values
+}

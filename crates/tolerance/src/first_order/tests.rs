@@ -1,0 +1,251 @@
+//! The linear model against exact evaluations.
+
+use glam::{DQuat, DVec3};
+use magsplice_ideal::IdealFilm;
+use magsplice_layout::{
+    CommonErrors, Distribution, ErrorGroup, FilmPose, FilmTolerance, Neighbour, SensorErrors, StrayField, Temperature,
+    TileErrors,
+};
+use magsplice_magnet::{Grid, Tile};
+
+use super::displacement::displacement_errors_mm;
+use super::{ErrorSource, FirstOrder};
+use crate::film_errors::{EvaluationGrid, Figure};
+use crate::real_film::RealFilm;
+use crate::sampler::Sampler;
+
+fn ideal() -> IdealFilm {
+    IdealFilm::new(10.0, 1.0, 0.12).expect("a film")
+}
+
+fn volume() -> EvaluationGrid {
+    let grid = Grid::new(DVec3::new(-1.5, -1.0, -5.0), DVec3::new(1.0, 1.5, -3.0), [3, 4, 2]).expect("a grid");
+    EvaluationGrid { grid, reference: DVec3::new(0.1, -0.2, -4.5) }
+}
+
+/// A film without any symmetry. Each of its tiles is turned about another axis.
+fn tiles() -> Vec<Tile> {
+    let turns = [DVec3::ZERO, DVec3::new(0.0, 0.0, 0.4), DVec3::new(0.2, -0.3, 0.1), DVec3::new(0.0, 0.0, 1.2)];
+    let centres = [
+        DVec3::new(-3.0, -2.0, 0.6),
+        DVec3::new(2.6, -2.3, 0.5),
+        DVec3::new(-2.4, 2.9, 1.2),
+        DVec3::new(2.8, 2.7, 0.7),
+    ];
+    let j_t = [
+        DVec3::new(-0.1, -0.07, 0.0),
+        DVec3::new(0.1, -0.05, 0.02),
+        DVec3::new(-0.08, 0.1, -0.03),
+        DVec3::new(0.02, 0.11, 0.05),
+    ];
+    let tile = |i: usize| {
+        Tile::new(centres[i], DVec3::new(3.6 - 0.1 * i as f64, 4.0, 1.0), j_t[i])
+            .and_then(|tile| tile.rotated(DQuat::from_scaled_axis(turns[i])))
+            .expect("a tile")
+    };
+    (0..4).map(tile).collect()
+}
+
+/// Errors of every kind, all normal.
+fn everything(later: bool) -> FilmTolerance {
+    let normal = Distribution::normal;
+    let three = |deviation: f64| [normal(deviation), normal(deviation), normal(deviation)];
+    let errors = TileErrors {
+        position_mm: three(0.02),
+        rotation_rad: three(0.004),
+        size_mm: three(0.01),
+        strength: normal(0.01),
+        direction_rad: [normal(0.01), normal(0.02)],
+    };
+    let neighbour_tile = Tile::new(DVec3::new(4.0, 1.0, -20.0), DVec3::new(9.0, 8.0, 2.0), DVec3::new(0.1, 0.2, 0.3));
+    FilmTolerance {
+        groups: vec![ErrorGroup { name: "row".to_owned(), tiles: vec![0, 2, 3], errors: errors.clone() }],
+        common: CommonErrors {
+            film: FilmPose { position_mm: three(0.1), rotation_rad: three(0.01) },
+            stray_field: Some(StrayField { field_t: three(5e-6), any_direction_t: normal(3e-6), later }),
+            neighbour: Some(Neighbour {
+                tiles: vec![neighbour_tile.expect("a tile")],
+                layout: "other.toml".to_owned(),
+                position_mm: [0.0; 3],
+                rotation_rad: [0.0; 3],
+                later,
+            }),
+            temperature: Some(Temperature { change_k: normal(5.0), strength_per_k: -0.0012 }),
+            sensor: SensorErrors {
+                offset_t: three(2e-6),
+                rotation_rad: three(0.003),
+                gain: three(0.01),
+                noise_t: three(1e-6),
+            },
+        },
+        ..FilmTolerance::of_tiles(&errors, 4)
+    }
+}
+
+/// Only one error, which is the same in every film; the neighbour remains.
+fn only(source: ErrorSource, value: f64, all: &FilmTolerance) -> Option<FilmTolerance> {
+    let fixed = Distribution::Fixed(value);
+    let mut errors = TileErrors::default();
+    let mut set = |number: usize| match number {
+        0..3 => errors.position_mm[number] = fixed.clone(),
+        3..6 => errors.rotation_rad[number - 3] = fixed.clone(),
+        6..9 => errors.size_mm[number - 6] = fixed.clone(),
+        9 => errors.strength = fixed.clone(),
+        _ => errors.direction_rad[number - 10] = fixed.clone(),
+    };
+    let mut common = CommonErrors { neighbour: all.common.neighbour.clone(), ..CommonErrors::default() };
+    let later = all.common.stray_field.as_ref().is_some_and(|field| field.later);
+    let mut stray_field = StrayField { later, ..StrayField::default() };
+    let (mut tiles, mut groups) = (vec![TileErrors::default(); 4], Vec::new());
+    match source {
+        ErrorSource::Tile { tile, error } => {
+            set(error);
+            tiles[tile] = errors;
+        }
+        ErrorSource::Group { group, error } => {
+            set(error);
+            groups.push(ErrorGroup { errors, ..all.groups[group].clone() });
+        }
+        ErrorSource::FilmPosition(axis) => common.film.position_mm[axis] = fixed,
+        ErrorSource::FilmRotation(axis) => common.film.rotation_rad[axis] = fixed,
+        ErrorSource::StrayField(axis) => {
+            stray_field.field_t[axis] = fixed;
+            common.stray_field = Some(stray_field);
+        }
+        ErrorSource::Temperature => common.temperature = Some(Temperature { change_k: fixed, strength_per_k: 1.0 }),
+        ErrorSource::SensorOffset(axis) => common.sensor.offset_t[axis] = fixed,
+        ErrorSource::SensorRotation(axis) => common.sensor.rotation_rad[axis] = fixed,
+        ErrorSource::SensorGain(axis) => common.sensor.gain[axis] = fixed,
+        // Noise at the reference point alone cannot be stated.
+        ErrorSource::ReferenceNoise(_) => return None,
+    }
+    Some(FilmTolerance { tiles, groups, common })
+}
+
+/// Displacement errors at all points, then the figures.
+fn exact(tolerance: &FilmTolerance) -> Vec<f64> {
+    let (film, ideal) = (RealFilm::new(&tiles(), tolerance), ideal());
+    let sampler = Sampler::new(&film, &volume(), &ideal, 1).expect("a field");
+    let read_t = sampler.readings_of_t(0).expect("a sample");
+    let mut values = displacement_errors_mm(sampler.points(), &read_t, &ideal).expect("parameters");
+    let errors = sampler.errors_of(0).expect("a sample");
+    values.extend(Figure::ALL.map(|figure| errors.get(figure)));
+    values
+}
+
+/// Central differences D of steps h and 2h are wrong by c h^2 and 4 c h^2 and terms of h^4, so that
+/// (4 D(h) - D(2h)) / 3 is wrong by the order of h^4, with h in units of the distances, of a radian or
+/// of the field: (1e-3)^4 times the fifth derivative over 30, below 1e-10. Round-off of 1e-14 over h is
+/// below 1e-10 likewise. Both are relative to the largest derivative; a thousand of these are allowed.
+#[test]
+fn derivatives_are_those_of_the_exact_evaluation() {
+    for later in [false, true] {
+        let all = everything(later);
+        let model = FirstOrder::new(&RealFilm::new(&tiles(), &all), &volume(), &ideal()).expect("a model");
+        assert_eq!(model.terms().len(), 12 * 4 + 12 + 19 + 3);
+        let sensitivities: Vec<Vec<(usize, Vec<f64>)>> =
+            (0..3).map(|axis| model.sensitivities_mm(axis).collect()).collect();
+        for (number, term) in model.terms().iter().enumerate() {
+            let step = match term.source {
+                ErrorSource::Tile { error, .. } | ErrorSource::Group { error, .. }
+                    if error < 3 || (6..9).contains(&error) =>
+                {
+                    3e-3
+                }
+                ErrorSource::FilmPosition(_) => 3e-3,
+                ErrorSource::StrayField(_) | ErrorSource::SensorOffset(_) => 1e-6,
+                _ => 1e-3,
+            };
+            let at = |value: f64| only(term.source, value, &all).map(|tolerance| exact(&tolerance));
+            let [Some(a), Some(b), Some(c), Some(d)] = [2.0, 1.0, -1.0, -2.0].map(|steps| at(steps * step)) else {
+                continue;
+            };
+            let found: Vec<f64> = (0..3)
+                .flat_map(|axis| sensitivities[axis][number].1.iter().map(|value| value / term.deviation))
+                .chain(term.figures.map(|figure| figure.expect("differentiable")))
+                .collect();
+            let largest = found.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+            for (index, found) in found.iter().enumerate() {
+                let [wide, narrow] = [(a[index] - d[index]) / (4.0 * step), (b[index] - c[index]) / (2.0 * step)];
+                let wanted = (4.0 * narrow - wide) / 3.0;
+                assert!((found - wanted).abs() < 1e-7 * largest, "{:?}, {index}: {found}, not {wanted}", term.source);
+            }
+        }
+    }
+}
+
+/// The same noise in every reading is an offset of the sensor.
+#[test]
+fn noise_that_is_always_the_same_is_an_offset() {
+    let fixed = || [3e-6, -2e-6, 5e-6].map(Distribution::Fixed);
+    let of_sensor = |sensor| FilmTolerance {
+        common: CommonErrors { sensor, ..CommonErrors::default() },
+        ..FilmTolerance::default()
+    };
+    let noise = of_sensor(SensorErrors { noise_t: fixed(), ..SensorErrors::default() });
+    let offset = of_sensor(SensorErrors { offset_t: fixed(), ..SensorErrors::default() });
+    let [noise, offset] = [noise, offset]
+        .map(|tolerance| FirstOrder::new(&RealFilm::new(&tiles(), &tolerance), &volume(), &ideal()).expect("a model"));
+    assert_ne!(noise.mean_mm, noise.nominal_mm);
+    for (noise, offset) in noise.mean_mm.iter().zip(&offset.mean_mm) {
+        assert!((noise - offset).abs() < 1e-14, "{noise}, not {offset}");
+    }
+    let [a, b] = [noise.linear_errors_of(1, 2), offset.linear_errors_of(1, 2)];
+    assert!((a.amplitude - b.amplitude).abs() < 1e-14 && a.amplitude != noise.amplitude);
+}
+
+/// Contributions add up, and halving errors saves what the model without half of them lacks.
+#[test]
+fn shares_add_up_and_halving_saves_what_is_stated() {
+    let mut tolerance = everything(false);
+    tolerance.tiles[1].strength = Distribution::Fixed(0.02);
+    tolerance.common.sensor.gain[2] = Distribution::Fixed(-0.01);
+    let model = |tolerance: &FilmTolerance| {
+        FirstOrder::new(&RealFilm::new(&tiles(), tolerance), &volume(), &ideal()).expect("a model")
+    };
+    let whole = model(&tolerance);
+    let mut halved = tolerance.clone();
+    halved.tiles[1] = TileErrors {
+        position_mm: tolerance.tiles[1].position_mm.each_ref().map(|error| error.scaled(0.5)),
+        rotation_rad: tolerance.tiles[1].rotation_rad.each_ref().map(|error| error.scaled(0.5)),
+        size_mm: tolerance.tiles[1].size_mm.each_ref().map(|error| error.scaled(0.5)),
+        strength: tolerance.tiles[1].strength.scaled(0.5),
+        direction_rad: tolerance.tiles[1].direction_rad.each_ref().map(|error| error.scaled(0.5)),
+    };
+    let less = model(&halved);
+    for axis in 0..3 {
+        let (whole, less) = (whole.axis_errors(axis), less.axis_errors(axis));
+        let parts: f64 = whole.shares.iter().map(|share| share.contribution.total_mm2()).sum();
+        let allowed = 1e-12 * whole.expected_mm2;
+        assert!((whole.nominal_mm2 + parts - whole.expected_mm2).abs() < allowed);
+        assert_eq!(whole.shares.len(), 15);
+        let saved = whole.expected_mm2 - less.expected_mm2;
+        assert!((whole.tiles[1].saved_by_halving_mm2 - saved).abs() < allowed, "{:?}, not {saved}", whole.tiles[1]);
+    }
+}
+
+/// Mean and deviation of the mean square over n linear samples are those that are stated, within six
+/// standard errors: deviation over n^1/2 for the mean; for the deviation, whose fourth moment is at most
+/// 15 times its square for a square of a normal number, (15 / 4n)^1/2 of it.
+#[test]
+fn linear_samples_have_the_stated_mean_square_and_its_deviation() {
+    let mut tolerance = everything(true);
+    tolerance.common.stray_field = None;
+    let model = FirstOrder::new(&RealFilm::new(&tiles(), &tolerance), &volume(), &ideal()).expect("a model");
+    let n = 4000;
+    let samples = model.linear_errors_of_range(3, 0..n);
+    for axis in 0..3 {
+        let errors = model.axis_errors(axis);
+        let squares: Vec<f64> = samples.iter().map(|sample| sample.displacement_rmse_mm[axis].powi(2)).collect();
+        let mean = squares.iter().sum::<f64>() / n as f64;
+        let deviation = (squares.iter().map(|square| (square - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
+        let root = (n as f64).sqrt();
+        assert!((mean - errors.expected_mm2).abs() < 6.0 * errors.deviation_mm2 / root, "{mean}, not {errors:?}");
+        let ratio = deviation / errors.deviation_mm2;
+        assert!(
+            (ratio - 1.0).abs() < 6.0 * (15.0_f64 / 4.0).sqrt() / root,
+            "{deviation}, not {}",
+            errors.deviation_mm2
+        );
+    }
+}

@@ -1,0 +1,84 @@
+//! The derivatives of the field of one tile by its errors.
+
+use glam::{DMat3, DVec3};
+use magsplice_field::{FaceDerivatives, PolarizationMap, PolarizationMapError};
+use magsplice_layout::TileErrors;
+use magsplice_magnet::Tile;
+use rayon::prelude::*;
+
+use crate::film_errors::SampleError;
+use crate::real_film::direction_axes;
+
+/// Points below which a task is not divided: a point takes about a microsecond.
+const POINTS_PER_TASK: usize = 64;
+
+/// How the field of one tile changes at each of several points, in the frame of the scene.
+pub(crate) struct TileResponse {
+    tile: Tile,
+    at_points: Vec<AtPoint>,
+}
+
+/// The changes at one point.
+struct AtPoint {
+    point: DVec3,
+    /// B of the tile.
+    field_t: DVec3,
+    /// Derivatives of B by the position of the tile; minus the gradient of B.
+    by_position: DMat3,
+    /// Derivatives of B by the sides of the tile.
+    by_size: DMat3,
+    /// Derivatives of B by J in the frame of the tile.
+    by_polarization: DMat3,
+}
+
+impl TileResponse {
+    /// The response of tile number `number`.
+    pub(crate) fn new(number: usize, tile: &Tile, points: &[DVec3]) -> Result<TileResponse, SampleError> {
+        let map = PolarizationMap::new(&[*tile], points).map_err(|error| match error {
+            PolarizationMapError::Points { errors, .. } => SampleError::Field(errors),
+            PolarizationMapError::TooLarge { bytes } => SampleError::TooLarge { bytes },
+            // A new kind of error, of which only the tile is known.
+            _ => SampleError::NoDerivative { tile: number, point: tile.position() },
+        })?;
+        let to_tile = DMat3::from_quat(tile.rotation().inverse());
+        let at_point = |(index, point): (usize, &DVec3)| {
+            let faces =
+                FaceDerivatives::new(tile, *point).ok_or(SampleError::NoDerivative { tile: number, point: *point })?;
+            let row = |component| DVec3::from_slice(map.row(index, component));
+            let by_polarization = DMat3::from_cols(row(0), row(1), row(2)).transpose();
+            Ok(AtPoint {
+                point: *point,
+                field_t: by_polarization * tile.polarization_t(),
+                by_position: (faces.lower + faces.upper) * to_tile,
+                by_size: (faces.upper - faces.lower) * 0.5,
+                by_polarization,
+            })
+        };
+        let at_points = points.par_iter().enumerate().with_min_len(POINTS_PER_TASK).map(at_point);
+        Ok(TileResponse { tile: *tile, at_points: at_points.collect::<Result<_, _>>()? })
+    }
+
+    /// Adds the derivative of B at each point by one error of the tile, numbered as in
+    /// [`TileErrors::all`]. Turns are about a point.
+    pub(crate) fn add_derivative(&self, error: usize, about: DVec3, sum: &mut [DVec3]) {
+        debug_assert!(error < TileErrors::COUNT, "an error of a tile");
+        let j_t = self.tile.polarization_t();
+        // An axis by which J is turned changes it by their product.
+        let turned_t = match error {
+            10 | 11 => direction_axes(&self.tile).map_or(DVec3::ZERO, |axes| axes[error - 10].cross(j_t)),
+            _ => DVec3::ZERO,
+        };
+        for (sum, at) in sum.iter_mut().zip(&self.at_points) {
+            *sum += match error {
+                0..3 => at.by_position.col(error),
+                3..6 => {
+                    let turn = DVec3::AXES[error - 3];
+                    turn.cross(at.field_t) + at.by_position * turn.cross(at.point - about)
+                }
+                6..9 => at.by_size.col(error - 6),
+                9 => at.field_t,
+                _ => at.by_polarization * turned_t,
+            };
+        }
+    }
+}
