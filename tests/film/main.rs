@@ -2,6 +2,8 @@
 
 /// The rules that `docs/design.md` states for the designed films.
 mod designed;
+/// Splicing patterns without end, against very large films.
+mod endless_pattern;
 /// The published film against its expectations, and changed films against them.
 mod expectations;
 /// Errors to first order, against exact samples.

@@ -6,6 +6,7 @@
 //! * [`FilmErrors`]: the errors of decoupling and displacement of one sample.
 //! * [`FirstOrder`]: the errors to first order, by exact derivatives: shares of causes and tiles
 //!   without samples, and where this is valid.
+//! * [`EndlessPattern`]: the splicing pattern of a film without end, by its Fourier series.
 //! * [`Statistics`]: mean and percentiles of many samples, with confidence intervals.
 //!
 //! The errors themselves, such as [`magsplice_layout::FilmTolerance`], are values of a layout: lengths
@@ -15,8 +16,13 @@
 //! # Features
 //! `serde` (off by default): `Serialize` for values and results, `Deserialize` for values.
 
+// Rules are written as `!(x > limit)` so that NaN breaks them.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 /// Errors drawn at random, each by its place in a random stream.
 mod draws;
+/// The splicing pattern without end.
+mod endless;
 /// The errors of decoupling and displacement of a film.
 mod film_errors;
 /// Errors to first order.
@@ -32,6 +38,7 @@ mod sampler;
 /// Mean, percentiles and shares of samples, with confidence intervals.
 mod statistics;
 
+pub use endless::{EndlessPattern, EndlessPatternError};
 pub use film_errors::{EvaluationGrid, Figure, FilmErrors, SampleError};
 pub use first_order::{
     AxisCheck, AxisErrors, Cause, Contribution, ErrorSource, ErrorTerm, FirstOrder, FirstOrderCheck, Share,
