@@ -1,5 +1,7 @@
 //! Layout files, the shipped films, and the numbers known of them.
 
+/// Error budgets, against exact samples.
+mod budget;
 /// The rules that `docs/design.md` states for the designed films.
 mod designed;
 /// Splicing patterns without end, against very large films.

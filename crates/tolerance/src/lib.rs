@@ -7,6 +7,7 @@
 //! * [`FirstOrder`]: the errors to first order, by exact derivatives: shares of causes and tiles
 //!   without samples, and where this is valid.
 //! * [`EndlessPattern`]: the splicing pattern of a film without end, by its Fourier series.
+//! * [`Budget`]: where the displacement errors come from: pattern, end of the film, and each cause.
 //! * [`Statistics`]: mean and percentiles of many samples, with confidence intervals.
 //!
 //! The errors themselves, such as [`magsplice_layout::FilmTolerance`], are values of a layout: lengths
@@ -19,6 +20,8 @@
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+/// The error budget.
+mod budget;
 /// Errors drawn at random, each by its place in a random stream.
 mod draws;
 /// The splicing pattern without end.
@@ -38,6 +41,7 @@ mod sampler;
 /// Mean, percentiles and shares of samples, with confidence intervals.
 mod statistics;
 
+pub use budget::{AxisBudget, Budget, CauseImprovement, TileImprovement};
 pub use endless::{EndlessPattern, EndlessPatternError};
 pub use film_errors::{EvaluationGrid, Figure, FilmErrors, SampleError};
 pub use first_order::{

@@ -19,6 +19,7 @@ const LARGEST_BYTES: usize = 1 << 31;
 
 /// One error of a film to first order.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ErrorTerm {
     /// The error.
     pub source: ErrorSource,
@@ -110,6 +111,12 @@ impl FirstOrder {
         let sampler = Sampler::new(film, volume, ideal, 0)?;
         let points = sampler.points();
         let last = points.len() - 1;
+        let sources = sources(film);
+        let active = sources.iter().filter(|(_, moments)| *moments != Moments::default()).count();
+        let bytes = active.checked_mul(2 * 3 * size_of::<f64>()).and_then(|bytes| bytes.checked_mul(last));
+        if bytes.is_none_or(|bytes| bytes > LARGEST_BYTES) {
+            return Err(SampleError::TooLarge { bytes });
+        }
         let figures = Figures::new(&volume.grid, ideal)?;
         let film_t = exact_field_t(&Scene::new(film.tiles()), points)?;
         let nominal_mm = displacement_errors_mm(points, &film_t, ideal)?;
@@ -124,12 +131,6 @@ impl FirstOrder {
             neighbour.map(|_| errors_mm.iter().zip(&nominal_mm).map(|(all, own)| all - own).collect());
 
         let displacement = Displacement::new(points, &read_t, ideal)?;
-        let sources = sources(film);
-        let active = sources.iter().filter(|(_, moments)| *moments != Moments::default()).count();
-        let bytes = active.checked_mul(2 * 3 * size_of::<f64>()).and_then(|bytes| bytes.checked_mul(last));
-        if bytes.is_none_or(|bytes| bytes > LARGEST_BYTES) {
-            return Err(SampleError::TooLarge { bytes });
-        }
         let gradients = Figure::ALL.map(|figure| figures.gradient(figure, &errors_mm));
         let (mut terms, mut sensitivities) = (Vec::new(), Vec::new());
         for_each_derivative(film, points, &film_t, &read_t, |changes_t| {

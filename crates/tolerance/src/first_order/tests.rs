@@ -249,3 +249,13 @@ fn linear_samples_have_the_stated_mean_square_and_its_deviation() {
         );
     }
 }
+
+/// 82 errors at three million points need 12 GB.
+#[test]
+fn sensitivities_that_do_not_fit_are_refused() {
+    let grid = Grid::new(DVec3::new(-1.0, -1.0, -5.0), DVec3::new(1.0, 1.0, -3.0), [1000, 1000, 3]).expect("a grid");
+    let volume = EvaluationGrid { grid, reference: DVec3::new(0.0, 0.0, -5.0) };
+    let found = FirstOrder::new(&RealFilm::new(&tiles(), &everything(false)), &volume, &ideal());
+    let wanted = (4 * 12 + 12 + 19 + 3) * 48 * 3_000_000;
+    assert_eq!(found.err(), Some(crate::SampleError::TooLarge { bytes: Some(wanted) }));
+}

@@ -1,0 +1,123 @@
+//! The error budget: where the displacement errors come from.
+
+use crate::film_errors::FilmErrors;
+use crate::first_order::{AxisErrors, Cause, FirstOrder, Share};
+
+/// The expected mean squares of the displacement errors, divided into all that they come from
+/// (docs/physics.md, Eq. P62).
+///
+/// # Accuracy
+/// Errors of tiles and surroundings are taken to first order.
+/// [`FirstOrder::check`] compares the total with exact samples: times its ratio of mean squares, it is
+/// the directly simulated total.
+///
+/// # Example
+/// ```
+/// use glam::DVec3;
+/// use magsplice_ideal::IdealFilm;
+/// use magsplice_layout::{FilmTolerance, TileErrors};
+/// use magsplice_magnet::{Grid, Tile};
+/// use magsplice_tolerance::{Budget, EndlessPattern, EvaluationGrid, FirstOrder, RealFilm};
+///
+/// let tile = |x: f64| Tile::new(DVec3::new(x, 0.0, 0.5), DVec3::new(4.0, 9.0, 1.0), DVec3::new(0.1 * x.signum(), 0.0, 0.0));
+/// let tiles = [tile(-2.5)?, tile(2.5)?];
+/// let film = RealFilm::new(&tiles, &FilmTolerance::of_tiles(&TileErrors::workshop(), 2));
+/// let grid = Grid::new(DVec3::new(-1.0, -1.0, -5.0), DVec3::new(1.0, 1.0, -3.0), [5, 5, 3])?;
+/// let volume = EvaluationGrid { grid, reference: DVec3::new(0.0, 0.0, -5.0) };
+/// let ideal = IdealFilm::new(10.0, 1.0, 0.12)?;
+/// let pattern = EndlessPattern::new(&tiles, &ideal)?.errors(&volume)?;
+/// let budget = Budget::new(&FirstOrder::new(&film, &volume, &ideal)?, Some(&pattern));
+/// let along_x = &budget.axes[0];
+/// let causes: f64 = along_x.causes.iter().map(|share| share.contribution.total_mm2()).sum();
+/// let parts = along_x.pattern_mm2.unwrap() + along_x.finite_film_mm2().unwrap() + causes;
+/// assert!((parts - along_x.total_mm2).abs() < 1e-12 * along_x.total_mm2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Budget {
+    /// The budgets along x, y, z.
+    pub axes: [AxisBudget; 3],
+    /// All tiles whose errors are worth halving, those that save most first.
+    pub tiles: Vec<TileImprovement>,
+    /// All causes that are worth halving, those that save most first.
+    pub causes: Vec<CauseImprovement>,
+}
+
+/// The budget of the displacement errors along one axis, as mean squares in mm^2.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct AxisBudget {
+    /// The film without errors.
+    pub nominal_mm2: f64,
+    /// The splicing pattern without end against the ideal film. `None` if it is not known.
+    pub pattern_mm2: Option<f64>,
+    /// The contribution of each cause that has errors: of the tiles, the surroundings, and the sensor.
+    pub causes: Vec<Share>,
+    /// The sum of the nominal mean square and of all causes.
+    pub total_mm2: f64,
+}
+
+impl AxisBudget {
+    /// What the end of the film adds to the error of its splicing pattern: the nominal mean square less
+    /// that of the pattern. It is negative where a film is designed such that both compensate each
+    /// other. `None` if the pattern is not known.
+    pub fn finite_film_mm2(&self) -> Option<f64> {
+        self.pattern_mm2.map(|pattern| self.nominal_mm2 - pattern)
+    }
+}
+
+/// What is saved if all errors of one tile are halved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TileImprovement {
+    /// Index of the tile.
+    pub tile: usize,
+    /// By how much the totals along x, y, z fall.
+    pub saved_mm2: [f64; 3],
+}
+
+/// What is saved if one cause is halved, for all tiles where it is theirs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CauseImprovement {
+    /// The cause.
+    pub cause: Cause,
+    /// By how much the totals along x, y, z fall.
+    pub saved_mm2: [f64; 3],
+}
+
+impl Budget {
+    /// The budget of a film, and of its splicing pattern without end if it has one, see
+    /// [`EndlessPattern::errors`](crate::EndlessPattern::errors), in the same volume.
+    pub fn new(model: &FirstOrder, pattern: Option<&FilmErrors>) -> Budget {
+        let errors = [0, 1, 2].map(|axis| model.axis_errors(axis));
+        let saved_by = |of: &dyn Fn(&AxisErrors) -> f64| errors.each_ref().map(of);
+        let tiles = (0..errors[0].tiles.len())
+            .map(|tile| TileImprovement { tile, saved_mm2: saved_by(&|axis| axis.tiles[tile].saved_by_halving_mm2) });
+        // The causes are the same along each axis.
+        let causes = errors[0].shares.iter().enumerate().map(|(number, share)| CauseImprovement {
+            cause: share.cause,
+            saved_mm2: saved_by(&|axis| axis.shares[number].contribution.saved_by_halving_mm2),
+        });
+        let tiles = most_saving(tiles.collect(), |tile| tile.saved_mm2);
+        let causes = most_saving(causes.collect(), |cause| cause.saved_mm2);
+        let mut axis = 0;
+        let axes = errors.map(|AxisErrors { nominal_mm2, expected_mm2, shares, .. }| {
+            let pattern_mm2 = pattern.map(|pattern| pattern.displacement_rmse_mm[axis].powi(2));
+            axis += 1;
+            AxisBudget { nominal_mm2, pattern_mm2, causes: shares, total_mm2: expected_mm2 }
+        });
+        Budget { axes, tiles, causes }
+    }
+}
+
+/// Those that save anything, by the sum over the axes. Of those that save the same, as tiles of a
+/// symmetric film do, the first remain first.
+fn most_saving<T>(mut all: Vec<T>, saved_mm2: impl Fn(&T) -> [f64; 3]) -> Vec<T> {
+    // In single precision, so that sums that differ by rounding are equal.
+    let sum = |item: &T| saved_mm2(item).iter().sum::<f64>() as f32;
+    all.retain(|item| sum(item) > 0.0);
+    all.sort_by(|a, b| sum(b).total_cmp(&sum(a)));
+    all
+}
