@@ -41,7 +41,7 @@ pub struct ErrorTerm {
 /// Displacements in millimetres, flux densities in tesla, angles in radians.
 ///
 /// # Cost
-/// A film of 56 tiles at 405 points takes about 0.1 s on one core. Each error with a distribution needs
+/// A film of 56 tiles at 405 points takes about 0.2 s on one core. Each error with a distribution needs
 /// 24 bytes per point, twice while the model is made.
 ///
 /// # Accuracy
