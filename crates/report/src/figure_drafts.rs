@@ -6,6 +6,7 @@ use magsplice::{Film, Stage};
 use crate::error::{DrawError, ReportError};
 use crate::figures::along_axes::AlongAxes;
 use crate::figures::distributions::{Distributions, ErrorKind};
+use crate::figures::parameter_maps::NormalMap;
 use crate::figures::{field_maps, layout_from_above, parameter_maps, vectors};
 use crate::shared_ranges::SharedRanges;
 use crate::survey::{FieldSlice, Survey};
@@ -92,10 +93,13 @@ pub(crate) fn drafts(
     let titled = |(slice, z_mm): (FieldSlice, f64)| (slice, format!("{} = {} mm", variable("z"), number(z_mm)));
     let level: Vec<(FieldSlice, String)> = level.into_iter().map(titled).collect();
     let caption = "The decoupling parameters on planes of constant z. R_x should depend on x only, R_y on y only, \
-         and S_z on z only."
+         and S_z on z only. Of S_z the maps show the residual: S_z minus its mean over the plane, divided by the \
+         wavenumber k. This is the displacement along z, in um, that the film shows on the plane where there is none. \
+         The mean stands above each map."
         .to_owned();
-    let drawn = parameter_maps::draw(against, &level, LEVEL_PX, "parameters-level", ranges);
-    add("parameters-level", caption, drawn.map(|svg| (svg, parameter_maps::csv(against, &level))))?;
+    let drawn = parameter_maps::draw(against, &level, LEVEL_PX, NormalMap::Residual, "parameters-level", ranges);
+    let csv = |svg| (svg, parameter_maps::csv(against, &level, NormalMap::Residual));
+    add("parameters-level", caption, drawn.map(csv))?;
 
     let middle = 0.5 * (volume.lower_mm + volume.upper_mm);
     let mut upright = Vec::new();
@@ -105,8 +109,9 @@ pub(crate) fn drafts(
     }
     let caption =
         "The decoupling parameters on the two vertical planes through the centre of the working volume.".to_owned();
-    let drawn = parameter_maps::draw(against, &upright, UPRIGHT_PX, "parameters-upright", ranges);
-    add("parameters-upright", caption, drawn.map(|svg| (svg, parameter_maps::csv(against, &upright))))?;
+    let drawn = parameter_maps::draw(against, &upright, UPRIGHT_PX, NormalMap::Whole, "parameters-upright", ranges);
+    let csv = |svg| (svg, parameter_maps::csv(against, &upright, NormalMap::Whole));
+    add("parameters-upright", caption, drawn.map(csv))?;
 
     if let Some(along) = AlongAxes::new(survey) {
         let caption = "Each decoupling parameter along its own axis, the straight line of the ideal film, and the \
@@ -136,7 +141,7 @@ pub(crate) fn drafts(
 mod tests {
     use glam::DVec3;
     use magsplice::layout::Layout;
-    use resvg::usvg::{Group, Node, Rect, Tree};
+    use resvg::usvg::{Group, Node, Paint, Rect, Tree};
 
     use super::*;
     use crate::figure::{Figure, SvgText};
@@ -223,6 +228,54 @@ mod tests {
             }
         }
         assert!(seen > 500, "{seen} texts");
+    }
+
+    /// Appends the bounding box of each arrow, mark and bracket of the group: small shapes in ink.
+    fn marks(group: &Group, found: &mut Vec<Rect>) {
+        const MOST_PX: f32 = 90.0;
+        let ink = |paint: &Paint| matches!(paint, Paint::Color(c) if [c.red, c.green, c.blue] == [30, 30, 30]);
+        for node in group.children() {
+            match node {
+                Node::Group(group) => marks(group, found),
+                Node::Path(path) => {
+                    let filled = path.fill().is_some_and(|fill| ink(fill.paint()));
+                    let drawn = path.stroke().is_some_and(|stroke| ink(stroke.paint()));
+                    let bounds = path.abs_bounding_box();
+                    if (filled || drawn) && bounds.width().max(bounds.height()) < MOST_PX {
+                        found.push(bounds);
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    #[test]
+    fn no_name_of_a_tile_crosses_an_arrow_or_a_bracket() {
+        let shipped = ["published-film", "designed-displacement", "designed-tilted", "designed-three-parts"];
+        let shipped = shipped.map(|name| {
+            let path = format!("{}/../../layouts/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+            std::fs::read_to_string(path).unwrap()
+        });
+        for text in shipped.into_iter().chain([rotated_tiles()]) {
+            let layout = Layout::parse(&text, "layout").unwrap();
+            let tiles: Vec<&NamedTile> = layout.tiles.iter().collect();
+            let volume = layout.volume.as_ref();
+            let svg = layout_from_above::draw(&tiles, tiles.len(), volume, &SharedRanges::default()).unwrap();
+            let tree = Tree::from_str(&svg, &typeset::options()).unwrap();
+            let (mut names, mut shapes) = (Vec::new(), Vec::new());
+            texts(tree.root(), &mut names);
+            marks(tree.root(), &mut shapes);
+            assert!(names.len() > tiles.len() && shapes.len() > tiles.len() + 4, "{}", layout.name);
+            for (name, bounds) in &names {
+                let crossed = shapes.iter().find(|shape| {
+                    let across = bounds.right().min(shape.right()) - bounds.left().max(shape.left());
+                    let along = bounds.bottom().min(shape.bottom()) - bounds.top().max(shape.top());
+                    across.min(along) > 2.0
+                });
+                assert!(crossed.is_none(), "{}: {name} at {bounds:?} crosses {crossed:?}", layout.name);
+            }
+        }
     }
 
     /// Below the published film B_x falls along x and B_y along y.

@@ -11,6 +11,19 @@ pub(crate) const VANISHING: f64 = 1e-6;
 /// Maximum length of the head, as a fraction of the length of the arrow.
 const HEAD_LENGTH: f64 = 0.42;
 
+/// Width of the arms of corner brackets with their white margin, in pixels.
+pub(crate) const BRACKET_WIDTH_PX: f64 = 3.6;
+
+/// Length of the head of an arrow, in pixels.
+fn head_length(length: f64, width: f64) -> f64 {
+    (4.2 * width).min(HEAD_LENGTH * length)
+}
+
+/// Width of the head of an arrow whose shaft is `width` wide, in pixels.
+pub(crate) fn head_width(length: f64, width: f64) -> f64 {
+    0.84 * head_length(length, width)
+}
+
 /// Draws an arrow from `tail` to `tip` whose shaft is `width` wide, all in pixels.
 pub(crate) fn arrow(sheet: &Sheet, tail: [f64; 2], tip: [f64; 2], width: f64, colour: RGBColor) -> DrawResult {
     let along = [tip[0] - tail[0], tip[1] - tail[1]];
@@ -19,10 +32,10 @@ pub(crate) fn arrow(sheet: &Sheet, tail: [f64; 2], tip: [f64; 2], width: f64, co
         return Ok(());
     }
     let along = along.map(|c| c / length);
-    let head = (4.2 * width).min(HEAD_LENGTH * length);
+    let head = head_length(length, width);
     // A short arrow gets a narrower shaft, so that its head remains visible.
     let half_shaft = 0.5 * width.min(0.3 * head);
-    let half_head = 0.42 * head;
+    let half_head = 0.5 * head_width(length, width);
     let at = |forward: f64, aside: f64| {
         [tail[0] + forward * along[0] - aside * along[1], tail[1] + forward * along[1] + aside * along[0]]
     };
@@ -41,21 +54,27 @@ pub(crate) fn arrow(sheet: &Sheet, tail: [f64; 2], tip: [f64; 2], width: f64, co
 
 /// Draws brackets at the corners of a rectangle. They hide less of the figure than its sides would.
 /// `most_px` is the maximum length of a bracket's arm.
-pub(crate) fn corner_brackets(
-    sheet: &Sheet,
-    [left, top]: [f64; 2],
-    [right, bottom]: [f64; 2],
-    most_px: f64,
-) -> DrawResult {
-    let length = most_px.min(0.4 * (right - left)).min(0.4 * (bottom - top));
-    for (x, inwards) in [(left, length), (right, -length)] {
-        for (y, down) in [(top, length), (bottom, -length)] {
-            let mark = [[x + inwards, y], [x, y], [x, y + down]];
-            sheet.line(&mark, RGBColor(255, 255, 255), 3.6)?;
-            sheet.line(&mark, INK, 2.2)?;
-        }
+pub(crate) fn corner_brackets(sheet: &Sheet, upper_left: [f64; 2], lower_right: [f64; 2], most_px: f64) -> DrawResult {
+    for bracket in bracket_arms(upper_left, lower_right, most_px).chunks(2) {
+        let mark = [bracket[0][1], bracket[0][0], bracket[1][1]];
+        sheet.line(&mark, RGBColor(255, 255, 255), BRACKET_WIDTH_PX)?;
+        sheet.line(&mark, INK, 2.2)?;
     }
     Ok(())
+}
+
+/// The arms of the brackets at the corners of a rectangle, two per corner: from the corner to the end
+/// of the arm.
+pub(crate) fn bracket_arms([left, top]: [f64; 2], [right, bottom]: [f64; 2], most_px: f64) -> [[[f64; 2]; 2]; 8] {
+    let length = most_px.min(0.4 * (right - left)).min(0.4 * (bottom - top));
+    let corners = [
+        (left, length, top, length),
+        (left, length, bottom, -length),
+        (right, -length, top, length),
+        (right, -length, bottom, -length),
+    ];
+    let arms = corners.map(|(x, inwards, y, down)| [[[x, y], [x + inwards, y]], [[x, y], [x, y + down]]]);
+    std::array::from_fn(|i| arms[i / 2][i % 2])
 }
 
 /// Draws the mark for a vector out of the plane: a dot in a circle if it points `up`, towards the

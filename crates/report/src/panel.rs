@@ -15,7 +15,7 @@ pub(crate) const LEFT_PX: f64 = 58.0;
 /// Room for numbers and a name below a panel, in pixels.
 pub(crate) const BELOW_PX: f64 = 40.0;
 /// Room for a colour bar with its numbers and its name, in pixels.
-pub(crate) const BAR_PX: f64 = 74.0;
+pub(crate) const BAR_PX: f64 = 90.0;
 
 const BAR_WIDTH_PX: f64 = 13.0;
 const TICK_PX: f64 = 4.0;

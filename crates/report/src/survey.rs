@@ -37,6 +37,9 @@ const IDEAL_ROUND_OFF: f64 = 1e-14;
 /// count the displacement of points in the frames of rotated tiles.
 const BOUNDS_OF_ZERO: f64 = 2.0;
 
+/// Error bounds, over the magnitude of B, by which a parameter must differ from zero.
+const BOUNDS_PER_PARAMETER: f64 = 4.0;
+
 /// The largest component of B that may be an error alone, at each point, in tesla: the stated error
 /// of the exact field, and the tolerance if there is one.
 pub(crate) fn round_off_t(film: &Film, points: &[DVec3], field_t: &[DVec3]) -> Vec<f64> {
@@ -226,12 +229,17 @@ impl FieldSlice {
     /// R_x and R_y that are round-off are 0: an error of B of one bound changes them by at most a few
     /// times the bound over |B_z|.
     pub(crate) fn parameters(&self, branch: Branch, u: usize, v: usize) -> Option<Parameters> {
-        const BOUNDS_PER_ANGLE: f64 = 4.0;
         let b = self.field_t(u, v);
         let found = Parameters::from_field(b, branch)?;
-        let least = BOUNDS_PER_ANGLE * self.round_off_t[self.index(u, v)] / b.z.abs();
+        let least = BOUNDS_PER_PARAMETER * self.round_off_t[self.index(u, v)] / b.z.abs();
         let angle = |r: f64| if r.abs() <= least { 0.0 } else { r };
         Some(Parameters { r_x: angle(found.r_x), r_y: angle(found.r_y), ..found })
+    }
+
+    /// Differences of S_z up to this are round-off in a cell: an error of B of one bound changes S_z by
+    /// at most a few times the bound over the largest component of B.
+    pub(crate) fn log_round_off(&self, u: usize, v: usize) -> f64 {
+        BOUNDS_PER_PARAMETER * self.round_off_t[self.index(u, v)] / self.field_t(u, v).abs().max_element()
     }
 
     /// The indices of all cells along the two axes.

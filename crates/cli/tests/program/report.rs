@@ -446,3 +446,34 @@ fn watch_draws_anew_when_the_layout_is_saved() {
     assert_eq!(child.wait().expect("it ends").code(), Some(130));
     assert_eq!(sandbox.files(), ["film.toml", "other.toml", "out"]);
 }
+
+/// On planes of constant z the figure shows S_z minus its mean, as a displacement: S_z itself would be
+/// one colour.
+#[test]
+fn level_planes_show_the_residual_of_s_z_in_micrometres() {
+    let sandbox = Sandbox::new();
+    let said = sandbox.run(&["report", &shipped("published-film"), "-o", "out"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    let csv = sandbox.read("out/parameters-level.csv");
+    let (header, body) = csv.split_once('\n').expect("a header");
+    assert_eq!(header, "x_mm,y_mm,z_mm,r_x_rad,r_y_rad,s_z_ln_t,s_z_residual_um");
+    let rows: Vec<Vec<f64>> =
+        body.lines().map(|line| line.split(',').map(|number| number.parse().expect("a number")).collect()).collect();
+    let svg = sandbox.read("out/parameters-level.svg");
+    let wavelength_mm = 10.0;
+    for z in [-5.0, -4.0, -3.0] {
+        let plane: Vec<&Vec<f64>> = rows.iter().filter(|row| row[2] == z).collect();
+        assert_eq!(plane.len(), 128 * 128);
+        let mean = plane.iter().map(|row| row[5]).sum::<f64>() / plane.len() as f64;
+        let um_per_unit = 1e3 * wavelength_mm / std::f64::consts::TAU;
+        for row in &plane {
+            assert!((row[6] - um_per_unit * (row[5] - mean)).abs() < 1e-3, "{row:?}");
+        }
+        assert!(plane.iter().any(|row| row[6] > 10.0) && plane.iter().any(|row| row[6] < -10.0));
+        let title = format!("mean {mean:.3}").replace('-', "\u{2212}");
+        assert!(svg.contains(&title), "no title {title}");
+    }
+    let caption = "Of S_z the maps show the residual";
+    assert!(sandbox.read("out/report.html").contains(caption));
+    assert!(sandbox.read("out/parameters-upright.csv").starts_with("x_mm,y_mm,z_mm,r_x_rad,r_y_rad,s_z_ln_t\n"));
+}

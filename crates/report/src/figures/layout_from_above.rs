@@ -6,7 +6,7 @@ use plotters::prelude::RGBColor;
 
 use crate::colours::{DirectionColours, light};
 use crate::error::DrawError;
-use crate::marks::{VANISHING, arrow, corner_brackets, out_of_plane_mark};
+use crate::marks::{BRACKET_WIDTH_PX, VANISHING, arrow, bracket_arms, corner_brackets, out_of_plane_mark};
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
 use crate::shared_ranges::SharedRanges;
 use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
@@ -15,6 +15,7 @@ use crate::typeset::plain;
 
 use super::field_maps::csv_row;
 use super::layout_legend::LayoutLegend;
+use super::tile_annotations::{Annotation, Annotations, Rectangle, TileOnSheet, annotations, arrow_width};
 
 /// Length of the longer side of the drawing, in pixels.
 const ROOM_PX: f64 = 740.0;
@@ -26,12 +27,9 @@ const MARGIN: f64 = 0.03;
 /// Minimum of half the shorter side, as a fraction of the longer side.
 const MIN_HALF_SIDE: f64 = 0.06;
 
-/// Minimum and maximum font size of names, in pixels. A name that needs a smaller one is omitted.
-const NAME_PX: [f64; 2] = [7.5, 12.0];
-/// Width of a letter as a fraction of the font size, chosen large.
-const LETTER_WIDTH: f64 = 0.56;
-/// How far an arrow may extend towards the name of its tile, as a fraction of the distance.
-const TO_NAME: f64 = 0.75;
+/// Maximum length of the arms of the brackets at the corners of the working volume, in pixels.
+const BRACKET_PX: f64 = 12.0;
+
 /// The figure as SVG. `tiles` are the ones drawn, `all` is the number of tiles of the layout.
 pub(crate) fn draw(
     tiles: &[&NamedTile],
@@ -68,23 +66,31 @@ pub(crate) fn draw(
         let top = |named: &&NamedTile| bounds(std::iter::once(&named.tile)).map_or(0.0, |[_, high]| high.z);
         order.sort_by(|a, b| top(a).total_cmp(&top(b)));
         let prefix = common_prefix(tiles);
-        let arrow_mm = painter.arrow_mm(tiles);
-        let fits = |named: &NamedTile| painter.letters_px(named, prefix) >= NAME_PX[0];
-        let mut nameless = tiles.iter().filter(|named| !fits(named)).count();
+        let corners = volume.map(|v| [panel.at(v.lower_mm.x, v.upper_mm.y), panel.at(v.upper_mm.x, v.lower_mm.y)]);
+        let marks = corners.map_or(Vec::new(), |[upper_left, lower_right]| {
+            bracket_arms(upper_left, lower_right, BRACKET_PX)
+                .map(|[from, to]| Rectangle::of_line(from, to, BRACKET_WIDTH_PX))
+                .to_vec()
+        });
+        let on_sheet: Vec<TileOnSheet> = order.iter().map(|named| painter.on_sheet(named, prefix)).collect();
+        let Annotations { of_tiles: places, arrow_px } = annotations(&on_sheet, &marks);
+        let mut nameless = places.iter().filter(|place| place.name.is_none()).count();
         // Names on a minority of the tiles would confuse, so then no tile has one.
         if 2 * nameless > tiles.len() {
             nameless = tiles.len();
         }
-        for named in order {
+        for ((named, place), TileOnSheet { mark, .. }) in order.into_iter().zip(&places).zip(&on_sheet) {
             painter.body(sheet, named)?;
-            painter.polarization(sheet, named, arrow_mm)?;
-            if nameless < tiles.len() && fits(named) {
-                painter.name(sheet, named, prefix)?;
+            painter.polarization(sheet, named, place, arrow_px, *mark)?;
+            if let Some(name) = place.name.as_ref().filter(|_| nameless < tiles.len()) {
+                let text = plain(without_prefix(named, prefix));
+                let letters = LETTERS.sized(name.size).centred();
+                let letters = Lettering { upright: name.upright, colour: RGBColor(50, 50, 50), ..letters };
+                sheet.text(name.at.to_array(), &text, letters)?;
             }
         }
-        if let Some(v) = volume {
-            let (l, u) = (v.lower_mm, v.upper_mm);
-            corner_brackets(sheet, panel.at(l.x, u.y), panel.at(u.x, l.y), 12.0)?;
+        if let Some([upper_left, lower_right]) = corners {
+            corner_brackets(sheet, upper_left, lower_right, BRACKET_PX)?;
         }
         panel.axes(sheet, AxisLabel::Coordinate("x"), AxisLabel::Coordinate("y"))?;
         let names = match nameless {
@@ -96,7 +102,7 @@ pub(crate) fn draw(
         let legend = LayoutLegend {
             left: panel.right() + 24.0,
             top: TOP_PX,
-            arrow_px: arrow_mm * panel.px_per_x(),
+            arrow_px,
             most_t,
             tiles,
             all,
@@ -117,41 +123,6 @@ pub(crate) fn csv(tiles: &[&NamedTile]) -> String {
         csv_row(&mut csv, numbers.into_iter().flat_map(|vector| vector.to_array()));
     }
     csv
-}
-
-/// Where the arrow and the name of a tile go. All lengths are in millimetres, seen from above.
-struct Annotation {
-    /// Centre of the arrow.
-    arrow: DVec2,
-    /// Centre of the name.
-    name: DVec2,
-    /// Whether the name runs upwards.
-    upright: bool,
-    /// The shorter side of the tile's bounding rectangle.
-    narrow: f64,
-    /// The side of the bounding rectangle along the name.
-    long: f64,
-    /// The fraction of the bounding rectangle that the tile fills.
-    filled: f64,
-}
-
-impl Annotation {
-    fn from_outline(outline: &[DVec2]) -> Annotation {
-        let low = outline.iter().copied().fold(DVec2::MAX, DVec2::min);
-        let high = outline.iter().copied().fold(DVec2::MIN, DVec2::max);
-        let (middle, sides) = (0.5 * (low + high), high - low);
-        let upright = sides.y > 1.3 * sides.x;
-        let filled = area(outline) / (sides.x * sides.y);
-        let aside = if upright { DVec2::new(sides.x, 0.0) } else { DVec2::new(0.0, -sides.y) };
-        Annotation {
-            arrow: middle - 0.15 * filled * aside,
-            name: middle + 0.29 * filled * aside,
-            upright,
-            narrow: sides.min_element(),
-            long: if upright { sides.y } else { sides.x },
-            filled,
-        }
-    }
 }
 
 /// Draws tiles into a panel.
@@ -175,84 +146,45 @@ impl TilePainter {
         sheet.outline(&outline, RGBColor(70, 70, 70), width)
     }
 
-    /// The length of the arrow of the tile with the largest |J|, such that 95 % of the tiles have
-    /// room for an arrow of this length.
-    fn arrow_mm(&self, tiles: &[&NamedTile]) -> f64 {
-        let mut rooms: Vec<f64> = tiles.iter().filter_map(|named| self.room_mm(named)).collect();
-        rooms.sort_by(f64::total_cmp);
-        rooms.get(rooms.len() / 20).map_or(1.0, |room| 0.8 * room)
-    }
-
-    /// Maximum length of the arrow of a tile; `None` for a tile whose J has no component in the
-    /// plane.
-    fn room_mm(&self, named: &NamedTile) -> Option<f64> {
-        let direction = self.in_plane(named)?.normalize();
-        let outline = from_above(&named.tile);
-        let Annotation { arrow: centre, name, .. } = Annotation::from_outline(&outline);
-        // The distance from the centre to each side, along the arrow in either direction.
-        let to_sides = outline.iter().zip(outline.iter().cycle().skip(1)).filter_map(|(a, b)| {
-            let normal = (*b - *a).perp();
-            let approach = normal.dot(direction).abs();
-            (approach > 1e-9 * normal.length()).then(|| normal.dot(centre - *a).abs() / approach)
-        });
-        // The distance to the name.
-        let aside = name - centre;
-        let approach = direction.dot(aside).abs();
-        let to_name = if approach > 0.0 { TO_NAME * aside.length_squared() / approach } else { f64::INFINITY };
-        Some(2.0 * to_sides.fold(to_name, f64::min))
-    }
-
-    /// J in the plane over the largest |J|; `None` if it vanishes.
-    fn in_plane(&self, named: &NamedTile) -> Option<DVec2> {
-        let j = named.tile.scene_polarization_t().truncate() / self.most_t;
-        (j.length() > VANISHING).then_some(j)
+    /// The shape of a tile on the sheet, and what its annotation consists of.
+    fn on_sheet(&self, named: &NamedTile, prefix: &str) -> TileOnSheet {
+        let outline: Vec<DVec2> = from_above(&named.tile).into_iter().map(|p| DVec2::from(self.px(p))).collect();
+        let low = outline.iter().copied().fold(DVec2::MAX, DVec2::min);
+        let high = outline.iter().copied().fold(DVec2::MIN, DVec2::max);
+        let j = named.tile.scene_polarization_t() / self.most_t;
+        // y grows upwards in the film and downwards on the sheet.
+        let in_plane = DVec2::new(j.x, -j.y);
+        let narrow = (high - low).min_element();
+        let mark = if j.z.abs() > VANISHING { (0.12 * narrow).clamp(1.0, 12.0) * j.z.abs().sqrt() } else { 0.0 };
+        TileOnSheet {
+            outline,
+            in_plane: (in_plane.length() > VANISHING).then_some(in_plane),
+            mark,
+            letters: without_prefix(named, prefix).chars().count(),
+        }
     }
 
     /// Draws the arrow, and the mark for the component out of the plane at its tail.
-    fn polarization(&self, sheet: &Sheet, named: &NamedTile, arrow_mm: f64) -> DrawResult {
-        let Annotation { arrow: centre, narrow, .. } = Annotation::from_outline(&from_above(&named.tile));
-        let narrow_px = self.panel.px_per_x() * narrow;
-        if let Some(j) = self.in_plane(named) {
-            let room = 0.9 * self.room_mm(named).unwrap_or(arrow_mm);
-            let half = 0.5 * j.normalize() * (arrow_mm * j.length()).min(room);
-            let width = (0.055 * narrow_px).clamp(0.5, 2.6);
-            arrow(sheet, self.px(centre - half), self.px(centre + half), width, INK)?;
-        }
-        let out = named.tile.scene_polarization_t().z / self.most_t;
-        if out.abs() > VANISHING {
-            let tail = match self.in_plane(named) {
-                Some(j) => {
-                    let room = 0.9 * self.room_mm(named).unwrap_or(arrow_mm);
-                    centre - 0.5 * j.normalize() * (arrow_mm * j.length()).min(room)
-                }
-                None => centre,
-            };
-            let radius = (0.12 * narrow_px).clamp(1.0, 12.0) * out.abs().sqrt();
-            out_of_plane_mark(sheet, self.px(tail), radius, out > 0.0)?;
+    fn polarization(
+        &self,
+        sheet: &Sheet,
+        named: &NamedTile,
+        place: &Annotation,
+        arrow_px: f64,
+        mark: f64,
+    ) -> DrawResult {
+        let (tail, tip) = (place.arrow - place.half, place.arrow + place.half);
+        arrow(sheet, tail.to_array(), tip.to_array(), arrow_width(arrow_px), INK)?;
+        if mark > 0.0 {
+            out_of_plane_mark(sheet, tail.to_array(), mark, named.tile.scene_polarization_t().z > 0.0)?;
         }
         Ok(())
     }
-
-    /// Maximum font size of the name of a tile, in pixels.
-    fn letters_px(&self, named: &NamedTile, prefix: &str) -> f64 {
-        let outline = from_above(&named.tile);
-        let Annotation { narrow, long, filled, .. } = Annotation::from_outline(&outline);
-        let letters = named.name.strip_prefix(prefix).unwrap_or(&named.name).chars().count().max(1) as f64;
-        let room = [0.92 * long * filled / (LETTER_WIDTH * letters), 0.36 * narrow * filled];
-        (self.panel.px_per_x() * room[0].min(room[1])).min(NAME_PX[1])
-    }
-
-    /// Draws the name without the common prefix.
-    fn name(&self, sheet: &Sheet, named: &NamedTile, prefix: &str) -> DrawResult {
-        let name = plain(named.name.strip_prefix(prefix).unwrap_or(&named.name));
-        let Annotation { name: at, upright, .. } = Annotation::from_outline(&from_above(&named.tile));
-        let letters = LETTERS.sized(self.letters_px(named, prefix)).centred();
-        sheet.text(self.px(at), &name, Lettering { upright, colour: RGBColor(50, 50, 50), ..letters })
-    }
 }
 
-fn area(polygon: &[DVec2]) -> f64 {
-    0.5 * polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(a, b)| a.perp_dot(*b)).sum::<f64>()
+/// The name of a tile without the common prefix.
+fn without_prefix<'a>(named: &'a NamedTile, prefix: &str) -> &'a str {
+    named.name.strip_prefix(prefix).unwrap_or(&named.name)
 }
 
 /// The longest prefix of all names that ends with a hyphen. The tiles are labelled without it.

@@ -8,8 +8,7 @@ use crate::marks::{VANISHING, arrow, corner_brackets, out_of_plane_mark};
 use crate::sheet::{DrawResult, INK, LETTERS, PlotError, Sheet};
 use crate::typeset::{number, variable};
 
-/// Maximum length of the arrow in the legend, in pixels.
-const MOST_ARROW_PX: f64 = 105.0;
+use super::tile_annotations::arrow_width;
 
 /// The legend at the right of the drawing.
 pub(super) struct LayoutLegend<'a> {
@@ -71,11 +70,9 @@ impl LayoutLegend<'_> {
         let left = self.left;
         let polarization = |named: &&NamedTile| named.tile.scene_polarization_t() / self.most_t;
         if self.tiles.iter().any(|named| polarization(named).truncate().length() > VANISHING) {
-            let length = self.arrow_px.min(MOST_ARROW_PX);
-            arrow(sheet, [left, y], [left + length, y], (0.05 * length).clamp(1.2, 2.6), INK)?;
-            let as_long = self.arrow_px <= MOST_ARROW_PX;
-            let text = if as_long { strength(self.most_t) } else { "in the plane".to_owned() };
-            sheet.text([left + length + 8.0, y], &text, LETTERS)?;
+            let length = self.arrow_px;
+            arrow(sheet, [left, y], [left + length, y], arrow_width(self.arrow_px), INK)?;
+            sheet.text([left + length + 8.0, y], &strength(self.most_t), LETTERS)?;
             y += 26.0;
         }
         for (sign, text) in [(1.0, "up, to the viewer"), (-1.0, "down")] {

@@ -14,5 +14,7 @@ pub(crate) mod layout_from_above;
 mod layout_legend;
 /// R_x, R_y, S_z on planes through the working volume.
 pub(crate) mod parameter_maps;
+/// Places for the arrow and the name of each tile.
+mod tile_annotations;
 /// Arrows of the field in three planes.
 pub(crate) mod vectors;

@@ -1,5 +1,8 @@
 //! R_x, R_y, S_z on planes through the working volume: planes of constant z (Dai 2024, Fig. 7) and
 //! vertical planes (Fig. 8).
+//!
+//! On a plane of constant z S_z should be constant, and its map would be one colour. There the
+//! figure shows the residual: S_z minus its mean over the plane, as a displacement along z.
 
 use magsplice::decouple::Parameters;
 
@@ -9,16 +12,26 @@ use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel, equal_scale};
 use crate::shared_ranges::SharedRanges;
 use crate::sheet::sheet;
 use crate::survey::{AgainstIdeal, FieldSlice};
-use crate::typeset::{AXIS_NAMES, symbol};
+use crate::typeset::{AXIS_NAMES, number, symbol, variable};
 
 use super::field_maps::{ROW_GAP_PX, csv_row, remark_zero};
 
 const GAP_PX: f64 = 26.0;
 const TOP_PX: f64 = 30.0;
+const UM_PER_MM: f64 = 1e3;
 
 /// The parameter with this index: R_x, R_y, S_z.
 pub(crate) fn value(parameters: &Parameters, which: usize) -> f64 {
     [parameters.r_x, parameters.r_y, parameters.s_z][which]
+}
+
+/// How a figure shows S_z.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum NormalMap {
+    /// S_z.
+    Whole,
+    /// S_z minus its mean over the plane, divided by k, in um.
+    Residual,
 }
 
 /// Names of the parameters with their units.
@@ -30,14 +43,44 @@ pub(crate) fn names() -> [String; 3] {
     ]
 }
 
-/// The parameters on all slices as CSV.
-pub(crate) fn csv(against: &AgainstIdeal, slices: &[(FieldSlice, String)]) -> String {
-    let mut csv = "x_mm,y_mm,z_mm,r_x_rad,r_y_rad,s_z_ln_t\n".to_owned();
+/// The name of the residual of S_z with its unit.
+fn residual_name() -> String {
+    format!("({} \u{2212} mean) / {} (\u{b5}m)", symbol("S", "z"), variable("k"))
+}
+
+/// S_z minus its mean over a plane of constant z, divided by k, in um: the displacement along z that
+/// the film shows where there is none. In the order of the cells; NaN where there is no value.
+struct NormalResidual {
+    mean: f64,
+    um: Vec<f64>,
+}
+
+impl NormalResidual {
+    fn new(against: &AgainstIdeal, slice: &FieldSlice) -> NormalResidual {
+        let s_z: Vec<f64> =
+            slice.all().map(|(u, v)| slice.parameters(against.branch, u, v).map_or(f64::NAN, |p| p.s_z)).collect();
+        let (sum, count) = s_z.iter().filter(|s| s.is_finite()).fold((0.0, 0), |(sum, n), s| (sum + s, n + 1));
+        let mean = sum / f64::from(count);
+        let um_per_unit = UM_PER_MM / against.film.wavenumber();
+        let of_cell = |((u, v), s): ((usize, usize), f64)| {
+            let residual = s - mean;
+            um_per_unit * if residual.abs() <= slice.log_round_off(u, v) { 0.0 } else { residual }
+        };
+        NormalResidual { mean, um: slice.all().zip(s_z).map(of_cell).collect() }
+    }
+}
+
+/// The parameters on all slices as CSV, with the residuals of S_z if the figure shows them.
+pub(crate) fn csv(against: &AgainstIdeal, slices: &[(FieldSlice, String)], normal: NormalMap) -> String {
+    let mut csv = "x_mm,y_mm,z_mm,r_x_rad,r_y_rad,s_z_ln_t".to_owned();
+    csv += if normal == NormalMap::Residual { ",s_z_residual_um\n" } else { "\n" };
     for (slice, _) in slices {
-        for (u, v) in slice.all() {
+        let residual = (normal == NormalMap::Residual).then(|| NormalResidual::new(against, slice));
+        for (cell, (u, v)) in slice.all().enumerate() {
             let parameters = slice.parameters(against.branch, u, v);
             let values = parameters.map_or([f64::NAN; 3], |p| [p.r_x, p.r_y, p.s_z]);
-            csv_row(&mut csv, slice.point_mm(u, v).to_array().into_iter().chain(values));
+            let residual = residual.as_ref().map(|residual| residual.um[cell]);
+            csv_row(&mut csv, slice.point_mm(u, v).to_array().into_iter().chain(values).chain(residual));
         }
     }
     csv
@@ -49,6 +92,7 @@ pub(crate) fn draw(
     against: &AgainstIdeal,
     slices: &[(FieldSlice, String)],
     room_px: [f64; 2],
+    normal: NormalMap,
     figure: &str,
     ranges: &SharedRanges,
 ) -> Result<String, DrawError> {
@@ -74,14 +118,20 @@ pub(crate) fn draw(
     }
     let top = |row: usize| TOP_PX + row as f64 * (height + ROW_GAP_PX);
     sheet([right + 12.0 + BAR_PX, top(2) + height + BELOW_PX + 6.0], |sheet| {
-        for (row, name) in names().iter().enumerate() {
-            let at = |slice: &FieldSlice, u: usize, v: usize| {
-                slice.parameters(against.branch, u, v).map_or(f64::NAN, |p| value(&p, row))
+        for row in 0..3 {
+            let residuals: Option<Vec<NormalResidual>> = (row == 2 && normal == NormalMap::Residual)
+                .then(|| slices.iter().map(|(slice, _)| NormalResidual::new(against, slice)).collect());
+            let maps: Vec<Vec<f64>> = match &residuals {
+                Some(residuals) => residuals.iter().map(|residual| residual.um.clone()).collect(),
+                None => slices.iter().map(|(slice, _)| cell_values(against, slice, row)).collect(),
             };
-            let values: Vec<f64> =
-                slices.iter().flat_map(|(slice, _)| slice.all().map(|(u, v)| at(slice, u, v))).collect();
-            let range = ranges.of_values(&format!("{figure} {row}"), values.into_iter());
-            let scale = if row == 2 { ColourScale::without_zero(range) } else { ColourScale::signed(range) };
+            let range = ranges.of_values(&format!("{figure} {row}"), maps.iter().flatten().copied());
+            let scale = if row == 2 && residuals.is_none() {
+                ColourScale::without_zero(range)
+            } else {
+                ColourScale::signed(range)
+            };
+            let name = if residuals.is_some() { residual_name() } else { names()[row].clone() };
             for (i, (slice, title)) in slices.iter().enumerate() {
                 let [width, height] = sizes[i];
                 let panel = Panel {
@@ -92,18 +142,33 @@ pub(crate) fn draw(
                     x: slice.ranges_mm[0],
                     y: slice.ranges_mm[1],
                 };
-                panel.cells(sheet, slice.cells(), scale, |u, v| at(slice, u, v));
-                panel.title(sheet, row * slices.len() + i, if row == 0 { title } else { "" })?;
-                remark_zero(sheet, &panel, slice, |u, v| at(slice, u, v))?;
+                let rows = slice.cells()[1];
+                let value = |u: usize, v: usize| maps[i][u * rows + v];
+                panel.cells(sheet, slice.cells(), scale, value);
+                let title = match &residuals {
+                    Some(residuals) if residuals[i].mean.is_finite() => {
+                        format!("mean {}", number((1e3 * residuals[i].mean).round() / 1e3))
+                    }
+                    _ if row == 0 => title.clone(),
+                    _ => String::new(),
+                };
+                panel.title(sheet, row * slices.len() + i, &title)?;
+                remark_zero(sheet, &panel, slice, value)?;
                 let [across, along] = slice.axes.map(|axis| AxisLabel::Coordinate(AXIS_NAMES[axis]));
                 let x = if row == 2 { across } else { AxisLabel::TicksOnly };
                 let y = if named[i] { along } else { AxisLabel::TicksOnly };
                 panel.axes(sheet, x, y)?;
                 if i + 1 == slices.len() {
-                    panel.colour_bar(sheet, 12.0, scale, name)?;
+                    panel.colour_bar(sheet, 12.0, scale, &name)?;
                 }
             }
         }
         Ok(())
     })
+}
+
+/// A parameter in all cells of a slice; NaN where it does not exist.
+fn cell_values(against: &AgainstIdeal, slice: &FieldSlice, which: usize) -> Vec<f64> {
+    let at = |(u, v)| slice.parameters(against.branch, u, v).map_or(f64::NAN, |p| value(&p, which));
+    slice.all().map(at).collect()
 }
