@@ -39,7 +39,16 @@ impl DesignProblem<'_> {
         for (named, tile) in layout.tiles.iter_mut().zip(&result.tiles) {
             (named.tile, named.kind) = (*tile, None);
         }
-        layout.tiles.retain(|named| named.tile.polarization_t() != DVec3::ZERO);
+        let tiles = &result.tiles;
+        let is_kept = |index: usize| tiles.get(index).is_none_or(|tile| tile.polarization_t() != DVec3::ZERO);
+        if let Some(tolerance) = &mut layout.tolerance {
+            tolerance.retain_tiles(is_kept);
+        }
+        let mut index = 0;
+        layout.tiles.retain(|_| {
+            index += 1;
+            is_kept(index - 1)
+        });
         if !layout.name.ends_with(DESIGNED) && layout.name.len() + DESIGNED.len() <= MAX_NAME_BYTES {
             layout.name += DESIGNED;
         }

@@ -6,6 +6,7 @@ use std::fmt::Write;
 use glam::DVec3;
 use magsplice_magnet::Tile;
 use serde::Serialize;
+use toml::Spanned;
 
 use crate::layout::{Layout, NamedTile};
 use crate::limits::{FORMAT, MAX_NAME_BYTES};
@@ -13,9 +14,11 @@ use crate::tables::design::DesignTable;
 use crate::tables::expect::ExpectTable;
 use crate::tables::ideal::IdealTable;
 use crate::tables::rotation::RotationTable;
+use crate::tables::tolerance::ToleranceTable;
 use crate::tables::volume::VolumeTable;
 use crate::units::{direction_from_degrees, ten_decimals};
 use crate::write::{design_table, expect_table, volume_table};
+use crate::write_tolerance::tolerance_table;
 
 /// The keys before the tiles.
 #[derive(Serialize)]
@@ -39,6 +42,8 @@ struct Tables {
     expect: Option<ExpectTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
     design: Option<DesignTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tolerance: Option<Spanned<ToleranceTable>>,
 }
 
 /// Largest number of letters that the suffixes of mirror images add to a name.
@@ -70,6 +75,7 @@ impl Layout {
         let written = "numbers and strings can always be written as TOML";
         let Layout { name, description, history, .. } = self;
         let head = Head { format: FORMAT, name, description: description.as_deref(), history };
+        let lines = lines(&self.tiles);
         let tables = Tables {
             ideal: self.ideal.map(|film| IdealTable {
                 wavelength_mm: film.wavelength(),
@@ -79,9 +85,12 @@ impl Layout {
             volume: self.volume.as_ref().map(volume_table),
             expect: expect_table(&self.expectations),
             design: self.brief.as_ref().map(design_table),
+            tolerance: self.tolerance.as_ref().map(|tolerance| {
+                let names = written_names(&lines, self.tiles.len());
+                tolerance_table(tolerance, &names.iter().map(String::as_str).collect::<Vec<_>>())
+            }),
         };
         let mut text = toml::to_string(&head).expect(written);
-        let lines = lines(&self.tiles);
         let kinds = kinds(&lines);
         if !kinds.is_empty() {
             text.push('\n');
@@ -103,7 +112,10 @@ impl Layout {
 /// A tile and the axes along which it is mirrored.
 struct Line<'a> {
     named: &'a NamedTile,
+    index: usize,
     axes: &'static [usize],
+    /// Indices of its images, in the order of [`suffixes`].
+    images: Vec<usize>,
     /// Strength and the angles in the plane and out of it, in degrees, if they give the polarization
     /// exactly.
     angles: Option<(f64, [f64; 2])>,
@@ -182,6 +194,7 @@ fn lines(tiles: &[NamedTile]) -> Vec<Line<'_>> {
         written[index] = true;
         let named = &tiles[index];
         let mut axes: &'static [usize] = &[];
+        let mut its_images = Vec::new();
         for candidate in [&[0, 1][..], &[0], &[1]] {
             let images =
                 images(&named.tile, candidate).into_iter().map(|image| found(&image?)).collect::<Option<Vec<_>>>();
@@ -199,13 +212,25 @@ fn lines(tiles: &[NamedTile]) -> Vec<Line<'_>> {
             if named.rotation.is_none() && fits && all.len() == images.len() + 1 && images.iter().all(|&i| !written[i])
             {
                 images.iter().for_each(|&image| written[image] = true);
-                axes = candidate;
+                (axes, its_images) = (candidate, images);
                 break;
             }
         }
-        lines.push(Line { named, axes, angles: angles(named.tile.polarization_t()) });
+        lines.push(Line { named, index, axes, images: its_images, angles: angles(named.tile.polarization_t()) });
     }
     lines
+}
+
+/// The names that tiles have in the text, by their indices.
+fn written_names(lines: &[Line], count: usize) -> Vec<String> {
+    let mut names = vec![String::new(); count];
+    for line in lines {
+        names[line.index].clone_from(&line.named.name);
+        for (&image, suffix) in line.images.iter().zip(suffixes(line.axes)) {
+            names[image] = format!("{}{suffix}", line.named.name);
+        }
+    }
+    names
 }
 
 /// Endings of the names of the images.

@@ -21,12 +21,50 @@ pub struct Expectations {
     pub field: Option<ExpectedField>,
     /// Lower bound of the distance between the tiles and the working volume, in millimetres.
     pub least_clearance_mm: Option<f64>,
+    /// Requirements on the films that are made with the errors of `[tolerance]`.
+    pub made: Option<MadeExpectations>,
 }
 
 impl Expectations {
     /// Whether nothing is required.
     pub fn is_empty(&self) -> bool {
         *self == Expectations::default()
+    }
+}
+
+/// The table `[expect.made]`: bounds at a percentile of the films that are made from the layout. A
+/// bound counts as broken only if samples exclude with a stated confidence that it is kept.
+///
+/// All bounds are inclusive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MadeExpectations {
+    /// Per cent of the films that must keep each bound, above 0 and below 100.
+    pub percentile: f64,
+    /// Upper bounds of the uniformity RMSE of R_x, R_y (radians) and S_z (dimensionless) at the
+    /// percentile.
+    pub uniformity_rmse: [Option<f64>; 3],
+    /// Upper bounds of the displacement RMSE along x, y, z at the percentile, in millimetres.
+    pub displacement_rmse_mm: [Option<f64>; 3],
+    /// Lower bound of the amplitude at 100 minus the percentile.
+    pub least_amplitude: Option<f64>,
+    /// Number of films that are evaluated. `None` stands for the samples of
+    /// [`FilmTolerance`](crate::FilmTolerance).
+    pub samples: Option<u64>,
+    /// Confidence with which samples must exclude that a bound is kept, above 0 and below 1.
+    pub confidence: f64,
+}
+
+impl Default for MadeExpectations {
+    /// No bounds, the 95th percentile, and a confidence of 95 %.
+    fn default() -> MadeExpectations {
+        MadeExpectations {
+            percentile: 95.0,
+            uniformity_rmse: [None; 3],
+            displacement_rmse_mm: [None; 3],
+            least_amplitude: None,
+            samples: None,
+            confidence: 0.95,
+        }
     }
 }
 

@@ -27,6 +27,8 @@ pub enum FindingSubject {
     Expectations,
     /// The design brief.
     Design,
+    /// The errors of films that are made.
+    Tolerance,
 }
 
 impl Finding {

@@ -37,6 +37,8 @@ mod compact;
 mod distribution;
 /// Errors of reading a layout.
 mod error;
+/// Units of errors, and what no error exceeds.
+mod error_unit;
 /// Requirements on a film.
 mod expectations;
 /// Properties that are allowed but usually a mistake.
@@ -51,6 +53,8 @@ mod limits;
 mod parts;
 /// Magnitudes that no magnet and no film has.
 mod plausible;
+/// Usual errors of tiles.
+mod presets;
 /// Text to tables to a checked layout: every rule for files.
 mod read;
 /// Rotations in every form of the file.
@@ -65,14 +69,16 @@ mod tolerance;
 mod units;
 /// A layout to tables and text.
 mod write;
+/// Tolerances to their table.
+mod write_tolerance;
 
 pub use brief::{Brief, Goal, StockPart, Symmetry, Variables};
 pub use distribution::Distribution;
 pub use error::{LayoutError, LayoutFault};
-pub use expectations::{Expectations, ExpectedField};
+pub use expectations::{Expectations, ExpectedField, MadeExpectations};
 pub use finding::{Finding, FindingSubject};
 pub use layout::{Layout, NamedTile, WorkingVolume};
-pub use limits::MAX_NAME_BYTES;
+pub use limits::{MAX_NAME_BYTES, SAMPLE_COUNTS};
 pub use parts::Part;
 pub use plausible::{
     MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, STRONGEST_MAGNET_T, STRONGEST_MATERIAL_T, meant_length,

@@ -50,6 +50,29 @@ pub(crate) const MAX_OVERLAPS: usize = 100_000;
 /// Largest number of starting points of a design search.
 pub(crate) const MAX_STARTS: usize = 10_000;
 
+/// Largest number of tiles of a layout with `[tolerance]`. The errors of a tile take about 300 bytes,
+/// and every sample evaluates all tiles: a sample of a larger film takes a minute.
+pub(crate) const MAX_TOLERANCE_TILES: usize = 100_000;
+
+/// Largest number of tiles in all groups of `[tolerance]` together, each counted in every group.
+pub(crate) const MAX_GROUP_MEMBERS: usize = 4 * MAX_TOLERANCE_TILES;
+
+/// Largest number of values of a tabulated distribution. Its quantiles of 0.01 % are then known to a
+/// third of themselves.
+pub(crate) const MAX_TABULATED: usize = 100_000;
+
+/// Largest number of tabulated values in a layout, counted in each distribution that they are used
+/// for. They are written into the layout with up to 25 bytes each.
+pub(crate) const MAX_TABULATED_IN_ALL: usize = 1_000_000;
+
+/// Largest number of names with an asterisk in `[tolerance]`, times the number of tiles: a few seconds
+/// of comparing.
+pub(crate) const MAX_NAME_TRIALS: usize = 10_000_000;
+
+/// Numbers of samples of a tolerance analysis. Ten samples have no percentiles, but they show that an
+/// analysis runs. The figures of more than ten million take gigabytes of memory.
+pub const SAMPLE_COUNTS: std::ops::RangeInclusive<u64> = 10..=10_000_000;
+
 /// Largest number of faults, findings of one sort, or names that are listed one by one: a wrong
 /// pitch makes thousands of them.
 pub(crate) const MAX_LISTED: usize = 20;

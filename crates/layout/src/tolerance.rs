@@ -4,6 +4,7 @@
 use magsplice_magnet::Tile;
 
 use crate::distribution::Distribution;
+use crate::rotation::Rotation;
 
 /// The errors of the films that are made from a layout. The default is none.
 ///
@@ -18,20 +19,43 @@ pub struct FilmTolerance {
     pub groups: Vec<ErrorGroup>,
     /// Errors that all tiles share, and those of the surroundings and of the sensor.
     pub common: CommonErrors,
-    /// Number of samples that are evaluated unless another number is asked for.
+    /// Number of samples of films to evaluate. Default: 1000.
     pub samples: u64,
-    /// Seed of the random numbers unless another one is asked for.
+    /// Seed of the random numbers. Default: 1.
     pub seed: u64,
 }
 
 impl Default for FilmTolerance {
     fn default() -> FilmTolerance {
-        let (tiles, groups, common) = (Vec::new(), Vec::new(), CommonErrors::default());
-        FilmTolerance { tiles, groups, common, samples: 1000, seed: 1 }
+        // The 95th percentile of 1000 samples has a standard error of 0.7 per cent of the films.
+        FilmTolerance { tiles: Vec::new(), groups: Vec::new(), common: CommonErrors::default(), samples: 1000, seed: 1 }
     }
 }
 
 impl FilmTolerance {
+    /// Leaves out the errors of tiles that are left out of the layout, and groups without a tile.
+    /// `is_kept` says for each index whether the tile stays.
+    pub fn retain_tiles(&mut self, is_kept: impl Fn(usize) -> bool) {
+        let mut index = 0;
+        self.tiles.retain(|_| {
+            index += 1;
+            is_kept(index - 1)
+        });
+        let last = self.groups.iter().flat_map(|group| &group.tiles).max().copied();
+        let mut kept = 0;
+        let new_index: Vec<Option<usize>> = (0..last.map_or(0, |last| last + 1))
+            .map(|index| {
+                let new = is_kept(index).then_some(kept);
+                kept += usize::from(new.is_some());
+                new
+            })
+            .collect();
+        for group in &mut self.groups {
+            group.tiles = group.tiles.iter().filter_map(|&tile| new_index[tile]).collect();
+        }
+        self.groups.retain(|group| !group.tiles.is_empty());
+    }
+
     /// The same errors for each of this many tiles, and no others.
     pub fn of_tiles(errors: &TileErrors, count: usize) -> FilmTolerance {
         FilmTolerance { tiles: vec![errors.clone(); count], ..FilmTolerance::default() }
@@ -115,8 +139,8 @@ pub struct Neighbour {
     pub layout: String,
     /// Its place, as written.
     pub position_mm: [f64; 3],
-    /// Its rotation about the axes of the layout, as written: a rotation vector.
-    pub rotation_rad: [f64; 3],
+    /// Its rotation about its own origin, as written.
+    pub rotation: Option<Rotation>,
     /// Whether it comes after the reading at the reference point.
     pub later: bool,
 }
@@ -144,18 +168,6 @@ pub struct SensorErrors {
 }
 
 impl TileErrors {
-    /// The errors of tiles that were cut and laid with care: normal errors of 0.05 mm in position along
-    /// each axis, 0.5 degrees about each axis, and 1 % in strength.
-    pub fn workshop() -> TileErrors {
-        let turn = Distribution::normal(0.5_f64.to_radians());
-        TileErrors {
-            position_mm: [const { Distribution::normal(0.05) }; 3],
-            rotation_rad: [turn.clone(), turn.clone(), turn],
-            strength: Distribution::normal(0.01),
-            ..TileErrors::default()
-        }
-    }
-
     /// All errors: three each of position, rotation and size, one of strength, and two of direction.
     pub fn all(&self) -> [&Distribution; TileErrors::COUNT] {
         let TileErrors { position_mm: p, rotation_rad: r, size_mm: s, strength, direction_rad: d } = self;

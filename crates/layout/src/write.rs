@@ -1,16 +1,19 @@
 //! Writing a layout: values become tables, tables become TOML or any other format of serde.
 
 use serde::Serialize;
+use toml::Spanned;
 
 use crate::brief::{Brief, Variables};
-use crate::expectations::Expectations;
+use crate::expectations::{Expectations, MadeExpectations};
 use crate::layout::{Layout, NamedTile, WorkingVolume};
 use crate::limits::FORMAT;
 use crate::tables::design::{DesignTable, MinMax, Outline, Variable, Weights};
-use crate::tables::expect::{DisplacementBounds, ExpectTable, LowerBound, UniformityBounds};
+use crate::tables::expect::{DisplacementBounds, ExpectTable, LowerBound, MadeTable, UniformityBounds};
 use crate::tables::ideal::IdealTable;
 use crate::tables::tile::TileTable;
+use crate::tables::tolerance::ToleranceTable;
 use crate::tables::volume::{Step, VolumeTable};
+use crate::write_tolerance::tolerance_table;
 
 impl Layout {
     /// The layout as TOML in the plain form: one `[[tile]]` for each tile. Parsing the text gives
@@ -48,6 +51,10 @@ impl Layout {
             volume: self.volume.as_ref().map(volume_table),
             expect: expect_table(&self.expectations),
             design: self.brief.as_ref().map(design_table),
+            tolerance: self.tolerance.as_ref().map(|tolerance| {
+                let names: Vec<&str> = self.tiles.iter().map(|named| named.name.as_str()).collect();
+                tolerance_table(tolerance, &names)
+            }),
             tile: self.tiles.iter().map(tile_table).collect(),
         }
     }
@@ -71,6 +78,8 @@ pub struct PlainLayout<'a> {
     expect: Option<ExpectTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
     design: Option<DesignTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tolerance: Option<Spanned<ToleranceTable>>,
     tile: Vec<TileTable>,
 }
 
@@ -88,20 +97,41 @@ pub(crate) fn volume_table(volume: &WorkingVolume) -> VolumeTable {
 }
 
 pub(crate) fn expect_table(expectations: &Expectations) -> Option<ExpectTable> {
-    let [r_x, r_y, s_z] = expectations.uniformity_rmse;
-    let [x, y, z] = expectations.displacement_rmse_mm;
-    let at_least = |min: Option<f64>| min.map(|min| LowerBound { min });
+    let Expectations { uniformity_rmse, displacement_rmse_mm, least_amplitude, field, least_clearance_mm, made } =
+        expectations;
     (!expectations.is_empty()).then(|| ExpectTable {
-        uniformity_rmse: (expectations.uniformity_rmse != [None; 3]).then_some(UniformityBounds { r_x, r_y, s_z }),
-        displacement_rmse_mm: (expectations.displacement_rmse_mm != [None; 3]).then_some(DisplacementBounds {
-            x,
-            y,
-            z,
-        }),
-        amplitude: at_least(expectations.least_amplitude),
-        field: expectations.field.clone(),
-        clearance_mm: at_least(expectations.least_clearance_mm),
+        uniformity_rmse: uniformity_bounds(*uniformity_rmse),
+        displacement_rmse_mm: displacement_bounds(*displacement_rmse_mm),
+        amplitude: at_least(*least_amplitude),
+        field: field.clone(),
+        clearance_mm: at_least(*least_clearance_mm),
+        made: made.as_ref().map(|made| Spanned::new(0..0, made_table(made))),
     })
+}
+
+fn made_table(made: &MadeExpectations) -> MadeTable {
+    MadeTable {
+        percentile: Some(made.percentile),
+        uniformity_rmse: uniformity_bounds(made.uniformity_rmse),
+        displacement_rmse_mm: displacement_bounds(made.displacement_rmse_mm),
+        amplitude: at_least(made.least_amplitude),
+        samples: made.samples,
+        confidence: Some(made.confidence),
+    }
+}
+
+fn uniformity_bounds(bounds: [Option<f64>; 3]) -> Option<UniformityBounds> {
+    let [r_x, r_y, s_z] = bounds;
+    (bounds != [None; 3]).then_some(UniformityBounds { r_x, r_y, s_z })
+}
+
+fn displacement_bounds(bounds: [Option<f64>; 3]) -> Option<DisplacementBounds> {
+    let [x, y, z] = bounds;
+    (bounds != [None; 3]).then_some(DisplacementBounds { x, y, z })
+}
+
+fn at_least(min: Option<f64>) -> Option<LowerBound> {
+    min.map(|min| LowerBound { min })
 }
 
 pub(crate) fn design_table(brief: &Brief) -> DesignTable {

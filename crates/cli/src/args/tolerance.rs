@@ -6,8 +6,8 @@ use clap::{Args, Subcommand, ValueEnum};
 
 use super::formats::{FileFormat, TextOrJson};
 
-/// Largest number of samples. The figures of more would take gigabytes of memory.
-pub(crate) const MAX_SAMPLES: u64 = 10_000_000;
+/// Largest number of samples.
+pub(crate) const MAX_SAMPLES: u64 = *magsplice::layout::SAMPLE_COUNTS.end();
 
 /// Evaluate the films that are made from a layout: samples with the errors of its [tolerance].
 ///

@@ -11,7 +11,7 @@ const MOST_DIFFERENT: f64 = 2.0;
 
 /// The requirements. Faults are added; the result is meant for use only if there are none.
 pub(crate) fn resolve(table: ExpectTable, present: TablesPresent, faults: &mut TableFaults) -> Expectations {
-    let ExpectTable { uniformity_rmse, displacement_rmse_mm, amplitude, field, clearance_mm } = table;
+    let ExpectTable { uniformity_rmse, displacement_rmse_mm, amplitude, field, clearance_mm, made } = table;
     let keys = [
         ("uniformity_rmse", uniformity_rmse.is_some(), true),
         ("displacement_rmse_mm", displacement_rmse_mm.is_some(), true),
@@ -19,24 +19,17 @@ pub(crate) fn resolve(table: ExpectTable, present: TablesPresent, faults: &mut T
         ("field", field.is_some(), false),
         ("clearance_mm", clearance_mm.is_some(), false),
     ];
-    if keys.iter().all(|(_, given, _)| !given) {
+    if keys.iter().all(|(_, given, _)| !given) && made.is_none() {
         faults.add(
-            "is empty, must give at least one of uniformity_rmse, displacement_rmse_mm, amplitude, field, clearance_mm",
+            "is empty, must give at least one of uniformity_rmse, displacement_rmse_mm, amplitude, field, clearance_mm, \
+             made",
         );
     }
     for (key, _, needs_ideal) in keys.into_iter().filter(|(_, given, _)| *given) {
         present.check(&format!("{key} "), needs_ideal, faults);
     }
-    if let Some(UniformityBounds { r_x: None, r_y: None, s_z: None }) = uniformity_rmse {
-        faults.add("uniformity_rmse is empty, must give at least one of r_x, r_y, s_z");
-    }
-    let uniformity = uniformity_rmse.map_or([None; 3], |b| [b.r_x, b.r_y, b.s_z]);
-    check_upper_bounds("uniformity_rmse", ["r_x", "r_y", "s_z"], uniformity, faults);
-    if let Some(DisplacementBounds { x: None, y: None, z: None }) = displacement_rmse_mm {
-        faults.add("displacement_rmse_mm is empty, must give at least one of x, y, z");
-    }
-    let displacement = displacement_rmse_mm.map_or([None; 3], |b| [b.x, b.y, b.z]);
-    check_upper_bounds("displacement_rmse_mm", ["x", "y", "z"], displacement, faults);
+    let uniformity = uniformity_bounds(uniformity_rmse.as_ref(), faults);
+    let displacement = displacement_bounds(displacement_rmse_mm.as_ref(), faults);
     let (least_amplitude, least_clearance_mm) = (amplitude.map(|bound| bound.min), clearance_mm.map(|bound| bound.min));
     for (key, least) in [("amplitude.min", least_amplitude), ("clearance_mm.min", least_clearance_mm)] {
         if let Some(least) = least {
@@ -61,13 +54,31 @@ pub(crate) fn resolve(table: ExpectTable, present: TablesPresent, faults: &mut T
         least_amplitude,
         field,
         least_clearance_mm,
+        // Read by itself, because it has a line of its own.
+        made: None,
     }
 }
 
-fn check_upper_bounds(table: &str, keys: [&str; 3], bounds: [Option<f64>; 3], faults: &mut TableFaults) {
+/// The upper bounds of the uniformity RMSE, after adding their faults.
+pub(crate) fn uniformity_bounds(bounds: Option<&UniformityBounds>, faults: &mut TableFaults) -> [Option<f64>; 3] {
+    let Some(UniformityBounds { r_x, r_y, s_z }) = bounds else { return [None; 3] };
+    upper_bounds("uniformity_rmse", ["r_x", "r_y", "s_z"], [*r_x, *r_y, *s_z], faults)
+}
+
+/// The upper bounds of the displacement RMSE in mm, after adding their faults.
+pub(crate) fn displacement_bounds(bounds: Option<&DisplacementBounds>, faults: &mut TableFaults) -> [Option<f64>; 3] {
+    let Some(DisplacementBounds { x, y, z }) = bounds else { return [None; 3] };
+    upper_bounds("displacement_rmse_mm", ["x", "y", "z"], [*x, *y, *z], faults)
+}
+
+fn upper_bounds(table: &str, keys: [&str; 3], bounds: [Option<f64>; 3], faults: &mut TableFaults) -> [Option<f64>; 3] {
+    if bounds == [None; 3] {
+        faults.add(format!("{table} is empty, must give at least one of {}", keys.join(", ")));
+    }
     for (key, bound) in keys.into_iter().zip(bounds) {
         if let Some(bound) = bound {
             check_not_negative(&format!("{table}.{key}"), bound, faults);
         }
     }
+    bounds
 }

@@ -48,6 +48,11 @@ impl<'t> Faults<'t> {
         self.list.count == 0
     }
 
+    /// Number of faults so far. A caller compares it before and after a check.
+    pub(crate) fn count(&self) -> usize {
+        self.list.count
+    }
+
     /// All listed faults in the order of the file, those without a line first, and the number of
     /// the others last.
     pub(crate) fn into_sorted(self) -> Vec<LayoutFault> {

@@ -5,19 +5,20 @@
 //! if no other rule is broken. The limits on a whole layout are checked before its tiles are made.
 
 use std::collections::BTreeSet;
-use std::fs::File;
-use std::io::{self, Read};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 use toml::Spanned;
 
 use self::entries::Entry;
 use self::faults::Faults;
+use self::files::{Source, bytes, regular_bytes};
 use self::room::Room;
 use self::tables_present::TablesPresent;
+use self::tolerance::WholeLayout;
 use crate::error::{LayoutError, LayoutFault};
+use crate::expectations::Expectations;
 use crate::finding::FindingSubject;
 use crate::layout::{Layout, NamedTile};
 use crate::limits::{FORMAT, MAX_FILE_BYTES, MAX_MESSAGE_LINE};
@@ -31,12 +32,16 @@ mod entries;
 mod expect;
 /// The list of broken rules, with lines.
 mod faults;
+/// Files beside a layout.
+mod files;
 /// Properties that are allowed but usually a mistake.
 mod findings;
 /// Rules of `[ideal]`.
 mod ideal;
 /// Cells of a `[[lattice]]` become tiles.
 mod lattice;
+/// Rules of `[expect.made]`.
+mod made;
 /// Rules for names.
 mod names;
 /// Rules for single numbers and vectors.
@@ -61,6 +66,8 @@ mod syntax_hints;
 mod tables_present;
 /// Position, size and polarization of one tile.
 mod tile_rules;
+/// Rules of `[tolerance]`.
+mod tolerance;
 /// Values of a wrong type, in the words of the format.
 mod value_types;
 /// Ranges and a step become a grid.
@@ -94,10 +101,11 @@ impl Layout {
             origin: origin.clone(),
             message: format!("not UTF-8 text: {error}"),
         })?;
-        Layout::parse(&text, &origin)
+        parse_from(&text, &origin, &Source::of_file(path))
     }
 
-    /// The layout in `text`. `origin` names the source of the text in errors.
+    /// The layout in `text`. `origin` names the source of the text in errors. If it is the path of a
+    /// file, then paths in the text are relative to the folder of this file, else to the working folder.
     ///
     /// # Errors
     /// [`LayoutError::Syntax`] and [`LayoutError::Invalid`], as for [`Layout::read`].
@@ -124,19 +132,15 @@ impl Layout {
     /// # Ok::<(), LayoutError>(())
     /// ```
     pub fn parse(text: &str, origin: &str) -> Result<Layout, LayoutError> {
-        let refused = |message: String| LayoutError::Syntax { origin: origin.to_owned(), message };
-        if text.len() > MAX_FILE_BYTES {
-            return Err(refused(format!("has {} bytes, must have at most {MAX_FILE_BYTES}", text.len())));
-        }
-        let file: LayoutFile = toml::from_str(text).map_err(|error| {
-            let message = syntax_hints::message(text, error.message(), error.span());
-            // The parser's own text ends with its message, after the place in the file.
-            let shown = error.to_string();
-            let place = shown.trim_end().strip_suffix(error.message().trim_end()).unwrap_or(&shown);
-            refused(printable(&format!("{place}{message}")))
-        })?;
-        let sha256 = Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
-        resolve(file, text, sha256).map_err(|faults| LayoutError::Invalid { origin: origin.to_owned(), faults })
+        parse_from(text, origin, &Source::of_origin(origin))
+    }
+
+    /// The layout in `text`, as [`Layout::parse`]. Paths in it are relative to `folder`.
+    ///
+    /// # Errors
+    /// [`LayoutError::Syntax`] and [`LayoutError::Invalid`], as for [`Layout::read`].
+    pub fn parse_beside(text: &str, origin: &str, folder: impl Into<PathBuf>) -> Result<Layout, LayoutError> {
+        parse_from(text, origin, &Source { folder: folder.into(), is_neighbour: false })
     }
 }
 
@@ -158,15 +162,44 @@ pub fn is_layout(text: &str) -> Option<bool> {
     Some(KEYS_OF_LAYOUTS.iter().any(|key| table.contains_key(*key)))
 }
 
-/// The contents of a file. One byte more than the limit is enough to see that it is too large, and
-/// ends the reading of a device that has no end.
-fn bytes(path: &Path) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    File::open(path)?.take(MAX_FILE_BYTES as u64 + 1).read_to_end(&mut bytes)?;
-    if bytes.len() > MAX_FILE_BYTES {
-        return Err(io::Error::other(format!("it has more than {MAX_FILE_BYTES} bytes, too many for a layout")));
+/// The checked layout of a text, or why there is none.
+fn parse_from(text: &str, origin: &str, source: &Source) -> Result<Layout, LayoutError> {
+    let refused = |message: String| LayoutError::Syntax { origin: origin.to_owned(), message };
+    if text.len() > MAX_FILE_BYTES {
+        return Err(refused(format!("has {} bytes, must have at most {MAX_FILE_BYTES}", text.len())));
     }
-    Ok(bytes)
+    let file: LayoutFile = toml::from_str(text).map_err(|error| {
+        let message = syntax_hints::message(text, error.message(), error.span());
+        // The parser's own text ends with its message, after the place in the file.
+        let shown = error.to_string();
+        let place = shown.trim_end().strip_suffix(error.message().trim_end()).unwrap_or(&shown);
+        refused(printable(&format!("{place}{message}")))
+    })?;
+    let sha256 = Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
+    resolve(file, text, sha256, source).map_err(|faults| LayoutError::Invalid { origin: origin.to_owned(), faults })
+}
+
+/// The tiles of the layout file at a path relative to `folder`, without its tolerances, or why there are
+/// none in one line.
+fn tiles_of_neighbour(folder: &Path, layout: &str) -> Result<Vec<NamedTile>, String> {
+    let path = folder.join(layout);
+    let bytes = regular_bytes(&path, MAX_FILE_BYTES).map_err(|error| format!("cannot be read: {error}"))?;
+    let text = String::from_utf8(bytes).map_err(|_| "must be UTF-8 text")?;
+    let source = Source { is_neighbour: true, ..Source::of_file(&path) };
+    parse_from(&text, &names::shown(layout), &source).map(|layout| layout.tiles).map_err(|error| match error {
+        LayoutError::Invalid { faults, .. } => match &faults[..] {
+            [only] => format!("is refused: {only}"),
+            all => format!("is refused for {} faults, such as: {}", all.len(), all[0]),
+        },
+        other => {
+            let message = other.to_string();
+            let lines: Vec<&str> = message.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+            match &lines[..] {
+                [first, .., last] => format!("is refused: {first}: {last}"),
+                _ => format!("is refused: {message}"),
+            }
+        }
+    })
 }
 
 /// The message of the TOML parser, which cites lines of the file as they are: with escapes for
@@ -183,24 +216,32 @@ fn printable(message: &str) -> String {
 }
 
 /// The checked layout of a file, or its broken rules.
-fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<LayoutFault>> {
+fn resolve(file: LayoutFile, text: &str, sha256: String, source: &Source) -> Result<Layout, Vec<LayoutFault>> {
     let mut faults = Faults::new(text);
     let mut findings = Vec::new();
     check_format(&file.format, &mut faults);
     names::check_name("name", &file.name, &mut faults.at(&(0..0), "layout"));
-    let present = TablesPresent { ideal: file.ideal.is_some(), volume: file.volume.is_some() };
+    let present = TablesPresent {
+        ideal: file.ideal.is_some(),
+        volume: file.volume.is_some(),
+        tolerance: file.tolerance.is_some(),
+    };
     let ideal = file.ideal.and_then(|table| ideal::resolve(table.get_ref(), &mut faults.at(&table.span(), "ideal")));
     let volume = file
         .volume
         .and_then(|table| volume::resolve(table.get_ref(), &mut faults.at(&table.span(), "volume"), &mut findings));
     let expectations = file.expect.map_or_else(Default::default, |table| {
+        let made = table.get_ref().made.as_ref();
+        let made =
+            made.map(|table| made::resolve(table.get_ref(), present, &mut faults.at(&table.span(), "expect.made")));
         let mut faults = faults.at(&table.span(), "expect");
-        expect::resolve(table.into_inner(), present, &mut faults)
+        Expectations { made, ..expect::resolve(table.into_inner(), present, &mut faults) }
     });
     let brief = file.design.and_then(|table| {
         let mut faults = faults.at(&table.span(), "design");
         design::resolve(table.into_inner(), present, volume.as_ref(), &mut faults)
     });
+    let before_tiles = faults.count();
     for (name, kind) in &file.kind {
         let mut faults = faults.at(&kind.span(), format!("kind \"{}\"", names::shown(name)));
         names::check_name("name", name, &mut faults);
@@ -241,6 +282,12 @@ fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<L
         spans.resize(tiles.len(), span);
     }
     names::check(&tiles, &spans, &mut faults);
+    let tolerance = file.tolerance.filter(|_| !source.is_neighbour).and_then(|table| {
+        let is_complete = faults.count() == before_tiles;
+        let whole = WholeLayout { tiles: &tiles, kinds: file.kind.keys().collect(), is_complete, present };
+        let read_neighbour = |layout: &str| tiles_of_neighbour(&source.folder, layout);
+        tolerance::resolve(&table, whole, &source.folder, &read_neighbour, &mut faults, &mut findings)
+    });
     if faults.is_empty() {
         overlap::check(&tiles, &entries, &mut faults);
     }
@@ -262,7 +309,7 @@ fn resolve(file: LayoutFile, text: &str, sha256: String) -> Result<Layout, Vec<L
         volume,
         expectations,
         brief,
-        tolerance: None,
+        tolerance,
         history: file.history,
         tiles,
         sha256,

@@ -14,7 +14,7 @@ use crate::read::value_types;
 const LEAST_SIMILARITY: f64 = 0.84;
 
 /// The unit that the end of a key names, in words.
-const UNITS: [(&str, &str); 3] = [("_mm", "mm"), ("_t", "tesla"), ("_deg", "degrees")];
+const UNITS: [(&str, &str); 4] = [("_mm", "mm"), ("_t", "tesla"), ("_ut", "microtesla"), ("_deg", "degrees")];
 
 /// The message about a syntax error. `message` and `span` are of the TOML parser. A value of a wrong
 /// type is told by the form that its key wants, if this is known.

@@ -7,6 +7,7 @@ use crate::read::faults::TableFaults;
 pub(crate) struct TablesPresent {
     pub(crate) ideal: bool,
     pub(crate) volume: bool,
+    pub(crate) tolerance: bool,
 }
 
 impl TablesPresent {
@@ -18,5 +19,13 @@ impl TablesPresent {
                 faults.add(format!("{subject}needs the table {table}, which the layout does not have"));
             }
         }
+    }
+
+    /// Requires `[tolerance]`, `[ideal]` and `[volume]`.
+    pub(crate) fn check_for_made_films(self, faults: &mut TableFaults) {
+        if !self.tolerance {
+            faults.add("needs the table [tolerance], which the layout does not have");
+        }
+        self.check("", true, faults);
     }
 }

@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use toml::Spanned;
 
 use crate::expectations::ExpectedField;
 
@@ -25,6 +26,36 @@ pub(crate) struct ExpectTable {
     /// negative where a tile reaches into the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) clearance_mm: Option<LowerBound>,
+    /// Requirements on the films that are made with the errors of [tolerance].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<MadeTable>")]
+    pub(crate) made: Option<Spanned<MadeTable>>,
+}
+
+/// Requirements on a percentile of the films that are made with the errors of [tolerance], at least
+/// one.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MadeTable {
+    /// Per cent of the films that must keep each bound. Default: 95.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) percentile: Option<f64>,
+    /// Upper bounds of the uniformity RMSE at the percentile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) uniformity_rmse: Option<UniformityBounds>,
+    /// Upper bounds of the RMSE of the displacement at the percentile, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) displacement_rmse_mm: Option<DisplacementBounds>,
+    /// Lower bound of the amplitude at 100 minus the percentile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) amplitude: Option<LowerBound>,
+    /// Number of films that are evaluated. Default: the samples of [tolerance].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) samples: Option<u64>,
+    /// Confidence with which the films that were evaluated must exclude that the bound is kept, before
+    /// it counts as broken: a fraction. Default: 0.95.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) confidence: Option<f64>,
 }
 
 /// Upper bounds of the uniformity RMSE, at least one.

@@ -16,10 +16,13 @@ use self::expect::ExpectTable;
 use self::ideal::IdealTable;
 use self::lattice::LatticeTable;
 use self::tile::{KindTable, TileTable};
+use self::tolerance::ToleranceTable;
 use self::volume::VolumeTable;
 
 /// `[design]`: what a search may change, and its goal.
 pub(crate) mod design;
+/// Distributions of errors in `[tolerance]`.
+pub(crate) mod distribution;
 /// `[expect]`: bounds and a baseline for the film.
 pub(crate) mod expect;
 /// `[ideal]`: the sinusoidal film to compare with.
@@ -30,6 +33,8 @@ pub(crate) mod lattice;
 pub(crate) mod rotation;
 /// `[[tile]]` with its `grid` and `mirror`, and `[kind.NAME]`.
 pub(crate) mod tile;
+/// `[tolerance]`: the errors of the films that are made.
+pub(crate) mod tolerance;
 /// `[volume]`: the region in which the field is evaluated.
 pub(crate) mod volume;
 
@@ -59,6 +64,9 @@ pub(crate) struct LayoutFile {
     /// What `design` may change to improve the film, and its goal.
     #[schemars(with = "Option<DesignTable>")]
     pub(crate) design: Option<Spanned<DesignTable>>,
+    /// The errors of the films that are made from the layout.
+    #[schemars(with = "Option<ToleranceTable>")]
+    pub(crate) tolerance: Option<Spanned<ToleranceTable>>,
     /// The steps that led to this layout, one text each.
     #[serde(default)]
     pub(crate) history: Vec<String>,

@@ -1,0 +1,173 @@
+//! Units of errors in `[tolerance]`: conversion from the file and back, and what no error exceeds.
+
+use crate::distribution::Distribution;
+use crate::plausible::{short, typed};
+
+/// Microtesla in a tesla.
+const UT_PER_T: f64 = 1e6;
+
+/// Neighbouring numbers that are tried for one that reads back exactly.
+const NEIGHBOURS: usize = 4;
+
+/// The unit of an error in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum ErrorUnit {
+    Millimetre,
+    /// Radians in memory.
+    Degree,
+    /// A fraction of the quantity.
+    Fraction,
+    /// Tesla in memory.
+    Microtesla,
+    Kelvin,
+}
+
+impl ErrorUnit {
+    /// A number of the file in the unit in memory.
+    pub(crate) fn read(self, written: f64) -> f64 {
+        match self {
+            ErrorUnit::Degree => written.to_radians(),
+            ErrorUnit::Microtesla => written / UT_PER_T,
+            ErrorUnit::Millimetre | ErrorUnit::Fraction | ErrorUnit::Kelvin => written,
+        }
+    }
+
+    /// The number in the file that reads back to exactly this one, with few digits if there is one with
+    /// few.
+    pub(crate) fn written(self, value: f64) -> f64 {
+        let guess = match self {
+            ErrorUnit::Degree => value.to_degrees(),
+            ErrorUnit::Microtesla => value * UT_PER_T,
+            ErrorUnit::Millimetre | ErrorUnit::Fraction | ErrorUnit::Kelvin => return value,
+        };
+        let near = |step: fn(f64) -> f64| std::iter::successors(Some(guess), move |x| Some(step(*x))).take(NEIGHBOURS);
+        let mut all = std::iter::once(typed(guess)).chain(near(f64::next_up)).chain(near(f64::next_down));
+        // A number that was read has one that it was read from. Any other is written to round-off.
+        all.find(|written| self.read(*written) == value).unwrap_or(guess)
+    }
+
+    /// The distribution of numbers in the file as the one of numbers in memory. Where no error is left,
+    /// it is [`Distribution::NONE`], whatever its form.
+    pub(crate) fn read_distribution(self, written: &Distribution) -> Distribution {
+        let read = |value: f64| self.read(value);
+        let found = match written {
+            Distribution::Fixed(value) => Distribution::Fixed(read(*value)),
+            Distribution::Normal { deviation } => Distribution::normal(read(*deviation)),
+            Distribution::Truncated { deviation, limit } => {
+                Distribution::Truncated { deviation: read(*deviation), limit: read(*limit) }
+            }
+            Distribution::Uniform { half_width } => Distribution::Uniform { half_width: read(*half_width) },
+            Distribution::Tabulated(values) => Distribution::Tabulated(values.iter().map(|v| read(*v)).collect()),
+        };
+        let is_none = match &found {
+            Distribution::Truncated { deviation, limit } => *deviation == 0.0 || *limit == 0.0,
+            _ => largest_magnitude(&found) == 0.0,
+        };
+        if is_none { Distribution::NONE } else { found }
+    }
+
+    /// The magnitude that no error exceeds, in the unit of the file. Lengths have none by themselves.
+    pub(crate) fn largest(self) -> Option<f64> {
+        match self {
+            ErrorUnit::Millimetre => None,
+            // An eighth of a turn: a tile that is turned further belongs elsewhere.
+            ErrorUnit::Degree => Some(45.0),
+            ErrorUnit::Fraction => Some(0.5),
+            // 0.1 T, as strong as the film.
+            ErrorUnit::Microtesla => Some(1e5),
+            // Magnets lose their polarization below.
+            ErrorUnit::Kelvin => Some(1000.0),
+        }
+    }
+
+    /// The rule that a number above [`largest`](ErrorUnit::largest) breaks, and what was probably meant.
+    pub(crate) fn rule(self, value: f64) -> String {
+        let largest = self.largest().unwrap_or(f64::INFINITY);
+        let meant = match self {
+            ErrorUnit::Degree => "an error in degrees".to_owned(),
+            ErrorUnit::Fraction => format!("a fraction, not per cent: {}?", short(1e-2 * value)),
+            ErrorUnit::Microtesla => "in microtesla: the earth's field is 50".to_owned(),
+            ErrorUnit::Kelvin => "a change in kelvin".to_owned(),
+            ErrorUnit::Millimetre => format!("mm, not um: {}?", short(1e-3 * value)),
+        };
+        format!("must be at most {largest} ({meant})")
+    }
+
+    /// Words for the unit.
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            ErrorUnit::Millimetre => "mm",
+            ErrorUnit::Degree => "degrees",
+            ErrorUnit::Fraction => "fractions",
+            ErrorUnit::Microtesla => "microtesla",
+            ErrorUnit::Kelvin => "kelvin",
+        }
+    }
+
+    /// The unit that the end of the name of a column states.
+    pub(crate) fn of_column(name: &str) -> Option<&'static str> {
+        const ENDS: [(&str, &str); 11] = [
+            ("_mm", "mm"),
+            ("_um", "micrometres"),
+            ("_m", "metres"),
+            ("_deg", "degrees"),
+            ("_rad", "radians"),
+            ("_mrad", "milliradians"),
+            ("_ut", "microtesla"),
+            ("_mt", "millitesla"),
+            ("_t", "tesla"),
+            ("_k", "kelvin"),
+            ("_percent", "per cent"),
+        ];
+        let lower = name.to_lowercase();
+        ENDS.into_iter().find(|(end, _)| lower.ends_with(end)).map(|(_, words)| words)
+    }
+}
+
+/// The largest magnitude that a distribution states: of all errors, or their standard deviation.
+pub(crate) fn largest_magnitude(distribution: &Distribution) -> f64 {
+    match distribution {
+        Distribution::Fixed(value) => value.abs(),
+        Distribution::Normal { deviation } | Distribution::Truncated { deviation, .. } => *deviation,
+        Distribution::Uniform { half_width } => *half_width,
+        Distribution::Tabulated(values) => values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_as_they_were_read() {
+        for unit in [ErrorUnit::Degree, ErrorUnit::Microtesla] {
+            let mut written = 1e-6;
+            for _ in 0..20_000 {
+                written = typed(written * 1.001);
+                assert_eq!(unit.written(unit.read(written)), written, "{unit:?}");
+                let long = written / 3.0;
+                assert_eq!(unit.read(unit.written(unit.read(long))), unit.read(long), "{unit:?}");
+            }
+        }
+        assert_eq!(ErrorUnit::Degree.read(180.0), std::f64::consts::PI);
+        assert_eq!(ErrorUnit::Microtesla.read(50.0), 5e-5);
+        assert_eq!(ErrorUnit::Fraction.written(0.01), 0.01);
+    }
+
+    #[test]
+    fn distributions_without_errors_are_none() {
+        for none in [
+            Distribution::Fixed(-0.0),
+            Distribution::Uniform { half_width: 0.0 },
+            Distribution::Truncated { deviation: 0.0, limit: 1.0 },
+            Distribution::Tabulated([0.0, 0.0].into()),
+            // Vanishes on conversion to radians.
+            Distribution::Truncated { deviation: 1.0, limit: 5e-324 },
+        ] {
+            assert!(ErrorUnit::Degree.read_distribution(&none).is_none(), "{none:?}");
+        }
+        let kept = Distribution::Tabulated([-1.0, 2.0].into());
+        assert_eq!(ErrorUnit::Millimetre.read_distribution(&kept), kept);
+        assert_eq!(largest_magnitude(&kept), 2.0);
+    }
+}

@@ -1,0 +1,57 @@
+//! Files beside a layout, which are read while the layout is.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use crate::limits::MAX_FILE_BYTES;
+
+/// Where the text of a layout is from.
+pub(crate) struct Source {
+    /// The folder that paths in the layout are relative to.
+    pub(crate) folder: PathBuf,
+    /// Whether the layout is the neighbour of another. Its own tolerances, and so its neighbours, do not
+    /// count.
+    pub(crate) is_neighbour: bool,
+}
+
+impl Source {
+    /// The source of the layout file at this path.
+    pub(crate) fn of_file(path: &Path) -> Source {
+        Source { folder: path.parent().unwrap_or(Path::new("")).to_owned(), is_neighbour: false }
+    }
+
+    /// The source of a text of this origin: a file if the origin is the path of one, else the working
+    /// folder.
+    pub(crate) fn of_origin(origin: &str) -> Source {
+        let path = Path::new(origin);
+        if path.is_file() { Source::of_file(path) } else { Source { folder: PathBuf::new(), is_neighbour: false } }
+    }
+}
+
+/// The contents of a file. One byte more than the limit is enough to see that it is too large, and
+/// ends the reading of a device that has no end.
+pub(crate) fn bytes(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MAX_FILE_BYTES as u64 + 1).read_to_end(&mut bytes)?;
+    if bytes.len() > MAX_FILE_BYTES {
+        return Err(io::Error::other(format!("it has more than {MAX_FILE_BYTES} bytes, too many for a layout")));
+    }
+    Ok(bytes)
+}
+
+/// The contents of a regular file with at most `most` bytes. Pipes and devices are refused before they
+/// are opened, because opening a pipe waits for its other end.
+pub(crate) fn regular_bytes(path: &Path, most: usize) -> io::Result<Vec<u8>> {
+    let about = fs::metadata(path)?;
+    if !about.is_file() {
+        return Err(io::Error::other("it is not a regular file"));
+    }
+    let too_large = || io::Error::other(format!("it has more than {most} bytes, too many"));
+    if about.len() > most as u64 {
+        return Err(too_large());
+    }
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most as u64 + 1).read_to_end(&mut bytes)?;
+    if bytes.len() > most { Err(too_large()) } else { Ok(bytes) }
+}
