@@ -97,6 +97,7 @@ fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
         Verb::Decouple(args) => verbs::decouple::run(args, quiet),
         Verb::Plan(args) => verbs::plan::run(args, quiet),
         Verb::Bench(args) => verbs::bench::run(args, quiet),
+        Verb::Budget(args) => verbs::budget::run(args, quiet),
         #[cfg(feature = "report")]
         Verb::Report(args) => verbs::report::run(args, quiet),
         Verb::Tiles(args) => verbs::tiles::run(args, quiet),

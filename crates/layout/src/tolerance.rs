@@ -174,6 +174,14 @@ impl TileErrors {
         [&p[0], &p[1], &p[2], &r[0], &r[1], &r[2], &s[0], &s[1], &s[2], strength, &d[0], &d[1]]
     }
 
+    /// The same, to change them.
+    pub fn all_mut(&mut self) -> [&mut Distribution; TileErrors::COUNT] {
+        let TileErrors { position_mm, rotation_rad, size_mm, strength, direction_rad } = self;
+        let ([px, py, pz], [rx, ry, rz], [sx, sy, sz]) = (position_mm, rotation_rad, size_mm);
+        let [in_plane, out_of_plane] = direction_rad;
+        [px, py, pz, rx, ry, rz, sx, sy, sz, strength, in_plane, out_of_plane]
+    }
+
     /// Number of errors of a tile.
     pub const COUNT: usize = 12;
 }

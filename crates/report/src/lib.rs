@@ -50,6 +50,7 @@ mod typeset;
 
 pub use error::ReportError;
 pub use figure::{Figure, SvgText};
+pub use figures::budget::{BudgetBar, budget_figure};
 pub use figures::front::{FrontAxis, FrontFigure, FrontFilm};
 pub use page::PrintedResults;
 pub use pair::{PairReport, PairedNumber};

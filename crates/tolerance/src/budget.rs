@@ -1,7 +1,15 @@
 //! The error budget: where the displacement errors come from.
 
-use crate::film_errors::FilmErrors;
-use crate::first_order::{AxisErrors, Cause, FirstOrder, Share};
+use std::ops::Range;
+
+use magsplice_ideal::IdealFilm;
+use magsplice_layout::FilmTolerance;
+
+use crate::film_errors::{EvaluationGrid, FilmErrors, SampleError};
+use crate::first_order::{AxisErrors, Cause, Contribution, FirstOrder, Share};
+use crate::one_cause::each_alone;
+use crate::real_film::RealFilm;
+use crate::sampler::Sampler;
 
 /// The expected mean squares of the displacement errors, divided into all that they come from
 /// (docs/physics.md, Eq. P62).
@@ -65,6 +73,13 @@ impl AxisBudget {
     pub fn finite_film_mm2(&self) -> Option<f64> {
         self.pattern_mm2.map(|pattern| self.nominal_mm2 - pattern)
     }
+
+    /// What the causes together add beyond the sum of what they add alone. It is zero to first order,
+    /// but for rounding.
+    pub fn together_mm2(&self) -> f64 {
+        let alone: f64 = self.causes.iter().map(|share| share.contribution.total_mm2()).sum();
+        self.total_mm2 - self.nominal_mm2 - alone
+    }
 }
 
 /// What is saved if all errors of one tile are halved.
@@ -88,7 +103,7 @@ pub struct CauseImprovement {
 }
 
 impl Budget {
-    /// The budget of a film, and of its splicing pattern without end if it has one, see
+    /// The budget to first order of a film, and of its splicing pattern without end if it has one, see
     /// [`EndlessPattern::errors`](crate::EndlessPattern::errors), in the same volume.
     pub fn new(model: &FirstOrder, pattern: Option<&FilmErrors>) -> Budget {
         let errors = [0, 1, 2].map(|axis| model.axis_errors(axis));
@@ -111,6 +126,58 @@ impl Budget {
         Budget { axes, tiles, causes }
     }
 }
+
+impl Budget {
+    /// The budget by exact samples, for films whose errors are too large for the first order. Each cause
+    /// contributes what it adds to the nominal mean square alone; [`AxisBudget::together_mm2`] is what all
+    /// of them add beyond that. What halving saves is that of errors that add as squares, and nothing is
+    /// known of single tiles.
+    ///
+    /// # Errors
+    /// The first sample without errors, by its number, and the reason.
+    pub fn from_samples(
+        film: &RealFilm,
+        volume: &EvaluationGrid,
+        ideal: &IdealFilm,
+        pattern: Option<&FilmErrors>,
+        seed: u64,
+        samples: Range<u64>,
+    ) -> Result<Budget, (u64, SampleError)> {
+        let first = samples.start;
+        let mean_squares = |tolerance: &FilmTolerance, samples: Range<u64>| -> Result<[f64; 3], (u64, SampleError)> {
+            let count = (samples.end - samples.start) as f64;
+            let film = RealFilm::new(film.tiles(), tolerance);
+            let sampler = Sampler::new(&film, volume, ideal, seed).map_err(|error| (first, error))?;
+            let errors = sampler.errors_of_range(samples)?;
+            let mean = |axis: usize| errors.iter().map(|e| e.displacement_rmse_mm[axis].powi(2)).sum::<f64>() / count;
+            Ok([0, 1, 2].map(mean))
+        };
+        let nominal = mean_squares(&FilmTolerance::default(), first..first + 1)?;
+        let total = mean_squares(film.tolerance(), samples.clone())?;
+        let mut shares: [Vec<Share>; 3] = Default::default();
+        let mut causes = Vec::new();
+        for (cause, alone) in each_alone(film.tolerance()) {
+            let with = mean_squares(&alone, samples.clone())?;
+            let added = [0, 1, 2].map(|axis| with[axis] - nominal[axis]);
+            for (shares, added) in shares.iter_mut().zip(added) {
+                let saved_by_halving_mm2 = SAVED_OF_A_SQUARE * added;
+                let contribution = Contribution { fixed_mm2: 0.0, variance_mm2: added, saved_by_halving_mm2 };
+                shares.push(Share { cause, contribution });
+            }
+            causes.push(CauseImprovement { cause, saved_mm2: added.map(|added| SAVED_OF_A_SQUARE * added) });
+        }
+        let mut axis = 0;
+        let axes = shares.map(|causes| {
+            let pattern_mm2 = pattern.map(|pattern| pattern.displacement_rmse_mm[axis].powi(2));
+            axis += 1;
+            AxisBudget { nominal_mm2: nominal[axis - 1], pattern_mm2, causes, total_mm2: total[axis - 1] }
+        });
+        Ok(Budget { axes, tiles: Vec::new(), causes: most_saving(causes, |cause| cause.saved_mm2) })
+    }
+}
+
+/// The part of a square that halving saves.
+const SAVED_OF_A_SQUARE: f64 = 0.75;
 
 /// Those that save anything, by the sum over the axes. Of those that save the same, as tiles of a
 /// symmetric film do, the first remain first.

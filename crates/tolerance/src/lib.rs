@@ -30,6 +30,8 @@ mod endless;
 mod film_errors;
 /// Errors to first order.
 mod first_order;
+/// The errors of one cause alone.
+mod one_cause;
 /// Quantiles, means and variances of distributions.
 mod quantile;
 /// What the sensor reads of a film.

@@ -4,6 +4,8 @@
 pub(crate) mod accuracy;
 /// Arguments of `bench`.
 pub(crate) mod bench;
+/// Arguments of `budget`.
+pub(crate) mod budget;
 /// Arguments of `check`.
 pub(crate) mod check;
 /// Arguments of the verbs that search for films: `design`, `splice`.
@@ -27,6 +29,7 @@ pub(crate) mod tolerance;
 use clap::{Parser, Subcommand};
 
 use self::bench::BenchArgs;
+use self::budget::BudgetArgs;
 use self::check::CheckArgs;
 use self::design::{DesignArgs, SpliceArgs};
 #[cfg(feature = "report")]
@@ -88,6 +91,7 @@ pub(crate) enum Verb {
     #[cfg(feature = "report")]
     Report(ReportArgs),
     Tolerance(ToleranceArgs),
+    Budget(BudgetArgs),
     Check(CheckArgs),
     Design(DesignArgs),
     Splice(SpliceArgs),

@@ -2,6 +2,8 @@
 
 /// `bench`: pairs per second for each accuracy.
 pub(crate) mod bench;
+/// `budget`: where the displacement error comes from.
+pub(crate) mod budget;
 /// `check`: layouts with their expectations.
 pub(crate) mod check;
 /// `compare`: the comparison with the ideal film.

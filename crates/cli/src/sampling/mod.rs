@@ -1,6 +1,8 @@
 //! Samples of real films: what they are samples of, their figures in files, and runs that can be
 //! continued.
 
+/// Results of `budget`: where the displacement error comes from.
+pub(crate) mod film_budget;
 /// The journal of a run: every sample as soon as it is known.
 pub(crate) mod journal;
 /// The evaluation of samples in stretches.

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use magsplice::ideal::IdealFilm;
 use magsplice::layout::Layout;
 use magsplice::tolerance::{EvaluationGrid, FilmErrors, RealFilm, SampleError, Sampler};
 use magsplice::{Film, FilmError};
@@ -45,9 +46,24 @@ impl<'a> SampledScene<'a> {
         self.sampler_of(&self.real, seed)
     }
 
+    pub(crate) fn layout(&self) -> &'a Layout {
+        self.layout
+    }
+
+    pub(crate) fn real(&self) -> &RealFilm {
+        &self.real
+    }
+
+    pub(crate) fn volume(&self) -> &EvaluationGrid {
+        &self.volume
+    }
+
+    pub(crate) fn ideal(&self) -> Result<&'a IdealFilm, Failure> {
+        self.film.ideal().map_err(|error| film_failure(self.path, self.layout, error))
+    }
+
     fn sampler_of<'b>(&'b self, film: &'b RealFilm, seed: u64) -> Result<Sampler<'b>, Failure> {
-        let ideal = self.film.ideal().map_err(|error| film_failure(self.path, self.layout, error))?;
-        Sampler::new(film, &self.volume, ideal, seed).map_err(|error| self.failure(&error))
+        Sampler::new(film, &self.volume, self.ideal()?, seed).map_err(|error| self.failure(&error))
     }
 
     /// The errors of the film as it was ordered.
@@ -55,7 +71,7 @@ impl<'a> SampledScene<'a> {
         self.sampler_of(&self.exact, 1)?.errors_of(0).map_err(|error| self.failure(&error))
     }
 
-    fn failure(&self, error: &SampleError) -> Failure {
+    pub(crate) fn failure(&self, error: &SampleError) -> Failure {
         Failure::Points { path: self.path.to_owned(), message: error.to_string() }
     }
 

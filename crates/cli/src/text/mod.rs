@@ -2,6 +2,8 @@
 
 /// `bench`: pairs per second for each accuracy.
 pub(crate) mod bench;
+/// `budget`: where the displacement error comes from.
+pub(crate) mod budget;
 /// `check`: one line per expectation.
 pub(crate) mod check;
 /// `decouple` and `compare`: field, comparison with the ideal film, decoupling errors.

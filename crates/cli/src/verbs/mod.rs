@@ -2,6 +2,11 @@
 
 /// Measures how fast the field is computed.
 pub(crate) mod bench;
+/// Tells where the displacement error of the films that are made comes from.
+pub(crate) mod budget;
+/// `budget --figure`: the budget as a bar chart.
+#[cfg(feature = "report")]
+mod budget_figure;
 /// Validates layouts, and checks films against their expectations.
 pub(crate) mod check;
 /// Compares the field with the ideal film.

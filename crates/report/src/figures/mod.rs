@@ -2,6 +2,8 @@
 
 /// Each decoupling parameter along its own axis.
 pub(crate) mod along_axes;
+/// The error budget as bars.
+pub(crate) mod budget;
 /// Errors of the films that are made.
 pub(crate) mod distributions;
 /// B_x, B_y, B_z on a plane: spliced film, ideal film, difference.

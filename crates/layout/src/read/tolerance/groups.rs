@@ -96,13 +96,13 @@ fn chosen(table: &GroupTable, selection: &mut Selection, faults: &mut TableFault
         faults.add("has no tiles, must have at least one");
     } else if chosen.is_empty() && table.kinds.is_some() && faults.count() == faults_before && selection.is_complete() {
         faults.add("has no tiles: no tile is of these kinds");
-    } else if table.each.is_some() && selection.is_complete() {
-        if let Some(&without) = chosen.iter().find(|&&index| selection.tiles[index].kind.is_none())
-            && (table.tiles.is_some() || chosen.iter().all(|&index| selection.tiles[index].kind.is_none()))
-        {
-            let name = shown(&selection.tiles[without].name);
-            faults.add(format!("each = \"kind\" needs tiles that have kinds, tile \"{name}\" has none"));
-        }
+    } else if table.each.is_some()
+        && selection.is_complete()
+        && let Some(&without) = chosen.iter().find(|&&index| selection.tiles[index].kind.is_none())
+        && (table.tiles.is_some() || chosen.iter().all(|&index| selection.tiles[index].kind.is_none()))
+    {
+        let name = shown(&selection.tiles[without].name);
+        faults.add(format!("each = \"kind\" needs tiles that have kinds, tile \"{name}\" has none"));
     }
     chosen
 }

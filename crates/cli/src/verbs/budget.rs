@@ -1,0 +1,38 @@
+//! `magsplice budget`: tells where the displacement error of the films that are made comes from.
+
+use std::path::Path;
+
+use magsplice::Stage;
+
+use crate::args::budget::BudgetArgs;
+use crate::args::formats::TextOrJson;
+use crate::failure::Failure;
+use crate::output::destination::Output;
+use crate::progress::ProgressLine;
+use crate::sampling::film_budget::FilmBudget;
+use crate::sampling::scene::SampledScene;
+use crate::{json, remarks, text};
+
+pub(crate) fn run(args: &BudgetArgs, quiet: bool) -> Result<(), Failure> {
+    let progress = ProgressLine::start(!quiet);
+    let layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
+    let scene = SampledScene::new(&args.layout, &layout)?;
+    let inputs: [&Path; 1] = [&args.layout];
+    let mut output = Output::open(args.output.as_deref(), &inputs)?;
+    #[cfg(feature = "report")]
+    let figure = super::budget_figure::open(args.figure.as_deref(), &inputs)?;
+    let seed = args.seed.or(layout.tolerance.as_ref().map(|tolerance| tolerance.seed)).unwrap_or(1);
+    progress.show(Stage::uncounted("budget"));
+    let film = FilmBudget::new(&scene, seed, args.samples)?;
+    progress.end();
+    #[cfg(feature = "report")]
+    if let Some(figure) = figure {
+        figure.write(&film)?;
+    }
+    let result = match args.format {
+        TextOrJson::Text => text::budget::budget(&film),
+        TextOrJson::Json => json::pretty(&json::budget::BudgetJson::new(&film)),
+    };
+    output.write(|w| w.write_all(result.as_bytes()))?;
+    output.finish()
+}

@@ -1,0 +1,106 @@
+//! The error budget of a film as bars.
+
+use plotters::prelude::RGBColor;
+use plotters::style::text_anchor::HPos;
+
+use crate::colours::{BLUE, VERMILION};
+use crate::error::{DrawError, ReportError};
+use crate::figure::{Figure, SvgText};
+use crate::panel::{AxisLabel, BELOW_PX, Panel};
+use crate::sheet::{DrawResult, LETTERS, Lettering, Sheet, sheet};
+use crate::typeset::{self, AXIS_NAMES, variable};
+
+/// Name of the figure in captions and errors.
+const NAME: &str = "budget";
+
+const NAMES_PX: f64 = 176.0;
+const WIDTH_PX: f64 = 210.0;
+const BETWEEN_PX: f64 = 26.0;
+const TOP_PX: f64 = 34.0;
+const ROW_PX: f64 = 21.0;
+const BAR_PX: f64 = 13.0;
+/// Room for the number beside the longest bar, as a fraction of the axis.
+const NUMBER_ROOM: f64 = 0.34;
+
+/// A part of the budget of a film.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BudgetBar {
+    /// What it is.
+    pub name: String,
+    /// Its mean squares along x, y, z, in mm^2; negative where it compensates other parts.
+    pub mean_squares_mm2: [f64; 3],
+}
+
+/// The budget of a film as bars: for each axis, the share of each part in the mean square of the
+/// displacement error.
+///
+/// # Errors
+/// [`ReportError::Drawing`] if it cannot be drawn.
+pub fn budget_figure(bars: &[BudgetBar], totals_mm2: [f64; 3]) -> Result<Figure, ReportError> {
+    let caption = "Shares of all causes in the mean square of the displacement error of the films that are made. \
+                   Parts below zero compensate others."
+        .to_owned();
+    let drawn = svg(bars, totals_mm2)
+        .and_then(|svg| Figure::new(NAME, caption, &svg, csv(bars), SvgText::Text, &typeset::options()));
+    drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
+}
+
+fn svg(bars: &[BudgetBar], totals_mm2: [f64; 3]) -> Result<String, DrawError> {
+    let share = |bar: &BudgetBar, axis: usize| {
+        if totals_mm2[axis] > 0.0 { 100.0 * bar.mean_squares_mm2[axis] / totals_mm2[axis] } else { 0.0 }
+    };
+    let all = || bars.iter().flat_map(|bar| (0..3).map(move |axis| share(bar, axis)));
+    let most = all().fold(10.0, f64::max);
+    let least = all().fold(0.0, f64::min);
+    let room = NUMBER_ROOM * (most - least);
+    let x = [if least < 0.0 { least - room } else { 0.0 }, most + room];
+    let height = ROW_PX * bars.len() as f64 + 8.0;
+    let width = NAMES_PX + 3.0 * (WIDTH_PX + BETWEEN_PX);
+    sheet([width, TOP_PX + height + BELOW_PX + 6.0], |sheet| {
+        for axis in 0..3 {
+            let left = NAMES_PX + axis as f64 * (WIDTH_PX + BETWEEN_PX);
+            let panel = Panel { left, top: TOP_PX, width: WIDTH_PX, height, x, y: [0.0, height] };
+            for (row, bar) in bars.iter().enumerate() {
+                let middle = height - 4.0 - ROW_PX * (row as f64 + 0.5);
+                of_part(sheet, &panel, middle, share(bar, axis), bar.mean_squares_mm2[axis])?;
+                if axis == 0 {
+                    let [x, y] = panel.at(panel.x[0], middle);
+                    let letters = Lettering { across: HPos::Right, ..LETTERS.sized(12.0) };
+                    sheet.text([x - 10.0, y], &bar.name, letters)?;
+                }
+            }
+            frame(sheet, &panel)?;
+            let total = typeset::number(format!("{:.3}", totals_mm2[axis].sqrt()).parse().unwrap_or(0.0));
+            panel.title(sheet, axis, &format!("{}: {total} mm RMS", variable(AXIS_NAMES[axis])))?;
+        }
+        Ok(())
+    })
+}
+
+/// Draws the bar of one part, with its root mean square in um beside it.
+fn of_part(sheet: &Sheet, panel: &Panel, middle: f64, share: f64, square_mm2: f64) -> DrawResult {
+    let colour: RGBColor = if share < 0.0 { VERMILION } else { BLUE };
+    let (low, high) = (middle - 0.5 * BAR_PX, middle + 0.5 * BAR_PX);
+    let corners = [panel.at(0.0, low), panel.at(share, low), panel.at(share, high), panel.at(0.0, high)];
+    sheet.fill(&corners, colour)?;
+    let um = 1e3 * square_mm2.abs().sqrt();
+    let number = if um >= 10.0 { format!("{um:.0}") } else { format!("{um:.1}") };
+    let [x, y] = panel.at(share.max(0.0), middle);
+    sheet.text([x + 5.0, y], &format!("{number} \u{b5}m"), LETTERS.sized(11.0))
+}
+
+fn frame(sheet: &Sheet, panel: &Panel) -> DrawResult {
+    let [x, bottom] = panel.at(0.0, 0.0);
+    let [_, top] = panel.at(0.0, panel.y[1]);
+    sheet.line(&[[x, bottom], [x, top]], RGBColor(150, 150, 150), 0.8)?;
+    let scale = Panel { y: [0.0, 1.0], ..*panel };
+    scale.axes(sheet, AxisLabel::Named("share of the mean square (%)"), AxisLabel::TicksOnly)
+}
+
+fn csv(bars: &[BudgetBar]) -> String {
+    let mut csv = "part,x_mm2,y_mm2,z_mm2\n".to_owned();
+    for BudgetBar { name, mean_squares_mm2: [x, y, z] } in bars {
+        csv += &format!("\"{}\",{x},{y},{z}\n", name.replace('"', "\"\""));
+    }
+    csv
+}

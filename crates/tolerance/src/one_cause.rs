@@ -1,0 +1,59 @@
+//! The errors of one cause alone.
+
+use magsplice_layout::{CommonErrors, Distribution, FilmTolerance, SensorErrors, TileErrors};
+
+use crate::first_order::Cause;
+
+/// Each cause that has errors, with a tolerance of these alone.
+pub(crate) fn each_alone(all: &FilmTolerance) -> Vec<(Cause, FilmTolerance)> {
+    let of_tiles = [
+        (Cause::PositionInPlane, 0..2),
+        (Cause::PositionZ, 2..3),
+        (Cause::Rotation, 3..6),
+        (Cause::Size, 6..9),
+        (Cause::Strength, 9..10),
+        (Cause::Direction, 10..12),
+    ];
+    let mut found = Vec::new();
+    for (cause, kept) in of_tiles {
+        let has_errors = all.tiles.iter().any(|errors| errors.all()[kept.clone()].iter().any(|error| !error.is_none()));
+        if has_errors {
+            let only = |errors: &TileErrors| {
+                let mut errors = errors.clone();
+                let of_all = errors.all_mut().into_iter().enumerate();
+                of_all.filter(|(number, _)| !kept.contains(number)).for_each(|(_, error)| *error = Distribution::NONE);
+                errors
+            };
+            found.push((
+                cause,
+                FilmTolerance { tiles: all.tiles.iter().map(only).collect(), ..FilmTolerance::default() },
+            ));
+        }
+    }
+    for (index, group) in all.groups.iter().enumerate() {
+        found.push((Cause::Group(index), FilmTolerance { groups: vec![group.clone()], ..FilmTolerance::default() }));
+    }
+    let CommonErrors { film, stray_field, neighbour, temperature, sensor } = &all.common;
+    let none = CommonErrors::default();
+    let no_sensor = SensorErrors::default();
+    let of_sensor = |sensor: SensorErrors| CommonErrors { sensor, ..CommonErrors::default() };
+    let common = [
+        (Cause::FilmPose, CommonErrors { film: film.clone(), ..none.clone() }),
+        (Cause::StrayField, CommonErrors { stray_field: stray_field.clone(), ..none.clone() }),
+        (Cause::Neighbour, CommonErrors { neighbour: neighbour.clone(), ..none.clone() }),
+        (Cause::Temperature, CommonErrors { temperature: temperature.clone(), ..none.clone() }),
+        (Cause::SensorOffset, of_sensor(SensorErrors { offset_t: sensor.offset_t.clone(), ..no_sensor.clone() })),
+        (
+            Cause::SensorRotation,
+            of_sensor(SensorErrors { rotation_rad: sensor.rotation_rad.clone(), ..no_sensor.clone() }),
+        ),
+        (Cause::SensorGain, of_sensor(SensorErrors { gain: sensor.gain.clone(), ..no_sensor.clone() })),
+        (Cause::SensorNoise, of_sensor(SensorErrors { noise_t: sensor.noise_t.clone(), ..no_sensor })),
+    ];
+    for (cause, common) in common {
+        if common != none {
+            found.push((cause, FilmTolerance { common, ..FilmTolerance::default() }));
+        }
+    }
+    found
+}
