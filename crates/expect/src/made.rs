@@ -1,7 +1,9 @@
 //! Expectations of films that are made: bounds that each sample keeps or breaks.
 
-use magsplice_layout::Expectations;
-use magsplice_tolerance::{Figure, FilmErrors};
+use magsplice_layout::{Expectations, MadeExpectations};
+use magsplice_tolerance::{Figure, FilmErrors, probability_of_at_least};
+
+use crate::outcome::{Bound, Expectation, Location, Outcome};
 
 /// Whether a film keeps the bounds of `[expect]` on its uniformity RMSE, its displacement RMSE and its
 /// amplitude. `None` if there are no such bounds.
@@ -15,6 +17,54 @@ pub fn keeps_bounds(expected: &Expectations, errors: &FilmErrors) -> Option<bool
     let kept = at_most.filter_map(|(figure, bound)| Some(errors.get(figure) <= bound?));
     let strong = expected.least_amplitude.map(|least| errors.amplitude >= least);
     kept.chain(strong).reduce(|all, one| all && one)
+}
+
+/// The bound of a figure at a percentile of the films that are made. `None` if there is none.
+pub(crate) fn bound(expected: &MadeExpectations, figure: Figure) -> Option<Bound> {
+    match figure {
+        Figure::Uniformity(axis) => expected.uniformity_rmse[axis].map(Bound::AtMost),
+        Figure::Displacement(axis) => expected.displacement_rmse_mm[axis].map(Bound::AtMost),
+        Figure::Amplitude => expected.least_amplitude.map(Bound::AtLeast),
+    }
+}
+
+impl Outcome {
+    /// The outcome for a figure of the films that are made. `errors` are those of samples. `None` if the
+    /// layout does not bound the figure, or there are too few samples to break any bound with the
+    /// confidence that it states.
+    ///
+    /// The value is the limit that the percentile passes with this confidence, so that a film at its
+    /// bound does not fail by chance: if more films than the percentile allows were beyond this value,
+    /// that would be so by chance only with a probability of 1 less the confidence, by the exact binomial
+    /// distribution. The location has the percentile itself.
+    ///
+    /// # Panics
+    /// Without samples.
+    pub fn from_made(expected: &MadeExpectations, figure: Figure, errors: &[FilmErrors]) -> Option<Outcome> {
+        let bound = bound(expected, figure)?;
+        // The films beyond the percentile come first.
+        let mut sorted: Vec<f64> = errors.iter().map(|errors| errors.get(figure)).collect();
+        match bound {
+            Bound::AtMost(_) => sorted.sort_by(|a, b| b.total_cmp(a)),
+            Bound::AtLeast(_) => sorted.sort_by(f64::total_cmp),
+        }
+        let (count, beyond) = (sorted.len(), 1.0 - expected.percentile / 100.0);
+        let excluded = |found: usize| probability_of_at_least(found, count, beyond) < 1.0 - expected.confidence;
+        // The probability falls with the number.
+        let fewest = 1 + (1..=count).collect::<Vec<_>>().partition_point(|found| !excluded(*found));
+        let value = *sorted.get(fewest - 1)?;
+        let place = beyond * (count - 1) as f64;
+        let (before, after) = (sorted[place as usize], sorted[(place as usize + 1).min(count - 1)]);
+        let percentile = Location::Percentile {
+            per_cent: match bound {
+                Bound::AtMost(_) => expected.percentile,
+                Bound::AtLeast(_) => 100.0 - expected.percentile,
+            },
+            value: before + (place - place.floor()) * (after - before),
+            samples: count,
+        };
+        Some(Outcome { expectation: Expectation::Made(figure), value, bound, location: Some(percentile) })
+    }
 }
 
 #[cfg(test)]
@@ -45,5 +95,38 @@ mod tests {
         ] {
             assert_eq!(keeps_bounds(&broken, &errors), Some(false));
         }
+    }
+
+    fn with_displacement(x: f64) -> FilmErrors {
+        FilmErrors {
+            uniformity_rmse: PerParameter { r_x: 0.0, r_y: 0.0, s_z: 0.0 },
+            displacement_rmse_mm: [x, 0.0, 0.0],
+            amplitude: x,
+        }
+    }
+
+    /// Of 100 films, 5 are beyond the 95th percentile on average, and 10 or more with a probability of
+    /// 0.028; 9 or more with 0.063. So the tenth largest value is the limit.
+    #[test]
+    fn a_bound_fails_only_if_samples_exclude_it() {
+        let errors: Vec<FilmErrors> = (1..=100).map(|n| with_displacement(f64::from(n))).collect();
+        let at = |bound: f64| MadeExpectations {
+            displacement_rmse_mm: [Some(bound), None, None],
+            least_amplitude: Some(bound),
+            ..MadeExpectations::default()
+        };
+        let outcome = |bound, figure| Outcome::from_made(&at(bound), figure, &errors).expect("bounded");
+        let most = outcome(91.0, Figure::Displacement(0));
+        assert_eq!((most.value, most.bound, most.is_met()), (91.0, Bound::AtMost(91.0), true));
+        assert!(!outcome(90.9, Figure::Displacement(0)).is_met());
+        let Some(Location::Percentile { per_cent, value, samples }) = most.location else { panic!("{most:?}") };
+        assert!((value - 95.05).abs() < 1e-9 && (per_cent, samples) == (95.0, 100), "{most:?}");
+        let least = outcome(10.0, Figure::Amplitude);
+        assert_eq!((least.value, least.is_met()), (10.0, true));
+        assert!(!outcome(10.1, Figure::Amplitude).is_met());
+        assert_eq!(Outcome::from_made(&at(1.0), Figure::Uniformity(0), &errors), None);
+        // Two films cannot exclude a percentile of 50 with a confidence of 95 %.
+        let half = MadeExpectations { percentile: 50.0, ..at(0.5) };
+        assert_eq!(Outcome::from_made(&half, Figure::Displacement(0), &errors[..2]), None);
     }
 }

@@ -5,9 +5,11 @@ use std::fmt;
 use glam::DVec3;
 use magsplice_decouple::{Parameter, PerParameter};
 use magsplice_layout::Expectations;
+use magsplice_tolerance::Figure;
 
 use crate::baseline::BaselineDifference;
 use crate::clearance::Clearance;
+use crate::made;
 
 /// A quantity that a layout can bound, named by its key in the file; see [`fmt::Display`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +25,8 @@ pub enum Expectation {
     Field,
     /// The distance of the tiles from the working volume, in millimetres.
     Clearance,
+    /// A figure of the films that are made, at a percentile of them.
+    Made(Figure),
 }
 
 /// An axis of displacement.
@@ -70,6 +74,16 @@ pub enum Location {
     Point(DVec3),
     /// At the tile with this index.
     Tile(usize),
+    /// Among the films that are made: the percentile itself, by samples. The value of the outcome is a
+    /// limit of it; see [`Outcome::from_made`].
+    Percentile {
+        /// Which percentile.
+        per_cent: f64,
+        /// Its estimate.
+        value: f64,
+        /// Number of samples.
+        samples: usize,
+    },
 }
 
 /// An expectation with the computed value and its bound.
@@ -154,7 +168,11 @@ impl Expectation {
         let amplitude = expected.least_amplitude.map(|_| Expectation::Amplitude);
         let field = expected.field.as_ref().map(|_| Expectation::Field);
         let clearance = expected.least_clearance_mm.map(|_| Expectation::Clearance);
-        uniformity.chain(displacement).chain(amplitude).chain(field).chain(clearance).collect()
+        let made = Figure::ALL
+            .into_iter()
+            .filter(|figure| expected.made.as_ref().is_some_and(|made| made::bound(made, *figure).is_some()));
+        let made = made.map(Expectation::Made);
+        uniformity.chain(displacement).chain(amplitude).chain(field).chain(clearance).chain(made).collect()
     }
 }
 
@@ -171,6 +189,14 @@ impl fmt::Display for Expectation {
             Expectation::Amplitude => "amplitude",
             Expectation::Field => "field",
             Expectation::Clearance => "clearance_mm",
+            Expectation::Made(figure) => {
+                let stated = match figure {
+                    Figure::Uniformity(axis) => Expectation::UniformityRmse(Parameter::ALL[*axis]),
+                    Figure::Displacement(axis) => Expectation::DisplacementRmse(DisplacementAxis::ALL[*axis]),
+                    Figure::Amplitude => Expectation::Amplitude,
+                };
+                return write!(f, "made.{stated}");
+            }
         })
     }
 }

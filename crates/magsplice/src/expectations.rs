@@ -3,8 +3,10 @@
 use std::cell::OnceCell;
 
 use magsplice_expect::{Baseline, Clearance, Expectation, Outcome};
+use magsplice_tolerance::{FilmErrors, Sampler};
 
 use crate::film::{Film, FilmError};
+use crate::stage::Stage;
 
 impl Film<'_> {
     /// The outcomes of all expectations of the layout, in the order of [`Expectation::stated_in`].
@@ -33,6 +35,8 @@ impl Film<'_> {
         let field = || field.get_or_init(|| self.volume_field_t()).as_deref().map_err(Clone::clone);
         let decoupling = OnceCell::new();
         let decoupling = || decoupling.get_or_init(|| self.decouple(field()?)).as_ref().map_err(Clone::clone);
+        let made_films = OnceCell::new();
+        let made_films = || made_films.get_or_init(|| self.made_films()).as_deref().map_err(Clone::clone);
         let outcome = |expectation: Expectation| -> Result<Outcome, FilmError> {
             let outcome = match expectation {
                 Expectation::UniformityRmse(parameter) => {
@@ -58,6 +62,12 @@ impl Film<'_> {
                     let clearance = Clearance::from_tiles(&tiles, volume.lower_mm, volume.upper_mm);
                     Outcome::from_clearance(expected, &clearance.ok_or(FilmError::NoTiles)?)
                 }
+                Expectation::Made(figure) => {
+                    let made = expected.made.as_ref().ok_or(FilmError::Missing("expect.made"))?;
+                    let errors = made_films()?;
+                    let outcome = Outcome::from_made(made, figure, errors);
+                    return outcome.ok_or(FilmError::TooFewSamples(errors.len()));
+                }
                 _ => unreachable!("Expectation::stated_in gives no other"),
             };
             Ok(outcome.expect("the layout bounds every expectation it states"))
@@ -66,4 +76,28 @@ impl Film<'_> {
             take(expectation, outcome(expectation));
         }
     }
+
+    /// The errors of the films that are made, of as many samples as the layout states.
+    fn made_films(&self) -> Result<Vec<FilmErrors>, FilmError> {
+        let film = self.real_film()?;
+        let tolerance = film.tolerance();
+        let stated = self.layout().expectations.made.as_ref().and_then(|made| made.samples);
+        let count = stated.unwrap_or(tolerance.samples);
+        let volume = self.evaluation_grid()?;
+        let no_sample = |sample, error| FilmError::Sample { sample, error };
+        let sampler =
+            Sampler::new(&film, &volume, self.ideal()?, tolerance.seed).map_err(|error| no_sample(0, error))?;
+        let mut errors = Vec::new();
+        while errors.len() < count as usize {
+            let done = errors.len();
+            self.tell(Stage { name: "films", done, of: Some(count as usize), unit: "samples" });
+            let next = done as u64;
+            let found = sampler.errors_of_range(next..count.min(next + STRETCH_SAMPLES));
+            errors.extend(found.map_err(|(sample, error)| no_sample(sample, error))?);
+        }
+        Ok(errors)
+    }
 }
+
+/// Number of samples between progress callbacks: about a tenth of a second for the published film.
+const STRETCH_SAMPLES: u64 = 256;

@@ -10,7 +10,7 @@ use magsplice_field::Scene;
 use magsplice_ideal::{Comparison, ComparisonError, IdealFilm};
 use magsplice_layout::{Layout, WorkingVolume};
 use magsplice_magnet::{Accuracy, Cause, PointError, PointErrors, Quantity};
-use magsplice_tolerance::{EvaluationGrid, RealFilm};
+use magsplice_tolerance::{EvaluationGrid, RealFilm, SampleError};
 
 use crate::stage::Stage;
 
@@ -81,6 +81,15 @@ pub enum FilmError {
     /// The grid has one point in each plane normal to the axis of this parameter, so that its
     /// uniformity has no meaning.
     OnePointPlanes(Parameter),
+    /// A film that is made has no errors.
+    Sample {
+        /// Number of the sample.
+        sample: u64,
+        /// Why.
+        error: SampleError,
+    },
+    /// This number of samples cannot break any bound of the percentile with the confidence stated.
+    TooFewSamples(usize),
 }
 
 impl<'a> Film<'a> {
@@ -288,6 +297,12 @@ impl fmt::Display for FilmError {
             FilmError::NoBaseline => f.write_str("there is no baseline to compare the field with"),
             FilmError::PointsMismatch(error) => error.fmt(f),
             FilmError::NoTiles => f.write_str("there are no tiles"),
+            FilmError::Sample { sample, error } => write!(f, "sample {sample} of [tolerance]: {error}"),
+            FilmError::TooFewSamples(samples) => write!(
+                f,
+                "{samples} samples cannot show that the percentile of [expect.made] breaks a bound, whatever they are: \
+                 state more samples"
+            ),
             FilmError::OnePointPlanes(parameter) => write!(
                 f,
                 "the grid has one point in each plane normal to {}, and the uniformity RMSE compares the points of a \
@@ -305,10 +320,12 @@ impl Error for FilmError {
             FilmError::Comparison(error) => Some(error),
             FilmError::Decoupling(error) => Some(error),
             FilmError::PointsMismatch(error) => Some(error),
+            FilmError::Sample { error, .. } => Some(error),
             FilmError::Missing(_)
             | FilmError::NotBelow(_)
             | FilmError::NoBaseline
             | FilmError::NoTiles
+            | FilmError::TooFewSamples(_)
             | FilmError::OnePointPlanes(_) => None,
         }
     }

@@ -83,6 +83,16 @@ struct CheckedExpectationJson<'a> {
     at_mm: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tile: Option<&'a str>,
+    /// The percentile of the films that are made; `value` is the limit that it passes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    percentile: Option<PercentileJson>,
+}
+
+#[derive(Serialize)]
+struct PercentileJson {
+    per_cent: f64,
+    value: f64,
+    samples: usize,
 }
 
 impl<'a> CheckedExpectationJson<'a> {
@@ -93,6 +103,12 @@ impl<'a> CheckedExpectationJson<'a> {
             Some(Location::Tile(tile)) => (None, Some(layout.tiles[tile].name.as_str())),
             _ => (None, None),
         };
+        let percentile = match outcome.and_then(|o| o.location) {
+            Some(Location::Percentile { per_cent, value, samples }) => {
+                Some(PercentileJson { per_cent, value, samples })
+            }
+            _ => None,
+        };
         CheckedExpectationJson {
             expectation: checked.expectation,
             status: word(checked.status()),
@@ -102,6 +118,7 @@ impl<'a> CheckedExpectationJson<'a> {
             margin: outcome.map(|o| o.margin()),
             at_mm,
             tile,
+            percentile,
         }
     }
 }

@@ -101,6 +101,9 @@ fn location(outcome: &Outcome, layout: &Layout) -> String {
     match outcome.location {
         Some(Location::Point(p)) => format!("at ({}, {}, {}) mm", p.x, p.y, p.z),
         Some(Location::Tile(tile)) => format!("tile \"{}\"", layout.tiles[tile].name),
+        Some(Location::Percentile { per_cent, value, samples }) => {
+            format!("P{per_cent} of {samples} films is {}", number(value))
+        }
         _ if outcome.expectation == Expectation::Amplitude && outcome.value < 0.0 => {
             "the film is reversed or shifted by half a wavelength".to_owned()
         }
