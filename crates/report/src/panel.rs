@@ -47,6 +47,8 @@ pub(crate) struct Panel {
 /// What an axis of a panel is labelled with.
 #[derive(Clone, Copy)]
 pub(crate) enum AxisLabel<'a> {
+    /// Neither ticks nor numbers: what lies along the axis is named by the figure itself.
+    Bare,
     /// Ticks only. The neighbouring panel has the numbers.
     TicksOnly,
     /// Numbers, and this name with its unit.
@@ -58,7 +60,7 @@ pub(crate) enum AxisLabel<'a> {
 impl AxisLabel<'_> {
     fn name(self) -> Option<String> {
         match self {
-            AxisLabel::TicksOnly => None,
+            AxisLabel::Bare | AxisLabel::TicksOnly => None,
             AxisLabel::Named(name) => Some(name.to_owned()),
             AxisLabel::Coordinate(axis) => Some(format!("{} (mm)", typeset::variable(axis))),
         }
@@ -131,7 +133,7 @@ impl Panel {
         };
         let (along_x, along_y) = (numbers_along(self.x, self.width), numbers_along(self.y, self.height));
         let number = |named: AxisLabel, value: f64, along: &AxisNumbers| match named {
-            AxisLabel::TicksOnly => String::new(),
+            AxisLabel::Bare | AxisLabel::TicksOnly => String::new(),
             AxisLabel::Named(_) | AxisLabel::Coordinate(_) => along.text(value),
         };
         let (number_x, number_y) = (|v: &f64| number(x, *v, &along_x), |v: &f64| number(y, *v, &along_y));
@@ -145,6 +147,12 @@ impl Panel {
             .y_labels(max_numbers(self.height))
             .x_label_formatter(&number_x)
             .y_label_formatter(&number_y);
+        if matches!(x, AxisLabel::Bare) {
+            mesh.disable_x_axis();
+        }
+        if matches!(y, AxisLabel::Bare) {
+            mesh.disable_y_axis();
+        }
         if let Some(name) = x.name() {
             mesh.x_desc(name);
         }
@@ -245,7 +253,7 @@ fn steps(low: f64, high: f64) -> Vec<f64> {
 
 fn room(beside: AxisLabel, named: f64) -> f64 {
     match beside {
-        AxisLabel::TicksOnly => 2.0 * TICK_PX,
+        AxisLabel::Bare | AxisLabel::TicksOnly => 2.0 * TICK_PX,
         AxisLabel::Named(_) | AxisLabel::Coordinate(_) => named,
     }
 }

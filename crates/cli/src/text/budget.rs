@@ -46,9 +46,13 @@ fn cells(squares_mm2: [f64; 3], totals: [f64; 3]) -> [String; 3] {
     })
 }
 
+/// Length below which a part is round-off: a millionth of what any workshop can measure.
+const ROUND_OFF_MM: f64 = 1e-9;
+
 /// The root of a mean square, negative for one that compensates others.
 fn rms(square_mm2: f64) -> String {
     let root = square_mm2.abs().sqrt().copysign(square_mm2);
+    let root = if root.abs() < ROUND_OFF_MM { 0.0 } else { root };
     if root != 0.0 && root.abs() < 1e-4 { format!("{root:.1e}") } else { format!("{:.4}", root + 0.0) }
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use magsplice::layout::{Distribution, FilmTolerance, TileErrors};
+use magsplice::layout::{CommonErrors, Distribution, FilmPose, FilmTolerance, SensorErrors, TileErrors};
 use magsplice::tolerance::{Estimate, Figure, Statistics};
 
 use super::number::counted;
@@ -20,6 +20,7 @@ pub(crate) fn samples(film: &SampledFilm) -> String {
     let mut text = format!("{}\n", in_words(&film.source));
     if let Some(tolerance) = &film.layout.tolerance {
         text += &tile_errors(tolerance);
+        text += &other_errors(tolerance);
     }
     text.push('\n');
     let names = ["", "nominal", "mean", "P50", "P95", "P99", "P95 is within"].map(str::to_owned);
@@ -124,6 +125,26 @@ fn tile_errors(tolerance: &FilmTolerance) -> String {
     let mut text = String::new();
     if !stated.is_empty() {
         rows::prose(&mut text, &format!("each tile has errors of {}", stated.join("; ")));
+    }
+    text
+}
+
+/// The names of the other causes.
+fn other_errors(tolerance: &FilmTolerance) -> String {
+    let CommonErrors { film, stray_field, neighbour, temperature, sensor } = &tolerance.common;
+    let groups = counted(tolerance.groups.len(), "group of tiles", "groups of tiles");
+    let named = [
+        (!tolerance.groups.is_empty(), groups.as_str()),
+        (*film != FilmPose::default(), "pose of the film"),
+        (stray_field.is_some(), "stray field"),
+        (neighbour.is_some(), "neighbouring film"),
+        (temperature.is_some(), "temperature"),
+        (*sensor != SensorErrors::default(), "sensor"),
+    ];
+    let named: Vec<&str> = named.into_iter().filter(|(is_there, _)| *is_there).map(|(_, name)| name).collect();
+    let mut text = String::new();
+    if !named.is_empty() {
+        rows::prose(&mut text, &format!("other errors: {}", named.join(", ")));
     }
     text
 }

@@ -21,6 +21,8 @@ const ROW_PX: f64 = 21.0;
 const BAR_PX: f64 = 13.0;
 /// Room for the number beside the longest bar, as a fraction of the axis.
 const NUMBER_ROOM: f64 = 0.34;
+/// Room at the left of the bars, as a fraction of the axis.
+const MARGIN: f64 = 0.03;
 
 /// A part of the budget of a film.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,8 +54,7 @@ fn svg(bars: &[BudgetBar], totals_mm2: [f64; 3]) -> Result<String, DrawError> {
     let all = || bars.iter().flat_map(|bar| (0..3).map(move |axis| share(bar, axis)));
     let most = all().fold(10.0, f64::max);
     let least = all().fold(0.0, f64::min);
-    let room = NUMBER_ROOM * (most - least);
-    let x = [if least < 0.0 { least - room } else { 0.0 }, most + room];
+    let x = [least - MARGIN * (most - least), most + NUMBER_ROOM * (most - least)];
     let height = ROW_PX * bars.len() as f64 + 8.0;
     let width = NAMES_PX + 3.0 * (WIDTH_PX + BETWEEN_PX);
     sheet([width, TOP_PX + height + BELOW_PX + 6.0], |sheet| {
@@ -85,8 +86,10 @@ fn of_part(sheet: &Sheet, panel: &Panel, middle: f64, share: f64, square_mm2: f6
     sheet.fill(&corners, colour)?;
     let um = 1e3 * square_mm2.abs().sqrt();
     let number = if um >= 10.0 { format!("{um:.0}") } else { format!("{um:.1}") };
+    // A minus sign, not a hyphen.
+    let sign = if share < 0.0 && um >= 0.05 { "\u{2212}" } else { "" };
     let [x, y] = panel.at(share.max(0.0), middle);
-    sheet.text([x + 5.0, y], &format!("{number} \u{b5}m"), LETTERS.sized(11.0))
+    sheet.text([x + 5.0, y], &format!("{sign}{number} \u{b5}m"), LETTERS.sized(11.0))
 }
 
 fn frame(sheet: &Sheet, panel: &Panel) -> DrawResult {
@@ -94,7 +97,7 @@ fn frame(sheet: &Sheet, panel: &Panel) -> DrawResult {
     let [_, top] = panel.at(0.0, panel.y[1]);
     sheet.line(&[[x, bottom], [x, top]], RGBColor(150, 150, 150), 0.8)?;
     let scale = Panel { y: [0.0, 1.0], ..*panel };
-    scale.axes(sheet, AxisLabel::Named("share of the mean square (%)"), AxisLabel::TicksOnly)
+    scale.axes(sheet, AxisLabel::Named("share of the mean square (%)"), AxisLabel::Bare)
 }
 
 fn csv(bars: &[BudgetBar]) -> String {

@@ -14,6 +14,8 @@ const HISTOGRAM_PX: f64 = 120.0;
 const DISTRIBUTION_PX: f64 = 150.0;
 const TOP_PX: f64 = 58.0;
 const BETWEEN_PX: f64 = 30.0;
+/// Room at the left for the names of the vertical axes.
+const MARGIN_PX: f64 = 8.0;
 
 /// Colour of the bars of histograms.
 const BARS: RGBColor = RGBColor(166, 206, 227);
@@ -79,14 +81,14 @@ impl Distributions {
 
     /// The figure as SVG.
     pub(crate) fn draw(&self) -> Result<String, DrawError> {
-        let width = 3.0 * (LEFT_PX + SIDE_PX) + 16.0;
+        let width = MARGIN_PX + 3.0 * (LEFT_PX + SIDE_PX) + 16.0;
         let lower = TOP_PX + HISTOGRAM_PX + BETWEEN_PX;
         sheet([width, lower + DISTRIBUTION_PX + BELOW_PX + 8.0], |sheet| {
             legend(sheet, self.sorted[0].len())?;
             for axis in 0..3 {
                 let (sorted, nominal) = (&self.sorted[axis], self.nominal[axis]);
                 let x = range(sorted, nominal);
-                let left = LEFT_PX + axis as f64 * (LEFT_PX + SIDE_PX);
+                let left = MARGIN_PX + LEFT_PX + axis as f64 * (LEFT_PX + SIDE_PX);
                 let counts = counts(sorted, x);
                 let most = counts.iter().copied().max().unwrap_or(1) as f64;
                 let upper = Panel { left, top: TOP_PX, width: SIDE_PX, height: HISTOGRAM_PX, x, y: [0.0, 1.08 * most] };
@@ -145,7 +147,7 @@ fn range(sorted: &[f64], nominal: f64) -> [f64; 2] {
     let low = sorted.first().copied().unwrap_or(nominal).min(nominal);
     let high = sorted.last().copied().unwrap_or(nominal).max(nominal);
     let margin = if high > low { 0.04 * (high - low) } else { 0.1 * high.abs().max(1e-9) };
-    [(low - margin).max(0.0).min(low), high + margin]
+    [low - margin, high + margin]
 }
 
 /// Numbers of samples in bins of equal width over the range. Their number is the cube root rule of
@@ -179,7 +181,7 @@ fn vertical(sheet: &Sheet, panel: &Panel, at: f64, colour: RGBColor, width: f64)
 
 /// Draws what the marks mean, above the panels.
 fn legend(sheet: &Sheet, samples: usize) -> DrawResult {
-    let (x, y) = (LEFT_PX, 18.0);
+    let (x, y) = (MARGIN_PX + LEFT_PX, 18.0);
     let box_of = [[x, y - 6.0], [x + 20.0, y - 6.0], [x + 20.0, y + 6.0], [x, y + 6.0]];
     sheet.fill(&box_of, BARS)?;
     sheet.outline(&box_of, BLUE, 0.6)?;
