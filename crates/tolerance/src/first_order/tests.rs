@@ -67,7 +67,7 @@ fn everything(later: bool) -> FilmTolerance {
                 tiles: vec![neighbour_tile.expect("a tile")],
                 layout: "other.toml".to_owned(),
                 position_mm: [0.0; 3],
-                rotation_rad: [0.0; 3],
+                rotation: None,
                 later,
             }),
             temperature: Some(Temperature { change_k: normal(5.0), strength_per_k: -0.0012 }),
@@ -119,7 +119,7 @@ fn only(source: ErrorSource, value: f64, all: &FilmTolerance) -> Option<FilmTole
         // Noise at the reference point alone cannot be stated.
         ErrorSource::ReferenceNoise(_) => return None,
     }
-    Some(FilmTolerance { tiles, groups, common })
+    Some(FilmTolerance { tiles, groups, common, ..FilmTolerance::default() })
 }
 
 /// Displacement errors at all points, then the figures.
