@@ -123,8 +123,8 @@ struct EdgeMoments {
 }
 
 impl EdgeMoments {
-    /// The integrals over t between the ends, r^2 = t^2 + rho^2, without cancellation (Eqs. P32, P60
-    /// and P61); `None` where they are unbounded.
+    /// The integrals over t between the ends, r^2 = t^2 + rho^2, without cancellation (Eqs. P32, P63
+    /// and P64); `None` where they are unbounded.
     fn new([from, to]: [f64; 2], rho_squared: f64) -> Option<EdgeMoments> {
         let (across, _) = segment([from, to], rho_squared)?;
         let [from_squared, to_squared] = [from, to].map(|t| t * t + rho_squared);

@@ -4,10 +4,12 @@ use std::ops::ControlFlow;
 
 use magsplice_layout::Goal;
 
+use crate::error_model::ErrorModel;
 use crate::low_rank;
 use crate::objective::{Objective, Residuals};
 use crate::pattern::{Pattern, VariableKind};
 use crate::quadratic::{Curvature, QuadraticProgram};
+use crate::robust_film::RobustFilm;
 use crate::rules::{DesignBounds, LinearRule};
 use crate::sampling::Sampling;
 use crate::tolerances::{
@@ -23,6 +25,8 @@ pub(crate) struct LeastSquares {
     pub(crate) bounds: DesignBounds,
     /// Lower bound of the best-fit amplitude.
     pub(crate) least_amplitude: Option<f64>,
+    /// Errors of the films that are made, if their expected square is minimized too.
+    pub(crate) errors: Option<ErrorModel>,
 }
 
 /// A film of a pattern: values of its variables, and how good the film is.
@@ -62,7 +66,14 @@ impl LeastSquares {
     }
 
     pub(crate) fn residuals(&self, pattern: &Pattern, variables: &[f64], with_derivatives: bool) -> Option<Residuals> {
-        self.objective.residuals(&self.sampling, &self.sampling.field(pattern, variables, with_derivatives)?)
+        let LeastSquares { sampling, objective, errors, .. } = self;
+        let field = sampling.field(pattern, variables, with_derivatives)?;
+        let mut residuals = objective.residuals(sampling, &field)?;
+        if let Some(errors) = errors {
+            let film = RobustFilm { sampling, objective, pattern, variables, field: &field };
+            residuals.expected = Some(errors.expected_squares(&film)?);
+        }
+        Some(residuals)
     }
 
     /// The longest step of a variable.
@@ -192,11 +203,7 @@ impl LeastSquares {
         let n = variables.len();
         let all = n + usize::from(self.least_amplitude.is_some());
         let mut gradient = vec![0.0; all];
-        for (value, row) in residuals.values.iter().zip(residuals.derivatives.chunks_exact(n)) {
-            for i in 0..n {
-                gradient[i] += value * row[i];
-            }
-        }
+        residuals.add_gradient(n, &mut gradient);
         // Damping is measured in units of the steps, so that it does not depend on the units of the
         // variables. A part of it is the same for all variables and holds variables that change
         // nothing.
@@ -214,15 +221,28 @@ impl LeastSquares {
                     }
                 }
             }
+            if let Some(expected) = &residuals.expected {
+                for (i, row) in expected.curvature.chunks_exact(n).enumerate() {
+                    (i..n).for_each(|k| curvature[i * all + k] += row[k]);
+                }
+            }
             let own: Vec<f64> = (0..n).map(|i| curvature[i * all + i]).collect();
             damped(&own).into_iter().enumerate().for_each(|(i, damping)| curvature[i * all + i] += damping);
             Curvature::Dense(curvature)
         } else {
             let units: Vec<f64> = (0..n).map(unit).collect();
-            let rows = low_rank::reduced(&self.distinct_rows(residuals, n), &units);
-            let own: Vec<f64> =
-                (0..n).map(|i| rows.iter().skip(i).step_by(n).map(|value| value * value).sum()).collect();
-            let mut diagonal = damped(&own);
+            let mut rows = low_rank::reduced(&self.distinct_rows(residuals, n), &units);
+            let mut rest = vec![0.0; n];
+            if let Some(expected) = &residuals.expected {
+                let factors;
+                (factors, rest) = low_rank::factored(&expected.curvature, &units);
+                rows.extend(factors);
+            }
+            let own: Vec<f64> = (0..n)
+                .map(|i| rest[i] + rows.iter().skip(i).step_by(n).map(|value| value * value).sum::<f64>())
+                .collect();
+            let mut diagonal: Vec<f64> =
+                damped(&own).into_iter().zip(rest).map(|(damping, rest)| damping + rest).collect();
             diagonal.resize(all, 0.0);
             // The lacking amplitude has no curvature.
             let mut with_lack = Vec::with_capacity(rows.len() / n * all);

@@ -2,11 +2,12 @@
 
 use magsplice_ideal::IdealFilm;
 
-use magsplice_layout::{Brief, Layout, Symmetry, WorkingVolume};
+use magsplice_layout::{Brief, Goal, Layout, Symmetry, Under, WorkingVolume};
 use magsplice_magnet::{BoundingBox, Grid, Tile};
 
 use crate::descent::LeastSquares;
 use crate::error::DesignError;
+use crate::error_model::ErrorModel;
 use crate::objective::Objective;
 use crate::pattern::Pattern;
 use crate::rules::{DesignBounds, LinearRule, RuleMeaning};
@@ -98,11 +99,22 @@ impl<'a> DesignProblem<'a> {
             // Rounding may move each of two centres nearer by half of the resolution.
             bounds.gap_mm += brief.resolution_mm;
         }
+        let errors = match (brief.under, &layout.tolerance) {
+            (Under::Nominal, _) => None,
+            (Under::Tolerance, None) => return Err(DesignError::Missing("tolerance")),
+            (Under::Tolerance, Some(_)) if brief.goal != Goal::Displacement => {
+                return Err(DesignError::NotDisplacement);
+            }
+            (Under::Tolerance, Some(tolerance)) => {
+                Some(ErrorModel::new(tolerance, tiles.len(), &sampling, brief.weights)?)
+            }
+        };
         let least_squares = LeastSquares {
             sampling,
             objective,
             bounds,
             least_amplitude: brief.least_amplitude.map(|least| least * (1.0 + AMPLITUDE_MARGIN)),
+            errors,
         };
         Ok(DesignProblem { layout, brief, ideal, volume, tiles, pattern, least_squares })
     }

@@ -22,6 +22,8 @@ pub enum DesignError {
         /// Where the film lies, if it is not centred on 0, so that most tiles have no image.
         off_centre: Option<String>,
     },
+    /// The brief counts the films that are made, and its goal is not the displacement.
+    NotDisplacement,
     /// These tiles are rotated, and the brief lets sizes or positions vary or has a symmetry.
     Rotated(Vec<String>),
     /// The brief and the symmetry leave no number free.
@@ -72,6 +74,10 @@ impl fmt::Display for DesignError {
                  drawn ones), or ask for less symmetry",
                 off_centre.as_ref().map_or(String::new(), |reason| format!("{reason}: ")),
                 listed(tiles, ", ")
+            ),
+            DesignError::NotDisplacement => f.write_str(
+                "under = \"tolerance\" of [design] needs goal = \"displacement\": the films with the smallest errors of \
+                 other kinds are those whose parameters change little with the displacement",
             ),
             DesignError::Rotated(tiles) => write!(
                 f,

@@ -65,10 +65,18 @@ mod descent;
 mod design_problem;
 /// Why a film cannot be designed.
 mod error;
+/// Errors of the films that are made, as mean squares.
+mod error_model;
 /// The time that a search will take.
 mod estimate;
+/// The expected square that errors of films add, with derivatives.
+mod expected_squares;
+/// How the field changes with errors that several tiles share.
+mod joint_response;
 /// Matrices of few rows.
 mod low_rank;
+/// Errors of the films that are made, by samples.
+mod made_films;
 /// Errors of a film over a grid.
 mod metrics;
 /// Residuals of each goal, with derivatives.
@@ -85,6 +93,11 @@ mod pattern;
 mod progress;
 /// Quadratic programs under linear inequalities.
 mod quadratic;
+/// The film at which the expected square is taken.
+mod robust_film;
+/// Tests of the expected square of errors.
+#[cfg(test)]
+mod robust_tests;
 /// Rounding to the resolution.
 mod rounding;
 /// Linear rules: sides, outline, thickness, strength, distances.
@@ -101,6 +114,8 @@ mod splice;
 mod stock_strengths;
 /// Symmetry operations and orbits of tiles.
 mod symmetry;
+/// How the field of a tile changes with its errors.
+mod tile_response;
 /// Tolerances and tuning constants.
 mod tolerances;
 /// The film found, as a layout.
@@ -109,6 +124,7 @@ mod write_layout;
 pub use design_problem::DesignProblem;
 pub use error::DesignError;
 pub use estimate::SearchEstimate;
+pub use made_films::{MadeErrors, MadeFilms};
 pub use metrics::Metrics;
 pub use pareto_front::ParetoFront;
 pub use progress::{Progress, ProgressUpdate, SearchStage, ignore_progress};

@@ -33,12 +33,37 @@ pub(crate) struct Residuals {
     pub(crate) derivatives: Vec<f64>,
     /// Best-fit amplitudes over the grids of [`Objective::amplitude_weights`], with derivatives.
     pub(crate) amplitudes: Vec<(f64, Vec<f64>)>,
+    /// The expected square that errors of the film add.
+    pub(crate) expected: Option<ExpectedSquares>,
+}
+
+/// Half the expected square that errors add, with its derivatives.
+#[derive(Clone, Debug)]
+pub(crate) struct ExpectedSquares {
+    pub(crate) loss: f64,
+    /// Derivatives of the loss.
+    pub(crate) gradient: Vec<f64>,
+    /// Second derivatives of the loss without those of the sensitivities, by rows.
+    pub(crate) curvature: Vec<f64>,
 }
 
 impl Residuals {
     /// Half the sum of squares.
     pub(crate) fn loss(&self) -> f64 {
-        0.5 * self.values.iter().map(|v| v * v).sum::<f64>()
+        let nominal = 0.5 * self.values.iter().map(|v| v * v).sum::<f64>();
+        self.expected.as_ref().map_or(nominal, |expected| nominal + expected.loss)
+    }
+
+    /// Adds the derivatives of the loss by the variables.
+    pub(crate) fn add_gradient(&self, n: usize, into: &mut [f64]) {
+        for (value, row) in self.values.iter().zip(self.derivatives.chunks_exact(n)) {
+            for i in 0..n {
+                into[i] += value * row[i];
+            }
+        }
+        if let Some(expected) = &self.expected {
+            into.iter_mut().zip(&expected.gradient).for_each(|(sum, slope)| *sum += slope);
+        }
     }
 }
 
@@ -53,7 +78,7 @@ impl Objective {
             Goal::Uniformity => self.uniformity_residuals(sampling, field)?,
             Goal::Displacement => self.displacement_residuals(sampling, field)?,
         };
-        Some(Residuals { values, derivatives, amplitudes })
+        Some(Residuals { values, derivatives, amplitudes, expected: None })
     }
 
     /// Best-fit amplitude with derivatives, over the grid that the weights stand for.

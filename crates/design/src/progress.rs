@@ -31,6 +31,8 @@ pub enum SearchStage {
     Parts(usize),
     /// Numbers are rounded to the resolution, and the amplitude that rounding costs is regained.
     Rounding,
+    /// Films with the errors of `[tolerance]` are evaluated.
+    Samples,
 }
 
 impl SearchStage {
@@ -41,6 +43,7 @@ impl SearchStage {
             SearchStage::Strengths => "strengths of the stock",
             SearchStage::Parts(_) => "fewer parts",
             SearchStage::Rounding => "rounded",
+            SearchStage::Samples => "sampled",
         }
     }
 }

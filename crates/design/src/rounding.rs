@@ -103,13 +103,16 @@ impl<'a> RoundingLattice<'a> {
         let residuals = least_squares.residuals(pattern, variables, true)?;
         let n = variables.len();
         let (mut gradient, mut curvature) = (vec![0.0; n], vec![0.0; n * n]);
-        for (value, row) in residuals.values.iter().zip(residuals.derivatives.chunks_exact(n)) {
+        residuals.add_gradient(n, &mut gradient);
+        for row in residuals.derivatives.chunks_exact(n) {
             for i in 0..n {
-                gradient[i] += value * row[i];
                 for k in 0..n {
                     curvature[i * n + k] += row[i] * row[k];
                 }
             }
+        }
+        if let Some(expected) = &residuals.expected {
+            curvature.iter_mut().zip(&expected.curvature).for_each(|(sum, second)| *sum += second);
         }
         let mut rules_of = vec![Vec::new(); n];
         for (index, rule) in rules.iter().enumerate() {

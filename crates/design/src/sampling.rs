@@ -23,6 +23,7 @@ pub(crate) struct Sampling {
     /// For each point of the grid, the index of a computed point and the operation that maps it
     /// there.
     images: Vec<(usize, SymmetryOperation)>,
+    operations: Vec<SymmetryOperation>,
 }
 
 /// B in tesla at the computed points, and its derivatives with respect to the variables, variable
@@ -57,7 +58,7 @@ impl Sampling {
             })
             .collect();
         computed.push(reference);
-        Sampling { grid, reference, computed, images }
+        Sampling { grid, reference, computed, images, operations }
     }
 
     pub(crate) fn computed(&self) -> &[DVec3] {
@@ -86,6 +87,25 @@ impl Sampling {
     /// there.
     pub(crate) fn images(&self) -> &[(usize, SymmetryOperation)] {
         &self.images
+    }
+
+    /// Whether the symmetry operations map the grid and the reference point onto themselves.
+    pub(crate) fn is_symmetric(&self) -> bool {
+        let (lower, upper) = (self.grid.lower(), self.grid.upper());
+        let slack = SAME_COORDINATE * lower.abs().max(upper.abs()).max_element();
+        let counts = self.grid.counts();
+        self.operations.iter().all(|operation| {
+            let [one, other] = [operation.apply(lower), operation.apply(upper)];
+            one.min(other).distance(lower) <= slack
+                && one.max(other).distance(upper) <= slack
+                && operation.apply(self.reference).distance(self.reference) <= slack
+                && (!operation.exchange || counts[0] == counts[1])
+        })
+    }
+
+    /// Whether a symmetry operation exchanges x and y.
+    pub(crate) fn exchanges(&self) -> bool {
+        self.operations.iter().any(|operation| operation.exchange)
     }
 
     /// For each residual of a point of the grid along an axis, axis fastest, a number that residuals
@@ -174,7 +194,7 @@ impl SampledField {
 }
 
 /// B at a point for unit polarizations along the axes of the tile, by columns.
-fn matrix(map: &PolarizationMap, point: usize) -> DMat3 {
+pub(crate) fn matrix(map: &PolarizationMap, point: usize) -> DMat3 {
     let [x, y, z] = [0, 1, 2].map(|component| DVec3::from_slice(map.row(point, component)));
     DMat3::from_cols(x, y, z).transpose()
 }

@@ -76,6 +76,7 @@ impl DesignProblem<'_> {
     ) -> Result<SearchResult, DesignError> {
         let before = self.metrics(&self.tiles)?;
         let (layout, least, wanted) = (self.layout, self.brief.least_amplitude, self.brief.parts);
+        let sampled_by = self.clone();
         let (tiles, [after, finer]) = self.rounded_with_amplitude(pattern, candidate, progress)?;
         stages.push(StageMetrics { stage: SearchStage::Rounding, uniformity_rmse: after.uniformity_rmse });
         let parts = parts::count_distinct(layout, &tiles);
@@ -87,8 +88,12 @@ impl DesignProblem<'_> {
         if let Some(wanted) = wanted.filter(|wanted| parts > *wanted) {
             short_of.push(format!("{parts} distinct parts, must be at most {wanted}"));
         }
+        let made = sampled_by.made_films(&tiles, progress, stop).unwrap_or_else(|reason| {
+            short_of.push(reason);
+            None
+        });
         let interrupted = stop.load(Ordering::Relaxed);
-        Ok(SearchResult { tiles, before, after, finer, stages, parts, agreeing_starts, short_of, interrupted })
+        Ok(SearchResult { tiles, before, after, finer, made, stages, parts, agreeing_starts, short_of, interrupted })
     }
 
     /// Rounds a film. While its amplitude, over more points than the design grid has, is short of

@@ -3,6 +3,7 @@
 use magsplice_decouple::PerParameter;
 use magsplice_magnet::Tile;
 
+use crate::made_films::MadeFilms;
 use crate::metrics::Metrics;
 use crate::progress::SearchStage;
 
@@ -22,6 +23,9 @@ pub struct SearchResult {
     /// Errors of the designed film over the design grid refined five times.
     #[cfg_attr(feature = "serde", serde(rename = "five_times_finer"))]
     pub finer: Metrics,
+    /// Errors of the films that are made, if the brief counts them and every sample has errors.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub made: Option<MadeFilms>,
     /// Metrics after each stage, in the order of the stages.
     pub stages: Vec<StageMetrics>,
     /// Number of distinct parts: sizes with a direction of polarization.

@@ -62,6 +62,11 @@ pub(crate) const FACTORED_FROM: usize = 150;
 /// that a descent can reduce are above [`NOTHING_LEFT`].
 pub(crate) const SMALLEST_ROW: f64 = 1e-9;
 
+/// Elements of the curvature by errors of films below the square of this, relative to the largest, are
+/// left out of the rows unless they are on the diagonal. Every tile has errors of its own, so the
+/// curvature has no small rank; a step needs it to a per mille only.
+pub(crate) const SMALLEST_FACTOR: f64 = 0.03;
+
 /// Maximum number of steps of a descent.
 pub(crate) const MOST_STEPS: usize = 150;
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use magsplice_decouple::PerParameter;
-use magsplice_layout::{Expectations, Layout, MAX_NAME_BYTES};
+use magsplice_layout::{Expectations, Layout, MAX_NAME_BYTES, MadeExpectations};
 
 use crate::design_problem::DesignProblem;
 use crate::metrics::Metrics;
@@ -10,6 +10,13 @@ use crate::search_result::SearchResult;
 
 /// Relative margin of the written expectations above the errors reached, for round-off.
 const MARGIN: f64 = 0.01;
+
+/// Relative margin of the written percentiles above the upper ends of their intervals of 95 %.
+///
+/// The written file may have its tiles in another order, so that its samples are others. The 95th
+/// percentile of 1000 samples has a standard error of 1.5 %. Two such estimates differ by more than the
+/// interval, this margin and the interval of the check in one of 2000 films.
+const MADE_MARGIN: f64 = 0.02;
 
 /// Ending of the names of designed films.
 const DESIGNED: &str = ", designed";
@@ -54,11 +61,20 @@ impl DesignProblem<'_> {
         }
         layout.description = None;
         let bound = |reached: f64| Some(three_digits_up(reached * (1.0 + MARGIN)));
+        let made = result.made.as_ref().map(|made| MadeExpectations {
+            displacement_rmse_mm: made.after.displacement_rmse_mm.map(|errors| {
+                // Infinite where there are too few samples.
+                let [_, highest] = errors.p95.interval;
+                highest.is_finite().then(|| three_digits_up(highest * (1.0 + MADE_MARGIN)))
+            }),
+            ..MadeExpectations::default()
+        });
         layout.expectations = Expectations {
             uniformity_rmse: result.after.uniformity_rmse.to_array().map(bound),
             displacement_rmse_mm: result.after.displacement_rmse_mm.map(bound),
             least_amplitude: Some((result.after.amplitude * 1e4).floor() / 1e4),
             field: None,
+            made: made.or(layout.expectations.made),
             ..layout.expectations
         };
         layout.brief = Some(self.brief.clone());

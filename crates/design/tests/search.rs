@@ -4,10 +4,11 @@
 use std::ops::ControlFlow;
 
 use magsplice_design::{
-    DesignError, DesignProblem, ProgressUpdate, SearchResult, SearchStage, SpliceRequest, ignore_progress,
+    DesignError, DesignProblem, MadeErrors, ProgressUpdate, SearchResult, SearchStage, SpliceRequest, ignore_progress,
 };
-use magsplice_layout::{Goal, Layout};
+use magsplice_layout::{FilmTolerance, Goal, Layout, Under};
 use magsplice_magnet::{Tile, overlaps};
+use magsplice_tolerance::{EvaluationGrid, Figure, RealFilm, Sampler};
 
 const TABLES: &str = "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n[volume]\nx_mm = [-2.0, 2.0]\n\
                       y_mm = [-2.0, 2.0]\nz_mm = [-5.0, -3.0]\nstep_mm = 1.0\n";
@@ -38,6 +39,59 @@ fn refused(design: &str) -> String {
     let layout = layout(&format!("{design}\nstarts = 1"));
     let result = DesignProblem::new(&layout).and_then(|problem| problem.search(&ignore_progress));
     result.expect_err("there is no such film").to_string()
+}
+
+/// Films that are made with the errors of a workshop: the published film has 0.27 mm along x at the 95th
+/// percentile.
+#[test]
+fn films_that_are_made_become_ten_times_better() {
+    let design = "vary = [\"size\", \"position\", \"direction\"]\nsymmetry = \"four-fold\"\ngoal = \"displacement\"\n\
+                  amplitude = { min = 0.8 }\nsmallest_cut_mm = 0.8\nstarts = 1\n";
+    let tolerance = "[tolerance]\npreset = \"workshop\"\nsamples = 400\n";
+    let nominal = search(&layout(&format!("{design}{tolerance}")));
+    assert!(nominal.made.is_none());
+    let layout = layout(&format!("{design}under = \"tolerance\"\n{tolerance}"));
+    let problem = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}"));
+    let result = problem.search(&ignore_progress).unwrap_or_else(|e| panic!("{e}"));
+    assert_rules(&result, 0.8, 10.0);
+    assert!(result.short_of.is_empty() && result.after.amplitude >= 0.8, "{:?}", result.short_of);
+    let made = result.made.as_ref().expect("samples");
+    assert_eq!((made.samples, made.seed), (400, 1));
+    let p95 = |errors: &MadeErrors| errors.displacement_rmse_mm.map(|axis| axis.p95.value);
+    let (before, after) = (p95(&made.before), p95(&made.after));
+    for axis in 0..3 {
+        assert!(after[axis] < 0.1 * before[axis], "axis {axis}: {before:?}, {after:?}");
+    }
+    // The film that is best without errors loses to it.
+    let of_nominal = RealFilm::new(&nominal.tiles, layout.tolerance.as_ref().unwrap());
+    let volume = layout.volume.unwrap();
+    let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
+    let errors = Sampler::new(&of_nominal, &volume, layout.ideal.as_ref().unwrap(), 1).unwrap().errors_of_range(0..400);
+    let of_nominal = magsplice_tolerance::statistics(&errors.unwrap(), Figure::Displacement(0)).unwrap().p95.value;
+    assert!(after[0] < 0.9 * of_nominal, "{} and {of_nominal}", after[0]);
+    assert!(nominal.after.displacement_rmse_mm[0] < 0.5 * result.after.displacement_rmse_mm[0]);
+    // The layout written demands the percentiles that were found, a little larger.
+    let written = problem.designed_layout(&result, "test");
+    let bounds = written.expectations.made.expect("bounds of films that are made");
+    assert_eq!(bounds.percentile, 95.0);
+    for (bound, found) in bounds.displacement_rmse_mm.into_iter().zip(&made.after.displacement_rmse_mm) {
+        let ratio = bound.unwrap() / found.p95.interval[1];
+        assert!((1.02..1.03).contains(&ratio), "{bound:?}, {found:?}");
+    }
+    assert_eq!(written.brief.unwrap().under, Under::Tolerance);
+}
+
+/// The command line cannot state it, but the library can.
+#[test]
+fn films_that_are_made_need_errors_and_a_displacement() {
+    let mut layout = layout("vary = [\"direction\"]\ngoal = \"displacement\"");
+    let brief = layout.brief.as_mut().unwrap();
+    brief.under = Under::Tolerance;
+    let refused = |layout: &Layout| DesignProblem::new(layout).map(|_| ()).expect_err("refused");
+    assert_eq!(refused(&layout), DesignError::Missing("tolerance"));
+    layout.tolerance = Some(FilmTolerance::default());
+    layout.brief.as_mut().unwrap().goal = Goal::Uniformity;
+    assert_eq!(refused(&layout), DesignError::NotDisplacement);
 }
 
 #[test]

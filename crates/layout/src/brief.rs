@@ -30,6 +30,8 @@ pub struct Brief {
     pub symmetry: Symmetry,
     /// The error that the search minimizes.
     pub goal: Goal,
+    /// The films whose error counts.
+    pub under: Under,
     /// Weights of the errors of R_x, R_y and S_z, or of the displacements along x, y, z.
     pub weights: [f64; 3],
     /// Lower bound of the amplitude: the best-fit factor of B against the ideal film.
@@ -113,6 +115,17 @@ pub enum Goal {
     Field,
 }
 
+/// The films whose error a search minimizes.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Eq, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Under {
+    /// The film of the layout, made without errors.
+    #[default]
+    Nominal,
+    /// The films that are made with the errors of `[tolerance]`: the mean of their squared errors.
+    Tolerance,
+}
+
 /// A part that is available, as thick as the film.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -140,6 +153,7 @@ impl Default for Brief {
             vary: Variables::default(),
             symmetry: Symmetry::None,
             goal: Goal::Uniformity,
+            under: Under::Nominal,
             weights: [1.0; 3],
             least_amplitude: None,
             outline_mm: [None; 2],

@@ -72,7 +72,7 @@ mod write;
 /// Tolerances to their table.
 mod write_tolerance;
 
-pub use brief::{Brief, Goal, StockPart, Symmetry, Variables};
+pub use brief::{Brief, Goal, StockPart, Symmetry, Under, Variables};
 pub use distribution::Distribution;
 pub use error::{LayoutError, LayoutFault};
 pub use expectations::{Expectations, ExpectedField, MadeExpectations};

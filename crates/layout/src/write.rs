@@ -152,6 +152,7 @@ pub(crate) fn design_table(brief: &Brief) -> DesignTable {
         vary: variables.into_iter().filter(|(varies, _)| *varies).map(|(_, variable)| variable).collect(),
         symmetry: brief.symmetry,
         goal: brief.goal,
+        under: brief.under,
         weights: Some(Weights { r_x, r_y, s_z }),
         amplitude: brief.least_amplitude.map(|min| LowerBound { min }),
         outline_mm: (x.is_some() || y.is_some()).then_some(Outline { x, y }),

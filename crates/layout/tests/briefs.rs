@@ -1,6 +1,6 @@
 //! Rules of `[design]`: each value is refused just beyond its limit and accepted at it.
 
-use magsplice_layout::{Brief, Layout};
+use magsplice_layout::{Brief, Layout, Under};
 
 /// A layout of one tile with these lines of `[volume]` and `[design]`.
 fn layout(volume: &str, design: &str) -> Result<Layout, String> {
@@ -68,6 +68,29 @@ fn ranges_of_thickness_and_strength_are_given_with_the_variable() {
         }
         let rule = format!("vary names {variable}, so {key} = {{ min = ..., max = ... }} must be given");
         refused(&format!("vary = [\"{variable}\"]"), &rule);
+    }
+}
+
+/// A percentile of the uniformity alone finds films that are weak in slope, so the goal is fixed.
+#[test]
+fn films_that_are_made_need_errors_and_the_displacement_as_goal() {
+    let with_errors = format!("{VOLUME}\n[tolerance]\npreset = \"workshop\"");
+    let under = "vary = [\"size\"]\nunder = \"tolerance\"";
+    let read = layout(&with_errors, &format!("{under}\ngoal = \"displacement\"")).expect("a valid brief");
+    assert_eq!(read.brief.as_ref().expect("a brief").under, Under::Tolerance);
+    let written = Layout::parse(&read.to_toml(), "again").expect("it is read again");
+    assert_eq!(written.brief, read.brief);
+    assert_eq!(accepted("vary = [\"size\"]").under, Under::Nominal);
+    assert!(!layout(VOLUME, "vary = [\"size\"]").expect("a brief").to_toml().contains("under"));
+    refused(
+        &format!("{under}\ngoal = \"displacement\""),
+        "under = \"tolerance\" needs the table [tolerance], which the layout does not have: it states the errors of the \
+         films that are made",
+    );
+    for goal in ["uniformity", "field"] {
+        let message = layout(&with_errors, &format!("{under}\ngoal = \"{goal}\"")).expect_err("a broken rule");
+        let start = format!("goal = \"{goal}\" with under = \"tolerance\", must be \"displacement\": ");
+        assert!(message.contains(&start) && message.lines().count() == 1, "{message}");
     }
 }
 

@@ -49,6 +49,7 @@ pub use film_errors::{EvaluationGrid, Figure, FilmErrors, SampleError};
 pub use first_order::{
     AxisCheck, AxisErrors, Cause, Contribution, ErrorSource, ErrorTerm, FirstOrder, FirstOrderCheck, Share,
 };
-pub use real_film::RealFilm;
+pub use quantile::mean_square;
+pub use real_film::{RealFilm, direction_normal};
 pub use sampler::{Sampler, statistics};
 pub use statistics::{Estimate, Statistics, probability_of_at_least, share};

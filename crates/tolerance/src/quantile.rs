@@ -34,6 +34,11 @@ pub(crate) fn mean(distribution: &Distribution) -> f64 {
     }
 }
 
+/// The mean of the square of an error.
+pub fn mean_square(distribution: &Distribution) -> f64 {
+    variance(distribution) + mean(distribution).powi(2)
+}
+
 /// The variance of an error.
 pub(crate) fn variance(distribution: &Distribution) -> f64 {
     match distribution {
@@ -95,7 +100,7 @@ mod tests {
             let (sum, squares) = values.fold((0.0, 0.0), |(sum, squares), x| (sum + x, squares + x * x));
             let (found_mean, found_square) = (sum / f64::from(n), squares / f64::from(n));
             assert!((found_mean - mean(&distribution)).abs() < 1e-4, "{distribution:?}: mean {found_mean}");
-            let square = variance(&distribution) + mean(&distribution).powi(2);
+            let square = mean_square(&distribution);
             assert!((found_square - square).abs() < 1e-4, "{distribution:?}: square {found_square}, not {square}");
         }
     }

@@ -126,18 +126,29 @@ fn turned_in_tile(tile: &Tile, [in_plane, out_of_plane]: [f64; 2]) -> DVec3 {
 
 /// The axes, in the frame of the tile, about which errors turn J: the part of the film's normal that
 /// is normal to J, and the axis normal to both. `None` if J is zero.
-///
-/// Where J is along the film's normal, which leaves no part, the tile's own x takes its place.
 pub(crate) fn direction_axes(tile: &Tile) -> Option<[DVec3; 2]> {
     let along = tile.polarization_t().try_normalize()?;
-    let film_normal = tile.rotation().inverse() * DVec3::Z;
-    let across = |axis: DVec3| axis - along * along.dot(axis);
-    let normal = match across(film_normal) {
-        // The sine of a quarter of a degree: J is normal to the film for any magnetizing coil.
-        part if part.length() > 0.005 => part.normalize(),
-        _ => across(if along.x.abs() < 0.9 { DVec3::X } else { DVec3::Y }).normalize(),
-    };
+    let reference = direction_normal(tile)?;
+    let normal = (reference - along * along.dot(reference)).normalize();
     Some([normal, along.cross(normal)])
+}
+
+/// The vector in the frame of the tile whose part normal to J is the axis of errors of direction in the
+/// plane: the film's normal. `None` if J is zero.
+///
+/// Where J is along the film's normal, which leaves no part, the tile's own x takes its place, or its y
+/// if J is along x.
+pub fn direction_normal(tile: &Tile) -> Option<DVec3> {
+    let along = tile.polarization_t().try_normalize()?;
+    let film_normal = tile.rotation().inverse() * DVec3::Z;
+    let across = film_normal - along * along.dot(film_normal);
+    // The sine of a quarter of a degree: J is normal to the film for any magnetizing coil.
+    let has_part = across.length() > 0.005;
+    Some(match along.x.abs() < 0.9 {
+        _ if has_part => film_normal,
+        true => DVec3::X,
+        false => DVec3::Y,
+    })
 }
 
 #[cfg(test)]

@@ -3,9 +3,10 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use magsplice::design::{DesignProblem, Metrics, ParetoFront, SearchResult};
+use magsplice::design::{DesignProblem, MadeFilms, Metrics, ParetoFront, SearchResult};
 use magsplice::layout::Symmetry;
 use magsplice::prelude::DVec3;
+use magsplice::tolerance::Statistics;
 
 use super::number::{counted, number};
 use super::rows;
@@ -50,6 +51,9 @@ pub(crate) fn search_result(
     let scaled = |metrics: &Metrics| metrics.scaled_relative_rmse.map_or("none".to_owned(), number);
     rows::cells(&mut text, "  relative RMSE after scaling", columns.map(scaled));
 
+    if let Some(made) = &result.made {
+        films_made(&mut text, made, before);
+    }
     let _ = writeln!(text, "\nuniformity RMSE after each stage");
     rows::heading(&mut text, "", ["R_x", "R_y", "S_z"]);
     for stage in &result.stages {
@@ -66,6 +70,23 @@ pub(crate) fn search_result(
         let _ = writeln!(text, "wrote {path}; look at it with `magsplice report {path} -o report`");
     }
     text
+}
+
+/// The errors of the films that are made, before and after the search.
+fn films_made(text: &mut String, made: &MadeFilms, before: &str) {
+    let samples = counted(made.samples as usize, "sample", "samples");
+    let _ = writeln!(text, "\nRMSE of displacement of the films that are made, mm; {samples}, seed {}", made.seed);
+    rows::heading(text, "", ["x", "y", "z"]);
+    for (film, errors) in [(before, &made.before), ("after", &made.after)] {
+        let mut percentile = |name: &str, of: &dyn Fn(&Statistics) -> f64| {
+            let cells = errors.displacement_rmse_mm.each_ref().map(|axis| number(of(axis)));
+            rows::cells(text, &format!("  {film}, {name}"), cells);
+        };
+        percentile("mean", &|errors| errors.mean.value);
+        percentile("P50", &|errors| errors.p50.value);
+        percentile("P95", &|errors| errors.p95.value);
+        percentile("P99", &|errors| errors.p99.value);
+    }
 }
 
 /// The films of a front, one line each.

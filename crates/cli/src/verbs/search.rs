@@ -61,6 +61,7 @@ pub(crate) fn show(progress: &ProgressLine, stop: &AtomicBool, update: ProgressU
         SearchStage::Strengths => (stage.name(), "strengths"),
         SearchStage::Parts(_) => (stage.name(), "parts merged"),
         SearchStage::Rounding => ("rounding", ""),
+        SearchStage::Samples => ("sampling", "samples"),
         _ => (stage.name(), ""),
     };
     if let Some(best) = best {

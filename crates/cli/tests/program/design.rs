@@ -55,6 +55,56 @@ fn design_as_json() {
     assert_eq!(found["short_of"].as_array().map(Vec::len), Some(0));
 }
 
+/// The film is found for its errors, sampled beside the film before, and written with what it reached.
+#[test]
+fn design_under_tolerance_states_the_films_that_are_made() {
+    let sandbox = Sandbox::new();
+    let robust = format!("{QUICK}under = \"tolerance\"\n[tolerance]\npreset = \"workshop\"\nsamples = 300\n");
+    sandbox.write("film.toml", &film(&robust));
+    let said = sandbox.run(&["design", "film.toml", "-o", "better.toml"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    let of_made = said.stdout.split("RMSE of displacement of the films that are made, mm; 300 samples, seed 1").nth(1);
+    let of_made = of_made.unwrap_or_else(|| panic!("{}", said.stdout));
+    let row = |name: &str| -> Vec<f64> {
+        let line = of_made.lines().find_map(|line| line.trim().strip_prefix(name));
+        line.unwrap_or_else(|| panic!("{name:?} is not in {of_made}"))
+            .split_whitespace()
+            .map(|number| number.parse().expect("a number"))
+            .collect()
+    };
+    let (before, after) = (row("before, P95"), row("after, P95"));
+    for axis in 0..3 {
+        assert!(after[axis] < 0.2 * before[axis], "{before:?} {after:?}");
+    }
+    for name in ["mean", "P50", "P99"] {
+        assert_eq!(row(&format!("after, {name}")).len(), 3);
+    }
+    let checked = sandbox.run(&["check", "better.toml"]);
+    assert_eq!(checked.status, 0, "{}", checked.stdout);
+    assert!(sandbox.read("better.toml").contains("[expect.made.displacement_rmse_mm]"));
+    // The samples are those of `tolerance`. The file of the film found has its tiles in another order, so
+    // that each gets other errors.
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&sandbox.run(arguments).stdout).expect("JSON")
+    };
+    let made = json(&["design", "film.toml", "-o", "again.toml", "--format", "json"])["made"].clone();
+    assert_eq!((&made["samples"], &made["seed"]), (&300.into(), &1.into()));
+    for (file, errors, within) in [("film.toml", &made["before"], 1e-9), ("better.toml", &made["after"], 0.12)] {
+        let sampled = json(&["tolerance", file, "--format", "json"]);
+        for (axis, name) in ["x", "y", "z"].into_iter().flat_map(|axis| ["mean", "p50", "p95"].map(|name| (axis, name)))
+        {
+            let figure = |of: &serde_json::Value| of["displacement_rmse_mm"][axis][name].as_f64().expect("a number");
+            let (a, b) = (figure(&sampled), figure(errors));
+            assert!((a / b - 1.0).abs() < within, "{file}, {axis}, {name}: {a} and {b}");
+        }
+    }
+    sandbox.write("film.toml", &film(&format!("{QUICK}under = \"tolerance\"")));
+    sandbox.run(&["design", "film.toml", "-o", "no.toml"]).refuses("under = \"tolerance\" needs the table [tolerance]");
+    sandbox.write("film.toml", &film(&robust.replace("displacement", "uniformity")));
+    let said = sandbox.run(&["design", "film.toml", "-o", "no.toml"]);
+    said.refuses("goal = \"uniformity\" with under = \"tolerance\", must be \"displacement\"");
+}
+
 #[test]
 fn missed_amplitude_exits_with_1() {
     let sandbox = Sandbox::new();

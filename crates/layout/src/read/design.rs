@@ -1,6 +1,6 @@
 //! `[design]`: the brief of a search.
 
-use crate::brief::{Brief, Goal, Variables};
+use crate::brief::{Brief, Goal, Under, Variables};
 use crate::layout::WorkingVolume;
 use crate::limits::{MAX_DESIGN_POINTS, MAX_STARTS};
 use crate::read::faults::TableFaults;
@@ -35,6 +35,7 @@ pub(crate) fn resolve(
              one: use a smaller step_mm",
         );
     }
+    check_under(&table, present, faults);
     let defaults = Brief::default();
     let starts = table.starts.unwrap_or(defaults.starts);
     if !(1..=MAX_STARTS).contains(&starts) {
@@ -48,6 +49,7 @@ pub(crate) fn resolve(
         vary,
         symmetry: table.symmetry,
         goal: table.goal,
+        under: table.under,
         weights,
         least_amplitude: table.amplitude.map(|bound| bound.min),
         outline_mm,
@@ -64,6 +66,26 @@ pub(crate) fn resolve(
         starts,
         seed: table.seed.unwrap_or(defaults.seed),
     })
+}
+
+/// Requires errors and a goal in millimetres if the films that are made count.
+fn check_under(table: &DesignTable, present: TablesPresent, faults: &mut TableFaults) {
+    if table.under == Under::Nominal {
+        return;
+    }
+    if !present.tolerance {
+        faults.add(
+            "under = \"tolerance\" needs the table [tolerance], which the layout does not have: it states the errors of \
+             the films that are made",
+        );
+    }
+    if table.goal != Goal::Displacement {
+        faults.add(format!(
+            "goal = {:?} with under = \"tolerance\", must be \"displacement\": the films with the smallest errors of other \
+             kinds are those whose parameters change little with the displacement",
+            format!("{:?}", table.goal).to_lowercase()
+        ));
+    }
 }
 
 fn checked_variables(names: &[Variable], faults: &mut TableFaults) -> Variables {

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::brief::{Goal, StockPart, Symmetry};
+use crate::brief::{Goal, StockPart, Symmetry, Under};
 use crate::tables::expect::LowerBound;
 
 /// What a search may change to improve the film, and its goal.
@@ -18,6 +18,10 @@ pub(crate) struct DesignTable {
     /// The error that the search minimizes. Default: uniformity.
     #[serde(default)]
     pub(crate) goal: Goal,
+    /// The films whose error counts: the film of the layout, or those made with the errors of [tolerance].
+    /// Default: nominal.
+    #[serde(default, skip_serializing_if = "is_nominal")]
+    pub(crate) under: Under,
     /// Weights of the errors of R_x, R_y and S_z. Default: 1 each.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) weights: Option<Weights>,
@@ -66,6 +70,10 @@ pub(crate) struct DesignTable {
     /// Seed of the random numbers that vary the starting points. Default: 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) seed: Option<u64>,
+}
+
+fn is_nominal(under: &Under) -> bool {
+    *under == Under::Nominal
 }
 
 /// A property of the tiles that may change.

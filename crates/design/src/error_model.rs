@@ -1,0 +1,194 @@
+//! The errors of the films that are made, as mean squares: of each tile, of tiles that move together,
+//! and of the surroundings and the sensor.
+
+use glam::{DMat3, DVec3};
+use magsplice_field::Scene;
+use magsplice_layout::{CommonErrors, Distribution, FilmTolerance, TileErrors};
+use magsplice_magnet::Quantity;
+use magsplice_tolerance::mean_square;
+
+use crate::error::DesignError;
+use crate::pattern::VariableTile;
+use crate::sampling::Sampling;
+use crate::symmetry::SymmetryOperation;
+
+/// Mean squares of the errors of a tile, in the order of [`TileErrors::all`].
+pub(crate) type MeanSquares = [f64; TileErrors::COUNT];
+
+/// The errors of films. An error whose mean is not 0, such as a fixed one, counts with its mean square,
+/// as if either sign were as likely.
+#[derive(Clone, Debug)]
+pub(crate) struct ErrorModel {
+    /// By tile of the layout.
+    tiles: Vec<MeanSquares>,
+    pub(crate) joint: Vec<JointErrors>,
+    pub(crate) common: Vec<CommonError>,
+    /// Mean squares of the noise of each reading along x, y, z, in square tesla.
+    pub(crate) noise: DVec3,
+    /// Whether images of a tile have the same sensitivities, apart from the symmetry operation.
+    symmetric: bool,
+}
+
+/// Errors that several tiles share: a rigid motion, and equal changes of each of them.
+#[derive(Clone, Debug)]
+pub(crate) struct JointErrors {
+    /// Indices of the tiles.
+    pub(crate) tiles: Vec<usize>,
+    pub(crate) mean_squares: MeanSquares,
+    /// The point about which they turn.
+    pub(crate) centre: Centre,
+}
+
+/// The point about which tiles turn together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Centre {
+    /// The mean of their centres.
+    Mean,
+    /// The centre of their bounding box.
+    Box,
+}
+
+/// A change of the field that the sensor reads, of either sign: a field, and a linear function of the
+/// film's own field.
+#[derive(Clone, Debug)]
+pub(crate) struct CommonError {
+    /// The field at the points of the grid and at the reference point, in tesla.
+    field_t: Vec<DVec3>,
+    pub(crate) by_field: DMat3,
+    /// Whether the change comes after the reading at the reference point.
+    later: bool,
+}
+
+impl CommonError {
+    /// The change at a point of the grid where the film's own field is `b_t`.
+    pub(crate) fn at(&self, point: usize, b_t: DVec3) -> DVec3 {
+        self.field_t[point.min(self.field_t.len() - 1)] + self.by_field * b_t
+    }
+
+    /// The change at the reference point, and its derivative by the film's own field.
+    pub(crate) fn at_reference(&self, b_t: DVec3) -> (DVec3, DMat3) {
+        if self.later {
+            return (DVec3::ZERO, DMat3::ZERO);
+        }
+        (self.at(usize::MAX, b_t), self.by_field)
+    }
+}
+
+/// An image of a tile, and the mean squares of its errors along the axes of the tile.
+pub(crate) struct ErrorImage {
+    pub(crate) operation: SymmetryOperation,
+    pub(crate) mean_squares: MeanSquares,
+}
+
+impl ErrorModel {
+    /// The model of the errors of a layout.
+    ///
+    /// # Errors
+    /// If a neighbouring film has no field at a point of the grid.
+    pub(crate) fn new(
+        tolerance: &FilmTolerance,
+        tile_count: usize,
+        sampling: &Sampling,
+        weights: [f64; 3],
+    ) -> Result<ErrorModel, DesignError> {
+        let mean_squares = |errors: &TileErrors| errors.all().map(mean_square);
+        let mut joint: Vec<JointErrors> = (tolerance.groups.iter())
+            .map(|group| JointErrors {
+                tiles: group.tiles.clone(),
+                mean_squares: mean_squares(&group.errors),
+                centre: Centre::Mean,
+            })
+            .collect();
+        let pose = TileErrors {
+            position_mm: tolerance.common.film.position_mm.clone(),
+            rotation_rad: tolerance.common.film.rotation_rad.clone(),
+            ..TileErrors::default()
+        };
+        let all = (0..tile_count).collect();
+        joint.push(JointErrors { tiles: all, mean_squares: mean_squares(&pose), centre: Centre::Box });
+        joint.retain(|errors| errors.mean_squares != [0.0; TileErrors::COUNT]);
+        Ok(ErrorModel {
+            tiles: tolerance.tiles.iter().map(mean_squares).collect(),
+            joint,
+            common: common_errors(&tolerance.common, sampling)?,
+            noise: vector(&tolerance.common.sensor.noise_t),
+            symmetric: sampling.is_symmetric() && (weights[0] == weights[1] || !sampling.exchanges()),
+        })
+    }
+
+    /// The images of a tile that have to be looked at. Where the errors of images have the same effect
+    /// apart from the symmetry operation, that is the tile itself, with the mean squares of all of them.
+    pub(crate) fn images(&self, tile: &VariableTile) -> Vec<ErrorImage> {
+        if self.tiles.is_empty() {
+            return Vec::new();
+        }
+        let image = |&(operation, index): &(SymmetryOperation, usize)| ErrorImage {
+            operation,
+            mean_squares: along_own_axes(operation, &self.tiles[index]),
+        };
+        let images = tile.orbit.images.iter().map(image);
+        if !self.symmetric {
+            return images.collect();
+        }
+        let mut mean_squares = [0.0; TileErrors::COUNT];
+        for image in images {
+            mean_squares.iter_mut().zip(image.mean_squares).for_each(|(sum, square)| *sum += square);
+        }
+        vec![ErrorImage { operation: SymmetryOperation::IDENTITY, mean_squares }]
+    }
+}
+
+/// Mean squares of the errors of an image along the axes of the tile that it is an image of.
+fn along_own_axes(operation: SymmetryOperation, of_image: &MeanSquares) -> MeanSquares {
+    let mut squares = *of_image;
+    if operation.exchange {
+        // Three errors each of position, rotation and size.
+        (0..3).for_each(|kind| squares.swap(3 * kind, 3 * kind + 1));
+    }
+    squares
+}
+
+/// Mean squares along x, y, z.
+fn vector(errors: &[Distribution; 3]) -> DVec3 {
+    DVec3::from([0, 1, 2].map(|axis| mean_square(&errors[axis])))
+}
+
+fn common_errors(common: &CommonErrors, sampling: &Sampling) -> Result<Vec<CommonError>, DesignError> {
+    let mut found = Vec::new();
+    let mut add = |field_t: Vec<DVec3>, by_field: DMat3, later: bool| {
+        if by_field != DMat3::ZERO || field_t.iter().any(|field| *field != DVec3::ZERO) {
+            found.push(CommonError { field_t, by_field, later });
+        }
+    };
+    let root = |squares: DVec3| squares.to_array().map(f64::sqrt);
+    if let Some(stray) = &common.stray_field {
+        // A field of any direction has a third of its square along each axis.
+        let squares = vector(&stray.field_t) + DVec3::splat(mean_square(&stray.any_direction_t) / 3.0);
+        for (axis, field_t) in DVec3::AXES.into_iter().zip(root(squares)) {
+            add(vec![field_t * axis], DMat3::ZERO, stray.later);
+        }
+    }
+    if let Some(neighbour) = &common.neighbour {
+        let points: Vec<DVec3> = sampling.grid.points().chain([sampling.reference]).collect();
+        let mut field_t = vec![DVec3::ZERO; points.len()];
+        Scene::new(&neighbour.tiles)
+            .field_into(Quantity::FluxDensity, &points, &mut field_t)
+            .map_err(|_| DesignError::NoField)?;
+        add(field_t, DMat3::ZERO, neighbour.later);
+    }
+    if let Some(temperature) = &common.temperature {
+        let change = mean_square(&temperature.change_k).sqrt() * temperature.strength_per_k;
+        add(vec![DVec3::ZERO], DMat3::from_diagonal(DVec3::splat(change)), true);
+    }
+    let sensor = &common.sensor;
+    for (number, axis) in DVec3::AXES.into_iter().enumerate() {
+        let [offset_t, turn, gain] =
+            [&sensor.offset_t, &sensor.rotation_rad, &sensor.gain].map(|errors| mean_square(&errors[number]).sqrt());
+        add(vec![offset_t * axis], DMat3::ZERO, false);
+        // The sensor reads the components along its own axes: a field turned backwards.
+        let backwards = [DVec3::X, DVec3::Y, DVec3::Z].map(|column| -turn * axis.cross(column));
+        add(vec![DVec3::ZERO], DMat3::from_cols(backwards[0], backwards[1], backwards[2]), false);
+        add(vec![DVec3::ZERO], DMat3::from_diagonal(gain * axis), false);
+    }
+    Ok(found)
+}

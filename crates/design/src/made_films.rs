@@ -1,0 +1,147 @@
+//! The errors of the films that are made, by samples: of the film before a search, and of the one found.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use magsplice_magnet::Tile;
+use magsplice_tolerance::{EvaluationGrid, Figure, FilmErrors, RealFilm, SampleError, Sampler, Statistics, statistics};
+
+use crate::design_problem::DesignProblem;
+use crate::progress::{Progress, ProgressUpdate, SearchStage};
+
+/// Samples between two updates about progress: about a tenth of a second for a film of 56 tiles.
+const BATCH: u64 = 100;
+
+/// Errors of the films that are made with the errors of `[tolerance]`, from exact samples over the
+/// working volume.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct MadeFilms {
+    /// Number of samples of each film: those of `[tolerance]`, or fewer if the search was interrupted.
+    pub samples: u64,
+    /// Seed of the samples. Both films have the same errors.
+    pub seed: u64,
+    /// Errors of the layout's film.
+    pub before: MadeErrors,
+    /// Errors of the designed film.
+    pub after: MadeErrors,
+}
+
+/// Errors of the films that are made from one film.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct MadeErrors {
+    /// RMSE of the displacement along x, y, z, in millimetres; see
+    /// [`Metrics::displacement_rmse_mm`](crate::Metrics::displacement_rmse_mm).
+    #[cfg_attr(feature = "serde", serde(serialize_with = "by_axis"))]
+    pub displacement_rmse_mm: [Statistics; 3],
+    /// Best-fit amplitude against the ideal film.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "of_amplitude"))]
+    pub amplitude: Statistics,
+}
+
+impl DesignProblem<'_> {
+    /// Samples the film before the search and the film found. `None` if the brief does not count the
+    /// films that are made.
+    ///
+    /// If `stop` is set, the samples end after the first batch.
+    ///
+    /// # Errors
+    /// The reason in words, if a sample has no errors.
+    pub(crate) fn made_films(
+        &self,
+        found: &[Tile],
+        progress: Progress,
+        stop: &AtomicBool,
+    ) -> Result<Option<MadeFilms>, String> {
+        let (Some(_), Some(tolerance)) = (&self.least_squares.errors, &self.layout.tolerance) else {
+            return Ok(None);
+        };
+        let volume = EvaluationGrid { grid: self.volume.grid, reference: self.volume.reference_mm };
+        let films = [&self.tiles, found].map(|tiles| RealFilm::new(tiles, tolerance));
+        let in_words = |film: usize, reason: String| {
+            format!("samples of the film {}: {reason}", ["before the search", "found"][film])
+        };
+        let sampler = |film: usize| {
+            Sampler::new(&films[film], &volume, &self.ideal, tolerance.seed)
+                .map_err(|error: SampleError| in_words(film, error.to_string()))
+        };
+        let samplers = [sampler(0)?, sampler(1)?];
+        let mut errors: [Vec<FilmErrors>; 2] = [Vec::new(), Vec::new()];
+        let mut done = 0;
+        while done < tolerance.samples {
+            let end = (done + BATCH).min(tolerance.samples);
+            for (film, sampler) in samplers.iter().enumerate() {
+                let of_batch = sampler.errors_of_range(done..end);
+                errors[film]
+                    .extend(of_batch.map_err(|(sample, error)| in_words(film, format!("number {sample}: {error}")))?);
+            }
+            done = end;
+            let (done, of) = (done as usize, tolerance.samples as usize);
+            let update = ProgressUpdate { stage: SearchStage::Samples, done, of, best: None };
+            if progress(update).is_break() || stop.load(Ordering::Relaxed) {
+                break;
+            }
+        }
+        let [before, after] = errors.map(|errors| MadeErrors::new(&errors));
+        Ok(before.zip(after).map(|(before, after)| MadeFilms { samples: done, seed: tolerance.seed, before, after }))
+    }
+}
+
+impl MadeErrors {
+    fn new(errors: &[FilmErrors]) -> Option<MadeErrors> {
+        let of_axis = |axis| statistics(errors, Figure::Displacement(axis));
+        Some(MadeErrors {
+            displacement_rmse_mm: [of_axis(0)?, of_axis(1)?, of_axis(2)?],
+            amplitude: statistics(errors, Figure::Amplitude)?,
+        })
+    }
+}
+
+#[cfg(feature = "serde")]
+use serialized::{by_axis, of_amplitude};
+
+/// Statistics without intervals, as `magsplice tolerance` names them.
+#[cfg(feature = "serde")]
+mod serialized {
+    use magsplice_tolerance::Statistics;
+    use serde::{Serialize, Serializer};
+
+    #[derive(Serialize)]
+    struct Axes {
+        x: Percentiles,
+        y: Percentiles,
+        z: Percentiles,
+    }
+
+    #[derive(Serialize)]
+    struct Percentiles {
+        mean: f64,
+        p50: f64,
+        p95: f64,
+        p99: f64,
+    }
+
+    /// An amplitude is small in bad films, so its percentiles are those of the weakest.
+    #[derive(Serialize)]
+    struct LowPercentiles {
+        mean: f64,
+        p50: f64,
+        p5: f64,
+        p1: f64,
+    }
+
+    pub(super) fn by_axis<S: Serializer>(errors: &[Statistics; 3], serializer: S) -> Result<S::Ok, S::Error> {
+        let [x, y, z] = errors.map(|Statistics { mean, p50, p95, p99, .. }| Percentiles {
+            mean: mean.value,
+            p50: p50.value,
+            p95: p95.value,
+            p99: p99.value,
+        });
+        Axes { x, y, z }.serialize(serializer)
+    }
+
+    pub(super) fn of_amplitude<S: Serializer>(amplitude: &Statistics, serializer: S) -> Result<S::Ok, S::Error> {
+        let Statistics { mean, p50, p5, p1, .. } = amplitude;
+        LowPercentiles { mean: mean.value, p50: p50.value, p5: p5.value, p1: p1.value }.serialize(serializer)
+    }
+}

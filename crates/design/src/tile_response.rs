@@ -1,0 +1,234 @@
+//! How the field of a tile changes with the errors with which the tile is made, and how these changes
+//! depend on the numbers of the tile that a search varies.
+
+use glam::{DMat3, DVec3};
+use magsplice_field::{FaceDerivatives, FaceHessian, PolarizationMap};
+use magsplice_layout::TileErrors;
+use magsplice_magnet::Tile;
+use magsplice_tolerance::direction_normal;
+
+use crate::pattern::VariableTile;
+use crate::sampling::matrix;
+
+/// Numbers of a tile: the coordinates of its faces, each at twice its axis plus its side; direction,
+/// tilt and strength of its polarization.
+pub(crate) const NUMBERS: usize = 9;
+const FACES: usize = 6;
+
+/// The terms of the numbers of a tile, in the order of [`TileResponse::derivatives`].
+pub(crate) fn numbers(tile: &VariableTile) -> [&[(usize, f64)]; NUMBERS] {
+    let [[x0, x1], [y0, y1], [z0, z1]] = &tile.faces;
+    [x0, x1, y0, y1, z0, z1, &tile.direction, &tile.tilt, &tile.strength].map(|number| number.terms.as_slice())
+}
+
+/// First errors of each kind, in the order of [`TileErrors::all`].
+const POSITION: usize = 0;
+const ROTATION: usize = 3;
+const SIZE: usize = 6;
+const STRENGTH: usize = 9;
+const DIRECTION: usize = 10;
+
+/// The change of B at a point for a unit of each error of a tile, in the order of
+/// [`TileErrors::all`]: tesla per millimetre, per radian, or per whole of the strength.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TileResponse {
+    /// The changes.
+    pub(crate) by_error: [DVec3; TileErrors::COUNT],
+    /// Their derivatives with respect to the numbers of the tile.
+    pub(crate) derivatives: [[DVec3; NUMBERS]; TileErrors::COUNT],
+}
+
+impl TileResponse {
+    pub(crate) const ZERO: TileResponse = TileResponse {
+        by_error: [DVec3::ZERO; TileErrors::COUNT],
+        derivatives: [[DVec3::ZERO; NUMBERS]; TileErrors::COUNT],
+    };
+}
+
+/// A tile prepared for its responses at many points.
+pub(crate) struct RespondingTile {
+    tile: Tile,
+    /// The tile with a unit of polarization along each of its axes.
+    unit_tiles: [Tile; 3],
+    /// The axes of the tile, by columns.
+    axes: DMat3,
+    j: DVec3,
+    /// Derivatives of the polarization by direction, tilt and strength.
+    by_angles: [DVec3; 3],
+    /// Changes of the polarization by a unit of each error of direction.
+    turned: [DVec3; 2],
+    /// Their derivatives by direction, tilt and strength.
+    turned_by_angles: [[DVec3; 3]; 2],
+    /// Errors that the tile has.
+    active: [bool; TileErrors::COUNT],
+    /// Whether derivatives by faces are needed.
+    faces_vary: bool,
+    with_derivatives: bool,
+}
+
+impl RespondingTile {
+    /// Prepares a tile. Responses to errors that are not active are left at 0. `None` where a side of
+    /// the tile is not positive.
+    pub(crate) fn new(
+        variable_tile: &VariableTile,
+        variables: &[f64],
+        active: [bool; TileErrors::COUNT],
+        with_derivatives: bool,
+    ) -> Option<RespondingTile> {
+        let tile = variable_tile.tile(variables)?;
+        let with_j = |j: DVec3| Tile::new(tile.position(), tile.size(), j).ok()?.rotated(tile.rotation()).ok();
+        let by_angles = variable_tile.polarization_derivatives(variables);
+        let (unit, strength) = (by_angles[2], variable_tile.strength.eval(variables));
+        let (turned, turned_by_angles) = turned(&with_j(unit)?, unit, strength, &by_angles);
+        Some(RespondingTile {
+            tile,
+            unit_tiles: [with_j(DVec3::X)?, with_j(DVec3::Y)?, with_j(DVec3::Z)?],
+            axes: DMat3::from_quat(tile.rotation()),
+            j: tile.polarization_t(),
+            by_angles,
+            turned,
+            turned_by_angles,
+            active,
+            faces_vary: variable_tile.faces.iter().flatten().any(|face| !face.terms.is_empty()),
+            with_derivatives,
+        })
+    }
+
+    /// The responses at points. `None` where a point lies on an edge of the tile.
+    pub(crate) fn at(&self, points: &[DVec3]) -> Option<Vec<TileResponse>> {
+        let map = PolarizationMap::new(&[self.tile], points).ok()?;
+        points.iter().enumerate().map(|(row, point)| self.response(*point, matrix(&map, row))).collect()
+    }
+
+    /// The response at a point, where `by_j` is the field of units of polarization.
+    fn response(&self, point: DVec3, by_j: DMat3) -> Option<TileResponse> {
+        let mut response = TileResponse::ZERO;
+        let units = FirstDerivatives::new(&self.unit_tiles, point)?;
+        let own = units.of(self.j);
+        let second = self.with_derivatives && self.faces_vary;
+        let hessian = if second { Some(FaceHessian::new(&self.tile, point)?) } else { None };
+        let of_angles = if self.with_derivatives { self.by_angles.map(|by| units.of(by)) } else { [own; 3] };
+        let arm = point - self.tile.position();
+        let field = by_j * self.j;
+        for error in (0..TileErrors::COUNT).filter(|error| self.active[*error]) {
+            let into = &mut response.derivatives[error];
+            let axis = error % 3;
+            if error < SIZE {
+                // A shift, and for a turn also the turn of the field itself.
+                let turn = if error < ROTATION { DVec3::ZERO } else { DVec3::AXES[axis] };
+                let shift = if error < ROTATION { DVec3::AXES[error - POSITION] } else { turn.cross(arm) };
+                let along = self.axes.transpose() * shift;
+                response.by_error[error] = own.shifted(along) + turn.cross(field);
+                if !self.with_derivatives {
+                    continue;
+                }
+                for (number, by) in self.by_angles.into_iter().enumerate() {
+                    into[FACES + number] = of_angles[number].shifted(along) + turn.cross(by_j * by);
+                }
+                let Some(hessian) = &hessian else { continue };
+                for (face, by_face) in into.iter_mut().enumerate().take(FACES) {
+                    // The centre, about which the tile turns, moves by half.
+                    let centre = -0.5 * (self.axes.transpose() * turn.cross(self.axes.col(face / 2)));
+                    *by_face = shifted_by_face(hessian, along, face) + own.shifted(centre) + turn.cross(own.by[face]);
+                }
+            } else if error < STRENGTH {
+                response.by_error[error] = own.grown(axis);
+                if !self.with_derivatives {
+                    continue;
+                }
+                for (number, of_angle) in of_angles.iter().enumerate() {
+                    into[FACES + number] = of_angle.grown(axis);
+                }
+                let Some(hessian) = &hessian else { continue };
+                for (face, by_face) in into.iter_mut().enumerate().take(FACES) {
+                    let other = [face / 2, face % 2];
+                    *by_face = 0.5 * (hessian.get([axis, 1], other) - hessian.get([axis, 0], other));
+                }
+            } else {
+                let (j, by_angles) = match error {
+                    STRENGTH => (self.j, &self.by_angles),
+                    _ => (self.turned[error - DIRECTION], &self.turned_by_angles[error - DIRECTION]),
+                };
+                response.by_error[error] = by_j * j;
+                if !self.with_derivatives {
+                    continue;
+                }
+                into[..FACES].copy_from_slice(&units.of(j).by);
+                for (number, by) in by_angles.iter().enumerate() {
+                    into[FACES + number] = by_j * *by;
+                }
+            }
+        }
+        Some(response)
+    }
+}
+
+/// Derivatives of B by the faces of a tile.
+#[derive(Clone, Copy)]
+struct FaceSlopes {
+    by: [DVec3; FACES],
+}
+
+impl FaceSlopes {
+    /// Change of B if the tile moves by a vector along its own axes.
+    fn shifted(&self, along: DVec3) -> DVec3 {
+        (0..3).map(|axis| along[axis] * (self.by[2 * axis] + self.by[2 * axis + 1])).sum()
+    }
+
+    /// Change of B by a unit of growth along an axis, about the centre.
+    fn grown(&self, axis: usize) -> DVec3 {
+        0.5 * (self.by[2 * axis + 1] - self.by[2 * axis])
+    }
+}
+
+/// Derivatives of B by the faces for a unit of polarization along each axis of the tile.
+struct FirstDerivatives([FaceSlopes; 3]);
+
+impl FirstDerivatives {
+    fn new(unit_tiles: &[Tile; 3], point: DVec3) -> Option<FirstDerivatives> {
+        let of = |tile: &Tile| {
+            let FaceDerivatives { lower, upper } = FaceDerivatives::new(tile, point)?;
+            let by = [0, 1, 2, 3, 4, 5].map(|face: usize| [lower, upper][face % 2].col(face / 2));
+            Some(FaceSlopes { by })
+        };
+        let [x, y, z] = unit_tiles;
+        Some(FirstDerivatives([of(x)?, of(y)?, of(z)?]))
+    }
+
+    /// The derivatives for a polarization.
+    fn of(&self, j: DVec3) -> FaceSlopes {
+        let [x, y, z] = &self.0;
+        let face = |face: usize| j.x * x.by[face] + j.y * y.by[face] + j.z * z.by[face];
+        FaceSlopes { by: [0, 1, 2, 3, 4, 5].map(face) }
+    }
+}
+
+/// Derivative by a face of the change of B by a shift.
+fn shifted_by_face(hessian: &FaceHessian, along: DVec3, face: usize) -> DVec3 {
+    let other = [face / 2, face % 2];
+    (0..3).map(|axis| along[axis] * (hessian.get([axis, 0], other) + hessian.get([axis, 1], other))).sum()
+}
+
+/// Changes of the polarization by a unit of each error of direction, and their derivatives by
+/// direction, tilt and strength.
+///
+/// Let u be the unit vector of the polarization, s its magnitude, and N the vector from which the
+/// errors are measured, in most cases the film's normal. The axes of the turns are the parts of N
+/// normal to u, and the axis normal to both, so that the changes are s w and s u x w with w the unit
+/// vector of N x u.
+fn turned(unit_tile: &Tile, unit: DVec3, strength: f64, by_angles: &[DVec3; 3]) -> ([DVec3; 2], [[DVec3; 3]; 2]) {
+    let Some(normal) = direction_normal(unit_tile) else { return Default::default() };
+    let across = normal.cross(unit);
+    let w = across.normalize();
+    let level = unit.cross(w);
+    let mut derivatives = [[w, w, w], [level, level, level]];
+    for number in 0..2 {
+        // Of u itself; the derivative of the polarization is s times that.
+        let by = if strength == 0.0 { DVec3::ZERO } else { by_angles[number] / strength };
+        let turning = normal.cross(by) / across.length();
+        let w_by = turning - w * w.dot(turning);
+        derivatives[0][number] = strength * w_by;
+        derivatives[1][number] = strength * (by.cross(w) + unit.cross(w_by));
+    }
+    ([strength * w, strength * level], derivatives)
+}
