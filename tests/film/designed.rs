@@ -12,7 +12,8 @@ use crate::shipped::folder;
 #[test]
 fn designed_films_keep_their_size_strength_cuts_and_parts() {
     let files = fs::read_dir(folder()).expect("layouts").map(|entry| entry.expect("an entry").path());
-    let designed = files.filter(|path| path.file_name().is_some_and(|n| n.to_string_lossy().starts_with("designed-")));
+    let is_designed = |name: &str| name.starts_with("designed-") || name.starts_with("robust-");
+    let designed = files.filter(|path| path.file_name().is_some_and(|name| is_designed(&name.to_string_lossy())));
     let mut count = 0;
     for path in designed {
         let layout = Layout::read(&path).unwrap_or_else(|error| panic!("{error}"));
@@ -38,5 +39,5 @@ fn designed_films_keep_their_size_strength_cuts_and_parts() {
         assert_eq!(layout.history.len(), 1, "{name}");
         count += 1;
     }
-    assert!(count >= 9, "{count} designed films");
+    assert!(count >= 12, "{count} designed films");
 }
