@@ -27,6 +27,10 @@ const MARGIN: f64 = 0.03;
 /// Minimum of half the shorter side, as a fraction of the longer side.
 const MIN_HALF_SIDE: f64 = 0.06;
 
+/// Maximum radius of the mark for a polarization out of the plane, in pixels: alone, and at the tail
+/// of an arrow, which it must not hide.
+const MARK_PX: f64 = 12.0;
+const MARK_AT_TAIL_PX: f64 = 6.0;
 /// Maximum length of the arms of the brackets at the corners of the working volume, in pixels.
 const BRACKET_PX: f64 = 12.0;
 
@@ -155,13 +159,10 @@ impl TilePainter {
         // y grows upwards in the film and downwards on the sheet.
         let in_plane = DVec2::new(j.x, -j.y);
         let narrow = (high - low).min_element();
-        let mark = if j.z.abs() > VANISHING { (0.12 * narrow).clamp(1.0, 12.0) * j.z.abs().sqrt() } else { 0.0 };
-        TileOnSheet {
-            outline,
-            in_plane: (in_plane.length() > VANISHING).then_some(in_plane),
-            mark,
-            letters: without_prefix(named, prefix).chars().count(),
-        }
+        let in_plane = (in_plane.length() > VANISHING).then_some(in_plane);
+        let most = if in_plane.is_some() { MARK_AT_TAIL_PX } else { MARK_PX };
+        let mark = if j.z.abs() > VANISHING { (0.12 * narrow).clamp(1.0, most) * j.z.abs().sqrt() } else { 0.0 };
+        TileOnSheet { outline, in_plane, mark, letters: without_prefix(named, prefix).chars().count() }
     }
 
     /// Draws the arrow, and the mark for the component out of the plane at its tail.

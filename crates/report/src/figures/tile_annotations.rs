@@ -19,6 +19,10 @@ const MARK_CLEARANCE_PX: f64 = 6.0;
 const ARROW_FRACTIONS: [f64; 5] = [0.7, 0.6, 0.5, 0.4, 0.3];
 /// Maximum length of an arrow, in pixels. A longer one says no more, and leaves less room for names.
 const MAX_ARROW_PX: f64 = 64.0;
+/// Length that the longest arrow has at least, in pixels, or as a fraction of the room for it, whichever
+/// is less. A shorter one does not show its direction, and is hidden by the mark at its tail.
+const MIN_ARROW_PX: f64 = 20.0;
+const MIN_ARROW_FRACTION: f64 = 0.6;
 /// The fraction of tiles that may have a smaller room for the arrow or the name than the others get.
 const EXCEPTIONS: f64 = 0.05;
 /// Places that are tried along each side of a tile, beside its centre.
@@ -134,7 +138,7 @@ pub(super) fn annotations(tiles: &[TileOnSheet], marks: &[Rectangle]) -> Annotat
     let mut best: Option<((usize, f64), f64)> = None;
     let mut tried = 0.0;
     for fraction in ARROW_FRACTIONS {
-        let arrow_px = (fraction * room).min(MAX_ARROW_PX);
+        let arrow_px = (fraction * room).clamp(MIN_ARROW_PX.min(MIN_ARROW_FRACTION * room), MAX_ARROW_PX);
         if arrow_px == tried {
             continue;
         }
@@ -184,10 +188,11 @@ impl TileRoom<'_> {
     /// The rectangle around an arrow at the origin and the mark at its tail.
     fn arrow_bounds(&self, arrow_px: f64) -> Rectangle {
         let half = self.half_arrow(arrow_px);
-        let head = 0.5 * head_width(2.0 * half.length(), arrow_width(arrow_px));
-        let (tail, radius) = (-half, self.tile.mark);
-        let ends = [half - DVec2::splat(head), half + DVec2::splat(head), tail - DVec2::splat(head.max(radius))];
-        Rectangle::of_points(ends.into_iter().chain([tail + DVec2::splat(head.max(radius))]))
+        // The head is wider than the shaft, across the arrow only.
+        let head = 0.5 * head_width(2.0 * half.length(), arrow_width(arrow_px)) * half.perp().normalize_or_zero();
+        let mark = DVec2::splat(self.tile.mark);
+        let ends = [half - head, half + head, -half - head, -half + head, -half - mark, -half + mark];
+        Rectangle::of_points(ends.into_iter())
     }
 
     /// Whether nothing of a rectangle is outside the tile, covered, or on a mark.
@@ -219,7 +224,7 @@ impl TileRoom<'_> {
     }
 
     /// The annotation with a name of this font size, if there is room for it: the name below the
-    /// arrow or at its right, across or, if the tile is narrow, upright.
+    /// arrow, at its right, above or at its left, across or, if the tile is narrow, upright.
     fn with_name(&self, arrow_px: f64, size: f64) -> Option<Annotation> {
         if self.tile.letters == 0 {
             return None;
@@ -231,10 +236,9 @@ impl TileRoom<'_> {
         let arrow = self.arrow_bounds(arrow_px);
         for upright in [false, true] {
             let text = if upright { DVec2::new(text.y, text.x) } else { text };
-            for below in [true, false] {
+            for direction in [DVec2::Y, DVec2::X, -DVec2::Y, -DVec2::X] {
                 let step = 0.5 * (arrow.size() + text) + DVec2::splat(CLEARANCE_PX);
-                let aside = if below { DVec2::new(0.0, step.y) } else { DVec2::new(step.x, 0.0) };
-                let at = arrow.middle() + aside;
+                let at = arrow.middle() + direction * step;
                 let name = Rectangle::around(at, text);
                 if let Some(place) = self.place(&[arrow, name]) {
                     let name = Some(NamePlace { at: place + at, size, upright });
