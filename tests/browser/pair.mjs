@@ -19,6 +19,16 @@ try {
     const rows = await page.locator("#numbers tbody tr").evaluateAll((rows) =>
       rows.map((row) => [...row.cells].map((cell) => cell.textContent)));
     assert.ok(rows.length > 20 && rows.every((row) => row.length === 4), `rows: ${rows.length}`);
+    // Each number is on one line, and the table stays one for screen readers.
+    const broken = await page.locator("#numbers td").evaluateAll((cells) => cells.filter((cell) => {
+      const range = document.createRange();
+      range.selectNodeContents(cell);
+      return new Set([...range.getClientRects()].map((box) => Math.round(box.top))).size > 1
+        || cell.scrollWidth > cell.clientWidth + 1;
+    }).map((cell) => cell.textContent));
+    assert.deepEqual(broken, [], `numbers that are broken or cut off at ${width} px`);
+    assert.equal(await page.getByRole("rowheader").count(), rows.length);
+    assert.equal(await page.getByRole("columnheader").count(), 4);
     // Figures of the same name beside each other, or below each other on a telephone.
     const boxes = await page.locator("figure img").evaluateAll(async (images) => {
       await Promise.all(images.map((image) => image.decode()));

@@ -14,7 +14,8 @@ use crate::typeset::AXIS_NAMES;
 
 const PAGE: &str = include_str!("../page/page.html");
 const MAP: &str = include_str!("../page/map.html");
-pub(crate) const STYLE: &str = include_str!("../page/page.css");
+const HEAD: &str = include_str!("../page/head.html");
+const STYLE: &str = include_str!("../page/page.css");
 const SCRIPTS: [&str; 6] = [
     include_str!("../page/numbers.js"),
     include_str!("../page/tile_field.js"),
@@ -53,8 +54,8 @@ pub(crate) fn page(
         html
     });
     filled(PAGE, &|placeholder| match placeholder {
+        "head" => head(&escaped(&layout.name), ""),
         "name" => escaped(&layout.name),
-        "version" => env!("CARGO_PKG_VERSION").to_owned(),
         "description" => description.clone(),
         "facts" => facts(film, survey, tiles.len()),
         "absent" => absent.clone(),
@@ -64,9 +65,18 @@ pub(crate) fn page(
         "numbers_json" => in_script(results.json),
         "data" => in_script(&data),
         "figures" => figures.iter().map(figure_element).collect(),
-        "style" => STYLE.to_owned(),
         "script" => SCRIPTS.concat(),
         _ => unreachable!("{placeholder} is not a placeholder of the page"),
+    })
+}
+
+/// The elements of the head of a page with this title. `more_style` is CSS that this page alone needs.
+pub(crate) fn head(title: &str, more_style: &str) -> String {
+    filled(HEAD, &|placeholder| match placeholder {
+        "title" => title.to_owned(),
+        "version" => env!("CARGO_PKG_VERSION").to_owned(),
+        "style" => [STYLE, more_style].concat(),
+        _ => unreachable!("{placeholder} is not a placeholder of the head"),
     })
 }
 

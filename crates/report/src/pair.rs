@@ -8,7 +8,7 @@ use magsplice::Film;
 use crate::error::ReportError;
 use crate::figure::{Figure, SvgText};
 use crate::figure_drafts::drafts;
-use crate::page::{STYLE, escaped, filled};
+use crate::page::{escaped, filled, head};
 use crate::raster_image::data_url;
 use crate::report::{PAGE_NAME, absent, drawn_tiles, rendered};
 use crate::shared_ranges::SharedRanges;
@@ -16,6 +16,7 @@ use crate::survey::Survey;
 use crate::typeset::number;
 
 const PAGE: &str = include_str!("../page/pair.html");
+const STYLE: &str = include_str!("../page/pair.css");
 
 /// Prefixes of the files of the two films.
 const PREFIXES: [&str; 2] = ["first", "second"];
@@ -106,10 +107,10 @@ fn page(
             names[i], labels[i], layout.sha256
         )
     });
+    let title = format!("{} and {}", names[0], names[1]);
     filled(PAGE, &|placeholder| match placeholder {
-        "title" => format!("{} and {}", names[0], names[1]),
-        "version" => env!("CARGO_PKG_VERSION").to_owned(),
-        "style" => STYLE.to_owned(),
+        "head" => head(&title, STYLE),
+        "title" => title.clone(),
         "films" => films.concat(),
         "first" => labels[0].clone(),
         "second" => labels[1].clone(),
@@ -126,8 +127,8 @@ fn row(PairedNumber { name, values }: &PairedNumber) -> String {
         [Some(a), Some(b)] => Some(b - a),
         _ => None,
     };
-    let cells = [values[0], values[1], difference].map(|value| format!("<td>{}</td>", text(value)));
-    format!("<tr><th scope=\"row\">{}</th>{}</tr>\n", escaped(name), cells.concat())
+    let cells = [values[0], values[1], difference].map(|value| format!("<td role=\"cell\">{}</td>", text(value)));
+    format!("<tr role=\"row\"><th scope=\"row\" role=\"rowheader\">{}</th>{}</tr>\n", escaped(name), cells.concat())
 }
 
 /// Figures of the same name beside each other.

@@ -351,7 +351,8 @@ fn two_films_share_a_page_with_their_numbers_and_scales() {
         let power: String = power.chars().map(digit).collect();
         format!("{digits}e{power}").parse::<f64>().expect("a number")
     };
-    let cells: Vec<f64> = row.split("<td>").skip(1).take(3).map(|c| number(c.split('<').next().unwrap())).collect();
+    let cells: Vec<f64> =
+        row.split("<td role=\"cell\">").skip(1).take(3).map(|c| number(c.split('<').next().unwrap())).collect();
     for (cell, value) in cells.iter().zip([expected[0], expected[1], expected[1] - expected[0]]) {
         assert!((cell - value).abs() <= 1e-3 * value.abs(), "{cells:?}, not {expected:?}");
     }
@@ -375,7 +376,7 @@ fn two_films_share_a_page_with_their_numbers_and_scales() {
     let said = sandbox.run(&["report", &layouts[0], &shipped("single-tile"), "-o", "mixed"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
     assert!(said.stdout.contains("single-tile.toml: absent: no comparison"), "{}", said.stdout);
-    assert!(sandbox.read("mixed/report.html").contains("<td>none</td>"));
+    assert!(sandbox.read("mixed/report.html").contains("<td role=\"cell\">none</td>"));
     sandbox.run(&["report", "a.toml", "b.toml", "c.toml", "-o", "out"]).refuses_arguments("c.toml");
 }
 
