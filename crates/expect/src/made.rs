@@ -3,7 +3,7 @@
 use magsplice_layout::{Expectations, MadeExpectations};
 use magsplice_tolerance::{Figure, FilmErrors, probability_of_at_least};
 
-use crate::outcome::{Bound, Expectation, Location, Outcome};
+use crate::outcome::{Bound, Expectation, Location, Outcome, made_bound};
 
 /// Whether a film keeps the bounds of `[expect]` on its uniformity RMSE, its displacement RMSE and its
 /// amplitude. `None` if there are no such bounds.
@@ -19,15 +19,6 @@ pub fn keeps_bounds(expected: &Expectations, errors: &FilmErrors) -> Option<bool
     kept.chain(strong).reduce(|all, one| all && one)
 }
 
-/// The bound of a figure at a percentile of the films that are made. `None` if there is none.
-pub(crate) fn bound(expected: &MadeExpectations, figure: Figure) -> Option<Bound> {
-    match figure {
-        Figure::Uniformity(axis) => expected.uniformity_rmse[axis].map(Bound::AtMost),
-        Figure::Displacement(axis) => expected.displacement_rmse_mm[axis].map(Bound::AtMost),
-        Figure::Amplitude => expected.least_amplitude.map(Bound::AtLeast),
-    }
-}
-
 impl Outcome {
     /// The outcome for a figure of the films that are made. `errors` are those of samples. `None` if the
     /// layout does not bound the figure, or there are too few samples to break any bound with the
@@ -41,7 +32,7 @@ impl Outcome {
     /// # Panics
     /// Without samples.
     pub fn from_made(expected: &MadeExpectations, figure: Figure, errors: &[FilmErrors]) -> Option<Outcome> {
-        let bound = bound(expected, figure)?;
+        let bound = made_bound(expected, figure)?;
         // The films beyond the percentile come first.
         let mut sorted: Vec<f64> = errors.iter().map(|errors| errors.get(figure)).collect();
         match bound {

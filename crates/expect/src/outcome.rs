@@ -4,12 +4,11 @@ use std::fmt;
 
 use glam::DVec3;
 use magsplice_decouple::{Parameter, PerParameter};
-use magsplice_layout::Expectations;
+use magsplice_layout::{Expectations, MadeExpectations};
 use magsplice_tolerance::Figure;
 
 use crate::baseline::BaselineDifference;
 use crate::clearance::Clearance;
-use crate::made;
 
 /// A quantity that a layout can bound, named by its key in the file; see [`fmt::Display`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -157,6 +156,15 @@ impl Outcome {
     }
 }
 
+/// The bound of a figure at a percentile of the films that are made. `None` if there is none.
+pub(crate) fn made_bound(expected: &MadeExpectations, figure: Figure) -> Option<Bound> {
+    match figure {
+        Figure::Uniformity(axis) => expected.uniformity_rmse[axis].map(Bound::AtMost),
+        Figure::Displacement(axis) => expected.displacement_rmse_mm[axis].map(Bound::AtMost),
+        Figure::Amplitude => expected.least_amplitude.map(Bound::AtLeast),
+    }
+}
+
 impl Expectation {
     /// All quantities that these expectations bound, in the order in which reports list them.
     pub fn stated_in(expected: &Expectations) -> Vec<Expectation> {
@@ -170,7 +178,7 @@ impl Expectation {
         let clearance = expected.least_clearance_mm.map(|_| Expectation::Clearance);
         let made = Figure::ALL
             .into_iter()
-            .filter(|figure| expected.made.as_ref().is_some_and(|made| made::bound(made, *figure).is_some()));
+            .filter(|figure| expected.made.as_ref().is_some_and(|made| made_bound(made, *figure).is_some()));
         let made = made.map(Expectation::Made);
         uniformity.chain(displacement).chain(amplitude).chain(field).chain(clearance).chain(made).collect()
     }
