@@ -20,7 +20,7 @@ pub(crate) const MAX_SAMPLES: u64 = *magsplice::layout::SAMPLE_COUNTS.end();
 /// Ctrl-C ends the run with the result so far.
 #[derive(Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
-#[command(after_help = "Examples:\n  magsplice tolerance layouts/robust-in-plane.toml --samples 10000\n  \
+#[command(after_help = "Example:\n  magsplice tolerance layouts/robust-in-plane.toml --samples 10000\n  \
     magsplice tolerance film.toml --samples 100000 --first 25000 --count 25000 --save part-2.csv\n  \
     magsplice tolerance merge film.toml part-*.csv --save samples.parquet")]
 pub(crate) struct ToleranceArgs {
