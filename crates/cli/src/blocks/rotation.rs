@@ -33,6 +33,8 @@ const QUATERNION: [[&str; 5]; 4] = [
     ["qw", "q_w", "quat_w", "quatw", "quaternion_w"],
 ];
 
+const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// The columns that are read, for messages.
 const READ: &str = "qx, qy, qz, qw (or quat_x, ...; qw is the scalar), axis_x, axis_y, axis_z, angle_deg, rx_deg, \
     ry_deg, rz_deg or euler_1_deg, euler_2_deg, euler_3_deg with --euler, or r11, r12, ... r33";
@@ -112,11 +114,33 @@ fn euler_about_axes(
         }
     };
     let axes = order.axes();
-    if axes[0] == axes[2] {
-        finder.fault(format!("Euler angles in the order {order} need columns euler_1_deg, euler_2_deg, euler_3_deg"));
-        return None;
+    let given: Vec<usize> = (0..AXES.len()).filter(|&axis| columns[axis].is_some()).collect();
+    let names: Vec<String> = given.iter().map(|&axis| format!("r{}", AXES[axis])).collect();
+    match given[..] {
+        // A rotation about one axis does not depend on the order, as long as the order has this axis.
+        [axis] if axes.contains(&axis) => {
+            let first = axes.iter().position(|&of_order| of_order == axis).unwrap_or(0);
+            Some(RotationColumns::Euler([0, 1, 2].map(|turn| columns[axis].filter(|_| turn == first)), order))
+        }
+        _ if axes[0] != axes[2] => Some(RotationColumns::Euler(axes.map(|axis| columns[axis]), order)),
+        [axis] => {
+            finder.fault(format!(
+                "the column {} is a rotation about {}, which the order {order} does not have: leave out --euler, or give \
+                 the angles of {order} as euler_1_deg, euler_2_deg, euler_3_deg",
+                names[0], AXES[axis]
+            ));
+            None
+        }
+        _ => {
+            finder.fault(format!(
+                "the columns {} do not say which rotation about {} of the order {order} is meant: name its angles \
+                 euler_1_deg, euler_2_deg, euler_3_deg, or give an order such as --euler xyz",
+                names.join(", "),
+                AXES[axes[0]]
+            ));
+            None
+        }
     }
-    Some(RotationColumns::Euler(axes.map(|axis| columns[axis]), order))
 }
 
 /// Whether the name of a column seems to be that of a rotation.
