@@ -51,20 +51,28 @@ pub(crate) struct Benchmark {
 pub(crate) struct BenchCase {
     pub(crate) accuracy: Accuracy,
     pub(crate) threads: usize,
-    /// Median time in seconds of one field of all points, or why there is none.
-    pub(crate) seconds: Result<f64, PointErrors>,
+    /// Times in seconds of one field of all points, or why there is none.
+    pub(crate) seconds: Result<Times, PointErrors>,
+}
+
+/// The times of all rounds, in seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Times {
+    pub(crate) median: f64,
+    pub(crate) least: f64,
+    pub(crate) largest: f64,
 }
 
 impl Benchmark {
     /// Median time of the exact field on as many threads as `case`, divided by that of `case`.
     pub(crate) fn times_exact(&self, case: &BenchCase) -> Option<f64> {
         let exact = self.cases.iter().find(|c| c.accuracy == Accuracy::Exact && c.threads == case.threads)?;
-        Some(exact.seconds.as_ref().ok()? / case.seconds.as_ref().ok()?)
+        Some(exact.seconds.as_ref().ok()?.median / case.seconds.as_ref().ok()?.median)
     }
 
     /// Pairs of one tile and one point per second, if there is a field.
     pub(crate) fn pairs_per_second(&self, case: &BenchCase) -> Option<f64> {
-        Some(self.pairs / case.seconds.as_ref().ok()?)
+        Some(self.pairs / case.seconds.as_ref().ok()?.median)
     }
 }
 
@@ -124,7 +132,7 @@ pub(crate) fn measure(
     let cases = cases.into_iter().map(|(_, _, accuracy, threads, repeats, samples)| BenchCase {
         accuracy,
         threads,
-        seconds: repeats.map(|_| median(samples)),
+        seconds: repeats.map(|_| Times::from_rounds(samples)),
     });
     Ok(Benchmark {
         points: points.len(),
@@ -134,11 +142,15 @@ pub(crate) fn measure(
     })
 }
 
-/// The middle value of at least one.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
+impl Times {
+    /// The times of at least one round.
+    fn from_rounds(mut seconds: Vec<f64>) -> Times {
+        seconds.sort_by(f64::total_cmp);
+        let (middle, last) = (seconds.len() / 2, seconds.len() - 1);
+        let is_odd = seconds.len() % 2 == 1;
+        let median = if is_odd { seconds[middle] } else { 0.5 * (seconds[middle - 1] + seconds[middle]) };
+        Times { median, least: seconds[0], largest: seconds[last] }
+    }
 }
 
 #[cfg(test)]
@@ -147,7 +159,7 @@ mod tests {
 
     #[test]
     fn median_is_the_middle_of_sorted_values() {
-        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
-        assert_eq!(median(vec![4.0, 1.0, 2.0, 100.0]), 3.0);
+        assert_eq!(Times::from_rounds(vec![3.0, 1.0, 2.0]), Times { median: 2.0, least: 1.0, largest: 3.0 });
+        assert_eq!(Times::from_rounds(vec![4.0, 1.0, 2.0, 100.0]), Times { median: 3.0, least: 1.0, largest: 100.0 });
     }
 }

@@ -20,13 +20,18 @@ pub(crate) struct BenchJson<'a> {
     cases: Vec<BenchCaseJson>,
 }
 
-/// The median for one accuracy and number of threads; null where the tolerance cannot be kept.
+/// The times for one accuracy and number of threads; null where the tolerance cannot be kept.
 #[derive(Serialize)]
 struct BenchCaseJson {
     accuracy: Accuracy,
     threads: usize,
     pairs_per_second: Option<f64>,
+    /// The median of the rounds.
     seconds: Option<f64>,
+    /// The fastest round.
+    least_seconds: Option<f64>,
+    /// The slowest round.
+    largest_seconds: Option<f64>,
     /// Time of the exact field on as many threads, divided by this time.
     times_exact: Option<f64>,
 }
@@ -37,7 +42,9 @@ impl<'a> BenchJson<'a> {
             accuracy: case.accuracy,
             threads: case.threads,
             pairs_per_second: measured.pairs_per_second(case),
-            seconds: case.seconds.as_ref().ok().copied(),
+            seconds: case.seconds.as_ref().ok().map(|times| times.median),
+            least_seconds: case.seconds.as_ref().ok().map(|times| times.least),
+            largest_seconds: case.seconds.as_ref().ok().map(|times| times.largest),
             times_exact: measured.times_exact(case),
         });
         BenchJson {

@@ -28,6 +28,9 @@ fn bench_states_pairs_per_second_of_each_accuracy_and_thread_count() {
     for case in cases {
         let (pairs, seconds) = (number(&case["pairs_per_second"]), number(&case["seconds"]));
         assert!((pairs * seconds / (405.0 * 56.0) - 1.0).abs() < 1e-12 && seconds > 0.0, "{case}");
+        let [least, largest] = ["least_seconds", "largest_seconds"].map(|key| number(&case[key]));
+        // Three rounds or more, timed to a nanosecond or better, are never all the same.
+        assert!(0.0 < least && least <= seconds && seconds <= largest && least < largest, "{case}");
     }
     assert_eq!((number(&cases[0]["times_exact"]), number(&cases[4]["times_exact"])), (1.0, 1.0));
     let ratio = number(&cases[0]["seconds"]) / number(&cases[1]["seconds"]);
@@ -47,13 +50,16 @@ fn bench_as_text_and_at_points_of_a_file() {
     let said = sandbox.run(&["bench", &film, "--points", "p.csv", "--seconds", "0.1", "--threads", "1"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     assert!(said.stdout.contains("2 points of p.csv; pairs of a tile and a point: 112"), "{}", said.stdout);
+    assert!(said.stdout.contains(" rounds, with the fastest and the slowest\n"), "{}", said.stdout);
     let table: Vec<&str> = said.stdout.lines().skip_while(|line| !line.starts_with("accuracy")).collect();
     assert_eq!(table.len(), 5, "{}", said.stdout);
     for (line, accuracy) in table[1..].iter().zip(["exact", "within 1e-3", "within 1e-6", "within 1e-9"]) {
         assert!(line.starts_with(accuracy) && line.len() <= 80, "{line}");
+        // The spread is written as least .. largest.
         let cells: Vec<&str> = line.split_whitespace().rev().collect();
-        let [times, ms, pairs] = [0, 1, 2].map(|i| cells[i].parse::<f64>().expect("a number"));
-        assert!(times > 0.0 && ms >= 0.0 && pairs > 1e4, "{line}");
+        assert_eq!(cells[2], "..", "{line}");
+        let [times, largest, least, ms, pairs] = [0, 1, 3, 4, 5].map(|i| cells[i].parse::<f64>().expect("a number"));
+        assert!(times > 0.0 && pairs > 1e4 && 0.0 < least && least <= ms && ms <= largest && least < largest, "{line}");
     }
 }
 
