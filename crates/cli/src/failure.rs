@@ -67,6 +67,10 @@ impl fmt::Display for Failure {
         match self {
             Failure::Layout(error) => error.fmt(f),
             Failure::Film { layout, error } => write!(f, "{}: {error}", layout.display()),
+            Failure::Design { place, error: DesignError::Request(problems) } => {
+                let lines: Vec<String> = problems.iter().map(|problem| format!("{place}: {problem}")).collect();
+                f.write_str(&lines.join("\n"))
+            }
             Failure::Design { place, error } => write!(f, "{place}: {error}"),
             #[cfg(feature = "report")]
             Failure::Report { layout, message } => write!(f, "{}: {message}", layout.display()),

@@ -198,7 +198,10 @@ impl SpliceRequest {
             ("distance, the nearest", self.distance_mm[0]),
             ("smallest cut", self.smallest_cut_mm),
         ];
-        for (name, value) in lengths.into_iter().chain([("resolution", self.resolution_mm)]) {
+        let all = lengths.into_iter().chain([("resolution", self.resolution_mm)]);
+        // The default lengths follow the wavelength, so that its faults are theirs, too.
+        let is_positive = self.wavelength_mm > 0.0 && self.wavelength_mm.is_finite();
+        for (name, value) in all.take(if is_positive { lengths.len() + 1 } else { 1 }) {
             if !(value > 0.0 && value.is_finite()) {
                 problems.push(format!("{name}: {value} mm, must be a finite number greater than 0"));
             }
@@ -207,7 +210,7 @@ impl SpliceRequest {
             problems.push(format!("remanence: {} T, must be a finite number greater than 0", self.remanence_t));
         } else if self.remanence_t > STRONGEST_MAGNET_T {
             problems.push(format!(
-                "remanence: {} T, must be at most {STRONGEST_MAGNET_T} T, more than any permanent magnet has ({})",
+                "remanence: {} T, must be at most {STRONGEST_MAGNET_T} T, more than any permanent magnet has; {}",
                 self.remanence_t,
                 meant_polarization(self.remanence_t)
             ));
@@ -223,7 +226,7 @@ impl SpliceRequest {
         if self.wavelength_mm > 0.0 && self.wavelength_mm < SHORTEST_WAVELENGTH_MM {
             problems.push(format!(
                 "wavelength: {} mm, must be at least {SHORTEST_WAVELENGTH_MM} mm, or tiles are no larger than the resolution \
-                 of machine tools ({})",
+                 of machine tools; {}",
                 self.wavelength_mm,
                 meant_length(self.wavelength_mm)
             ));
@@ -231,9 +234,16 @@ impl SpliceRequest {
             for (name, value) in lengths.into_iter().filter(|(name, _)| *name != "wavelength") {
                 if value > 0.0 && value * MAX_LENGTH_RATIO < self.wavelength_mm {
                     problems.push(format!(
-                        "{name}: {value} mm, must be at least a thousandth of the wavelength, {} mm ({})",
+                        "{name}: {value} mm, must be at least a thousandth of the wavelength, {} mm; {}",
                         self.wavelength_mm,
                         meant_length(value)
+                    ));
+                } else if value > MAX_LENGTH_RATIO * self.wavelength_mm && !name.starts_with("film") && is_positive {
+                    problems.push(format!(
+                        "{name}: {value} mm, must be at most a thousand times the wavelength, {} mm; did you mean {} mm, \
+                         which is {value} um?",
+                        self.wavelength_mm,
+                        1e-3 * value
                     ));
                 }
             }
@@ -246,7 +256,7 @@ impl SpliceRequest {
             problems
                 .push(format!("resolution of directions: {resolution} deg, must be a finite number greater than 0"));
         }
-        if !(self.distance_mm[0] < self.distance_mm[1]) {
+        if is_positive && !(self.distance_mm[0] < self.distance_mm[1]) {
             let [near, far] = self.distance_mm;
             problems.push(format!("distance: {near} to {far} mm, the first must be less than the second"));
         }
@@ -255,9 +265,12 @@ impl SpliceRequest {
             for (axis, extent) in ["x", "y"].into_iter().zip(self.film_mm) {
                 // A shorter film has no crest on either side.
                 if 0.5 * extent < quarter + 0.5 * WIDE * self.wavelength_mm {
+                    let least = 2.0 * quarter + WIDE * self.wavelength_mm;
+                    let meant =
+                        if 1e3 * extent >= least { format!("; {}", meant_length(extent)) } else { String::new() };
                     problems.push(format!(
-                        "film: {extent} mm along {axis}, must be at least {:.4} mm, two thirds of the wavelength and a half, to hold the crests about the middle",
-                        2.0 * quarter + WIDE * self.wavelength_mm
+                        "film: {extent} mm along {axis}, must be at least {least:.4} mm, 5/6 of the wavelength, to hold the \
+                         crests about the middle{meant}"
                     ));
                 }
             }

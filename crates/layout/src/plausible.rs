@@ -31,40 +31,42 @@ const AMPERES_PER_METRE_FROM: f64 = 25_000.0;
 /// Vacuum permeability in T m/A.
 const MU_0: f64 = 1.256_637_061_27e-6;
 
-/// What a polarization in T that no material has was probably meant to be, as a question: "T, not
-/// mT: 0.12?".
+/// The polarization that a number in T that no material has was probably meant to be, as a question.
 ///
 /// # Example
 /// ```
 /// use magsplice_layout::meant_polarization;
 ///
-/// assert_eq!(meant_polarization(120.0), "T, not mT: 0.12?");
-/// assert_eq!(meant_polarization(12000.0), "T, not G: 1.2?");
-/// assert_eq!(meant_polarization(955e3), "J = mu0 M in T, not M in A/m: 1.2?");
+/// assert_eq!(meant_polarization(120.0), "did you mean 0.12 T, which is 120 mT?");
+/// assert_eq!(meant_polarization(12000.0), "did you mean 1.2 T, which is 12000 G?");
+/// assert_eq!(meant_polarization(955e3), "did you mean J = mu0 M = 1.2 T, for M = 955000 A/m?");
 /// ```
 pub fn meant_polarization(value_t: f64) -> String {
     let value_t = value_t.abs();
+    let question = |factor: f64, unit: &str| {
+        format!("did you mean {} T, which is {} {unit}?", short(factor * value_t), typed(value_t))
+    };
     if value_t <= GAUSS_FROM {
-        return format!("T, not mT: {}?", short(1e-3 * value_t));
+        return question(1e-3, "mT");
     }
     if value_t <= AMPERES_PER_METRE_FROM {
-        return format!("T, not G: {}?", short(1e-4 * value_t));
+        return question(1e-4, "G");
     }
     let polarization_t = MU_0 * value_t;
     if polarization_t <= STRONGEST_MATERIAL_T {
-        return format!("J = mu0 M in T, not M in A/m: {}?", short(polarization_t));
+        return format!("did you mean J = mu0 M = {} T, for M = {} A/m?", short(polarization_t), typed(value_t));
     }
-    "a polarization J = mu0 M in T".to_owned()
+    "give the polarization J = mu0 M in T".to_owned()
 }
 
-/// What a length in mm that is far too small was probably meant to be: "mm, not m: 8?".
+/// The length that a number in mm that is far too small was probably meant to be, as a question.
 ///
 /// # Example
 /// ```
-/// assert_eq!(magsplice_layout::meant_length(0.008), "mm, not m: 8?");
+/// assert_eq!(magsplice_layout::meant_length(0.008), "did you mean 8 mm, which is 0.008 m?");
 /// ```
 pub fn meant_length(value_mm: f64) -> String {
-    format!("mm, not m: {}?", short(1e3 * value_mm))
+    format!("did you mean {} mm, which is {value_mm} m?", short(1e3 * value_mm))
 }
 
 /// Three significant digits, without the round-off of a product.
@@ -85,11 +87,11 @@ mod tests {
     #[test]
     fn unit_is_guessed_from_the_magnitude() {
         for (value, meant) in [
-            (2.6, "T, not mT: 0.0026?"),
-            (-1200.0, "T, not mT: 1.2?"),
-            (2501.0, "T, not G: 0.25?"),
-            (950_000.0, "J = mu0 M in T, not M in A/m: 1.19?"),
-            (1e9, "a polarization J = mu0 M in T"),
+            (2.6, "did you mean 0.0026 T, which is 2.6 mT?"),
+            (-1200.0, "did you mean 1.2 T, which is 1200 mT?"),
+            (2501.0, "did you mean 0.25 T, which is 2501 G?"),
+            (950_000.0, "did you mean J = mu0 M = 1.19 T, for M = 950000 A/m?"),
+            (1e9, "give the polarization J = mu0 M in T"),
         ] {
             assert_eq!(meant_polarization(value), meant);
         }

@@ -291,14 +291,14 @@ fn volumes_in_metres_and_round_off_are_told() {
     assert_eq!(
         found(&z("[-0.003, -0.002]", "step_mm = [1, 1, 0.001]")),
         ["volume: z_mm = [-0.003, -0.002] begins 0.002 mm from the film, nearer than a hundredth of the wavelength, \
-          10 mm (mm, not m: -3 .. -2?)"]
+          10 mm; did you mean -3 .. -2 mm, which is -0.003 .. -0.002 m?"]
     );
     // One end alone is not in metres, and 0.1 mm is a hundredth of the wavelength.
     assert!(found(&z("[-3.099, -0.099]", "step_mm = 1"))[0].ends_with("wavelength, 10 mm"));
     assert_eq!(found(&z("[-3.1, -0.1]", "step_mm = 1")), [""; 0]);
     let step = |step: &str| parse(&format!("{}{film}", z("[-5, -3]", step))).expect_err("too many points");
     assert!(
-        step("step_mm = 0.00025").ends_with("mm along each axis (mm, not m: 0.25?)"),
+        step("step_mm = 0.00025").ends_with("mm along each axis; did you mean 0.25 mm, which is 0.00025 m?"),
         "{}",
         step("step_mm = 0.00025")
     );

@@ -32,8 +32,7 @@ pub(crate) fn run(args: &ImportArgs, quiet: bool) -> Result<(), Failure> {
     }
     if let Some(largest_mm) = suspicious_size_mm {
         failure::tell(&format_args!(
-            "warning: {place}: the largest block measures {largest_mm} mm, less than {SMALLEST_MAGNET_MM} mm: are the \
-             numbers in m? ({})",
+            "warning: {place}: the largest block measures {largest_mm} mm, less than {SMALLEST_MAGNET_MM} mm; {}",
             meant_length(largest_mm)
         ));
     }

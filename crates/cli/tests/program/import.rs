@@ -189,7 +189,7 @@ fn columns_that_are_missing_or_contradict_are_named() {
         (
             &format!("x_mm,y_mm,z_mm,{size},{j},rx_deg,ry_deg,rz_deg"),
             &["--euler", "zxz"],
-            &["need columns euler_1_deg"],
+            &["do not say which rotation about z of the order zxz is meant: name its angles euler_1_deg, euler_2_deg"],
         ),
         (
             &format!("x_mm,y_mm,z_mm,{size},{j},rx_grad,ry_deg,rz_deg"),
@@ -290,6 +290,29 @@ fn one_euler_angle_needs_no_order() {
 }
 
 /// The example of docs/file-formats.md.
+/// A rotation about one axis is the same in every order that has this axis.
+#[test]
+fn one_euler_angle_goes_with_orders_of_a_repeated_axis() {
+    let with =
+        |column: &str, order: &str| tiles(&format!("{HEAD},{column}\na,0,0,0,1,1,1,0.1,0,0,30\n"), &["--euler", order]);
+    for (column, order, angles) in
+        [("rz_deg", "zxz", [30.0, 0.0, 0.0]), ("rz_deg", "ZYZ", [30.0, 0.0, 0.0]), ("rx_deg", "zxz", [0.0, 30.0, 0.0])]
+    {
+        let rotation = serde_json::json!({ "euler_deg": angles, "order": order });
+        assert_eq!(with(column, order)[0]["rotation"], rotation, "{column} {order}");
+    }
+    let refused = |columns: &str, cells: &str, message: &str| {
+        import(&format!("{HEAD},{columns}\na,0,0,0,1,1,1,0.1,0,0,{cells}\n"), &["--euler", "zxz"]).1.refuses(message);
+    };
+    refused(
+        "ry_deg",
+        "30",
+        "the column ry is a rotation about y, which the order zxz does not have: leave out --euler, or give the angles of \
+         zxz as euler_1_deg, euler_2_deg, euler_3_deg",
+    );
+    refused("rx_deg,rz_deg", "10,30", "the columns rx, rz do not say which rotation about z of the order zxz is meant");
+}
+
 #[test]
 fn euler_angles_by_axis_and_by_turn_are_the_same() {
     let rotation = |columns: &str, cells: &str| {
@@ -315,8 +338,8 @@ fn help_and_docs_state_the_mu0_of_the_program() {
 fn metres_under_names_in_mm_are_remarked_on() {
     let blocks =
         |head: &str| format!("{head}\na,0,0,0,0.0033,0.001,0.002,0,0,1\nb,0.005,0,0,0.001,0.001,0.001,0,0,1\n");
-    let remark = "magsplice: warning: blocks.csv: the largest block measures 0.0033 mm, less than 0.02 mm: are the \
-                  numbers in m? (mm, not m: 3.3?)\n";
+    let remark = "magsplice: warning: blocks.csv: the largest block measures 0.0033 mm, less than 0.02 mm; \
+                  did you mean 3.3 mm, which is 0.0033 m?\n";
     let (_, said) = import(&blocks(HEAD), &[]);
     assert!(said.status == 0 && said.stderr.contains(remark), "{}", said.stderr);
     assert_eq!(import(&blocks(HEAD), &["-q"]).1.stderr, "");

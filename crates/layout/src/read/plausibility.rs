@@ -41,14 +41,14 @@ pub(crate) fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: O
     let (wavelength, thickness) = (ideal.wavelength(), ideal.thickness());
     if wavelength < SHORTEST_WAVELENGTH_MM {
         add(format!(
-            "ideal: wavelength_mm = {wavelength} is below {SHORTEST_WAVELENGTH_MM} mm, too short for a spliced film: {}",
+            "ideal: wavelength_mm = {wavelength} is below {SHORTEST_WAVELENGTH_MM} mm, too short for a spliced film; {}",
             meant_length(wavelength)
         ));
     }
     let is_thin = thickness * MAX_LENGTH_RATIO < wavelength;
     if is_thin {
         add(format!(
-            "ideal: thickness_mm = {thickness} is less than a thousandth of the wavelength, {wavelength} mm: {}",
+            "ideal: thickness_mm = {thickness} is less than a thousandth of the wavelength, {wavelength} mm; {}",
             meant_length(thickness)
         ));
     }
@@ -140,8 +140,9 @@ pub(crate) fn about_distance(tiles: &[NamedTile], ideal: &IdealFilm, volume: &Wo
     let [low, high] = [volume.lower_mm.z, volume.upper_mm.z].map(typed);
     let all_near = film.lower.z - volume.lower_mm.z < LEAST_DISTANCE * wavelength;
     // In metres, the volume is at a distance that a sensor has.
-    let meant = (1e3 * distance >= LEAST_DISTANCE * wavelength && all_near)
-        .then(|| format!(" (mm, not m: {} .. {}?)", typed(1e3 * low), typed(1e3 * high)));
+    let meant = (1e3 * distance >= LEAST_DISTANCE * wavelength && all_near).then(|| {
+        format!("; did you mean {} .. {} mm, which is {low} .. {high} m?", typed(1e3 * low), typed(1e3 * high))
+    });
     Some(Finding::new(
         FindingSubject::Volume,
         format!(

@@ -51,7 +51,7 @@ fn is_beyond(magnitude_t: f64) -> bool {
 
 fn rule(magnitude_t: f64) -> String {
     let meant = meant_polarization(magnitude_t);
-    format!("must be at most {STRONGEST_MATERIAL_T} T, more than any material has ({meant})")
+    format!("must be at most {STRONGEST_MATERIAL_T} T, more than any material has; {meant}")
 }
 
 /// The finding about a magnitude that a material has, but no permanent magnet. `subject` names what

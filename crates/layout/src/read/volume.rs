@@ -42,7 +42,7 @@ pub(crate) fn resolve(
             as_written(table.step_mm),
             points * BYTES_PER_POINT * 1e-9,
             least_step(end - lower),
-            meant_step(steps.into(), end - lower).map_or(String::new(), |meant| format!(" ({meant})"))
+            meant_step(steps.into(), end - lower).map_or(String::new(), |meant| format!("; {meant}"))
         ));
         return None;
     }
