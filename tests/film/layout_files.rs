@@ -331,7 +331,7 @@ fn faulty_expectations_are_refused() {
         ),
         (TABLES, "uniformity_rmse = { r_z = 1 }", &["unknown field `r_z`"]),
         (TABLES, "clearance_mm = { max = 1 }", &["unknown field `max`"]),
-        (TABLES, "amplitude = 0.8", &["invalid type"]),
+        (TABLES, "amplitude = 0.8", &["amplitude is a table, not a number: write `amplitude = { min = 0.8 }`"]),
         (TABLES, "field = { file = \"a.csv\" }", &["missing field `within`"]),
     ];
     for (tables, expect, messages) in cases {

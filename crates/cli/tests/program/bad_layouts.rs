@@ -59,11 +59,17 @@ fn unknown_key_shows_the_line() {
 fn missing_keys_and_wrong_types_are_refused() {
     refused("name = \"bad\"\n", &["missing field `format`"]);
     refused(&format!("{HEAD}[[tile]]\nsize_mm = [1, 1, 1]\n"), &["missing field `position_mm`"]);
-    refused(&format!("{HEAD}[[tile]]\nposition_mm = [1, 2]\n"), &["line 4", "length 2, expected a list of 3 values"]);
-    refused(&format!("{HEAD}[[tile]]\nposition_mm = \"here\"\n"), &["line 4", "expected a list of 3 values"]);
+    refused(
+        &format!("{HEAD}[[tile]]\nposition_mm = [1, 2]\n"),
+        &["line 4", "is a list of three numbers in mm, not a list of 2"],
+    );
+    refused(
+        &format!("{HEAD}[[tile]]\nposition_mm = \"here\"\n"),
+        &["line 4", "is a list of three numbers in mm, not a text"],
+    );
     refused(
         &format!("{HEAD}{TILE}{}", VOLUME.replace("0.5", "\"fine\"")),
-        &["expected a number or an array of three numbers"],
+        &["step_mm is one number in mm, or a list of three"],
     );
     refused(&format!("format = 2\nname = \"later\"\n{TILE}"), &["line 1: layout: format = 2, must be 1"]);
     refused(HEAD, &["layout: has no tiles"]);

@@ -6,7 +6,7 @@ const HEAD: &str = "format = 1\nname = \"t\"\n";
 const TILE: &str = "[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
 
 #[track_caller]
-fn hinted(text: &str, hint: &str) {
+pub(crate) fn hinted(text: &str, hint: &str) {
     let sandbox = Sandbox::new();
     sandbox.write("t.toml", text);
     let said = sandbox.run(&["check", "t.toml"]);
@@ -48,40 +48,6 @@ fn missing_and_malformed_values_get_the_sentence_that_helps() {
     sandbox.write("t.toml", &format!("{rotated}{{ axis = [0, 0, 1] }}\n"));
     sandbox.run(&["tiles", "t.toml"]).refuses("line 3: tile \"tile-1\": rotation has axis without an angle_deg");
     hinted(&format!("{HEAD}{}", TILE.replace("[[tile]]", "[tile]")), "write [[tile]] with two brackets");
-}
-
-#[test]
-fn values_of_a_wrong_type_are_told_by_the_form_that_is_wanted() {
-    let tile = |keys: &str| format!("{HEAD}{TILE}{keys}\n");
-    let strength = |value: &str| {
-        format!(
-            "{HEAD}{}",
-            TILE.replace("polarization_t = [0, 0, 1]", &format!("direction = [1, 0, 0]\nstrength_t = {value}"))
-        )
-    };
-    for (text, form) in [
-        (tile("rotation = [0, 0, 30]"), "a rotation is a table, with an axis and an angle"),
-        (tile("rotation = { axis = \"z\", angle_deg = 30 }"), "write `axis = [0, 0, 1]`"),
-        (tile("rotation = { axis = \"x\", angle_deg = 30 }"), "write `axis = [1, 0, 0]`"),
-        (tile("mirror = \"y\""), "write `mirror = { axes = [\"y\"] }`"),
-        (tile("mirror = { axes = \"y\" }"), "write `axes = [\"y\"]`"),
-        (strength("\"200 mT\""), "strength_t is a number in tesla, without quotes and unit: write 0.2"),
-        (strength("\"strong\""), "expected a number"),
-        (tile("grid = 3"), "expected a table"),
-        (tile("grid = { count = [1, -2, 1], pitch_mm = [1, 1, 1] }"), "an integer, at least 0"),
-        (tile("name = 3"), "expected a string"),
-        (TILE.replace("[0, 0, 1]", "[0, 1]"), "expected a list of 3 values"),
-        (TILE.replace("[1, 1, 1]", "1"), "expected a list of 3 values"),
-    ] {
-        let text = if text.starts_with(HEAD) { text } else { format!("{HEAD}{text}") };
-        hinted(&text, form);
-        let sandbox = Sandbox::new();
-        sandbox.write("t.toml", &text);
-        let said = sandbox.run(&["check", "t.toml"]).stdout;
-        for word in ["f64", "i64", "usize", "u64", "struct", "Table", "array of length", "sequence"] {
-            assert!(!said.contains(word), "{word}: {said}");
-        }
-    }
 }
 
 #[test]

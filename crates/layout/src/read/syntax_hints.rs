@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use strsim::jaro_winkler;
 
-use crate::read::value_types;
+use crate::read::value_types::{self, WrongValue};
 
 /// Similarity (Jaro and Winkler) from which on a key is suggested. `tiles` has 0.96 to `tile`,
 /// `wavelenght_mm` 0.98 to `wavelength_mm`; `colour` has 0.4 to 0.6 to every key of a tile.
@@ -19,15 +19,15 @@ const UNITS: [(&str, &str); 4] = [("_mm", "mm"), ("_t", "tesla"), ("_ut", "micro
 /// The message about a syntax error. `message` and `span` are of the TOML parser. A value of a wrong
 /// type is told by the form that its key wants, if this is known.
 pub(crate) fn message(text: &str, message: &str, span: Option<Range<usize>>) -> String {
-    let key = span.clone().and_then(|span| key_at(text, span.start));
     let written = span.clone().and_then(|span| text.get(span)).unwrap_or_default();
-    let is_type = message.starts_with("invalid type") || message.starts_with("invalid length");
-    let form = key.filter(|_| is_type).and_then(|key| value_types::wanted_form(key, written));
-    if let Some(form) = form {
-        return form;
-    }
+    let form = span.clone().and_then(|span| {
+        let key = key_at(text, span.start)?;
+        let is_element = is_in_list(text, span.start)?;
+        WrongValue { key, written, message, is_element }.wanted_form()
+    });
     let hint = hint(text, message, span).map_or(String::new(), |hint| format!("\n{hint}"));
-    format!("{}{hint}", value_types::without_rust_names(message.trim_end()))
+    let sentence = form.unwrap_or_else(|| value_types::without_rust_names(message.trim_end()));
+    format!("{sentence}{hint}")
 }
 
 /// A sentence that helps with a syntax error, if there is one. `message` and `span` are of the TOML
@@ -49,8 +49,10 @@ fn hint(text: &str, message: &str, span: Option<Range<usize>>) -> Option<String>
             let key = key?;
             Some(format!("write [[{key}]] with two brackets: a layout has a list of them"))
         }
-        "strength_t" => Some("strength_t is one number, the magnitude; polarization_t has three components".to_owned()),
-        "polarization_t" => {
+        "strength_t" if message.starts_with("invalid type: sequence, expected f64") => {
+            Some("strength_t is one number, the magnitude; polarization_t has three components".to_owned())
+        }
+        "polarization_t" if message.ends_with("expected an array of length 3") => {
             Some("polarization_t has three components; strength_t is the magnitude, with a direction".to_owned())
         }
         _ => None,
@@ -120,6 +122,16 @@ fn key_at(text: &str, start: usize) -> Option<&str> {
     let name = before[..equals].trim_end();
     let begin = name.rfind(|c: char| !(c.is_alphanumeric() || matches!(c, '_' | '-'))).map_or(0, |at| at + 1);
     name.get(begin..)
+}
+
+/// Whether the value at `start` is in the list that is the value of its key. `None` if the key
+/// before it belongs to another value, that of a table before it in a list.
+fn is_in_list(text: &str, start: usize) -> Option<bool> {
+    let before = &text[..start];
+    let between = before.rfind('=').map_or("", |equals| &before[equals + 1..]);
+    let depth = |open: char, close: char| between.matches(open).count().checked_sub(between.matches(close).count());
+    depth('{', '}')?;
+    Some(depth('[', ']')? > 0)
 }
 
 #[cfg(test)]

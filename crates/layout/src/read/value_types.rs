@@ -2,6 +2,32 @@
 //! the format.
 
 use crate::plausible::typed;
+use crate::read::value_examples::{list_example, table_example};
+
+/// A value of a type that its key does not take.
+pub(crate) struct WrongValue<'t> {
+    /// The key of the value, or of the list that the value is in.
+    pub(crate) key: &'t str,
+    /// The value in the file.
+    pub(crate) written: &'t str,
+    /// The message of the TOML parser, which names the type that it expected.
+    pub(crate) message: &'t str,
+    /// Whether the value is in a list.
+    pub(crate) is_element: bool,
+}
+
+/// The type that the parser expected.
+#[derive(Clone, Copy)]
+enum Wanted {
+    Number,
+    Integer,
+    Text,
+    /// One of the words of an enumeration.
+    Word,
+    /// A list of as many values, or of any number.
+    List(Option<usize>),
+    Table,
+}
 
 /// A unit and its factor.
 type Factor = (&'static str, f64);
@@ -14,40 +40,194 @@ const UNITS: [(&str, &str, &[Factor]); 3] = [
     ("_deg", "degrees", &[("degrees", 1.0), ("deg", 1.0), ("\u{b0}", 1.0)]),
 ];
 
-/// The form of the value of a key, with an example. `written` is the value in the file.
-pub(crate) fn wanted_form(key: &str, written: &str) -> Option<String> {
-    let text = written.trim().trim_matches(['"', '\''].as_slice()).trim();
-    let axis = ["x", "y", "z"].iter().position(|letter| text.eq_ignore_ascii_case(letter));
-    match key {
-        "rotation" => Some(
-            "a rotation is a table, with an axis and an angle: `rotation = { axis = [0, 0, 1], angle_deg = 30 }` turns a \
-             tile by 30 degrees, right-handed, about z. Other forms: `quaternion = [x, y, z, w]`, `euler_deg` with \
-             `order`, `matrix`"
-                .to_owned(),
-        ),
-        "axis" => {
-            let vector = ["[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]"][axis.unwrap_or(2)];
-            Some(format!("an axis is a vector of three numbers: write `axis = {vector}`"))
+/// Most characters of a value that are repeated in a message.
+const MOST_REPEATED: usize = 40;
+
+impl WrongValue<'_> {
+    /// A sentence that says what the key wants, with an example where there is one. `None` if the
+    /// message of the parser is not about a type, or if nothing better than it is known.
+    pub(crate) fn wanted_form(&self) -> Option<String> {
+        let wanted = self.wanted()?;
+        let key = self.key;
+        let axis = ["x", "y", "z"].iter().position(|letter| self.unquoted().eq_ignore_ascii_case(letter));
+        match (key, wanted) {
+            ("rotation", _) => Some(
+                "a rotation is a table, with an axis and an angle: `rotation = { axis = [0, 0, 1], angle_deg = 30 }` \
+                 turns a tile by 30 degrees, right-handed, about z. Other forms: `quaternion = [x, y, z, w]`, \
+                 `euler_deg` with `order`, `matrix`"
+                    .to_owned(),
+            ),
+            ("axis", Wanted::List(_)) => {
+                let vector = ["[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]"][axis.unwrap_or(2)];
+                Some(format!("an axis is a vector of three numbers: write `axis = {vector}`"))
+            }
+            ("mirror", _) => {
+                let axis = ["x", "y", "z"][axis.unwrap_or(0)];
+                Some(format!("a mirror is a table: write `mirror = {{ axes = [\"{axis}\"] }}`"))
+            }
+            ("axes" | "alternate", _) => {
+                let axis = ["x", "y", "z"][axis.unwrap_or(0)];
+                Some(format!("{key} is a list of axes: write `{key} = [\"{axis}\"]`"))
+            }
+            ("tile" | "lattice", _) => None,
+            (_, Wanted::Table) => Some(self.table()),
+            // The parser takes a list for a table with these keys in this order.
+            _ if self.is_element && table_example(key).is_some() => Some(self.table()),
+            (_, Wanted::List(length)) => Some(self.list(length)),
+            (_, Wanted::Number) => Some(self.number()),
+            (_, Wanted::Integer) => Some(self.integer()),
+            (_, Wanted::Text) => Some(self.text()),
+            (_, Wanted::Word) => Some(format!("{} is a word in quotes, not {}", self.subject(), self.found())),
         }
-        "mirror" | "axes" | "alternate" => {
-            let list = format!("[\"{}\"]", ["x", "y", "z"][axis.unwrap_or(0)]);
-            Some(match key {
-                "mirror" => format!("a mirror is a table: write `mirror = {{ axes = {list} }}`"),
-                _ => format!("{key} is a list of axes: write `{key} = {list}`"),
-            })
+    }
+
+    fn wanted(&self) -> Option<Wanted> {
+        if self.message.starts_with("wanted string") {
+            return Some(Wanted::Word);
         }
-        _ if written.trim().starts_with(['"', '\'']) => number_without_unit(key, text),
-        _ => None,
+        if !["invalid type", "invalid length"].iter().any(|start| self.message.starts_with(start)) {
+            return None;
+        }
+        let (_, expected) = self.message.trim_end().rsplit_once("expected ")?;
+        Some(match expected {
+            "f64" => Wanted::Number,
+            "i64" | "usize" | "u64" => Wanted::Integer,
+            "a string" | "path string" => Wanted::Text,
+            "a sequence" => Wanted::List(None),
+            "a map" => Wanted::Table,
+            _ if expected.starts_with("struct ") => Wanted::Table,
+            _ => Wanted::List(Some(expected.strip_prefix("an array of length ")?.parse().ok()?)),
+        })
+    }
+
+    /// What the value is instead.
+    fn found(&self) -> String {
+        let written = self.written.trim();
+        if let Some(length) = self.message.strip_prefix("invalid length ").and_then(|text| text.split(',').next()) {
+            return format!("a list of {length}");
+        }
+        match written.chars().next() {
+            Some('"' | '\'') => "a text".to_owned(),
+            Some('[') => "a list".to_owned(),
+            Some('{') => "a table".to_owned(),
+            Some('t' | 'f') => "true or false".to_owned(),
+            _ if self.is_number() => "a number".to_owned(),
+            _ => "this".to_owned(),
+        }
+    }
+
+    fn number(&self) -> String {
+        let (subject, text) = (self.subject(), self.unquoted());
+        let in_unit = self.unit().map_or(String::new(), |(unit, _)| format!(" in {unit}"));
+        if !self.is_quoted() {
+            return format!("{subject} is one number{in_unit}, not {}", self.found());
+        }
+        let with_unit = self.unit().and_then(|(_, factors)| {
+            factors.iter().find_map(|(unit, factor)| Some(finite(text.strip_suffix(unit)?)? * factor))
+        });
+        let without = if self.unit().is_some() { "without quotes and unit" } else { "without quotes" };
+        match with_unit.or_else(|| finite(text)).map(typed) {
+            Some(value) => format!("{subject} is a number{in_unit}, {without}: write {value}"),
+            None => format!("{subject} is a number{in_unit}, not a text"),
+        }
+    }
+
+    fn integer(&self) -> String {
+        let subject = self.subject();
+        match self.unquoted().parse::<i64>() {
+            Ok(value) if self.is_quoted() => format!("{subject} is an integer, without quotes: write {value}"),
+            _ if self.is_number() => format!("{subject} is an integer, not {}", self.written.trim()),
+            _ => format!("{subject} is an integer, not {}", self.found()),
+        }
+    }
+
+    fn text(&self) -> String {
+        let (subject, written) = (self.subject(), self.written.trim());
+        let is_short = written.chars().count() <= MOST_REPEATED;
+        if is_short && !self.is_element && (self.is_number() || matches!(written, "true" | "false")) {
+            return format!("{subject} is a text in quotes: write `{} = \"{written}\"`", self.key);
+        }
+        format!("{subject} is a text in quotes, not {}", self.found())
+    }
+
+    fn list(&self, length: Option<usize>) -> String {
+        let (key, found) = (self.key, self.found());
+        let what = match (key, length) {
+            ("matrix", _) if self.is_element => "a list of three numbers".to_owned(),
+            ("matrix", _) => "a list of three rows, each of three numbers".to_owned(),
+            ("count", Some(_)) => "a list of three integers".to_owned(),
+            (_, Some(length)) => {
+                let count = ["no", "one", "two", "three", "four"].get(length).map_or(length.to_string(), |&w| w.into());
+                let in_unit = self.unit().map_or(String::new(), |(unit, _)| format!(" in {unit}"));
+                format!("a list of {count} numbers{in_unit}")
+            }
+            (_, None) => "a list".to_owned(),
+        };
+        let subject = self.subject();
+        let example = list_example(key, length).filter(|_| !self.is_element);
+        let fits = |numbers: &Vec<f64>| match length {
+            Some(length) => numbers.len() == length,
+            None => example.is_some_and(|example| !example.contains(['{', '"'])),
+        };
+        if let Some(numbers) = numbers(self.unquoted()).filter(|numbers| !self.is_element && fits(numbers)) {
+            let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
+            return format!("{subject} is {what}, not {found}: write `{key} = [{}]`", numbers.join(", "));
+        }
+        let example = example.map_or(String::new(), |example| format!(", as in `{key} = {example}`"));
+        format!("{subject} is {what}, not {found}{example}")
+    }
+
+    fn table(&self) -> String {
+        let key = self.key;
+        let found = if self.is_element { "a list".to_owned() } else { self.found() };
+        if matches!(key, "ideal" | "volume" | "expect" | "design") {
+            return format!("{key} is a table, not {found}: begin it with the line [{key}]");
+        }
+        let Some(example) = table_example(key) else {
+            return format!("{} is a table, not {}", self.subject(), self.found());
+        };
+        // A bare bound.
+        match finite(self.unquoted()) {
+            Some(value) if matches!(key, "amplitude" | "clearance_mm") && !self.is_element => {
+                format!("{key} is a table, not {found}: write `{key} = {{ min = {value} }}`")
+            }
+            _ => format!("{key} is a table, not {found}, as in `{key} = {example}`"),
+        }
+    }
+
+    /// The value as subject of a sentence.
+    fn subject(&self) -> String {
+        if self.is_element { format!("each value of {}", self.key) } else { self.key.to_owned() }
+    }
+
+    /// The unit in which the key has its value, and the units that may stand beside it by mistake.
+    fn unit(&self) -> Option<(&'static str, &'static [Factor])> {
+        UNITS.iter().find(|(end, _, _)| self.key.ends_with(end)).map(|(_, unit, factors)| (*unit, *factors))
+    }
+
+    fn is_quoted(&self) -> bool {
+        self.written.trim().starts_with(['"', '\''])
+    }
+
+    fn is_number(&self) -> bool {
+        self.written.trim().parse::<f64>().is_ok()
+    }
+
+    fn unquoted(&self) -> &str {
+        self.written.trim().trim_matches(['"', '\''].as_slice()).trim()
     }
 }
 
-/// How to write a number that stands in quotes, with or without its unit.
-fn number_without_unit(key: &str, text: &str) -> Option<String> {
-    let (_, unit, factors) = UNITS.iter().find(|(end, _, _)| key.ends_with(end))?;
-    let parsed = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
-    let with_unit = factors.iter().find_map(|(unit, factor)| Some(parsed(text.strip_suffix(unit)?)? * factor));
-    let value = typed(with_unit.or_else(|| parsed(text))?);
-    Some(format!("{key} is a number in {unit}, without quotes and unit: write {value}"))
+/// A finite number.
+fn finite(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+/// Numbers with separators between them, as people write a list or an extent.
+fn numbers(text: &str) -> Option<Vec<f64>> {
+    let text = text.trim_matches(|c: char| matches!(c, '[' | ']' | '(' | ')') || c.is_whitespace());
+    let parts = text.split([',', ';', 'x', '*', ' ']).filter(|part| !part.is_empty());
+    parts.map(finite).collect::<Option<Vec<f64>>>().filter(|numbers| !numbers.is_empty())
 }
 
 /// The parser's message with names of Rust types and of its data model as words of the format.
@@ -78,6 +258,11 @@ pub(crate) fn without_rust_names(message: &str) -> String {
 mod tests {
     use super::*;
 
+    fn form(key: &str, written: &str, expected: &str) -> Option<String> {
+        let message = format!("invalid type: {written}, expected {expected}");
+        WrongValue { key, written, message: &message, is_element: false }.wanted_form()
+    }
+
     #[test]
     fn numbers_in_quotes_are_converted_to_the_unit_of_the_key() {
         for (key, text, value) in [
@@ -87,13 +272,28 @@ mod tests {
             ("wavelength_mm", "1cm", "write 10"),
             ("wavelength_mm", "0.008 m", "write 8"),
             ("angle_deg", "30 deg", "write 30"),
+            ("min", "3", "min is a number, without quotes: write 3"),
         ] {
-            let form = wanted_form(key, &format!("\"{text}\"")).expect("a form");
+            let form = form(key, &format!("\"{text}\""), "f64").expect("a form");
             assert!(form.ends_with(value), "{form}");
         }
-        for (key, text) in [("strength_t", "\"strong\""), ("strength_t", "[1, 2, 3]"), ("name", "3")] {
-            assert_eq!(wanted_form(key, text), None);
+        assert_eq!(
+            form("strength_t", "\"strong\"", "f64").as_deref(),
+            Some("strength_t is a number in tesla, not a text")
+        );
+    }
+
+    #[test]
+    fn the_parser_decides_whether_a_list_is_wanted() {
+        let wanted = |written: &str| form("size_mm", written, "an array of length 3").expect("a form");
+        assert!(
+            wanted("\"1\"").starts_with("size_mm is a list of three numbers in mm, not a text, as in `size_mm = [")
+        );
+        assert!(wanted("1").starts_with("size_mm is a list of three numbers in mm, not a number, as in "));
+        for written in ["\"3.3, 1.7, 1\"", "\"3.3x1.7x1\"", "\"[3.3 1.7 1]\""] {
+            assert!(wanted(written).ends_with(": write `size_mm = [3.3, 1.7, 1]`"), "{}", wanted(written));
         }
+        assert_eq!(form("size_mm", "1", "a type of the future"), None);
     }
 
     #[test]

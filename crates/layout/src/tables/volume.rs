@@ -22,7 +22,10 @@ pub(crate) struct VolumeTable {
 }
 
 #[derive(Clone, Copy, Deserialize, JsonSchema, Serialize)]
-#[serde(untagged, expecting = "expected a number or an array of three numbers")]
+#[serde(
+    untagged,
+    expecting = "step_mm is one number in mm, or a list of three, one along each axis, as in `step_mm = 0.5`"
+)]
 pub(crate) enum Step {
     /// The same step along x, y and z.
     Same(f64),
