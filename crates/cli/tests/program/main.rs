@@ -8,6 +8,7 @@ mod checks;
 mod cut_list;
 mod decouple;
 mod design;
+mod expectations;
 mod field;
 mod files;
 mod formats;
@@ -18,6 +19,7 @@ mod import;
 mod point_files;
 #[cfg(target_os = "linux")]
 mod progress;
+mod radians;
 mod real_films;
 #[cfg(feature = "report")]
 mod report;
@@ -28,6 +30,7 @@ mod terminal;
 mod tolerances;
 mod unbounded;
 mod units;
+mod wrong_types;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -50,6 +50,8 @@ mod number_rules;
 mod overlap;
 /// Findings about lengths: tiles, ideal film and volume beside each other.
 mod plausibility;
+/// Findings about angles in radians.
+mod radians;
 /// Copies on a grid and mirror images.
 mod repeat;
 /// The limits on all tiles together.
@@ -68,6 +70,8 @@ mod tables_present;
 mod tile_rules;
 /// Rules of `[tolerance]`.
 mod tolerance;
+/// Examples of values that are lists or tables.
+mod value_examples;
 /// Values of a wrong type, in the words of the format.
 mod value_types;
 /// Ranges and a step become a grid.
@@ -218,7 +222,7 @@ fn printable(message: &str) -> String {
 /// The checked layout of a file, or its broken rules.
 fn resolve(file: LayoutFile, text: &str, sha256: String, source: &Source) -> Result<Layout, Vec<LayoutFault>> {
     let mut faults = Faults::new(text);
-    let mut findings = Vec::new();
+    let mut findings = radians::about_angles(&file);
     check_format(&file.format, &mut faults);
     names::check_name("name", &file.name, &mut faults.at(&(0..0), "layout"));
     let present = TablesPresent {
@@ -301,7 +305,10 @@ fn resolve(file: LayoutFile, text: &str, sha256: String, source: &Source) -> Res
     });
     findings.extend(about_volume);
     findings.extend(ideal.iter().flat_map(|ideal| plausibility::about_ideal_film(&tiles, ideal, volume.as_ref())));
-    findings.extend(findings::about_expectations(&expectations));
+    findings.extend(findings::about_expectations(&expectations, ideal.as_ref()));
+    findings.extend(
+        brief.iter().filter_map(|brief| findings::about_amplitude(FindingSubject::Design, brief.least_amplitude?)),
+    );
     Ok(Layout {
         name: file.name,
         description: file.description,
