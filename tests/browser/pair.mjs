@@ -29,6 +29,9 @@ try {
     assert.deepEqual(broken, [], `numbers that are broken or cut off at ${width} px`);
     assert.equal(await page.getByRole("rowheader").count(), rows.length);
     assert.equal(await page.getByRole("columnheader").count(), 4);
+    // How to read the numbers stands below them.
+    const [table, note] = await Promise.all(["#numbers", "#about-rmse"].map((id) => page.locator(id).boundingBox()));
+    assert.ok(note.height > 10 && note.y >= table.y + table.height && note.x + note.width <= width, JSON.stringify(note));
     // Figures of the same name beside each other, or below each other on a telephone.
     const boxes = await page.locator("figure img").evaluateAll(async (images) => {
       await Promise.all(images.map((image) => image.decode()));

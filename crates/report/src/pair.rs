@@ -107,7 +107,7 @@ fn page(
             names[i], labels[i], layout.sha256
         )
     });
-    let title = format!("{} and {}", names[0], names[1]);
+    let title = title(&names, &labels);
     filled(PAGE, &|placeholder| match placeholder {
         "head" => head(&title, STYLE),
         "title" => title.clone(),
@@ -118,6 +118,15 @@ fn page(
         "figures" => figure_pairs(figures, &labels),
         _ => unreachable!("{placeholder} is not a placeholder of the page"),
     })
+}
+
+/// Both names; with the labels where the names do not tell the films apart.
+fn title(names: &[String; 2], labels: &[String; 2]) -> String {
+    let [first, second] = [0, 1].map(|film| {
+        let (name, label) = (&names[film], &labels[film]);
+        if names[0] == names[1] { format!("{name} ({label})") } else { name.clone() }
+    });
+    format!("{first} and {second}")
 }
 
 /// A row of the table: both values, and the second minus the first.
