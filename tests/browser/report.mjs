@@ -118,7 +118,9 @@ try {
   await checkScheme(browser, page.url(), inVolume);
   assert.deepEqual(errors, []);
   const maps = inVolume ? `, ${data.maps.length} maps` : "";
-  console.log(`${folder}/report.html: ${figures.length} figures, ${data.tiles.length} tiles${maps}, no error`);
+  const counted = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
+  const [figureCount, tileCount] = [counted(figures.length, "figure"), counted(data.tiles.length, "tile")];
+  console.log(`${folder}/report.html: ${figureCount}, ${tileCount}${maps}, no error`);
 } finally {
   await browser.close();
 }
