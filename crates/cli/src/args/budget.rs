@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::formats::TextOrJson;
+use super::preset::PresetArgs;
 
 /// Tell where the displacement error of the films that are made comes from.
 ///
@@ -14,10 +15,13 @@ use super::formats::TextOrJson;
 /// by exact derivatives. Exact samples check it; where they disagree by more than 5 %, the program says
 /// so and divides by samples of each cause alone.
 #[derive(Args)]
-#[command(after_help = "Example:\n  magsplice budget layouts/robust-in-plane.toml")]
+#[command(after_help = "Example:\n  magsplice budget layouts/robust-in-plane.toml\n  \
+    magsplice budget layouts/published-film.toml --preset workshop --figure budget.png")]
 pub(crate) struct BudgetArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
+    #[command(flatten)]
+    pub(crate) preset: PresetArgs,
     /// Number of samples that check the division, or divide
     #[arg(long, value_name = "N", default_value = "200", value_parser = clap::value_parser!(u64).range(20..=1_000_000))]
     pub(crate) samples: u64,

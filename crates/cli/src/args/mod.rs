@@ -23,6 +23,8 @@ pub(crate) mod import;
 pub(crate) mod numbers;
 /// `--points` and `--unit`: points from a file.
 pub(crate) mod points;
+/// `--preset`: usual errors of tiles.
+pub(crate) mod preset;
 /// Arguments of `tolerance`.
 pub(crate) mod tolerance;
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 
 use super::formats::{FileFormat, TextOrJson};
+use super::preset::PresetArgs;
 
 /// Largest number of samples.
 pub(crate) const MAX_SAMPLES: u64 = *magsplice::layout::SAMPLE_COUNTS.end();
@@ -14,13 +15,15 @@ pub(crate) const MAX_SAMPLES: u64 = *magsplice::layout::SAMPLE_COUNTS.end();
 /// Each sample is a film whose tiles are misplaced, turned, cut to wrong sizes, and of wrong strength
 /// and direction, in the surroundings and under the sensor of [tolerance]. Its exact field gives the
 /// uniformity RMSE, the displacement RMSE and the amplitude. The result has their mean and percentiles
-/// with intervals of 95 % confidence, and the share of the films that keep [expect].
+/// with intervals of 95 % confidence, and the share of the films that keep the bounds of [expect] and
+/// [expect.made].
 ///
 /// Sample i depends on the seed and on i alone, so that machines can share the work: see --first.
 /// Ctrl-C ends the run with the result so far.
 #[derive(Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(after_help = "Example:\n  magsplice tolerance layouts/robust-in-plane.toml --samples 10000\n  \
+    magsplice tolerance layouts/published-film.toml --preset workshop\n  \
     magsplice tolerance film.toml --samples 100000 --first 25000 --count 25000 --save part-2.csv\n  \
     magsplice tolerance merge film.toml part-*.csv --save samples.parquet")]
 pub(crate) struct ToleranceArgs {
@@ -29,6 +32,8 @@ pub(crate) struct ToleranceArgs {
     /// Layout file
     #[arg(required = true)]
     pub(crate) layout: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) preset: PresetArgs,
     /// Number of samples [default: that of [tolerance], else 1000]
     #[arg(long, value_name = "N", value_parser = samples)]
     pub(crate) samples: Option<u64>,
@@ -75,6 +80,8 @@ pub(crate) struct MergeArgs {
     /// Files that `tolerance --save` wrote, in any order
     #[arg(required = true, value_name = "PART")]
     pub(crate) parts: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) preset: PresetArgs,
     #[command(flatten)]
     pub(crate) result: ToleranceResultArgs,
 }

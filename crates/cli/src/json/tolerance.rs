@@ -23,6 +23,8 @@ pub(crate) struct ToleranceJson<'a> {
     /// The share of the films that keep the bounds of `[expect]`.
     #[serde(rename = "yield")]
     yield_share: Option<ShareJson>,
+    /// The share of the films that keep all bounds of `[expect.made]`.
+    yield_made: Option<ShareJson>,
 }
 
 #[derive(Serialize)]
@@ -84,10 +86,15 @@ impl<'a> ToleranceJson<'a> {
             uniformity_rmse: ParametersJson { r_x: statistics(0), r_y: statistics(1), s_z: statistics(2) },
             displacement_rmse_mm: AxesJson { x: statistics(3), y: statistics(4), z: statistics(5) },
             amplitude: statistics(6),
-            yield_share: film
-                .yield_share
-                .map(|Estimate { value, interval }| ShareJson { share: value, interval_95: interval }),
+            yield_share: film.yield_share.map(ShareJson::new),
+            yield_made: film.yield_made.map(ShareJson::new),
         }
+    }
+}
+
+impl ShareJson {
+    fn new(share: Estimate) -> ShareJson {
+        ShareJson { share: share.value, interval_95: share.interval }
     }
 }
 

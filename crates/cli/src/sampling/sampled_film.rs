@@ -1,7 +1,7 @@
 //! Results of `tolerance`: statistics of the samples of a film.
 
 use magsplice::expect::keeps_bounds;
-use magsplice::layout::Layout;
+use magsplice::layout::{Expectations, Layout, MadeExpectations};
 use magsplice::tolerance::{Estimate, Figure, FilmErrors, Statistics, share, statistics};
 
 use super::source::SampleSource;
@@ -16,6 +16,8 @@ pub(crate) struct SampledFilm<'a> {
     pub(crate) statistics: [Statistics; 7],
     /// The share of the samples that keep the bounds of `[expect]`; nothing if there are none.
     pub(crate) yield_share: Option<Estimate>,
+    /// The share of the samples that keep all bounds of `[expect.made]`; nothing if there are none.
+    pub(crate) yield_made: Option<Estimate>,
 }
 
 impl<'a> SampledFilm<'a> {
@@ -28,8 +30,24 @@ impl<'a> SampledFilm<'a> {
         errors: &[FilmErrors],
     ) -> SampledFilm<'a> {
         let statistics = Figure::ALL.map(|figure| statistics(errors, figure).expect("at least one sample"));
-        let kept: Option<Vec<bool>> = errors.iter().map(|errors| keeps_bounds(&layout.expectations, errors)).collect();
-        let yield_share = kept.and_then(|kept| share(kept.iter().filter(|kept| **kept).count(), kept.len()));
-        SampledFilm { layout, nominal, source, statistics, yield_share }
+        let yield_share = keeping(&layout.expectations, errors);
+        let yield_made = layout.expectations.made.as_ref().and_then(|made| keeping(&of_one_film(made), errors));
+        SampledFilm { layout, nominal, source, statistics, yield_share, yield_made }
+    }
+}
+
+/// The share of the samples that keep all bounds; nothing if there are none.
+fn keeping(bounds: &Expectations, errors: &[FilmErrors]) -> Option<Estimate> {
+    let kept: Vec<bool> = errors.iter().map(|errors| keeps_bounds(bounds, errors)).collect::<Option<_>>()?;
+    share(kept.iter().filter(|kept| **kept).count(), kept.len())
+}
+
+/// The bounds of a percentile as bounds of one film.
+fn of_one_film(made: &MadeExpectations) -> Expectations {
+    Expectations {
+        uniformity_rmse: made.uniformity_rmse,
+        displacement_rmse_mm: made.displacement_rmse_mm,
+        least_amplitude: made.least_amplitude,
+        ..Expectations::default()
     }
 }

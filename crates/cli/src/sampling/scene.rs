@@ -31,10 +31,9 @@ impl<'a> SampledScene<'a> {
         let real = film.real_film().map_err(|error| match error {
             FilmError::Missing(_) => Failure::Points {
                 path: path.to_owned(),
-                message:
-                    "the layout has no [tolerance] table, which states the errors of the films that are made: add \
-                          [tolerance] with preset = \"workshop\" to begin with; docs/layout-format.md describes it"
-                        .to_owned(),
+                message: "the layout has no [tolerance] table, which states the errors of the films that are made: \
+                          give --preset workshop to begin with, or add the table that docs/layout-format.md describes"
+                    .to_owned(),
             },
             error => film_failure(path, layout, error),
         })?;

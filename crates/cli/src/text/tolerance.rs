@@ -38,10 +38,12 @@ pub(crate) fn samples(film: &SampledFilm) -> String {
     let [nominal, mean, p50, p5, p1] = values.map(figure);
     text.push('\n');
     lines(&mut text, &[names, ["amplitude".to_owned(), nominal, mean, p50, p5, p1, interval(&amplitude.p5)]]);
-    if let Some(share) = &film.yield_share {
-        let percent = |share: f64| format!("{:.1}", 100.0 * share);
-        let [low, high] = share.interval.map(percent);
-        let _ = writeln!(text, "\nyield: {} % of the films keep [expect] ({low} .. {high} %)", percent(share.value));
+    text.push('\n');
+    for (share, bounds) in [(film.yield_share, "[expect]"), (film.yield_made, "[expect.made]")] {
+        let Some(share) = share else { continue };
+        let [value, low, high] = [share.value, share.interval[0], share.interval[1]].map(|share| 100.0 * share);
+        let _ =
+            writeln!(text, "yield: {value:.1} % of the films keep all bounds of {bounds} ({low:.1} .. {high:.1} %)");
     }
     text += "intervals hold with 95 % confidence\n";
     text

@@ -15,7 +15,8 @@ use crate::{json, remarks, text};
 
 pub(crate) fn run(args: &BudgetArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
-    let layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
+    let mut layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
+    args.preset.apply(&mut layout);
     let scene = SampledScene::new(&args.layout, &layout)?;
     let inputs: [&Path; 1] = [&args.layout];
     let mut output = Output::open(args.output.as_deref(), &inputs)?;

@@ -26,7 +26,8 @@ pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
     }
     let path = args.layout.as_deref().unwrap_or(Path::new(""));
     let progress = ProgressLine::start_search(!quiet);
-    let layout = remarks::read_layout(path, remarks::OF_COMPARISONS, quiet, &progress)?;
+    let mut layout = remarks::read_layout(path, remarks::OF_COMPARISONS, quiet, &progress)?;
+    args.preset.apply(&mut layout);
     let scene = SampledScene::new(path, &layout)?;
     let tolerance = layout.tolerance.as_ref();
     let total = args.samples.or(tolerance.map(|t| t.samples)).unwrap_or(1);
@@ -92,7 +93,8 @@ fn tell_interrupted(film: &SampledFilm, source: &SampleSource, journal: Option<&
 /// `tolerance merge`: joins parts.
 fn merge(args: &MergeArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
-    let layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
+    let mut layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
+    args.preset.apply(&mut layout);
     let scene = SampledScene::new(&args.layout, &layout)?;
     let inputs: Vec<PathBuf> = args.parts.iter().chain([&args.layout]).cloned().collect();
     let outputs = Outputs::open(&args.result, &inputs)?;

@@ -191,6 +191,53 @@ fn tolerance_says_what_it_needs() {
     assert!(said.stderr.contains("film.toml: sample "), "{}", said.stderr);
 }
 
+/// The preset takes the place of the whole table, of its groups too.
+#[test]
+fn preset_stands_for_the_table_of_the_layout() {
+    let sandbox = Sandbox::new();
+    let result = |arguments: &[&str]| {
+        let said = sandbox.run(&[arguments, &["--format", "json", "--samples", "40"]].concat());
+        assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+        let mut result = json(&said.stdout);
+        // The hash is that of the file.
+        result["sha256"].take();
+        result
+    };
+    for verb in ["tolerance", "budget"] {
+        film(&sandbox, "preset = \"jig\"");
+        let by_table = result(&[verb, "film.toml"]);
+        assert_eq!(result(&[verb, &shipped("published-film"), "--preset", "jig"]), by_table);
+        film(&sandbox, "preset = \"by-hand\"\nsamples = 40\n[[tolerance.group]]\ntiles = [\"*\"]\nposition_mm = 0.1");
+        assert_eq!(result(&[verb, "film.toml", "--preset", "jig"]), by_table);
+        assert_ne!(result(&[verb, "film.toml"]), by_table);
+    }
+    let part = |options: &[&str]| {
+        let said = sandbox.run(&[&["tolerance", "film.toml", "--samples", "40", "--save"], options].concat());
+        assert_eq!(said.status, 0, "{}", said.stderr);
+    };
+    part(&["a.csv", "--preset", "jig", "--count", "30"]);
+    part(&["b.csv", "--preset", "jig", "--first", "30"]);
+    let merged = sandbox.run(&["tolerance", "merge", "film.toml", "a.csv", "b.csv", "--preset", "jig"]);
+    assert_eq!(merged.status, 0, "{}", merged.stderr);
+    let other = sandbox.run(&["tolerance", "merge", "film.toml", "a.csv", "b.csv"]);
+    other.refuses("its samples are of another film or other errors than film.toml has now");
+}
+
+/// A bound at the median of x is kept by half of the films, whatever the others.
+#[test]
+fn yield_counts_the_films_that_keep_the_bounds_of_made_films() {
+    let sandbox = Sandbox::new();
+    film(&sandbox, WORKSHOP);
+    let run =
+        |options: &[&str]| sandbox.run(&[&["tolerance", "film.toml", "--samples", "400"], options].concat()).stdout;
+    let median = json(&run(&["--format", "json"]))["displacement_rmse_mm"]["x"]["p50"].as_f64().expect("a number");
+    film(&sandbox, &format!("{WORKSHOP}\n[expect.made]\ndisplacement_rmse_mm = {{ x = {median}, z = 1.0 }}"));
+    assert_eq!(json(&run(&["--format", "json"]))["yield_made"]["share"], 0.5);
+    let text = run(&[]);
+    assert!(text.contains("yield: 50.0 % of the films keep all bounds of [expect.made] (45."), "{text}");
+    assert!(text.contains("% of the films keep all bounds of [expect] ("), "{text}");
+}
+
 /// The P95 along x of the published film in a workshop is known to be 0.268 mm, to its rounding and the
 /// error of 400 samples, about 0.002.
 #[test]

@@ -1,0 +1,38 @@
+//! The option `--preset`.
+
+use clap::{Args, ValueEnum};
+use magsplice::layout::{FilmTolerance, Layout, TileErrors};
+
+/// Errors of tiles to assume instead of those of the layout.
+#[derive(Args)]
+pub(crate) struct PresetArgs {
+    /// Errors of every tile to assume instead of all that [tolerance] states
+    #[arg(long, value_enum)]
+    preset: Option<Preset>,
+}
+
+/// Usual errors of tiles, by the way in which a film is made.
+#[derive(Clone, Copy, ValueEnum)]
+enum Preset {
+    /// Magnets from a shop, laid along a drawn line: 0.15 mm, 1.5 degrees, sizes 0.05 mm, 3 %, J 2 degrees
+    ByHand,
+    /// Sorted magnets, laid with care against stops: 0.05 mm, 0.5 degrees, 1 %
+    Workshop,
+    /// Ground magnets of one batch in a milled frame: 0.02 mm, 0.2 degrees, sizes 0.02 mm, 1 %, J 1 degree
+    Jig,
+}
+
+impl PresetArgs {
+    /// Gives the tiles of a layout the errors of the preset, and no others. Samples and seed stay.
+    pub(crate) fn apply(&self, layout: &mut Layout) {
+        let errors = match self.preset {
+            None => return,
+            Some(Preset::ByHand) => TileErrors::by_hand(),
+            Some(Preset::Workshop) => TileErrors::workshop(),
+            Some(Preset::Jig) => TileErrors::jig(),
+        };
+        let FilmTolerance { samples, seed, .. } = layout.tolerance.take().unwrap_or_default();
+        layout.tolerance =
+            Some(FilmTolerance { samples, seed, ..FilmTolerance::of_tiles(&errors, layout.tiles.len()) });
+    }
+}
