@@ -17,6 +17,8 @@ pub(crate) struct BudgetJson<'a> {
     /// Whether the parts are to first order, or by samples of each cause alone.
     first_order: bool,
     parts: Vec<PartJson>,
+    /// The mean square of the splicing pattern without end; null if it is not known.
+    endless_pattern_mm2: Option<AxesJson<f64>>,
     total_mm2: AxesJson<f64>,
     /// The same by exact samples.
     sampled_mm2: AxesJson<f64>,
@@ -78,6 +80,7 @@ impl<'a> BudgetJson<'a> {
             seed: film.seed,
             samples: film.samples,
             first_order: film.is_first_order,
+            endless_pattern_mm2: film.endless_pattern_mm2().map(AxesJson::from),
             parts: film.parts().into_iter().map(part).collect(),
             total_mm2: totals.into(),
             sampled_mm2: film.sampled_mm2.into(),

@@ -72,12 +72,13 @@ impl<'a> FilmBudget<'a> {
             name,
             mean_squares_mm2: axes.each_ref().map(of),
         };
-        let mut parts = match self.no_pattern {
-            Some(_) => vec![part("film as ordered".to_owned(), &|axis| axis.nominal_mm2)],
-            None => vec![
+        let mut parts = if self.no_pattern.is_some() || self.compensated_pattern_mm2().is_some() {
+            vec![part("film as ordered".to_owned(), &|axis| axis.nominal_mm2)]
+        } else {
+            vec![
                 part("splicing pattern".to_owned(), &|axis| axis.pattern_mm2.unwrap_or(0.0)),
                 part("end of the film".to_owned(), &|axis| axis.finite_film_mm2().unwrap_or(0.0)),
-            ],
+            ]
         };
         for (number, share) in axes[0].causes.iter().enumerate() {
             parts.push(part(self.cause(share.cause), &|axis| axis.causes[number].contribution.total_mm2()));
@@ -86,6 +87,19 @@ impl<'a> FilmBudget<'a> {
             parts.push(part("causes together".to_owned(), &AxisBudget::together_mm2));
         }
         parts
+    }
+
+    /// The mean squares of the splicing pattern without end along x, y, z, in mm^2.
+    pub(crate) fn endless_pattern_mm2(&self) -> Option<[f64; 3]> {
+        let [x, y, z] = self.budget.axes.each_ref().map(|axis| axis.pattern_mm2);
+        Some([x?, y?, z?])
+    }
+
+    /// Those of a pattern that the end of the film compensates, along an axis at least. They may be far
+    /// larger than the total, and are no parts of it that could be compared with others.
+    pub(crate) fn compensated_pattern_mm2(&self) -> Option<[f64; 3]> {
+        let mut ends = self.budget.axes.iter().filter_map(AxisBudget::finite_film_mm2);
+        self.endless_pattern_mm2().filter(|_| ends.any(|square| square < 0.0))
     }
 
     /// The sum of all parts along x, y, z.

@@ -29,13 +29,22 @@ pub(crate) fn budget(film: &FilmBudget) -> String {
     if let Some(why) = &film.no_pattern {
         rows::prose(&mut text, &format!("the splicing pattern and the end of the film are not told apart: {why}"));
     }
+    if let Some(squares_mm2) = film.compensated_pattern_mm2() {
+        let [x, y, z] = squares_mm2.map(rms);
+        let sentence = format!(
+            "the same splicing pattern without end would be off by {x}, {y}, {z} mm, which the end of the film \
+             compensates"
+        );
+        rows::prose(&mut text, &sentence);
+    }
     validity(&mut text, film);
     improvements(&mut text, film);
     text
 }
 
 fn line(text: &mut String, label: &str, [x, y, z]: [String; 3]) {
-    let _ = writeln!(text, "{:<28}{x:>20}{y:>20}{z:>20}", label.chars().take(28).collect::<String>());
+    let line = format!("{:<28}{x:>20}{y:>20}{z:>20}", label.chars().take(28).collect::<String>());
+    let _ = writeln!(text, "{}", line.trim_end());
 }
 
 /// Root mean squares with shares of the totals.

@@ -309,7 +309,14 @@ fn budget_divides_the_error_into_its_causes() {
         assert!((sum / total - 1.0).abs() < 1e-9, "{axis}: {sum}, not {total}");
     }
     assert_eq!(result["worth_halving"][0]["name"], "tile directions of J");
+    // The end of this film compensates its pattern, that of the published film adds to it.
+    assert!(share("film as ordered") < 1e-3 && result["endless_pattern_mm2"]["x"].as_f64() > Some(1e-6), "{result}");
+    let published = sandbox.run(&["budget", &shipped("published-film"), "--preset", "workshop", "--format", "json"]);
+    let published = &json(&published.stdout)["parts"];
+    let names = [&published[0]["name"], &published[1]["name"]];
+    assert_eq!(names, ["splicing pattern", "end of the film"]);
     let text = sandbox.run(&["budget", "film.toml"]).stdout;
+    assert!(text.contains("the same splicing pattern without end would be off by 0.0032, "), "{text}");
     assert!(text.contains("most worth halving") && text.contains("the first order holds within 5 %"), "{text}");
     assert!(text.lines().all(|line| line.len() <= 100), "{text}");
 
