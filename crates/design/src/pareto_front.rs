@@ -8,7 +8,6 @@ use magsplice_layout::{Brief, Goal};
 use crate::descent::Candidate;
 use crate::design_problem::DesignProblem;
 use crate::error::DesignError;
-use crate::metrics::Metrics;
 use crate::parts;
 use crate::progress::{Progress, SearchStage, latched};
 use crate::search_result::SearchResult;
@@ -28,9 +27,9 @@ pub struct ParetoFront {
 
 impl ParetoFront {
     /// The front without dominated films. A film that misses a demand stays, and dominates none.
-    fn without_dominated(self, error: impl Fn(&Metrics) -> f64) -> ParetoFront {
+    fn without_dominated(self, error: impl Fn(&SearchResult) -> f64) -> ParetoFront {
         let ParetoFront { by_amplitude, by_parts } = self;
-        let merits = |film: &SearchResult| (error(&film.after), film.after.amplitude, film.parts);
+        let merits = |film: &SearchResult| (error(film), film.after.amplitude, film.parts);
         let all = by_amplitude.iter().map(|(_, film)| film).chain(&by_parts);
         let rivals: Vec<Merits> = all.filter(|film| film.short_of.is_empty()).map(merits).collect();
         let stays = |film: &SearchResult| {
@@ -59,7 +58,9 @@ impl DesignProblem<'_> {
     /// parts.
     ///
     /// A film is left out if another film of the front is as good in error, amplitude and number of
-    /// parts, and better in one of them.
+    /// parts, and better in one of them. The error is the 95th percentile of the films that are made
+    /// where the brief counts them: every film is sampled with the same errors, so that percentiles
+    /// differ by less than each of them is uncertain.
     ///
     /// A film with more amplitude also meets a smaller bound, so errors grow along the front as far
     /// as the search succeeds. If `progress` stops the search, the front has the films found until
@@ -98,15 +99,19 @@ impl DesignProblem<'_> {
             }
         }
         let by_parts = self.front_of_parts(&progress, &stop)?;
-        Ok(ParetoFront { by_amplitude, by_parts }.without_dominated(|metrics| self.error(metrics)))
+        Ok(ParetoFront { by_amplitude, by_parts }.without_dominated(|film| self.error(film)))
     }
 
     /// The error that the brief asks to minimize.
-    fn error(&self, metrics: &Metrics) -> f64 {
+    fn error(&self, film: &SearchResult) -> f64 {
         let weighted = |errors: [f64; 3]| {
             let squares = self.brief.weights.iter().zip(errors).map(|(weight, error)| weight * error * error);
             squares.sum::<f64>().sqrt()
         };
+        if let Some(made) = &film.made {
+            return weighted(made.after.displacement_rmse_mm.each_ref().map(|axis| axis.p95.value));
+        }
+        let metrics = &film.after;
         match self.brief.goal {
             Goal::Uniformity => weighted(metrics.uniformity_rmse.to_array()),
             Goal::Displacement => weighted(metrics.displacement_rmse_mm),

@@ -5,6 +5,7 @@ use magsplice_decouple::PerParameter;
 use magsplice_layout::{Expectations, Layout, MAX_NAME_BYTES, MadeExpectations};
 
 use crate::design_problem::DesignProblem;
+use crate::made_films::MadeErrors;
 use crate::metrics::Metrics;
 use crate::search_result::SearchResult;
 
@@ -69,6 +70,7 @@ impl DesignProblem<'_> {
             }),
             ..MadeExpectations::default()
         });
+        let made = made.filter(|made| made.displacement_rmse_mm.iter().any(Option::is_some));
         layout.expectations = Expectations {
             uniformity_rmse: result.after.uniformity_rmse.to_array().map(bound),
             displacement_rmse_mm: result.after.displacement_rmse_mm.map(bound),
@@ -83,22 +85,26 @@ impl DesignProblem<'_> {
     }
 
     fn history_line(&self, start: &str, result: &SearchResult, program: &str) -> String {
-        let errors = |metrics: &Metrics| {
+        let errors = |metrics: &Metrics, made: Option<&MadeErrors>| {
             let PerParameter { r_x, r_y, s_z } = metrics.uniformity_rmse;
             let [x, y, z] = metrics.displacement_rmse_mm;
             format!(
                 "uniformity RMSE {r_x:.3e}, {r_y:.3e}, {s_z:.3e}, displacement RMSE {x:.3e}, {y:.3e}, {z:.3e} mm, \
                  amplitude {:.4}",
                 metrics.amplitude
-            )
+            ) + &made.map_or(String::new(), |made| {
+                let [x, y, z] = made.displacement_rmse_mm.each_ref().map(|axis| axis.p95.value);
+                format!(", as made P95 {x:.3e}, {y:.3e}, {z:.3e} mm")
+            })
         };
+        let made = result.made.as_ref();
         format!(
             "{program}: from {start}, {} free numbers, {} starts, seed {}: {} -> {}",
             self.variable_count(),
             self.brief.starts,
             self.brief.seed,
-            errors(&result.before),
-            errors(&result.after)
+            errors(&result.before, made.map(|made| &made.before)),
+            errors(&result.after, made.map(|made| &made.after))
         ) + if result.interrupted { "; interrupted, the best film found until then" } else { "" }
     }
 }

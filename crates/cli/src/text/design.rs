@@ -92,14 +92,26 @@ fn films_made(text: &mut String, made: &MadeFilms, before: &str) {
 /// The films of a front, one line each.
 pub(crate) fn front(front: &ParetoFront) -> String {
     let mut text = String::new();
-    let head = ["R_x", "R_y", "S_z", "x, mm", "y, mm", "z, mm", "amplitude", "parts"];
+    let films = || front.by_amplitude.iter().map(|(_, film)| film).chain(&front.by_parts);
+    let are_made = films().next().is_some() && films().all(|film| film.made.is_some());
+    let (parameters, titles) = if are_made {
+        (["x, mm", "y, mm", "z, mm"], ["films made: displacement, P95", "as ordered: displacement"])
+    } else {
+        (["R_x", "R_y", "S_z"], ["uniformity RMSE", "RMSE of displacement"])
+    };
+    let head = parameters.into_iter().chain(["x, mm", "y, mm", "z, mm", "amplitude", "parts"]);
+    let head: String = head.map(|name| format!("{name:>13}")).collect();
     let mut table = |title: &str, rows: Vec<(String, &SearchResult)>| {
         let _ = writeln!(text, "{title}");
-        let _ = write!(text, "{:<24}{:^39}{:^39}", "", "uniformity RMSE", "RMSE of displacement");
-        let _ = writeln!(text, "\n{:<24}{}", "", head.map(|name| format!("{name:>13}")).concat());
+        let _ = write!(text, "{:<24}{:^39}{:^39}", "", titles[0], titles[1]);
+        let _ = writeln!(text, "\n{:<24}{head}", "");
         for (name, result) in rows {
             let metrics = &result.after;
-            let numbers = metrics.uniformity_rmse.to_array().into_iter().chain(metrics.displacement_rmse_mm);
+            let made = result.made.as_ref().filter(|_| are_made);
+            let first = made.map_or(metrics.uniformity_rmse.to_array(), |made| {
+                made.after.displacement_rmse_mm.each_ref().map(|axis| axis.p95.value)
+            });
+            let numbers = first.into_iter().chain(metrics.displacement_rmse_mm);
             let numbers: String = numbers.map(|value| format!("{:>13}", number(value))).collect();
             let _ = writeln!(text, "  {name:<22}{numbers}{:>13.4}{:>13}", metrics.amplitude, result.parts);
         }

@@ -76,18 +76,21 @@ fn write_figures(_: &DesignProblem, _: &ParetoFront, _: &mut Folder) -> Result<(
 
 #[cfg(feature = "report")]
 fn write_figures(problem: &DesignProblem, front: &ParetoFront, folder: &mut Folder) -> Result<(), Failure> {
-    use magsplice::design::Metrics;
+    use magsplice::design::{MadeErrors, Metrics, SearchResult};
     use magsplice_report::{FrontAxis, FrontFigure, FrontFilm};
 
-    let film = |at: f64, metrics: &Metrics| FrontFilm {
+    let film = |at: f64, metrics: &Metrics, made: Option<&MadeErrors>| FrontFilm {
         at,
         displacement_rmse_mm: metrics.displacement_rmse_mm,
         uniformity_rmse_mm: metrics.uniformity_rmse.as_lengths(problem.ideal().wavenumber()).to_array(),
+        made_p95_mm: made.map(|made| made.displacement_rmse_mm.each_ref().map(|axis| axis.p95.value)),
     };
-    let before = front.by_amplitude.first().map(|(_, result)| film(result.before.amplitude, &result.before));
-    let by_amplitude =
-        front.by_amplitude.iter().map(|(_, result)| film(result.after.amplitude, &result.after)).collect();
-    let by_parts = front.by_parts.iter().map(|result| film(result.parts as f64, &result.after)).collect();
+    let after = |at: f64, result: &SearchResult| film(at, &result.after, result.made.as_ref().map(|made| &made.after));
+    let before = front.by_amplitude.first().map(|(_, result)| {
+        film(result.before.amplitude, &result.before, result.made.as_ref().map(|made| &made.before))
+    });
+    let by_amplitude = front.by_amplitude.iter().map(|(_, result)| after(result.after.amplitude, result)).collect();
+    let by_parts = front.by_parts.iter().map(|result| after(result.parts as f64, result)).collect();
     let figures = [
         FrontFigure { axis: FrontAxis::Amplitude, films: by_amplitude, before },
         FrontFigure { axis: FrontAxis::Parts, films: by_parts, before: None },

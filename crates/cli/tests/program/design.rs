@@ -203,6 +203,47 @@ fn front_writes_tables_figures_and_layouts() {
     assert_eq!(sandbox.read("front/amplitude-0.7.toml"), "mine");
 }
 
+/// A film that is better as ordered, and worse as made and in amplitude, is on the front of films as
+/// ordered only.
+#[test]
+fn front_of_films_that_are_made_has_their_percentiles() {
+    let sandbox = Sandbox::new();
+    let robust = format!("{QUICK}under = \"tolerance\"\n[tolerance]\npreset = \"workshop\"\nsamples = 100\n");
+    sandbox.write("film.toml", &film(&robust));
+    let said = sandbox.run(&["design", "film.toml", "--front", "--amplitudes", "0.6,0.8", "-o", "front"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    assert!(said.stdout.contains("films made: displacement, P95"), "{}", said.stdout);
+    let front: serde_json::Value = serde_json::from_str(&sandbox.read("front/front.json")).expect("JSON");
+    let films = front["films"].as_array().expect("films");
+    for film in films {
+        let p95 = film["made"]["after"]["displacement_rmse_mm"]["x"]["p95"].as_f64().expect("a number");
+        let row = said.stdout.lines().find(|line| line.contains(&format!("{p95:.6}")));
+        assert!(row.is_some(), "{p95} is not in {}", said.stdout);
+        // Errors of manufacture are larger than those of the film as ordered.
+        let ordered = film["after"]["displacement_rmse_mm"][0].as_f64().expect("a number");
+        assert!(p95 > ordered, "{film}");
+        let layout = sandbox.read(&format!("front/{}", film["file"].as_str().expect("a name")));
+        assert!(layout.contains(&format!("as made P95 {p95:.3e}")), "{layout}");
+        // The columns of the figure.
+        if cfg!(feature = "report") {
+            let table = sandbox.read("front/front-amplitude.csv");
+            assert!(table.starts_with("amplitude,") && table.contains(",made_p95_displacement_rmse_x_mm,"), "{table}");
+            assert!(table.contains(&p95.to_string()), "{table}");
+        }
+    }
+    let merits = |film: &serde_json::Value| {
+        let axes = ["x", "y", "z"].map(|axis| film["made"]["after"]["displacement_rmse_mm"][axis]["p95"].as_f64());
+        let squares: f64 = axes.iter().map(|axis| axis.expect("a number").powi(2)).sum();
+        (squares, film["after"]["amplitude"].as_f64().expect("a number"))
+    };
+    for (index, one) in films.iter().enumerate() {
+        for other in films.iter().skip(index + 1) {
+            let ((a, b), (c, d)) = (merits(one), merits(other));
+            assert!((a < c) == (b < d), "{:?} and {:?}", (a, b), (c, d));
+        }
+    }
+}
+
 #[test]
 fn front_deletes_neither_its_input_nor_files_with_the_names_of_a_front() {
     let sandbox = Sandbox::new();

@@ -26,7 +26,8 @@ const MAX_NUMBERS: usize = 9;
 /// The figure of a Pareto front: four errors of each film against what better films cost.
 ///
 /// The four errors are displacement and uniformity RMSE, each for shear (the larger one of x and y)
-/// and for the normal direction z, in millimetres on a logarithmic scale.
+/// and for the normal direction z, in millimetres on a logarithmic scale. Where all films have errors
+/// as made, these are drawn, and the displacement RMSE of the films as ordered.
 #[derive(Clone, Debug)]
 pub struct FrontFigure {
     /// What the horizontal axis shows.
@@ -56,6 +57,8 @@ pub struct FrontFilm {
     pub displacement_rmse_mm: [f64; 3],
     /// Uniformity RMSE of R_x, R_y, S_z divided by k, in millimetres.
     pub uniformity_rmse_mm: [f64; 3],
+    /// 95th percentile of the displacement RMSE of the films that are made, in millimetres.
+    pub made_p95_mm: Option<[f64; 3]>,
 }
 
 impl FrontFigure {
@@ -68,7 +71,11 @@ impl FrontFigure {
             FrontAxis::Amplitude => ("front-amplitude", "its best-fit amplitude relative to the ideal film"),
             FrontAxis::Parts => ("front-parts", "its number of distinct parts"),
         };
-        let caption = format!("RMSE of each film of the front against {cost}. Shear is the larger RMSE of x and y.");
+        let made = "Discs: RMSE of displacement that 95 % of the films that are made do not exceed. ";
+        let caption = format!(
+            "RMSE of each film of the front against {cost}. {}Shear is the larger RMSE of x and y.",
+            if self.is_made() { made } else { "" }
+        );
         let drawn = svg(self)
             .and_then(|svg| Figure::new(name, caption, &svg, self.csv(), SvgText::Outlines, &typeset::options()));
         drawn.map_err(|source| ReportError::Drawing { figure: name, source })
@@ -76,17 +83,51 @@ impl FrontFigure {
 }
 
 impl FrontFigure {
+    /// Whether all films have errors as made.
+    fn is_made(&self) -> bool {
+        self.films.iter().chain(&self.before).all(|film| film.made_p95_mm.is_some())
+    }
+
+    fn series(&self) -> [ErrorSeries; 4] {
+        let shear_and_normal = |filled: bool, names: [&'static str; 2], errors: [fn(&FrontFilm) -> f64; 2]| {
+            [0, 1].map(|n| ErrorSeries { name: names[n], colour: [BLUE, VERMILION][n], filled, error: errors[n] })
+        };
+        let displacement: [fn(&FrontFilm) -> f64; 2] =
+            [|film| shear(film.displacement_rmse_mm), |film| film.displacement_rmse_mm[2]];
+        let ([a, b], [c, d]) = if self.is_made() {
+            let made: [fn(&FrontFilm) -> f64; 2] =
+                [|film| film.made_p95_mm.map_or(0.0, shear), |film| film.made_p95_mm.map_or(0.0, |errors| errors[2])];
+            (
+                shear_and_normal(true, ["95 % of films made, shear", "95 % of films made, normal"], made),
+                shear_and_normal(false, ["as ordered, shear", "as ordered, normal"], displacement),
+            )
+        } else {
+            let uniformity: [fn(&FrontFilm) -> f64; 2] =
+                [|film| shear(film.uniformity_rmse_mm), |film| film.uniformity_rmse_mm[2]];
+            (
+                shear_and_normal(true, ["displacement, shear", "displacement, normal"], displacement),
+                shear_and_normal(false, ["uniformity, shear", "uniformity, normal"], uniformity),
+            )
+        };
+        [a, b, c, d]
+    }
+
     /// The films as CSV.
     fn csv(&self) -> String {
         let first = match self.axis {
             FrontAxis::Amplitude => "amplitude",
             FrontAxis::Parts => "parts",
         };
-        let errors = ["displacement", "uniformity"]
-            .map(|error| AXIS_NAMES.map(|axis| format!("{error}_rmse_{axis}_mm")).join(","));
+        let made = if self.is_made() { &["made_p95_displacement"][..] } else { &[] };
+        let errors: Vec<String> = ["displacement", "uniformity"]
+            .iter()
+            .chain(made)
+            .flat_map(|error| AXIS_NAMES.map(|axis| format!("{error}_rmse_{axis}_mm")))
+            .collect();
         let mut csv = format!("{first},{}\n", errors.join(","));
         for film in self.films.iter().chain(&self.before) {
-            let errors = film.displacement_rmse_mm.iter().chain(&film.uniformity_rmse_mm);
+            let made = film.made_p95_mm.iter().filter(|_| self.is_made()).flatten();
+            let errors = film.displacement_rmse_mm.iter().chain(&film.uniformity_rmse_mm).chain(made);
             csv += &errors.fold(film.at.to_string(), |row, error| format!("{row},{error}"));
             csv.push('\n');
         }
@@ -103,42 +144,16 @@ struct ErrorSeries {
     error: fn(&FrontFilm) -> f64,
 }
 
-const SERIES: [ErrorSeries; 4] = [
-    ErrorSeries {
-        name: "displacement, shear",
-        colour: BLUE,
-        filled: true,
-        error: |film| shear(film.displacement_rmse_mm),
-    },
-    ErrorSeries {
-        name: "displacement, normal",
-        colour: VERMILION,
-        filled: true,
-        error: |film| film.displacement_rmse_mm[2],
-    },
-    ErrorSeries {
-        name: "uniformity, shear",
-        colour: BLUE,
-        filled: false,
-        error: |film| shear(film.uniformity_rmse_mm),
-    },
-    ErrorSeries {
-        name: "uniformity, normal",
-        colour: VERMILION,
-        filled: false,
-        error: |film| film.uniformity_rmse_mm[2],
-    },
-];
-
 /// The larger error of x and y.
 fn shear([x, y, _]: [f64; 3]) -> f64 {
     x.max(y)
 }
 
 fn svg(front: &FrontFigure) -> Result<String, DrawError> {
+    let all = front.series();
     let errors = || {
         let films = front.films.iter().chain(&front.before);
-        films.flat_map(|film| SERIES.iter().map(move |series| (series.error)(film))).filter(|error| *error > 0.0)
+        films.flat_map(|film| all.iter().map(move |series| (series.error)(film))).filter(|error| *error > 0.0)
     };
     let (low, high) = errors().fold((f64::INFINITY, 0.0_f64), |(l, h), e| (l.min(e), h.max(e)));
     if low > high {
@@ -158,7 +173,7 @@ fn svg(front: &FrontFigure) -> Result<String, DrawError> {
     };
     sheet([LEFT_PX + WIDTH_PX + RIGHT_PX, TOP_PX + HEIGHT_PX + BELOW_PX + 8.0], |sheet| {
         decades(sheet, &panel)?;
-        for series in &SERIES {
+        for series in &all {
             let points: Vec<[f64; 2]> =
                 front.films.iter().map(|film| panel.at(film.at, (series.error)(film).max(low).log10())).collect();
             sheet.line(&points, series.colour, if series.filled { 1.4 } else { 0.8 })?;
@@ -167,8 +182,8 @@ fn svg(front: &FrontFigure) -> Result<String, DrawError> {
             }
         }
         if let Some(film) = &front.before {
-            let errors = SERIES.each_ref().map(|series| (series.error)(film).max(low).log10());
-            for (series, error) in SERIES.iter().zip(errors) {
+            let errors = all.each_ref().map(|series| (series.error)(film).max(low).log10());
+            for (series, error) in all.iter().zip(errors) {
                 mark(sheet, series, panel.at(film.at, error))?;
             }
             let top = errors.into_iter().fold(f64::NEG_INFINITY, f64::max);
@@ -176,7 +191,7 @@ fn svg(front: &FrontFigure) -> Result<String, DrawError> {
             sheet.text([x, y - 14.0], "before", LETTERS.centred())?;
         }
         frame(sheet, &panel, front.axis)?;
-        for (index, series) in SERIES.iter().enumerate() {
+        for (index, series) in all.iter().enumerate() {
             let (column, row) = (index / 2, index % 2);
             let legend = [LEFT_PX + 6.0 + 210.0 * column as f64, 16.0 + 20.0 * row as f64];
             sheet.line(
