@@ -215,21 +215,29 @@ fn mark(sheet: &Sheet, series: &ErrorSeries, at: [f64; 2]) -> DrawResult {
     sheet.ring(at, RADIUS_PX, series.colour, 1.2)
 }
 
-/// Draws the vertical axis: faint lines at powers of ten with numbers, and ticks between them.
+/// Draws the vertical axis: faint lines at powers of ten, ticks between them, and numbers at powers of
+/// ten, or also between them where there are too few.
 fn decades(sheet: &Sheet, panel: &Panel) -> DrawResult {
     const FAINT: RGBColor = RGBColor(222, 222, 222);
-    for decade in panel.y[0].ceil() as i32..=panel.y[1].floor() as i32 {
-        let [left, y] = panel.at(panel.x[0], f64::from(decade));
-        sheet.line(&[[left, y], [panel.right(), y]], FAINT, 0.8)?;
-        let letters = Lettering { across: plotters::style::text_anchor::HPos::Right, ..LETTERS.sized(NUMBERS_PX) };
-        sheet.text([left - 2.0 * TICK_PX, y], &typeset::number(10_f64.powi(decade)), letters)?;
+    let [low, high] = panel.y;
+    let numbered: &[i32] = if high.floor() - low.ceil() < 2.0 { &[1, 2, 5] } else { &[1] };
+    let letters = Lettering { across: plotters::style::text_anchor::HPos::Right, ..LETTERS.sized(NUMBERS_PX) };
+    for decade in low.floor() as i32..=high.floor() as i32 {
         for digit in 1..10 {
-            let value = (f64::from(digit) * 10_f64.powi(decade)).log10();
-            if value <= panel.y[1] {
-                let [left, y] = panel.at(panel.x[0], value);
-                let length = if digit == 1 { TICK_PX } else { 0.5 * TICK_PX };
-                sheet.line(&[[left - length, y], [left, y]], INK, FRAME_PX)?;
+            let value = f64::from(digit) * 10_f64.powi(decade);
+            if !(low..=high).contains(&value.log10()) {
+                continue;
             }
+            let [left, y] = panel.at(panel.x[0], value.log10());
+            if digit == 1 {
+                sheet.line(&[[left, y], [panel.right(), y]], FAINT, 0.8)?;
+            }
+            let is_numbered = numbered.contains(&digit);
+            if is_numbered {
+                sheet.text([left - 2.0 * TICK_PX, y], &typeset::number(value), letters)?;
+            }
+            let length = if is_numbered { TICK_PX } else { 0.5 * TICK_PX };
+            sheet.line(&[[left - length, y], [left, y]], INK, FRAME_PX)?;
         }
     }
     Ok(())
