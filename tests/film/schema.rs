@@ -6,7 +6,7 @@ use jsonschema::Validator;
 use magsplice::layout::{COMMENTED_LAYOUT, Layout, schema};
 use serde_json::{Value, json};
 
-use crate::shipped::folder;
+use crate::shipped::{EVERY_KEY, folder};
 
 fn validator() -> Validator {
     jsonschema::draft202012::new(schema().as_value()).expect("a valid schema")
@@ -25,71 +25,6 @@ fn documents() -> Vec<(String, String)> {
     all.push(("every key".to_owned(), EVERY_KEY.to_owned()));
     all
 }
-
-const EVERY_KEY: &str = r#"
-format = 1
-name = "every key"
-description = "as little as possible"
-[ideal]
-wavelength_mm = 10
-thickness_mm = 1
-amplitude_t = 0.12
-[volume]
-x_mm = [-2, 2]
-y_mm = [-2, 2]
-z_mm = [-5, -3]
-step_mm = [0.5, 0.5, 1]
-reference_mm = [0, 0, -5]
-[expect]
-uniformity_rmse = { r_x = 1, r_y = 1, s_z = 1 }
-amplitude = { min = 0 }
-field = { file = "a.csv", within = 1e-9 }
-clearance_mm = { min = 0 }
-[kind.square]
-size_mm = [1, 1, 1]
-strength_t = 0.12
-[kind.up]
-size_mm = [1, 1, 1]
-polarization_t = [0, 0, 1]
-[[tile]]
-name = "a"
-kind = "square"
-direction = [1, 0, 0]
-position_mm = [20, 20, 0]
-rotation = { axis = [0, 0, 1], angle_deg = 30 }
-grid = { count = [2, 2, 1], pitch_mm = [3, 3, 0], alternate = ["x"] }
-mirror = { axes = ["x"], at_mm = [0, 0, 0], polarization = "axial" }
-[[tile]]
-kind = "up"
-position_mm = [20, 0, 20]
-[[tile]]
-position_mm = [40, 0, 20]
-size_mm = [1, 1, 1]
-strength_t = 1
-direction = [0, 0, 1]
-[[tile]]
-position_mm = [50, 0, 20]
-size_mm = [1, 1, 1]
-strength_t = 1
-direction_deg = 30
-tilt_deg = 10
-[[tile]]
-position_mm = [60, 0, 20]
-size_mm = [1, 1, 1]
-polarization_t = [0, 0, 1]
-[[lattice]]
-name = "l"
-start_mm = [0, 0, 0]
-height_mm = 1
-strength_t = 1
-x = [{ widths_mm = [1], pattern = [1], times = 2 }]
-y = [{ widths_mm = [1], pattern = [1] }]
-[[lattice]]
-start_mm = [0, 0, 4]
-height_mm = 1
-component_t = 1
-x = [{ widths_mm = [1], pattern = [1] }]
-"#;
 
 fn as_json(text: &str) -> Value {
     toml::from_str(text).expect("TOML")
@@ -151,6 +86,14 @@ fn schema_and_program_refuse_the_same_documents() {
         ("/tile/0/mirror/polarization", json!("kept")),
         ("/volume/step_mm", json!("fine")),
         ("/lattice/0/x/0/times", json!(1.5)),
+        ("/tolerance/position_mm/0", json!("small")),
+        ("/tolerance/position_mm/1", json!({ "normal": "much" })),
+        ("/tolerance/size_mm", json!({ "values": 1 })),
+        ("/tolerance/group/0/rows_along", json!("w")),
+        ("/tolerance/stray_field/when", json!("later")),
+        ("/tolerance/samples", json!(-1)),
+        ("/expect/made/percentile", json!("most")),
+        ("/design/under", json!("errors")),
     ] {
         let mut wrong = document.clone();
         *wrong.pointer_mut(place).unwrap() = value;

@@ -10,6 +10,9 @@ pub(crate) fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../layouts")
 }
 
+/// A layout with every key of the format, beside the shipped ones.
+pub(crate) const EVERY_KEY: &str = include_str!("every_key.toml");
+
 /// The shipped layout `<name>.toml`.
 pub(crate) fn layout(name: &str) -> Layout {
     Layout::read(folder().join(name).with_extension("toml")).unwrap_or_else(|e| panic!("{e}"))
