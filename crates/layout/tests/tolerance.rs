@@ -660,3 +660,19 @@ fn errors_of_tiles_that_are_left_out_are_left_out() {
     assert_eq!(found.groups.len(), 1);
     assert_eq!((found.groups[0].name.as_str(), &found.groups[0].tiles[..]), ("a", &[2][..]));
 }
+
+#[test]
+fn scaled_errors_keep_their_distribution() {
+    for (distribution, scaled) in [
+        (Distribution::Fixed(-0.5), Distribution::Fixed(-2.0)),
+        (Distribution::normal(0.25), Distribution::normal(1.0)),
+        (
+            Distribution::Truncated { deviation: 0.25, limit: 0.5 },
+            Distribution::Truncated { deviation: 1.0, limit: 2.0 },
+        ),
+        (Distribution::Uniform { half_width: 0.5 }, Distribution::Uniform { half_width: 2.0 }),
+        (Distribution::Tabulated([-0.5, 0.25].into()), Distribution::Tabulated([-2.0, 1.0].into())),
+    ] {
+        assert_eq!(distribution.scaled(4.0), scaled);
+    }
+}
