@@ -54,8 +54,10 @@ fn published(symmetry: &str) -> Layout {
 fn expected_square_is_that_of_the_model_of_first_order() {
     let vary = "vary = [\"size\"]";
     let shared = format!("{TILE_ERRORS}{SHARED_ERRORS}");
+    let with_images = shared.replace(r#"["a", "b"]"#, r#"["a*"]"#);
     for (name, layout, terms) in [
         ("alone", layout(&shared, vary, PAIR), 30),
+        ("mirrored, all errors", layout(&with_images, &format!("{vary}\nsymmetry = \"mirror\""), MIRRORED), 30),
         ("mirrored", layout(TILE_ERRORS, &format!("{vary}\nsymmetry = \"mirror\""), MIRRORED), 12),
         ("published", published("four-fold"), 12 * 56),
         ("published without symmetry", published("none"), 12 * 56),
