@@ -3,6 +3,7 @@
 mod at_points;
 mod bad_layouts;
 mod bad_points;
+mod baselines;
 mod bench;
 mod checks;
 mod cut_list;
@@ -23,6 +24,8 @@ mod radians;
 mod real_films;
 #[cfg(feature = "report")]
 mod report;
+#[cfg(feature = "report")]
+mod report_pair_watch;
 mod start;
 mod suspicious;
 #[cfg(target_os = "linux")]
