@@ -23,6 +23,8 @@ const TICK_PX: f64 = 4.0;
 const NUMBERS_PX: f64 = 12.0;
 /// Minimum distance of the numbers on an axis, in pixels.
 const PX_PER_NUMBER: f64 = 34.0;
+/// Largest count of numbers along an axis.
+const MOST_NUMBERS: usize = 11;
 
 /// Mean width of a letter and height of a line of a remark, in pixels.
 const REMARK_LETTER_PX: f64 = 6.6;
@@ -128,10 +130,9 @@ impl Panel {
             .set_label_area_size(LabelAreaPosition::Bottom, units(below))
             .build_cartesian_2d(self.x[0]..self.x[1], self.y[0]..self.y[1])?;
         let numbers = LETTERS.sized(NUMBERS_PX).style();
-        let numbers_along = |[low, high]: [f64; 2], px: f64| {
-            AxisNumbers::new(&RangedCoordf64::from(low..high).key_points(max_numbers(px)))
-        };
-        let (along_x, along_y) = (numbers_along(self.x, self.width), numbers_along(self.y, self.height));
+        let (along_x, along_y) = [(self.x, self.width), (self.y, self.height)]
+            .map(|(range, px)| AxisNumbers::new(&numbers_in(range, px)))
+            .into();
         let number = |named: AxisLabel, value: f64, along: &AxisNumbers| match named {
             AxisLabel::Bare | AxisLabel::TicksOnly => String::new(),
             AxisLabel::Named(_) | AxisLabel::Coordinate(_) => along.text(value),
@@ -143,8 +144,8 @@ impl Panel {
             .label_style(numbers)
             .axis_desc_style(LETTERS.style())
             .set_all_tick_mark_size(units(TICK_PX))
-            .x_labels(max_numbers(self.width))
-            .y_labels(max_numbers(self.height))
+            .x_labels(max_numbers(self.x, self.width))
+            .y_labels(max_numbers(self.y, self.height))
             .x_label_formatter(&number_x)
             .y_label_formatter(&number_y);
         if matches!(x, AxisLabel::Bare) {
@@ -181,7 +182,7 @@ impl Panel {
     /// Draws a colour bar at the right of the panel, `away` pixels from it and as high.
     pub(crate) fn colour_bar(&self, sheet: &mut Sheet, away: f64, scale: ColourScale, name: &str) -> DrawResult {
         let bar = self.bar(sheet, away, scale);
-        let values = RangedCoordf64::from(scale.low..scale.high).key_points(max_numbers(self.height));
+        let values = numbers_in([scale.low, scale.high], self.height);
         let numbers = AxisNumbers::new(&values);
         bar.numbers(sheet, &values, |value| numbers.text(value), |value| value)?;
         bar.named(sheet, name)
@@ -258,8 +259,17 @@ fn room(beside: AxisLabel, named: f64) -> f64 {
     }
 }
 
-fn max_numbers(px: f64) -> usize {
-    ((px / PX_PER_NUMBER) as usize).clamp(2, 11)
+/// Numbers along an axis, at least two where plotters finds so many.
+fn numbers_in(range: [f64; 2], px: f64) -> Vec<f64> {
+    RangedCoordf64::from(range[0]..range[1]).key_points(max_numbers(range, px))
+}
+
+/// Largest count of numbers along an axis. It is raised where it leaves a single number, from which no
+/// scale can be read: plotters takes steps of powers of ten, times 1, 2 or 5.
+fn max_numbers([low, high]: [f64; 2], px: f64) -> usize {
+    let wanted = ((px / PX_PER_NUMBER) as usize).clamp(2, MOST_NUMBERS);
+    let is_enough = |count: &usize| RangedCoordf64::from(low..high).key_points(*count).len() > 1;
+    (wanted..=MOST_NUMBERS).find(is_enough).unwrap_or(wanted)
 }
 
 /// Width and height in pixels of a panel for these extents that fits into this room. All panels of
@@ -268,4 +278,16 @@ pub(crate) fn equal_scale(room_px: [f64; 2], extents_mm: [f64; 2]) -> [f64; 2] {
     let per_mm = (room_px[0] / extents_mm[0]).min(room_px[1] / extents_mm[1]);
     // A very narrow panel would not be readable, so there the two scales may differ.
     [0, 1].map(|i| (per_mm * extents_mm[i]).max(MIN_ROOM_FRACTION * room_px[i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::numbers_in;
+
+    #[test]
+    fn short_axes_have_two_numbers() {
+        assert_eq!(numbers_in([-0.5, 0.5], 95.0), [-0.5, 0.0, 0.5]);
+        assert_eq!(numbers_in([-1.7, 1.7], 95.0), [-1.0, 0.0, 1.0]);
+        assert_eq!(numbers_in([0.0, 100.0], 400.0).len(), 11);
+    }
 }
