@@ -14,11 +14,19 @@ export async function checkPhone(browser, url, width, inVolume) {
     const beyond = visible.filter((e) => {
       const box = e.getBoundingClientRect();
       return box.right > innerWidth + 0.5 || box.left < -0.5 || e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0
-        && getComputedStyle(e).display !== "inline" && !["SELECT", "INPUT"].includes(e.tagName);
+        && getComputedStyle(e).display !== "inline" && !["SELECT", "INPUT"].includes(e.tagName) && e.id !== "numbers";
     });
     return [document.documentElement.scrollWidth, ...beyond.map((e) => `${e.tagName} ${e.id} ${e.className}`)];
   });
   assert.deepEqual(wide, [width], "what is cut off at this width");
+  // The printed tables are wider. They scroll by themselves, and their lines do not break.
+  const numbers = await page.locator("#numbers").evaluate((e) => {
+    const style = getComputedStyle(e);
+    const lines = e.textContent.trimEnd().split("\n").length;
+    const text = e.clientHeight - parseFloat(style.paddingTop) - parseFloat(style.paddingBottom);
+    return [style.overflowX, Math.round(text / parseFloat(style.lineHeight)), lines, parseFloat(style.fontSize) >= 10];
+  });
+  assert.deepEqual(numbers, ["auto", numbers[2], numbers[2], true], "the tables on a telephone");
   // Each canvas is filled: what it draws reaches most of its height.
   for (const id of inVolume ? ["#view", "#map"] : ["#view"]) {
     const filled = await page.locator(id).evaluate((canvas) => {
