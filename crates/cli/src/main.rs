@@ -46,6 +46,8 @@ mod point_evaluation;
 mod point_file;
 /// The progress line on a terminal.
 mod progress;
+/// Readings of a sensor from a CSV file.
+mod reading_file;
 /// Remarks on standard error.
 mod remarks;
 /// Samples of real films: what they are samples of, their files, and runs that can be continued.
@@ -98,6 +100,8 @@ fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
         Verb::Plan(args) => verbs::plan::run(args, quiet),
         Verb::Bench(args) => verbs::bench::run(args, quiet),
         Verb::Budget(args) => verbs::budget::run(args, quiet),
+        Verb::Read(args) => verbs::read::run(args, quiet),
+        Verb::Resolution(args) => verbs::resolution::run(args, quiet),
         #[cfg(feature = "report")]
         Verb::Report(args) => verbs::report::run(args, quiet),
         Verb::Tiles(args) => verbs::tiles::run(args, quiet),

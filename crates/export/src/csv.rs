@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crate::table::Table;
+use crate::table::{Rows, Table};
 
 /// Writes the table: the header, then the rows.
 ///
@@ -40,7 +40,10 @@ pub fn rows(table: &Table, w: &mut dyn Write) -> io::Result<()> {
     let (first, others) = columns.split_first().expect("a table has a column of its rows");
     for row in 0..table.rows().len() {
         // Debug writes an exponent where that is shorter; Display never does.
-        write!(w, "{:?}", first.get(row))?;
+        match table.rows() {
+            Rows::Numbered { first, .. } => write!(w, "{}", first + row as u64)?,
+            Rows::Points(_) => write!(w, "{:?}", first.get(row))?,
+        }
         others.iter().try_for_each(|column| write!(w, ",{:?}", column.get(row)))?;
         writeln!(w)?;
     }

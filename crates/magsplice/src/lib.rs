@@ -6,6 +6,7 @@
 //! * [`ideal`]: the ideal film, and the comparison of two fields.
 //! * [`field`]: the field of tiles, exact or to a tolerance.
 //! * [`decouple`]: decoupling parameters and their errors.
+//! * [`sensor`]: positions of a sensor from what it reads.
 //! * [`layout`]: layout files.
 //! * [`tolerance`]: films whose tiles are misplaced, turned and of unequal strength.
 //! * [`expect`]: expectations of a layout, compared with computed values.
@@ -65,6 +66,7 @@ pub use magsplice_ideal as ideal;
 #[cfg(feature = "layout")]
 pub use magsplice_layout as layout;
 pub use magsplice_magnet as magnet;
+pub use magsplice_sensor as sensor;
 #[cfg(feature = "layout")]
 pub use magsplice_tolerance as tolerance;
 #[cfg(feature = "layout")]

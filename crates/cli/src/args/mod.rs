@@ -25,6 +25,8 @@ pub(crate) mod numbers;
 pub(crate) mod points;
 /// `--preset`: usual errors of tiles.
 pub(crate) mod preset;
+/// Arguments of `read` and `resolution`.
+pub(crate) mod sensor;
 /// Arguments of `tolerance`.
 pub(crate) mod tolerance;
 
@@ -39,6 +41,7 @@ use self::evaluate::ReportArgs;
 use self::evaluate::{CompareArgs, DecoupleArgs, FieldArgs, PlanArgs};
 use self::files::{CompletionsArgs, ExportArgs, InitArgs, TilesArgs};
 use self::import::ImportArgs;
+use self::sensor::{ReadArgs, ResolutionArgs};
 use self::tolerance::ToleranceArgs;
 
 const FIRST_STEPS: &str = if cfg!(feature = "report") {
@@ -94,6 +97,8 @@ pub(crate) enum Verb {
     Report(ReportArgs),
     Tolerance(ToleranceArgs),
     Budget(BudgetArgs),
+    Read(ReadArgs),
+    Resolution(ResolutionArgs),
     Check(CheckArgs),
     Design(DesignArgs),
     Splice(SpliceArgs),

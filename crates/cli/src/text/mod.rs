@@ -18,6 +18,8 @@ pub(crate) mod header;
 pub(crate) mod number;
 /// `plan`: the methods, their truncation errors and costs.
 pub(crate) mod plan;
+/// `resolution`.
+pub(crate) mod resolution;
 /// Rows of tables.
 pub(crate) mod rows;
 /// `tiles`: the tiles of a layout and its bill of materials.

@@ -29,6 +29,8 @@ pub(crate) mod import;
 pub(crate) mod init;
 /// Shows which methods a tolerance allows.
 pub(crate) mod plan;
+/// Finds displacements of the sensor from what it read.
+pub(crate) mod read;
 /// Draws figures and a page.
 #[cfg(feature = "report")]
 pub(crate) mod report;
@@ -41,6 +43,8 @@ mod report_pair;
 /// `report --watch`: draws anew when a layout is saved.
 #[cfg(feature = "report")]
 mod report_watch;
+/// Tells how small displacements noise lets a sensor see.
+pub(crate) mod resolution;
 /// Prints the JSON Schema of layout files.
 pub(crate) mod schema;
 /// Shared parts of `design`, `design --front` and `splice`: the search, its progress, its result.

@@ -26,6 +26,7 @@ mod real_films;
 mod report;
 #[cfg(feature = "report")]
 mod report_pair_watch;
+mod sensor;
 mod start;
 mod suspicious;
 #[cfg(target_os = "linux")]

@@ -1,0 +1,131 @@
+//! Arguments of `read` and `resolution`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use magsplice::prelude::DVec3;
+use magsplice::sensor::Noise;
+
+use super::formats::TableFormat;
+use super::numbers::flux_density_t;
+
+/// Find where the sensor was when it read given flux densities.
+///
+/// Prints the displacement of the sensor from the reference point of the working volume, in the frame of
+/// the film; the film has moved by the opposite. It is found by the exact field of the layout, so that
+/// the error of the splicing pattern and of the end of the film are not in it. With [ideal], the
+/// displacement by the closed form of the ideal film (Dai 2024, Eqs. 14 and 15) stands beside it. With
+/// --noise, the standard deviations that noise causes do.
+///
+/// A reading with no position in the working volume, or with two, is named on standard error. Its
+/// numbers are NaN, but those of a position outside. The column `status` is 0 for a position in the
+/// volume, 1 for one outside, 2 for two positions, 3 for none.
+#[derive(Args)]
+#[command(after_help = "Example:\n  magsplice read readings.csv --layout film.toml --noise 5uT -o moved.csv")]
+pub(crate) struct ReadArgs {
+    /// CSV file with columns bx_t, by_t, bz_t, or bx (mT), ...; - is standard input
+    pub(crate) readings: PathBuf,
+    /// Layout file of the film
+    #[arg(long, value_name = "LAYOUT")]
+    pub(crate) layout: PathBuf,
+    #[command(flatten)]
+    pub(crate) noise: OptionalNoiseArgs,
+    /// The first N readings are of the sensor at rest at the reference point: their mean, less the field
+    /// of the film there, is subtracted from all
+    ///
+    /// A constant stray field and the offset of the sensor are then without effect.
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub(crate) zero: usize,
+    /// Unit of columns bx, by, bz without a unit in their names; the names are still needed
+    #[arg(long, value_enum, ignore_case = true, value_name = "UNIT")]
+    pub(crate) unit: Option<FluxUnitArg>,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// Format of the result [default: by the file's ending, else csv]
+    #[arg(long, value_enum)]
+    pub(crate) format: Option<TableFormat>,
+}
+
+/// Tell how small displacements the noise of a sensor lets it see, over the working volume.
+///
+/// The standard deviations of the displacement along x, y and z that normal noise of the readings
+/// causes: by the exact field (no estimate from one reading has smaller ones: the bound of Cramér and
+/// Rao), and, with [ideal], by the closed form of the ideal film (Dai 2024, Eqs. 14 and 15). The text
+/// has their root mean squares over the volume, and the largest. With -o, a table of every point is
+/// written.
+#[derive(Args)]
+#[command(after_help = "Example:\n  magsplice resolution layouts/published-film.toml --noise 5uT\n  \
+    magsplice resolution film.toml --noise 5uT,5uT,8uT -o resolution.vti")]
+pub(crate) struct ResolutionArgs {
+    /// Layout file
+    pub(crate) layout: PathBuf,
+    #[command(flatten)]
+    pub(crate) noise: NoiseArgs,
+    /// File for a table of all points, complete or not at all
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// Format of the table [default: by the file's ending]
+    #[arg(long, value_enum, requires = "output")]
+    pub(crate) format: Option<TableFormat>,
+}
+
+/// Noise that a verb needs.
+#[derive(Args)]
+pub(crate) struct NoiseArgs {
+    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT
+    #[arg(long, value_name = "NOISE", value_parser = noise)]
+    pub(crate) noise: Noise,
+}
+
+/// Noise without which a verb leaves out standard deviations.
+#[derive(Args)]
+pub(crate) struct OptionalNoiseArgs {
+    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT
+    #[arg(long, value_name = "NOISE", value_parser = noise)]
+    pub(crate) noise: Option<Noise>,
+}
+
+/// Units of columns of flux densities.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub(crate) enum FluxUnitArg {
+    /// Tesla
+    T,
+    /// Millitesla
+    #[value(name = "mT")]
+    Mt,
+    /// Microtesla
+    #[value(name = "uT")]
+    Ut,
+}
+
+impl FluxUnitArg {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            FluxUnitArg::T => "T",
+            FluxUnitArg::Mt => "mT",
+            FluxUnitArg::Ut => "uT",
+        }
+    }
+}
+
+/// Largest noise: that of a sensor which sees nothing of any permanent magnet.
+const MAX_NOISE_T: f64 = 1.0;
+
+fn noise(text: &str) -> Result<Noise, String> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let axes = match parts[..] {
+        [all] => [all; 3],
+        [x, y, z] => [x, y, z],
+        _ => return Err("must be one flux density, or one for each of x, y, z, such as 5uT,5uT,8uT".to_owned()),
+    };
+    let mut deviation_t = DVec3::ZERO;
+    for (axis, text) in axes.into_iter().enumerate() {
+        let value = flux_density_t(text)?;
+        if !(value > 0.0 && value <= MAX_NOISE_T) {
+            return Err(format!("{text}: must be above 0 and at most {MAX_NOISE_T} T"));
+        }
+        deviation_t[axis] = value;
+    }
+    Ok(Noise { deviation_t })
+}

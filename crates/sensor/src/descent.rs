@@ -1,0 +1,132 @@
+//! Gauss-Newton steps towards the position with a reading, for many readings at once, so that the field
+//! is evaluated at many points per call.
+
+use glam::{DMat3, DVec3};
+use magsplice_field::Scene;
+use magsplice_magnet::Quantity;
+
+/// Most evaluations of one search. Steps that converge take five; a step that is halved takes one more.
+const MOST_EVALUATIONS: usize = 60;
+
+/// Length of a step, as a fraction of the diagonal of the volume, below which the search ends. Steps
+/// converge quadratically, so that the error left is the square of it, and round-off.
+const SHORTEST_STEP: f64 = 1e-8;
+
+/// Longest step, as a fraction of the diagonal: farther away the field is not linear.
+const LONGEST_STEP: f64 = 0.25;
+
+/// Fraction of the magnitude of the reading up to which a field counts as equal to it. The exact field
+/// is right to 2e-14 of the sum over tiles, which is rarely 1e4 times the field.
+const SAME_FIELD: f64 = 1e-9;
+
+/// The box in which positions are searched.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Region {
+    pub(crate) lower: DVec3,
+    pub(crate) upper: DVec3,
+    /// Diagonal of the volume.
+    pub(crate) diagonal: f64,
+}
+
+/// How a search ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Ending {
+    /// The field at the position is the reading. The gradient of the field there.
+    Found { position: DVec3, gradient: DMat3 },
+    /// The search left the region, or ended where the field is not the reading.
+    Lost,
+}
+
+/// A search that goes on.
+struct Descent {
+    search: usize,
+    reading_t: DVec3,
+    /// The best point so far, its distance from the reading in tesla, and its gradient.
+    best: Option<(DVec3, f64, DMat3)>,
+    candidate: DVec3,
+    step: DVec3,
+}
+
+/// Searches from each start for the position with its reading.
+pub(crate) fn descend(scene: &Scene, region: &Region, searches: &[(DVec3, DVec3)]) -> Vec<Ending> {
+    let mut endings = vec![Ending::Lost; searches.len()];
+    let mut active: Vec<Descent> = searches
+        .iter()
+        .enumerate()
+        .map(|(search, &(reading_t, start))| Descent {
+            search,
+            reading_t,
+            best: None,
+            candidate: start,
+            step: DVec3::ZERO,
+        })
+        .collect();
+    for _ in 0..MOST_EVALUATIONS {
+        if active.is_empty() {
+            break;
+        }
+        let points: Vec<DVec3> = active.iter().map(|descent| descent.candidate).collect();
+        let mut field_t = vec![DVec3::ZERO; points.len()];
+        let mut gradient = vec![DMat3::ZERO; points.len()];
+        // Points on edges have NaN, and the step to them is halved.
+        let _ = scene.field_into(Quantity::FluxDensity, &points, &mut field_t);
+        let _ = scene.gradient_into(Quantity::FluxDensity, &points, &mut gradient);
+        let mut evaluated = field_t.into_iter().zip(gradient);
+        active.retain_mut(|descent| {
+            let (field_t, gradient) = evaluated.next().expect("a value for each point");
+            match descent.next(field_t, gradient, region) {
+                None => true,
+                Some(ending) => {
+                    endings[descent.search] = ending;
+                    false
+                }
+            }
+        });
+    }
+    endings
+}
+
+impl Descent {
+    /// Chooses the next candidate from the field and its gradient at the present one. Returns how the
+    /// search ended, if it did.
+    fn next(&mut self, field_t: DVec3, gradient: DMat3, region: &Region) -> Option<Ending> {
+        let difference = self.reading_t - field_t;
+        let distance = difference.length();
+        let is_better = match self.best {
+            None => distance.is_finite(),
+            Some((_, before, _)) => distance < before,
+        };
+        if is_better {
+            self.best = Some((self.candidate, distance, gradient));
+            let step = gradient.inverse() * difference;
+            if !step.is_finite() {
+                return Some(self.ending(region));
+            }
+            self.step = step.clamp_length_max(LONGEST_STEP * region.diagonal);
+        } else {
+            self.step *= 0.5;
+        }
+        let (from, ..) = self.best?;
+        if self.step.length() <= SHORTEST_STEP * region.diagonal {
+            // The last step is taken without another evaluation: the field is linear over it.
+            return Some(self.ending(region));
+        }
+        self.candidate = from + self.step;
+        let is_within = self.candidate.cmpge(region.lower).all() && self.candidate.cmple(region.upper).all();
+        (!is_within).then_some(Ending::Lost)
+    }
+
+    fn ending(&self, region: &Region) -> Ending {
+        match self.best {
+            Some((from, distance, gradient)) => {
+                let position = from + self.step;
+                // The field changes by this over the last step at most.
+                let change = (gradient * self.step).length();
+                let is_same = distance <= SAME_FIELD * self.reading_t.length() + 2.0 * change;
+                let is_short = self.step.length() <= SHORTEST_STEP * region.diagonal;
+                if is_same && is_short { Ending::Found { position, gradient } } else { Ending::Lost }
+            }
+            None => Ending::Lost,
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! The position of a Hall sensor below magnets, from the flux density that it reads.
+//!
+//! * [`Locator`]: positions from readings, by the exact field and its gradient.
+//! * [`Noise`]: standard deviations of positions from those of readings.
+//!
+//! Flux densities in tesla; lengths in any one unit, that of the tiles. This crate reads no files and
+//! prints nothing.
+//!
+//! # Features
+//! `serde` (off by default): `Serialize` for results and values, `Deserialize` for values.
+//!
+//! # Example
+//! ```
+//! use glam::DVec3;
+//! use magsplice_field::Scene;
+//! use magsplice_magnet::{Grid, Quantity, Tile};
+//! use magsplice_sensor::Locator;
+//!
+//! let tile = Tile::new(DVec3::ZERO, DVec3::new(3.0, 3.0, 1.0), DVec3::new(0.0, 0.0, 0.12))?;
+//! let scene = Scene::new(&[tile]);
+//! let volume = Grid::new(DVec3::new(-2.0, -2.0, -5.0), DVec3::new(2.0, 2.0, -3.0), [9, 9, 5])?;
+//! let locator = Locator::new(&scene, volume)?;
+//! let place = DVec3::new(0.7, -1.2, -3.9);
+//! let reading_t = scene.field(Quantity::FluxDensity, place).unwrap();
+//! let found = locator.locate(&[reading_t]).remove(0)?;
+//! assert!((found.position - place).length() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+/// Gauss-Newton steps for many readings at once.
+mod descent;
+/// Positions from readings.
+mod locator;
+/// Standard deviations of positions.
+mod noise;
+/// Where the steps begin.
+mod starts;
+
+pub use locator::{LocateError, Located, Locator};
+pub use noise::Noise;
