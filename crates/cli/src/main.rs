@@ -52,6 +52,8 @@ mod reading_file;
 mod remarks;
 /// Samples of real films: what they are samples of, their files, and runs that can be continued.
 mod sampling;
+/// Results of `scan`: a fitted scan.
+mod scanned_film;
 /// Results as printed tables.
 mod text;
 /// Units that people write.
@@ -101,6 +103,7 @@ fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
         Verb::Bench(args) => verbs::bench::run(args, quiet),
         Verb::Budget(args) => verbs::budget::run(args, quiet),
         Verb::Read(args) => verbs::read::run(args, quiet),
+        Verb::Scan(args) => verbs::scan::run(args, quiet),
         Verb::Resolution(args) => verbs::resolution::run(args, quiet),
         #[cfg(feature = "report")]
         Verb::Report(args) => verbs::report::run(args, quiet),

@@ -4,6 +4,7 @@
 //! * [`Parameters`]: R_x, R_y, S_z of a field value, and displacement from their change (Dai 2024,
 //!   Eqs. 13 to 15).
 //! * [`Decoupling`]: the parameters over a working volume, and their errors.
+//! * [`uniformity_by_planes`]: the uniformity of parameters at points on planes.
 //! * [`PointDecoupling`]: the parameters at given points, and their errors.
 //!
 //! Flux densities in tesla; lengths in any one unit. This crate computes no field, reads no files
@@ -37,6 +38,8 @@
 
 /// The parameters at given points, and their errors.
 mod at_points;
+/// The uniformity of parameters at points on planes.
+mod by_planes;
 /// The parameters over a working volume, and their errors.
 mod decoupling;
 /// The error of a parameter's change against the ideal film.
@@ -49,6 +52,7 @@ mod per_parameter;
 mod second_derivatives;
 
 pub use at_points::PointDecoupling;
+pub use by_planes::uniformity_by_planes;
 pub use decoupling::{Decoupling, DecouplingError, PlaneStatistics};
 pub use parameters::{Branch, ParameterDerivatives, Parameters};
 pub use per_parameter::{Parameter, PerParameter};

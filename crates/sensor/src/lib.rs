@@ -1,6 +1,7 @@
 //! The position of a Hall sensor below magnets, from the flux density that it reads.
 //!
 //! * [`Locator`]: positions from readings, by the exact field and its gradient.
+//! * [`fit_scan`]: strength, offset, rotation and start of a measured scan.
 //! * [`Noise`]: standard deviations of positions from those of readings.
 //!
 //! Flux densities in tesla; lengths in any one unit, that of the tiles. This crate reads no files and
@@ -27,14 +28,20 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// Rules are written as `!(x > limit)` so that NaN breaks them.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 /// Gauss-Newton steps for many readings at once.
 mod descent;
 /// Positions from readings.
 mod locator;
 /// Standard deviations of positions.
 mod noise;
+/// Measured scans of a film.
+mod scan;
 /// Where the steps begin.
 mod starts;
 
 pub use locator::{LocateError, Located, Locator};
 pub use noise::Noise;
+pub use scan::{FreeParameters, ScanError, ScanFit, ScanParameters, fit_scan};

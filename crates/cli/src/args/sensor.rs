@@ -1,12 +1,12 @@
-//! Arguments of `read` and `resolution`.
+//! Arguments of `read`, `resolution` and `scan`.
 
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use magsplice::prelude::DVec3;
-use magsplice::sensor::Noise;
+use magsplice::sensor::{FreeParameters, Noise};
 
-use super::formats::TableFormat;
+use super::formats::{TableFormat, TextOrJson};
 use super::numbers::flux_density_t;
 
 /// Find where the sensor was when it read given flux densities.
@@ -128,4 +128,66 @@ fn noise(text: &str) -> Result<Noise, String> {
         deviation_t[axis] = value;
     }
     Ok(Noise { deviation_t })
+}
+
+/// Compare a measured scan of the field with the layout, and fit what cannot be known beforehand.
+///
+/// Fits the strength of the tiles, the offset (that of the sensor and a uniform stray field together),
+/// the rotation of the sensor, and where in the frame of the film the scan began, with standard
+/// deviations from the residuals. Readings farther from the fit than six standard deviations are left
+/// out and named, and so are missing and repeated positions. With [ideal], the uniformity RMSE of the
+/// readings stands beside that of the layout at the same places.
+#[derive(Args)]
+#[command(after_help = "Example:\n  magsplice scan scan.csv --layout film.toml\n  \
+    magsplice scan scan.csv --layout film.toml --fit strength,offset --save corrected.csv")]
+pub(crate) struct ScanArgs {
+    /// CSV file with columns x_mm, y_mm, z_mm and bx_mt, by_mt, bz_mt, or in other units, such as
+    /// bx (uT); - is standard input
+    pub(crate) scan: PathBuf,
+    /// Layout file of the film
+    #[arg(long, value_name = "LAYOUT")]
+    pub(crate) layout: PathBuf,
+    /// What is fitted
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "WHAT",
+        default_value = "strength,offset,rotation,start"
+    )]
+    pub(crate) fit: Vec<FitArg>,
+    /// File for a table of the readings, corrected for offset and rotation, with the field of the layout
+    /// and the residuals
+    #[arg(long, value_name = "FILE")]
+    pub(crate) save: Option<PathBuf>,
+    /// Format of the result
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: TextOrJson,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub(crate) enum FitArg {
+    /// The strength of all tiles over that of the layout
+    Strength,
+    /// Offset of the sensor and uniform stray field together
+    Offset,
+    /// Rotation of the sensor
+    Rotation,
+    /// Position of the sensor where the scan has its origin
+    Start,
+}
+
+impl ScanArgs {
+    pub(crate) fn free(&self) -> FreeParameters {
+        let is_free = |what: FitArg| self.fit.contains(&what);
+        FreeParameters {
+            strength: is_free(FitArg::Strength),
+            offset: is_free(FitArg::Offset),
+            rotation: is_free(FitArg::Rotation),
+            start: is_free(FitArg::Start),
+        }
+    }
 }

@@ -20,6 +20,8 @@ pub(crate) mod field;
 pub(crate) mod plan;
 /// Values of the library with other names of some keys.
 pub(crate) mod renamed;
+/// `scan`.
+pub(crate) mod scan;
 /// `read`.
 pub(crate) mod sensor;
 /// Layout, program and accuracy of a result.

@@ -22,6 +22,8 @@ pub(crate) mod plan;
 pub(crate) mod resolution;
 /// Rows of tables.
 pub(crate) mod rows;
+/// `scan`.
+pub(crate) mod scan;
 /// `tiles`: the tiles of a layout and its bill of materials.
 pub(crate) mod tiles;
 /// `tolerance`: statistics of samples as tables.

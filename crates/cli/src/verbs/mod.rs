@@ -45,6 +45,8 @@ mod report_pair;
 mod report_watch;
 /// Tells how small displacements noise lets a sensor see.
 pub(crate) mod resolution;
+/// Compares a measured scan with the layout.
+pub(crate) mod scan;
 /// Prints the JSON Schema of layout files.
 pub(crate) mod schema;
 /// Shared parts of `design`, `design --front` and `splice`: the search, its progress, its result.

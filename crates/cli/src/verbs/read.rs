@@ -31,7 +31,8 @@ pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     choice::accept(format, None, false)?;
     let inputs: Vec<&Path> = [&args.layout, &args.readings].into_iter().map(PathBuf::as_path).collect();
     let mut output = Output::open(args.output.as_deref(), &inputs)?;
-    let (mut readings_t, lines) = reading_file::read_all(&args.readings, args.unit)?;
+    let (rows, lines) = reading_file::read_all(&args.readings, &[reading_file::flux_densities(args.unit)])?;
+    let mut readings_t: Vec<DVec3> = rows.into_iter().map(|[reading]| reading).collect();
 
     progress.show(Stage::uncounted("readings"));
     let at_reference_t = film.reference_field_t().map_err(failed)?;

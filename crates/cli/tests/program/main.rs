@@ -26,6 +26,7 @@ mod real_films;
 mod report;
 #[cfg(feature = "report")]
 mod report_pair_watch;
+mod scan;
 mod sensor;
 mod start;
 mod suspicious;

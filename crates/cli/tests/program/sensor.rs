@@ -116,7 +116,7 @@ fn faulty_files_of_readings_are_refused() {
         sandbox.run(&[&["read", "b.csv", "--layout", &film], options].concat())
     };
     with("bx_mt,by_mt,bz_mt\n", &[]).refuses("b.csv: has no readings below its names of columns");
-    with("bx_mt,by_mt\n1,2\n", &[]).refuses("b.csv: line 1: has no column bz with a unit, such as bz_t or bz (mT)");
+    with("bx_mt,by_mt\n1,2\n", &[]).refuses("b.csv: line 1: has no column bz with a unit, such as bz_mt or bz (mT)");
     with("bx_mt,by,bz_mt\n1,2,3\n", &[]).refuses("b.csv: line 1: the column by has no unit: name it, such as by_mt");
     with("bx_mt,by_mt,bz_g\n1,2,3\n", &[]).refuses("the column bz_g has the unit g, must be one of: mT, uT, ");
     with("bx_mt,by_mt,bz_mt\n1,2,3\n", &["--unit", "t"]).refuses("--unit contradicts the column bx_mt");

@@ -1,0 +1,115 @@
+//! `magsplice scan`: compares a measured scan with the layout.
+
+use std::path::{Path, PathBuf};
+
+use magsplice::layout::Layout;
+use magsplice::prelude::DVec3;
+use magsplice::sensor::{ScanError, fit_scan};
+use magsplice::{Film, Stage};
+use magsplice_export::{ColumnQuantity, Points, Table};
+
+use crate::args::formats::{TableFormat, TextOrJson};
+use crate::args::sensor::ScanArgs;
+use crate::failure::{self, Failure};
+use crate::faults::FaultList;
+use crate::json::field::FieldJson;
+use crate::json::scan::ScanJson;
+use crate::output::destination::Output;
+use crate::output::{choice, table};
+use crate::progress::ProgressLine;
+use crate::scanned_film::ScannedFilm;
+use crate::words::{film_failure, no_field};
+use crate::{json, reading_file, remarks, text};
+
+pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
+    let progress = ProgressLine::start(!quiet);
+    let layout = remarks::read_layout(&args.layout, remarks::OF_TILES, quiet, &progress)?;
+    let film = Film::new(&layout);
+    let inputs: Vec<&Path> = [&args.layout, &args.scan].into_iter().map(PathBuf::as_path).collect();
+    let mut output = Output::open(args.output.as_deref(), &inputs)?;
+    let save = match args.save.as_deref() {
+        Some(path) => {
+            let format: TableFormat = choice::choose(None, Some(path), None)?;
+            choice::accept(format, Some(path), false)?;
+            Some((format, Output::open(Some(path), &inputs)?))
+        }
+        None => None,
+    };
+    let groups = [reading_file::positions(), reading_file::flux_densities(None)];
+    let (rows, lines) = reading_file::read_all(&args.scan, &groups)?;
+    let (points, readings_t): (Vec<DVec3>, Vec<DVec3>) =
+        rows.into_iter().map(|[point, reading]| (point, reading)).unzip();
+
+    progress.show(Stage::uncounted("fitting the scan"));
+    let fit = fit_scan(film.scene(), &points, &readings_t, args.free())
+        .map_err(|error| refused(args, &layout, &lines, error))?;
+    let scanned = ScannedFilm::new(&film, &points, &readings_t, lines, fit)
+        .map_err(|error| film_failure(&args.layout, &layout, error))?;
+    progress.end();
+    if let Some((format, mut file)) = save {
+        let result = table(&film, &scanned);
+        table::write(&result, &FieldJson::new(&film, &result), format, &mut file)?;
+        file.finish()?;
+    }
+    let result = match args.format {
+        TextOrJson::Text => text::scan::scan(&film, args, &scanned),
+        TextOrJson::Json => json::pretty(&ScanJson::new(&film, &scanned)),
+    };
+    output.write(|w| w.write_all(result.as_bytes()))?;
+    output.finish()?;
+    if !quiet {
+        tell_outliers(args, &scanned);
+    }
+    Ok(())
+}
+
+fn refused(args: &ScanArgs, layout: &Layout, lines: &[u64], error: ScanError) -> Failure {
+    let path = args.scan.clone();
+    let ScanError::Points(errors) = error else {
+        return Failure::Points { path, message: error.to_string() };
+    };
+    let mut faults = FaultList::default();
+    for error in errors.0 {
+        let (line, cause) = (lines[error.index], no_field(error.cause, layout));
+        faults.add(line, format!("line {line}: {cause}"));
+    }
+    faults.failure(path.display().to_string())
+}
+
+/// The readings with what was simulated.
+fn table(film: &Film, scanned: &ScannedFilm) -> Table {
+    let column = |name, components, values: &[DVec3]| ColumnQuantity {
+        name,
+        components,
+        values: values.iter().flat_map(DVec3::to_array).collect(),
+    };
+    let difference: Vec<DVec3> = scanned
+        .corrected_t
+        .iter()
+        .zip(&scanned.simulated_t)
+        .map(|(corrected, simulated)| *corrected - *simulated)
+        .collect();
+    let is_outlier = |index: usize| scanned.fit.outliers.binary_search(&index).is_ok();
+    let outliers = (0..scanned.places_mm.len()).map(|index| f64::from(u8::from(is_outlier(index)))).collect();
+    let columns = vec![
+        column("b_t", &["bx_t", "by_t", "bz_t"], &scanned.corrected_t),
+        column("simulated_b_t", &["simulated_bx_t", "simulated_by_t", "simulated_bz_t"], &scanned.simulated_t),
+        column("residual_b_t", &["residual_bx_t", "residual_by_t", "residual_bz_t"], &difference),
+        ColumnQuantity { name: "outlier", components: &["outlier"], values: outliers },
+    ];
+    let points = Points::Scattered(scanned.places_mm.clone());
+    Table::new(points, columns, table::film_metadata(film)).expect("a value for each point")
+}
+
+/// Names the readings that were left out.
+fn tell_outliers(args: &ScanArgs, scanned: &ScannedFilm) {
+    let mut faults = FaultList::default();
+    for &index in &scanned.fit.outliers {
+        let (line, residual) = (scanned.lines[index], scanned.fit.residuals_t[index] * 1e6);
+        let DVec3 { x, y, z } = residual;
+        faults.add(line, format!("line {line}: left out, because it is off by ({x:.1}, {y:.1}, {z:.1}) uT"));
+    }
+    if !faults.is_empty() {
+        failure::tell(&faults.remarks(&args.scan.display().to_string()));
+    }
+}

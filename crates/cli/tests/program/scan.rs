@@ -1,0 +1,141 @@
+//! `scan`: measured scans against the layout.
+
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use crate::{Sandbox, rows, shipped};
+
+/// Columns of a scan of the published film: places, and readings there.
+fn field(sandbox: &Sandbox) -> Vec<Vec<f64>> {
+    let said = sandbox.run(&["field", &shipped("published-film")]);
+    assert_eq!(said.status, 0);
+    rows(&said.stdout)
+}
+
+fn write(sandbox: &Sandbox, names: &str, lines: &[Vec<f64>]) {
+    let mut text = format!("{names}\n");
+    for line in lines {
+        let cells: Vec<String> = line.iter().map(|value| format!("{value:?}")).collect();
+        let _ = writeln!(text, "{}", cells.join(","));
+    }
+    sandbox.write("scan.csv", &text);
+}
+
+fn fitted(sandbox: &Sandbox, options: &[&str]) -> Value {
+    let film = shipped("published-film");
+    let said =
+        sandbox.run(&[&["scan", "scan.csv", "--layout", &film, "--format", "json", "--quiet"], options].concat());
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    serde_json::from_str(&said.stdout).expect("JSON")
+}
+
+fn number(of: &Value) -> f64 {
+    of.as_f64().unwrap_or_else(|| panic!("{of} is no number"))
+}
+
+/// A film that is 5 % stronger, in a stray field, under a sensor that is turned by 2 degrees about z and
+/// whose scan began 0.4 mm beside the middle.
+#[test]
+fn known_parameters_of_a_scan_are_recovered() {
+    let sandbox = Sandbox::new();
+    let (start, strength, offset_ut, turn) = ([0.4, -0.3, 0.2], 1.05, [30.0, -20.0, 40.0], 2.0_f64.to_radians());
+    let lines: Vec<Vec<f64>> = field(&sandbox)
+        .iter()
+        .map(|row| {
+            let (x, y, z) = (strength * row[3], strength * row[4], strength * row[5]);
+            let (turned_x, turned_y) = (x * turn.cos() + y * turn.sin(), y * turn.cos() - x * turn.sin());
+            let place = [row[0] - start[0], row[1] - start[1], row[2] - start[2]];
+            let reading = [turned_x * 1e6 + offset_ut[0], turned_y * 1e6 + offset_ut[1], z * 1e6 + offset_ut[2]];
+            place.into_iter().chain(reading).collect()
+        })
+        .collect();
+    write(&sandbox, "x_mm,y_mm,z_mm,bx (uT),by (uT),bz (uT)", &lines);
+    let result = fitted(&sandbox, &["--save", "saved.csv"]);
+    let found = &result["fitted"];
+    assert!((number(&found["strength"]) - strength).abs() < 1e-9, "{found}");
+    for axis in 0..3 {
+        assert!((number(&found["offset_t"][axis]) - 1e-6 * offset_ut[axis]).abs() < 1e-12, "{found}");
+        assert!((number(&found["start_mm"][axis]) - start[axis]).abs() < 1e-9, "{found}");
+        let turned = if axis == 2 { 2.0 } else { 0.0 };
+        assert!((number(&found["rotation_deg"][axis]) - turned).abs() < 1e-9, "{found}");
+        // The readings without offset and rotation, and the field of the layout, decouple alike.
+        let [corrected, simulated] =
+            ["corrected", "simulated"].map(|name| number(&result["uniformity_rmse"][name][axis]));
+        assert!((corrected - simulated).abs() < 1e-9, "{result}");
+    }
+    assert_eq!((&result["left_out"], &result["repeated"]), (&Value::Array(vec![]), &Value::Array(vec![])));
+    assert_eq!(result["grid"], serde_json::json!([9, 9, 5]));
+    // The table has the places of the film, and no residuals.
+    let saved = rows(&sandbox.read("saved.csv"));
+    for (row, place) in saved.iter().zip(field(&sandbox)) {
+        assert!((0..3).all(|axis| (row[axis] - place[axis]).abs() < 1e-9), "{row:?}");
+        assert!((9..12).all(|column| row[column].abs() < 1e-12), "{row:?}");
+    }
+}
+
+/// Without errors the uniformity RMSE is that of `decouple`.
+#[test]
+fn perfect_scan_has_the_uniformity_of_the_film() {
+    let sandbox = Sandbox::new();
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &field(&sandbox));
+    let decoupled = sandbox.run(&["decouple", &shipped("published-film"), "--format", "json"]).stdout;
+    let decoupled: Value = serde_json::from_str(&decoupled).expect("JSON");
+    let result = fitted(&sandbox, &["--fit", "strength"]);
+    for (axis, name) in ["r_x", "r_y", "s_z"].into_iter().enumerate() {
+        let (found, expected) =
+            (number(&result["uniformity_rmse"]["readings"][axis]), number(&decoupled["uniformity_rmse"][name]));
+        assert!((found - expected).abs() < 1e-12, "{name}: {found}, not {expected}");
+    }
+    assert_eq!(result["deviation"]["offset_t"], serde_json::json!([0.0, 0.0, 0.0]));
+}
+
+#[test]
+fn gaps_repeated_positions_and_outliers_are_named() {
+    let sandbox = Sandbox::new();
+    let mut lines = field(&sandbox);
+    let mut state = 7_u64;
+    for line in &mut lines {
+        for value in &mut line[3..] {
+            // Uniform noise of 5 uT.
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            *value += 1e-5 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5);
+        }
+    }
+    lines[99][4] += 1e-3;
+    lines[19] = lines[20].clone();
+    lines.remove(200);
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &lines);
+    let said = sandbox.run(&["scan", "scan.csv", "--layout", &shipped("published-film")]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    let named = "404 readings on a grid of 9 x 9 x 5; 2 missing: (-2, -0.5, -3), (0, 0, -5) mm; 1 repeated: line 22";
+    assert!(said.stdout.contains(named), "{}", said.stdout);
+    assert!(said.stderr.contains("scan.csv: line 101: left out, because it is off by ("), "{}", said.stderr);
+    assert!(said.stdout.lines().all(|line| line.len() <= 140), "{}", said.stdout);
+    let result = fitted(&sandbox, &[]);
+    assert_eq!(result["left_out"], serde_json::json!([101]));
+    assert!((number(&result["residual_t"]) / (1e-5 / 12.0_f64.sqrt()) - 1.0).abs() < 0.1, "{result}");
+    for name in ["offset_t", "start_mm", "rotation_deg"] {
+        for axis in 0..3 {
+            let [value, deviation] = ["fitted", "deviation"].map(|of| number(&result[of][name][axis]));
+            assert!(deviation > 0.0 && value.abs() < 5.0 * deviation, "{name}: {value} +- {deviation}");
+        }
+    }
+}
+
+#[test]
+fn scans_that_cannot_be_fitted_are_refused() {
+    let sandbox = Sandbox::new();
+    let film = shipped("published-film");
+    let with = |text: &str| {
+        sandbox.write("scan.csv", text);
+        sandbox.run(&["scan", "scan.csv", "--layout", &film])
+    };
+    let names = "x_mm,y_mm,z_mm,bx_mt,by_mt,bz_mt";
+    with(&format!("{names}\n0,0,-4,0,0,3\n"))
+        .refuses("scan.csv: too few readings for the parameters: 1, must be at least 5");
+    with(&format!("{names}\n{}", "0,0,-4,0,0,3\n".repeat(9))).refuses("scan.csv: the scan does not determine ");
+    with("x,y,z,bx_mt,by_mt,bz_mt\n0,0,-4,0,0,3\n").refuses("line 1: the column x has no unit: name it, such as x_mm");
+    with("bx_mt,by_mt,bz_mt\n0,0,3\n").refuses("has no column x with a unit, such as x_mm or x (mm)");
+    with(&format!("{names}\n0,0,-4,0,a,3\n")).refuses("line 2: by_mt = \"a\", must be a finite number");
+}

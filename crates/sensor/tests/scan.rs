@@ -1,0 +1,116 @@
+//! Scans with known parameters: they are recovered, as exactly as is stated.
+
+use glam::DVec3;
+use magsplice_field::Scene;
+use magsplice_layout::Layout;
+use magsplice_magnet::Quantity;
+use magsplice_sensor::{FreeParameters, ScanError, ScanParameters, fit_scan};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+fn film() -> (Scene, Vec<DVec3>) {
+    let layout = Layout::read("../../layouts/published-film.toml").unwrap_or_else(|e| panic!("{e}"));
+    (Scene::new(&layout.bare_tiles()), layout.volume.expect("a volume").grid.points().collect())
+}
+
+const TRUTH: ScanParameters = ScanParameters {
+    strength: 1.07,
+    offset_t: DVec3::new(3e-5, -2e-5, 4e-5),
+    rotation_rad: DVec3::new(0.02, -0.03, 0.05),
+    start: DVec3::new(0.4, -0.3, 0.25),
+};
+
+fn normal(random: &mut ChaCha8Rng) -> f64 {
+    let (radius, turn) = (1.0 - random.random::<f64>(), random.random::<f64>());
+    (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
+}
+
+/// A scan with these parameters and this noise.
+fn scan(scene: &Scene, points: &[DVec3], noise_t: f64, seed: u64) -> Vec<DVec3> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let places: Vec<DVec3> = points.iter().map(|point| *point + TRUTH.start).collect();
+    let field_t = scene.field_at(Quantity::FluxDensity, &places).unwrap();
+    let noisy =
+        |field_t: DVec3| TRUTH.reading_t(field_t) + noise_t * DVec3::from([(); 3].map(|()| normal(&mut random)));
+    field_t.into_iter().map(noisy).collect()
+}
+
+fn numbers(parameters: &ScanParameters) -> Vec<f64> {
+    let ScanParameters { strength, offset_t, rotation_rad, start } = parameters;
+    [*strength].into_iter().chain([*offset_t, *rotation_rad, *start].into_iter().flat_map(|v| v.to_array())).collect()
+}
+
+#[test]
+fn scan_without_noise_gives_its_parameters() {
+    let (scene, points) = film();
+    let fit = fit_scan(&scene, &points, &scan(&scene, &points, 0.0, 1), FreeParameters::ALL).unwrap();
+    for (found, truth) in numbers(&fit.parameters).into_iter().zip(numbers(&TRUTH)) {
+        assert!((found - truth).abs() < 1e-9 * (1.0 + truth.abs()), "{found}, not {truth}");
+    }
+    assert_eq!(fit.outliers, [0; 0]);
+    assert!(fit.noise_t < 1e-12, "{}", fit.noise_t);
+}
+
+/// Errors over their stated deviations are normal of deviation 1: over 100 scans of 10 parameters their
+/// mean square is 1 within 4 sqrt(2 / 1000) = 0.18. Parameters of one scan are correlated, which widens
+/// that, by less than twice.
+#[test]
+fn parameters_scatter_as_stated() {
+    let (scene, points) = film();
+    let (mut squares, mut count, mut within) = (0.0, 0.0, 0.0);
+    for seed in 0..100 {
+        let fit = fit_scan(&scene, &points, &scan(&scene, &points, 5e-6, seed), FreeParameters::ALL).unwrap();
+        assert!((fit.noise_t / 5e-6 - 1.0).abs() < 0.1, "{}", fit.noise_t);
+        let errors = numbers(&fit.parameters).into_iter().zip(numbers(&TRUTH)).zip(numbers(&fit.deviations));
+        for ((found, truth), deviation) in errors {
+            let ratio = (found - truth) / deviation;
+            squares += ratio * ratio;
+            within += f64::from(u8::from(ratio.abs() < 1.96));
+            count += 1.0;
+        }
+    }
+    assert!((squares / count - 1.0_f64).abs() < 0.36, "{}", squares / count);
+    assert!((0.9..0.99).contains(&(within / count)), "{}", within / count);
+}
+
+#[test]
+fn outliers_are_left_out_and_named() {
+    let (scene, points) = film();
+    let mut readings = scan(&scene, &points, 5e-6, 7);
+    readings[17].y += 5e-4;
+    readings[300] = DVec3::new(0.0, 0.0, 0.01);
+    let fit = fit_scan(&scene, &points, &readings, FreeParameters::ALL).unwrap();
+    assert_eq!(fit.outliers, [17, 300]);
+    for ((found, truth), deviation) in
+        numbers(&fit.parameters).into_iter().zip(numbers(&TRUTH)).zip(numbers(&fit.deviations))
+    {
+        assert!((found - truth).abs() < 5.0 * deviation, "{found}, not {truth}");
+    }
+}
+
+#[test]
+fn scans_that_tell_too_little_are_refused() {
+    let (scene, points) = film();
+    let readings = scan(&scene, &points, 0.0, 1);
+    let few = fit_scan(&scene, &points[..4], &readings[..4], FreeParameters::ALL).unwrap_err();
+    assert_eq!(few.to_string(), "too few readings for the parameters: 4, must be at least 5");
+    // One point again and again.
+    let same = vec![points[100]; 20];
+    let error = fit_scan(&scene, &same, &vec![readings[100]; 20], FreeParameters::ALL).unwrap_err();
+    assert!(matches!(&error, ScanError::Undetermined(names) if !names.is_empty()), "{error}");
+    // A film turned over.
+    let other: Vec<DVec3> = readings.iter().rev().map(|reading| *reading * DVec3::new(3.0, -1.0, 0.2)).collect();
+    let error = fit_scan(&scene, &points, &other, FreeParameters::ALL);
+    assert!(error.is_err() || error.unwrap().noise_t > 1e-4);
+}
+
+#[test]
+fn parameters_that_are_not_free_stay() {
+    let (scene, points) = film();
+    let free = FreeParameters { strength: true, offset: true, rotation: false, start: false };
+    let fit = fit_scan(&scene, &points, &scan(&scene, &points, 0.0, 1), free).unwrap();
+    assert_eq!((fit.parameters.rotation_rad, fit.parameters.start), (DVec3::ZERO, DVec3::ZERO));
+    assert_eq!((fit.deviations.rotation_rad, fit.deviations.start), (DVec3::ZERO, DVec3::ZERO));
+    // What cannot turn and move is made up for by the strength, and is no noise of the sensor.
+    assert!(fit.noise_t > 1e-4 && (fit.parameters.strength - 1.07).abs() < 0.3, "{:?}", fit.parameters);
+}
