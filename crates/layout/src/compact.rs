@@ -170,10 +170,10 @@ fn lines(tiles: &[NamedTile]) -> Vec<Line<'_>> {
     let mut written = vec![false; tiles.len()];
     // By position, so that images are found without a search among all tiles.
     let mut by_x: Vec<usize> = (0..tiles.len()).collect();
-    let x = |index: usize| tiles[index].tile.position().x + 0.0;
+    let x = |index: usize| tiles[index].tile.position().x;
     by_x.sort_by(|&a, &b| x(a).total_cmp(&x(b)));
     let found = |image: &Tile| {
-        let at = image.position().x + 0.0;
+        let at = image.position().x;
         let first = by_x.partition_point(|&index| x(index) < at);
         by_x[first..].iter().copied().take_while(|&index| x(index) == at).find(|&index| tiles[index].tile == *image)
     };

@@ -62,3 +62,18 @@ fn directions_in_degrees_are_checked() {
         assert!(error.contains(message), "{message:?} is not in {error}");
     }
 }
+
+/// Sizes and strengths that tiles share are written once, below a blank line, and mirror images on a
+/// zero coordinate are found whichever sign the zero has.
+#[test]
+fn compact_layouts_share_kinds_and_images() {
+    let text = "format = 1\nname = \"film\"\n\
+        [[tile]]\nname = \"a\"\nposition_mm = [-0.0, 5, 0]\nsize_mm = [2, 1, 1]\nstrength_t = 0.12\ndirection_deg = 90\n\
+        [[tile]]\nname = \"a-my\"\nposition_mm = [0, -5, 0]\nsize_mm = [2, 1, 1]\nstrength_t = 0.12\ndirection_deg = -90\n\
+        [[tile]]\nname = \"b\"\nposition_mm = [5, 5, 0]\nsize_mm = [2, 1, 1]\nstrength_t = 0.12\ndirection_deg = 0\n";
+    let written = parsed(text).to_compact_toml();
+    assert_eq!(written.matches("size_mm").count(), 1, "{written}");
+    assert!(written.contains("\n\nkind.kind-1 = {"), "{written}");
+    assert!(written.contains("mirror = { axes = [\"y\"] }"), "{written}");
+    assert_eq!(tiles(&parsed(&written)).len(), 3);
+}
