@@ -14,6 +14,8 @@ mod baseline;
 mod benchmark;
 /// Blocks from a CSV file.
 mod blocks;
+/// Results of `calibrate`.
+mod calibration;
 /// Results of `check`: a layout with the outcome of each of its expectations.
 mod checked;
 /// Tables of numbers that users bring.
@@ -28,6 +30,8 @@ mod evaluation;
 mod failure;
 /// Lists of faulty lines and points.
 mod faults;
+/// Displacements from readings below a film.
+mod film_readings;
 /// Points of a file for the verbs that compare with the ideal film.
 mod given_points;
 /// Ctrl-C: temporary files are removed, a search ends with its best film.
@@ -103,6 +107,7 @@ fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
         Verb::Bench(args) => verbs::bench::run(args, quiet),
         Verb::Budget(args) => verbs::budget::run(args, quiet),
         Verb::Read(args) => verbs::read::run(args, quiet),
+        Verb::Calibrate(args) => verbs::calibrate::run(args, quiet),
         Verb::Scan(args) => verbs::scan::run(args, quiet),
         Verb::Resolution(args) => verbs::resolution::run(args, quiet),
         #[cfg(feature = "report")]

@@ -10,7 +10,7 @@ use crate::csv_input::names::unit_in;
 use crate::csv_input::table::{CsvTable, Row};
 use crate::failure::Failure;
 use crate::faults::FaultList;
-use crate::units::{self, FLUX_DENSITIES, LENGTHS, Unit};
+use crate::units::{self, FLUX_DENSITIES, FORCES, LENGTHS, Unit};
 
 /// Three columns with the components of a vector.
 pub(crate) struct Group {
@@ -31,6 +31,11 @@ pub(crate) fn flux_densities(unit: Option<FluxUnitArg>) -> Group {
         default: unit.map(FluxUnitArg::name),
         examples: ["_mt", " (mT)"],
     }
+}
+
+/// Columns of forces in newton.
+pub(crate) fn forces() -> Group {
+    Group { bases: ["fx", "fy", "fz"], units: &FORCES, default: None, examples: ["_n", " (N)"] }
 }
 
 /// Columns of positions in millimetres.

@@ -10,6 +10,9 @@ pub(crate) const LENGTHS: [Unit; 6] = [("mm", 0), ("cm", 1), ("um", -3), ("µm",
 /// Flux densities and polarizations in tesla, in the same order.
 pub(crate) const FLUX_DENSITIES: [Unit; 6] = [("mT", -3), ("uT", -6), ("µT", -6), ("μT", -6), ("nT", -9), ("T", 0)];
 
+/// Forces in newton.
+pub(crate) const FORCES: [Unit; 2] = [("mN", -3), ("N", 0)];
+
 /// Magnetizations in A/m, as names of columns have them.
 pub(crate) const MAGNETIZATIONS: [Unit; 8] = [
     ("A_per_m", 0),

@@ -2,6 +2,7 @@
 //!
 //! * [`Locator`]: positions from readings, by the exact field and its gradient.
 //! * [`fit_scan`]: strength, offset, rotation and start of a measured scan.
+//! * [`Stiffness`]: the force of an elastic layer from displacements.
 //! * [`Noise`]: standard deviations of positions from those of readings.
 //!
 //! Flux densities in tesla; lengths in any one unit, that of the tiles. This crate reads no files and
@@ -41,7 +42,10 @@ mod noise;
 mod scan;
 /// Where the steps begin.
 mod starts;
+/// Forces from displacements.
+mod stiffness;
 
 pub use locator::{LocateError, Located, Locator};
 pub use noise::Noise;
 pub use scan::{FreeParameters, ScanError, ScanFit, ScanParameters, fit_scan};
+pub use stiffness::{Stiffness, StiffnessError};

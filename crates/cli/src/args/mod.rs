@@ -25,7 +25,7 @@ pub(crate) mod numbers;
 pub(crate) mod points;
 /// `--preset`: usual errors of tiles.
 pub(crate) mod preset;
-/// Arguments of `read`, `resolution` and `scan`.
+/// Arguments of the verbs about sensors.
 pub(crate) mod sensor;
 /// Arguments of `tolerance`.
 pub(crate) mod tolerance;
@@ -41,7 +41,7 @@ use self::evaluate::ReportArgs;
 use self::evaluate::{CompareArgs, DecoupleArgs, FieldArgs, PlanArgs};
 use self::files::{CompletionsArgs, ExportArgs, InitArgs, TilesArgs};
 use self::import::ImportArgs;
-use self::sensor::{ReadArgs, ResolutionArgs, ScanArgs};
+use self::sensor::{CalibrateArgs, ReadArgs, ResolutionArgs, ScanArgs};
 use self::tolerance::ToleranceArgs;
 
 const FIRST_STEPS: &str = if cfg!(feature = "report") {
@@ -99,6 +99,7 @@ pub(crate) enum Verb {
     Budget(BudgetArgs),
     Read(ReadArgs),
     Resolution(ResolutionArgs),
+    Calibrate(CalibrateArgs),
     Scan(ScanArgs),
     Check(CheckArgs),
     Design(DesignArgs),

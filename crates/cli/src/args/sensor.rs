@@ -1,4 +1,4 @@
-//! Arguments of `read`, `resolution` and `scan`.
+//! Arguments of the verbs about sensors: `read`, `resolution`, `scan`, `calibrate`.
 
 use std::path::PathBuf;
 
@@ -190,4 +190,31 @@ impl ScanArgs {
             start: is_free(FitArg::Start),
         }
     }
+}
+
+/// Fit the stiffness of the elastic layer: forces against displacements.
+///
+/// Each row has a force on the film and what the sensor read. The displacement of the film is found from
+/// the reading, by the exact field of the layout and, with [ideal], by the closed form of the ideal film.
+/// For each axis and each way, a line F = stiffness x displacement + force at rest is fitted by least
+/// squares (Dai 2024, Eqs. 16 and 17): six coefficients, with intervals of 95 % confidence.
+#[derive(Args)]
+#[command(after_help = "Example:\n  magsplice calibrate forces.csv --layout film.toml --zero 20")]
+pub(crate) struct CalibrateArgs {
+    /// CSV file with columns fx_n, fy_n, fz_n and bx_mt, by_mt, bz_mt, or in other units, such as
+    /// Fx (mN) and Bx (uT); - is standard input
+    pub(crate) readings: PathBuf,
+    /// Layout file of the film
+    #[arg(long, value_name = "LAYOUT")]
+    pub(crate) layout: PathBuf,
+    /// The first N readings are of the film at rest: their mean, less the field of the film at the
+    /// reference point, is subtracted from all
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub(crate) zero: usize,
+    /// Format of the result
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: TextOrJson,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
 }

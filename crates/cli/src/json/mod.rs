@@ -4,6 +4,8 @@
 pub(crate) mod bench;
 /// `budget`: where the displacement error comes from.
 pub(crate) mod budget;
+/// `calibrate`.
+pub(crate) mod calibrate;
 /// `check`: layouts with their expectations.
 pub(crate) mod check;
 /// `compare`: the comparison with the ideal film.

@@ -4,6 +4,8 @@
 pub(crate) mod bench;
 /// `budget`: where the displacement error comes from.
 pub(crate) mod budget;
+/// `calibrate`.
+pub(crate) mod calibrate;
 /// `check`: one line per expectation.
 pub(crate) mod check;
 /// `decouple` and `compare`: field, comparison with the ideal film, decoupling errors.

@@ -7,6 +7,8 @@ pub(crate) mod budget;
 /// `budget --figure`: the budget as a bar chart.
 #[cfg(feature = "report")]
 mod budget_figure;
+/// Fits the stiffness of the elastic layer.
+pub(crate) mod calibrate;
 /// Validates layouts, and checks films against their expectations.
 pub(crate) mod check;
 /// Compares the field with the ideal film.

@@ -1,0 +1,41 @@
+//! `calibrate`: the fitted coefficients.
+
+use std::fmt::Write;
+
+use magsplice::Film;
+use magsplice::sensor::Stiffness;
+
+use super::number::{counted, number};
+use super::{header, rows};
+use crate::args::sensor::CalibrateArgs;
+use crate::calibration::Calibration;
+
+/// The report of `calibrate`.
+pub(crate) fn calibration(film: &Film, args: &CalibrateArgs, calibration: &Calibration) -> String {
+    let mut text = header::layout(film.layout());
+    let readings = counted(calibration.readings, "reading", "readings");
+    let _ = writeln!(
+        text,
+        "{}: {readings}; force = stiffness x displacement of the film + force at rest\n",
+        args.readings.display()
+    );
+    rows::heading(&mut text, "displacements by the field of the layout", ["x", "y", "z"]);
+    axes(&mut text, &calibration.by_field);
+    if let Some(by_closed_form) = &calibration.by_closed_form {
+        rows::heading(&mut text, "displacements by the closed form", ["x", "y", "z"]);
+        axes(&mut text, by_closed_form);
+    }
+    text += "intervals hold with 95 % confidence\n";
+    text
+}
+
+fn axes(text: &mut String, axes: &[Stiffness; 3]) {
+    let mut row = |name: &str, of: &dyn Fn(&Stiffness) -> f64| {
+        rows::cells(text, name, axes.each_ref().map(|axis| number(of(axis))));
+    };
+    row("  stiffness, N/mm", &|axis| axis.stiffness);
+    row("    +-", &|axis| axis.stiffness_95);
+    row("  force at rest, N", &|axis| axis.force_at_rest);
+    row("    +-", &|axis| axis.force_at_rest_95);
+    row("  residual, N", &|axis| axis.residual);
+}

@@ -1,0 +1,123 @@
+//! `calibrate`: the stiffness of the elastic layer.
+
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use crate::{Sandbox, rows, shipped};
+
+const STIFFNESS_N_PER_MM: [f64; 3] = [0.8, 0.9, 2.5];
+const AT_REST_N: [f64; 3] = [0.1, -0.2, 0.3];
+
+/// Normal deviates by the sum of twelve uniform ones, from a linear congruential generator.
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform() - 0.5).sum()
+    }
+}
+
+/// Displacements of the film in shear and towards the sensor, and the field that the sensor then reads.
+fn displaced(sandbox: &Sandbox) -> Vec<([f64; 3], [f64; 3])> {
+    let mut moved = Vec::new();
+    for step in 0..30 {
+        let s = f64::from(step) / 29.0;
+        moved.push([-1.8 + 3.6 * s, 1.2 * (7.0 * s).sin(), -1.9 * s]);
+    }
+    // The sensor moves by the opposite, from the reference point (0, 0, -5) mm.
+    let lines: Vec<String> = moved.iter().map(|[x, y, z]| format!("{:?},{:?},{:?}", -x, -y, -5.0 - z)).collect();
+    sandbox.write("points.csv", &format!("x_mm,y_mm,z_mm\n{}\n", lines.join("\n")));
+    let said = sandbox.run(&["field", &shipped("published-film"), "--points", "points.csv"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    moved.into_iter().zip(rows(&said.stdout)).map(|(moved, row)| (moved, [row[3], row[4], row[5]])).collect()
+}
+
+fn calibrated(sandbox: &Sandbox, readings: &[([f64; 3], [f64; 3])], noise: [f64; 2], seed: u64) -> Value {
+    let mut random = Random(seed);
+    let mut text = "Fx (mN);Fy (mN);Fz (mN);Bx (uT);By (uT);Bz (uT)\n".to_owned();
+    for (moved, field) in readings {
+        let [force_noise, field_noise] = noise;
+        let mut cells = Vec::new();
+        for axis in 0..3 {
+            let force = STIFFNESS_N_PER_MM[axis] * moved[axis] + AT_REST_N[axis] + force_noise * random.normal();
+            cells.push(format!("{:?}", 1e3 * force));
+        }
+        for b in field {
+            cells.push(format!("{:?}", 1e6 * (b + field_noise * random.normal())));
+        }
+        let _ = writeln!(text, "{}", cells.join(";"));
+    }
+    sandbox.write("forces.csv", &text);
+    let film = shipped("published-film");
+    let said = sandbox.run(&["calibrate", "forces.csv", "--layout", &film, "--format", "json"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    serde_json::from_str(&said.stdout).expect("JSON")
+}
+
+fn number(of: &Value) -> f64 {
+    of.as_f64().unwrap_or_else(|| panic!("{of} is no number"))
+}
+
+/// Without noise the coefficients by the field of the layout are exact. Those of the closed form are off
+/// by the error of the film.
+#[test]
+fn stiffness_without_noise_is_exact() {
+    let sandbox = Sandbox::new();
+    let result = calibrated(&sandbox, &displaced(&sandbox), [0.0, 0.0], 1);
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let found = &result["by_field"][name];
+        assert!((number(&found["stiffness_n_per_mm"]) - STIFFNESS_N_PER_MM[axis]).abs() < 1e-8, "{found}");
+        assert!((number(&found["force_at_rest_n"]) - AT_REST_N[axis]).abs() < 1e-8, "{found}");
+        let closed = &result["by_closed_form"][name];
+        assert!((number(&closed["stiffness_n_per_mm"]) / STIFFNESS_N_PER_MM[axis] - 1.0).abs() > 0.02, "{closed}");
+    }
+    let film = shipped("published-film");
+    let text = sandbox.run(&["calibrate", "forces.csv", "--layout", &film]).stdout;
+    assert!(text.contains("forces.csv: 30 readings; force = stiffness x displacement"), "{text}");
+    let row = text.lines().find(|line| line.contains("stiffness, N/mm")).expect("a row");
+    assert!(row.ends_with("0.800000     0.900000     2.500000"), "{row}");
+}
+
+/// Intervals of 95 % contain the coefficient in 90 to 99 of 100 trials: of 600 in 540 to 594.
+#[test]
+fn intervals_contain_the_coefficients_as_often_as_they_say() {
+    let sandbox = Sandbox::new();
+    let readings = displaced(&sandbox);
+    let mut contained = 0;
+    for seed in 0..100 {
+        let result = calibrated(&sandbox, &readings, [0.02, 1e-6], 1000 + seed);
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let found = &result["by_field"][name];
+            for (name, truth) in
+                [("stiffness_n_per_mm", STIFFNESS_N_PER_MM[axis]), ("force_at_rest_n", AT_REST_N[axis])]
+            {
+                let [value, half] = [number(&found[name]), number(&found[format!("{name}_95")])];
+                assert!(half > 0.0 && half < 0.1, "{found}");
+                contained += u32::from((value - truth).abs() <= half);
+            }
+        }
+    }
+    assert!((540..=594).contains(&contained), "{contained} of 600");
+}
+
+#[test]
+fn calibrations_that_tell_nothing_are_refused() {
+    let sandbox = Sandbox::new();
+    let film = shipped("published-film");
+    let with = |text: &str| {
+        sandbox.write("forces.csv", text);
+        sandbox.run(&["calibrate", "forces.csv", "--layout", &film])
+    };
+    let names = "fx_n,fy_n,fz_n,bx_mt,by_mt,bz_mt";
+    with(&format!("{names}\n0,0,0,0,0,2\n0,0,1,0,0,3\n")).refuses("forces.csv: along x: too few readings for a line");
+    with(&format!("{names}\n{}", "0,0,1,0,0,2\n".repeat(5)))
+        .refuses("forces.csv: along x: all displacements are the same");
+    with(&format!("{names}\n0,0,1,100,0,0\n")).refuses("forces.csv: line 2: no position in or near the volume");
+    with("fx,fy_n,fz_n,bx_mt,by_mt,bz_mt\n0,0,1,0,0,2\n").refuses("the column fx has no unit: name it, such as fx_n");
+}
