@@ -8,7 +8,7 @@ use magsplice::sensor::{LocateError, Located, Locator};
 use magsplice::{Film, FilmError};
 
 use crate::failure::Failure;
-use crate::words::{film_failure, no_points};
+use crate::words::{film_failure, no_volume};
 
 /// Readings below a film, with what was found from them.
 pub(crate) struct FilmReadings {
@@ -31,7 +31,7 @@ impl FilmReadings {
     ) -> Result<FilmReadings, Failure> {
         let layout: &Layout = film.layout();
         let failed = |error| film_failure(layout_path, layout, error);
-        let volume = film.volume().map_err(|error| no_points(layout_path, error))?;
+        let volume = film.volume().map_err(|error| no_volume(layout_path, error))?;
         let at_reference_t = film.reference_field_t().map_err(failed)?;
         let Some(resting) = readings_t.get(..at_rest) else {
             let message = format!("has {} readings, fewer than the {at_rest} of --zero", readings_t.len());

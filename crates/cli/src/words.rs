@@ -51,6 +51,19 @@ pub(crate) fn no_field(cause: Cause, layout: &Layout) -> String {
     }
 }
 
+/// The failure of a verb about sensors on a layout without a working volume.
+pub(crate) fn no_volume(path: &Path, error: FilmError) -> Failure {
+    match error {
+        FilmError::Missing(_) => Failure::Points {
+            path: path.to_owned(),
+            message: "the layout has no [volume] table, which says where the sensor may be: add one; \
+                      docs/layout-format.md describes it"
+                .to_owned(),
+        },
+        error => Failure::Film { layout: path.to_owned(), error },
+    }
+}
+
 /// The failure of a verb that takes points from the working volume of a layout without one.
 pub(crate) fn no_points(path: &Path, error: FilmError) -> Failure {
     match error {

@@ -16,14 +16,14 @@ use crate::json::sensor::ReadJson;
 use crate::output::destination::Output;
 use crate::output::{choice, table};
 use crate::progress::ProgressLine;
-use crate::words::no_points;
+use crate::words::no_volume;
 use crate::{reading_file, remarks};
 
 pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
     let film = Film::new(&layout);
-    film.volume().map_err(|error| no_points(&args.layout, error))?;
+    film.volume().map_err(|error| no_volume(&args.layout, error))?;
     let format = choice::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
     if format == TableFormat::Vtk {
         return Err(Failure::Format("readings have no place in VTK: give another --format".to_owned()));

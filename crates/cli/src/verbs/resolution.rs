@@ -13,7 +13,7 @@ use crate::json::field::FieldJson;
 use crate::output::destination::{Output, print};
 use crate::output::{choice, table};
 use crate::progress::ProgressLine;
-use crate::words::{film_failure, no_points};
+use crate::words::{film_failure, no_volume};
 use crate::{remarks, text};
 
 pub(crate) fn run(args: &ResolutionArgs, quiet: bool) -> Result<(), Failure> {
@@ -21,7 +21,7 @@ pub(crate) fn run(args: &ResolutionArgs, quiet: bool) -> Result<(), Failure> {
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
     let film = Film::new(&layout);
     let failed = |error| film_failure(&args.layout, &layout, error);
-    let volume = film.volume().map_err(|error| no_points(&args.layout, error))?;
+    let volume = film.volume().map_err(|error| no_volume(&args.layout, error))?;
     let file = match &args.output {
         Some(path) => {
             let format = choice::choose(args.format, Some(path), None)?;

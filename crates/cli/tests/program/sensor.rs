@@ -124,6 +124,10 @@ fn faulty_files_of_readings_are_refused() {
     with("bx,by,bz\n0,0,2\n", &["--noise", "0uT"]).refuses_arguments("0uT: must be above 0 and at most 1 T");
     with("bx,by,bz\n0,0,2\n", &["-o", "b.vtp"]).refuses("readings have no place in VTK");
     assert_eq!(with("bx,by,bz\n0,0,2\n", &["--unit", "mT"]).status, 0);
+    let tile = "[[tile]]\nposition_mm = [0, 0, 1]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
+    sandbox.write("film.toml", &format!("format = 1\nname = \"a tile\"\n{tile}"));
+    let said = sandbox.run(&["read", "b.csv", "--layout", "film.toml", "--unit", "mT"]);
+    said.refuses("film.toml: the layout has no [volume] table, which says where the sensor may be");
 }
 
 /// The deviations of `read` at the points of the volume are those of `resolution`. Twice the noise
