@@ -17,6 +17,8 @@
 //!    each `match` of the program that needs a line: the extension, and the call of the function in
 //!    `crates/cli/src/output/table.rs`. `DecoupleFormat` beside it lists the formats of `decouple`.
 
+/// The displacement of a sensor as a C header.
+pub mod c_header;
 /// Tables as CSV.
 pub mod csv;
 /// Corners and faces of tiles.

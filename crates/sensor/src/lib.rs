@@ -3,6 +3,7 @@
 //! * [`Locator`]: positions from readings, by the exact field and its gradient.
 //! * [`fit_scan`]: strength, offset, rotation and start of a measured scan.
 //! * [`Stiffness`]: the force of an elastic layer from displacements.
+//! * [`DisplacementPolynomial`]: positions without the tiles, for small computers.
 //! * [`Noise`]: standard deviations of positions from those of readings.
 //!
 //! Flux densities in tesla; lengths in any one unit, that of the tiles. This crate reads no files and
@@ -38,6 +39,8 @@ mod descent;
 mod locator;
 /// Standard deviations of positions.
 mod noise;
+/// Positions as polynomials of the parameters.
+mod polynomial;
 /// Measured scans of a film.
 mod scan;
 /// Where the steps begin.
@@ -47,5 +50,6 @@ mod stiffness;
 
 pub use locator::{LocateError, Located, Locator};
 pub use noise::Noise;
+pub use polynomial::{DisplacementPolynomial, PolynomialError};
 pub use scan::{FreeParameters, ScanError, ScanFit, ScanParameters, fit_scan};
 pub use stiffness::{Stiffness, StiffnessError};

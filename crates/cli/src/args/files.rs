@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::formats::{ExportFormat, TilesFormat};
+use super::numbers::length_mm;
 
 /// List the tiles of a layout and its bill of materials.
 ///
@@ -28,9 +29,10 @@ pub(crate) struct TilesArgs {
 /// Write the film for another program.
 ///
 /// For magpylib: a Python script that rebuilds the film and prints its field. For ParaView: the
-/// faces of the tiles with their polarization. For CAD: a drawing (DXF) or bodies (STL). The other
-/// way round, --to magpylib-import writes a Python script that turns a magpylib collection into a
-/// table for `magsplice import`.
+/// faces of the tiles with their polarization. For CAD: a drawing (DXF) or bodies (STL). For
+/// firmware: a function in C that gives the displacement of a sensor from what it reads. The other way
+/// round, --to magpylib-import writes a Python script that turns a magpylib collection into a table
+/// for `magsplice import`.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice export layouts/published-film.toml --to magpylib -o film.py")]
 pub(crate) struct ExportArgs {
@@ -39,9 +41,17 @@ pub(crate) struct ExportArgs {
     /// Program to write for [default: by the file's ending]
     #[arg(long, value_enum, required_unless_present = "output")]
     pub(crate) to: Option<ExportFormat>,
+    /// For --to c-header: largest error of the displacement over the working volume
+    #[arg(long, value_name = "LENGTH", default_value = "0.005mm", value_parser = error_mm)]
+    pub(crate) error: f64,
     /// File to write, complete or not at all [default: -, standard output]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+}
+
+fn error_mm(text: &str) -> Result<f64, String> {
+    let value = length_mm(text)?;
+    if value > 0.0 { Ok(value) } else { Err("must be above 0".to_owned()) }
 }
 
 /// Largest kerf. No saw removes more, and areas stay within the range of numbers.

@@ -67,6 +67,8 @@ pub(crate) enum ExportFormat {
     Dxf,
     /// The bodies of the tiles as triangles, in mm (.stl)
     Stl,
+    /// A function in C that gives the displacement of a sensor from what it reads, for firmware (.h)
+    CHeader,
 }
 
 /// A format that an option or the ending of a file chooses.
@@ -119,6 +121,7 @@ impl FileFormat for ExportFormat {
             ExportFormat::Vtk => &["vtp"],
             ExportFormat::Dxf => &["dxf"],
             ExportFormat::Stl => &["stl"],
+            ExportFormat::CHeader => &["h"],
         }
     }
 

@@ -62,7 +62,7 @@ fn contradicting_and_unknown_formats_are_refused() {
         (&["field", "--format", "vtk", "-o", "out.xml"], ".xml is another format: use .vti, .vtp"),
         (&["export", "--to", "vtk", "-o", "out.py"], "the ending means magpylib, which contradicts --to vtk"),
         (&["export", "-o", "out"], "out: without an ending it has no format: give --to"),
-        (&["export", "-o", "out.vti"], "no format has the ending .vti: use one of .py, .vtp, .dxf, .stl, or give --to"),
+        (&["export", "-o", "out.vti"], "no format has the ending .vti: use one of .py, .vtp, .dxf, .stl, .h, or give"),
     ];
     for (arguments, message) in cases {
         sandbox.run(&[&arguments[..1], &[&layout], &arguments[1..]].concat()).refuses(message);

@@ -5,6 +5,7 @@ mod bad_layouts;
 mod bad_points;
 mod baselines;
 mod bench;
+mod c_header;
 mod calibrate;
 mod checks;
 mod cut_list;

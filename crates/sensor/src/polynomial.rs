@@ -1,0 +1,194 @@
+//! The position of a sensor as a polynomial of the decoupling parameters, for computers without room for
+//! the tiles.
+
+use std::error::Error;
+use std::fmt;
+
+use glam::DVec3;
+use magsplice_decouple::{Branch, Parameters};
+use magsplice_field::Scene;
+use magsplice_magnet::{Grid, PointErrors, Quantity};
+use nalgebra::DMatrix;
+
+/// Degrees that are tried, the least first. The error of a film falls three to five times with each.
+const DEGREES: [usize; 4] = [4, 6, 8, 10];
+
+/// Nodes along x, y, z to which a polynomial is fitted: twice the highest degree, and one more.
+const NODES: [usize; 3] = [21, 21, 15];
+
+/// Points along x, y, z at which its error is measured. None but the corners are nodes.
+const CHECKS: [usize; 3] = [30, 30, 18];
+
+/// The displacement of a sensor from the reference point as a polynomial of R_x, R_y and S_z: a sum of
+/// products of Chebyshev polynomials.
+///
+/// For an ideal film the displacement is a multiple of each parameter (Dai 2024, Eq. 14). The
+/// polynomial also contains what the splicing pattern and the end of the film change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DisplacementPolynomial {
+    /// Highest sum of degrees along the three parameters.
+    pub degree: usize,
+    /// The sign of B_z on the axis, which is the branch of R_x and R_y.
+    pub branch_sign: f64,
+    /// Least R_x, R_y, S_z in the volume.
+    pub lower: [f64; 3],
+    /// Largest R_x, R_y, S_z in the volume.
+    pub upper: [f64; 3],
+    /// Displacements along x, y, z of each term, in the order of [`DisplacementPolynomial::terms`].
+    pub coefficients: Vec<[f64; 3]>,
+    /// Largest error of a component at the points where it was measured.
+    pub largest_error: f64,
+    /// Number of these points.
+    pub checked: usize,
+}
+
+/// Why there is no polynomial.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum PolynomialError {
+    /// No degree has an error as small as wanted.
+    NotReached {
+        /// The smallest error.
+        least: f64,
+    },
+    /// A point of the volume has no parameters, because B_z is 0 there.
+    Singular(DVec3),
+    /// Points without a field.
+    Points(PointErrors),
+}
+
+impl DisplacementPolynomial {
+    /// The polynomial of the least degree whose error is at most `error` at all points of a grid of 30 x
+    /// 30 x 18 points in the volume that `volume` spans. Displacements count from `reference`.
+    ///
+    /// The error between these points is not bounded. They are closer than the polynomial can bend.
+    ///
+    /// # Errors
+    /// See [`PolynomialError`].
+    pub fn fit(
+        scene: &Scene,
+        volume: &Grid,
+        reference: DVec3,
+        error: f64,
+    ) -> Result<DisplacementPolynomial, PolynomialError> {
+        let field_t = |points: &[DVec3]| scene.field_at(Quantity::FluxDensity, points).map_err(PolynomialError::Points);
+        let at_reference_t = field_t(&[reference])?[0];
+        let branch = Branch::from_axis_field(at_reference_t).ok_or(PolynomialError::Singular(reference))?;
+        let parameters = |points: &[DVec3]| -> Result<Vec<[f64; 3]>, PolynomialError> {
+            let of = |(point, field_t): (&DVec3, DVec3)| {
+                let Parameters { r_x, r_y, s_z } =
+                    Parameters::from_field(field_t, branch).ok_or(PolynomialError::Singular(*point))?;
+                Ok([r_x, r_y, s_z])
+            };
+            points.iter().zip(field_t(points)?).map(of).collect()
+        };
+        let nodes =
+            points(volume, NODES, |index, count| -(std::f64::consts::PI * (index as f64 + 0.5) / count as f64).cos());
+        let checks = points(volume, CHECKS, |index, count| 2.0 * index as f64 / (count - 1) as f64 - 1.0);
+        let (at_nodes, at_checks) = (parameters(&nodes)?, parameters(&checks)?);
+        let range = |axis: usize| {
+            let values = at_nodes.iter().chain(&at_checks).map(|all| all[axis]);
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
+        };
+        let ranges = [0, 1, 2].map(range);
+        let mut least = f64::INFINITY;
+        for degree in DEGREES {
+            let mut polynomial = DisplacementPolynomial {
+                degree,
+                branch_sign: at_reference_t.z.signum(),
+                lower: ranges.map(|(low, _)| low),
+                upper: ranges.map(|(_, high)| high),
+                coefficients: Vec::new(),
+                largest_error: f64::INFINITY,
+                checked: checks.len(),
+            };
+            polynomial.solve(&at_nodes, &nodes, reference);
+            let error_at = |(parameters, point): (&[f64; 3], &DVec3)| {
+                (polynomial.displacement(*parameters) - (*point - reference)).abs().max_element()
+            };
+            polynomial.largest_error = at_checks.iter().zip(&checks).map(error_at).fold(0.0, f64::max);
+            if polynomial.largest_error <= error {
+                return Ok(polynomial);
+            }
+            least = least.min(polynomial.largest_error);
+        }
+        Err(PolynomialError::NotReached { least })
+    }
+
+    /// The degrees along R_x, R_y, S_z of each term of a polynomial.
+    pub fn terms(degree: usize) -> Vec<[usize; 3]> {
+        let mut terms = Vec::new();
+        for i in 0..=degree {
+            for j in 0..=degree - i {
+                terms.extend((0..=degree - i - j).map(|k| [i, j, k]));
+            }
+        }
+        terms
+    }
+
+    /// The displacement where R_x, R_y, S_z have these values.
+    pub fn displacement(&self, parameters: [f64; 3]) -> DVec3 {
+        let row = self.row(parameters);
+        row.iter().zip(&self.coefficients).map(|(value, coefficient)| *value * DVec3::from(*coefficient)).sum()
+    }
+
+    /// The value of each term.
+    fn row(&self, parameters: [f64; 3]) -> Vec<f64> {
+        let values: [Vec<f64>; 3] = std::array::from_fn(|axis| {
+            let (low, high) = (self.lower[axis], self.upper[axis]);
+            let u = (2.0 * parameters[axis] - low - high) / (high - low);
+            let mut values = vec![1.0, u];
+            for n in 2..=self.degree {
+                values.push(2.0 * u * values[n - 1] - values[n - 2]);
+            }
+            values
+        });
+        let term = |[i, j, k]: [usize; 3]| values[0][i] * values[1][j] * values[2][k];
+        DisplacementPolynomial::terms(self.degree).into_iter().map(term).collect()
+    }
+
+    /// Fits the coefficients by least squares.
+    fn solve(&mut self, parameters: &[[f64; 3]], points: &[DVec3], reference: DVec3) {
+        let rows: Vec<Vec<f64>> = parameters.iter().map(|at| self.row(*at)).collect();
+        let terms = rows[0].len();
+        let matrix = DMatrix::from_fn(rows.len(), terms, |row, term| rows[row][term]);
+        let mut right = DMatrix::from_fn(rows.len(), 3, |row, axis| (points[row] - reference)[axis]);
+        let qr = matrix.qr();
+        qr.q_tr_mul(&mut right);
+        let upper = qr.r();
+        let mut solution = right.rows(0, terms).into_owned();
+        // The columns are products of Chebyshev polynomials over their whole range, and independent.
+        upper.solve_upper_triangular_mut(&mut solution);
+        self.coefficients = (0..terms).map(|term| [0, 1, 2].map(|axis| solution[(term, axis)])).collect();
+    }
+}
+
+/// Points of the box of a grid at these fractions, from -1 to 1, along each axis.
+fn points(volume: &Grid, counts: [usize; 3], at: impl Fn(usize, usize) -> f64) -> Vec<DVec3> {
+    let (lower, upper) = (volume.lower(), volume.upper());
+    let coordinate =
+        |axis: usize, index: usize| 0.5 * ((lower + upper)[axis] + at(index, counts[axis]) * (upper - lower)[axis]);
+    let mut points = Vec::with_capacity(counts.iter().product());
+    for i in 0..counts[0] {
+        for j in 0..counts[1] {
+            points.extend((0..counts[2]).map(|k| DVec3::new(coordinate(0, i), coordinate(1, j), coordinate(2, k))));
+        }
+    }
+    points
+}
+
+impl fmt::Display for PolynomialError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            PolynomialError::NotReached { least } => {
+                write!(f, "no polynomial has so small an error; the least is {least:.2e}")
+            }
+            PolynomialError::Singular(DVec3 { x, y, z }) => {
+                write!(f, "B_z is 0 at ({x}, {y}, {z}), so that the parameters of Eq. 15 do not exist there")
+            }
+            PolynomialError::Points(errors) => write!(f, "points of the volume have no field: {errors}"),
+        }
+    }
+}
+
+impl Error for PolynomialError {}
