@@ -43,6 +43,12 @@ mod noise;
 mod polynomial;
 /// Measured scans of a film.
 mod scan;
+/// Why a scan cannot be fitted.
+mod scan_error;
+/// The least squares of a scan.
+mod scan_least_squares;
+/// How a scan was taken, and what is fitted.
+mod scan_parameters;
 /// Where the steps begin.
 mod starts;
 /// Forces from displacements.
@@ -51,5 +57,7 @@ mod stiffness;
 pub use locator::{LocateError, Located, Locator};
 pub use noise::Noise;
 pub use polynomial::{DisplacementPolynomial, PolynomialError};
-pub use scan::{FreeParameters, ScanError, ScanFit, ScanParameters, fit_scan};
+pub use scan::fit_scan;
+pub use scan_error::ScanError;
+pub use scan_parameters::{FreeParameters, ScanFit, ScanParameters};
 pub use stiffness::{Stiffness, StiffnessError};

@@ -13,3 +13,6 @@ pub mod kernel;
 mod number;
 /// The position of a point relative to the faces.
 pub mod offsets;
+/// The kernel against a law.
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,208 @@
+//! The least squares of a scan: Gauss-Newton steps with the exact field and its gradient (docs/physics.md,
+//! section 8).
+
+use glam::{DMat3, DQuat, DVec3};
+use magsplice_field::Scene;
+use magsplice_magnet::Quantity;
+use nalgebra::{SMatrix, SVector, SymmetricEigen};
+
+use crate::scan_error::ScanError;
+use crate::scan_parameters::{NAMES, PARAMETERS, ScanFit, ScanParameters};
+
+type Vector = SVector<f64, PARAMETERS>;
+type Matrix = SMatrix<f64, PARAMETERS, PARAMETERS>;
+
+/// Most steps of one fit. Fits that converge take about six.
+const MOST_STEPS: usize = 50;
+
+/// Relative change of the sum of squares below which a fit ends.
+const LEAST_GAIN: f64 = 1e-12;
+
+/// Eigenvalue of the scaled normal matrix, over the largest, below which a combination of parameters is
+/// not determined by the scan. Round-off of the matrix is 1e-16 of the largest.
+const UNDETERMINED: f64 = 1e-12;
+
+/// Length of a step, in scaled parameters and as a fraction of the full step where that is longer than
+/// one, at which halving ends: the sum of squares then changes by round-off alone.
+const SHORTEST_STEP: f64 = 1e-12;
+
+/// Share of the largest component of an undetermined combination from which on a parameter is named as
+/// part of it.
+const LEAST_PART: f64 = 0.3;
+
+/// A scan that is fitted.
+pub(crate) struct Scan<'a> {
+    scene: &'a Scene,
+    points: &'a [DVec3],
+    readings_t: &'a [DVec3],
+    free: Vec<usize>,
+    /// Root mean square of the field, in tesla.
+    pub(crate) field_scale_t: f64,
+    /// What each parameter is divided by, so that all change the readings alike.
+    scales: Vector,
+}
+
+/// Residuals, and the normal equations of a step.
+struct Linearized {
+    residuals_t: Vec<DVec3>,
+    sum_of_squares: f64,
+    normal: Matrix,
+    right: Vector,
+}
+
+impl<'a> Scan<'a> {
+    /// A scan whose parameters of these indices are free.
+    pub(crate) fn new(
+        scene: &'a Scene,
+        points: &'a [DVec3],
+        readings_t: &'a [DVec3],
+        free: Vec<usize>,
+    ) -> Result<Scan<'a>, ScanError> {
+        let field_t = scene.field_at(Quantity::FluxDensity, points).map_err(ScanError::Points)?;
+        let gradient = scene.gradient_at(Quantity::FluxDensity, points).map_err(ScanError::Points)?;
+        let count = points.len() as f64;
+        let field_scale_t = (field_t.iter().map(|field| field.length_squared()).sum::<f64>() / count).sqrt();
+        let square = |gradient: &DMat3| gradient.to_cols_array().iter().map(|g| g * g).sum::<f64>();
+        let gradient_scale = (gradient.iter().map(square).sum::<f64>() / count).sqrt();
+        let length = field_scale_t / gradient_scale;
+        if !(field_scale_t > 0.0 && length.is_finite()) {
+            return Err(ScanError::Undetermined(vec!["every parameter: the film has no field there"]));
+        }
+        let scales = Vector::from_fn(|index, _| match index {
+            0 | 4..=6 => 1.0,
+            1..=3 => field_scale_t,
+            _ => length,
+        });
+        Ok(Scan { scene, points, readings_t, free, field_scale_t, scales })
+    }
+
+    /// Fits the readings that are no outliers.
+    pub(crate) fn fit(&self, start: ScanParameters, is_outlier: &[bool]) -> Result<ScanFit, ScanError> {
+        let mut parameters = start;
+        let mut at = self.linearized(&parameters, is_outlier)?;
+        for _ in 0..MOST_STEPS {
+            let step = self.step(&at)?;
+            let mut shortened = step;
+            let (next, there) = loop {
+                let next = self.moved(&parameters, &shortened);
+                // A step to points without a field is too long.
+                match self.linearized(&next, is_outlier) {
+                    Ok(there) if there.sum_of_squares <= at.sum_of_squares => break (next, there),
+                    _ if shortened.norm() < SHORTEST_STEP * step.norm().max(1.0) => {
+                        break (parameters, self.linearized(&parameters, is_outlier)?);
+                    }
+                    _ => shortened *= 0.5,
+                }
+            };
+            let gain = at.sum_of_squares - there.sum_of_squares;
+            let is_over = gain <= LEAST_GAIN * at.sum_of_squares;
+            (parameters, at) = (next, there);
+            if is_over {
+                return self.fitted(parameters, at, is_outlier);
+            }
+        }
+        Err(ScanError::NoConvergence)
+    }
+
+    fn linearized(&self, parameters: &ScanParameters, is_outlier: &[bool]) -> Result<Linearized, ScanError> {
+        let places: Vec<DVec3> = self.points.iter().map(|point| *point + parameters.start).collect();
+        let field_t = self.scene.field_at(Quantity::FluxDensity, &places).map_err(ScanError::Points)?;
+        let gradient = self.scene.gradient_at(Quantity::FluxDensity, &places).map_err(ScanError::Points)?;
+        let (back, strength) = (parameters.turn().inverse(), parameters.strength);
+        let mut residuals_t = Vec::with_capacity(places.len());
+        let (mut normal, mut right, mut sum_of_squares) = (Matrix::zeros(), Vector::zeros(), 0.0);
+        for (index, (field_t, gradient)) in field_t.into_iter().zip(gradient).enumerate() {
+            let residual = self.readings_t[index] - parameters.reading_t(field_t);
+            residuals_t.push(residual);
+            if is_outlier[index] {
+                continue;
+            }
+            sum_of_squares += residual.length_squared();
+            let field = strength * field_t;
+            // A turn by d of the sensor changes the reading R^-1 b by R^-1 (b x d).
+            let columns: [DVec3; PARAMETERS] = std::array::from_fn(|parameter| match parameter {
+                0 => back * field_t,
+                1..=3 => DVec3::AXES[parameter - 1],
+                4..=6 => back * field.cross(DVec3::AXES[parameter - 4]),
+                _ => back * (strength * gradient.col(parameter - 7)),
+            });
+            for (i, a) in columns.iter().enumerate() {
+                right[i] += a.dot(residual);
+                for (j, b) in columns.iter().enumerate().skip(i) {
+                    normal[(i, j)] += a.dot(*b);
+                }
+            }
+        }
+        for i in 0..PARAMETERS {
+            right[i] *= self.scales[i];
+            for j in i..PARAMETERS {
+                normal[(i, j)] *= self.scales[i] * self.scales[j];
+                normal[(j, i)] = normal[(i, j)];
+            }
+        }
+        Ok(Linearized { residuals_t, sum_of_squares, normal, right })
+    }
+
+    /// The inverse of the normal matrix of the free parameters; zero for the others.
+    fn inverse(&self, normal: &Matrix) -> Result<Matrix, ScanError> {
+        let is_free = |index: usize| self.free.contains(&index);
+        // A fixed parameter has an equation of its own.
+        let reduced = Matrix::from_fn(|i, j| match (is_free(i) && is_free(j), i == j) {
+            (true, _) => normal[(i, j)],
+            (false, true) => normal.trace() / PARAMETERS as f64,
+            (false, false) => 0.0,
+        });
+        let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(reduced);
+        let largest = eigenvalues.amax();
+        let mut undetermined = [false; PARAMETERS];
+        let mut inverse = Matrix::zeros();
+        for (index, &eigenvalue) in eigenvalues.iter().enumerate() {
+            let vector = eigenvectors.column(index);
+            if eigenvalue > UNDETERMINED * largest {
+                inverse += vector * vector.transpose() / eigenvalue;
+                continue;
+            }
+            let most = vector.amax();
+            for (is_undetermined, part) in undetermined.iter_mut().zip(vector.iter()) {
+                *is_undetermined |= part.abs() > LEAST_PART * most;
+            }
+        }
+        if undetermined.contains(&true) {
+            let names = NAMES.into_iter().zip(undetermined).filter(|(_, is_undetermined)| *is_undetermined);
+            return Err(ScanError::Undetermined(names.map(|(name, _)| name).collect()));
+        }
+        for i in (0..PARAMETERS).filter(|i| !is_free(*i)) {
+            inverse.fill_row(i, 0.0);
+            inverse.fill_column(i, 0.0);
+        }
+        Ok(inverse)
+    }
+
+    /// The scaled step to the least squares of the linear model.
+    fn step(&self, at: &Linearized) -> Result<Vector, ScanError> {
+        Ok(self.inverse(&at.normal)? * at.right)
+    }
+
+    fn moved(&self, from: &ScanParameters, step: &Vector) -> ScanParameters {
+        let step = step.component_mul(&self.scales);
+        let vector = |first: usize| DVec3::new(step[first], step[first + 1], step[first + 2]);
+        ScanParameters {
+            strength: from.strength + step[0],
+            offset_t: from.offset_t + vector(1),
+            rotation_rad: (DQuat::from_scaled_axis(vector(4)) * from.turn()).to_scaled_axis(),
+            start: from.start + vector(7),
+        }
+    }
+
+    fn fitted(&self, parameters: ScanParameters, at: Linearized, is_outlier: &[bool]) -> Result<ScanFit, ScanError> {
+        let kept = is_outlier.iter().filter(|is_outlier| !**is_outlier).count();
+        let freedom = (3 * kept).saturating_sub(self.free.len()).max(1);
+        let noise_t = (at.sum_of_squares / freedom as f64).sqrt();
+        let covariance = self.inverse(&at.normal)?;
+        let deviation = |index: usize| noise_t * covariance[(index, index)].max(0.0).sqrt() * self.scales[index];
+        let vector = |first: usize| DVec3::new(deviation(first), deviation(first + 1), deviation(first + 2));
+        let deviations =
+            ScanParameters { strength: deviation(0), offset_t: vector(1), rotation_rad: vector(4), start: vector(7) };
+        Ok(ScanFit { parameters, deviations, noise_t, residuals_t: at.residuals_t, outliers: Vec::new() })
+    }
+}
