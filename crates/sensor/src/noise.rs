@@ -37,3 +37,26 @@ impl Noise {
         deviations.is_finite().then_some(deviations)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The gradient of a field without sources is symmetric, and hides which side the noise is on.
+    #[test]
+    fn noise_of_each_axis_acts_through_its_own_derivatives() {
+        let noise = Noise { deviation_t: DVec3::new(1.0, 2.0, 3.0) };
+        let derivatives = ParameterDerivatives {
+            r_x: DVec3::new(1.0, 2.0, 0.0),
+            r_y: DVec3::new(0.0, 0.0, 4.0),
+            s_z: DVec3::new(2.0, 0.0, 1.0),
+        };
+        let deviations = noise.of_parameters(&derivatives, 0.5).unwrap();
+        assert!((deviations / 2.0 - DVec3::new(17.0_f64.sqrt(), 12.0, 13.0_f64.sqrt())).length() < 1e-14);
+        // B_x = x + 2 y, B_y = y, B_z = z / 2: x = B_x - 2 B_y, y = B_y, z = 2 B_z.
+        let gradient = DMat3::from_cols(DVec3::X, DVec3::new(2.0, 1.0, 0.0), 0.5 * DVec3::Z);
+        let deviations = noise.of_position(gradient).unwrap();
+        assert!((deviations - DVec3::new(17.0_f64.sqrt(), 2.0, 6.0)).length() < 1e-14, "{deviations}");
+        assert_eq!(noise.of_position(DMat3::ZERO), None);
+    }
+}
