@@ -44,8 +44,8 @@ pub fn displacement(layout: &Layout, table: &DisplacementTable, version: &str, w
     let row = |values: [f64; 3]| values.map(float).join(", ");
     let rows: String = table.coefficients.iter().map(|values| format!("    {{{}}},\n", row(*values))).collect();
     let range = |axis: usize| format!("{} .. {}", low[axis], high[axis]);
-    // A name may contain the end of a comment.
-    let name = layout.name.replace("*/", "* /");
+    // A name may contain the beginning or the end of a comment.
+    let name = layout.name.replace("*/", "* /").replace("/*", "/ *");
     let text = HEADER
         .replace("{{lower}}", &format!("{{{}}}", row(table.lower)))
         .replace("{{upper}}", &format!("{{{}}}", row(table.upper)))

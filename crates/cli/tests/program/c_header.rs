@@ -63,6 +63,13 @@ fn compiled_header_gives_displacements_within_the_stated_error() {
     }
     let header = sandbox.read("film.h");
     assert!(header.contains("x -2 .. 2, y -2 .. 2, z -5 .. -3 mm") && header.contains("#define MAGSPLICE_DEGREE 4"));
+    // A name that begins and ends comments, and holds a placeholder, is still a name.
+    let text = std::fs::read_to_string(shipped("designed-displacement")).expect("readable");
+    let named = text.replacen("name = \"", "name = \"/* {error} */ ", 1);
+    sandbox.write("named.toml", &named);
+    assert_eq!(sandbox.run(&["export", "named.toml", "-o", "film.h"]).status, 0);
+    assert!(sandbox.read("film.h").contains("Film: / * {error} * / "), "{}", sandbox.read("film.h"));
+    compiled(&sandbox);
     // Outside the volume, and without B_z.
     let found = answers(&sandbox, "0,0,0.02\n0.001,0.002,0\nnan,0,1\n");
     assert_eq!([found[0][0], found[1][0]], [1.0, 2.0]);
