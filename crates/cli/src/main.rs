@@ -14,8 +14,6 @@ mod baseline;
 mod benchmark;
 /// Blocks from a CSV file.
 mod blocks;
-/// Results of `calibrate`.
-mod calibration;
 /// Results of `check`: a layout with the outcome of each of its expectations.
 mod checked;
 /// Tables of numbers that users bring.
@@ -30,8 +28,6 @@ mod evaluation;
 mod failure;
 /// Lists of faulty lines and points.
 mod faults;
-/// Displacements from readings below a film.
-mod film_readings;
 /// Points of a file for the verbs that compare with the ideal film.
 mod given_points;
 /// Ctrl-C: temporary files are removed, a search ends with its best film.
@@ -50,14 +46,12 @@ mod point_evaluation;
 mod point_file;
 /// The progress line on a terminal.
 mod progress;
-/// Readings of a sensor from a CSV file.
-mod reading_file;
 /// Remarks on standard error.
 mod remarks;
 /// Samples of real films: what they are samples of, their files, and runs that can be continued.
 mod sampling;
-/// Results of `scan`: a fitted scan.
-mod scanned_film;
+/// Readings of a sensor: their files, and what is found from them.
+mod sensor;
 /// Results as printed tables.
 mod text;
 /// Units that people write.

@@ -49,6 +49,8 @@ mod scan_error;
 mod scan_least_squares;
 /// How a scan was taken, and what is fitted.
 mod scan_parameters;
+/// The positions of a scan.
+mod scan_positions;
 /// Where the steps begin.
 mod starts;
 /// Forces from displacements.
@@ -60,4 +62,5 @@ pub use polynomial::{DisplacementPolynomial, PolynomialError};
 pub use scan::fit_scan;
 pub use scan_error::ScanError;
 pub use scan_parameters::{FreeParameters, ScanFit, ScanParameters};
+pub use scan_positions::ScanPositions;
 pub use stiffness::{Stiffness, StiffnessError};

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::formats::TextOrJson;
+use super::formats::ResultArgs;
 use super::preset::PresetArgs;
 
 /// Tell where the displacement error of the films that are made comes from.
@@ -32,10 +32,6 @@ pub(crate) struct BudgetArgs {
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE")]
     pub(crate) figure: Option<PathBuf>,
-    /// Format of the result
-    #[arg(long, value_enum, default_value = "text")]
-    pub(crate) format: TextOrJson,
-    /// File to write, complete or not at all [default: -, standard output]
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) result: ResultArgs,
 }

@@ -30,11 +30,13 @@ pub(crate) struct TilesArgs {
 ///
 /// For magpylib: a Python script that rebuilds the film and prints its field. For ParaView: the
 /// faces of the tiles with their polarization. For CAD: a drawing (DXF) or bodies (STL). For
-/// firmware: a function in C that gives the displacement of a sensor from what it reads. The other way
-/// round, --to magpylib-import writes a Python script that turns a magpylib collection into a table
-/// for `magsplice import`.
+/// firmware: the displacement of a sensor from its reading, as a function in C.
+///
+/// The other way round, --to magpylib-import writes a Python script that turns a magpylib collection
+/// into a table for `magsplice import`.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  magsplice export layouts/published-film.toml --to magpylib -o film.py")]
+#[command(after_help = "Example:\n  magsplice export layouts/published-film.toml --to magpylib -o film.py\n  \
+    magsplice export layouts/published-film.toml --to c-header --error 0.005mm -o film.h")]
 pub(crate) struct ExportArgs {
     /// Layout file; none for --to magpylib-import
     pub(crate) layout: Option<PathBuf>,

@@ -1,5 +1,7 @@
 //! Output formats, their names and file endings.
 
+use std::path::PathBuf;
+
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
@@ -8,6 +10,17 @@ use clap::builder::PossibleValue;
 pub(crate) enum TextOrJson {
     Text,
     Json,
+}
+
+/// Where a result that is never a table of points goes.
+#[derive(clap::Args)]
+pub(crate) struct ResultArgs {
+    /// Format of the result
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: TextOrJson,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
 }
 
 /// Formats of `tiles`.
@@ -67,7 +80,7 @@ pub(crate) enum ExportFormat {
     Dxf,
     /// The bodies of the tiles as triangles, in mm (.stl)
     Stl,
-    /// A function in C that gives the displacement of a sensor from what it reads, for firmware (.h)
+    /// The displacement of a sensor from its reading, as a function in C for firmware (.h)
     CHeader,
 }
 

@@ -6,20 +6,20 @@ use clap::{Args, ValueEnum};
 use magsplice::prelude::DVec3;
 use magsplice::sensor::{FreeParameters, Noise};
 
-use super::formats::{TableFormat, TextOrJson};
+use super::formats::{ResultArgs, TableFormat};
 use super::numbers::flux_density_t;
 
 /// Find where the sensor was when it read given flux densities.
 ///
-/// Prints the displacement of the sensor from the reference point of the working volume, in the frame of
-/// the film; the film has moved by the opposite. It is found by the exact field of the layout, so that
-/// the error of the splicing pattern and of the end of the film are not in it. With [ideal], the
-/// displacement by the closed form of the ideal film (Dai 2024, Eqs. 14 and 15) stands beside it. With
-/// --noise, the standard deviations that noise causes do.
+/// The result is the displacement of the sensor from the reference point of the working volume, in the
+/// frame of the film. The film has moved by the opposite. The exact field of the layout gives it, so
+/// that it does not contain the error of the splicing pattern and of the end of the film. With [ideal]
+/// the result also has the displacement by the closed form of the ideal film (Dai 2024, Eqs. 14 and
+/// 15), and with --noise the standard deviations that noise causes.
 ///
-/// A reading with no position in the working volume, or with two, is named on standard error. Its
-/// numbers are NaN, but those of a position outside. The column `status` is 0 for a position in the
-/// volume, 1 for one outside, 2 for two positions, 3 for none.
+/// Readings without a position in the working volume, or with two, are named on standard error. The
+/// displacement is NaN where there are two positions or none. The column `status` is 0 for a position
+/// in the volume, 1 for one outside, 2 for two positions, and 3 for none.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice read readings.csv --layout film.toml --noise 5uT -o moved.csv")]
 pub(crate) struct ReadArgs {
@@ -28,8 +28,9 @@ pub(crate) struct ReadArgs {
     /// Layout file of the film
     #[arg(long, value_name = "LAYOUT")]
     pub(crate) layout: PathBuf,
-    #[command(flatten)]
-    pub(crate) noise: OptionalNoiseArgs,
+    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT
+    #[arg(long, value_name = "NOISE", value_parser = noise)]
+    pub(crate) noise: Option<Noise>,
     /// The first N readings are of the sensor at rest at the reference point: their mean, less the field
     /// of the film there, is subtracted from all
     ///
@@ -60,30 +61,15 @@ pub(crate) struct ReadArgs {
 pub(crate) struct ResolutionArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
-    #[command(flatten)]
-    pub(crate) noise: NoiseArgs,
+    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT
+    #[arg(long, value_name = "NOISE", value_parser = noise)]
+    pub(crate) noise: Noise,
     /// File for a table of all points, complete or not at all
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     /// Format of the table [default: by the file's ending]
     #[arg(long, value_enum, requires = "output")]
     pub(crate) format: Option<TableFormat>,
-}
-
-/// Noise that a verb needs.
-#[derive(Args)]
-pub(crate) struct NoiseArgs {
-    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT
-    #[arg(long, value_name = "NOISE", value_parser = noise)]
-    pub(crate) noise: Noise,
-}
-
-/// Noise without which a verb leaves out standard deviations.
-#[derive(Args)]
-pub(crate) struct OptionalNoiseArgs {
-    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT
-    #[arg(long, value_name = "NOISE", value_parser = noise)]
-    pub(crate) noise: Option<Noise>,
 }
 
 /// Units of columns of flux densities.
@@ -160,12 +146,8 @@ pub(crate) struct ScanArgs {
     /// and the residuals
     #[arg(long, value_name = "FILE")]
     pub(crate) save: Option<PathBuf>,
-    /// Format of the result
-    #[arg(long, value_enum, default_value = "text")]
-    pub(crate) format: TextOrJson,
-    /// File to write, complete or not at all [default: -, standard output]
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) result: ResultArgs,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -211,10 +193,6 @@ pub(crate) struct CalibrateArgs {
     /// reference point, is subtracted from all
     #[arg(long, value_name = "N", default_value = "0")]
     pub(crate) zero: usize,
-    /// Format of the result
-    #[arg(long, value_enum, default_value = "text")]
-    pub(crate) format: TextOrJson,
-    /// File to write, complete or not at all [default: -, standard output]
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) result: ResultArgs,
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::formats::{FileFormat, TextOrJson};
+use super::formats::{FileFormat, ResultArgs};
 use super::preset::PresetArgs;
 
 /// Largest number of samples.
@@ -59,12 +59,8 @@ pub(crate) struct ToleranceResultArgs {
     /// File for the figures of every sample: .csv, .npz or .parquet. Parts are .csv
     #[arg(long, value_name = "FILE")]
     pub(crate) save: Option<PathBuf>,
-    /// Format of the result
-    #[arg(long, value_enum, default_value = "text")]
-    pub(crate) format: TextOrJson,
-    /// File to write, complete or not at all [default: -, standard output]
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) text: ResultArgs,
 }
 
 #[derive(Subcommand)]

@@ -5,7 +5,7 @@ use magsplice::sensor::Stiffness;
 use serde::Serialize;
 
 use super::source::SourceJson;
-use crate::calibration::Calibration;
+use crate::sensor::calibration::Calibration;
 
 /// The result of `calibrate`.
 #[derive(Serialize)]

@@ -20,12 +20,12 @@ pub(crate) mod design;
 pub(crate) mod field;
 /// `plan`: the methods, their truncation errors and costs.
 pub(crate) mod plan;
+/// `read`.
+pub(crate) mod read;
 /// Values of the library with other names of some keys.
 pub(crate) mod renamed;
 /// `scan`.
 pub(crate) mod scan;
-/// `read`.
-pub(crate) mod sensor;
 /// Layout, program and accuracy of a result.
 pub(crate) mod source;
 /// `tiles`: a layout with one entry per tile, and its parts.

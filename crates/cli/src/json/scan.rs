@@ -5,7 +5,7 @@ use magsplice::sensor::ScanParameters;
 use serde::Serialize;
 
 use super::source::SourceJson;
-use crate::scanned_film::ScannedFilm;
+use crate::sensor::scanned_film::ScannedFilm;
 
 /// The result of `scan`.
 #[derive(Serialize)]
@@ -17,7 +17,7 @@ pub(crate) struct ScanJson<'a> {
     grid: Option<[usize; 3]>,
     missing_mm: Vec<[f64; 3]>,
     /// Lines.
-    repeated: &'a [u64],
+    repeated: Vec<u64>,
     fitted: ParametersJson,
     deviation: ParametersJson,
     residual_t: f64,
@@ -51,7 +51,7 @@ impl<'a> ScanJson<'a> {
             rotation_deg: of.rotation_rad.map(f64::to_degrees).to_array(),
             start_mm: of.start.to_array(),
         };
-        let uniformity = |of: &crate::scanned_film::Uniformity| UniformityJson {
+        let uniformity = |of: &crate::sensor::scanned_film::Uniformity| UniformityJson {
             readings: of.readings,
             corrected: of.corrected,
             simulated: of.simulated,
@@ -62,7 +62,7 @@ impl<'a> ScanJson<'a> {
             readings: scanned.places_mm.len(),
             grid: scanned.positions.grid,
             missing_mm: scanned.positions.missing.iter().map(|place| place.to_array()).collect(),
-            repeated: &scanned.positions.repeated,
+            repeated: scanned.positions.repeated.iter().map(|index| scanned.lines[*index]).collect(),
             fitted: parameters(&scanned.fit.parameters),
             deviation: parameters(&scanned.fit.deviations),
             residual_t: scanned.fit.noise_t,

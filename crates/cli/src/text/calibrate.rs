@@ -8,7 +8,7 @@ use magsplice::sensor::Stiffness;
 use super::number::{counted, number};
 use super::{header, rows};
 use crate::args::sensor::CalibrateArgs;
-use crate::calibration::Calibration;
+use crate::sensor::calibration::Calibration;
 
 /// The report of `calibrate`.
 pub(crate) fn calibration(film: &Film, args: &CalibrateArgs, calibration: &Calibration) -> String {

@@ -8,7 +8,7 @@ use magsplice::prelude::DVec3;
 use super::number::{counted, number};
 use super::{header, rows};
 use crate::args::sensor::{FitArg, ScanArgs};
-use crate::scanned_film::{Positions, ScannedFilm};
+use crate::sensor::scanned_film::ScannedFilm;
 
 /// Positions that are named.
 const NAMED: usize = 3;
@@ -17,7 +17,7 @@ const NAMED: usize = 3;
 pub(crate) fn scan(film: &Film, args: &ScanArgs, scanned: &ScannedFilm) -> String {
     let mut text = header::layout(film.layout());
     let readings = counted(scanned.places_mm.len(), "reading", "readings");
-    let _ = writeln!(text, "scan {}: {readings}{}", args.scan.display(), positions(&scanned.positions));
+    let _ = writeln!(text, "scan {}: {readings}{}", args.scan.display(), positions(scanned));
     text.push('\n');
 
     let (found, deviations) = (&scanned.fit.parameters, &scanned.fit.deviations);
@@ -34,7 +34,7 @@ pub(crate) fn scan(film: &Film, args: &ScanArgs, scanned: &ScannedFilm) -> Strin
             found.rotation_rad.map(f64::to_degrees),
             deviations.rotation_rad.map(f64::to_degrees),
         ),
-        (FitArg::Start, "  origin of the scan, mm", found.start, deviations.start),
+        (FitArg::Start, "  start of the scan, mm", found.start, deviations.start),
     ] {
         if args.fit.contains(&fit) {
             cells(&mut text, name, value);
@@ -66,7 +66,8 @@ fn cells(text: &mut String, name: &str, value: DVec3) {
 }
 
 /// What is remarkable about the positions.
-fn positions(positions: &Positions) -> String {
+fn positions(scanned: &ScannedFilm) -> String {
+    let positions = &scanned.positions;
     let mut text = match positions.grid {
         Some([x, y, z]) => format!(" on a grid of {x} x {y} x {z}"),
         None => " at positions that are no grid".to_owned(),
@@ -78,7 +79,8 @@ fn positions(positions: &Positions) -> String {
         text += if positions.missing.len() > NAMED { ", ... mm" } else { " mm" };
     }
     if !positions.repeated.is_empty() {
-        let named: Vec<String> = positions.repeated.iter().take(NAMED).map(u64::to_string).collect();
+        let named: Vec<String> =
+            positions.repeated.iter().take(NAMED).map(|index| scanned.lines[*index].to_string()).collect();
         let more = if positions.repeated.len() > NAMED { ", ..." } else { "" };
         let _ = write!(text, "; {} repeated: line {}{more}", positions.repeated.len(), named.join(", "));
     }

@@ -19,7 +19,7 @@ pub(crate) fn run(args: &BudgetArgs, quiet: bool) -> Result<(), Failure> {
     args.preset.apply(&mut layout);
     let scene = SampledScene::new(&args.layout, &layout)?;
     let inputs: [&Path; 1] = [&args.layout];
-    let mut output = Output::open(args.output.as_deref(), &inputs)?;
+    let mut output = Output::open(args.result.output.as_deref(), &inputs)?;
     #[cfg(feature = "report")]
     let figure = super::budget_figure::open(args.figure.as_deref(), &inputs)?;
     let seed = args.seed.or(layout.tolerance.as_ref().map(|tolerance| tolerance.seed)).unwrap_or(1);
@@ -30,7 +30,7 @@ pub(crate) fn run(args: &BudgetArgs, quiet: bool) -> Result<(), Failure> {
     if let Some(figure) = figure {
         figure.write(&film)?;
     }
-    let result = match args.format {
+    let result = match args.result.format {
         TextOrJson::Text => text::budget::budget(&film),
         TextOrJson::Json => json::pretty(&json::budget::BudgetJson::new(&film)),
     };

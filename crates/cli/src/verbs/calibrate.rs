@@ -8,21 +8,22 @@ use magsplice::{Film, Stage};
 
 use crate::args::formats::TextOrJson;
 use crate::args::sensor::CalibrateArgs;
-use crate::calibration::Calibration;
 use crate::failure::{self, Failure};
 use crate::faults::FaultList;
-use crate::film_readings::FilmReadings;
 use crate::json::calibrate::CalibrationJson;
 use crate::output::destination::Output;
 use crate::progress::ProgressLine;
-use crate::{json, reading_file, remarks, text};
+use crate::sensor::calibration::Calibration;
+use crate::sensor::film_readings::FilmReadings;
+use crate::sensor::reading_file;
+use crate::{json, remarks, text};
 
 pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
     let film = Film::new(&layout);
     let inputs: Vec<&Path> = [&args.layout, &args.readings].into_iter().map(PathBuf::as_path).collect();
-    let mut output = Output::open(args.output.as_deref(), &inputs)?;
+    let mut output = Output::open(args.result.output.as_deref(), &inputs)?;
     let groups = [reading_file::forces(), reading_file::flux_densities(None)];
     let (rows, lines) = reading_file::read_all(&args.readings, &groups)?;
     let (forces_n, readings_t): (Vec<DVec3>, Vec<DVec3>) =
@@ -60,7 +61,7 @@ pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
         by_closed_form: by_closed_form.as_deref().map(fit).transpose()?,
     };
     progress.end();
-    let result = match args.format {
+    let result = match args.result.format {
         TextOrJson::Text => text::calibrate::calibration(&film, args, &calibration),
         TextOrJson::Json => json::pretty(&CalibrationJson::new(&film, &calibration)),
     };

@@ -11,13 +11,14 @@ use crate::args::formats::TableFormat;
 use crate::args::sensor::ReadArgs;
 use crate::failure::{self, Failure};
 use crate::faults::FaultList;
-use crate::film_readings::FilmReadings;
-use crate::json::sensor::ReadJson;
+use crate::json::read::ReadJson;
 use crate::output::destination::Output;
 use crate::output::{choice, table};
 use crate::progress::ProgressLine;
+use crate::remarks;
+use crate::sensor::film_readings::FilmReadings;
+use crate::sensor::reading_file;
 use crate::words::no_volume;
-use crate::{reading_file, remarks};
 
 pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
@@ -75,7 +76,7 @@ fn columns(args: &ReadArgs, readings: &FilmReadings) -> Vec<ColumnQuantity> {
         components: &["dx_mm", "dy_mm", "dz_mm"],
         values: of_each(&|located| Some(located.position - readings.reference_mm)),
     }];
-    if let Some(noise) = &args.noise.noise {
+    if let Some(noise) = &args.noise {
         columns.push(ColumnQuantity {
             name: "deviation_mm",
             components: &["deviation_x_mm", "deviation_y_mm", "deviation_z_mm"],

@@ -34,7 +34,7 @@ pub(crate) fn run(args: &ResolutionArgs, quiet: bool) -> Result<(), Failure> {
     let points: Vec<DVec3> = volume.grid.points().collect();
     let gradient =
         film.scene().gradient_at(Quantity::FluxDensity, &points).map_err(|errors| failed(FilmError::Points(errors)))?;
-    let noise = &args.noise.noise;
+    let noise = &args.noise;
     let exact: Vec<DVec3> = gradient.iter().map(|g| noise.of_position(*g).unwrap_or(DVec3::INFINITY)).collect();
     let closed: Option<Vec<DVec3>> = match film.ideal() {
         Ok(ideal) => {

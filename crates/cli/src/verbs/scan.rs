@@ -17,16 +17,17 @@ use crate::json::scan::ScanJson;
 use crate::output::destination::Output;
 use crate::output::{choice, table};
 use crate::progress::ProgressLine;
-use crate::scanned_film::ScannedFilm;
+use crate::sensor::reading_file;
+use crate::sensor::scanned_film::ScannedFilm;
 use crate::words::{film_failure, no_field};
-use crate::{json, reading_file, remarks, text};
+use crate::{json, remarks, text};
 
 pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_TILES, quiet, &progress)?;
     let film = Film::new(&layout);
     let inputs: Vec<&Path> = [&args.layout, &args.scan].into_iter().map(PathBuf::as_path).collect();
-    let mut output = Output::open(args.output.as_deref(), &inputs)?;
+    let mut output = Output::open(args.result.output.as_deref(), &inputs)?;
     let save = match args.save.as_deref() {
         Some(path) => {
             let format: TableFormat = choice::choose(None, Some(path), None)?;
@@ -51,7 +52,7 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
         table::write(&result, &FieldJson::new(&film, &result), format, &mut file)?;
         file.finish()?;
     }
-    let result = match args.format {
+    let result = match args.result.format {
         TextOrJson::Text => text::scan::scan(&film, args, &scanned),
         TextOrJson::Json => json::pretty(&ScanJson::new(&film, &scanned)),
     };

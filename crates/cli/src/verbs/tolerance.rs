@@ -164,7 +164,7 @@ impl<'a> Outputs<'a> {
             }
             None => None,
         };
-        Ok(Outputs { args, result: Output::open(args.output.as_deref(), &inputs)?, samples })
+        Ok(Outputs { args, result: Output::open(args.text.output.as_deref(), &inputs)?, samples })
     }
 
     fn finish(mut self, film: &SampledFilm, errors: &[FilmErrors]) -> Result<(), Failure> {
@@ -177,7 +177,7 @@ impl<'a> Outputs<'a> {
 
     /// Writes the result alone.
     fn finish_result(mut self, film: &SampledFilm) -> Result<(), Failure> {
-        let result = match self.args.format {
+        let result = match self.args.text.format {
             TextOrJson::Text => text::tolerance::sampled(film),
             TextOrJson::Json => json::pretty(&json::tolerance::ToleranceJson::new(film)),
         };
