@@ -6,6 +6,8 @@
 //! * [`DisplacementPolynomial`]: positions without the tiles, for small computers.
 //! * [`Noise`]: standard deviations of positions from those of readings.
 //!
+//! The equations are in docs/physics.md, section 8.
+//!
 //! Flux densities in tesla; lengths in any one unit, that of the tiles. This crate reads no files and
 //! prints nothing.
 //!
