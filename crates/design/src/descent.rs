@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use magsplice_layout::Goal;
 
+use crate::curvature;
 use crate::error_model::ErrorModel;
 use crate::low_rank;
 use crate::objective::{Objective, Residuals};
@@ -204,33 +205,14 @@ impl LeastSquares {
         let all = n + usize::from(self.least_amplitude.is_some());
         let mut gradient = vec![0.0; all];
         residuals.add_gradient(n, &mut gradient);
-        // Damping is measured in units of the steps, so that it does not depend on the units of the
-        // variables. A part of it is the same for all variables and holds variables that change
-        // nothing.
-        let unit = |i: usize| if steps[i].is_finite() { steps[i] } else { 1.0 };
-        let damped = |own: &[f64]| -> Vec<f64> {
-            let largest = (0..n).map(|i| own[i] * unit(i) * unit(i)).fold(0.0, f64::max);
-            (0..n).map(|i| damping * (own[i] + LEAST_CURVATURE * largest / (unit(i) * unit(i)))).collect()
-        };
+        let units: Vec<f64> = steps.iter().map(|step| if step.is_finite() { *step } else { 1.0 }).collect();
         let curvature = if n < FACTORED_FROM {
-            let mut curvature = vec![0.0; all * all];
-            for row in residuals.derivatives.chunks_exact(n) {
-                for i in 0..n {
-                    for k in i..n {
-                        curvature[i * all + k] += row[i] * row[k];
-                    }
-                }
-            }
-            if let Some(expected) = &residuals.expected {
-                for (i, row) in expected.curvature.chunks_exact(n).enumerate() {
-                    (i..n).for_each(|k| curvature[i * all + k] += row[k]);
-                }
-            }
-            let own: Vec<f64> = (0..n).map(|i| curvature[i * all + i]).collect();
-            damped(&own).into_iter().enumerate().for_each(|(i, damping)| curvature[i * all + i] += damping);
-            Curvature::Dense(curvature)
+            let mut dense = curvature::dense(residuals, n, all);
+            let own: Vec<f64> = (0..n).map(|i| dense[i * all + i]).collect();
+            let damping = curvature::damped(&own, &units, damping);
+            damping.into_iter().enumerate().for_each(|(i, damping)| dense[i * all + i] += damping);
+            Curvature::Dense(dense)
         } else {
-            let units: Vec<f64> = (0..n).map(unit).collect();
             let mut rows = low_rank::reduced(&self.distinct_rows(residuals, n), &units);
             let mut rest = vec![0.0; n];
             if let Some(expected) = &residuals.expected {
@@ -241,8 +223,11 @@ impl LeastSquares {
             let own: Vec<f64> = (0..n)
                 .map(|i| rest[i] + rows.iter().skip(i).step_by(n).map(|value| value * value).sum::<f64>())
                 .collect();
-            let mut diagonal: Vec<f64> =
-                damped(&own).into_iter().zip(rest).map(|(damping, rest)| damping + rest).collect();
+            let mut diagonal: Vec<f64> = curvature::damped(&own, &units, damping)
+                .into_iter()
+                .zip(rest)
+                .map(|(damping, rest)| damping + rest)
+                .collect();
             diagonal.resize(all, 0.0);
             // The lacking amplitude has no curvature.
             let mut with_lack = Vec::with_capacity(rows.len() / n * all);
@@ -294,10 +279,6 @@ impl LeastSquares {
         rows
     }
 }
-
-/// Damping of variables that change nothing, as a fraction of the damping of the most effective
-/// variable.
-const LEAST_CURVATURE: f64 = 1e-3;
 
 /// Rules as inequalities of the change of the variables.
 fn around(rules: &[LinearRule], variables: &[f64]) -> Vec<(Vec<(usize, f64)>, f64)> {

@@ -56,6 +56,8 @@
 
 /// Affine expressions of the variables.
 mod affine;
+/// Second derivatives of the model of a step.
+mod curvature;
 /// Derivatives of the residuals against central differences.
 #[cfg(test)]
 mod derivative_tests;

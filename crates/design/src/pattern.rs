@@ -256,3 +256,65 @@ impl PatternBuilder {
 pub(crate) fn half_turn(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
+
+#[cfg(test)]
+mod tests {
+    use magsplice_layout::Layout;
+
+    use super::*;
+    use crate::design_problem::DesignProblem;
+
+    /// The kinds of the variables of tiles, given by position and polarization, under a brief.
+    fn kinds(brief: &str, tiles: &[([f64; 3], [f64; 3])]) -> Vec<VariableKind> {
+        let mut text = format!(
+            "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n\
+             [volume]\nx_mm = [-2.0, 2.0]\ny_mm = [-2.0, 2.0]\nz_mm = [-5.0, -3.0]\nstep_mm = 0.5\n[design]\n{brief}\n"
+        );
+        for (position, polarization) in tiles {
+            text += &format!(
+                "[[tile]]\nposition_mm = {position:?}\nsize_mm = [1.5, 1.5, 1.0]\npolarization_t = {polarization:?}\n"
+            );
+        }
+        let layout = Layout::parse(&text, "film").unwrap_or_else(|e| panic!("{e}"));
+        DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}")).pattern.kinds
+    }
+
+    fn count(kinds: &[VariableKind], kind: VariableKind) -> usize {
+        kinds.iter().filter(|of| **of == kind).count()
+    }
+
+    /// A tile tilts unless it has no J, or lies on both mirrors, which hold J upright.
+    #[test]
+    fn tiles_with_a_free_polarization_tilt() {
+        let brief = "vary = [\"tilt\"]\nsymmetry = \"none\"";
+        let upright = [0.0, 0.0, 0.12];
+        let both = [([-3.0, 1.0, 0.5], [0.12, 0.0, 0.0]), ([3.0, 1.0, 0.5], upright)];
+        assert_eq!(count(&kinds(brief, &both), VariableKind::Angle), 2);
+        let one = [([-3.0, 1.0, 0.5], [0.12, 0.0, 0.0]), ([3.0, 1.0, 0.5], [0.0; 3])];
+        assert_eq!(count(&kinds(brief, &one), VariableKind::Angle), 1);
+        let brief = "vary = [\"tilt\"]\nsymmetry = \"mirror\"";
+        let middle = [
+            ([0.0, 0.0, 0.5], upright),
+            // On one mirror: J is normal to it or in it.
+            ([0.0, 3.0, 0.5], [0.0, 0.12, 0.0]),
+            ([0.0, -3.0, 0.5], [0.0, -0.12, 0.0]),
+        ];
+        assert_eq!(count(&kinds(brief, &middle), VariableKind::Angle), 1);
+    }
+
+    /// Lines on a mirror stay. Without symmetry a line through the origin is one as any other.
+    #[test]
+    fn cut_lines_on_a_mirror_stay() {
+        let tiles = [
+            ([-0.75, 3.0, 0.5], [0.12, 0.0, 0.0]),
+            ([0.75, 3.0, 0.5], [-0.12, 0.0, 0.0]),
+            ([-0.75, -3.0, 0.5], [0.12, 0.0, 0.0]),
+            ([0.75, -3.0, 0.5], [-0.12, 0.0, 0.0]),
+        ];
+        // x = 0 and 1.5, y = 2.25 and 3.75 with their images.
+        let mirror = kinds("vary = [\"cut\"]\nsymmetry = \"mirror\"", &tiles);
+        assert_eq!(count(&mirror, VariableKind::Length), 3);
+        let free = kinds("vary = [\"cut\"]\nsymmetry = \"none\"", &tiles);
+        assert_eq!(count(&free, VariableKind::Length), 3 + 4);
+    }
+}
