@@ -14,10 +14,12 @@ use crate::tables::design::DesignTable;
 use crate::tables::expect::ExpectTable;
 use crate::tables::ideal::IdealTable;
 use crate::tables::rotation::RotationTable;
+use crate::tables::sensor::{ElastomerTable, SensorTable};
 use crate::tables::tolerance::ToleranceTable;
 use crate::tables::volume::VolumeTable;
 use crate::units::{direction_from_degrees, ten_decimals};
 use crate::write::{design_table, expect_table, volume_table};
+use crate::write_sensor::{elastomer_table, sensor_table};
 use crate::write_tolerance::tolerance_table;
 
 /// The keys before the tiles.
@@ -44,6 +46,10 @@ struct Tables {
     design: Option<DesignTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<Spanned<ToleranceTable>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sensor: Option<SensorTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    elastomer: Option<ElastomerTable>,
 }
 
 /// Largest number of letters that the suffixes of mirror images add to a name.
@@ -68,7 +74,7 @@ impl Layout {
     /// let layout = Layout::parse(COMMENTED_LAYOUT, "commented")?;
     /// let text = layout.to_compact_toml();
     /// assert_eq!(Layout::parse(&text, "compact")?.tiles.len(), 56);
-    /// assert!(text.lines().count() < layout.to_toml().lines().count() / 4);
+    /// assert!(text.lines().count() < layout.to_toml().lines().count() / 3);
     /// # Ok::<(), magsplice_layout::LayoutError>(())
     /// ```
     pub fn to_compact_toml(&self) -> String {
@@ -89,6 +95,8 @@ impl Layout {
                 let names = written_names(&lines, self.tiles.len());
                 tolerance_table(tolerance, &names.iter().map(String::as_str).collect::<Vec<_>>())
             }),
+            sensor: self.sensor.as_ref().map(sensor_table),
+            elastomer: self.elastomer.as_ref().map(elastomer_table),
         };
         let mut text = toml::to_string(&head).expect(written);
         let kinds = kinds(&lines);

@@ -6,6 +6,9 @@ use crate::plausible::{short, typed};
 /// Microtesla in a tesla.
 const UT_PER_T: f64 = 1e6;
 
+/// Millitesla in a tesla.
+const MT_PER_T: f64 = 1e3;
+
 /// Neighbouring numbers that are tried for one that reads back exactly.
 const NEIGHBOURS: usize = 4;
 
@@ -19,6 +22,8 @@ pub(crate) enum ErrorUnit {
     Fraction,
     /// Tesla in memory.
     Microtesla,
+    /// Tesla in memory.
+    Millitesla,
     Kelvin,
 }
 
@@ -28,6 +33,7 @@ impl ErrorUnit {
         match self {
             ErrorUnit::Degree => written.to_radians(),
             ErrorUnit::Microtesla => written / UT_PER_T,
+            ErrorUnit::Millitesla => written / MT_PER_T,
             ErrorUnit::Millimetre | ErrorUnit::Fraction | ErrorUnit::Kelvin => written,
         }
     }
@@ -38,6 +44,7 @@ impl ErrorUnit {
         let guess = match self {
             ErrorUnit::Degree => value.to_degrees(),
             ErrorUnit::Microtesla => value * UT_PER_T,
+            ErrorUnit::Millitesla => value * MT_PER_T,
             ErrorUnit::Millimetre | ErrorUnit::Fraction | ErrorUnit::Kelvin => return value,
         };
         let near = |step: fn(f64) -> f64| std::iter::successors(Some(guess), move |x| Some(step(*x))).take(NEIGHBOURS);
@@ -69,7 +76,8 @@ impl ErrorUnit {
     /// The magnitude that no error exceeds, in the unit of the file. Lengths have none by themselves.
     pub(crate) fn largest(self) -> Option<f64> {
         match self {
-            ErrorUnit::Millimetre => None,
+            // Those of a range are limited by nothing.
+            ErrorUnit::Millimetre | ErrorUnit::Millitesla => None,
             // An eighth of a turn: a tile that is turned further belongs elsewhere.
             ErrorUnit::Degree => Some(45.0),
             ErrorUnit::Fraction => Some(0.5),
@@ -87,6 +95,7 @@ impl ErrorUnit {
             ErrorUnit::Degree => "an error in degrees".to_owned(),
             ErrorUnit::Fraction => format!("a fraction, not per cent: {}?", short(1e-2 * value)),
             ErrorUnit::Microtesla => "in microtesla: the earth's field is 50".to_owned(),
+            ErrorUnit::Millitesla => "in millitesla".to_owned(),
             ErrorUnit::Kelvin => "a change in kelvin".to_owned(),
             ErrorUnit::Millimetre => format!("mm, not um: {}?", short(1e-3 * value)),
         };
@@ -100,6 +109,7 @@ impl ErrorUnit {
             ErrorUnit::Degree => "degrees",
             ErrorUnit::Fraction => "fractions",
             ErrorUnit::Microtesla => "microtesla",
+            ErrorUnit::Millitesla => "millitesla",
             ErrorUnit::Kelvin => "kelvin",
         }
     }
@@ -140,7 +150,7 @@ mod tests {
 
     #[test]
     fn numbers_are_written_as_they_were_read() {
-        for unit in [ErrorUnit::Degree, ErrorUnit::Microtesla] {
+        for unit in [ErrorUnit::Degree, ErrorUnit::Microtesla, ErrorUnit::Millitesla] {
             let mut written = 1e-6;
             for _ in 0..20_000 {
                 written = typed(written * 1.001);

@@ -38,6 +38,8 @@ impl Layout {
             expectations: Expectations::default(),
             brief: None,
             tolerance: None,
+            sensor: None,
+            elastomer: None,
             history,
             tiles,
             sha256: String::new(),

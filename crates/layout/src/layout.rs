@@ -9,6 +9,7 @@ use crate::brief::Brief;
 use crate::expectations::Expectations;
 use crate::finding::Finding;
 use crate::rotation::Rotation;
+use crate::sensor::{Elastomer, StatedSensor};
 use crate::tolerance::FilmTolerance;
 
 /// A spliced film or any other arrangement of block magnets, with the ideal film it is compared
@@ -55,6 +56,10 @@ pub struct Layout {
     pub brief: Option<Brief>,
     /// The errors of the films that are made from the layout. `None` if none are stated.
     pub tolerance: Option<FilmTolerance>,
+    /// The sensor below the film. `None` for a perfect one.
+    pub sensor: Option<StatedSensor>,
+    /// The elastic layer between film and sensor.
+    pub elastomer: Option<Elastomer>,
     /// The steps that led to this layout, one text each.
     pub history: Vec<String>,
     /// All tiles, repetitions written out. No two of them overlap by more than round-off.

@@ -61,6 +61,8 @@ mod read;
 mod rotation;
 /// The JSON Schema of the layout file.
 mod schema;
+/// The sensor and the elastic layer.
+mod sensor;
 /// The TOML tables as written.
 mod tables;
 /// What a film that is made differs by from its layout.
@@ -69,6 +71,8 @@ mod tolerance;
 mod units;
 /// A layout to tables and text.
 mod write;
+/// Sensor and elastic layer to their tables.
+mod write_sensor;
 /// Tolerances to their table.
 mod write_tolerance;
 
@@ -87,6 +91,7 @@ pub use plausible::{
 pub use read::is_layout;
 pub use rotation::{EulerOrder, InvalidEulerOrder, ORTHOGONALITY_TOLERANCE, Rotation, RotationFault, RotationFaults};
 pub use schema::schema;
+pub use sensor::{Elastomer, StatedSensor};
 pub use tolerance::{
     CommonErrors, ErrorGroup, FilmPose, FilmTolerance, Neighbour, SensorErrors, StrayField, Temperature, TileErrors,
 };

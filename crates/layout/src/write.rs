@@ -10,9 +10,11 @@ use crate::limits::FORMAT;
 use crate::tables::design::{DesignTable, MinMax, Outline, Variable, Weights};
 use crate::tables::expect::{DisplacementBounds, ExpectTable, LowerBound, MadeTable, UniformityBounds};
 use crate::tables::ideal::IdealTable;
+use crate::tables::sensor::{ElastomerTable, SensorTable};
 use crate::tables::tile::TileTable;
 use crate::tables::tolerance::ToleranceTable;
 use crate::tables::volume::{Step, VolumeTable};
+use crate::write_sensor::{elastomer_table, sensor_table};
 use crate::write_tolerance::tolerance_table;
 
 impl Layout {
@@ -55,6 +57,8 @@ impl Layout {
                 let names: Vec<&str> = self.tiles.iter().map(|named| named.name.as_str()).collect();
                 tolerance_table(tolerance, &names)
             }),
+            sensor: self.sensor.as_ref().map(sensor_table),
+            elastomer: self.elastomer.as_ref().map(elastomer_table),
             tile: self.tiles.iter().map(tile_table).collect(),
         }
     }
@@ -80,6 +84,10 @@ pub struct PlainLayout<'a> {
     design: Option<DesignTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<Spanned<ToleranceTable>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sensor: Option<SensorTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    elastomer: Option<ElastomerTable>,
     tile: Vec<TileTable>,
 }
 

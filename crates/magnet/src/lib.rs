@@ -7,6 +7,8 @@
 //! * [`Accuracy`]: exact, or within a [`Tolerance`].
 //! * [`PointErrors`]: the points at which a field does not exist, and why.
 //! * [`BoundingBox`]: a box with sides along the axes.
+//! * [`HallSensor`]: what reads the field.
+//! * [`Deformation`]: films that are shifted, turned and bent.
 //!
 //! # Units
 //! Lengths are in any one unit, the same for tiles and points: a field depends on their ratios
@@ -25,8 +27,14 @@
 mod accuracy;
 /// Boxes with sides along the axes.
 mod bounding_box;
+/// Films that are shifted, turned and bent.
+mod deformation;
 /// Regular grids of points.
 mod grid;
+/// Three-axis Hall sensors.
+mod hall_sensor;
+/// Heights over a plane.
+mod height_map;
 /// Pairs of tiles that share volume.
 mod overlap;
 /// Points without a field, and the reason.
@@ -43,7 +51,10 @@ pub mod tolerances;
 
 pub use accuracy::{Accuracy, InvalidTolerance, Tolerance};
 pub use bounding_box::BoundingBox;
+pub use deformation::{Bend, Deformation, DeformationError};
 pub use grid::{Grid, GridFault};
+pub use hall_sensor::{HallSensor, HallSensorFault};
+pub use height_map::{HeightMap, InvalidHeightMap};
 pub use overlap::{Overlap, TooManyPairs, overlap, overlaps, overlaps_among};
 pub use point_error::{Cause, PointError, PointErrors, is_in_range};
 pub use quantity::{MU_0, Quantity};

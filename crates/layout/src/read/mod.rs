@@ -58,6 +58,8 @@ mod repeat;
 mod room;
 /// Rules of the table `rotation` of a tile.
 mod rotation;
+/// Rules of `[sensor]` and `[elastomer]`.
+mod sensor;
 /// One `[[tile]]` with its kind resolved.
 mod single_tile;
 /// Magnitudes of polarizations that a material has.
@@ -245,6 +247,11 @@ fn resolve(file: LayoutFile, text: &str, sha256: String, source: &Source) -> Res
         let mut faults = faults.at(&table.span(), "design");
         design::resolve(table.into_inner(), present, volume.as_ref(), &mut faults)
     });
+    let sensor =
+        file.sensor.and_then(|table| sensor::resolve(table.get_ref(), &mut faults.at(&table.span(), "sensor")));
+    let elastomer = file
+        .elastomer
+        .and_then(|table| sensor::resolve_elastomer(table.get_ref(), &mut faults.at(&table.span(), "elastomer")));
     let before_tiles = faults.count();
     for (name, kind) in &file.kind {
         let mut faults = faults.at(&kind.span(), format!("kind \"{}\"", names::shown(name)));
@@ -317,6 +324,8 @@ fn resolve(file: LayoutFile, text: &str, sha256: String, source: &Source) -> Res
         expectations,
         brief,
         tolerance,
+        sensor,
+        elastomer,
         history: file.history,
         tiles,
         sha256,

@@ -2,7 +2,7 @@
 
 /// Keys whose values are lists, and an example. Where a key has lists of several lengths, each
 /// length has its own entry.
-const LISTS: [(&str, &str); 26] = [
+const LISTS: [(&str, &str); 27] = [
     ("position_mm", "[0.0, 0.0, 0.5]"),
     ("size_mm", "[3.3, 1.7, 1.0]"),
     ("size_mm", "[3.3, 1.7]"),
@@ -27,12 +27,13 @@ const LISTS: [(&str, &str); 26] = [
     ("pattern", "[1, 0]"),
     ("vary", "[\"size\", \"position\", \"direction\"]"),
     ("stock", "[{ size_mm = [3.3, 1.7], direction_deg = 0.0 }]"),
+    ("active_area_mm", "[0.1, 0.1]"),
     ("stock_strengths_t", "[0.06, 0.12]"),
     ("history", "[\"designed by hand\"]"),
 ];
 
 /// Keys whose values are tables, and an example.
-const TABLES: [(&str, &str); 10] = [
+const TABLES: [(&str, &str); 11] = [
     ("uniformity_rmse", "{ r_x = 0.065, r_y = 0.065, s_z = 0.042 }"),
     ("displacement_rmse_mm", "{ x = 0.25, y = 0.25, z = 0.32 }"),
     ("amplitude", "{ min = 0.8 }"),
@@ -42,6 +43,7 @@ const TABLES: [(&str, &str); 10] = [
     ("outline_mm", "{ x = [-10.0, 10.0], y = [-10.0, 10.0] }"),
     ("thickness_mm", "{ min = 0.5, max = 2.0 }"),
     ("strength_t", "{ min = 0.0, max = 0.12 }"),
+    ("plates_mm", "{ z = [0.0, 0.0, -0.1] }"),
     ("grid", "{ count = [4, 4, 1], pitch_mm = [5.0, 5.0, 0.0] }"),
 ];
 

@@ -15,6 +15,7 @@ use self::design::DesignTable;
 use self::expect::ExpectTable;
 use self::ideal::IdealTable;
 use self::lattice::LatticeTable;
+use self::sensor::{ElastomerTable, SensorTable};
 use self::tile::{KindTable, TileTable};
 use self::tolerance::ToleranceTable;
 use self::volume::VolumeTable;
@@ -31,6 +32,8 @@ pub(crate) mod ideal;
 pub(crate) mod lattice;
 /// `rotation` of a tile.
 pub(crate) mod rotation;
+/// `[sensor]` and `[elastomer]`: what reads the field, and what the film rides on.
+pub(crate) mod sensor;
 /// `[[tile]]` with its `grid` and `mirror`, and `[kind.NAME]`.
 pub(crate) mod tile;
 /// `[tolerance]`: the errors of the films that are made.
@@ -67,6 +70,12 @@ pub(crate) struct LayoutFile {
     /// The errors of the films that are made from the layout.
     #[schemars(with = "Option<ToleranceTable>")]
     pub(crate) tolerance: Option<Spanned<ToleranceTable>>,
+    /// The sensor below the film.
+    #[schemars(with = "Option<SensorTable>")]
+    pub(crate) sensor: Option<Spanned<SensorTable>>,
+    /// The elastic layer between film and sensor.
+    #[schemars(with = "Option<ElastomerTable>")]
+    pub(crate) elastomer: Option<Spanned<ElastomerTable>>,
     /// The steps that led to this layout, one text each.
     #[serde(default)]
     pub(crate) history: Vec<String>,

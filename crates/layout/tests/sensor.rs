@@ -1,0 +1,108 @@
+//! `[sensor]` and `[elastomer]`: what is read, what is written again, and what is refused.
+
+use glam::DVec3;
+use magsplice_layout::{Layout, LayoutError};
+
+const TILE: &str = "\n[[tile]]\nposition_mm = [0, 0, 0.5]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 0.1]\n";
+
+fn with(tables: &str) -> Result<Layout, LayoutError> {
+    Layout::parse(&format!("format = 1\nname = \"film\"\n{tables}{TILE}"), "film.toml")
+}
+
+fn refused(tables: &str) -> String {
+    with(tables).unwrap_err().to_string()
+}
+
+#[test]
+fn parts_have_numbers_that_keys_replace() {
+    let sensor = with("[sensor]\npart = \"LIS3MDL\"\nrange_mt = [0.4, 0.8, 1.2]").unwrap().sensor.unwrap();
+    let element = sensor.element;
+    // The datasheet: 3.2 and 4.1 mgauss, 1711 counts per gauss.
+    assert_eq!(element.noise_t, DVec3::new(0.32e-6, 0.32e-6, 0.41e-6));
+    assert!((element.count_t * 1e4 * 1711.0 - DVec3::ONE).abs().max_element() < 1e-6, "{}", element.count_t);
+    assert_eq!(element.range_t, DVec3::new(0.4e-3, 0.8e-3, 1.2e-3));
+    assert_eq!((sensor.rate_hz, element.gain, element.active_area), (Some(80.0), DVec3::ONE, [0.0; 2]));
+    let whole = with("[sensor]\npart = \"MLX90393\"").unwrap().sensor.unwrap().element;
+    // 16 bits with a sign.
+    assert!((whole.range_t / whole.count_t - DVec3::splat(32768.0)).abs().max_element() < 1e-6);
+    let other = with("[sensor]\nnoise_ut = 2\n").unwrap().sensor.unwrap().element;
+    assert_eq!((other.noise_t, other.range_t), (DVec3::splat(2e-6), DVec3::INFINITY));
+}
+
+#[test]
+fn both_tables_are_written_as_they_were_read() {
+    for tables in [
+        "[sensor]\npart = \"TLV493D\"\noffset_ut = [1, -2, 0.3]\ngain = [1, 0.99, 1.013]\nactive_area_mm = [0.1, 0.2]\n\
+         plates_mm = { x = [0.1, 0, 0], z = [0, 0.2, -0.3] }\nrotation = { axis = [0, 0, 1], angle_deg = 2 }\n\
+         rate_hz = 12.5\nnoise_ut = 0\ncount_ut = [0.1, 0.2, 0.3]\nrange_mt = 3.3\n\
+         [elastomer]\narea_mm2 = 400\nthickness_mm = 7\nyoungs_modulus_mpa = 0.13\npoisson_ratio = 0.45\n\
+         scale = [1.1, 1.2, 0.9]\nforce_at_rest_n = 0.02",
+        "[sensor]\n[elastomer]\narea_mm2 = 1\nthickness_mm = 1\nyoungs_modulus_mpa = 1\npoisson_ratio = 0.5",
+    ] {
+        let layout = with(tables).unwrap();
+        for text in [layout.to_toml(), layout.to_compact_toml()] {
+            let again = Layout::parse(&text, "again").unwrap_or_else(|e| panic!("{e}\n{text}"));
+            assert_eq!((&again.sensor, again.elastomer), (&layout.sensor, layout.elastomer), "{text}");
+        }
+    }
+    let none = with("").unwrap();
+    assert!(none.sensor.is_none() && none.elastomer.is_none() && !none.to_toml().contains("sensor"));
+}
+
+/// Dai 2024, Eqs. 16 and 17: F = A G d / h with G = E / (2 (1 + nu)), and F = A E d / h.
+#[test]
+fn layer_is_an_elastic_one() {
+    let tables = "[elastomer]\narea_mm2 = 400\nthickness_mm = 8\nyoungs_modulus_mpa = 0.1\npoisson_ratio = 0.25\n\
+                  scale = [1, 2, 3]\nforce_at_rest_n = [0.1, 0, -0.1]";
+    let layer = with(tables).unwrap().elastomer.unwrap();
+    assert!((layer.hooke_n_per_mm() - DVec3::new(2.0, 2.0, 5.0)).length() < 1e-14);
+    let force = layer.force_n(DVec3::new(0.5, 0.5, -1.0));
+    assert!((force - DVec3::new(1.1, 2.0, -15.1)).length() < 1e-13, "{force}");
+}
+
+#[test]
+fn wrong_values_are_named_with_their_rule() {
+    assert_eq!(
+        refused("[sensor]\npart = \"MLX90394\""),
+        "film.toml: line 3: sensor: part = \"MLX90394\", must be one of: LIS3MDL, MLX90393, MMC5983MA, TLV493D; or \
+         leave it out"
+    );
+    let all = refused(
+        "[sensor]\nnoise_ut = [1, -1, 1]\ncount_ut = -2\nrange_mt = 0\ngain = [1, 0, 1]\noffset_ut = nan\n\
+         active_area_mm = [0.1, -0.2]\nrate_hz = 0\nplates_mm = { y = [0, inf, 0] }\nrotation = { angle_deg = 3 }",
+    );
+    for message in [
+        "noise_ut[1] = -1, must be a finite number of at least 0",
+        "count_ut = -2, must be a finite number of at least 0",
+        "range_mt = 0, must be a finite number greater than 0",
+        "gain[1] = 0, must be a finite number other than 0",
+        "offset_ut = NaN, must be a finite number",
+        "active_area_mm[1] = -0.2, must be a finite number of at least 0",
+        "rate_hz = 0, must be a finite number greater than 0",
+        "plates_mm.y = [0.0, inf, 0.0], must be three finite numbers",
+        "rotation has angle_deg without an axis",
+    ] {
+        assert!(all.contains(message), "{message} is not in\n{all}");
+    }
+    let layer = refused(
+        "[elastomer]\narea_mm2 = -1\nthickness_mm = 0\nyoungs_modulus_mpa = inf\npoisson_ratio = 0.6\nscale = [1, 1, 0]",
+    );
+    for message in [
+        "area_mm2 = -1, must be a finite number greater than 0",
+        "thickness_mm = 0, must",
+        "youngs_modulus_mpa = inf, must",
+        "poisson_ratio = 0.6, must be above -1 and at most 0.5",
+        "scale[2] = 0, must",
+    ] {
+        assert!(layer.contains(message), "{message} is not in\n{layer}");
+    }
+    let stiff = "[elastomer]\narea_mm2 = 1e300\nthickness_mm = 1e-300\nyoungs_modulus_mpa = 1\npoisson_ratio = 0";
+    assert!(refused(stiff).contains("must be a finite number greater than 0"), "{}", refused(stiff));
+    // A number in quotes, and a list of two.
+    assert!(refused("[sensor]\nnoise_ut = \"5\"").contains("noise_ut"));
+    assert!(
+        refused("[sensor]\nnoise_ut = [1, 2]").contains("one for each"),
+        "{}",
+        refused("[sensor]\nnoise_ut = [1, 2]")
+    );
+}
