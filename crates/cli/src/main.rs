@@ -101,6 +101,7 @@ fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
         Verb::Bench(args) => verbs::bench::run(args, quiet),
         Verb::Budget(args) => verbs::budget::run(args, quiet),
         Verb::Read(args) => verbs::read::run(args, quiet),
+        Verb::Experiment(args) => verbs::experiment::run(args, quiet),
         Verb::Calibrate(args) => verbs::calibrate::run(args, quiet),
         Verb::Scan(args) => verbs::scan::run(args, quiet),
         Verb::Resolution(args) => verbs::resolution::run(args, quiet),

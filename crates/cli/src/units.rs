@@ -10,6 +10,9 @@ pub(crate) const LENGTHS: [Unit; 6] = [("mm", 0), ("cm", 1), ("um", -3), ("µm",
 /// Flux densities and polarizations in tesla, in the same order.
 pub(crate) const FLUX_DENSITIES: [Unit; 6] = [("mT", -3), ("uT", -6), ("µT", -6), ("μT", -6), ("nT", -9), ("T", 0)];
 
+/// Angles in degrees.
+pub(crate) const ANGLES: [Unit; 1] = [("deg", 0)];
+
 /// Forces in newton.
 pub(crate) const FORCES: [Unit; 2] = [("mN", -3), ("N", 0)];
 

@@ -19,24 +19,34 @@
 static const float magsplice_lower[3] = {{lower}};
 static const float magsplice_upper[3] = {{upper}};
 
+/* The flux density along the axes of the film is this matrix times the reading minus the offset, which is in
+ * tesla. */
+static const float magsplice_axes[3][3] = {{axes}};
+static const float magsplice_offset_t[3] = {{offset}};
+
 /* Millimetres along x, y, z for each product of Chebyshev polynomials. */
 static const float magsplice_coefficients[MAGSPLICE_TERMS][3] = {
 {coefficients}};
 
 /* Finds the displacement of the sensor from the reference point ({reference}) mm, in the frame of the
- * film, in millimetres. The film has moved by the opposite. b_t is the flux density in tesla, along the
- * axes of the film.
+ * film, in millimetres. The film has moved by the opposite. reading_t is what the sensor reads along its
+ * axes, in tesla.
  *
  * Returns 0; 1 if the reading is of no place in the working volume, where the result is extrapolated;
  * or 2 if B_z is 0, which has no result. */
-static inline int magsplice_displacement(const float b_t[3], float displacement_mm[3])
+static inline int magsplice_displacement(const float reading_t[3], float displacement_mm[3])
 {
     const float sign = {sign}f;
     float chebyshev[3][MAGSPLICE_DEGREE + 1];
-    float parameters[3];
+    float parameters[3], b_t[3];
     float x, y, c_x, c_y;
     int axis, i, j, k, term = 0, outside = 0;
 
+    for (i = 0; i < 3; i++) {
+        b_t[i] = 0.0f;
+        for (j = 0; j < 3; j++)
+            b_t[i] += magsplice_axes[i][j] * (reading_t[j] - magsplice_offset_t[j]);
+    }
     if (!(b_t[2] > 0.0f || b_t[2] < 0.0f)) return 2;
     x = b_t[0] / b_t[2];
     y = b_t[1] / b_t[2];

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use magsplice_layout::Layout;
 
 /// The header, with placeholders `{...}` for its data.
@@ -32,6 +32,10 @@ pub struct DisplacementTable<'a> {
     pub volume_upper_mm: DVec3,
     /// The point from which displacements count.
     pub reference_mm: DVec3,
+    /// Takes readings without their offset to flux densities along the axes of the film.
+    pub field_of_reading: DMat3,
+    /// Offset of the readings, in tesla.
+    pub offset_t: DVec3,
 }
 
 /// Writes a header of C99 with one function, which computes in `float` and needs no other file than
@@ -43,12 +47,15 @@ pub fn displacement(layout: &Layout, table: &DisplacementTable, version: &str, w
     let DisplacementTable { volume_lower_mm: low, volume_upper_mm: high, reference_mm: reference, .. } = table;
     let row = |values: [f64; 3]| values.map(float).join(", ");
     let rows: String = table.coefficients.iter().map(|values| format!("    {{{}}},\n", row(*values))).collect();
+    let axes = [0, 1, 2].map(|axis| format!("{{{}}}", row(table.field_of_reading.row(axis).to_array()))).join(", ");
     let range = |axis: usize| format!("{} .. {}", low[axis], high[axis]);
     // A name may contain the beginning or the end of a comment.
     let name = layout.name.replace("*/", "* /").replace("/*", "/ *");
     let text = HEADER
         .replace("{{lower}}", &format!("{{{}}}", row(table.lower)))
         .replace("{{upper}}", &format!("{{{}}}", row(table.upper)))
+        .replace("{{axes}}", &format!("{{{axes}}}"))
+        .replace("{{offset}}", &format!("{{{}}}", row(table.offset_t.to_array())))
         .replace("{coefficients}", &rows)
         .replace("{degree}", &table.degree.to_string())
         .replace("{terms}", &table.coefficients.len().to_string())

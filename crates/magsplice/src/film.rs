@@ -9,7 +9,8 @@ use magsplice_expect::PointsMismatch;
 use magsplice_field::Scene;
 use magsplice_ideal::{Comparison, ComparisonError, IdealFilm};
 use magsplice_layout::{Layout, WorkingVolume};
-use magsplice_magnet::{Accuracy, Cause, PointError, PointErrors, Quantity};
+use magsplice_magnet::{Accuracy, Cause, Grid, PointError, PointErrors, Quantity};
+use magsplice_sensor::{SensedField, SensedFieldError};
 use magsplice_tolerance::{EvaluationGrid, RealFilm, SampleError};
 
 use crate::stage::Stage;
@@ -88,6 +89,10 @@ pub enum FilmError {
         /// Why.
         error: SampleError,
     },
+    /// The sensor cannot read the field.
+    Sensor(SensedFieldError),
+    /// Steps of an experiment in millimetres that are not above 0, or too small for the working volume.
+    ExperimentStep(DVec3),
     /// This number of samples cannot break any bound of the percentile with the confidence stated.
     TooFewSamples(usize),
 }
@@ -148,6 +153,18 @@ impl<'a> Film<'a> {
     pub fn real_film(&self) -> Result<RealFilm, FilmError> {
         let tolerance = self.layout.tolerance.as_ref().ok_or(FilmError::Missing("tolerance"))?;
         Ok(RealFilm::new(&self.layout.bare_tiles(), tolerance))
+    }
+
+    /// What the sensor of the layout reads of the film when it moves in the volume that a grid spans. Without
+    /// `[sensor]` in the layout it is a perfect one.
+    ///
+    /// # Errors
+    /// [`FilmError::Sensor`] if the field changes too much over the active area.
+    pub fn sensed_field(&self, volume: &Grid) -> Result<SensedField<'_>, FilmError> {
+        match &self.layout.sensor {
+            Some(sensor) => SensedField::new(&self.scene, sensor.element, volume).map_err(FilmError::Sensor),
+            None => Ok(SensedField::from(&self.scene)),
+        }
     }
 
     /// The points of the working volume and the reference point.
@@ -298,6 +315,12 @@ impl fmt::Display for FilmError {
             FilmError::PointsMismatch(error) => error.fmt(f),
             FilmError::NoTiles => f.write_str("there are no tiles"),
             FilmError::Sample { sample, error } => write!(f, "sample {sample} of [tolerance]: {error}"),
+            FilmError::Sensor(error) => error.fmt(f),
+            FilmError::ExperimentStep(step) => write!(
+                f,
+                "steps of ({}, {}, {}) mm: each must be above 0 and make at most 100000 steps in the working volume",
+                step.x, step.y, step.z
+            ),
             FilmError::TooFewSamples(samples) => write!(
                 f,
                 "{samples} samples cannot show that the percentile of [expect.made] breaks a bound, whatever they are: \
@@ -321,11 +344,13 @@ impl Error for FilmError {
             FilmError::Decoupling(error) => Some(error),
             FilmError::PointsMismatch(error) => Some(error),
             FilmError::Sample { error, .. } => Some(error),
+            FilmError::Sensor(error) => Some(error),
             FilmError::Missing(_)
             | FilmError::NotBelow(_)
             | FilmError::NoBaseline
             | FilmError::NoTiles
             | FilmError::TooFewSamples(_)
+            | FilmError::ExperimentStep(_)
             | FilmError::OnePointPlanes(_) => None,
         }
     }

@@ -47,6 +47,9 @@
 /// Outcomes of the expectations of a film.
 #[cfg(feature = "layout")]
 mod expectations;
+/// Experiments in which the film is moved.
+#[cfg(feature = "layout")]
+mod experiments;
 /// A layout evaluated step by step.
 #[cfg(feature = "layout")]
 mod film;
@@ -54,6 +57,8 @@ mod film;
 #[cfg(feature = "layout")]
 mod stage;
 
+#[cfg(feature = "layout")]
+pub use experiments::EXPERIMENT_STEP_MM;
 #[cfg(feature = "layout")]
 pub use film::{Film, FilmError};
 pub use magsplice_decouple as decouple;

@@ -16,6 +16,9 @@ pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
 /// Vermilion of the palette of Okabe and Ito.
 pub(crate) const VERMILION: RGBColor = RGBColor(213, 94, 0);
 
+/// Bluish green of the palette of Okabe and Ito.
+pub(crate) const GREEN: RGBColor = RGBColor(0, 158, 115);
+
 /// Values count as of one sign if they reach at most this fraction of their range beyond zero.
 const ONE_SIGN_TOLERANCE: f64 = 0.02;
 

@@ -38,7 +38,7 @@ fn figure_count(survey: Option<&Survey>) -> usize {
     })
 }
 
-/// All figures that the layout allows.
+/// All figures that the layout allows of the tiles, the field and the decoupling parameters.
 pub(crate) fn drafts(
     film: &Film,
     tiles: &[&NamedTile],

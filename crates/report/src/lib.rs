@@ -37,6 +37,8 @@ mod panel;
 mod raster_image;
 /// [`Report`].
 mod report;
+/// The figures of the sensor in order, with their captions.
+mod sensor_drafts;
 /// Ranges of axes and colours that two films share.
 mod shared_ranges;
 /// A drawing area in pixels with lines, polygons and text, written as SVG.
@@ -51,7 +53,9 @@ mod typeset;
 pub use error::ReportError;
 pub use figure::{Figure, SvgText};
 pub use figures::budget::{BudgetBar, budget_figure};
+pub use figures::experiment::{ExperimentCurves, experiment_figure};
 pub use figures::front::{FrontAxis, FrontFigure, FrontFilm};
+pub use figures::scan_maps::{ScanPlane, scan_field_figure, scan_parameters_figure};
 pub use page::PrintedResults;
 pub use pair::{PairReport, PairedNumber};
 pub use report::Report;

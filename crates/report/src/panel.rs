@@ -280,6 +280,17 @@ pub(crate) fn equal_scale(room_px: [f64; 2], extents_mm: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| (per_mm * extents_mm[i]).max(MIN_ROOM_FRACTION * room_px[i]))
 }
 
+/// The range of the finite values with a margin. It is never empty.
+pub(crate) fn padded(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let finite = values.filter(|value| value.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    if low > high {
+        return [0.0, 1.0];
+    }
+    let margin = if high > low { 0.06 * (high - low) } else { 0.1 * high.abs().max(1.0) };
+    [low - margin, high + margin]
+}
+
 #[cfg(test)]
 mod tests {
     use super::numbers_in;

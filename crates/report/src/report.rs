@@ -11,6 +11,7 @@ use crate::error::ReportError;
 use crate::figure::{Figure, SvgText};
 use crate::figure_drafts::{FigureDraft, drafts};
 use crate::page::{PrintedResults, page};
+use crate::sensor_drafts::sensor_drafts;
 use crate::shared_ranges::SharedRanges;
 use crate::survey::{FilmSamples, Survey, tiles_to_draw};
 use crate::typeset;
@@ -20,7 +21,7 @@ pub(crate) const PAGE_NAME: &str = "report.html";
 
 /// The figures of a film, and the HTML page that shows them.
 ///
-/// A layout with a working volume and an ideal film has eight figures. Without an ideal film the
+/// A layout with a working volume and an ideal film has eight figures, and two more with a sensor. Without an ideal film the
 /// figures of the decoupling parameters are missing; without a working volume the only figure is
 /// the one of the tiles. [`Report::absent`] gives the reasons.
 ///
@@ -84,7 +85,11 @@ impl Report {
     ) -> Result<Report, ReportError> {
         let survey = Survey::new(film, field_t)?.map(|survey| Survey { samples, ..survey });
         let tiles = drawn_tiles(film);
-        let drafts = drafts(film, &tiles, survey.as_ref(), &SharedRanges::default())?;
+        let ranges = SharedRanges::default();
+        let mut drafts = drafts(film, &tiles, survey.as_ref(), &ranges)?;
+        if let Some(survey) = &survey {
+            drafts.extend(sensor_drafts(film, survey, &ranges)?);
+        }
         let figures = rendered(film, drafts, text)?;
         film.tell(Stage::uncounted("page"));
         let absent = absent(film);

@@ -2,8 +2,8 @@
 //! is evaluated at many points per call.
 
 use glam::{DMat3, DVec3};
-use magsplice_field::Scene;
-use magsplice_magnet::Quantity;
+
+use crate::sensed_field::SensedField;
 
 /// Most evaluations of one search. Steps that converge take five; a step that is halved takes one more.
 const MOST_EVALUATIONS: usize = 60;
@@ -48,7 +48,7 @@ struct Descent {
 }
 
 /// Searches from each start for the position with its reading.
-pub(crate) fn descend(scene: &Scene, region: &Region, searches: &[(DVec3, DVec3)]) -> Vec<Ending> {
+pub(crate) fn descend(field: &SensedField, region: &Region, searches: &[(DVec3, DVec3)]) -> Vec<Ending> {
     let mut endings = vec![Ending::Lost; searches.len()];
     let mut active: Vec<Descent> = searches
         .iter()
@@ -66,12 +66,9 @@ pub(crate) fn descend(scene: &Scene, region: &Region, searches: &[(DVec3, DVec3)
             break;
         }
         let points: Vec<DVec3> = active.iter().map(|descent| descent.candidate).collect();
-        let mut field_t = vec![DVec3::ZERO; points.len()];
-        let mut gradient = vec![DMat3::ZERO; points.len()];
         // Points on edges have NaN, and the step to them is halved.
-        let _ = scene.field_into(Quantity::FluxDensity, &points, &mut field_t);
-        let _ = scene.gradient_into(Quantity::FluxDensity, &points, &mut gradient);
-        let mut evaluated = field_t.into_iter().zip(gradient);
+        let (readings_t, gradient) = field.readings_and_gradients(&points);
+        let mut evaluated = readings_t.into_iter().zip(gradient);
         active.retain_mut(|descent| {
             let (field_t, gradient) = evaluated.next().expect("a value for each point");
             match descent.next(field_t, gradient, region) {

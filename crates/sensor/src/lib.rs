@@ -1,6 +1,8 @@
 //! The position of a Hall sensor below magnets, from the flux density that it reads.
 //!
+//! * [`SensedField`]: what a Hall sensor reads, averaged over its plates.
 //! * [`Locator`]: positions from readings, by the exact field and its gradient.
+//! * [`experiment()`]: readings and positions of a film that is moved.
 //! * [`fit_scan`]: strength, offset, rotation and start of a measured scan.
 //! * [`Stiffness`]: the force of an elastic layer from displacements.
 //! * [`DisplacementPolynomial`]: positions without the tiles, for small computers.
@@ -37,6 +39,8 @@
 
 /// Gauss-Newton steps for many readings at once.
 mod descent;
+/// Films that are moved while a sensor is read.
+mod experiment;
 /// Positions from readings.
 mod locator;
 /// Standard deviations of positions.
@@ -53,11 +57,14 @@ mod scan_least_squares;
 mod scan_parameters;
 /// The positions of a scan.
 mod scan_positions;
+/// What a sensor reads of a field.
+mod sensed_field;
 /// Where the steps begin.
 mod starts;
 /// Forces from displacements.
 mod stiffness;
 
+pub use experiment::{ExperimentSettings, ExperimentStep, displacements, experiment};
 pub use locator::{LocateError, Located, Locator};
 pub use noise::Noise;
 pub use polynomial::{DisplacementPolynomial, PolynomialError};
@@ -65,4 +72,5 @@ pub use scan::fit_scan;
 pub use scan_error::ScanError;
 pub use scan_parameters::{FreeParameters, ScanFit, ScanParameters};
 pub use scan_positions::ScanPositions;
+pub use sensed_field::{SensedField, SensedFieldError};
 pub use stiffness::{Stiffness, StiffnessError};

@@ -4,11 +4,11 @@ use std::error::Error;
 use std::fmt;
 
 use glam::{DMat3, DVec3};
-use magsplice_field::Scene;
-use magsplice_magnet::{Grid, PointErrors, Quantity};
+use magsplice_magnet::{Grid, PointErrors};
 use rayon::prelude::*;
 
 use crate::descent::{Ending, Region, descend};
+use crate::sensed_field::SensedField;
 use crate::starts::starts;
 
 /// How far outside the volume positions are searched, as a fraction of its extent along each axis.
@@ -31,9 +31,12 @@ const BATCH: usize = 1 << 14;
 /// Finds the positions in a volume at which a sensor has given readings.
 #[derive(Debug)]
 pub struct Locator<'a> {
-    scene: &'a Scene,
+    field: SensedField<'a>,
     grid: Grid,
-    field_t: Vec<DVec3>,
+    /// The readings at the points of the grid.
+    readings_t: Vec<DVec3>,
+    /// What every reading has beyond that of the film.
+    constant_t: DVec3,
     region: Region,
 }
 
@@ -43,7 +46,7 @@ pub struct Locator<'a> {
 pub struct Located {
     /// The position, in the frame and the unit of length of the tiles.
     pub position: DVec3,
-    /// Gradient of B there: column j is the derivative along x_j, in tesla per unit of length.
+    /// Gradient of the reading there: column j is the derivative along x_j, in tesla per unit of length.
     /// [`Noise`](crate::Noise) makes standard deviations from it.
     pub gradient: DMat3,
 }
@@ -60,23 +63,33 @@ pub enum LocateError {
     Ambiguous([DVec3; 2]),
     /// No position within half the extent of the volume around it has the reading.
     NoPosition,
+    /// The reading is at the limit of the sensor's range, and the flux density may be larger.
+    Saturated,
 }
 
 impl<'a> Locator<'a> {
-    /// A locator for the volume that a grid spans. The scene must be exact.
+    /// A locator for the volume that a grid spans. The field is that of an exact [`Scene`](magsplice_field::Scene),
+    /// which a perfect sensor reads, or what a sensor reads of it.
     ///
     /// The search begins at points of the grid, so its step must resolve the field: a tenth of the
     /// wavelength of a film is enough.
     ///
     /// # Errors
     /// Points of the grid without a field.
-    pub fn new(scene: &'a Scene, grid: Grid) -> Result<Locator<'a>, PointErrors> {
-        let field_t = scene.field_on_grid(Quantity::FluxDensity, &grid)?;
+    pub fn new(field: impl Into<SensedField<'a>>, grid: Grid) -> Result<Locator<'a>, PointErrors> {
+        let field = field.into();
+        let readings_t = field.readings_t(&grid.points().collect::<Vec<DVec3>>())?;
         let (lower, upper) = (grid.lower(), grid.upper());
         let diagonal = (upper - lower).length();
         let reach = REACH * (upper - lower).max(DVec3::splat(LEAST_EXTENT * diagonal));
         let region = Region { lower: lower - reach, upper: upper + reach, diagonal };
-        Ok(Locator { scene, grid, field_t, region })
+        Ok(Locator { field, grid, readings_t, constant_t: DVec3::ZERO, region })
+    }
+
+    /// The same locator for readings that contain this much besides the field of the tiles: a stray field,
+    /// or an offset that the sensor does not state.
+    pub fn with_constant_reading(self, constant_t: DVec3) -> Locator<'a> {
+        Locator { constant_t, ..self }
     }
 
     /// The volume.
@@ -84,7 +97,7 @@ impl<'a> Locator<'a> {
         &self.grid
     }
 
-    /// The position with each reading, in the frame of the tiles and in tesla.
+    /// The position with each reading, in the frame of the tiles. Readings in tesla, as the sensor gives them.
     ///
     /// Gauss-Newton steps begin at every point of the grid whose field is nearer to the reading than
     /// those of its neighbours. They use the exact field and its gradient. The positions found are exact
@@ -98,21 +111,29 @@ impl<'a> Locator<'a> {
     }
 
     fn locate_batch(&self, readings_t: &[DVec3]) -> Vec<Result<Located, LocateError>> {
-        let starts: Vec<Vec<DVec3>> = readings_t
+        let starts: Vec<Result<Vec<DVec3>, LocateError>> = readings_t
             .par_iter()
-            .map(|reading| if reading.is_finite() { starts(&self.grid, &self.field_t, *reading) } else { Vec::new() })
+            .map(|reading| {
+                if !reading.is_finite() {
+                    return Err(LocateError::NotFinite);
+                }
+                if self.field.sensor().is_saturated(*reading) {
+                    return Err(LocateError::Saturated);
+                }
+                Ok(starts(&self.grid, &self.readings_t, *reading - self.constant_t))
+            })
             .collect();
         let searches: Vec<(DVec3, DVec3)> = readings_t
             .iter()
             .zip(&starts)
-            .flat_map(|(reading, starts)| starts.iter().map(|start| (*reading, *start)))
+            .flat_map(|(reading, starts)| starts.iter().flatten().map(|start| (*reading - self.constant_t, *start)))
             .collect();
-        let mut endings = descend(self.scene, &self.region, &searches).into_iter();
-        let of_reading = |(reading, starts): (&DVec3, &Vec<DVec3>)| {
-            let endings: Vec<Ending> = endings.by_ref().take(starts.len()).collect();
-            if reading.is_finite() { self.only(&endings) } else { Err(LocateError::NotFinite) }
+        let mut endings = descend(&self.field, &self.region, &searches).into_iter();
+        let of_reading = |starts: Result<Vec<DVec3>, LocateError>| {
+            let endings: Vec<Ending> = endings.by_ref().take(starts?.len()).collect();
+            self.only(&endings)
         };
-        readings_t.iter().zip(&starts).map(of_reading).collect()
+        starts.into_iter().map(of_reading).collect()
     }
 
     /// The only position in the volume among those at which searches ended.
@@ -150,6 +171,7 @@ impl fmt::Display for LocateError {
             LocateError::Ambiguous([first, second]) => {
                 write!(f, "two positions have this reading: {} and {}", shown(*first), shown(*second))
             }
+            LocateError::Saturated => write!(f, "the reading is at the limit of the sensor's range"),
             LocateError::NoPosition => write!(f, "no position in or near the volume has this reading"),
         }
     }

@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DVec3};
 use magsplice_decouple::ParameterDerivatives;
+use magsplice_magnet::HallSensor;
 
 /// Noise of a three-axis sensor: independent errors of each reading of each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +13,12 @@ pub struct Noise {
 }
 
 impl Noise {
+    /// The noise of a sensor's readings, with their rounding to counts. `None` if it states neither.
+    pub fn of_sensor(sensor: &HallSensor) -> Option<Noise> {
+        let deviation_t = sensor.deviation_t();
+        (deviation_t != DVec3::ZERO).then_some(Noise { deviation_t })
+    }
+
     /// Standard deviations along x, y, z of the position that a reading gives, where the field has this
     /// gradient (column j is the derivative along x_j). `None` where the gradient is singular, so that
     /// some displacement leaves the reading unchanged.
@@ -24,11 +31,18 @@ impl Noise {
     }
 
     /// Standard deviations along x, y, z of the displacement of Dai 2024, Eq. 14, to first order, where
-    /// the parameters have these derivatives. The reading at the reference point is taken as exact.
-    pub fn of_parameters(&self, derivatives: &ParameterDerivatives, wavenumber: f64) -> Option<DVec3> {
+    /// the parameters have these derivatives by the flux density. The parameters are those of the flux
+    /// density that the readings of `sensor` stand for. The reading at the reference point is taken as exact.
+    pub fn of_parameters(
+        &self,
+        derivatives: &ParameterDerivatives,
+        wavenumber: f64,
+        sensor: &HallSensor,
+    ) -> Option<DVec3> {
         let ParameterDerivatives { r_x, r_y, s_z } = derivatives;
+        let by_reading = [r_x, r_y, s_z].map(|by_field| sensor.rotation.inverse() * *by_field / sensor.gain);
         // The sign of a row does not matter for its square.
-        self.through(DMat3::from_cols(*r_x, *r_y, *s_z).transpose() * (1.0 / wavenumber))
+        self.through(DMat3::from_cols_array_2d(&by_reading.map(|row| row.to_array())).transpose() * (1.0 / wavenumber))
     }
 
     /// Root mean squares of the rows of a matrix, weighted by the noise.
@@ -51,7 +65,7 @@ mod tests {
             r_y: DVec3::new(0.0, 0.0, 4.0),
             s_z: DVec3::new(2.0, 0.0, 1.0),
         };
-        let deviations = noise.of_parameters(&derivatives, 0.5).unwrap();
+        let deviations = noise.of_parameters(&derivatives, 0.5, &HallSensor::default()).unwrap();
         assert!((deviations / 2.0 - DVec3::new(17.0_f64.sqrt(), 12.0, 13.0_f64.sqrt())).length() < 1e-14);
         // B_x = x + 2 y, B_y = y, B_z = z / 2: x = B_x - 2 B_y, y = B_y, z = 2 B_z.
         let gradient = DMat3::from_cols(DVec3::X, DVec3::new(2.0, 1.0, 0.0), 0.5 * DVec3::Z);

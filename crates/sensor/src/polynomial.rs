@@ -6,9 +6,10 @@ use std::fmt;
 
 use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
-use magsplice_field::Scene;
-use magsplice_magnet::{Grid, PointErrors, Quantity};
+use magsplice_magnet::{Grid, PointErrors};
 use nalgebra::DMatrix;
+
+use crate::sensed_field::SensedField;
 
 /// Degrees that are tried, the least first. The error of a film falls three to five times with each.
 const DEGREES: [usize; 4] = [4, 6, 8, 10];
@@ -65,13 +66,17 @@ impl DisplacementPolynomial {
     ///
     /// # Errors
     /// See [`PolynomialError`].
-    pub fn fit(
-        scene: &Scene,
+    pub fn fit<'a>(
+        field: impl Into<SensedField<'a>>,
         volume: &Grid,
         reference: DVec3,
         error: f64,
     ) -> Result<DisplacementPolynomial, PolynomialError> {
-        let field_t = |points: &[DVec3]| scene.field_at(Quantity::FluxDensity, points).map_err(PolynomialError::Points);
+        let field = field.into();
+        let field_t = |points: &[DVec3]| -> Result<Vec<DVec3>, PolynomialError> {
+            let readings_t = field.readings_t(points).map_err(PolynomialError::Points)?;
+            Ok(readings_t.into_iter().map(|reading| field.field_of_reading_t(reading)).collect())
+        };
         let at_reference_t = field_t(&[reference])?[0];
         let branch = Branch::from_axis_field(at_reference_t).ok_or(PolynomialError::Singular(reference))?;
         let parameters = |points: &[DVec3]| -> Result<Vec<[f64; 3]>, PolynomialError> {

@@ -2,11 +2,11 @@
 //! fitted by least squares.
 
 use glam::DVec3;
-use magsplice_field::Scene;
 
 use crate::scan_error::ScanError;
 use crate::scan_least_squares::Scan;
 use crate::scan_parameters::{FreeParameters, ScanFit, ScanParameters};
+use crate::sensed_field::SensedField;
 
 /// A reading is an outlier if a component is farther from the fit than this many standard deviations.
 /// Of a million normal errors, one exceeds five of them by chance in half of all scans, and six in one
@@ -37,8 +37,8 @@ const MOST_OUTLIERS: f64 = 0.2;
 ///
 /// # Panics
 /// If there are not as many points as readings.
-pub fn fit_scan(
-    scene: &Scene,
+pub fn fit_scan<'a>(
+    field: impl Into<SensedField<'a>>,
     points: &[DVec3],
     readings_t: &[DVec3],
     free: FreeParameters,
@@ -49,7 +49,7 @@ pub fn fit_scan(
     if readings_t.len() < needed {
         return Err(ScanError::TooFew { readings: readings_t.len(), needed });
     }
-    let scan = Scan::new(scene, points, readings_t, free)?;
+    let scan = Scan::new(&field.into(), points, readings_t, free)?;
     let mut is_outlier = vec![false; points.len()];
     let mut parameters = ScanParameters::PERFECT;
     for _ in 0..OUTLIER_ROUNDS {

@@ -2,12 +2,12 @@
 //! section 8).
 
 use glam::{DMat3, DQuat, DVec3};
-use magsplice_field::Scene;
-use magsplice_magnet::Quantity;
+use magsplice_magnet::HallSensor;
 use nalgebra::{SMatrix, SVector, SymmetricEigen};
 
 use crate::scan_error::ScanError;
 use crate::scan_parameters::{NAMES, PARAMETERS, ScanFit, ScanParameters};
+use crate::sensed_field::SensedField;
 
 type Vector = SVector<f64, PARAMETERS>;
 type Matrix = SMatrix<f64, PARAMETERS, PARAMETERS>;
@@ -32,9 +32,9 @@ const LEAST_PART: f64 = 0.3;
 
 /// A scan that is fitted.
 pub(crate) struct Scan<'a> {
-    scene: &'a Scene,
+    field: SensedField<'a>,
     points: &'a [DVec3],
-    readings_t: &'a [DVec3],
+    readings_t: Vec<DVec3>,
     free: Vec<usize>,
     /// Root mean square of the field, in tesla.
     pub(crate) field_scale_t: f64,
@@ -53,13 +53,16 @@ struct Linearized {
 impl<'a> Scan<'a> {
     /// A scan whose parameters of these indices are free.
     pub(crate) fn new(
-        scene: &'a Scene,
+        field: &SensedField<'a>,
         points: &'a [DVec3],
-        readings_t: &'a [DVec3],
+        readings_t: &[DVec3],
         free: Vec<usize>,
     ) -> Result<Scan<'a>, ScanError> {
-        let field_t = scene.field_at(Quantity::FluxDensity, points).map_err(ScanError::Points)?;
-        let gradient = scene.gradient_at(Quantity::FluxDensity, points).map_err(ScanError::Points)?;
+        let HallSensor { offset_t, gain, .. } = *field.sensor();
+        let readings_t = readings_t.iter().map(|reading| (*reading - offset_t) / gain).collect();
+        let field = field.without_gain_and_offset();
+        let field_t = field.readings_t(points).map_err(ScanError::Points)?;
+        let gradient = field.gradients(points).map_err(ScanError::Points)?;
         let count = points.len() as f64;
         let field_scale_t = (field_t.iter().map(|field| field.length_squared()).sum::<f64>() / count).sqrt();
         let square = |gradient: &DMat3| gradient.to_cols_array().iter().map(|g| g * g).sum::<f64>();
@@ -73,7 +76,7 @@ impl<'a> Scan<'a> {
             1..=3 => field_scale_t,
             _ => length,
         });
-        Ok(Scan { scene, points, readings_t, free, field_scale_t, scales })
+        Ok(Scan { field, points, readings_t, free, field_scale_t, scales })
     }
 
     /// Fits the readings that are no outliers.
@@ -106,8 +109,8 @@ impl<'a> Scan<'a> {
 
     fn linearized(&self, parameters: &ScanParameters, is_outlier: &[bool]) -> Result<Linearized, ScanError> {
         let places: Vec<DVec3> = self.points.iter().map(|point| *point + parameters.start).collect();
-        let field_t = self.scene.field_at(Quantity::FluxDensity, &places).map_err(ScanError::Points)?;
-        let gradient = self.scene.gradient_at(Quantity::FluxDensity, &places).map_err(ScanError::Points)?;
+        let field_t = self.field.readings_t(&places).map_err(ScanError::Points)?;
+        let gradient = self.field.gradients(&places).map_err(ScanError::Points)?;
         let (back, strength) = (parameters.turn().inverse(), parameters.strength);
         let mut residuals_t = Vec::with_capacity(places.len());
         let (mut normal, mut right, mut sum_of_squares) = (Matrix::zeros(), Vector::zeros(), 0.0);
@@ -189,7 +192,7 @@ impl<'a> Scan<'a> {
         ScanParameters {
             strength: from.strength + step[0],
             offset_t: from.offset_t + vector(1),
-            rotation_rad: (DQuat::from_scaled_axis(vector(4)) * from.turn()).to_scaled_axis(),
+            rotation_rad: shortest(DQuat::from_scaled_axis(vector(4)) * from.turn()).to_scaled_axis(),
             start: from.start + vector(7),
         }
     }
@@ -205,4 +208,9 @@ impl<'a> Scan<'a> {
             ScanParameters { strength: deviation(0), offset_t: vector(1), rotation_rad: vector(4), start: vector(7) };
         Ok(ScanFit { parameters, deviations, noise_t, residuals_t: at.residuals_t, outliers: Vec::new() })
     }
+}
+
+/// The same rotation by half a turn at most.
+fn shortest(rotation: DQuat) -> DQuat {
+    if rotation.w < 0.0 { -rotation } else { rotation }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
 use magsplice_field::Scene;
 use magsplice_layout::Layout;
-use magsplice_magnet::{Grid, Quantity};
+use magsplice_magnet::{Grid, HallSensor, Quantity};
 use magsplice_sensor::{LocateError, Locator, Noise};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -67,7 +67,7 @@ fn noise_moves_positions_as_far_as_the_bound_says() {
             .collect();
         let gradient = scene.gradient(Quantity::FluxDensity, point).unwrap();
         let bound = noise.of_position(gradient).unwrap();
-        let of_closed_form = noise.of_parameters(&derivatives, wavenumber).unwrap();
+        let of_closed_form = noise.of_parameters(&derivatives, wavenumber, &HallSensor::default()).unwrap();
         for (values, centre, expected) in [(found, point, bound), (closed, DVec3::ZERO, of_closed_form)] {
             let squares: DVec3 = values.iter().map(|value| (value - centre).powf(2.0)).sum();
             let deviation = (squares / values.len() as f64).powf(0.5);

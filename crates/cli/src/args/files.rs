@@ -43,9 +43,9 @@ pub(crate) struct ExportArgs {
     /// Program to write for [default: by the file's ending]
     #[arg(long, value_enum, required_unless_present = "output")]
     pub(crate) to: Option<ExportFormat>,
-    /// For --to c-header: largest error of the displacement over the working volume
-    #[arg(long, value_name = "LENGTH", default_value = "0.005mm", value_parser = error_mm)]
-    pub(crate) error: f64,
+    /// For --to c-header: largest error of the displacement over the working volume [default: 0.005mm]
+    #[arg(long, value_name = "LENGTH", value_parser = error_mm)]
+    pub(crate) error: Option<f64>,
     /// File to write, complete or not at all [default: -, standard output]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,

@@ -12,6 +12,8 @@ pub(crate) mod check;
 pub(crate) mod design;
 /// Arguments of the verbs that evaluate a film: `field`, `compare`, `decouple`, `plan`, `report`.
 pub(crate) mod evaluate;
+/// Arguments of `experiment`.
+pub(crate) mod experiment;
 /// Arguments of the verbs that list, convert or create files: `tiles`, `export`, `init`,
 /// `completions`.
 pub(crate) mod files;
@@ -39,6 +41,7 @@ use self::design::{DesignArgs, SpliceArgs};
 #[cfg(feature = "report")]
 use self::evaluate::ReportArgs;
 use self::evaluate::{CompareArgs, DecoupleArgs, FieldArgs, PlanArgs};
+use self::experiment::ExperimentArgs;
 use self::files::{CompletionsArgs, ExportArgs, InitArgs, TilesArgs};
 use self::import::ImportArgs;
 use self::sensor::{CalibrateArgs, ReadArgs, ResolutionArgs, ScanArgs};
@@ -99,6 +102,7 @@ pub(crate) enum Verb {
     Budget(BudgetArgs),
     Read(ReadArgs),
     Resolution(ResolutionArgs),
+    Experiment(ExperimentArgs),
     Calibrate(CalibrateArgs),
     Scan(ScanArgs),
     Check(CheckArgs),

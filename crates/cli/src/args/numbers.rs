@@ -1,7 +1,7 @@
 //! Numbers with units as a person types them: `8mm`, `20mmx20mm`, `-3.9..-2.4`, `0.1µT`.
 
 use crate::decimal;
-use crate::units::{self, FLUX_DENSITIES, LENGTHS, Unit};
+use crate::units::{self, ANGLES, FLUX_DENSITIES, LENGTHS, Unit};
 
 /// What an option takes.
 struct Kind {
@@ -14,14 +14,21 @@ struct Kind {
     bare: &'static str,
 }
 
-const LENGTH: Kind = Kind { name: "length", units: &LENGTHS, default: "mm", bare: "in mm" };
-const FLUX_DENSITY: Kind = Kind { name: "flux density", units: &FLUX_DENSITIES, default: "T", bare: "in T" };
+const LENGTH: Kind = Kind { name: "a length", units: &LENGTHS, default: "mm", bare: "in mm" };
+const FLUX_DENSITY: Kind = Kind { name: "a flux density", units: &FLUX_DENSITIES, default: "T", bare: "in T" };
+const ANGLE: Kind = Kind { name: "an angle", units: &ANGLES, default: "deg", bare: "in degrees" };
 const TOLERANCE: Kind = Kind { bare: "a fraction of |B|, below 0.1", ..FLUX_DENSITY };
 
 /// A length in mm.
 pub(crate) fn length_mm(text: &str) -> Result<f64, String> {
     let (number, unit) = split(text);
     LENGTH.value(number, unit)
+}
+
+/// An angle in radians.
+pub(crate) fn angle_rad(text: &str) -> Result<f64, String> {
+    let (number, unit) = split(text);
+    ANGLE.value(number, unit).map(f64::to_radians)
 }
 
 /// A flux density or polarization in T.
@@ -80,7 +87,7 @@ impl Kind {
         match (value, exponent) {
             (Some(value), Some(_)) => Ok(value),
             (Some(_), None) => {
-                Err(format!("has the unit {unit}, must be a {name} in {known}; a number without a unit is {bare}"))
+                Err(format!("has the unit {unit}, must be {name} in {known}; a number without a unit is {bare}"))
             }
             (None, _) => Err(format!("must be a number with or without a unit ({known}), such as 8{default} or 8")),
         }

@@ -19,7 +19,12 @@ use super::numbers::flux_density_t;
 ///
 /// Readings without a position in the working volume, or with two, are named on standard error. The
 /// displacement is NaN where there are two positions or none. The column `status` is 0 for a position
-/// in the volume, 1 for one outside, 2 for two positions, and 3 for none.
+/// in the volume, 1 for one outside by more than four deviations of the noise, 2 for two positions, 3 for
+/// none, and 4 for a reading at the limit of the sensor's range.
+///
+/// With [sensor] in the layout, the readings are those of this sensor, with its plates, gains, offsets
+/// and rotation, and its noise is that of --noise. With [elastomer], the result has the force on the
+/// film.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice read readings.csv --layout film.toml --noise 5uT -o moved.csv")]
 pub(crate) struct ReadArgs {
@@ -28,7 +33,8 @@ pub(crate) struct ReadArgs {
     /// Layout file of the film
     #[arg(long, value_name = "LAYOUT")]
     pub(crate) layout: PathBuf,
-    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT
+    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT [default: that of
+    /// [sensor] in the layout]
     #[arg(long, value_name = "NOISE", value_parser = noise)]
     pub(crate) noise: Option<Noise>,
     /// The first N readings are of the sensor at rest at the reference point: their mean, less the field
@@ -37,6 +43,12 @@ pub(crate) struct ReadArgs {
     /// A constant stray field and the offset of the sensor are then without effect.
     #[arg(long, value_name = "N", default_value = "0")]
     pub(crate) zero: usize,
+    /// The first N readings are of the sensor at rest: displacements count from the position of their mean,
+    /// not from the reference point
+    ///
+    /// The film may then lie elsewhere than in the layout. A constant field moves all positions.
+    #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero")]
+    pub(crate) rest: usize,
     /// Unit of columns bx, by, bz without a unit in their names; the names are still needed
     #[arg(long, value_enum, ignore_case = true, value_name = "UNIT")]
     pub(crate) unit: Option<FluxUnitArg>,
@@ -61,9 +73,10 @@ pub(crate) struct ReadArgs {
 pub(crate) struct ResolutionArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
-    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT
+    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT [default: that of
+    /// [sensor] in the layout]
     #[arg(long, value_name = "NOISE", value_parser = noise)]
-    pub(crate) noise: Noise,
+    pub(crate) noise: Option<Noise>,
     /// File for a table of all points, complete or not at all
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
@@ -146,6 +159,11 @@ pub(crate) struct ScanArgs {
     /// and the residuals
     #[arg(long, value_name = "FILE")]
     pub(crate) save: Option<PathBuf>,
+    /// Folder for figures of planes of the scan, measured beside simulated: B, and R_x, R_y, S_z (Dai 2024,
+    /// Figs. 6 to 8)
+    #[cfg(feature = "report")]
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) figures: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) result: ResultArgs,
 }
@@ -193,6 +211,10 @@ pub(crate) struct CalibrateArgs {
     /// reference point, is subtracted from all
     #[arg(long, value_name = "N", default_value = "0")]
     pub(crate) zero: usize,
+    /// The first N readings are of the film at rest: displacements count from the position of their mean,
+    /// not from the reference point
+    #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero")]
+    pub(crate) rest: usize,
     #[command(flatten)]
     pub(crate) result: ResultArgs,
 }

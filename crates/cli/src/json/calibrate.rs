@@ -13,6 +13,8 @@ pub(crate) struct CalibrationJson<'a> {
     #[serde(flatten)]
     source: SourceJson<'a>,
     readings: usize,
+    /// Stiffness of [elastomer] by Hooke's law along x, y, z.
+    hooke_n_per_mm: Option<[f64; 3]>,
     by_field: AxesJson,
     by_closed_form: Option<AxesJson>,
 }
@@ -39,6 +41,7 @@ impl<'a> CalibrationJson<'a> {
         CalibrationJson {
             source: SourceJson::new(film),
             readings: calibration.readings,
+            hooke_n_per_mm: calibration.hooke_n_per_mm.map(|stiffness| stiffness.to_array()),
             by_field: AxesJson::from(&calibration.by_field),
             by_closed_form: calibration.by_closed_form.as_ref().map(AxesJson::from),
         }

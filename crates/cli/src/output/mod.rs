@@ -4,6 +4,9 @@
 pub(crate) mod choice;
 /// Standard output, or a file that appears complete or not at all.
 pub(crate) mod destination;
+/// A file for one figure.
+#[cfg(feature = "report")]
+pub(crate) mod figure_file;
 /// A folder of results that appears complete or not at all.
 pub(crate) mod folder;
 /// Tables of points: their columns, their metadata, and writing them.

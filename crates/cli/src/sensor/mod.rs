@@ -4,7 +4,14 @@
 pub(crate) mod calibration;
 /// Displacements from readings below a film.
 pub(crate) mod film_readings;
+/// What noise lets a sensor see.
+pub(crate) mod film_resolution;
+/// The film that an experiment reads.
+pub(crate) mod made_film;
 /// Readings of a sensor from a CSV file.
 pub(crate) mod reading_file;
+/// Planes through a scan.
+#[cfg(feature = "report")]
+pub(crate) mod scan_planes;
 /// Results of `scan`: a fitted scan.
 pub(crate) mod scanned_film;

@@ -1,9 +1,8 @@
 //! Results of `scan`: a fitted scan with what its positions and its parameters show.
 
 use magsplice::decouple::uniformity_by_planes;
-use magsplice::magnet::Quantity;
 use magsplice::prelude::{Branch, DVec3, Parameters};
-use magsplice::sensor::{ScanFit, ScanPositions};
+use magsplice::sensor::{ScanFit, ScanPositions, SensedField};
 use magsplice::{Film, FilmError};
 
 /// A scan that was fitted.
@@ -34,6 +33,7 @@ pub(crate) struct Uniformity {
 impl ScannedFilm {
     pub(crate) fn new(
         film: &Film,
+        sensed: &SensedField,
         points: &[DVec3],
         readings_t: &[DVec3],
         lines: Vec<u64>,
@@ -41,9 +41,15 @@ impl ScannedFilm {
     ) -> Result<ScannedFilm, FilmError> {
         let parameters = &fit.parameters;
         let places_mm: Vec<DVec3> = points.iter().map(|point| *point + parameters.start).collect();
-        let corrected_t: Vec<DVec3> = readings_t.iter().map(|reading| parameters.corrected_t(*reading)).collect();
-        let field_t = film.scene().field_at(Quantity::FluxDensity, &places_mm).map_err(FilmError::Points)?;
-        let simulated_t: Vec<DVec3> = field_t.into_iter().map(|field| parameters.strength * field).collect();
+        // Readings without the errors that the layout states, along the axes of its sensor.
+        let sensor = sensed.sensor();
+        let scaled_t: Vec<DVec3> =
+            readings_t.iter().map(|reading| (*reading - sensor.offset_t) / sensor.gain).collect();
+        let corrected_t: Vec<DVec3> =
+            scaled_t.iter().map(|reading| sensor.rotation * parameters.corrected_t(*reading)).collect();
+        let field_t = sensed.without_gain_and_offset().readings_t(&places_mm).map_err(FilmError::Points)?;
+        let simulated_t: Vec<DVec3> =
+            field_t.into_iter().map(|field| parameters.strength * (sensor.rotation * field)).collect();
         let kept: Vec<usize> = (0..points.len()).filter(|index| fit.outliers.binary_search(index).is_err()).collect();
         let uniformity = match (film.ideal(), film.reference_field_t()) {
             (Ok(_), Ok(reference_t)) => Branch::from_axis_field(reference_t)

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use magsplice::Film;
+use magsplice::prelude::DVec3;
 use magsplice::sensor::Stiffness;
 
 use super::number::{counted, number};
@@ -20,22 +21,26 @@ pub(crate) fn calibration(film: &Film, args: &CalibrateArgs, calibration: &Calib
         args.readings.display()
     );
     rows::heading(&mut text, "displacements by the field of the layout", ["x", "y", "z"]);
-    axes(&mut text, &calibration.by_field);
+    axes(&mut text, &calibration.by_field, calibration.hooke_n_per_mm);
     if let Some(by_closed_form) = &calibration.by_closed_form {
         rows::heading(&mut text, "displacements by the closed form", ["x", "y", "z"]);
-        axes(&mut text, by_closed_form);
+        axes(&mut text, by_closed_form, calibration.hooke_n_per_mm);
     }
     text += "intervals hold with 95 % confidence\n";
     text
 }
 
-fn axes(text: &mut String, axes: &[Stiffness; 3]) {
-    let mut row = |name: &str, of: &dyn Fn(&Stiffness) -> f64| {
+fn axes(text: &mut String, axes: &[Stiffness; 3], hooke_n_per_mm: Option<DVec3>) {
+    let row = |text: &mut String, name: &str, of: &dyn Fn(&Stiffness) -> f64| {
         rows::cells(text, name, axes.each_ref().map(|axis| number(of(axis))));
     };
-    row("  stiffness, N/mm", &|axis| axis.stiffness);
-    row("    +-", &|axis| axis.stiffness_95);
-    row("  force at rest, N", &|axis| axis.force_at_rest);
-    row("    +-", &|axis| axis.force_at_rest_95);
-    row("  residual, N", &|axis| axis.residual);
+    row(text, "  stiffness, N/mm", &|axis| axis.stiffness);
+    row(text, "    +-", &|axis| axis.stiffness_95);
+    if let Some(hooke) = hooke_n_per_mm {
+        let scale = [0, 1, 2].map(|axis| number(axes[axis].stiffness / hooke[axis]));
+        rows::cells(text, "    over Hooke's law of [elastomer]", scale);
+    }
+    row(text, "  force at rest, N", &|axis| axis.force_at_rest);
+    row(text, "    +-", &|axis| axis.force_at_rest_95);
+    row(text, "  residual, N", &|axis| axis.residual);
 }

@@ -3,11 +3,15 @@
 use std::path::Path;
 
 use magsplice::Stage;
+#[cfg(feature = "report")]
+use magsplice_report::{BudgetBar, budget_figure};
 
 use crate::args::budget::BudgetArgs;
 use crate::args::formats::TextOrJson;
 use crate::failure::Failure;
 use crate::output::destination::Output;
+#[cfg(feature = "report")]
+use crate::output::figure_file;
 use crate::progress::ProgressLine;
 use crate::sampling::film_budget::FilmBudget;
 use crate::sampling::scene::SampledScene;
@@ -21,14 +25,19 @@ pub(crate) fn run(args: &BudgetArgs, quiet: bool) -> Result<(), Failure> {
     let inputs: [&Path; 1] = [&args.layout];
     let mut output = Output::open(args.result.output.as_deref(), &inputs)?;
     #[cfg(feature = "report")]
-    let figure = super::budget_figure::open(args.figure.as_deref(), &inputs)?;
+    let figure = figure_file::open(args.figure.as_deref(), &inputs)?;
     let seed = args.seed.or(layout.tolerance.as_ref().map(|tolerance| tolerance.seed)).unwrap_or(1);
     progress.show(Stage::uncounted("budget"));
     let film = FilmBudget::new(&scene, seed, args.samples)?;
     progress.end();
     #[cfg(feature = "report")]
-    if let Some(figure) = figure {
-        figure.write(&film)?;
+    if let Some(file) = figure {
+        let bars: Vec<BudgetBar> = film
+            .parts()
+            .into_iter()
+            .map(|part| BudgetBar { name: part.name, mean_squares_mm2: part.mean_squares_mm2 })
+            .collect();
+        file.write(budget_figure(&bars, film.totals_mm2()))?;
     }
     let result = match args.result.format {
         TextOrJson::Text => text::budget::budget(&film),

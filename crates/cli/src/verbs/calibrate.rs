@@ -14,7 +14,7 @@ use crate::json::calibrate::CalibrationJson;
 use crate::output::destination::Output;
 use crate::progress::ProgressLine;
 use crate::sensor::calibration::Calibration;
-use crate::sensor::film_readings::FilmReadings;
+use crate::sensor::film_readings::{AtRest, FilmReadings};
 use crate::sensor::reading_file;
 use crate::{json, remarks, text};
 
@@ -29,13 +29,14 @@ pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
     let (forces_n, readings_t): (Vec<DVec3>, Vec<DVec3>) =
         rows.into_iter().map(|[force, reading]| (force, reading)).unzip();
     progress.show(Stage::uncounted("readings"));
-    let readings = FilmReadings::new(&film, &args.layout, &args.readings, readings_t, args.zero)?;
+    let readings =
+        FilmReadings::new(&film, &args.layout, &args.readings, &readings_t, AtRest::new(args.zero, args.rest), None)?;
     let place = args.readings.display().to_string();
     let mut faults = FaultList::default();
     readings.unlocated(&lines).for_each(|(line, fault)| faults.add(line, fault));
     // The film moves by the opposite of the sensor's displacement.
     let by_field: Option<Vec<DVec3>> =
-        readings.positions().map(|located| located.map(|located| readings.reference_mm - located.position)).collect();
+        readings.positions().map(|located| located.map(|located| readings.origin_mm - located.position)).collect();
     let Some(by_field) = by_field else { return Err(faults.failure(place)) };
     // A reading at the border of the volume may be outside by its noise.
     if !faults.is_empty() && !quiet {
@@ -57,6 +58,7 @@ pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
     };
     let calibration = Calibration {
         readings: forces_n.len(),
+        hooke_n_per_mm: layout.elastomer.map(|layer| layer.hooke_n_per_mm()),
         by_field: fit(&by_field)?,
         by_closed_form: by_closed_form.as_deref().map(fit).transpose()?,
     };

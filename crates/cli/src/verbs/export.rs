@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use magsplice::layout::{Layout, WorkingVolume};
+use magsplice::magnet::HallSensor;
+use magsplice::prelude::{DMat3, DVec3};
 use magsplice::sensor::{DisplacementPolynomial, PolynomialError};
 use magsplice::{Film, FilmError};
 use magsplice_export::c_header::{self, DisplacementTable};
@@ -16,6 +18,9 @@ use crate::output::{choice, table};
 use crate::progress::ProgressLine;
 use crate::remarks;
 use crate::words::{film_failure, no_volume};
+
+/// Error of a displacement that goes with c-header if none is given: below the noise of most sensors.
+const DEFAULT_ERROR_MM: f64 = 0.005;
 
 pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
@@ -37,6 +42,9 @@ pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
     let layout = remarks::read_layout(path, remarks::OF_TILES, quiet, &progress)?;
     let table = match format {
         ExportFormat::CHeader => Some(polynomial(args, path, &layout)?),
+        _ if args.error.is_some() => {
+            return Err(Failure::Format(format!("--error is for --to c-header, not {}: leave it out", format.name())));
+        }
         _ => None,
     };
     let mut output = Output::open(args.output.as_deref(), &[path])?;
@@ -51,7 +59,8 @@ pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
         ExportFormat::Stl => stl::film(&layout, w),
         ExportFormat::CHeader => match &table {
             Some((polynomial, volume)) => {
-                c_header::displacement(&layout, &displacement_table(polynomial, volume), env!("CARGO_PKG_VERSION"), w)
+                let table = displacement_table(polynomial, volume, &layout);
+                c_header::displacement(&layout, &table, env!("CARGO_PKG_VERSION"), w)
             }
             None => unreachable!("computed above"),
         },
@@ -67,20 +76,26 @@ fn polynomial(
 ) -> Result<(DisplacementPolynomial, WorkingVolume), Failure> {
     let film = Film::new(layout);
     let volume = *film.volume().map_err(|error| no_volume(path, error))?;
-    let found = DisplacementPolynomial::fit(film.scene(), &volume.grid, volume.reference_mm, args.error);
+    let sensed = film.sensed_field(&volume.grid).map_err(|error| film_failure(path, layout, error))?;
+    let error_mm = args.error.unwrap_or(DEFAULT_ERROR_MM);
+    let found = DisplacementPolynomial::fit(sensed, &volume.grid, volume.reference_mm, error_mm);
     let refused = |message: String| Failure::Points { path: path.to_owned(), message };
     found.map(|polynomial| (polynomial, volume)).map_err(|error| match error {
         PolynomialError::Points(errors) => film_failure(path, layout, FilmError::Points(errors)),
         PolynomialError::NotReached { least } => refused(format!(
-            "no polynomial reaches an error of {} mm; the least is {least:.1e} mm: give a larger --error or a smaller \
-             volume",
-            args.error
+            "no polynomial reaches an error of {error_mm} mm; the least is {least:.1e} mm: give a larger --error or a \
+             smaller volume"
         )),
         other => refused(other.to_string()),
     })
 }
 
-fn displacement_table<'a>(found: &'a DisplacementPolynomial, volume: &WorkingVolume) -> DisplacementTable<'a> {
+fn displacement_table<'a>(
+    found: &'a DisplacementPolynomial,
+    volume: &WorkingVolume,
+    layout: &Layout,
+) -> DisplacementTable<'a> {
+    let sensor = layout.sensor.as_ref().map_or_else(HallSensor::default, |sensor| sensor.element);
     DisplacementTable {
         degree: found.degree,
         branch_sign: found.branch_sign,
@@ -92,5 +107,7 @@ fn displacement_table<'a>(found: &'a DisplacementPolynomial, volume: &WorkingVol
         volume_lower_mm: volume.grid.lower(),
         volume_upper_mm: volume.grid.upper(),
         reference_mm: volume.reference_mm,
+        field_of_reading: DMat3::from_quat(sensor.rotation) * DMat3::from_diagonal(DVec3::ONE / sensor.gain),
+        offset_t: sensor.offset_t,
     }
 }

@@ -4,9 +4,6 @@
 pub(crate) mod bench;
 /// Tells where the displacement error of the films that are made comes from.
 pub(crate) mod budget;
-/// `budget --figure`: the budget as a bar chart.
-#[cfg(feature = "report")]
-mod budget_figure;
 /// Fits the stiffness of the elastic layer.
 pub(crate) mod calibrate;
 /// Validates layouts, and checks films against their expectations.
@@ -19,6 +16,8 @@ pub(crate) mod completions;
 pub(crate) mod decouple;
 /// Searches for a better film.
 pub(crate) mod design;
+/// Moves the film and tells what its sensor reads.
+pub(crate) mod experiment;
 /// Writes the film for another program.
 pub(crate) mod export;
 /// Computes the field at points.
@@ -49,6 +48,9 @@ mod report_watch;
 pub(crate) mod resolution;
 /// Compares a measured scan with the layout.
 pub(crate) mod scan;
+/// `scan --figures`: measured planes beside the field of the layout.
+#[cfg(feature = "report")]
+mod scan_figures;
 /// Prints the JSON Schema of layout files.
 pub(crate) mod schema;
 /// Shared parts of `design`, `design --front` and `splice`: the search, its progress, its result.

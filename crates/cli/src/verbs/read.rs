@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use magsplice::layout::Elastomer;
 use magsplice::prelude::DVec3;
 use magsplice::sensor::{LocateError, Located};
 use magsplice::{Film, Stage};
@@ -16,7 +17,7 @@ use crate::output::destination::Output;
 use crate::output::{choice, table};
 use crate::progress::ProgressLine;
 use crate::remarks;
-use crate::sensor::film_readings::FilmReadings;
+use crate::sensor::film_readings::{AtRest, FilmReadings};
 use crate::sensor::reading_file;
 use crate::words::no_volume;
 
@@ -36,9 +37,16 @@ pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
 
     let readings_t: Vec<DVec3> = rows.into_iter().map(|[reading]| reading).collect();
     progress.show(Stage::uncounted("readings"));
-    let readings = FilmReadings::new(&film, &args.layout, &args.readings, readings_t, args.zero)?;
+    let readings = FilmReadings::new(
+        &film,
+        &args.layout,
+        &args.readings,
+        &readings_t,
+        AtRest::new(args.zero, args.rest),
+        args.noise,
+    )?;
     let found = &readings.found;
-    let mut columns = columns(args, &readings);
+    let mut columns = columns(&readings, layout.elastomer.as_ref());
     if let Some(closed_form_mm) = &readings.closed_form_mm {
         columns.push(ColumnQuantity {
             name: "closed_form_mm",
@@ -65,8 +73,9 @@ pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The displacement of each reading, and its standard deviations if there is noise.
-fn columns(args: &ReadArgs, readings: &FilmReadings) -> Vec<ColumnQuantity> {
+/// The displacement of each reading, its standard deviations if there is noise, and the force if there is an
+/// elastic layer.
+fn columns(readings: &FilmReadings, layer: Option<&Elastomer>) -> Vec<ColumnQuantity> {
     let of_each = |value: &dyn Fn(Located) -> Option<DVec3>| -> Vec<f64> {
         let values = readings.positions().map(|located| located.and_then(value).unwrap_or(DVec3::NAN));
         values.flat_map(|value| value.to_array()).collect()
@@ -74,14 +83,31 @@ fn columns(args: &ReadArgs, readings: &FilmReadings) -> Vec<ColumnQuantity> {
     let mut columns = vec![ColumnQuantity {
         name: "displacement_mm",
         components: &["dx_mm", "dy_mm", "dz_mm"],
-        values: of_each(&|located| Some(located.position - readings.reference_mm)),
+        values: of_each(&|located| Some(located.position - readings.origin_mm)),
     }];
-    if let Some(noise) = &args.noise {
+    let noise = readings.noise;
+    if let Some(noise) = noise {
         columns.push(ColumnQuantity {
             name: "deviation_mm",
             components: &["deviation_x_mm", "deviation_y_mm", "deviation_z_mm"],
             values: of_each(&|located| noise.of_position(located.gradient)),
         });
+    }
+    if let Some(layer) = layer {
+        // The film moves by the opposite of the sensor's displacement.
+        columns.push(ColumnQuantity {
+            name: "force_n",
+            components: &["fx_n", "fy_n", "fz_n"],
+            values: of_each(&|located| Some(layer.force_n(readings.origin_mm - located.position))),
+        });
+        if let Some(noise) = noise {
+            let stiffness = layer.stiffness_n_per_mm();
+            columns.push(ColumnQuantity {
+                name: "deviation_n",
+                components: &["deviation_fx_n", "deviation_fy_n", "deviation_fz_n"],
+                values: of_each(&|located| Some(stiffness * noise.of_position(located.gradient)?)),
+            });
+        }
     }
     columns
 }
@@ -92,6 +118,7 @@ fn status(found: &Result<Located, LocateError>) -> u8 {
         Ok(_) => 0,
         Err(LocateError::Outside(_)) => 1,
         Err(LocateError::Ambiguous(_)) => 2,
+        Err(LocateError::Saturated) => 4,
         Err(_) => 3,
     }
 }

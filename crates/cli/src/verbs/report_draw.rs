@@ -21,6 +21,7 @@ use crate::sampling::run::SamplingRun;
 use crate::sampling::sampled_film::SampledFilm;
 use crate::sampling::scene::SampledScene;
 use crate::sampling::source::SampleSource;
+use crate::sensor::film_resolution::FilmResolution;
 use crate::text::number::counted;
 use crate::words::film_failure;
 use crate::{json, remarks, text};
@@ -42,6 +43,7 @@ fn draw_one(args: &ReportArgs, path: &Path, quiet: bool) -> Result<(), Failure> 
     let folder = Folder::open(&args.output, "report", &[path])?;
     let PageNumbers { mut text, json, field_t } = numbers(&film).map_err(|error| film_failure(path, &layout, error))?;
     let samples = samples(path, &layout, &progress, &mut text)?;
+    of_sensor(&film, &mut text).map_err(|error| film_failure(path, &layout, error))?;
     let results = PrintedResults { text: &text, json: &json };
     let report = Report::new(&film, field_t, samples, results, args.text.into());
     let report = report.map_err(|error| report_failure(path, &layout, error))?;
@@ -78,6 +80,15 @@ fn samples(
     let film = SampledFilm::new(layout, nominal, source, &errors);
     let _ = write!(text, "\nfilms that are made: {}", text::tolerance::samples(&film));
     Ok(Some(FilmSamples { nominal, errors }))
+}
+
+/// Appends the resolution of the sensor to `text`, if the layout states one with noise.
+fn of_sensor(film: &Film, text: &mut String) -> Result<(), FilmError> {
+    let (Ok(volume), Some(_)) = (film.volume(), &film.layout().sensor) else { return Ok(()) };
+    if let Some(resolution) = FilmResolution::new(film, volume, None)? {
+        let _ = write!(text, "\nsensor: {}", text::resolution::resolution(&resolution));
+    }
+    Ok(())
 }
 
 fn draw_pair(args: &ReportArgs, paths: [&Path; 2], quiet: bool) -> Result<(), Failure> {

@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use magsplice::magnet::Quantity;
-use magsplice::prelude::{Branch, DVec3, Parameters};
-use magsplice::{Film, FilmError, Stage};
+use magsplice::Film;
+use magsplice::prelude::DVec3;
 use magsplice_export::{ColumnQuantity, Points, Table};
 
 use crate::args::sensor::ResolutionArgs;
@@ -13,14 +12,15 @@ use crate::json::field::FieldJson;
 use crate::output::destination::{Output, print};
 use crate::output::{choice, table};
 use crate::progress::ProgressLine;
+use crate::sensor::film_resolution::FilmResolution;
 use crate::words::{film_failure, no_volume};
 use crate::{remarks, text};
 
 pub(crate) fn run(args: &ResolutionArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
+    let show = |stage| progress.show(stage);
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
-    let film = Film::new(&layout);
-    let failed = |error| film_failure(&args.layout, &layout, error);
+    let film = Film::new(&layout).with_progress(&show);
     let volume = film.volume().map_err(|error| no_volume(&args.layout, error))?;
     let file = match &args.output {
         Some(path) => {
@@ -30,23 +30,10 @@ pub(crate) fn run(args: &ResolutionArgs, quiet: bool) -> Result<(), Failure> {
         }
         None => None,
     };
-    progress.show(Stage::uncounted("gradient"));
-    let points: Vec<DVec3> = volume.grid.points().collect();
-    let gradient =
-        film.scene().gradient_at(Quantity::FluxDensity, &points).map_err(|errors| failed(FilmError::Points(errors)))?;
-    let noise = &args.noise;
-    let exact: Vec<DVec3> = gradient.iter().map(|g| noise.of_position(*g).unwrap_or(DVec3::INFINITY)).collect();
-    let closed: Option<Vec<DVec3>> = match film.ideal() {
-        Ok(ideal) => {
-            let branch = Branch::from_axis_field(film.reference_field_t().map_err(failed)?);
-            let of = |field_t: &DVec3| {
-                let (_, derivatives) = Parameters::with_derivatives(*field_t, branch?)?;
-                noise.of_parameters(&derivatives, ideal.wavenumber())
-            };
-            let field_t = film.volume_field_t().map_err(failed)?;
-            Some(field_t.iter().map(|field_t| of(field_t).unwrap_or(DVec3::INFINITY)).collect())
-        }
-        Err(_) => None,
+    let found = FilmResolution::new(&film, volume, args.noise);
+    let Some(resolution) = found.map_err(|error| film_failure(&args.layout, &layout, error))? else {
+        let message = "the layout has no noise: give --noise, such as 5uT, or noise_ut or part in [sensor]".to_owned();
+        return Err(Failure::Points { path: args.layout.clone(), message });
     };
     progress.end();
     if let Some((format, mut output)) = file {
@@ -55,17 +42,17 @@ pub(crate) fn run(args: &ResolutionArgs, quiet: bool) -> Result<(), Failure> {
             components,
             values: values.iter().flat_map(DVec3::to_array).collect(),
         };
-        let mut columns = vec![column("deviation_mm", &["deviation_x_mm", "deviation_y_mm", "deviation_z_mm"], &exact)];
-        if let Some(closed) = &closed {
+        const NAMES: [&str; 3] = ["deviation_x_mm", "deviation_y_mm", "deviation_z_mm"];
+        let mut columns = vec![column("deviation_mm", &NAMES, &resolution.by_field_mm)];
+        if let Some(closed_form_mm) = &resolution.by_closed_form_mm {
             const NAMES: [&str; 3] =
                 ["closed_form_deviation_x_mm", "closed_form_deviation_y_mm", "closed_form_deviation_z_mm"];
-            columns.push(column("closed_form_deviation_mm", &NAMES, closed));
+            columns.push(column("closed_form_deviation_mm", &NAMES, closed_form_mm));
         }
         let result = Table::new(Points::Grid(volume.grid), columns, table::film_metadata(&film));
         let result = result.expect("a value for each point");
         table::write(&result, &FieldJson::new(&film, &result), format, &mut output)?;
         output.finish()?;
     }
-    let header = text::header::film(&film, volume);
-    print(&(header + &text::resolution::resolution(noise, &points, &exact, closed.as_deref())))
+    print(&(text::header::film(&film, volume) + &text::resolution::resolution(&resolution)))
 }

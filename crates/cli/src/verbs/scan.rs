@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use magsplice::layout::Layout;
-use magsplice::prelude::DVec3;
+use magsplice::prelude::{DVec3, Grid};
 use magsplice::sensor::{ScanError, fit_scan};
 use magsplice::{Film, Stage};
 use magsplice_export::{ColumnQuantity, Points, Table};
@@ -19,6 +19,7 @@ use crate::output::{choice, table};
 use crate::progress::ProgressLine;
 use crate::sensor::reading_file;
 use crate::sensor::scanned_film::ScannedFilm;
+use crate::text::number::number;
 use crate::words::{film_failure, no_field};
 use crate::{json, remarks, text};
 
@@ -36,16 +37,23 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
         }
         None => None,
     };
+    #[cfg(feature = "report")]
+    let figures = super::scan_figures::open(args, &inputs)?;
     let groups = [reading_file::positions(), reading_file::flux_densities(None)];
     let (rows, lines) = reading_file::read_all(&args.scan, &groups)?;
     let (points, readings_t): (Vec<DVec3>, Vec<DVec3>) =
         rows.into_iter().map(|[point, reading]| (point, reading)).unzip();
 
     progress.show(Stage::uncounted("fitting the scan"));
-    let fit = fit_scan(film.scene(), &points, &readings_t, args.free())
+    let failed = |error| film_failure(&args.layout, &layout, error);
+    let sensed = film.sensed_field(&box_of(&points)).map_err(failed)?;
+    let fit = fit_scan(sensed.clone(), &points, &readings_t, args.free())
         .map_err(|error| refused(args, &layout, &lines, error))?;
-    let scanned = ScannedFilm::new(&film, &points, &readings_t, lines, fit)
-        .map_err(|error| film_failure(&args.layout, &layout, error))?;
+    let scanned = ScannedFilm::new(&film, &sensed, &points, &readings_t, lines, fit).map_err(failed)?;
+    #[cfg(feature = "report")]
+    if let Some(folder) = figures {
+        super::scan_figures::draw(args, &film, &scanned, folder)?;
+    }
     progress.end();
     if let Some((format, mut file)) = save {
         let result = table(&film, &scanned);
@@ -60,8 +68,17 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
     output.finish()?;
     if !quiet {
         tell_outliers(args, &scanned);
+        tell_implausible(args, &scanned, &layout);
     }
     Ok(())
+}
+
+/// The corners of the box around the points of a scan.
+fn box_of(points: &[DVec3]) -> Grid {
+    let lower = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
+    let upper = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
+    let counts = [0, 1, 2].map(|axis| if lower[axis] < upper[axis] { 2 } else { 1 });
+    Grid::new(lower, upper, counts).expect("points of a file are finite")
 }
 
 fn refused(args: &ScanArgs, layout: &Layout, lines: &[u64], error: ScanError) -> Failure {
@@ -75,6 +92,37 @@ fn refused(args: &ScanArgs, layout: &Layout, lines: &[u64], error: ScanError) ->
         faults.add(line, format!("line {line}: {cause}"));
     }
     faults.failure(path.display().to_string())
+}
+
+/// Strengths of a film that was made, over that of its layout: magnets of half or twice the strength were
+/// not ordered.
+const PLAUSIBLE_STRENGTHS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
+
+/// Residual over the noise of the sensor from which on the film is not as ordered. The deviation of the
+/// residuals is right to a per cent for a scan of thousands of readings, and the noise that a datasheet
+/// states to a factor of two.
+const MOST_RESIDUAL: f64 = 3.0;
+
+/// Says on standard error if the fit is hardly that of this film.
+fn tell_implausible(args: &ScanArgs, scanned: &ScannedFilm, layout: &Layout) {
+    let scan = args.scan.display();
+    let strength = scanned.fit.parameters.strength;
+    if !PLAUSIBLE_STRENGTHS.contains(&strength) {
+        failure::tell(&format!(
+            "{scan}: the fitted strength is {} times that of the layout: the scan is of another film, or its unit is \
+             not the one of its columns, or it is far from where it is said to be\n",
+            number(strength)
+        ));
+    }
+    let noise_t = layout.sensor.as_ref().map_or(0.0, |sensor| sensor.element.deviation_t().max_element());
+    let ratio = scanned.fit.noise_t / noise_t;
+    if noise_t > 0.0 && ratio > MOST_RESIDUAL {
+        failure::tell(&format!(
+            "{scan}: the residual is {} times the noise of the sensor: the film differs from the layout, or the \
+             positions from those stated\n",
+            number(ratio)
+        ));
+    }
 }
 
 /// The readings with what was simulated.

@@ -16,7 +16,7 @@ const MAIN: &str = "#include \"film.h\"\n#include <stdio.h>\n\
     }\n";
 
 /// Compiles the header of a film with the compiler that Rust links with, as strictly as it can.
-fn compiled(sandbox: &Sandbox) {
+pub(crate) fn compiled(sandbox: &Sandbox) {
     sandbox.write("main.c", MAIN);
     let said = Command::new("cc")
         .args(["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "main.c", "-o", "main", "-lm"])
@@ -27,7 +27,7 @@ fn compiled(sandbox: &Sandbox) {
 }
 
 /// What the compiled program answers to readings: a status, and a displacement in millimetres.
-fn answers(sandbox: &Sandbox, readings: &str) -> Vec<Vec<f64>> {
+pub(crate) fn answers(sandbox: &Sandbox, readings: &str) -> Vec<Vec<f64>> {
     let mut program = Command::new(sandbox.path("main"))
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

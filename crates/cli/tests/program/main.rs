@@ -31,6 +31,7 @@ mod report_pair_watch;
 mod scan;
 mod sensor;
 mod start;
+mod stated_sensor;
 mod suspicious;
 #[cfg(target_os = "linux")]
 mod terminal;

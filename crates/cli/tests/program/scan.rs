@@ -139,3 +139,62 @@ fn scans_that_cannot_be_fitted_are_refused() {
     with("bx_mt,by_mt,bz_mt\n0,0,3\n").refuses("has no column x with a unit, such as x_mm or x (mm)");
     with(&format!("{names}\n0,0,-4,0,a,3\n")).refuses("line 2: by_mt = \"a\", must be a finite number");
 }
+
+/// A film of another pattern, and readings in another unit than their columns say.
+#[test]
+fn fits_that_are_hardly_those_of_the_film_are_named() {
+    let sandbox = Sandbox::new();
+    let film = shipped("published-film");
+    let lines: Vec<Vec<f64>> = field(&sandbox)
+        .iter()
+        .map(|row| row[..3].iter().copied().chain(row[3..6].iter().map(|b| 10.0 * b)).collect())
+        .collect();
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &lines);
+    let said = sandbox.run(&["scan", "scan.csv", "--layout", &film]);
+    assert!(
+        said.stderr.contains("scan.csv: the fitted strength is 10.000000 times that of the layout"),
+        "{}",
+        said.stderr
+    );
+    let text = std::fs::read_to_string(&film).expect("readable");
+    sandbox.write("film.toml", &format!("{text}\n[sensor]\nnoise_ut = 1\n"));
+    let lines: Vec<Vec<f64>> = field(&sandbox)
+        .iter()
+        .enumerate()
+        .map(|(n, row)| {
+            let error = if n % 2 == 0 { 1e-5 } else { -1e-5 };
+            row[..3].iter().copied().chain(row[3..6].iter().map(|b| b + error)).collect()
+        })
+        .collect();
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &lines);
+    let said = sandbox.run(&["scan", "scan.csv", "--layout", "film.toml"]);
+    assert!(said.stderr.contains("times the noise of the sensor: the film differs from the layout"), "{}", said.stderr);
+}
+
+#[cfg(feature = "report")]
+#[test]
+fn measured_planes_are_drawn_beside_simulated_ones() {
+    let sandbox = Sandbox::new();
+    let film = shipped("published-film");
+    let mut lines: Vec<Vec<f64>> = field(&sandbox).iter().map(|row| row[..6].to_vec()).collect();
+    lines.remove(100);
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &lines);
+    let said = sandbox.run(&["scan", "scan.csv", "--layout", &film, "--figures", "figures"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    for name in ["scan-field-lowest", "scan-field-highest", "scan-parameters-middle", "scan-parameters-upright-x"] {
+        assert!(sandbox.read(&format!("figures/{name}.svg")).contains("measured"), "{name}");
+        // Measured and simulated are the same film; what is missing is empty in both.
+        let table = sandbox.read(&format!("figures/{name}.csv"));
+        let (full, gaps): (Vec<&str>, Vec<&str>) = table.lines().skip(1).partition(|line| !line.contains(",,"));
+        for line in &full {
+            let row: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
+            assert!((0..3).all(|n| (row[2 + n] - row[5 + n]).abs() < 1e-7), "{name}: {line}");
+        }
+        assert!(full.len() >= 44 && gaps.len() <= 1, "{name}: {} and {}", full.len(), gaps.len());
+    }
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &lines.iter().step_by(7).cloned().collect::<Vec<_>>());
+    sandbox
+        .run(&["scan", "scan.csv", "--layout", &film, "--figures", "other"])
+        .refuses("scan.csv: --figures needs positions on a grid with equal steps");
+    assert!(!sandbox.path("other").exists());
+}

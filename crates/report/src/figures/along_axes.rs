@@ -6,7 +6,7 @@ use plotters::prelude::RGBColor;
 
 use crate::colours::{BLUE, VERMILION};
 use crate::error::DrawError;
-use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
+use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel, padded};
 use crate::shared_ranges::SharedRanges;
 use crate::sheet::{DrawResult, LETTERS, Sheet, sheet};
 use crate::survey::{AgainstIdeal, Survey};
@@ -204,14 +204,4 @@ fn rounded(value: f64) -> String {
         return format!("{value:.4}");
     }
     typeset::number(format!("{value:.2e}").parse().unwrap_or(value))
-}
-
-/// The range of the values with a margin. It is never empty.
-fn padded(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-    if low > high {
-        return [0.0, 1.0];
-    }
-    let margin = if high > low { 0.06 * (high - low) } else { 0.1 * high.abs().max(1.0) };
-    [low - margin, high + margin]
 }

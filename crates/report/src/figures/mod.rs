@@ -6,6 +6,8 @@ pub(crate) mod along_axes;
 pub(crate) mod budget;
 /// Errors of the films that are made.
 pub(crate) mod distributions;
+/// Curves of a film that is moved along each axis.
+pub(crate) mod experiment;
 /// B_x, B_y, B_z on a plane: spliced film, ideal film, difference.
 pub(crate) mod field_maps;
 /// Errors of the films of a Pareto front.
@@ -16,6 +18,10 @@ pub(crate) mod layout_from_above;
 mod layout_legend;
 /// R_x, R_y, S_z on planes through the working volume.
 pub(crate) mod parameter_maps;
+/// Resolution of the sensor on planes.
+pub(crate) mod resolution;
+/// A measured plane of a scan beside the field of the layout.
+pub(crate) mod scan_maps;
 /// Places for the arrow and the name of each tile.
 mod tile_annotations;
 /// Arrows of the field in three planes.

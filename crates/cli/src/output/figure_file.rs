@@ -1,15 +1,14 @@
-//! `budget --figure`: the budget as a bar chart.
+//! A file for one figure.
 
 use std::path::Path;
 
 use clap::ValueEnum;
-use magsplice_report::{BudgetBar, budget_figure};
+use magsplice_report::{Figure, ReportError};
 
+use super::choice;
+use super::destination::Output;
 use crate::args::formats::FileFormat;
 use crate::failure::Failure;
-use crate::output::choice;
-use crate::output::destination::Output;
-use crate::sampling::film_budget::FilmBudget;
 
 /// Formats of a figure.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -40,26 +39,21 @@ impl FileFormat for FigureFormat {
 }
 
 /// A file for the figure.
-pub(super) struct FigureFile {
+pub(crate) struct FigureFile {
     format: FigureFormat,
     output: Output,
 }
 
 /// Opens the file, so that one that cannot be written is refused before any work.
-pub(super) fn open(path: Option<&Path>, inputs: &[&Path]) -> Result<Option<FigureFile>, Failure> {
+pub(crate) fn open(path: Option<&Path>, inputs: &[&Path]) -> Result<Option<FigureFile>, Failure> {
     let Some(path) = path else { return Ok(None) };
     let format = choice::choose(None, Some(path), None)?;
     Ok(Some(FigureFile { format, output: Output::open(Some(path), inputs)? }))
 }
 
 impl FigureFile {
-    pub(super) fn write(mut self, film: &FilmBudget) -> Result<(), Failure> {
-        let bar = |part: crate::sampling::film_budget::BudgetPart| BudgetBar {
-            name: part.name,
-            mean_squares_mm2: part.mean_squares_mm2,
-        };
-        let bars: Vec<BudgetBar> = film.parts().into_iter().map(bar).collect();
-        let drawn = budget_figure(&bars, film.totals_mm2());
+    /// Writes the figure that was drawn.
+    pub(crate) fn write(mut self, drawn: Result<Figure, ReportError>) -> Result<(), Failure> {
         let figure = drawn.map_err(|error| Failure::Format(error.to_string()))?;
         self.output.write(|w| match self.format {
             FigureFormat::Svg => w.write_all(figure.svg.as_bytes()),
