@@ -17,6 +17,8 @@ mod low_rank;
 mod model;
 /// The errors of a film as one list.
 mod sources;
+/// Displacement errors as functions of J and of the sides of tiles.
+mod tile_changes;
 /// The derivatives of the field of one tile by its errors.
 mod tile_response;
 
@@ -24,6 +26,7 @@ pub use axis_errors::{AxisErrors, Contribution, Share};
 pub use check::{AxisCheck, FirstOrderCheck};
 pub use model::{ErrorTerm, FirstOrder};
 pub use sources::{Cause, ErrorSource};
+pub use tile_changes::TileChanges;
 
 #[cfg(test)]
 mod tests;

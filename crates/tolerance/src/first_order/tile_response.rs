@@ -58,6 +58,11 @@ impl TileResponse {
         Ok(TileResponse { tile: *tile, at_points: at_points.collect::<Result<_, _>>()? })
     }
 
+    /// Adds the derivative of B at each point by a component of J in the frame of the tile.
+    pub(crate) fn add_polarization_derivative(&self, component: usize, sum: &mut [DVec3]) {
+        sum.iter_mut().zip(&self.at_points).for_each(|(sum, at)| *sum += at.by_polarization.col(component));
+    }
+
     /// Adds the derivative of B at each point by one error of the tile, numbered as in
     /// [`TileErrors::all`]. Turns are about a point.
     pub(crate) fn add_derivative(&self, error: usize, about: DVec3, sum: &mut [DVec3]) {
