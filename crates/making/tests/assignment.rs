@@ -170,7 +170,7 @@ fn tiles_that_may_not_be_turned_over_are_not() {
     };
     let refused =
         |groups: &[PlaceGroup]| AssignmentProblem::new(&film, groups, &volume, &layout.ideal.unwrap(), &settings).err();
-    assert_eq!(refused(&[group.clone()]), Some(AssignmentError::NoOrientation { place: 1 }));
+    assert_eq!(refused(std::slice::from_ref(&group)), Some(AssignmentError::NoOrientation { place: 1 }));
     let few = PlaceGroup { tiles: vec![cut], ..group };
     assert_eq!(refused(&[few]), Some(AssignmentError::TooFew { group: 0, places: 2, tiles: 1 }));
 }
