@@ -17,7 +17,7 @@ fn refused(tables: &str) -> String {
 fn parts_have_numbers_that_keys_replace() {
     let sensor = with("[sensor]\npart = \"LIS3MDL\"\nrange_mt = [0.4, 0.8, 1.2]").unwrap().sensor.unwrap();
     let element = sensor.element;
-    // The datasheet: 3.2 and 4.1 mgauss, 1711 counts per gauss.
+    // 3.2 and 4.1 mgauss, 1711 counts per gauss.
     assert_eq!(element.noise_t, DVec3::new(0.32e-6, 0.32e-6, 0.41e-6));
     assert!((element.count_t * 1e4 * 1711.0 - DVec3::ONE).abs().max_element() < 1e-6, "{}", element.count_t);
     assert_eq!(element.range_t, DVec3::new(0.4e-3, 0.8e-3, 1.2e-3));
