@@ -10,7 +10,7 @@ use std::time::Instant;
 use glam::DQuat;
 use magsplice_layout::Layout;
 use magsplice_making::{AssignmentProblem, AssignmentSettings, CutTile, PlaceGroup};
-use magsplice_tolerance::EvaluationGrid;
+use magsplice_tolerance::{EvaluationGrid, TileChanges};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -57,7 +57,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for seed in 0..boxes.parse()? {
         let groups = boxed(&layout, seed, spares.parse()?);
         let begin = Instant::now();
-        let problem = AssignmentProblem::new(&tiles, &groups, &volume, &ideal, &settings)?;
+        let model = TileChanges::new(&tiles, &volume, &ideal)?;
+        let problem = AssignmentProblem::new(&model, &tiles, &groups, &[], &settings)?;
         let found = problem.solve(&settings)?;
         seconds.push(begin.elapsed().as_secs_f64());
         in_order.push(found.in_order_rms_mm);

@@ -4,6 +4,8 @@
 //! * [`Orientation`]: one of the 24 ways in which a cuboid fits an upright box.
 //! * [`AssignmentProblem`]: tiles, places, and what each does to the displacement errors.
 //! * [`Assignment`]: the tile of each place, found by local searches from many starts.
+//! * [`MeasurementErrors`]: errors of the measurements of tiles, and what they leave of the sorting.
+//! * [`SortedSampler`]: samples of films whose tiles are cut with spares, measured and sorted.
 //!
 //! Lengths in millimetres, polarizations in tesla. This crate reads no files and prints nothing.
 //!
@@ -13,14 +15,23 @@
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-/// Tiles and places, and what they do to the displacement errors.
+/// Tiles, places, and the tile of each place.
 mod assignment;
 /// Local searches for the tile of each place.
 mod local_search;
+/// Errors of measurements, and what they leave of the sorting.
+mod measurement;
 /// The ways in which a cuboid fits an upright box.
 mod orientation;
+/// What tiles do to the displacement errors at each place.
+mod problem;
+/// Tiles whose strength is chosen.
+mod shims;
+/// Samples of films whose tiles are sorted.
+mod sorted_films;
 
-pub use assignment::{
-    Assignment, AssignmentError, AssignmentProblem, AssignmentSettings, CutTile, PlaceGroup, PlacedTile,
-};
+pub use assignment::{Assignment, AssignmentError, AssignmentSettings, CutTile, PlaceGroup, PlacedTile};
+pub use measurement::MeasurementErrors;
 pub use orientation::Orientation;
+pub use problem::AssignmentProblem;
+pub use sorted_films::{SortedSampleError, SortedSampler, Sorting};

@@ -38,6 +38,15 @@ impl Orientation {
         }))
     }
 
+    /// A vector in the frame of the place in that of the measured tile.
+    pub fn undo(&self, v: DVec3) -> DVec3 {
+        let mut own = DVec3::ZERO;
+        for axis in 0..3 {
+            own[usize::from(self.order[axis])] = if self.reversed[axis] { -v[axis] } else { v[axis] };
+        }
+        own
+    }
+
     /// Sides of the measured tile along the axes of its place.
     pub fn sides(&self, size: DVec3) -> DVec3 {
         self.apply(size).abs()
@@ -48,20 +57,20 @@ impl Orientation {
         self.order[2] == 2 && !self.reversed[2]
     }
 
-    /// The angle about z by which the tile is turned after it was turned over about its x axis, if it was:
-    /// 0, 90, 180 or 270 degrees. `None` for a tile that stands on another side.
-    pub fn turn_deg(&self) -> Option<u16> {
-        if self.order[2] != 2 {
-            return None;
-        }
-        // Where the x axis of the tile points, which turning over about it leaves.
-        let x = self.apply(DVec3::X);
-        Some(match (x.x > 0.5, x.y > 0.5, x.x < -0.5) {
-            (true, ..) => 0,
-            (_, true, _) => 90,
-            (.., true) => 180,
-            _ => 270,
-        })
+    /// The axis of the measured tile, 0 to 2, that points up at its place, and whether it points down
+    /// instead.
+    pub fn upper_side(&self) -> (usize, bool) {
+        (usize::from(self.order[2]), self.reversed[2])
+    }
+
+    /// The axis of the measured tile that a mark on the tile shows: its x, or its y if x is upright.
+    pub fn mark_axis(&self) -> usize {
+        usize::from(self.order[2] == 0)
+    }
+
+    /// Where the axis of the mark points at the place: along x or y, or against them.
+    pub fn mark_direction(&self) -> DVec3 {
+        self.apply(DVec3::AXES[self.mark_axis()])
     }
 
     fn matrix(&self) -> DMat3 {
@@ -79,24 +88,28 @@ mod tests {
         assert_eq!((all.len(), all[0]), (24, Orientation::AS_MEASURED));
         for (n, one) in all.iter().enumerate() {
             assert!(all[..n].iter().all(|other| other != one));
+            let vector = DVec3::new(1.0, -2.0, 3.0);
+            assert_eq!(one.undo(one.apply(vector)), vector);
             let turned = one.apply(DVec3::X).cross(one.apply(DVec3::Y));
             assert_eq!(turned, one.apply(DVec3::Z));
         }
         assert_eq!(all.iter().filter(|orientation| orientation.keeps_upper_side()).count(), 4);
     }
 
-    /// Turning over about x, then about z by the angle, is the orientation.
+    /// The side that is up and the direction of the mark tell all orientations apart.
     #[test]
-    fn flat_orientations_are_turns() {
-        let flat: Vec<Orientation> = Orientation::all().into_iter().filter(|o| o.turn_deg().is_some()).collect();
-        assert_eq!(flat.len(), 8);
-        for orientation in flat {
-            let angle = f64::from(orientation.turn_deg().unwrap()).to_radians();
-            for v in DVec3::AXES {
-                let over = if orientation.keeps_upper_side() { v } else { DVec3::new(v.x, -v.y, -v.z) };
-                let turned = DMat3::from_rotation_z(angle) * over;
-                assert!((turned - orientation.apply(v)).length() < 1e-15, "{orientation:?}");
-            }
+    fn orientations_are_told_by_their_upper_side_and_mark() {
+        let all = Orientation::all();
+        for one in &all {
+            let (axis, is_down) = one.upper_side();
+            let up = one.apply(DVec3::AXES[axis]);
+            assert_eq!(up, if is_down { -DVec3::Z } else { DVec3::Z });
+            assert_eq!(one.mark_direction().z, 0.0);
+            assert_ne!(axis, one.mark_axis());
+            let told = |other: &&Orientation| {
+                (other.upper_side(), other.mark_direction()) == (one.upper_side(), one.mark_direction())
+            };
+            assert_eq!(all.iter().filter(told).count(), 1);
         }
     }
 }

@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use magsplice_layout::Layout;
 use magsplice_magnet::Tile;
 use magsplice_making::{AssignmentError, AssignmentProblem, AssignmentSettings, CutTile, Orientation, PlaceGroup};
-use magsplice_tolerance::EvaluationGrid;
+use magsplice_tolerance::{EvaluationGrid, TileChanges};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -55,11 +55,12 @@ fn sorted_films_are_many_times_better() {
     for (name, factor) in [("designed-displacement", 8.0), ("designed-stock", 11.0)] {
         let (layout, volume) = shipped(name);
         let tiles = layout.bare_tiles();
+        let model = TileChanges::new(&tiles, &volume, &layout.ideal.unwrap()).unwrap();
         let settings = AssignmentSettings { starts: 4, kicks: 50, ..AssignmentSettings::default() };
         let (mut random, mut sorted) = (Vec::new(), Vec::new());
         for seed in 0..20 {
             let groups = boxed(&layout, seed, 0.0);
-            let problem = AssignmentProblem::new(&tiles, &groups, &volume, &layout.ideal.unwrap(), &settings).unwrap();
+            let problem = AssignmentProblem::new(&model, &tiles, &groups, &[], &settings).unwrap();
             let found = problem.solve(&settings).unwrap();
             random.push(found.in_order_rms_mm);
             sorted.push(found.rms_mm);
@@ -74,12 +75,13 @@ fn sorted_films_are_many_times_better() {
 fn answer_is_a_film_of_the_box() {
     let (layout, volume) = shipped("published-film");
     let tiles = layout.bare_tiles();
+    let model = TileChanges::new(&tiles, &volume, &layout.ideal.unwrap()).unwrap();
     let groups = boxed(&layout, 3, 0.25);
     let settings = AssignmentSettings { starts: 2, kicks: 5, ..AssignmentSettings::default() };
-    let problem = AssignmentProblem::new(&tiles, &groups, &volume, &layout.ideal.unwrap(), &settings).unwrap();
+    let problem = AssignmentProblem::new(&model, &tiles, &groups, &[], &settings).unwrap();
     let found = problem.solve(&settings).unwrap();
     assert_eq!(found.placed.len(), tiles.len());
-    let film = problem.film(&found.placed).unwrap();
+    let film = problem.film(&found.placed, &[]).unwrap();
     for (number, placed) in found.placed.iter().enumerate() {
         assert_eq!(placed.place, number);
         let group = &groups[placed.group];
@@ -92,7 +94,7 @@ fn answer_is_a_film_of_the_box() {
         assert!((film[number].size() - tiles[number].size()).length() < 1e-9);
         assert_eq!(film[number].position(), tiles[number].position());
     }
-    assert_eq!(problem.rms_mm(&found.placed).unwrap(), found.rms_mm);
+    assert_eq!(problem.rms_mm(&found.placed, &[]).unwrap(), found.rms_mm);
     assert!(found.rms_mm < 0.7 * found.in_order_rms_mm, "{} and {}", found.rms_mm, found.in_order_rms_mm);
     assert_eq!(found.starts_rms_mm.len(), 2);
     assert!(found.starts_rms_mm[0] <= found.starts_rms_mm[1]);
@@ -105,6 +107,7 @@ fn answer_is_a_film_of_the_box() {
 fn small_boxes_are_solved_exactly() {
     let (layout, volume) = shipped("published-film");
     let tiles = layout.bare_tiles();
+    let model = TileChanges::new(&tiles, &volume, &layout.ideal.unwrap()).unwrap();
     for seed in 0..10 {
         let whole = boxed(&layout, seed, 0.0);
         // Three places of the first part.
@@ -115,7 +118,7 @@ fn small_boxes_are_solved_exactly() {
         };
         let groups = [group];
         let settings = AssignmentSettings { starts: 8, kicks: 20, seed, may_turn_over: true };
-        let problem = AssignmentProblem::new(&tiles, &groups, &volume, &layout.ideal.unwrap(), &settings).unwrap();
+        let problem = AssignmentProblem::new(&model, &tiles, &groups, &[], &settings).unwrap();
         let found = problem.solve(&settings).unwrap();
         let mut least = f64::INFINITY;
         let fits = |place: usize| -> Vec<Orientation> {
@@ -140,7 +143,7 @@ fn small_boxes_are_solved_exactly() {
                             let number = places.iter().position(|place| *place == one.place).unwrap();
                             (one.tile, one.orientation) = (order[number], [a, b, c][number]);
                         }
-                        least = least.min(problem.rms_mm(&placed).unwrap());
+                        least = least.min(problem.rms_mm(&placed, &[]).unwrap());
                     }
                 }
             }
@@ -154,9 +157,10 @@ fn small_boxes_are_solved_exactly() {
 fn tiles_that_may_not_be_turned_over_are_not() {
     let (layout, volume) = shipped("published-film");
     let tiles = layout.bare_tiles();
+    let model = TileChanges::new(&tiles, &volume, &layout.ideal.unwrap()).unwrap();
     let groups = boxed(&layout, 1, 0.0);
     let settings = AssignmentSettings { starts: 2, kicks: 5, may_turn_over: false, ..AssignmentSettings::default() };
-    let problem = AssignmentProblem::new(&tiles, &groups, &volume, &layout.ideal.unwrap(), &settings).unwrap();
+    let problem = AssignmentProblem::new(&model, &tiles, &groups, &[], &settings).unwrap();
     let found = problem.solve(&settings).unwrap();
     assert!(found.placed.iter().all(|placed| placed.orientation.keeps_upper_side()));
     let upright = |sign: f64| Tile::new(DVec3::new(2.0 * sign, 0.0, 0.5), DVec3::new(3.0, 2.0, 1.0), DVec3::Z * sign);
@@ -168,8 +172,7 @@ fn tiles_that_may_not_be_turned_over_are_not() {
         places: vec![0, 1],
         tiles: vec![cut.clone(), cut.clone()],
     };
-    let refused =
-        |groups: &[PlaceGroup]| AssignmentProblem::new(&film, groups, &volume, &layout.ideal.unwrap(), &settings).err();
+    let refused = |groups: &[PlaceGroup]| AssignmentProblem::new(&model, &film, groups, &[], &settings).err();
     assert_eq!(refused(std::slice::from_ref(&group)), Some(AssignmentError::NoOrientation { place: 1 }));
     let few = PlaceGroup { tiles: vec![cut], ..group };
     assert_eq!(refused(&[few]), Some(AssignmentError::TooFew { group: 0, places: 2, tiles: 1 }));

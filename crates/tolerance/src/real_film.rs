@@ -75,6 +75,57 @@ impl RealFilm {
         self.draw_tiles(&mut Draws::new(seed, sample))
     }
 
+    /// The tiles of sample number `sample` after they are cut and magnetized: each at its place, with its
+    /// errors of size, strength and direction alone.
+    ///
+    /// # Errors
+    /// The faults of the first tile that cannot exist, such as one without thickness.
+    pub fn cut_tiles(&self, seed: u64, sample: u64) -> Result<Vec<Tile>, TileFaults> {
+        (0..self.tiles.len()).map(|tile| self.cut_tile(tile, tile, seed, sample)).collect()
+    }
+
+    /// Spare tile number `number` of sample number `sample`: another tile that is cut like tile number
+    /// `tile`, with errors of its own.
+    ///
+    /// # Errors
+    /// The faults of a tile that cannot exist, such as one without thickness.
+    ///
+    /// # Panics
+    /// If the film has no such tile.
+    pub fn spare_tile(&self, tile: usize, number: usize, seed: u64, sample: u64) -> Result<Tile, TileFaults> {
+        self.cut_tile(tile, self.tiles.len() + number, seed, sample)
+    }
+
+    fn cut_tile(&self, tile: usize, number: usize, seed: u64, sample: u64) -> Result<Tile, TileFaults> {
+        let Some(errors) = self.tolerance.tiles.get(tile) else { return Ok(self.tiles[tile]) };
+        let drawn = Draws::new(seed, sample).of_tile(number, errors);
+        let cut = DrawnErrors { position_mm: DVec3::ZERO, rotation_rad: DVec3::ZERO, ..drawn };
+        with_errors(&self.tiles[tile], &cut, self.tiles[tile].position())
+    }
+
+    /// The tiles of sample number `sample` if these tiles are laid: `cut`, one for each place, with the
+    /// errors of position and rotation of the places and the errors of groups. Of
+    /// [`cut_tiles`](RealFilm::cut_tiles) it makes [`sample_tiles`](RealFilm::sample_tiles), but for
+    /// round-off.
+    ///
+    /// # Errors
+    /// The faults of the first tile that cannot exist, such as one without thickness.
+    ///
+    /// # Panics
+    /// If there is not one tile for each place.
+    pub fn laid_tiles(&self, cut: &[Tile], seed: u64, sample: u64) -> Result<Vec<Tile>, TileFaults> {
+        assert_eq!(cut.len(), self.tiles.len(), "one tile for each place");
+        let mut draws = Draws::new(seed, sample);
+        let mut tiles = cut.to_vec();
+        for (index, (tile, errors)) in tiles.iter_mut().zip(&self.tolerance.tiles).enumerate() {
+            let drawn = draws.of_tile(index, errors);
+            let laid = DrawnErrors { size_mm: DVec3::ZERO, strength: 0.0, direction_rad: [0.0; 2], ..drawn };
+            *tile = with_errors(tile, &laid, tile.position())?;
+        }
+        self.draw_groups(&mut draws, &mut tiles)?;
+        Ok(tiles)
+    }
+
     /// The point about which a group turns: the mean of the centres of its tiles.
     pub(crate) fn group_centre_mm(&self, group: &ErrorGroup) -> DVec3 {
         let centres = group.tiles.iter().map(|&tile| self.tiles[tile].position());
@@ -89,6 +140,12 @@ impl RealFilm {
                 *tile = with_errors(tile, &drawn, tile.position())?;
             }
         }
+        self.draw_groups(draws, &mut tiles)?;
+        Ok(tiles)
+    }
+
+    /// Adds the errors of groups.
+    fn draw_groups(&self, draws: &mut Draws, tiles: &mut [Tile]) -> Result<(), TileFaults> {
         for (number, group) in self.tolerance.groups.iter().enumerate() {
             let drawn = draws.of_group(number, &group.errors);
             let centre = self.group_centre_mm(group);
@@ -96,7 +153,7 @@ impl RealFilm {
                 tiles[tile] = with_errors(&tiles[tile], &drawn, centre)?;
             }
         }
-        Ok(tiles)
+        Ok(())
     }
 
     /// The pose of the film and what else the sensor reads in a sample.
@@ -227,6 +284,31 @@ mod tests {
             assert_eq!(one.position(), other.position());
             assert_ne!(one.polarization_t(), other.polarization_t());
         }
+    }
+
+    /// Tiles that are cut, then laid, are those of the sample. A spare tile has errors of its own.
+    #[test]
+    fn tiles_are_cut_then_laid() {
+        let [position, rotation, size] = [normal([0.1; 3]), normal([0.05; 3]), normal([0.02; 3])];
+        let strength = Distribution::normal(0.1);
+        let direction_rad = [0.03, 0.02].map(Distribution::normal);
+        let errors =
+            TileErrors { position_mm: position, rotation_rad: rotation, size_mm: size, strength, direction_rad };
+        let group = ErrorGroup { name: "row".to_owned(), tiles: vec![0, 2], errors: errors.clone() };
+        let film = film(&errors);
+        let tolerance = FilmTolerance { groups: vec![group], ..film.tolerance().clone() };
+        let film = RealFilm::new(film.tiles(), &tolerance);
+        let cut = film.cut_tiles(2, 9).expect("valid");
+        let (laid, sample) = (film.laid_tiles(&cut, 2, 9).expect("valid"), film.sample_tiles(2, 9).expect("valid"));
+        for (laid, sample) in laid.iter().zip(&sample) {
+            assert!(laid.position().distance(sample.position()) < 1e-14);
+            assert!(laid.size().distance(sample.size()) < 1e-14);
+            assert!(laid.polarization_t().distance(sample.polarization_t()) < 1e-14);
+            assert!(laid.rotation().dot(sample.rotation()).abs() > 1.0 - 1e-14);
+        }
+        let spare = film.spare_tile(1, 0, 2, 9).expect("valid");
+        assert_eq!(spare.position(), film.tiles()[1].position());
+        assert!(cut.iter().all(|tile| tile.polarization_t().distance(spare.polarization_t()) > 1e-4));
     }
 
     #[test]

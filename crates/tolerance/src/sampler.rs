@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_ideal::IdealFilm;
-use magsplice_magnet::Quantity;
+use magsplice_magnet::{Quantity, Tile};
 use rayon::prelude::*;
 
 use crate::draws::Draws;
@@ -50,7 +50,19 @@ impl<'a> Sampler<'a> {
     /// # Errors
     /// If a tile of the sample cannot exist, or the parameters do not exist in the volume.
     pub fn errors_of(&self, sample: u64) -> Result<FilmErrors, SampleError> {
-        let read_t = self.readings_of_t(sample)?;
+        self.errors_of_readings(&self.readings_of_t(sample)?)
+    }
+
+    /// The errors of sample number `sample` if its tiles are these: they have the pose, the surroundings
+    /// and the sensor of the sample.
+    ///
+    /// # Errors
+    /// If the parameters do not exist in the volume.
+    pub fn errors_of_tiles(&self, sample: u64, tiles: &[Tile]) -> Result<FilmErrors, SampleError> {
+        self.errors_of_readings(&self.readings_of_tiles_t(&mut Draws::new(self.seed, sample), tiles)?)
+    }
+
+    fn errors_of_readings(&self, read_t: &[DVec3]) -> Result<FilmErrors, SampleError> {
         let last = read_t.len() - 1;
         FilmErrors::from_field(&read_t[..last], read_t[last], &self.volume, self.ideal)
     }
@@ -59,9 +71,14 @@ impl<'a> Sampler<'a> {
     pub(crate) fn readings_of_t(&self, sample: u64) -> Result<Vec<DVec3>, SampleError> {
         let mut draws = Draws::new(self.seed, sample);
         let tiles = self.film.draw_tiles(&mut draws).map_err(SampleError::Tile)?;
-        let surroundings = self.film.draw_surroundings(&mut draws);
+        self.readings_of_tiles_t(&mut draws, &tiles)
+    }
+
+    /// The readings at the points of the grid, then at the reference point.
+    fn readings_of_tiles_t(&self, draws: &mut Draws, tiles: &[Tile]) -> Result<Vec<DVec3>, SampleError> {
+        let surroundings = self.film.draw_surroundings(draws);
         let in_film: Vec<DVec3> = self.points.iter().map(|point| surroundings.in_film(*point)).collect();
-        let mut read_t = exact_field_t(&Scene::new(&tiles), &in_film)?;
+        let mut read_t = exact_field_t(&Scene::new(tiles), &in_film)?;
         let noise = &self.film.tolerance().common.sensor.noise_t;
         let noisy = noise.iter().any(|noise| !noise.is_none());
         let last = read_t.len() - 1;
@@ -84,8 +101,13 @@ impl<'a> Sampler<'a> {
         &self.neighbour_t
     }
 
+    /// The film whose samples it draws.
+    pub fn film(&self) -> &RealFilm {
+        self.film
+    }
+
     /// The seed of its samples.
-    pub(crate) fn seed(&self) -> u64 {
+    pub fn seed(&self) -> u64 {
         self.seed
     }
 

@@ -1,0 +1,234 @@
+//! What each tile does at each place, and the search for the tile of each place.
+
+use glam::DVec3;
+use magsplice_magnet::Tile;
+use magsplice_tolerance::TileChanges;
+use rayon::prelude::*;
+
+use crate::assignment::{Assignment, AssignmentError, AssignmentSettings, CutTile, PlaceGroup, PlacedTile};
+use crate::local_search::{Contribution, LocalSearch};
+use crate::orientation::Orientation;
+use crate::shims::Shims;
+
+/// Relative difference of sides and of polarizations up to which a tile fits a place: the digits of the
+/// parts of a layout.
+const SAME: f64 = 1e-8;
+
+/// Rounds in which what the linear model leaves out is measured and added. The first leaves a hundredth of
+/// it, the second less than the round-off of measurements.
+const CORRECTIONS: usize = 2;
+
+/// Most contributions of tiles at places that are held in memory: 4 GB at 64 coordinates each.
+const MOST_CONTRIBUTIONS: usize = 8_000_000;
+
+/// Tiles and places, and what each does to the displacement errors.
+#[derive(Clone, Debug)]
+pub struct AssignmentProblem<'a> {
+    model: &'a TileChanges,
+    film: &'a [Tile],
+    groups: &'a [PlaceGroup],
+    shims: Shims,
+    /// For each place of a group, in order: its orientations.
+    orientations: Vec<Vec<Vec<Orientation>>>,
+    /// Without what shim tiles can compensate.
+    contributions: Vec<Vec<Vec<Contribution>>>,
+}
+
+impl<'a> AssignmentProblem<'a> {
+    /// The problem of laying a film with a model of its errors. `shims` are tiles of the film whose
+    /// strength may be chosen. Tiles of the film that are no shims and in no group stay as they are.
+    ///
+    /// # Errors
+    /// See [`AssignmentError`].
+    pub fn new(
+        model: &'a TileChanges,
+        film: &'a [Tile],
+        groups: &'a [PlaceGroup],
+        shims: &[usize],
+        settings: &AssignmentSettings,
+    ) -> Result<AssignmentProblem<'a>, AssignmentError> {
+        let mut orientations = Vec::new();
+        let mut count = 0_usize;
+        for (index, group) in groups.iter().enumerate() {
+            let (places, tiles) = (group.places.len(), group.tiles.len());
+            if tiles < places {
+                return Err(AssignmentError::TooFew { group: index, places, tiles });
+            }
+            let of_places = group
+                .places
+                .iter()
+                .map(|&place| {
+                    let found = group.orientations_at(&film[place], settings.may_turn_over);
+                    if found.is_empty() { Err(AssignmentError::NoOrientation { place }) } else { Ok(found) }
+                })
+                .collect::<Result<Vec<_>, _>>()?;
+            count = of_places.iter().map(|of| of.len() * tiles).sum::<usize>().saturating_add(count);
+            orientations.push(of_places);
+        }
+        if count > MOST_CONTRIBUTIONS {
+            return Err(AssignmentError::TooLarge { most: MOST_CONTRIBUTIONS });
+        }
+        let shims = Shims::new(model, film, shims)?;
+        let contribution = |place: usize, tile: &CutTile, orientations: &[Orientation]| {
+            let at = &film[place];
+            let change = |orientation: &Orientation| {
+                let j_t = orientation.apply(tile.polarization_t) - at.polarization_t();
+                let mut change = model.change(place, j_t, orientation.sides(tile.size_mm) - at.size());
+                shims.take_out(&mut change);
+                change
+            };
+            Contribution { of_orientations: orientations.iter().map(change).collect() }
+        };
+        let contributions = groups
+            .iter()
+            .zip(&orientations)
+            .map(|(group, of_places)| {
+                let of_place = |(&place, orientations): (&usize, &Vec<Orientation>)| -> Vec<Contribution> {
+                    group.tiles.iter().map(|tile| contribution(place, tile, orientations)).collect()
+                };
+                group.places.par_iter().zip(of_places).map(of_place).collect()
+            })
+            .collect();
+        Ok(AssignmentProblem { model, film, groups, shims, orientations, contributions })
+    }
+
+    /// The best assignment that was found. Results do not depend on the number of threads.
+    ///
+    /// # Errors
+    /// Tiles that cannot exist, and films whose parameters do not exist.
+    pub fn solve(&self, settings: &AssignmentSettings) -> Result<Assignment, AssignmentError> {
+        let in_order = self.placed(&LocalSearch::in_order(&self.contributions));
+        let in_order_rms_mm = self.rms_mm(&in_order, &self.shims.unchanged())?;
+        let mut nominal = self.model.nominal().to_vec();
+        self.shims.take_out(&mut nominal);
+        let mut ends = self.searched(&nominal, settings);
+        for _ in 0..CORRECTIONS {
+            // What the linear model leaves out at the best assignment.
+            let best = &ends[0];
+            let mut exact = self.exact(&self.placed(best), &self.shims.unchanged())?;
+            self.shims.take_out(&mut exact);
+            let linear = best.sum(&nominal, &self.contributions);
+            nominal
+                .iter_mut()
+                .zip(exact.iter().zip(&linear))
+                .for_each(|(nominal, (exact, linear))| *nominal += exact - linear);
+            ends.par_iter_mut().for_each(|end| end.improve(&nominal, &self.contributions));
+            self.sort(&mut ends, &nominal);
+        }
+        let placed = self.placed(&ends[0]);
+        let shim_factors = self.shims.factors(|factors| self.exact(&placed, factors))?;
+        let rms_mm = self.rms_mm(&placed, &shim_factors)?;
+        let starts_rms_mm = ends.iter().map(|end| self.model.rms_mm(&end.sum(&nominal, &self.contributions))).collect();
+        Ok(Assignment { placed, shim_factors, rms_mm, in_order_rms_mm, starts_rms_mm })
+    }
+
+    /// The film with its tiles placed, and the polarization of its shim tiles times these factors.
+    ///
+    /// # Errors
+    /// Tiles that cannot exist.
+    ///
+    /// # Panics
+    /// If there is not one factor for each shim tile.
+    pub fn film(&self, placed: &[PlacedTile], shim_factors: &[f64]) -> Result<Vec<Tile>, AssignmentError> {
+        let mut film = self.film.to_vec();
+        for placed in placed {
+            film[placed.place] = self.cut_tile(placed).at(&self.film[placed.place], placed.orientation)?;
+        }
+        self.shims.apply(&mut film, shim_factors)?;
+        Ok(film)
+    }
+
+    /// Root mean square of the displacement errors over all points and axes, by the exact field, in mm.
+    ///
+    /// # Errors
+    /// Tiles that cannot exist, and films whose parameters do not exist.
+    ///
+    /// # Panics
+    /// If there is not one factor for each shim tile.
+    pub fn rms_mm(&self, placed: &[PlacedTile], shim_factors: &[f64]) -> Result<f64, AssignmentError> {
+        Ok(self.model.rms_mm(&self.exact(placed, shim_factors)?))
+    }
+
+    pub(crate) fn model(&self) -> &TileChanges {
+        self.model
+    }
+
+    pub(crate) fn cut_tile(&self, placed: &PlacedTile) -> &CutTile {
+        &self.groups[placed.group].tiles[placed.tile]
+    }
+
+    pub(crate) fn exact(&self, placed: &[PlacedTile], shim_factors: &[f64]) -> Result<Vec<f64>, AssignmentError> {
+        self.model.exact(&self.film(placed, shim_factors)?).map_err(AssignmentError::Film)
+    }
+
+    /// Where the searches from all starts end, the best first.
+    fn searched(&self, nominal: &[f64], settings: &AssignmentSettings) -> Vec<LocalSearch> {
+        let mut ends: Vec<LocalSearch> = (0..settings.starts.max(1) as u64)
+            .into_par_iter()
+            .map(|start| LocalSearch::run(nominal, &self.contributions, settings.seed, start, settings.kicks))
+            .collect();
+        self.sort(&mut ends, nominal);
+        ends
+    }
+
+    fn sort(&self, ends: &mut [LocalSearch], nominal: &[f64]) {
+        ends.sort_by_cached_key(|end| OrderedRms(self.model.rms_mm(&end.sum(nominal, &self.contributions))));
+    }
+
+    fn placed(&self, search: &LocalSearch) -> Vec<PlacedTile> {
+        let mut placed = Vec::new();
+        for (group, of_group) in self.groups.iter().enumerate() {
+            for (number, place) in of_group.places.iter().enumerate() {
+                let (tile, orientation) = search.at(group, number);
+                let orientation = self.orientations[group][number][orientation];
+                placed.push(PlacedTile { place: *place, group, tile, orientation });
+            }
+        }
+        placed.sort_by_key(|placed| placed.place);
+        placed
+    }
+}
+
+impl PlaceGroup {
+    /// The orientations in which the part of the group is the tile of a place, as measured first.
+    pub fn orientations_at(&self, place: &Tile, may_turn_over: bool) -> Vec<Orientation> {
+        let is_same = |a: DVec3, b: DVec3, scale: f64| (a - b).length() <= SAME * scale;
+        let fits = |orientation: &Orientation| {
+            let j_t = orientation.apply(self.polarization_t);
+            is_same(orientation.sides(self.size_mm), place.size(), place.size().length())
+                && is_same(j_t, place.polarization_t(), self.polarization_t.length())
+                && (may_turn_over || orientation.keeps_upper_side())
+        };
+        Orientation::all().into_iter().filter(fits).collect()
+    }
+}
+
+impl CutTile {
+    /// The tile at a place of the film.
+    ///
+    /// # Errors
+    /// If it cannot exist.
+    pub fn at(&self, place: &Tile, orientation: Orientation) -> Result<Tile, AssignmentError> {
+        Tile::new(place.position(), orientation.sides(self.size_mm), orientation.apply(self.polarization_t))
+            .and_then(|tile| tile.rotated(place.rotation()))
+            .map_err(|faults| AssignmentError::Tile { name: self.name.clone(), faults })
+    }
+}
+
+/// A number with a total order.
+#[derive(PartialEq)]
+struct OrderedRms(f64);
+
+impl Eq for OrderedRms {}
+
+impl PartialOrd for OrderedRms {
+    fn partial_cmp(&self, other: &OrderedRms) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for OrderedRms {
+    fn cmp(&self, other: &OrderedRms) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}

@@ -1,0 +1,196 @@
+//! Samples of films whose tiles are cut with spares, measured and sorted before they are laid.
+
+use std::error::Error;
+use std::fmt;
+use std::ops::Range;
+
+use magsplice_ideal::IdealFilm;
+use magsplice_magnet::Tile;
+use magsplice_tolerance::{EvaluationGrid, FilmErrors, SampleError, Sampler, TileChanges};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::assignment::{AssignmentError, AssignmentSettings, CutTile, PlaceGroup};
+use crate::measurement::MeasurementErrors;
+use crate::orientation::Orientation;
+use crate::problem::AssignmentProblem;
+
+/// Changes the seed of a run into that of its measurements, which are then independent of its tiles.
+const SEED_OF_MEASUREMENTS: u64 = 0x6d65_6173_7572_6564;
+
+/// How tiles are cut, measured and sorted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sorting {
+    /// Number of tiles that are cut beyond those of the film. Parts have spares in proportion to their
+    /// places.
+    pub spares: usize,
+    /// Errors of the measurements.
+    pub measurement: MeasurementErrors,
+    /// How the places of the tiles are searched.
+    pub settings: AssignmentSettings,
+}
+
+/// Draws samples of a film whose tiles are sorted. Sample number i has the tiles, the errors of laying
+/// and the surroundings of sample number i of the same film without sorting.
+#[derive(Clone, Debug)]
+pub struct SortedSampler<'a> {
+    sampler: &'a Sampler<'a>,
+    model: TileChanges,
+    sorting: Sorting,
+    /// Without tiles.
+    parts: Vec<PlaceGroup>,
+    /// For each part and place: how its tile, as it is cut, fits it.
+    in_order: Vec<Vec<Orientation>>,
+    /// For each part.
+    spares: Vec<usize>,
+}
+
+/// Why a sample of sorted tiles has no errors.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SortedSampleError {
+    /// The tiles cannot be assigned to places.
+    Assignment(AssignmentError),
+    /// The film that was laid has no errors of decoupling, or one of its tiles cannot exist.
+    Sample(SampleError),
+}
+
+impl<'a> SortedSampler<'a> {
+    /// Prepares what all samples share. `parts` are groups of places without tiles: tiles of one group
+    /// may be exchanged. Tiles in no group are laid where they are cut for.
+    ///
+    /// # Errors
+    /// If the film has no displacement errors, or a part does not fit its places.
+    pub fn new(
+        sampler: &'a Sampler<'a>,
+        parts: Vec<PlaceGroup>,
+        volume: &EvaluationGrid,
+        ideal: &IdealFilm,
+        sorting: Sorting,
+    ) -> Result<SortedSampler<'a>, AssignmentError> {
+        let tiles = sampler.film().tiles();
+        let model = TileChanges::new(tiles, volume, ideal).map_err(AssignmentError::Film)?;
+        let fitting = |part: &PlaceGroup, place: usize| {
+            let found = part.orientations_at(&tiles[place], sorting.settings.may_turn_over);
+            found.first().copied().ok_or(AssignmentError::NoOrientation { place })
+        };
+        let in_order = parts
+            .iter()
+            .map(|part| part.places.iter().map(|&place| fitting(part, place)).collect())
+            .collect::<Result<_, _>>()?;
+        let places: Vec<usize> = parts.iter().map(|part| part.places.len()).collect();
+        Ok(SortedSampler { sampler, model, sorting, in_order, spares: shared_out(sorting.spares, &places), parts })
+    }
+
+    /// The errors of sample number `sample`, which depend on the seed of the sampler and on this number
+    /// alone.
+    ///
+    /// # Errors
+    /// If a tile of the sample cannot exist, or the parameters do not exist in the volume.
+    pub fn errors_of(&self, sample: u64) -> Result<FilmErrors, SortedSampleError> {
+        let (film, seed) = (self.sampler.film(), self.sampler.seed());
+        let faulty = |faults| SortedSampleError::Sample(SampleError::Tile(faults));
+        let mut laid = film.cut_tiles(seed, sample).map_err(faulty)?;
+        let cut = self.cut(&laid, sample).map_err(faulty)?;
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ SEED_OF_MEASUREMENTS);
+        random.set_stream(sample);
+        let measured: Vec<PlaceGroup> = cut
+            .iter()
+            .map(|part| {
+                let measured = |tile: &CutTile| self.sorting.measurement.measured(tile, part.size_mm, &mut random);
+                PlaceGroup { tiles: part.tiles.iter().map(measured).collect(), ..part.clone() }
+            })
+            .collect();
+        let settings = &self.sorting.settings;
+        let problem = AssignmentProblem::new(&self.model, film.tiles(), &measured, &[], settings)
+            .map_err(SortedSampleError::Assignment)?;
+        let found = problem.solve(settings).map_err(SortedSampleError::Assignment)?;
+        for placed in &found.placed {
+            let tile = &cut[placed.group].tiles[placed.tile];
+            laid[placed.place] =
+                tile.at(&film.tiles()[placed.place], placed.orientation).map_err(SortedSampleError::Assignment)?;
+        }
+        let laid = film.laid_tiles(&laid, seed, sample).map_err(faulty)?;
+        self.sampler.errors_of_tiles(sample, &laid).map_err(SortedSampleError::Sample)
+    }
+
+    /// The errors of samples with these numbers, computed in parallel. They do not depend on the number
+    /// of threads, and samples of several ranges are those of the joined range.
+    ///
+    /// # Errors
+    /// The first sample without errors, by its number, and the reason.
+    pub fn errors_of_range(&self, samples: Range<u64>) -> Result<Vec<FilmErrors>, (u64, SortedSampleError)> {
+        let of_sample = |sample| self.errors_of(sample).map_err(|error| (sample, error));
+        let results: Vec<Result<FilmErrors, _>> = samples.into_par_iter().map(of_sample).collect();
+        results.into_iter().collect()
+    }
+
+    /// The tiles of each part in the frame of the part: those that were cut for the places, then spares.
+    fn cut(&self, at_places: &[Tile], sample: u64) -> Result<Vec<PlaceGroup>, magsplice_magnet::TileFaults> {
+        let (film, seed) = (self.sampler.film(), self.sampler.seed());
+        let mut spare = 0;
+        let mut groups = self.parts.clone();
+        for ((group, orientations), spares) in groups.iter_mut().zip(&self.in_order).zip(&self.spares) {
+            let own = |tile: &Tile, orientation: &Orientation| CutTile {
+                name: String::new(),
+                polarization_t: orientation.undo(tile.polarization_t()),
+                size_mm: orientation.undo(tile.size()).abs(),
+            };
+            let of_places = group.places.iter().zip(orientations);
+            group.tiles = of_places.clone().map(|(&place, orientation)| own(&at_places[place], orientation)).collect();
+            for (&place, orientation) in of_places.cycle().take(*spares) {
+                group.tiles.push(own(&film.spare_tile(place, spare, seed, sample)?, orientation));
+                spare += 1;
+            }
+        }
+        Ok(groups)
+    }
+}
+
+/// Shares out spare tiles in proportion to numbers of places, by largest remainders.
+fn shared_out(spares: usize, places: &[usize]) -> Vec<usize> {
+    let all: usize = places.iter().sum();
+    if all == 0 {
+        return vec![0; places.len()];
+    }
+    let parts = |count: &usize| spares as u128 * *count as u128;
+    let mut shares: Vec<usize> = places.iter().map(|count| (parts(count) / all as u128) as usize).collect();
+    let mut order: Vec<usize> = (0..places.len()).collect();
+    order.sort_by_key(|part| std::cmp::Reverse(parts(&places[*part]) % all as u128));
+    let left = spares - shares.iter().sum::<usize>();
+    order.into_iter().take(left).for_each(|part| shares[part] += 1);
+    shares
+}
+
+impl fmt::Display for SortedSampleError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            SortedSampleError::Assignment(error) => error.fmt(f),
+            SortedSampleError::Sample(error) => error.fmt(f),
+        }
+    }
+}
+
+impl Error for SortedSampleError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            SortedSampleError::Assignment(error) => Some(error),
+            SortedSampleError::Sample(error) => Some(error),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spares_are_shared_out_in_proportion() {
+        assert_eq!(shared_out(14, &[16, 24, 16]), [4, 6, 4]);
+        assert_eq!(shared_out(1, &[16, 24, 16]), [0, 1, 0]);
+        assert_eq!(shared_out(5, &[1, 1, 1]), [2, 2, 1]);
+        assert_eq!(shared_out(0, &[3]), [0]);
+        assert_eq!(shared_out(3, &[]), Vec::<usize>::new());
+    }
+}
