@@ -9,8 +9,8 @@ use std::sync::{Mutex, Once, PoisonError};
 /// Exit status after Ctrl-C, the one that shells give.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// The temporary file or folder that an interruption removes.
-static TEMPORARY: Mutex<Option<PathBuf>> = Mutex::new(None);
+/// The temporary files and folders that an interruption removes. Those that got their names are gone.
+static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 static HANDLER: Once = Once::new();
 
 /// Whether the next interruption sets [`STOP`] instead of ending the program.
@@ -33,7 +33,7 @@ pub(crate) fn temporary<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) ->
     // The lock makes an interruption wait until the path to remove is known.
     let mut temporary = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
     let made = make()?;
-    *temporary = Some(made.as_ref().to_owned());
+    temporary.push(made.as_ref().to_owned());
     Ok(made)
 }
 
@@ -48,7 +48,7 @@ pub(crate) fn handle() {
             }
             // Held until the program ends, so that no other temporary file is made.
             let temporary = TEMPORARY.lock();
-            if let Ok(Some(path)) = temporary.as_deref() {
+            for path in temporary.iter().flat_map(|paths| paths.iter()) {
                 let _ = fs::remove_file(path).or_else(|_| fs::remove_dir_all(path));
             }
             std::process::exit(INTERRUPTED.into());

@@ -36,6 +36,8 @@ mod interrupt;
 mod json;
 /// The JUnit form of the results of `check`.
 mod junit;
+/// Laying a film from a box of measured tiles.
+mod laying;
 /// The layout files that arguments name.
 mod layout_files;
 /// Where results go: standard output, files, folders, tables.
@@ -107,6 +109,7 @@ fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
         Verb::Resolution(args) => verbs::resolution::run(args, quiet),
         #[cfg(feature = "report")]
         Verb::Report(args) => verbs::report::run(args, quiet),
+        Verb::Assign(args) => verbs::assign::run(args, quiet),
         Verb::Tiles(args) => verbs::tiles::run(args, quiet),
         Verb::Export(args) => verbs::export::run(args, quiet),
         Verb::Import(args) => verbs::import::run(args, quiet),

@@ -28,6 +28,10 @@ pub(crate) const MAGNETIZATIONS: [Unit; 8] = [
     ("kA m-1", 3),
 ];
 
+/// Magnetic moments in A m2, as names of columns have them.
+pub(crate) const MOMENTS: [Unit; 7] =
+    [("A_m2", 0), ("mA_m2", -3), ("uA_m2", -6), ("A m2", 0), ("mA m2", -3), ("uA m2", -6), ("emu", -3)];
+
 /// The exponent of a unit, written in lower or upper case.
 pub(crate) fn exponent(units: &[Unit], name: &str) -> Option<i32> {
     units.iter().find(|(unit, _)| unit.eq_ignore_ascii_case(name)).map(|(_, exponent)| *exponent)

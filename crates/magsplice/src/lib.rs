@@ -9,6 +9,7 @@
 //! * [`sensor`]: positions of a sensor from what it reads.
 //! * [`layout`]: layout files.
 //! * [`tolerance`]: films whose tiles are misplaced, turned and of unequal strength.
+//! * [`making`]: which measured tile goes to which place of a film.
 //! * [`expect`]: expectations of a layout, compared with computed values.
 //! * [`design`]: the search for better films.
 //!
@@ -20,8 +21,8 @@
 //! layout files any unit of length will do, because the field depends on ratios of lengths only.
 //!
 //! # Features
-//! * `layout` (on by default): layout files, [`Film`], [`expect`] and [`tolerance`]. Without it, no
-//!   TOML, no SHA-2 and no random numbers are compiled.
+//! * `layout` (on by default): layout files, [`Film`], [`expect`], [`tolerance`] and [`making`].
+//!   Without it, no TOML, no SHA-2 and no random numbers are compiled.
 //! * `design` (on by default): [`design`]. Without it, no solver of quadratic programs is compiled.
 //! * `serde` (off by default): `Serialize` for results, `Serialize` and `Deserialize` for values.
 //!
@@ -71,6 +72,8 @@ pub use magsplice_ideal as ideal;
 #[cfg(feature = "layout")]
 pub use magsplice_layout as layout;
 pub use magsplice_magnet as magnet;
+#[cfg(feature = "layout")]
+pub use magsplice_making as making;
 pub use magsplice_sensor as sensor;
 #[cfg(feature = "layout")]
 pub use magsplice_tolerance as tolerance;

@@ -55,6 +55,7 @@ pub use figure::{Figure, SvgText};
 pub use figures::budget::{BudgetBar, budget_figure};
 pub use figures::experiment::{ExperimentCurves, experiment_figure};
 pub use figures::front::{FrontAxis, FrontFigure, FrontFilm};
+pub use figures::laying_plan::{LaidTile, laying_plan_figure};
 pub use figures::scan_maps::{ScanPlane, scan_field_figure, scan_parameters_figure};
 pub use page::PrintedResults;
 pub use pair::{PairReport, PairedNumber};

@@ -14,6 +14,9 @@ const HEAD_LENGTH: f64 = 0.42;
 /// Width of the arms of corner brackets with their white margin, in pixels.
 pub(crate) const BRACKET_WIDTH_PX: f64 = 3.6;
 
+/// Width of the shaft of a hollow arrow over that of a filled one.
+const HOLLOW_WIDTH: f64 = 1.4;
+
 /// Length of the head of an arrow, in pixels.
 fn head_length(length: f64, width: f64) -> f64 {
     (4.2 * width).min(HEAD_LENGTH * length)
@@ -26,10 +29,22 @@ pub(crate) fn head_width(length: f64, width: f64) -> f64 {
 
 /// Draws an arrow from `tail` to `tip` whose shaft is `width` wide, all in pixels.
 pub(crate) fn arrow(sheet: &Sheet, tail: [f64; 2], tip: [f64; 2], width: f64, colour: RGBColor) -> DrawResult {
+    arrow_corners(tail, tip, width).map_or(Ok(()), |corners| sheet.fill(&corners, colour))
+}
+
+/// Draws the outline of an arrow that is filled with white.
+pub(crate) fn hollow_arrow(sheet: &Sheet, tail: [f64; 2], tip: [f64; 2], width: f64, colour: RGBColor) -> DrawResult {
+    let Some(corners) = arrow_corners(tail, tip, HOLLOW_WIDTH * width) else { return Ok(()) };
+    sheet.fill(&corners, RGBColor(255, 255, 255))?;
+    sheet.outline(&corners, colour, (0.5 * width).max(0.4))
+}
+
+/// The corners of an arrow. `None` if it is too short to be seen.
+fn arrow_corners(tail: [f64; 2], tip: [f64; 2], width: f64) -> Option<[[f64; 2]; 7]> {
     let along = [tip[0] - tail[0], tip[1] - tail[1]];
     let length = along[0].hypot(along[1]);
     if length < 0.1 {
-        return Ok(());
+        return None;
     }
     let along = along.map(|c| c / length);
     let head = head_length(length, width);
@@ -40,7 +55,7 @@ pub(crate) fn arrow(sheet: &Sheet, tail: [f64; 2], tip: [f64; 2], width: f64, co
         [tail[0] + forward * along[0] - aside * along[1], tail[1] + forward * along[1] + aside * along[0]]
     };
     let neck = length - head;
-    let corners = [
+    Some([
         at(0.0, half_shaft),
         at(neck, half_shaft),
         at(neck, half_head),
@@ -48,8 +63,7 @@ pub(crate) fn arrow(sheet: &Sheet, tail: [f64; 2], tip: [f64; 2], width: f64, co
         at(neck, -half_head),
         at(neck, -half_shaft),
         at(0.0, -half_shaft),
-    ];
-    sheet.fill(&corners, colour)
+    ])
 }
 
 /// Draws brackets at the corners of a rectangle. They hide less of the figure than its sides would.

@@ -2,6 +2,8 @@
 
 /// `--within`: the accuracy of a field.
 pub(crate) mod accuracy;
+/// Arguments of `assign`, and errors of measurements of tiles.
+pub(crate) mod assign;
 /// Arguments of `bench`.
 pub(crate) mod bench;
 /// Arguments of `budget`.
@@ -34,6 +36,7 @@ pub(crate) mod tolerance;
 
 use clap::{Parser, Subcommand};
 
+use self::assign::AssignArgs;
 use self::bench::BenchArgs;
 use self::budget::BudgetArgs;
 use self::check::CheckArgs;
@@ -108,6 +111,7 @@ pub(crate) enum Verb {
     Check(CheckArgs),
     Design(DesignArgs),
     Splice(SpliceArgs),
+    Assign(AssignArgs),
     Tiles(TilesArgs),
     Export(ExportArgs),
     Import(ImportArgs),

@@ -31,6 +31,13 @@ pub(crate) fn angle_rad(text: &str) -> Result<f64, String> {
     ANGLE.value(number, unit).map(f64::to_radians)
 }
 
+/// A fraction: a number, or a percentage such as 0.5%.
+pub(crate) fn fraction(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let (number, exponent) = text.strip_suffix('%').map_or((text, 0), |percent| (percent.trim(), -2));
+    decimal::scaled(number, exponent).ok_or_else(|| "must be a fraction such as 0.005 or 0.5%".to_owned())
+}
+
 /// A flux density or polarization in T.
 pub(crate) fn flux_density_t(text: &str) -> Result<f64, String> {
     let (number, unit) = split(text);

@@ -1,8 +1,8 @@
 //! The columns that hold the properties of a block, found by their names.
 
-use super::finder::{Column, Finder, NO_UNIT};
 use super::rotation::{self, RotationColumns};
 use crate::args::import::ImportArgs;
+use crate::csv_input::finder::{Column, Finder, NO_UNIT};
 use crate::csv_input::names::unit_in;
 use crate::units::{self, FLUX_DENSITIES, LENGTHS, MAGNETIZATIONS};
 

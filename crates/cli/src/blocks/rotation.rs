@@ -2,7 +2,7 @@
 
 use magsplice::layout::EulerOrder;
 
-use super::finder::{ANGLES, Column, EULER_ANGLES, Finder, NO_UNIT};
+use crate::csv_input::finder::{ANGLES, Column, EULER_ANGLES, Finder, NO_UNIT};
 
 /// The columns of a rotation in one of its forms.
 pub(crate) enum RotationColumns {

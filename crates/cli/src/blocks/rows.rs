@@ -8,9 +8,10 @@ use magsplice::magnet::{MU_0, TileFault};
 use magsplice::prelude::{DQuat, DVec3, Tile};
 
 use super::columns::{self, BlockColumns, MagnetColumns};
-use super::finder::Column;
 use super::rotation::RotationColumns;
 use crate::args::import::ImportArgs;
+use crate::csv_input::cells::{number, numbers, vector};
+use crate::csv_input::finder::Column;
 use crate::csv_input::limited_lines::shown;
 use crate::csv_input::table::{CsvTable, Row};
 use crate::failure::{Failure, PRINTED_FAULTS};
@@ -124,34 +125,6 @@ fn in_columns(fault: &TileFault, columns: &BlockColumns, magnet: &[Column; 3], t
         other => return other.to_string(),
     };
     format!("{} = \"{}\", {}", table.names[column.index], shown(table.cell(column.index)), fault.rule())
-}
-
-/// The numbers of a row in these columns, or `None` after adding faults.
-fn numbers<const N: usize>(
-    columns: &[Column; N],
-    table: &mut CsvTable,
-    line: u64,
-    faults: &mut Vec<String>,
-) -> Option<[f64; N]> {
-    let before = faults.len();
-    let numbers = columns.map(|column| number(column, table, line, faults));
-    (faults.len() == before).then_some(numbers)
-}
-
-/// The number of a row in a column, or 0 after adding a fault.
-fn number(column: Column, table: &mut CsvTable, line: u64, faults: &mut Vec<String>) -> f64 {
-    match table.number(column.index, column.exponent, line) {
-        Ok(radians) if column.is_in_radians => radians.to_degrees(),
-        Ok(value) => value,
-        Err(fault) => {
-            faults.push(fault);
-            0.0
-        }
-    }
-}
-
-fn vector(columns: &[Column; 3], table: &mut CsvTable, line: u64, faults: &mut Vec<String>) -> Option<DVec3> {
-    numbers(columns, table, line, faults).map(DVec3::from)
 }
 
 /// The rotation of a row. `None` if its cells are empty, or after adding faults.

@@ -1,5 +1,7 @@
 //! JSON forms of results. Keys carry the units of their values.
 
+/// `assign`: the errors of the film, and the plan.
+pub(crate) mod assign;
 /// `bench`: pairs per second for each accuracy.
 pub(crate) mod bench;
 /// `budget`: where the displacement error comes from.

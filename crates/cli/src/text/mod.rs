@@ -1,5 +1,7 @@
 //! Results as printed tables, with units.
 
+/// `assign`: the errors of the film, and the plan.
+pub(crate) mod assign;
 /// `bench`: pairs per second for each accuracy.
 pub(crate) mod bench;
 /// `budget`: where the displacement error comes from.

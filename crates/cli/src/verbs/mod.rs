@@ -1,5 +1,7 @@
 //! One file per verb. A verb reads its inputs, runs the library, and passes on the result.
 
+/// Places measured tiles.
+pub(crate) mod assign;
 /// Measures how fast the field is computed.
 pub(crate) mod bench;
 /// Tells where the displacement error of the films that are made comes from.

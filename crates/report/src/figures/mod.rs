@@ -12,6 +12,8 @@ pub(crate) mod experiment;
 pub(crate) mod field_maps;
 /// Errors of the films of a Pareto front.
 pub(crate) mod front;
+/// The plan by which a film is laid.
+pub(crate) mod laying_plan;
 /// The tiles from above with their polarization and names.
 pub(crate) mod layout_from_above;
 /// The legend of the figure of the tiles.

@@ -1,20 +1,20 @@
 //! Groups of columns, found by their names.
 
-use crate::csv_input::limited_lines::shown;
-use crate::csv_input::names::unit_in;
+use super::limited_lines::shown;
+use super::names::unit_in;
 use crate::units::{self, LENGTHS, Unit};
 
 /// Columns without a unit.
-pub(super) const NO_UNIT: [Unit; 0] = [];
+pub(crate) const NO_UNIT: [Unit; 0] = [];
 
 /// The unit of angles whose numbers are no power of ten of degrees.
 const RADIANS: &str = "rad";
 
 /// Units of angles. Radians become degrees by [`Column::is_in_radians`].
-pub(super) const ANGLES: [Unit; 3] = [("deg", 0), ("°", 0), (RADIANS, 0)];
+pub(crate) const ANGLES: [Unit; 3] = [("deg", 0), ("°", 0), (RADIANS, 0)];
 
 /// The group whose name takes a plural verb.
-pub(super) const EULER_ANGLES: &str = "Euler angles";
+pub(crate) const EULER_ANGLES: &str = "Euler angles";
 
 /// A column, and the power of ten that converts its numbers to millimetres, tesla, A/m or degrees.
 #[derive(Clone, Copy)]
@@ -26,34 +26,34 @@ pub(crate) struct Column {
 }
 
 /// Names of columns, and what is wrong with them.
-pub(super) struct Finder<'a> {
+pub(crate) struct Finder<'a> {
     names: &'a [String],
     used: Vec<bool>,
-    pub(super) faults: Vec<String>,
+    pub(crate) faults: Vec<String>,
 }
 
 impl<'a> Finder<'a> {
-    pub(super) fn new(names: &'a [String]) -> Finder<'a> {
+    pub(crate) fn new(names: &'a [String]) -> Finder<'a> {
         Finder { names, used: vec![false; names.len()], faults: Vec::new() }
     }
 
     /// Names of the columns that no group has.
-    pub(super) fn unused(&self) -> Vec<String> {
+    pub(crate) fn unused(&self) -> Vec<String> {
         let unused = self.names.iter().zip(&self.used).filter(|(name, used)| !**used && !name.is_empty());
         unused.map(|(name, _)| shown(name)).collect()
     }
 
     /// All names, for messages.
-    pub(super) fn names_found(&self) -> String {
+    pub(crate) fn names_found(&self) -> String {
         shown(&self.names.join(","))
     }
 
-    pub(super) fn fault(&mut self, fault: impl Into<String>) {
+    pub(crate) fn fault(&mut self, fault: impl Into<String>) {
         self.faults.push(fault.into());
     }
 
     /// Adds the fault of a group without any column, unless its columns have faults already.
-    pub(super) fn missing(&mut self, columns: &str) {
+    pub(crate) fn missing(&mut self, columns: &str) {
         // Groups that stand in for each other have their names before the colons.
         let groups: Vec<&str> = columns.split(", or ").filter_map(|group| group.split(':').next()).collect();
         if !self.faults.iter().any(|fault| groups.iter().any(|group| fault.starts_with(group))) {
@@ -63,7 +63,7 @@ impl<'a> Finder<'a> {
 
     /// The columns of a group: one for each of `wanted`, which lists the names that it may have.
     /// `None` if there is no such column, or after adding a fault.
-    pub(super) fn group<const N: usize, const M: usize>(
+    pub(crate) fn group<const N: usize, const M: usize>(
         &mut self,
         group: &str,
         wanted: [[&str; M]; N],
@@ -85,7 +85,7 @@ impl<'a> Finder<'a> {
     }
 
     /// The columns of a group that need not be complete. No fault is added for a missing column.
-    pub(super) fn partial_group<const N: usize>(
+    pub(crate) fn partial_group<const N: usize>(
         &mut self,
         group: &str,
         wanted: [[&str; 1]; N],
@@ -158,7 +158,7 @@ impl<'a> Finder<'a> {
     }
 
     /// Refuses `--unit` where a column names another unit.
-    pub(super) fn check_unit<'c>(&mut self, unit: &str, columns: impl Iterator<Item = &'c Column>) {
+    pub(crate) fn check_unit<'c>(&mut self, unit: &str, columns: impl Iterator<Item = &'c Column>) {
         let wanted = units::exponent(&LENGTHS, unit);
         let others: Vec<String> =
             columns.filter(|c| Some(c.exponent) != wanted).map(|c| shown(&self.names[c.index])).collect();
