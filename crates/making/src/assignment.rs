@@ -67,6 +67,7 @@ pub struct Assignment {
 
 /// How an assignment is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct AssignmentSettings {
     /// Number of starts.
     pub starts: usize,

@@ -146,7 +146,7 @@ impl<'a> AssignmentProblem<'a> {
     /// # Panics
     /// If there is not one factor for each shim tile.
     pub fn rms_mm(&self, placed: &[PlacedTile], shim_factors: &[f64]) -> Result<f64, AssignmentError> {
-        Ok(self.model.rms_mm(&self.exact(placed, shim_factors)?))
+        self.model.exact_rms_mm(&self.film(placed, shim_factors)?).map_err(AssignmentError::Film)
     }
 
     pub(crate) fn model(&self) -> &TileChanges {

@@ -31,6 +31,8 @@ pub(crate) mod points;
 pub(crate) mod preset;
 /// Arguments of the verbs about sensors.
 pub(crate) mod sensor;
+/// `--sorted`: tiles that are measured and sorted.
+pub(crate) mod sorting;
 /// Arguments of `tolerance`.
 pub(crate) mod tolerance;
 

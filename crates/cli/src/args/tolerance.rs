@@ -6,6 +6,7 @@ use clap::{Args, Subcommand, ValueEnum};
 
 use super::formats::{FileFormat, ResultArgs};
 use super::preset::PresetArgs;
+use super::sorting::SortingArgs;
 
 /// Largest number of samples.
 pub(crate) const MAX_SAMPLES: u64 = *magsplice::layout::SAMPLE_COUNTS.end();
@@ -20,10 +21,16 @@ pub(crate) const MAX_SAMPLES: u64 = *magsplice::layout::SAMPLE_COUNTS.end();
 ///
 /// Sample i depends on the seed and on i alone, so that machines can share the work: see --first.
 /// Ctrl-C ends the run with the result so far.
+///
+/// With --sorted the tiles of each sample are cut, measured and placed as `magsplice assign` does, before
+/// they are laid with the errors of position and rotation: what measuring the tiles is worth. Errors of
+/// groups stay those of the places.
 #[derive(Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(after_help = "Example:\n  magsplice tolerance layouts/robust-in-plane.toml --samples 10000\n  \
     magsplice tolerance layouts/published-film.toml --preset workshop\n  \
+    magsplice tolerance layouts/designed-stock.toml --preset jig --sorted --spares 14 --strength-error 0.5% \
+    --direction-error 0.3deg --samples 200\n  \
     magsplice tolerance film.toml --samples 100000 --first 25000 --count 25000 --save part-2.csv\n  \
     magsplice tolerance merge film.toml part-*.csv --save samples.parquet")]
 pub(crate) struct ToleranceArgs {
@@ -51,6 +58,8 @@ pub(crate) struct ToleranceArgs {
     pub(crate) resume: bool,
     #[command(flatten)]
     pub(crate) result: ToleranceResultArgs,
+    #[command(flatten)]
+    pub(crate) sorting: SortingArgs,
 }
 
 /// Where the result of samples goes.
@@ -80,6 +89,8 @@ pub(crate) struct MergeArgs {
     pub(crate) preset: PresetArgs,
     #[command(flatten)]
     pub(crate) result: ToleranceResultArgs,
+    #[command(flatten)]
+    pub(crate) sorting: SortingArgs,
 }
 
 /// Formats of the figures of samples.

@@ -1,5 +1,6 @@
 //! `tolerance`: statistics of samples.
 
+use magsplice::making::Sorting;
 use magsplice::tolerance::{Estimate, Figure, Statistics};
 use serde::Serialize;
 
@@ -17,6 +18,9 @@ pub(crate) struct ToleranceJson<'a> {
     seed: u64,
     first: u64,
     count: u64,
+    /// How tiles are sorted; absent if they are not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sorting: Option<&'a Sorting>,
     uniformity_rmse: ParametersJson,
     displacement_rmse_mm: AxesJson,
     amplitude: StatisticsJson,
@@ -83,6 +87,7 @@ impl<'a> ToleranceJson<'a> {
             seed: film.source.seed,
             first: film.source.first,
             count: film.source.count,
+            sorting: film.sorting.as_ref(),
             uniformity_rmse: ParametersJson { r_x: statistics(0), r_y: statistics(1), s_z: statistics(2) },
             displacement_rmse_mm: AxesJson { x: statistics(3), y: statistics(4), z: statistics(5) },
             amplitude: statistics(6),

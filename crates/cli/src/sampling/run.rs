@@ -1,12 +1,12 @@
 //! The evaluation of samples in stretches.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use magsplice::Stage;
-use magsplice::tolerance::{FilmErrors, Sampler};
+use magsplice::tolerance::FilmErrors;
 
-use super::scene::SampledScene;
 use super::source::SampleSource;
 use crate::failure::Failure;
 use crate::progress::ProgressLine;
@@ -19,8 +19,8 @@ const LONGEST_STRETCH: u64 = 1 << 16;
 
 /// Samples to evaluate.
 pub(crate) struct SamplingRun<'a> {
-    pub(crate) scene: &'a SampledScene<'a>,
-    pub(crate) sampler: &'a Sampler<'a>,
+    /// The errors of samples with these numbers.
+    pub(crate) errors_of: &'a dyn Fn(Range<u64>) -> Result<Vec<FilmErrors>, Failure>,
     pub(crate) source: &'a SampleSource,
 }
 
@@ -34,7 +34,7 @@ impl SamplingRun<'_> {
         progress: &ProgressLine,
         stop: Option<&AtomicBool>,
     ) -> Result<(), Failure> {
-        let SamplingRun { scene, sampler, source } = self;
+        let SamplingRun { errors_of, source } = self;
         let mut stretch = rayon::current_num_threads() as u64;
         while (errors.len() as u64) < source.count && !stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
             let (done, of) = (errors.len(), Some(source.count as usize));
@@ -42,8 +42,7 @@ impl SamplingRun<'_> {
             let next = source.first + done as u64;
             let start = Instant::now();
             let samples = next..source.range().end.min(next + stretch);
-            let found =
-                sampler.errors_of_range(samples).map_err(|(sample, error)| scene.sample_failure(sample, &error))?;
+            let found = errors_of(samples)?;
             keep(&found)?;
             errors.extend(found);
             if start.elapsed() < STRETCH / 2 {

@@ -2,6 +2,7 @@
 
 use magsplice::expect::keeps_bounds;
 use magsplice::layout::{Expectations, Layout, MadeExpectations};
+use magsplice::making::Sorting;
 use magsplice::tolerance::{Estimate, Figure, FilmErrors, Statistics, share, statistics};
 
 use super::source::SampleSource;
@@ -12,6 +13,8 @@ pub(crate) struct SampledFilm<'a> {
     /// The errors of the film as it was ordered.
     pub(crate) nominal: FilmErrors,
     pub(crate) source: SampleSource,
+    /// How the tiles are sorted, if they are.
+    pub(crate) sorting: Option<Sorting>,
     /// In the order of [`Figure::ALL`].
     pub(crate) statistics: [Statistics; 7],
     /// The share of the samples that keep the bounds of `[expect]`; nothing if there are none.
@@ -32,7 +35,12 @@ impl<'a> SampledFilm<'a> {
         let statistics = Figure::ALL.map(|figure| statistics(errors, figure).expect("at least one sample"));
         let yield_share = keeping(&layout.expectations, errors);
         let yield_made = layout.expectations.made.as_ref().and_then(|made| keeping(&of_one_film(made), errors));
-        SampledFilm { layout, nominal, source, statistics, yield_share, yield_made }
+        SampledFilm { layout, nominal, source, sorting: None, statistics, yield_share, yield_made }
+    }
+
+    /// The same, of sorted tiles.
+    pub(crate) fn sorted(self, sorting: Option<Sorting>) -> SampledFilm<'a> {
+        SampledFilm { sorting, ..self }
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use magsplice::ideal::IdealFilm;
 use magsplice::layout::Layout;
+use magsplice::making::{PlaceGroup, SortedSampler, Sorting};
 use magsplice::tolerance::{EvaluationGrid, FilmErrors, RealFilm, SampleError, Sampler};
 use magsplice::{Film, FilmError};
 
@@ -45,6 +46,22 @@ impl<'a> SampledScene<'a> {
         self.sampler_of(&self.real, seed)
     }
 
+    /// A sampler of films whose tiles are sorted: those of a part of the layout may be exchanged.
+    pub(crate) fn sorted_sampler<'b>(
+        &self,
+        sampler: &'b Sampler<'b>,
+        sorting: Sorting,
+    ) -> Result<SortedSampler<'b>, Failure> {
+        let groups = self.layout.parts().into_iter().map(|part| PlaceGroup {
+            size_mm: part.size_mm,
+            polarization_t: part.strength_t * part.direction,
+            places: part.tiles,
+            tiles: Vec::new(),
+        });
+        SortedSampler::new(sampler, groups.collect(), &self.volume, self.ideal()?, sorting)
+            .map_err(|error| Failure::Points { path: self.path.to_owned(), message: error.to_string() })
+    }
+
     pub(crate) fn layout(&self) -> &'a Layout {
         self.layout
     }
@@ -74,7 +91,7 @@ impl<'a> SampledScene<'a> {
         Failure::Points { path: self.path.to_owned(), message: error.to_string() }
     }
 
-    pub(crate) fn sample_failure(&self, sample: u64, error: &SampleError) -> Failure {
+    pub(crate) fn sample_failure(&self, sample: u64, error: &dyn std::error::Error) -> Failure {
         Failure::Points { path: self.path.to_owned(), message: format!("sample {sample}: {error}") }
     }
 }

@@ -4,13 +4,14 @@ use std::fmt::{self, Write};
 use std::ops::Range;
 
 use magsplice::layout::Layout;
+use magsplice::making::Sorting;
 use sha2::{Digest, Sha256};
 
 /// A run: a film with its errors, the seed, and the numbers of the samples.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SampleSource {
-    /// SHA-256 of the tiles, their errors, the working volume and the ideal film, which with the seed
-    /// determine every sample.
+    /// SHA-256 of the tiles, their errors, the working volume, the ideal film and how tiles are sorted,
+    /// which with the seed determine every sample.
     pub(crate) fingerprint: String,
     pub(crate) seed: u64,
     /// Number of the first sample.
@@ -20,13 +21,16 @@ pub(crate) struct SampleSource {
 }
 
 impl SampleSource {
-    pub(crate) fn new(layout: &Layout, seed: u64, first: u64, count: u64) -> SampleSource {
+    pub(crate) fn new(layout: &Layout, sorting: Option<&Sorting>, seed: u64, first: u64, count: u64) -> SampleSource {
         let mut hash = HashWriter(Sha256::new());
         // Debug writes every digit of every number.
         let Layout { tiles, tolerance, volume, ideal, .. } = layout;
         let errors = tolerance.as_ref().map(|t| (&t.tiles, &t.groups, &t.common));
         write!(hash, "{:?}", (tiles.iter().map(|t| t.tile).collect::<Vec<_>>(), errors, volume, ideal))
             .expect("a hash accepts every text");
+        if let Some(sorting) = sorting {
+            write!(hash, "{sorting:?}").expect("a hash accepts every text");
+        }
         let mut fingerprint = String::new();
         for byte in hash.0.finalize() {
             let _ = write!(fingerprint, "{byte:02x}");

@@ -34,8 +34,7 @@ pub(crate) fn assigned(film: &AssignedFilm, path: Option<&Path>) -> String {
     rows::prose(
         &mut text,
         &format!(
-            "{} of {}; the median is {median:.2} times the best",
-            counted(near, "start ended within 10 % of the best", "starts ended within 10 % of the best"),
+            "{near} of {} ended within 10 % of the best; their median is {median:.2} times the best",
             counted(starts, "start", "starts")
         ),
     );

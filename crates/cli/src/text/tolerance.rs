@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use magsplice::layout::{CommonErrors, Distribution, FilmPose, FilmTolerance, SensorErrors, TileErrors};
+use magsplice::making::Sorting;
 use magsplice::tolerance::{Estimate, Figure, Statistics};
 
 use super::number::counted;
@@ -21,6 +22,9 @@ pub(crate) fn samples(film: &SampledFilm) -> String {
     if let Some(tolerance) = &film.layout.tolerance {
         text += &tile_errors(tolerance);
         text += &other_errors(tolerance);
+    }
+    if let Some(sorting) = &film.sorting {
+        rows::prose(&mut text, &sorted_in_words(sorting));
     }
     text.push('\n');
     let names = ["", "nominal", "mean", "P50", "P95", "P99", "P95 is within"].map(str::to_owned);
@@ -47,6 +51,23 @@ pub(crate) fn samples(film: &SampledFilm) -> String {
     }
     text += "intervals hold with 95 % confidence\n";
     text
+}
+
+/// How tiles are sorted.
+fn sorted_in_words(sorting: &Sorting) -> String {
+    let measurement = &sorting.measurement;
+    let [percent, degrees] =
+        [100.0 * measurement.strength, measurement.direction_rad.to_degrees()].map(magsplice_export::twelve_digits);
+    let sides = match measurement.size_mm {
+        Some(size_mm) => format!("sides to {size_mm} mm"),
+        None => "sides not measured".to_owned(),
+    };
+    let over = if sorting.settings.may_turn_over { "" } else { ", none turned over" };
+    format!(
+        "tiles are measured and sorted before they are laid: {}{over}; strength measured to {percent} %, direction to \
+         {degrees} deg, {sides}",
+        counted(sorting.spares, "spare tile", "spare tiles")
+    )
 }
 
 /// The number of samples in words, for the header of the text.

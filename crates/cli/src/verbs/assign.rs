@@ -116,7 +116,7 @@ fn assigned<'a>(
     let failed = |error: AssignmentError| assignment_failure(args, layout, partly, error);
     let without_errors = |error| failed(AssignmentError::Film(error));
     let model = TileChanges::new(&partly.film, &volume, ideal).map_err(without_errors)?;
-    let ordered_rms_mm = model.rms_mm(&model.exact(&layout.bare_tiles()).map_err(without_errors)?);
+    let ordered_rms_mm = model.exact_rms_mm(&layout.bare_tiles()).map_err(without_errors)?;
     let settings =
         AssignmentSettings { starts: args.starts, kicks: KICKS, seed: args.seed, may_turn_over: !args.keep_side_up };
     let problem = AssignmentProblem::new(&model, &partly.film, &partly.groups, shims, &settings).map_err(failed)?;

@@ -71,10 +71,12 @@ fn samples(
 ) -> Result<Option<FilmSamples>, Failure> {
     let Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } = layout else { return Ok(None) };
     let scene = SampledScene::new(path, layout)?;
-    let source = SampleSource::new(layout, tolerance.seed, 0, tolerance.samples);
+    let source = SampleSource::new(layout, None, tolerance.seed, 0, tolerance.samples);
     let sampler = scene.sampler(source.seed)?;
     let mut errors = Vec::new();
-    let run = SamplingRun { scene: &scene, sampler: &sampler, source: &source };
+    let errors_of =
+        |samples| sampler.errors_of_range(samples).map_err(|(sample, error)| scene.sample_failure(sample, &error));
+    let run = SamplingRun { errors_of: &errors_of, source: &source };
     run.extend(&mut errors, |_| Ok(()), progress, None)?;
     let nominal = scene.nominal()?;
     let film = SampledFilm::new(layout, nominal, source, &errors);

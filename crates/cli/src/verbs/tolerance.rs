@@ -32,7 +32,8 @@ pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
     let tolerance = layout.tolerance.as_ref();
     let total = args.samples.or(tolerance.map(|t| t.samples)).unwrap_or(1);
     let seed = args.seed.or(tolerance.map(|t| t.seed)).unwrap_or(1);
-    let source = SampleSource::new(&layout, seed, args.first, part(args, total)?);
+    let sorting = args.sorting.sorting()?;
+    let source = SampleSource::new(&layout, sorting.as_ref(), seed, args.first, part(args, total)?);
     let outputs = Outputs::open(&args.result, &[path.to_owned()])?;
     let journal = match &args.result.save {
         Some(save) => Some(Journal::open(save, &source, args.resume)?),
@@ -42,7 +43,12 @@ pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
 
     let stop = interrupt::defer();
     let sampler = scene.sampler(seed)?;
-    let run = SamplingRun { scene: &scene, sampler: &sampler, source: &source };
+    let sorted = sorting.map(|sorting| scene.sorted_sampler(&sampler, sorting)).transpose()?;
+    let errors_of = |samples| match &sorted {
+        Some(sorted) => sorted.errors_of_range(samples).map_err(|(sample, error)| scene.sample_failure(sample, &error)),
+        None => sampler.errors_of_range(samples).map_err(|(sample, error)| scene.sample_failure(sample, &error)),
+    };
+    let run = SamplingRun { errors_of: &errors_of, source: &source };
     let keep = |found: &[FilmErrors]| journal.as_mut().map_or(Ok(()), |journal| journal.append(found));
     run.extend(&mut errors, keep, &progress, Some(stop))?;
     progress.end();
@@ -51,7 +57,7 @@ pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
         return Ok(INTERRUPTED);
     }
     let found = SampleSource { count: errors.len() as u64, ..source.clone() };
-    let film = SampledFilm::new(&layout, scene.nominal()?, found, &errors);
+    let film = SampledFilm::new(&layout, scene.nominal()?, found, &errors).sorted(sorting);
     if interrupted {
         outputs.finish_result(&film)?;
         tell_interrupted(&film, &source, journal.as_ref(), quiet);
@@ -98,15 +104,16 @@ fn merge(args: &MergeArgs, quiet: bool) -> Result<(), Failure> {
     let scene = SampledScene::new(&args.layout, &layout)?;
     let inputs: Vec<PathBuf> = args.parts.iter().chain([&args.layout]).cloned().collect();
     let outputs = Outputs::open(&args.result, &inputs)?;
+    let sorting = args.sorting.sorting()?;
     progress.show(Stage::uncounted("reading the parts"));
     let mut parts = Vec::new();
     for path in &args.parts {
         let part = sample_file::read(path)?;
         let refused = |message: String| Err(Failure::Points { path: path.clone(), message });
-        let expected = SampleSource::new(&layout, part.source.seed, 0, 0).fingerprint;
+        let expected = SampleSource::new(&layout, sorting.as_ref(), part.source.seed, 0, 0).fingerprint;
         if part.source.fingerprint != expected {
             return refused(format!(
-                "its samples are of another film or other errors than {} has now",
+                "its samples are of another film, other errors or other options of --sorted than those of {} now",
                 args.layout.display()
             ));
         }
@@ -138,7 +145,7 @@ fn merge(args: &MergeArgs, quiet: bool) -> Result<(), Failure> {
         }
     }
     let source = SampleSource { count: errors.len() as u64, ..source };
-    let film = SampledFilm::new(&layout, scene.nominal()?, source, &errors);
+    let film = SampledFilm::new(&layout, scene.nominal()?, source, &errors).sorted(sorting);
     progress.end();
     outputs.finish(&film, &errors)
 }

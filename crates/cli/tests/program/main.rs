@@ -1,5 +1,6 @@
 //! Tests of the built program.
 
+mod assign;
 mod at_points;
 mod bad_layouts;
 mod bad_points;

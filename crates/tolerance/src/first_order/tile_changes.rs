@@ -101,9 +101,22 @@ impl TileChanges {
     /// # Errors
     /// If the parameters do not exist at a point of the volume.
     pub fn exact(&self, tiles: &[Tile]) -> Result<Vec<f64>, SampleError> {
-        let film_t = exact_field_t(&Scene::new(tiles), &self.points)?;
-        let errors_mm = displacement_errors_mm(&self.points, &film_t, &self.ideal)?;
+        let errors_mm = self.exact_errors_mm(tiles)?;
         Ok(self.basis.iter().map(|column| dot(column, &errors_mm)).collect())
+    }
+
+    /// The root mean square over all points and axes of the displacement errors of other tiles, by the
+    /// exact field, in mm. Nothing is left out.
+    ///
+    /// # Errors
+    /// If the parameters do not exist at a point of the volume.
+    pub fn exact_rms_mm(&self, tiles: &[Tile]) -> Result<f64, SampleError> {
+        Ok(self.rms_mm(&self.exact_errors_mm(tiles)?))
+    }
+
+    fn exact_errors_mm(&self, tiles: &[Tile]) -> Result<Vec<f64>, SampleError> {
+        let film_t = exact_field_t(&Scene::new(tiles), &self.points)?;
+        displacement_errors_mm(&self.points, &film_t, &self.ideal)
     }
 
     /// The root mean square over all points and axes of displacement errors with these coordinates, in mm.
