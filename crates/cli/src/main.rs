@@ -46,6 +46,9 @@ mod output;
 mod point_evaluation;
 /// Points from a CSV file.
 mod point_file;
+/// Pages to print: bill of materials, cut list, laying plan.
+#[cfg(feature = "report")]
+mod printed;
 /// The progress line on a terminal.
 mod progress;
 /// Remarks on standard error.

@@ -57,9 +57,12 @@ pub(crate) fn drafts(
     };
     let layout = film.layout();
     let volume = layout.volume.as_ref();
-    let caption = "The tiles seen from above, with their polarization and their names.".to_owned();
     let drawn = layout_from_above::draw(tiles, layout.tiles.len(), volume, ranges);
-    add("layout", caption, drawn.map(|svg| (svg, layout_from_above::csv(tiles))))?;
+    add(
+        layout_from_above::NAME,
+        layout_from_above::CAPTION.to_owned(),
+        drawn.map(|svg| (svg, layout_from_above::csv(tiles))),
+    )?;
     let Some(survey) = survey else { return Ok(drafts) };
 
     let caption = "B in three planes. The length and the colour of an arrow show the logarithm of the \

@@ -33,6 +33,8 @@ mod page_data;
 mod pair;
 /// A rectangle with axes on a sheet, and its colour bar.
 mod panel;
+/// [`PrintedPage`]: a figure and tables to print.
+mod printed_page;
 /// Images made of pixels inside a figure, and data URLs.
 mod raster_image;
 /// [`Report`].
@@ -56,8 +58,10 @@ pub use figures::budget::{BudgetBar, budget_figure};
 pub use figures::experiment::{ExperimentCurves, experiment_figure};
 pub use figures::front::{FrontAxis, FrontFigure, FrontFilm};
 pub use figures::laying_plan::{LaidTile, laying_plan_figure};
+pub use figures::layout_from_above::layout_figure;
 pub use figures::scan_maps::{ScanPlane, scan_field_figure, scan_parameters_figure};
 pub use page::PrintedResults;
 pub use pair::{PairReport, PairedNumber};
+pub use printed_page::{PrintedPage, PrintedTable};
 pub use report::Report;
 pub use survey::FilmSamples;

@@ -61,6 +61,10 @@ pub(crate) struct AssignArgs {
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE")]
     pub(crate) figure: Option<PathBuf>,
+    /// Write the plan and the bill of materials as a page to print (HTML)
+    #[cfg(feature = "report")]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) page: Option<PathBuf>,
     /// Format of the summary
     #[arg(long, value_enum, default_value = "text")]
     pub(crate) format: TextOrJson,
@@ -76,7 +80,7 @@ pub(crate) struct MeasurementArgs {
     /// Error of the direction of J about each axis normal to it, such as 0.3deg
     #[arg(long, value_name = "ANGLE", value_parser = direction_rad)]
     pub(crate) direction_error: Option<f64>,
-    /// Error of each side, such as 0.01mm
+    /// Error of each side, such as 0.01mm [default: sides are not measured]
     #[arg(long, value_name = "LENGTH", value_parser = size_mm)]
     pub(crate) size_error: Option<f64>,
 }

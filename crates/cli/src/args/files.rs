@@ -24,6 +24,10 @@ pub(crate) struct TilesArgs {
     /// that the parts need
     #[arg(long, value_name = "MM", value_parser = kerf, allow_negative_numbers = true)]
     pub(crate) kerf_mm: Option<f64>,
+    /// Write the film and its bill of materials as a page to print (HTML)
+    #[cfg(feature = "report")]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) page: Option<PathBuf>,
 }
 
 /// Write the film for another program.

@@ -9,6 +9,7 @@ use magsplice::making::{CutTile, PlaceGroup};
 use magsplice::prelude::DVec3;
 
 use super::measured_columns::{self, MagnetColumns, MeasuredColumns};
+use super::place_groups::place_groups;
 use crate::csv_input::cells::{number, numbers, vector};
 use crate::csv_input::limited_lines::shown;
 use crate::csv_input::table::{CsvTable, Row};
@@ -56,7 +57,7 @@ pub(crate) fn read(path: &Path, layout: &Layout) -> Result<MeasuredTiles, Failur
     };
     let parts = layout.parts();
     let reader = TileReader { columns: &columns, parts: &parts, names: part_names(layout, &parts) };
-    let mut groups: Vec<PlaceGroup> = parts.iter().map(group).collect();
+    let mut groups: Vec<PlaceGroup> = place_groups(layout);
     let (mut lines, mut has_sizes) = (HashMap::new(), false);
     while let Some(row) = table.next_row().map_err(failed)? {
         if lines.len() >= MAX_TILES {
@@ -89,16 +90,6 @@ pub(crate) fn read(path: &Path, layout: &Layout) -> Result<MeasuredTiles, Failur
     }
     let ignored = columns.ignored.into_iter().take(PRINTED_FAULTS).collect();
     Ok(MeasuredTiles { groups, has_sizes, ignored })
-}
-
-/// The places of a part.
-fn group(part: &Part) -> PlaceGroup {
-    PlaceGroup {
-        size_mm: part.size_mm,
-        polarization_t: part.strength_t * part.direction,
-        places: part.tiles.clone(),
-        tiles: Vec::new(),
-    }
 }
 
 /// The part that the name of each tile and of each kind stands for. Kinds of several parts are left out.

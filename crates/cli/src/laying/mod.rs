@@ -8,5 +8,7 @@ pub(crate) mod laying_plan;
 mod measured_columns;
 /// Measured tiles from a CSV file, sorted by the parts of a layout.
 pub(crate) mod measured_tiles;
+/// The places that take the same part.
+pub(crate) mod place_groups;
 /// Tiles that lie already, from a CSV file.
 pub(crate) mod placed_tiles;

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use magsplice::ideal::IdealFilm;
 use magsplice::layout::Layout;
-use magsplice::making::{PlaceGroup, SortedSampler, Sorting};
+use magsplice::making::{SortedSampler, Sorting};
 use magsplice::tolerance::{EvaluationGrid, FilmErrors, RealFilm, SampleError, Sampler};
 use magsplice::{Film, FilmError};
 
 use crate::failure::Failure;
+use crate::laying::place_groups::place_groups;
 use crate::words::{film_failure, no_film};
 
 /// A film that is sampled, with its working volume and its ideal film.
@@ -52,13 +53,7 @@ impl<'a> SampledScene<'a> {
         sampler: &'b Sampler<'b>,
         sorting: Sorting,
     ) -> Result<SortedSampler<'b>, Failure> {
-        let groups = self.layout.parts().into_iter().map(|part| PlaceGroup {
-            size_mm: part.size_mm,
-            polarization_t: part.strength_t * part.direction,
-            places: part.tiles,
-            tiles: Vec::new(),
-        });
-        SortedSampler::new(sampler, groups.collect(), &self.volume, self.ideal()?, sorting)
+        SortedSampler::new(sampler, place_groups(self.layout), &self.volume, self.ideal()?, sorting)
             .map_err(|error| Failure::Points { path: self.path.to_owned(), message: error.to_string() })
     }
 

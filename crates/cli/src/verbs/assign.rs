@@ -25,6 +25,8 @@ use crate::output::destination::{Output, print};
 use crate::output::figure_file;
 use crate::progress::ProgressLine;
 use crate::words::no_film;
+#[cfg(feature = "report")]
+use crate::{cut_list::CutList, printed};
 use crate::{json, remarks, text};
 
 /// Times that each start is disturbed and searched anew. Twice as many lower the error of the shipped
@@ -43,6 +45,8 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
     let plan = args.plan.as_deref().map(|plan| Output::open(Some(plan), &inputs)).transpose()?;
     #[cfg(feature = "report")]
     let figure = figure_file::open(args.figure.as_deref(), &inputs)?;
+    #[cfg(feature = "report")]
+    let page = args.page.as_deref().map(|page| Output::open(Some(page), &inputs)).transpose()?;
 
     let measured = measured_tiles::read(&args.measured, &layout)?;
     let count = measured.groups.iter().map(|group| group.tiles.len()).sum();
@@ -66,9 +70,17 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
         plan.finish()?;
     }
     #[cfg(feature = "report")]
-    if let Some(file) = figure {
+    if figure.is_some() || page.is_some() {
         let rows: Vec<LaidTile> = film.plan.iter().zip(&film.tiles).map(|(row, tile)| laid_tile(row, tile)).collect();
-        file.write(laying_plan_figure(&rows, SvgText::Text))?;
+        let drawn = laying_plan_figure(&rows, SvgText::Text).map_err(|error| Failure::Format(error.to_string()))?;
+        if let Some(mut page) = page {
+            let text = printed::plan_page(&CutList::new(&layout, None), &drawn, &film.plan);
+            page.write(|writer| writer.write_all(text.as_bytes()))?;
+            page.finish()?;
+        }
+        if let Some(file) = figure {
+            file.write(Ok(drawn))?;
+        }
     }
     if !quiet && !measured.ignored.is_empty() {
         let ignored = measured.ignored.join(", ");

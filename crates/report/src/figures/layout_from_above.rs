@@ -1,17 +1,19 @@
 //! The tiles seen from above, with their polarization and their names (Dai 2024, Fig. 5).
 
 use glam::{DVec2, DVec3};
-use magsplice::layout::{NamedTile, WorkingVolume};
+use magsplice::layout::{Layout, NamedTile, WorkingVolume};
 use plotters::prelude::RGBColor;
 
 use crate::colours::{DirectionColours, light};
-use crate::error::DrawError;
+use crate::error::{DrawError, ReportError};
+use crate::figure::{Figure, SvgText};
 use crate::marks::{BRACKET_WIDTH_PX, VANISHING, arrow, bracket_arms, corner_brackets, out_of_plane_mark};
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
 use crate::shared_ranges::SharedRanges;
 use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
+use crate::survey::tiles_to_draw;
 use crate::tile_shapes::{bounds, from_above};
-use crate::typeset::plain;
+use crate::typeset::{self, plain};
 
 use super::field_maps::csv_row;
 use super::layout_legend::LayoutLegend;
@@ -33,6 +35,24 @@ const MARK_PX: f64 = 12.0;
 const MARK_AT_TAIL_PX: f64 = 6.0;
 /// Maximum length of the arms of the brackets at the corners of the working volume, in pixels.
 const BRACKET_PX: f64 = 12.0;
+
+/// Name of the figure in files and errors.
+pub(crate) const NAME: &str = "layout";
+
+/// What the figure shows.
+pub(crate) const CAPTION: &str = "The tiles seen from above, with their polarization and their names.";
+
+/// The tiles of a layout from above.
+///
+/// # Errors
+/// [`ReportError::Drawing`] if the figure cannot be drawn.
+pub fn layout_figure(layout: &Layout, text: SvgText) -> Result<Figure, ReportError> {
+    let centre_mm = layout.volume.as_ref().map_or(DVec3::ZERO, |volume| volume.reference_mm);
+    let tiles = tiles_to_draw(&layout.tiles, centre_mm);
+    let drawn = draw(&tiles, layout.tiles.len(), layout.volume.as_ref(), &SharedRanges::default())
+        .and_then(|svg| Figure::new(NAME, CAPTION.to_owned(), &svg, csv(&tiles), text, &typeset::options()));
+    drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
+}
 
 /// The figure as SVG. `tiles` are the ones drawn, `all` is the number of tiles of the layout.
 pub(crate) fn draw(

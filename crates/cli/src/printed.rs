@@ -1,0 +1,105 @@
+//! Pages to print: bill of materials, cut list, laying plan.
+
+use magsplice::layout::Layout;
+use magsplice_export::twelve_digits;
+use magsplice_report::{Figure, PrintedPage, PrintedTable};
+
+use crate::cut_list::{CutList, bar_length_mm, sheet_area_mm2};
+use crate::laying::laying_plan::PlanRow;
+use crate::text::number::counted;
+
+/// The film and its bill of materials.
+pub(crate) fn bill_page(list: &CutList, figure: &Figure) -> String {
+    let layout = list.layout;
+    page(layout, &layout.name, &[summary(list)], figure, &[bill(list)])
+}
+
+/// The plan by which a film is laid, and its bill of materials.
+pub(crate) fn plan_page(list: &CutList, figure: &Figure, plan: &[PlanRow]) -> String {
+    let layout = list.layout;
+    let marks = "Before a tile is measured, an arrow is drawn on its upper side along its x axis, which is along the first \
+                 side of its part. In the plan the column up names the side of the tile that is up at its place: +z is the \
+                 side with the arrow, -z is the tile turned over. The angle of the mark is counted from the x axis of the \
+                 film towards its y axis, as seen from above. Of a tile that stands on its x side, the mark is its y axis."
+        .to_owned();
+    let paragraphs = [summary(list), marks];
+    page(layout, &format!("Laying plan: {}", layout.name), &paragraphs, figure, &[plan_table(plan), bill(list)])
+}
+
+fn page(layout: &Layout, title: &str, paragraphs: &[String], figure: &Figure, tables: &[PrintedTable]) -> String {
+    let source = format!(
+        "Layout \"{}\", SHA-256 {}; magsplice {}. Lengths in mm.",
+        layout.name,
+        layout.sha256,
+        env!("CARGO_PKG_VERSION")
+    );
+    PrintedPage { title, paragraphs, figure, tables, source: &source }.html()
+}
+
+fn summary(list: &CutList) -> String {
+    let tiles = counted(list.layout.tiles.len(), "tile", "tiles");
+    format!("{tiles} of {}.", counted(list.parts.len(), "part", "different parts"))
+}
+
+fn bill(list: &CutList) -> PrintedTable {
+    let mut columns = vec!["part", "pieces", "size, mm", "J, T", "direction, deg", "tilt, deg", "tiles"];
+    let mut remark = "Angles are those of J from the first side of a part towards the second, and out of the plane of \
+                      both."
+        .to_owned();
+    if let Some(kerf_mm) = list.kerf_mm {
+        columns.splice(6..6, ["sheet, mm2", "or bar, mm"]);
+        remark += &format!(
+            " Material with a kerf of {kerf_mm} mm: each piece takes its first two sides of a sheet, or its first side of \
+             a bar, each with one kerf."
+        );
+    }
+    let digits = |value: f64| twelve_digits(value).to_string();
+    let rows = list.parts.iter().enumerate().map(|(index, part)| {
+        let angles = part.angles_deg().map_or(["none".to_owned(), String::new()], |angles| angles.map(digits));
+        let mut row = vec![
+            (index + 1).to_string(),
+            part.count.to_string(),
+            part.size_mm.to_array().map(digits).join(" x "),
+            digits(part.strength_t),
+        ];
+        row.extend(angles);
+        if let Some(kerf_mm) = list.kerf_mm {
+            row.extend([sheet_area_mm2(part, kerf_mm), bar_length_mm(part, kerf_mm)].map(digits));
+        }
+        row.push(list.names(part).join(", "));
+        row
+    });
+    PrintedTable {
+        heading: "Bill of materials".to_owned(),
+        remark,
+        rows: rows.collect(),
+        columns: columns.into_iter().map(str::to_owned).collect(),
+        has_boxes: false,
+    }
+}
+
+fn plan_table(plan: &[PlanRow]) -> PrintedTable {
+    let columns = ["place", "tile", "x", "y", "z", "up", "mark", "angle, deg", "laid"].map(str::to_owned).to_vec();
+    let row = |row: &PlanRow| {
+        let [x, y, z] = row.centre_mm.to_array().map(|value| twelve_digits(value).to_string());
+        let laid = if row.is_laid { "yes" } else { "" }.to_owned();
+        vec![
+            row.place.clone(),
+            row.tile.clone(),
+            x,
+            y,
+            z,
+            row.up.to_owned(),
+            row.mark.to_owned(),
+            row.mark_deg.to_string(),
+            laid,
+        ]
+    };
+    PrintedTable {
+        heading: "Plan".to_owned(),
+        remark: "Centres of the tiles in mm.".to_owned(),
+        columns,
+        rows: plan.iter().map(row).collect(),
+        has_boxes: true,
+    }
+}
