@@ -1,4 +1,5 @@
-//! Films as they are made: which measured tile goes to which place, and which way round.
+//! Films as they are made: which measured tile goes to which place, and which way round; and which tiles of
+//! a film that was made are wrong.
 //!
 //! * [`CutTile`]: a tile that was cut and measured.
 //! * [`Orientation`]: one of the 24 ways in which a cuboid fits an upright box.
@@ -6,6 +7,8 @@
 //! * [`Assignment`]: the tile of each place, found by local searches from many starts.
 //! * [`MeasurementErrors`]: errors of the measurements of tiles, and what they leave of the sorting.
 //! * [`SortedSampler`]: samples of films whose tiles are cut with spares, measured and sorted.
+//! * [`ScanDiagnosis`]: which tiles are weak, turned or displaced, from a scan of the field: a
+//!   [`Diagnosis`].
 //!
 //! Lengths in millimetres, polarizations in tesla. This crate reads no files and prints nothing.
 //!
@@ -17,6 +20,8 @@
 
 /// Tiles, places, and the tile of each place.
 mod assignment;
+/// Wrong tiles of a film that was made, from a scan of its field.
+mod diagnosis;
 /// Local searches for the tile of each place.
 mod local_search;
 /// Errors of measurements, and what they leave of the sorting.
@@ -31,6 +36,10 @@ mod shims;
 mod sorted_films;
 
 pub use assignment::{Assignment, AssignmentError, AssignmentSettings, CutTile, PlaceGroup, PlacedTile};
+pub use diagnosis::{
+    Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, Estimate, FieldScan, NamedError, ScanDiagnosis,
+    SimilarErrors, Untold,
+};
 pub use measurement::MeasurementErrors;
 pub use orientation::Orientation;
 pub use problem::AssignmentProblem;

@@ -103,7 +103,8 @@ impl Draws {
 }
 
 impl DrawnErrors {
-    fn from_values(
+    /// Errors of these values, in the order of [`TileErrors::all`].
+    pub(crate) fn from_values(
         [px, py, pz, rx, ry, rz, sx, sy, sz, strength, in_plane, out_of_plane]: [f64; TileErrors::COUNT],
     ) -> DrawnErrors {
         DrawnErrors {

@@ -7,6 +7,7 @@
 //! * [`FirstOrder`]: the errors to first order, by exact derivatives: shares of causes and tiles
 //!   without samples, and where this is valid.
 //! * [`TileChanges`]: the errors to first order by J and the sides of tiles.
+//! * [`TileResponse`]: the exact derivatives of the field of one tile by each of its errors.
 //! * [`EndlessPattern`]: the splicing pattern of a film without end, by its Fourier series.
 //! * [`Budget`]: where the displacement errors come from: pattern, end of the film, and each cause.
 //! * [`Statistics`]: mean and percentiles of many samples, with confidence intervals.
@@ -48,7 +49,8 @@ pub use budget::{AxisBudget, Budget, CauseImprovement, TileImprovement};
 pub use endless::{EndlessPattern, EndlessPatternError};
 pub use film_errors::{EvaluationGrid, Figure, FilmErrors, SampleError};
 pub use first_order::{
-    AxisCheck, AxisErrors, Cause, Contribution, ErrorSource, ErrorTerm, FirstOrder, FirstOrderCheck, Share, TileChanges,
+    AxisCheck, AxisErrors, Cause, Contribution, ErrorSource, ErrorTerm, FirstOrder, FirstOrderCheck, Share,
+    TileChanges, TileResponse,
 };
 pub use quantile::mean_square;
 pub use real_film::{RealFilm, direction_normal};

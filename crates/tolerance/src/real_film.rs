@@ -1,7 +1,7 @@
 //! Samples of the films that are made from a layout.
 
 use glam::{DQuat, DVec3};
-use magsplice_layout::{ErrorGroup, FilmTolerance};
+use magsplice_layout::{ErrorGroup, FilmTolerance, TileErrors};
 use magsplice_magnet::{BoundingBox, Tile, TileFaults};
 
 use crate::draws::{DrawnErrors, Draws};
@@ -126,8 +126,40 @@ impl RealFilm {
         Ok(tiles)
     }
 
+    /// The tiles with given errors, numbered as in [`TileErrors::all`]: those of each tile, then those of
+    /// each group. Tiles may overlap.
+    ///
+    /// # Errors
+    /// The faults of the first tile that cannot exist, such as one without thickness.
+    ///
+    /// # Panics
+    /// If there are not as many errors as tiles and groups.
+    pub fn tiles_with_errors(
+        &self,
+        of_tiles: &[[f64; TileErrors::COUNT]],
+        of_groups: &[[f64; TileErrors::COUNT]],
+    ) -> Result<Vec<Tile>, TileFaults> {
+        assert_eq!(of_tiles.len(), self.tiles.len(), "errors of each tile");
+        assert_eq!(of_groups.len(), self.tolerance.groups.len(), "errors of each group");
+        let mut tiles = self.tiles.clone();
+        for (tile, values) in tiles.iter_mut().zip(of_tiles) {
+            if *values != [0.0; TileErrors::COUNT] {
+                *tile = with_errors(tile, &DrawnErrors::from_values(*values), tile.position())?;
+            }
+        }
+        for (group, values) in self.tolerance.groups.iter().zip(of_groups) {
+            if *values != [0.0; TileErrors::COUNT] {
+                let (drawn, centre) = (DrawnErrors::from_values(*values), self.group_centre_mm(group));
+                for &tile in &group.tiles {
+                    tiles[tile] = with_errors(&tiles[tile], &drawn, centre)?;
+                }
+            }
+        }
+        Ok(tiles)
+    }
+
     /// The point about which a group turns: the mean of the centres of its tiles.
-    pub(crate) fn group_centre_mm(&self, group: &ErrorGroup) -> DVec3 {
+    pub fn group_centre_mm(&self, group: &ErrorGroup) -> DVec3 {
         let centres = group.tiles.iter().map(|&tile| self.tiles[tile].position());
         centres.sum::<DVec3>() / group.tiles.len().max(1) as f64
     }

@@ -27,6 +27,7 @@ pub use check::{AxisCheck, FirstOrderCheck};
 pub use model::{ErrorTerm, FirstOrder};
 pub use sources::{Cause, ErrorSource};
 pub use tile_changes::TileChanges;
+pub use tile_response::TileResponse;
 
 #[cfg(test)]
 mod tests;

@@ -12,13 +12,19 @@ use crate::real_film::direction_axes;
 /// Points below which a task is not divided: a point takes about a microsecond.
 const POINTS_PER_TASK: usize = 64;
 
-/// How the field of one tile changes at each of several points, in the frame of the scene.
-pub(crate) struct TileResponse {
+/// How the field of one tile changes at each of several points, in the frame of the scene: the exact
+/// derivatives of B by every error of the tile.
+///
+/// # Units
+/// Lengths in millimetres, flux densities in tesla, angles in radians; strengths are fractions.
+#[derive(Clone, Debug)]
+pub struct TileResponse {
     tile: Tile,
     at_points: Vec<AtPoint>,
 }
 
 /// The changes at one point.
+#[derive(Clone, Copy, Debug)]
 struct AtPoint {
     point: DVec3,
     /// B of the tile.
@@ -33,7 +39,10 @@ struct AtPoint {
 
 impl TileResponse {
     /// The response of tile number `number`.
-    pub(crate) fn new(number: usize, tile: &Tile, points: &[DVec3]) -> Result<TileResponse, SampleError> {
+    ///
+    /// # Errors
+    /// If the field or its derivatives do not exist at a point, such as one on an edge of the tile.
+    pub fn new(number: usize, tile: &Tile, points: &[DVec3]) -> Result<TileResponse, SampleError> {
         let map = PolarizationMap::new(&[*tile], points).map_err(|error| match error {
             PolarizationMapError::Points { errors, .. } => SampleError::Field(errors),
             PolarizationMapError::TooLarge { bytes } => SampleError::TooLarge { bytes },
@@ -65,8 +74,11 @@ impl TileResponse {
 
     /// Adds the derivative of B at each point by one error of the tile, numbered as in
     /// [`TileErrors::all`]. Turns are about a point.
-    pub(crate) fn add_derivative(&self, error: usize, about: DVec3, sum: &mut [DVec3]) {
-        debug_assert!(error < TileErrors::COUNT, "an error of a tile");
+    ///
+    /// # Panics
+    /// If there is no error of this number.
+    pub fn add_derivative(&self, error: usize, about: DVec3, sum: &mut [DVec3]) {
+        assert!(error < TileErrors::COUNT, "an error of a tile");
         let j_t = self.tile.polarization_t();
         // An axis by which J is turned changes it by their product.
         let turned_t = match error {

@@ -1,0 +1,134 @@
+//! How often a scan names the three wrong tiles of a film and no other, by its height and noise:
+//!
+//!     cargo run --release -p magsplice-making --example wrong_tiles -- layouts/published-film.toml 100
+//!
+//! The arguments are a layout, a number of films, and, if all other tiles have ordinary errors, those of
+//! `workshop` or `jig`. In each film one tile is turned by 3 degrees about z, another is 5 % weaker, and a
+//! third is displaced by 0.1 mm in the plane. The scan covers the film in steps of 1 mm.
+
+use std::f64::consts::TAU;
+use std::time::Instant;
+
+use glam::DVec3;
+use magsplice_field::Scene;
+use magsplice_layout::{FilmTolerance, Layout, TileErrors};
+use magsplice_magnet::{BoundingBox, Quantity, Tile};
+use magsplice_making::{Diagnosis, DiagnosisSettings, ErrorKind, FieldScan, ScanDiagnosis};
+use magsplice_sensor::ScanParameters;
+use magsplice_tolerance::RealFilm;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const HEIGHTS_MM: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
+const NOISES_T: [f64; 3] = [1e-6, 1e-5, 5e-5];
+const STEP_MM: f64 = 1.0;
+
+fn normal(random: &mut ChaCha8Rng) -> f64 {
+    let (radius, turn) = (1.0 - random.random::<f64>(), random.random::<f64>());
+    (-2.0 * radius.ln()).sqrt() * (TAU * turn).cos()
+}
+
+/// Points below the whole film, at this distance.
+fn scan_points(tiles: &[Tile], height_mm: f64) -> Vec<DVec3> {
+    let boxes: Vec<DVec3> = tiles
+        .iter()
+        .flat_map(|tile| {
+            let around = BoundingBox::from_tile(tile);
+            [around.lower, around.upper]
+        })
+        .collect();
+    let around = BoundingBox::from_points(&boxes);
+    let count = |axis: usize| ((around.upper[axis] - around.lower[axis]) / STEP_MM).round() as usize + 1;
+    let (nx, ny, z) = (count(0), count(1), around.lower.z - height_mm);
+    let at = |i: usize, j: usize| around.lower + STEP_MM * DVec3::new(i as f64, j as f64, 0.0);
+    (0..nx * ny).map(|n| at(n % nx, n / nx).with_z(z)).collect()
+}
+
+/// Three different tiles with their errors, added to ordinary ones.
+fn wrong_tiles(count: usize, random: &mut ChaCha8Rng) -> [(usize, ErrorKind, [f64; TileErrors::COUNT]); 3] {
+    let mut chosen: Vec<usize> = Vec::new();
+    while chosen.len() < 3 {
+        let tile = random.random_range(0..count);
+        if !chosen.contains(&tile) {
+            chosen.push(tile);
+        }
+    }
+    let (mut turn, mut weak, mut moved) = ([0.0; 12], [0.0; 12], [0.0; 12]);
+    turn[5] = if random.random::<bool>() { 3_f64.to_radians() } else { -3_f64.to_radians() };
+    weak[9] = -0.05;
+    let along = TAU * random.random::<f64>();
+    (moved[0], moved[1]) = (0.1 * along.cos(), 0.1 * along.sin());
+    [
+        (chosen[0], ErrorKind::Turn, turn),
+        (chosen[1], ErrorKind::Strength, weak),
+        (chosen[2], ErrorKind::Displacement, moved),
+    ]
+}
+
+fn names_exactly(found: &Diagnosis, wanted: &[(usize, ErrorKind)]) -> bool {
+    let mut named: Vec<(usize, ErrorKind)> =
+        found.named.iter().map(|named| (named.candidate.tile, named.candidate.kind)).collect();
+    let mut wanted = wanted.to_vec();
+    named.sort_unstable();
+    wanted.sort_unstable();
+    named == wanted
+}
+
+/// Shares of films whose three wrong tiles are named and no other, whose wrong tiles are named whatever else
+/// is, and of right films in which a tile is named.
+fn measure(layout: &Layout, films: u64, ordinary: Option<&TileErrors>, height_mm: f64, noise_t: f64) -> [u64; 3] {
+    let tiles = layout.bare_tiles();
+    let points_mm = scan_points(&tiles, height_mm);
+    let tolerance = ordinary.map_or_else(FilmTolerance::default, |errors| FilmTolerance::of_tiles(errors, tiles.len()));
+    let settings = DiagnosisSettings { ordinary: tolerance.clone(), ..DiagnosisSettings::default() };
+    let scan = FieldScan { points_mm: points_mm.clone(), noise_t: DVec3::splat(noise_t) };
+    let diagnosis = ScanDiagnosis::new(&tiles, scan, settings, ScanParameters::PERFECT).expect("a scan outside tiles");
+    let population = RealFilm::new(&tiles, &tolerance);
+    let read = |tiles: &[Tile], random: &mut ChaCha8Rng| -> Vec<DVec3> {
+        let field_t = Scene::new(tiles).field_at(Quantity::FluxDensity, &points_mm).expect("a field");
+        field_t.into_iter().map(|b| b + noise_t * DVec3::from([(); 3].map(|()| normal(random)))).collect()
+    };
+    let mut counts = [0; 3];
+    for film in 0..films {
+        let mut random = ChaCha8Rng::seed_from_u64(film);
+        let made = population.sample_tiles(film, 1).expect("tiles exist");
+        let wrong = wrong_tiles(tiles.len(), &mut random);
+        let mut errors = vec![[0.0; 12]; tiles.len()];
+        wrong.iter().for_each(|(tile, _, values)| errors[*tile] = *values);
+        let film =
+            RealFilm::new(&made, &FilmTolerance::default()).tiles_with_errors(&errors, &[]).expect("tiles exist");
+        let found = diagnosis.diagnose(&read(&film, &mut random), |_| {}).expect("a diagnosis");
+        let wanted = wrong.map(|(tile, kind, _)| (tile, kind));
+        let is_named = |tile: usize| found.named.iter().any(|named| named.candidate.tile == tile);
+        counts[0] += u64::from(names_exactly(&found, &wanted));
+        counts[1] += u64::from(wanted.iter().all(|(tile, _)| is_named(*tile)));
+        let right = diagnosis.diagnose(&read(&made, &mut random), |_| {}).expect("a diagnosis");
+        counts[2] += u64::from(!right.named.is_empty());
+    }
+    counts
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [path, films, rest @ ..] = &arguments[..] else { panic!("arguments: LAYOUT FILMS [workshop|jig]") };
+    let layout = Layout::read(path).unwrap_or_else(|error| panic!("{error}"));
+    let films: u64 = films.parse().expect("a number of films");
+    let ordinary = rest.first().map(|preset| match preset.as_str() {
+        "workshop" => TileErrors::workshop(),
+        "jig" => TileErrors::jig(),
+        other => panic!("{other} is neither workshop nor jig"),
+    });
+    println!("{path}: of {films} films: exactly the three wrong tiles / all three and others / right films named");
+    for height_mm in HEIGHTS_MM {
+        for noise_t in NOISES_T {
+            let start = Instant::now();
+            let [exact, all, false_alarms] = measure(&layout, films, ordinary.as_ref(), height_mm, noise_t);
+            let seconds = start.elapsed().as_secs_f64();
+            println!(
+                "{height_mm} mm, {} uT: {exact} / {all} / {false_alarms} ({:.2} s per film)",
+                noise_t * 1e6,
+                seconds / (2 * films) as f64
+            );
+        }
+    }
+}

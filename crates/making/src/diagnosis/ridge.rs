@@ -1,0 +1,130 @@
+//! Least squares with prior deviations, from the products of all pairs of columns.
+//!
+//! With the columns D, the readings y (whitened) and the prior covariance V, the estimate is
+//! x = (V^-1 + D^T D)^-1 D^T y, of covariance (V^-1 + D^T D)^-1. The readings have the covariance
+//! C = 1 + D V D^T before x is known, whose inverse is 1 - D (V^-1 + D^T D)^-1 D^T.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
+
+use super::error::DiagnosisError;
+use super::significance::ln_probability_above;
+
+/// Eigenvalue of the information about the components of an error, over the largest, below which a
+/// combination of them does not show in the readings. Round-off leaves 1e-12 of it where ordinary errors
+/// hide most of the signal.
+const INVISIBLE: f64 = 1e-7;
+
+/// Share of the information about the components of an error that ordinary errors and noise must leave.
+const LEAST_LEFT: f64 = 1e-9;
+
+/// The fit of unknowns with prior deviations.
+pub(crate) struct Ridge<'a> {
+    gram: &'a DMatrix<f64>,
+    projected: &'a DVector<f64>,
+    /// Unknowns that have a deviation.
+    active: Vec<usize>,
+    inverse: Cholesky<f64, Dyn>,
+    /// Values of all unknowns; 0 for those without a deviation.
+    pub(crate) estimate: DVector<f64>,
+}
+
+/// A test of whether an error is another than was assumed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Score {
+    /// Chi squared: by how much that of the fit falls if the error may have any value.
+    pub(crate) chi_squared: f64,
+    /// The logarithm of the probability that chance gives as much.
+    pub(crate) ln_probability: f64,
+}
+
+impl Score {
+    /// The test that says nothing.
+    pub(crate) const NONE: Score = Score { chi_squared: 0.0, ln_probability: 0.0 };
+}
+
+impl<'a> Ridge<'a> {
+    /// The fit of the unknowns whose deviation is not 0.
+    pub(crate) fn new(
+        gram: &'a DMatrix<f64>,
+        projected: &'a DVector<f64>,
+        deviations: &[f64],
+    ) -> Result<Ridge<'a>, DiagnosisError> {
+        let active: Vec<usize> = (0..deviations.len()).filter(|index| deviations[*index] > 0.0).collect();
+        let count = active.len();
+        let matrix = DMatrix::from_fn(count, count, |i, j| {
+            let prior = if i == j { deviations[active[i]].powi(-2) } else { 0.0 };
+            gram[(active[i], active[j])] + prior
+        });
+        let inverse = Cholesky::new(matrix).ok_or(DiagnosisError::NoSolution)?;
+        let solved = inverse.solve(&DVector::from_fn(count, |i, _| projected[active[i]]));
+        let mut estimate = DVector::zeros(deviations.len());
+        active.iter().zip(solved.iter()).for_each(|(index, value)| estimate[*index] = *value);
+        Ok(Ridge { gram, projected, active, inverse, estimate })
+    }
+
+    /// What the sum of squares, with that of the prior, falls by from other values to the estimate. Values of
+    /// unknowns without a deviation are 0.
+    pub(crate) fn gain(&self, values: &DVector<f64>) -> f64 {
+        let step = DVector::from_fn(self.active.len(), |i, _| self.estimate[self.active[i]] - values[self.active[i]]);
+        // L^T step of the factor L.
+        let factor = self.inverse.l_dirty();
+        (0..step.len()).map(|j| (j..step.len()).map(|i| factor[(i, j)] * step[i]).sum::<f64>().powi(2)).sum()
+    }
+
+    /// Standard deviation of each unknown after the readings; 0 for those without one before.
+    pub(crate) fn deviations(&self) -> DVector<f64> {
+        let mut deviations = DVector::zeros(self.estimate.len());
+        let count = self.active.len();
+        let root = self
+            .inverse
+            .l_dirty()
+            .lower_triangle()
+            .solve_lower_triangular(&DMatrix::identity(count, count))
+            .expect("the factor has an inverse");
+        for (i, index) in self.active.iter().enumerate() {
+            deviations[*index] = root.column(i).norm();
+        }
+        deviations
+    }
+
+    /// Tests errors, each given by the indices of its components, against their prior deviations.
+    pub(crate) fn scores(&self, errors: &[Vec<usize>]) -> Vec<Score> {
+        let wanted: Vec<usize> = errors.iter().flatten().copied().collect();
+        let cross = DMatrix::from_fn(self.active.len(), wanted.len(), |i, j| self.gram[(self.active[i], wanted[j])]);
+        let reduced =
+            self.inverse.l_dirty().lower_triangle().solve_lower_triangular(&cross).expect("the factor has an inverse");
+        let explained = |index: usize| -> f64 {
+            self.active.iter().map(|active| self.gram[(index, *active)] * self.estimate[*active]).sum()
+        };
+        let mut first = 0;
+        errors
+            .iter()
+            .map(|components| {
+                let count = components.len();
+                let whole = DMatrix::from_fn(count, count, |i, j| self.gram[(components[i], components[j])]);
+                let own = reduced.columns(first, count);
+                first += count;
+                let left = &whole - own.transpose() * own;
+                let signal = DVector::from_fn(count, |i, _| self.projected[components[i]] - explained(components[i]));
+                score(&whole, left, &signal)
+            })
+            .collect()
+    }
+}
+
+/// The score test: `left` is the covariance of `signal` if nothing is wrong.
+fn score(whole: &DMatrix<f64>, left: DMatrix<f64>, signal: &DVector<f64>) -> Score {
+    let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(left);
+    let least = (INVISIBLE * eigenvalues.amax()).max(LEAST_LEFT * whole.amax());
+    let (mut chi_squared, mut freedom) = (0.0, 0);
+    for (index, eigenvalue) in eigenvalues.iter().enumerate() {
+        if *eigenvalue > least {
+            chi_squared += eigenvectors.column(index).dot(signal).powi(2) / eigenvalue;
+            freedom += 1;
+        }
+    }
+    if freedom == 0 {
+        return Score::NONE;
+    }
+    Score { chi_squared, ln_probability: ln_probability_above(chi_squared, freedom) }
+}

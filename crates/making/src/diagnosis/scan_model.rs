@@ -1,0 +1,197 @@
+//! The readings of a scan as a function of the unknowns: residuals and exact derivatives, whitened by
+//! the noise.
+
+use glam::{DQuat, DVec3};
+use magsplice_field::Scene;
+use magsplice_magnet::{Quantity, Tile};
+use magsplice_tolerance::{RealFilm, TileResponse};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::error::DiagnosisError;
+use super::unknowns::{State, Unknown, Unknowns};
+
+/// Most bytes of derivatives, and of the products of all pairs of them.
+const LARGEST_BYTES: usize = 1 << 31;
+
+/// Number of sums that are added independently, so that a processor adds several at once.
+const LANES: usize = 8;
+
+/// A film above the points of a scan.
+#[derive(Clone, Debug)]
+pub(crate) struct ScanModel {
+    pub(crate) film: RealFilm,
+    pub(crate) points: Vec<DVec3>,
+    pub(crate) noise_t: DVec3,
+    pub(crate) unknowns: Unknowns,
+}
+
+/// The model at one state, as a linear function of the unknowns around it.
+#[derive(Clone, Debug)]
+pub(crate) struct Linearized {
+    pub(crate) state: State,
+    /// B of the film so described, at the points, as the sensor of the scan reads it.
+    field_t: Vec<DVec3>,
+    /// The derivative of all whitened readings by each unknown.
+    columns: Vec<Vec<f64>>,
+    /// Products of all pairs of columns.
+    pub(crate) gram: DMatrix<f64>,
+}
+
+/// A state with the readings that were measured.
+#[derive(Clone, Debug)]
+pub(crate) struct Compared {
+    /// Readings less those of the model, in tesla.
+    pub(crate) residuals_t: Vec<DVec3>,
+    /// The sum of their squares, each over the square of the noise.
+    pub(crate) chi_squared: f64,
+    /// The products of the columns with the residuals of the linear model at the origin of all unknowns.
+    pub(crate) projected: DVector<f64>,
+}
+
+impl ScanModel {
+    /// Refuses what does not fit in memory.
+    pub(crate) fn checked(self) -> Result<ScanModel, DiagnosisError> {
+        let (unknowns, readings) = (self.unknowns.list.len(), 3 * self.points.len());
+        let bytes = readings.max(unknowns).checked_mul(unknowns).and_then(|count| count.checked_mul(size_of::<f64>()));
+        if bytes.is_none_or(|bytes| bytes > LARGEST_BYTES) {
+            return Err(DiagnosisError::TooLarge { bytes });
+        }
+        Ok(self)
+    }
+
+    /// The model at a state. Derivatives by tiles that are as in `before` are taken from there.
+    pub(crate) fn linearized(&self, state: State, before: Option<&Linearized>) -> Result<Linearized, DiagnosisError> {
+        let tiles = self.film.tiles_with_errors(&state.tiles, &state.groups).map_err(DiagnosisError::Tile)?;
+        let scan = state.scan_parameters();
+        let places: Vec<DVec3> = self.points.iter().map(|point| *point + scan.start).collect();
+        let scene = Scene::new(&tiles);
+        let field_t = scene.field_at(Quantity::FluxDensity, &places).map_err(DiagnosisError::Points)?;
+        let before = before.filter(|before| before.state.scan == state.scan && before.state.groups == state.groups);
+        let is_new = |tile: usize| before.is_none_or(|before| before.state.tiles[tile] != state.tiles[tile]);
+        let has_groups = self.unknowns.list.iter().any(|unknown| matches!(unknown, Unknown::Group { .. }));
+        let responses: Vec<Option<TileResponse>> = (0..tiles.len())
+            .into_par_iter()
+            .map(|tile| match has_groups || is_new(tile) {
+                true => TileResponse::new(tile, &tiles[tile], &places).map(Some),
+                false => Ok(None),
+            })
+            .collect::<Result<_, _>>()?;
+        let moves_scan = self.unknowns.list.iter().any(|unknown| matches!(unknown, Unknown::Scan(7..)));
+        let gradient = match moves_scan {
+            true => scene.gradient_at(Quantity::FluxDensity, &places).map_err(DiagnosisError::Points)?,
+            false => Vec::new(),
+        };
+        let back = DQuat::from_scaled_axis(scan.rotation_rad).inverse();
+        let column = |index: usize| -> Option<Vec<f64>> {
+            let mut change_t = vec![DVec3::ZERO; places.len()];
+            match self.unknowns.list[index] {
+                Unknown::Tile { tile, error } => {
+                    responses[tile].as_ref().filter(|_| is_new(tile))?.add_derivative(
+                        error,
+                        tiles[tile].position(),
+                        &mut change_t,
+                    );
+                    scale_strength(error, state.tiles[tile], &mut change_t);
+                }
+                Unknown::Group { group, error } => {
+                    let tolerance = &self.film.tolerance().groups[group];
+                    let centre = self.film.group_centre_mm(tolerance);
+                    for &tile in &tolerance.tiles {
+                        responses[tile].as_ref()?.add_derivative(error, centre, &mut change_t);
+                    }
+                    scale_strength(error, state.groups[group], &mut change_t);
+                }
+                Unknown::Scan(0) => {
+                    change_t.iter_mut().zip(&field_t).for_each(|(change, b)| *change = *b / scan.strength);
+                }
+                // Added after the rotation; the inverse rotation below takes it back.
+                Unknown::Scan(axis @ 1..=3) => {
+                    let along = back.inverse() * DVec3::AXES[axis - 1] / scan.strength;
+                    change_t.iter_mut().for_each(|change| *change = along);
+                }
+                // A turn by d of the sensor changes the reading R^-1 b by R^-1 (b x d).
+                Unknown::Scan(axis @ 4..=6) => {
+                    let axis = DVec3::AXES[axis - 4];
+                    change_t.iter_mut().zip(&field_t).for_each(|(change, b)| *change = b.cross(axis));
+                }
+                Unknown::Scan(axis) => {
+                    change_t.iter_mut().zip(&gradient).for_each(|(change, slope)| *change = slope.col(axis - 7));
+                }
+            }
+            let whitened = |change: DVec3| (back * (scan.strength * change) / self.noise_t).to_array();
+            Some(change_t.into_iter().flat_map(whitened).collect())
+        };
+        let fresh: Vec<Option<Vec<f64>>> = (0..self.unknowns.list.len()).into_par_iter().map(column).collect();
+        let is_fresh: Vec<bool> = fresh.iter().map(Option::is_some).collect();
+        let old = |index: usize| before.map_or_else(Vec::new, |before| before.columns[index].clone());
+        let columns: Vec<Vec<f64>> =
+            fresh.into_iter().enumerate().map(|(index, column)| column.unwrap_or_else(|| old(index))).collect();
+        let gram = products(&columns, |i, j| match before {
+            Some(before) if !is_fresh[i] && !is_fresh[j] => Some(before.gram[(i, j)]),
+            _ => None,
+        });
+        let field_t = field_t.into_iter().map(|field_t| scan.reading_t(field_t)).collect();
+        Ok(Linearized { state, field_t, columns, gram })
+    }
+
+    /// The tiles of a state.
+    pub(crate) fn tiles(&self, state: &State) -> Result<Vec<Tile>, DiagnosisError> {
+        self.film.tiles_with_errors(&state.tiles, &state.groups).map_err(DiagnosisError::Tile)
+    }
+
+    /// The readings beside those of a state.
+    pub(crate) fn compared(&self, at: &Linearized, readings_t: &[DVec3]) -> Compared {
+        let residuals_t: Vec<DVec3> = readings_t.iter().zip(&at.field_t).map(|(reading, b)| *reading - *b).collect();
+        let whitened: Vec<f64> =
+            residuals_t.iter().flat_map(|residual| (*residual / self.noise_t).to_array()).collect();
+        let values = self.values(&at.state);
+        let projected: Vec<f64> = at.columns.par_iter().map(|column| dot(column, &whitened)).collect();
+        let projected = DVector::from_vec(projected) + &at.gram * values;
+        Compared { residuals_t, chi_squared: dot(&whitened, &whitened), projected }
+    }
+
+    /// The values of all unknowns in a state.
+    pub(crate) fn values(&self, state: &State) -> DVector<f64> {
+        DVector::from_iterator(self.unknowns.list.len(), self.unknowns.list.iter().map(|unknown| state.get(*unknown)))
+    }
+
+    /// A state with these values of the unknowns.
+    pub(crate) fn state(&self, from: &State, values: &DVector<f64>) -> State {
+        let mut state = from.clone();
+        self.unknowns.list.iter().zip(values.iter()).for_each(|(unknown, value)| state.set(*unknown, *value));
+        state
+    }
+}
+
+/// A response is by the strength that the tile has; errors are fractions of the nominal one.
+fn scale_strength(error: usize, values: [f64; magsplice_layout::TileErrors::COUNT], change_t: &mut [DVec3]) {
+    if error == STRENGTH && values[STRENGTH] != 0.0 {
+        change_t.iter_mut().for_each(|change| *change /= 1.0 + values[STRENGTH]);
+    }
+}
+
+/// Number of the error of strength, see [`TileErrors::all`](magsplice_layout::TileErrors::all).
+const STRENGTH: usize = 9;
+
+/// The products of all pairs of columns, some of which are known.
+fn products(columns: &[Vec<f64>], known: impl Fn(usize, usize) -> Option<f64> + Sync) -> DMatrix<f64> {
+    let rows: Vec<Vec<f64>> = (0..columns.len())
+        .into_par_iter()
+        .map(|i| (0..=i).map(|j| known(i, j).unwrap_or_else(|| dot(&columns[i], &columns[j]))).collect())
+        .collect();
+    DMatrix::from_fn(columns.len(), columns.len(), |i, j| rows[i.max(j)][i.min(j)])
+}
+
+/// The scalar product, in an order that depends on the length alone.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (blocks_a, blocks_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest: f64 = blocks_a.remainder().iter().zip(blocks_b.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in blocks_a.zip(blocks_b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}

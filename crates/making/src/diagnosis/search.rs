@@ -1,0 +1,189 @@
+//! Which errors are named: forward selection, backward elimination and exchange, each with a refit by
+//! Gauss-Newton steps.
+
+use glam::DVec3;
+
+use super::error::DiagnosisError;
+use super::error_kind::ErrorKind;
+use super::ridge::{Ridge, Score};
+use super::scan_model::{Compared, Linearized, ScanModel};
+
+/// Fall of the sum of squares, in units of the variance of the noise, below which Gauss-Newton steps end.
+/// Errors then change by a thirtieth of their standard deviation.
+const LEAST_GAIN: f64 = 1e-3;
+
+/// Most Gauss-Newton steps of a fit. Errors of 10 degrees or 0.5 mm need about six.
+const MOST_STEPS: usize = 20;
+
+/// Most halvings of a step.
+const MOST_HALVINGS: usize = 12;
+
+/// Logarithm of the ratio of probabilities up to which another error could be the one that is named: a
+/// thousand.
+const ALTERNATIVE: f64 = 6.9;
+
+/// An error that may be named: a tile and what is wrong with it.
+pub(crate) type TileAndKind = (usize, ErrorKind);
+
+/// A search for wrong tiles in one scan.
+pub(crate) struct Search<'a> {
+    pub(crate) model: &'a ScanModel,
+    pub(crate) readings_t: &'a [DVec3],
+    pub(crate) candidates: &'a [TileAndKind],
+    /// The logarithm of the probability below which an error is named.
+    pub(crate) ln_limit: f64,
+}
+
+/// The model at the errors that were found.
+pub(crate) struct Found {
+    pub(crate) at: Linearized,
+    pub(crate) compared: Compared,
+    pub(crate) named: Vec<NamedCandidate>,
+}
+
+/// An error that is named, with its test and the errors that explain the readings nearly as well.
+#[derive(Clone, Debug)]
+pub(crate) struct NamedCandidate {
+    pub(crate) error: TileAndKind,
+    pub(crate) score: Score,
+    pub(crate) alternatives: Vec<TileAndKind>,
+}
+
+impl Search<'_> {
+    /// The errors that noise and ordinary errors do not explain, beginning with the model at `start`.
+    pub(crate) fn run(&self, start: &Linearized, mut watch: impl FnMut(usize)) -> Result<Found, DiagnosisError> {
+        let mut named: Vec<TileAndKind> = Vec::new();
+        let mut visited: Vec<Vec<TileAndKind>> = vec![Vec::new()];
+        let (mut at, mut compared) = self.converged(start.clone(), &named)?;
+        loop {
+            watch(named.len());
+            let Some(next) = self.next(&at, &compared, &named, &visited)? else { break };
+            named = next;
+            let mut sorted = named.clone();
+            sorted.sort_unstable();
+            visited.push(sorted);
+            (at, compared) = self.converged(at, &named)?;
+        }
+        let mut tested = named
+            .iter()
+            .map(|error| {
+                let scores = self.without(&at, &compared, &named, *error)?;
+                let own = scores.iter().find(|(other, _)| other == error).map_or(Score::NONE, |(_, score)| *score);
+                let is_alike = |(other, score): &(TileAndKind, Score)| {
+                    other != error && score.ln_probability < own.ln_probability + ALTERNATIVE
+                };
+                let mut alike: Vec<(TileAndKind, Score)> = scores.into_iter().filter(is_alike).collect();
+                alike.sort_by(|a, b| a.1.ln_probability.total_cmp(&b.1.ln_probability));
+                let alternatives = alike.into_iter().map(|(other, _)| other).collect();
+                Ok(NamedCandidate { error: *error, score: own, alternatives })
+            })
+            .collect::<Result<Vec<NamedCandidate>, DiagnosisError>>()?;
+        tested.sort_by(|a, b| a.score.ln_probability.total_cmp(&b.score.ln_probability));
+        Ok(Found { at, compared, named: tested })
+    }
+
+    /// The named errors of the next round: one less, another one, or one more. `None` if all stand and no
+    /// further one is significant.
+    fn next(
+        &self,
+        at: &Linearized,
+        compared: &Compared,
+        named: &[TileAndKind],
+        visited: &[Vec<TileAndKind>],
+    ) -> Result<Option<Vec<TileAndKind>>, DiagnosisError> {
+        let is_new = |errors: &[TileAndKind]| {
+            let mut sorted = errors.to_vec();
+            sorted.sort_unstable();
+            !visited.contains(&sorted)
+        };
+        let rest = |error: TileAndKind| named.iter().copied().filter(|other| *other != error).collect::<Vec<_>>();
+        let mut weakest: Option<(TileAndKind, f64)> = None;
+        let mut exchange: Option<(Vec<TileAndKind>, f64)> = None;
+        for error in named {
+            let scores = self.without(at, compared, named, *error)?;
+            let own = scores.iter().find(|(other, _)| other == error).map_or(0.0, |(_, score)| score.ln_probability);
+            if own > self.ln_limit && weakest.is_none_or(|(_, least)| own > least) {
+                weakest = Some((*error, own));
+            }
+            for (other, score) in scores.iter().filter(|(other, _)| other != error) {
+                let gain = own - score.ln_probability;
+                if gain > 0.0 && exchange.as_ref().is_none_or(|(_, most)| gain > *most) {
+                    let exchanged: Vec<TileAndKind> = rest(*error).into_iter().chain([*other]).collect();
+                    if is_new(&exchanged) {
+                        exchange = Some((exchanged, gain));
+                    }
+                }
+            }
+        }
+        if let Some(fewer) = weakest.map(|(error, _)| rest(error)) {
+            return Ok(Some(fewer).filter(|fewer| is_new(fewer)));
+        }
+        if let Some((exchanged, _)) = exchange {
+            return Ok(Some(exchanged));
+        }
+        let ridge = Ridge::new(&at.gram, &compared.projected, &self.model.unknowns.with_named(named))?;
+        let best = self
+            .scores(&ridge, named)
+            .into_iter()
+            .filter(|(_, score)| score.ln_probability < self.ln_limit)
+            .min_by(|a, b| a.1.ln_probability.total_cmp(&b.1.ln_probability));
+        Ok(best.map(|(error, _)| named.iter().copied().chain([error]).collect()).filter(|more: &Vec<_>| is_new(more)))
+    }
+
+    /// The tests of all errors that are not named once `error` is not.
+    fn without(
+        &self,
+        at: &Linearized,
+        compared: &Compared,
+        named: &[TileAndKind],
+        error: TileAndKind,
+    ) -> Result<Vec<(TileAndKind, Score)>, DiagnosisError> {
+        let rest: Vec<TileAndKind> = named.iter().copied().filter(|other| *other != error).collect();
+        let ridge = Ridge::new(&at.gram, &compared.projected, &self.model.unknowns.with_named(&rest))?;
+        Ok(self.scores(&ridge, &rest))
+    }
+
+    /// The tests of all errors but those that are named.
+    fn scores(&self, ridge: &Ridge, named: &[TileAndKind]) -> Vec<(TileAndKind, Score)> {
+        let others: Vec<TileAndKind> = self.candidates.iter().copied().filter(|error| !named.contains(error)).collect();
+        let components: Vec<Vec<usize>> =
+            others.iter().map(|(tile, kind)| self.model.unknowns.of_error(*tile, *kind)).collect();
+        others.into_iter().zip(ridge.scores(&components)).collect()
+    }
+
+    /// The model at the fit of all unknowns, by Gauss-Newton steps.
+    fn converged(&self, from: Linearized, named: &[TileAndKind]) -> Result<(Linearized, Compared), DiagnosisError> {
+        let deviations = self.model.unknowns.with_named(named);
+        let mut values = self.model.values(&from.state);
+        // Errors that are named no longer are ordinary ones, or none.
+        values.iter_mut().zip(&deviations).filter(|(_, d)| **d == 0.0).for_each(|(value, _)| *value = 0.0);
+        let state = self.model.state(&from.state, &values);
+        let mut at = if state == from.state { from } else { self.model.linearized(state, Some(&from))? };
+        let objective = |compared: &Compared, values: &nalgebra::DVector<f64>| {
+            let prior =
+                |(value, deviation): (&f64, &f64)| if *deviation > 0.0 { (value / deviation).powi(2) } else { 0.0 };
+            compared.chi_squared + values.iter().zip(&deviations).map(prior).sum::<f64>()
+        };
+        let mut compared = self.model.compared(&at, self.readings_t);
+        for _ in 0..MOST_STEPS {
+            let ridge = Ridge::new(&at.gram, &compared.projected, &deviations)?;
+            if ridge.gain(&values) < LEAST_GAIN {
+                break;
+            }
+            let step = &ridge.estimate - &values;
+            let now = objective(&compared, &values);
+            let mut share = 1.0;
+            let better = (0..MOST_HALVINGS).find_map(|_| {
+                let next = &values + &step * share;
+                share *= 0.5;
+                // A step to tiles or points that cannot be is too long.
+                let there = self.model.linearized(self.model.state(&at.state, &next), Some(&at)).ok()?;
+                let compared = self.model.compared(&there, self.readings_t);
+                (objective(&compared, &next) < now).then_some((next, there, compared))
+            });
+            let Some((next, there, next_compared)) = better else { break };
+            (values, at, compared) = (next, there, next_compared);
+        }
+        Ok((at, compared))
+    }
+}

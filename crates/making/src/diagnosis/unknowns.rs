@@ -1,0 +1,152 @@
+//! The unknowns of a scan as one list, and their prior deviations.
+
+use glam::DVec3;
+use magsplice_layout::{FilmTolerance, TileErrors};
+use magsplice_sensor::{FreeParameters, ScanParameters};
+use magsplice_tolerance::mean_square;
+
+use super::error_kind::ErrorKind;
+
+/// Prior deviation of the components of an error that is named, numbered as in [`TileErrors::all`]: far
+/// above what the scan tells, yet so small that a direction it does not tell stays where the model holds.
+const WIDE: [f64; TileErrors::COUNT] = [0.5, 0.5, 0.5, 0.2, 0.2, 0.2, 0.5, 0.5, 0.5, 0.5, 0.2, 0.2];
+
+/// Number of parameters of a scan: strength, and three each of offset, rotation and start.
+pub(crate) const SCAN_PARAMETERS: usize = 10;
+
+/// Prior deviation of the strength of all tiles.
+const WIDE_STRENGTH: f64 = 1.0;
+/// Prior deviation of the offset, in tesla: a hundred times the field of the earth.
+const WIDE_OFFSET_T: f64 = 5e-3;
+/// Prior deviation of the rotation of the sensor, in radians.
+const WIDE_ROTATION_RAD: f64 = 0.3;
+/// Prior deviation of the start of the scan, in millimetres.
+const WIDE_START_MM: f64 = 1.0;
+
+/// One number that is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unknown {
+    /// An error of a tile.
+    Tile { tile: usize, error: usize },
+    /// An error of a group of tiles.
+    Group { group: usize, error: usize },
+    /// A parameter of the scan.
+    Scan(usize),
+}
+
+/// All unknowns with their ordinary deviations.
+#[derive(Clone, Debug)]
+pub(crate) struct Unknowns {
+    pub(crate) list: Vec<Unknown>,
+    /// Standard deviation of each if nothing is wrong; 0 for what is then exactly as ordered.
+    pub(crate) ordinary: Vec<f64>,
+}
+
+impl Unknowns {
+    /// Those of this many tiles whose ordinary errors are these.
+    pub(crate) fn new(tiles: usize, ordinary: &FilmTolerance, free: FreeParameters) -> Unknowns {
+        let (mut list, mut deviations) = (Vec::new(), Vec::new());
+        let mut add = |unknown, deviation| {
+            list.push(unknown);
+            deviations.push(deviation);
+        };
+        for tile in 0..tiles {
+            let errors = ordinary.tiles.get(tile).map(TileErrors::all);
+            for error in 0..TileErrors::COUNT {
+                let deviation = errors.map_or(0.0, |errors| mean_square(errors[error]).sqrt());
+                if deviation > 0.0 || ErrorKind::of_component(error).is_some() {
+                    add(Unknown::Tile { tile, error }, deviation);
+                }
+            }
+        }
+        for (group, errors) in ordinary.groups.iter().enumerate() {
+            for (error, distribution) in errors.errors.all().into_iter().enumerate() {
+                let deviation = mean_square(distribution).sqrt();
+                if deviation > 0.0 {
+                    add(Unknown::Group { group, error }, deviation);
+                }
+            }
+        }
+        for parameter in 0..SCAN_PARAMETERS {
+            let (is_free, deviation) = match parameter {
+                0 => (free.strength, WIDE_STRENGTH),
+                1..=3 => (free.offset, WIDE_OFFSET_T),
+                4..=6 => (free.rotation, WIDE_ROTATION_RAD),
+                _ => (free.start, WIDE_START_MM),
+            };
+            if is_free {
+                add(Unknown::Scan(parameter), deviation);
+            }
+        }
+        Unknowns { list, ordinary: deviations }
+    }
+
+    /// The indices of the components of an error of a tile.
+    pub(crate) fn of_error(&self, tile: usize, kind: ErrorKind) -> Vec<usize> {
+        let is_part = |unknown: &Unknown| matches!(unknown, Unknown::Tile { tile: other, error } if *other == tile && kind.components().contains(error));
+        (0..self.list.len()).filter(|index| is_part(&self.list[*index])).collect()
+    }
+
+    /// The deviations if these errors of tiles may have any value.
+    pub(crate) fn with_named(&self, named: &[(usize, ErrorKind)]) -> Vec<f64> {
+        let mut deviations = self.ordinary.clone();
+        for (tile, kind) in named {
+            for index in self.of_error(*tile, *kind) {
+                if let Unknown::Tile { error, .. } = self.list[index] {
+                    deviations[index] = WIDE[error];
+                }
+            }
+        }
+        deviations
+    }
+
+    /// Number of unknowns of the scan.
+    pub(crate) fn of_scan(&self) -> usize {
+        self.list.iter().filter(|unknown| matches!(unknown, Unknown::Scan(_))).count()
+    }
+}
+
+/// A value of every error of a film and parameter of a scan.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct State {
+    pub(crate) tiles: Vec<[f64; TileErrors::COUNT]>,
+    pub(crate) groups: Vec<[f64; TileErrors::COUNT]>,
+    /// Strength less 1, offset, rotation, start.
+    pub(crate) scan: [f64; SCAN_PARAMETERS],
+}
+
+impl State {
+    /// The nominal film in this scan.
+    pub(crate) fn nominal(tiles: usize, groups: usize, scan: &ScanParameters) -> State {
+        let vectors = [scan.offset_t, scan.rotation_rad, scan.start];
+        let mut values = [scan.strength - 1.0; SCAN_PARAMETERS];
+        for (values, vector) in values[1..].chunks_exact_mut(3).zip(vectors) {
+            values.copy_from_slice(&vector.to_array());
+        }
+        let none = [0.0; TileErrors::COUNT];
+        State { tiles: vec![none; tiles], groups: vec![none; groups], scan: values }
+    }
+
+    pub(crate) fn get(&self, unknown: Unknown) -> f64 {
+        match unknown {
+            Unknown::Tile { tile, error } => self.tiles[tile][error],
+            Unknown::Group { group, error } => self.groups[group][error],
+            Unknown::Scan(parameter) => self.scan[parameter],
+        }
+    }
+
+    pub(crate) fn set(&mut self, unknown: Unknown, value: f64) {
+        match unknown {
+            Unknown::Tile { tile, error } => self.tiles[tile][error] = value,
+            Unknown::Group { group, error } => self.groups[group][error] = value,
+            Unknown::Scan(parameter) => self.scan[parameter] = value,
+        }
+    }
+
+    /// The parameters of the scan.
+    pub(crate) fn scan_parameters(&self) -> ScanParameters {
+        let [strength, ..] = self.scan;
+        let vector = |first: usize| DVec3::from_slice(&self.scan[first..first + 3]);
+        ScanParameters { strength: 1.0 + strength, offset_t: vector(1), rotation_rad: vector(4), start: vector(7) }
+    }
+}

@@ -1,0 +1,91 @@
+//! What the scan cannot tell: errors that it hardly narrows, and errors that look alike.
+
+use super::error::DiagnosisError;
+use super::ridge::Ridge;
+use super::scan_model::Linearized;
+use super::unknowns::{Unknown, Unknowns};
+
+/// Standard deviation after the scan over that before it from which on the scan does not tell an error.
+const HARDLY_NARROWED: f64 = 0.5;
+
+/// Correlation of what two errors change in the readings from which on they look alike: then a tenth of the
+/// signal of one remains beside the other.
+const ALIKE: f64 = 0.995;
+
+/// An error of a tile that the scan hardly narrows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Untold {
+    /// Index of the tile.
+    pub tile: usize,
+    /// Number of the error, as in [`TileErrors::all`](magsplice_layout::TileErrors::all).
+    pub error: usize,
+    /// Standard deviation before the scan, in mm, radians, or as a fraction.
+    pub before: f64,
+    /// Standard deviation after it.
+    pub after: f64,
+}
+
+/// Two errors that change the readings alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct SimilarErrors {
+    /// Index of the first tile, and number of its error.
+    pub first: (usize, usize),
+    /// Those of the second.
+    pub second: (usize, usize),
+    /// Correlation of what both change in the readings, over the noise.
+    pub correlation: f64,
+}
+
+/// The errors of all tiles with their standard deviations before and after the scan, if all have ordinary
+/// errors of these deviations.
+pub(crate) fn narrowed(at: &Linearized, unknowns: &Unknowns, before: &[f64]) -> Result<Vec<Untold>, DiagnosisError> {
+    let projected = nalgebra::DVector::zeros(before.len());
+    let after = Ridge::new(&at.gram, &projected, before)?.deviations();
+    let errors = unknowns.list.iter().zip(before).zip(after.iter());
+    Ok(errors
+        .filter_map(|((unknown, before), after)| match unknown {
+            Unknown::Tile { tile, error } if *before > 0.0 => {
+                Some(Untold { tile: *tile, error: *error, before: *before, after: *after })
+            }
+            _ => None,
+        })
+        .collect())
+}
+
+impl Untold {
+    /// Standard deviation after the scan over that before it.
+    pub fn ratio(&self) -> f64 {
+        self.after / self.before
+    }
+
+    /// Whether the scan hardly narrows the error.
+    pub fn is_untold(&self) -> bool {
+        self.ratio() > HARDLY_NARROWED
+    }
+}
+
+/// All pairs of errors of tiles that look alike, the most alike first.
+pub(crate) fn similar(at: &Linearized, unknowns: &Unknowns) -> Vec<SimilarErrors> {
+    let errors: Vec<(usize, (usize, usize))> = unknowns
+        .list
+        .iter()
+        .enumerate()
+        .filter_map(|(index, unknown)| match unknown {
+            Unknown::Tile { tile, error } => Some((index, (*tile, *error))),
+            _ => None,
+        })
+        .collect();
+    let mut pairs = Vec::new();
+    for (number, (j, second)) in errors.iter().enumerate() {
+        for (i, first) in &errors[..number] {
+            let correlation = at.gram[(*i, *j)] / (at.gram[(*i, *i)] * at.gram[(*j, *j)]).sqrt();
+            if correlation.abs() > ALIKE {
+                pairs.push(SimilarErrors { first: *first, second: *second, correlation });
+            }
+        }
+    }
+    pairs.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
+    pairs
+}
