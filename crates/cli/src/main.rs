@@ -109,6 +109,7 @@ fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
         Verb::Experiment(args) => verbs::experiment::run(args, quiet),
         Verb::Calibrate(args) => verbs::calibrate::run(args, quiet),
         Verb::Scan(args) => verbs::scan::run(args, quiet),
+        Verb::Diagnose(args) => verbs::diagnose::run(args, quiet),
         Verb::Resolution(args) => verbs::resolution::run(args, quiet),
         #[cfg(feature = "report")]
         Verb::Report(args) => verbs::report::run(args, quiet),

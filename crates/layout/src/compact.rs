@@ -31,6 +31,8 @@ struct Head<'a> {
     description: Option<&'a str>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     history: &'a [String],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    overlap_mm: Option<f64>,
 }
 
 /// The tables, which TOML requires after the keys.
@@ -80,7 +82,8 @@ impl Layout {
     pub fn to_compact_toml(&self) -> String {
         let written = "numbers and strings can always be written as TOML";
         let Layout { name, description, history, .. } = self;
-        let head = Head { format: FORMAT, name, description: description.as_deref(), history };
+        let overlap_mm = (self.overlap_mm > 0.0).then_some(self.overlap_mm);
+        let head = Head { format: FORMAT, name, description: description.as_deref(), history, overlap_mm };
         let lines = lines(&self.tiles);
         let tables = Tables {
             ideal: self.ideal.map(|film| IdealTable {

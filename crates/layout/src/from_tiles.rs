@@ -41,6 +41,7 @@ impl Layout {
             sensor: None,
             elastomer: None,
             history,
+            overlap_mm: 0.0,
             tiles,
             sha256: String::new(),
             findings: Vec::new(),

@@ -62,7 +62,9 @@ pub struct Layout {
     pub elastomer: Option<Elastomer>,
     /// The steps that led to this layout, one text each.
     pub history: Vec<String>,
-    /// All tiles, repetitions written out. No two of them overlap by more than round-off.
+    /// Depth by which tiles may overlap, in millimetres: 0 but for films as they were measured.
+    pub overlap_mm: f64,
+    /// All tiles, repetitions written out. No two of them overlap by more than round-off and `overlap_mm`.
     pub tiles: Vec<NamedTile>,
     /// SHA-256 of the file's bytes, in lower-case hexadecimal.
     pub sha256: String,

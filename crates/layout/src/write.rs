@@ -45,6 +45,7 @@ impl Layout {
             name: &self.name,
             description: self.description.as_deref(),
             history: &self.history,
+            overlap_mm: (self.overlap_mm > 0.0).then_some(self.overlap_mm),
             ideal: self.ideal.map(|film| IdealTable {
                 wavelength_mm: film.wavelength(),
                 thickness_mm: film.thickness(),
@@ -74,6 +75,8 @@ pub struct PlainLayout<'a> {
     description: Option<&'a str>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     history: &'a [String],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    overlap_mm: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     ideal: Option<IdealTable>,
     #[serde(skip_serializing_if = "Option::is_none")]

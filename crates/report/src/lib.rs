@@ -55,6 +55,7 @@ mod typeset;
 pub use error::ReportError;
 pub use figure::{Figure, SvgText};
 pub use figures::budget::{BudgetBar, budget_figure};
+pub use figures::diagnosis::{DiagnosedTile, TileFault, diagnosis_figure};
 pub use figures::experiment::{ExperimentCurves, experiment_figure};
 pub use figures::front::{FrontAxis, FrontFigure, FrontFilm};
 pub use figures::laying_plan::{LaidTile, laying_plan_figure};

@@ -12,6 +12,8 @@ pub(crate) mod budget;
 pub(crate) mod check;
 /// Arguments of the verbs that search for films: `design`, `splice`.
 pub(crate) mod design;
+/// Arguments of `diagnose`.
+pub(crate) mod diagnose;
 /// Arguments of the verbs that evaluate a film: `field`, `compare`, `decouple`, `plan`, `report`.
 pub(crate) mod evaluate;
 /// Arguments of `experiment`.
@@ -43,6 +45,7 @@ use self::bench::BenchArgs;
 use self::budget::BudgetArgs;
 use self::check::CheckArgs;
 use self::design::{DesignArgs, SpliceArgs};
+use self::diagnose::DiagnoseArgs;
 #[cfg(feature = "report")]
 use self::evaluate::ReportArgs;
 use self::evaluate::{CompareArgs, DecoupleArgs, FieldArgs, PlanArgs};
@@ -110,6 +113,7 @@ pub(crate) enum Verb {
     Experiment(ExperimentArgs),
     Calibrate(CalibrateArgs),
     Scan(ScanArgs),
+    Diagnose(DiagnoseArgs),
     Check(CheckArgs),
     Design(DesignArgs),
     Splice(SpliceArgs),

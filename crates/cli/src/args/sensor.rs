@@ -111,7 +111,7 @@ impl FluxUnitArg {
 /// Largest noise: that of a sensor which sees nothing of any permanent magnet.
 const MAX_NOISE_T: f64 = 1.0;
 
-fn noise(text: &str) -> Result<Noise, String> {
+pub(crate) fn noise(text: &str) -> Result<Noise, String> {
     let parts: Vec<&str> = text.split(',').collect();
     let axes = match parts[..] {
         [all] => [all; 3],

@@ -18,6 +18,8 @@ pub(crate) mod decouple;
 pub(crate) mod decouple_points;
 /// `design --front`: the films of a front.
 pub(crate) mod design;
+/// `diagnose`: the tiles that are wrong, and what the scan cannot tell.
+pub(crate) mod diagnose;
 /// `field`: every point.
 pub(crate) mod field;
 /// `plan`: the methods, their truncation errors and costs.

@@ -1,7 +1,9 @@
-//! Readings of a sensor: their files, and results of `read`, `calibrate` and `scan`.
+//! Readings of a sensor: their files, and results of `read`, `calibrate`, `scan` and `diagnose`.
 
 /// Results of `calibrate`.
 pub(crate) mod calibration;
+/// Results of `diagnose`: a film with what a scan tells of its tiles.
+pub(crate) mod diagnosed_film;
 /// Displacements from readings below a film.
 pub(crate) mod film_readings;
 /// What noise lets a sensor see.

@@ -16,6 +16,8 @@ pub(crate) mod decouple;
 pub(crate) mod decouple_points;
 /// `design` and `splice`: a film that was found, and the films of a front.
 pub(crate) mod design;
+/// `diagnose`: the tiles that are wrong, and what the scan cannot tell.
+pub(crate) mod diagnose;
 /// The header of a film: its name, tiles, working volume and accuracy.
 pub(crate) mod header;
 /// Numbers and counts in words.

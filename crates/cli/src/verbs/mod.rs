@@ -18,6 +18,11 @@ pub(crate) mod completions;
 pub(crate) mod decouple;
 /// Searches for a better film.
 pub(crate) mod design;
+/// Tells which tiles of a film that was made are wrong.
+pub(crate) mod diagnose;
+/// `diagnose --figure`: wrong tiles, and how much the scan tells of each.
+#[cfg(feature = "report")]
+mod diagnose_figure;
 /// Moves the film and tells what its sensor reads.
 pub(crate) mod experiment;
 /// Writes the film for another program.

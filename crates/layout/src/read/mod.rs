@@ -227,6 +227,8 @@ fn resolve(file: LayoutFile, text: &str, sha256: String, source: &Source) -> Res
     let mut findings = radians::about_angles(&file);
     check_format(&file.format, &mut faults);
     names::check_name("name", &file.name, &mut faults.at(&(0..0), "layout"));
+    let overlap_mm = file.overlap_mm.unwrap_or(0.0);
+    number_rules::check_not_negative("overlap_mm", overlap_mm, &mut faults.at(&(0..0), "layout"));
     let present = TablesPresent {
         ideal: file.ideal.is_some(),
         volume: file.volume.is_some(),
@@ -300,7 +302,7 @@ fn resolve(file: LayoutFile, text: &str, sha256: String, source: &Source) -> Res
         tolerance::resolve(&table, whole, &source.folder, &read_neighbour, &mut faults, &mut findings)
     });
     if faults.is_empty() {
-        overlap::check(&tiles, &entries, &mut faults);
+        overlap::check(&tiles, &entries, overlap_mm, &mut faults);
     }
     if !faults.is_empty() {
         return Err(faults.into_sorted());
@@ -327,6 +329,7 @@ fn resolve(file: LayoutFile, text: &str, sha256: String, source: &Source) -> Res
         sensor,
         elastomer,
         history: file.history,
+        overlap_mm,
         tiles,
         sha256,
         findings,

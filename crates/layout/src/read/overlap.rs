@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use magsplice_magnet::{BoundingBox, Overlap, Tile, overlaps_among};
+use magsplice_magnet::{BoundingBox, Overlap, Tile, TooManyPairs, overlaps_among};
 
 use crate::layout::NamedTile;
 use crate::limits::{MAX_LISTED, MAX_OVERLAPS, PAIRS_PER_TILE, SPARE_PAIRS};
@@ -15,15 +15,16 @@ use crate::tables::tile::AXIS_LETTERS;
 /// listed once for each axis that the mirror reflects.
 type Between = (usize, usize, Option<usize>);
 
-/// Adds a fault for each pair of entries with tiles that overlap by more than round-off. A pair of
+/// Adds a fault for each pair of entries with tiles that overlap by more than round-off and `allowed_mm`. A pair of
 /// tiles that stand in the file is named before one of images.
-pub(crate) fn check(tiles: &[NamedTile], entries: &[Entry], faults: &mut Faults) {
+pub(crate) fn check(tiles: &[NamedTile], entries: &[Entry], allowed_mm: f64, faults: &mut Faults) {
     let bare: Vec<Tile> = tiles.iter().map(|named| named.tile).collect();
     let most = PAIRS_PER_TILE * tiles.len() + SPARE_PAIRS;
     let mut listed: BTreeMap<Between, [(usize, Origin); 2]> = BTreeMap::new();
     let mut order: Vec<(Between, Overlap)> = Vec::new();
     let mut more = false;
-    for (number, pair) in overlaps_among(&bare, most).enumerate() {
+    let is_refused = |pair: &Result<Overlap, TooManyPairs>| pair.as_ref().map_or(true, |pair| pair.depth > allowed_mm);
+    for (number, pair) in overlaps_among(&bare, most).filter(is_refused).enumerate() {
         let Ok(pair) = pair else {
             faults.add_to_layout(format!(
                 "more than {most} pairs of tiles may overlap, too many to examine: many tiles are in one place, for \
@@ -49,12 +50,16 @@ pub(crate) fn check(tiles: &[NamedTile], entries: &[Entry], faults: &mut Faults)
         }
         listed.insert(between, ends);
     }
+    let rule = match allowed_mm > 0.0 {
+        true => format!("must be at most overlap_mm = {allowed_mm}"),
+        false => "must not overlap".to_owned(),
+    };
     for (between, pair) in order {
         let [(_, first), (_, second)] = listed[&between];
         let place = format!("tile \"{}\"", tiles[second.original].name);
         let message = match between {
-            (_, _, Some(axis)) => of_own_image(&tiles[second.original], axis, &entries[second.entry], &pair),
-            _ => of_two(tiles, first, second, &pair),
+            (_, _, Some(axis)) => of_own_image(&tiles[second.original], axis, &entries[second.entry], &pair, &rule),
+            _ => of_two(tiles, first, second, &pair, &rule),
         };
         faults.at(&entries[second.entry].span, place).add(message);
     }
@@ -71,7 +76,7 @@ fn between(first: Origin, second: Origin) -> Between {
 
 /// A tile that reaches over its mirror normal to `axis`. It must leave this mirror, along the axis:
 /// its image moves with it along all others.
-fn of_own_image(named: &NamedTile, axis: usize, entry: &Entry, pair: &Overlap) -> String {
+fn of_own_image(named: &NamedTile, axis: usize, entry: &Entry, pair: &Overlap, rule: &str) -> String {
     let (name, letter) = (&named.name, AXIS_LETTERS[axis]);
     let mirror_mm = entry.mirror.map_or(0.0, |mirror| mirror.at_mm[axis]);
     let bounds = BoundingBox::from_tile(&named.tile);
@@ -86,13 +91,13 @@ fn of_own_image(named: &NamedTile, axis: usize, entry: &Entry, pair: &Overlap) -
         String::new()
     };
     format!(
-        "overlaps its own mirror image by {depth_mm} mm, must not overlap: move \"{name}\" by {move_mm} mm along \
+        "overlaps its own mirror image by {depth_mm} mm, {rule}: move \"{name}\" by {move_mm} mm along \
          {sign}{letter}{or}"
     )
 }
 
 /// Two tiles, of different entries or copies of one. Only the second moves; its image moves with it.
-fn of_two(tiles: &[NamedTile], first: Origin, second: Origin, pair: &Overlap) -> String {
+fn of_two(tiles: &[NamedTile], first: Origin, second: Origin, pair: &Overlap, rule: &str) -> String {
     let name = &tiles[second.original].name;
     let whole =
         if second.is_image() { format!("its image{} overlaps", mirrors(second)) } else { "overlaps".to_owned() };
@@ -103,7 +108,7 @@ fn of_two(tiles: &[NamedTile], first: Origin, second: Origin, pair: &Overlap) ->
         format!("tile \"{other}\"")
     };
     format!(
-        "{whole} {other} before it by {} mm, must not overlap: move \"{name}\" that far along {}",
+        "{whole} {other} before it by {} mm, {rule}: move \"{name}\" that far along {}",
         three_digits_up(pair.depth),
         direction(second.shift_of_original(pair.direction))
     )

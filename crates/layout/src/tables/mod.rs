@@ -79,6 +79,8 @@ pub(crate) struct LayoutFile {
     /// The steps that led to this layout, one text each.
     #[serde(default)]
     pub(crate) history: Vec<String>,
+    /// Depth by which tiles may overlap, in mm: that of films as they were measured. Default: 0.
+    pub(crate) overlap_mm: Option<f64>,
     /// Sizes and strengths by name, shared by all tiles that give this name as their kind.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, KindTable>")]

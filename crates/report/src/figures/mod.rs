@@ -4,6 +4,8 @@
 pub(crate) mod along_axes;
 /// The error budget as bars.
 pub(crate) mod budget;
+/// Wrong tiles, and how much a scan tells of each.
+pub(crate) mod diagnosis;
 /// Errors of the films that are made.
 pub(crate) mod distributions;
 /// Curves of a film that is moved along each axis.

@@ -1,0 +1,175 @@
+//! Results of `diagnose`: a film with what a scan tells of its tiles.
+
+use magsplice::layout::{Expectations, FilmTolerance, Layout, NamedTile, Rotation};
+use magsplice::magnet::overlaps;
+use magsplice::making::{Candidate, Diagnosis, ErrorKind, NamedError, SimilarErrors, Untold};
+use magsplice::prelude::{DQuat, DVec3, Tile};
+
+/// A layout with the diagnosis of a scan.
+pub(crate) struct DiagnosedFilm<'a> {
+    /// The film as ordered, with the ordinary errors.
+    pub(crate) layout: &'a Layout,
+    pub(crate) diagnosis: Diagnosis,
+    pub(crate) readings: usize,
+    pub(crate) noise_t: DVec3,
+    pub(crate) has_ordinary: bool,
+    pub(crate) false_alarm: f64,
+}
+
+/// Names of the errors of a tile with their units, and the factor from the unit of the library.
+const COMPONENTS: [(&str, &str); 12] = [
+    ("position x", "mm"),
+    ("position y", "mm"),
+    ("position z", "mm"),
+    ("rotation about x", "deg"),
+    ("rotation about y", "deg"),
+    ("rotation about z", "deg"),
+    ("size x", "mm"),
+    ("size y", "mm"),
+    ("size z", "mm"),
+    ("strength", "%"),
+    ("direction of J in the plane", "deg"),
+    ("direction of J out of the plane", "deg"),
+];
+
+/// Keys of the errors of a tile with their units, for tables and JSON.
+const KEYS: [&str; 12] = [
+    "position_x_mm",
+    "position_y_mm",
+    "position_z_mm",
+    "rotation_x_deg",
+    "rotation_y_deg",
+    "rotation_z_deg",
+    "size_x_mm",
+    "size_y_mm",
+    "size_z_mm",
+    "strength_percent",
+    "direction_in_plane_deg",
+    "direction_out_of_plane_deg",
+];
+
+/// The name of an error of a tile.
+pub(crate) fn component(error: usize) -> &'static str {
+    COMPONENTS[error].0
+}
+
+/// The unit in which an error of a tile is shown.
+pub(crate) fn unit(error: usize) -> &'static str {
+    COMPONENTS[error].1
+}
+
+/// The key of an error of a tile, with its unit.
+pub(crate) fn key(error: usize) -> &'static str {
+    KEYS[error]
+}
+
+/// An error of a tile in the unit in which it is shown.
+pub(crate) fn shown(error: usize, value: f64) -> f64 {
+    match unit(error) {
+        "deg" => value.to_degrees(),
+        "%" => 100.0 * value,
+        _ => value,
+    }
+}
+
+/// What is wrong in one word.
+pub(crate) fn kind(kind: ErrorKind) -> &'static str {
+    match kind {
+        ErrorKind::Strength => "strength",
+        ErrorKind::Turn => "turn",
+        ErrorKind::Direction => "direction",
+        ErrorKind::Displacement => "displacement",
+        _ => "error",
+    }
+}
+
+/// What is wrong in words, with its magnitude.
+pub(crate) fn in_words(named: &NamedError) -> String {
+    let magnitude = named.magnitude();
+    match named.candidate.kind {
+        ErrorKind::Strength if magnitude < 0.0 => format!("{:.2} % too weak", -100.0 * magnitude),
+        ErrorKind::Strength => format!("{:.2} % too strong", 100.0 * magnitude),
+        ErrorKind::Turn => format!("turned by {:.2} deg", magnitude.to_degrees()),
+        ErrorKind::Direction => format!("J turned by {:.2} deg", magnitude.to_degrees()),
+        _ => format!("displaced by {magnitude:.3} mm"),
+    }
+}
+
+impl DiagnosedFilm<'_> {
+    /// The name of a tile.
+    pub(crate) fn name(&self, tile: usize) -> &str {
+        &self.layout.tiles[tile].name
+    }
+
+    /// What could be wrong instead, in words.
+    pub(crate) fn candidate(&self, candidate: Candidate) -> String {
+        format!("{} of {}", kind(candidate.kind), self.name(candidate.tile))
+    }
+
+    /// Errors that the scan hardly narrows.
+    pub(crate) fn untold(&self) -> Vec<Untold> {
+        self.diagnosis.narrowed.iter().copied().filter(Untold::is_untold).collect()
+    }
+
+    /// The largest standard deviation of the errors of a tile after the scan over that before it.
+    #[cfg(feature = "report")]
+    pub(crate) fn untold_of(&self, tile: usize) -> f64 {
+        let of_tile = self.diagnosis.narrowed.iter().filter(|error| error.tile == tile);
+        of_tile.map(Untold::ratio).fold(0.0, f64::max)
+    }
+
+    /// Pairs of errors that look alike, without those of one tile between its turn and its J.
+    pub(crate) fn similar(&self) -> &[SimilarErrors] {
+        &self.diagnosis.similar
+    }
+
+    /// The film that was found as a layout. Requirements and the brief are those of the film as ordered, and
+    /// are left out; so are the errors of its tiles, which are now known.
+    pub(crate) fn found_layout(&self, original: &Layout, scan: &str) -> Layout {
+        let mut layout = original.clone();
+        for (named, tile) in layout.tiles.iter_mut().zip(&self.diagnosis.tiles) {
+            if named.tile != *tile {
+                *named = found_tile(named, tile);
+            }
+        }
+        let tiles = layout.bare_tiles();
+        let deepest = overlaps(&tiles).map(|pair| pair.depth).fold(0.0, f64::max);
+        if deepest > layout.overlap_mm {
+            layout.overlap_mm = rounded_up(deepest);
+        }
+        layout.expectations = Expectations::default();
+        layout.brief = None;
+        layout.tolerance =
+            layout.tolerance.map(|tolerance| FilmTolerance { tiles: Vec::new(), groups: Vec::new(), ..tolerance });
+        layout.tolerance = layout.tolerance.filter(|tolerance| *tolerance != FilmTolerance::default());
+        let named: Vec<String> = self
+            .diagnosis
+            .named
+            .iter()
+            .map(|named| format!("{} {}", self.name(named.candidate.tile), in_words(named)))
+            .collect();
+        layout.history.push(format!(
+            "magsplice {} diagnose: from \"{}\" (sha256 {}) by {}: {}",
+            env!("CARGO_PKG_VERSION"),
+            original.name,
+            &original.sha256[..12],
+            scan,
+            if named.is_empty() { "no tile is wrong".to_owned() } else { named.join(", ") }
+        ));
+        layout
+    }
+}
+
+/// A tile with its rotation as a layout writes it.
+fn found_tile(named: &NamedTile, tile: &Tile) -> NamedTile {
+    let DQuat { x, y, z, w } = tile.rotation();
+    let rotation = Rotation::from_quaternion([x, y, z, w]).ok().filter(|_| tile.rotation() != DQuat::IDENTITY);
+    // The quaternion that is read back from the file.
+    let turned = rotation.and_then(|rotation| tile.rotated(rotation.quaternion()).ok());
+    NamedTile { rotation, tile: turned.unwrap_or(*tile), ..named.clone() }
+}
+
+/// A micrometre more at most, so that the number in the file allows the overlap.
+fn rounded_up(depth_mm: f64) -> f64 {
+    (1e3 * depth_mm).ceil() / 1e3
+}

@@ -1,0 +1,174 @@
+//! `magsplice diagnose`: tells which tiles of a film that was made are wrong.
+
+use std::path::{Path, PathBuf};
+
+use magsplice::Stage;
+use magsplice::layout::{FilmTolerance, Layout};
+use magsplice::making::{DiagnosisError, DiagnosisSettings, FieldScan, ScanDiagnosis};
+use magsplice::prelude::{DVec3, Scene};
+use magsplice::sensor::{FreeParameters, ScanParameters, fit_scan};
+
+use crate::args::diagnose::{DiagnoseArgs, DiagnoseFormat};
+use crate::failure::{self, Failure};
+use crate::faults::FaultList;
+use crate::json::diagnose::DiagnoseJson;
+use crate::output::destination::Output;
+#[cfg(feature = "report")]
+use crate::output::figure_file;
+use crate::progress::ProgressLine;
+use crate::sensor::diagnosed_film::{self, DiagnosedFilm};
+use crate::sensor::reading_file;
+use crate::text::number::number;
+use crate::words::no_field;
+use crate::{json, remarks, text};
+
+pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
+    let progress = ProgressLine::start(!quiet);
+    let original = remarks::read_layout(&args.layout, remarks::OF_TILES, quiet, &progress)?;
+    let mut layout = original.clone();
+    args.preset.apply(&mut layout);
+    let inputs: Vec<&Path> = [&args.layout, &args.scan].into_iter().map(PathBuf::as_path).collect();
+    let found_file = args.output.as_deref().map(|path| Output::open(Some(path), &inputs)).transpose()?;
+    #[cfg(feature = "report")]
+    let figure = figure_file::open(args.figure.as_deref(), &inputs)?;
+    let noise_t = noise_t(args, &layout)?;
+    let groups = [reading_file::positions(), reading_file::flux_densities(None)];
+    let (rows, lines) = reading_file::read_all(&args.scan, &groups)?;
+    let element = layout.sensor.as_ref().map(|sensor| sensor.element).unwrap_or_default();
+    let (points_mm, readings_t): (Vec<DVec3>, Vec<DVec3>) = rows
+        .into_iter()
+        .map(|[point, reading]| (point, element.rotation * ((reading - element.offset_t) / element.gain)))
+        .unzip();
+    if !quiet && (element.plates != [DVec3::ZERO; 3] || element.active_area != [0.0; 2]) {
+        failure::tell(&format_args!(
+            "{}: the plates of [sensor] count as points at the positions of the scan",
+            args.layout.display()
+        ));
+    }
+
+    let ordinary = ordinary(&layout);
+    let has_ordinary = ordinary != FilmTolerance::default();
+    let refused = |error| refused(args, &layout, &lines, error);
+    let (tiles, readings) = (layout.bare_tiles(), readings_t.len());
+    progress.show(Stage::uncounted("preparing the diagnosis"));
+    let start = start(args, &tiles, &points_mm, &readings_t);
+    let scan = FieldScan { points_mm, noise_t };
+    let settings = DiagnosisSettings {
+        ordinary,
+        free: args.free(),
+        false_alarm: args.false_alarm,
+        ..DiagnosisSettings::default()
+    };
+    let model = ScanDiagnosis::new(&tiles, scan, settings, start).map_err(refused)?;
+    let show = |named: usize| {
+        progress.show(Stage::uncounted(if named == 0 { "looking for wrong tiles" } else { "naming wrong tiles" }));
+    };
+    let diagnosis = model.diagnose(&readings_t, show).map_err(refused)?;
+    progress.end();
+    let film =
+        DiagnosedFilm { layout: &layout, diagnosis, readings, noise_t, has_ordinary, false_alarm: args.false_alarm };
+    if let Some(mut file) = found_file {
+        let scan = args.scan.file_name().map_or_else(|| "a scan".into(), |name| name.to_string_lossy());
+        file.write(|w| w.write_all(film.found_layout(&original, &scan).to_toml().as_bytes()))?;
+        file.finish()?;
+    }
+    #[cfg(feature = "report")]
+    if let Some(file) = figure {
+        file.write(super::diagnose_figure::draw(&film))?;
+    }
+    let result = match args.format {
+        DiagnoseFormat::Text => text::diagnose::diagnosis(&film, args),
+        DiagnoseFormat::Json => json::pretty(&DiagnoseJson::new(&film)),
+        DiagnoseFormat::Csv => csv(&film),
+    };
+    // A layout on standard output leaves no room for anything else.
+    if args.output.as_deref() != Some(Path::new("-")) {
+        crate::output::destination::print(&result)?;
+    }
+    if !quiet && film.diagnosis.is_residual_too_large() {
+        failure::tell(&format_args!(
+            "{}: chi squared of the residual is {} times its expectation: the noise is larger than stated, the film has \
+             errors of another kind, or the positions are not those stated{}",
+            args.scan.display(),
+            number(film.diagnosis.chi_squared / film.diagnosis.freedom as f64),
+            if args.fit.is_empty() { " (--fit fits them)" } else { "" }
+        ));
+    }
+    Ok(())
+}
+
+/// The noise of a flux density along each axis of the film.
+fn noise_t(args: &DiagnoseArgs, layout: &Layout) -> Result<DVec3, Failure> {
+    let of_sensor = layout.sensor.as_ref().map(|sensor| sensor.element.deviation_t() / sensor.element.gain.abs());
+    match args.noise.map(|noise| noise.deviation_t).or(of_sensor).filter(|noise_t| noise_t.min_element() > 0.0) {
+        Some(noise_t) => Ok(noise_t),
+        None => Err(Failure::Points {
+            path: args.layout.clone(),
+            message: "the layout has no noise: give --noise, such as 10uT, or noise_ut or part in [sensor]".to_owned(),
+        }),
+    }
+}
+
+/// The errors that tiles and groups of tiles ordinarily have.
+fn ordinary(layout: &Layout) -> FilmTolerance {
+    let Some(tolerance) = &layout.tolerance else { return FilmTolerance::default() };
+    FilmTolerance { tiles: tolerance.tiles.clone(), groups: tolerance.groups.clone(), ..FilmTolerance::default() }
+}
+
+/// The parameters of the scan with which the fit begins: those of the nominal film, as `scan` fits them, or
+/// those of a perfect scan where wrong tiles do not let it.
+fn start(
+    args: &DiagnoseArgs,
+    tiles: &[magsplice::prelude::Tile],
+    points: &[DVec3],
+    readings_t: &[DVec3],
+) -> ScanParameters {
+    let free = args.free();
+    let is_any = |FreeParameters { strength, offset, rotation, start }| strength || offset || rotation || start;
+    if !is_any(free) {
+        return ScanParameters::PERFECT;
+    }
+    let scene = Scene::new(tiles);
+    fit_scan(&scene, points, readings_t, free).map_or(ScanParameters::PERFECT, |fit| fit.parameters)
+}
+
+fn refused(args: &DiagnoseArgs, layout: &Layout, lines: &[u64], error: DiagnosisError) -> Failure {
+    let path = args.scan.clone();
+    match error {
+        DiagnosisError::Points(errors) => {
+            let mut faults = FaultList::default();
+            for error in errors.0 {
+                let (line, cause) = (lines[error.index], no_field(error.cause, layout));
+                faults.add(line, format!("line {line}: {cause}"));
+            }
+            faults.failure(path.display().to_string())
+        }
+        DiagnosisError::NoDerivative { tile, point: DVec3 { x, y, z } } => Failure::Points {
+            path,
+            message: format!(
+                "the field of tile \"{}\" has no derivatives at ({x}, {y}, {z}) mm, must be away from its edges",
+                layout.tiles[tile].name
+            ),
+        },
+        other => Failure::Points { path, message: other.to_string() },
+    }
+}
+
+/// One line for each component of each error.
+fn csv(film: &DiagnosedFilm) -> String {
+    let mut csv = "tile,kind,component,value,deviation,chi_squared\n".to_owned();
+    for named in &film.diagnosis.named {
+        for estimate in &named.components {
+            csv += &format!(
+                "\"{}\",{},{},{:?},{:?},{:?}\n",
+                film.name(named.candidate.tile).replace('"', "\"\""),
+                diagnosed_film::kind(named.candidate.kind),
+                diagnosed_film::key(estimate.error),
+                diagnosed_film::shown(estimate.error, estimate.value),
+                diagnosed_film::shown(estimate.error, estimate.deviation),
+                named.chi_squared
+            );
+        }
+    }
+    csv
+}

@@ -1,0 +1,222 @@
+//! The tiles that a scan finds wrong, and how much it tells of each tile.
+
+use std::f64::consts::PI;
+
+use glam::{DVec2, DVec3};
+use magsplice::layout::NamedTile;
+use plotters::prelude::RGBColor;
+
+use crate::colours::{BLUE, ColourScale, GREEN, Palette, VERMILION, plotters_colour};
+use crate::error::{DrawError, ReportError};
+use crate::figure::{Figure, SvgText};
+use crate::marks::arrow;
+use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel, equal_scale};
+use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
+use crate::tile_shapes::{bounds, from_above};
+use crate::typeset::{self, number, plain};
+
+/// Name of the figure in captions and errors.
+const NAME: &str = "diagnosis";
+
+const ROOM_PX: [f64; 2] = [380.0, 380.0];
+const TOP_PX: f64 = 30.0;
+const GAP_PX: f64 = 30.0;
+/// Empty space around the tiles, as a fraction of the longer side.
+const MARGIN: f64 = 0.04;
+const LINE_PX: f64 = 18.0;
+/// Most errors that are listed below the tiles.
+const MOST_LINES: usize = 16;
+/// Length of the arrow of a shift, in pixels.
+const SHIFT_PX: f64 = 30.0;
+/// Largest radius of the arc of a turn, in pixels.
+const MOST_ARC_PX: f64 = 11.0;
+/// Angle that the arc of a turn covers, in radians.
+const ARC: f64 = 1.5 * PI;
+/// Purple of the palette of Okabe and Ito.
+const PURPLE: RGBColor = RGBColor(170, 80, 130);
+const PALE: RGBColor = RGBColor(240, 240, 240);
+const OUTLINE: RGBColor = RGBColor(150, 150, 150);
+
+/// What is wrong with a tile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TileFault {
+    /// Error of |J|, as a fraction.
+    Strength(f64),
+    /// Rotation vector in degrees.
+    Turn(DVec3),
+    /// Angles of J in the plane of the film and out of it, in degrees.
+    Direction([f64; 2]),
+    /// Displacement in mm.
+    Displacement(DVec3),
+}
+
+/// A tile as a scan tells it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DiagnosedTile<'a> {
+    /// The tile as ordered.
+    pub tile: &'a NamedTile,
+    /// What is wrong with it.
+    pub faults: Vec<TileFault>,
+    /// The largest standard deviation of its errors after the scan, over that before it.
+    pub untold: f64,
+}
+
+impl TileFault {
+    fn colour(self) -> RGBColor {
+        match self {
+            TileFault::Strength(_) => GREEN,
+            TileFault::Turn(_) => VERMILION,
+            TileFault::Direction(_) => PURPLE,
+            TileFault::Displacement(_) => BLUE,
+        }
+    }
+
+    /// In words, such as "turned by 3 degrees".
+    fn words(self) -> String {
+        let rounded = |value: f64, digits: usize| number(format!("{value:.digits$}").parse().unwrap_or(value));
+        match self {
+            TileFault::Strength(error) if error < 0.0 => format!("{} % too weak", rounded(-100.0 * error, 1)),
+            TileFault::Strength(error) => format!("{} % too strong", rounded(100.0 * error, 1)),
+            TileFault::Turn(turn) => format!("turned by {}\u{b0}", rounded(turn.length(), 1)),
+            TileFault::Direction([a, b]) => format!("J turned by {}\u{b0}", rounded(a.hypot(b), 1)),
+            TileFault::Displacement(shift) => format!("displaced by {} mm", rounded(shift.length(), 3)),
+        }
+    }
+}
+
+/// The tiles from above: those that are wrong with a mark for what is wrong, and beside them how much the
+/// scan tells of each tile.
+///
+/// # Errors
+/// [`ReportError::Drawing`] if it cannot be drawn.
+pub fn diagnosis_figure(tiles: &[DiagnosedTile]) -> Result<Figure, ReportError> {
+    let caption = "The tiles from above. Left: tiles that are wrong, with an arrow for a displacement, an arc for a \
+                   turn, and a percentage for the strength. Right: the largest standard deviation of the errors of each \
+                   tile after the scan, over that before it; of 1 the scan tells nothing."
+        .to_owned();
+    let drawn =
+        svg(tiles).and_then(|svg| Figure::new(NAME, caption, &svg, csv(tiles), SvgText::Text, &typeset::options()));
+    drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
+}
+
+fn svg(tiles: &[DiagnosedTile]) -> Result<String, DrawError> {
+    let [low, high] = bounds(tiles.iter().map(|of| &of.tile.tile)).unwrap_or([DVec3::ZERO, DVec3::ONE]);
+    let margin = MARGIN * (high - low).truncate().max_element();
+    let (x, y) = ([low.x - margin, high.x + margin], [low.y - margin, high.y + margin]);
+    let [width, height] = equal_scale(ROOM_PX, [x, y].map(|[low, high]| high - low));
+    let left = Panel { left: LEFT_PX + 6.0, top: TOP_PX, width, height, x, y };
+    let right = Panel { left: left.right() + GAP_PX, ..left };
+    let list = listed(tiles);
+    let below = left.bottom() + BELOW_PX + 14.0;
+    sheet([right.right() + 12.0 + BAR_PX, below + LINE_PX * list.len() as f64 + 6.0], |sheet| {
+        left.title(sheet, 0, "wrong tiles")?;
+        right.title(sheet, 1, "what the scan tells of each tile")?;
+        let scale = ColourScale { low: 0.0, high: 1.0, palette: Palette::Sequential };
+        let map = scale.mapper();
+        for of in tiles {
+            let outline = |panel: &Panel| -> Vec<[f64; 2]> {
+                from_above(&of.tile.tile).into_iter().map(|corner| panel.at(corner.x, corner.y)).collect()
+            };
+            sheet.fill(&outline(&left), of.faults.first().map_or(PALE, |fault| pale(fault.colour())))?;
+            sheet.outline(&outline(&left), OUTLINE, 0.7)?;
+            sheet.fill(&outline(&right), plotters_colour(map.colour(of.untold)))?;
+            sheet.outline(&outline(&right), OUTLINE, 0.7)?;
+        }
+        // Marks reach over neighbours, so they come last.
+        for of in tiles {
+            for fault in &of.faults {
+                mark(sheet, &left, of.tile, *fault)?;
+            }
+        }
+        left.axes(sheet, AxisLabel::Coordinate("x"), AxisLabel::Coordinate("y"))?;
+        right.axes(sheet, AxisLabel::Coordinate("x"), AxisLabel::TicksOnly)?;
+        right.colour_bar(sheet, 12.0, scale, "\u{3c3} after / before the scan")?;
+        for (row, (text, colour)) in list.iter().enumerate() {
+            let at = [left.left, below + LINE_PX * row as f64];
+            sheet.text(at, text, Lettering { colour: *colour, ..LETTERS })?;
+        }
+        Ok(())
+    })
+}
+
+/// A line for each error, with its colour.
+fn listed(tiles: &[DiagnosedTile]) -> Vec<(String, RGBColor)> {
+    let all: Vec<(String, RGBColor)> = tiles
+        .iter()
+        .flat_map(|of| {
+            let line = |fault: &TileFault| (format!("{}: {}", plain(&of.tile.name), fault.words()), fault.colour());
+            of.faults.iter().map(line).collect::<Vec<_>>()
+        })
+        .collect();
+    let more = all.len().saturating_sub(MOST_LINES);
+    let mut lines: Vec<(String, RGBColor)> = all.into_iter().take(MOST_LINES).collect();
+    match lines.len() {
+        0 => lines.push(("No tile is wrong by more than is ordinary.".to_owned(), INK)),
+        _ if more > 0 => lines.push((format!("and {more} more"), INK)),
+        _ => (),
+    }
+    lines
+}
+
+/// The mark for what is wrong with a tile.
+fn mark(sheet: &Sheet, panel: &Panel, named: &NamedTile, fault: TileFault) -> DrawResult {
+    let corners: Vec<DVec2> =
+        from_above(&named.tile).into_iter().map(|corner| DVec2::from(panel.at(corner.x, corner.y))).collect();
+    let outline: Vec<[f64; 2]> = corners.iter().map(|corner| corner.to_array()).collect();
+    sheet.outline(&outline, fault.colour(), 2.0)?;
+    let low = corners.iter().copied().fold(DVec2::MAX, DVec2::min);
+    let high = corners.iter().copied().fold(DVec2::MIN, DVec2::max);
+    let (middle, extent) = (0.5 * (low + high), high - low);
+    match fault {
+        TileFault::Strength(error) => {
+            let sign = if error < 0.0 { "\u{2212}" } else { "+" };
+            let text = format!("{sign}{:.0}%", 100.0 * error.abs());
+            let upright = extent.x < extent.y && extent.x < 30.0;
+            let size = (0.7 * extent.min_element()).clamp(8.0, 12.0);
+            let letters = Lettering { upright, colour: fault.colour(), ..LETTERS.sized(size).centred() };
+            sheet.text(middle.to_array(), &text, letters)
+        }
+        TileFault::Displacement(shift) => match shift.truncate().try_normalize() {
+            Some(along) if shift.truncate().length() > 0.5 * shift.z.abs() => {
+                let step = 0.5 * SHIFT_PX * DVec2::new(along.x, -along.y);
+                arrow(sheet, (middle - step).to_array(), (middle + step).to_array(), 3.0, fault.colour())
+            }
+            // Along z: a disc, which no other mark is.
+            _ => sheet.disc(middle.to_array(), 4.0, fault.colour()),
+        },
+        TileFault::Turn(turn) => arc(sheet, middle, arc_radius(extent), turn.z < 0.0, fault.colour()),
+        TileFault::Direction([in_plane, _]) => arc(sheet, middle, arc_radius(extent), in_plane < 0.0, fault.colour()),
+    }
+}
+
+fn arc_radius(extent: DVec2) -> f64 {
+    (0.4 * extent.min_element()).clamp(5.0, MOST_ARC_PX)
+}
+
+/// An arc with a head, clockwise or not.
+fn arc(sheet: &Sheet, middle: DVec2, radius: f64, clockwise: bool, colour: RGBColor) -> DrawResult {
+    let sign = if clockwise { 1.0 } else { -1.0 };
+    let at = |share: f64| middle + radius * DVec2::from_angle(sign * (share * ARC - 0.25 * PI));
+    let points: Vec<[f64; 2]> = (0..=24).map(|n| at(f64::from(n) / 24.0).to_array()).collect();
+    sheet.line(&points, colour, 1.8)?;
+    let (from, tip) = (at(0.94), at(1.0));
+    let along = (tip - from).normalize();
+    let across = along.perp();
+    let head = [tip + 5.0 * along, tip - 1.5 * along + 4.0 * across, tip - 1.5 * along - 4.0 * across];
+    sheet.fill(&head.map(|corner| corner.to_array()), colour)
+}
+
+/// The same colour on paper, for surfaces.
+fn pale(colour: RGBColor) -> RGBColor {
+    let mixed = |value: u8| 255 - (255 - value) / 4;
+    RGBColor(mixed(colour.0), mixed(colour.1), mixed(colour.2))
+}
+
+fn csv(tiles: &[DiagnosedTile]) -> String {
+    let mut csv = "name,wrong,untold\n".to_owned();
+    for of in tiles {
+        let faults: Vec<String> = of.faults.iter().map(|fault| fault.words()).collect();
+        csv += &format!("\"{}\",\"{}\",{:?}\n", of.tile.name.replace('"', "\"\""), faults.join("; "), of.untold);
+    }
+    csv
+}
