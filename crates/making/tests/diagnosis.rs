@@ -190,8 +190,10 @@ fn outliers_of_ordinary_errors_are_named() {
     let found = model(settings).diagnose(&readings(&tiles, &points(), NOISE_T, &mut random), |_| {}).unwrap();
     assert_eq!(candidates(&found), [Candidate { tile: 33, kind: ErrorKind::Strength }]);
     assert!((found.named[0].magnitude() + 0.1).abs() < 0.03, "{:?}", found.named);
-    // All tiles are narrowed far below what is ordinary.
-    assert!(found.narrowed.iter().filter(|error| error.error == 9).all(|error| error.ratio() < 0.5));
+    // A scan widens nothing, and tells half of the strengths to better than half of what is ordinary.
+    assert!(found.narrowed.iter().all(|error| error.ratio() < 1.0 + 1e-9));
+    let told = found.narrowed.iter().filter(|error| error.error == 9 && !error.is_untold()).count();
+    assert!(2 * told > tiles.len(), "{told}");
 }
 
 #[test]

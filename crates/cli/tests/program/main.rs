@@ -12,6 +12,7 @@ mod checks;
 mod cut_list;
 mod decouple;
 mod design;
+mod diagnose;
 mod expectations;
 mod field;
 mod files;

@@ -1,0 +1,182 @@
+//! `diagnose`: films with known errors, and the layouts that are written of them.
+
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use crate::{Sandbox, rows};
+
+/// Six tiles side by side: name, x, y, and J along x or y.
+const TILES: [(&str, f64, f64, [f64; 2]); 6] = [
+    ("left-low", -3.4, -1.0, [0.12, 0.0]),
+    ("middle-low", 0.0, -1.0, [-0.12, 0.0]),
+    ("right-low", 3.4, -1.0, [0.12, 0.0]),
+    ("left-high", -3.4, 1.0, [0.0, 0.12]),
+    ("middle-high", 0.0, 1.0, [0.0, -0.12]),
+    ("right-high", 3.4, 1.0, [0.0, 0.12]),
+];
+
+const TABLES: &str = "format = 1\nname = \"six tiles\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\n\
+                      amplitude_t = 0.12\n[volume]\nx_mm = [-1.0, 1.0]\ny_mm = [-1.0, 1.0]\nz_mm = [-5.0, -4.0]\n\
+                      step_mm = 1.0\n[expect]\namplitude = { min = 0.9 }\n";
+
+/// The layout with errors of tiles: index, shift along x, strength, angle about z.
+fn layout(errors: &[(usize, f64, f64, f64)]) -> String {
+    let mut text = TABLES.to_owned();
+    for (index, (name, x, y, j_t)) in TILES.into_iter().enumerate() {
+        let (shift, strength, angle) =
+            errors.iter().find(|error| error.0 == index).map_or((0.0, 1.0, 0.0), |error| (error.1, error.2, error.3));
+        let [jx, jy] = j_t.map(|component| component * strength);
+        let _ = writeln!(
+            text,
+            "[[tile]]\nname = \"{name}\"\nposition_mm = [{:?}, {y:?}, 0.5]\nsize_mm = [3.4, 2.0, 1.0]\n\
+             polarization_t = [{jx:?}, {jy:?}, 0.0]\nrotation = {{ axis = [0.0, 0.0, 1.0], angle_deg = {angle:?} }}",
+            x + shift
+        );
+    }
+    // What is made may overlap.
+    text.replacen("name =", "overlap_mm = 1.0\nname =", 1)
+}
+
+/// Writes the nominal film and a scan of one with errors, 1 mm below it, in steps of 1 mm, with noise of
+/// 10 uT.
+fn scanned(errors: &[(usize, f64, f64, f64)]) -> Sandbox {
+    let sandbox = Sandbox::new();
+    sandbox.write("film.toml", &layout(&[]).replacen("overlap_mm = 1.0\n", "", 1));
+    sandbox.write("made.toml", &layout(errors));
+    let mut points = "x_mm,y_mm,z_mm\n".to_owned();
+    for (x, y) in (-6..=6).flat_map(|x| (-3..=3).map(move |y| (x, y))) {
+        let _ = writeln!(points, "{x},{y},-1");
+    }
+    sandbox.write("points.csv", &points);
+    let said = sandbox.run(&["field", "made.toml", "--points", "points.csv", "--quiet"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    let mut state = 1_u64;
+    // Twelve uniform numbers less 6 have mean 0 and deviation 1.
+    let mut normal = || {
+        (0..12)
+            .map(|_| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 11) as f64 / (1_u64 << 53) as f64
+            })
+            .sum::<f64>()
+            - 6.0
+    };
+    let mut scan = "x_mm,y_mm,z_mm,bx_ut,by_ut,bz_ut\n".to_owned();
+    for row in rows(&said.stdout) {
+        let b: Vec<String> = row[3..6].iter().map(|b| format!("{:?}", 1e6 * b + 10.0 * normal())).collect();
+        let _ = writeln!(scan, "{:?},{:?},{:?},{}", row[0], row[1], row[2], b.join(","));
+    }
+    sandbox.write("scan.csv", &scan);
+    sandbox
+}
+
+const WRONG: [(usize, f64, f64, f64); 3] = [(1, 0.1, 1.0, 0.0), (3, 0.0, 0.95, 0.0), (5, 0.0, 1.0, 3.0)];
+
+fn run(sandbox: &Sandbox, options: &[&str]) -> crate::RunOutput {
+    sandbox.run(&[&["diagnose", "film.toml", "--scan", "scan.csv", "--noise", "10uT"], options].concat())
+}
+
+/// Values are within five of their deviations.
+#[test]
+fn wrong_tiles_are_named_with_their_errors() {
+    let sandbox = scanned(&WRONG);
+    let said = run(&sandbox, &["--format", "json", "--quiet"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    let found: Value = serde_json::from_str(&said.stdout).expect("JSON");
+    let named = found["named"].as_array().expect("a list");
+    let mut names: Vec<(&str, &str)> =
+        named.iter().map(|of| (of["tile"].as_str().unwrap(), of["kind"].as_str().unwrap())).collect();
+    names.sort_unstable();
+    assert_eq!(names, [("left-high", "strength"), ("middle-low", "displacement"), ("right-high", "turn")]);
+    for (tile, component, value) in [
+        ("left-high", "strength_percent", -5.0),
+        ("middle-low", "position_x_mm", 0.1),
+        ("right-high", "rotation_z_deg", 3.0),
+    ] {
+        let of_tile = named.iter().find(|of| of["tile"] == tile).expect("a named tile");
+        let [found, deviation] = [0, 1].map(|n| of_tile["components"][component][n].as_f64().expect("a number"));
+        assert!((found - value).abs() < 5.0 * deviation && deviation < 0.1 * f64::abs(value), "{found} +- {deviation}");
+    }
+    assert_eq!(found["residual_too_large"], false);
+    let text = run(&sandbox, &[]).stdout;
+    assert!(text.contains("3 errors:") && text.contains("  left-high: ") && text.contains("% too weak"), "{text}");
+    let csv = run(&sandbox, &["--format", "csv"]).stdout;
+    assert_eq!(csv.lines().count(), 1 + 1 + 3 + 3, "{csv}");
+    assert!(csv.contains("\"left-high\",strength,strength_percent,"), "{csv}");
+}
+
+/// The film that was found has no requirements, allows the overlap of its tiles, and is taken by the verbs
+/// that evaluate films.
+#[test]
+fn found_film_is_a_layout() {
+    let sandbox = scanned(&WRONG);
+    let said = run(&sandbox, &["-o", "found.toml", "--quiet"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    let found = sandbox.read("found.toml");
+    assert!(found.contains("overlap_mm = 0.1") && !found.contains("[expect]"), "{found}");
+    assert!(found.contains("diagnose: from \"six tiles\""), "{found}");
+    for verb in [
+        &["decouple", "found.toml"][..],
+        &["tolerance", "found.toml", "--samples", "2", "--preset", "workshop"],
+        &["tiles", "found.toml"],
+        &["diagnose", "found.toml", "--scan", "scan.csv", "--noise", "10uT"],
+    ] {
+        let said = sandbox.run(verb);
+        assert_eq!(said.status, 0, "{verb:?}: {}", said.stderr);
+    }
+    // The film that was found explains its scan.
+    let again = sandbox.run(&["diagnose", "found.toml", "--scan", "scan.csv", "--noise", "10uT"]).stdout;
+    assert!(again.contains("no tile is wrong"), "{again}");
+}
+
+#[test]
+fn right_films_have_no_wrong_tile_and_large_noise_is_told() {
+    let sandbox = scanned(&[]);
+    assert!(run(&sandbox, &[]).stdout.contains("no tile is wrong"));
+    let said = run(&sandbox, &["--fit", "--preset", "jig"]);
+    assert!(said.stdout.contains("no tile is wrong") && said.stdout.contains("start of the scan"), "{}", said.stdout);
+    // A twentieth of the noise that there is.
+    let said = sandbox.run(&["diagnose", "film.toml", "--scan", "scan.csv", "--noise", "2uT"]);
+    assert!(said.stderr.contains("chi squared of the residual is"), "{}", said.stderr);
+}
+
+#[test]
+fn bad_input_is_refused() {
+    let sandbox = scanned(&[]);
+    let refused = |arguments: &[&str]| {
+        let said = sandbox.run(arguments);
+        assert_eq!(said.status, 2, "{arguments:?}: {}", said.stdout);
+        said.stderr
+    };
+    let message = refused(&["diagnose", "film.toml", "--scan", "scan.csv"]);
+    assert!(message.contains("the layout has no noise: give --noise, such as 10uT"), "{message}");
+    for value in ["0", "1", "nan", "-1e-3"] {
+        let option = format!("--false-alarm={value}");
+        let message = refused(&["diagnose", "film.toml", "--scan", "scan.csv", "--noise", "10uT", &option]);
+        assert!(message.contains("must be a number greater than 0 and less than 1"), "{message}");
+    }
+    // A point on a corner of a tile, where B has no limit.
+    sandbox.write("scan.csv", "x_mm,y_mm,z_mm,bx_t,by_t,bz_t\n0,0,-1,0,0,0\n1.7,2,0,0,0,0\n");
+    let message = refused(&["diagnose", "film.toml", "--scan", "scan.csv", "--noise", "10uT"]);
+    assert!(message.contains("scan.csv") && message.contains("edge"), "{message}");
+}
+
+/// The depth of 0.1 mm is allowed by 0.11, and not by 0.09.
+#[test]
+fn layouts_state_how_much_tiles_may_overlap() {
+    let sandbox = Sandbox::new();
+    let overlapping = layout(&[(1, 0.1, 1.0, 0.0)]);
+    let status = |allowed: &str| {
+        sandbox.write("film.toml", &overlapping.replacen("overlap_mm = 1.0", &format!("overlap_mm = {allowed}"), 1));
+        let said = sandbox.run(&["tiles", "film.toml"]);
+        (said.status, said.stderr)
+    };
+    assert_eq!(status("0.11").0, 0);
+    let (code, message) = status("0.09");
+    assert_eq!(code, 2);
+    assert!(message.contains("by 0.1 mm, must be at most overlap_mm = 0.09"), "{message}");
+    let (code, message) = status("-1.0");
+    assert_eq!(code, 2);
+    assert!(message.contains("overlap_mm = -1, must be a finite number of at least 0"), "{message}");
+}
