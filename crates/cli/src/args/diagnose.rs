@@ -13,7 +13,7 @@ use super::sensor::{FitArg, noise};
 /// The scan is of the field near the film, for example in steps of 1 mm, 1 mm below it. Each tile may be
 /// weaker or stronger, turned, magnetized in another direction, or displaced. An error is named if neither
 /// the noise nor the ordinary errors of tiles explain it. Ordinary errors are those of [tolerance] or of
-/// --preset. Without either, tiles that are not named count as ordered. The result has each error with its
+/// --preset. Without either, or with --as-ordered, tiles that are not named count as ordered. The result has each error with its
 /// standard deviation, errors that would explain the scan nearly as well, and what the scan cannot tell.
 ///
 /// With -o the film that was found is written as a layout, which `tolerance`, `decouple` and `read` take.
@@ -33,6 +33,11 @@ pub(crate) struct DiagnoseArgs {
     pub(crate) noise: Option<Noise>,
     #[command(flatten)]
     pub(crate) preset: PresetArgs,
+    /// Tiles that are not named count as exactly as ordered, whatever [tolerance] states
+    ///
+    /// Smaller errors are then named. Ordinary errors of several tiles are all named, too.
+    #[arg(long, conflicts_with = "preset")]
+    pub(crate) as_ordered: bool,
     /// Fit what is not known of the scan beside the errors of tiles, such as --fit=offset,start; --fit alone
     /// fits everything
     #[arg(

@@ -16,6 +16,9 @@ pub(crate) struct DiagnosedFilm<'a> {
     pub(crate) false_alarm: f64,
 }
 
+/// Cosine of the angle between J and an axis of rotation from which on a turn is about J.
+const ABOUT_J: f64 = 0.99;
+
 /// Names of the errors of a tile with their units, and the factor from the unit of the library.
 const COMPONENTS: [(&str, &str); 12] = [
     ("position x", "mm"),
@@ -111,10 +114,18 @@ impl DiagnosedFilm<'_> {
         self.diagnosis.narrowed.iter().copied().filter(Untold::is_untold).collect()
     }
 
-    /// The largest standard deviation of the errors of a tile after the scan over that before it.
+    /// Whether an error turns a tile about its J, which hardly changes the field.
+    pub(crate) fn is_about_j(&self, tile: usize, error: usize) -> bool {
+        let along = self.layout.tiles[tile].tile.scene_polarization_t().normalize_or_zero();
+        matches!(error, 3..6) && along[error - 3].abs() > ABOUT_J
+    }
+
+    /// The largest standard deviation of the errors of a tile after the scan over that before it, but for
+    /// turns about J.
     #[cfg(feature = "report")]
     pub(crate) fn untold_of(&self, tile: usize) -> f64 {
-        let of_tile = self.diagnosis.narrowed.iter().filter(|error| error.tile == tile);
+        let of_tile = self.diagnosis.narrowed.iter();
+        let of_tile = of_tile.filter(|error| error.tile == tile && !self.is_about_j(tile, error.error));
         of_tile.map(Untold::ratio).fold(0.0, f64::max)
     }
 

@@ -95,17 +95,26 @@ fn fitted(text: &mut String, film: &DiagnosedFilm, args: &DiagnoseArgs) {
 fn untold(text: &mut String, film: &DiagnosedFilm) {
     let assumed = if film.has_ordinary { "ordinary errors" } else { "errors of films made by hand" };
     let mut by_error: BTreeMap<usize, Vec<&str>> = BTreeMap::new();
+    let mut about_j: Vec<&str> = Vec::new();
     for untold in film.untold() {
+        if film.is_about_j(untold.tile, untold.error) {
+            about_j.push(film.name(untold.tile));
+            continue;
+        }
         by_error.entry(untold.error).or_default().push(film.name(untold.tile));
     }
     let similar = film.similar();
     let _ = writeln!(text, "\nwhat the scan cannot tell, if all tiles have {assumed}:");
-    if by_error.is_empty() && similar.is_empty() {
+    if by_error.is_empty() && about_j.is_empty() && similar.is_empty() {
         text.push_str("  nothing: it narrows every error to less than half\n");
     }
     for (error, tiles) in &by_error {
         let _ = writeln!(text, "  {} of {}", component(*error), counted(tiles.len(), "tile", "tiles"));
         rows::prose(text, &listed(tiles));
+    }
+    if !about_j.is_empty() {
+        let tiles = counted(about_j.len(), "tile", "tiles");
+        let _ = writeln!(text, "  rotation about its J of {tiles}, which hardly changes the field");
     }
     if !similar.is_empty() {
         let _ = writeln!(text, "  {} that look alike", counted(similar.len(), "pair of errors", "pairs of errors"));

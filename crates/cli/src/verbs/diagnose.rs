@@ -27,6 +27,9 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     let original = remarks::read_layout(&args.layout, remarks::OF_TILES, quiet, &progress)?;
     let mut layout = original.clone();
     args.preset.apply(&mut layout);
+    if args.as_ordered {
+        layout.tolerance = None;
+    }
     let inputs: Vec<&Path> = [&args.layout, &args.scan].into_iter().map(PathBuf::as_path).collect();
     let found_file = args.output.as_deref().map(|path| Output::open(Some(path), &inputs)).transpose()?;
     #[cfg(feature = "report")]

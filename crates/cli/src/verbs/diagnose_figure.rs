@@ -1,6 +1,6 @@
 //! `diagnose --figure`: wrong tiles, and how much the scan tells of each.
 
-use magsplice::making::{ErrorKind, NamedError};
+use magsplice::making::{ErrorKind, Estimate, NamedError};
 use magsplice::prelude::DVec3;
 use magsplice_report::{DiagnosedTile, Figure, ReportError, TileFault, diagnosis_figure};
 
@@ -24,7 +24,12 @@ pub(super) fn draw(film: &DiagnosedFilm) -> Result<Figure, ReportError> {
 fn fault(named: &NamedError) -> TileFault {
     let first = named.candidate.kind.components().start;
     let mut values = [0.0; 3];
-    named.components.iter().for_each(|estimate| values[estimate.error - first] = estimate.value);
+    let is_noise = |estimate: &&Estimate| !estimate.is_significant() && named.components.len() > 1;
+    named
+        .components
+        .iter()
+        .filter(|estimate| !is_noise(estimate))
+        .for_each(|estimate| values[estimate.error - first] = estimate.value);
     match named.candidate.kind {
         ErrorKind::Strength => TileFault::Strength(values[0]),
         ErrorKind::Turn => TileFault::Turn(DVec3::from(values).map(f64::to_degrees)),

@@ -88,12 +88,27 @@ pub struct NamedError {
     pub alternatives: Vec<Candidate>,
 }
 
+/// Value of a component over its deviation from which on it is no noise.
+const SIGNIFICANT: f64 = 2.0;
+
+impl Estimate {
+    /// Whether the value is more than noise: beyond two deviations.
+    pub fn is_significant(&self) -> bool {
+        self.value.abs() > SIGNIFICANT * self.deviation
+    }
+}
+
 impl NamedError {
-    /// The magnitude: the error of strength itself, or the length of the vector of all components.
+    /// The magnitude: the error of strength itself, or the length of the vector of all components that are
+    /// more than noise. The scan may hardly tell one of them, such as a turn about J.
     pub fn magnitude(&self) -> f64 {
+        let length = |parts: &mut dyn Iterator<Item = &Estimate>| parts.map(|of| of.value.powi(2)).sum::<f64>().sqrt();
         match &self.components[..] {
             [one] => one.value,
-            several => several.iter().map(|estimate| estimate.value.powi(2)).sum::<f64>().sqrt(),
+            several if several.iter().any(Estimate::is_significant) => {
+                length(&mut several.iter().filter(|estimate| estimate.is_significant()))
+            }
+            several => length(&mut several.iter()),
         }
     }
 }
@@ -103,7 +118,8 @@ impl NamedError {
 pub struct Diagnosis {
     /// The errors that are named, the surest first.
     pub named: Vec<NamedError>,
-    /// The film that explains the readings: named errors, and the most probable ordinary ones.
+    /// The film that explains the readings: named errors without components that are noise, and the most
+    /// probable ordinary ones.
     pub tiles: Vec<Tile>,
     /// The errors of each tile in this film, numbered as in [`TileErrors::all`].
     pub errors: Vec<[f64; TileErrors::COUNT]>,
@@ -242,11 +258,19 @@ impl ScanDiagnosis {
             + ordinary.map(|(_, (value, deviation))| (value / deviation).powi(2)).sum::<f64>();
         let free = unknowns.of_scan() + named.iter().map(|named| named.components.len()).sum::<usize>();
         let freedom = (3 * readings_t.len()).saturating_sub(free).max(1);
+        // Components that are noise are ordinary errors, or none, in the film that was found.
+        let mut told = deviations.clone();
+        for (index, told) in told.iter_mut().enumerate().filter(|(index, _)| is_part(*index)) {
+            if values[index].abs() <= SIGNIFICANT * after[index] {
+                *told = unknowns.ordinary[index];
+            }
+        }
+        let (film, _) = search.converged(found.at.clone(), &told)?;
         let prior = self.prior();
         Ok(Diagnosis {
             named,
-            tiles: model.tiles(&found.at.state)?,
-            errors: found.at.state.tiles.clone(),
+            tiles: model.tiles(&film.state)?,
+            errors: film.state.tiles,
             scan: found.at.state.scan_parameters(),
             residuals_t: found.compared.residuals_t,
             chi_squared,

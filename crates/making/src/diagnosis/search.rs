@@ -54,7 +54,8 @@ impl Search<'_> {
     pub(crate) fn run(&self, start: &Linearized, mut watch: impl FnMut(usize)) -> Result<Found, DiagnosisError> {
         let mut named: Vec<TileAndKind> = Vec::new();
         let mut visited: Vec<Vec<TileAndKind>> = vec![Vec::new()];
-        let (mut at, mut compared) = self.converged(start.clone(), &named)?;
+        let deviations = |named: &[TileAndKind]| self.model.unknowns.with_named(named);
+        let (mut at, mut compared) = self.converged(start.clone(), &deviations(&named))?;
         loop {
             watch(named.len());
             let Some(next) = self.next(&at, &compared, &named, &visited)? else { break };
@@ -62,7 +63,7 @@ impl Search<'_> {
             let mut sorted = named.clone();
             sorted.sort_unstable();
             visited.push(sorted);
-            (at, compared) = self.converged(at, &named)?;
+            (at, compared) = self.converged(at, &deviations(&named))?;
         }
         let mut tested = named
             .iter()
@@ -152,21 +153,24 @@ impl Search<'_> {
     }
 
     /// The model at the fit of all unknowns, by Gauss-Newton steps.
-    fn converged(&self, from: Linearized, named: &[TileAndKind]) -> Result<(Linearized, Compared), DiagnosisError> {
-        let deviations = self.model.unknowns.with_named(named);
+    pub(crate) fn converged(
+        &self,
+        from: Linearized,
+        deviations: &[f64],
+    ) -> Result<(Linearized, Compared), DiagnosisError> {
         let mut values = self.model.values(&from.state);
         // Errors that are named no longer are ordinary ones, or none.
-        values.iter_mut().zip(&deviations).filter(|(_, d)| **d == 0.0).for_each(|(value, _)| *value = 0.0);
+        values.iter_mut().zip(deviations).filter(|(_, d)| **d == 0.0).for_each(|(value, _)| *value = 0.0);
         let state = self.model.state(&from.state, &values);
         let mut at = if state == from.state { from } else { self.model.linearized(state, Some(&from))? };
         let objective = |compared: &Compared, values: &nalgebra::DVector<f64>| {
             let prior =
                 |(value, deviation): (&f64, &f64)| if *deviation > 0.0 { (value / deviation).powi(2) } else { 0.0 };
-            compared.chi_squared + values.iter().zip(&deviations).map(prior).sum::<f64>()
+            compared.chi_squared + values.iter().zip(deviations).map(prior).sum::<f64>()
         };
         let mut compared = self.model.compared(&at, self.readings_t);
         for _ in 0..MOST_STEPS {
-            let ridge = Ridge::new(&at.gram, &compared.projected, &deviations)?;
+            let ridge = Ridge::new(&at.gram, &compared.projected, deviations)?;
             if ridge.gain(&values) < LEAST_GAIN {
                 break;
             }

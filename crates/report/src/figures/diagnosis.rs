@@ -57,7 +57,8 @@ pub struct DiagnosedTile<'a> {
     pub tile: &'a NamedTile,
     /// What is wrong with it.
     pub faults: Vec<TileFault>,
-    /// The largest standard deviation of its errors after the scan, over that before it.
+    /// The largest standard deviation of its errors after the scan, over that before it, but for turns about
+    /// J.
     pub untold: f64,
 }
 
@@ -92,7 +93,7 @@ impl TileFault {
 pub fn diagnosis_figure(tiles: &[DiagnosedTile]) -> Result<Figure, ReportError> {
     let caption = "The tiles from above. Left: tiles that are wrong, with an arrow for a displacement, an arc for a \
                    turn, and a percentage for the strength. Right: the largest standard deviation of the errors of each \
-                   tile after the scan, over that before it; of 1 the scan tells nothing."
+                   tile after the scan, over that before it, but for turns about J; of 1 the scan tells nothing."
         .to_owned();
     let drawn =
         svg(tiles).and_then(|svg| Figure::new(NAME, caption, &svg, csv(tiles), SvgText::Text, &typeset::options()));
