@@ -147,6 +147,22 @@ fn right_films_have_no_wrong_tile() {
     }
 }
 
+/// Where all tiles have errors that were not stated, the search ends and says so.
+#[test]
+fn films_with_errors_of_all_tiles_are_told() {
+    let ordered = &film()[..12];
+    let ordinary = FilmTolerance::of_tiles(&TileErrors::by_hand(), ordered.len());
+    let tiles = RealFilm::new(ordered, &ordinary).sample_tiles(5, 0).unwrap();
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let points_mm: Vec<DVec3> = points().into_iter().filter(|point| point.x < 0.0).collect();
+    let readings_t = readings(&tiles, &points_mm, NOISE_T, &mut random);
+    let scan = FieldScan { points_mm, noise_t: DVec3::splat(NOISE_T) };
+    let model = ScanDiagnosis::new(ordered, scan, DiagnosisSettings::default(), ScanParameters::PERFECT).unwrap();
+    let found = model.diagnose(&readings_t, |_| {}).unwrap();
+    assert!(!found.is_complete && found.is_residual_too_large());
+    assert_eq!(found.named.len(), 16);
+}
+
 /// Noise of twice the stated deviation has a chi squared of four times the number of readings.
 #[test]
 fn residual_beyond_the_noise_is_told() {

@@ -19,6 +19,8 @@ pub(crate) struct DiagnoseJson<'a> {
     /// Whether tiles that are not named have ordinary errors.
     ordinary_errors: bool,
     named: Vec<NamedJson<'a>>,
+    /// Whether all significant errors are named.
+    complete: bool,
     scan: ScanJson,
     residual_t: f64,
     chi_squared: f64,
@@ -109,6 +111,7 @@ impl<'a> DiagnoseJson<'a> {
             false_alarm: film.false_alarm,
             ordinary_errors: film.has_ordinary,
             named: named.collect(),
+            complete: diagnosis.is_complete,
             scan: ScanJson {
                 strength: diagnosis.scan.strength,
                 offset_t: diagnosis.scan.offset_t.to_array(),

@@ -30,6 +30,12 @@ pub(crate) fn diagnosis(film: &DiagnosedFilm, args: &DiagnoseArgs) -> String {
     );
     text.push('\n');
     named(&mut text, film);
+    if !film.diagnosis.is_complete {
+        rows::prose(
+            &mut text,
+            "and more: the film is another one, or give the ordinary errors of its tiles, as by --preset",
+        );
+    }
     fitted(&mut text, film, args);
     let diagnosis = &film.diagnosis;
     text.push('\n');

@@ -118,6 +118,9 @@ impl NamedError {
 pub struct Diagnosis {
     /// The errors that are named, the surest first.
     pub named: Vec<NamedError>,
+    /// Whether all significant errors are named. Where a film has more than 16 of them, it is another film, or
+    /// its tiles have ordinary errors that were not stated.
+    pub is_complete: bool,
     /// The film that explains the readings: named errors without components that are noise, and the most
     /// probable ordinary ones.
     pub tiles: Vec<Tile>,
@@ -269,6 +272,7 @@ impl ScanDiagnosis {
         let prior = self.prior();
         Ok(Diagnosis {
             named,
+            is_complete: found.is_complete,
             tiles: model.tiles(&film.state)?,
             errors: film.state.tiles,
             scan: found.at.state.scan_parameters(),

@@ -11,8 +11,11 @@ use rayon::prelude::*;
 use super::error::DiagnosisError;
 use super::unknowns::{State, Unknown, Unknowns};
 
-/// Most bytes of derivatives, and of the products of all pairs of them.
-const LARGEST_BYTES: usize = 1 << 31;
+/// Most bytes of derivatives, and of the products of all pairs of them. Three times as many are in use.
+const LARGEST_BYTES: usize = 1 << 30;
+
+/// Bytes of the response of one tile at one point.
+const RESPONSE_BYTES: usize = 272;
 
 /// Number of sums that are added independently, so that a processor adds several at once.
 const LANES: usize = 8;
@@ -52,8 +55,11 @@ pub(crate) struct Compared {
 impl ScanModel {
     /// Refuses what does not fit in memory.
     pub(crate) fn checked(self) -> Result<ScanModel, DiagnosisError> {
-        let (unknowns, readings) = (self.unknowns.list.len(), 3 * self.points.len());
-        let bytes = readings.max(unknowns).checked_mul(unknowns).and_then(|count| count.checked_mul(size_of::<f64>()));
+        let (unknowns, tiles) = (self.unknowns.list.len(), self.film.tiles().len());
+        let number = size_of::<f64>();
+        let of_point = 3 * number * unknowns + RESPONSE_BYTES * tiles;
+        let of_pairs = unknowns.checked_mul(unknowns).and_then(|pairs| pairs.checked_mul(number));
+        let bytes = of_point.checked_mul(self.points.len()).and_then(|bytes| bytes.checked_add(of_pairs?));
         if bytes.is_none_or(|bytes| bytes > LARGEST_BYTES) {
             return Err(DiagnosisError::TooLarge { bytes });
         }

@@ -18,6 +18,10 @@ const MOST_STEPS: usize = 20;
 /// Most halvings of a step.
 const MOST_HALVINGS: usize = 12;
 
+/// Most errors that are named. A film with more is another one, or its tiles have ordinary errors that were
+/// not stated; each further error would take longer than the one before.
+const MOST_NAMED: usize = 16;
+
 /// Logarithm of the ratio of probabilities up to which another error could be the one that is named: a
 /// thousand.
 const ALTERNATIVE: f64 = 6.9;
@@ -39,6 +43,8 @@ pub(crate) struct Found {
     pub(crate) at: Linearized,
     pub(crate) compared: Compared,
     pub(crate) named: Vec<NamedCandidate>,
+    /// Whether no further error is significant.
+    pub(crate) is_complete: bool,
 }
 
 /// An error that is named, with its test and the errors that explain the readings nearly as well.
@@ -56,15 +62,18 @@ impl Search<'_> {
         let mut visited: Vec<Vec<TileAndKind>> = vec![Vec::new()];
         let deviations = |named: &[TileAndKind]| self.model.unknowns.with_named(named);
         let (mut at, mut compared) = self.converged(start.clone(), &deviations(&named))?;
-        loop {
+        let is_complete = loop {
             watch(named.len());
-            let Some(next) = self.next(&at, &compared, &named, &visited)? else { break };
+            let Some(next) = self.next(&at, &compared, &named, &visited)? else { break true };
+            if next.len() > MOST_NAMED {
+                break false;
+            }
             named = next;
             let mut sorted = named.clone();
             sorted.sort_unstable();
             visited.push(sorted);
             (at, compared) = self.converged(at, &deviations(&named))?;
-        }
+        };
         let mut tested = named
             .iter()
             .map(|error| {
@@ -80,7 +89,7 @@ impl Search<'_> {
             })
             .collect::<Result<Vec<NamedCandidate>, DiagnosisError>>()?;
         tested.sort_by(|a, b| a.score.ln_probability.total_cmp(&b.score.ln_probability));
-        Ok(Found { at, compared, named: tested })
+        Ok(Found { at, compared, named: tested, is_complete })
     }
 
     /// The named errors of the next round: one less, another one, or one more. `None` if all stand and no
