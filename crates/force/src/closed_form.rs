@@ -1,0 +1,112 @@
+//! Force and torque of two cuboids with parallel edges, in closed form.
+//!
+//! Forces: Akoun and Yonnet, "3D analytical calculation of the forces exerted between two cuboidal
+//! magnets", IEEE Trans. Magn. 20 (1984) 1962, and for other polarizations Yonnet and Allag, IEEE Trans.
+//! Magn. 45 (2009) 3969. Torques: after Janssen et al., Int. J. Appl. Electromagn. Mech. 34 (2010) 57,
+//! with the lever integrated by parts.
+
+use glam::DVec3;
+use magsplice_magnet::MU_0;
+
+use crate::aligned_pair::AlignedPair;
+use crate::corner::CornerDifference;
+use crate::double_double::DoubleDouble;
+use crate::load::Load;
+
+/// The functions of [`CornerDifference`] are multiplied by this.
+const DENOMINATOR: f64 = 12.0;
+
+/// The load on the first cuboid by the second, in the scaled lengths of the pair.
+///
+/// Energy, force and moments about the centre of the first are sums over the differences of corners of
+///
+/// ```text
+/// W    =  J_a J'_b G_ab s s' / (4 pi mu0)
+/// F_c  = -J_a J'_b G_abc s s' / (4 pi mu0)
+/// M_kc = -J_a J'_b (x_k G_abc - [a is not k] integral of G_abc du_k) s s' / (4 pi mu0)
+/// ```
+///
+/// where s and s' are the products of the signs of the corners, x_k is that of the corner of the first,
+/// and M_kc is the sum of x_k times the force along c, from which the torque follows.
+pub(crate) fn load(pair: &AlignedPair) -> Load {
+    let products = Products::new(pair.polarizations_t);
+    let halves = pair.sizes.map(|size| size * 0.5);
+    let differences = [0, 1, 2].map(|k| differences(pair, k));
+    let sides = [0, 1, 2].map(|k: usize| pair.offset[k].hi);
+    let mut force = [DoubleDouble::ZERO; 3];
+    let mut moment = [[DoubleDouble::ZERO; 3]; 3];
+    for corner in 0..64_usize {
+        let upper = [0, 1, 2].map(|k: usize| corner >> k & 1 == 1);
+        let upper_of_second = [0, 1, 2].map(|k: usize| corner >> (k + 3) & 1 == 1);
+        let u = [0, 1, 2].map(|k: usize| differences[k][usize::from(upper[k])][usize::from(upper_of_second[k])]);
+        let positive = corner.count_ones() % 2 == 0;
+        let difference = CornerDifference::new(u, sides);
+        for c in 0..3 {
+            let along_c = products.third(&difference, c);
+            add(&mut force[c], along_c, positive);
+            for k in (0..3).filter(|&k| k != c) {
+                let lever = if upper[k] { halves[0][k] } else { -halves[0][k] };
+                let whole = along_c.times(lever) - products.third_along(&difference, c, k);
+                add(&mut moment[k][c], whole, positive);
+            }
+        }
+    }
+    let factor = -1.0 / (DENOMINATOR * 4.0 * std::f64::consts::PI * MU_0);
+    let torque = [0, 1, 2].map(|i: usize| {
+        let (k, c) = ((i + 1) % 3, (i + 2) % 3);
+        (moment[k][c] - moment[c][k]).to_f64() * factor
+    });
+    Load { force: DVec3::from_array(force.map(|f| f.to_f64() * factor)), torque: DVec3::from_array(torque) }
+}
+
+fn add(sum: &mut DoubleDouble, term: DoubleDouble, positive: bool) {
+    *sum += if positive { term } else { -term };
+}
+
+/// Differences of the faces across one axis, by the faces of the first and of the second: lower, upper.
+/// Faces that reach into each other by round-off touch.
+fn differences(pair: &AlignedPair, axis: usize) -> [[DoubleDouble; 2]; 2] {
+    let half = |tile: usize, upper: usize| (upper as f64 - 0.5) * pair.sizes[tile][axis];
+    [0, 1].map(|first| {
+        [0, 1].map(|second| {
+            let between = DoubleDouble::sum(half(0, first), -half(1, second));
+            let difference = pair.offset[axis] + between;
+            let touches = difference.hi.abs() <= pair.seam && difference.hi * pair.offset[axis].hi <= 0.0;
+            if touches { DoubleDouble::ZERO } else { difference }
+        })
+    })
+}
+
+/// The products J_a J'_b of polarizations.
+struct Products([[DoubleDouble; 3]; 3]);
+
+impl Products {
+    fn new([first, second]: [DVec3; 2]) -> Products {
+        Products([0, 1, 2].map(|a: usize| [0, 1, 2].map(|b: usize| DoubleDouble::product(first[a], second[b]))))
+    }
+
+    /// The sum over a and b, of those that are not zero, of J_a J'_b times a function.
+    fn sum(&self, function: impl Fn(usize, usize) -> Option<DoubleDouble>) -> DoubleDouble {
+        let mut sum = DoubleDouble::ZERO;
+        for (a, row) in self.0.iter().enumerate() {
+            for (b, product) in row.iter().enumerate().filter(|(_, product)| !product.is_zero()) {
+                if let Some(value) = function(a, b) {
+                    sum += *product * value;
+                }
+            }
+        }
+        sum
+    }
+
+    fn third(&self, difference: &CornerDifference, c: usize) -> DoubleDouble {
+        self.sum(|a, b| Some(difference.third(a, b, c)))
+    }
+
+    fn third_along(&self, difference: &CornerDifference, c: usize, k: usize) -> DoubleDouble {
+        self.sum(|a, b| match (a == k, b == k) {
+            (true, _) => None,
+            (false, true) => Some(difference.second(a, c)),
+            (false, false) => Some(difference.third_along([a, b, c], k)),
+        })
+    }
+}

@@ -1,0 +1,134 @@
+//! Forces on all tiles of a film.
+
+use std::error::Error;
+use std::fmt;
+
+use magsplice_magnet::Tile;
+use rayon::prelude::*;
+
+use crate::load::Load;
+use crate::pair::pair_loads;
+use crate::turned::NotConverged;
+
+/// Most tiles: their pairs take 800 MB.
+const MOST_TILES: usize = 4_000;
+
+/// Forces and torques of all pairs of tiles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilmForces {
+    count: usize,
+    /// On the tile `of` by the tile `by`, at `of * count + by`.
+    loads: Vec<Load>,
+}
+
+/// Why the forces of a film are not known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum FilmForcesError {
+    /// More tiles than their pairs can be held in memory.
+    TooManyTiles {
+        /// Number of tiles.
+        count: usize,
+        /// Most tiles.
+        most: usize,
+    },
+    /// The force of a pair does not converge.
+    Pair {
+        /// Index of the one tile.
+        first: usize,
+        /// Index of the other.
+        second: usize,
+        /// The reason.
+        source: NotConverged,
+    },
+    /// `progress` ended the computation.
+    Interrupted,
+}
+
+impl FilmForces {
+    /// The loads of all pairs. `tolerance` is that of [`pair_loads`], for tiles that are turned against
+    /// each other. `progress` is told the number of tiles whose pairs are done, from any thread, and
+    /// ends the computation by returning false.
+    ///
+    /// # Errors
+    /// Too many tiles; turned tiles so close that their force does not converge.
+    pub fn new(
+        tiles: &[Tile],
+        tolerance: f64,
+        progress: impl Fn() -> bool + Sync,
+    ) -> Result<FilmForces, FilmForcesError> {
+        let count = tiles.len();
+        if count > MOST_TILES {
+            return Err(FilmForcesError::TooManyTiles { count, most: MOST_TILES });
+        }
+        let rows: Vec<Vec<[Load; 2]>> =
+            (0..count)
+                .into_par_iter()
+                .map(|first| {
+                    let row =
+                        (first + 1..count).map(|second| {
+                            pair_loads(&tiles[first], &tiles[second], tolerance)
+                                .map_err(|source| FilmForcesError::Pair { first, second, source })
+                        });
+                    let row = row.collect::<Result<Vec<_>, _>>()?;
+                    if progress() { Ok(row) } else { Err(FilmForcesError::Interrupted) }
+                })
+                .collect::<Result<_, _>>()?;
+        let mut loads = vec![Load::ZERO; count * count];
+        for (first, row) in rows.into_iter().enumerate() {
+            for (second, [on_first, on_second]) in (first + 1..count).zip(row) {
+                loads[first * count + second] = on_first;
+                loads[second * count + first] = on_second;
+            }
+        }
+        Ok(FilmForces { count, loads })
+    }
+
+    /// Number of tiles.
+    pub fn tile_count(&self) -> usize {
+        self.count
+    }
+
+    /// The load on the tile `of` by the tile `by`; zero for the same tile.
+    ///
+    /// # Panics
+    /// If an index is not that of a tile.
+    pub fn by_one(&self, of: usize, by: usize) -> Load {
+        assert!(by < self.count, "tile {by} of {}", self.count);
+        self.loads[of * self.count + by]
+    }
+
+    /// The load on the tile `of` by those tiles, one after another.
+    ///
+    /// # Panics
+    /// If an index is not that of a tile.
+    pub fn by_some(&self, of: usize, by: impl IntoIterator<Item = usize>) -> Load {
+        by.into_iter().fold(Load::ZERO, |sum, by| sum + self.by_one(of, by))
+    }
+
+    /// The load on each tile by all others.
+    pub fn by_all(&self) -> Vec<Load> {
+        (0..self.count).map(|of| self.by_some(of, 0..self.count)).collect()
+    }
+}
+
+impl fmt::Display for FilmForcesError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FilmForcesError::TooManyTiles { count, most } => {
+                write!(f, "{count} tiles have more pairs than fit in memory, at most {most} tiles")
+            }
+            FilmForcesError::Pair { first, second, source } => write!(f, "tiles {first} and {second}: {source}"),
+            FilmForcesError::Interrupted => write!(f, "interrupted"),
+        }
+    }
+}
+
+impl Error for FilmForcesError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            FilmForcesError::Pair { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}

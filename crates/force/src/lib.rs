@@ -1,0 +1,43 @@
+//! Force and torque of uniformly magnetized cuboids on each other.
+//!
+//! * [`pair_loads`]: forces and torques of two tiles.
+//! * [`FilmForces`]: those of all pairs of the tiles of a film.
+//!
+//! The magnetization is rigid: a tile is not magnetized by the field of the others. Tiles of NdFeB have
+//! a recoil permeability of 1.05 or so, which changes forces by a few percent.
+//!
+//! # Units
+//! Polarization in tesla. With lengths in metres, forces are in newtons and torques in newton metres; see
+//! [`Load`] for other units of length. This crate reads no files and prints nothing.
+//!
+//! # Features
+//! `serde` (off by default): `Serialize` for results.
+
+// Rules are written as `!(x <= limit)` so that NaN breaks them.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
+/// Two cuboids with parallel edges, in the frame of their edges.
+mod aligned_pair;
+/// Force and torque of two cuboids with parallel edges, in closed form.
+mod closed_form;
+/// The functions of the distance of two corners whose sums are forces and torques.
+mod corner;
+/// Force and torque of two distant cuboids with parallel edges.
+mod distant;
+/// Numbers of about 32 digits.
+mod double_double;
+/// Forces on all tiles of a film.
+mod film_forces;
+/// Logarithm and arctangent of about 31 digits.
+mod functions;
+/// Force and torque on a tile.
+mod load;
+/// Force and torque of two tiles.
+mod pair;
+/// Force and torque of two cuboids that are turned against each other.
+mod turned;
+
+pub use film_forces::{FilmForces, FilmForcesError};
+pub use load::Load;
+pub use pair::pair_loads;
+pub use turned::NotConverged;
