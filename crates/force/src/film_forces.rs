@@ -41,22 +41,16 @@ pub enum FilmForcesError {
         /// The reason.
         source: NotConverged,
     },
-    /// `progress` ended the computation.
-    Interrupted,
 }
 
 impl FilmForces {
     /// The loads of all pairs. `tolerance` is that of [`pair_loads`], for tiles that are turned against
-    /// each other. `progress` is told the number of tiles whose pairs are done, from any thread, and
-    /// ends the computation by returning false.
+    /// each other. `progress` is told, from any thread, when the pairs of a tile with later ones are
+    /// done.
     ///
     /// # Errors
     /// Too many tiles; turned tiles so close that their force does not converge.
-    pub fn new(
-        tiles: &[Tile],
-        tolerance: f64,
-        progress: impl Fn() -> bool + Sync,
-    ) -> Result<FilmForces, FilmForcesError> {
+    pub fn new(tiles: &[Tile], tolerance: f64, progress: impl Fn() + Sync) -> Result<FilmForces, FilmForcesError> {
         let count = tiles.len();
         if count > MOST_TILES {
             return Err(FilmForcesError::TooManyTiles { count, most: MOST_TILES });
@@ -71,7 +65,8 @@ impl FilmForces {
                                 .map_err(|source| FilmForcesError::Pair { first, second, source })
                         });
                     let row = row.collect::<Result<Vec<_>, _>>()?;
-                    if progress() { Ok(row) } else { Err(FilmForcesError::Interrupted) }
+                    progress();
+                    Ok(row)
                 })
                 .collect::<Result<_, _>>()?;
         let mut loads = vec![Load::ZERO; count * count];
@@ -119,7 +114,6 @@ impl fmt::Display for FilmForcesError {
                 write!(f, "{count} tiles have more pairs than fit in memory, at most {most} tiles")
             }
             FilmForcesError::Pair { first, second, source } => write!(f, "tiles {first} and {second}: {source}"),
-            FilmForcesError::Interrupted => write!(f, "interrupted"),
         }
     }
 }

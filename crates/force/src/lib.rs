@@ -2,6 +2,8 @@
 //!
 //! * [`pair_loads`]: forces and torques of two tiles.
 //! * [`FilmForces`]: those of all pairs of the tiles of a film.
+//! * [`LayingOrder`]: an order in which tiles are laid, and the force on each while it is being laid.
+//! * [`LeastHolding`]: the order with the least of these forces, with a bound that none is below.
 //!
 //! The magnetization is rigid: a tile is not magnetized by the field of the others. Tiles of NdFeB have
 //! a recoil permeability of 1.05 or so, which changes forces by a few percent.
@@ -30,14 +32,22 @@ mod double_double;
 mod film_forces;
 /// Logarithm and arctangent of about 31 digits.
 mod functions;
+/// Orders in which the tiles of a film are laid.
+mod laying_order;
 /// Force and torque on a tile.
 mod load;
+/// A bound of the holding that no order of laying is below.
+mod order_bound;
+/// The order of laying with the least holding.
+mod order_search;
 /// Force and torque of two tiles.
 mod pair;
 /// Force and torque of two cuboids that are turned against each other.
 mod turned;
 
 pub use film_forces::{FilmForces, FilmForcesError};
+pub use laying_order::{LayingOrder, OrderError};
 pub use load::Load;
+pub use order_search::{LeastHolding, OrderSettings};
 pub use pair::pair_loads;
 pub use turned::NotConverged;

@@ -1,0 +1,118 @@
+//! A bound of the holding that no order of laying is below.
+//!
+//! Read backwards, an order takes tiles away from the whole film. Each must be held against those that
+//! are left, so that a step depends on the set of tiles taken before and not on their order. The search
+//! examines sets by the least holding with which they can be reached. When it stops, each order still
+//! has to pass a set that was not examined, none of which is reached with less than the set examined last.
+//! If it reaches the empty film, or no set is left below the holding of a known order, the least holding is
+//! known.
+
+use std::cmp::Ordering;
+use std::collections::{BinaryHeap, HashSet};
+
+use glam::DVec3;
+
+use crate::film_forces::FilmForces;
+
+/// Most sets that wait to be examined, in about 200 MB.
+const MOST_WAITING: usize = 4_000_000;
+
+/// Forces of sets are differences, off by a few units of round-off of the largest. The bound is lowered by
+/// this fraction.
+const ROUND_OFF: f64 = 1e-12;
+
+/// Result of the search.
+pub(crate) struct Bound {
+    /// No order has a smaller holding.
+    pub(crate) force: f64,
+    /// An order that is better than the known one, if the search reached it.
+    pub(crate) order: Option<Vec<usize>>,
+}
+
+/// A set of tiles taken away: that of `parent`, and one more.
+struct Taken {
+    parent: usize,
+    tile: usize,
+}
+
+/// A set that waits: the least holding first, then the larger set.
+struct Waiting {
+    holding: f64,
+    size: usize,
+    taken: usize,
+}
+
+impl PartialEq for Waiting {
+    fn eq(&self, other: &Waiting) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Waiting {}
+
+impl PartialOrd for Waiting {
+    fn partial_cmp(&self, other: &Waiting) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Waiting {
+    fn cmp(&self, other: &Waiting) -> Ordering {
+        let by_size = || self.size.cmp(&other.size);
+        other.holding.total_cmp(&self.holding).then_with(by_size).then_with(|| other.taken.cmp(&self.taken))
+    }
+}
+
+/// The bound, where an order with the holding `known` exists. At most `examined_sets` are examined.
+pub(crate) fn bound(forces: &FilmForces, known: f64, examined_sets: usize) -> Bound {
+    let count = forces.tile_count();
+    let whole: Vec<DVec3> = forces.by_all().iter().map(|load| load.force).collect();
+    let mut arena: Vec<Taken> = Vec::new();
+    let mut waiting = BinaryHeap::from([Waiting { holding: 0.0, size: 0, taken: usize::MAX }]);
+    let mut examined: HashSet<Vec<u64>> = HashSet::new();
+    let mut reached = 0.0;
+    while let Some(next) = waiting.pop() {
+        reached = next.holding;
+        let taken = taken_tiles(&arena, next.taken);
+        if taken.len() == count {
+            return Bound { force: lowered(reached), order: Some(taken.into_iter().rev().collect()) };
+        }
+        if examined.len() >= examined_sets || waiting.len() >= MOST_WAITING {
+            return Bound { force: lowered(reached), order: None };
+        }
+        let mut bits = vec![0_u64; count.div_ceil(64)];
+        for &tile in &taken {
+            bits[tile / 64] |= 1 << (tile % 64);
+        }
+        let is_left = |tile: &usize| bits[tile / 64] >> (tile % 64) & 1 == 0;
+        if examined.contains(&bits) {
+            continue;
+        }
+        for tile in (0..count).filter(is_left) {
+            let gone: DVec3 = taken.iter().map(|&by| forces.by_one(tile, by).force).sum();
+            let holding = (whole[tile] - gone).length().max(next.holding);
+            if holding < known {
+                waiting.push(Waiting { holding, size: taken.len() + 1, taken: arena.len() });
+                arena.push(Taken { parent: next.taken, tile });
+            }
+        }
+        examined.insert(bits);
+    }
+    // No order is below the known one.
+    Bound { force: lowered(known.max(reached)), order: None }
+}
+
+fn lowered(force: f64) -> f64 {
+    force * (1.0 - ROUND_OFF)
+}
+
+/// The tiles taken away, in that order backwards: the last first, and turned around.
+fn taken_tiles(arena: &[Taken], mut at: usize) -> Vec<usize> {
+    let mut tiles = Vec::new();
+    while let Some(taken) = arena.get(at) {
+        tiles.push(taken.tile);
+        at = taken.parent;
+    }
+    tiles.reverse();
+    tiles
+}

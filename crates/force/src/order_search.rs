@@ -1,0 +1,209 @@
+//! The order of laying with the least holding: a greedy start, improved by annealing.
+//!
+//! The greedy order is built from its end. Of the tiles that are left, the one with the least force is
+//! laid last. Annealing then moves single tiles to other steps, and keeps what lowers a mean of the forces
+//! that is close to the largest of them.
+
+use glam::DVec3;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::film_forces::FilmForces;
+use crate::laying_order::LayingOrder;
+use crate::order_bound::{Bound, bound};
+
+/// Half the power in the mean of the forces that annealing lowers. With a smaller one the largest force
+/// counts too little, with a larger one only it counts and few moves seem to change anything.
+const HALF_POWER: i32 = 6;
+
+/// First and last temperature, as fractions of the mean: from moves that raise it by a tenth to none.
+const TEMPERATURES: [f64; 2] = [0.05, 2e-4];
+
+/// Longest move, in steps. Moves between distant steps change much and are seldom kept.
+const LONGEST_MOVE: usize = 24;
+
+/// Moves after which the mean is summed anew, because round-off adds up.
+const MOVES_PER_SUM: usize = 1_000;
+
+/// How the order with the least holding is searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OrderSettings {
+    /// Number of annealing runs.
+    pub runs: usize,
+    /// Moves that each run tries.
+    pub moves: usize,
+    /// Sets of tiles that are examined for the bound.
+    pub examined_sets: usize,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+impl Default for OrderSettings {
+    fn default() -> OrderSettings {
+        OrderSettings { runs: 8, moves: 1_000_000, examined_sets: 100_000, seed: 1 }
+    }
+}
+
+/// The order with the least holding that was found.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct LeastHolding {
+    /// The order.
+    pub order: LayingOrder,
+    /// No order has a smaller holding than this.
+    pub bound: f64,
+    /// Holding of the greedy order.
+    pub greedy: f64,
+    /// Holding after each run, in their order.
+    pub runs: Vec<f64>,
+}
+
+impl LeastHolding {
+    /// Searches the order with the least holding, and a bound that no order is below. Results do not
+    /// depend on the number of threads. `progress` is told when a run ends, from any thread.
+    pub fn search(forces: &FilmForces, settings: &OrderSettings, progress: impl Fn() + Sync) -> LeastHolding {
+        let greedy = ordered(forces, greedy(forces));
+        let runs: Vec<LayingOrder> = (0..settings.runs as u64)
+            .into_par_iter()
+            .map(|run| {
+                let found = ordered(forces, Annealing::new(forces, greedy.tiles()).run(settings, run));
+                progress();
+                found
+            })
+            .collect();
+        let least = |best: LayingOrder, next: &LayingOrder| {
+            if next.holding() < best.holding() { next.clone() } else { best }
+        };
+        let found = runs.iter().fold(greedy.clone(), least);
+        let Bound { force, order } = bound(forces, found.holding(), settings.examined_sets);
+        LeastHolding {
+            order: order.map_or(found, |order| ordered(forces, order)),
+            bound: force,
+            greedy: greedy.holding(),
+            runs: runs.iter().map(LayingOrder::holding).collect(),
+        }
+    }
+}
+
+fn ordered(forces: &FilmForces, tiles: Vec<usize>) -> LayingOrder {
+    LayingOrder::new(forces, tiles).expect("each tile once")
+}
+
+/// The order whose last tile has the least force by all others, and so on backwards.
+fn greedy(forces: &FilmForces) -> Vec<usize> {
+    let mut left: Vec<(usize, DVec3)> =
+        forces.by_all().iter().enumerate().map(|(tile, load)| (tile, load.force)).collect();
+    let mut order = Vec::with_capacity(left.len());
+    while let Some(at) = (0..left.len()).min_by(|&a, &b| left[a].1.length().total_cmp(&left[b].1.length())) {
+        let (tile, _) = left.remove(at);
+        for (other, force) in &mut left {
+            *force -= forces.by_one(*other, tile).force;
+        }
+        order.push(tile);
+    }
+    order.reverse();
+    order
+}
+
+/// An order that is changed move by move.
+struct Annealing {
+    count: usize,
+    /// Force on one tile by another, over the largest force of the first order.
+    pairs: Vec<DVec3>,
+    /// The tile of each step.
+    order: Vec<usize>,
+    /// Force on each tile by the tiles before it.
+    force: Vec<DVec3>,
+}
+
+impl Annealing {
+    fn new(forces: &FilmForces, order: &[usize]) -> Annealing {
+        let count = order.len();
+        let holding = ordered(forces, order.to_vec()).holding();
+        let unit = if holding > 0.0 { holding } else { 1.0 };
+        let pair = |index: usize| forces.by_one(index / count, index % count).force / unit;
+        let pairs: Vec<DVec3> = (0..count * count).map(pair).collect();
+        let mut force = vec![DVec3::ZERO; count];
+        for (step, &tile) in order.iter().enumerate() {
+            force[tile] = order[..step].iter().map(|&by| pairs[tile * count + by]).sum();
+        }
+        Annealing { count, pairs, order: order.to_vec(), force }
+    }
+
+    /// The best order of one run.
+    fn run(mut self, settings: &OrderSettings, run: u64) -> Vec<usize> {
+        let mut random = ChaCha8Rng::seed_from_u64(settings.seed);
+        random.set_stream(run);
+        let (mut best, mut least) = (self.order.clone(), self.largest());
+        let mut sum = self.sum();
+        if self.count < 2 {
+            return best;
+        }
+        let cooling = (TEMPERATURES[1] / TEMPERATURES[0]).powf(1.0 / settings.moves.max(1) as f64);
+        let mut temperature = TEMPERATURES[0];
+        let mut moved = Vec::new();
+        for index in 0..settings.moves {
+            temperature *= cooling;
+            if index % MOVES_PER_SUM == 0 {
+                sum = self.sum();
+            }
+            let from = random.random_range(0..self.count);
+            let (low, high) = (from.saturating_sub(LONGEST_MOVE), (from + LONGEST_MOVE).min(self.count - 1));
+            let to = random.random_range(low..=high);
+            if to == from {
+                continue;
+            }
+            let changed = self.after_move(from, to, &mut moved);
+            // The mean is the root of this power; its relative change.
+            let ratio = ((sum + changed).max(0.0) / sum).powf(0.5 / f64::from(HALF_POWER)) - 1.0;
+            if ratio > 0.0 && random.random::<f64>() >= (-ratio / temperature).exp() {
+                continue;
+            }
+            sum += changed;
+            for (tile, force) in &moved {
+                self.force[*tile] = *force;
+            }
+            let tile = self.order.remove(from);
+            self.order.insert(to, tile);
+            if changed < 0.0 {
+                let largest = self.largest();
+                if largest < least {
+                    (best, least) = (self.order.clone(), largest);
+                }
+            }
+        }
+        best
+    }
+
+    /// Writes the forces of the tiles that a move changes; returns the change of the sum of powers.
+    fn after_move(&self, from: usize, to: usize, moved: &mut Vec<(usize, DVec3)>) -> f64 {
+        moved.clear();
+        let tile = self.order[from];
+        let later = to > from;
+        let passed = if later { &self.order[from + 1..=to] } else { &self.order[to..from] };
+        let sign = if later { 1.0 } else { -1.0 };
+        let mut own = self.force[tile];
+        let mut changed = 0.0;
+        for &other in passed {
+            own += sign * self.pairs[tile * self.count + other];
+            let force = self.force[other] - sign * self.pairs[other * self.count + tile];
+            changed += power(force) - power(self.force[other]);
+            moved.push((other, force));
+        }
+        moved.push((tile, own));
+        changed + power(own) - power(self.force[tile])
+    }
+
+    fn sum(&self) -> f64 {
+        self.force.iter().copied().map(power).sum()
+    }
+
+    fn largest(&self) -> f64 {
+        self.force.iter().map(|force| force.length_squared()).fold(0.0, f64::max)
+    }
+}
+
+fn power(force: DVec3) -> f64 {
+    force.length_squared().powi(HALF_POWER)
+}
