@@ -28,6 +28,8 @@ mod evaluation;
 mod failure;
 /// Lists of faulty lines and points.
 mod faults;
+/// Results of `forces`: loads on tiles, and an order of laying.
+mod film_loads;
 /// Points of a file for the verbs that compare with the ideal film.
 mod given_points;
 /// Ctrl-C: temporary files are removed, a search ends with its best film.
@@ -40,6 +42,8 @@ mod junit;
 mod laying;
 /// The layout files that arguments name.
 mod layout_files;
+/// Orders of laying from a CSV file.
+mod order_file;
 /// Where results go: standard output, files, folders, tables.
 mod output;
 /// Results of `decouple --points`.
@@ -105,6 +109,7 @@ fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
         Verb::Plan(args) => verbs::plan::run(args, quiet),
         Verb::Bench(args) => verbs::bench::run(args, quiet),
         Verb::Budget(args) => verbs::budget::run(args, quiet),
+        Verb::Forces(args) => verbs::forces::run(args, quiet),
         Verb::Read(args) => verbs::read::run(args, quiet),
         Verb::Experiment(args) => verbs::experiment::run(args, quiet),
         Verb::Calibrate(args) => verbs::calibrate::run(args, quiet),

@@ -2,7 +2,7 @@
 //!
 //! Forces: Akoun and Yonnet, "3D analytical calculation of the forces exerted between two cuboidal
 //! magnets", IEEE Trans. Magn. 20 (1984) 1962, and for other polarizations Yonnet and Allag, IEEE Trans.
-//! Magn. 45 (2009) 3969. Torques: after Janssen et al., Int. J. Appl. Electromagn. Mech. 34 (2010) 57,
+//! Magn. 45 (2009) 3969. Torques: after Janssen et al., IEEE Trans. Magn. 46 (2010) 1748,
 //! with the lever integrated by parts.
 
 use glam::DVec3;

@@ -5,6 +5,7 @@
 //! * [`magnet`]: tiles, grids, quantities, accuracy.
 //! * [`ideal`]: the ideal film, and the comparison of two fields.
 //! * [`field`]: the field of tiles, exact or to a tolerance.
+//! * [`force`]: force and torque of tiles on each other, and the order in which to lay them.
 //! * [`decouple`]: decoupling parameters and their errors.
 //! * [`sensor`]: positions of a sensor from what it reads.
 //! * [`layout`]: layout files.
@@ -68,6 +69,7 @@ pub use magsplice_design as design;
 #[cfg(feature = "layout")]
 pub use magsplice_expect as expect;
 pub use magsplice_field as field;
+pub use magsplice_force as force;
 pub use magsplice_ideal as ideal;
 #[cfg(feature = "layout")]
 pub use magsplice_layout as layout;

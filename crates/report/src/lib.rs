@@ -57,6 +57,7 @@ pub use figure::{Figure, SvgText};
 pub use figures::budget::{BudgetBar, budget_figure};
 pub use figures::diagnosis::{DiagnosedTile, TileFault, diagnosis_figure};
 pub use figures::experiment::{ExperimentCurves, experiment_figure};
+pub use figures::forces::{TileForce, forces_figure};
 pub use figures::front::{FrontAxis, FrontFigure, FrontFilm};
 pub use figures::laying_plan::{LaidTile, laying_plan_figure};
 pub use figures::layout_from_above::layout_figure;

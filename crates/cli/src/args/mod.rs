@@ -21,6 +21,8 @@ pub(crate) mod experiment;
 /// Arguments of the verbs that list, convert or create files: `tiles`, `export`, `init`,
 /// `completions`.
 pub(crate) mod files;
+/// Arguments of `forces`.
+pub(crate) mod forces;
 /// Output formats, their names and file endings.
 pub(crate) mod formats;
 /// Arguments of `import`.
@@ -51,6 +53,7 @@ use self::evaluate::ReportArgs;
 use self::evaluate::{CompareArgs, DecoupleArgs, FieldArgs, PlanArgs};
 use self::experiment::ExperimentArgs;
 use self::files::{CompletionsArgs, ExportArgs, InitArgs, TilesArgs};
+use self::forces::ForcesArgs;
 use self::import::ImportArgs;
 use self::sensor::{CalibrateArgs, ReadArgs, ResolutionArgs, ScanArgs};
 use self::tolerance::ToleranceArgs;
@@ -108,6 +111,7 @@ pub(crate) enum Verb {
     Report(ReportArgs),
     Tolerance(ToleranceArgs),
     Budget(BudgetArgs),
+    Forces(ForcesArgs),
     Read(ReadArgs),
     Resolution(ResolutionArgs),
     Experiment(ExperimentArgs),

@@ -22,6 +22,8 @@ pub(crate) mod design;
 pub(crate) mod diagnose;
 /// `field`: every point.
 pub(crate) mod field;
+/// `forces`: loads on tiles, and an order of laying.
+pub(crate) mod forces;
 /// `plan`: the methods, their truncation errors and costs.
 pub(crate) mod plan;
 /// `read`.

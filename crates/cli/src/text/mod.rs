@@ -18,6 +18,8 @@ pub(crate) mod decouple_points;
 pub(crate) mod design;
 /// `diagnose`: the tiles that are wrong, and what the scan cannot tell.
 pub(crate) mod diagnose;
+/// `forces`: loads on tiles, and an order of laying.
+pub(crate) mod forces;
 /// The header of a film: its name, tiles, working volume and accuracy.
 pub(crate) mod header;
 /// Numbers and counts in words.

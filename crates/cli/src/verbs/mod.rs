@@ -29,6 +29,8 @@ pub(crate) mod experiment;
 pub(crate) mod export;
 /// Computes the field at points.
 pub(crate) mod field;
+/// Computes the forces of the tiles on each other.
+pub(crate) mod forces;
 /// `design --front`: searches the films of a trade-off.
 pub(crate) mod front;
 /// Makes a layout from a table of blocks.

@@ -17,6 +17,7 @@ mod expectations;
 mod field;
 mod files;
 mod formats;
+mod forces;
 mod fuzz;
 mod help;
 mod hints;

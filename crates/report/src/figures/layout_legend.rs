@@ -33,36 +33,13 @@ impl LayoutLegend<'_> {
         let left = self.left;
         let mut y = self.top + 10.0;
         sheet.text([left, y], "Direction of polarization", LETTERS)?;
-        y = self.wheel(sheet, directions, y + 24.0)? + 34.0;
+        y = direction_wheel(sheet, directions, left, y + 24.0)? + 34.0;
         y = self.marks(sheet, y)?;
         for line in self.lines() {
             sheet.text([left, y], &line, LETTERS)?;
             y += 20.0;
         }
         Ok(())
-    }
-
-    /// Draws the colour circle from `y` down, and returns where it ends.
-    fn wheel(&self, sheet: &Sheet, directions: &DirectionColours, y: f64) -> Result<f64, PlotError> {
-        let (left, wheel) = (self.left, 46.0);
-        let y = y + wheel;
-        let centre = [left + wheel + 18.0, y];
-        let sectors = 48;
-        for i in 0..sectors {
-            let angle = |i: i32| f64::from(i) / f64::from(sectors) * std::f64::consts::TAU;
-            let (from, to, middle) = (angle(i) - 0.01, angle(i + 1), 0.5 * (angle(i) + angle(i + 1)));
-            let rim = |angle: f64, r: f64| [centre[0] + r * angle.cos(), centre[1] - r * angle.sin()];
-            let colour = light(directions.colour(DVec3::new(middle.cos(), middle.sin(), 0.0)));
-            let inner = 0.45 * wheel;
-            sheet.fill(&[rim(from, wheel), rim(to, wheel), rim(to, inner), rim(from, inner)], colour)?;
-        }
-        for (text, dx, dy) in [("x", 1.0, 0.0), ("y", 0.0, -1.0)] {
-            let letters = LETTERS.centred();
-            sheet.text([centre[0] + dx * (wheel + 10.0), centre[1] + dy * (wheel + 9.0)], &variable(text), letters)?;
-            let tip = [centre[0] + dx * 0.4 * wheel, centre[1] + dy * 0.4 * wheel];
-            arrow(sheet, centre, tip, 1.2, INK)?;
-        }
-        Ok(y + wheel)
     }
 
     /// Draws the meaning of the arrow and the other marks from `y` down, and returns where it ends.
@@ -107,6 +84,34 @@ impl LayoutLegend<'_> {
         lines.extend_from_slice(self.names);
         lines
     }
+}
+
+/// Draws the colour circle from `y` down, and returns where it ends.
+pub(super) fn direction_wheel(
+    sheet: &Sheet,
+    directions: &DirectionColours,
+    left: f64,
+    y: f64,
+) -> Result<f64, PlotError> {
+    let wheel = 46.0;
+    let y = y + wheel;
+    let centre = [left + wheel + 18.0, y];
+    let sectors = 48;
+    for i in 0..sectors {
+        let angle = |i: i32| f64::from(i) / f64::from(sectors) * std::f64::consts::TAU;
+        let (from, to, middle) = (angle(i) - 0.01, angle(i + 1), 0.5 * (angle(i) + angle(i + 1)));
+        let rim = |angle: f64, r: f64| [centre[0] + r * angle.cos(), centre[1] - r * angle.sin()];
+        let colour = light(directions.colour(DVec3::new(middle.cos(), middle.sin(), 0.0)));
+        let inner = 0.45 * wheel;
+        sheet.fill(&[rim(from, wheel), rim(to, wheel), rim(to, inner), rim(from, inner)], colour)?;
+    }
+    for (text, dx, dy) in [("x", 1.0, 0.0), ("y", 0.0, -1.0)] {
+        let letters = LETTERS.centred();
+        sheet.text([centre[0] + dx * (wheel + 10.0), centre[1] + dy * (wheel + 9.0)], &variable(text), letters)?;
+        let tip = [centre[0] + dx * 0.4 * wheel, centre[1] + dy * 0.4 * wheel];
+        arrow(sheet, centre, tip, 1.2, INK)?;
+    }
+    Ok(y + wheel)
 }
 
 /// A polarization with four significant digits and its unit.

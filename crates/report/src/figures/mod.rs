@@ -12,6 +12,8 @@ pub(crate) mod distributions;
 pub(crate) mod experiment;
 /// B_x, B_y, B_z on a plane: spliced film, ideal film, difference.
 pub(crate) mod field_maps;
+/// The tiles from above with the force on each.
+pub(crate) mod forces;
 /// Errors of the films of a Pareto front.
 pub(crate) mod front;
 /// The plan by which a film is laid.

@@ -1,0 +1,222 @@
+//! The tiles from above with the force on each, and the order in which they are laid.
+
+use glam::{DVec2, DVec3};
+use magsplice::layout::NamedTile;
+use plotters::prelude::RGBColor;
+use plotters::style::text_anchor::VPos;
+
+use crate::colours::{DirectionColours, VERMILION, light};
+use crate::error::{DrawError, ReportError};
+use crate::figure::{Figure, SvgText};
+use crate::marks::{arrow, out_of_plane_mark};
+use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
+use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
+use crate::tile_shapes::{bounds, from_above};
+use crate::typeset::{self, number, symbol};
+
+use super::field_maps::csv_row;
+use super::layout_legend::direction_wheel;
+
+/// Name of the figure in captions and errors.
+const NAME: &str = "forces";
+
+/// Length of the longer side of the drawing, in pixels.
+const ROOM_PX: f64 = 740.0;
+/// Width of the legend at its right, in pixels.
+const LEGEND_PX: f64 = 190.0;
+const TOP_PX: f64 = 14.0;
+/// Empty space around tiles and arrows, as a fraction of the longer side.
+const MARGIN: f64 = 0.03;
+
+/// Length of the longest arrow over the longer side of the largest tile, and its limits as fractions of
+/// the longer side of the film.
+const ARROW_PER_TILE: f64 = 0.75;
+const ARROW_PER_FILM: [f64; 2] = [0.035, 0.12];
+/// Shorter arrows are not drawn: a head alone has no length.
+const SHORTEST_PX: f64 = 3.0;
+/// Radius of the mark for the largest force out of the plane, in pixels, and the smallest that is drawn.
+const MARK_PX: f64 = 9.0;
+const SMALLEST_MARK_PX: f64 = 1.5;
+/// Size of the numbers of steps, in pixels: the largest, and the smallest that can be read.
+const NUMBER_PX: [f64; 2] = [12.0, 7.0];
+
+const MUTED: RGBColor = RGBColor(70, 70, 70);
+
+/// A tile and the force on it.
+#[derive(Clone, Copy, Debug)]
+pub struct TileForce<'a> {
+    /// The tile.
+    pub tile: &'a NamedTile,
+    /// The force in newtons.
+    pub force_n: DVec3,
+    /// Step at which it is laid, from 1.
+    pub step: Option<usize>,
+}
+
+/// The tiles from above, each with the force on it as an arrow. `while_laid` says that each force is that
+/// of the tiles laid before, and not of all others.
+///
+/// # Errors
+/// [`ReportError::Drawing`] if it cannot be drawn.
+pub fn forces_figure(tiles: &[TileForce], while_laid: bool) -> Result<Figure, ReportError> {
+    let caption = if while_laid {
+        "The tiles from above with the number of the step at which each is laid, and the force on it by the tiles \
+         laid before. Circles are forces out of the plane, up with a dot and down with a cross."
+    } else {
+        "The tiles from above with the force on each by all others. Circles are forces out of the plane, up with a \
+         dot and down with a cross."
+    };
+    let drawn = svg(tiles, while_laid)
+        .and_then(|svg| Figure::new(NAME, caption.to_owned(), &svg, csv(tiles), SvgText::Text, &typeset::options()));
+    drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
+}
+
+fn svg(tiles: &[TileForce], while_laid: bool) -> Result<String, DrawError> {
+    let [low, high] = bounds(tiles.iter().map(|force| &force.tile.tile)).unwrap_or([DVec3::ZERO, DVec3::ONE]);
+    let largest = tiles.iter().map(|force| force.tile.tile.size().truncate().max_element()).fold(0.0, f64::max);
+    let film = (high - low).truncate().max_element();
+    let [shortest, longest] = ARROW_PER_FILM.map(|fraction| fraction * film);
+    let arrow_mm = (ARROW_PER_TILE * largest).clamp(shortest, longest);
+    let most_n = tiles.iter().map(|force| force.force_n.length()).fold(0.0, f64::max);
+    let tips = tiles.iter().filter(|_| most_n > 0.0);
+    let tips = tips.map(|force| force.tile.tile.position() + arrow_mm / most_n * force.force_n);
+    let (low, high) = tips.fold((low, high), |(low, high), tip| (low.min(tip), high.max(tip)));
+    let margin = MARGIN * (high - low).truncate().max_element();
+    let (low, high) = (low - margin, high + margin);
+    let per_mm = ROOM_PX / (high - low).truncate().max_element();
+    let panel = Panel {
+        left: LEFT_PX + 6.0,
+        top: TOP_PX,
+        width: per_mm * (high.x - low.x),
+        height: per_mm * (high.y - low.y),
+        x: [low.x, high.x],
+        y: [low.y, high.y],
+    };
+    let forces = ForcePainter::new(tiles, panel, most_n, arrow_mm);
+    let size = [panel.right() + LEGEND_PX, (panel.bottom() + BELOW_PX + 6.0).max(380.0)];
+    sheet(size, |sheet| {
+        // From the lowest to the highest, so that upper tiles cover lower ones.
+        let mut order: Vec<&TileForce> = tiles.iter().collect();
+        order.sort_by(|a, b| a.tile.tile.position().z.total_cmp(&b.tile.tile.position().z));
+        for force in &order {
+            forces.body(sheet, force)?;
+        }
+        for force in &order {
+            forces.force(sheet, force)?;
+        }
+        panel.axes(sheet, AxisLabel::Coordinate("x"), AxisLabel::Coordinate("y"))?;
+        forces.legend(sheet, tiles, while_laid)
+    })
+}
+
+fn csv(tiles: &[TileForce]) -> String {
+    let mut csv = "name,step,x_mm,y_mm,z_mm,force_x_n,force_y_n,force_z_n\n".to_owned();
+    for TileForce { tile, force_n, step } in tiles {
+        csv += &format!("\"{}\",{},", tile.name.replace('"', "\"\""), step.map_or(String::new(), |n| n.to_string()));
+        csv_row(&mut csv, tile.tile.position().to_array().into_iter().chain(force_n.to_array()));
+    }
+    csv
+}
+
+/// Draws tiles and forces into a panel.
+struct ForcePainter {
+    panel: Panel,
+    directions: DirectionColours,
+    /// The largest force in newtons.
+    most_n: f64,
+    /// The length of its arrow in pixels.
+    arrow_px: f64,
+    /// Size of the numbers of steps; `None` if the tiles are too small for them.
+    number_px: Option<f64>,
+}
+
+impl ForcePainter {
+    fn new(tiles: &[TileForce], panel: Panel, most_n: f64, arrow_mm: f64) -> ForcePainter {
+        let sides = |force: &TileForce| force.tile.tile.size().truncate() * panel.px_per_x();
+        let narrowest = tiles.iter().map(|force| sides(force).min_element()).fold(f64::INFINITY, f64::min);
+        let number_px = NUMBER_PX[0].min(0.5 * narrowest);
+        ForcePainter {
+            panel,
+            directions: DirectionColours::new(),
+            most_n,
+            arrow_px: arrow_mm * panel.px_per_x(),
+            number_px: (number_px >= NUMBER_PX[1]).then_some(number_px),
+        }
+    }
+
+    fn outline(&self, force: &TileForce) -> Vec<[f64; 2]> {
+        from_above(&force.tile.tile).into_iter().map(|p| self.panel.at(p.x, p.y)).collect()
+    }
+
+    /// Draws the outline, filled with the colour of the polarization's direction, and the step.
+    fn body(&self, sheet: &Sheet, force: &TileForce) -> DrawResult {
+        let outline = self.outline(force);
+        sheet.fill(&outline, light(self.directions.colour(force.tile.tile.scene_polarization_t())))?;
+        sheet.outline(&outline, MUTED, 0.8)?;
+        let (Some(step), Some(size)) = (force.step, self.number_px) else { return Ok(()) };
+        let corners = outline.iter().map(|&corner| DVec2::from(corner));
+        let corner = corners.fold(DVec2::MAX, DVec2::min);
+        let letters = Lettering { along: VPos::Top, colour: MUTED, ..LETTERS.sized(size) };
+        sheet.text([corner.x + 3.0, corner.y + 2.0], &step.to_string(), letters)
+    }
+
+    /// Draws the arrow of the force in the plane, and the mark of the force out of it.
+    fn force(&self, sheet: &Sheet, force: &TileForce) -> DrawResult {
+        if self.most_n == 0.0 {
+            return Ok(());
+        }
+        let colour = if force.force_n.length() == self.most_n { VERMILION } else { INK };
+        let centre = force.tile.tile.position();
+        let tail = self.panel.at(centre.x, centre.y);
+        let along = force.force_n / self.most_n;
+        // y grows upwards in the film and downwards on the sheet.
+        let tip = [tail[0] + self.arrow_px * along.x, tail[1] - self.arrow_px * along.y];
+        if self.arrow_px * along.truncate().length() >= SHORTEST_PX {
+            arrow(sheet, tail, tip, 2.0, colour)?;
+        }
+        let radius = MARK_PX * along.z.abs().sqrt();
+        // The area of the circle is in proportion to the force.
+        if radius >= SMALLEST_MARK_PX { out_of_plane_mark(sheet, tail, radius, along.z > 0.0) } else { Ok(()) }
+    }
+
+    fn legend(&self, sheet: &Sheet, tiles: &[TileForce], while_laid: bool) -> DrawResult {
+        let left = self.panel.right() + 24.0;
+        let mut y = TOP_PX + 10.0;
+        sheet.text([left, y], "Direction of polarization", LETTERS)?;
+        y = direction_wheel(sheet, &self.directions, left, y + 24.0)? + 40.0;
+        let title = if while_laid { "Force while it is laid" } else { "Force by all others" };
+        sheet.text([left, y], title, LETTERS)?;
+        y += 26.0;
+        let (size_n, unit) = [(1.0, "N"), (1e-3, "mN"), (1e-6, "\u{b5}N")]
+            .into_iter()
+            .find(|(size_n, _)| self.most_n >= 0.1 * size_n)
+            .unwrap_or((1.0, "N"));
+        let said = |force_n: f64| {
+            let digits = format!("{:.2e}", force_n / size_n).parse().unwrap_or(force_n);
+            format!("{} {unit}", number(digits))
+        };
+        if self.most_n > 0.0 {
+            arrow(sheet, [left, y], [left + self.arrow_px, y], 2.0, VERMILION)?;
+            sheet.text([left + self.arrow_px + 8.0, y], &said(self.most_n), LETTERS)?;
+            y += 20.0;
+            sheet.text([left, y], "the largest", LETTERS.sized(12.0))?;
+            y += 26.0;
+        }
+        for (sign, text) in [(1.0, "up, to the viewer"), (-1.0, "down")] {
+            let of_sign = |force: &TileForce| sign * force.force_n.z;
+            let most_n = tiles.iter().map(of_sign).fold(0.0, f64::max);
+            let radius = MARK_PX * (most_n / self.most_n).sqrt();
+            if self.most_n > 0.0 && radius >= SMALLEST_MARK_PX {
+                out_of_plane_mark(sheet, [left + 10.0, y], radius, sign > 0.0)?;
+                let force = symbol("F", "z");
+                sheet.text([left + 28.0, y], &format!("{text}, |{force}| = {}", said(most_n)), LETTERS.sized(12.0))?;
+                y += 26.0;
+            }
+        }
+        if while_laid {
+            let words = if self.number_px.is_some() { "Numbers: steps" } else { "Tiles too small for steps" };
+            sheet.text([left, y], words, LETTERS)?;
+        }
+        Ok(())
+    }
+}
