@@ -86,11 +86,10 @@ impl<'a> FilmLoads<'a> {
 
     /// The tile with the largest force, and with the largest torque.
     pub(crate) fn largest(&self) -> Option<[usize; 2]> {
-        let largest =
-            |size: &dyn Fn(&LoadN) -> f64| {
-                (0..self.tiles.len())
-                    .reduce(|most, next| if size(&self.tiles[next]) > size(&self.tiles[most]) { next } else { most })
-            };
+        let largest = |size: &dyn Fn(&LoadN) -> f64| {
+            (0..self.tiles.len())
+                .reduce(|most, next| if size(&self.tiles[next]) > size(&self.tiles[most]) { next } else { most })
+        };
         Some([largest(&|load| load.force_n.length())?, largest(&|load| load.torque_n_mm.length())?])
     }
 

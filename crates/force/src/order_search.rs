@@ -20,8 +20,8 @@ const HALF_POWER: i32 = 6;
 /// First and last temperature, as fractions of the mean: from moves that raise it by a tenth to none.
 const TEMPERATURES: [f64; 2] = [0.05, 2e-4];
 
-/// Longest move, in steps. Moves between distant steps change much and are seldom kept.
-const LONGEST_MOVE: usize = 24;
+/// Longest move, in steps. Longer ones change much, are seldom kept, and cost more.
+const LONGEST_MOVE: usize = 56;
 
 /// Moves after which the mean is summed anew, because round-off adds up.
 const MOVES_PER_SUM: usize = 1_000;
@@ -41,7 +41,7 @@ pub struct OrderSettings {
 
 impl Default for OrderSettings {
     fn default() -> OrderSettings {
-        OrderSettings { runs: 8, moves: 1_000_000, examined_sets: 100_000, seed: 1 }
+        OrderSettings { runs: 16, moves: 1_000_000, examined_sets: 100_000, seed: 1 }
     }
 }
 

@@ -67,7 +67,10 @@ fn orders_are_read_back() {
     let said = sandbox.run(&["forces", "film.toml", "--order", "order.csv", "-o", "laid.csv"]);
     assert_eq!((said.status, said.stdout.as_str(), said.stderr.as_str()), (0, "", ""));
     let laid = sandbox.read("laid.csv");
-    assert!(laid.lines().nth(1).is_some_and(|line| line.starts_with("\"upper\",") && line.contains(",1,0e0,")), "{laid}");
+    assert!(
+        laid.lines().nth(1).is_some_and(|line| line.starts_with("\"upper\",") && line.contains(",1,0e0,")),
+        "{laid}"
+    );
     let first = sandbox.run(&["forces", "film.toml", "--order", "order.csv", "--format", "json"]).stdout;
     let again = sandbox.run(&["forces", "film.toml", "--order", "laid.csv", "--format", "json"]).stdout;
     assert_eq!(first.replace("order.csv", "laid.csv"), again);
