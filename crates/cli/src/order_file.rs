@@ -36,9 +36,9 @@ pub(crate) fn read(path: &Path, layout: &Layout) -> Result<Vec<usize>, Failure> 
         };
         let name = table.cell(column);
         match tiles.get(name).map(|&tile| (tile, lines[tile])) {
-            None => faults.add(line, format!("the layout has no tile {}", shown(name))),
+            None => faults.add(line, format!("line {line}: the layout has no tile {}", shown(name))),
             Some((_, Some(before))) => {
-                faults.add(line, format!("tile {} is laid at line {before} already", shown(name)))
+                faults.add(line, format!("line {line}: tile {} is laid at line {before} already", shown(name)))
             }
             Some((tile, None)) => {
                 lines[tile] = Some(line);
@@ -52,8 +52,8 @@ pub(crate) fn read(path: &Path, layout: &Layout) -> Result<Vec<usize>, Failure> 
     if let Some(missing) = lines.iter().position(Option::is_none) {
         let count = lines.iter().filter(|line| line.is_none()).count();
         return Err(failed(format!(
-            "{} of the layout missing, such as {}: each tile must be laid once",
-            counted(count, "tile is", "tiles are"),
+            "{} missing, such as {}: each tile must be laid once",
+            counted(count, "tile of the layout is", "tiles of the layout are"),
             layout.tiles[missing].name
         )));
     }

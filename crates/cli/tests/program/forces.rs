@@ -86,9 +86,9 @@ fn wrong_orders_are_refused() {
         sandbox.write("order.csv", order);
         sandbox.run(&["forces", "film.toml", "--order", "order.csv"]).refuses(message);
     };
-    refused("tile\nupper\n", "order.csv: 1 tile is of the layout missing, such as lower: each tile must be laid once");
+    refused("tile\nupper\n", "order.csv: 1 tile of the layout is missing, such as lower: each tile must be laid once");
     refused("tile\nupper\nlow\n", "order.csv: line 3: the layout has no tile");
-    refused("tile\nupper\nupper\nlower\n", "order.csv: line 3: tile \"upper\" is laid at line 2 already");
+    refused("tile\nupper\nupper\nlower\n", "order.csv: line 3: tile upper is laid at line 2 already");
     refused("name\nupper\nlower\n", "order.csv: line 1: has no column tile with the names of the tiles");
     sandbox.run(&["forces", "film.toml", "--order", "best"]).refuses("best: cannot read");
     sandbox.run(&["forces", "film.toml", "-o", "film.toml"]).refuses("no format has the ending .toml");
@@ -121,7 +121,7 @@ fn figure_has_an_arrow_and_a_number_for_each_tile() {
     let text: Vec<String> = drawing
         .descendants()
         .filter(|node| node.has_tag_name("text"))
-        .map(|node| node.descendants().filter_map(|part| part.text()).collect::<String>().trim().to_owned())
+        .map(|node| node.text().unwrap_or_default().trim().to_owned())
         .collect();
     for step in 1..=56 {
         assert!(text.contains(&step.to_string()), "{step}: {text:?}");
