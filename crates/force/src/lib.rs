@@ -30,6 +30,9 @@ mod distant;
 mod double_double;
 /// Forces on all tiles of a film.
 mod film_forces;
+/// Logarithms and arctangents of 60 digits.
+#[cfg(test)]
+mod function_values;
 /// Logarithm and arctangent of about 31 digits.
 mod functions;
 /// Orders in which the tiles of a film are laid.
