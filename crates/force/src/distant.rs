@@ -144,3 +144,32 @@ const EVEN_BINOMIALS: [[f64; 5]; 5] = [
     [1.0, 15.0, 15.0, 1.0, 0.0],
     [1.0, 28.0, 70.0, 28.0, 1.0],
 ];
+
+#[cfg(test)]
+mod tests {
+    use magsplice_magnet::Tile;
+
+    use super::*;
+    use crate::closed_form;
+
+    /// The rules are exact up to the ninth power, so that errors of force and torque fall with the tenth
+    /// power of the distance: by 1024 where it doubles, and by 64 if the sixth moment were wrong.
+    #[test]
+    fn error_falls_with_the_tenth_power_of_the_distance() {
+        let first = Tile::new(DVec3::ZERO, DVec3::new(2.0, 3.0, 1.0), DVec3::new(0.1, -0.05, 0.2)).unwrap();
+        let errors = |direction: DVec3, distance: f64| {
+            let position = distance * direction.normalize();
+            let second = Tile::new(position, DVec3::new(1.0, 1.5, 2.5), DVec3::new(-0.07, 0.15, 0.11)).unwrap();
+            let pair = AlignedPair::new(&first, &second).unwrap();
+            let (fast, exact) = (load(&pair), closed_form::load(&pair));
+            let relative = |fast: DVec3, exact: DVec3| (fast - exact).length() / exact.length();
+            [relative(fast.force, exact.force), relative(fast.torque, exact.torque)]
+        };
+        for direction in [DVec3::new(1.0, 0.3, -0.6), DVec3::new(0.1, 1.0, 0.2), DVec3::new(-0.5, 0.4, 1.0)] {
+            let (near, far) = (errors(direction, 12.0), errors(direction, 24.0));
+            for (near, far) in near.into_iter().zip(far) {
+                assert!(near < 1e-6 && far < near / 512.0, "{direction}: {near:e} {far:e}");
+            }
+        }
+    }
+}

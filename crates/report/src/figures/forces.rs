@@ -12,7 +12,7 @@ use crate::marks::{arrow, out_of_plane_mark};
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
 use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
 use crate::tile_shapes::{bounds, from_above};
-use crate::typeset::{self, number, symbol};
+use crate::typeset::{self, number};
 
 use super::field_maps::csv_row;
 use super::layout_legend::direction_wheel;
@@ -37,6 +37,9 @@ const SHORTEST_PX: f64 = 3.0;
 /// Radius of the mark for the largest force out of the plane, in pixels, and the smallest that is drawn.
 const MARK_PX: f64 = 9.0;
 const SMALLEST_MARK_PX: f64 = 1.5;
+/// Forces from this fraction of the largest on are drawn as the largest: images by symmetry differ by
+/// round-off.
+const LARGEST: f64 = 1.0 - 1e-9;
 /// Size of the numbers of steps, in pixels: the largest, and the smallest that can be read.
 const NUMBER_PX: [f64; 2] = [12.0, 7.0];
 
@@ -165,7 +168,7 @@ impl ForcePainter {
         if self.most_n == 0.0 {
             return Ok(());
         }
-        let colour = if force.force_n.length() == self.most_n { VERMILION } else { INK };
+        let colour = if force.force_n.length() >= LARGEST * self.most_n { VERMILION } else { INK };
         let centre = force.tile.tile.position();
         let tail = self.panel.at(centre.x, centre.y);
         let along = force.force_n / self.most_n;
@@ -202,14 +205,14 @@ impl ForcePainter {
             sheet.text([left, y], "the largest", LETTERS.sized(12.0))?;
             y += 26.0;
         }
-        for (sign, text) in [(1.0, "up, to the viewer"), (-1.0, "down")] {
+        for (sign, text) in [(1.0, "up"), (-1.0, "down")] {
             let of_sign = |force: &TileForce| sign * force.force_n.z;
             let most_n = tiles.iter().map(of_sign).fold(0.0, f64::max);
             let radius = MARK_PX * (most_n / self.most_n).sqrt();
             if self.most_n > 0.0 && radius >= SMALLEST_MARK_PX {
                 out_of_plane_mark(sheet, [left + 10.0, y], radius, sign > 0.0)?;
-                let force = symbol("F", "z");
-                sheet.text([left + 28.0, y], &format!("{text}, |{force}| = {}", said(most_n)), LETTERS.sized(12.0))?;
+                let text = format!("{text}, {} at most", said(most_n));
+                sheet.text([left + 28.0, y], &text, LETTERS.sized(12.0))?;
                 y += 26.0;
             }
         }
