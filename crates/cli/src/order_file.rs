@@ -38,7 +38,7 @@ pub(crate) fn read(path: &Path, layout: &Layout) -> Result<Vec<usize>, Failure> 
         match tiles.get(name).map(|&tile| (tile, lines[tile])) {
             None => faults.add(line, format!("line {line}: the layout has no tile {}", shown(name))),
             Some((_, Some(before))) => {
-                faults.add(line, format!("line {line}: tile {} is laid at line {before} already", shown(name)))
+                faults.add(line, format!("line {line}: tile {} is laid at line {before} already", shown(name)));
             }
             Some((tile, None)) => {
                 lines[tile] = Some(line);

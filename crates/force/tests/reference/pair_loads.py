@@ -6,7 +6,7 @@ closed form (arctangents and logarithms of its corners) is that of any text book
 the projected edges of the second cuboid, where the field has its logarithms. Parts that do not touch it
 are integrated by Gauss-Legendre rules, the others by tanh-sinh rules. No sum over 64 corners occurs.
 
-Needs mpmath. Takes about ten minutes.
+Needs mpmath. Takes about half an hour.
 """
 
 import csv
