@@ -141,7 +141,6 @@ impl SpliceRequest {
             vary: Variables { size: true, position: true, direction: true, ..Variables::default() },
             symmetry: if square { Symmetry::FourFold } else { Symmetry::Mirror },
             goal: self.goal,
-            weights: [1.0; 3],
             least_amplitude: Some(self.least_amplitude),
             outline_mm: self.film_mm.map(|extent| Some([-0.5 * extent, 0.5 * extent])),
             smallest_cut_mm: Some(self.smallest_cut_mm),
@@ -297,5 +296,82 @@ impl SpliceRequest {
             }
         }
         if problems.is_empty() { Ok(()) } else { Err(DesignError::Request(problems)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use magsplice_layout::Under;
+
+    use super::*;
+
+    fn request() -> SpliceRequest {
+        SpliceRequest {
+            wavelength_mm: 12.0,
+            film_mm: [24.0, 30.0],
+            thickness_mm: 1.5,
+            remanence_t: 0.2,
+            range_mm: [4.0, 3.0],
+            distance_mm: [3.0, 5.0],
+            smallest_cut_mm: 0.9,
+            gap_mm: 0.05,
+            resolution_mm: 0.02,
+            resolution_deg: 0.5,
+            least_amplitude: 0.6,
+            parts: Some(7),
+            goal: Goal::Displacement,
+            starts: 17,
+            seed: 23,
+        }
+    }
+
+    fn brief(request: &SpliceRequest) -> Brief {
+        request.layout().unwrap_or_else(|e| panic!("{e}")).brief.expect("a brief")
+    }
+
+    /// Each demand of the request differs from the value that a brief has without it.
+    #[test]
+    fn brief_has_the_demands_of_the_request() {
+        let Brief {
+            vary,
+            symmetry,
+            goal,
+            under,
+            weights,
+            least_amplitude,
+            outline_mm,
+            smallest_cut_mm,
+            gap_mm,
+            resolution_mm,
+            resolution_deg,
+            parts,
+            stock,
+            stock_strengths_t,
+            starts,
+            seed,
+            ..
+        } = brief(&request());
+        assert_eq!((goal, under, weights), (Goal::Displacement, Under::Nominal, [1.0; 3]));
+        assert_eq!((least_amplitude, smallest_cut_mm, gap_mm), (Some(0.6), Some(0.9), 0.05));
+        assert_eq!((resolution_mm, resolution_deg), (0.02, 0.5));
+        assert_eq!((parts, starts, seed), (Some(7), 17, 23));
+        assert!(stock.is_empty() && stock_strengths_t.is_empty());
+        // Half of the extents, because the film is centred on 0.
+        assert_eq!(outline_mm, [Some([-12.0, 12.0]), Some([-15.0, 15.0])]);
+        // Shapes and directions are free. Cut lines, heights and J are the user's.
+        assert!(vary.size && vary.position && vary.direction, "{vary:?}");
+        assert!(!(vary.cut || vary.thickness || vary.strength || vary.tilt), "{vary:?}");
+        assert_eq!(symmetry, Symmetry::Mirror);
+    }
+
+    /// x and y can be exchanged only if neither the film nor the working volume tells them apart.
+    #[test]
+    fn square_films_over_square_ranges_are_four_fold() {
+        let square = SpliceRequest { film_mm: [24.0, 24.0], range_mm: [4.0, 4.0], ..request() };
+        assert_eq!(brief(&square).symmetry, Symmetry::FourFold);
+        let over_a_strip = SpliceRequest { range_mm: [4.0, 3.0], ..square.clone() };
+        assert_eq!(brief(&over_a_strip).symmetry, Symmetry::Mirror);
+        let oblong = SpliceRequest { film_mm: [24.0, 30.0], ..square };
+        assert_eq!(brief(&oblong).symmetry, Symmetry::Mirror);
     }
 }
