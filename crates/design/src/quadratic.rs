@@ -169,6 +169,17 @@ mod tests {
         assert_eq!(program.solve(), None);
     }
 
+    /// The duality gap bounds what the objective is above its minimum: (x - 2)^2 / 2 + (y - 2)^2 / 2 for x
+    /// and y up to 1. The solver divides by the largest element, 2, and compares with the minimum, -1.5.
+    #[test]
+    fn objective_is_within_its_tolerance() {
+        let curvature = Curvature::Dense(vec![1.0, 0.0, 0.0, 1.0]);
+        let rules = (0..2).flat_map(|i| [1.0, -1.0].map(|sign| (vec![(i, sign)], -1.0))).collect();
+        let x = QuadraticProgram { curvature, gradient: vec![-2.0, -2.0], rules }.solve().unwrap();
+        let above = x.iter().map(|x| (0.5 * x * x - 2.0 * x) + 1.5).sum::<f64>();
+        assert!(above <= 2.0 * 1.5 * GAP, "{above}");
+    }
+
     /// Short steps near an optimum are as accurate as long ones. Their objective is so small that the
     /// tolerance of the objective alone would end the solver early: with the solver's own tolerance of the
     /// gradient, 1e-8, the gradient left is 3e-8, and 3e-10 with ours.
