@@ -306,3 +306,33 @@ fn volumes_in_metres_and_round_off_are_told() {
     let ends = VOLUME.replace("x_mm = [-2, 2]", "x_mm = [0.2, 1]").replace("step_mm = 0.5", "step_mm = [0.3, 1, 1]");
     assert!(found(&ends)[0].ends_with("the last points are at 0.8"), "{:?}", found(&ends));
 }
+
+/// Each key in degrees, with the tile or the place in the stock.
+#[test]
+fn angles_in_radians_are_told_with_their_place() {
+    let tile = |name: &str, x: i32, keys: &str| {
+        format!("[[tile]]\n{name}position_mm = [{x}, 0, 0.5]\nsize_mm = [1, 1, 1]\n{keys}\n")
+    };
+    let directed = "strength_t = 0.1\ndirection_deg = 45\ntilt_deg = 0.5236";
+    let rotated = |keys: &str| format!("polarization_t = [0, 0, 1]\nrotation = {{ {keys} }}");
+    let design = "[design]\nvary = [\"size\", \"position\", \"direction\"]\n\
+                  stock = [{ size_mm = [1, 1], direction_deg = 45 }, { size_mm = [2, 1], direction_deg = 0.7854 }]\n";
+    let text = format!("{IDEAL}{VOLUME}{design}")
+        + &tile("name = \"a\"\n", -4, &directed.replace("45", "1.5708"))
+        + &tile("", 0, &rotated("axis = [0, 0, 1], angle_deg = 3.1416"))
+        + &tile("", 4, &rotated("euler_deg = [30, -1.5708, 1.0472], order = \"xyz\""))
+        + &tile("", 8, &rotated("axis = [0, 0, 1], angle_deg = 30"));
+    let findings = parse(&text).expect("a valid layout").findings.into_iter().map(|finding| finding.message);
+    let found: Vec<String> = findings.filter(|message| message.contains("in radians")).collect();
+    assert_eq!(
+        found,
+        [
+            "tile \"a\": direction_deg = 1.5708 is pi/2 in radians: did you mean 90 degrees?",
+            "tile \"a\": tilt_deg = 0.5236 is pi/6 in radians: did you mean 30 degrees?",
+            "tile \"tile-2\": rotation.angle_deg = 3.1416 is pi in radians: did you mean 180 degrees?",
+            "tile \"tile-3\": rotation.euler_deg[1] = -1.5708 is -pi/2 in radians: did you mean -90 degrees?",
+            "tile \"tile-3\": rotation.euler_deg[2] = 1.0472 is pi/3 in radians: did you mean 60 degrees?",
+            "design: stock[1].direction_deg = 0.7854 is pi/4 in radians: did you mean 45 degrees?",
+        ]
+    );
+}

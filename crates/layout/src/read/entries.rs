@@ -64,16 +64,17 @@ mod tests {
         let mirror =
             MirrorTable { axes: vec![AxisName::Y, AxisName::X], at_mm: [0.0; 3], polarization: Reflection::Reflect };
         let entry = |first, mirror| Entry { span: 0..0, first, mirror };
-        // One tile, two copies with their images, three copies.
-        let entries = [entry(0, None), entry(1, Some(&mirror)), entry(9, None)];
-        let of = |index| origin(index, &entries, 12);
+        // Three tiles, two copies with their images, three copies.
+        let entries = [entry(0, None), entry(3, Some(&mirror)), entry(11, None)];
+        let of = |index| origin(index, &entries, 14);
         let expected = |entry, original, mirrored| Origin { entry, original, mirrored };
         assert_eq!(of(0), expected(0, 0, [false; 3]));
-        assert_eq!(of(2), expected(1, 2, [false; 3]));
-        assert_eq!(of(3), expected(1, 1, [false, true, false]));
-        assert_eq!(of(6), expected(1, 2, [true, false, false]));
-        assert_eq!(of(8), expected(1, 2, [true, true, false]));
-        assert_eq!(of(10), expected(2, 10, [false; 3]));
-        assert_eq!(of(6).shift_of_original(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(-1.0, 2.0, 3.0));
+        assert_eq!(of(2), expected(0, 2, [false; 3]));
+        assert_eq!(of(4), expected(1, 4, [false; 3]));
+        assert_eq!(of(5), expected(1, 3, [false, true, false]));
+        assert_eq!(of(8), expected(1, 4, [true, false, false]));
+        assert_eq!(of(10), expected(1, 4, [true, true, false]));
+        assert_eq!(of(12), expected(2, 12, [false; 3]));
+        assert_eq!(of(8).shift_of_original(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(-1.0, 2.0, 3.0));
     }
 }

@@ -113,6 +113,21 @@ mod tests {
         }
     }
 
+    /// With all digits, however they were computed: other formulas differ in the last of them.
+    #[test]
+    fn multiples_of_fifteen_degrees_are_recognized_with_all_digits() {
+        for multiple in 1..=24 {
+            let degrees = 15.0 * f64::from(multiple);
+            let last = degrees.to_radians();
+            for angle in [last.next_down(), last, last.next_up(), -last] {
+                let found = meant_degrees(angle).unwrap_or_else(|| panic!("{angle} is a fraction of pi"));
+                let meant = format!("did you mean {} degrees?", degrees.copysign(angle));
+                assert!(found.ends_with(&meant), "{angle}: {found}");
+            }
+        }
+        assert_eq!(meant_degrees(25.0 * PI / 12.0), None);
+    }
+
     #[test]
     fn other_angles_and_few_digits_are_not() {
         for angle in
