@@ -55,3 +55,20 @@ pub(crate) fn regular_bytes(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     File::open(path)?.take(most as u64 + 1).read_to_end(&mut bytes)?;
     if bytes.len() > most { Err(too_large()) } else { Ok(bytes) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regular_files_are_read_up_to_their_limit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        fs::write(&path, "12345").unwrap();
+        assert_eq!(regular_bytes(&path, 5).unwrap(), b"12345");
+        assert_eq!(regular_bytes(&path, 6).unwrap(), b"12345");
+        let refused = |path: &Path, most: usize| regular_bytes(path, most).unwrap_err().to_string();
+        assert_eq!(refused(&path, 4), "it has more than 4 bytes, too many");
+        assert_eq!(refused(folder.path(), 4), "it is not a regular file");
+    }
+}
