@@ -336,3 +336,26 @@ fn angles_in_radians_are_told_with_their_place() {
         ]
     );
 }
+
+/// A tile has its polarization from one key, its own or its kind's.
+#[test]
+fn polarization_is_given_once() {
+    let parsed = |kind: &str, tile: &str| {
+        parse(&format!(
+            "[kind.k]\nsize_mm = [1, 1, 1]\n{kind}\n[[tile]]\nkind = \"k\"\nposition_mm = [0, 0, 0]\n{tile}\n"
+        ))
+    };
+    let (vector, strength) = ("polarization_t = [0, 0, 1]", "strength_t = 1\ndirection_deg = 0");
+    for (kind, tile) in [(vector, ""), ("strength_t = 1", "direction_deg = 0"), ("", vector), ("", strength)] {
+        assert!(parsed(kind, tile).is_ok(), "{kind:?}, {tile:?}: {:?}", parsed(kind, tile));
+    }
+    let both = format!("{vector}\n{strength}");
+    for (kind, tile) in
+        [(vector, vector), (vector, strength), ("strength_t = 1", vector), ("strength_t = 1", strength), ("", &both)]
+    {
+        let message = parsed(kind, tile).expect_err("given twice");
+        assert!(message.contains("gives its polarization twice"), "{kind:?}, {tile:?}: {message}");
+    }
+    let message = parsed("", "").expect_err("not given");
+    assert!(message.contains("has no polarization: give"), "{message}");
+}

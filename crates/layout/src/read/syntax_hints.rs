@@ -165,4 +165,14 @@ mod tests {
         }
         assert_eq!(key_at("", 0), None);
     }
+
+    #[test]
+    fn two_brackets_are_advised_where_a_list_is_wanted() {
+        let advice = |message: &str| hint("[tile]\nname = 3\n", message, Some(0..6));
+        assert!(
+            advice("invalid type: map, expected a sequence")
+                .is_some_and(|advice| advice.starts_with("write [[tile]] with"))
+        );
+        assert_eq!(advice("invalid type: map, expected a string"), None);
+    }
 }

@@ -203,6 +203,8 @@ fn tolerances_without_effect_are_findings() {
         let found = findings(tables);
         assert!(found.len() == 1 && found[0].contains(finding), "{tables:?}: {found:?}");
     }
+    // The least that is not in doubt.
+    assert_eq!(findings("[tolerance.sensor]\nnoise_ut = 0.001"), Vec::<String>::new());
     let alone = Layout::parse(&format!("{HEAD}[tolerance]\npreset = \"jig\"\n{TILES}"), "test").expect("valid");
     let found: Vec<String> = alone.findings.iter().map(Finding::to_string).collect();
     assert!(found.len() == 1 && found[0].contains("beside [ideal] and [volume]"), "{found:?}");

@@ -41,6 +41,11 @@ fn layouts_are_written_with_their_tolerances() {
         "[tolerance]\npreset = \"by-hand\"\nsamples = 123\nseed = 456".to_owned(),
         COMMON.to_owned(),
         "[tolerance.stray_field]\nwhen = \"after\"".to_owned(),
+        // Each error differs in one tile from that of the others.
+        "[tolerance]\nposition_mm = 0.05\nrotation_deg = 0.4\nsize_mm = 0.03\nstrength = 0.02\ndirection_deg = 0.6\n\
+         [[tolerance.tile]]\ntiles = [\"bar\"]\nposition_mm = 0.01\nrotation_deg = 0.1\nsize_mm = 0.015\n\
+         strength = 0.005\ndirection_deg = 0.25"
+            .to_owned(),
         format!(
             "[tolerance]\nposition_mm = [0.05, {{ uniform = 0.1 }}, {{ fixed = -0.01 }}]\nrotation_deg = {{ normal = 0.7, within = 1.1 }}\n\
              direction_deg = {{ values = [0.3, -0.1, 1.7] }}\n\
