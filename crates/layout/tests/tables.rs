@@ -359,3 +359,17 @@ fn polarization_is_given_once() {
     let message = parsed("", "").expect_err("not given");
     assert!(message.contains("has no polarization: give"), "{message}");
 }
+
+#[test]
+fn strengths_are_finite_and_not_negative() {
+    let parsed = |strength: &str| {
+        let magnitude = format!("strength_t = {strength}\ndirection_deg = 0");
+        parse(&TILE.replace("polarization_t = [0, 0, 1]", &magnitude))
+    };
+    assert!(parsed("0").is_ok() && parsed("1").is_ok());
+    for (strength, shown) in [("-1", "-1"), ("inf", "inf"), ("nan", "NaN")] {
+        let message = parsed(strength).expect_err("no magnitude");
+        let rule = format!("strength_t = {shown}, must be a finite number of at least 0");
+        assert!(message.contains(&rule), "{message}");
+    }
+}

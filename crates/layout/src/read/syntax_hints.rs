@@ -175,4 +175,22 @@ mod tests {
         );
         assert_eq!(advice("invalid type: map, expected a string"), None);
     }
+
+    #[test]
+    fn values_in_lists_are_told_from_values_of_keys() {
+        let text = "a = 1\nsize_mm = [2, [30, 40], 5]\nm = { axes = 6 }\nstock = [{ n = 7 }, 8]\n";
+        for (value, is_element) in [
+            ("1", Some(false)),
+            ("[2", Some(false)),
+            ("2", Some(true)),
+            ("40", Some(true)),
+            ("5]", Some(true)),
+            ("6", Some(false)),
+            ("7", Some(false)),
+            // The key before it is that of 7.
+            ("8", None),
+        ] {
+            assert_eq!(is_in_list(text, text.find(value).expect("a place")), is_element, "{value}");
+        }
+    }
 }
