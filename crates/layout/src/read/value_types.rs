@@ -307,4 +307,59 @@ mod tests {
             assert_eq!(without_rust_names(message), words);
         }
     }
+
+    /// The key, the value, the type that the parser expected, and the form.
+    #[test]
+    fn each_type_is_told_with_what_is_written_instead() {
+        for (key, written, expected, wanted) in [
+            ("samples", "\"10\"", "u64", "samples is an integer, without quotes: write 10"),
+            ("samples", "1.5", "u64", "samples is an integer, not 1.5"),
+            ("samples", "[1]", "usize", "samples is an integer, not a list"),
+            ("samples", "\"ten\"", "i64", "samples is an integer, not a text"),
+            ("name", "3", "a string", "name is a text in quotes: write `name = \"3\"`"),
+            ("name", "true", "a string", "name is a text in quotes: write `name = \"true\"`"),
+            ("name", "[3]", "a string", "name is a text in quotes, not a list"),
+            ("name", "{ a = 3 }", "path string", "name is a text in quotes, not a table"),
+            ("name", "1979-05-27", "a string", "name is a text in quotes, not this"),
+            ("strength_t", "[1, 2]", "f64", "strength_t is one number in tesla, not a list"),
+            ("angle_deg", "false", "f64", "angle_deg is one number in degrees, not true or false"),
+            ("min", "{}", "f64", "min is one number, not a table"),
+            ("axis", "\"Y\"", "an array of length 3", "an axis is a vector of three numbers: write `axis = [0, 1, 0]`"),
+            ("axis", "3", "an array of length 3", "an axis is a vector of three numbers: write `axis = [0, 0, 1]`"),
+            ("mirror", "\"z\"", "struct MirrorTable", "a mirror is a table: write `mirror = { axes = [\"z\"] }`"),
+            ("axes", "\"y\"", "a sequence", "axes is a list of axes: write `axes = [\"y\"]`"),
+            ("ideal", "3", "struct IdealTable", "ideal is a table, not a number: begin it with the line [ideal]"),
+            ("amplitude", "0.8", "a map", "amplitude is a table, not a number: write `amplitude = { min = 0.8 }`"),
+            ("unheard-of", "0.8", "a map", "unheard-of is a table, not a number"),
+        ] {
+            assert_eq!(form(key, written, expected).as_deref(), Some(wanted));
+        }
+        assert_eq!(form("tile", "3", "a sequence"), None);
+        assert!(form("rotation", "30", "struct RotationTable").is_some_and(|form| form.starts_with("a rotation is a")));
+        let long = "7".repeat(MOST_REPEATED + 1);
+        assert_eq!(form("name", &long, "a string").as_deref(), Some("name is a text in quotes, not a number"));
+    }
+
+    #[test]
+    fn values_in_lists_words_and_lengths_have_forms() {
+        let form = |key: &str, written: &str, message: &str, is_element: bool| {
+            WrongValue { key, written, message, is_element }.wanted_form().expect("a form")
+        };
+        assert_eq!(
+            form("size_mm", "\"x\"", "invalid type: string \"x\", expected f64", true),
+            "each value of size_mm is a number in mm, not a text"
+        );
+        assert_eq!(
+            form("symmetry", "4", "wanted string or table", false),
+            "symmetry is a word in quotes, not a number"
+        );
+        let short = form("size_mm", "[1, 2]", "invalid length 2, expected an array of length 3", false);
+        assert!(short.starts_with("size_mm is a list of three numbers in mm, not a list of 2, as in"), "{short}");
+        let matrix =
+            |is_element: bool| form("matrix", "[1, 2]", "invalid length 2, expected an array of length 3", is_element);
+        assert!(matrix(false).starts_with("matrix is a list of three rows, each of three numbers, not a list of 2"));
+        assert_eq!(matrix(true), "each value of matrix is a list of three numbers, not a list of 2");
+        let count = form("count", "4", "invalid type: integer `4`, expected an array of length 3", false);
+        assert!(count.starts_with("count is a list of three integers, not a number"), "{count}");
+    }
 }
