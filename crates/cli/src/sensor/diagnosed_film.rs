@@ -1,9 +1,10 @@
 //! Results of `diagnose`: a film with what a scan tells of its tiles.
 
-use magsplice::layout::{Expectations, FilmTolerance, Layout, NamedTile, Rotation};
-use magsplice::magnet::overlaps;
+use magsplice::layout::{FilmTolerance, Layout};
 use magsplice::making::{Candidate, Diagnosis, ErrorKind, NamedError, SimilarErrors, Untold};
-use magsplice::prelude::{DQuat, DVec3, Tile};
+use magsplice::prelude::DVec3;
+
+use crate::made_layout;
 
 /// A layout with the diagnosis of a scan.
 pub(crate) struct DiagnosedFilm<'a> {
@@ -138,18 +139,7 @@ impl DiagnosedFilm<'_> {
     /// are left out; so are the errors of its tiles, which are now known.
     pub(crate) fn found_layout(&self, original: &Layout, scan: &str) -> Layout {
         let mut layout = original.clone();
-        for (named, tile) in layout.tiles.iter_mut().zip(&self.diagnosis.tiles) {
-            if named.tile != *tile {
-                *named = found_tile(named, tile);
-            }
-        }
-        let tiles = layout.bare_tiles();
-        let deepest = overlaps(&tiles).map(|pair| pair.depth).fold(0.0, f64::max);
-        if deepest > layout.overlap_mm {
-            layout.overlap_mm = rounded_up(deepest);
-        }
-        layout.expectations = Expectations::default();
-        layout.brief = None;
+        made_layout::replace_tiles(&mut layout, &self.diagnosis.tiles);
         layout.tolerance =
             layout.tolerance.map(|tolerance| FilmTolerance { tiles: Vec::new(), groups: Vec::new(), ..tolerance });
         layout.tolerance = layout.tolerance.filter(|tolerance| *tolerance != FilmTolerance::default());
@@ -169,18 +159,4 @@ impl DiagnosedFilm<'_> {
         ));
         layout
     }
-}
-
-/// A tile with its rotation as a layout writes it.
-fn found_tile(named: &NamedTile, tile: &Tile) -> NamedTile {
-    let DQuat { x, y, z, w } = tile.rotation();
-    let rotation = Rotation::from_quaternion([x, y, z, w]).ok().filter(|_| tile.rotation() != DQuat::IDENTITY);
-    // The quaternion that is read back from the file.
-    let turned = rotation.and_then(|rotation| tile.rotated(rotation.quaternion()).ok());
-    NamedTile { rotation, tile: turned.unwrap_or(*tile), ..named.clone() }
-}
-
-/// A micrometre more at most, so that the number in the file allows the overlap.
-fn rounded_up(depth_mm: f64) -> f64 {
-    (1e3 * depth_mm).ceil() / 1e3
 }

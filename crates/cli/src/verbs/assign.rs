@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::path::Path;
 
-use magsplice::layout::{Distribution, FilmTolerance, Layout, MAX_NAME_BYTES, Rotation};
+use magsplice::layout::{Distribution, FilmTolerance, Layout, MAX_NAME_BYTES};
 use magsplice::making::{AssignmentError, AssignmentProblem, AssignmentSettings, MeasurementErrors, PlaceGroup};
-use magsplice::prelude::{DQuat, Tile};
+use magsplice::prelude::Tile;
 use magsplice::tolerance::TileChanges;
 use magsplice::{Film, Stage};
 #[cfg(feature = "report")]
@@ -27,7 +27,7 @@ use crate::progress::ProgressLine;
 use crate::words::no_film;
 #[cfg(feature = "report")]
 use crate::{cut_list::CutList, printed};
-use crate::{json, remarks, text};
+use crate::{json, made_layout, remarks, text};
 
 /// Times that each start is disturbed and searched anew. Twice as many lower the error of the shipped
 /// films by less than a tenth.
@@ -188,19 +188,10 @@ fn assignment_failure(args: &AssignArgs, layout: &Layout, partly: &PartlyLaid, e
 /// The layout file of the film with its measured tiles. Refuses a film that breaks a rule of layouts.
 fn layout_text(args: &AssignArgs, film: &AssignedFilm, has_sizes: bool) -> Result<String, Failure> {
     let mut layout = film.layout.clone();
-    for (named, tile) in layout.tiles.iter_mut().zip(&film.tiles) {
-        if tile.rotation() != named.tile.rotation() {
-            let DQuat { x, y, z, w } = tile.rotation();
-            named.rotation = Rotation::from_quaternion([x, y, z, w]).ok();
-        }
-        (named.tile, named.kind) = (*tile, None);
-    }
+    made_layout::replace_tiles(&mut layout, &film.tiles);
     if !layout.name.ends_with(ASSIGNED) && layout.name.len() + ASSIGNED.len() <= MAX_NAME_BYTES {
         layout.name += ASSIGNED;
     }
-    // Bounds and searches are about the film as ordered.
-    layout.expectations = Default::default();
-    layout.brief = None;
     if let Some(tolerance) = &mut layout.tolerance {
         of_measured_tiles(tolerance, film.measurement.as_ref().map(|(errors, _)| errors), has_sizes);
     }
