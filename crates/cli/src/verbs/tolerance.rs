@@ -113,7 +113,7 @@ fn merge(args: &MergeArgs, quiet: bool) -> Result<(), Failure> {
         let expected = SampleSource::new(&layout, sorting.as_ref(), part.source.seed, 0, 0).fingerprint;
         if part.source.fingerprint != expected {
             return refused(format!(
-                "its samples are of another film, other errors or other options of --sorted than those of {} now",
+                "its samples are of another film or other errors than {} has now, or of other options of --sorted",
                 args.layout.display()
             ));
         }

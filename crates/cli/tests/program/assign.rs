@@ -301,7 +301,7 @@ fn samples_of_sorted_tiles() {
     let joined: Value = serde_json::from_str(&joined.stdout).expect("JSON");
     assert_eq!(number(&joined["displacement_rmse_mm"]["x"]["p50"]), with);
     assert_eq!(joined["sorting"]["spares"], 14);
-    sandbox.run(&merge).refuses("its samples are of another film, other errors or other options of --sorted");
+    sandbox.run(&merge).refuses("has now, or of other options of --sorted");
     sandbox.run(&[&usual[..], &["--strength-error", "1%"]].concat()).refuses("give --sorted");
     let text = sandbox.run(&["tolerance", &film, "--preset", "jig", "--samples", "2", "--sorted", "-q"]).stdout;
     assert!(text.contains("tiles are measured and sorted before they are laid: 0 spare tiles;"), "{text}");
