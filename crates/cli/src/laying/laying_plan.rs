@@ -46,6 +46,7 @@ impl PlanRow {
     }
 
     /// Whether the side that is up when the tile is measured is up.
+    #[cfg(feature = "report")]
     pub(crate) fn is_upright(&self) -> bool {
         self.up == "+z"
     }
