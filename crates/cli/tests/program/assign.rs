@@ -171,6 +171,58 @@ fn tiles_that_lie_stay() {
     assert!((strength.sqrt() - number(&shimmed["shims"][0]["strength_t"]).abs()).abs() < 1e-9);
 }
 
+/// Tiles that are larger than ordered are written as measured; the layout allows their overlap.
+#[test]
+fn measured_sides_are_those_of_the_film() {
+    let sandbox = Sandbox::new();
+    let film = shipped("published-film");
+    let mut text = "tile,part,strength_mt,size_x_mm,size_y_mm,size_z_mm\n".to_owned();
+    for (number, Cut { name, part, size_mm: [x, y, z], .. }) in boxed(&sandbox, &film, 0).iter().enumerate() {
+        // The last side was not measured of half of the tiles, so that their sides are those ordered.
+        let sides = if number % 2 == 0 { format!("{:?},{:?},{z:?}", x + 0.02, y + 0.01) } else { ",,".to_owned() };
+        let _ = writeln!(text, "{name},{part},120,{sides}");
+    }
+    sandbox.write("tiles.csv", &text);
+    let found = assigned(&sandbox, &film, &[]);
+    assert!((decoupled_rms_mm(&sandbox, "assigned.toml") / number(&found["rms_mm"]["assigned"]) - 1.0).abs() < 1e-6);
+    let layout = sandbox.read("assigned.toml");
+    assert!(layout.contains("overlap_mm = 0.0"), "{}", &layout[..600]);
+    let tiles: Value =
+        serde_json::from_str(&sandbox.run(&["tiles", "assigned.toml", "--format", "json"]).stdout).expect("JSON");
+    let ordered: Value =
+        serde_json::from_str(&sandbox.run(&["tiles", &film, "--format", "json"]).stdout).expect("JSON");
+    let area = |tiles: &Value| -> f64 {
+        let tiles = tiles["tile"].as_array().expect("tiles").iter();
+        tiles.map(|tile| number(&tile["size_mm"][0]) + number(&tile["size_mm"][1])).sum()
+    };
+    // Half of the tiles have sides that are longer by 0.03 mm together.
+    assert!((area(&tiles) - area(&ordered) - 28.0 * 0.03).abs() < 1e-9, "{}", area(&tiles) - area(&ordered));
+    sandbox.write("tiles.csv", &text.replacen("1.02", "10.2", 1).replacen("3.32", "33.2", 1));
+    let refused = sandbox.run(&["assign", &film, "--measured", "tiles.csv"]);
+    refused.refuses("side is 33.2 mm, must be within 0.5 to 2 times the 3.3 mm of part 1");
+}
+
+/// The picture and the page name every tile of the plan.
+#[cfg(feature = "report")]
+#[test]
+fn picture_and_page_name_every_tile() {
+    let sandbox = Sandbox::new();
+    let film = shipped("published-film");
+    write_box(&sandbox, &boxed(&sandbox, &film, 0));
+    let found = assigned(&sandbox, &film, &["--figure", "plan.svg", "--page", "plan.html"]);
+    let (picture, page) = (sandbox.read("plan.svg"), sandbox.read("plan.html"));
+    for row in found["plan"].as_array().expect("a plan") {
+        let [place, tile] = ["place", "tile"].map(|key| row[key].as_str().expect("a name"));
+        assert!(picture.contains(tile), "{tile}");
+        assert!(page.contains(&format!("<td>{place}</td><td>{tile}</td>")), "{place} {tile}");
+    }
+    let said = sandbox.run(&["tiles", &film, "--kerf-mm", "0.2", "--page", "bill.html"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    let bill = sandbox.read("bill.html");
+    assert!(bill.contains("<th>sheet, mm2</th><th>or bar, mm</th>") && bill.contains("Bill of materials"), "{bill}");
+    sandbox.run(&["tiles", &film, "--page", &film]).refuses("it is an input, which would be lost");
+}
+
 /// Moments, magnetizations and strengths with angles are the same tiles.
 #[test]
 fn every_form_of_the_magnetization_is_read() {
