@@ -43,8 +43,6 @@ pub(crate) struct AssignArgs {
     /// Turn no tile over: the side that was up when it was measured stays up
     #[arg(long)]
     pub(crate) keep_side_up: bool,
-    #[command(flatten)]
-    pub(crate) errors: MeasurementArgs,
     /// Number of random starts
     #[arg(long, value_name = "N", default_value = "16", value_parser = starts)]
     pub(crate) starts: usize,
@@ -68,6 +66,8 @@ pub(crate) struct AssignArgs {
     /// Format of the summary
     #[arg(long, value_enum, default_value = "text")]
     pub(crate) format: TextOrJson,
+    #[command(flatten)]
+    pub(crate) errors: MeasurementArgs,
 }
 
 /// Errors of the measurements of tiles.
