@@ -25,15 +25,25 @@ impl BoundingBox {
 
     /// The smallest box around points; of no points it is empty, from infinity to minus infinity.
     pub fn from_points(points: &[DVec3]) -> BoundingBox {
-        // Several boxes, so that no comparison waits for the one before.
-        let (mut lower, mut upper) = ([DVec3::INFINITY; 4], [DVec3::NEG_INFINITY; 4]);
-        for points in points.chunks(lower.len()) {
-            for ((lower, upper), point) in lower.iter_mut().zip(&mut upper).zip(points) {
-                (*lower, *upper) = (lower.min(*point), upper.max(*point));
+        // Coordinates of four points at a time, so that they are compared in vectors and none waits for
+        // the one before.
+        let (mut lower, mut upper) = ([f64::INFINITY; 12], [f64::NEG_INFINITY; 12]);
+        let fours = points.chunks_exact(4);
+        let rest = fours.remainder();
+        for four in fours {
+            let [a, b, c, d] = [four[0], four[1], four[2], four[3]];
+            let coordinates = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z];
+            for ((lower, upper), value) in lower.iter_mut().zip(&mut upper).zip(coordinates) {
+                *lower = if value < *lower { value } else { *lower };
+                *upper = if value > *upper { value } else { *upper };
             }
         }
-        let lower = lower.into_iter().fold(DVec3::INFINITY, DVec3::min);
-        BoundingBox { lower, upper: upper.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max) }
+        let of_fours = |values: [f64; 12]| [0, 3, 6, 9].map(|first| DVec3::from_slice(&values[first..]));
+        let ends = |ends: [DVec3; 4]| ends.into_iter().chain(rest.iter().copied());
+        BoundingBox {
+            lower: ends(of_fours(lower)).fold(DVec3::INFINITY, DVec3::min),
+            upper: ends(of_fours(upper)).fold(DVec3::NEG_INFINITY, DVec3::max),
+        }
     }
 
     /// Half of its side lengths.

@@ -224,6 +224,16 @@ impl DirectSum {
         {
             return;
         }
+        // Without a branch for each point: most often none is weak.
+        let any_weak_by_own = |own_t: &[f64]| {
+            let points = field.chunks(POINTS_COMPARED).zip(own_t.chunks(POINTS_COMPARED));
+            points.into_iter().any(|(some, own_t)| {
+                some.iter().zip(own_t).fold(false, |any, (b, own_t)| any | is_weak(b, least_squared(*own_t)))
+            })
+        };
+        if magnitudes_t.len() == field.len() && !any_weak_by_own(&magnitudes_t) {
+            return;
+        }
         let least_in_box = least_squared(in_box_t());
         let is_open = |index: usize| {
             let least = magnitudes_t.get(index).map_or(least_in_box, |own_t| least_squared(*own_t));

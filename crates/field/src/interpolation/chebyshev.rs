@@ -11,11 +11,11 @@ pub(super) fn nodes(count: usize) -> Vec<f64> {
 /// polynomial.
 pub(super) fn transform(count: usize) -> Vec<Vec<f64>> {
     let n = count as f64;
+    let cosines: Vec<f64> = (0..4 * count).map(|quarter| (PI * quarter as f64 / (2.0 * n)).cos()).collect();
     let entry = |k: usize, i: usize| {
         let weight = if k == 0 { 1.0 } else { 2.0 };
         // The angle is reduced by full turns while it is still an integer, so that it is exact.
-        let quarter_steps = (k * (2 * i + 1)) % (4 * count);
-        weight / n * (PI * quarter_steps as f64 / (2.0 * n)).cos()
+        weight / n * cosines[(k * (2 * i + 1)) % (4 * count)]
     };
     (0..count).map(|k| (0..count).map(|i| entry(k, i)).collect()).collect()
 }
