@@ -1,0 +1,29 @@
+//! Tolerances and tuning constants.
+
+/// Largest error of the mean demagnetizing tensor of two boxes with parallel edges, relative to the norm
+/// of the tensor. Errors of the division into cells are larger by orders of magnitude.
+pub const TENSOR_ERROR: f64 = 1e-9;
+
+/// Error of the sum over corners, relative to the tensor of a dipole, in units of round-off of the cube of
+/// the largest distance of two corners over the volume of the receiver. The 55 pairs of the tests have
+/// at most a fifth of it.
+pub(crate) const CORNER_ROUNDINGS: f64 = 0.25;
+
+/// Least ratio of the distance of two centres to the largest half side of the box of all differences of
+/// points at which the Gaussian rule of five nodes per axis is used. Its error is largest for a small box
+/// beside a long one: 6e-10 of the tensor at a ratio of 5.8, in proportion to the tenth power.
+pub(crate) const DISTANT: f64 = 6.5;
+
+/// Most halvings of a pair that is neither near nor distant. Each halves a side of one of the two boxes;
+/// boxes 64 times shorter than their distance are distant whatever their shape.
+pub(crate) const MOST_HALVINGS: usize = 36;
+
+/// Turned edges whose directions differ by no more than this from those of the other box are parallel.
+pub(crate) const PARALLEL: f64 = 1e-13;
+
+/// Change of the mean tensor of two turned boxes, relative to its norm, at which a part of the receiver is
+/// no more divided.
+pub const TURNED_ERROR: f64 = 1e-7;
+
+/// Most parts of a receiver that is turned against the source.
+pub(crate) const MOST_PARTS: usize = 100_000;
