@@ -3,6 +3,9 @@
 //! The polarization of a tile is J = J_r + chi mu0 H, chi = mu_r - 1, where H is the field of all tiles,
 //! its own demagnetizing field included.
 //!
+//! * [`RecoilTile`]: a tile with its polarization J_r and its [`Permeability`].
+//! * [`Magnetization`]: the polarization of cells that agrees with their field.
+//! * [`TileChange`]: the mean polarization of a tile, its weakening and its turn.
 //! * [`mean_tensor`]: the mean over one tile of the field of another.
 //!
 //! # Units
@@ -11,12 +14,26 @@
 // Rules are written as `!(x <= limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+/// Tiles divided into cells.
+mod cells;
 /// The mean tensor of two boxes in closed form.
 mod corner_sum;
 /// The mean tensor of two distant boxes.
 mod distant;
+/// A set of tiles divided into cells.
+mod division;
+/// Why the polarization is not known.
+mod error;
 /// The mean tensor of two tiles.
 mod interaction;
+/// Cells with their polarization.
+mod magnetization;
+/// Magnets with a linear recoil line.
+mod material;
+/// The mean tensors of all pairs of cells.
+mod pair_tensors;
+/// The polarization of cells that agrees with their field.
+mod solver;
 /// Symmetric tensors of the second rank.
 mod symmetric_tensor;
 /// Tolerances and tuning constants.
@@ -24,6 +41,10 @@ pub mod tolerances;
 /// The mean tensor of two boxes that are turned against each other.
 mod turned;
 
+pub use cells::{cell_count, cell_counts, cells};
+pub use error::RecoilError;
 pub use interaction::mean_tensor;
+pub use magnetization::{Magnetization, TileChange};
+pub use material::{InvalidPermeability, MAX_PERMEABILITY, Permeability, RecoilTile};
 pub use symmetric_tensor::SymmetricTensor;
 pub use turned::TurnedNotConverged;

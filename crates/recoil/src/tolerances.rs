@@ -27,3 +27,14 @@ pub const TURNED_ERROR: f64 = 1e-7;
 
 /// Most parts of a receiver that is turned against the source.
 pub(crate) const MOST_PARTS: usize = 100_000;
+
+/// Most cells of one solution. The tensors of their pairs take 1.1 GB.
+pub const MAX_CELLS: usize = 6_800;
+
+/// Residual of the iteration, relative to that at the start, at which it ends. The tensors are known to
+/// no more than [`TENSOR_ERROR`].
+pub(crate) const RESIDUAL: f64 = 1e-12;
+
+/// Most iterations. For a permeability of 1.2 ten are needed, for [`crate::MAX_PERMEABILITY`] about a
+/// thousand.
+pub(crate) const MOST_ITERATIONS: usize = 5_000;

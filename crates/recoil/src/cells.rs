@@ -1,0 +1,97 @@
+//! Tiles divided into cells.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use magsplice_magnet::{Tile, TileFaults};
+
+/// Cells along a side are a multiple of the level: this times the root of the ratio of the side to the
+/// shortest one, rounded. Cells at the edges are narrow already, so that a side of three times the
+/// shortest needs no more than it has.
+const CELLS_OF_LONG_SIDE: f64 = 0.7;
+
+/// Largest multiple of the level.
+const MOST_PER_LEVEL: usize = 4;
+
+/// The numbers of cells along the sides of a box at a level.
+pub fn cell_counts(size: DVec3, level: usize) -> [usize; 3] {
+    let shortest = size.min_element();
+    [0, 1, 2].map(|axis: usize| {
+        let multiple = CELLS_OF_LONG_SIDE * (size[axis] / shortest).sqrt();
+        level.saturating_mul((multiple.round() as usize).clamp(1, MOST_PER_LEVEL))
+    })
+}
+
+/// The number of cells of a tile at a level.
+pub fn cell_count(size: DVec3, level: usize) -> usize {
+    cell_counts(size, level).into_iter().fold(1, usize::saturating_mul)
+}
+
+/// The cells of a tile at a level: tiles with its polarization and rotation that fill it.
+///
+/// Along each side of n cells, faces are at -cos(pi i / n) of the half side: the field and with it the
+/// polarization vary most at edges. At level 1 a tile that is not long is one cell, and is returned as it
+/// is, bit for bit.
+///
+/// # Errors
+/// If a cell would be smaller or thinner than a tile may be.
+pub fn cells(tile: &Tile, level: usize) -> Result<Vec<Tile>, TileFaults> {
+    let counts = cell_counts(tile.size(), level);
+    if counts == [1, 1, 1] {
+        return Ok(vec![*tile]);
+    }
+    let sides = [0, 1, 2].map(|axis: usize| intervals(0.5 * tile.size()[axis], counts[axis]));
+    let mut cells = Vec::with_capacity(counts.iter().product());
+    for (z, depth) in &sides[2] {
+        for (y, width) in &sides[1] {
+            for (x, length) in &sides[0] {
+                let position = tile.position() + tile.rotation() * DVec3::new(*x, *y, *z);
+                let size = DVec3::new(*length, *width, *depth);
+                cells.push(Tile::new(position, size, tile.polarization_t())?.rotated(tile.rotation())?);
+            }
+        }
+    }
+    Ok(cells)
+}
+
+/// Middles and lengths of the intervals of one side.
+fn intervals(half: f64, count: usize) -> Vec<(f64, f64)> {
+    // Odd about the middle to the last digit.
+    let face = |i: usize| {
+        let from_middle = (2.0 * i as f64 - count as f64) / (2.0 * count as f64);
+        half * (PI * from_middle).sin()
+    };
+    (0..count).map(|i| (0.5 * (face(i) + face(i + 1)), face(i + 1) - face(i))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DQuat;
+
+    use super::*;
+
+    #[test]
+    fn cells_fill_the_tile_symmetrically() {
+        let rotation = DQuat::from_rotation_x(0.4);
+        let tile = Tile::new(DVec3::new(1.0, 2.0, 3.0), DVec3::new(8.0, 1.0, 3.0), DVec3::Y).unwrap();
+        let tile = tile.rotated(rotation).unwrap();
+        for level in 1..6 {
+            let cells = cells(&tile, level).unwrap();
+            assert_eq!(cells.len(), 2 * level * level * level);
+            assert_eq!(cells.len(), cell_count(tile.size(), level));
+            let volume: f64 = cells.iter().map(|cell| cell.size().element_product()).sum();
+            assert!((volume - 24.0).abs() <= 1e-13 * 24.0, "{volume}");
+            let centre: DVec3 = cells.iter().map(|cell| cell.position() * cell.size().element_product()).sum();
+            assert!((centre / volume - tile.position()).length() <= 1e-14 * 24.0);
+            for (first, second) in cells.iter().zip(cells.iter().skip(1)) {
+                assert!(magsplice_magnet::overlap(first, second).is_none());
+            }
+        }
+    }
+
+    #[test]
+    fn compact_tile_is_its_own_cell_at_level_one() {
+        let tile = Tile::new(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.85, 3.3, 1.0), DVec3::Y).unwrap();
+        assert_eq!(cells(&tile, 1).unwrap(), [tile]);
+    }
+}

@@ -1,0 +1,81 @@
+//! Why the polarization of a set of tiles is not known.
+
+use std::error::Error;
+use std::fmt;
+
+use magsplice_magnet::TileFaults;
+
+use crate::tolerances::MAX_CELLS;
+use crate::turned::TurnedNotConverged;
+
+/// Why the polarization of a set of tiles is not known.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum RecoilError {
+    /// Level 0 has no cells.
+    NoLevel,
+    /// Two tiles share volume, where the polarization would have two values.
+    Overlap {
+        /// Index of the one tile.
+        first: usize,
+        /// Index of the other.
+        second: usize,
+    },
+    /// The pairs of so many cells do not fit in memory.
+    TooManyCells {
+        /// Number of cells.
+        count: usize,
+    },
+    /// A tile cannot be divided.
+    Cell {
+        /// Index of the tile.
+        tile: usize,
+        /// The reason.
+        source: TileFaults,
+    },
+    /// The mean field of a tile in a tile that is turned against it is not known.
+    Turned {
+        /// Index of the tile in which the field is averaged.
+        receiver: usize,
+        /// Index of the tile whose field it is.
+        source_tile: usize,
+        /// The reason.
+        source: TurnedNotConverged,
+    },
+    /// The iteration for the polarization does not converge.
+    NotSolved {
+        /// Residual that was reached, relative to that at the start.
+        residual: f64,
+    },
+}
+
+impl fmt::Display for RecoilError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            RecoilError::NoLevel => write!(f, "level = 0, must be at least 1"),
+            RecoilError::Overlap { first, second } => write!(f, "tiles {first} and {second} overlap"),
+            RecoilError::TooManyCells { count } => {
+                write!(f, "{count} cells, must be at most {MAX_CELLS}: take a lower level of division or fewer tiles")
+            }
+            RecoilError::Cell { tile, source } => write!(f, "tile {tile} cannot be divided into cells: {source}"),
+            RecoilError::Turned { receiver, source_tile, source } => {
+                write!(f, "tiles {receiver} and {source_tile}: {source}")
+            }
+            RecoilError::NotSolved { residual } => write!(
+                f,
+                "the polarization is not solved: the residual is {residual:.1e} of that at the start; lower the \
+                 permeability"
+            ),
+        }
+    }
+}
+
+impl Error for RecoilError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            RecoilError::Cell { source, .. } => Some(source),
+            RecoilError::Turned { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}

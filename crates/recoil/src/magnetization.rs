@@ -1,0 +1,86 @@
+//! Cells with their polarization, and what becomes of each tile.
+
+use glam::DVec3;
+use magsplice_magnet::Tile;
+
+use crate::division::Division;
+use crate::error::RecoilError;
+use crate::material::RecoilTile;
+
+/// Cells with the polarization that agrees with their field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Magnetization {
+    tiles: Vec<RecoilTile>,
+    cells: Vec<Tile>,
+    owners: Vec<usize>,
+    fields_t: Vec<DVec3>,
+}
+
+/// What becomes of the polarization of one tile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TileChange {
+    /// Mean polarization in the frame of the scene, in tesla.
+    pub mean_polarization_t: DVec3,
+    /// Lost fraction of the magnitude of J_r: 0.04 for a tile that is 4 % weaker; 0 without J_r.
+    pub weakening: f64,
+    /// Angle between the mean polarization and J_r in radians; 0 if one of them is 0.
+    pub angle: f64,
+}
+
+impl Magnetization {
+    /// Cells with J_r and what the field adds, in the frame of the scene.
+    pub(crate) fn new(
+        tiles: &[RecoilTile],
+        division: Division,
+        induced_t: &[DVec3],
+        fields_t: Vec<DVec3>,
+    ) -> Result<Magnetization, RecoilError> {
+        let Division { mut cells, owners } = division;
+        for ((cell, owner), induced_t) in cells.iter_mut().zip(&owners).zip(induced_t) {
+            let polarization_t = cell.polarization_t() + cell.rotation().inverse() * *induced_t;
+            *cell = Tile::new(cell.position(), cell.size(), polarization_t)
+                .and_then(|new| new.rotated(cell.rotation()))
+                .map_err(|source| RecoilError::Cell { tile: *owner, source })?;
+        }
+        Ok(Magnetization { tiles: tiles.to_vec(), cells, owners, fields_t })
+    }
+
+    /// The tiles with their polarization J_r.
+    pub fn tiles(&self) -> &[RecoilTile] {
+        &self.tiles
+    }
+
+    /// The cells as tiles with their polarization J. `magsplice_field::Scene` takes their field.
+    pub fn cells(&self) -> &[Tile] {
+        &self.cells
+    }
+
+    /// The index of the tile of each cell.
+    pub fn owners(&self) -> &[usize] {
+        &self.owners
+    }
+
+    /// The mean of mu0 H over each cell, in the frame of the scene, in tesla.
+    pub fn fields_t(&self) -> &[DVec3] {
+        &self.fields_t
+    }
+
+    /// What becomes of each tile.
+    pub fn tile_changes(&self) -> Vec<TileChange> {
+        let mut sums = vec![DVec3::ZERO; self.tiles.len()];
+        for (cell, owner) in self.cells.iter().zip(&self.owners) {
+            let share = (cell.size() / self.tiles[*owner].tile.size()).element_product();
+            sums[*owner] += share * cell.scene_polarization_t();
+        }
+        self.tiles.iter().zip(sums).map(|(of, mean)| TileChange::new(of.tile.scene_polarization_t(), mean)).collect()
+    }
+}
+
+impl TileChange {
+    fn new(rigid_t: DVec3, mean_polarization_t: DVec3) -> TileChange {
+        let (before, after) = (rigid_t.length(), mean_polarization_t.length());
+        let weakening = if before > 0.0 { 1.0 - after / before } else { 0.0 };
+        let angle = rigid_t.cross(mean_polarization_t).length().atan2(rigid_t.dot(mean_polarization_t));
+        TileChange { mean_polarization_t, weakening, angle }
+    }
+}
