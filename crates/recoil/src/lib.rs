@@ -5,7 +5,9 @@
 //!
 //! * [`RecoilTile`]: a tile with its polarization J_r and its [`Permeability`].
 //! * [`Magnetization`]: the polarization of cells that agrees with their field.
+//! * [`DemagnetizedCell`]: a cell beyond the knee of the demagnetization curve.
 //! * [`TileChange`]: the mean polarization of a tile, its weakening and its turn.
+//! * [`refine`]: finer divisions until a quantity is known to a tolerance.
 //! * [`mean_tensor`]: the mean over one tile of the field of another.
 //!
 //! # Units
@@ -24,14 +26,20 @@ mod distant;
 mod division;
 /// Why the polarization is not known.
 mod error;
+/// The polarization to first order in the susceptibility.
+mod first_order;
 /// The mean tensor of two tiles.
 mod interaction;
+/// Cells beyond the knee of the demagnetization curve.
+mod knee;
 /// Cells with their polarization.
 mod magnetization;
 /// Magnets with a linear recoil line.
 mod material;
 /// The mean tensors of all pairs of cells.
 mod pair_tensors;
+/// Levels of division until a quantity is known to a tolerance.
+mod refinement;
 /// The polarization of cells that agrees with their field.
 mod solver;
 /// Symmetric tensors of the second rank.
@@ -44,7 +52,9 @@ mod turned;
 pub use cells::{cell_count, cell_counts, cells};
 pub use error::RecoilError;
 pub use interaction::mean_tensor;
+pub use knee::DemagnetizedCell;
 pub use magnetization::{Magnetization, TileChange};
 pub use material::{InvalidPermeability, MAX_PERMEABILITY, Permeability, RecoilTile};
+pub use refinement::{Refined, RefinementError, RefinementSettings, refine};
 pub use symmetric_tensor::SymmetricTensor;
 pub use turned::TurnedNotConverged;

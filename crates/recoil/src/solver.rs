@@ -24,7 +24,7 @@ use crate::tolerances::{MOST_ITERATIONS, RESIDUAL};
 impl Magnetization {
     /// The self-consistent polarization of tiles, each divided into cells at a level.
     ///
-    /// Time and memory are proportional to the square of the number of cells: 1.1 GB for
+    /// Time and memory are proportional to the square of the number of cells: 1.2 GB for
     /// [`crate::tolerances::MAX_CELLS`]. The result does not depend on the number of threads.
     /// `progress` is told, from any thread, once for each cell.
     ///

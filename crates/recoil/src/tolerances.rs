@@ -28,8 +28,8 @@ pub const TURNED_ERROR: f64 = 1e-7;
 /// Most parts of a receiver that is turned against the source.
 pub(crate) const MOST_PARTS: usize = 100_000;
 
-/// Most cells of one solution. The tensors of their pairs take 1.1 GB.
-pub const MAX_CELLS: usize = 6_800;
+/// Most cells of one solution. The tensors of their pairs take 1.2 GB.
+pub const MAX_CELLS: usize = 7_000;
 
 /// Residual of the iteration, relative to that at the start, at which it ends. The tensors are known to
 /// no more than [`TENSOR_ERROR`].
