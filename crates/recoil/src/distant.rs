@@ -27,8 +27,8 @@ pub(crate) fn mean_tensor(receiver: DVec3, source: DVec3, offset: DVec3) -> Symm
     total * (source.element_product() / (4.0 * PI))
 }
 
-/// -4 pi times the second derivatives of 1 / (4 pi r).
-fn dipole(u: DVec3) -> SymmetricTensor {
+/// Minus the second derivatives of 1 / r.
+pub(crate) fn dipole(u: DVec3) -> SymmetricTensor {
     let square = u.length_squared();
     let inverse_cube = 1.0 / (square * square.sqrt());
     let scaled = u * (-3.0 * inverse_cube / square);

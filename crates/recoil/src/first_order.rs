@@ -16,10 +16,10 @@ impl Magnetization {
     /// milliseconds. No tensors are stored.
     ///
     /// # Accuracy
-    /// The neglected terms are at most chi / (1 + chi) of the change for one tile along its axes: for a
-    /// permeability of 1.05 a twentieth. The division has larger errors. At level 1 the change of B outside a
-    /// film is right to tens of percent; what remains of it where the field of a designed film cancels may be
-    /// wrong by a factor.
+    /// The neglected terms are at most chi times the change, in the root mean square over the volume: a
+    /// twentieth of it for a permeability of 1.05. The division has larger errors. At level 1 the change of B
+    /// outside a film is right to tens of percent; where the fields of the tiles of a designed film cancel,
+    /// what remains may be wrong by a factor.
     ///
     /// # Errors
     /// Those of [`Magnetization::solve`], but for the solution.

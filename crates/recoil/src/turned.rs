@@ -1,17 +1,19 @@
 //! The mean demagnetizing tensor of two boxes that are turned against each other.
 //!
 //! The exact field of the source is averaged over the receiver by Gauss-Legendre rules on parts that are
-//! divided until the average does not change.
+//! divided until the average does not change. Far away the tensor of a dipole is averaged over both.
 
 use std::error::Error;
+use std::f64::consts::PI;
 use std::fmt;
 
 use glam::{DMat3, DVec3};
 use magsplice_field::Scene;
 use magsplice_magnet::{MU_0, Quantity, Tile};
 
+use crate::distant::dipole;
 use crate::symmetric_tensor::SymmetricTensor;
-use crate::tolerances::{MOST_PARTS, TURNED_ERROR};
+use crate::tolerances::{MOST_PARTS, TURNED_DISTANT, TURNED_ERROR};
 
 /// Gauss-Legendre rule of four nodes on [-1, 1]: nodes and weights, whose sum is 1.
 const RULE: [(f64, f64); 4] = [
@@ -57,6 +59,10 @@ impl Part {
         })
     }
 
+    fn volume(self) -> f64 {
+        8.0 * self.sides.iter().map(|side| side.length()).product::<f64>()
+    }
+
     fn nodes(self) -> impl Iterator<Item = (DVec3, f64)> {
         RULE.into_iter().flat_map(move |(u, weight_u)| {
             RULE.into_iter().flat_map(move |(v, weight_v)| {
@@ -71,12 +77,31 @@ impl Part {
 
 /// The tensor, as [`crate::mean_tensor`].
 pub(crate) fn mean_tensor(receiver: &Tile, source: &Tile) -> Result<SymmetricTensor, TurnedNotConverged> {
+    let offset = receiver.position() - source.position();
+    if offset.length() >= TURNED_DISTANT * 0.5 * (receiver.size().length() + source.size().length()) {
+        return Ok(in_distance(receiver, source, offset));
+    }
     // The field in the smaller box is smoother over it.
     let volumes = [receiver, source].map(|tile| tile.size().element_product());
     if volumes[0] > volumes[1] {
         return Ok(in_field(source, receiver)? * (volumes[1] / volumes[0]));
     }
     in_field(receiver, source)
+}
+
+/// The mean of the tensor of a dipole over both boxes.
+fn in_distance(receiver: &Tile, source: &Tile, offset: DVec3) -> SymmetricTensor {
+    let [receiver, source] = [receiver, source].map(|tile| Part {
+        centre: DVec3::ZERO,
+        sides: [0, 1, 2].map(|axis: usize| tile.rotation() * (0.5 * tile.size()[axis] * DVec3::AXES[axis])),
+    });
+    let mut total = SymmetricTensor::ZERO;
+    for (to, weight) in receiver.nodes() {
+        for (from, share) in source.nodes() {
+            total += dipole(offset + to - from) * (weight * share);
+        }
+    }
+    total * (source.volume() / (4.0 * PI))
 }
 
 fn in_field(receiver: &Tile, source: &Tile) -> Result<SymmetricTensor, TurnedNotConverged> {
@@ -121,4 +146,27 @@ fn average(scenes: &[Scene; 3], part: Part) -> SymmetricTensor {
         Err(_) => DVec3::NAN,
     });
     SymmetricTensor::from_matrix(DMat3::from_cols_array_2d(&columns.map(|column: DVec3| column.to_array())))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, EulerRot};
+
+    use super::*;
+
+    /// The average of dipoles is that of the exact field, at the least distance at which it is used.
+    #[test]
+    fn distant_average_is_that_of_the_exact_field() {
+        let rotation = DQuat::from_euler(EulerRot::XYZ, 0.3, -0.7, 1.1);
+        let receiver = Tile::new(DVec3::ZERO, DVec3::new(0.5, 1.0, 2.0), DVec3::Z).unwrap();
+        let source = DVec3::new(1.0, 0.25, 3.0);
+        let distance = TURNED_DISTANT * 0.5 * (receiver.size().length() + source.length());
+        for direction in [DVec3::Z, rotation * DVec3::Z, DVec3::new(0.6, -0.48, 0.64)] {
+            let source = Tile::new(-distance * direction, source, DVec3::Z).unwrap().rotated(rotation).unwrap();
+            let value = in_distance(&receiver, &source, distance * direction);
+            let exact = in_field(&receiver, &source).unwrap();
+            let error = (value + exact * -1.0).norm() / exact.norm();
+            assert!(error <= TURNED_ERROR, "{direction}: {error:e}");
+        }
+    }
 }

@@ -167,3 +167,19 @@ fn bad_input_is_refused() {
     }
     assert!(Magnetization::solve(&[], 1, || {}).unwrap().cells().is_empty());
 }
+
+/// A stack of two tiles, the upper one turned about the axis of the stack by a small angle and by none: the
+/// averages over turned cells and the closed form differ as little as the angle.
+#[test]
+fn turned_stack_is_continuous_in_its_angle() {
+    let lower = magnet([1.0; 3], [0.0; 3], [0.3, 0.0, 1.0], 1.2);
+    let upper = magnet([1.0; 3], [0.0, 0.0, 1.0], [0.0, 0.5, -1.0], 1.2);
+    let angle = 1e-6;
+    let tile = upper.tile.rotated(DQuat::from_rotation_z(angle)).unwrap();
+    let turned = RecoilTile { tile, ..upper };
+    let (straight, turned) = (solve(&[lower, upper], 2), solve(&[lower, turned], 2));
+    for (a, b) in straight.cells().iter().zip(turned.cells()) {
+        let change = (a.polarization_t() - b.polarization_t()).length();
+        assert!(change <= angle, "{a:?} {b:?}: {change:e}");
+    }
+}
