@@ -10,6 +10,34 @@
 //! * [`refine`]: finer divisions until a quantity is known to a tolerance.
 //! * [`mean_tensor`]: the mean over one tile of the field of another.
 //!
+//! # Accuracy
+//! Tensors of cells are right to [`tolerances::TENSOR_ERROR`], the equations are solved to round-off, and what
+//! remains is the division into cells. [`refine`] estimates its error for the quantity that is asked for.
+//!
+//! # Example
+//! ```
+//! use glam::DVec3;
+//! use magsplice_field::{Quantity, Scene};
+//! use magsplice_magnet::Tile;
+//! use magsplice_recoil::{Permeability, RecoilTile, RefinementSettings, refine};
+//!
+//! let permeability = Permeability::isotropic(1.05)?;
+//! let beside = |x: f64, j_t: f64| -> Result<RecoilTile, Box<dyn std::error::Error>> {
+//!     let tile = Tile::new(DVec3::new(x, 0.0, 0.0), DVec3::ONE, DVec3::new(0.0, 0.0, j_t))?;
+//!     Ok(RecoilTile { tile, permeability })
+//! };
+//! let tiles = [beside(0.0, 1.3)?, beside(1.0, -1.3)?];
+//! let below = [DVec3::new(0.0, 0.0, -2.0)];
+//! let b_t = |tiles: &[Tile]| match Scene::new(tiles).field_at(Quantity::FluxDensity, &below) {
+//!     Ok(field) => field[0].to_array().to_vec(),
+//!     Err(_) => vec![f64::NAN; 3],
+//! };
+//! let refined = refine(&tiles, RefinementSettings { tolerance: 1e-4, most_cells: 1_000 }, b_t, |_| {})?;
+//! assert!(refined.errors.iter().all(|error_t| *error_t <= 1e-4));
+//! assert!(refined.magnetization.tile_changes()[0].weakening > 0.005);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Units
 //! Lengths are in any one unit, polarizations in tesla. This crate reads no files and prints nothing.
 
