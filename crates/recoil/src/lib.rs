@@ -13,6 +13,7 @@
 //! # Accuracy
 //! Tensors of cells are right to [`tolerances::TENSOR_ERROR`], the equations are solved to round-off, and what
 //! remains is the division into cells. [`refine`] estimates its error for the quantity that is asked for.
+//! The estimate is no bound: its constants were fitted to the values of the tests.
 //!
 //! # Example
 //! ```

@@ -6,6 +6,9 @@
 //! the earlier one is brought to the last level: one change can be small by chance. It is not less than a
 //! share of what the permeability changes in the value, and it is multiplied by a factor of safety: odd and
 //! even numbers of cells have errors of their own.
+//!
+//! The share and the factor were fitted to the values of the tests. The result is an estimate, not a
+//! bound, and films of other shapes have not been tried.
 
 use std::error::Error;
 use std::fmt;
