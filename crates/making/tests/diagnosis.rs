@@ -89,7 +89,6 @@ fn three_wrong_tiles_are_named_and_no_other() {
 }
 
 #[test]
-#[ignore = "takes a minute"]
 fn three_wrong_tiles_are_named_in_95_of_100_films() {
     let named = films_named(0..100);
     assert!(named >= 95, "{named}");
