@@ -202,6 +202,25 @@ fn measured_sides_are_those_of_the_film() {
     refused.refuses("side is 33.2 mm, must be within 0.5 to 2 times the 3.3 mm of part 1");
 }
 
+/// The written [tolerance] keeps the errors of laying and has those of the measurements; no side is turned
+/// over if none may be.
+#[test]
+fn tolerance_of_the_film_is_that_of_laying_and_measuring() {
+    let sandbox = Sandbox::new();
+    let ordered = std::fs::read_to_string(shipped("published-film")).expect("a layout");
+    let errors = "\n[tolerance]\nposition_mm = 0.05\nstrength = 0.03\ndirection_deg = 1\n";
+    sandbox.write("film.toml", &(ordered + errors));
+    write_box(&sandbox, &boxed(&sandbox, "film.toml", 0));
+    let found =
+        assigned(&sandbox, "film.toml", &["--keep-side-up", "--strength-error", "0.5%", "--direction-error", "0.3deg"]);
+    assert!(found["plan"].as_array().expect("a plan").iter().all(|row| row["up"] == "+z"), "{found}");
+    let layout = sandbox.read("assigned.toml");
+    for written in ["position_mm = 0.05", "strength = 0.005", "direction_deg = 0.3"] {
+        assert!(layout.contains(written), "{written} is not in {}", &layout[..900]);
+    }
+    assert!(!layout.contains("[expect"), "{layout}");
+}
+
 /// The picture and the page name every tile of the plan.
 #[cfg(feature = "report")]
 #[test]
