@@ -273,3 +273,16 @@ fn fitted_fields_refuse_bad_boxes_and_points_outside() {
     assert_eq!(errors[0].to_string(), "point 1 at (0, 3, -4): outside the box");
     assert!(fitted.memory_bytes() < 1 << 21);
 }
+
+/// Beside a single tile a tolerance below round-off is refused at every point, also where all points of a
+/// batch have their own bounds.
+#[test]
+fn tolerance_below_round_off_is_refused_beside_a_single_tile() {
+    let tile = Tile::new(DVec3::ZERO, DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7)).expect("valid");
+    let points: Vec<DVec3> =
+        (0..4096).map(|n| DVec3::new(0.0005 * f64::from(n % 64), 0.0004 * f64::from(n / 64), 1.1)).collect();
+    let scene = Scene::new(&[tile]).with_accuracy(Accuracy::Within(Tolerance::relative(1e-15).expect("valid")));
+    let mut field = vec![DVec3::ZERO; points.len()];
+    let refused = scene.field_into(Quantity::FluxDensity, &points, &mut field).expect_err("too exact");
+    assert_eq!(refused.0.len(), points.len());
+}
