@@ -5,8 +5,8 @@ use magsplice_field::{FittedField, Grid, Quantity, Scene};
 use rayon::prelude::*;
 
 use super::reference::{Reference, exact_error_t, rotation_error_t};
-use super::scene_numbers;
 use super::scenes::Attack;
+use super::{scene_numbers, timed};
 
 /// Least share of scenes whose box is fitted.
 const LEAST_FITTED_SHARE: f64 = 0.3;
@@ -144,7 +144,7 @@ fn findings(number: u64) -> Findings {
 
 #[test]
 fn fitted_fields_of_adversarial_scenes_keep_their_bounds() {
-    let all = scene_numbers(20).into_par_iter().map(findings).reduce(Findings::default, Findings::merged);
+    let all = scene_numbers(20).into_par_iter().map(timed(findings)).reduce(Findings::default, Findings::merged);
     println!("{:#?}", Findings { violations: vec![], ..all.clone() });
     assert!(
         all.violations.is_empty(),

@@ -1,7 +1,11 @@
 //! Adversarial scenes against an oracle of many digits.
 //!
 //! `cargo test -p magsplice-tests --features all-cases --test field attacks -- --nocapture` runs all
-//! scenes and prints how close they come to what is promised.
+//! scenes and prints how close they come to what is promised. With `MAGSPLICE_SCENES=2000..3000` in
+//! the environment only the scenes with these numbers run, so that a run of hours can be divided.
+
+use std::ops::Range;
+use std::time::{Duration, Instant};
 
 /// The bound of the exact field.
 mod exact_bound;
@@ -18,7 +22,28 @@ mod tolerances;
 /// fields that the components of J make alone.
 const EXACT_BOUND: f64 = 2e-14;
 
-/// The numbers of the scenes that a test runs: 10 000 with the feature `all-cases`, else a few.
-fn scene_numbers(few: u64) -> std::ops::Range<u64> {
-    0..if cfg!(feature = "all-cases") { 10_000 } else { few }
+/// The numbers of the scenes that a test runs: those of `MAGSPLICE_SCENES`, else 10 000 with the
+/// feature `all-cases`, else a few.
+fn scene_numbers(few: u64) -> Range<u64> {
+    let Ok(asked) = std::env::var("MAGSPLICE_SCENES") else {
+        return 0..if cfg!(feature = "all-cases") { 10_000 } else { few };
+    };
+    let numbers = asked.split_once("..").and_then(|(first, end)| Some(first.parse().ok()?..end.parse().ok()?));
+    let numbers = numbers.filter(|numbers| !numbers.is_empty());
+    numbers.unwrap_or_else(|| panic!("MAGSPLICE_SCENES = {asked}, must be two numbers, as in 2000..3000"))
+}
+
+/// Time after which a scene is named, so that a scene that does not end is found.
+const SLOW: Duration = Duration::from_secs(20);
+
+/// The findings in a scene. Scenes that take long are printed.
+fn timed<T>(findings: impl Fn(u64) -> T) -> impl Fn(u64) -> T {
+    move |number| {
+        let start = Instant::now();
+        let found = findings(number);
+        if start.elapsed() > SLOW {
+            println!("scene {number}: {:.0?}", start.elapsed());
+        }
+        found
+    }
 }

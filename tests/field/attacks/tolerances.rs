@@ -5,8 +5,8 @@ use magsplice_field::{Accuracy, Grid, Model, PointErrors, Quantity, Scene, Tile,
 use rayon::prelude::*;
 
 use super::reference::{Reference, exact_error_t, rotation_error_t};
-use super::scene_numbers;
 use super::scenes::Attack;
+use super::{scene_numbers, timed};
 
 /// Least share of scenes with an interpolation. In fewer scenes the tests would see only exact
 /// fields.
@@ -143,7 +143,7 @@ fn findings(number: u64) -> Findings {
 
 #[test]
 fn adversarial_scenes_keep_their_tolerance_on_grids_and_at_points() {
-    let all = scene_numbers(40).into_par_iter().map(findings).reduce(Findings::default, Findings::merged);
+    let all = scene_numbers(40).into_par_iter().map(timed(findings)).reduce(Findings::default, Findings::merged);
     println!("{:#?}", Findings { violations: vec![], ..all.clone() });
     assert!(
         all.violations.is_empty(),
