@@ -46,12 +46,16 @@ fn strip<S: Simd, const N: usize>(
 ) {
     let length = Lanes::<S>::LEN;
     let mut sums = [Lanes::<S>::splat(simd, 0.0); N];
-    for (weight, row) in weights.iter().zip(rows.chunks_exact(stride)) {
-        for (sum, row) in sums.iter_mut().zip(row[start..start + N * length].chunks_exact(length)) {
-            *sum = Lanes::<S>::load(simd, row).scale_add(*weight, *sum);
+    // By indices: with cargo's default profile the iterators of zipped slices are not inlined here, and take
+    // half of the time of a look-up.
+    let mut at = start;
+    for weight in weights {
+        for (n, sum) in sums.iter_mut().enumerate() {
+            *sum = Lanes::<S>::load(simd, &rows[at + n * length..][..length]).scale_add(*weight, *sum);
         }
+        at += stride;
     }
-    for (value, sum) in sums.iter().zip(sum[start..start + N * length].chunks_exact_mut(length)) {
-        value.store(sum);
+    for (n, value) in sums.into_iter().enumerate() {
+        value.store(&mut sum[start + n * length..][..length]);
     }
 }
