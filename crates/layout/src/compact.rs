@@ -13,12 +13,14 @@ use crate::limits::{FORMAT, MAX_NAME_BYTES};
 use crate::tables::design::DesignTable;
 use crate::tables::expect::ExpectTable;
 use crate::tables::ideal::IdealTable;
+use crate::tables::material::MaterialTable;
 use crate::tables::rotation::RotationTable;
 use crate::tables::sensor::{ElastomerTable, SensorTable};
 use crate::tables::tolerance::ToleranceTable;
 use crate::tables::volume::VolumeTable;
 use crate::units::{direction_from_degrees, ten_decimals};
 use crate::write::{design_table, expect_table, volume_table};
+use crate::write_material::{material_table, recoil_permeability};
 use crate::write_sensor::{elastomer_table, sensor_table};
 use crate::write_tolerance::tolerance_table;
 
@@ -52,6 +54,8 @@ struct Tables {
     sensor: Option<SensorTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
     elastomer: Option<ElastomerTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    material: Option<MaterialTable>,
 }
 
 /// Largest number of letters that the suffixes of mirror images add to a name.
@@ -100,6 +104,7 @@ impl Layout {
             }),
             sensor: self.sensor.as_ref().map(sensor_table),
             elastomer: self.elastomer.as_ref().map(elastomer_table),
+            material: material_table(&self.material),
         };
         let mut text = toml::to_string(&head).expect(written);
         let kinds = kinds(&lines);
@@ -134,7 +139,7 @@ struct Line<'a> {
 
 impl Line<'_> {
     fn keys(&self, kinds: &[(DVec3, f64)]) -> String {
-        let NamedTile { name, tile, rotation, .. } = self.named;
+        let NamedTile { name, tile, rotation, permeability, .. } = self.named;
         let mut keys = vec![format!("name = {}", toml::Value::String(name.clone()))];
         let known = self.kind().and_then(|kind| kinds.iter().position(|known| *known == kind));
         match known {
@@ -154,12 +159,11 @@ impl Line<'_> {
             }
             None => keys.push(format!("polarization_t = {}", numbers(tile.polarization_t()))),
         }
+        if let Some(permeability) = permeability {
+            keys.push(format!("recoil_permeability = {}", inline(&recoil_permeability(*permeability))));
+        }
         if let Some(rotation) = rotation {
-            let mut inline = String::new();
-            RotationTable::from(*rotation)
-                .serialize(toml::ser::ValueSerializer::new(&mut inline))
-                .expect("a rotation can be written");
-            keys.push(format!("rotation = {inline}"));
+            keys.push(format!("rotation = {}", inline(&RotationTable::from(*rotation))));
         }
         match self.axes {
             [] => {}
@@ -174,6 +178,13 @@ impl Line<'_> {
     fn kind(&self) -> Option<(DVec3, f64)> {
         self.angles.map(|(strength_t, _)| (self.named.tile.size(), strength_t))
     }
+}
+
+/// A value in one line of TOML.
+fn inline(value: &impl Serialize) -> String {
+    let mut text = String::new();
+    value.serialize(toml::ser::ValueSerializer::new(&mut text)).expect("numbers and strings can be written");
+    text
 }
 
 /// The tiles without those that are mirror images of others.
@@ -218,7 +229,10 @@ fn lines(tiles: &[NamedTile]) -> Vec<Line<'_>> {
             let is_free = |suffix: &&str| {
                 names.get(format!("{}{suffix}", named.name).as_str()).is_none_or(|holder| images.contains(holder))
             };
-            let fits = named.name.len() + SUFFIXES <= MAX_NAME_BYTES && suffixes(candidate).iter().all(is_free);
+            let is_alike = |&image: &usize| tiles[image].permeability == named.permeability;
+            let fits = images.iter().all(is_alike)
+                && named.name.len() + SUFFIXES <= MAX_NAME_BYTES
+                && suffixes(candidate).iter().all(is_free);
             // Each image is a tile of its own that has not been written.
             if named.rotation.is_none() && fits && all.len() == images.len() + 1 && images.iter().all(|&i| !written[i])
             {

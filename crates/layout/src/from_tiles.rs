@@ -3,6 +3,7 @@
 use crate::error::LayoutError;
 use crate::expectations::Expectations;
 use crate::layout::{Layout, NamedTile};
+use crate::material::Material;
 
 impl Layout {
     /// A layout with these tiles and nothing else, checked like a layout file. `history` says where
@@ -19,7 +20,7 @@ impl Layout {
     /// use magsplice_magnet::Tile;
     ///
     /// let tile = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::new(0.0, 0.0, 0.12))?;
-    /// let named = NamedTile { name: "cube".to_owned(), kind: None, rotation: None, tile };
+    /// let named = NamedTile { name: "cube".to_owned(), kind: None, rotation: None, tile, permeability: None };
     /// let layout = Layout::from_tiles("one cube", vec!["by hand".to_owned()], vec![named], "cubes")?;
     /// assert_eq!(layout.tiles[0].tile, tile);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -40,6 +41,7 @@ impl Layout {
             tolerance: None,
             sensor: None,
             elastomer: None,
+            material: Material::default(),
             history,
             overlap_mm: 0.0,
             tiles,

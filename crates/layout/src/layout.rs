@@ -3,11 +3,12 @@
 
 use glam::DVec3;
 use magsplice_ideal::IdealFilm;
-use magsplice_magnet::{Grid, Tile};
+use magsplice_magnet::{Grid, Permeability, Tile};
 
 use crate::brief::Brief;
 use crate::expectations::Expectations;
 use crate::finding::Finding;
+use crate::material::Material;
 use crate::rotation::Rotation;
 use crate::sensor::{Elastomer, StatedSensor};
 use crate::tolerance::FilmTolerance;
@@ -60,6 +61,8 @@ pub struct Layout {
     pub sensor: Option<StatedSensor>,
     /// The elastic layer between film and sensor.
     pub elastomer: Option<Elastomer>,
+    /// The material of the tiles.
+    pub material: Material,
     /// The steps that led to this layout, one text each.
     pub history: Vec<String>,
     /// Depth by which tiles may overlap, in millimetres: 0 but for films as they were measured.
@@ -88,8 +91,11 @@ pub struct NamedTile {
     pub kind: Option<String>,
     /// The rotation as written, from which the rotation of `tile` was computed.
     pub rotation: Option<Rotation>,
-    /// The tile, in millimetres and tesla.
+    /// The tile, in millimetres and tesla. With a recoil permeability above 1 its polarization is that without
+    /// a field, J_r.
     pub tile: Tile,
+    /// Its recoil permeability. `None` for that of the material.
+    pub permeability: Option<Permeability>,
 }
 
 /// The region in which the sensor moves, sampled on a regular grid.

@@ -49,6 +49,8 @@ mod from_tiles;
 mod layout;
 /// The format version, and counts and lengths above which a file is refused.
 mod limits;
+/// The material of the tiles.
+mod material;
 /// The bill of materials.
 mod parts;
 /// Magnitudes that no magnet and no film has.
@@ -71,6 +73,8 @@ mod tolerance;
 mod units;
 /// A layout to tables and text.
 mod write;
+/// Material and permeabilities to their tables.
+mod write_material;
 /// Sensor and elastic layer to their tables.
 mod write_sensor;
 /// Tolerances to their table.
@@ -83,6 +87,7 @@ pub use expectations::{Expectations, ExpectedField, MadeExpectations};
 pub use finding::{Finding, FindingSubject};
 pub use layout::{Layout, NamedTile, WorkingVolume};
 pub use limits::{MAX_NAME_BYTES, SAMPLE_COUNTS};
+pub use material::Material;
 pub use parts::Part;
 pub use plausible::{
     MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, STRONGEST_MAGNET_T, STRONGEST_MATERIAL_T, meant_length,

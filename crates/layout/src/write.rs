@@ -10,10 +10,12 @@ use crate::limits::FORMAT;
 use crate::tables::design::{DesignTable, MinMax, Outline, Variable, Weights};
 use crate::tables::expect::{DisplacementBounds, ExpectTable, LowerBound, MadeTable, UniformityBounds};
 use crate::tables::ideal::IdealTable;
+use crate::tables::material::MaterialTable;
 use crate::tables::sensor::{ElastomerTable, SensorTable};
 use crate::tables::tile::TileTable;
 use crate::tables::tolerance::ToleranceTable;
 use crate::tables::volume::{Step, VolumeTable};
+use crate::write_material::{material_table, recoil_permeability};
 use crate::write_sensor::{elastomer_table, sensor_table};
 use crate::write_tolerance::tolerance_table;
 
@@ -60,6 +62,7 @@ impl Layout {
             }),
             sensor: self.sensor.as_ref().map(sensor_table),
             elastomer: self.elastomer.as_ref().map(elastomer_table),
+            material: material_table(&self.material),
             tile: self.tiles.iter().map(tile_table).collect(),
         }
     }
@@ -91,6 +94,8 @@ pub struct PlainLayout<'a> {
     sensor: Option<SensorTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
     elastomer: Option<ElastomerTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    material: Option<MaterialTable>,
     tile: Vec<TileTable>,
 }
 
@@ -193,6 +198,7 @@ fn tile_table(named: &NamedTile) -> TileTable {
         direction: None,
         direction_deg: None,
         tilt_deg: None,
+        recoil_permeability: named.permeability.map(recoil_permeability),
         rotation: named.rotation.map(Into::into),
         grid: None,
         mirror: None,

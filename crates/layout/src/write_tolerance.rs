@@ -208,7 +208,10 @@ fn neighbour_table(neighbour: &Neighbour) -> NeighbourTable {
 }
 
 fn temperature_table(change: &Temperature) -> TemperatureTable {
-    TemperatureTable { change_k: written(&change.change_k, ErrorUnit::Kelvin), strength_per_k: change.strength_per_k }
+    TemperatureTable {
+        change_k: written(&change.change_k, ErrorUnit::Kelvin),
+        strength_per_k: Some(change.strength_per_k),
+    }
 }
 
 fn sensor_table(sensor: &SensorErrors) -> SensorTable {

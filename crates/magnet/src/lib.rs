@@ -4,6 +4,7 @@
 //! * [`overlaps`]: the pairs of tiles that share volume.
 //! * [`Grid`]: regular points.
 //! * [`Quantity`]: B, H or J.
+//! * [`Permeability`]: how the polarization of a magnet follows the field.
 //! * [`Accuracy`]: exact, or within a [`Tolerance`].
 //! * [`PointErrors`]: the points at which a field does not exist, and why.
 //! * [`BoundingBox`]: a box with sides along the axes.
@@ -37,6 +38,8 @@ mod hall_sensor;
 mod height_map;
 /// Pairs of tiles that share volume.
 mod overlap;
+/// The recoil permeability of magnets.
+mod permeability;
 /// Points without a field, and the reason.
 mod point_error;
 /// Field quantities and the vacuum permeability.
@@ -56,6 +59,7 @@ pub use grid::{Grid, GridFault};
 pub use hall_sensor::{HallSensor, HallSensorFault};
 pub use height_map::{HeightMap, InvalidHeightMap};
 pub use overlap::{Overlap, TooManyPairs, overlap, overlaps, overlaps_among};
+pub use permeability::{InvalidPermeability, MAX_PERMEABILITY, Permeability};
 pub use point_error::{Cause, PointError, PointErrors, is_in_range};
 pub use quantity::{MU_0, Quantity};
 pub use tile::{Tile, TileFault, TileFaults};

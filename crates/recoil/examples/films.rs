@@ -37,8 +37,8 @@ fn uniformity_r_x(layout: &Layout, tiles: &[Tile]) -> f64 {
 
 /// The value with the largest number of cells, whatever its error.
 fn finest(layout: &Layout, tiles: &[RecoilTile]) -> Result<Refined, RefinementError> {
-    let settings = RefinementSettings { tolerance: 0.0, most_cells: MOST_CELLS };
-    match refine(tiles, settings, |cells| vec![uniformity_r_x(layout, cells)], |_| {}) {
+    let settings = RefinementSettings { tolerances: vec![0.0], most_cells: MOST_CELLS };
+    match refine(tiles, &settings, |cells| vec![uniformity_r_x(layout, cells)], |_| {}) {
         Err(RefinementError::NotConverged { best: Some(best), .. }) => Ok(*best),
         other => other,
     }

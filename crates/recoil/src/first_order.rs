@@ -50,8 +50,9 @@ impl Magnetization {
 
 #[cfg(test)]
 mod tests {
+    use magsplice_magnet::Permeability;
+
     use super::*;
-    use crate::material::Permeability;
 
     /// The difference to the solution is of the second order in chi.
     #[test]

@@ -49,10 +49,10 @@ impl Magnetization {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
-    use magsplice_magnet::Tile;
+    use magsplice_magnet::{Permeability, Tile};
 
     use super::*;
-    use crate::material::{Permeability, RecoilTile};
+    use crate::material::RecoilTile;
 
     fn cube(x: f64, polarization_t: DVec3) -> RecoilTile {
         let tile = Tile::new(DVec3::new(x, 0.0, 0.0), DVec3::ONE, polarization_t).unwrap();

@@ -33,7 +33,8 @@
 //!     Ok(field) => field[0].to_array().to_vec(),
 //!     Err(_) => vec![f64::NAN; 3],
 //! };
-//! let refined = refine(&tiles, RefinementSettings { tolerance: 1e-4, most_cells: 1_000 }, b_t, |_| {})?;
+//! let settings = RefinementSettings { tolerances: vec![1e-4; 3], most_cells: 1_000 };
+//! let refined = refine(&tiles, &settings, b_t, |_| {})?;
 //! assert!(refined.errors.iter().all(|error_t| *error_t <= 1e-4));
 //! assert!(refined.magnetization.tile_changes()[0].weakening > 0.005);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -83,7 +84,8 @@ pub use error::RecoilError;
 pub use interaction::mean_tensor;
 pub use knee::DemagnetizedCell;
 pub use magnetization::{Magnetization, TileChange};
-pub use material::{InvalidPermeability, MAX_PERMEABILITY, Permeability, RecoilTile};
+pub use magsplice_magnet::{InvalidPermeability, MAX_PERMEABILITY, Permeability};
+pub use material::RecoilTile;
 pub use refinement::{Refined, RefinementError, RefinementSettings, refine};
 pub use symmetric_tensor::SymmetricTensor;
 pub use turned::TurnedNotConverged;

@@ -74,6 +74,31 @@ impl Magnetization {
         }
         self.tiles.iter().zip(sums).map(|(of, mean)| TileChange::new(of.tile.scene_polarization_t(), mean)).collect()
     }
+
+    /// The tiles, each with the mean polarization of its cells.
+    pub fn mean_tiles(&self) -> Vec<Tile> {
+        let tiles = self.tiles.iter().zip(self.tile_changes());
+        tiles.map(|(each, change)| with_polarization(&each.tile, change.mean_polarization_t)).collect()
+    }
+
+    /// The cells with the deviation of their polarization from the mean of their tile: what
+    /// [`mean_tiles`](Magnetization::mean_tiles) leave out of the field.
+    pub fn deviations(&self) -> Vec<Tile> {
+        let changes = self.tile_changes();
+        let cells = self.cells.iter().zip(&self.owners);
+        cells
+            .map(|(cell, owner)| {
+                with_polarization(cell, cell.scene_polarization_t() - changes[*owner].mean_polarization_t)
+            })
+            .collect()
+    }
+}
+
+/// A tile with another polarization, in the frame of the scene.
+fn with_polarization(tile: &Tile, scene_t: DVec3) -> Tile {
+    let own_t = tile.rotation().inverse() * scene_t;
+    let new = Tile::new(tile.position(), tile.size(), own_t).and_then(|new| new.rotated(tile.rotation()));
+    new.expect("means and differences of valid polarizations")
 }
 
 impl TileChange {
@@ -82,5 +107,38 @@ impl TileChange {
         let weakening = if before > 0.0 { 1.0 - after / before } else { 0.0 };
         let angle = rigid_t.cross(mean_polarization_t).length().atan2(rigid_t.dot(mean_polarization_t));
         TileChange { mean_polarization_t, weakening, angle }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DQuat;
+    use magsplice_magnet::Permeability;
+
+    use super::*;
+
+    /// The field of the cells is that of the means and of the deviations.
+    #[test]
+    fn means_and_deviations_make_the_field() {
+        let permeability = Permeability::isotropic(1.2).unwrap();
+        let turned = Tile::new(DVec3::new(1.6, 0.2, 0.1), DVec3::new(1.0, 2.0, 0.5), DVec3::new(0.3, 0.9, -0.2));
+        let turned = turned.unwrap().rotated(DQuat::from_rotation_z(0.4)).unwrap();
+        let tiles = [Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::Z).unwrap(), turned];
+        let tiles = tiles.map(|tile| RecoilTile { tile, permeability });
+        let solution = Magnetization::solve(&tiles, 2, || {}).unwrap();
+        let points = [DVec3::new(0.3, 0.2, -1.5), DVec3::new(-2.0, 1.0, 0.4)];
+        let field_t = |tiles: &[Tile]| {
+            let scene = magsplice_field::Scene::new(tiles);
+            scene.field_at(magsplice_magnet::Quantity::FluxDensity, &points).unwrap()
+        };
+        let (all, means) = (field_t(solution.cells()), field_t(&solution.mean_tiles()));
+        for ((all, mean), deviation) in all.into_iter().zip(means).zip(field_t(&solution.deviations())) {
+            assert!((all - mean - deviation).length() <= 1e-14, "{all} {mean} {deviation}");
+            assert!(deviation.length() > 1e-5);
+        }
+        let changes = solution.tile_changes();
+        for (mean, change) in solution.mean_tiles().iter().zip(changes) {
+            assert!((mean.scene_polarization_t() - change.mean_polarization_t).length() <= 1e-15);
+        }
     }
 }

@@ -34,10 +34,10 @@ const SAFETY: f64 = 3.0;
 const LEAST_LEVEL: usize = 3;
 
 /// When a refinement ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RefinementSettings {
-    /// Largest error of each value, in its unit.
-    pub tolerance: f64,
+    /// Largest error of each value, in its unit; infinite for a value whose error is only estimated.
+    pub tolerances: Vec<f64>,
     /// Most cells, at most [`MAX_CELLS`]. Time is proportional to its square: 9 s for 3600 cells on two
     /// cores.
     pub most_cells: usize,
@@ -62,11 +62,11 @@ pub struct Refined {
 pub enum RefinementError {
     /// The polarization is not known.
     Recoil(RecoilError),
-    /// The tolerance is not reached with as many cells as are allowed.
+    /// A tolerance is not reached with as many cells as are allowed.
     NotConverged {
-        /// The tolerance that was asked for.
+        /// The tolerance of the value that is farthest from its own.
         tolerance: f64,
-        /// The largest error that was reached; infinite with fewer than three levels.
+        /// The error of this value; infinite with fewer than three levels.
         reached: f64,
         /// Most cells.
         most_cells: usize,
@@ -75,12 +75,12 @@ pub enum RefinementError {
         /// The best that is known, with two levels or more of which three are needed for errors.
         best: Option<Box<Refined>>,
     },
-    /// The quantity had a different number of values at a level.
+    /// The quantity has another number of values than there are tolerances.
     Count {
-        /// Number for the tiles with J_r.
-        first: usize,
-        /// Number at this level.
-        now: usize,
+        /// Number of tolerances.
+        tolerances: usize,
+        /// Number of values.
+        values: usize,
     },
 }
 
@@ -98,12 +98,12 @@ pub enum RefinementError {
 /// Never; a quantity that is not finite does not converge.
 pub fn refine(
     tiles: &[RecoilTile],
-    settings: RefinementSettings,
+    settings: &RefinementSettings,
     quantity: impl Fn(&[Tile]) -> Vec<f64>,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Refined, RefinementError> {
     let most_cells = settings.most_cells.min(MAX_CELLS);
-    let is_rigid = tiles.iter().all(|each| each.permeability.along() == 1.0 && each.permeability.across() == 1.0);
+    let is_rigid = tiles.iter().all(|each| each.permeability.is_rigid());
     let bare: Vec<Tile> = tiles.iter().map(|each| each.tile).collect();
     let rigid = quantity(&bare);
     let mut history: Vec<Vec<f64>> = Vec::new();
@@ -111,15 +111,16 @@ pub fn refine(
     for level in 1.. {
         let count = tiles.iter().fold(0_usize, |sum, each| sum.saturating_add(cell_count(each.tile.size(), level)));
         if count > most_cells {
-            let reached = best.as_ref().map_or(f64::INFINITY, |best| largest(&best.errors));
-            let (tolerance, needed_cells) = (settings.tolerance, count);
+            let worst = |best: &Refined| farthest(&best.errors, &settings.tolerances);
+            let fallback = || (f64::INFINITY, settings.tolerances.iter().copied().fold(f64::INFINITY, f64::min));
+            let (reached, tolerance) = best.as_deref().map_or_else(fallback, worst);
+            let needed_cells = count;
             return Err(RefinementError::NotConverged { tolerance, reached, most_cells, needed_cells, best });
         }
         let magnetization = Magnetization::solve(tiles, level, || progress(level)).map_err(RefinementError::Recoil)?;
         let values = quantity(magnetization.cells());
-        let first = rigid.len();
-        if values.len() != first {
-            return Err(RefinementError::Count { first, now: values.len() });
+        if values.len() != settings.tolerances.len() || rigid.len() != values.len() {
+            return Err(RefinementError::Count { tolerances: settings.tolerances.len(), values: values.len() });
         }
         if is_rigid {
             let errors = vec![0.0; values.len()];
@@ -129,7 +130,8 @@ pub fn refine(
         if level >= LEAST_LEVEL {
             let (values, errors) = extrapolate(&rigid, &history);
             let refined = Refined { values, errors, level, magnetization };
-            if largest(&refined.errors) <= settings.tolerance {
+            let (error, tolerance) = farthest(&refined.errors, &settings.tolerances);
+            if error <= tolerance {
                 return Ok(refined);
             }
             best = Some(Box::new(refined));
@@ -138,9 +140,14 @@ pub fn refine(
     unreachable!("each level has more cells than the one before, and they are limited")
 }
 
-/// The largest value; NaN if one of them is.
-fn largest(errors: &[f64]) -> f64 {
-    errors.iter().fold(0.0, |largest: f64, error| if *error <= largest { largest } else { *error })
+/// The error that is farthest above its tolerance, with the tolerance. An error that is no number is the
+/// farthest.
+fn farthest(errors: &[f64], tolerances: &[f64]) -> (f64, f64) {
+    let pairs = errors.iter().copied().zip(tolerances.iter().copied());
+    // An infinite tolerance is for an error that may be anything.
+    let asked = pairs.filter(|(_, tolerance)| tolerance.is_finite());
+    let excess = |(error, tolerance): (f64, f64)| if error.is_nan() { f64::INFINITY } else { error / tolerance };
+    asked.reduce(|worst, pair| if excess(pair) > excess(worst) { pair } else { worst }).unwrap_or((0.0, f64::INFINITY))
 }
 
 /// Values and errors from those with J_r and those of levels 1, 2 and so on, three or more.
@@ -170,8 +177,8 @@ impl fmt::Display for RefinementError {
                 "the error is {reached:.1e}, must be at most {tolerance:.1e}: accept a larger tolerance, or allow \
                  {needed_cells} cells instead of {most_cells}, at most {MAX_CELLS}"
             ),
-            RefinementError::Count { first, now } => {
-                write!(f, "the quantity has {now} values, must have {first} as before")
+            RefinementError::Count { tolerances, values } => {
+                write!(f, "the quantity has {values} values, must have as many as there are tolerances, {tolerances}")
             }
         }
     }

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::layout::NamedTile;
 use crate::read::faults::TableFaults;
+use crate::read::material;
 use crate::read::number_rules::{check_finite, check_not_negative, check_positive};
 use crate::read::room::Room;
 use crate::read::strength_rules::{check_component, check_material};
@@ -26,6 +27,7 @@ pub(crate) fn resolve(
     if let Some(y) = &table.y {
         check_sections("y", y, faults);
     }
+    let permeability = table.recoil_permeability.and_then(|written| material::permeability(written, faults));
     for axis in 0..2 {
         check_finite(&format!("start_mm[{axis}]"), table.start_mm[axis], faults);
     }
@@ -61,7 +63,13 @@ pub(crate) fn resolve(
             let position = DVec3::new(column.centre, row.centre, z);
             let size = DVec3::new(column.width, row.width, table.height_mm);
             let tile = checked_tile(position, size, polarization, faults)?;
-            tiles.push(NamedTile { name: format!("{name}-x{}-y{}", i + 1, j + 1), kind: None, rotation: None, tile });
+            tiles.push(NamedTile {
+                name: format!("{name}-x{}-y{}", i + 1, j + 1),
+                kind: None,
+                rotation: None,
+                tile,
+                permeability,
+            });
         }
     }
     Some(tiles)

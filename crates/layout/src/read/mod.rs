@@ -42,6 +42,8 @@ mod ideal;
 mod lattice;
 /// Rules of `[expect.made]`.
 mod made;
+/// Rules of `[material]` and of `recoil_permeability`.
+mod material;
 /// Rules for names.
 mod names;
 /// Rules for single numbers and vectors.
@@ -254,6 +256,9 @@ fn resolve(file: LayoutFile, text: &str, sha256: String, source: &Source) -> Res
     let elastomer = file
         .elastomer
         .and_then(|table| sensor::resolve_elastomer(table.get_ref(), &mut faults.at(&table.span(), "elastomer")));
+    let material = file.material.map_or_else(Default::default, |table| {
+        material::resolve(table.get_ref(), &mut faults.at(&table.span(), "material"), &mut findings)
+    });
     let before_tiles = faults.count();
     for (name, kind) in &file.kind {
         let mut faults = faults.at(&kind.span(), format!("kind \"{}\"", names::shown(name)));
@@ -297,7 +302,9 @@ fn resolve(file: LayoutFile, text: &str, sha256: String, source: &Source) -> Res
     names::check(&tiles, &spans, &mut faults);
     let tolerance = file.tolerance.filter(|_| !source.is_neighbour).and_then(|table| {
         let is_complete = faults.count() == before_tiles;
-        let whole = WholeLayout { tiles: &tiles, kinds: file.kind.keys().collect(), is_complete, present };
+        let strength_per_k = material.strength_per_k;
+        let kinds = file.kind.keys().collect();
+        let whole = WholeLayout { tiles: &tiles, kinds, strength_per_k, is_complete, present };
         let read_neighbour = |layout: &str| tiles_of_neighbour(&source.folder, layout);
         tolerance::resolve(&table, whole, &source.folder, &read_neighbour, &mut faults, &mut findings)
     });
@@ -328,6 +335,7 @@ fn resolve(file: LayoutFile, text: &str, sha256: String, source: &Source) -> Res
         tolerance,
         sensor,
         elastomer,
+        material,
         history: file.history,
         overlap_mm,
         tiles,

@@ -134,5 +134,6 @@ fn mirror_image(
         kind: named.kind.clone(),
         rotation: written,
         tile: checked_tile(position, tile.size(), polarization, faults)?.rotated(rotation).ok()?,
+        permeability: named.permeability,
     })
 }

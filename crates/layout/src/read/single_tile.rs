@@ -10,9 +10,9 @@ use crate::layout::NamedTile;
 use crate::limits::MAX_LISTED;
 use crate::read::faults::TableFaults;
 use crate::read::names::shown;
-use crate::read::rotation;
 use crate::read::strength_rules::{check_polarization, check_strength};
 use crate::read::tile_rules::checked_tile;
+use crate::read::{material, rotation};
 use crate::tables::tile::{KindTable, TileTable};
 use crate::units::{direction_from_degrees, unit_vector};
 
@@ -23,6 +23,9 @@ pub(crate) fn check_kind(kind: &KindTable, faults: &mut TableFaults) {
     }
     check_strength(kind.strength_t, faults);
     check_polarization(kind.polarization_t, faults);
+    if let Some(written) = kind.recoil_permeability {
+        material::permeability(written, faults);
+    }
     checked_tile(DVec3::ZERO, kind.size_mm.into(), kind.polarization_t.unwrap_or_default().into(), faults);
 }
 
@@ -44,6 +47,7 @@ pub(crate) fn resolve(
     // The size of a kind has been checked with the kind.
     let own_size = if table.size_mm.is_some() { size? } else { [1.0; 3] };
     checked_tile(table.position_mm.into(), own_size.into(), polarization, faults)?;
+    let own_permeability = table.recoil_permeability.and_then(|written| material::permeability(written, faults));
     if faults.count() > before {
         return None;
     }
@@ -55,7 +59,10 @@ pub(crate) fn resolve(
     if let Some(rotation) = rotation {
         tile = tile.rotated(rotation.quaternion()).ok()?;
     }
-    Some(NamedTile { name, kind: table.kind.clone(), rotation, tile })
+    // Faults of a kind have been added with the kind.
+    let of_kind = || material::permeability(kind?.recoil_permeability?, faults);
+    let permeability = own_permeability.or_else(of_kind);
+    Some(NamedTile { name, kind: table.kind.clone(), rotation, tile, permeability })
 }
 
 fn declared_kind<'k>(

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::tables::material::RecoilPermeability;
+
 /// A film cut along lines parallel to x and y. Each cell holds one tile, unless its pattern is zero
 /// along both axes.
 #[derive(Deserialize, JsonSchema)]
@@ -20,6 +22,8 @@ pub(crate) struct LatticeTable {
     /// Factor of the pattern, in T: the polarization is this times the pattern. Give either this or
     /// strength_t.
     pub(crate) component_t: Option<f64>,
+    /// Relative recoil permeability of its tiles. Default: that of [material].
+    pub(crate) recoil_permeability: Option<RecoilPermeability>,
     /// Intervals along x.
     pub(crate) x: Vec<LatticeSection>,
     /// Intervals along y. Default: the intervals along x.

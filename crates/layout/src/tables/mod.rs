@@ -15,6 +15,7 @@ use self::design::DesignTable;
 use self::expect::ExpectTable;
 use self::ideal::IdealTable;
 use self::lattice::LatticeTable;
+use self::material::MaterialTable;
 use self::sensor::{ElastomerTable, SensorTable};
 use self::tile::{KindTable, TileTable};
 use self::tolerance::ToleranceTable;
@@ -30,6 +31,8 @@ pub(crate) mod expect;
 pub(crate) mod ideal;
 /// `[[lattice]]`: a film cut along lines parallel to x and y.
 pub(crate) mod lattice;
+/// `[material]`, and `recoil_permeability` of tiles and kinds.
+pub(crate) mod material;
 /// `rotation` of a tile.
 pub(crate) mod rotation;
 /// `[sensor]` and `[elastomer]`: what reads the field, and what the film rides on.
@@ -76,6 +79,9 @@ pub(crate) struct LayoutFile {
     /// The elastic layer between film and sensor.
     #[schemars(with = "Option<ElastomerTable>")]
     pub(crate) elastomer: Option<Spanned<ElastomerTable>>,
+    /// The material of the tiles.
+    #[schemars(with = "Option<MaterialTable>")]
+    pub(crate) material: Option<Spanned<MaterialTable>>,
     /// The steps that led to this layout, one text each.
     #[serde(default)]
     pub(crate) history: Vec<String>,

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::tables::material::RecoilPermeability;
 use crate::tables::rotation::RotationTable;
 
 /// The properties that tiles of one kind have in common.
@@ -15,6 +16,8 @@ pub(crate) struct KindTable {
     pub(crate) strength_t: Option<f64>,
     /// Polarization J = mu0 M in the tile's own frame, in T.
     pub(crate) polarization_t: Option<[f64; 3]>,
+    /// Relative recoil permeability. Default: that of [material].
+    pub(crate) recoil_permeability: Option<RecoilPermeability>,
 }
 
 /// A tile, single or repeated. Its polarization is given once: as polarization_t, as strength_t and
@@ -50,6 +53,9 @@ pub(crate) struct TileTable {
     /// direction_deg. Default: 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) tilt_deg: Option<f64>,
+    /// Relative recoil permeability. Default: that of its kind or of [material].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) recoil_permeability: Option<RecoilPermeability>,
     /// Rotation about the tile's centre.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) rotation: Option<RotationTable>,

@@ -241,8 +241,9 @@ pub(crate) struct TemperatureTable {
     /// The change, in kelvin.
     pub(crate) change_k: WrittenDistribution,
     /// Relative change of the strength of all tiles per kelvin, a fraction: -0.0012 is -0.12 % per
-    /// kelvin.
-    pub(crate) strength_per_k: f64,
+    /// kelvin. Default: that of [material].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) strength_per_k: Option<f64>,
 }
 
 /// Errors of the sensor, along or about its three axes: one for all, or three.

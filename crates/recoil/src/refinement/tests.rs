@@ -2,10 +2,9 @@
 
 use glam::DVec3;
 use magsplice_field::Scene;
-use magsplice_magnet::Quantity;
+use magsplice_magnet::{Permeability, Quantity};
 
 use super::*;
-use crate::material::Permeability;
 
 fn magnet(size: [f64; 3], position: [f64; 3], polarization_t: [f64; 3], mu_r: f64) -> RecoilTile {
     let tile = Tile::new(position.into(), size.into(), polarization_t.into()).unwrap();
@@ -38,7 +37,8 @@ fn refine_to(
     points: &[DVec3],
     (tolerance, most_cells): (f64, usize),
 ) -> Result<Refined, RefinementError> {
-    refine(tiles, RefinementSettings { tolerance, most_cells }, |cells| flux_densities(cells, points), |_| {})
+    let settings = RefinementSettings { tolerances: vec![tolerance; 3 * points.len()], most_cells };
+    refine(tiles, &settings, |cells| flux_densities(cells, points), |_| {})
 }
 
 /// The best that is known at a level.
@@ -85,11 +85,11 @@ fn refinement_without_enough_cells_says_so() {
     assert_eq!(best.level, 4);
     assert!(error.to_string().contains("allow 125 cells instead of 100"), "{error}");
     assert!(matches!(refine_to(tiles, points, (1.0, 7)), Err(RefinementError::NotConverged { best: None, .. })));
-    let tolerance = RefinementSettings { tolerance: 1.0, most_cells: 30 };
-    let unknown = refine(tiles, tolerance, |_| vec![f64::NAN], |_| {});
+    let settings = RefinementSettings { tolerances: vec![1.0], most_cells: 30 };
+    let unknown = refine(tiles, &settings, |_| vec![f64::NAN], |_| {});
     assert!(matches!(unknown, Err(RefinementError::NotConverged { .. })));
-    let lengths = refine(tiles, tolerance, |cells| vec![0.0; cells.len()], |_| {});
-    assert_eq!(lengths, Err(RefinementError::Count { first: 1, now: 8 }));
+    let lengths = refine(tiles, &settings, |cells| vec![0.0; cells.len()], |_| {});
+    assert_eq!(lengths, Err(RefinementError::Count { tolerances: 1, values: 8 }));
 }
 
 #[test]
@@ -99,4 +99,16 @@ fn rigid_tiles_need_one_level() {
     let refined = refine_to(&tiles, &points, (0.0, 1)).unwrap();
     assert_eq!(refined.values, flux_densities(&[tiles[0].tile], &points));
     assert_eq!((refined.level, refined.errors), (1, vec![0.0; 3]));
+}
+
+/// Values with an infinite tolerance need no level of their own.
+#[test]
+fn refinement_ends_when_the_values_with_tolerances_are_known() {
+    let (tiles, points) = &cases()[0];
+    let mut settings = RefinementSettings { tolerances: vec![f64::INFINITY; 3 * points.len()], most_cells: 4_000 };
+    let quantity = |cells: &[Tile]| flux_densities(cells, points);
+    assert_eq!(refine(tiles, &settings, quantity, |_| {}).unwrap().level, LEAST_LEVEL);
+    settings.tolerances[2] = 1e-5;
+    let refined = refine(tiles, &settings, quantity, |_| {}).unwrap();
+    assert!(refined.level > LEAST_LEVEL && refined.errors[2] <= 1e-5);
 }

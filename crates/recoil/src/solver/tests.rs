@@ -1,9 +1,9 @@
 //! The polarization against closed forms, laws, and solutions of other programs.
 
 use glam::DQuat;
+use magsplice_magnet::Permeability;
 
 use super::*;
-use crate::material::Permeability;
 
 fn magnet(size: [f64; 3], position: [f64; 3], polarization_t: [f64; 3], mu_r: f64) -> RecoilTile {
     let tile = Tile::new(position.into(), size.into(), polarization_t.into()).unwrap();

@@ -5,25 +5,23 @@ use crate::error_unit::{ErrorUnit, largest_magnitude};
 use crate::finding::{Finding, FindingSubject};
 use crate::plausible::short;
 use crate::read::faults::{Faults, TableFaults};
+use crate::read::material::check_strength_per_k;
 use crate::read::tolerance::distribution::{components, distribution};
 use crate::read::tolerance::tabulated::Tabulated;
 use crate::tables::distribution::Components;
 use crate::tables::tolerance::{FilmTable, SensorTable, StrayFieldTable, TemperatureTable, ToleranceTable, When};
 use crate::tolerance::{CommonErrors, FilmPose, SensorErrors, StrayField, Temperature};
 
-/// Largest relative change of the strength per kelvin. Hard ferrite, the material that changes most,
-/// has 0.002.
-const MOST_PER_KELVIN: f64 = 0.02;
-
 /// Flux density in microtesla below which a number was probably meant in tesla: a thousandth of a
 /// microtesla is far below the noise of any sensor.
 const LEAST_FIELD_UT: f64 = 1e-3;
 
 /// The errors of all tables but the neighbour. Faults are added. `film_mm` is the longest side of the
-/// film.
+/// film, `strength_per_k` that of the material.
 pub(crate) fn resolve(
     table: &ToleranceTable,
     film_mm: Option<f64>,
+    strength_per_k: Option<f64>,
     tabulated: &mut Tabulated,
     faults: &mut Faults,
     findings: &mut Vec<Finding>,
@@ -44,7 +42,7 @@ pub(crate) fn resolve(
     }
     if let Some(change) = &table.temperature {
         let mut at = faults.at(&change.span(), "tolerance.temperature");
-        let found = temperature(change.get_ref(), tabulated, &mut at);
+        let found = temperature(change.get_ref(), strength_per_k, tabulated, &mut at);
         remark_on_none("temperature", found.change_k.is_none() || found.strength_per_k == 0.0, findings);
         if found.strength_per_k > 0.0 {
             findings.push(Finding::new(
@@ -122,18 +120,21 @@ fn stray_field(table: &StrayFieldTable, tabulated: &mut Tabulated, faults: &mut 
     }
 }
 
-fn temperature(table: &TemperatureTable, tabulated: &mut Tabulated, faults: &mut TableFaults) -> Temperature {
-    let per_k = table.strength_per_k;
-    if !per_k.is_finite() {
-        faults.add(format!("strength_per_k = {per_k}, must be a finite number"));
-    } else if per_k.abs() > MOST_PER_KELVIN {
-        faults.add(format!(
-            "strength_per_k = {per_k}, must be from -{MOST_PER_KELVIN} to {MOST_PER_KELVIN} (a fraction, not per cent: {}?)",
-            short(1e-2 * per_k)
-        ));
+fn temperature(
+    table: &TemperatureTable,
+    strength_per_k: Option<f64>,
+    tabulated: &mut Tabulated,
+    faults: &mut TableFaults,
+) -> Temperature {
+    if let Some(per_k) = table.strength_per_k {
+        check_strength_per_k(per_k, faults);
+    }
+    let stated = table.strength_per_k.or(strength_per_k);
+    if stated.is_none() {
+        faults.add("has no strength_per_k, and [material] has none either: give one of them");
     }
     let change_k = distribution("change_k", &table.change_k, ErrorUnit::Kelvin, tabulated, faults);
-    Temperature { change_k, strength_per_k: per_k }
+    Temperature { change_k, strength_per_k: stated.unwrap_or(0.0) }
 }
 
 fn sensor_errors(table: &SensorTable, tabulated: &mut Tabulated, faults: &mut TableFaults) -> SensorErrors {

@@ -39,6 +39,8 @@ pub(crate) struct WholeLayout<'t> {
     pub(crate) tiles: &'t [NamedTile],
     /// Names of the kinds that the layout declares.
     pub(crate) kinds: Vec<&'t String>,
+    /// That of the material.
+    pub(crate) strength_per_k: Option<f64>,
     /// Whether all tiles of the file are there, because none of them has a fault.
     pub(crate) is_complete: bool,
     pub(crate) present: TablesPresent,
@@ -54,7 +56,7 @@ pub(crate) fn resolve(
     findings: &mut Vec<Finding>,
 ) -> Option<FilmTolerance> {
     let (span, table) = (table.span(), table.get_ref());
-    let WholeLayout { tiles, kinds, is_complete, present } = layout;
+    let WholeLayout { tiles, kinds, strength_per_k, is_complete, present } = layout;
     let before = faults.count();
     if tiles.len() > MAX_TOLERANCE_TILES {
         let count = tiles.len();
@@ -71,7 +73,7 @@ pub(crate) fn resolve(
     let of_tiles = tile_errors::resolve(table, &span, &mut selection, &mut tabulated, faults);
     let groups = groups::resolve(&table.group, &mut selection, &mut tabulated, faults);
     let film_mm = longest_side(tiles);
-    let mut common = common_errors::resolve(table, film_mm, &mut tabulated, faults, findings);
+    let mut common = common_errors::resolve(table, film_mm, strength_per_k, &mut tabulated, faults, findings);
     common.neighbour = table.neighbour.as_ref().and_then(|table| {
         neighbour::resolve(table.get_ref(), read_neighbour, &mut faults.at(&table.span(), "tolerance.neighbour"))
     });

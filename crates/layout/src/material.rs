@@ -1,0 +1,46 @@
+//! The material of the tiles.
+
+use magsplice_magnet::Permeability;
+
+use crate::layout::Layout;
+
+/// Default share of the largest change of B by recoil that its error may have. The permeability of a magnet is
+/// known to 0.01 at best, for 1.05 a fifth of the change.
+const RECOIL_ERROR: f64 = 0.2;
+
+/// The material of the tiles. The default is a magnet whose polarization no field changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// The relative recoil permeability of tiles that have none of their own.
+    pub permeability: Permeability,
+    /// Largest error of what recoil changes in B, as a share of its largest change.
+    pub recoil_error: f64,
+    /// mu0 times the magnitude of H at the knee of the demagnetization curve, in tesla. `None` if it is not
+    /// stated.
+    pub knee_field_t: Option<f64>,
+    /// Relative change of the strength of all tiles per kelvin. `None` if it is not stated.
+    pub strength_per_k: Option<f64>,
+}
+
+impl Default for Material {
+    fn default() -> Material {
+        Material {
+            permeability: Permeability::RIGID,
+            recoil_error: RECOIL_ERROR,
+            knee_field_t: None,
+            strength_per_k: None,
+        }
+    }
+}
+
+impl Layout {
+    /// The recoil permeability of each tile: its own, or that of the material.
+    pub fn permeabilities(&self) -> Vec<Permeability> {
+        self.tiles.iter().map(|named| named.permeability.unwrap_or(self.material.permeability)).collect()
+    }
+
+    /// Whether the field changes the polarization of any tile.
+    pub fn has_recoil(&self) -> bool {
+        self.permeabilities().iter().any(|permeability| !permeability.is_rigid())
+    }
+}
