@@ -62,6 +62,17 @@ impl Scene {
         Scene { tree: LazyTree::new(&direct, Accuracy::Exact), accuracy: Accuracy::Exact, direct }
     }
 
+    /// Prepares the cells that tiles are divided into. Indices of tiles in errors are those of `owners`, which
+    /// holds one for each cell.
+    ///
+    /// # Panics
+    /// If there is not one owner for each cell.
+    pub fn of_cells(cells: &[Tile], owners: &[usize]) -> Scene {
+        assert_eq!(cells.len(), owners.len(), "one owner for each cell");
+        let direct = DirectSum::new(cells, Level::new()).with_owners(owners.into());
+        Scene { tree: LazyTree::new(&direct, Accuracy::Exact), accuracy: Accuracy::Exact, direct }
+    }
+
     /// Number of tiles.
     pub fn tile_count(&self) -> usize {
         self.direct.tiles().len()
@@ -276,5 +287,22 @@ fn in_unit_of(quantity: Quantity, gradient: DMat3) -> DMat3 {
         Quantity::FluxDensity => gradient,
         Quantity::FieldStrength => gradient / MU_0,
         Quantity::Polarization => gradient * 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_in_cells_name_their_tiles() {
+        let cell = |x: f64| Tile::new(DVec3::new(x, 0.0, 0.0), DVec3::ONE, DVec3::Z).unwrap();
+        let cells = [cell(0.0), cell(1.0), cell(3.0)];
+        let scene = Scene::of_cells(&cells, &[7, 7, 4]);
+        for (x, tile) in [(1.5, 7), (3.5, 4)] {
+            let point = DVec3::new(x, 0.0, 0.5);
+            assert_eq!(scene.field(Quantity::FluxDensity, point), Err(Cause::Unbounded { tile }));
+            assert_eq!(scene.gradient(Quantity::FluxDensity, point), Err(Cause::Unbounded { tile }));
+        }
     }
 }

@@ -79,6 +79,35 @@ impl FilmForces {
         Ok(FilmForces { count, loads })
     }
 
+    /// The loads of all pairs of tiles that are divided into cells, such as tiles whose polarization follows the
+    /// field. `owners` holds the index of the tile of each cell. Torques are about the centres of the tiles.
+    ///
+    /// # Errors
+    /// As [`FilmForces::new`], with indices of cells in place of those of tiles.
+    ///
+    /// # Panics
+    /// If there is not one owner for each cell, or an owner is not a tile.
+    pub fn of_cells(
+        tiles: &[Tile],
+        cells: &[Tile],
+        owners: &[usize],
+        tolerance: f64,
+        progress: impl Fn() + Sync,
+    ) -> Result<FilmForces, FilmForcesError> {
+        assert_eq!(cells.len(), owners.len(), "one owner for each cell");
+        let of_pairs = FilmForces::new(cells, tolerance, progress)?;
+        let count = tiles.len();
+        let mut loads = vec![Load::ZERO; count * count];
+        for (of, of_owner) in owners.iter().enumerate() {
+            let lever = cells[of].position() - tiles[*of_owner].position();
+            for (by, by_owner) in owners.iter().enumerate().filter(|(_, by_owner)| *by_owner != of_owner) {
+                let Load { force, torque } = of_pairs.by_one(of, by);
+                loads[of_owner * count + by_owner] += Load { force, torque: torque + lever.cross(force) };
+            }
+        }
+        Ok(FilmForces { count, loads })
+    }
+
     /// Number of tiles.
     pub fn tile_count(&self) -> usize {
         self.count
@@ -123,6 +152,31 @@ impl Error for FilmForcesError {
         match self {
             FilmForcesError::Pair { source, .. } => Some(source),
             _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    /// Tiles cut in two have the loads of whole ones.
+    #[test]
+    fn loads_of_cells_add_up_to_those_of_tiles() {
+        let tile = |x: f64, j_t: DVec3| Tile::new(DVec3::new(x, 0.1, 0.0), DVec3::new(2.0, 1.0, 1.0), j_t).unwrap();
+        let tiles = [tile(0.0, DVec3::new(0.3, 0.2, 1.0)), tile(2.0, DVec3::X), tile(4.5, DVec3::Y)];
+        let halves = |tile: &Tile| {
+            [-0.5, 0.5].map(|x| Tile::new(tile.position() + x * DVec3::X, DVec3::ONE, tile.polarization_t()).unwrap())
+        };
+        let cells: Vec<Tile> = tiles.iter().flat_map(halves).collect();
+        let divided = FilmForces::of_cells(&tiles, &cells, &[0, 0, 1, 1, 2, 2], 1e-9, || {}).unwrap();
+        let whole = FilmForces::new(&tiles, 1e-9, || {}).unwrap();
+        assert_eq!(divided.tile_count(), 3);
+        for (divided, whole) in divided.by_all().iter().zip(whole.by_all()) {
+            assert!((divided.force - whole.force).length() <= 1e-13 * whole.force.length(), "{divided:?} {whole:?}");
+            assert!((divided.torque - whole.torque).length() <= 1e-12 * whole.torque.length(), "{divided:?} {whole:?}");
         }
     }
 }

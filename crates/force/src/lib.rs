@@ -5,8 +5,9 @@
 //! * [`LayingOrder`]: an order in which tiles are laid, and the force on each while it is being laid.
 //! * [`LeastHolding`]: the order with the least of these forces, with a bound that none is below.
 //!
-//! The magnetization is rigid: a tile is not magnetized by the field of the others. Tiles of NdFeB have
-//! a recoil permeability of 1.05 or so, which changes forces by a few percent.
+//! The magnetization is as given: a tile is not magnetized by the field of the others. Tiles of NdFeB have a
+//! recoil permeability of 1.05 or so, which changes forces by a few percent. [`FilmForces::of_cells`] takes the
+//! cells of tiles whose polarization follows the field, which `magsplice-recoil` computes.
 //!
 //! # Units
 //! Polarization in tesla. With lengths in metres, forces are in newtons and torques in newton metres; see

@@ -1,7 +1,7 @@
 //! Prepared tiles with the vector instructions: the exact field.
 
 use std::cell::OnceCell;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use fearless_simd::Level;
 use glam::{DMat3, DVec3};
@@ -30,6 +30,8 @@ const POINTS_COMPARED: usize = 64;
 pub(crate) struct DirectSum {
     frames: Frames,
     tiles: Vec<Tile>,
+    /// The index in errors for each tile, if it is not the position of the tile.
+    owners: Option<Arc<[usize]>>,
     /// The box around each tile.
     boxes: Vec<BoundingBox>,
     level: Level,
@@ -43,10 +45,16 @@ impl DirectSum {
         DirectSum {
             frames: Frames::new(tiles),
             tiles: tiles.to_vec(),
+            owners: None,
             boxes: tiles.iter().map(BoundingBox::from_tile).collect(),
             level,
             magnitudes: OnceLock::new(),
         }
+    }
+
+    /// The same tiles with other indices in errors.
+    pub(crate) fn with_owners(self, owners: Arc<[usize]>) -> DirectSum {
+        DirectSum { owners: Some(owners), ..self }
     }
 
     /// The same tiles with other vector instructions.
@@ -332,7 +340,7 @@ impl DirectSum {
         })
     }
 
-    /// Index of a tile whose edge makes the point singular. `blocks` are the edges of merged
+    /// Index in errors of a tile whose edge makes the point singular. `blocks` are the edges of merged
     /// blocks.
     fn tile_with_edge_at(&self, point: DVec3, blocks: &EdgesAtPoint) -> usize {
         let mut edges = EdgesAtPoint::default();
@@ -343,7 +351,8 @@ impl DirectSum {
                 }
             }
         }
-        edges.tile().or(blocks.tile()).expect("the point is singular")
+        let tile = edges.tile().or(blocks.tile()).expect("the point is singular");
+        self.owners.as_ref().map_or(tile, |owners| owners[tile])
     }
 
     fn polarization(&self, point: DVec3) -> Result<DVec3, Cause> {
