@@ -6,6 +6,7 @@ use std::fmt;
 use glam::DVec3;
 use magsplice_decouple::DecouplingError;
 use magsplice_ideal::ComparisonError;
+use magsplice_recoil::RecoilError;
 
 use crate::tolerances::MAX_LISTED;
 
@@ -47,6 +48,8 @@ pub enum DesignError {
     Decoupling(DecouplingError),
     /// The field of a film cannot be compared with the ideal one.
     Comparison(ComparisonError),
+    /// The polarization of tiles with a recoil permeability is not known.
+    Recoil(RecoilError),
     /// B_z vanishes at a point of the design grid.
     Singular,
     /// Numbers of a [`SpliceRequest`](crate::SpliceRequest) are out of range, each given as value
@@ -108,6 +111,7 @@ impl fmt::Display for DesignError {
             }
             DesignError::Decoupling(error) => error.fmt(f),
             DesignError::Comparison(error) => error.fmt(f),
+            DesignError::Recoil(error) => write!(f, "recoil: {error}"),
             DesignError::Singular => f.write_str(
                 "B_z vanishes at a point of the working volume, so its decoupling parameters do not exist: start from \
                  a film nearer to the ideal one, or design for goal = \"field\" first",
@@ -131,6 +135,7 @@ impl Error for DesignError {
         match self {
             DesignError::Decoupling(error) => Some(error),
             DesignError::Comparison(error) => Some(error),
+            DesignError::Recoil(error) => Some(error),
             _ => None,
         }
     }

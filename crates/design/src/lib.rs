@@ -95,6 +95,8 @@ mod pattern;
 mod progress;
 /// Quadratic programs under linear inequalities.
 mod quadratic;
+/// What recoil adds to the field of a film.
+mod recoil;
 /// The film at which the expected square is taken.
 mod robust_film;
 /// Tests of the expected square of errors.

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use magsplice_magnet::Tile;
-use magsplice_tolerance::{EvaluationGrid, Figure, FilmErrors, RealFilm, SampleError, Sampler, Statistics, statistics};
+use magsplice_tolerance::{EvaluationGrid, Figure, FilmErrors, SampleError, Sampler, Statistics, statistics};
 
 use crate::design_problem::DesignProblem;
 use crate::progress::{Progress, ProgressUpdate, SearchStage};
@@ -57,10 +57,13 @@ impl DesignProblem<'_> {
             return Ok(None);
         };
         let volume = EvaluationGrid { grid: self.volume.grid, reference: self.volume.reference_mm };
-        let films = [&self.tiles, found].map(|tiles| RealFilm::new(tiles, tolerance));
         let in_words = |film: usize, reason: String| {
             format!("samples of the film {}: {reason}", ["before the search", "found"][film])
         };
+        let real_film = |film: usize, tiles: &[Tile]| {
+            self.real_film(tiles, tolerance).map_err(|error| in_words(film, error.to_string()))
+        };
+        let films = [real_film(0, &self.tiles)?, real_film(1, found)?];
         let sampler = |film: usize| {
             Sampler::new(&films[film], &volume, &self.ideal, tolerance.seed)
                 .map_err(|error: SampleError| in_words(film, error.to_string()))

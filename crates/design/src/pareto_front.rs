@@ -79,7 +79,8 @@ impl DesignProblem<'_> {
         for &amplitude in &descending {
             let (parts, stock) = (None, Vec::new());
             let brief = Brief { least_amplitude: Some(amplitude), parts, stock, starts: STARTS, ..self.brief.clone() };
-            let problem = DesignProblem::from_brief(self.layout, brief)?;
+            let mut problem = DesignProblem::from_brief(self.layout, brief)?;
+            problem.hold_recoil(&self.tiles)?;
             let mut starts = problem.best_of_starts(&progress)?;
             // With the field as the goal, each amplitude has its own target, so the film before is
             // no start.
@@ -125,7 +126,9 @@ impl DesignProblem<'_> {
             return Ok(Vec::new());
         }
         let mut problem = self.clone();
+        problem.hold_recoil(&self.tiles)?;
         let best = problem.best_of_starts(progress)?.best;
+        let best = problem.settle_recoil(&self.pattern, best, progress)?;
         problem.leave_room_for_rounding();
         // Down to the parts in stock, or to a single part.
         let least = usize::from(self.brief.stock.is_empty());

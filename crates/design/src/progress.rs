@@ -25,6 +25,8 @@ pub struct ProgressUpdate {
 pub enum SearchStage {
     /// Descents from several starts.
     Starts,
+    /// Descents with what recoil adds to the field of the film found.
+    Recoil,
     /// Strengths are replaced by strengths in stock.
     Strengths,
     /// Distinct parts are merged; the value is the number of distinct parts of the film.
@@ -40,6 +42,7 @@ impl SearchStage {
     pub const fn name(self) -> &'static str {
         match self {
             SearchStage::Starts => "searched",
+            SearchStage::Recoil => "with recoil",
             SearchStage::Strengths => "strengths of the stock",
             SearchStage::Parts(_) => "fewer parts",
             SearchStage::Rounding => "rounded",

@@ -23,6 +23,8 @@ pub(crate) struct Sampling {
     /// For each point of the grid, the index of a computed point and the operation that maps it
     /// there.
     images: Vec<(usize, SymmetryOperation)>,
+    /// What recoil adds to B at the computed points, in tesla; zero without recoil.
+    pub(crate) recoil_t: Vec<DVec3>,
     operations: Vec<SymmetryOperation>,
 }
 
@@ -58,7 +60,8 @@ impl Sampling {
             })
             .collect();
         computed.push(reference);
-        Sampling { grid, reference, computed, images, operations }
+        let recoil_t = vec![DVec3::ZERO; computed.len()];
+        Sampling { grid, reference, computed, images, recoil_t, operations }
     }
 
     pub(crate) fn computed(&self) -> &[DVec3] {
@@ -124,7 +127,7 @@ impl Sampling {
     /// tile, or a side of a tile is not positive.
     pub(crate) fn field(&self, pattern: &Pattern, variables: &[f64], with_derivatives: bool) -> Option<SampledField> {
         let variable_count = if with_derivatives { variables.len() } else { 0 };
-        let mut flux_density_t = vec![DVec3::ZERO; self.computed.len()];
+        let mut flux_density_t = self.recoil_t.clone();
         let mut derivatives = vec![DVec3::ZERO; self.computed.len() * variable_count];
         for variable_tile in &pattern.tiles {
             let tile = variable_tile.tile(variables)?;

@@ -32,9 +32,11 @@ impl DesignProblem<'_> {
     /// If no film keeps the rules, or the film to start from has no field or no decoupling
     /// parameters.
     pub fn search(&self, progress: Progress) -> Result<SearchResult, DesignError> {
-        self.metrics(&self.tiles)?;
-        let best = self.best_of_starts(progress)?;
-        self.finished(best, progress)
+        self.metrics(&self.cells(&self.tiles)?)?;
+        let mut problem = self.clone();
+        problem.hold_recoil(&self.tiles)?;
+        let best = problem.best_of_starts(progress)?;
+        problem.finished(best, progress)
     }
 
     /// The stages after the starts.
@@ -42,18 +44,24 @@ impl DesignProblem<'_> {
         let BestOfStarts { best, agreeing, interrupted } = best;
         let stop = AtomicBool::new(interrupted);
         let progress = latched(progress, &stop);
-        let mut stages = vec![self.stage_metrics(SearchStage::Starts, &self.pattern, &best)?];
-        let (mut pattern, mut candidate) = (self.pattern.clone(), best);
-        if !self.brief.stock_strengths_t.is_empty() {
-            (pattern, candidate) = fix_to_stock(self, pattern, candidate, &progress);
-            stages.push(self.stage_metrics(SearchStage::Strengths, &pattern, &candidate)?);
-        }
         let mut problem = self.clone();
+        let mut stages = vec![problem.stage_metrics(SearchStage::Starts, &self.pattern, &best)?];
+        let (mut pattern, mut candidate) = (self.pattern.clone(), best);
+        if self.layout.has_recoil() {
+            candidate = problem.settle_recoil(&pattern, candidate, &progress)?;
+            stages.push(problem.stage_metrics(SearchStage::Recoil, &pattern, &candidate)?);
+        }
+        if !self.brief.stock_strengths_t.is_empty() {
+            (pattern, candidate) = fix_to_stock(&problem, pattern, candidate, &progress);
+            stages.push(self.stage_metrics(SearchStage::Strengths, &pattern, &candidate)?);
+            candidate = problem.settle_recoil(&pattern, candidate, &progress)?;
+        }
         if self.brief.parts.is_some() || !self.brief.stock.is_empty() {
             problem.leave_room_for_rounding();
             let film = parts::fewest(&problem, &pattern, &candidate, &progress).ok_or_else(DesignError::no_parts)?;
             stages.push(self.stage_metrics(SearchStage::Parts(film.part_count()), &film.pattern, &film.candidate)?);
             (pattern, candidate) = (film.pattern, film.candidate);
+            candidate = problem.settle_recoil(&pattern, candidate, &progress)?;
         }
         problem.rounded(&pattern, candidate, stages, agreeing, &progress, &stop)
     }
@@ -74,7 +82,7 @@ impl DesignProblem<'_> {
         progress: Progress,
         stop: &AtomicBool,
     ) -> Result<SearchResult, DesignError> {
-        let before = self.metrics(&self.tiles)?;
+        let before = self.metrics(&self.cells(&self.tiles)?)?;
         let (layout, least, wanted) = (self.layout, self.brief.least_amplitude, self.brief.parts);
         let sampled_by = self.clone();
         let (tiles, [after, finer]) = self.rounded_with_amplitude(pattern, candidate, progress)?;
@@ -116,7 +124,8 @@ impl DesignProblem<'_> {
             }
             let metrics =
                 |metrics: Result<Metrics, DesignError>| metrics.map_err(|error| self.too_coarse(error.to_string()));
-            let metrics = [metrics(self.metrics(&tiles))?, metrics(self.finer_metrics(&tiles))?];
+            let cells = self.cells(&tiles)?;
+            let metrics = [metrics(self.metrics(&cells))?, metrics(self.finer_metrics(&cells))?];
             let short = self.brief.least_amplitude.map_or(0.0, |least| least - smaller_amplitude(&metrics));
             let update = ProgressUpdate {
                 stage: SearchStage::Rounding,
@@ -205,7 +214,7 @@ impl DesignProblem<'_> {
         candidate: &Candidate,
     ) -> Result<StageMetrics, DesignError> {
         let tiles = pattern.all_tiles(&candidate.variables).ok_or(DesignError::NoField)?;
-        let uniformity_rmse: PerParameter = self.metrics(&tiles)?.uniformity_rmse;
+        let uniformity_rmse: PerParameter = self.metrics(&self.cells(&tiles)?)?.uniformity_rmse;
         Ok(StageMetrics { stage, uniformity_rmse })
     }
 }

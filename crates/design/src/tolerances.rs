@@ -81,6 +81,16 @@ pub(crate) const ROUNDINGS: usize = 4;
 /// Maximum number of times a rounded film whose amplitude is short is designed for more.
 pub(crate) const ROUNDS_OF_AMPLITUDE: usize = 4;
 
+/// Level of division of tiles with a recoil permeability, the least at which an error is known.
+pub(crate) const RECOIL_LEVEL: usize = 3;
+
+/// Largest change of what recoil adds to the field, relative to the field, at which it stays. Films are
+/// designed to errors of 1e-5 of the field.
+pub(crate) const RECOIL_STAYS: f64 = 1e-7;
+
+/// Most rounds until it stays. Each is nearer by about the susceptibility, 0.05 to 0.2.
+pub(crate) const ROUNDS_OF_RECOIL: usize = 8;
+
 /// With more parts than this, pairs to be merged are chosen by their sizes alone; with fewer, each
 /// pair is tried.
 pub(crate) const PARTS_TRIED: usize = 12;

@@ -7,7 +7,7 @@ use magsplice::prelude::*;
 fn main() -> Result<(), Box<dyn Error>> {
     // `Layout::read` takes a path instead.
     let layout = Layout::parse(include_str!("film.toml"), "film.toml")?;
-    let film = Film::new(&layout);
+    let film = Film::new(&layout)?;
     println!("{}: {} tiles", layout.name, layout.tiles.len());
 
     // B on the grid of the working volume.

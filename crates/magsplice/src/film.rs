@@ -10,9 +10,11 @@ use magsplice_field::Scene;
 use magsplice_ideal::{Comparison, ComparisonError, IdealFilm};
 use magsplice_layout::{Layout, WorkingVolume};
 use magsplice_magnet::{Accuracy, Cause, Grid, PointError, PointErrors, Quantity};
+use magsplice_recoil::{RecoilError, RefinementError};
 use magsplice_sensor::{SensedField, SensedFieldError};
 use magsplice_tolerance::{EvaluationGrid, RealFilm, SampleError};
 
+use crate::film_recoil::FilmRecoil;
 use crate::stage::Stage;
 
 /// Least and largest number of points evaluated between progress callbacks. The least gives work to
@@ -46,15 +48,22 @@ const STRETCH_VALUES: usize = 1 << 24;
 ///     mirror = { axes = ["x", "y"] }
 /// "#;
 /// let layout = Layout::parse(text, "example")?;
-/// let film = Film::new(&layout);
+/// let film = Film::new(&layout)?;
 /// let field_t = film.volume_field_t()?;
 /// assert!(film.compare(&field_t)?.amplitude > 0.5);
 /// assert!(film.decouple(&field_t)?.uniformity_rmse.r_x < 0.2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// # Recoil
+/// Tiles with a recoil permeability above 1 are divided into cells whose polarization agrees with the field
+/// of all of them. The division is refined until B is known to the stated share of what recoil changes in it,
+/// `recoil_error` of `[material]`, at points of the working volume, or around the tiles of a layout without
+/// one. [`Film::recoil`] tells what was found.
 pub struct Film<'a> {
     layout: &'a Layout,
     scene: Scene,
+    recoil: Option<FilmRecoil>,
     progress: Option<&'a (dyn Fn(Stage) + Sync)>,
 }
 
@@ -93,24 +102,53 @@ pub enum FilmError {
     Sensor(SensedFieldError),
     /// Steps of an experiment in millimetres that are not above 0, or too small for the working volume.
     ExperimentStep(DVec3),
+    /// The polarization of tiles with a recoil permeability is not known.
+    Recoil {
+        /// Why.
+        error: RefinementError,
+        /// Names of the tiles that the error is about.
+        tiles: Vec<String>,
+    },
     /// This number of samples cannot break any bound of the percentile with the confidence stated.
     TooFewSamples(usize),
 }
 
 impl<'a> Film<'a> {
     /// Prepares the tiles of a layout for evaluation.
-    pub fn new(layout: &'a Layout) -> Film<'a> {
-        Film { layout, scene: Scene::new(&layout.bare_tiles()), progress: None }
+    ///
+    /// # Errors
+    /// [`FilmError::Recoil`] if tiles have a recoil permeability and their polarization is not known to the
+    /// stated error.
+    pub fn new(layout: &'a Layout) -> Result<Film<'a>, FilmError> {
+        Film::prepared(layout, None)
+    }
+
+    /// Prepares the tiles of a layout, and calls `progress` between parts of this and all later work. The
+    /// callback must be short.
+    ///
+    /// # Errors
+    /// As [`Film::new`].
+    pub fn with_progress(layout: &'a Layout, progress: &'a (dyn Fn(Stage) + Sync)) -> Result<Film<'a>, FilmError> {
+        Film::prepared(layout, Some(progress))
+    }
+
+    fn prepared(layout: &'a Layout, progress: Option<&'a (dyn Fn(Stage) + Sync)>) -> Result<Film<'a>, FilmError> {
+        let recoil = FilmRecoil::new(layout, progress.unwrap_or(&|_| {}))?;
+        let scene = match &recoil {
+            Some(recoil) => Scene::of_cells(recoil.magnetization().cells(), recoil.magnetization().owners()),
+            None => Scene::new(&layout.bare_tiles()),
+        };
+        Ok(Film { layout, scene, recoil, progress })
+    }
+
+    /// The film whose tiles keep the polarization of the layout, whatever their recoil permeability.
+    pub fn rigid(layout: &'a Layout) -> Film<'a> {
+        Film { layout, scene: Scene::new(&layout.bare_tiles()), recoil: None, progress: None }
     }
 
     /// The same film, whose fields of the working volume have this accuracy. A new film is exact.
     pub fn with_accuracy(self, accuracy: Accuracy) -> Film<'a> {
         Film { scene: self.scene.with_accuracy(accuracy), ..self }
-    }
-
-    /// The same film, which calls `progress` between parts of its work. The callback must be short.
-    pub fn with_progress(self, progress: &'a (dyn Fn(Stage) + Sync)) -> Film<'a> {
-        Film { progress: Some(progress), ..self }
     }
 
     /// Calls the progress callback, if there is one.
@@ -125,7 +163,12 @@ impl<'a> Film<'a> {
         self.layout
     }
 
-    /// The prepared tiles.
+    /// The polarization of tiles with a recoil permeability. `None` if no tile of the layout has one.
+    pub fn recoil(&self) -> Option<&FilmRecoil> {
+        self.recoil.as_ref()
+    }
+
+    /// The prepared tiles, or their cells if they have a recoil permeability.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -148,11 +191,18 @@ impl<'a> Film<'a> {
 
     /// The film with the errors of those that are made from the layout.
     ///
+    /// Tiles with a recoil permeability have the mean polarization of their cells, to which the errors are
+    /// added. What the means leave out is the same in all films. How the errors of one tile change the
+    /// polarization of the others is neglected: it is of the order of the susceptibility times the errors.
+    ///
     /// # Errors
     /// If the layout states no errors.
     pub fn real_film(&self) -> Result<RealFilm, FilmError> {
         let tolerance = self.layout.tolerance.as_ref().ok_or(FilmError::Missing("tolerance"))?;
-        Ok(RealFilm::new(&self.layout.bare_tiles(), tolerance))
+        let Some(recoil) = &self.recoil else { return Ok(RealFilm::new(&self.layout.bare_tiles(), tolerance)) };
+        let solution = recoil.magnetization();
+        let remainder = Scene::new(&solution.deviations());
+        Ok(RealFilm::new(&solution.mean_tiles(), tolerance).with_remainder(remainder))
     }
 
     /// What the sensor of the layout reads of the film when it moves in the volume that a grid spans. Without
@@ -298,6 +348,44 @@ impl<'a> Film<'a> {
     }
 }
 
+impl FilmError {
+    /// The failure of a refinement, with the names of the tiles that it is about.
+    pub fn from_recoil(error: RefinementError, layout: &Layout) -> FilmError {
+        let indices = match &error {
+            RefinementError::Recoil(RecoilError::Overlap { first, second }) => vec![*first, *second],
+            RefinementError::Recoil(RecoilError::Cell { tile, .. }) => vec![*tile],
+            RefinementError::Recoil(RecoilError::Turned { receiver, source_tile, .. }) => vec![*receiver, *source_tile],
+            _ => Vec::new(),
+        };
+        let tiles = indices.into_iter().map(|index| layout.tiles[index].name.clone()).collect();
+        FilmError::Recoil { error, tiles }
+    }
+}
+
+/// A failure of a refinement in the words of a layout.
+fn recoil_words(error: &RefinementError, tiles: &[String], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    match (error, tiles) {
+        (RefinementError::Recoil(RecoilError::Overlap { .. }), [first, second]) => write!(
+            f,
+            "tiles \"{first}\" and \"{second}\" overlap, and tiles with a recoil permeability must not: move one, or \
+             remove recoil_permeability"
+        ),
+        (RefinementError::Recoil(RecoilError::Cell { source, .. }), [tile]) => {
+            write!(f, "tile \"{tile}\" cannot be divided into cells: {source}")
+        }
+        (RefinementError::Recoil(RecoilError::Turned { source, .. }), [first, second]) => {
+            write!(f, "tiles \"{first}\" and \"{second}\": {source}")
+        }
+        (RefinementError::NotConverged { tolerance, reached, most_cells, needed_cells, .. }, _) => write!(
+            f,
+            "what recoil changes in B is known to {:.1} of the stated error with at most {most_cells} cells, and the next \
+             level has {needed_cells}: raise recoil_error in [material]",
+            reached / tolerance
+        ),
+        (error, _) => write!(f, "{error}"),
+    }
+}
+
 impl fmt::Display for FilmError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -316,6 +404,7 @@ impl fmt::Display for FilmError {
             FilmError::NoTiles => f.write_str("there are no tiles"),
             FilmError::Sample { sample, error } => write!(f, "sample {sample} of [tolerance]: {error}"),
             FilmError::Sensor(error) => error.fmt(f),
+            FilmError::Recoil { error, tiles } => recoil_words(error, tiles, f),
             FilmError::ExperimentStep(step) => write!(
                 f,
                 "steps of ({}, {}, {}) mm: each must be above 0 and make at most 100000 steps in the working volume",
@@ -345,6 +434,7 @@ impl Error for FilmError {
             FilmError::PointsMismatch(error) => Some(error),
             FilmError::Sample { error, .. } => Some(error),
             FilmError::Sensor(error) => Some(error),
+            FilmError::Recoil { error, .. } => Some(error),
             FilmError::Missing(_)
             | FilmError::NotBelow(_)
             | FilmError::NoBaseline
@@ -377,7 +467,7 @@ mod tests {
 
     /// The field from the film, and from its scene for all points at once.
     fn both(layout: &Layout, accuracy: Accuracy) -> [Result<Vec<DVec3>, FilmError>; 2] {
-        let film = Film::new(layout).with_accuracy(accuracy);
+        let film = Film::new(layout).unwrap().with_accuracy(accuracy);
         let grid = &film.volume().unwrap().grid;
         let mut field = vec![DVec3::ZERO; grid.len()];
         let at_once = film.scene().field_on_grid_into(Quantity::FluxDensity, grid, &mut field);
@@ -405,7 +495,7 @@ mod tests {
         let layout = layout(-6.0);
         let told = Mutex::new(Vec::new());
         let progress = |stage: Stage| told.lock().unwrap().push(stage);
-        let film = Film::new(&layout).with_progress(&progress);
+        let film = Film::with_progress(&layout, &progress).unwrap();
         film.volume_field_t().unwrap();
         let stage = |done| Stage { name: "field", done, of: Some(132_651), unit: "points" };
         assert_eq!(*told.lock().unwrap(), [stage(0), stage(65_536), stage(131_072)]);

@@ -6,6 +6,7 @@
 //! * [`ideal`]: the ideal film, and the comparison of two fields.
 //! * [`field`]: the field of tiles, exact or to a tolerance.
 //! * [`force`]: force and torque of tiles on each other, and the order in which to lay them.
+//! * [`recoil`]: tiles that weaken and turn each other.
 //! * [`decouple`]: decoupling parameters and their errors.
 //! * [`sensor`]: positions of a sensor from what it reads.
 //! * [`layout`]: layout files.
@@ -55,6 +56,9 @@ mod experiments;
 /// A layout evaluated step by step.
 #[cfg(feature = "layout")]
 mod film;
+/// The polarization of films with a recoil permeability.
+#[cfg(feature = "layout")]
+mod film_recoil;
 /// Progress of an evaluation.
 #[cfg(feature = "layout")]
 mod stage;
@@ -63,6 +67,8 @@ mod stage;
 pub use experiments::EXPERIMENT_STEP_MM;
 #[cfg(feature = "layout")]
 pub use film::{Film, FilmError};
+#[cfg(feature = "layout")]
+pub use film_recoil::{FilmRecoil, RecoilEstimate, RecoilFigures};
 pub use magsplice_decouple as decouple;
 #[cfg(feature = "design")]
 pub use magsplice_design as design;
@@ -76,6 +82,7 @@ pub use magsplice_layout as layout;
 pub use magsplice_magnet as magnet;
 #[cfg(feature = "layout")]
 pub use magsplice_making as making;
+pub use magsplice_recoil as recoil;
 pub use magsplice_sensor as sensor;
 #[cfg(feature = "layout")]
 pub use magsplice_tolerance as tolerance;

@@ -1,6 +1,7 @@
 //! Samples of the films that are made from a layout.
 
 use glam::{DQuat, DVec3};
+use magsplice_field::Scene;
 use magsplice_layout::{ErrorGroup, FilmTolerance, TileErrors};
 use magsplice_magnet::{BoundingBox, Tile, TileFaults};
 
@@ -29,6 +30,8 @@ pub struct RealFilm {
     tolerance: FilmTolerance,
     /// The point about which the film turns as a whole.
     centre_mm: DVec3,
+    /// Field of the film beside that of its tiles.
+    remainder: Option<Scene>,
 }
 
 impl RealFilm {
@@ -48,7 +51,23 @@ impl RealFilm {
         };
         let ends: Vec<DVec3> = tiles.iter().flat_map(ends).collect();
         let centre_mm = if ends.is_empty() { DVec3::ZERO } else { BoundingBox::from_points(&ends).centre() };
-        RealFilm { tiles: tiles.to_vec(), tolerance: tolerance.clone(), centre_mm }
+        RealFilm { tiles: tiles.to_vec(), tolerance: tolerance.clone(), centre_mm, remainder: None }
+    }
+
+    /// The same film with a field beside that of its tiles, which moves with the film and which errors of
+    /// tiles do not change: of magnets with a recoil permeability what the mean polarizations of the tiles
+    /// leave out.
+    pub fn with_remainder(self, remainder: Scene) -> RealFilm {
+        RealFilm { remainder: Some(remainder), ..self }
+    }
+
+    /// The same film without errors.
+    pub fn without_errors(self) -> RealFilm {
+        RealFilm { tolerance: FilmTolerance::default(), ..self }
+    }
+
+    pub(crate) fn remainder(&self) -> Option<&Scene> {
+        self.remainder.as_ref()
     }
 
     /// The tiles without errors.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use magsplice_field::Scene;
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Quantity, Tile};
@@ -24,6 +24,9 @@ pub struct Sampler<'a> {
     points: Vec<DVec3>,
     /// The field of the neighbour at each of them.
     neighbour_t: Vec<DVec3>,
+    /// The field of the film beside that of its tiles, and its gradient, at each of them; empty if there is
+    /// none.
+    remainder_t: Vec<(DVec3, DMat3)>,
 }
 
 impl<'a> Sampler<'a> {
@@ -42,7 +45,14 @@ impl<'a> Sampler<'a> {
             Some(neighbour) => exact_field_t(&Scene::new(&neighbour.tiles), &points)?,
             None => vec![DVec3::ZERO; points.len()],
         };
-        Ok(Sampler { film, volume: *volume, ideal, seed, points, neighbour_t })
+        let remainder_t = match film.remainder() {
+            Some(scene) => {
+                let gradients = scene.gradient_at(Quantity::FluxDensity, &points).map_err(SampleError::Field)?;
+                exact_field_t(scene, &points)?.into_iter().zip(gradients).collect()
+            }
+            None => Vec::new(),
+        };
+        Ok(Sampler { film, volume: *volume, ideal, seed, points, neighbour_t, remainder_t })
     }
 
     /// The errors of sample number `sample`, which depend on the seed and on this number alone.
@@ -79,6 +89,10 @@ impl<'a> Sampler<'a> {
         let surroundings = self.film.draw_surroundings(draws);
         let in_film: Vec<DVec3> = self.points.iter().map(|point| surroundings.in_film(*point)).collect();
         let mut read_t = exact_field_t(&Scene::new(tiles), &in_film)?;
+        // The remainder is small, and moves by less than it varies.
+        for (reading, (b_t, gradient)) in self.remainder_t.iter().enumerate() {
+            read_t[reading] += *b_t + *gradient * (in_film[reading] - self.points[reading]);
+        }
         let noise = &self.film.tolerance().common.sensor.noise_t;
         let noisy = noise.iter().any(|noise| !noise.is_none());
         let last = read_t.len() - 1;
@@ -94,6 +108,15 @@ impl<'a> Sampler<'a> {
     /// The points of the grid, then the reference point.
     pub(crate) fn points(&self) -> &[DVec3] {
         &self.points
+    }
+
+    /// The field of the film without errors at each point.
+    pub(crate) fn film_t(&self) -> Result<Vec<DVec3>, SampleError> {
+        let mut film_t = exact_field_t(&Scene::new(self.film.tiles()), &self.points)?;
+        for (b_t, (remainder_t, _)) in film_t.iter_mut().zip(&self.remainder_t) {
+            *b_t += *remainder_t;
+        }
+        Ok(film_t)
     }
 
     /// The field of the neighbour at each point.

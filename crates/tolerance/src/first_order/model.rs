@@ -1,7 +1,6 @@
 //! The model: residuals and sensitivities.
 
 use glam::DVec3;
-use magsplice_field::Scene;
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::TileErrors;
 
@@ -12,7 +11,7 @@ use super::sources::{ErrorSource, Moments, sources};
 use super::tile_response::TileResponse;
 use crate::film_errors::{EvaluationGrid, Figure, SampleError};
 use crate::real_film::RealFilm;
-use crate::sampler::{Sampler, exact_field_t};
+use crate::sampler::Sampler;
 
 /// Most bytes of sensitivities. A film of 800 tiles with all errors has 93 MB at 405 points.
 const LARGEST_BYTES: usize = 1 << 31;
@@ -118,7 +117,7 @@ impl FirstOrder {
             return Err(SampleError::TooLarge { bytes });
         }
         let figures = Figures::new(&volume.grid, ideal)?;
-        let film_t = exact_field_t(&Scene::new(film.tiles()), points)?;
+        let film_t = sampler.film_t()?;
         let nominal_mm = displacement_errors_mm(points, &film_t, ideal)?;
         let mut read_t: Vec<DVec3> =
             film_t.iter().zip(sampler.neighbour_t()).map(|(film, other)| film + other).collect();

@@ -1,0 +1,108 @@
+//! What recoil adds to the field of a film in a search.
+//!
+//! B with recoil is B of the polarizations J_r plus that of what the field adds to them. A descent holds
+//! the second part constant. It is then computed anew for the film found, until it stays: it changes by
+//! the susceptibility times the change of the film, so that each round is nearer by about this factor.
+
+use std::ops::ControlFlow;
+
+use glam::DVec3;
+use magsplice_field::Scene;
+use magsplice_layout::FilmTolerance;
+use magsplice_magnet::{Quantity, Tile};
+use magsplice_recoil::{Magnetization, RecoilTile};
+use magsplice_tolerance::RealFilm;
+
+use crate::descent::Candidate;
+use crate::design_problem::DesignProblem;
+use crate::error::DesignError;
+use crate::pattern::Pattern;
+use crate::progress::{Progress, ProgressUpdate, SearchStage};
+use crate::tolerances::{MOST_STEPS, RECOIL_LEVEL, RECOIL_STAYS, ROUNDS_OF_RECOIL};
+
+impl DesignProblem<'_> {
+    /// The cells of a film with the polarization that agrees with their field; without recoil the tiles.
+    ///
+    /// # Errors
+    /// If the polarization is not known.
+    pub(crate) fn cells(&self, tiles: &[Tile]) -> Result<Vec<Tile>, DesignError> {
+        Ok(self.magnetization(tiles)?.map_or_else(|| tiles.to_vec(), |solution| solution.cells().to_vec()))
+    }
+
+    /// A film with its errors, whose tiles have the mean polarizations of their cells.
+    ///
+    /// # Errors
+    /// If the polarization is not known.
+    pub(crate) fn real_film(&self, tiles: &[Tile], tolerance: &FilmTolerance) -> Result<RealFilm, DesignError> {
+        Ok(match self.magnetization(tiles)? {
+            None => RealFilm::new(tiles, tolerance),
+            Some(solution) => {
+                RealFilm::new(&solution.mean_tiles(), tolerance).with_remainder(Scene::new(&solution.deviations()))
+            }
+        })
+    }
+
+    /// The polarization of a film; `None` without recoil.
+    fn magnetization(&self, tiles: &[Tile]) -> Result<Option<Magnetization>, DesignError> {
+        if !self.layout.has_recoil() {
+            return Ok(None);
+        }
+        let tiles: Vec<RecoilTile> = tiles
+            .iter()
+            .zip(self.layout.permeabilities())
+            .map(|(tile, permeability)| RecoilTile { tile: *tile, permeability })
+            .collect();
+        Magnetization::solve(&tiles, RECOIL_LEVEL, || {}).map(Some).map_err(DesignError::Recoil)
+    }
+
+    /// Holds what recoil adds to the field of this film. Returns the largest change of what was held, relative
+    /// to the largest field.
+    ///
+    /// # Errors
+    /// If the polarization or the field is not known.
+    pub(crate) fn hold_recoil(&mut self, tiles: &[Tile]) -> Result<f64, DesignError> {
+        if !self.layout.has_recoil() {
+            return Ok(0.0);
+        }
+        let points = self.least_squares.sampling.computed().to_vec();
+        let field_t = |tiles: &[Tile]| {
+            Scene::new(tiles).field_at(Quantity::FluxDensity, &points).map_err(|_| DesignError::NoField)
+        };
+        let (rigid_t, with_t) = (field_t(tiles)?, field_t(&self.cells(tiles)?)?);
+        let added_t: Vec<DVec3> = with_t.iter().zip(&rigid_t).map(|(with, rigid)| *with - *rigid).collect();
+        let held_t = &mut self.least_squares.sampling.recoil_t;
+        let largest = |vectors: &mut dyn Iterator<Item = DVec3>| vectors.map(DVec3::length).fold(0.0, f64::max);
+        let change_t = largest(&mut added_t.iter().zip(held_t.iter()).map(|(new, old)| *new - *old));
+        *held_t = added_t;
+        Ok(change_t / largest(&mut with_t.into_iter()))
+    }
+
+    /// Descends until what recoil adds to the field is that of the film found.
+    ///
+    /// # Errors
+    /// If the polarization or the field is not known.
+    pub(crate) fn settle_recoil(
+        &mut self,
+        pattern: &Pattern,
+        mut candidate: Candidate,
+        progress: Progress,
+    ) -> Result<Candidate, DesignError> {
+        if !self.layout.has_recoil() {
+            return Ok(candidate);
+        }
+        for done in 0..ROUNDS_OF_RECOIL {
+            let best = Some(candidate.root_mean_square());
+            let update = ProgressUpdate { stage: SearchStage::Recoil, done, of: ROUNDS_OF_RECOIL, best };
+            let tiles = pattern.all_tiles(&candidate.variables).ok_or(DesignError::NoField)?;
+            if self.hold_recoil(&tiles)? <= RECOIL_STAYS || progress(update).is_break() {
+                break;
+            }
+            let go_on = &mut |_: &Candidate| -> ControlFlow<()> { progress(update) };
+            candidate = self
+                .least_squares
+                .descend(pattern, candidate.variables, MOST_STEPS, go_on)
+                .ok_or(DesignError::Singular)?;
+        }
+        self.least_squares.candidate_at(pattern, candidate.variables).ok_or(DesignError::Singular)
+    }
+}

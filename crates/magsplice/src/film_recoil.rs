@@ -1,0 +1,283 @@
+//! The polarization of films whose tiles have a recoil permeability, and what it changes.
+
+use glam::DVec3;
+use magsplice_decouple::{Decoupling, PerParameter};
+use magsplice_field::Scene;
+use magsplice_ideal::{Comparison, IdealFilm};
+use magsplice_layout::{Layout, WorkingVolume};
+use magsplice_magnet::{BoundingBox, Grid, Permeability, Quantity, Tile};
+use magsplice_recoil::tolerances::MAX_CELLS;
+use magsplice_recoil::{
+    DemagnetizedCell, Magnetization, RecoilTile, RefinementError, RefinementSettings, TileChange, refine,
+};
+
+use crate::film::FilmError;
+use crate::stage::Stage;
+
+/// Most points of a working volume at which the effect of recoil is evaluated. They take a tenth of the time
+/// that the polarization of a film of 56 tiles takes.
+const MOST_POINTS: usize = 2_000;
+
+/// Most points along each axis of a volume that has more. Fields below a film are smooth: 9 points along an
+/// axis find the largest change to a percent.
+const MOST_POINTS_ALONG: usize = 9;
+
+/// Distance of the points around the tiles of a layout without a working volume, in shortest sides of the
+/// box around all tiles.
+const POINTS_OUTSIDE: f64 = 1.0;
+
+/// Share of the stated error that the extrapolated values of a refinement may have. The field is that of the
+/// cells, which differs from them by at most a third of their error.
+const TOLERANCE_MARGIN: f64 = 0.75;
+
+/// Most tiles for which [`RecoilEstimate::new`] gives an estimate: the time grows with the square of the
+/// number of tiles, and this many take a second.
+const MOST_ESTIMATED_TILES: usize = 1_000;
+
+/// The polarization of a film that agrees with its own field, and the errors of what it changes.
+#[derive(Clone, Debug)]
+pub struct FilmRecoil {
+    magnetization: Magnetization,
+    level: usize,
+    /// Largest change of B in tesla.
+    change_t: f64,
+    /// Largest error of B in tesla.
+    error_t: f64,
+    /// Figures without recoil and with it, and their errors. `None` if the layout has no ideal film or no
+    /// working volume, or the figures do not exist.
+    figures: Option<[RecoilFigures; 3]>,
+}
+
+/// Figures of a film over its working volume; over few points of it, if it has more than 2000.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RecoilFigures {
+    /// Best-fit amplitude against the ideal film.
+    pub amplitude: f64,
+    /// Uniformity RMSE of R_x, R_y and S_z.
+    pub uniformity_rmse: PerParameter,
+    /// RMSE of the displacement against the ideal film along x, y, z, in millimetres.
+    pub displacement_rmse_mm: DVec3,
+}
+
+/// What recoil changes in the figures of a film, to first order and with one cell for each tile.
+///
+/// # Accuracy
+/// The change of the amplitude is right to tens of percent. Where the fields of the tiles of a designed film
+/// cancel, the change of an error of the film may be wrong by a factor. [`crate::Film`] computes it with a
+/// stated error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RecoilEstimate {
+    /// The permeability of all tiles. `None` for those that the layout states.
+    pub permeability: Option<f64>,
+    /// Figures without recoil.
+    pub rigid: RecoilFigures,
+    /// Figures with it.
+    pub recoil: RecoilFigures,
+}
+
+impl FilmRecoil {
+    /// Solves for the polarization of a layout. `None` if its tiles have no recoil.
+    pub(crate) fn new(layout: &Layout, progress: &(dyn Fn(Stage) + Sync)) -> Result<Option<FilmRecoil>, FilmError> {
+        if !layout.has_recoil() {
+            return Ok(None);
+        }
+        let tiles = recoil_tiles(layout, None);
+        let failed = |error| FilmError::from_recoil(error, layout);
+        let points = points(layout);
+        let figures = FigureGrid::new(layout);
+        let quantity = |cells: &[Tile]| {
+            let scene = Scene::new(cells);
+            let field_t = scene.field_at(Quantity::FluxDensity, &points);
+            let mut values = field_t
+                .map_or(vec![f64::NAN; 3 * points.len()], |field_t| field_t.iter().flat_map(DVec3::to_array).collect());
+            values.extend(
+                figures.iter().flat_map(|grid| {
+                    grid.figures(&scene).map_or([f64::NAN; RecoilFigures::COUNT], RecoilFigures::values)
+                }),
+            );
+            values
+        };
+        progress(Stage::uncounted("what recoil changes, to first order"));
+        let of_field = 3 * points.len();
+        let bare = layout.bare_tiles();
+        let rigid = quantity(&bare);
+        let first_order =
+            Magnetization::first_order(&tiles, 1, || {}).map_err(|error| failed(RefinementError::Recoil(error)))?;
+        let change_t = largest_vector(&differences(&quantity(first_order.cells())[..of_field], &rigid[..of_field]));
+        let mut tolerances = vec![f64::INFINITY; rigid.len()];
+        tolerances[..of_field].fill(TOLERANCE_MARGIN * layout.material.recoil_error * change_t);
+        let settings = RefinementSettings { tolerances, most_cells: MAX_CELLS };
+        let told = |level: usize| progress(Stage { name: "polarization, level", done: level, of: None, unit: "" });
+        let refined = refine(&tiles, &settings, quantity, told).map_err(failed)?;
+        let values = quantity(refined.magnetization.cells());
+        // The field is that of the cells, not the extrapolated one.
+        let offsets = differences(&values, &refined.values);
+        let errors: Vec<f64> = refined.errors.iter().zip(offsets).map(|(error, offset)| error + offset.abs()).collect();
+        let figures = figures
+            .is_some()
+            .then(|| [&rigid, &values, &errors].map(|values| RecoilFigures::from_values(&values[of_field..])));
+        Ok(Some(FilmRecoil {
+            level: refined.level,
+            change_t: largest_vector(&differences(&values[..of_field], &rigid[..of_field])),
+            error_t: largest_vector(&errors[..of_field]),
+            figures: figures.filter(|figures| figures[1].values().iter().all(|value| value.is_finite())),
+            magnetization: refined.magnetization,
+        }))
+    }
+
+    /// The cells with their polarization.
+    pub fn magnetization(&self) -> &Magnetization {
+        &self.magnetization
+    }
+
+    /// The level of division.
+    pub fn level(&self) -> usize {
+        self.level
+    }
+
+    /// The largest change of B by recoil in tesla, at points of the working volume, or around the tiles of a
+    /// layout without one.
+    pub fn change_t(&self) -> f64 {
+        self.change_t
+    }
+
+    /// The estimate of the largest error of B in tesla at the same points.
+    pub fn error_t(&self) -> f64 {
+        self.error_t
+    }
+
+    /// Figures without recoil, and with it. `None` without an ideal film and a working volume.
+    pub fn figures(&self) -> Option<[RecoilFigures; 2]> {
+        self.figures.map(|[rigid, recoil, _]| [rigid, recoil])
+    }
+
+    /// Estimates of the errors of the figures.
+    pub fn figure_errors(&self) -> Option<RecoilFigures> {
+        self.figures.map(|[_, _, errors]| errors)
+    }
+
+    /// What becomes of each tile.
+    pub fn tile_changes(&self) -> Vec<TileChange> {
+        self.magnetization.tile_changes()
+    }
+
+    /// The cells beyond the knee of the material, and their share of the volume of all tiles. `None` if the
+    /// layout states no knee.
+    pub fn beyond_knee(&self, layout: &Layout) -> Option<(Vec<DemagnetizedCell>, f64)> {
+        let knee_t = layout.material.knee_field_t?;
+        Some((self.magnetization.beyond_knee(knee_t), self.magnetization.share_beyond_knee(knee_t)))
+    }
+}
+
+impl RecoilFigures {
+    const COUNT: usize = 7;
+
+    fn values(self) -> [f64; RecoilFigures::COUNT] {
+        let PerParameter { r_x, r_y, s_z } = self.uniformity_rmse;
+        let d = self.displacement_rmse_mm;
+        [self.amplitude, r_x, r_y, s_z, d.x, d.y, d.z]
+    }
+
+    fn from_values(values: &[f64]) -> RecoilFigures {
+        RecoilFigures {
+            amplitude: values[0],
+            uniformity_rmse: PerParameter { r_x: values[1], r_y: values[2], s_z: values[3] },
+            displacement_rmse_mm: DVec3::from_slice(&values[4..]),
+        }
+    }
+}
+
+impl RecoilEstimate {
+    /// The estimate for tiles with the permeabilities of the layout, or if it states none, all with
+    /// `permeability`. `None` if the layout has no ideal film or no working volume, has more than a thousand
+    /// tiles, or its figures do not exist.
+    ///
+    /// # Errors
+    /// [`FilmError::Recoil`] if tiles overlap.
+    pub fn new(layout: &Layout, permeability: Permeability) -> Result<Option<RecoilEstimate>, FilmError> {
+        let stated = layout.has_recoil();
+        let Some(grid) = FigureGrid::new(layout).filter(|_| layout.tiles.len() <= MOST_ESTIMATED_TILES) else {
+            return Ok(None);
+        };
+        let tiles = recoil_tiles(layout, (!stated).then_some(permeability));
+        let estimate = Magnetization::first_order(&tiles, 1, || {})
+            .map_err(|error| FilmError::from_recoil(RefinementError::Recoil(error), layout))?;
+        let figures = [&layout.bare_tiles()[..], estimate.cells()].map(|tiles| grid.figures(&Scene::new(tiles)));
+        let [Some(rigid), Some(recoil)] = figures else { return Ok(None) };
+        let permeability = (!stated).then_some(permeability.along());
+        Ok(Some(RecoilEstimate { permeability, rigid, recoil }))
+    }
+}
+
+/// The tiles of a layout with their permeabilities, or all with one.
+fn recoil_tiles(layout: &Layout, permeability: Option<Permeability>) -> Vec<RecoilTile> {
+    let tiles = layout.tiles.iter().zip(layout.permeabilities());
+    tiles.map(|(named, own)| RecoilTile { tile: named.tile, permeability: permeability.unwrap_or(own) }).collect()
+}
+
+/// Few points of the working volume. Without one, the corners of a box around all tiles and the middles
+/// of its faces.
+fn points(layout: &Layout) -> Vec<DVec3> {
+    if let Some(volume) = &layout.volume {
+        return coarse(&volume.grid).points().chain([volume.reference_mm]).collect();
+    }
+    let bounds = layout.tiles.iter().map(|named| BoundingBox::from_tile(&named.tile));
+    let bounds =
+        bounds.reduce(|all, tile| BoundingBox { lower: all.lower.min(tile.lower), upper: all.upper.max(tile.upper) });
+    let Some(BoundingBox { lower, upper }) = bounds else { return Vec::new() };
+    let margin = DVec3::splat(POINTS_OUTSIDE * (upper - lower).min_element());
+    let around = Grid::new(lower - margin, upper + margin, [3; 3]).expect("a box of finite sides");
+    let middle = around.point(around.len() / 2);
+    around.points().filter(|point| *point != middle).collect()
+}
+
+/// The grid, or one with few points along each axis in the same region.
+fn coarse(grid: &Grid) -> Grid {
+    if grid.len() <= MOST_POINTS {
+        return *grid;
+    }
+    let counts = grid.counts().map(|count| count.min(MOST_POINTS_ALONG));
+    Grid::new(grid.lower(), grid.upper(), counts).expect("fewer points of a grid")
+}
+
+/// The volume over which figures are evaluated.
+struct FigureGrid<'a> {
+    ideal: &'a IdealFilm,
+    volume: &'a WorkingVolume,
+    grid: Grid,
+    ideal_field_t: Vec<DVec3>,
+}
+
+impl<'a> FigureGrid<'a> {
+    /// `None` without an ideal film and a working volume below it.
+    fn new(layout: &'a Layout) -> Option<FigureGrid<'a>> {
+        let (ideal, volume) = (layout.ideal.as_ref()?, layout.volume.as_ref()?);
+        let grid = coarse(&volume.grid);
+        let ideal_field_t = grid.points().map(|point| ideal.flux_density_t(point)).collect::<Option<_>>()?;
+        Some(FigureGrid { ideal, volume, grid, ideal_field_t })
+    }
+
+    /// `None` if the figures do not exist.
+    fn figures(&self, scene: &Scene) -> Option<RecoilFigures> {
+        let points: Vec<DVec3> = self.grid.points().collect();
+        let field_t = scene.field_at(Quantity::FluxDensity, &points).ok()?;
+        let reference_mm = self.volume.reference_mm;
+        let reference_t = scene.field(Quantity::FluxDensity, reference_mm).ok()?;
+        let comparison = Comparison::new(&points, &field_t, &self.ideal_field_t).ok()?;
+        let decoupling = Decoupling::from_field(&self.grid, &field_t, (reference_mm, reference_t), self.ideal).ok()?;
+        Some(RecoilFigures {
+            amplitude: comparison.amplitude,
+            uniformity_rmse: decoupling.uniformity_rmse,
+            displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(self.ideal.wavenumber()),
+        })
+    }
+}
+
+fn differences(values: &[f64], others: &[f64]) -> Vec<f64> {
+    values.iter().zip(others).map(|(value, other)| value - other).collect()
+}
+
+/// The length of the longest of vectors whose components follow each other.
+fn largest_vector(components: &[f64]) -> f64 {
+    components.chunks(3).map(|vector| DVec3::from_slice(vector).length()).fold(0.0, f64::max)
+}
