@@ -108,7 +108,7 @@ fn file_to_number(criterion: &mut Criterion) {
     criterion.bench_function("decoupling of the published film, file to number", |bencher| {
         bencher.iter(|| {
             let layout = shipped_layout("published-film");
-            let film = Film::new(&layout);
+            let film = Film::rigid(&layout);
             let field = film.volume_field_t().expect("bounded");
             film.decouple(&field).expect("regular").uniformity_rmse
         });

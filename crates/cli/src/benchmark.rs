@@ -4,8 +4,7 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use magsplice::Film;
-use magsplice::layout::Layout;
+use magsplice::field::Scene;
 use magsplice::magnet::{Accuracy, Grid, PointErrors, Quantity, Tolerance};
 use magsplice::prelude::DVec3;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
@@ -81,24 +80,24 @@ impl Benchmark {
 /// # Errors
 /// If a thread cannot be started.
 pub(crate) fn measure(
-    layout: &Layout,
+    scene: &Scene,
     points: &BenchPoints,
     budget: Duration,
     progress: &dyn Fn(usize),
 ) -> Result<Benchmark, ThreadPoolBuildError> {
     let tolerances = FRACTIONS.map(|fraction| Tolerance::relative(fraction).expect("greater than 0"));
     let accuracies: Vec<Accuracy> = std::iter::once(Accuracy::Exact).chain(tolerances.map(Accuracy::Within)).collect();
-    let films: Vec<Film> = accuracies.iter().map(|accuracy| Film::new(layout).with_accuracy(*accuracy)).collect();
+    let scenes: Vec<Scene> = accuracies.iter().map(|accuracy| scene.clone().with_accuracy(*accuracy)).collect();
     let mut counts = vec![1, rayon::current_num_threads()];
     counts.dedup();
     let pools: Vec<ThreadPool> =
         counts.iter().map(|n| ThreadPoolBuilder::new().num_threads(*n).build()).collect::<Result<_, _>>()?;
     let mut field = vec![DVec3::ZERO; points.len()];
-    let mut evaluate = |film: &Film, pool: &ThreadPool| -> Result<Duration, PointErrors> {
+    let mut evaluate = |scene: &Scene, pool: &ThreadPool| -> Result<Duration, PointErrors> {
         let started = Instant::now();
         pool.install(|| match points {
-            BenchPoints::Grid(grid) => film.scene().field_on_grid_into(Quantity::FluxDensity, grid, &mut field),
-            BenchPoints::Scattered(points) => film.scene().field_into(Quantity::FluxDensity, points, &mut field),
+            BenchPoints::Grid(grid) => scene.field_on_grid_into(Quantity::FluxDensity, grid, &mut field),
+            BenchPoints::Scattered(points) => scene.field_into(Quantity::FluxDensity, points, &mut field),
         })?;
         black_box(&mut field);
         Ok(started.elapsed())
@@ -108,20 +107,20 @@ pub(crate) fn measure(
     let started = Instant::now();
     let mut cases = Vec::new();
     for (pool, threads) in pools.iter().zip(&counts) {
-        for (film, accuracy) in films.iter().zip(&accuracies) {
-            let repeats = evaluate(film, pool).map(|took| {
+        for (scene, accuracy) in scenes.iter().zip(&accuracies) {
+            let repeats = evaluate(scene, pool).map(|took| {
                 let repeats = SHORTEST_SAMPLE.as_secs_f64() / took.as_secs_f64().max(f64::MIN_POSITIVE);
                 repeats.ceil().clamp(1.0, MAX_REPEATS) as usize
             });
-            cases.push((film, pool, *accuracy, *threads, repeats, Vec::new()));
+            cases.push((scene, pool, *accuracy, *threads, repeats, Vec::new()));
         }
     }
     let mut rounds = 0;
     while rounds < ROUNDS[0] || (rounds < ROUNDS[1] && started.elapsed() < budget) {
         progress(rounds);
-        for (film, pool, _, _, repeats, samples) in &mut cases {
+        for (scene, pool, _, _, repeats, samples) in &mut cases {
             let Ok(count) = *repeats else { continue };
-            let total = (0..count).try_fold(Duration::ZERO, |total, _| Ok(total + evaluate(film, pool)?));
+            let total = (0..count).try_fold(Duration::ZERO, |total, _| Ok(total + evaluate(scene, pool)?));
             match total {
                 Ok(total) => samples.push(total.as_secs_f64() / count as f64),
                 Err(errors) => *repeats = Err(errors),
@@ -136,7 +135,7 @@ pub(crate) fn measure(
     });
     Ok(Benchmark {
         points: points.len(),
-        pairs: layout.tiles.len() as f64 * points.len() as f64,
+        pairs: scene.tile_count() as f64 * points.len() as f64,
         rounds,
         cases: cases.collect(),
     })

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use magsplice::RecoilEstimate;
 use magsplice::expect::{Expectation, Outcome};
 use magsplice::layout::{Finding, Layout};
 
@@ -12,6 +13,8 @@ pub(crate) struct CheckedLayout {
     /// The layout, or why it cannot be used.
     pub(crate) layout: Result<Layout, String>,
     pub(crate) expectations: Vec<CheckedExpectation>,
+    /// What recoil changes in the figures of the film, to first order.
+    pub(crate) recoil: Vec<RecoilEstimate>,
     /// How far the field moved from the earlier baseline, in words, if the baseline was rewritten.
     pub(crate) moved: Option<String>,
     /// Time that reading and validating the file took.
@@ -52,7 +55,14 @@ impl CheckedLayout {
     /// A file or a folder that cannot be checked.
     pub(crate) fn refused(path: &Path, message: &str) -> CheckedLayout {
         let layout = Err(format!("{}: {message}", path.display()));
-        CheckedLayout { path: path.to_owned(), layout, expectations: Vec::new(), moved: None, reading: Duration::ZERO }
+        CheckedLayout {
+            path: path.to_owned(),
+            layout,
+            expectations: Vec::new(),
+            recoil: Vec::new(),
+            moved: None,
+            reading: Duration::ZERO,
+        }
     }
 
     /// The worst status of the layout and its expectations.

@@ -54,6 +54,7 @@ mod point_evaluation;
 mod point_file;
 /// Pages to print: bill of materials, cut list, laying plan.
 #[cfg(feature = "report")]
+mod prepared_film;
 mod printed;
 /// The progress line on a terminal.
 mod progress;

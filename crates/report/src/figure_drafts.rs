@@ -1,13 +1,13 @@
 //! The figures of a report in order, with their captions, as SVG whose text is still text.
 
 use magsplice::layout::NamedTile;
-use magsplice::{Film, Stage};
+use magsplice::{Film, FilmRecoil, Stage};
 
 use crate::error::{DrawError, ReportError};
 use crate::figures::along_axes::AlongAxes;
 use crate::figures::distributions::{Distributions, ErrorKind};
 use crate::figures::parameter_maps::NormalMap;
-use crate::figures::{field_maps, layout_from_above, parameter_maps, vectors};
+use crate::figures::{field_maps, layout_from_above, parameter_maps, recoil_map, vectors};
 use crate::shared_ranges::SharedRanges;
 use crate::survey::{FieldSlice, Survey};
 use crate::typeset::{AXIS_NAMES, number, variable};
@@ -29,13 +29,15 @@ pub(crate) struct FigureDraft {
 }
 
 /// The number of figures.
-fn figure_count(survey: Option<&Survey>) -> usize {
-    // Layout, vectors, one field map per plane; three figures of the parameters.
+fn figure_count(film: &Film, survey: Option<&Survey>) -> usize {
+    // Layout, recoil, vectors, one field map per plane; three figures of the parameters.
     // Two figures of samples.
-    survey.map_or(1, |survey| {
-        let against_ideal = survey.against_ideal.as_ref().map_or(0, |_| 3);
-        2 + survey.z_planes().len() + against_ideal + survey.samples.as_ref().map_or(0, |_| 2)
-    })
+    let of_tiles = 1 + usize::from(film.recoil().is_some());
+    of_tiles
+        + survey.map_or(0, |survey| {
+            let against_ideal = survey.against_ideal.as_ref().map_or(0, |_| 3);
+            1 + survey.z_planes().len() + against_ideal + survey.samples.as_ref().map_or(0, |_| 2)
+        })
 }
 
 /// All figures that the layout allows of the tiles, the field and the decoupling parameters.
@@ -46,7 +48,7 @@ pub(crate) fn drafts(
     ranges: &SharedRanges,
 ) -> Result<Vec<FigureDraft>, ReportError> {
     let mut drafts = Vec::new();
-    let count = figure_count(survey);
+    let count = figure_count(film, survey);
     let tell = |done: usize| film.tell(Stage { name: "drawing", done, of: Some(count), unit: "figures" });
     tell(0);
     let mut add = |name: &'static str, caption: String, drawn: Result<(String, String), DrawError>| {
@@ -63,6 +65,12 @@ pub(crate) fn drafts(
         layout_from_above::CAPTION.to_owned(),
         drawn.map(|svg| (svg, layout_from_above::csv(tiles))),
     )?;
+    // A layout of more tiles than are drawn has too many cells for recoil.
+    if let Some(changes) = film.recoil().map(FilmRecoil::tile_changes).filter(|changes| changes.len() == tiles.len()) {
+        let drawn = recoil_map::draw(tiles, &changes);
+        let csv = |svg| (svg, recoil_map::csv(tiles, &changes));
+        add(recoil_map::NAME, recoil_map::CAPTION.to_owned(), drawn.map(csv))?;
+    }
     let Some(survey) = survey else { return Ok(drafts) };
 
     let caption = "B in three planes. The length and the colour of an arrow show the logarithm of the \
@@ -202,7 +210,7 @@ mod tests {
         let mut seen = 0;
         for text in shipped.into_iter().chain([rotated_tiles()]) {
             let layout = Layout::parse(&text, "layout").unwrap();
-            let film = Film::new(&layout);
+            let film = Film::new(&layout).unwrap();
             let survey = Survey::new(&film, None).unwrap();
             let tiles = tiles_to_draw(&layout.tiles, DVec3::ZERO);
             for FigureDraft { name, svg, .. } in
@@ -286,7 +294,7 @@ mod tests {
     fn positive_values_are_red_and_y_points_up_in_field_maps() {
         let path = format!("{}/../../layouts/published-film.toml", env!("CARGO_MANIFEST_DIR"));
         let layout = Layout::read(&path).unwrap();
-        let film = Film::new(&layout);
+        let film = Film::new(&layout).unwrap();
         let survey = Survey::new(&film, None).unwrap();
         let drafts = drafts(&film, &[], survey.as_ref(), &SharedRanges::default()).unwrap();
         let draft = drafts.iter().find(|draft| draft.name == "field-lowest").unwrap();
@@ -308,7 +316,7 @@ mod tests {
     #[test]
     fn figure_of_the_layout_shows_the_names_of_tiles_as_written() {
         let layout = Layout::parse(&rotated_tiles(), "layout").unwrap();
-        let film = Film::new(&layout);
+        let film = Film::new(&layout).unwrap();
         let tiles = tiles_to_draw(&layout.tiles, DVec3::ZERO);
         let drafts = drafts(&film, &tiles, None, &SharedRanges::default()).unwrap();
         assert_eq!(drafts.len(), 1);

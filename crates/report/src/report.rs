@@ -43,7 +43,7 @@ pub(crate) const PAGE_NAME: &str = "report.html";
 ///     "#,
 ///     "one-tile.toml",
 /// )?;
-/// let film = Film::new(&layout);
+/// let film = Film::new(&layout)?;
 /// let results = PrintedResults { text: "one tile", json: "{}" };
 /// let report = Report::new(&film, None, None, results, SvgText::Text)?;
 ///
@@ -159,7 +159,7 @@ mod tests {
         let layout = Layout::parse(text, "one").unwrap();
         let results = PrintedResults { text: "", json: "{}" };
         let error =
-            Report::new(&Film::new(&layout), Some(vec![DVec3::ZERO; 17]), None, results, SvgText::Text).unwrap_err();
+            Report::new(&Film::rigid(&layout), Some(vec![DVec3::ZERO; 17]), None, results, SvgText::Text).unwrap_err();
         assert_eq!(error.to_string(), "the field has 17 values, must have 18: one per point of the working volume");
     }
 }

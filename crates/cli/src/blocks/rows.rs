@@ -106,7 +106,7 @@ fn tile(columns: &BlockColumns, table: &mut CsvTable, line: u64, number: usize) 
             let rotation = rotation.filter(|rotation| rotation.quaternion() != DQuat::IDENTITY);
             let turned = rotation.map_or(Ok(tile), |rotation| tile.rotated(rotation.quaternion()));
             let tile = turned.map_err(|faults| vec![faults.to_string()])?;
-            Ok(NamedTile { name, kind: None, rotation, tile })
+            Ok(NamedTile { name, kind: None, rotation, tile, permeability: None })
         }
         Ok(_) => Err(faults),
         Err(broken) => {

@@ -6,6 +6,7 @@ use magsplice::expect::{Bound, Expectation, Location};
 use magsplice::layout::Layout;
 use serde::Serialize;
 
+use super::recoil::RecoilEstimateJson;
 use crate::checked::{CheckStatus, CheckedExpectation, CheckedLayout};
 use crate::layout_files::NO_LAYOUT;
 
@@ -46,6 +47,9 @@ struct CheckedLayoutJson<'a> {
     tiles: Option<usize>,
     findings: Vec<&'a str>,
     expectations: Vec<CheckedExpectationJson<'a>>,
+    /// What recoil changes, to first order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    recoil_estimates: Vec<RecoilEstimateJson>,
     /// How far the field moved from the earlier baseline.
     #[serde(skip_serializing_if = "Option::is_none")]
     moved: Option<&'a str>,
@@ -64,6 +68,7 @@ impl<'a> From<&'a CheckedLayout> for CheckedLayoutJson<'a> {
             tiles: layout.ok().map(|l| l.tiles.len()),
             findings: checked.findings().iter().map(|finding| finding.message.as_str()).collect(),
             expectations: checked.expectations.iter().map(expectation).collect(),
+            recoil_estimates: checked.recoil.iter().map(Into::into).collect(),
             moved: checked.moved.as_deref(),
         }
     }

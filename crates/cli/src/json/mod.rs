@@ -28,6 +28,8 @@ pub(crate) mod forces;
 pub(crate) mod plan;
 /// `read`.
 pub(crate) mod read;
+/// What recoil changes in a film.
+pub(crate) mod recoil;
 /// Values of the library with other names of some keys.
 pub(crate) mod renamed;
 /// `scan`.

@@ -4,6 +4,8 @@ use magsplice::Film;
 use magsplice::magnet::Accuracy;
 use serde::Serialize;
 
+use super::recoil::RecoilJson;
+
 /// Source of a result: layout, hash and accuracy.
 #[derive(Serialize)]
 pub(crate) struct SourceJson<'a> {
@@ -12,6 +14,8 @@ pub(crate) struct SourceJson<'a> {
     version: &'static str,
     tiles: usize,
     accuracy: Accuracy,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recoil: Option<RecoilJson>,
 }
 
 impl<'a> SourceJson<'a> {
@@ -23,6 +27,7 @@ impl<'a> SourceJson<'a> {
             version: env!("CARGO_PKG_VERSION"),
             tiles: layout.tiles.len(),
             accuracy: film.scene().accuracy(),
+            recoil: film.recoil().map(RecoilJson::new),
         }
     }
 }

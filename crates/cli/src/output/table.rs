@@ -38,6 +38,10 @@ pub(crate) fn columns(quantity: QuantityArg, values: Vec<f64>) -> ColumnQuantity
 pub(crate) fn film_metadata(film: &Film) -> Metadata {
     let mut metadata = layout_metadata(film.layout());
     metadata.push(("accuracy", MetadataValue::Text(film.scene().accuracy().to_string())));
+    if let Some(recoil) = film.recoil() {
+        metadata.push(("recoil_cells", MetadataValue::Count(recoil.magnetization().cells().len())));
+        metadata.push(("recoil_error_t", MetadataValue::Numbers(vec![recoil.error_t()])));
+    }
     metadata
 }
 

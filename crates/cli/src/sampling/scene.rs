@@ -6,10 +6,11 @@ use magsplice::ideal::IdealFilm;
 use magsplice::layout::Layout;
 use magsplice::making::{SortedSampler, Sorting};
 use magsplice::tolerance::{EvaluationGrid, FilmErrors, RealFilm, SampleError, Sampler};
-use magsplice::{Film, FilmError};
+use magsplice::{Film, FilmError, Stage};
 
 use crate::failure::Failure;
 use crate::laying::place_groups::place_groups;
+use crate::prepared_film::prepare;
 use crate::words::{film_failure, no_film};
 
 /// A film that is sampled, with its working volume and its ideal film.
@@ -24,13 +25,17 @@ pub(crate) struct SampledScene<'a> {
 }
 
 impl<'a> SampledScene<'a> {
-    pub(crate) fn new(path: &'a Path, layout: &'a Layout) -> Result<SampledScene<'a>, Failure> {
-        let film = Film::new(layout);
+    pub(crate) fn new(
+        path: &'a Path,
+        layout: &'a Layout,
+        show: &'a (dyn Fn(Stage) + Sync),
+    ) -> Result<SampledScene<'a>, Failure> {
+        let film = Film::rigid(layout);
         let purpose = "evaluates the films that are made from a layout";
         let missing = |error| no_film(path, error, "tolerance", purpose);
         film.ideal().map_err(missing)?;
         let volume = film.evaluation_grid().map_err(missing)?;
-        let real = film.real_film().map_err(|error| match error {
+        film.real_film().map_err(|error| match error {
             FilmError::Missing(_) => Failure::Points {
                 path: path.to_owned(),
                 message: "the layout has no [tolerance] table, which states the errors of the films that are made: \
@@ -39,7 +44,9 @@ impl<'a> SampledScene<'a> {
             },
             error => film_failure(path, layout, error),
         })?;
-        let exact = RealFilm::new(real.tiles(), &Default::default());
+        let film = prepare(path, layout, show)?;
+        let real = film.real_film().map_err(|error| film_failure(path, layout, error))?;
+        let exact = real.clone().without_errors();
         Ok(SampledScene { path, layout, film, real, exact, volume })
     }
 

@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 /// A run: a film with its errors, the seed, and the numbers of the samples.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SampleSource {
-    /// SHA-256 of the tiles, their errors, the working volume, the ideal film and how tiles are sorted,
+    /// SHA-256 of the tiles, their permeabilities and errors, the working volume, the ideal film and how tiles are sorted,
     /// which with the seed determine every sample.
     pub(crate) fingerprint: String,
     pub(crate) seed: u64,
@@ -28,6 +28,10 @@ impl SampleSource {
         let errors = tolerance.as_ref().map(|t| (&t.tiles, &t.groups, &t.common));
         write!(hash, "{:?}", (tiles.iter().map(|t| t.tile).collect::<Vec<_>>(), errors, volume, ideal))
             .expect("a hash accepts every text");
+        if layout.has_recoil() {
+            write!(hash, "{:?}", (layout.permeabilities(), layout.material.recoil_error))
+                .expect("a hash accepts every text");
+        }
         if let Some(sorting) = sorting {
             write!(hash, "{sorting:?}").expect("a hash accepts every text");
         }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use magsplice::Film;
 use magsplice::field::Scene;
-use magsplice::layout::Layout;
 use magsplice::magnet::{Bend, Deformation, HeightMap};
 use magsplice::prelude::DVec3;
 
@@ -11,8 +11,9 @@ use super::reading_file;
 use crate::args::experiment::{BendAxis, ExperimentArgs};
 use crate::failure::Failure;
 
-/// The field of the deformed film. Nothing if the film is as in the layout.
-pub(crate) fn deformed(args: &ExperimentArgs, layout: &Layout) -> Result<Option<Scene>, Failure> {
+/// The field of the deformed film. Nothing if the film is as in the layout. Tiles with a recoil permeability
+/// keep the polarization that they have in the film of the layout; in a bent film they have its mean.
+pub(crate) fn deformed(args: &ExperimentArgs, film: &Film) -> Result<Option<Scene>, Failure> {
     let along = if args.bend_along == BendAxis::X { 0 } else { 1 };
     let bend = match (args.bend_radius, &args.heights) {
         (Some(radius), _) => Some(Bend::Cylinder { along, radius }),
@@ -24,7 +25,13 @@ pub(crate) fn deformed(args: &ExperimentArgs, layout: &Layout) -> Result<Option<
     if deformation == Deformation::default() {
         return Ok(None);
     }
-    let tiles = deformation.apply(&layout.bare_tiles()).map_err(|error| Failure::Points {
+    // Cells of a bent film would bend each tile, which is stiff.
+    let tiles = match film.recoil() {
+        Some(recoil) if deformation.bend.is_some() => recoil.magnetization().mean_tiles(),
+        Some(recoil) => recoil.magnetization().cells().to_vec(),
+        None => film.layout().bare_tiles(),
+    };
+    let tiles = deformation.apply(&tiles).map_err(|error| Failure::Points {
         path: args.layout.clone(),
         message: format!("the film cannot be bent or moved so (lengths in mm): {error}"),
     })?;

@@ -8,7 +8,7 @@ use magsplice::layout::Layout;
 
 use super::header::tile_count;
 use super::number::{counted, number};
-use super::rows;
+use super::{recoil, rows};
 use crate::checked::{CheckStatus, CheckedExpectation, CheckedLayout};
 use crate::failure::escaped;
 
@@ -57,6 +57,12 @@ pub(crate) fn checked_layout(checked: &CheckedLayout, quiet: bool, colours: bool
     }
     for (line, expectation) in in_columns(&rows, &shown).iter().zip(shown) {
         text += &labelled(expectation.status(), word(expectation.status()).0, line);
+    }
+    if !quiet && !checked.recoil.is_empty() {
+        text += "  recoil   what it changes, to first order:\n";
+        for estimate in &checked.recoil {
+            let _ = writeln!(text, "           {}", recoil::estimate(estimate));
+        }
     }
     text
 }

@@ -19,12 +19,13 @@ const MT_PER_T: f64 = 1e3;
 pub(crate) fn evaluation(evaluation: &Evaluation) -> String {
     let Evaluation { film, ideal, volume, field_t, reference_field_t, comparison: compared, decoupling: decoupled } =
         evaluation;
-    let sections = [
+    let mut sections = vec![
         header::film(film, volume),
         field(field_t, volume, *reference_field_t, Some(ideal)),
         comparison(compared),
         decoupling(decoupled, evaluation.uniformity_rmse(), volume, ideal.wavenumber()),
     ];
+    sections.extend(film.recoil().map(|recoil| super::recoil::section(film, recoil)));
     sections.join("\n")
 }
 

@@ -6,6 +6,7 @@ use magsplice::Film;
 use magsplice::layout::{Layout, WorkingVolume};
 
 use super::number::counted;
+use super::recoil;
 
 /// Name, tiles and hash of a layout.
 pub(crate) fn layout(layout: &Layout) -> String {
@@ -36,9 +37,10 @@ pub(crate) fn film_at_points(film: &Film, path: &Path, points: usize) -> String 
     format!("{}at {points} of {}\n{}", layout(film.layout()), path.display(), accuracy(film))
 }
 
-/// The accuracy of a film's field.
+/// The accuracy of a film's field, and what recoil changes in it.
 pub(crate) fn accuracy(film: &Film) -> String {
-    format!("accuracy: {}\n", film.scene().accuracy())
+    let recoil = film.recoil().map_or(String::new(), recoil::line);
+    format!("accuracy: {}\n{recoil}", film.scene().accuracy())
 }
 
 pub(crate) fn tile_count(layout: &Layout) -> String {

@@ -26,6 +26,8 @@ pub(crate) mod header;
 pub(crate) mod number;
 /// `plan`: the methods, their truncation errors and costs.
 pub(crate) mod plan;
+/// What recoil changes in a film.
+pub(crate) mod recoil;
 /// `resolution`.
 pub(crate) mod resolution;
 /// Rows of tables.

@@ -2,22 +2,28 @@
 
 use std::fmt::Write;
 
-use magsplice::Film;
 use magsplice::field::{Model, Plan, PlannedPart};
 use magsplice::prelude::DVec3;
+use magsplice::{Film, RecoilEstimate};
 
-use super::{header, number};
+use super::{header, number, recoil, rows};
 
-/// A plan for points; `points_of` says where they are from.
-pub(crate) fn plan(film: &Film, plan: &Plan, points_of: &str) -> String {
+/// A plan for points, with estimates of what recoil changes; `points_of` says where the points are from.
+pub(crate) fn plan(film: &Film, plan: &Plan, estimates: &[RecoilEstimate], points_of: &str) -> String {
     let points: usize = plan.parts.iter().map(|part| part.points).sum();
     let mut text = format!("{}{points} {points_of}\n{}", header::layout(film.layout()), header::accuracy(film));
     for part in &plan.parts {
-        describe(&mut text, part, film.layout().tiles.len());
+        describe(&mut text, part, film.scene().tile_count());
     }
     let (cost, exact) = (plan.cost(), plan.exact_cost);
     let _ = writeln!(text, "\ntotal cost: about {} exact values of one tile", digits(cost));
     let _ = writeln!(text, "all tiles directly: {} ({} times as many)", digits(exact), ratio(exact / cost));
+    if !estimates.is_empty() {
+        text += "\nwhat recoil changes, to first order\n";
+    }
+    for estimate in estimates {
+        rows::prose(&mut text, &recoil::estimate(estimate));
+    }
     text
 }
 

@@ -122,7 +122,7 @@ fn assigned<'a>(
     shims: &[usize],
 ) -> Result<AssignedFilm<'a>, Failure> {
     let purpose = "places tiles so that a film decouples best";
-    let of_film = Film::new(layout);
+    let of_film = Film::rigid(layout);
     let missing = |error| no_film(&args.layout, error, "assign", purpose);
     let (ideal, volume) = (of_film.ideal().map_err(missing)?, of_film.evaluation_grid().map_err(missing)?);
     let failed = |error: AssignmentError| assignment_failure(args, layout, partly, error);

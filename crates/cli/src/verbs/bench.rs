@@ -10,6 +10,7 @@ use crate::args::formats::TextOrJson;
 use crate::benchmark::{self, BenchPoints};
 use crate::failure::Failure;
 use crate::output::destination::print;
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_points};
 use crate::{json, point_file, remarks, text};
@@ -24,14 +25,16 @@ pub(crate) fn run(args: &BenchArgs, quiet: bool) -> Result<(), Failure> {
             (BenchPoints::Scattered(points), format!("points of {}", path.display()))
         }
         None => {
-            let film = Film::new(&layout);
+            let film = Film::rigid(&layout);
             let volume = film.volume().map_err(|error| no_points(&args.layout, error))?;
             (BenchPoints::Grid(volume.grid), "points of the working volume".to_owned())
         }
     };
+    let show = |stage: Stage| progress.show(stage);
+    let film = prepare(&args.layout, &layout, &show)?;
     let show = |done| progress.show(Stage { name: "measuring", done, of: None, unit: "rounds" });
     let budget = Duration::from_secs_f64(args.seconds);
-    let measured = benchmark::measure(&layout, &points, budget, &show)
+    let measured = benchmark::measure(film.scene(), &points, budget, &show)
         .map_err(|error| Failure::Format(format!("cannot start threads: {error}")))?;
     progress.end();
     // Points without any field have none to a tolerance either.

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use magsplice::Stage;
 use magsplice::prelude::DVec3;
 use magsplice::sensor::Stiffness;
-use magsplice::{Film, Stage};
 
 use crate::args::formats::TextOrJson;
 use crate::args::sensor::CalibrateArgs;
@@ -12,6 +12,7 @@ use crate::failure::{self, Failure};
 use crate::faults::FaultList;
 use crate::json::calibrate::CalibrationJson;
 use crate::output::destination::Output;
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::sensor::calibration::Calibration;
 use crate::sensor::film_readings::{AtRest, FilmReadings};
@@ -21,7 +22,8 @@ use crate::{json, remarks, text};
 pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
-    let film = Film::new(&layout);
+    let show = |stage: Stage| progress.show(stage);
+    let film = prepare(&args.layout, &layout, &show)?;
     let inputs: Vec<&Path> = [&args.layout, &args.readings].into_iter().map(PathBuf::as_path).collect();
     let mut output = Output::open(args.result.output.as_deref(), &inputs)?;
     let groups = [reading_file::forces(), reading_file::flux_densities(None)];

@@ -18,6 +18,7 @@ use crate::checked::{CheckStatus, CheckedExpectation, CheckedLayout};
 use crate::failure::{self, Failure};
 use crate::layout_files::{self, NO_LAYOUT, NamedFile};
 use crate::output::destination::print;
+use crate::prepared_film::recoil_estimates;
 use crate::progress::ProgressLine;
 use crate::words::film_failure;
 use crate::{baseline, json, junit, text};
@@ -91,6 +92,7 @@ fn check(path: &Path, update: bool, quiet: bool, progress: &ProgressLine) -> Che
         path: path.to_owned(),
         layout,
         expectations: Vec::new(),
+        recoil: Vec::new(),
         moved: None,
         reading: started.elapsed(),
     };
@@ -99,7 +101,21 @@ fn check(path: &Path, update: bool, quiet: bool, progress: &ProgressLine) -> Che
         return checked;
     }
     let show = |stage: Stage| progress.show(stage);
-    let film = Film::new(layout).with_progress(&show);
+    let film = match Film::with_progress(layout, &show) {
+        Ok(film) => film,
+        Err(error) => {
+            let reason = film_failure(path, layout, error).to_string();
+            checked.expectations = Expectation::stated_in(&layout.expectations)
+                .into_iter()
+                .map(|expectation| CheckedExpectation {
+                    expectation,
+                    outcome: Err(reason.clone()),
+                    took: started.elapsed(),
+                })
+                .collect();
+            return checked;
+        }
+    };
     let mut started = Instant::now();
     let mut moved = None;
     let baseline = baseline(path, &film, update, |file, points, how_far| {
@@ -118,6 +134,8 @@ fn check(path: &Path, update: bool, quiet: bool, progress: &ProgressLine) -> Che
         expectations.push(CheckedExpectation { expectation, outcome, took: started.elapsed() });
         started = Instant::now();
     });
+    // Where a film has no estimate, its figures say so.
+    checked.recoil = recoil_estimates(path, layout).unwrap_or_default();
     (checked.expectations, checked.moved) = (expectations, moved);
     checked
 }

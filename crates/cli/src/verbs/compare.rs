@@ -7,6 +7,7 @@ use crate::args::formats::TextOrJson;
 use crate::failure::Failure;
 use crate::given_points::GivenPoints;
 use crate::output::destination::print;
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_film};
 use crate::{json, point_file, remarks, text};
@@ -16,15 +17,16 @@ pub(crate) fn run(args: &CompareArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.path()));
     let show = |stage: Stage| progress.show(stage);
     let layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
-    let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy()).with_progress(&show);
     let failed = |error| film_failure(&args.layout, &layout, error);
     // A layout without an ideal film is refused before the field is computed.
     let purpose = "compares the field with that of the ideal, sinusoidal film";
     let no_film = |error| no_film(&args.layout, error, "compare", purpose);
-    let ideal = film.ideal().map_err(no_film)?;
+    let stated = Film::rigid(&layout);
+    let ideal = stated.ideal().map_err(no_film)?;
     if args.points.path().is_none() {
-        film.volume().map_err(no_film)?;
+        stated.volume().map_err(no_film)?;
     }
+    let film = prepare(&args.layout, &layout, &show)?.with_accuracy(args.accuracy.accuracy());
     if let Some(path) = args.points.path() {
         let given = GivenPoints::read(path, args.points.unit, ideal, false, &remarks::teller(quiet, &progress))?;
         let field = film.field_at_t(&given.points).map_err(|error| given.failure(&args.layout, &layout, error))?;

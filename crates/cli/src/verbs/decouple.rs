@@ -17,6 +17,7 @@ use crate::output::destination::Output;
 use crate::output::{choice, table};
 use crate::point_evaluation::PointEvaluation;
 use crate::point_file;
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_film};
 use crate::{remarks, text};
@@ -30,15 +31,16 @@ pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.path()));
     let show = |stage: Stage| progress.show(stage);
     let layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
-    let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy()).with_progress(&show);
     let failed = |error| film_failure(&args.layout, &layout, error);
     // A layout without these tables, and a file that cannot be written, are refused before the
     // field is computed.
     let purpose = "evaluates how well a film above a sensor separates the three displacements";
     let no_film = |error| no_film(&args.layout, error, "decouple", purpose);
-    film.ideal().and(film.volume().map(|_| ())).map_err(no_film)?;
+    let stated = Film::rigid(&layout);
+    stated.ideal().and(stated.volume().map(|_| ())).map_err(no_film)?;
     let inputs: Vec<&Path> = iter::once(args.layout.as_path()).chain(args.points.path()).collect();
     let mut output = Output::open(args.output.as_deref(), &inputs)?;
+    let film = prepare(&args.layout, &layout, &show)?.with_accuracy(args.accuracy.accuracy());
     if let Some(path) = args.points.path() {
         let tell = remarks::teller(quiet, &progress);
         let given = GivenPoints::read(path, args.points.unit, film.ideal().map_err(failed)?, true, &tell)?;

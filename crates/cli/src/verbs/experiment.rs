@@ -18,6 +18,7 @@ use crate::output::destination::Output;
 #[cfg(feature = "report")]
 use crate::output::figure_file;
 use crate::output::{choice, table};
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::remarks;
 use crate::sensor::made_film;
@@ -27,7 +28,8 @@ use crate::words::{film_failure, no_volume};
 pub(crate) fn run(args: &ExperimentArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
-    let film = Film::new(&layout);
+    let show = |stage: Stage| progress.show(stage);
+    let film = prepare(&args.layout, &layout, &show)?;
     film.volume().map_err(|error| no_volume(&args.layout, error))?;
     if args.seed.is_some() && layout.sensor.as_ref().is_none_or(|sensor| sensor.element.noise_t == DVec3::ZERO) {
         let message = "the layout states no noise for --seed: give noise_ut or part in [sensor]".to_owned();
@@ -43,7 +45,7 @@ pub(crate) fn run(args: &ExperimentArgs, quiet: bool) -> Result<(), Failure> {
     let mut output = Output::open(args.output.as_deref(), &inputs)?;
     #[cfg(feature = "report")]
     let figure = figure_file::open(args.figure.as_deref(), &inputs)?;
-    let made = made_film::deformed(args, &layout)?;
+    let made = made_film::deformed(args, &film)?;
     progress.show(Stage::uncounted("experiments"));
     let experiments = film
         .experiments(args.step, args.seed, made.as_ref())

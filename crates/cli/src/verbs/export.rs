@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use magsplice::FilmError;
 use magsplice::layout::{Layout, WorkingVolume};
 use magsplice::magnet::HallSensor;
 use magsplice::prelude::{DMat3, DVec3};
 use magsplice::sensor::{DisplacementPolynomial, PolynomialError};
-use magsplice::{Film, FilmError};
 use magsplice_export::c_header::{self, DisplacementTable};
 use magsplice_export::{dxf, magpylib, magpylib_import, stl, vtk};
 
@@ -15,6 +15,7 @@ use crate::args::formats::{ExportFormat, FileFormat};
 use crate::failure::Failure;
 use crate::output::destination::Output;
 use crate::output::{choice, table};
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::remarks;
 use crate::words::{film_failure, no_volume};
@@ -74,7 +75,7 @@ fn polynomial(
     path: &Path,
     layout: &Layout,
 ) -> Result<(DisplacementPolynomial, WorkingVolume), Failure> {
-    let film = Film::new(layout);
+    let film = prepare(path, layout, &|_| {})?;
     let volume = *film.volume().map_err(|error| no_volume(path, error))?;
     let sensed = film.sensed_field(&volume.grid).map_err(|error| film_failure(path, layout, error))?;
     let error_mm = args.error.unwrap_or(DEFAULT_ERROR_MM);

@@ -19,6 +19,7 @@ use crate::json::field::FieldJson;
 use crate::output::destination::{Output, is_standard};
 use crate::output::{choice, table};
 use crate::point_file::{self, BATCH, PointFile};
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::remarks;
 use crate::words::{no_field, no_points};
@@ -35,7 +36,8 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
         // These are always exact, and the metadata must say so.
         QuantityArg::J | QuantityArg::Gradient => Accuracy::Exact,
     };
-    let film = Film::new(&layout).with_accuracy(accuracy);
+    let show = |stage: Stage| progress.show(stage);
+    let film = prepare(&args.layout, &layout, &show)?.with_accuracy(accuracy);
     match args.points.path() {
         Some(path) => at_points(args, &film, path, &progress, quiet),
         None => on_grid(args, &film, &progress, quiet),

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use magsplice::Stage;
 use magsplice::force::{FilmForces, FilmForcesError, LayingOrder, LeastHolding, OrderSettings};
 use magsplice::layout::Layout;
 use magsplice::prelude::Tile;
+use magsplice::recoil::{Magnetization, RecoilTile, RefinementError};
+use magsplice::{FilmError, Stage};
 #[cfg(feature = "report")]
 use magsplice_report::{TileForce, forces_figure};
 
@@ -18,6 +19,7 @@ use crate::output::destination::Output;
 #[cfg(feature = "report")]
 use crate::output::figure_file;
 use crate::progress::ProgressLine;
+use crate::words::film_failure;
 use crate::{json, order_file, remarks, text};
 
 pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
@@ -68,17 +70,52 @@ pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
 /// The loads of all pairs.
 fn film_forces(args: &ForcesArgs, layout: &Layout, progress: &ProgressLine) -> Result<FilmForces, Failure> {
     let tiles: Vec<Tile> = layout.bare_tiles();
-    let counted = Counter { progress, name: "forces", of: tiles.len(), unit: "tiles" };
-    FilmForces::new(&tiles, args.turned_error, counted.callback()).map_err(|error| {
+    let film = if layout.has_recoil() { Some(divided(args, layout, progress)?) } else { None };
+    let owner = |index: usize| film.as_ref().map_or(index, |film| film.owners()[index]);
+    let counted = |of: usize, unit: &'static str| Counter { progress, name: "forces", of, unit };
+    let forces = match &film {
+        Some(film) => {
+            let counted = counted(film.cells().len(), "cells");
+            FilmForces::of_cells(&tiles, film.cells(), film.owners(), args.turned_error, counted.callback())
+        }
+        None => FilmForces::new(&tiles, args.turned_error, counted(tiles.len(), "tiles").callback()),
+    };
+    forces.map_err(|error| {
         let message = match error {
             FilmForcesError::Pair { first, second, source } => format!(
                 "tiles {} and {}: their force is known to {:.1e} only, and not to {:.1e}; leave a gap between them, or \
                  give a larger --turned-error",
-                layout.tiles[first].name, layout.tiles[second].name, source.reached, source.tolerance
+                layout.tiles[owner(first)].name,
+                layout.tiles[owner(second)].name,
+                source.reached,
+                source.tolerance
+            ),
+            FilmForcesError::TooManyTiles { count, most } if film.is_some() => format!(
+                "tiles with a recoil permeability are divided into {count} cells, which have more pairs than fit in \
+                 memory, at most {most}: remove recoil_permeability, or take a part of the film"
             ),
             other => other.to_string(),
         };
         Failure::Points { path: args.layout.clone(), message }
+    })
+}
+
+/// Level of division of tiles with a recoil permeability. For the published film and a permeability of 1.05 the
+/// next level changes no force by more than a part in a thousand of the largest.
+const RECOIL_LEVEL: usize = 2;
+
+/// The tiles divided into cells whose polarization agrees with their field. It is that of the whole film, also
+/// while the film is laid.
+fn divided(args: &ForcesArgs, layout: &Layout, progress: &ProgressLine) -> Result<Magnetization, Failure> {
+    let tiles: Vec<RecoilTile> = layout
+        .tiles
+        .iter()
+        .zip(layout.permeabilities())
+        .map(|(named, permeability)| RecoilTile { tile: named.tile, permeability })
+        .collect();
+    progress.show(Stage::uncounted("polarization"));
+    Magnetization::solve(&tiles, RECOIL_LEVEL, || {}).map_err(|error| {
+        film_failure(&args.layout, layout, FilmError::from_recoil(RefinementError::Recoil(error), layout))
     })
 }
 

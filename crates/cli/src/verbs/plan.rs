@@ -10,6 +10,7 @@ use crate::args::evaluate::PlanArgs;
 use crate::args::formats::TextOrJson;
 use crate::failure::Failure;
 use crate::output::destination::print;
+use crate::prepared_film::{prepare, recoil_estimates};
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_points};
 use crate::{json, point_file, remarks, text};
@@ -19,7 +20,8 @@ pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.path()));
     let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
     let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
-    let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy());
+    let show = |stage: Stage| progress.show(stage);
+    let film = prepare(&args.layout, &layout, &show)?.with_accuracy(args.accuracy.accuracy());
     let planning = Stage::uncounted("planning");
     let (plan, points_of) = match args.points.path() {
         Some(path) => {
@@ -35,10 +37,11 @@ pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
             (film.scene().plan_on_grid(&volume.grid), "points of the working volume".to_owned())
         }
     };
+    let estimates = recoil_estimates(&args.layout, &layout)?;
     progress.end();
     print(&match args.format {
-        TextOrJson::Text => text::plan::plan(&film, &plan, &points_of),
-        TextOrJson::Json => json::pretty(&json::plan::PlanJson::new(&film, &plan)),
+        TextOrJson::Text => text::plan::plan(&film, &plan, &estimates, &points_of),
+        TextOrJson::Json => json::pretty(&json::plan::PlanJson::new(&film, &plan, &estimates)),
     })
 }
 

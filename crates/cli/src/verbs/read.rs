@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use magsplice::Stage;
 use magsplice::layout::Elastomer;
 use magsplice::prelude::DVec3;
 use magsplice::sensor::{LocateError, Located};
-use magsplice::{Film, Stage};
 use magsplice_export::{ColumnQuantity, Rows, Table};
 
 use crate::args::formats::TableFormat;
@@ -15,6 +15,7 @@ use crate::faults::FaultList;
 use crate::json::read::ReadJson;
 use crate::output::destination::Output;
 use crate::output::{choice, table};
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::remarks;
 use crate::sensor::film_readings::{AtRest, FilmReadings};
@@ -24,7 +25,8 @@ use crate::words::no_volume;
 pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
-    let film = Film::new(&layout);
+    let show = |stage: Stage| progress.show(stage);
+    let film = prepare(&args.layout, &layout, &show)?;
     film.volume().map_err(|error| no_volume(&args.layout, error))?;
     let format = choice::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
     if format == TableFormat::Vtk {

@@ -16,6 +16,7 @@ use crate::json::decouple::DecoupleJson;
 use crate::json::source::SourceJson;
 use crate::output::destination::print;
 use crate::output::folder::Folder;
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::sampling::run::SamplingRun;
 use crate::sampling::sampled_film::SampledFilm;
@@ -38,7 +39,7 @@ fn draw_one(args: &ReportArgs, path: &Path, quiet: bool) -> Result<(), Failure> 
     let progress = ProgressLine::start(!quiet);
     let show = |stage: Stage| progress.show(stage);
     let layout = remarks::read_layout(path, remarks::OF_COMPARISONS, quiet, &progress)?;
-    let film = Film::new(&layout).with_accuracy(args.accuracy.accuracy()).with_progress(&show);
+    let film = prepare(path, &layout, &show)?.with_accuracy(args.accuracy.accuracy());
     // A folder that cannot be written is refused before the field is computed.
     let folder = Folder::open(&args.output, "report", &[path])?;
     let PageNumbers { mut text, json, field_t } = numbers(&film).map_err(|error| film_failure(path, &layout, error))?;
@@ -70,7 +71,8 @@ fn samples(
     text: &mut String,
 ) -> Result<Option<FilmSamples>, Failure> {
     let Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } = layout else { return Ok(None) };
-    let scene = SampledScene::new(path, layout)?;
+    let show = |stage: Stage| progress.show(stage);
+    let scene = SampledScene::new(path, layout, &show)?;
     let source = SampleSource::new(layout, None, tolerance.seed, 0, tolerance.samples);
     let sampler = scene.sampler(source.seed)?;
     let mut errors = Vec::new();
@@ -98,8 +100,10 @@ fn draw_pair(args: &ReportArgs, paths: [&Path; 2], quiet: bool) -> Result<(), Fa
     let show = |stage: Stage| progress.show(stage);
     let read = |path| remarks::read_layout(path, remarks::OF_COMPARISONS, quiet, &progress);
     let layouts = [read(paths[0])?, read(paths[1])?];
-    let film = |layout| Film::new(layout).with_accuracy(args.accuracy.accuracy()).with_progress(&show);
-    let films = [film(&layouts[0]), film(&layouts[1])];
+    let film = |index: usize| -> Result<Film, Failure> {
+        Ok(prepare(paths[index], &layouts[index], &show)?.with_accuracy(args.accuracy.accuracy()))
+    };
+    let films = [film(0)?, film(1)?];
     let folder = Folder::open(&args.output, "report", &paths)?;
     let evaluated = |index: usize| {
         let failed = |error| film_failure(paths[index], &layouts[index], error);

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use magsplice::Film;
 use magsplice::prelude::DVec3;
 use magsplice_export::{ColumnQuantity, Points, Table};
 
@@ -11,6 +10,7 @@ use crate::failure::Failure;
 use crate::json::field::FieldJson;
 use crate::output::destination::{Output, print};
 use crate::output::{choice, table};
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::sensor::film_resolution::FilmResolution;
 use crate::words::{film_failure, no_volume};
@@ -20,7 +20,7 @@ pub(crate) fn run(args: &ResolutionArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let show = |stage| progress.show(stage);
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
-    let film = Film::new(&layout).with_progress(&show);
+    let film = prepare(&args.layout, &layout, &show)?;
     let volume = film.volume().map_err(|error| no_volume(&args.layout, error))?;
     let file = match &args.output {
         Some(path) => {

@@ -16,6 +16,7 @@ use crate::json::field::FieldJson;
 use crate::json::scan::ScanJson;
 use crate::output::destination::Output;
 use crate::output::{choice, table};
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::sensor::reading_file;
 use crate::sensor::scanned_film::ScannedFilm;
@@ -26,7 +27,8 @@ use crate::{json, remarks, text};
 pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_TILES, quiet, &progress)?;
-    let film = Film::new(&layout);
+    let show = |stage: Stage| progress.show(stage);
+    let film = prepare(&args.layout, &layout, &show)?;
     let inputs: Vec<&Path> = [&args.layout, &args.scan].into_iter().map(PathBuf::as_path).collect();
     let mut output = Output::open(args.result.output.as_deref(), &inputs)?;
     let save = match args.save.as_deref() {

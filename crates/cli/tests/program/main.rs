@@ -27,6 +27,7 @@ mod point_files;
 mod progress;
 mod radians;
 mod real_films;
+mod recoil;
 #[cfg(feature = "report")]
 mod report;
 #[cfg(feature = "report")]

@@ -24,6 +24,8 @@ pub(crate) mod layout_from_above;
 mod layout_legend;
 /// R_x, R_y, S_z on planes through the working volume.
 pub(crate) mod parameter_maps;
+/// How far recoil weakens and turns each tile.
+pub(crate) mod recoil_map;
 /// Resolution of the sensor on planes.
 pub(crate) mod resolution;
 /// A measured plane of a scan beside the field of the layout.
