@@ -92,4 +92,6 @@ fn conjugate_gradients(right: &[DVec3], matrix: impl Fn(&[DVec3]) -> Vec<DVec3>)
 }
 
 #[cfg(test)]
+mod peer_fields;
+#[cfg(test)]
 mod tests;

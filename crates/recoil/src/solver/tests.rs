@@ -1,9 +1,13 @@
 //! The polarization against closed forms, laws, and solutions of other programs.
 
 use glam::DQuat;
-use magsplice_magnet::Permeability;
+use magsplice_field::Scene;
+use magsplice_layout::Layout;
+use magsplice_magnet::{Permeability, Quantity};
 
+use super::peer_fields::{BOXES, FILM_1_05, FILM_1_20};
 use super::*;
+use crate::cells::cell_count;
 
 fn magnet(size: [f64; 3], position: [f64; 3], polarization_t: [f64; 3], mu_r: f64) -> RecoilTile {
     let tile = Tile::new(position.into(), size.into(), polarization_t.into()).unwrap();
@@ -181,5 +185,48 @@ fn turned_stack_is_continuous_in_its_angle() {
     for (a, b) in straight.cells().iter().zip(turned.cells()) {
         let change = (a.polarization_t() - b.polarization_t()).length();
         assert!(change <= angle, "{a:?} {b:?}: {change:e}");
+    }
+}
+
+/// The tiles of the published film, each in three equal cells along its longest side, the first of two.
+fn thirds_of_the_published_film(mu_r: f64) -> Vec<RecoilTile> {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../layouts/published-film.toml");
+    let permeability = Permeability::isotropic(mu_r).unwrap();
+    let third = |tile: &Tile, shift: f64| {
+        let axis = tile.size().to_array().iter().rposition(|side| *side == tile.size().max_element()).unwrap();
+        let along = DVec3::AXES[if axis == 1 && tile.size().x == tile.size().y { 0 } else { axis }];
+        let size = tile.size() * (DVec3::ONE - 2.0 / 3.0 * along);
+        let position = tile.position() + shift * tile.size() * along;
+        RecoilTile { tile: Tile::new(position, size, tile.polarization_t()).unwrap(), permeability }
+    };
+    let tiles = Layout::read(path).unwrap().bare_tiles();
+    tiles.iter().flat_map(|tile| [-1.0, 0.0, 1.0].map(|step| third(tile, step / 3.0))).collect()
+}
+
+/// Equal cells give equal fields: B agrees to 1e-6 of its largest value with the dense solution of
+/// magpylib-material-response, whose interaction is averaged over cells.
+#[test]
+fn fields_agree_with_another_program() {
+    let boxes = [
+        ([1.0, 1.0, 1.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.2], [1.05, 1.05]),
+        ([1.0, 2.0, 1.0], [1.0, 0.5, 0.0], [0.7, 0.0, -0.7], [1.3, 1.3]),
+        ([0.5, 1.0, 0.75], [-0.75, 0.25, 0.125], [0.0, -1.0, 0.2], [2.0, 2.0]),
+        ([2.0, 1.5, 0.5], [0.25, 0.25, 0.75], [0.0, 0.0, -0.9], [1.04, 1.15]),
+    ];
+    let boxes = boxes.map(|(size, position, polarization_t, [along, across])| RecoilTile {
+        permeability: Permeability::along_and_across(along, across).unwrap(),
+        ..magnet(size, position, polarization_t, 1.0)
+    });
+    let films = [(1.05, &FILM_1_05), (1.2, &FILM_1_20)];
+    let films = films.map(|(mu_r, rows)| (thirds_of_the_published_film(mu_r), &rows[..]));
+    for (tiles, rows) in films.into_iter().chain([(boxes.to_vec(), &BOXES[..])]) {
+        assert!(tiles.iter().all(|each| cell_count(each.tile.size(), 1) == 1));
+        let points: Vec<DVec3> = rows.iter().map(|[point, _]| DVec3::from(*point)).collect();
+        let fields = Scene::new(solve(&tiles, 1).cells()).field_at(Quantity::FluxDensity, &points).unwrap();
+        let largest = fields.iter().map(|b_t| b_t.length()).fold(0.0, f64::max);
+        for (b_t, [point, expected]) in fields.iter().zip(rows) {
+            let error = (*b_t - DVec3::from(*expected)).length();
+            assert!(error <= 1e-6 * largest, "{} cells, {point:?}: {b_t} {expected:?}", tiles.len());
+        }
     }
 }
