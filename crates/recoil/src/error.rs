@@ -5,8 +5,11 @@ use std::fmt;
 
 use magsplice_magnet::TileFaults;
 
-use crate::tolerances::MAX_CELLS;
+use crate::tolerances::{MAX_CELLS, MOST_BYTES, MOST_CELLS_OF_TENSORS, MOST_PERMEABILITY_OF_TREE};
 use crate::turned::TurnedNotConverged;
+
+/// Bytes of a GiB.
+const GIBIBYTE: f64 = 1_073_741_824.0;
 
 /// Why the polarization of a set of tiles is not known.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +28,20 @@ pub enum RecoilError {
     TooManyCells {
         /// Number of cells.
         count: usize,
+    },
+    /// The near pairs of cells do not fit in memory: cells are much longer in one direction than another.
+    TooManyNearPairs {
+        /// Number of cells.
+        count: usize,
+        /// Memory that the solution would take, in bytes.
+        bytes: usize,
+    },
+    /// The sums over so many cells are not accurate enough for the permeability.
+    TooPermeable {
+        /// Largest permeability.
+        permeability: f64,
+        /// Number of cells.
+        cells: usize,
     },
     /// A tile cannot be divided.
     Cell {
@@ -57,6 +74,18 @@ impl fmt::Display for RecoilError {
             RecoilError::TooManyCells { count } => {
                 write!(f, "{count} cells, must be at most {MAX_CELLS}: take a lower level of division or fewer tiles")
             }
+            RecoilError::TooManyNearPairs { count, bytes } => write!(
+                f,
+                "the near pairs of {count} cells take {:.1} GiB, must be at most {:.1} GiB: take a lower level of \
+                 division, or divide long and thin tiles into shorter ones",
+                *bytes as f64 / GIBIBYTE,
+                MOST_BYTES as f64 / GIBIBYTE
+            ),
+            RecoilError::TooPermeable { permeability, cells } => write!(
+                f,
+                "recoil permeability = {permeability} with {cells} cells, must be at most \
+                 {MOST_PERMEABILITY_OF_TREE}: lower it, or take a level with at most {MOST_CELLS_OF_TENSORS} cells"
+            ),
             RecoilError::Cell { tile, source } => write!(f, "tile {tile} cannot be divided into cells: {source}"),
             RecoilError::Turned { receiver, source_tile, source } => {
                 write!(f, "tiles {receiver} and {source_tile}: {source}")

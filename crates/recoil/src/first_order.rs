@@ -9,11 +9,13 @@ use crate::error::RecoilError;
 use crate::interaction::mean_tensor;
 use crate::magnetization::Magnetization;
 use crate::material::RecoilTile;
+use crate::pair_sums::PairSums;
+use crate::tolerances::MOST_CELLS_OF_TENSORS;
 
 impl Magnetization {
     /// The polarization J = J_r + chi mu0 H of the field H of the polarizations J_r, each tile divided into
     /// cells at a level: an estimate without the solution of equations. 56 tiles of one cell each take
-    /// milliseconds. No tensors are stored.
+    /// milliseconds.
     ///
     /// # Accuracy
     /// The neglected terms are at most chi times the change, in the root mean square over the volume: a
@@ -30,7 +32,20 @@ impl Magnetization {
     ) -> Result<Magnetization, RecoilError> {
         let division = Division::new(tiles, level)?;
         let rigid: Vec<DVec3> = division.cells.iter().map(Tile::scene_polarization_t).collect();
-        let field = |i: usize| {
+        let fields_t = mean_fields_t(&division, &rigid, progress)?;
+        let induced: Vec<DVec3> =
+            fields_t.iter().zip(&division.owners).map(|(h_t, owner)| tiles[*owner].susceptibility() * *h_t).collect();
+        Magnetization::new(tiles, division, &induced, fields_t)
+    }
+}
+
+/// The mean of mu0 H over each cell, in tesla: pair by pair for few cells, by a tree for many.
+fn mean_fields_t(division: &Division, rigid: &[DVec3], progress: impl Fn() + Sync) -> Result<Vec<DVec3>, RecoilError> {
+    if rigid.len() > MOST_CELLS_OF_TENSORS {
+        return Ok(PairSums::by_tree(division, progress)?.mean_fields_t(rigid));
+    }
+    let field =
+        |i: usize| {
             let mut sum = DVec3::ZERO;
             for (j, j_t) in rigid.iter().enumerate() {
                 let tensor = mean_tensor(&division.cells[i], &division.cells[j]).map_err(|source| {
@@ -41,11 +56,7 @@ impl Magnetization {
             progress();
             Ok(-sum)
         };
-        let fields_t = (0..rigid.len()).into_par_iter().map(field).collect::<Result<Vec<_>, RecoilError>>()?;
-        let induced: Vec<DVec3> =
-            fields_t.iter().zip(&division.owners).map(|(h_t, owner)| tiles[*owner].susceptibility() * *h_t).collect();
-        Magnetization::new(tiles, division, &induced, fields_t)
-    }
+    (0..rigid.len()).into_par_iter().map(field).collect()
 }
 
 #[cfg(test)]

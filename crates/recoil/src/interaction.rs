@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use magsplice_magnet::Tile;
 
 use crate::symmetric_tensor::SymmetricTensor;
-use crate::tolerances::{CORNER_ROUNDINGS, DISTANT, MOST_HALVINGS, PARALLEL, TENSOR_ERROR};
+use crate::tolerances::{CORNER_ROUNDINGS, MOST_HALVINGS, PARALLEL, TENSOR_ERROR};
 use crate::turned::{self, TurnedNotConverged};
 use crate::{corner_sum, distant};
 
@@ -30,6 +30,15 @@ use crate::{corner_sum, distant};
 /// assert!((own.diagonal - DVec3::splat(1.0 / 3.0)).length() < 1e-14);
 /// ```
 pub fn mean_tensor(receiver: &Tile, source: &Tile) -> Result<SymmetricTensor, TurnedNotConverged> {
+    mean_tensor_within(receiver, source, TENSOR_ERROR)
+}
+
+/// [`mean_tensor`] of tiles with parallel edges to an error relative to the norm of the tensor.
+pub(crate) fn mean_tensor_within(
+    receiver: &Tile,
+    source: &Tile,
+    error: f64,
+) -> Result<SymmetricTensor, TurnedNotConverged> {
     let offset = receiver.position() - source.position();
     let frame = source.rotation();
     let relative = DMat3::from_quat(frame.inverse() * receiver.rotation());
@@ -38,9 +47,9 @@ pub fn mean_tensor(receiver: &Tile, source: &Tile) -> Result<SymmetricTensor, Tu
     };
     let size = axes * receiver.size();
     if frame == glam::DQuat::IDENTITY {
-        return Ok(of_boxes(size, source.size(), offset));
+        return Ok(of_boxes(size, source.size(), offset, error));
     }
-    let tensor = of_boxes(size, source.size(), frame.inverse() * offset);
+    let tensor = of_boxes(size, source.size(), frame.inverse() * offset, error);
     Ok(tensor.rotated(DMat3::from_quat(frame)))
 }
 
@@ -57,20 +66,18 @@ fn parallel_axes(relative: DMat3) -> Option<DMat3> {
 
 /// The tensor of two boxes of these sides with parallel edges; `offset` leads from the source to the
 /// receiver.
-pub(crate) fn of_boxes(receiver: DVec3, source: DVec3, offset: DVec3) -> SymmetricTensor {
+pub(crate) fn of_boxes(receiver: DVec3, source: DVec3, offset: DVec3, error: f64) -> SymmetricTensor {
     // In units of the largest length, so that no power leaves the range of numbers.
     let unit = receiver.max_element().max(source.max_element()).max(offset.abs().max_element());
-    of_scaled_boxes(receiver / unit, source / unit, offset / unit, MOST_HALVINGS)
+    of_scaled_boxes([receiver / unit, source / unit], offset / unit, error, MOST_HALVINGS)
 }
 
-fn of_scaled_boxes(receiver: DVec3, source: DVec3, offset: DVec3, halvings: usize) -> SymmetricTensor {
-    let reach = 0.5 * (receiver + source);
-    let distance = offset.length();
-    if distance >= DISTANT * reach.max_element() {
-        return distant::mean_tensor(receiver, source, offset);
+fn of_scaled_boxes([receiver, source]: [DVec3; 2], offset: DVec3, error: f64, halvings: usize) -> SymmetricTensor {
+    if let Some(tensor) = distant::mean_tensor(receiver, source, offset, error) {
+        return tensor;
     }
-    let touches = (offset.abs() - reach).max_element() <= 0.0;
-    if touches || halvings == 0 || corner_error(receiver, source, offset) <= TENSOR_ERROR {
+    let touches = (offset.abs() - 0.5 * (receiver + source)).max_element() <= 0.0;
+    if touches || halvings == 0 || corner_error(receiver, source, offset) <= error {
         return corner_sum::mean_tensor(receiver, source, offset);
     }
     // The longest side is halved. The mean over a receiver is that of the means over its halves, and the
@@ -85,7 +92,8 @@ fn of_scaled_boxes(receiver: DVec3, source: DVec3, offset: DVec3, halvings: usiz
         source[axis_of_source] *= 0.5;
         (0.5 * source[axis_of_source] * DVec3::AXES[axis_of_source], 1.0)
     };
-    let [lower, upper] = [-half, half].map(|shift| of_scaled_boxes(receiver, source, offset + shift, halvings - 1));
+    let [lower, upper] =
+        [-half, half].map(|shift| of_scaled_boxes([receiver, source], offset + shift, error, halvings - 1));
     (lower + upper) * factor
 }
 

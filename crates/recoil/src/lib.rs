@@ -11,8 +11,9 @@
 //! * [`mean_tensor`]: the mean over one tile of the field of another.
 //!
 //! # Accuracy
-//! Tensors of cells are right to [`tolerances::TENSOR_ERROR`], the equations are solved to round-off, and what
-//! remains is the division into cells. [`refine`] estimates its error for the quantity that is asked for.
+//! Few cells have the tensors of all their pairs, right to [`tolerances::TENSOR_ERROR`], and their equations are
+//! solved to round-off. For many, pairs of distant cells interact by multipole expansions, right to
+//! [`tolerances::TREE_ERROR`]. What remains is the division into cells. [`refine`] estimates its error for the quantity that is asked for.
 //! The estimate is no bound: its constants were fitted to the values of the tests.
 //!
 //! # Example
@@ -56,6 +57,8 @@ mod distant;
 mod division;
 /// Why the polarization is not known.
 mod error;
+/// The sums of the mean tensors of all pairs in time proportional to the number of cells.
+mod fast_sum;
 /// The polarization to first order in the susceptibility.
 mod first_order;
 /// The mean tensor of two tiles.
@@ -66,6 +69,8 @@ mod knee;
 mod magnetization;
 /// Magnets with a linear recoil line.
 mod material;
+/// The sums of the mean tensors of all pairs of cells.
+mod pair_sums;
 /// The mean tensors of all pairs of cells.
 mod pair_tensors;
 /// Levels of division until a quantity is known to a tolerance.
@@ -74,6 +79,8 @@ mod refinement;
 mod solver;
 /// Symmetric tensors of the second rank.
 mod symmetric_tensor;
+/// Mirror planes of tiles.
+mod symmetry;
 /// Tolerances and tuning constants.
 pub mod tolerances;
 /// The mean tensor of two boxes that are turned against each other.

@@ -12,64 +12,78 @@
 //! s = sqrt(mu_r), to 12 digits. Where mu_r is 1, x is 0 and J is J_r to the last bit.
 
 use glam::{DMat3, DVec3};
-use magsplice_magnet::Tile;
 
 use crate::division::Division;
 use crate::error::RecoilError;
 use crate::magnetization::Magnetization;
 use crate::material::RecoilTile;
-use crate::pair_tensors::PairTensors;
-use crate::tolerances::{MOST_ITERATIONS, RESIDUAL};
+use crate::pair_sums::PairSums;
+use crate::tolerances::MOST_ITERATIONS;
 
 impl Magnetization {
     /// The self-consistent polarization of tiles, each divided into cells at a level.
     ///
-    /// Time and memory are proportional to the square of the number of cells: 1.2 GB for
-    /// [`crate::tolerances::MAX_CELLS`]. The result does not depend on the number of threads.
-    /// `progress` is told, from any thread, once for each cell.
+    /// Up to [`MOST_CELLS_OF_TENSORS`](crate::tolerances::MOST_CELLS_OF_TENSORS) cells, time and memory are
+    /// proportional to the square of their number. In films with one, two or three mirror planes one cell
+    /// stands for two, four or eight. With more cells, time and memory are proportional to their number.
+    /// The result does not depend on the number of threads. `progress` is told, from any thread, once for
+    /// each cell.
     ///
     /// # Accuracy
-    /// The equations of the cells are solved to about [`crate::tolerances::TENSOR_ERROR`]. The division
-    /// itself has larger errors: see [`crate::refine`].
+    /// The equations of few cells are solved to about [`TENSOR_ERROR`](crate::tolerances::TENSOR_ERROR), those
+    /// of many to [`TREE_ERROR`](crate::tolerances::TREE_ERROR) of what the permeability changes in B outside.
+    /// The division itself has larger errors: see [`crate::refine`].
     ///
     /// # Errors
-    /// Level 0, tiles that overlap, too many cells, tiles turned against each other whose field does not
-    /// converge.
+    /// Level 0, tiles that overlap, too many cells or too many near pairs of them, tiles turned against each
+    /// other whose field does not converge, many cells with a permeability above
+    /// [`MOST_PERMEABILITY_OF_TREE`](crate::tolerances::MOST_PERMEABILITY_OF_TREE).
     pub fn solve(tiles: &[RecoilTile], level: usize, progress: impl Fn() + Sync) -> Result<Magnetization, RecoilError> {
         let division = Division::new(tiles, level)?;
-        let tensors = PairTensors::new(&division, progress)?;
+        let sums = PairSums::new(tiles, &division, level, progress)?;
+        Magnetization::from_sums(tiles, division, &sums)
+    }
+
+    /// The polarization of cells whose tensors are known.
+    fn from_sums(tiles: &[RecoilTile], division: Division, sums: &PairSums) -> Result<Magnetization, RecoilError> {
+        let PairSums { orbits, roots_of_volume, .. } = sums;
         let of_tiles: Vec<DMat3> = tiles.iter().map(RecoilTile::root_of_susceptibility).collect();
-        let roots: Vec<DMat3> = division.owners.iter().map(|owner| of_tiles[*owner]).collect();
-        let rigid: Vec<DVec3> = division.cells.iter().map(Tile::scene_polarization_t).collect();
-        let right: Vec<DVec3> = tensors
+        let cells = &orbits.representatives;
+        let roots: Vec<DMat3> = cells.iter().map(|cell| of_tiles[division.owners[*cell]]).collect();
+        let rigid: Vec<DVec3> = cells.iter().map(|cell| division.cells[*cell].scene_polarization_t()).collect();
+        let right: Vec<DVec3> = sums
             .mean_fields_t(&rigid)
             .into_iter()
-            .zip(&tensors.roots_of_volume)
+            .zip(roots_of_volume)
             .zip(&roots)
             .map(|((h_t, root_of_volume), root)| *root * (h_t * *root_of_volume))
             .collect();
-        let x = conjugate_gradients(&right, |x| {
+        let x = conjugate_gradients(&right, sums.residual(), |x| {
             let inner: Vec<DVec3> = x.iter().zip(&roots).map(|(x, root)| *root * *x).collect();
-            let sums = tensors.apply(&inner);
+            let sums = sums.apply(&inner);
             x.iter().zip(&roots).zip(sums).map(|((x, root), sum)| *x + *root * sum).collect()
         })?;
-        let induced = |i: usize| roots[i] * x[i] / tensors.roots_of_volume[i];
+        let induced = |i: usize| roots[i] * x[i] / roots_of_volume[i];
         let induced: Vec<DVec3> = (0..x.len()).map(induced).collect();
         let total: Vec<DVec3> = rigid.iter().zip(&induced).map(|(j, d)| *j + *d).collect();
-        let fields_t = tensors.mean_fields_t(&total);
-        Magnetization::new(tiles, division, &induced, fields_t)
+        let fields_t = orbits.expand(&sums.mean_fields_t(&total));
+        Magnetization::new(tiles, division, &orbits.expand(&induced), fields_t)
     }
 }
 
 /// The solution of A x = b for a symmetric positive definite A.
-fn conjugate_gradients(right: &[DVec3], matrix: impl Fn(&[DVec3]) -> Vec<DVec3>) -> Result<Vec<DVec3>, RecoilError> {
+fn conjugate_gradients(
+    right: &[DVec3],
+    allowed: f64,
+    matrix: impl Fn(&[DVec3]) -> Vec<DVec3>,
+) -> Result<Vec<DVec3>, RecoilError> {
     let product = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a.dot(*b));
     let mut x = vec![DVec3::ZERO; right.len()];
     let (mut residual, mut direction) = (right.to_vec(), right.to_vec());
     let start = product(right, right);
     let mut square = start;
     for _ in 0..MOST_ITERATIONS {
-        if square <= RESIDUAL * RESIDUAL * start {
+        if square <= allowed * allowed * start {
             return Ok(x);
         }
         let image = matrix(&direction);

@@ -9,11 +9,6 @@ pub const TENSOR_ERROR: f64 = 1e-9;
 /// at most a fifth of it.
 pub(crate) const CORNER_ROUNDINGS: f64 = 0.25;
 
-/// Least ratio of the distance of two centres to the largest half side of the box of all differences of
-/// points at which the Gaussian rule of five nodes per axis is used. Its error is largest for a small box
-/// beside a long one: 6e-10 of the tensor at a ratio of 5.8, in proportion to the tenth power.
-pub(crate) const DISTANT: f64 = 6.5;
-
 /// Most halvings of a pair that is neither near nor distant. Each halves a side of one of the two boxes;
 /// boxes 64 times shorter than their distance are distant whatever their shape.
 pub(crate) const MOST_HALVINGS: usize = 36;
@@ -33,12 +28,43 @@ pub(crate) const TURNED_DISTANT: f64 = 6.0;
 /// Most parts of a receiver that is turned against the source.
 pub(crate) const MOST_PARTS: usize = 100_000;
 
-/// Most cells of one solution. The tensors of their pairs take 1.2 GB.
-pub const MAX_CELLS: usize = 7_000;
+/// Most cells of one solution.
+pub const MAX_CELLS: usize = 120_000;
+
+/// Most cells whose pairs all have their tensors, times the root of the number of images of each cell in
+/// mirror planes. More take less time by a tree.
+pub const MOST_CELLS_OF_TENSORS: usize = 1_000;
+
+/// Largest difference of a tile and the image of another in a mirror plane, in lengths of all tiles and in the
+/// largest polarization. It is above the rounding of coordinates and below any difference that is meant.
+pub(crate) const MIRROR_ERROR: f64 = 1e-12;
+
+/// Most memory that the tensors and expansions of a tree may take, in bytes. The rest of 4 GiB is for the
+/// cells, the vectors of the iteration and the field that is computed from them.
+pub(crate) const MOST_BYTES: usize = 3 << 30;
+
+/// Error of the tensors of near pairs beside a tree, relative to their norm.
+pub(crate) const NEAR_TENSOR_ERROR: f64 = 3e-7;
+
+/// Unit to which lengths of near pairs are rounded, in sides of the cube of all cells. It is above the
+/// rounding of coordinates, and a millionth of the smallest sides of cells that are of use.
+pub(crate) const CACHED_LENGTH: f64 = 1e-12;
+
+/// Most tensors that one thread keeps, in 150 MB.
+pub(crate) const CACHED_TENSORS: usize = 1_000_000;
+
+/// Largest permeability with a tree. It multiplies the error of the sums, [`TREE_ERROR`].
+pub const MOST_PERMEABILITY_OF_TREE: f64 = 100.0;
 
 /// Residual of the iteration, relative to that at the start, at which it ends. The tensors are known to
 /// no more than [`TENSOR_ERROR`].
 pub(crate) const RESIDUAL: f64 = 1e-12;
+
+/// [`RESIDUAL`] with a tree, whose sums are known to no more than [`TREE_ERROR`].
+pub(crate) const RESIDUAL_OF_TREE: f64 = 1e-8;
+
+/// Error of the sums over the cells by a tree, in the root mean square, relative to that of the sums.
+pub const TREE_ERROR: f64 = 1e-5;
 
 /// Most iterations. For a permeability of 1.2 ten are needed, for [`crate::MAX_PERMEABILITY`] about a
 /// thousand.

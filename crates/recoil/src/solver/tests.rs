@@ -3,11 +3,13 @@
 use glam::DQuat;
 use magsplice_field::Scene;
 use magsplice_layout::Layout;
-use magsplice_magnet::{Permeability, Quantity};
+use magsplice_magnet::{Permeability, Quantity, Tile};
 
 use super::peer_fields::{BOXES, FILM_1_05, FILM_1_20};
 use super::*;
 use crate::cells::cell_count;
+use crate::symmetry::Orbits;
+use crate::tolerances::TREE_ERROR;
 
 fn magnet(size: [f64; 3], position: [f64; 3], polarization_t: [f64; 3], mu_r: f64) -> RecoilTile {
     let tile = Tile::new(position.into(), size.into(), polarization_t.into()).unwrap();
@@ -150,11 +152,14 @@ fn polarization_agrees_with_the_exact_field() {
 fn number_of_threads_does_not_matter() {
     let tiles =
         [magnet([1.0; 3], [0.0; 3], [0.1, -0.2, 0.3], 1.3), magnet([1.0; 3], [1.0, 0.0, 0.0], [0.7, 0.1, 0.3], 1.2)];
-    let with_threads = |threads| {
+    let with_threads = |threads, level| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| solve(&tiles, 3))
+        pool.install(|| solve(&tiles, level))
     };
-    assert_eq!(with_threads(1), with_threads(3));
+    // By all tensors, and by a tree.
+    for level in [3, 9] {
+        assert_eq!(with_threads(1, level), with_threads(3, level));
+    }
 }
 
 #[test]
@@ -228,5 +233,117 @@ fn fields_agree_with_another_program() {
             let error = (*b_t - DVec3::from(*expected)).length();
             assert!(error <= 1e-6 * largest, "{} cells, {point:?}: {b_t} {expected:?}", tiles.len());
         }
+    }
+}
+
+/// The tree against the tensors of all pairs: what a permeability changes in B outside agrees to a few
+/// millionths of its largest value, for compact and for flat and long cells, and among turned tiles.
+#[test]
+fn tree_agrees_with_all_tensors() {
+    let frame = DQuat::from_axis_angle(DVec3::new(0.48, 0.6, 0.64), 0.9);
+    let board = |x: i32, y: i32| {
+        let up = if (x + y) % 2 == 0 { 1.0 } else { -1.0 };
+        magnet([1.0, 1.5, 0.75], [f64::from(x), 1.5 * f64::from(y), 0.0], [0.1, 0.3, up], 1.2)
+    };
+    let mut tiles: Vec<RecoilTile> = (0..12).map(|index| board(index % 4, index / 4)).collect();
+    tiles[3].permeability = Permeability::along_and_across(1.05, 3.0).unwrap();
+    tiles.push(magnet([8.0, 0.5, 0.5], [2.0, -2.0, 1.0], [0.5, 0.0, 0.0], 1.1));
+    let turned = tiles.iter().map(|each| {
+        let tile = Tile::new(frame * each.tile.position(), each.tile.size(), each.tile.polarization_t()).unwrap();
+        RecoilTile { tile: tile.rotated(frame).unwrap(), ..*each }
+    });
+    let points = [[1.5, 1.5, -2.0], [0.3, 4.0, -1.0], [-3.0, 0.0, 0.5], [2.0, -3.0, 2.0]].map(DVec3::from);
+    for (tiles, to_scene, level) in [(tiles.clone(), DQuat::IDENTITY, 5), (turned.collect(), frame, 3)] {
+        let fields_t = |cells: &[Tile]| {
+            Scene::new(cells).field_at(Quantity::FluxDensity, &points.map(|point| to_scene * point)).unwrap()
+        };
+        let division = Division::new(&tiles, level).unwrap();
+        let [tree, all] = [
+            PairSums::by_tree(&division, || {}),
+            PairSums::by_tensors(&division, Orbits::trivial(division.cells.len()), || {}),
+        ]
+        .map(|sums| Magnetization::from_sums(&tiles, division.clone(), &sums.unwrap()).unwrap());
+        let bare: Vec<Tile> = tiles.iter().map(|each| each.tile).collect();
+        let (by_tree, by_all, rigid) = (fields_t(tree.cells()), fields_t(all.cells()), fields_t(&bare));
+        let largest = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
+        let (error, change) = (largest(&by_tree, &by_all), largest(&by_all, &rigid));
+        assert!(error <= TREE_ERROR * change, "{error:e} {change:e}");
+    }
+}
+
+/// The sums by a tree are those of a symmetric matrix, to round-off.
+#[test]
+fn tree_is_symmetric() {
+    let tiles = [
+        magnet([3.0, 2.0, 1.0], [0.0; 3], [0.1, 0.3, 1.0], 1.2),
+        magnet([1.0; 3], [9.0, 1.0, 0.0], [1.0, 0.0, 0.0], 1.2),
+    ];
+    let division = Division::new(&tiles, 7).unwrap();
+    let sums = PairSums::by_tree(&division, || {}).unwrap();
+    let vector = |phase: f64| -> Vec<DVec3> {
+        (0..division.cells.len()).map(|i| (phase * DVec3::new(1.3, 2.1, 0.7) * i as f64).map(f64::sin)).collect()
+    };
+    let product = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
+    let (a, b) = (vector(1.0), vector(1.7));
+    let [there, back] = [product(&a, &sums.apply(&b)), product(&b, &sums.apply(&a))];
+    let norm = (product(&a, &a) * product(&b, &b)).sqrt();
+    assert!((there - back).abs() <= 1e-14 * norm, "{there} {back}");
+}
+
+#[test]
+fn tree_refuses_what_it_cannot_solve() {
+    let soft = [magnet([1.0; 3], [0.0; 3], [0.0, 0.0, 1.0], 200.0)];
+    let error = Magnetization::solve(&soft, 15, || {}).unwrap_err();
+    assert_eq!(error, RecoilError::TooPermeable { permeability: 200.0, cells: 3375 });
+    assert!(error.to_string().contains("lower it"), "{error}");
+}
+
+/// Films with three mirror planes, one of which tiles cross, and with one: the solution is that of all cells,
+/// and the change of J has the planes to the last bit.
+#[test]
+fn mirror_planes_change_nothing() {
+    let across = [
+        magnet([1.0, 2.0, 1.0], [0.0; 3], [0.5, 0.0, 0.0], 1.2),
+        magnet([2.0, 1.0, 1.0], [1.5, 0.0, 0.0], [0.0, 0.0, 0.3], 1.1),
+        magnet([2.0, 1.0, 1.0], [-1.5, 0.0, 0.0], [0.0, 0.0, -0.3], 1.1),
+    ];
+    let mut beside = across.to_vec();
+    beside[1].tile = magnet([2.0, 1.0, 1.0], [1.5, 0.25, 0.0], [0.0, 0.0, 0.3], 1.1).tile;
+    beside[2].tile = magnet([2.0, 1.0, 1.0], [-1.5, 0.25, 0.0], [0.0, 0.0, -0.3], 1.1).tile;
+    let mut easy = across.to_vec();
+    easy.iter_mut().for_each(|each| each.permeability = Permeability::along_and_across(1.05, 1.5).unwrap());
+    let lone = vec![magnet([1.0; 3], [0.0; 3], [0.3, 0.4, 0.5], 1.2)];
+    for (tiles, images) in [(across.to_vec(), 4), (beside, 2), (easy, 4), (lone, 1)] {
+        for level in [2, 3] {
+            let division = Division::new(&tiles, level).unwrap();
+            let orbits = Orbits::new(&tiles, &division, level);
+            assert_eq!(orbits.images.len(), images, "{tiles:?}");
+            let all = PairSums::by_tensors(&division, Orbits::trivial(division.cells.len()), || {}).unwrap();
+            let all = Magnetization::from_sums(&tiles, division.clone(), &all).unwrap();
+            let solution = solve(&tiles, level);
+            let errors = all.cells().iter().zip(solution.cells());
+            let error = errors.map(|(a, b)| (a.polarization_t() - b.polarization_t()).length()).fold(0.0, f64::max);
+            assert!(error <= 1e-11, "{level} {images}: {error:e}");
+            for (images, signs) in &orbits.images {
+                for (cell, image) in images.iter().enumerate() {
+                    let fields_t = solution.fields_t();
+                    assert_eq!(fields_t[*image], *signs * fields_t[cell], "{level} {cell} {image}");
+                }
+            }
+        }
+    }
+}
+
+/// `progress` is told once for each cell, by all methods.
+#[test]
+fn progress_counts_cells() {
+    let cube = [magnet([1.0; 3], [0.0; 3], [0.0, 0.0, 1.0], 1.1)];
+    for level in [1, 4, 5, 15] {
+        let count = std::sync::atomic::AtomicUsize::new(0);
+        let add = || {
+            count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        };
+        let cells = Magnetization::solve(&cube, level, add).unwrap().cells().len();
+        assert_eq!(count.into_inner(), cells, "level {level}");
     }
 }

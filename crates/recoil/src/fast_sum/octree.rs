@@ -1,0 +1,104 @@
+//! Cells in cubes that are halved.
+
+use std::ops::Range;
+
+use glam::{DVec3, I64Vec3};
+use magsplice_magnet::Tile;
+
+/// Largest number of cells of a leaf. Fewer make more pairs of nodes, more make more pairs of near cells.
+const CELLS_PER_LEAF: usize = 16;
+
+/// Most halvings of the cube of all cells.
+const MOST_LEVELS: u32 = 40;
+
+/// A cube with the cells whose centres are in it.
+pub(super) struct Node {
+    /// Number of halvings of the cube of all cells.
+    pub(super) level: u32,
+    /// The place among the cubes of its level.
+    pub(super) place: I64Vec3,
+    /// Its cells, by their place in [`Octree::order`].
+    pub(super) cells: Range<usize>,
+    /// Its parts that have cells.
+    pub(super) children: Range<usize>,
+    /// The sphere about the centre that contains the cells.
+    pub(super) radius: f64,
+}
+
+/// Cells in cubes. A node comes before its children.
+pub(super) struct Octree {
+    pub(super) nodes: Vec<Node>,
+    /// Indices of the cells.
+    pub(super) order: Vec<usize>,
+    lower: DVec3,
+    side: f64,
+}
+
+impl Octree {
+    /// The tree of some cells, at least one.
+    pub(super) fn new(cells: &[Tile]) -> Octree {
+        let lower = cells.iter().map(|cell| cell.position()).fold(DVec3::INFINITY, DVec3::min);
+        let upper = cells.iter().map(|cell| cell.position()).fold(DVec3::NEG_INFINITY, DVec3::max);
+        let side = (upper - lower).max_element().max(cells[0].size().max_element());
+        let middle = 0.5 * (lower + upper);
+        let mut tree =
+            Octree { nodes: Vec::new(), order: (0..cells.len()).collect(), lower: middle - 0.5 * side, side };
+        let root = tree.node(cells, 0, I64Vec3::ZERO, 0..cells.len());
+        tree.nodes.push(root);
+        let mut at = 0;
+        while at < tree.nodes.len() {
+            tree.halve(cells, at);
+            at += 1;
+        }
+        tree
+    }
+
+    /// The side of the cubes of a level.
+    pub(super) fn side(&self, level: u32) -> f64 {
+        self.side * 0.5_f64.powi(level as i32)
+    }
+
+    /// The centre of a node.
+    pub(super) fn centre(&self, node: &Node) -> DVec3 {
+        self.centre_of(node.level, node.place)
+    }
+
+    pub(super) fn is_leaf(&self, node: usize) -> bool {
+        self.nodes[node].children.is_empty()
+    }
+
+    fn centre_of(&self, level: u32, place: I64Vec3) -> DVec3 {
+        self.lower + self.side(level) * (place.as_dvec3() + 0.5)
+    }
+
+    fn node(&self, cells: &[Tile], level: u32, place: I64Vec3, own: Range<usize>) -> Node {
+        let centre = self.centre_of(level, place);
+        let reach = |index: &usize| (cells[*index].position() - centre).length() + 0.5 * cells[*index].size().length();
+        let radius = self.order[own.clone()].iter().map(reach).fold(0.0, f64::max);
+        Node { level, place, cells: own, children: 0..0, radius }
+    }
+
+    fn halve(&mut self, cells: &[Tile], at: usize) {
+        let Node { level, place, cells: own, .. } = &self.nodes[at];
+        let (level, place, own) = (*level, *place, own.clone());
+        if own.len() <= CELLS_PER_LEAF || level == MOST_LEVELS {
+            return;
+        }
+        let centre = self.centre(&self.nodes[at]);
+        let octant = |index: usize| {
+            let above = cells[index].position().cmpge(centre);
+            I64Vec3::new(above.x.into(), above.y.into(), above.z.into())
+        };
+        self.order[own.clone()].sort_by_key(|index| octant(*index).to_array());
+        let first = self.nodes.len();
+        let mut start = own.start;
+        while start < own.end {
+            let part = octant(self.order[start]);
+            let count = self.order[start..own.end].iter().take_while(|index| octant(**index) == part).count();
+            let child = self.node(cells, level + 1, 2 * place + part, start..start + count);
+            self.nodes.push(child);
+            start += count;
+        }
+        self.nodes[at].children = first..self.nodes.len();
+    }
+}

@@ -1,0 +1,116 @@
+//! The sums of the mean tensors of all pairs of cells.
+
+use glam::DVec3;
+use magsplice_magnet::Tile;
+
+use crate::division::Division;
+use crate::error::RecoilError;
+use crate::fast_sum::cell_sum::CellSum;
+use crate::material::RecoilTile;
+use crate::pair_tensors::PairTensors;
+use crate::symmetry::Orbits;
+use crate::tolerances::{MOST_CELLS_OF_TENSORS, MOST_PERMEABILITY_OF_TREE, RESIDUAL, RESIDUAL_OF_TREE};
+
+/// The matrix of the tensors T_ij of representatives of orbits ([`PairTensors`]). Without mirrors, each cell
+/// is the only one of its orbit, and T_ij is sqrt(V_i / V_j) N_ij.
+pub(crate) struct PairSums {
+    method: Method,
+    /// The cells whose sums are known.
+    pub(crate) orbits: Orbits,
+    /// Roots of the volumes of orbits, relative to the largest cell.
+    pub(crate) roots_of_volume: Vec<f64>,
+}
+
+/// Images of a cell in three mirror planes.
+const MOST_IMAGES: usize = 8;
+
+enum Method {
+    /// The tensors of all pairs.
+    Tensors(PairTensors),
+    /// Those of near pairs, and expansions.
+    Tree(CellSum),
+}
+
+impl PairSums {
+    /// The tensors of all pairs of few cells, or the tree of many. `progress` is told once for each cell,
+    /// from any thread.
+    ///
+    /// # Errors
+    /// If tensors are not known, if they do not fit in memory, or if a permeability multiplies the error of
+    /// the tree beyond use.
+    pub(crate) fn new(
+        tiles: &[RecoilTile],
+        division: &Division,
+        level: usize,
+        progress: impl Fn() + Sync,
+    ) -> Result<PairSums, RecoilError> {
+        let count = division.cells.len();
+        // Eight images divide the number of pairs by eight.
+        let takes_tensors = |images: usize| count * count <= images * MOST_CELLS_OF_TENSORS * MOST_CELLS_OF_TENSORS;
+        if takes_tensors(MOST_IMAGES) {
+            let orbits = Orbits::new(tiles, division, level);
+            if takes_tensors(orbits.images.len()) {
+                return PairSums::by_tensors(division, orbits, progress);
+            }
+        }
+        let largest = |each: &RecoilTile| each.permeability.along().max(each.permeability.across());
+        let permeability = tiles.iter().map(largest).fold(1.0, f64::max);
+        if permeability > MOST_PERMEABILITY_OF_TREE {
+            return Err(RecoilError::TooPermeable { permeability, cells: count });
+        }
+        PairSums::by_tree(division, progress)
+    }
+
+    /// The tensors of all pairs.
+    pub(crate) fn by_tensors(
+        division: &Division,
+        orbits: Orbits,
+        progress: impl Fn() + Sync,
+    ) -> Result<PairSums, RecoilError> {
+        let method = Method::Tensors(PairTensors::new(division, &orbits, progress)?);
+        Ok(PairSums { method, roots_of_volume: roots_of_volume(division, &orbits), orbits })
+    }
+
+    /// The tensors of near pairs, and expansions.
+    pub(crate) fn by_tree(division: &Division, progress: impl Fn() + Sync) -> Result<PairSums, RecoilError> {
+        let orbits = Orbits::trivial(division.cells.len());
+        let roots_of_volume = roots_of_volume(division, &orbits);
+        let method = Method::Tree(CellSum::new(division, &roots_of_volume, progress)?);
+        Ok(PairSums { method, orbits, roots_of_volume })
+    }
+
+    /// The sums of T_ij v_j over j.
+    pub(crate) fn apply(&self, v: &[DVec3]) -> Vec<DVec3> {
+        match &self.method {
+            Method::Tensors(tensors) => tensors.apply(v),
+            Method::Tree(tree) => tree.apply(v),
+        }
+    }
+
+    /// The mean of mu0 H over each representative, in tesla, of the polarizations of representatives.
+    pub(crate) fn mean_fields_t(&self, polarizations_t: &[DVec3]) -> Vec<DVec3> {
+        let weighted: Vec<DVec3> =
+            polarizations_t.iter().zip(&self.roots_of_volume).map(|(j, root)| *j * *root).collect();
+        let sums = self.apply(&weighted);
+        sums.into_iter().zip(&self.roots_of_volume).map(|(sum, root)| -sum / *root).collect()
+    }
+
+    /// The residual to which equations with this matrix are solved.
+    pub(crate) fn residual(&self) -> f64 {
+        match self.method {
+            Method::Tensors(_) => RESIDUAL,
+            Method::Tree(_) => RESIDUAL_OF_TREE,
+        }
+    }
+}
+
+/// Roots of the volumes of orbits, relative to the largest cell.
+fn roots_of_volume(division: &Division, orbits: &Orbits) -> Vec<f64> {
+    let volume = |cell: &Tile| cell.size().element_product();
+    let largest = division.cells.iter().map(volume).fold(f64::MIN_POSITIVE, f64::max);
+    let of_orbit = |cell: &usize| {
+        let count = orbits.images.len() / orbits.stabilizer(*cell);
+        (volume(&division.cells[*cell]) / largest * count as f64).sqrt()
+    };
+    orbits.representatives.iter().map(of_orbit).collect()
+}
