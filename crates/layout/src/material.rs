@@ -4,9 +4,10 @@ use magsplice_magnet::Permeability;
 
 use crate::layout::Layout;
 
-/// Default share of the largest change of B by recoil that its error may have. The permeability of a magnet is
-/// known to 0.01 at best, for 1.05 a fifth of the change.
-const RECOIL_ERROR: f64 = 0.2;
+/// Default share of the largest change of B by recoil that its error may have. The estimate of the error is far
+/// above the error itself (docs/recoil.md), and the permeability of a magnet is known to 0.01 at best, for 1.05 a
+/// fifth of the change. Films need the least level at which an error is known.
+const RECOIL_ERROR: f64 = 0.3;
 
 /// The material of the tiles. The default is a magnet whose polarization no field changes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,6 +10,7 @@ use magsplice_field::Scene;
 use magsplice_ideal::{Comparison, ComparisonError, IdealFilm};
 use magsplice_layout::{Layout, WorkingVolume};
 use magsplice_magnet::{Accuracy, Cause, Grid, PointError, PointErrors, Quantity};
+use magsplice_recoil::tolerances::{MAX_CELLS, MOST_PERMEABILITY_OF_TREE};
 use magsplice_recoil::{RecoilError, RefinementError};
 use magsplice_sensor::{SensedField, SensedFieldError};
 use magsplice_tolerance::{EvaluationGrid, RealFilm, SampleError};
@@ -381,6 +382,16 @@ fn recoil_words(error: &RefinementError, tiles: &[String], f: &mut fmt::Formatte
             "what recoil changes in B is known to {:.1} of the stated error with at most {most_cells} cells, and the next \
              level has {needed_cells}: raise recoil_error in [material]",
             reached / tolerance
+        ),
+        (RefinementError::Recoil(RecoilError::TooPermeable { permeability, cells }), _) => write!(
+            f,
+            "recoil_permeability = {permeability}, must be at most {MOST_PERMEABILITY_OF_TREE} where so small an error needs \
+             {cells} cells: lower it, or raise recoil_error in [material]"
+        ),
+        (RefinementError::Recoil(RecoilError::TooManyCells { count }), _) => write!(
+            f,
+            "tiles with a recoil permeability have {count} cells, must have at most {MAX_CELLS}: raise recoil_error in \
+             [material], or take fewer tiles"
         ),
         (error, _) => write!(f, "{error}"),
     }

@@ -79,7 +79,7 @@ fn decouple_states_what_recoil_changes_and_how_well_it_is_known() {
     let change = figures("with", "amplitude") / figures("without", "amplitude") - 1.0;
     assert!(change < -0.02 && change > -0.1, "{change}");
     assert!(figures("errors", "amplitude") < 0.3 * change.abs(), "{recoil}");
-    assert!(number(&recoil["error_t"]) <= 0.2 * number(&recoil["change_t"]) * 1.2, "{recoil}");
+    assert!(number(&recoil["error_t"]) <= 0.3 * 1.5 * number(&recoil["change_t"]), "{recoil}");
     assert!(number(&recoil["largest_weakening"]) > 0.02);
     let text = stdout(&sandbox, &["decouple", "film.toml"]);
     for part in
@@ -146,10 +146,12 @@ fn field_is_that_of_the_weakened_tiles() {
 
 #[test]
 fn errors_that_cannot_be_kept_are_refused() {
-    let sandbox = sandbox("[material]\nrecoil_permeability = 50\nrecoil_error = 0.0001\n");
+    // So permeable a film is divided into few cells only.
+    let sandbox = sandbox("[material]\nrecoil_permeability = 200\nrecoil_error = 0.0001\n");
     let said = sandbox.run(&["decouple", "film.toml"]);
     assert!(said.status != 0, "{}", said.stdout);
     assert!(said.stderr.contains("raise recoil_error in [material]"), "{}", said.stderr);
+    assert!(said.stderr.contains("recoil_permeability = 200, must be at most 100"), "{}", said.stderr);
 }
 
 /// The nominal film of a tolerance study is the film of `decouple`, and temperature takes the coefficient of the

@@ -17,7 +17,7 @@ pub(crate) struct MaterialTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) recoil_permeability: Option<RecoilPermeability>,
     /// Largest error of what recoil changes in B, as a share of its largest change. Smaller errors need more
-    /// cells. Default: 0.2.
+    /// cells. Default: 0.3.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) recoil_error: Option<f64>,
     /// mu0 times the magnitude of H at the knee of the demagnetization curve, in T. Tiles beyond it are
