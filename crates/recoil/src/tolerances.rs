@@ -28,11 +28,13 @@ pub(crate) const TURNED_DISTANT: f64 = 6.0;
 /// Most parts of a receiver that is turned against the source.
 pub(crate) const MOST_PARTS: usize = 100_000;
 
-/// Most cells of one solution.
+/// Most cells of one solution. The 96 768 cells of the published film at level 12 take 2.5 GB and 86 s of one
+/// core with a permeability of 1.2; 102 400 cells of a board of 40 x 40 cubes take 1.5 GB and 37 s.
 pub const MAX_CELLS: usize = 120_000;
 
 /// Most cells whose pairs all have their tensors, times the root of the number of images of each cell in
-/// mirror planes. More take less time by a tree.
+/// mirror planes. A tree has the tensors of a quarter of the pairs of 1500 cells, and of about a third of
+/// those of this many; what it saves is what its expansions cost.
 pub const MOST_CELLS_OF_TENSORS: usize = 1_000;
 
 /// Largest difference of a tile and the image of another in a mirror plane, in lengths of all tiles and in the
@@ -63,7 +65,9 @@ pub(crate) const RESIDUAL: f64 = 1e-12;
 /// [`RESIDUAL`] with a tree, whose sums are known to no more than [`TREE_ERROR`].
 pub(crate) const RESIDUAL_OF_TREE: f64 = 1e-8;
 
-/// Error of the sums over the cells by a tree, in the root mean square, relative to that of the sums.
+/// Error of the sums over the cells by a tree, in the root mean square, relative to that of the sums. Measured
+/// against all tensors: 5e-6 to 1.3e-5 for boards, designed films and a cube of 1500 to 4400 cells. B outside is
+/// right to 4e-6 of what the permeability changes.
 pub const TREE_ERROR: f64 = 1e-5;
 
 /// Most iterations. For a permeability of 1.2 ten are needed, for [`crate::MAX_PERMEABILITY`] about a
