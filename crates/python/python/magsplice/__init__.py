@@ -1,0 +1,101 @@
+"""Magnet films spliced from cuboids: exact field, decoupling, tolerances and design.
+
+A spliced film is a flat magnet of many small, uniformly magnetized cuboids, its tiles. This
+package computes its field, compares it with the ideal film, measures how well it decouples the
+three axes of a tactile sensor below it, and searches for a better film.
+
+Five lines::
+
+    import magsplice
+    film = magsplice.load("layouts/published-film.toml")
+    print(film.b([0.0, 0.0, -5.0]))         # B in tesla at a point in millimetres
+    print(film.compare().amplitude)         # against the ideal film
+    print(film.decouple().uniformity_rmse)  # of R_x, R_y, S_z
+
+Units and shapes
+----------------
+Lengths are in millimetres, flux density B and polarization J in tesla, field strength H in ampere
+per metre, forces in newton, angles in radians. A name ends with its unit: ``_mm``, ``_t``, ``_n``,
+``_deg``. Points and vectors have the shape (..., 3), with x, y, z last. `getB` and `getH` alone use
+metres, as magpylib does.
+
+Where to begin
+--------------
+load, loads, Film, splice
+    A film from a file, from text, from tiles, from a few numbers.
+Film.b, Film.h, Film.j, Film.gradient
+    Its field at points or on a `Grid`, exact or within a tolerance.
+Film.compare, Film.decouple
+    The ideal film, and the decoupling parameters.
+Film.tolerance
+    The films that are made, on one machine or on a cluster.
+Film.read, Film.resolution
+    Displacements and forces from readings of a Hall sensor.
+Film.design, Film.front
+    Better films.
+Film.report, Film.view, magsplice.plot
+    Figures: files, a page, matplotlib.
+getB, getH, from_magpylib, Film.to_magpylib
+    Cuboids of magpylib.
+
+Source of the method: Dai et al., "A Magnet Splicing Method for Constructing a Three-Dimensional
+Self-Decoupled Magnetic Tactile Sensor", Magnetochemistry 2024, 10(1), 6, here "Dai 2024".
+"""
+
+from magsplice import errors, plot
+from magsplice._film import Film, load, loads, splice
+from magsplice._layout import Grid, Ideal, Tile, Tiles, Volume
+from magsplice._magpylib import from_magpylib, getB, getH
+from magsplice._magsplice import __version__
+from magsplice._results import (
+    Comparison,
+    Decoupling,
+    Design,
+    Estimate,
+    Figure,
+    Front,
+    Metrics,
+    Page,
+    Readings,
+    Report,
+    Samples,
+    Statistics,
+    statistics,
+)
+from magsplice.errors import LayoutError, LayoutFault, MagspliceError, PointFault, PointsError
+
+__all__ = [
+    "Comparison",
+    "Decoupling",
+    "Design",
+    "Estimate",
+    "Figure",
+    "Film",
+    "Front",
+    "Grid",
+    "Ideal",
+    "LayoutError",
+    "LayoutFault",
+    "MagspliceError",
+    "Metrics",
+    "Page",
+    "PointFault",
+    "PointsError",
+    "Readings",
+    "Report",
+    "Samples",
+    "Statistics",
+    "Tile",
+    "Tiles",
+    "Volume",
+    "__version__",
+    "errors",
+    "from_magpylib",
+    "getB",
+    "getH",
+    "load",
+    "loads",
+    "plot",
+    "splice",
+    "statistics",
+]

@@ -1,0 +1,260 @@
+"""Parts of a layout: tiles, grids, working volume, ideal film."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from magsplice._arrow import Column, Table, split
+
+Floats = NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+__all__ = ["Grid", "Ideal", "Tile", "Tiles", "Volume"]
+
+
+class Tile(NamedTuple):
+    """A uniformly magnetized cuboid.
+
+    Parameters
+    ----------
+    position_mm : (x, y, z)
+        Centre, in millimetres.
+    size_mm : (a, b, c)
+        Full side lengths along the tile's own axes, in millimetres, each above 0.
+    polarization_t : (x, y, z)
+        Polarization J = mu0 M in the tile's own frame, in tesla.
+    rotation : (x, y, z, w), optional
+        Quaternion that takes the tile's own frame to the film's, or anything with ``as_quat()``,
+        such as `scipy.spatial.transform.Rotation`. Default: not rotated.
+    name : str, optional
+        Unique name. Default: ``tile-1``, ``tile-2``, ...
+    kind : str, optional
+        Name of the kind that the layout file gave.
+
+    Examples
+    --------
+    >>> Tile((0, 0, 0.5), (3.3, 1.7, 1.0), (0.12, 0, 0)).size_mm
+    (3.3, 1.7, 1.0)
+    """
+
+    position_mm: Sequence[float]
+    size_mm: Sequence[float]
+    polarization_t: Sequence[float]
+    rotation: Any = None
+    name: str | None = None
+    kind: str | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Tile as a table ``[[tile]]`` of a layout file."""
+        rotation = self.rotation
+        if hasattr(rotation, "as_quat"):
+            rotation = rotation.as_quat()
+        return {
+            "name": self.name,
+            "position_mm": _numbers(self.position_mm),
+            "size_mm": _numbers(self.size_mm),
+            "polarization_t": _numbers(self.polarization_t),
+            "rotation": None if rotation is None else {"quaternion": _numbers(rotation)},
+        }
+
+
+def _numbers(values: ArrayLike) -> list[float]:
+    return [float(value) for value in np.asarray(values, dtype=float).ravel()]
+
+
+class Tiles(Table, Sequence[Tile]):
+    """Tiles of a film, as a sequence of `Tile` and as arrays with one row for each tile."""
+
+    names: list[str]
+    """Names, unique within the film."""
+    kinds: list[str | None]
+    """Names of kinds; None where the layout file names none."""
+    position_mm: Floats
+    """Centres, in millimetres, shape (n, 3)."""
+    size_mm: Floats
+    """Full side lengths along the tiles' own axes, in millimetres, shape (n, 3)."""
+    polarization_t: Floats
+    """Polarizations J = mu0 M in the tiles' own frames, in tesla, shape (n, 3)."""
+    rotation: Floats
+    """Quaternions (x, y, z, w) that take the tiles' frames to the film's, shape (n, 4)."""
+
+    def __init__(
+        self,
+        names: list[str],
+        kinds: list[str | None],
+        position_mm: Floats,
+        size_mm: Floats,
+        polarization_t: Floats,
+        rotation: Floats,
+    ) -> None:
+        self.names = names
+        self.kinds = kinds
+        self.position_mm = position_mm
+        self.size_mm = size_mm
+        self.polarization_t = polarization_t
+        self.rotation = rotation
+        for array in (position_mm, size_mm, polarization_t, rotation):
+            array.flags.writeable = False
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @overload
+    def __getitem__(self, index: int) -> Tile: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Tile]: ...
+    def __getitem__(self, index: int | slice) -> Tile | list[Tile]:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        rotation = tuple(self.rotation[index].tolist())
+        return Tile(
+            tuple(self.position_mm[index].tolist()),
+            tuple(self.size_mm[index].tolist()),
+            tuple(self.polarization_t[index].tolist()),
+            None if rotation == (0.0, 0.0, 0.0, 1.0) else rotation,
+            self.names[index],
+            self.kinds[index],
+        )
+
+    def __iter__(self) -> Iterator[Tile]:
+        return (self[index] for index in range(len(self)))
+
+    def __repr__(self) -> str:
+        return f"<Tiles: {len(self)}>"
+
+    def columns(self) -> dict[str, Column]:
+        """Columns name, x_mm, y_mm, z_mm, size_x_mm, ..., j_x_t, ..., q_x, q_y, q_z, q_w."""
+        return {
+            "name": self.names,
+            **split(("x_mm", "y_mm", "z_mm"), self.position_mm),
+            **split(("size_x_mm", "size_y_mm", "size_z_mm"), self.size_mm),
+            **split(("j_x_t", "j_y_t", "j_z_t"), self.polarization_t),
+            **split(("q_x", "q_y", "q_z", "q_w"), self.rotation),
+        }
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A regular grid of points.
+
+    Both ends are points; an axis with one point has it at the lower end. A tolerance costs much
+    less on a grid than at the same points in an array.
+
+    Parameters
+    ----------
+    lower_mm, upper_mm : (x, y, z)
+        First and last point along each axis, in millimetres.
+    counts : (nx, ny, nz)
+        Number of points along each axis, at least 1.
+
+    Examples
+    --------
+    >>> Grid((-2, -2, -5), (2, 2, -3), (9, 9, 5)).points_mm.shape
+    (9, 9, 5, 3)
+    """
+
+    lower_mm: Vector
+    upper_mm: Vector
+    counts: tuple[int, int, int]
+
+    def __post_init__(self) -> None:
+        for name in ("lower_mm", "upper_mm"):
+            x, y, z = getattr(self, name)
+            object.__setattr__(self, name, (float(x), float(y), float(z)))
+        nx, ny, nz = self.counts
+        object.__setattr__(self, "counts", (int(nx), int(ny), int(nz)))
+
+    def _axis(self, axis: int) -> Floats:
+        # Rounded once, as the library rounds, so that a grid symmetric about 0 contains 0.
+        last = self.counts[axis] - 1
+        lower, upper = self.lower_mm[axis], self.upper_mm[axis]
+        if last == 0:
+            return np.array([lower])
+        steps = np.arange(last + 1)
+        values: Floats = (lower * (last - steps) + upper * steps) / last
+        values[0], values[-1] = lower, upper
+        return values
+
+    @cached_property
+    def x_mm(self) -> Floats:
+        """Coordinates along x, in millimetres, shape (nx,)."""
+        return self._axis(0)
+
+    @cached_property
+    def y_mm(self) -> Floats:
+        """Coordinates along y, in millimetres, shape (ny,)."""
+        return self._axis(1)
+
+    @cached_property
+    def z_mm(self) -> Floats:
+        """Coordinates along z, in millimetres, shape (nz,)."""
+        return self._axis(2)
+
+    @property
+    def points_mm(self) -> Floats:
+        """Points, in millimetres, shape (nx, ny, nz, 3)."""
+        return np.stack(np.meshgrid(self.x_mm, self.y_mm, self.z_mm, indexing="ij"), axis=-1)
+
+    def __len__(self) -> int:
+        nx, ny, nz = self.counts
+        return nx * ny * nz
+
+
+@dataclass(frozen=True)
+class Ideal:
+    """The ideal, sinusoidally magnetized film of Dai 2024, Eqs. 1 and 2.
+
+    Its polarization is amplitude_t (sin kx, sin ky, 0) for 0 <= z <= thickness_mm, without end
+    along x and y, with k = 2 pi / wavelength_mm.
+    """
+
+    wavelength_mm: float
+    """Wavelength, in millimetres."""
+    thickness_mm: float
+    """Thickness, in millimetres."""
+    amplitude_t: float
+    """Amplitude of each component of the polarization, in tesla."""
+
+    @property
+    def wavenumber_per_mm(self) -> float:
+        """K = 2 pi over the wavelength, in radians per millimetre."""
+        return float(2 * np.pi / self.wavelength_mm)
+
+
+@dataclass(frozen=True)
+class Volume:
+    """The region below the film in which the sensor moves, sampled on a regular grid.
+
+    The grid starts at the lower ends. It includes the upper ends where the step divides the range.
+    """
+
+    x_mm: tuple[float, float]
+    """Range along x, in millimetres."""
+    y_mm: tuple[float, float]
+    """Range along y, in millimetres."""
+    z_mm: tuple[float, float]
+    """Range along z, in millimetres. Negative: the film is above."""
+    step_mm: float | Vector
+    """Distance of neighbouring points, in millimetres: one number, or one for each axis."""
+    reference_mm: Vector | None = None
+    """Point from which displacements count, in millimetres. Default: the middle of x and y at the
+    lowest z."""
+
+
+def table_of(part: Any) -> Any:
+    """Part of a layout as a table of a layout file."""
+    if isinstance(part, (Ideal, Volume)):
+        return dict(vars(part))
+    if isinstance(part, Tile):
+        return part.to_dict()
+    if isinstance(part, Tiles):
+        return [tile.to_dict() for tile in part]
+    if isinstance(part, Mapping) or part is None or isinstance(part, (str, int, float)):
+        return part
+    return [table_of(item) for item in part]

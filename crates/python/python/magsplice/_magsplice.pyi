@@ -1,0 +1,186 @@
+"""Types of the extension module. The package re-exports what people use."""
+
+import os
+from collections.abc import Callable
+from typing import Any, Literal, TypedDict, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+__version__: str
+
+_Floats = NDArray[np.float64]
+_Vector = tuple[float, float, float]
+_Within = tuple[bool, float] | None
+_Quantity = Literal["b", "h", "j"]
+_Errors = tuple[_Floats, _Floats, _Floats]
+
+@final
+class Scene:
+    def __new__(
+        cls, position: _Floats, size: _Floats, polarization_t: _Floats, rotation: _Floats
+    ) -> Scene: ...
+    def __len__(self) -> int: ...
+    def field(
+        self, quantity: _Quantity, points: _Floats, within: _Within = None
+    ) -> tuple[_Floats, Exception | None]: ...
+    def field_on_grid(
+        self,
+        quantity: _Quantity,
+        lower: _Vector,
+        upper: _Vector,
+        counts: tuple[int, int, int],
+        within: _Within = None,
+    ) -> tuple[_Floats, Exception | None]: ...
+    def gradient(
+        self, quantity: _Quantity, points: _Floats
+    ) -> tuple[_Floats, Exception | None]: ...
+    def error_bounds_t(self, points: _Floats) -> _Floats: ...
+
+@final
+class Film:
+    @staticmethod
+    def read(path: str | os.PathLike[str]) -> Film: ...
+    @staticmethod
+    def parse(text: str, origin: str, folder: str | os.PathLike[str] | None = None) -> Film: ...
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def description(self) -> str | None: ...
+    @property
+    def history(self) -> list[str]: ...
+    @property
+    def sha256(self) -> str: ...
+    @property
+    def findings(self) -> list[str]: ...
+    @property
+    def ideal(self) -> _Vector | None: ...
+    @property
+    def volume(
+        self,
+    ) -> tuple[_Vector, _Vector, tuple[int, int, int], _Vector, _Vector] | None: ...
+    def __len__(self) -> int: ...
+    def tiles(
+        self,
+    ) -> tuple[list[str], list[str | None], _Floats, _Floats, _Floats, _Floats]: ...
+    def ideal_b(self, points: _Floats) -> _Floats: ...
+    def to_json(self) -> str: ...
+    def to_toml(self, compact: bool) -> str: ...
+
+class _Comparison(TypedDict):
+    points: int
+    component_rmse_t: _Vector
+    rmse_t: float
+    relative_rmse: float
+    worst_t: float
+    worst_at_mm: _Vector
+    amplitude: float
+    scaled_relative_rmse: float | None
+    correlation: tuple[float | None, float | None, float | None]
+
+class _Decoupling(TypedDict):
+    parameters: _Floats
+    at_reference: _Vector
+    singular_mm: _Floats
+    uniformity_rmse: _Vector | None
+    ideal_rmse: _Vector
+    displacement_rmse_mm: _Vector
+    wavenumber_per_mm: float
+
+class _Statistics(TypedDict):
+    count: int
+    mean: _Vector
+    p1: _Vector
+    p5: _Vector
+    p50: _Vector
+    p95: _Vector
+    p99: _Vector
+
+class _Readings(TypedDict):
+    displacement_mm: _Floats
+    deviation_mm: _Floats | None
+    force_n: _Floats | None
+    closed_form_mm: _Floats | None
+    status: NDArray[np.uint8]
+    messages: list[str]
+
+class _Metrics(TypedDict):
+    points: int
+    uniformity_rmse: _Vector
+    ideal_rmse: _Vector
+    displacement_rmse_mm: _Vector
+    amplitude: float
+    scaled_relative_rmse: float | None
+
+class _Made(TypedDict):
+    samples: int
+    seed: int
+    before_displacement_rmse_mm: list[_Statistics]
+    before_amplitude: _Statistics
+    after_displacement_rmse_mm: list[_Statistics]
+    after_amplitude: _Statistics
+
+class _Design(TypedDict):
+    text: str
+    before: _Metrics
+    after: _Metrics
+    five_times_finer: _Metrics
+    made: _Made | None
+    stages: list[tuple[str, _Vector]]
+    parts: int
+    starts_that_agree: int
+    short_of: list[str]
+
+def compare(film: Film, field_t: _Floats, points: _Floats | None = None) -> _Comparison: ...
+def decouple(film: Film, field_t: _Floats, points: _Floats | None = None) -> _Decoupling: ...
+def samples(
+    film: Film,
+    preset: str | None,
+    seed: int | None,
+    first: int,
+    count: int,
+    threads: int | None = None,
+    progress: Callable[[int, int], Any] | None = None,
+) -> _Errors: ...
+def nominal(film: Film) -> _Errors: ...
+def statistics(values: _Floats) -> _Statistics | None: ...
+def read(
+    film: Film,
+    readings_t: _Floats,
+    noise_t: _Vector | None = None,
+    constant_t: _Vector = ...,
+) -> _Readings: ...
+def resolution(film: Film, points: _Floats, noise_t: _Vector | None = None) -> _Floats | None: ...
+def report(
+    film: Film,
+    field_t: _Floats | None,
+    text: str,
+    json: str,
+    outlines: bool = False,
+) -> tuple[list[tuple[str, str, str, bytes, str]], str, list[str]]: ...
+def view(film: Film) -> str: ...
+def layout_svg(film: Film) -> str: ...
+def design(
+    film: Film,
+    least_amplitude: float | None = None,
+    progress: Callable[[str, int, int, float | None], Any] | None = None,
+) -> _Design: ...
+def splice(
+    wavelength_mm: float,
+    film_mm: tuple[float, float],
+    thickness_mm: float,
+    remanence_t: float,
+    range_mm: tuple[float, float],
+    distance_mm: tuple[float, float],
+    smallest_cut_mm: float,
+    gap_mm: float,
+    resolution_mm: float,
+    resolution_deg: float,
+    least_amplitude: float,
+    parts: int | None,
+    goal: str,
+    starts: int,
+    seed: int,
+) -> str: ...

@@ -1,0 +1,81 @@
+"""Exceptions of magsplice. Their messages are those of the program and the Rust library."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+__all__ = ["LayoutError", "LayoutFault", "MagspliceError", "PointFault", "PointsError"]
+
+
+class MagspliceError(Exception):
+    """A film that cannot be evaluated, sampled, designed or drawn. The message says why."""
+
+
+class LayoutFault(NamedTuple):
+    """One broken rule of a layout."""
+
+    line: int | None
+    """Line of the text, the first is 1, where the rule belongs to one."""
+    place: str
+    """Table or tile, such as ``tile "rim-3"``."""
+    message: str
+    """The value and the rule, such as ``size_mm[1] = -1, must be greater than 0``."""
+
+
+class LayoutError(MagspliceError, ValueError):
+    """A layout that is not TOML, has unknown keys, or breaks rules.
+
+    A file that cannot be read raises `OSError` instead, such as `FileNotFoundError`.
+    """
+
+    faults: list[LayoutFault]
+    """All broken rules. Empty for an error of syntax, which the message describes."""
+
+    def __init__(self, message: str, faults: Sequence[tuple[int | None, str, str]] = ()) -> None:
+        super().__init__(message, faults)
+        self.faults = [LayoutFault(*fault) for fault in faults]
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+@dataclass(frozen=True)
+class PointFault:
+    """A point without a field."""
+
+    index: int
+    """Index of the point, after the leading axes of the points are flattened."""
+    point: tuple[float, float, float]
+    """The point, in the unit of length of the call."""
+    tile: int | None
+    """Index of a tile on whose edge the point lies, where that is the reason."""
+    message: str
+    """The reason."""
+
+
+class PointsError(MagspliceError, ValueError):
+    """Points without a field.
+
+    On an exposed edge that is not parallel to the polarization B is unbounded. Coordinates must be
+    finite. A tolerance may be too small for the exact field. The argument ``invalid="nan"`` gives
+    NaN at such points instead of this exception.
+    """
+
+    faults: list[PointFault]
+    """All points without a field, in their order."""
+
+    def __init__(
+        self,
+        message: str,
+        faults: Sequence[tuple[int, Sequence[float], int | None, str]] = (),
+    ) -> None:
+        super().__init__(message, faults)
+        self.faults = [
+            PointFault(index, (float(point[0]), float(point[1]), float(point[2])), tile, reason)
+            for index, point, tile, reason in faults
+        ]
+
+    def __str__(self) -> str:
+        return str(self.args[0])

@@ -1,0 +1,51 @@
+//! The extension module of the Python package `magsplice`: conversions between Python and the library.
+//!
+//! The package in `python/magsplice` is what people import. It gives this module contiguous arrays of
+//! doubles and makes results into classes. Here arrays are viewed in place, the interpreter is released
+//! during work, and signals are polled between stretches of work.
+
+// Methods of a Python class take `&self` and values as Python passes them.
+#![allow(clippy::needless_pass_by_value)]
+
+/// Numbers of a film: comparison and decoupling.
+mod evaluation;
+/// Python exceptions for the errors of the library.
+mod exceptions;
+/// A layout with its prepared tiles.
+mod film;
+/// Positions and forces from readings.
+mod readings;
+/// Figures and pages.
+mod report;
+/// Samples of films that are made.
+mod samples;
+/// Tiles whose field is wanted.
+mod scene;
+/// Searches for films.
+mod search;
+/// NumPy arrays viewed as vectors.
+mod vectors;
+
+/// The extension module of the package magsplice.
+#[pyo3::pymodule]
+mod _magsplice {
+    #[pymodule_export]
+    use crate::evaluation::{compare, decouple};
+    #[pymodule_export]
+    use crate::film::Film;
+    #[pymodule_export]
+    use crate::readings::{read, resolution};
+    #[pymodule_export]
+    use crate::report::{layout_svg, report, view};
+    #[pymodule_export]
+    use crate::samples::{nominal, samples, statistics};
+    #[pymodule_export]
+    use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::search::{design, splice};
+
+    /// Version of the library.
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "the name in Python")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,69 @@
+//! Figures and pages.
+
+use magsplice::Film as Evaluated;
+use magsplice::layout::Layout;
+use magsplice_report::{FilmSamples, PrintedResults, Report, SvgText, layout_figure};
+use numpy::PyReadonlyArray2;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::exceptions::failed;
+use crate::film::Film;
+use crate::samples::{SampledFilm, sampled};
+use crate::vectors::vectors;
+
+/// A figure: name, caption, SVG, PNG and CSV.
+type Figure<'py> = (&'static str, String, String, Bound<'py, PyBytes>, String);
+
+/// The figures of a film, the page that shows them, and what the report lacks. `field_t` is B on the grid
+/// of the volume, where there is one. `text` and `json` are the results that the page repeats.
+#[pyfunction]
+#[pyo3(signature = (film, field_t, text, json, outlines=false))]
+pub(crate) fn report<'py>(
+    py: Python<'py>,
+    film: &Film,
+    field_t: Option<PyReadonlyArray2<'py, f64>>,
+    text: &str,
+    json: &str,
+    outlines: bool,
+) -> PyResult<(Vec<Figure<'py>>, String, Vec<String>)> {
+    let layout = &film.layout;
+    let field_t = field_t.as_ref().map(|field| vectors(field).map(<[_]>::to_vec)).transpose()?;
+    let samples = match layout {
+        Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } => {
+            let errors = sampled(py, layout, None, 0..tolerance.samples, None, &|_| Ok(()))?;
+            let nominal = py.detach(|| SampledFilm::new(layout).map_err(failed)?.nominal().map_err(failed))?;
+            Some(FilmSamples { nominal, errors })
+        }
+        _ => None,
+    };
+    let results = PrintedResults { text, json };
+    let report = py.detach(|| {
+        let film = film.evaluated()?;
+        Report::new(&film, field_t, samples, results, svg_text(outlines)).map_err(failed)
+    })?;
+    let Report { figures, html, absent, .. } = report;
+    let figures = figures.into_iter().map(|f| (f.name, f.caption, f.svg, PyBytes::new(py, &f.png), f.csv));
+    Ok((figures.collect(), html, absent))
+}
+
+/// The page with the tiles alone: their picture, and a view that can be turned.
+#[pyfunction]
+pub(crate) fn view(py: Python<'_>, film: &Film) -> PyResult<String> {
+    py.detach(|| {
+        let layout = Layout { volume: None, ideal: None, tolerance: None, sensor: None, ..film.layout.clone() };
+        let film = Evaluated::new(&layout);
+        let results = PrintedResults { text: "", json: "{}" };
+        Report::new(&film, None, None, results, SvgText::Outlines).map(|report| report.html).map_err(failed)
+    })
+}
+
+/// The tiles from above as SVG, with text as outlines.
+#[pyfunction]
+pub(crate) fn layout_svg(py: Python<'_>, film: &Film) -> PyResult<String> {
+    py.detach(|| layout_figure(&film.layout, SvgText::Outlines).map(|figure| figure.svg).map_err(failed))
+}
+
+fn svg_text(outlines: bool) -> SvgText {
+    if outlines { SvgText::Outlines } else { SvgText::Text }
+}

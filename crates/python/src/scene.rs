@@ -1,0 +1,220 @@
+//! Tiles whose field is wanted.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::{DMat3, DQuat, DVec3};
+use magsplice::field::Scene as Tiles;
+use magsplice::magnet::{Accuracy, Grid, PointError, PointErrors, Quantity, Tile, Tolerance};
+use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::exceptions::{bad_value, of_points};
+use crate::vectors::{numbers, vectors, written_gradients, written_rows};
+
+/// Number of pairs of tile and point between two polls for signals: about a tenth of a second.
+const STRETCH_PAIRS: usize = 1 << 24;
+/// Least and largest number of points between two polls. The least gives every thread points to sort
+/// into batches of neighbours.
+const STRETCH_POINTS: [usize; 2] = [1 << 12, 1 << 16];
+/// Number of points between two polls where the field has a tolerance. The model is chosen for a stretch
+/// as a whole, so that short ones would be slow.
+const STRETCH_POINTS_WITHIN: usize = 1 << 20;
+
+/// A tolerance as Python passes it: whether it is a fraction of |B|, and the number.
+pub(crate) type Within = Option<(bool, f64)>;
+
+/// Points without a field: an exception that is not raised.
+pub(crate) type Faults = Option<PyErr>;
+
+/// Tiles prepared for evaluation. Lengths have any one unit.
+#[pyclass(frozen, module = "magsplice._magsplice")]
+pub(crate) struct Scene {
+    exact: Tiles,
+    /// The scene of the last tolerance, with its tree.
+    within: Mutex<Option<Arc<Tiles>>>,
+}
+
+impl From<Tiles> for Scene {
+    fn from(exact: Tiles) -> Scene {
+        Scene { exact, within: Mutex::new(None) }
+    }
+}
+
+#[pymethods]
+impl Scene {
+    /// Tiles from arrays of shape (n, 3), and quaternions (x, y, z, w) of shape (n, 4).
+    #[new]
+    fn new(
+        position: PyReadonlyArray2<'_, f64>,
+        size: PyReadonlyArray2<'_, f64>,
+        polarization_t: PyReadonlyArray2<'_, f64>,
+        rotation: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Scene> {
+        let (position, size, polarization_t) = (vectors(&position)?, vectors(&size)?, vectors(&polarization_t)?);
+        let (rotation, _) = rotation.as_slice()?.as_chunks::<4>();
+        let count = position.len();
+        if [size.len(), polarization_t.len(), rotation.len()] != [count; 3] {
+            return Err(PyValueError::new_err("the arrays of tiles must have the same length"));
+        }
+        let tile = |index: usize| {
+            let turn = DQuat::from_array(rotation[index]);
+            let tile = Tile::new(position[index], size[index], polarization_t[index])
+                .and_then(|tile| if turn == DQuat::IDENTITY { Ok(tile) } else { tile.rotated(turn) });
+            tile.map_err(|faults| bad_value(format_args!("tile {index}: {faults}")))
+        };
+        let tiles: Vec<Tile> = (0..count).map(tile).collect::<PyResult<_>>()?;
+        Ok(Scene::from(Tiles::new(&tiles)))
+    }
+
+    /// Number of tiles.
+    fn __len__(&self) -> usize {
+        self.exact.tile_count()
+    }
+
+    /// The field at points: an array of shape (n, 3), NaN where there is no field, and the exception that
+    /// names these points, or None.
+    #[pyo3(signature = (quantity, points, within=None))]
+    fn field<'py>(
+        &self,
+        py: Python<'py>,
+        quantity: &str,
+        points: PyReadonlyArray2<'py, f64>,
+        within: Within,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Faults)> {
+        let (quantity, points) = (quantity_named(quantity)?, vectors(&points)?);
+        let scene = self.within(within)?;
+        written_rows(py, points.len(), |field| field_into(py, &scene, quantity, points, field))
+    }
+
+    /// The field on a grid, z fastest, as `field` gives it.
+    #[pyo3(signature = (quantity, lower, upper, counts, within=None))]
+    fn field_on_grid<'py>(
+        &self,
+        py: Python<'py>,
+        quantity: &str,
+        lower: [f64; 3],
+        upper: [f64; 3],
+        counts: [usize; 3],
+        within: Within,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Faults)> {
+        let quantity = quantity_named(quantity)?;
+        let grid = Grid::new(lower.into(), upper.into(), counts).map_err(bad_value)?;
+        let scene = self.within(within)?;
+        written_rows(py, grid.len(), |field| match scene.accuracy() {
+            Accuracy::Exact => {
+                let points: Vec<DVec3> = py.detach(|| grid.points().collect());
+                field_into(py, &scene, quantity, &points, field)
+            }
+            // The models are chosen for the grid as a whole.
+            Accuracy::Within(_) => {
+                let result = py.detach(|| scene.field_on_grid_into(quantity, &grid, field));
+                py.check_signals()?;
+                Ok(result.err().map(|errors| of_points(&errors)))
+            }
+        })
+    }
+
+    /// The gradient at points: an array of shape (n, 3, 3) whose element (n, j) is the derivative along
+    /// x_j, and the exception that names points without a gradient, or None.
+    fn gradient<'py>(
+        &self,
+        py: Python<'py>,
+        quantity: &str,
+        points: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<(Bound<'py, PyArray3<f64>>, Faults)> {
+        let (quantity, points) = (quantity_named(quantity)?, vectors(&points)?);
+        written_gradients(py, points.len(), |gradients: &mut [DMat3]| {
+            in_stretches(py, points, gradients, self.exact_stretch(), |points, gradients| {
+                self.exact.gradient_into(quantity, points, gradients)
+            })
+        })
+    }
+
+    /// Upper bound of the error of the exact B at points, in tesla.
+    fn error_bounds_t<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let points = vectors(&points)?;
+        Ok(numbers(py, py.detach(|| self.exact.error_bounds_t(points))))
+    }
+}
+
+impl Scene {
+    /// The tiles, whose fields have this tolerance.
+    pub(crate) fn within(&self, within: Within) -> PyResult<Arc<Tiles>> {
+        let accuracy = accuracy(within)?;
+        // Another thread that panicked leaves a scene or none.
+        let mut kept = self.within.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(scene) = kept.as_ref().filter(|scene| scene.accuracy() == accuracy) {
+            return Ok(Arc::clone(scene));
+        }
+        let scene = Arc::new(self.exact.clone().with_accuracy(accuracy));
+        *kept = Some(Arc::clone(&scene));
+        Ok(scene)
+    }
+
+    fn exact_stretch(&self) -> usize {
+        exact_stretch(&self.exact)
+    }
+}
+
+/// The accuracy that Python asks for.
+pub(crate) fn accuracy(within: Within) -> PyResult<Accuracy> {
+    let tolerance = match within {
+        None => return Ok(Accuracy::Exact),
+        Some((true, fraction)) => Tolerance::relative(fraction),
+        Some((false, error_t)) => Tolerance::absolute_t(error_t),
+    };
+    tolerance.map(Accuracy::Within).map_err(bad_value)
+}
+
+/// The field at points, in stretches between which signals are polled.
+pub(crate) fn field_into(
+    py: Python<'_>,
+    scene: &Tiles,
+    quantity: Quantity,
+    points: &[DVec3],
+    field: &mut [DVec3],
+) -> PyResult<Faults> {
+    let stretch = match scene.accuracy() {
+        Accuracy::Exact => exact_stretch(scene),
+        Accuracy::Within(_) => STRETCH_POINTS_WITHIN,
+    };
+    in_stretches(py, points, field, stretch, |points, field| scene.field_into(quantity, points, field))
+}
+
+fn exact_stretch(scene: &Tiles) -> usize {
+    (STRETCH_PAIRS / scene.tile_count().max(1)).clamp(STRETCH_POINTS[0], STRETCH_POINTS[1])
+}
+
+/// Calls `evaluate` for stretches of points without the interpreter.
+fn in_stretches<T: Send>(
+    py: Python<'_>,
+    points: &[DVec3],
+    values: &mut [T],
+    stretch: usize,
+    evaluate: impl Fn(&[DVec3], &mut [T]) -> Result<(), PointErrors> + Sync,
+) -> PyResult<Faults> {
+    let mut faults = Vec::new();
+    let mut begin = 0;
+    for (points, values) in points.chunks(stretch).zip(values.chunks_mut(stretch)) {
+        if let Err(errors) = py.detach(|| evaluate(points, values)) {
+            faults.extend(errors.0.into_iter().map(|error| PointError { index: begin + error.index, ..error }));
+        }
+        begin += points.len();
+        py.check_signals()?;
+    }
+    Ok((!faults.is_empty()).then(|| of_points(&PointErrors(faults))))
+}
+
+fn quantity_named(name: &str) -> PyResult<Quantity> {
+    match name {
+        "b" => Ok(Quantity::FluxDensity),
+        "h" => Ok(Quantity::FieldStrength),
+        "j" => Ok(Quantity::Polarization),
+        _ => Err(PyValueError::new_err(format!("quantity = {name:?}, must be \"b\", \"h\" or \"j\""))),
+    }
+}

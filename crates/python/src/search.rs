@@ -1,0 +1,229 @@
+//! Searches for films.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use magsplice::design::{
+    DesignProblem, MadeErrors, MadeFilms, Metrics, ProgressUpdate, SearchResult, SpliceRequest, StageMetrics,
+};
+use magsplice::layout::{Brief, Goal, Layout};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::exceptions::{failed, of_layout};
+use crate::film::Film;
+use crate::samples::StatisticsNumbers;
+
+/// Time between two polls for signals.
+const POLL: Duration = Duration::from_millis(50);
+
+/// Name and version in the history of layouts.
+const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " design");
+
+/// Errors of a film as a dictionary.
+#[derive(IntoPyObject)]
+pub(crate) struct MetricsNumbers {
+    points: usize,
+    uniformity_rmse: [f64; 3],
+    ideal_rmse: [f64; 3],
+    displacement_rmse_mm: [f64; 3],
+    amplitude: f64,
+    scaled_relative_rmse: Option<f64>,
+}
+
+impl From<Metrics> for MetricsNumbers {
+    fn from(metrics: Metrics) -> MetricsNumbers {
+        MetricsNumbers {
+            points: metrics.points,
+            uniformity_rmse: metrics.uniformity_rmse.to_array(),
+            ideal_rmse: metrics.ideal_rmse.to_array(),
+            displacement_rmse_mm: metrics.displacement_rmse_mm,
+            amplitude: metrics.amplitude,
+            scaled_relative_rmse: metrics.scaled_relative_rmse,
+        }
+    }
+}
+
+/// Errors of the films that are made, as a dictionary.
+#[derive(IntoPyObject)]
+pub(crate) struct MadeNumbers {
+    samples: u64,
+    seed: u64,
+    before_displacement_rmse_mm: [StatisticsNumbers; 3],
+    before_amplitude: StatisticsNumbers,
+    after_displacement_rmse_mm: [StatisticsNumbers; 3],
+    after_amplitude: StatisticsNumbers,
+}
+
+impl From<MadeFilms> for MadeNumbers {
+    fn from(made: MadeFilms) -> MadeNumbers {
+        let numbers = |errors: MadeErrors| {
+            (errors.displacement_rmse_mm.map(StatisticsNumbers::from), StatisticsNumbers::from(errors.amplitude))
+        };
+        let (before_displacement_rmse_mm, before_amplitude) = numbers(made.before);
+        let (after_displacement_rmse_mm, after_amplitude) = numbers(made.after);
+        MadeNumbers {
+            samples: made.samples,
+            seed: made.seed,
+            before_displacement_rmse_mm,
+            before_amplitude,
+            after_displacement_rmse_mm,
+            after_amplitude,
+        }
+    }
+}
+
+/// The result of a search as a dictionary.
+#[derive(IntoPyObject)]
+pub(crate) struct DesignNumbers {
+    text: String,
+    before: MetricsNumbers,
+    after: MetricsNumbers,
+    five_times_finer: MetricsNumbers,
+    made: Option<MadeNumbers>,
+    stages: Vec<(&'static str, [f64; 3])>,
+    parts: usize,
+    starts_that_agree: usize,
+    short_of: Vec<String>,
+}
+
+/// Searches for a better film, as the table [design] of the layout asks, or with another least amplitude.
+/// `progress` is called with stage, finished items, number of items and best error.
+#[pyfunction]
+#[pyo3(signature = (film, least_amplitude=None, progress=None))]
+pub(crate) fn design(
+    py: Python<'_>,
+    film: &Film,
+    least_amplitude: Option<f64>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<DesignNumbers> {
+    let layout = &film.layout;
+    let problem = py
+        .detach(|| match (least_amplitude, &layout.brief) {
+            (Some(least), Some(brief)) => {
+                DesignProblem::from_brief(layout, Brief { least_amplitude: Some(least), ..brief.clone() })
+            }
+            _ => DesignProblem::new(layout),
+        })
+        .map_err(failed)?;
+    let last = Mutex::new(None);
+    let result = interruptible(
+        py,
+        |stop| {
+            problem.search(&|update| {
+                *last.lock().unwrap_or_else(PoisonError::into_inner) = Some(update);
+                if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            })
+        },
+        || match (&progress, last.lock().unwrap_or_else(PoisonError::into_inner).take()) {
+            (Some(call), Some(ProgressUpdate { stage, done, of, best })) => {
+                call.call1((stage.name(), done, of, best)).map(|_| ())
+            }
+            _ => Ok(()),
+        },
+    )?
+    .map_err(failed)?;
+    let text = problem.designed_layout(&result, PROGRAM).to_compact_toml();
+    let SearchResult { before, after, finer, made, stages, parts, agreeing_starts, short_of, .. } = result;
+    Ok(DesignNumbers {
+        text,
+        before: before.into(),
+        after: after.into(),
+        five_times_finer: finer.into(),
+        made: made.map(MadeNumbers::from),
+        stages: stages
+            .into_iter()
+            .map(|StageMetrics { stage, uniformity_rmse }| (stage.name(), uniformity_rmse.to_array()))
+            .collect(),
+        parts,
+        starts_that_agree: agreeing_starts,
+        short_of,
+    })
+}
+
+/// A layout to begin a search with, as TOML. Lengths in millimetres.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "Python passes them by name")]
+pub(crate) fn splice(
+    wavelength_mm: f64,
+    film_mm: [f64; 2],
+    thickness_mm: f64,
+    remanence_t: f64,
+    range_mm: [f64; 2],
+    distance_mm: [f64; 2],
+    smallest_cut_mm: f64,
+    gap_mm: f64,
+    resolution_mm: f64,
+    resolution_deg: f64,
+    least_amplitude: f64,
+    parts: Option<usize>,
+    goal: &str,
+    starts: usize,
+    seed: u64,
+) -> PyResult<String> {
+    let goal = match goal {
+        "uniformity" => Goal::Uniformity,
+        "displacement" => Goal::Displacement,
+        "field" => Goal::Field,
+        _ => {
+            let message = format!("goal = {goal:?}, must be \"uniformity\", \"displacement\" or \"field\"");
+            return Err(PyValueError::new_err(message));
+        }
+    };
+    let request = SpliceRequest {
+        wavelength_mm,
+        film_mm,
+        thickness_mm,
+        remanence_t,
+        range_mm,
+        distance_mm,
+        smallest_cut_mm,
+        gap_mm,
+        resolution_mm,
+        resolution_deg,
+        least_amplitude,
+        parts,
+        goal,
+        starts,
+        seed,
+    };
+    let layout: Layout = request.layout().map_err(failed)?;
+    let text = layout.to_compact_toml();
+    Layout::parse(&text, "the pattern").map_err(of_layout)?;
+    Ok(text)
+}
+
+/// Does work in a thread while this one polls for signals and calls `tell`. An exception sets the flag that
+/// the work polls, and is raised when the work has ended.
+fn interruptible<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&AtomicBool) -> T + Send,
+    tell: impl Fn() -> PyResult<()>,
+) -> PyResult<T> {
+    let stop = AtomicBool::new(false);
+    let poller = thread::current();
+    thread::scope(|scope| {
+        let stop = &stop;
+        let worker = scope.spawn(move || {
+            let result = work(stop);
+            poller.unpark();
+            result
+        });
+        let mut exception = None;
+        while !worker.is_finished() {
+            py.detach(|| thread::park_timeout(POLL));
+            if let Err(error) = py.check_signals().and_then(|()| tell()) {
+                stop.store(true, Ordering::Relaxed);
+                exception.get_or_insert(error);
+            }
+        }
+        match (worker.join(), exception) {
+            (Ok(_), Some(exception)) => Err(exception),
+            (Ok(result), None) => Ok(result),
+            (Err(panic), _) => std::panic::resume_unwind(panic),
+        }
+    })
+}

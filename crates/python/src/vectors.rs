@@ -1,0 +1,52 @@
+//! NumPy arrays viewed as vectors, and vectors as NumPy arrays.
+
+use glam::{DMat3, DVec3};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+/// The rows of a contiguous array of shape (n, 3), without a copy.
+///
+/// # Errors
+/// If the array has another shape or is not contiguous.
+pub(crate) fn vectors<'a>(rows: &'a PyReadonlyArray2<'_, f64>) -> PyResult<&'a [DVec3]> {
+    if rows.as_array().ncols() != 3 {
+        return Err(PyValueError::new_err("an array must have the shape (n, 3)"));
+    }
+    Ok(bytemuck::cast_slice(rows.as_slice()?))
+}
+
+/// A new array of shape (n, 3).
+pub(crate) fn rows_of<'py>(py: Python<'py>, vectors: &[DVec3]) -> Bound<'py, PyArray2<f64>> {
+    let array = PyArray2::zeros(py, [vectors.len(), 3], false);
+    array.readwrite().as_slice_mut().expect("a new array is contiguous").copy_from_slice(bytemuck::cast_slice(vectors));
+    array
+}
+
+/// An array of shape (n, 3), written by `write` without a copy.
+pub(crate) fn written_rows<'py, R>(
+    py: Python<'py>,
+    count: usize,
+    write: impl FnOnce(&mut [DVec3]) -> PyResult<R>,
+) -> PyResult<(Bound<'py, PyArray2<f64>>, R)> {
+    let array = PyArray2::zeros(py, [count, 3], false);
+    let result = write(bytemuck::cast_slice_mut(array.readwrite().as_slice_mut()?))?;
+    Ok((array, result))
+}
+
+/// An array of shape (n, 3, 3), written by `write` without a copy. Element (n, j) is the derivative of
+/// the vector along x_j.
+pub(crate) fn written_gradients<'py, R>(
+    py: Python<'py>,
+    count: usize,
+    write: impl FnOnce(&mut [DMat3]) -> PyResult<R>,
+) -> PyResult<(Bound<'py, PyArray3<f64>>, R)> {
+    let array = PyArray3::zeros(py, [count, 3, 3], false);
+    let result = write(bytemuck::cast_slice_mut(array.readwrite().as_slice_mut()?))?;
+    Ok((array, result))
+}
+
+/// A one-dimensional array that takes over a vector.
+pub(crate) fn numbers(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {
+    values.into_pyarray(py)
+}

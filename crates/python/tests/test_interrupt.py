@@ -1,0 +1,68 @@
+"""Ctrl-C, and other threads during work."""
+
+import _thread
+import threading
+
+import numpy as np
+import pytest
+from test_results import SQUARES
+
+from magsplice import Film
+
+#: Seconds before Ctrl-C: long after the call has begun, and long before its work could end.
+DELAY = 0.5
+
+
+def interrupted(work):
+    """Checks that Ctrl-C ends work, and that Python runs meanwhile."""
+    ticks = 0
+    stop = threading.Event()
+
+    def tick():
+        nonlocal ticks
+        while not stop.wait(0.01):
+            ticks += 1
+
+    ticker = threading.Thread(target=tick)
+    timer = threading.Timer(DELAY, _thread.interrupt_main)
+    ticker.start()
+    timer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            work()
+    finally:
+        timer.cancel()
+        stop.set()
+        ticker.join()
+    # Without the interpreter released there would be hardly any.
+    assert ticks > 5
+
+
+def test_fields_are_interrupted(large):
+    points = np.random.default_rng(7).uniform((-40, -40, -5), (40, 40, -3), (20_000_000, 3))
+    interrupted(lambda: large.b(points))
+
+
+def test_gradients_are_interrupted(large):
+    points = np.random.default_rng(7).uniform((-40, -40, -5), (40, 40, -3), (4_000_000, 3))
+    interrupted(lambda: large.gradient(points))
+
+
+def test_samples_are_interrupted(published):
+    interrupted(lambda: published.tolerance(100_000_000, preset="workshop"))
+
+
+def test_searches_are_interrupted(published):
+    design = {"vary": ["size", "position", "direction"], "symmetry": "mirror", "starts": 10_000}
+    interrupted(published.replace(design=design).design)
+
+
+def test_exceptions_in_callbacks_end_the_work(published):
+    def refuse(*_):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        published.tolerance(100_000_000, preset="workshop", progress=refuse)
+    many = Film.from_dict({**SQUARES, "design": {**SQUARES["design"], "starts": 10_000}})
+    with pytest.raises(RuntimeError, match="enough"):
+        many.design(progress=refuse)

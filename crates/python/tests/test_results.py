@@ -1,0 +1,245 @@
+"""Comparison, decoupling, tolerance, readings, design, report."""
+
+import json
+
+import numpy as np
+import pytest
+from conftest import LAYOUTS
+
+import magsplice
+from magsplice import Film
+
+
+def test_comparison_is_that_of_numpy(published):
+    b, ideal = published.b(published.grid), published.ideal_b(published.grid)
+    found = published.compare()
+    assert found.points == 405
+    np.testing.assert_allclose(found.rmse_t, np.sqrt(((b - ideal) ** 2).sum(-1).mean()), rtol=1e-12)
+    np.testing.assert_allclose(found.amplitude, (b * ideal).sum() / (ideal**2).sum(), rtol=1e-12)
+    at_points = published.compare(published.grid.points_mm)
+    np.testing.assert_allclose(at_points.amplitude, found.amplitude, rtol=1e-13)
+    with pytest.raises(magsplice.MagspliceError, match="not below the film"):
+        published.compare([[0, 0, 1.0]])
+    json.dumps(found.to_dict())
+
+
+def test_decoupling_is_that_of_the_equations(published):
+    found = published.decouple()
+    assert found.parameters.shape == (9, 9, 5, 3)
+    bx, by, bz = np.moveaxis(found.field_t, -1, 0)
+    c_x = (bz**2 + by**2 - bx**2) / (2 * bz)
+    c_y = (bz**2 + bx**2 - by**2) / (2 * bz)
+    inner = np.abs(found.points_mm[..., :2]).max(-1) < 1.9
+    np.testing.assert_allclose(np.tan(found.r_x)[inner], (bx / c_x)[inner], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(found.s_z, np.log(np.hypot(c_y, by)), rtol=1e-12)
+    deviation = found.r_x.std(axis=(1, 2)).mean()
+    np.testing.assert_allclose(found.uniformity_rmse[0], deviation, rtol=1e-12)
+    moved = found.points_mm - np.array(found.reference_mm)
+    errors = np.sqrt(((found.displacement_mm - moved) ** 2).mean(axis=(0, 1, 2)))
+    np.testing.assert_allclose(found.displacement_rmse_mm, errors, rtol=1e-12)
+    at_points = published.decouple(published.grid.points_mm.reshape(-1, 3))
+    assert at_points.uniformity_rmse is None
+    assert np.array_equal(at_points.parameters, found.parameters.reshape(-1, 3))
+    json.dumps(found.to_dict())
+
+
+def test_samples_depend_on_seed_and_number_alone(published):
+    whole = published.tolerance(40, preset="workshop")
+    assert len(whole) == 40
+    parts = [
+        published.tolerance(count, preset="workshop", first=first, threads=threads)
+        for first, count, threads in ((0, 7, 1), (7, 33, 2))
+    ]
+    for array in ("uniformity_rmse", "displacement_rmse_mm", "amplitude"):
+        joined = np.concatenate([getattr(part, array) for part in parts])
+        assert np.array_equal(joined, getattr(whole, array))
+    other = published.tolerance(40, preset="workshop", seed=2)
+    assert not np.array_equal(other.amplitude, whole.amplitude)
+    with pytest.raises(magsplice.MagspliceError, match=r"no \[tolerance\]"):
+        published.tolerance(1)
+    with pytest.raises(ValueError, match='must be "by-hand"'):
+        published.tolerance(1, preset="luck")
+
+
+def test_samples_have_statistics(published):
+    told = []
+    made = published.tolerance(200, preset="jig", progress=lambda done, of: told.append((done, of)))
+    assert told[-1] == (200, 200)
+    x = made.displacement_mm("x")
+    values = made.displacement_rmse_mm[:, 0]
+    np.testing.assert_allclose(x.p95.value, np.percentile(values, 95), rtol=1e-12)
+    assert x.p95.low < x.p95.value < x.p95.high
+    assert x.count == 200
+    np.testing.assert_allclose(made.ordered[1][0], published.decouple().displacement_rmse_mm)
+    assert "p95" in str(made)
+    json.dumps(made.to_dict())
+    with pytest.raises(ValueError, match="no samples"):
+        magsplice.statistics(np.zeros(0))
+
+
+def test_readings_give_positions_and_forces(published):
+    film = published.replace(
+        sensor={"part": "MLX90393", "noise_ut": 5.0},
+        elastomer={
+            "area_mm2": 400.0,
+            "thickness_mm": 7.0,
+            "youngs_modulus_mpa": 0.1,
+            "poisson_ratio": 0.49,
+        },
+    )
+    rng = np.random.default_rng(6)
+    points = rng.uniform((-1.5, -1.5, -4.8), (1.5, 1.5, -3.2), (4, 5, 3))
+    exact = published.read(published.b(points))
+    moved = points - np.array(published.reference_mm)
+    assert exact.status.shape == (4, 5)
+    assert (exact.status == 0).all()
+    np.testing.assert_allclose(exact.displacement_mm, moved, atol=1e-9)
+    assert exact.deviation_mm is None
+    assert exact.force_n is None
+    read = film.read(film.b(points))
+    # The sensor rounds, so positions are as good as its counts.
+    assert np.abs(read.displacement_mm - moved).max() < 0.1
+    assert read.deviation_mm.shape == (4, 5, 3)
+    shear = 400 * 0.1 / 7 / (2 * 1.49)
+    np.testing.assert_allclose(read.force_n[..., 0], -shear * read.displacement_mm[..., 0])
+    lost = published.read([[1.0, 1.0, 1.0], [np.nan, 0, 0]])
+    assert lost.status.tolist() == [3, 3]
+    assert all(lost.messages)
+    assert np.isnan(lost.displacement_mm).all()
+    stray = published.read(published.b(points) + 1e-4, constant_t=(1e-4, 1e-4, 1e-4))
+    np.testing.assert_allclose(stray.displacement_mm, moved, atol=1e-9)
+
+
+def test_resolution_is_noise_over_the_gradient(published):
+    point = np.array([0.3, 0.2, -4.0])
+    inverse = np.linalg.inv(published.gradient(point))
+    expected = 5e-6 * np.sqrt((inverse**2).sum(axis=1))
+    np.testing.assert_allclose(published.resolution(point, noise_t=5e-6), expected, rtol=1e-9)
+    assert published.resolution(noise_t=(5e-6, 5e-6, 1e-5)).shape == (9, 9, 5, 3)
+    with pytest.raises(ValueError, match="give noise_t in tesla"):
+        published.resolution()
+
+
+SQUARES = {
+    "name": "four squares",
+    "ideal": {"wavelength_mm": 10.0, "thickness_mm": 1.0, "amplitude_t": 0.12},
+    "volume": {"x_mm": [-1, 1], "y_mm": [-1, 1], "z_mm": [-4, -3], "step_mm": 1.0},
+    "design": {
+        "vary": ["size", "position"],
+        "symmetry": "four-fold",
+        "outline_mm": {"x": [-6, 6], "y": [-6, 6]},
+        "starts": 2,
+    },
+    "tile": [
+        {
+            "position_mm": [2.5, 2.5, 0.5],
+            "size_mm": [3.3, 3.3, 1.0],
+            "polarization_t": [0.085, 0.085, 0.0],
+            "mirror": {"axes": ["x", "y"]},
+        }
+    ],
+}
+
+
+def test_designs_are_better_films():
+    film = Film.from_dict(SQUARES)
+    told = []
+    found = film.design(progress=lambda *update: told.append(update))
+    assert found.after.uniformity_rmse[0] < found.before.uniformity_rmse[0]
+    assert len(found.film) == 4
+    assert not found.short_of
+    again = found.film.decouple().uniformity_rmse
+    np.testing.assert_allclose(again, found.after.uniformity_rmse, rtol=1e-6)
+    assert "magsplice" in found.film.history[-1]
+    assert found.made_after is None
+    assert film.design().film.to_toml() == found.film.to_toml()
+    json.dumps(found.to_dict())
+
+
+def test_fronts_hold_films_that_no_other_beats():
+    film = Film.from_dict(SQUARES)
+    front = film.front([0.3, 0.5, 0.4, 9.0])
+    amplitudes = [design.after.amplitude for design in front.designs]
+    errors = [design.error_mm for design in front.designs]
+    assert 1 <= len(front) <= 3
+    assert amplitudes == sorted(amplitudes)
+    assert errors == sorted(errors)
+    for least, design in zip(front.least_amplitudes, front.designs, strict=True):
+        assert design.after.amplitude >= least
+
+
+def test_patterns_are_films_to_begin_with():
+    film = magsplice.splice(10, (20, 20))
+    assert len(film) == 56
+    assert film.to_dict()["design"]["goal"] == "displacement"
+    with pytest.raises(magsplice.MagspliceError, match="wavelength"):
+        magsplice.splice(-1, (20, 20))
+
+
+def test_reports_have_the_figures_of_the_program(published, tmp_path):
+    report = published.report()
+    assert {"layout"} < set(report.figures)
+    assert len(report.figures) == 8
+    page = report.save(tmp_path / "report")
+    text = page.read_text(encoding="utf-8")
+    assert "0.81873" in text
+    assert "<script" in text
+    for name in report.figures:
+        assert (tmp_path / "report" / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+    assert "iframe" in report._repr_html_()
+    assert report.figures["layout"]._repr_svg_().startswith("<")
+    bare = Film(published.tiles, name="bare").report()
+    assert list(bare.figures) == ["layout"]
+    assert len(bare.absent) == 2
+    assert "iframe" in published.view()._repr_html_()
+
+
+def test_reports_draw_films_that_are_made():
+    film = magsplice.load(LAYOUTS / "robust-in-plane.toml")
+    few = film.replace(tolerance={**film.to_dict()["tolerance"], "samples": 20})
+    assert len(few.report().figures) > 8
+
+
+def test_datasets_have_dimensions_and_units(published):
+    pytest.importorskip("xarray")
+    data = published.to_xarray()
+    assert dict(data.sizes) == {"x": 9, "y": 9, "z": 5, "component": 3}
+    assert data.b.attrs["units"] == "T"
+    at = data.b.sel(x=0, y=0, z=-5).values
+    assert np.array_equal(at, published.b([0, 0, -5]))
+    decoupled = published.decouple().to_xarray()
+    assert decoupled.r_x.dims == ("x", "y", "z")
+    assert published.decouple([[0, 0, -4], [1, 0, -4]]).to_xarray().s_z.dims == ("point",)
+    made = published.tolerance(5, preset="jig").to_xarray()
+    assert made.displacement_rmse_mm.sel(axis="z").shape == (5,)
+
+
+def address(array):
+    """Where the numbers of an array are in memory."""
+    return array.__array_interface__["data"][0]
+
+
+def test_tables_are_taken_without_a_copy(published):
+    pytest.importorskip("nanoarrow")
+    pandas, polars, pyarrow = map(pytest.importorskip, ("pandas", "polars", "pyarrow"))
+    made = published.tolerance(5, preset="jig")
+    frame = polars.DataFrame(made)
+    assert frame.columns[0] == "sample"
+    assert address(frame["amplitude"].to_numpy()) == address(made.amplitude)
+    table = pyarrow.table(made)
+    assert table["amplitude"].chunk(0).buffers()[1].address == address(made.amplitude)
+    data = table.to_pandas(types_mapper=pandas.ArrowDtype)
+    kept = data["amplitude"].array.__arrow_array__().chunk(0)
+    assert kept.buffers()[1].address == address(made.amplitude)
+    # The tables outlive the results.
+    expected = made.amplitude.tolist()
+    del made, table
+    assert frame["amplitude"].to_list() == data["amplitude"].tolist() == expected
+    for result in (
+        published.tiles,
+        published.decouple(),
+        published.read(published.b([[0, 0, -4]]), noise_t=1e-6),
+    ):
+        rows = polars.DataFrame(result)
+        assert rows.columns == list(result.columns())
+        assert rows.height == len(next(iter(result.columns().values())))
