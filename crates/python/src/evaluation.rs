@@ -9,20 +9,20 @@ use pyo3::prelude::*;
 
 use crate::exceptions::of_film;
 use crate::film::Film;
-use crate::vectors::{rows_of, vectors};
+use crate::vectors::{Triple, rows_of, vectors};
 
 /// A comparison as a dictionary with the fields of the Python class.
 #[derive(IntoPyObject)]
 pub(crate) struct ComparisonNumbers {
     points: usize,
-    component_rmse_t: [f64; 3],
+    component_rmse_t: Triple,
     rmse_t: f64,
     relative_rmse: f64,
     worst_t: f64,
-    worst_at_mm: [f64; 3],
+    worst_at_mm: Triple,
     amplitude: f64,
     scaled_relative_rmse: Option<f64>,
-    correlation: [Option<f64>; 3],
+    correlation: Triple<Option<f64>>,
 }
 
 impl From<Comparison> for ComparisonNumbers {
@@ -36,7 +36,7 @@ impl From<Comparison> for ComparisonNumbers {
             worst_at_mm: c.worst_at.into(),
             amplitude: c.amplitude,
             scaled_relative_rmse: c.scaled_relative_rmse,
-            correlation: c.correlation,
+            correlation: c.correlation.into(),
         }
     }
 }
@@ -67,12 +67,12 @@ pub(crate) fn compare(
 pub(crate) struct DecouplingNumbers<'py> {
     /// R_x, R_y, S_z at each point, NaN at singular ones.
     parameters: Bound<'py, PyArray2<f64>>,
-    at_reference: [f64; 3],
+    at_reference: Triple,
     singular_mm: Bound<'py, PyArray2<f64>>,
     /// Only for a grid; NaN where the planes have one point each.
-    uniformity_rmse: Option<[f64; 3]>,
-    ideal_rmse: [f64; 3],
-    displacement_rmse_mm: [f64; 3],
+    uniformity_rmse: Option<Triple>,
+    ideal_rmse: Triple,
+    displacement_rmse_mm: Triple,
     wavenumber_per_mm: f64,
 }
 
@@ -103,7 +103,7 @@ pub(crate) fn decouple<'py>(
                         let grid = film.volume()?.grid;
                         let PerParameter { r_x, r_y, s_z } = found.uniformity_rmse;
                         let known = |value: f64, axis| if grid.plane_len(axis) > 1 { value } else { f64::NAN };
-                        let uniformity = Some([known(r_x, 0), known(r_y, 1), known(s_z, 2)]);
+                        let uniformity = Some((known(r_x, 0), known(r_y, 1), known(s_z, 2)));
                         let parameters: Vec<DVec3> = found.parameters.iter().map(vector).collect();
                         (parameters, found.at_reference, found.singular, uniformity, found.ideal_rmse, wavenumber)
                     }
@@ -117,7 +117,7 @@ pub(crate) fn decouple<'py>(
         at_reference: vector(&Some(at_reference)).into(),
         singular_mm: rows_of(py, &singular),
         uniformity_rmse,
-        ideal_rmse: ideal_rmse.to_array(),
+        ideal_rmse: ideal_rmse.to_array().into(),
         displacement_rmse_mm: ideal_rmse.as_lengths(wavenumber).into(),
         wavenumber_per_mm: wavenumber,
     })

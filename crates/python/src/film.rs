@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 use crate::exceptions::{failed, of_film, of_layout};
 use crate::scene::Scene;
-use crate::vectors::{rows_of, vectors, written_rows};
+use crate::vectors::{Triple, rows_of, vectors, written_rows};
 
 /// A layout with its prepared tiles.
 #[pyclass(frozen, module = "magsplice._magsplice")]
@@ -21,7 +21,7 @@ pub(crate) struct Film {
 }
 
 /// Corners, points along x, y, z, step and reference point of a working volume.
-type Volume = ([f64; 3], [f64; 3], [usize; 3], [f64; 3], [f64; 3]);
+type Volume = (Triple, Triple, Triple<usize>, Triple, Triple);
 
 /// Names, kinds, centres, sides, polarizations and rotations of tiles.
 type Tiles<'py> = (
@@ -101,7 +101,7 @@ impl Film {
         self.layout.volume.map(|volume| {
             let grid = volume.grid;
             let [step, reference] = [volume.step_mm, volume.reference_mm].map(DVec3::into);
-            (grid.lower().into(), grid.upper().into(), grid.counts(), step, reference)
+            (grid.lower().into(), grid.upper().into(), grid.counts().into(), step, reference)
         })
     }
 
@@ -130,11 +130,7 @@ impl Film {
     }
 
     /// B of the ideal film at points, in tesla; NaN where they are not below the film.
-    fn ideal_b<'py>(
-        &self,
-        py: Python<'py>,
-        points: PyReadonlyArray2<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn ideal_b<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let ideal = self.layout.ideal.ok_or(FilmError::Missing("ideal")).map_err(of_film)?;
         let points = vectors(&points)?;
         let (field_t, ()) = written_rows(py, points.len(), |field_t| {

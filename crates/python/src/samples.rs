@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 use crate::exceptions::{failed, of_film};
 use crate::film::Film;
-use crate::vectors::{numbers, rows_of};
+use crate::vectors::{Triple, numbers, rows_of};
 
 /// Time that a stretch of samples should take: often enough for signals.
 const STRETCH: Duration = Duration::from_millis(200);
@@ -125,17 +125,17 @@ fn arrays<'py>(py: Python<'py>, errors: &[FilmErrors]) -> Errors<'py> {
 #[derive(IntoPyObject)]
 pub(crate) struct StatisticsNumbers {
     count: usize,
-    mean: [f64; 3],
-    p1: [f64; 3],
-    p5: [f64; 3],
-    p50: [f64; 3],
-    p95: [f64; 3],
-    p99: [f64; 3],
+    mean: Triple,
+    p1: Triple,
+    p5: Triple,
+    p50: Triple,
+    p95: Triple,
+    p99: Triple,
 }
 
 impl From<Statistics> for StatisticsNumbers {
     fn from(s: Statistics) -> StatisticsNumbers {
-        let numbers = |Estimate { value, interval: [low, high] }| [value, low, high];
+        let numbers = |Estimate { value, interval: [low, high] }| (value, low, high);
         let [mean, p1, p5, p50, p95, p99] = [s.mean, s.p1, s.p5, s.p50, s.p95, s.p99].map(numbers);
         StatisticsNumbers { count: s.count, mean, p1, p5, p50, p95, p99 }
     }

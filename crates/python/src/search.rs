@@ -16,6 +16,7 @@ use pyo3::prelude::*;
 use crate::exceptions::{failed, of_layout};
 use crate::film::Film;
 use crate::samples::StatisticsNumbers;
+use crate::vectors::Triple;
 
 /// Time between two polls for signals.
 const POLL: Duration = Duration::from_millis(50);
@@ -27,9 +28,9 @@ const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " design"
 #[derive(IntoPyObject)]
 pub(crate) struct MetricsNumbers {
     points: usize,
-    uniformity_rmse: [f64; 3],
-    ideal_rmse: [f64; 3],
-    displacement_rmse_mm: [f64; 3],
+    uniformity_rmse: Triple,
+    ideal_rmse: Triple,
+    displacement_rmse_mm: Triple,
     amplitude: f64,
     scaled_relative_rmse: Option<f64>,
 }
@@ -38,9 +39,9 @@ impl From<Metrics> for MetricsNumbers {
     fn from(metrics: Metrics) -> MetricsNumbers {
         MetricsNumbers {
             points: metrics.points,
-            uniformity_rmse: metrics.uniformity_rmse.to_array(),
-            ideal_rmse: metrics.ideal_rmse.to_array(),
-            displacement_rmse_mm: metrics.displacement_rmse_mm,
+            uniformity_rmse: metrics.uniformity_rmse.to_array().into(),
+            ideal_rmse: metrics.ideal_rmse.to_array().into(),
+            displacement_rmse_mm: metrics.displacement_rmse_mm.into(),
             amplitude: metrics.amplitude,
             scaled_relative_rmse: metrics.scaled_relative_rmse,
         }
@@ -84,7 +85,7 @@ pub(crate) struct DesignNumbers {
     after: MetricsNumbers,
     five_times_finer: MetricsNumbers,
     made: Option<MadeNumbers>,
-    stages: Vec<(&'static str, [f64; 3])>,
+    stages: Vec<(&'static str, Triple)>,
     parts: usize,
     starts_that_agree: usize,
     short_of: Vec<String>,
@@ -136,7 +137,7 @@ pub(crate) fn design(
         made: made.map(MadeNumbers::from),
         stages: stages
             .into_iter()
-            .map(|StageMetrics { stage, uniformity_rmse }| (stage.name(), uniformity_rmse.to_array()))
+            .map(|StageMetrics { stage, uniformity_rmse }| (stage.name(), uniformity_rmse.to_array().into()))
             .collect(),
         parts,
         starts_that_agree: agreeing_starts,

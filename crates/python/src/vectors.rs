@@ -5,6 +5,9 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonl
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+/// Three values, which are a tuple in Python. Arrays are lists there.
+pub(crate) type Triple<T = f64> = (T, T, T);
+
 /// The rows of a contiguous array of shape (n, 3), without a copy.
 ///
 /// # Errors

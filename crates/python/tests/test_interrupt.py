@@ -39,12 +39,12 @@ def interrupted(work):
 
 
 def test_fields_are_interrupted(large):
-    points = np.random.default_rng(7).uniform((-40, -40, -5), (40, 40, -3), (20_000_000, 3))
+    points = np.random.default_rng(7).uniform((-40, -40, -5), (40, 40, -3), (8_000_000, 3))
     interrupted(lambda: large.b(points))
 
 
 def test_gradients_are_interrupted(large):
-    points = np.random.default_rng(7).uniform((-40, -40, -5), (40, 40, -3), (4_000_000, 3))
+    points = np.random.default_rng(7).uniform((-40, -40, -5), (40, 40, -3), (2_000_000, 3))
     interrupted(lambda: large.gradient(points))
 
 

@@ -160,7 +160,7 @@ def test_fronts_hold_films_that_no_other_beats():
     film = Film.from_dict(SQUARES)
     front = film.front([0.3, 0.5, 0.4, 9.0])
     amplitudes = [design.after.amplitude for design in front.designs]
-    errors = [design.error_mm for design in front.designs]
+    errors = [design.error for design in front.designs]
     assert 1 <= len(front) <= 3
     assert amplitudes == sorted(amplitudes)
     assert errors == sorted(errors)

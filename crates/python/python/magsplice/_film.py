@@ -818,7 +818,7 @@ class Film:
         """
         numbers = _magsplice.design(self._core, least_amplitude, progress)
         film = loads(numbers["text"], origin="the film found", folder=self._folder)
-        return Design.from_numbers(film, numbers)
+        return Design.from_numbers(film, numbers, self.to_dict()["design"])
 
     def front(
         self,
@@ -827,6 +827,9 @@ class Film:
         client: Any = None,
     ) -> Front:
         """Trade-off of error against amplitude: one search for each least amplitude.
+
+        The searches do not depend on each other, so that they can run on several machines.
+        ``magsplice design --front`` begins each at the film found before, too.
 
         Parameters
         ----------

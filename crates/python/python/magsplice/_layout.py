@@ -68,7 +68,7 @@ def _numbers(values: ArrayLike) -> list[float]:
     return [float(value) for value in np.asarray(values, dtype=float).ravel()]
 
 
-class Tiles(Table, Sequence[Tile]):
+class Tiles(Table):
     """Tiles of a film, as a sequence of `Tile` and as arrays with one row for each tile."""
 
     names: list[str]

@@ -72,8 +72,9 @@ def getB(
 
     Notes
     -----
-    On the edge of a cuboid B is unbounded. magpylib counts 0 for this cuboid there, and so does
-    this function; `Film.b` raises `PointsError`. On a face B is that of the side of larger x, y or
+    On an edge of a cuboid that is not parallel to J, B is unbounded. magpylib counts 0 for this
+    cuboid there, and so does this function; `Film.b` raises `PointsError`. magpylib counts 0 on
+    edges parallel to J, too, where this function gives B. On a face B is that of the side of larger x, y or
     z.
     """
     return _field("b", sources, observers, sumup, squeeze, pixel_agg, output, within)
@@ -112,7 +113,7 @@ def from_magpylib(sources: Any, *, name: str | None = None, **tables: Any) -> Fi
     Returns
     -------
     Film
-        In millimetres. Metres become millimetres digit by digit, without rounding.
+        In millimetres. The decimal point moves, so that lengths of up to 15 digits keep them all.
 
     Raises
     ------
@@ -414,7 +415,7 @@ def _of_cuboids(
     points: Floats,
     within: float | None,
 ) -> Floats:
-    """Field of cuboids in which a cuboid counts 0 on its own edges."""
+    """Field of cuboids in which B of a cuboid counts 0 on its own edges."""
     tolerance = None if within is None else (True, float(within))
     points = np.ascontiguousarray(points)
     field, error = _magsplice.Scene(*arrays).field(quantity, points, tolerance)
@@ -427,9 +428,20 @@ def _of_cuboids(
     at = np.ascontiguousarray(points[unknown])
     field[unknown] = 0.0
     for index in range(len(arrays[0])):
-        alone = _magsplice.Scene(*(np.ascontiguousarray(a[index : index + 1]) for a in arrays))
-        field[unknown] += np.nan_to_num(alone.field(quantity, at)[0], nan=0.0)
+        one = [np.ascontiguousarray(array[index : index + 1]) for array in arrays]
+        alone = _magsplice.Scene(*one).field(quantity, at)[0]
+        alone[np.isnan(alone[:, 0])] = 0.0 if quantity == "b" else _minus_magnetization(*one[2:])
+        field[unknown] += alone
     return field
+
+
+def _minus_magnetization(polarization_t: Floats, rotation: Floats) -> Floats:
+    """H where B is 0, in ampere per metre: on an edge, which counts as inside."""
+    from scipy.constants import mu_0
+    from scipy.spatial.transform import Rotation
+
+    turned: Floats = Rotation.from_quat(rotation).apply(polarization_t)
+    return -turned / mu_0
 
 
 def _data_frame(

@@ -430,11 +430,16 @@ class Design(_Numbers):
     None unless the design counts them (``under = "tolerance"``)."""
     made_after: tuple[Statistics, Statistics, Statistics] | None
     """The same of the film found."""
+    error: float
+    """What the search minimizes: the root of the weighted sum of squares of the three uniformity or
+    displacement RMSE (in millimetres), by the goal of ``[design]``; 95th percentiles where the
+    design counts films that are made; the scaled relative RMSE of B for the goal ``field``."""
 
     @classmethod
-    def from_numbers(cls, film: Film, numbers: Any) -> Design:
-        """Result with the numbers of the library."""
+    def from_numbers(cls, film: Film, numbers: Any, brief: dict[str, Any]) -> Design:
+        """Result with the numbers of the library, of a search with this table ``[design]``."""
         made = numbers["made"]
+        after = Metrics(**numbers["after"])
 
         def along(key: str) -> tuple[Statistics, Statistics, Statistics] | None:
             if made is None:
@@ -442,34 +447,35 @@ class Design(_Numbers):
             x, y, z = (Statistics._of(axis) for axis in made[key])
             return x, y, z
 
+        made_after = along("after_displacement_rmse_mm")
+        errors: Sequence[float] = after.uniformity_rmse
+        if made_after is not None:
+            errors = [axis.p95.value for axis in made_after]
+        elif brief.get("goal") == "displacement":
+            errors = after.displacement_rmse_mm
+        weights = [brief.get("weights", {}).get(key, 1.0) for key in ("r_x", "r_y", "s_z")]
+        error = float(np.sqrt(np.dot(weights, np.square(errors))))
+        if brief.get("goal") == "field":
+            error = np.inf if after.scaled_relative_rmse is None else after.scaled_relative_rmse
         return cls(
             film,
             Metrics(**numbers["before"]),
-            Metrics(**numbers["after"]),
+            after,
             Metrics(**numbers["five_times_finer"]),
             numbers["stages"],
             numbers["parts"],
             numbers["starts_that_agree"],
             numbers["short_of"],
             along("before_displacement_rmse_mm"),
-            along("after_displacement_rmse_mm"),
+            made_after,
+            error,
         )
-
-    @property
-    def error_mm(self) -> float:
-        """Largest displacement RMSE of the three axes, in millimetres.
-
-        It is the 95th percentile of the films that are made, where the design counts them, else
-        that of the film found.
-        """
-        if self.made_after is not None:
-            return max(axis.p95.value for axis in self.made_after)
-        return max(self.after.displacement_rmse_mm)
 
     def to_dict(self) -> dict[str, Any]:
         """Numbers by name; for JSON."""
         return {
             "tiles": len(self.film),
+            "error": self.error,
             "parts": self.parts,
             "before_displacement_rmse_mm": self.before.displacement_rmse_mm,
             "after_displacement_rmse_mm": self.after.displacement_rmse_mm,
@@ -499,12 +505,12 @@ class Front(Table):
         return len(self.designs)
 
     def columns(self) -> dict[str, Column]:
-        """Columns least_amplitude, amplitude, error_mm, displacement_x_mm, ..., parts, film."""
+        """Columns least_amplitude, amplitude, error, displacement_x_mm, ..., parts, film."""
         rows = np.array([d.after.displacement_rmse_mm for d in self.designs], dtype=float)
         return {
             "least_amplitude": np.array(self.least_amplitudes),
             "amplitude": np.array([d.after.amplitude for d in self.designs]),
-            "error_mm": np.array([d.error_mm for d in self.designs]),
+            "error": np.array([d.error for d in self.designs]),
             **split(("displacement_x_mm", "displacement_y_mm", "displacement_z_mm"), rows),
             "parts": np.array([d.parts for d in self.designs], dtype=np.uint64),
             "film": [d.film.name for d in self.designs],
@@ -518,7 +524,7 @@ def front_of(least_amplitudes: Sequence[float], designs: Sequence[Design]) -> Fr
     """Films that keep their amplitude and that no other film beats."""
     pairs = zip(least_amplitudes, designs, strict=True)
     kept = sorted(
-        ((d.after.amplitude, -d.error_mm, least, d) for least, d in pairs if not d.short_of),
+        ((d.after.amplitude, -d.error, least, d) for least, d in pairs if not d.short_of),
         key=lambda entry: entry[:2],
     )
     front: list[tuple[float, Design]] = []

@@ -376,8 +376,8 @@ def front(found: Front, ax: Axes | None = None) -> Axes:
     """
     ax = _axes(ax)
     columns = found.columns()
-    ax.semilogy(columns["amplitude"], columns["error_mm"], "o-")
-    ax.set(xlabel="best-fit amplitude", ylabel="largest displacement RMSE, mm")
+    ax.semilogy(columns["amplitude"], columns["error"], "o-")
+    ax.set(xlabel="best-fit amplitude", ylabel="error that is minimized")
     return ax
 
 
