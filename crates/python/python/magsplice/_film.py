@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from magsplice import _magsplice, _toml
+from magsplice import _html, _magsplice, _toml
 from magsplice._layout import Floats, Grid, Ideal, Tile, Tiles, Vector, Volume, table_of
 from magsplice._results import (
     Comparison,
@@ -881,7 +881,7 @@ class Film:
         figures, html, absent = _magsplice.report(self._core, field_t, text, numbers, outlines)
         return Report(figures, html, absent)
 
-    def view(self, height_px: int = 520) -> Page:
+    def view(self, height_px: int = _html.VIEW_PX) -> Page:
         """View of the tiles that can be turned, for a notebook.
 
         Parameters
@@ -889,7 +889,7 @@ class Film:
         height_px : int
             Height in pixels.
         """
-        return Page(_magsplice.view(self._core), height_px)
+        return Page(_html.view_of(self), height_px)
 
     def to_magpylib(self) -> Any:
         """Film as a `magpylib.Collection` of cuboids, in metres and tesla.
@@ -901,9 +901,7 @@ class Film:
         return to_magpylib(self)
 
     def _repr_html_(self) -> str:
-        from magsplice._html import film_html
-
-        return film_html(self, with_view=len(self) <= _MOST_TILES_IN_VIEW)
+        return _html.film_html(self, with_view=len(self) <= _MOST_TILES_IN_VIEW)
 
     # Helpers ----------------------------------------------------------------------------------
 
