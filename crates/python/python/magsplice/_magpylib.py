@@ -74,8 +74,8 @@ def getB(
     -----
     On an edge of a cuboid that is not parallel to J, B is unbounded. magpylib counts 0 for this
     cuboid there, and so does this function; `Film.b` raises `PointsError`. magpylib counts 0 on
-    edges parallel to J, too, where this function gives B. On a face B is that of the side of larger x, y or
-    z.
+    edges parallel to J, too, where this function gives B. On a face B is that of the side of larger
+    x, y or z.
     """
     return _field("b", sources, observers, sumup, squeeze, pixel_agg, output, within)
 
@@ -440,8 +440,8 @@ def _minus_magnetization(polarization_t: Floats, rotation: Floats) -> Floats:
     from scipy.constants import mu_0
     from scipy.spatial.transform import Rotation
 
-    turned: Floats = Rotation.from_quat(rotation).apply(polarization_t)
-    return -turned / mu_0
+    h: Floats = -Rotation.from_quat(rotation).apply(polarization_t) / mu_0
+    return h
 
 
 def _data_frame(
