@@ -69,20 +69,30 @@ def _numbers(values: ArrayLike) -> list[float]:
 
 
 class Tiles(Table):
-    """Tiles of a film, as a sequence of `Tile` and as arrays with one row for each tile."""
+    """Tiles of a film, as a sequence of `Tile` and as arrays with one row for each tile.
+
+    Attributes
+    ----------
+    names : list[str]
+        Names, unique within the film.
+    kinds : list[str | None]
+        Names of kinds; None where the layout file names none.
+    position_mm : ndarray
+        Centres, in millimetres, shape (n, 3).
+    size_mm : ndarray
+        Full side lengths along the tiles' own axes, in millimetres, shape (n, 3).
+    polarization_t : ndarray
+        Polarizations J = mu0 M in the tiles' own frames, in tesla, shape (n, 3).
+    rotation : ndarray
+        Quaternions (x, y, z, w) that take the tiles' frames to the film's, shape (n, 4).
+    """
 
     names: list[str]
-    """Names, unique within the film."""
     kinds: list[str | None]
-    """Names of kinds; None where the layout file names none."""
     position_mm: Floats
-    """Centres, in millimetres, shape (n, 3)."""
     size_mm: Floats
-    """Full side lengths along the tiles' own axes, in millimetres, shape (n, 3)."""
     polarization_t: Floats
-    """Polarizations J = mu0 M in the tiles' own frames, in tesla, shape (n, 3)."""
     rotation: Floats
-    """Quaternions (x, y, z, w) that take the tiles' frames to the film's, shape (n, 4)."""
 
     def __init__(
         self,
@@ -212,14 +222,20 @@ class Ideal:
 
     Its polarization is amplitude_t (sin kx, sin ky, 0) for 0 <= z <= thickness_mm, without end
     along x and y, with k = 2 pi / wavelength_mm.
+
+    Attributes
+    ----------
+    wavelength_mm : float
+        Wavelength, in millimetres.
+    thickness_mm : float
+        Thickness, in millimetres.
+    amplitude_t : float
+        Amplitude of each component of the polarization, in tesla.
     """
 
     wavelength_mm: float
-    """Wavelength, in millimetres."""
     thickness_mm: float
-    """Thickness, in millimetres."""
     amplitude_t: float
-    """Amplitude of each component of the polarization, in tesla."""
 
     @property
     def wavenumber_per_mm(self) -> float:
@@ -232,19 +248,27 @@ class Volume:
     """The region below the film in which the sensor moves, sampled on a regular grid.
 
     The grid starts at the lower ends. It includes the upper ends where the step divides the range.
+
+    Attributes
+    ----------
+    x_mm : tuple[float, float]
+        Range along x, in millimetres.
+    y_mm : tuple[float, float]
+        Range along y, in millimetres.
+    z_mm : tuple[float, float]
+        Range along z, in millimetres. Negative: the film is above.
+    step_mm : float | (float, float, float)
+        Distance of neighbouring points, in millimetres: one number, or one for each axis.
+    reference_mm : (float, float, float) | None
+        Point from which displacements count, in millimetres. Default: the middle of x and y at
+        the lowest z.
     """
 
     x_mm: tuple[float, float]
-    """Range along x, in millimetres."""
     y_mm: tuple[float, float]
-    """Range along y, in millimetres."""
     z_mm: tuple[float, float]
-    """Range along z, in millimetres. Negative: the film is above."""
     step_mm: float | Vector
-    """Distance of neighbouring points, in millimetres: one number, or one for each axis."""
     reference_mm: Vector | None = None
-    """Point from which displacements count, in millimetres. Default: the middle of x and y at the
-    lowest z."""
 
 
 def table_of(part: Any) -> Any:

@@ -59,26 +59,39 @@ class _Numbers:
 
 @dataclass(frozen=True, repr=False)
 class Comparison(_Numbers):
-    """The difference of the field of a film from that of the ideal film (Dai 2024, Eq. 2)."""
+    """The difference of the field of a film from that of the ideal film (Dai 2024, Eq. 2).
+
+    Attributes
+    ----------
+    points : int
+        Number of points.
+    component_rmse_t : (float, float, float)
+        Root of the mean squared difference of B_x, B_y, B_z, in tesla.
+    rmse_t : float
+        Root of the mean squared length of the difference, in tesla.
+    relative_rmse : float
+        `rmse_t` over the root mean square of the ideal B.
+    worst_t : float
+        Largest length of the difference, in tesla.
+    worst_at_mm : (float, float, float)
+        First point where it occurs, in millimetres.
+    amplitude : float
+        Factor that brings the ideal B closest to that of the film.
+    scaled_relative_rmse : float | None
+        Relative RMSE against the ideal B times `amplitude`; None if that is 0.
+    correlation : tuple[float | None, float | None, float | None]
+        Pearson's correlation of each component; None where a component does not vary.
+    """
 
     points: int
-    """Number of points."""
     component_rmse_t: Vector
-    """Root of the mean squared difference of B_x, B_y, B_z, in tesla."""
     rmse_t: float
-    """Root of the mean squared length of the difference, in tesla."""
     relative_rmse: float
-    """`rmse_t` over the root mean square of the ideal B."""
     worst_t: float
-    """Largest length of the difference, in tesla."""
     worst_at_mm: Vector
-    """First point where it occurs, in millimetres."""
     amplitude: float
-    """Factor that brings the ideal B closest to that of the film."""
     scaled_relative_rmse: float | None
-    """Relative RMSE against the ideal B times `amplitude`; None if that is 0."""
     correlation: tuple[float | None, float | None, float | None]
-    """Pearson's correlation of each component; None where a component does not vary."""
 
     def to_dict(self) -> dict[str, Any]:
         """Numbers by name; for JSON."""
@@ -90,30 +103,44 @@ class Decoupling(_Numbers, Table):
     """Decoupling parameters and their errors (Dai 2024, Eqs. 13 to 15).
 
     A table of the points with their B and parameters: ``polars.DataFrame(result)``.
+
+    Attributes
+    ----------
+    where : Grid | ndarray
+        The grid, or the points in millimetres, shape (..., 3).
+    field_t : ndarray
+        B in tesla, shape (..., 3).
+    parameters : ndarray
+        R_x, R_y in radians and S_z, shape (..., 3). NaN at singular points.
+    at_reference : (float, float, float)
+        R_x, R_y, S_z at the reference point.
+    reference_mm : (float, float, float)
+        Point from which changes count, in millimetres.
+    singular_mm : ndarray
+        Points with B_z = 0, where no parameters exist, shape (n, 3). They enter no average.
+    uniformity_rmse : (float, float, float) | None
+        Uniformity RMSE of R_x, R_y, S_z: the standard deviation over the planes normal to the
+        own axis of a parameter, averaged over the planes. None for points that are no grid.
+    ideal_rmse : (float, float, float)
+        RMSE of the parameters' changes from the reference point against those of the ideal
+        film.
+    displacement_rmse_mm : (float, float, float)
+        RMSE of the displacement along x, y, z that the parameters give (Dai 2024, Eq. 14), in
+        millimetres: `ideal_rmse` over the wavenumber.
+    wavenumber_per_mm : float
+        Wavenumber of the ideal film, in radians per millimetre.
     """
 
     where: Grid | Floats
-    """The grid, or the points in millimetres, shape (..., 3)."""
     field_t: Floats
-    """B in tesla, shape (..., 3)."""
     parameters: Floats
-    """R_x, R_y in radians and S_z, shape (..., 3). NaN at singular points."""
     at_reference: Vector
-    """R_x, R_y, S_z at the reference point."""
     reference_mm: Vector
-    """Point from which changes count, in millimetres."""
     singular_mm: Floats
-    """Points with B_z = 0, where no parameters exist, shape (n, 3). They enter no average."""
     uniformity_rmse: Vector | None
-    """Uniformity RMSE of R_x, R_y, S_z: the standard deviation over the planes normal to the own
-    axis of a parameter, averaged over the planes. None for points that are no grid."""
     ideal_rmse: Vector
-    """RMSE of the parameters' changes from the reference point against those of the ideal film."""
     displacement_rmse_mm: Vector
-    """RMSE of the displacement along x, y, z that the parameters give (Dai 2024, Eq. 14), in
-    millimetres: `ideal_rmse` over the wavenumber."""
     wavenumber_per_mm: float
-    """Wavenumber of the ideal film, in radians per millimetre."""
 
     @property
     def r_x(self) -> Floats:
@@ -199,34 +226,52 @@ class Decoupling(_Numbers, Table):
 
 
 class Estimate(NamedTuple):
-    """A value estimated from samples, with an interval that holds the true one with 95 %."""
+    """A value estimated from samples, with an interval that holds the true one with 95 %.
+
+    Attributes
+    ----------
+    value : float
+        The estimate.
+    low : float
+        Lower end of the interval; minus infinity where there are too few samples.
+    high : float
+        Upper end of the interval; infinity where there are too few samples.
+    """
 
     value: float
-    """The estimate."""
     low: float
-    """Lower end of the interval; minus infinity where there are too few samples."""
     high: float
-    """Upper end of the interval; infinity where there are too few samples."""
 
 
 @dataclass(frozen=True, repr=False)
 class Statistics(_Numbers):
-    """Mean and percentiles of samples, with intervals of 95 %."""
+    """Mean and percentiles of samples, with intervals of 95 %.
+
+    Attributes
+    ----------
+    count : int
+        Number of samples.
+    mean : Estimate
+        Mean.
+    p1 : Estimate
+        1st percentile.
+    p5 : Estimate
+        5th percentile.
+    p50 : Estimate
+        Median.
+    p95 : Estimate
+        95th percentile.
+    p99 : Estimate
+        99th percentile.
+    """
 
     count: int
-    """Number of samples."""
     mean: Estimate
-    """Mean."""
     p1: Estimate
-    """1st percentile."""
     p5: Estimate
-    """5th percentile."""
     p50: Estimate
-    """Median."""
     p95: Estimate
-    """95th percentile."""
     p99: Estimate
-    """99th percentile."""
 
     @classmethod
     def _of(cls, numbers: Any) -> Statistics:
@@ -243,24 +288,35 @@ class Samples(_Numbers, Table):
     """Errors of films that are made from one layout: one row for each film.
 
     The percentiles tell what nineteen of twenty films keep: ``samples.displacement_mm("x").p95``.
+
+    Attributes
+    ----------
+    name : str
+        Name of the film.
+    preset : str | None
+        Errors that were assumed; None for those of the layout.
+    seed : int
+        Seed of the samples.
+    first : int
+        Number of the first sample.
+    uniformity_rmse : ndarray
+        Uniformity RMSE of R_x, R_y, S_z of each film, shape (n, 3).
+    displacement_rmse_mm : ndarray
+        RMSE of the displacement along x, y, z of each film, in millimetres, shape (n, 3).
+    amplitude : ndarray
+        Best-fit amplitude of each film against the ideal film, shape (n,).
+    ordered : tuple[Floats, Floats, ndarray]
+        The same three numbers of the film without errors, each with one row.
     """
 
     name: str
-    """Name of the film."""
     preset: str | None
-    """Errors that were assumed; None for those of the layout."""
     seed: int
-    """Seed of the samples."""
     first: int
-    """Number of the first sample."""
     uniformity_rmse: Floats
-    """Uniformity RMSE of R_x, R_y, S_z of each film, shape (n, 3)."""
     displacement_rmse_mm: Floats
-    """RMSE of the displacement along x, y, z of each film, in millimetres, shape (n, 3)."""
     amplitude: Floats
-    """Best-fit amplitude of each film against the ideal film, shape (n,)."""
     ordered: tuple[Floats, Floats, Floats]
-    """The same three numbers of the film without errors, each with one row."""
 
     def __len__(self) -> int:
         return len(self.amplitude)
@@ -341,23 +397,33 @@ STATUS = ("in the volume", "outside the volume", "ambiguous", "not found", "satu
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Readings(Table):
-    """What was found from readings of a sensor. NaN where a reading has no value."""
+    """What was found from readings of a sensor. NaN where a reading has no value.
+
+    Attributes
+    ----------
+    displacement_mm : ndarray
+        Displacement of the sensor from the reference point, in millimetres, shape (..., 3). The
+        film moves by the opposite.
+    deviation_mm : ndarray | None
+        Standard deviations of it, in millimetres, shape (..., 3). None without noise.
+    force_n : ndarray | None
+        Force on the film, in newton, shape (..., 3). None without ``[elastomer]``.
+    closed_form_mm : ndarray | None
+        Displacement by the closed form of the ideal film (Dai 2024, Eq. 14), in millimetres,
+        shape (..., 3). None without an ideal film.
+    status : ndarray of uint8
+        0: in the volume; 1: outside; 2: two positions have the reading; 3: none has; 4:
+        saturated; shape (...).
+    messages : list[str]
+        Why a reading has no position in the volume; an empty text where it has one.
+    """
 
     displacement_mm: Floats
-    """Displacement of the sensor from the reference point, in millimetres, shape (..., 3). The film
-    moves by the opposite."""
     deviation_mm: Floats | None
-    """Standard deviations of it, in millimetres, shape (..., 3). None without noise."""
     force_n: Floats | None
-    """Force on the film, in newton, shape (..., 3). None without ``[elastomer]``."""
     closed_form_mm: Floats | None
-    """Displacement by the closed form of the ideal film (Dai 2024, Eq. 14), in millimetres, shape
-    (..., 3). None without an ideal film."""
     status: NDArray[np.uint8]
-    """0: in the volume; 1: outside; 2: two positions have the reading; 3: none has; 4: saturated;
-    shape (...)."""
     messages: list[str]
-    """Why a reading has no position in the volume; an empty text where it has one."""
 
     def columns(self) -> dict[str, Column]:
         """Columns dx_mm, dy_mm, dz_mm, then those of the other arrays, and status."""
@@ -385,20 +451,30 @@ class Readings(Table):
 
 @dataclass(frozen=True, repr=False)
 class Metrics(_Numbers):
-    """Errors of a film over a grid, from its exact field."""
+    """Errors of a film over a grid, from its exact field.
+
+    Attributes
+    ----------
+    points : int
+        Number of points of the grid.
+    uniformity_rmse : (float, float, float)
+        Uniformity RMSE of R_x, R_y, S_z.
+    ideal_rmse : (float, float, float)
+        RMSE of the parameters' changes against the ideal film.
+    displacement_rmse_mm : (float, float, float)
+        RMSE of the displacement along x, y, z, in millimetres.
+    amplitude : float
+        Best-fit amplitude against the ideal film.
+    scaled_relative_rmse : float | None
+        RMSE of B against the ideal film times the amplitude, relative to the latter.
+    """
 
     points: int
-    """Number of points of the grid."""
     uniformity_rmse: Vector
-    """Uniformity RMSE of R_x, R_y, S_z."""
     ideal_rmse: Vector
-    """RMSE of the parameters' changes against the ideal film."""
     displacement_rmse_mm: Vector
-    """RMSE of the displacement along x, y, z, in millimetres."""
     amplitude: float
-    """Best-fit amplitude against the ideal film."""
     scaled_relative_rmse: float | None
-    """RMSE of B against the ideal film times the amplitude, relative to the latter."""
 
     def to_dict(self) -> dict[str, Any]:
         """Numbers by name; for JSON."""
@@ -407,33 +483,49 @@ class Metrics(_Numbers):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Design(_Numbers):
-    """A film that a search found, with its errors before and after."""
+    """A film that a search found, with its errors before and after.
+
+    Attributes
+    ----------
+    film : Film
+        The film found; ``film.save("better.toml")`` writes it.
+    before : Metrics
+        Errors of the film before the search, over its working volume.
+    after : Metrics
+        Errors of the film found, over the working volume.
+    five_times_finer : Metrics
+        Errors of the film found, over the design grid refined five times.
+    stages : list[tuple[str, (float, float, float)]]
+        Stages of the search, and the uniformity RMSE after each.
+    parts : int
+        Number of distinct parts.
+    starts_that_agree : int
+        Number of starts whose error is within a tenth of the best.
+    short_of : list[str]
+        Demands that the film misses. Empty if it meets all.
+    made_before : tuple[Statistics, Statistics, Statistics] | None
+        Displacement RMSE along x, y, z of films that are made from the film before, in
+        millimetres; None unless the design counts them (``under = "tolerance"``).
+    made_after : tuple[Statistics, Statistics, Statistics] | None
+        The same of the film found.
+    error : float
+        What the search minimizes: the root of the weighted sum of squares of the three
+        uniformity or displacement RMSE (in millimetres), by the goal of ``[design]``; 95th
+        percentiles where the design counts films that are made; the scaled relative RMSE of B
+        for the goal ``field``.
+    """
 
     film: Film
-    """The film found; ``film.save("better.toml")`` writes it."""
     before: Metrics
-    """Errors of the film before the search, over its working volume."""
     after: Metrics
-    """Errors of the film found, over the working volume."""
     five_times_finer: Metrics
-    """Errors of the film found, over the design grid refined five times."""
     stages: list[tuple[str, Vector]]
-    """Stages of the search, and the uniformity RMSE after each."""
     parts: int
-    """Number of distinct parts."""
     starts_that_agree: int
-    """Number of starts whose error is within a tenth of the best."""
     short_of: list[str]
-    """Demands that the film misses. Empty if it meets all."""
     made_before: tuple[Statistics, Statistics, Statistics] | None
-    """Displacement RMSE along x, y, z of films that are made from the film before, in millimetres;
-    None unless the design counts them (``under = "tolerance"``)."""
     made_after: tuple[Statistics, Statistics, Statistics] | None
-    """The same of the film found."""
     error: float
-    """What the search minimizes: the root of the weighted sum of squares of the three uniformity or
-    displacement RMSE (in millimetres), by the goal of ``[design]``; 95th percentiles where the
-    design counts films that are made; the scaled relative RMSE of B for the goal ``field``."""
 
     @classmethod
     def from_numbers(cls, film: Film, numbers: Any, brief: dict[str, Any]) -> Design:
@@ -494,12 +586,17 @@ class Front(Table):
 
     No other film that was found is as good in error and amplitude and better in one of them, and
     every film has the amplitude it was asked for.
+
+    Attributes
+    ----------
+    least_amplitudes : list[float]
+        Amplitude that was asked for, of each film.
+    designs : list[Design]
+        The films.
     """
 
     least_amplitudes: list[float]
-    """Amplitude that was asked for, of each film."""
     designs: list[Design]
-    """The films."""
 
     def __len__(self) -> int:
         return len(self.designs)
@@ -539,18 +636,27 @@ def front_of(least_amplitudes: Sequence[float], designs: Sequence[Design]) -> Fr
 
 
 class Figure(NamedTuple):
-    """A figure of a report. A notebook shows its SVG."""
+    """A figure of a report. A notebook shows its SVG.
+
+    Attributes
+    ----------
+    name : str
+        Name of its files, without extension.
+    caption : str
+        What the figure shows.
+    svg : str
+        The figure as SVG.
+    png : bytes
+        The figure as PNG, 300 dots per inch.
+    csv : str
+        The numbers that the figure shows, with one header line.
+    """
 
     name: str
-    """Name of its files, without extension."""
     caption: str
-    """What the figure shows."""
     svg: str
-    """The figure as SVG."""
     png: bytes
-    """The figure as PNG, 300 dots per inch."""
     csv: str
-    """The numbers that the figure shows, with one header line."""
 
     def _repr_svg_(self) -> str:
         return self.svg
@@ -560,10 +666,15 @@ class Figure(NamedTuple):
 
 
 class Page:
-    """An HTML page that loads no other file. A notebook shows it in a frame."""
+    """An HTML page that loads no other file. A notebook shows it in a frame.
+
+    Attributes
+    ----------
+    html : str
+        The page.
+    """
 
     html: str
-    """The page."""
 
     def __init__(self, html: str, height_px: int = 600) -> None:
         self.html = html
@@ -577,12 +688,18 @@ class Page:
 
 
 class Report(Page):
-    """Figures of a film, and the page that shows them."""
+    """Figures of a film, and the page that shows them.
+
+    Attributes
+    ----------
+    figures : dict[str, Figure]
+        Figures by name.
+    absent : list[str]
+        What the report lacks, and why.
+    """
 
     figures: dict[str, Figure]
-    """Figures by name."""
     absent: list[str]
-    """What the report lacks, and why."""
 
     def __init__(
         self, figures: list[tuple[str, str, str, bytes, str]], html: str, absent: list[str]

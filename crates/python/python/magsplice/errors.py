@@ -14,24 +14,35 @@ class MagspliceError(Exception):
 
 
 class LayoutFault(NamedTuple):
-    """One broken rule of a layout."""
+    """One broken rule of a layout.
+
+    Attributes
+    ----------
+    line : int | None
+        Line of the text, the first is 1, where the rule belongs to one.
+    place : str
+        Table or tile, such as ``tile "rim-3"``.
+    message : str
+        The value and the rule, such as ``size_mm[1] = -1, must be greater than 0``.
+    """
 
     line: int | None
-    """Line of the text, the first is 1, where the rule belongs to one."""
     place: str
-    """Table or tile, such as ``tile "rim-3"``."""
     message: str
-    """The value and the rule, such as ``size_mm[1] = -1, must be greater than 0``."""
 
 
 class LayoutError(MagspliceError, ValueError):
     """A layout that is not TOML, has unknown keys, or breaks rules.
 
     A file that cannot be read raises `OSError` instead, such as `FileNotFoundError`.
+
+    Attributes
+    ----------
+    faults : list[LayoutFault]
+        All broken rules. Empty for an error of syntax, which the message describes.
     """
 
     faults: list[LayoutFault]
-    """All broken rules. Empty for an error of syntax, which the message describes."""
 
     def __init__(self, message: str, faults: Sequence[tuple[int | None, str, str]] = ()) -> None:
         super().__init__(message, faults)
@@ -43,16 +54,24 @@ class LayoutError(MagspliceError, ValueError):
 
 @dataclass(frozen=True)
 class PointFault:
-    """A point without a field."""
+    """A point without a field.
+
+    Attributes
+    ----------
+    index : int
+        Index of the point, after the leading axes of the points are flattened.
+    point : tuple[float, float, float]
+        The point, in the unit of length of the call.
+    tile : int | None
+        Index of a tile on whose edge the point lies, where that is the reason.
+    message : str
+        The reason.
+    """
 
     index: int
-    """Index of the point, after the leading axes of the points are flattened."""
     point: tuple[float, float, float]
-    """The point, in the unit of length of the call."""
     tile: int | None
-    """Index of a tile on whose edge the point lies, where that is the reason."""
     message: str
-    """The reason."""
 
 
 class PointsError(MagspliceError, ValueError):
@@ -61,10 +80,14 @@ class PointsError(MagspliceError, ValueError):
     On an exposed edge that is not parallel to the polarization B is unbounded. Coordinates must be
     finite. A tolerance may be too small for the exact field. The argument ``invalid="nan"`` gives
     NaN at such points instead of this exception.
+
+    Attributes
+    ----------
+    faults : list[PointFault]
+        All points without a field, in their order.
     """
 
     faults: list[PointFault]
-    """All points without a field, in their order."""
 
     def __init__(
         self,
