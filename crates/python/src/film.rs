@@ -20,8 +20,9 @@ pub(crate) struct Film {
     scene: Py<Scene>,
 }
 
-/// Corners, points along x, y, z, step and reference point of a working volume.
-type Volume = (Triple, Triple, Triple<usize>, Triple, Triple);
+/// First and last point, points along x, y, z, corners as written, step and reference point of a working
+/// volume.
+type Volume = (Triple, Triple, Triple<usize>, Triple, Triple, Triple, Triple);
 
 /// Names, kinds, centres, sides, polarizations and rotations of tiles.
 type Tiles<'py> = (
@@ -100,9 +101,16 @@ impl Film {
     fn volume(&self) -> Option<Volume> {
         self.layout.volume.map(|volume| {
             let grid = volume.grid;
+            let [lower, upper] = [volume.lower_mm, volume.upper_mm].map(DVec3::into);
             let [step, reference] = [volume.step_mm, volume.reference_mm].map(DVec3::into);
-            (grid.lower().into(), grid.upper().into(), grid.counts().into(), step, reference)
+            (grid.lower().into(), grid.upper().into(), grid.counts().into(), lower, upper, step, reference)
         })
+    }
+
+    /// Number of samples and seed of the films that are made.
+    #[getter]
+    fn sampling(&self) -> Option<(u64, u64)> {
+        self.layout.tolerance.as_ref().map(|tolerance| (tolerance.samples, tolerance.seed))
     }
 
     /// Number of tiles.

@@ -115,8 +115,8 @@ impl Scene {
         })
     }
 
-    /// The gradient at points: an array of shape (n, 3, 3) whose element (n, j) is the derivative along
-    /// x_j, and the exception that names points without a gradient, or None.
+    /// The gradient at points: an array of shape (n, 3, 3), and the exception that names points without a
+    /// gradient, or None. Gradients are symmetric, so that columns in memory may count as rows.
     fn gradient<'py>(
         &self,
         py: Python<'py>,

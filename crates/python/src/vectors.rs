@@ -37,8 +37,7 @@ pub(crate) fn written_rows<'py, R>(
     Ok((array, result))
 }
 
-/// An array of shape (n, 3, 3), written by `write` without a copy. Element (n, j) is the derivative of
-/// the vector along x_j.
+/// An array of shape (n, 3, 3), written by `write` without a copy: element (n, j) is column j.
 pub(crate) fn written_gradients<'py, R>(
     py: Python<'py>,
     count: usize,

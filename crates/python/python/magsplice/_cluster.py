@@ -37,28 +37,19 @@ def samples(
     if partition is None:
         slots = max(1, sum(client.nthreads().values()))
         partition = min(_MOST_PER_TASK, max(1, -(-count // (slots * _TASKS_PER_THREAD))))
-    starts = range(first, first + count, partition)
-    # The film goes to each worker once.
-    shared = client.scatter(film, broadcast=True, hash=False)
-    futures = [
-        client.submit(
-            _samples,
-            shared,
-            preset,
-            seed,
-            start,
-            min(partition, first + count - start),
-            threads,
-            # A task is a function of its arguments, so it may be repeated when a worker is lost.
-            pure=False,
-        )
-        for start in starts
-    ]
+    counts = {}
+    for start in range(first, first + count, partition):
+        size = min(partition, first + count - start)
+        # The film is in every task, so that no worker holds what others need. A task is not called
+        # pure, so that equal calls are computed again.
+        future = client.submit(_samples, film, preset, seed, start, size, threads, pure=False)
+        counts[future] = size
+    futures = list(counts)
     try:
         if progress is not None:
             done = 0
             for future in as_completed(futures):
-                done += min(partition, first + count - starts[futures.index(future)])
+                done += counts[future]
                 progress(done, count)
         parts = client.gather(futures)
     except BaseException:

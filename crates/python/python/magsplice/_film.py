@@ -36,6 +36,8 @@ __all__ = ["Film", "Invalid", "load", "loads", "splice"]
 Invalid = Literal["raise", "nan"]
 Preset = Literal["by-hand", "workshop", "jig"]
 
+#: Number of samples and seed of layouts that state none.
+_SAMPLING = (1000, 1)
 #: Most tiles with which a notebook shows the view that can be turned, which it keeps in its file.
 _MOST_TILES_IN_VIEW = 2000
 
@@ -385,8 +387,12 @@ class Film:
     @property
     def volume(self) -> Volume | None:
         """The working volume; None if the layout has none."""
-        table = self.to_dict().get("volume")
-        return None if table is None else Volume(**{k: _frozen(v) for k, v in table.items()})
+        volume = self._core.volume
+        if volume is None:
+            return None
+        *_, lower, upper, step, reference = volume
+        x, y, z = zip(lower, upper, strict=True)
+        return Volume(x, y, z, step[0] if len(set(step)) == 1 else step, reference)
 
     @property
     def grid(self) -> Grid | None:
@@ -398,7 +404,7 @@ class Film:
     def reference_mm(self) -> Vector | None:
         """Point of the working volume from which displacements count, in millimetres."""
         volume = self._core.volume
-        return None if volume is None else volume[4]
+        return None if volume is None else volume[-1]
 
     # Field ------------------------------------------------------------------------------------
 
@@ -506,7 +512,7 @@ class Film:
         values, error = self._core.scene.gradient(quantity, flat)
         if error is not None and invalid == "raise":
             raise error
-        return np.swapaxes(values, -1, -2).reshape(*shape, 3, 3)
+        return values.reshape(*shape, 3, 3)
 
     def error_bound(self, points: ArrayLike | Grid) -> Floats:
         """Upper bound in tesla of the error of the exact B, shape (...).
@@ -681,9 +687,9 @@ class Film:
         MagspliceError
             If the layout has no errors, ideal film or working volume, or a sample has no errors.
         """
-        stated = self.to_dict().get("tolerance") or {}
-        count = int(stated.get("samples", 1000) if samples is None else samples)
-        seed = int(stated.get("seed", 1) if seed is None else seed)
+        stated = self._core.sampling or _SAMPLING
+        count = stated[0] if samples is None else int(samples)
+        seed = stated[1] if seed is None else int(seed)
         if client is not None:
             from magsplice import _cluster
 
@@ -932,10 +938,6 @@ class Film:
 
 def _unpickled(text: str, origin: str, folder: str | None) -> Film:
     return loads(text, origin=origin, folder=folder)
-
-
-def _frozen(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
 
 
 def _vector(value: float | Sequence[float] | None) -> Vector | None:

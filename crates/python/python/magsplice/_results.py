@@ -305,7 +305,7 @@ class Samples(_Numbers, Table):
         RMSE of the displacement along x, y, z of each film, in millimetres, shape (n, 3).
     amplitude : ndarray
         Best-fit amplitude of each film against the ideal film, shape (n,).
-    ordered : tuple[Floats, Floats, ndarray]
+    ordered : tuple of 3 ndarrays
         The same three numbers of the film without errors, each with one row.
     """
 
