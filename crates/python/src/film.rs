@@ -170,7 +170,7 @@ impl Film {
         Ok(Film { layout, scene: Py::new(py, Scene::from(scene))? })
     }
 
-    /// The film, to be evaluated. Without the interpreter, since tiles are prepared again.
+    /// The film, to be evaluated; see [`evaluated`].
     pub(crate) fn evaluated(&self) -> PyResult<magsplice::Film<'_>> {
         evaluated(&self.layout)
     }
@@ -196,6 +196,7 @@ impl Film {
     }
 }
 
-fn evaluated(layout: &Layout) -> PyResult<magsplice::Film<'_>> {
+/// A layout with its tiles prepared. Without the interpreter, since that takes time.
+pub(crate) fn evaluated(layout: &Layout) -> PyResult<magsplice::Film<'_>> {
     Ok(magsplice::Film::new(layout))
 }

@@ -1,6 +1,5 @@
 //! Figures and pages.
 
-use magsplice::Film as Evaluated;
 use magsplice::layout::Layout;
 use magsplice_report::{FilmSamples, PrintedResults, Report, SvgText, layout_figure};
 use numpy::PyReadonlyArray2;
@@ -8,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::exceptions::failed;
-use crate::film::Film;
+use crate::film::{Film, evaluated};
 use crate::samples::{SampledFilm, sampled};
 use crate::vectors::vectors;
 
@@ -32,7 +31,7 @@ pub(crate) fn report<'py>(
     let samples = match layout {
         Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } => {
             let errors = sampled(py, layout, None, 0..tolerance.samples, None, &|_| Ok(()))?;
-            let nominal = py.detach(|| SampledFilm::new(layout).map_err(failed)?.nominal().map_err(failed))?;
+            let nominal = py.detach(|| SampledFilm::new(layout)?.nominal().map_err(failed))?;
             Some(FilmSamples { nominal, errors })
         }
         _ => None,
@@ -52,7 +51,7 @@ pub(crate) fn report<'py>(
 pub(crate) fn view(py: Python<'_>, film: &Film) -> PyResult<String> {
     py.detach(|| {
         let layout = Layout { volume: None, ideal: None, tolerance: None, sensor: None, ..film.layout.clone() };
-        let film = Evaluated::new(&layout);
+        let film = evaluated(&layout)?;
         let results = PrintedResults { text: "", json: "{}" };
         Report::new(&film, None, None, results, SvgText::Outlines).map(|report| report.html).map_err(failed)
     })

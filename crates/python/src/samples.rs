@@ -10,7 +10,7 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 use crate::exceptions::{failed, of_film};
-use crate::film::Film;
+use crate::film::{Film, evaluated};
 use crate::vectors::{Triple, numbers, rows_of};
 
 /// Time that a stretch of samples should take: often enough for signals.
@@ -53,7 +53,7 @@ pub(crate) fn sampled(
     pool: Option<&rayon::ThreadPool>,
     tell: &dyn Fn(u64) -> PyResult<()>,
 ) -> PyResult<Vec<FilmErrors>> {
-    let scene = SampledFilm::new(layout).map_err(of_film)?;
+    let scene = py.detach(|| SampledFilm::new(layout))?;
     let sampler = py.detach(|| scene.sampler(seed)).map_err(failed)?;
     let workers = pool.map_or_else(rayon::current_num_threads, rayon::ThreadPool::current_num_threads);
     let (mut found, mut stretch) = (Vec::new(), workers as u64);
@@ -79,7 +79,7 @@ pub(crate) fn sampled(
 #[pyfunction]
 pub(crate) fn nominal<'py>(py: Python<'py>, film: &Film) -> PyResult<Errors<'py>> {
     let layout = film.layout_with_errors(Some("workshop"))?;
-    let found = py.detach(|| SampledFilm::new(&layout).map_err(of_film)?.nominal().map_err(failed))?;
+    let found = py.detach(|| SampledFilm::new(&layout)?.nominal().map_err(failed))?;
     Ok(arrays(py, &[found]))
 }
 
@@ -92,15 +92,12 @@ pub(crate) struct SampledFilm<'a> {
 }
 
 impl<'a> SampledFilm<'a> {
-    pub(crate) fn new(layout: &'a Layout) -> Result<SampledFilm<'a>, FilmError> {
-        let tolerance = layout.tolerance.as_ref().ok_or(FilmError::Missing("tolerance"))?;
-        let volume = layout.volume.as_ref().ok_or(FilmError::Missing("volume"))?;
-        Ok(SampledFilm {
-            real: RealFilm::new(&layout.bare_tiles(), tolerance),
-            volume: EvaluationGrid { grid: volume.grid, reference: volume.reference_mm },
-            ideal: layout.ideal.as_ref().ok_or(FilmError::Missing("ideal"))?,
-            seed: tolerance.seed,
-        })
+    pub(crate) fn new(layout: &'a Layout) -> PyResult<SampledFilm<'a>> {
+        let film = evaluated(layout)?;
+        let real = film.real_film().map_err(of_film)?;
+        let volume = film.evaluation_grid().map_err(of_film)?;
+        let (ideal, seed) = (film.ideal().map_err(of_film)?, real.tolerance().seed);
+        Ok(SampledFilm { real, volume, ideal, seed })
     }
 
     fn sampler(&self, seed: Option<u64>) -> Result<Sampler<'_>, SampleError> {
