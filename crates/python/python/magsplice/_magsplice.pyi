@@ -7,6 +7,24 @@ from typing import Any, Literal, TypedDict, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "Film",
+    "Scene",
+    "__version__",
+    "compare",
+    "decouple",
+    "design",
+    "layout_svg",
+    "nominal",
+    "read",
+    "report",
+    "resolution",
+    "samples",
+    "splice",
+    "statistics",
+    "view",
+]
+
 __version__: str
 
 _Floats = NDArray[np.float64]
