@@ -64,7 +64,7 @@ def test_layouts_with_errors_of_their_own_give_the_same_bits(client, published):
 
 
 def test_a_worker_that_is_killed_halfway_changes_no_bit(client, published):
-    samples = 3000
+    samples = 1500
     expected = published.tolerance(samples, preset="workshop")
     before = client.run(os.getpid)
     killed = []
@@ -75,7 +75,7 @@ def test_a_worker_that_is_killed_halfway_changes_no_bit(client, published):
             os.kill(killed[0], signal.SIGKILL)
 
     found = published.tolerance(
-        samples, preset="workshop", client=client, partition=100, progress=kill
+        samples, preset="workshop", client=client, partition=50, progress=kill
     )
     assert same(found, expected)
     client.wait_for_workers(2)

@@ -84,6 +84,8 @@ def test_grids_give_the_field_at_their_points(published):
     assert 0.0 in grid.x_mm
     odd = Grid((0.1, 0, -5), (1.1, 0, -3), (4, 1, 3))
     assert np.array_equal(published.b(odd), published.b(odd.points_mm))
+    # Three thirds of 0.1 are more than 0.1.
+    assert odd.x_mm[0] == 0.1
     with pytest.raises(ValueError, match="must be at least 1"):
         published.b(Grid((0, 0, 0), (1, 1, 1), (2, 0, 2)))
 

@@ -1,6 +1,7 @@
 """Comparison, decoupling, tolerance, readings, design, report."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from conftest import LAYOUTS
 
 import magsplice
 from magsplice import Film
+from magsplice._results import front_of
 
 
 def test_comparison_is_that_of_numpy(published):
@@ -166,6 +168,23 @@ def test_fronts_hold_films_that_no_other_beats():
     assert errors == sorted(errors)
     for least, design in zip(front.least_amplitudes, front.designs, strict=True):
         assert design.after.amplitude >= least
+
+
+def test_fronts_leave_out_films_that_are_beaten_or_too_weak():
+    def film(amplitude, error, short_of=()):
+        after = SimpleNamespace(amplitude=amplitude)
+        return SimpleNamespace(after=after, error=error, short_of=short_of)
+
+    films = [
+        film(0.6, 0.2),
+        film(0.7, 0.1),
+        film(0.9, 0.3),
+        film(0.8, 0.3),
+        film(1.0, 0.0, ["weak"]),
+    ]
+    front = front_of([1, 2, 3, 4, 5], films)
+    assert front.least_amplitudes == [2, 3]
+    assert front.designs == [films[1], films[2]]
 
 
 def test_patterns_are_films_to_begin_with():
