@@ -198,5 +198,5 @@ impl Film {
 
 /// A layout with its tiles prepared. Without the interpreter, since that takes time.
 pub(crate) fn evaluated(layout: &Layout) -> PyResult<magsplice::Film<'_>> {
-    Ok(magsplice::Film::new(layout))
+    magsplice::Film::new(layout).map_err(of_film)
 }

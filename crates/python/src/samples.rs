@@ -106,7 +106,7 @@ impl<'a> SampledFilm<'a> {
 
     /// The errors of the film without errors of its tiles.
     pub(crate) fn nominal(&self) -> Result<FilmErrors, SampleError> {
-        let exact = RealFilm::new(self.real.tiles(), &Default::default());
+        let exact = self.real.clone().without_errors();
         Sampler::new(&exact, &self.volume, self.ideal, self.seed)?.errors_of(0)
     }
 }

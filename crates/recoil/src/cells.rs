@@ -13,6 +13,10 @@ const CELLS_OF_LONG_SIDE: f64 = 0.7;
 /// Largest multiple of the level.
 const MOST_PER_LEVEL: usize = 4;
 
+/// Unit to which faces between cells are rounded, in half sides rounded up to a power of 2. It is far below the
+/// smallest cell.
+const FACE_UNIT: f64 = 1.0 / (1_u64 << 30) as f64;
+
 /// The numbers of cells along the sides of a box at a level.
 pub fn cell_counts(size: DVec3, level: usize) -> [usize; 3] {
     let shortest = size.min_element();
@@ -56,10 +60,15 @@ pub fn cells(tile: &Tile, level: usize) -> Result<Vec<Tile>, TileFaults> {
 
 /// Middles and lengths of the intervals of one side.
 fn intervals(half: f64, count: usize) -> Vec<(f64, f64)> {
-    // Odd about the middle to the last digit.
+    // Faces between cells have few binary digits, so that middles and lengths are exact, and the outer faces are
+    // those of the tile to the last digit. They are odd about the middle.
+    let unit = FACE_UNIT * half.log2().ceil().exp2();
     let face = |i: usize| {
+        if i == 0 || i == count {
+            return if i == 0 { -half } else { half };
+        }
         let from_middle = (2.0 * i as f64 - count as f64) / (2.0 * count as f64);
-        half * (PI * from_middle).sin()
+        (half * (PI * from_middle).sin() / unit).round() * unit
     };
     (0..count).map(|i| (0.5 * (face(i) + face(i + 1)), face(i + 1) - face(i))).collect()
 }
@@ -86,6 +95,18 @@ mod tests {
             for (first, second) in cells.iter().zip(cells.iter().skip(1)) {
                 assert!(magsplice_magnet::overlap(first, second).is_none());
             }
+        }
+    }
+
+    /// The faces of the outer cells are those of the tile.
+    #[test]
+    fn outer_faces_are_those_of_the_tile() {
+        let tile = Tile::new(DVec3::new(2.5, 0.0, 0.5), DVec3::new(3.0, 6.0, 1.0), DVec3::X).unwrap();
+        for level in 2..9 {
+            let cells = cells(&tile, level).unwrap();
+            let (first, last) = (cells.first().unwrap(), cells.last().unwrap());
+            assert_eq!(first.position() - 0.5 * first.size(), DVec3::new(1.0, -3.0, 0.0));
+            assert_eq!(last.position() + 0.5 * last.size(), DVec3::new(4.0, 3.0, 1.0));
         }
     }
 

@@ -83,7 +83,7 @@ fn decouple_states_what_recoil_changes_and_how_well_it_is_known() {
     assert!(number(&recoil["largest_weakening"]) > 0.02);
     let text = stdout(&sandbox, &["decouple", "film.toml"]);
     for part in
-        ["recoil: 54 cells at level 3, B changes by up to", "tiles weaken by", "beyond the knee at mu0 H = -0.02 T"]
+        ["recoil: 108 cells at level 3, B changes by up to", "tiles weaken by", "beyond the knee at mu0 H = -0.02 T"]
     {
         assert!(text.contains(part), "{part}: {text}");
     }
@@ -122,7 +122,7 @@ fn plan_and_check_estimate_what_recoil_changes() {
 #[test]
 fn field_is_that_of_the_weakened_tiles() {
     let sandbox = sandbox(MATERIAL);
-    sandbox.write("points.csv", "x,y,z\n0,0,-3.5\n2.61,0.13,0.47\n");
+    sandbox.write("points.csv", "x_mm,y_mm,z_mm\n0,0,-3.5\n2.61,0.13,0.47\n");
     let field = |layout: &str, quantity: &str| -> Vec<Vec<f64>> {
         let csv = stdout(&sandbox, &["field", layout, "--points", "points.csv", "--quantity", quantity]);
         let rows = csv.lines().filter(|line| !line.starts_with('#') && !line.starts_with('x'));
@@ -139,7 +139,7 @@ fn field_is_that_of_the_weakened_tiles() {
         assert!((b[1][axis] - 4e-7 * std::f64::consts::PI * h[1][axis] - j[1][axis]).abs() < 1e-9);
     }
     // An edge of a cell is reported as that of its tile.
-    sandbox.write("edge.csv", "x,y,z\n4,3,0.2\n");
+    sandbox.write("edge.csv", "x_mm,y_mm,z_mm\n4,3,0.2\n");
     let said = sandbox.run(&["field", "film.toml", "--points", "edge.csv"]);
     assert!(said.status != 0 && said.stderr.contains("exposed edge of tile \"right\""), "{}", said.stderr);
 }
@@ -202,21 +202,23 @@ fn design_counts_recoil() {
                  y = [-6, 6] }\n";
     let sandbox = sandbox(&format!("{MATERIAL}{brief}"));
     sandbox.write("rigid.toml", &film(brief));
-    let r_x = |layout: &str| {
+    let error = |layout: &str| {
         let result = json(&sandbox, &["decouple", layout, "--format", "json"]);
-        number(&result["uniformity_rmse"]["r_x"])
+        let of = |key: &str| number(&result["uniformity_rmse"][key]);
+        [of("r_x"), of("r_y"), of("s_z")].map(|rmse| rmse * rmse).iter().sum::<f64>().sqrt()
     };
     for (layout, designed) in [("film.toml", "designed.toml"), ("rigid.toml", "without.toml")] {
         let said = sandbox.run(&["design", layout, "-o", designed, "--format", "json"]);
         assert_eq!(said.status, 0, "{}", said.stderr);
         let result: Value = serde_json::from_str(&said.stdout).expect("JSON");
-        let found = number(&result["after"]["uniformity_rmse"][0]);
-        let again = r_x(designed);
+        let of = |axis: usize| number(&result["after"]["uniformity_rmse"][axis]);
+        let found = [of(0), of(1), of(2)].map(|rmse| rmse * rmse).iter().sum::<f64>().sqrt();
+        let again = error(designed);
         assert!((found - again).abs() <= 1e-9 * again, "{found} {again}");
     }
     // The film that was designed without, made of a material with recoil.
     let made = sandbox.read("without.toml") + MATERIAL;
     sandbox.write("made.toml", &made);
-    let (with, without) = (r_x("designed.toml"), r_x("made.toml"));
+    let (with, without) = (error("designed.toml"), error("made.toml"));
     assert!(with < without, "{with} {without}");
 }
