@@ -80,6 +80,16 @@ impl Layout {
     pub fn bare_tiles(&self) -> Vec<Tile> {
         self.tiles.iter().map(|named| named.tile).collect()
     }
+
+    /// The recoil permeability of each tile: its own, or that of the material.
+    pub fn permeabilities(&self) -> Vec<Permeability> {
+        self.tiles.iter().map(|named| named.permeability.unwrap_or(self.material.permeability)).collect()
+    }
+
+    /// Whether the field changes the polarization of any tile.
+    pub fn has_recoil(&self) -> bool {
+        self.permeabilities().iter().any(|permeability| !permeability.is_rigid())
+    }
 }
 
 /// A tile with its name, its kind and its rotation as written.

@@ -2,8 +2,6 @@
 
 use magsplice_magnet::Permeability;
 
-use crate::layout::Layout;
-
 /// Default share of the largest change of B by recoil that its error may have. The estimate of the error is far
 /// above the error itself (docs/recoil.md), and the permeability of a magnet is known to 0.01 at best, for 1.05 a
 /// fifth of the change. Films need the least level at which an error is known.
@@ -31,17 +29,5 @@ impl Default for Material {
             knee_field_t: None,
             strength_per_k: None,
         }
-    }
-}
-
-impl Layout {
-    /// The recoil permeability of each tile: its own, or that of the material.
-    pub fn permeabilities(&self) -> Vec<Permeability> {
-        self.tiles.iter().map(|named| named.permeability.unwrap_or(self.material.permeability)).collect()
-    }
-
-    /// Whether the field changes the polarization of any tile.
-    pub fn has_recoil(&self) -> bool {
-        self.permeabilities().iter().any(|permeability| !permeability.is_rigid())
     }
 }

@@ -5,7 +5,8 @@ use std::cell::OnceCell;
 use magsplice_expect::{Baseline, Clearance, Expectation, Outcome};
 use magsplice_tolerance::{FilmErrors, Sampler};
 
-use crate::film::{Film, FilmError};
+use crate::film::Film;
+use crate::film_error::FilmError;
 use crate::stage::Stage;
 
 impl Film<'_> {

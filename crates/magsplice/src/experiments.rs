@@ -4,7 +4,8 @@ use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_sensor::{ExperimentSettings, ExperimentStep, Locator, SensedField, displacements, experiment};
 
-use crate::film::{Film, FilmError};
+use crate::film::Film;
+use crate::film_error::FilmError;
 use crate::stage::Stage;
 
 /// Steps of the experiments of Dai 2024, Fig. 9, along x, y and z, in millimetres: 0.5 mm in shear and 1 mm

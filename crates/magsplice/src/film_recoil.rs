@@ -11,7 +11,7 @@ use magsplice_recoil::{
     DemagnetizedCell, Magnetization, RecoilTile, RefinementError, RefinementSettings, TileChange, refine,
 };
 
-use crate::film::FilmError;
+use crate::film_error::FilmError;
 use crate::stage::Stage;
 
 /// Most points of a working volume at which the effect of recoil is evaluated. They take a tenth of the time

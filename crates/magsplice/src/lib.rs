@@ -56,6 +56,9 @@ mod experiments;
 /// A layout evaluated step by step.
 #[cfg(feature = "layout")]
 mod film;
+/// Why a film could not be evaluated.
+#[cfg(feature = "layout")]
+mod film_error;
 /// The polarization of films with a recoil permeability.
 #[cfg(feature = "layout")]
 mod film_recoil;
@@ -66,7 +69,9 @@ mod stage;
 #[cfg(feature = "layout")]
 pub use experiments::EXPERIMENT_STEP_MM;
 #[cfg(feature = "layout")]
-pub use film::{Film, FilmError};
+pub use film::Film;
+#[cfg(feature = "layout")]
+pub use film_error::FilmError;
 #[cfg(feature = "layout")]
 pub use film_recoil::{FilmRecoil, RecoilEstimate, RecoilFigures};
 pub use magsplice_decouple as decouple;
@@ -92,7 +97,9 @@ pub use stage::Stage;
 /// The types that most programs need.
 pub mod prelude {
     #[cfg(feature = "layout")]
-    pub use crate::film::{Film, FilmError};
+    pub use crate::film::Film;
+    #[cfg(feature = "layout")]
+    pub use crate::film_error::FilmError;
     pub use glam::{DMat3, DQuat, DVec3};
     pub use magsplice_decouple::{Branch, Decoupling, Parameters};
     #[cfg(feature = "design")]

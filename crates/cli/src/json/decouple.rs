@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::compare::comparison;
 use super::field::ColumnsJson;
+use super::lengths::LengthsJson;
 use super::renamed::RenamedJson;
 use super::source::SourceJson;
 use crate::evaluation::Evaluation;
@@ -53,18 +54,5 @@ impl<'a> DecoupleJson<'a> {
             remark: about_amplitude(evaluation.comparison.amplitude),
             columns: table.map(ColumnsJson::new),
         }
-    }
-}
-
-#[derive(Serialize)]
-pub(crate) struct LengthsJson {
-    x: f64,
-    y: f64,
-    z: f64,
-}
-
-impl From<DVec3> for LengthsJson {
-    fn from(v: DVec3) -> LengthsJson {
-        LengthsJson { x: v.x, y: v.y, z: v.z }
     }
 }

@@ -6,8 +6,8 @@ use magsplice_export::Table;
 use serde::Serialize;
 
 use super::compare::comparison;
-use super::decouple::LengthsJson;
 use super::field::ColumnsJson;
+use super::lengths::LengthsJson;
 use super::renamed::RenamedJson;
 use super::source::SourceJson;
 use crate::point_evaluation::PointEvaluation;

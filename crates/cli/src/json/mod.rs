@@ -24,6 +24,8 @@ pub(crate) mod diagnose;
 pub(crate) mod field;
 /// `forces`: loads on tiles, and an order of laying.
 pub(crate) mod forces;
+/// Lengths along x, y, z as an object.
+pub(crate) mod lengths;
 /// `plan`: the methods, their truncation errors and costs.
 pub(crate) mod plan;
 /// `read`.

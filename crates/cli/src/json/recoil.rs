@@ -4,7 +4,7 @@ use magsplice::decouple::PerParameter;
 use magsplice::{FilmRecoil, RecoilEstimate, RecoilFigures};
 use serde::Serialize;
 
-use super::decouple::LengthsJson;
+use super::lengths::LengthsJson;
 
 /// The solution, with estimates of its errors.
 #[derive(Serialize)]

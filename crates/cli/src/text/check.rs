@@ -61,7 +61,7 @@ pub(crate) fn checked_layout(checked: &CheckedLayout, quiet: bool, colours: bool
     if !quiet && !checked.recoil.is_empty() {
         text += "  recoil   what it changes, to first order:\n";
         for estimate in &checked.recoil {
-            let _ = writeln!(text, "           {}", recoil::estimate(estimate));
+            rows::prose(&mut text, &recoil::estimate(estimate));
         }
     }
     text

@@ -1,0 +1,169 @@
+//! Why a film could not be evaluated.
+
+use std::error::Error;
+use std::fmt;
+
+use glam::DVec3;
+use magsplice_decouple::{DecouplingError, Parameter};
+use magsplice_expect::PointsMismatch;
+use magsplice_ideal::ComparisonError;
+use magsplice_layout::Layout;
+use magsplice_magnet::PointErrors;
+use magsplice_recoil::tolerances::{MAX_CELLS, MOST_PERMEABILITY_OF_TREE};
+use magsplice_recoil::{RecoilError, RefinementError};
+use magsplice_sensor::SensedFieldError;
+use magsplice_tolerance::SampleError;
+
+/// Why a film could not be evaluated.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum FilmError {
+    /// The layout lacks this table, which the evaluation needs.
+    Missing(&'static str),
+    /// The field does not exist at some points.
+    Points(PointErrors),
+    /// This point of the volume, in millimetres, is not below the film, where Eq. 2 of Dai 2024
+    /// holds.
+    NotBelow(DVec3),
+    /// The field cannot be compared with the ideal one.
+    Comparison(ComparisonError),
+    /// The decoupling parameters cannot be evaluated.
+    Decoupling(DecouplingError),
+    /// There is no baseline to compare the field with.
+    NoBaseline,
+    /// The baseline has other points than the working volume.
+    PointsMismatch(PointsMismatch),
+    /// There are no tiles.
+    NoTiles,
+    /// The grid has one point in each plane normal to the axis of this parameter, so that its
+    /// uniformity has no meaning.
+    OnePointPlanes(Parameter),
+    /// A film that is made has no errors.
+    Sample {
+        /// Number of the sample.
+        sample: u64,
+        /// Why.
+        error: SampleError,
+    },
+    /// The sensor cannot read the field.
+    Sensor(SensedFieldError),
+    /// Steps of an experiment in millimetres that are not above 0, or too small for the working volume.
+    ExperimentStep(DVec3),
+    /// The polarization of tiles with a recoil permeability is not known.
+    Recoil {
+        /// Why.
+        error: RefinementError,
+        /// Names of the tiles that the error is about.
+        tiles: Vec<String>,
+    },
+    /// This number of samples cannot break any bound of the percentile with the confidence stated.
+    TooFewSamples(usize),
+}
+
+impl FilmError {
+    /// The failure of a refinement, with the names of the tiles that it is about.
+    pub fn from_recoil(error: RefinementError, layout: &Layout) -> FilmError {
+        let indices = match &error {
+            RefinementError::Recoil(RecoilError::Overlap { first, second }) => vec![*first, *second],
+            RefinementError::Recoil(RecoilError::Cell { tile, .. }) => vec![*tile],
+            RefinementError::Recoil(RecoilError::Turned { receiver, source_tile, .. }) => vec![*receiver, *source_tile],
+            _ => Vec::new(),
+        };
+        let tiles = indices.into_iter().map(|index| layout.tiles[index].name.clone()).collect();
+        FilmError::Recoil { error, tiles }
+    }
+}
+
+/// A failure of a refinement in the words of a layout.
+fn recoil_words(error: &RefinementError, tiles: &[String], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    match (error, tiles) {
+        (RefinementError::Recoil(RecoilError::Overlap { .. }), [first, second]) => write!(
+            f,
+            "tiles \"{first}\" and \"{second}\" overlap, and tiles with a recoil permeability must not: move one, or \
+             remove recoil_permeability"
+        ),
+        (RefinementError::Recoil(RecoilError::Cell { source, .. }), [tile]) => {
+            write!(f, "tile \"{tile}\" cannot be divided into cells: {source}")
+        }
+        (RefinementError::Recoil(RecoilError::Turned { source, .. }), [first, second]) => {
+            write!(f, "tiles \"{first}\" and \"{second}\": {source}")
+        }
+        (RefinementError::NotConverged { tolerance, reached, most_cells, needed_cells, .. }, _) => write!(
+            f,
+            "what recoil changes in B is known to {:.1} of the stated error with at most {most_cells} cells, and the next \
+             level has {needed_cells}: raise recoil_error in [material]",
+            reached / tolerance
+        ),
+        (RefinementError::Recoil(RecoilError::TooPermeable { permeability, cells }), _) => write!(
+            f,
+            "recoil_permeability = {permeability}, must be at most {MOST_PERMEABILITY_OF_TREE} where so small an error needs \
+             {cells} cells: lower it, or raise recoil_error in [material]"
+        ),
+        (RefinementError::Recoil(RecoilError::TooManyCells { count }), _) => write!(
+            f,
+            "tiles with a recoil permeability have {count} cells, must have at most {MAX_CELLS}: raise recoil_error in \
+             [material], or take fewer tiles"
+        ),
+        (error, _) => write!(f, "{error}"),
+    }
+}
+
+impl fmt::Display for FilmError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FilmError::Missing(table) => write!(f, "the layout has no [{table}] table, which this needs: add one"),
+            FilmError::Points(errors) => errors.fmt(f),
+            FilmError::NotBelow(p) => write!(
+                f,
+                "the point ({}, {}, {}) mm of the working volume is not below the film, and Eq. 2 of the ideal film holds \
+                 only for z < 0: lower z_mm or reference_mm of [volume]",
+                p.x, p.y, p.z
+            ),
+            FilmError::Comparison(error) => error.fmt(f),
+            FilmError::Decoupling(error) => error.fmt(f),
+            FilmError::NoBaseline => f.write_str("there is no baseline to compare the field with"),
+            FilmError::PointsMismatch(error) => error.fmt(f),
+            FilmError::NoTiles => f.write_str("there are no tiles"),
+            FilmError::Sample { sample, error } => write!(f, "sample {sample} of [tolerance]: {error}"),
+            FilmError::Sensor(error) => error.fmt(f),
+            FilmError::Recoil { error, tiles } => recoil_words(error, tiles, f),
+            FilmError::ExperimentStep(step) => write!(
+                f,
+                "steps of ({}, {}, {}) mm: each must be above 0 and make at most 100000 steps in the working volume",
+                step.x, step.y, step.z
+            ),
+            FilmError::TooFewSamples(samples) => write!(
+                f,
+                "{samples} samples cannot show that the percentile of [expect.made] breaks a bound, whatever they are: \
+                 state more samples"
+            ),
+            FilmError::OnePointPlanes(parameter) => write!(
+                f,
+                "the grid has one point in each plane normal to {}, and the uniformity RMSE compares the points of a \
+                 plane: use a smaller step_mm in [volume]",
+                ['x', 'y', 'z'][parameter.axis()]
+            ),
+        }
+    }
+}
+
+impl Error for FilmError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            FilmError::Points(errors) => Some(errors),
+            FilmError::Comparison(error) => Some(error),
+            FilmError::Decoupling(error) => Some(error),
+            FilmError::PointsMismatch(error) => Some(error),
+            FilmError::Sample { error, .. } => Some(error),
+            FilmError::Sensor(error) => Some(error),
+            FilmError::Recoil { error, .. } => Some(error),
+            FilmError::Missing(_)
+            | FilmError::NotBelow(_)
+            | FilmError::NoBaseline
+            | FilmError::NoTiles
+            | FilmError::TooFewSamples(_)
+            | FilmError::ExperimentStep(_)
+            | FilmError::OnePointPlanes(_) => None,
+        }
+    }
+}
