@@ -52,9 +52,10 @@ mod output;
 mod point_evaluation;
 /// Points from a CSV file.
 mod point_file;
+/// Films prepared for evaluation.
+mod prepared_film;
 /// Pages to print: bill of materials, cut list, laying plan.
 #[cfg(feature = "report")]
-mod prepared_film;
 mod printed;
 /// The progress line on a terminal.
 mod progress;
