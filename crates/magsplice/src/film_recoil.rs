@@ -14,12 +14,10 @@ use magsplice_recoil::{
 use crate::film_error::FilmError;
 use crate::stage::Stage;
 
-/// Most points of a working volume at which the effect of recoil is evaluated. They take a tenth of the time
-/// that the polarization of a film of 56 tiles takes.
+/// Most points of a working volume at which the effect of recoil is evaluated, once for each level.
 const MOST_POINTS: usize = 2_000;
 
-/// Most points along each axis of a volume that has more. Fields below a film are smooth: 9 points along an
-/// axis find the largest change to a percent.
+/// Most points along each axis of a volume that has more. Fields below a film are smooth.
 const MOST_POINTS_ALONG: usize = 9;
 
 /// Distance of the points around the tiles of a layout without a working volume, in shortest sides of the
@@ -30,8 +28,7 @@ const POINTS_OUTSIDE: f64 = 1.0;
 /// cells, which differs from them by at most a third of their error.
 const TOLERANCE_MARGIN: f64 = 0.75;
 
-/// Most tiles for which [`RecoilEstimate::new`] gives an estimate: the time grows with the square of the
-/// number of tiles, and this many take a second.
+/// Most tiles for which [`RecoilEstimate::new`] gives an estimate, so that `check` stays fast.
 const MOST_ESTIMATED_TILES: usize = 1_000;
 
 /// The polarization of a film that agrees with its own field, and the errors of what it changes.

@@ -13,7 +13,8 @@
 //! # Accuracy
 //! Few cells have the tensors of all their pairs, right to [`tolerances::TENSOR_ERROR`], and their equations are
 //! solved to round-off. For many, pairs of distant cells interact by multipole expansions, right to
-//! [`tolerances::TREE_ERROR`]. What remains is the division into cells. [`refine`] estimates its error for the quantity that is asked for.
+//! [`tolerances::TREE_ERROR`]. What remains is the division into cells. [`refine`] estimates its error for the
+//! quantity that is asked for.
 //! The estimate is no bound: its constants were fitted to the values of the tests.
 //!
 //! # Example
