@@ -88,12 +88,22 @@ fn recoil_words(error: &RefinementError, tiles: &[String], f: &mut fmt::Formatte
         (RefinementError::Recoil(RecoilError::Turned { source, .. }), [first, second]) => {
             write!(f, "tiles \"{first}\" and \"{second}\": {source}")
         }
-        (RefinementError::NotConverged { tolerance, reached, most_cells, needed_cells, .. }, _) => write!(
+        (RefinementError::NotConverged { best: None, most_cells, needed_cells, .. }, _) => write!(
             f,
-            "what recoil changes in B is known to {:.1} of the stated error with at most {most_cells} cells, and the next \
-             level has {needed_cells}: raise recoil_error in [material]",
-            reached / tolerance
+            "tiles with a recoil permeability have {needed_cells} cells at the least, must have at most {most_cells}: \
+             take fewer tiles"
         ),
+        (RefinementError::NotConverged { best: Some(best), tolerance, reached, most_cells, needed_cells }, _) => {
+            write!(
+                f,
+                "what recoil changes in B is known to {:.1} of the stated error with {} cells, and it takes about \
+             {needed_cells:.0e} cells of at most {most_cells}: raise recoil_error in [material], or take points \
+             farther from the tiles",
+                reached / tolerance,
+                best.magnetization.cells().len(),
+                needed_cells = *needed_cells as f64
+            )
+        }
         (RefinementError::Recoil(RecoilError::TooPermeable { permeability, cells }), _) => write!(
             f,
             "recoil_permeability = {permeability}, must be at most {MOST_PERMEABILITY_OF_TREE} where so small an error needs \

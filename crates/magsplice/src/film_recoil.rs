@@ -24,6 +24,10 @@ const MOST_POINTS_ALONG: usize = 9;
 /// box around all tiles.
 const POINTS_OUTSIDE: f64 = 1.0;
 
+/// Distance from a tile, in its shortest side, within which B is not asked to be known to the stated error.
+/// It is that of the cell beside the point, and unbounded at edges.
+const NEAREST: f64 = 0.01;
+
 /// Share of the stated error that the extrapolated values of a refinement may have. The field is that of the
 /// cells, which differs from them by at most a third of their error.
 const TOLERANCE_MARGIN: f64 = 0.75;
@@ -212,11 +216,16 @@ fn recoil_tiles(layout: &Layout, permeability: Option<Permeability>) -> Vec<Reco
     tiles.map(|(named, own)| RecoilTile { tile: named.tile, permeability: permeability.unwrap_or(own) }).collect()
 }
 
-/// Few points of the working volume. Without one, the corners of a box around all tiles and the middles
-/// of its faces.
+/// Few points of the working volume outside all tiles. If it has none, the corners of a box around all tiles
+/// and the middles of its faces.
 fn points(layout: &Layout) -> Vec<DVec3> {
-    if let Some(volume) = &layout.volume {
-        return coarse(&volume.grid).points().chain([volume.reference_mm]).collect();
+    let is_outside = |point: &DVec3| !layout.tiles.iter().any(|named| is_near(&named.tile, *point));
+    let of_volume = layout.volume.iter().flat_map(|volume| {
+        coarse(&volume.grid).points().chain([volume.reference_mm]).filter(is_outside).collect::<Vec<DVec3>>()
+    });
+    let of_volume: Vec<DVec3> = of_volume.collect();
+    if !of_volume.is_empty() {
+        return of_volume;
     }
     let bounds = layout.tiles.iter().map(|named| BoundingBox::from_tile(&named.tile));
     let bounds =
@@ -226,6 +235,12 @@ fn points(layout: &Layout) -> Vec<DVec3> {
     let around = Grid::new(lower - margin, upper + margin, [3; 3]).expect("a box of finite sides");
     let middle = around.point(around.len() / 2);
     around.points().filter(|point| *point != middle).collect()
+}
+
+/// Whether a point is in a tile, or nearer to it than [`NEAREST`].
+fn is_near(tile: &Tile, point: DVec3) -> bool {
+    let local = (tile.rotation().inverse() * (point - tile.position())).abs();
+    (local - 0.5 * tile.size()).max_element() <= NEAREST * tile.size().min_element()
 }
 
 /// The grid, or one with few points along each axis in the same region.

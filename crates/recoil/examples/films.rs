@@ -13,7 +13,7 @@ use magsplice_decouple::Decoupling;
 use magsplice_field::Scene;
 use magsplice_layout::Layout;
 use magsplice_magnet::{Quantity, Tile};
-use magsplice_recoil::{Magnetization, Permeability, RecoilTile, Refined, RefinementError, RefinementSettings, refine};
+use magsplice_recoil::{Magnetization, Permeability, RecoilTile, extrapolated_at, highest_level};
 
 const PERMEABILITIES: [f64; 4] = [1.0, 1.05, 1.1, 1.2];
 
@@ -35,15 +35,6 @@ fn uniformity_r_x(layout: &Layout, tiles: &[Tile]) -> f64 {
     Decoupling::from_field(&volume.grid, &field_t, reference, ideal).map_or(f64::NAN, |d| d.uniformity_rmse.r_x)
 }
 
-/// The value with the largest number of cells, whatever its error.
-fn finest(layout: &Layout, tiles: &[RecoilTile]) -> Result<Refined, RefinementError> {
-    let settings = RefinementSettings { tolerances: vec![0.0], most_cells: MOST_CELLS };
-    match refine(tiles, &settings, |cells| vec![uniformity_r_x(layout, cells)], |_| {}) {
-        Err(RefinementError::NotConverged { best: Some(best), .. }) => Ok(*best),
-        other => other,
-    }
-}
-
 fn main() -> Result<(), Box<dyn Error>> {
     for path in std::env::args().skip(1) {
         let layout = Layout::read(&path)?;
@@ -55,7 +46,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                 layout.bare_tiles().into_iter().map(|tile| RecoilTile { tile, permeability }).collect();
             let estimate = uniformity_r_x(&layout, Magnetization::first_order(&tiles, 1, || {})?.cells());
             let start = Instant::now();
-            let refined = finest(&layout, &tiles)?;
+            let level = highest_level(&tiles, MOST_CELLS);
+            let refined = extrapolated_at(&tiles, level, |cells| vec![uniformity_r_x(&layout, cells)], |_| {})?;
             let cells = refined.magnetization.cells();
             let changes = refined.magnetization.tile_changes();
             let weakening = changes.iter().map(|change| change.weakening).sum::<f64>() / changes.len() as f64;

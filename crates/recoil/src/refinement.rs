@@ -36,6 +36,9 @@ const SAFETY: f64 = 4.5;
 /// Levels that are needed for two changes.
 const LEAST_LEVEL: usize = 3;
 
+/// Power of the level with which errors may fall at most. They fall with the square, and change by chance.
+const STEEPEST_FALL: i32 = 3;
+
 /// When a refinement ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefinementSettings {
@@ -72,7 +75,8 @@ pub enum RefinementError {
         reached: f64,
         /// Most cells.
         most_cells: usize,
-        /// Cells that the next level would need.
+        /// Cells of the level at which the error is small enough if it falls with the square of the level, or of
+        /// the third level if it is not known.
         needed_cells: usize,
         /// The best that is known, with two levels or more of which three are needed for errors.
         best: Option<Box<Refined>>,
@@ -94,7 +98,8 @@ pub enum RefinementError {
 ///
 /// # Errors
 /// If the polarization is not known, or the tolerance is not reached; the error then holds the best that is
-/// known.
+/// known. Levels above the third are not solved where their errors would have to fall faster than with the
+/// cube of the level.
 ///
 /// # Panics
 /// Never; a quantity that is not finite does not converge.
@@ -104,42 +109,118 @@ pub fn refine(
     quantity: impl Fn(&[Tile]) -> Vec<f64>,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Refined, RefinementError> {
+    let tolerances = &settings.tolerances;
     let most_cells = settings.most_cells.min(MAX_CELLS);
-    let is_rigid = tiles.iter().all(|each| each.permeability.is_rigid());
-    let bare: Vec<Tile> = tiles.iter().map(|each| each.tile).collect();
-    let rigid = quantity(&bare);
-    let mut history: Vec<Vec<f64>> = Vec::new();
-    let mut best: Option<Box<Refined>> = None;
-    for level in 1.. {
-        let count = tiles.iter().fold(0_usize, |sum, each| sum.saturating_add(cell_count(each.tile.size(), level)));
-        if count > most_cells {
-            let worst = |best: &Refined| farthest(&best.errors, &settings.tolerances);
-            let fallback = || (f64::INFINITY, settings.tolerances.iter().copied().fold(f64::INFINITY, f64::min));
-            let (reached, tolerance) = best.as_deref().map_or_else(fallback, worst);
-            let needed_cells = count;
+    let highest = highest_level(tiles, most_cells);
+    let mut levels = Levels::new(tiles, quantity);
+    let counted = |values: usize| match values == tolerances.len() {
+        true => Ok(()),
+        false => Err(RefinementError::Count { tolerances: tolerances.len(), values }),
+    };
+    counted(levels.rigid.len())?;
+    for level in 1..=highest {
+        let magnetization = levels.next(&progress).map_err(RefinementError::Recoil)?;
+        counted(levels.values[level - 1].len())?;
+        if level < levels.least() {
+            continue;
+        }
+        let best = levels.refined(magnetization);
+        let (reached, tolerance) = farthest(&best.errors, tolerances);
+        if reached <= tolerance {
+            return Ok(best);
+        }
+        let reachable = tolerance * (highest as f64 / level as f64).powi(STEEPEST_FALL);
+        // Written so that NaN fails the test.
+        if level == highest || !(reached <= reachable) {
+            let fall = (reached / tolerance).sqrt();
+            // A level beyond the largest number has as many cells as there are numbers for.
+            let needed_cells = count(tiles, (level as f64 * fall).ceil().max(highest as f64 + 1.0) as usize);
+            let best = Some(Box::new(best));
             return Err(RefinementError::NotConverged { tolerance, reached, most_cells, needed_cells, best });
         }
-        let magnetization = Magnetization::solve(tiles, level, || progress(level)).map_err(RefinementError::Recoil)?;
-        let values = quantity(magnetization.cells());
-        if values.len() != settings.tolerances.len() || rigid.len() != values.len() {
-            return Err(RefinementError::Count { tolerances: settings.tolerances.len(), values: values.len() });
-        }
-        if is_rigid {
-            let errors = vec![0.0; values.len()];
-            return Ok(Refined { values, errors, level, magnetization });
-        }
-        history.push(values);
-        if level >= LEAST_LEVEL {
-            let (values, errors) = extrapolate(&rigid, &history);
-            let refined = Refined { values, errors, level, magnetization };
-            let (error, tolerance) = farthest(&refined.errors, &settings.tolerances);
-            if error <= tolerance {
-                return Ok(refined);
-            }
-            best = Some(Box::new(refined));
-        }
     }
-    unreachable!("each level has more cells than the one before, and they are limited")
+    let tolerance = tolerances.iter().copied().fold(f64::INFINITY, f64::min);
+    let needed_cells = count(tiles, levels.least());
+    Err(RefinementError::NotConverged { tolerance, reached: f64::INFINITY, most_cells, needed_cells, best: None })
+}
+
+/// The quantity at a level, 3 or higher, extrapolated from this level and those before, with its errors. See
+/// [`refine`]; tiles without permeabilities above 1 have no errors at any level.
+///
+/// # Errors
+/// If the polarization is not known, or the level has more than [`MAX_CELLS`] cells.
+///
+/// # Panics
+/// If the level is less than 3, or the quantity does not have the same number of values at each level.
+pub fn extrapolated_at(
+    tiles: &[RecoilTile],
+    level: usize,
+    quantity: impl Fn(&[Tile]) -> Vec<f64>,
+    progress: impl Fn(usize) + Sync,
+) -> Result<Refined, RecoilError> {
+    assert!(level >= LEAST_LEVEL, "level {level}, must be at least {LEAST_LEVEL}");
+    let mut levels = Levels::new(tiles, quantity);
+    for _ in 1..level {
+        levels.next(&progress)?;
+    }
+    let last = levels.next(&progress)?;
+    Ok(levels.refined(last))
+}
+
+/// The highest level at which tiles have at most this number of cells; 0 if there is none.
+pub fn highest_level(tiles: &[RecoilTile], most_cells: usize) -> usize {
+    if tiles.is_empty() {
+        return 1;
+    }
+    (1..).take_while(|level| count(tiles, *level) <= most_cells).count()
+}
+
+/// Number of cells of a level.
+fn count(tiles: &[RecoilTile], level: usize) -> usize {
+    tiles.iter().fold(0, |sum: usize, each| sum.saturating_add(cell_count(each.tile.size(), level)))
+}
+
+/// The quantity with J_r, and at levels 1, 2 and so on.
+struct Levels<'a, Q> {
+    tiles: &'a [RecoilTile],
+    quantity: Q,
+    rigid: Vec<f64>,
+    values: Vec<Vec<f64>>,
+}
+
+impl<'a, Q: Fn(&[Tile]) -> Vec<f64>> Levels<'a, Q> {
+    fn new(tiles: &'a [RecoilTile], quantity: Q) -> Levels<'a, Q> {
+        let bare: Vec<Tile> = tiles.iter().map(|each| each.tile).collect();
+        Levels { tiles, rigid: quantity(&bare), quantity, values: Vec::new() }
+    }
+
+    /// Solves the next level.
+    fn next(&mut self, progress: &(impl Fn(usize) + Sync)) -> Result<Magnetization, RecoilError> {
+        let level = self.values.len() + 1;
+        let magnetization = Magnetization::solve(self.tiles, level, || progress(level))?;
+        self.values.push((self.quantity)(magnetization.cells()));
+        Ok(magnetization)
+    }
+
+    fn is_rigid(&self) -> bool {
+        self.tiles.iter().all(|each| each.permeability.is_rigid())
+    }
+
+    /// The least level whose errors are known.
+    fn least(&self) -> usize {
+        if self.is_rigid() { 1 } else { LEAST_LEVEL }
+    }
+
+    /// Values and errors of the last level.
+    fn refined(&self, magnetization: Magnetization) -> Refined {
+        let level = self.values.len();
+        let (values, errors) = if self.is_rigid() {
+            (self.values[level - 1].clone(), vec![0.0; self.rigid.len()])
+        } else {
+            extrapolate(&self.rigid, &self.values)
+        };
+        Refined { values, errors, level, magnetization }
+    }
 }
 
 /// The error that is farthest above its tolerance, with the tolerance. An error that is no number is the
@@ -176,8 +257,8 @@ impl fmt::Display for RefinementError {
             RefinementError::Recoil(error) => error.fmt(f),
             RefinementError::NotConverged { tolerance, reached, most_cells, needed_cells, .. } => write!(
                 f,
-                "the error is {reached:.1e}, must be at most {tolerance:.1e}: accept a larger tolerance, or allow \
-                 {needed_cells} cells instead of {most_cells}, at most {MAX_CELLS}"
+                "the error is {reached:.1e}, must be at most {tolerance:.1e}, which takes about {needed_cells} cells and at \
+                 most {most_cells} are allowed: accept a larger tolerance, or allow more cells, up to {MAX_CELLS}"
             ),
             RefinementError::Count { tolerances, values } => {
                 write!(f, "the quantity has {values} values, must have as many as there are tolerances, {tolerances}")

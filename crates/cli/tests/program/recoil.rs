@@ -222,3 +222,24 @@ fn design_counts_recoil() {
     let (with, without) = (error("designed.toml"), error("made.toml"));
     assert!(with < without, "{with} {without}");
 }
+
+/// The volume touches edges of both tiles: there B is refused as without recoil, and left out of the error.
+#[test]
+fn volume_that_touches_tiles_is_evaluated_outside_them() {
+    let sandbox = Sandbox::new();
+    let touching = film(MATERIAL).replace("z_mm = [-4, -3]", "z_mm = [-4, 0]");
+    sandbox.write("touching.toml", &touching);
+    assert!(stdout(&sandbox, &["plan", "touching.toml"]).contains("recoil: "));
+    let refused = sandbox.run(&["field", "touching.toml"]);
+    assert_eq!(refused.status, 2, "{}", refused.stdout);
+    assert!(
+        refused.stderr.contains("(1, -1, 0) mm of the working volume: the field is unbounded"),
+        "{}",
+        refused.stderr
+    );
+    let inside =
+        film(MATERIAL).replace("x_mm = [-1, 1]", "x_mm = [2, 3]").replace("z_mm = [-4, -3]", "z_mm = [0.4, 0.6]");
+    sandbox.write("inside.toml", &inside.replace("step_mm = 1", "step_mm = 0.2").replace("[0, 0, -4]", "[2, 0, 0.4]"));
+    let said = sandbox.run(&["plan", "inside.toml"]);
+    assert!(said.status == 0 && said.stdout.contains("recoil: "), "{}", said.stderr);
+}
