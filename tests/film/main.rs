@@ -18,6 +18,7 @@ mod layout_files;
 mod published;
 /// Films with errors of their tiles, against known percentiles.
 mod real_films;
+mod recoil;
 /// Documents against the JSON Schema of layout files.
 #[cfg(feature = "schema")]
 mod schema;

@@ -7,15 +7,27 @@ use magsplice::magnet::Permeability;
 use magsplice::{Film, RecoilEstimate, Stage};
 
 use crate::failure::Failure;
+use crate::text::recoil::beyond_knee;
 use crate::words::film_failure;
 
-/// The film of a layout, with the polarization of its tiles solved if they have a recoil permeability.
+/// The film of a layout, with the polarization of its tiles solved if they have a recoil permeability. Tells of
+/// cells beyond the knee of the material.
 pub(crate) fn prepare<'a>(
     path: &Path,
     layout: &'a Layout,
     show: &'a (dyn Fn(Stage) + Sync),
+    tell: &dyn Fn(&str),
 ) -> Result<Film<'a>, Failure> {
-    Film::with_progress(layout, show).map_err(|error| film_failure(path, layout, error))
+    let film = Film::with_progress(layout, show).map_err(|error| film_failure(path, layout, error))?;
+    tell_of_knee(path, &film, tell);
+    Ok(film)
+}
+
+/// Tells of the part of a film that is beyond the knee of the material.
+pub(crate) fn tell_of_knee(path: &Path, film: &Film, tell: &dyn Fn(&str)) {
+    if let Some(found) = film.recoil().and_then(|recoil| beyond_knee(recoil, film.layout())) {
+        tell(&format!("warning: {}: {found}", path.display()));
+    }
 }
 
 /// Permeabilities of a layout that states none: those of most rare-earth magnets, and of weak bonded ones.

@@ -11,7 +11,7 @@ use magsplice_field::Scene;
 use magsplice_layout::FilmTolerance;
 use magsplice_magnet::{Quantity, Tile};
 use magsplice_recoil::{Magnetization, RecoilTile};
-use magsplice_tolerance::RealFilm;
+use magsplice_tolerance::{RealFilm, Weakening};
 
 use crate::descent::Candidate;
 use crate::design_problem::DesignProblem;
@@ -34,10 +34,12 @@ impl DesignProblem<'_> {
     /// # Errors
     /// If the polarization is not known.
     pub(crate) fn real_film(&self, tiles: &[Tile], tolerance: &FilmTolerance) -> Result<RealFilm, DesignError> {
+        let film = RealFilm::new(tiles, tolerance);
         Ok(match self.magnetization(tiles)? {
-            None => RealFilm::new(tiles, tolerance),
+            None => film,
             Some(solution) => {
-                RealFilm::new(&solution.mean_tiles(), tolerance).with_remainder(Scene::new(&solution.deviations()))
+                let remainder = Scene::new(&solution.deviations());
+                film.with_weakening(Weakening::new(tiles, &solution.mean_tiles(), remainder))
             }
         })
     }

@@ -7,7 +7,7 @@ use magsplice_ideal::{Comparison, IdealFilm};
 use magsplice_layout::{Layout, WorkingVolume};
 use magsplice_magnet::{Accuracy, Cause, Grid, PointError, PointErrors, Quantity};
 use magsplice_sensor::SensedField;
-use magsplice_tolerance::{EvaluationGrid, RealFilm};
+use magsplice_tolerance::{EvaluationGrid, RealFilm, Weakening};
 
 use crate::film_error::FilmError;
 use crate::film_recoil::FilmRecoil;
@@ -141,18 +141,26 @@ impl<'a> Film<'a> {
 
     /// The film with the errors of those that are made from the layout.
     ///
-    /// Tiles with a recoil permeability have the mean polarization of their cells, to which the errors are
-    /// added. What the means leave out is the same in all films. How the errors of one tile change the
+    /// Tiles with a recoil permeability weaken and turn as those without errors do. What the mean polarization
+    /// of each leaves out of the field is the same in all films. How the errors of one tile change the
     /// polarization of the others is neglected: it is of the order of the susceptibility times the errors.
     ///
     /// # Errors
     /// If the layout states no errors.
     pub fn real_film(&self) -> Result<RealFilm, FilmError> {
         let tolerance = self.layout.tolerance.as_ref().ok_or(FilmError::Missing("tolerance"))?;
-        let Some(recoil) = &self.recoil else { return Ok(RealFilm::new(&self.layout.bare_tiles(), tolerance)) };
+        Ok(self.with_recoil(RealFilm::new(&self.layout.bare_tiles(), tolerance)))
+    }
+
+    /// A film of other tiles at the places of this one, which weaken and turn as those of this one do.
+    ///
+    /// # Panics
+    /// If it does not have as many tiles.
+    pub fn with_recoil(&self, film: RealFilm) -> RealFilm {
+        let Some(recoil) = &self.recoil else { return film };
         let solution = recoil.magnetization();
         let remainder = Scene::new(&solution.deviations());
-        Ok(RealFilm::new(&solution.mean_tiles(), tolerance).with_remainder(remainder))
+        film.with_weakening(Weakening::new(&self.layout.bare_tiles(), &solution.mean_tiles(), remainder))
     }
 
     /// What the sensor of the layout reads of the film when it moves in the volume that a grid spans. Without

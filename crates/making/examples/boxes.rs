@@ -8,9 +8,9 @@
 use std::time::Instant;
 
 use glam::DQuat;
-use magsplice_layout::Layout;
+use magsplice_layout::{FilmTolerance, Layout};
 use magsplice_making::{AssignmentProblem, AssignmentSettings, CutTile, PlaceGroup};
-use magsplice_tolerance::{EvaluationGrid, TileChanges};
+use magsplice_tolerance::{EvaluationGrid, RealFilm, TileChanges};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for seed in 0..boxes.parse()? {
         let groups = boxed(&layout, seed, spares.parse()?);
         let begin = Instant::now();
-        let model = TileChanges::new(&tiles, &volume, &ideal)?;
+        let model = TileChanges::new(&RealFilm::new(&tiles, &FilmTolerance::default()), &volume, &ideal)?;
         let problem = AssignmentProblem::new(&model, &tiles, &groups, &[], &settings)?;
         let found = problem.solve(&settings)?;
         seconds.push(begin.elapsed().as_secs_f64());

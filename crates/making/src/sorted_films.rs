@@ -71,7 +71,7 @@ impl<'a> SortedSampler<'a> {
         sorting: Sorting,
     ) -> Result<SortedSampler<'a>, AssignmentError> {
         let tiles = sampler.film().tiles();
-        let model = TileChanges::new(tiles, volume, ideal).map_err(AssignmentError::Film)?;
+        let model = TileChanges::new(sampler.film(), volume, ideal).map_err(AssignmentError::Film)?;
         let fitting = |part: &PlaceGroup, place: usize| {
             let found = part.orientations_at(&tiles[place], sorting.settings.may_turn_over);
             found.first().copied().ok_or(AssignmentError::NoOrientation { place })

@@ -1,10 +1,10 @@
 //! Boxes of measured tiles: sorted films against films laid at random.
 
 use glam::{DQuat, DVec3};
-use magsplice_layout::Layout;
+use magsplice_layout::{FilmTolerance, Layout};
 use magsplice_magnet::Tile;
 use magsplice_making::{AssignmentError, AssignmentProblem, AssignmentSettings, CutTile, Orientation, PlaceGroup};
-use magsplice_tolerance::{EvaluationGrid, TileChanges};
+use magsplice_tolerance::{EvaluationGrid, RealFilm, TileChanges};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -55,7 +55,9 @@ fn sorted_films_are_many_times_better() {
     for (name, factor) in [("designed-displacement", 8.0), ("designed-stock", 11.0)] {
         let (layout, volume) = shipped(name);
         let tiles = layout.bare_tiles();
-        let model = TileChanges::new(&tiles, &volume, &layout.ideal.unwrap()).unwrap();
+        let model =
+            TileChanges::new(&RealFilm::new(&tiles, &FilmTolerance::default()), &volume, &layout.ideal.unwrap())
+                .unwrap();
         let settings = AssignmentSettings { starts: 4, kicks: 50, ..AssignmentSettings::default() };
         let (mut random, mut sorted) = (Vec::new(), Vec::new());
         for seed in 0..20 {
@@ -75,7 +77,8 @@ fn sorted_films_are_many_times_better() {
 fn answer_is_a_film_of_the_box() {
     let (layout, volume) = shipped("published-film");
     let tiles = layout.bare_tiles();
-    let model = TileChanges::new(&tiles, &volume, &layout.ideal.unwrap()).unwrap();
+    let model =
+        TileChanges::new(&RealFilm::new(&tiles, &FilmTolerance::default()), &volume, &layout.ideal.unwrap()).unwrap();
     let groups = boxed(&layout, 3, 0.25);
     let settings = AssignmentSettings { starts: 2, kicks: 5, ..AssignmentSettings::default() };
     let problem = AssignmentProblem::new(&model, &tiles, &groups, &[], &settings).unwrap();
@@ -107,7 +110,8 @@ fn answer_is_a_film_of_the_box() {
 fn small_boxes_are_solved_exactly() {
     let (layout, volume) = shipped("published-film");
     let tiles = layout.bare_tiles();
-    let model = TileChanges::new(&tiles, &volume, &layout.ideal.unwrap()).unwrap();
+    let model =
+        TileChanges::new(&RealFilm::new(&tiles, &FilmTolerance::default()), &volume, &layout.ideal.unwrap()).unwrap();
     for seed in 0..10 {
         let whole = boxed(&layout, seed, 0.0);
         // Three places of the first part.
@@ -157,7 +161,8 @@ fn small_boxes_are_solved_exactly() {
 fn tiles_that_may_not_be_turned_over_are_not() {
     let (layout, volume) = shipped("published-film");
     let tiles = layout.bare_tiles();
-    let model = TileChanges::new(&tiles, &volume, &layout.ideal.unwrap()).unwrap();
+    let model =
+        TileChanges::new(&RealFilm::new(&tiles, &FilmTolerance::default()), &volume, &layout.ideal.unwrap()).unwrap();
     let groups = boxed(&layout, 1, 0.0);
     let settings = AssignmentSettings { starts: 2, kicks: 5, may_turn_over: false, ..AssignmentSettings::default() };
     let problem = AssignmentProblem::new(&model, &tiles, &groups, &[], &settings).unwrap();

@@ -28,7 +28,12 @@ impl Film {
         let layout = Layout::read(format!("../../layouts/{name}.toml")).unwrap_or_else(|e| panic!("{e}"));
         let volume = layout.volume.expect("a volume");
         let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
-        let model = TileChanges::new(&layout.bare_tiles(), &volume, &layout.ideal.unwrap()).unwrap();
+        let model = TileChanges::new(
+            &RealFilm::new(&layout.bare_tiles(), &FilmTolerance::default()),
+            &volume,
+            &layout.ideal.unwrap(),
+        )
+        .unwrap();
         Film { layout, volume, model }
     }
 

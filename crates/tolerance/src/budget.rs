@@ -146,7 +146,7 @@ impl Budget {
         let first = samples.start;
         let mean_squares = |tolerance: &FilmTolerance, samples: Range<u64>| -> Result<[f64; 3], (u64, SampleError)> {
             let count = (samples.end - samples.start) as f64;
-            let film = RealFilm::new(film.tiles(), tolerance);
+            let film = film.clone().with_tolerance(tolerance);
             let sampler = Sampler::new(&film, volume, ideal, seed).map_err(|error| (first, error))?;
             let errors = sampler.errors_of_range(samples)?;
             let mean = |axis: usize| errors.iter().map(|e| e.displacement_rmse_mm[axis].powi(2)).sum::<f64>() / count;

@@ -44,6 +44,8 @@ mod real_film;
 mod sampler;
 /// Mean, percentiles and shares of samples, with confidence intervals.
 mod statistics;
+/// What recoil makes of the tiles of a film.
+mod weakening;
 
 pub use budget::{AxisBudget, Budget, CauseImprovement, TileImprovement};
 pub use endless::{EndlessPattern, EndlessPatternError};
@@ -56,3 +58,4 @@ pub use quantile::mean_square;
 pub use real_film::{RealFilm, direction_normal};
 pub use sampler::{Sampler, statistics};
 pub use statistics::{Estimate, Statistics, probability_of_at_least, share};
+pub use weakening::Weakening;

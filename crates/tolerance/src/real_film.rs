@@ -1,12 +1,14 @@
 //! Samples of the films that are made from a layout.
 
+use std::borrow::Cow;
+
 use glam::{DQuat, DVec3};
-use magsplice_field::Scene;
 use magsplice_layout::{ErrorGroup, FilmTolerance, TileErrors};
 use magsplice_magnet::{BoundingBox, Tile, TileFaults};
 
 use crate::draws::{DrawnErrors, Draws};
 use crate::readings::{Pose, Surroundings};
+use crate::weakening::Weakening;
 
 /// A film with the errors of those that are made like it. Lengths in millimetres, J in tesla.
 ///
@@ -30,8 +32,7 @@ pub struct RealFilm {
     tolerance: FilmTolerance,
     /// The point about which the film turns as a whole.
     centre_mm: DVec3,
-    /// Field of the film beside that of its tiles.
-    remainder: Option<Scene>,
+    weakening: Option<Weakening>,
 }
 
 impl RealFilm {
@@ -51,28 +52,53 @@ impl RealFilm {
         };
         let ends: Vec<DVec3> = tiles.iter().flat_map(ends).collect();
         let centre_mm = if ends.is_empty() { DVec3::ZERO } else { BoundingBox::from_points(&ends).centre() };
-        RealFilm { tiles: tiles.to_vec(), tolerance: tolerance.clone(), centre_mm, remainder: None }
+        RealFilm { tiles: tiles.to_vec(), tolerance: tolerance.clone(), centre_mm, weakening: None }
     }
 
-    /// The same film with a field beside that of its tiles, which moves with the film and which errors of
-    /// tiles do not change: of magnets with a recoil permeability what the mean polarizations of the tiles
-    /// leave out.
-    pub fn with_remainder(self, remainder: Scene) -> RealFilm {
-        RealFilm { remainder: Some(remainder), ..self }
+    /// The same film of tiles that weaken and turn each other.
+    ///
+    /// # Panics
+    /// If there are not as many places as tiles.
+    pub fn with_weakening(self, weakening: Weakening) -> RealFilm {
+        assert_eq!(self.tiles.len(), weakening.place_count(), "a place for each tile");
+        RealFilm { weakening: Some(weakening), ..self }
+    }
+
+    /// The same film with other errors.
+    ///
+    /// # Panics
+    /// As [`RealFilm::new`].
+    pub fn with_tolerance(self, tolerance: &FilmTolerance) -> RealFilm {
+        RealFilm { weakening: self.weakening, ..RealFilm::new(&self.tiles, tolerance) }
     }
 
     /// The same film without errors.
     pub fn without_errors(self) -> RealFilm {
-        RealFilm { tolerance: FilmTolerance::default(), ..self }
+        self.with_tolerance(&FilmTolerance::default())
     }
 
-    pub(crate) fn remainder(&self) -> Option<&Scene> {
-        self.remainder.as_ref()
+    pub(crate) fn weakening(&self) -> Option<&Weakening> {
+        self.weakening.as_ref()
     }
 
-    /// The tiles without errors.
+    /// The tiles without errors, as ordered: their polarization is the remanence.
     pub fn tiles(&self) -> &[Tile] {
         &self.tiles
+    }
+
+    /// Tiles that are laid, one for each place, with the polarization that they have in the film.
+    ///
+    /// # Errors
+    /// The faults of the first tile that cannot exist.
+    ///
+    /// # Panics
+    /// If there is not one tile for each place.
+    pub fn in_film<'t>(&self, tiles: &'t [Tile]) -> Result<Cow<'t, [Tile]>, TileFaults> {
+        assert_eq!(tiles.len(), self.tiles.len(), "one tile for each place");
+        match &self.weakening {
+            None => Ok(Cow::Borrowed(tiles)),
+            Some(weakening) => weakening.in_film(tiles).map(Cow::Owned),
+        }
     }
 
     /// The errors.

@@ -45,8 +45,9 @@ impl<'a> Sampler<'a> {
             Some(neighbour) => exact_field_t(&Scene::new(&neighbour.tiles), &points)?,
             None => vec![DVec3::ZERO; points.len()],
         };
-        let remainder_t = match film.remainder() {
-            Some(scene) => {
+        let remainder_t = match film.weakening() {
+            Some(weakening) => {
+                let scene = weakening.remainder();
                 let gradients = scene.gradient_at(Quantity::FluxDensity, &points).map_err(SampleError::Field)?;
                 exact_field_t(scene, &points)?.into_iter().zip(gradients).collect()
             }
@@ -88,7 +89,8 @@ impl<'a> Sampler<'a> {
     fn readings_of_tiles_t(&self, draws: &mut Draws, tiles: &[Tile]) -> Result<Vec<DVec3>, SampleError> {
         let surroundings = self.film.draw_surroundings(draws);
         let in_film: Vec<DVec3> = self.points.iter().map(|point| surroundings.in_film(*point)).collect();
-        let mut read_t = exact_field_t(&Scene::new(tiles), &in_film)?;
+        let laid = self.film.in_film(tiles).map_err(SampleError::Tile)?;
+        let mut read_t = exact_field_t(&Scene::new(&laid), &in_film)?;
         // The remainder is small, and moves by less than it varies.
         for (reading, (b_t, gradient)) in self.remainder_t.iter().enumerate() {
             read_t[reading] += *b_t + *gradient * (in_film[reading] - self.points[reading]);
@@ -112,7 +114,8 @@ impl<'a> Sampler<'a> {
 
     /// The field of the film without errors at each point.
     pub(crate) fn film_t(&self) -> Result<Vec<DVec3>, SampleError> {
-        let mut film_t = exact_field_t(&Scene::new(self.film.tiles()), &self.points)?;
+        let tiles = self.film.in_film(self.film.tiles()).map_err(SampleError::Tile)?;
+        let mut film_t = exact_field_t(&Scene::new(&tiles), &self.points)?;
         for (b_t, (remainder_t, _)) in film_t.iter_mut().zip(&self.remainder_t) {
             *b_t += *remainder_t;
         }

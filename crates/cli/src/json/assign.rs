@@ -4,6 +4,7 @@ use magsplice::making::MeasurementErrors;
 use magsplice::tolerance::Statistics;
 use serde::Serialize;
 
+use super::recoil::RecoilJson;
 use crate::laying::assigned_film::AssignedFilm;
 
 /// The result of `assign`.
@@ -12,6 +13,8 @@ pub(crate) struct AssignJson<'a> {
     layout: &'a str,
     sha256: &'a str,
     version: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recoil: Option<RecoilJson>,
     measured_tiles: usize,
     rms_mm: RmsJson<'a>,
     shims: Vec<ShimJson<'a>>,
@@ -61,6 +64,7 @@ impl<'a> AssignJson<'a> {
             layout: &film.layout.name,
             sha256: &film.layout.sha256,
             version: env!("CARGO_PKG_VERSION"),
+            recoil: film.recoil.as_ref().map(RecoilJson::new),
             measured_tiles: film.measured,
             rms_mm: RmsJson {
                 as_ordered: film.ordered_rms_mm,

@@ -3,6 +3,7 @@
 use magsplice::tolerance::Estimate;
 use serde::Serialize;
 
+use super::recoil::RecoilJson;
 use crate::sampling::film_budget::FilmBudget;
 
 /// The result of `budget`. Mean squares are in mm^2; they add up.
@@ -11,6 +12,8 @@ pub(crate) struct BudgetJson<'a> {
     layout: &'a str,
     sha256: &'a str,
     version: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recoil: Option<RecoilJson>,
     tiles: usize,
     seed: u64,
     samples: u64,
@@ -76,6 +79,7 @@ impl<'a> BudgetJson<'a> {
             layout: &layout.name,
             sha256: &layout.sha256,
             version: env!("CARGO_PKG_VERSION"),
+            recoil: film.recoil.as_ref().map(RecoilJson::new),
             tiles: layout.tiles.len(),
             seed: film.seed,
             samples: film.samples,

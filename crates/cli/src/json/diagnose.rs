@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::recoil::RecoilJson;
 use crate::sensor::diagnosed_film::{DiagnosedFilm, key, kind, shown};
 
 /// The result of `diagnose`.
@@ -12,6 +13,8 @@ pub(crate) struct DiagnoseJson<'a> {
     layout: &'a str,
     sha256: &'a str,
     version: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recoil: Option<RecoilJson>,
     tiles: usize,
     readings: usize,
     noise_t: [f64; 3],
@@ -105,6 +108,7 @@ impl<'a> DiagnoseJson<'a> {
             layout: &film.layout.name,
             sha256: &film.layout.sha256,
             version: env!("CARGO_PKG_VERSION"),
+            recoil: film.recoil.as_ref().map(RecoilJson::new),
             tiles: film.layout.tiles.len(),
             readings: film.readings,
             noise_t: film.noise_t.to_array(),

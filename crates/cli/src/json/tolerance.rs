@@ -4,6 +4,7 @@ use magsplice::making::Sorting;
 use magsplice::tolerance::{Estimate, Figure, Statistics};
 use serde::Serialize;
 
+use super::recoil::RecoilJson;
 use crate::sampling::sampled_film::SampledFilm;
 
 /// The result of `tolerance`.
@@ -12,6 +13,8 @@ pub(crate) struct ToleranceJson<'a> {
     layout: &'a str,
     sha256: &'a str,
     version: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recoil: Option<RecoilJson>,
     tiles: usize,
     /// Hash of the tiles, their errors, the volume and the ideal film.
     film: &'a str,
@@ -82,6 +85,7 @@ impl<'a> ToleranceJson<'a> {
             layout: &film.layout.name,
             sha256: &film.layout.sha256,
             version: env!("CARGO_PKG_VERSION"),
+            recoil: film.recoil.as_ref().map(RecoilJson::new),
             tiles: film.layout.tiles.len(),
             film: &film.source.fingerprint,
             seed: film.source.seed,

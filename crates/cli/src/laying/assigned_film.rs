@@ -1,5 +1,6 @@
 //! A film with the tile of each place: the result of `assign`.
 
+use magsplice::FilmRecoil;
 use magsplice::layout::Layout;
 use magsplice::making::{Assignment, MeasurementErrors};
 use magsplice::prelude::Tile;
@@ -10,6 +11,7 @@ use super::laying_plan::PlanRow;
 /// The result of `assign`.
 pub(crate) struct AssignedFilm<'a> {
     pub(crate) layout: &'a Layout,
+    pub(crate) recoil: Option<FilmRecoil>,
     /// Numbers of the tiles that were measured and of the places.
     pub(crate) measured: usize,
     /// The film as ordered, by its RMS displacement error in mm.

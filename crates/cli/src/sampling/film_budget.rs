@@ -1,5 +1,6 @@
 //! Results of `budget`: where the displacement error comes from, and whether the first order holds.
 
+use magsplice::FilmRecoil;
 use magsplice::layout::Layout;
 use magsplice::tolerance::{
     AxisBudget, Budget, Cause, EndlessPattern, FilmErrors, FirstOrder, FirstOrderCheck, SampleError,
@@ -11,6 +12,7 @@ use crate::failure::Failure;
 /// A film with its budget.
 pub(crate) struct FilmBudget<'a> {
     pub(crate) layout: &'a Layout,
+    pub(crate) recoil: Option<FilmRecoil>,
     pub(crate) budget: Budget,
     pub(crate) seed: u64,
     pub(crate) samples: u64,
@@ -36,7 +38,8 @@ impl<'a> FilmBudget<'a> {
         let failed = |error: SampleError| scene.failure(&error);
         let of_sample = |(sample, error): (u64, SampleError)| scene.sample_failure(sample, &error);
         let ideal = scene.ideal()?;
-        let pattern: Result<FilmErrors, String> = EndlessPattern::new(scene.real().tiles(), ideal)
+        let in_film = scene.real().in_film(scene.real().tiles()).map_err(|faults| failed(SampleError::Tile(faults)))?;
+        let pattern: Result<FilmErrors, String> = EndlessPattern::new(&in_film, ideal)
             .and_then(|pattern| pattern.errors(scene.volume()))
             .map_err(|error| error.to_string());
         let model = FirstOrder::new(scene.real(), scene.volume(), ideal).map_err(failed)?;
@@ -55,6 +58,7 @@ impl<'a> FilmBudget<'a> {
         };
         Ok(FilmBudget {
             layout: scene.layout(),
+            recoil: scene.recoil().cloned(),
             budget,
             seed,
             samples,

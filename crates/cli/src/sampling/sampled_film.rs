@@ -1,15 +1,19 @@
 //! Results of `tolerance`: statistics of the samples of a film.
 
+use magsplice::FilmRecoil;
 use magsplice::expect::keeps_bounds;
 use magsplice::layout::{Expectations, Layout, MadeExpectations};
 use magsplice::making::Sorting;
 use magsplice::tolerance::{Estimate, Figure, FilmErrors, Statistics, share, statistics};
 
+use super::scene::SampledScene;
 use super::source::SampleSource;
+use crate::failure::Failure;
 
 /// A film with the statistics of its samples.
 pub(crate) struct SampledFilm<'a> {
     pub(crate) layout: &'a Layout,
+    pub(crate) recoil: Option<FilmRecoil>,
     /// The errors of the film as it was ordered.
     pub(crate) nominal: FilmErrors,
     pub(crate) source: SampleSource,
@@ -27,15 +31,15 @@ impl<'a> SampledFilm<'a> {
     /// # Panics
     /// Without samples.
     pub(crate) fn new(
-        layout: &'a Layout,
-        nominal: FilmErrors,
+        scene: &SampledScene<'a>,
         source: SampleSource,
         errors: &[FilmErrors],
-    ) -> SampledFilm<'a> {
+    ) -> Result<SampledFilm<'a>, Failure> {
+        let (layout, recoil, nominal) = (scene.layout(), scene.recoil().cloned(), scene.nominal()?);
         let statistics = Figure::ALL.map(|figure| statistics(errors, figure).expect("at least one sample"));
         let yield_share = keeping(&layout.expectations, errors);
         let yield_made = layout.expectations.made.as_ref().and_then(|made| keeping(&of_one_film(made), errors));
-        SampledFilm { layout, nominal, source, sorting: None, statistics, yield_share, yield_made }
+        Ok(SampledFilm { layout, recoil, nominal, source, sorting: None, statistics, yield_share, yield_made })
     }
 
     /// The same, of sorted tiles.

@@ -6,7 +6,7 @@ use magsplice::ideal::IdealFilm;
 use magsplice::layout::Layout;
 use magsplice::making::{SortedSampler, Sorting};
 use magsplice::tolerance::{EvaluationGrid, FilmErrors, RealFilm, SampleError, Sampler};
-use magsplice::{Film, FilmError, Stage};
+use magsplice::{Film, FilmError, FilmRecoil, Stage};
 
 use crate::failure::Failure;
 use crate::laying::place_groups::place_groups;
@@ -29,6 +29,7 @@ impl<'a> SampledScene<'a> {
         path: &'a Path,
         layout: &'a Layout,
         show: &'a (dyn Fn(Stage) + Sync),
+        tell: &dyn Fn(&str),
     ) -> Result<SampledScene<'a>, Failure> {
         let film = Film::rigid(layout);
         let purpose = "evaluates the films that are made from a layout";
@@ -44,7 +45,7 @@ impl<'a> SampledScene<'a> {
             },
             error => film_failure(path, layout, error),
         })?;
-        let film = prepare(path, layout, show)?;
+        let film = prepare(path, layout, show, tell)?;
         let real = film.real_film().map_err(|error| film_failure(path, layout, error))?;
         let exact = real.clone().without_errors();
         Ok(SampledScene { path, layout, film, real, exact, volume })
@@ -66,6 +67,10 @@ impl<'a> SampledScene<'a> {
 
     pub(crate) fn layout(&self) -> &'a Layout {
         self.layout
+    }
+
+    pub(crate) fn recoil(&self) -> Option<&FilmRecoil> {
+        self.film.recoil()
     }
 
     pub(crate) fn real(&self) -> &RealFilm {

@@ -1,5 +1,6 @@
 //! Results of `diagnose`: a film with what a scan tells of its tiles.
 
+use magsplice::FilmRecoil;
 use magsplice::layout::{FilmTolerance, Layout};
 use magsplice::making::{Candidate, Diagnosis, ErrorKind, NamedError, SimilarErrors, Untold};
 use magsplice::prelude::DVec3;
@@ -10,6 +11,7 @@ use crate::made_layout;
 pub(crate) struct DiagnosedFilm<'a> {
     /// The film as ordered, with the ordinary errors.
     pub(crate) layout: &'a Layout,
+    pub(crate) recoil: Option<FilmRecoil>,
     pub(crate) diagnosis: Diagnosis,
     pub(crate) readings: usize,
     pub(crate) noise_t: DVec3,

@@ -10,7 +10,7 @@ use crate::laying::laying_plan::PlanRow;
 
 /// The summary of `assign`. `path` is that of the layout that was written.
 pub(crate) fn assigned(film: &AssignedFilm, path: Option<&Path>) -> String {
-    let mut text = header::layout(film.layout);
+    let mut text = header::with_recoil(film.layout, film.recoil.as_ref());
     let laid = film.plan.iter().filter(|row| row.is_laid).count();
     let shims = film.shims.len();
     let spares = film.measured.saturating_sub(film.plan.len() - shims);

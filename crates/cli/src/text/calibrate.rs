@@ -13,7 +13,7 @@ use crate::sensor::calibration::Calibration;
 
 /// The report of `calibrate`.
 pub(crate) fn calibration(film: &Film, args: &CalibrateArgs, calibration: &Calibration) -> String {
-    let mut text = header::layout(film.layout());
+    let mut text = header::with_recoil(film.layout(), film.recoil());
     let readings = counted(calibration.readings, "reading", "readings");
     let _ = writeln!(
         text,

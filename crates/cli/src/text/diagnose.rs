@@ -14,7 +14,7 @@ const LISTED: usize = 6;
 
 /// The report of `diagnose`.
 pub(crate) fn diagnosis(film: &DiagnosedFilm, args: &DiagnoseArgs) -> String {
-    let mut text = header::layout(film.layout);
+    let mut text = header::with_recoil(film.layout, film.recoil.as_ref());
     let noise = film.noise_t * 1e6;
     let readings = counted(film.readings, "reading", "readings");
     let _ = writeln!(text, "scan {}: {readings}, noise {}, {}, {} uT", args.scan.display(), noise.x, noise.y, noise.z);

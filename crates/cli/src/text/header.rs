@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use magsplice::Film;
 use magsplice::layout::{Layout, WorkingVolume};
+use magsplice::{Film, FilmRecoil};
 
 use super::number::counted;
 use super::recoil;
@@ -11,6 +11,11 @@ use super::recoil;
 /// Name, tiles and hash of a layout.
 pub(crate) fn layout(layout: &Layout) -> String {
     format!("{}: {}, sha256 {}\n", layout.name, tile_count(layout), &layout.sha256[..12])
+}
+
+/// A layout, and what recoil changes in its field.
+pub(crate) fn with_recoil(of: &Layout, recoil: Option<&FilmRecoil>) -> String {
+    layout(of) + &recoil.map_or(String::new(), recoil::line)
 }
 
 /// A layout with its working volume and the accuracy of its field.

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use magsplice::decouple::PerParameter;
+use magsplice::layout::Layout;
 use magsplice::{Film, FilmRecoil, RecoilEstimate, RecoilFigures};
 
 use super::number::{counted, number};
@@ -44,21 +45,25 @@ pub(crate) fn section(film: &Film, recoil: &FilmRecoil) -> String {
         short(most),
         short(turn_deg)
     );
-    if let Some((cells, share)) = recoil.beyond_knee(film.layout()) {
-        let knee_t = film.layout().material.knee_field_t.unwrap_or_default();
-        let _ = match cells.iter().min_by(|a, b| a.field_t.total_cmp(&b.field_t)) {
-            None => writeln!(text, "  no cell is beyond the knee at mu0 H = -{knee_t} T"),
-            Some(worst) => writeln!(
-                text,
-                "  {} of the volume is beyond the knee at mu0 H = -{knee_t} T, and loses polarization for good: the \
-                 worst cell, of tile \"{}\", has {} T",
-                percent(share),
-                film.layout().tiles[worst.tile].name,
-                short(worst.field_t)
-            ),
-        };
+    if let Some(knee_t) = film.layout().material.knee_field_t {
+        let none = || format!("no cell is beyond the knee at mu0 H = -{knee_t} T");
+        let _ = writeln!(text, "  {}", beyond_knee(recoil, film.layout()).unwrap_or_else(none));
     }
     text
+}
+
+/// The part of a film that is beyond the knee of its material. `None` if there is none, or no knee is stated.
+pub(crate) fn beyond_knee(recoil: &FilmRecoil, layout: &Layout) -> Option<String> {
+    let (cells, share) = recoil.beyond_knee(layout)?;
+    let worst = cells.iter().min_by(|a, b| a.field_t.total_cmp(&b.field_t))?;
+    Some(format!(
+        "{} of the volume is beyond the knee at mu0 H = -{} T, and loses polarization for good: the worst cell, of tile \
+         \"{}\", has {} T",
+        percent(share),
+        layout.material.knee_field_t.unwrap_or_default(),
+        layout.tiles[worst.tile].name,
+        short(worst.field_t)
+    ))
 }
 
 /// An estimate in one line: the changes of the figures.

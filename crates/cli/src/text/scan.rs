@@ -15,7 +15,7 @@ const NAMED: usize = 3;
 
 /// The report of `scan`.
 pub(crate) fn scan(film: &Film, args: &ScanArgs, scanned: &ScannedFilm) -> String {
-    let mut text = header::layout(film.layout());
+    let mut text = header::with_recoil(film.layout(), film.recoil());
     let readings = counted(scanned.places_mm.len(), "reading", "readings");
     let _ = writeln!(text, "scan {}: {readings}{}", args.scan.display(), positions(scanned));
     text.push('\n');

@@ -13,7 +13,7 @@ use crate::sampling::source::SampleSource;
 
 /// The report of `tolerance`.
 pub(crate) fn sampled(film: &SampledFilm) -> String {
-    header::layout(film.layout) + &samples(film)
+    header::with_recoil(film.layout, film.recoil.as_ref()) + &samples(film)
 }
 
 /// The statistics of the samples, without the layout.

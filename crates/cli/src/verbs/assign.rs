@@ -6,7 +6,7 @@ use std::path::Path;
 use magsplice::layout::{Distribution, FilmTolerance, Layout, MAX_NAME_BYTES};
 use magsplice::making::{AssignmentError, AssignmentProblem, AssignmentSettings, MeasurementErrors, PlaceGroup};
 use magsplice::prelude::Tile;
-use magsplice::tolerance::TileChanges;
+use magsplice::tolerance::{RealFilm, TileChanges};
 use magsplice::{Film, Stage};
 #[cfg(feature = "report")]
 use magsplice_report::{LaidTile, SvgText, laying_plan_figure};
@@ -23,6 +23,7 @@ use crate::laying::placed_tiles::{self, PartlyLaid};
 use crate::output::destination::{Output, print};
 #[cfg(feature = "report")]
 use crate::output::figure_file;
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::words::no_film;
 #[cfg(feature = "report")]
@@ -56,8 +57,7 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
         Some(path) => placed_tiles::read(path, &layout, &groups)?,
         None => PartlyLaid { film: layout.bare_tiles(), groups, rows: Vec::new() },
     };
-    progress.show(Stage::uncounted("assigning tiles"));
-    let mut film = assigned(args, &layout, &partly, &shims)?;
+    let mut film = assigned(args, &layout, &partly, &shims, &progress, quiet)?;
     film.measured = count;
     let assigned = layout_text(args, &film, measured.has_sizes)?;
     progress.end();
@@ -120,14 +120,20 @@ fn assigned<'a>(
     layout: &'a Layout,
     partly: &PartlyLaid,
     shims: &[usize],
+    progress: &ProgressLine,
+    quiet: bool,
 ) -> Result<AssignedFilm<'a>, Failure> {
     let purpose = "places tiles so that a film decouples best";
-    let of_film = Film::rigid(layout);
+    let stated = Film::rigid(layout);
     let missing = |error| no_film(&args.layout, error, "assign", purpose);
-    let (ideal, volume) = (of_film.ideal().map_err(missing)?, of_film.evaluation_grid().map_err(missing)?);
+    let (ideal, volume) = (stated.ideal().map_err(missing)?, stated.evaluation_grid().map_err(missing)?);
+    let show = |stage: Stage| progress.show(stage);
+    let ordered = prepare(&args.layout, layout, &show, &remarks::teller(quiet, progress))?;
+    progress.show(Stage::uncounted("assigning tiles"));
     let failed = |error: AssignmentError| assignment_failure(args, layout, partly, error);
     let without_errors = |error| failed(AssignmentError::Film(error));
-    let model = TileChanges::new(&partly.film, &volume, ideal).map_err(without_errors)?;
+    let film = ordered.with_recoil(RealFilm::new(&partly.film, &FilmTolerance::default()));
+    let model = TileChanges::new(&film, &volume, ideal).map_err(without_errors)?;
     let ordered_rms_mm = model.exact_rms_mm(&layout.bare_tiles()).map_err(without_errors)?;
     let settings =
         AssignmentSettings { starts: args.starts, kicks: KICKS, seed: args.seed, may_turn_over: !args.keep_side_up };
@@ -154,7 +160,8 @@ fn assigned<'a>(
     plan.sort_by_key(|(place, _)| *place);
     let plan = plan.into_iter().map(|(_, row)| row).collect();
     let shims = shims.iter().map(|&shim| (shim, shim_strength_t(&partly.film[shim], &tiles[shim]))).collect();
-    Ok(AssignedFilm { layout, measured: 0, ordered_rms_mm, found, measurement, tiles, plan, shims })
+    let recoil = ordered.recoil().cloned();
+    Ok(AssignedFilm { layout, recoil, measured: 0, ordered_rms_mm, found, measurement, tiles, plan, shims })
 }
 
 /// The strength of a shim in tesla, negative if it is reversed.

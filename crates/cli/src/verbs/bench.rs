@@ -31,7 +31,7 @@ pub(crate) fn run(args: &BenchArgs, quiet: bool) -> Result<(), Failure> {
         }
     };
     let show = |stage: Stage| progress.show(stage);
-    let film = prepare(&args.layout, &layout, &show)?;
+    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
     let show = |done| progress.show(Stage { name: "measuring", done, of: None, unit: "rounds" });
     let budget = Duration::from_secs_f64(args.seconds);
     let measured = benchmark::measure(film.scene(), &points, budget, &show)

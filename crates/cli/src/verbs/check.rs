@@ -18,10 +18,10 @@ use crate::checked::{CheckStatus, CheckedExpectation, CheckedLayout};
 use crate::failure::{self, Failure};
 use crate::layout_files::{self, NO_LAYOUT, NamedFile};
 use crate::output::destination::print;
-use crate::prepared_film::recoil_estimates;
+use crate::prepared_film::{recoil_estimates, tell_of_knee};
 use crate::progress::ProgressLine;
 use crate::words::film_failure;
-use crate::{baseline, json, junit, text};
+use crate::{baseline, json, junit, remarks, text};
 
 /// Returns the worst status of all layouts, as an exit status.
 pub(crate) fn run(args: &CheckArgs, quiet: bool) -> Result<u8, Failure> {
@@ -116,6 +116,7 @@ fn check(path: &Path, update: bool, quiet: bool, progress: &ProgressLine) -> Che
             return checked;
         }
     };
+    tell_of_knee(path, &film, &remarks::teller(quiet, progress));
     let mut started = Instant::now();
     let mut moved = None;
     let baseline = baseline(path, &film, update, |file, points, how_far| {

@@ -26,7 +26,8 @@ pub(crate) fn run(args: &CompareArgs, quiet: bool) -> Result<(), Failure> {
     if args.points.path().is_none() {
         stated.volume().map_err(no_film)?;
     }
-    let film = prepare(&args.layout, &layout, &show)?.with_accuracy(args.accuracy.accuracy());
+    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?
+        .with_accuracy(args.accuracy.accuracy());
     if let Some(path) = args.points.path() {
         let given = GivenPoints::read(path, args.points.unit, ideal, false, &remarks::teller(quiet, &progress))?;
         let field = film.field_at_t(&given.points).map_err(|error| given.failure(&args.layout, &layout, error))?;

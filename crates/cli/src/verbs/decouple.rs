@@ -40,7 +40,8 @@ pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
     stated.ideal().and(stated.volume().map(|_| ())).map_err(no_film)?;
     let inputs: Vec<&Path> = iter::once(args.layout.as_path()).chain(args.points.path()).collect();
     let mut output = Output::open(args.output.as_deref(), &inputs)?;
-    let film = prepare(&args.layout, &layout, &show)?.with_accuracy(args.accuracy.accuracy());
+    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?
+        .with_accuracy(args.accuracy.accuracy());
     if let Some(path) = args.points.path() {
         let tell = remarks::teller(quiet, &progress);
         let given = GivenPoints::read(path, args.points.unit, film.ideal().map_err(failed)?, true, &tell)?;

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use magsplice::Stage;
 use magsplice::layout::{FilmTolerance, Layout};
+use magsplice::magnet::{PointErrors, Quantity};
 use magsplice::making::{DiagnosisError, DiagnosisSettings, FieldScan, ScanDiagnosis};
 use magsplice::prelude::{DVec3, Scene};
 use magsplice::sensor::{FreeParameters, ScanParameters, fit_scan};
+use magsplice::{Film, Stage};
 
 use crate::args::diagnose::{DiagnoseArgs, DiagnoseFormat};
 use crate::failure::{self, Failure};
@@ -15,6 +16,7 @@ use crate::json::diagnose::DiagnoseJson;
 use crate::output::destination::Output;
 #[cfg(feature = "report")]
 use crate::output::figure_file;
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::sensor::diagnosed_film::{self, DiagnosedFilm};
 use crate::sensor::reading_file;
@@ -53,6 +55,11 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     let has_ordinary = ordinary != FilmTolerance::default();
     let refused = |error| refused(args, &layout, &lines, error);
     let (tiles, readings) = (layout.bare_tiles(), readings_t.len());
+    let show = |stage: Stage| progress.show(stage);
+    let ordered = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
+    let readings_t =
+        without_recoil_t(&ordered, &points_mm, readings_t).map_err(|errors| refused(DiagnosisError::Points(errors)))?;
+    let recoil = ordered.recoil().cloned();
     progress.show(Stage::uncounted("preparing the diagnosis"));
     let start = start(args, &tiles, &points_mm, &readings_t);
     let scan = FieldScan { points_mm, noise_t };
@@ -68,8 +75,15 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     };
     let diagnosis = model.diagnose(&readings_t, show).map_err(refused)?;
     progress.end();
-    let film =
-        DiagnosedFilm { layout: &layout, diagnosis, readings, noise_t, has_ordinary, false_alarm: args.false_alarm };
+    let film = DiagnosedFilm {
+        layout: &layout,
+        recoil,
+        diagnosis,
+        readings,
+        noise_t,
+        has_ordinary,
+        false_alarm: args.false_alarm,
+    };
     if let Some(mut file) = found_file {
         let scan = args.scan.file_name().map_or_else(|| "a scan".into(), |name| name.to_string_lossy());
         file.write(|w| w.write_all(film.found_layout(&original, &scan).to_toml().as_bytes()))?;
@@ -98,6 +112,21 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
         ));
     }
     Ok(())
+}
+
+/// Readings less what recoil adds to the field of the film as ordered.
+fn without_recoil_t(
+    ordered: &Film,
+    points_mm: &[DVec3],
+    mut readings_t: Vec<DVec3>,
+) -> Result<Vec<DVec3>, PointErrors> {
+    if ordered.recoil().is_some() {
+        let with_t = ordered.scene().field_at(Quantity::FluxDensity, points_mm)?;
+        let rigid_t = Film::rigid(ordered.layout()).scene().field_at(Quantity::FluxDensity, points_mm)?;
+        let added_t = with_t.into_iter().zip(rigid_t).map(|(with_t, rigid_t)| with_t - rigid_t);
+        readings_t.iter_mut().zip(added_t).for_each(|(reading_t, added_t)| *reading_t -= added_t);
+    }
+    Ok(readings_t)
 }
 
 /// The noise of a flux density along each axis of the film.

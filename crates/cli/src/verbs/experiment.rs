@@ -29,7 +29,7 @@ pub(crate) fn run(args: &ExperimentArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
     let show = |stage: Stage| progress.show(stage);
-    let film = prepare(&args.layout, &layout, &show)?;
+    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
     film.volume().map_err(|error| no_volume(&args.layout, error))?;
     if args.seed.is_some() && layout.sensor.as_ref().is_none_or(|sensor| sensor.element.noise_t == DVec3::ZERO) {
         let message = "the layout states no noise for --seed: give noise_ut or part in [sensor]".to_owned();

@@ -42,7 +42,7 @@ pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
     };
     let layout = remarks::read_layout(path, remarks::OF_TILES, quiet, &progress)?;
     let table = match format {
-        ExportFormat::CHeader => Some(polynomial(args, path, &layout)?),
+        ExportFormat::CHeader => Some(polynomial(args, path, &layout, &remarks::teller(quiet, &progress))?),
         _ if args.error.is_some() => {
             return Err(Failure::Format(format!("--error is for --to c-header, not {}: leave it out", format.name())));
         }
@@ -74,8 +74,9 @@ fn polynomial(
     args: &ExportArgs,
     path: &Path,
     layout: &Layout,
+    tell: &dyn Fn(&str),
 ) -> Result<(DisplacementPolynomial, WorkingVolume), Failure> {
-    let film = prepare(path, layout, &|_| {})?;
+    let film = prepare(path, layout, &|_| {}, tell)?;
     let volume = *film.volume().map_err(|error| no_volume(path, error))?;
     let sensed = film.sensed_field(&volume.grid).map_err(|error| film_failure(path, layout, error))?;
     let error_mm = args.error.unwrap_or(DEFAULT_ERROR_MM);

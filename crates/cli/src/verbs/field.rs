@@ -37,7 +37,7 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
         QuantityArg::J | QuantityArg::Gradient => Accuracy::Exact,
     };
     let show = |stage: Stage| progress.show(stage);
-    let film = prepare(&args.layout, &layout, &show)?.with_accuracy(accuracy);
+    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?.with_accuracy(accuracy);
     match args.points.path() {
         Some(path) => at_points(args, &film, path, &progress, quiet),
         None => on_grid(args, &film, &progress, quiet),

@@ -21,7 +21,8 @@ pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
     let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
     let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
     let show = |stage: Stage| progress.show(stage);
-    let film = prepare(&args.layout, &layout, &show)?.with_accuracy(args.accuracy.accuracy());
+    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?
+        .with_accuracy(args.accuracy.accuracy());
     let planning = Stage::uncounted("planning");
     let (plan, points_of) = match args.points.path() {
         Some(path) => {

@@ -26,7 +26,7 @@ pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
     let show = |stage: Stage| progress.show(stage);
-    let film = prepare(&args.layout, &layout, &show)?;
+    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
     film.volume().map_err(|error| no_volume(&args.layout, error))?;
     let format = choice::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
     if format == TableFormat::Vtk {

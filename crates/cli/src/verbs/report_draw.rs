@@ -39,7 +39,8 @@ fn draw_one(args: &ReportArgs, path: &Path, quiet: bool) -> Result<(), Failure> 
     let progress = ProgressLine::start(!quiet);
     let show = |stage: Stage| progress.show(stage);
     let layout = remarks::read_layout(path, remarks::OF_COMPARISONS, quiet, &progress)?;
-    let film = prepare(path, &layout, &show)?.with_accuracy(args.accuracy.accuracy());
+    let film =
+        prepare(path, &layout, &show, &remarks::teller(quiet, &progress))?.with_accuracy(args.accuracy.accuracy());
     // A folder that cannot be written is refused before the field is computed.
     let folder = Folder::open(&args.output, "report", &[path])?;
     let PageNumbers { mut text, json, field_t } = numbers(&film).map_err(|error| film_failure(path, &layout, error))?;
@@ -72,7 +73,8 @@ fn samples(
 ) -> Result<Option<FilmSamples>, Failure> {
     let Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } = layout else { return Ok(None) };
     let show = |stage: Stage| progress.show(stage);
-    let scene = SampledScene::new(path, layout, &show)?;
+    // What there is to say of the film has been said.
+    let scene = SampledScene::new(path, layout, &show, &|_| {})?;
     let source = SampleSource::new(layout, None, tolerance.seed, 0, tolerance.samples);
     let sampler = scene.sampler(source.seed)?;
     let mut errors = Vec::new();
@@ -80,10 +82,9 @@ fn samples(
         |samples| sampler.errors_of_range(samples).map_err(|(sample, error)| scene.sample_failure(sample, &error));
     let run = SamplingRun { errors_of: &errors_of, source: &source };
     run.extend(&mut errors, |_| Ok(()), progress, None)?;
-    let nominal = scene.nominal()?;
-    let film = SampledFilm::new(layout, nominal, source, &errors);
+    let film = SampledFilm::new(&scene, source, &errors)?;
     let _ = write!(text, "\nfilms that are made: {}", text::tolerance::samples(&film));
-    Ok(Some(FilmSamples { nominal, errors }))
+    Ok(Some(FilmSamples { nominal: film.nominal, errors }))
 }
 
 /// Appends the resolution of the sensor to `text`, if the layout states one with noise.
@@ -101,7 +102,8 @@ fn draw_pair(args: &ReportArgs, paths: [&Path; 2], quiet: bool) -> Result<(), Fa
     let read = |path| remarks::read_layout(path, remarks::OF_COMPARISONS, quiet, &progress);
     let layouts = [read(paths[0])?, read(paths[1])?];
     let film = |index: usize| -> Result<Film, Failure> {
-        Ok(prepare(paths[index], &layouts[index], &show)?.with_accuracy(args.accuracy.accuracy()))
+        let tell = remarks::teller(quiet, &progress);
+        Ok(prepare(paths[index], &layouts[index], &show, &tell)?.with_accuracy(args.accuracy.accuracy()))
     };
     let films = [film(0)?, film(1)?];
     let folder = Folder::open(&args.output, "report", &paths)?;

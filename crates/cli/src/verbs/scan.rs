@@ -28,7 +28,7 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_TILES, quiet, &progress)?;
     let show = |stage: Stage| progress.show(stage);
-    let film = prepare(&args.layout, &layout, &show)?;
+    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
     let inputs: Vec<&Path> = [&args.layout, &args.scan].into_iter().map(PathBuf::as_path).collect();
     let mut output = Output::open(args.result.output.as_deref(), &inputs)?;
     let save = match args.save.as_deref() {

@@ -29,7 +29,7 @@ pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
     let mut layout = remarks::read_layout(path, remarks::OF_COMPARISONS, quiet, &progress)?;
     args.preset.apply(&mut layout);
     let show = |stage: Stage| progress.show(stage);
-    let scene = SampledScene::new(path, &layout, &show)?;
+    let scene = SampledScene::new(path, &layout, &show, &remarks::teller(quiet, &progress))?;
     let tolerance = layout.tolerance.as_ref();
     let total = args.samples.or(tolerance.map(|t| t.samples)).unwrap_or(1);
     let seed = args.seed.or(tolerance.map(|t| t.seed)).unwrap_or(1);
@@ -58,7 +58,7 @@ pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
         return Ok(INTERRUPTED);
     }
     let found = SampleSource { count: errors.len() as u64, ..source.clone() };
-    let film = SampledFilm::new(&layout, scene.nominal()?, found, &errors).sorted(sorting);
+    let film = SampledFilm::new(&scene, found, &errors)?.sorted(sorting);
     if interrupted {
         outputs.finish_result(&film)?;
         tell_interrupted(&film, &source, journal.as_ref(), quiet);
@@ -103,7 +103,7 @@ fn merge(args: &MergeArgs, quiet: bool) -> Result<(), Failure> {
     let mut layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
     args.preset.apply(&mut layout);
     let show = |stage: Stage| progress.show(stage);
-    let scene = SampledScene::new(&args.layout, &layout, &show)?;
+    let scene = SampledScene::new(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
     let inputs: Vec<PathBuf> = args.parts.iter().chain([&args.layout]).cloned().collect();
     let outputs = Outputs::open(&args.result, &inputs)?;
     let sorting = args.sorting.sorting()?;
@@ -147,7 +147,7 @@ fn merge(args: &MergeArgs, quiet: bool) -> Result<(), Failure> {
         }
     }
     let source = SampleSource { count: errors.len() as u64, ..source };
-    let film = SampledFilm::new(&layout, scene.nominal()?, source, &errors).sorted(sorting);
+    let film = SampledFilm::new(&scene, source, &errors)?.sorted(sorting);
     progress.end();
     outputs.finish(&film, &errors)
 }

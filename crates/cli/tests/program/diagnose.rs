@@ -41,9 +41,14 @@ fn layout(errors: &[(usize, f64, f64, f64)]) -> String {
 /// Writes the nominal film and a scan of one with errors, 1 mm below it, in steps of 1 mm, with noise of
 /// 10 uT.
 fn scanned(errors: &[(usize, f64, f64, f64)]) -> Sandbox {
+    scanned_of(errors, "")
+}
+
+/// The same, with these lines in both layouts.
+fn scanned_of(errors: &[(usize, f64, f64, f64)], material: &str) -> Sandbox {
     let sandbox = Sandbox::new();
-    sandbox.write("film.toml", &layout(&[]).replacen("overlap_mm = 1.0\n", "", 1));
-    sandbox.write("made.toml", &layout(errors));
+    sandbox.write("film.toml", &(layout(&[]).replacen("overlap_mm = 1.0\n", "", 1) + material));
+    sandbox.write("made.toml", &(layout(errors) + material));
     let mut points = "x_mm,y_mm,z_mm\n".to_owned();
     for (x, y) in (-6..=6).flat_map(|x| (-3..=3).map(move |y| (x, y))) {
         let _ = writeln!(points, "{x},{y},-1");
@@ -104,6 +109,25 @@ fn wrong_tiles_are_named_with_their_errors() {
     let csv = run(&sandbox, &["--format", "csv"]).stdout;
     assert_eq!(csv.lines().count(), 1 + 1 + 3 + 3, "{csv}");
     assert!(csv.contains("\"left-high\",strength,strength_percent,"), "{csv}");
+}
+
+/// What recoil adds to the field is that of the film as ordered, and is no error of a tile.
+#[test]
+fn weak_tile_among_tiles_with_recoil_is_named_alone() {
+    let sandbox = scanned_of(&[(3, 0.0, 0.95, 0.0)], "[material]\nrecoil_permeability = 1.05\n");
+    let said = run(&sandbox, &["--format", "json", "--quiet"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    let found: Value = serde_json::from_str(&said.stdout).expect("JSON");
+    let named = found["named"].as_array().expect("a list");
+    assert!(named.len() == 1 && named[0]["tile"] == "left-high" && named[0]["kind"] == "strength", "{found}");
+    let strength = named[0]["components"]["strength_percent"][0].as_f64().expect("a number");
+    // What the weak tile changes in itself and in others is neglected: 2 % of its change.
+    assert!((strength + 5.0).abs() < 0.2, "{strength}");
+    assert!(found["recoil"]["cells"].as_u64().is_some_and(|cells| cells > 6), "{found}");
+    // The same scan of rigid tiles is of another film.
+    sandbox.write("film.toml", &layout(&[]).replacen("overlap_mm = 1.0\n", "", 1));
+    let rigid: Value = serde_json::from_str(&run(&sandbox, &["--format", "json", "-q"]).stdout).expect("JSON");
+    assert!(rigid["named"].as_array().is_some_and(|named| named.len() > 1), "{rigid}");
 }
 
 /// The film that was found has no requirements, allows the overlap of its tiles, and is taken by the verbs

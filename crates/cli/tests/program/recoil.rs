@@ -68,7 +68,7 @@ fn decouple_states_what_recoil_changes_and_how_well_it_is_known() {
     let sandbox = sandbox(&format!("{MATERIAL}knee_field_t = 0.02\n"));
     let (rigid, with) = (
         json(&sandbox, &["decouple", "rigid.toml", "--format", "json"]),
-        json(&sandbox, &["decouple", "film.toml", "--format", "json"]),
+        json(&sandbox, &["decouple", "film.toml", "--format", "json", "-q"]),
     );
     assert!(rigid.get("recoil").is_none());
     let recoil = &with["recoil"];
@@ -81,7 +81,7 @@ fn decouple_states_what_recoil_changes_and_how_well_it_is_known() {
     assert!(figures("errors", "amplitude") < 0.3 * change.abs(), "{recoil}");
     assert!(number(&recoil["error_t"]) <= 0.3 * 1.5 * number(&recoil["change_t"]), "{recoil}");
     assert!(number(&recoil["largest_weakening"]) > 0.02);
-    let text = stdout(&sandbox, &["decouple", "film.toml"]);
+    let text = stdout(&sandbox, &["decouple", "film.toml", "-q"]);
     for part in
         ["recoil: 108 cells at level 3, B changes by up to", "tiles weaken by", "beyond the knee at mu0 H = -0.02 T"]
     {
@@ -221,6 +221,27 @@ fn design_counts_recoil() {
     sandbox.write("made.toml", &made);
     let (with, without) = (error("designed.toml"), error("made.toml"));
     assert!(with < without, "{with} {without}");
+}
+
+/// Every verb that evaluates the film tells of the part beyond the knee, unless it is quiet.
+#[test]
+fn cells_beyond_the_knee_are_told() {
+    let sandbox = sandbox(&format!("{MATERIAL}knee_field_t = 0.02\n[expect]\namplitude = {{ min = 0.01 }}\n"));
+    let warning = "magsplice: warning: film.toml: ";
+    for verb in [
+        &["compare", "film.toml"][..],
+        &["check", "film.toml"],
+        &["tolerance", "film.toml", "--preset", "jig", "--samples", "2"],
+        &["report", "film.toml", "-o", "report"],
+    ] {
+        let said = sandbox.run(verb);
+        assert_eq!(said.status, 0, "{verb:?} {}", said.stderr);
+        let told =
+            said.stderr.lines().filter(|line| line.starts_with(warning) && line.contains(" beyond the knee at "));
+        assert_eq!(told.count(), 1, "{verb:?} {}", said.stderr);
+        let quiet = sandbox.run(&[verb, &["--quiet"]].concat());
+        assert!(!quiet.stderr.contains("knee"), "{verb:?} {}", quiet.stderr);
+    }
 }
 
 /// The volume touches edges of both tiles: there B is refused as without recoil, and left out of the error.

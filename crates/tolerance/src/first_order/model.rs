@@ -244,7 +244,8 @@ fn for_each_derivative(
     let tolerance = film.tolerance();
     let mut of_groups = vec![vec![none.clone(); TileErrors::COUNT]; tolerance.groups.len()];
     let mut of_pose = vec![none.clone(); 6];
-    for (number, tile) in film.tiles().iter().enumerate() {
+    let in_film = film.in_film(film.tiles()).map_err(SampleError::Tile)?;
+    for (number, tile) in in_film.iter().enumerate() {
         let response = TileResponse::new(number, tile, points)?;
         for error in 0..TileErrors::COUNT {
             let mut changes_t = none.clone();

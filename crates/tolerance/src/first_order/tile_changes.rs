@@ -10,6 +10,7 @@ use super::displacement::{Displacement, displacement_errors_mm};
 use super::low_rank::{LowRank, dot};
 use super::tile_response::TileResponse;
 use crate::film_errors::{EvaluationGrid, SampleError};
+use crate::real_film::RealFilm;
 use crate::sampler::exact_field_t;
 
 /// Change of J, as a fraction of it, for which few coordinates suffice: that of magnets from a shop.
@@ -29,7 +30,10 @@ const USUAL_SIZE_MM: f64 = 0.02;
 /// Millimetres, and tesla.
 #[derive(Clone, Debug)]
 pub struct TileChanges {
+    film: RealFilm,
     points: Vec<DVec3>,
+    /// The field that the mean polarizations of tiles leave out, at each point; empty without recoil.
+    remainder_t: Vec<DVec3>,
     ideal: IdealFilm,
     basis: Vec<Vec<f64>>,
     nominal: Vec<f64>,
@@ -38,22 +42,30 @@ pub struct TileChanges {
 }
 
 impl TileChanges {
-    /// The model at a film in a working volume.
+    /// The model at a film in a working volume. Errors of the film do not count.
     ///
     /// # Errors
     /// If the parameters or the derivatives do not exist at a point of the volume.
-    pub fn new(tiles: &[Tile], volume: &EvaluationGrid, ideal: &IdealFilm) -> Result<TileChanges, SampleError> {
+    pub fn new(film: &RealFilm, volume: &EvaluationGrid, ideal: &IdealFilm) -> Result<TileChanges, SampleError> {
         let points: Vec<DVec3> = volume.grid.points().chain([volume.reference]).collect();
-        let film_t = exact_field_t(&Scene::new(tiles), &points)?;
+        let remainder_t = match film.weakening() {
+            Some(weakening) => exact_field_t(weakening.remainder(), &points)?,
+            None => Vec::new(),
+        };
+        let tiles = film.tiles();
+        let film_t = film_field_t(film, tiles, &points, &remainder_t)?;
+        let in_film = film.in_film(tiles).map_err(SampleError::Tile)?;
         let nominal = displacement_errors_mm(&points, &film_t, ideal)?;
         let displacement = Displacement::new(&points, &film_t, ideal)?;
         let of_tile = |(number, tile): (usize, &Tile)| -> Result<Vec<Vec<f64>>, SampleError> {
-            let response = TileResponse::new(number, tile, &points)?;
+            let response = TileResponse::new(number, &in_film[number], &points)?;
             let [j_scale, size_scale] = scales(tile);
             let column = |component: usize| {
                 let mut changes_t = vec![DVec3::ZERO; points.len()];
                 if component < 3 {
-                    response.add_polarization_derivative(component, &mut changes_t);
+                    let own_t = DVec3::AXES[component];
+                    let in_film_t = film.weakening().map_or(own_t, |weakening| weakening.change_t(number, own_t));
+                    response.add_polarization_change(in_film_t, &mut changes_t);
                 } else {
                     response.add_derivative(FIRST_SIZE + component - 3, tile.position(), &mut changes_t);
                 }
@@ -77,7 +89,8 @@ impl TileChanges {
                 })
             })
             .collect();
-        Ok(TileChanges { points, ideal: *ideal, basis: reduced.basis, nominal, by_tile })
+        let film = film.clone();
+        Ok(TileChanges { film, points, remainder_t, ideal: *ideal, basis: reduced.basis, nominal, by_tile })
     }
 
     /// Coordinates of the displacement errors of the film itself.
@@ -115,7 +128,7 @@ impl TileChanges {
     }
 
     fn exact_errors_mm(&self, tiles: &[Tile]) -> Result<Vec<f64>, SampleError> {
-        let film_t = exact_field_t(&Scene::new(tiles), &self.points)?;
+        let film_t = film_field_t(&self.film, tiles, &self.points, &self.remainder_t)?;
         displacement_errors_mm(&self.points, &film_t, &self.ideal)
     }
 
@@ -124,6 +137,19 @@ impl TileChanges {
         let errors = 3 * (self.points.len() - 1);
         (dot(coordinates, coordinates) / errors as f64).sqrt()
     }
+}
+
+/// The field of tiles at the places of a film.
+fn film_field_t(
+    film: &RealFilm,
+    tiles: &[Tile],
+    points: &[DVec3],
+    remainder_t: &[DVec3],
+) -> Result<Vec<DVec3>, SampleError> {
+    let in_film = film.in_film(tiles).map_err(SampleError::Tile)?;
+    let mut film_t = exact_field_t(&Scene::new(&in_film), points)?;
+    film_t.iter_mut().zip(remainder_t).for_each(|(b_t, remainder_t)| *b_t += *remainder_t);
+    Ok(film_t)
 }
 
 /// Number of the first error of size, see [`TileErrors::all`](magsplice_layout::TileErrors).
@@ -136,7 +162,7 @@ fn scales(tile: &Tile) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
-    use magsplice_layout::Layout;
+    use magsplice_layout::{FilmTolerance, Layout};
 
     use super::*;
 
@@ -147,7 +173,8 @@ mod tests {
         let volume = layout.volume.unwrap();
         let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
         let tiles = layout.bare_tiles();
-        let model = TileChanges::new(&tiles, &volume, &layout.ideal.unwrap()).unwrap();
+        let film = RealFilm::new(&tiles, &FilmTolerance::default());
+        let model = TileChanges::new(&film, &volume, &layout.ideal.unwrap()).unwrap();
         assert!(model.nominal().len() < 80, "{}", model.nominal().len());
         let nominal = model.rms_mm(&model.exact(&tiles).unwrap());
         assert!((nominal - model.rms_mm(model.nominal())).abs() < 1e-9, "{nominal}");

@@ -67,9 +67,9 @@ impl TileResponse {
         Ok(TileResponse { tile: *tile, at_points: at_points.collect::<Result<_, _>>()? })
     }
 
-    /// Adds the derivative of B at each point by a component of J in the frame of the tile.
-    pub(crate) fn add_polarization_derivative(&self, component: usize, sum: &mut [DVec3]) {
-        sum.iter_mut().zip(&self.at_points).for_each(|(sum, at)| *sum += at.by_polarization.col(component));
+    /// Adds the change of B at each point by a change of J in the frame of the tile.
+    pub(crate) fn add_polarization_change(&self, change_t: DVec3, sum: &mut [DVec3]) {
+        sum.iter_mut().zip(&self.at_points).for_each(|(sum, at)| *sum += at.by_polarization * change_t);
     }
 
     /// Adds the derivative of B at each point by one error of the tile, numbered as in
