@@ -149,14 +149,14 @@ impl<'a> Film<'a> {
     /// If the layout states no errors.
     pub fn real_film(&self) -> Result<RealFilm, FilmError> {
         let tolerance = self.layout.tolerance.as_ref().ok_or(FilmError::Missing("tolerance"))?;
-        Ok(self.with_recoil(RealFilm::new(&self.layout.bare_tiles(), tolerance)))
+        Ok(self.weakened(RealFilm::new(&self.layout.bare_tiles(), tolerance)))
     }
 
     /// A film of other tiles at the places of this one, which weaken and turn as those of this one do.
     ///
     /// # Panics
     /// If it does not have as many tiles.
-    pub fn with_recoil(&self, film: RealFilm) -> RealFilm {
+    pub fn weakened(&self, film: RealFilm) -> RealFilm {
         let Some(recoil) = &self.recoil else { return film };
         let solution = recoil.magnetization();
         let remainder = Scene::new(&solution.deviations());

@@ -132,7 +132,7 @@ fn assigned<'a>(
     progress.show(Stage::uncounted("assigning tiles"));
     let failed = |error: AssignmentError| assignment_failure(args, layout, partly, error);
     let without_errors = |error| failed(AssignmentError::Film(error));
-    let film = ordered.with_recoil(RealFilm::new(&partly.film, &FilmTolerance::default()));
+    let film = ordered.weakened(RealFilm::new(&partly.film, &FilmTolerance::default()));
     let model = TileChanges::new(&film, &volume, ideal).map_err(without_errors)?;
     let ordered_rms_mm = model.exact_rms_mm(&layout.bare_tiles()).map_err(without_errors)?;
     let settings =
