@@ -9,7 +9,7 @@ from conftest import LAYOUTS
 
 import magsplice
 from magsplice import Film
-from magsplice._results import front_of
+from magsplice._film import front_of
 
 
 def test_comparison_is_that_of_numpy(published):

@@ -43,25 +43,16 @@ Self-Decoupled Magnetic Tactile Sensor", Magnetochemistry 2024, 10(1), 6, here "
 """
 
 from magsplice import errors, plot
-from magsplice._film import Film, load, loads, splice
+from magsplice._comparison import Comparison, Decoupling
+from magsplice._film import Design, Film, Front
 from magsplice._layout import Grid, Ideal, Tile, Tiles, Volume
-from magsplice._magpylib import from_magpylib, getB, getH
+from magsplice._load import from_magpylib, load, loads, splice
+from magsplice._magpylib.fields import getB, getH
 from magsplice._magsplice import __version__
-from magsplice._results import (
-    Comparison,
-    Decoupling,
-    Design,
-    Estimate,
-    Figure,
-    Front,
-    Metrics,
-    Page,
-    Readings,
-    Report,
-    Samples,
-    Statistics,
-    statistics,
-)
+from magsplice._metrics import Metrics
+from magsplice._report import Figure, Page, Report
+from magsplice._samples import Estimate, Samples, Statistics, statistics
+from magsplice._sensor import Readings
 from magsplice.errors import LayoutError, LayoutFault, MagspliceError, PointFault, PointsError
 
 __all__ = [

@@ -1,18 +1,16 @@
-"""Samples and searches on the workers of a Dask client, which schedules them."""
+"""Work on the workers of a Dask client, which schedules it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
 
 import numpy as np
 
-from magsplice import _magsplice
+from magsplice._layout import Floats
 
-if TYPE_CHECKING:
-    from magsplice._film import Film
-    from magsplice._layout import Floats
-    from magsplice._results import Design
+Arg = TypeVar("Arg")
+Result = TypeVar("Result")
 
 #: Tasks for each thread of the workers, so that all end at about the same time.
 _TASKS_PER_THREAD = 8
@@ -22,16 +20,16 @@ _MOST_PER_TASK = 10_000
 
 def samples(
     client: Any,
-    film: Film,
-    preset: str | None,
-    seed: int,
+    draw: Callable[[int, int], tuple[Floats, Floats, Floats]],
     first: int,
     count: int,
-    threads: int,
     partition: int | None,
     progress: Callable[[int, int], Any] | None,
 ) -> tuple[Floats, Floats, Floats]:
-    """Errors of samples in the order of their numbers, computed in tasks of `partition` samples."""
+    """Errors of samples in the order of their numbers, computed in tasks of `partition` samples.
+
+    `draw` takes the number of the first sample of a task and their count.
+    """
     from distributed import as_completed
 
     if partition is None:
@@ -42,8 +40,7 @@ def samples(
         size = min(partition, first + count - start)
         # The film is in every task, so that no worker holds what others need. A task is not called
         # pure, so that equal calls are computed again.
-        future = client.submit(_samples, film, preset, seed, start, size, threads, pure=False)
-        counts[future] = size
+        counts[client.submit(draw, start, size, pure=False)] = size
     futures = list(counts)
     try:
         if progress is not None:
@@ -61,22 +58,12 @@ def samples(
     return np.concatenate(uniformity), np.concatenate(displacement), np.concatenate(amplitude)
 
 
-def designs(client: Any, film: Film, least_amplitudes: Sequence[float]) -> list[Design]:
-    """Films found for each least amplitude, one task each."""
-    futures = [client.submit(_design, film, float(least), pure=False) for least in least_amplitudes]
+def gathered(client: Any, call: Callable[[Arg], Result], arguments: Iterable[Arg]) -> list[Result]:
+    """Results of a call for each argument, one task each."""
+    futures = [client.submit(call, argument, pure=False) for argument in arguments]
     try:
-        found: list[Design] = client.gather(futures)
+        found: list[Result] = client.gather(futures)
     except BaseException:
         client.cancel(futures)
         raise
     return found
-
-
-def _samples(
-    film: Film, preset: str | None, seed: int, first: int, count: int, threads: int
-) -> tuple[Floats, Floats, Floats]:
-    return _magsplice.samples(film._core, preset, seed, first, count, threads)
-
-
-def _design(film: Film, least_amplitude: float) -> Design:
-    return film.design(least_amplitude=least_amplitude)

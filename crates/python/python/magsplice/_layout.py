@@ -15,8 +15,6 @@ from magsplice._arrow import Column, Table, split
 Floats = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
-__all__ = ["Grid", "Ideal", "Tile", "Tiles", "Volume"]
-
 
 class Tile(NamedTuple):
     """A uniformly magnetized cuboid.

@@ -1,0 +1,211 @@
+"""Films from files, texts, a few numbers, and collections of magpylib."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from magsplice import _magsplice
+from magsplice._film import Film
+from magsplice._layout import Tile
+from magsplice._magpylib.cuboids import MILLI, Track, cuboids_of, shifted
+from magsplice.errors import LayoutError
+
+
+def load(path: str | os.PathLike[str]) -> Film:
+    """Film in a layout file.
+
+    Parameters
+    ----------
+    path : str or path
+        TOML file, as docs/layout-format.md describes it and ``magsplice init`` writes it.
+
+    Returns
+    -------
+    Film
+        Lengths in millimetres, flux density and polarization in tesla.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read, such as `FileNotFoundError`.
+    LayoutError
+        If it is no layout. All broken rules are in ``error.faults``.
+
+    Examples
+    --------
+    >>> film = magsplice.load("layouts/published-film.toml")  # doctest: +SKIP
+    >>> film.b([0.0, 0.0, -5.0])  # doctest: +SKIP
+    """
+    core = _magsplice.Film.read(path)
+    # The text is kept, so that copies of the film in other processes have the same bits.
+    data = Path(path).read_bytes()
+    if hashlib.sha256(data).hexdigest() != core.sha256:
+        raise LayoutError(f"{os.fspath(path)}: changed while it was read: load it again")
+    return Film._made(core, data.decode(), os.fspath(path), str(Path(path).absolute().parent))
+
+
+def loads(
+    text: str, *, origin: str = "layout", folder: str | os.PathLike[str] | None = None
+) -> Film:
+    """Film in the text of a layout file.
+
+    Parameters
+    ----------
+    text : str
+        TOML, as in a layout file.
+    origin : str
+        Name of the text in error messages.
+    folder : str or path, optional
+        Folder of files that the text names, such as measured errors. Default: the working folder.
+
+    Returns
+    -------
+    Film
+
+    Raises
+    ------
+    LayoutError
+        If the text is no layout. All broken rules are in ``error.faults``.
+    """
+    folder = None if folder is None else os.fspath(folder)
+    return Film._parsed(text, origin, folder)
+
+
+def splice(
+    wavelength_mm: float,
+    film_mm: tuple[float, float],
+    *,
+    thickness_mm: float | None = None,
+    remanence_t: float = 0.12,
+    range_mm: tuple[float, float] | None = None,
+    distance_mm: tuple[float, float] | None = None,
+    smallest_cut_mm: float | None = None,
+    gap_mm: float = 0.0,
+    resolution_mm: float = 0.001,
+    resolution_deg: float = 0.01,
+    least_amplitude: float = 0.65,
+    parts: int | None = None,
+    goal: Literal["uniformity", "displacement", "field"] = "displacement",
+    starts: int = 8,
+    seed: int = 1,
+) -> Film:
+    """Film to begin a design with, from a few numbers: the pattern of Dai 2024, Fig. 5.
+
+    ``splice(10, (20, 20)).design()`` then searches, as ``magsplice splice`` does.
+
+    Parameters
+    ----------
+    wavelength_mm : float
+        Wavelength of the ideal film, in millimetres.
+    film_mm : (float, float)
+        Extent of the film along x and y, in millimetres, at least 5/6 of the wavelength.
+    thickness_mm : float, optional
+        Thickness of the film. Default: a tenth of the wavelength.
+    remanence_t : float
+        Magnitude of the polarization of every tile, in tesla.
+    range_mm : (float, float), optional
+        Extent of the working volume along x and y. Default: 0.4 wavelengths.
+    distance_mm : (float, float), optional
+        Least and largest distance of the sensor below the film. Default: 0.3 and 0.5 wavelengths.
+    smallest_cut_mm : float, optional
+        Shortest side of a tile. Default: 0.08 wavelengths.
+    gap_mm : float
+        Least distance of neighbouring tiles.
+    resolution_mm, resolution_deg : float
+        Sizes and directions are rounded to multiples of these.
+    least_amplitude : float
+        Least best-fit amplitude against the ideal film.
+    parts : int, optional
+        Largest number of distinct parts.
+    goal : {"displacement", "uniformity", "field"}
+        Error that the design minimizes.
+    starts, seed : int
+        Number of starts of the search, and the seed of the random numbers that vary them.
+
+    Returns
+    -------
+    Film
+
+    Raises
+    ------
+    MagspliceError
+        If numbers are out of range; the message has all of them.
+    """
+    wave = wavelength_mm
+    text = _magsplice.splice(
+        wave,
+        film_mm,
+        0.1 * wave if thickness_mm is None else thickness_mm,
+        remanence_t,
+        (0.4 * wave, 0.4 * wave) if range_mm is None else range_mm,
+        (0.3 * wave, 0.5 * wave) if distance_mm is None else distance_mm,
+        0.08 * wave if smallest_cut_mm is None else smallest_cut_mm,
+        gap_mm,
+        resolution_mm,
+        resolution_deg,
+        least_amplitude,
+        parts,
+        goal,
+        starts,
+        seed,
+    )
+    return loads(text, origin="the pattern")
+
+
+def from_magpylib(sources: Any, *, name: str | None = None, **tables: Any) -> Film:
+    """Film of the cuboids of a magpylib collection.
+
+    Parameters
+    ----------
+    sources : Collection, Cuboid, or list of these
+        Cuboids without paths, in metres and tesla. They must not overlap.
+    name : str, optional
+        Name of the film. Default: the label of the collection, or ``"from magpylib"``.
+    **tables
+        Other tables of the layout, as of `Film`: ``ideal``, ``volume``, ``tolerance``, ...
+
+    Returns
+    -------
+    Film
+        In millimetres. The decimal point moves, so that lengths of up to 15 digits keep them all.
+
+    Raises
+    ------
+    TypeError
+        If a source is not a cuboid.
+    ValueError
+        If a cuboid moves along a path, or lacks dimension or polarization.
+    LayoutError
+        If the cuboids break rules of layouts.
+    """
+    entries = list(sources) if isinstance(sources, (list, tuple)) else [sources]
+    cuboids = [cuboid for entry in entries for cuboid in cuboids_of(entry)]
+    labels = [cuboid.style.label for cuboid in cuboids]
+    tiles = []
+    for cuboid, label in zip(cuboids, labels, strict=True):
+        track = Track(cuboid)
+        if track.length > 1:
+            raise ValueError(
+                f"{cuboid!r} has a path of {track.length} steps: a film does not move; give a copy "
+                "with one position"
+            )
+        quaternion = track.rotation[0]
+        tiles.append(
+            Tile(
+                shifted(track.position[0], MILLI),
+                shifted(track.size[0], MILLI),
+                track.polarization_t[0].tolist(),
+                None if np.array_equal(quaternion, (0, 0, 0, 1)) else quaternion,
+                # A label that several cuboids share names none of them.
+                label if label and labels.count(label) == 1 else None,
+            )
+        )
+    if name is None:
+        label = getattr(getattr(sources, "style", None), "label", None)
+        name = label or "from magpylib"
+    return Film(tiles, name=name, **tables)

@@ -1,0 +1,94 @@
+"""Figures of tiles from above."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from magsplice._film import Film
+from magsplice._layout import Floats
+from magsplice.plot._axes import axes_or_new
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+#: Corners of a box, by their signs.
+_CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+
+
+def layout(film: Film, ax: Axes | None = None, *, names: bool = False) -> Axes:
+    """Tiles from above, coloured by the direction of J, with arrows along it (Dai 2024, Fig. 5).
+
+    Parameters
+    ----------
+    film : Film
+        The film.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw on. Default: new ones.
+    names : bool
+        Whether tiles have their names.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    ax = axes_or_new(ax)
+    from matplotlib import colormaps
+    from matplotlib.patches import Polygon, Rectangle
+
+    tiles = film.tiles
+    j_t = _turned(tiles.polarization_t, tiles.rotation)
+    strongest = float(np.linalg.norm(j_t, axis=1).max(initial=0.0)) or 1.0
+    colours = colormaps["twilight"]
+    for index in np.argsort(tiles.position_mm[:, 2]):
+        corners = _turned(
+            0.5 * _CORNERS * tiles.size_mm[index],
+            np.broadcast_to(tiles.rotation[index], (len(_CORNERS), 4)),
+        )
+        angle = np.arctan2(j_t[index, 1], j_t[index, 0]) / (2 * np.pi) % 1.0
+        colour = colours(angle) if np.hypot(*j_t[index, :2]) > 1e-9 * strongest else "lightgray"
+        outline = _hull((corners + tiles.position_mm[index])[:, :2])
+        ax.add_patch(Polygon(outline, facecolor=colour, edgecolor="0.3", alpha=0.6))
+        if names:
+            x, y = tiles.position_mm[index, :2]
+            ax.annotate(tiles.names[index], (x, y), ha="center", va="bottom", fontsize="xx-small")
+    length = 0.4 * np.median(tiles.size_mm[:, :2].min(axis=1)) / strongest
+    x, y, _ = tiles.position_mm.T
+    u, v, _ = j_t.T * length
+    ax.quiver(
+        x - u, y - v, 2 * u, 2 * v, angles="xy", scale_units="xy", scale=1, width=0.004, zorder=3
+    )
+    if film.volume is not None:
+        (x0, x1), (y0, y1) = film.volume.x_mm, film.volume.y_mm
+        frame = Rectangle((x0, y0), x1 - x0, y1 - y0, fill=False, edgecolor="tab:blue", ls="--")
+        ax.add_patch(frame)
+    ax.autoscale_view()
+    ax.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=film.name)
+    return ax
+
+
+def _turned(vectors: Floats, quaternions: Floats) -> Floats:
+    """Vectors turned by quaternions (x, y, z, w), row by row."""
+    axis, w = quaternions[..., :3], quaternions[..., 3:]
+    cross = 2 * np.cross(axis, vectors)
+    turned: Floats = vectors + w * cross + np.cross(axis, cross)
+    return turned
+
+
+def _hull(points: Floats) -> Floats:
+    """Convex hull of points in a plane, in order."""
+
+    def half(ordered: list[tuple[float, float]]) -> list[tuple[float, float]]:
+        kept: list[tuple[float, float]] = []
+        for x, y in ordered:
+            while len(kept) > 1:
+                (x0, y0), (x1, y1) = kept[-2], kept[-1]
+                if (x1 - x0) * (y - y0) > (y1 - y0) * (x - x0):
+                    break
+                kept.pop()
+            kept.append((x, y))
+        return kept[:-1]
+
+    ordered = sorted({(float(x), float(y)) for x, y in points})
+    return np.array(half(ordered) + half(ordered[::-1]))
