@@ -84,16 +84,22 @@ impl<'a> Film<'a> {
 
     fn prepared(layout: &'a Layout, progress: Option<&'a (dyn Fn(Stage) + Sync)>) -> Result<Film<'a>, FilmError> {
         let recoil = FilmRecoil::new(layout, progress.unwrap_or(&|_| {}))?;
+        Ok(Film { progress, ..Film::with_recoil(layout, recoil) })
+    }
+
+    /// The film whose tiles have the polarization that an earlier film found, see [`Film::recoil`]. Layouts of
+    /// both must have the same tiles and material; other tables may differ. Nothing is solved again.
+    pub fn with_recoil(layout: &'a Layout, recoil: Option<FilmRecoil>) -> Film<'a> {
         let scene = match &recoil {
             Some(recoil) => Scene::of_cells(recoil.magnetization().cells(), recoil.magnetization().owners()),
             None => Scene::new(&layout.bare_tiles()),
         };
-        Ok(Film { layout, scene, recoil, progress })
+        Film { layout, scene, recoil, progress: None }
     }
 
     /// The film whose tiles keep the polarization of the layout, whatever their recoil permeability.
     pub fn rigid(layout: &'a Layout) -> Film<'a> {
-        Film { layout, scene: Scene::new(&layout.bare_tiles()), recoil: None, progress: None }
+        Film::with_recoil(layout, None)
     }
 
     /// The same film, whose fields of the working volume have this accuracy. A new film is exact.
@@ -310,7 +316,7 @@ impl<'a> Film<'a> {
 mod tests {
     use std::sync::Mutex;
 
-    use magsplice_magnet::Tolerance;
+    use magsplice_magnet::{Permeability, Tolerance};
 
     use super::*;
 
@@ -348,6 +354,16 @@ mod tests {
             errors.0.first().unwrap().index < STRETCH_POINTS[1] && errors.0.last().unwrap().index > STRETCH_POINTS[1]
         );
         assert_eq!(film, scene);
+    }
+
+    #[test]
+    fn film_with_a_known_recoil_has_its_field() {
+        let mut layout = layout(-6.0);
+        layout.material.permeability = Permeability::isotropic(1.2).unwrap();
+        let solved = Film::new(&layout).unwrap();
+        let known = Film::with_recoil(&layout, solved.recoil().cloned());
+        let [solved, known, rigid] = [&solved, &known, &Film::rigid(&layout)].map(|film| film.reference_field_t());
+        assert!(solved == known && solved != rigid);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The polarization of films whose tiles have a recoil permeability, and what it changes.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use magsplice_decouple::{Decoupling, PerParameter};
 use magsplice_field::Scene;
@@ -36,9 +38,11 @@ const TOLERANCE_MARGIN: f64 = 0.75;
 const MOST_ESTIMATED_TILES: usize = 1_000;
 
 /// The polarization of a film that agrees with its own field, and the errors of what it changes.
+///
+/// Clones share the cells.
 #[derive(Clone, Debug)]
 pub struct FilmRecoil {
-    magnetization: Magnetization,
+    magnetization: Arc<Magnetization>,
     level: usize,
     /// Largest change of B in tesla.
     change_t: f64,
@@ -122,7 +126,7 @@ impl FilmRecoil {
             change_t: largest_vector(&differences(&values[..of_field], &rigid[..of_field])),
             error_t: largest_vector(&errors[..of_field]),
             figures: figures.filter(|figures| figures[1].values().iter().all(|value| value.is_finite())),
-            magnetization: refined.magnetization,
+            magnetization: Arc::new(refined.magnetization),
         }))
     }
 
