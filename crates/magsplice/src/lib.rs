@@ -56,6 +56,9 @@ mod experiments;
 /// A layout evaluated step by step.
 #[cfg(feature = "layout")]
 mod film;
+/// Where the displacement error of the films that are made comes from.
+#[cfg(feature = "layout")]
+mod film_budget;
 /// Why a film could not be evaluated.
 #[cfg(feature = "layout")]
 mod film_error;
@@ -70,6 +73,8 @@ mod stage;
 pub use experiments::EXPERIMENT_STEP_MM;
 #[cfg(feature = "layout")]
 pub use film::Film;
+#[cfg(feature = "layout")]
+pub use film_budget::{BudgetPart, FilmBudget};
 #[cfg(feature = "layout")]
 pub use film_error::FilmError;
 #[cfg(feature = "layout")]
