@@ -6,6 +6,7 @@ use std::fmt;
 use glam::DVec3;
 use magsplice_decouple::{DecouplingError, Parameter};
 use magsplice_expect::PointsMismatch;
+use magsplice_force::FilmForcesError;
 use magsplice_ideal::ComparisonError;
 use magsplice_layout::Layout;
 use magsplice_magnet::PointErrors;
@@ -53,6 +54,13 @@ pub enum FilmError {
     Recoil {
         /// Why.
         error: RefinementError,
+        /// Names of the tiles that the error is about.
+        tiles: Vec<String>,
+    },
+    /// The forces of the tiles on each other are not known.
+    Forces {
+        /// Why. Tiles with a recoil permeability are divided into cells, which it counts.
+        error: FilmForcesError,
         /// Names of the tiles that the error is about.
         tiles: Vec<String>,
     },
@@ -137,6 +145,15 @@ impl fmt::Display for FilmError {
             FilmError::Sample { sample, error } => write!(f, "sample {sample} of [tolerance]: {error}"),
             FilmError::Sensor(error) => error.fmt(f),
             FilmError::Recoil { error, tiles } => recoil_words(error, tiles, f),
+            FilmError::Forces { error: FilmForcesError::Pair { source, .. }, tiles } => write!(
+                f,
+                "tiles \"{}\": their force is known to {:.1e} only, and not to {:.1e}; leave a gap between them, or allow a \
+                 larger error",
+                tiles.join("\" and \""),
+                source.reached,
+                source.tolerance
+            ),
+            FilmError::Forces { error, .. } => error.fmt(f),
             FilmError::ExperimentStep(step) => write!(
                 f,
                 "steps of ({}, {}, {}) mm: each must be above 0 and make at most 100000 steps in the working volume",
@@ -167,6 +184,7 @@ impl Error for FilmError {
             FilmError::Sample { error, .. } => Some(error),
             FilmError::Sensor(error) => Some(error),
             FilmError::Recoil { error, .. } => Some(error),
+            FilmError::Forces { error, .. } => Some(error),
             FilmError::Missing(_)
             | FilmError::NotBelow(_)
             | FilmError::NoBaseline

@@ -215,7 +215,7 @@ impl RecoilEstimate {
 }
 
 /// The tiles of a layout with their permeabilities, or all with one.
-fn recoil_tiles(layout: &Layout, permeability: Option<Permeability>) -> Vec<RecoilTile> {
+pub(crate) fn recoil_tiles(layout: &Layout, permeability: Option<Permeability>) -> Vec<RecoilTile> {
     let tiles = layout.tiles.iter().zip(layout.permeabilities());
     tiles.map(|(named, own)| RecoilTile { tile: named.tile, permeability: permeability.unwrap_or(own) }).collect()
 }

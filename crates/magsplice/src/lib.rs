@@ -62,6 +62,9 @@ mod film_budget;
 /// Why a film could not be evaluated.
 #[cfg(feature = "layout")]
 mod film_error;
+/// Forces and torques of the tiles of a film on each other.
+#[cfg(feature = "layout")]
+mod film_forces;
 /// The polarization of films with a recoil permeability.
 #[cfg(feature = "layout")]
 mod film_recoil;
