@@ -12,7 +12,7 @@ use magsplice_layout::Layout;
 use magsplice_magnet::PointErrors;
 use magsplice_recoil::tolerances::{MAX_CELLS, MOST_PERMEABILITY_OF_TREE};
 use magsplice_recoil::{RecoilError, RefinementError};
-use magsplice_sensor::SensedFieldError;
+use magsplice_sensor::{LocateError, SensedFieldError};
 use magsplice_tolerance::SampleError;
 
 /// Why a film could not be evaluated.
@@ -48,6 +48,8 @@ pub enum FilmError {
     },
     /// The sensor cannot read the field.
     Sensor(SensedFieldError),
+    /// The mean of the readings of the sensor at rest has no position.
+    AtRest(LocateError),
     /// Steps of an experiment in millimetres that are not above 0, or too small for the working volume.
     ExperimentStep(DVec3),
     /// The polarization of tiles with a recoil permeability is not known.
@@ -144,6 +146,7 @@ impl fmt::Display for FilmError {
             FilmError::NoTiles => f.write_str("there are no tiles"),
             FilmError::Sample { sample, error } => write!(f, "sample {sample} of [tolerance]: {error}"),
             FilmError::Sensor(error) => error.fmt(f),
+            FilmError::AtRest(error) => write!(f, "the mean of the readings at rest: {error}"),
             FilmError::Recoil { error, tiles } => recoil_words(error, tiles, f),
             FilmError::Forces { error: FilmForcesError::Pair { source, .. }, tiles } => write!(
                 f,
@@ -183,6 +186,7 @@ impl Error for FilmError {
             FilmError::PointsMismatch(error) => Some(error),
             FilmError::Sample { error, .. } => Some(error),
             FilmError::Sensor(error) => Some(error),
+            FilmError::AtRest(error) => Some(error),
             FilmError::Recoil { error, .. } => Some(error),
             FilmError::Forces { error, .. } => Some(error),
             FilmError::Missing(_)

@@ -65,6 +65,9 @@ mod film_error;
 /// Forces and torques of the tiles of a film on each other.
 #[cfg(feature = "layout")]
 mod film_forces;
+/// Positions of the sensor below a film, from its readings.
+#[cfg(feature = "layout")]
+mod film_reader;
 /// The polarization of films with a recoil permeability.
 #[cfg(feature = "layout")]
 mod film_recoil;
@@ -80,6 +83,8 @@ pub use film::Film;
 pub use film_budget::{BudgetPart, FilmBudget};
 #[cfg(feature = "layout")]
 pub use film_error::FilmError;
+#[cfg(feature = "layout")]
+pub use film_reader::{AtRest, FilmReader};
 #[cfg(feature = "layout")]
 pub use film_recoil::{FilmRecoil, RecoilEstimate, RecoilFigures};
 pub use magsplice_decouple as decouple;
