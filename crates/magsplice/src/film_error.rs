@@ -10,6 +10,7 @@ use magsplice_force::FilmForcesError;
 use magsplice_ideal::ComparisonError;
 use magsplice_layout::Layout;
 use magsplice_magnet::PointErrors;
+use magsplice_making::DiagnosisError;
 use magsplice_recoil::tolerances::{MAX_CELLS, MOST_PERMEABILITY_OF_TREE};
 use magsplice_recoil::{RecoilError, RefinementError};
 use magsplice_sensor::{LocateError, SensedFieldError};
@@ -50,6 +51,10 @@ pub enum FilmError {
     Sensor(SensedFieldError),
     /// The mean of the readings of the sensor at rest has no position.
     AtRest(LocateError),
+    /// The noise of readings, which a diagnosis needs, is not known.
+    NoNoise,
+    /// A scan cannot be diagnosed.
+    Diagnosis(DiagnosisError),
     /// Steps of an experiment in millimetres that are not above 0, or too small for the working volume.
     ExperimentStep(DVec3),
     /// The polarization of tiles with a recoil permeability is not known.
@@ -146,6 +151,10 @@ impl fmt::Display for FilmError {
             FilmError::NoTiles => f.write_str("there are no tiles"),
             FilmError::Sample { sample, error } => write!(f, "sample {sample} of [tolerance]: {error}"),
             FilmError::Sensor(error) => error.fmt(f),
+            FilmError::NoNoise => {
+                f.write_str("the layout has no noise: give that of the readings, or noise_ut or part in [sensor]")
+            }
+            FilmError::Diagnosis(error) => error.fmt(f),
             FilmError::AtRest(error) => write!(f, "the mean of the readings at rest: {error}"),
             FilmError::Recoil { error, tiles } => recoil_words(error, tiles, f),
             FilmError::Forces { error: FilmForcesError::Pair { source, .. }, tiles } => write!(
@@ -187,9 +196,11 @@ impl Error for FilmError {
             FilmError::Sample { error, .. } => Some(error),
             FilmError::Sensor(error) => Some(error),
             FilmError::AtRest(error) => Some(error),
+            FilmError::Diagnosis(error) => Some(error),
             FilmError::Recoil { error, .. } => Some(error),
             FilmError::Forces { error, .. } => Some(error),
             FilmError::Missing(_)
+            | FilmError::NoNoise
             | FilmError::NotBelow(_)
             | FilmError::NoBaseline
             | FilmError::NoTiles

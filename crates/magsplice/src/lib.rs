@@ -59,6 +59,9 @@ mod film;
 /// Where the displacement error of the films that are made comes from.
 #[cfg(feature = "layout")]
 mod film_budget;
+/// Which tiles of a film that was made are wrong.
+#[cfg(feature = "layout")]
+mod film_diagnosis;
 /// Why a film could not be evaluated.
 #[cfg(feature = "layout")]
 mod film_error;
