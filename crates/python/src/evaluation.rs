@@ -1,6 +1,5 @@
 //! Numbers of a film: comparison with the ideal film, and decoupling.
 
-use magsplice::FilmError;
 use magsplice::decouple::{Parameters, PerParameter};
 use magsplice::ideal::Comparison;
 use magsplice::prelude::DVec3;
@@ -52,8 +51,8 @@ pub(crate) fn compare(
 ) -> PyResult<ComparisonNumbers> {
     let field_t = vectors(&field_t)?;
     let points = points.as_ref().map(vectors).transpose()?;
+    let film = film.evaluated(py)?;
     py.detach(|| {
-        let film = film.evaluated()?;
         let found = match points {
             Some(points) => film.compare_at(points, field_t),
             None => film.compare(field_t),
@@ -87,31 +86,28 @@ pub(crate) fn decouple<'py>(
 ) -> PyResult<DecouplingNumbers<'py>> {
     let field_t = vectors(&field_t)?;
     let points = points.as_ref().map(vectors).transpose()?;
-    let (parameters, at_reference, singular, uniformity_rmse, ideal_rmse, wavenumber) = py
-        .detach(|| -> PyResult<Result<_, FilmError>> {
-            let film = film.evaluated()?;
-            let evaluate = || {
-                let wavenumber = film.ideal()?.wavenumber();
-                Ok(match points {
-                    Some(points) => {
-                        let found = film.decouple_at(points, field_t)?;
-                        let parameters = found.parameters.iter().map(vector).collect();
-                        (parameters, found.at_reference, found.singular, None, found.ideal_rmse, wavenumber)
-                    }
-                    None => {
-                        let found = film.decouple(field_t)?;
-                        let grid = film.volume()?.grid;
-                        let PerParameter { r_x, r_y, s_z } = found.uniformity_rmse;
-                        let known = |value: f64, axis| if grid.plane_len(axis) > 1 { value } else { f64::NAN };
-                        let uniformity = Some((known(r_x, 0), known(r_y, 1), known(s_z, 2)));
-                        let parameters: Vec<DVec3> = found.parameters.iter().map(vector).collect();
-                        (parameters, found.at_reference, found.singular, uniformity, found.ideal_rmse, wavenumber)
-                    }
-                })
-            };
-            Ok(evaluate())
-        })?
-        .map_err(of_film)?;
+    let film = film.evaluated(py)?;
+    let evaluate = || {
+        let wavenumber = film.ideal()?.wavenumber();
+        Ok(match points {
+            Some(points) => {
+                let found = film.decouple_at(points, field_t)?;
+                let parameters = found.parameters.iter().map(vector).collect();
+                (parameters, found.at_reference, found.singular, None, found.ideal_rmse, wavenumber)
+            }
+            None => {
+                let found = film.decouple(field_t)?;
+                let grid = film.volume()?.grid;
+                let PerParameter { r_x, r_y, s_z } = found.uniformity_rmse;
+                let known = |value: f64, axis| if grid.plane_len(axis) > 1 { value } else { f64::NAN };
+                let uniformity = Some((known(r_x, 0), known(r_y, 1), known(s_z, 2)));
+                let parameters: Vec<DVec3> = found.parameters.iter().map(vector).collect();
+                (parameters, found.at_reference, found.singular, uniformity, found.ideal_rmse, wavenumber)
+            }
+        })
+    };
+    let (parameters, at_reference, singular, uniformity_rmse, ideal_rmse, wavenumber) =
+        py.detach(evaluate).map_err(of_film)?;
     Ok(DecouplingNumbers {
         parameters: rows_of(py, &parameters),
         at_reference: vector(&Some(at_reference)).into(),

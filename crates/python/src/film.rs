@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use glam::DVec3;
-use magsplice::FilmError;
 use magsplice::layout::{FilmTolerance, Layout, NamedTile, TileErrors};
+use magsplice::{FilmError, FilmRecoil};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 
 use crate::exceptions::{failed, of_film, of_layout};
 use crate::scene::Scene;
@@ -17,6 +18,13 @@ use crate::vectors::{Triple, rows_of, vectors, written_rows};
 #[pyclass(frozen, module = "magsplice._magsplice")]
 pub(crate) struct Film {
     pub(crate) layout: Layout,
+    /// What the first evaluation prepared for all others.
+    prepared: PyOnceLock<Prepared>,
+}
+
+/// Tiles whose polarization agrees with their field.
+struct Prepared {
+    recoil: Option<FilmRecoil>,
     scene: Py<Scene>,
 }
 
@@ -24,10 +32,11 @@ pub(crate) struct Film {
 /// volume.
 type Volume = (Triple, Triple, Triple<usize>, Triple, Triple, Triple, Triple);
 
-/// Names, kinds, centres, sides, polarizations and rotations of tiles.
+/// Names, kinds, centres, sides, polarizations, rotations, and own recoil permeabilities of tiles.
 type Tiles<'py> = (
     Vec<String>,
     Vec<Option<String>>,
+    Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f64>>,
@@ -39,8 +48,7 @@ impl Film {
     /// The film in a layout file.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Film> {
-        let layout = py.detach(|| Layout::read(&path)).map_err(of_layout)?;
-        Film::new(py, layout)
+        py.detach(|| Layout::read(&path)).map(Film::from).map_err(of_layout)
     }
 
     /// The film in the text of a layout file. Paths in it are relative to `folder`.
@@ -51,13 +59,13 @@ impl Film {
             Some(folder) => Layout::parse_beside(text, origin, folder),
             None => Layout::parse(text, origin),
         });
-        Film::new(py, layout.map_err(of_layout)?)
+        layout.map(Film::from).map_err(of_layout)
     }
 
     /// The prepared tiles.
     #[getter]
-    fn scene(&self, py: Python<'_>) -> Py<Scene> {
-        self.scene.clone_ref(py)
+    fn scene(&self, py: Python<'_>) -> PyResult<Py<Scene>> {
+        Ok(self.prepared(py)?.scene.clone_ref(py))
     }
 
     /// Name of the layout.
@@ -118,7 +126,8 @@ impl Film {
         self.layout.tiles.len()
     }
 
-    /// The tiles as arrays; rotations are quaternions (x, y, z, w).
+    /// The tiles as arrays; rotations are quaternions (x, y, z, w). Permeabilities are along and across the
+    /// polarization, NaN for tiles that have that of the material.
     fn tiles<'py>(&self, py: Python<'py>) -> PyResult<Tiles<'py>> {
         let tiles = &self.layout.tiles;
         let of_each =
@@ -127,6 +136,10 @@ impl Film {
         for (row, named) in rotation.readwrite().as_slice_mut()?.as_chunks_mut::<4>().0.iter_mut().zip(tiles) {
             *row = named.tile.rotation().to_array();
         }
+        let permeability = PyArray2::zeros(py, [tiles.len(), 2], false);
+        for (row, named) in permeability.readwrite().as_slice_mut()?.as_chunks_mut::<2>().0.iter_mut().zip(tiles) {
+            *row = named.permeability.map_or([f64::NAN; 2], |own| [own.along(), own.across()]);
+        }
         Ok((
             tiles.iter().map(|named| named.name.clone()).collect(),
             tiles.iter().map(|named| named.kind.clone()).collect(),
@@ -134,6 +147,7 @@ impl Film {
             of_each(&|named| named.tile.size()),
             of_each(&|named| named.tile.polarization_t()),
             rotation,
+            permeability,
         ))
     }
 
@@ -163,16 +177,34 @@ impl Film {
     }
 }
 
+impl From<Layout> for Film {
+    fn from(layout: Layout) -> Film {
+        Film { layout, prepared: PyOnceLock::new() }
+    }
+}
+
 impl Film {
-    /// A film of a layout, whose tiles are prepared.
-    pub(crate) fn new(py: Python<'_>, layout: Layout) -> PyResult<Film> {
-        let scene = py.detach(|| evaluated(&layout).map(|film| film.scene().clone()))?;
-        Ok(Film { layout, scene: Py::new(py, Scene::from(scene))? })
+    fn prepared(&self, py: Python<'_>) -> PyResult<&Prepared> {
+        self.prepared.get_or_try_init(py, || {
+            let film = py.detach(|| magsplice::Film::new(&self.layout)).map_err(of_film)?;
+            Ok(Prepared { recoil: film.recoil().cloned(), scene: Py::new(py, Scene::from(film.scene().clone()))? })
+        })
     }
 
-    /// The film, to be evaluated; see [`evaluated`].
-    pub(crate) fn evaluated(&self) -> PyResult<magsplice::Film<'_>> {
-        evaluated(&self.layout)
+    /// The polarization of tiles with a recoil permeability; None without.
+    pub(crate) fn recoil(&self, py: Python<'_>) -> PyResult<Option<&FilmRecoil>> {
+        Ok(self.prepared(py)?.recoil.as_ref())
+    }
+
+    /// The film, to be evaluated.
+    pub(crate) fn evaluated(&self, py: Python<'_>) -> PyResult<magsplice::Film<'_>> {
+        self.with_tables(py, &self.layout)
+    }
+
+    /// A film with the tiles and the material of this one, and other tables.
+    pub(crate) fn with_tables<'a>(&self, py: Python<'_>, layout: &'a Layout) -> PyResult<magsplice::Film<'a>> {
+        let recoil = self.prepared(py)?.recoil.clone();
+        Ok(py.detach(|| magsplice::Film::with_recoil(layout, recoil)))
     }
 
     /// The layout with the errors of a preset instead of those it states. Samples and seed stay.
@@ -194,9 +226,4 @@ impl Film {
         layout.tolerance = Some(FilmTolerance { samples, seed, ..of_tiles });
         Ok(layout)
     }
-}
-
-/// A layout with its tiles prepared. Without the interpreter, since that takes time.
-pub(crate) fn evaluated(layout: &Layout) -> PyResult<magsplice::Film<'_>> {
-    magsplice::Film::new(layout).map_err(of_film)
 }

@@ -15,6 +15,8 @@ mod exceptions;
 mod film;
 /// Positions and forces from readings.
 mod readings;
+/// What recoil changes in a film.
+mod recoil;
 /// Figures and pages.
 mod report;
 /// Samples of films that are made.
@@ -35,6 +37,8 @@ mod _magsplice {
     use crate::film::Film;
     #[pymodule_export]
     use crate::readings::{read, resolution};
+    #[pymodule_export]
+    use crate::recoil::{recoil, recoil_estimate};
     #[pymodule_export]
     use crate::report::{layout_svg, report, view};
     #[pymodule_export]

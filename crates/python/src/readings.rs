@@ -39,7 +39,7 @@ pub(crate) fn read<'py>(
 ) -> PyResult<ReadingNumbers<'py>> {
     let readings_t = vectors(&readings_t)?;
     let constant_t = DVec3::from(constant_t);
-    let film = py.detach(|| film.evaluated())?;
+    let film = film.evaluated(py)?;
     let volume = *film.volume().map_err(of_film)?;
     let (sensed, at_reference_t, locator) = py
         .detach(|| {
@@ -107,8 +107,8 @@ pub(crate) fn resolution<'py>(
     noise_t: Option<[f64; 3]>,
 ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
     let points = vectors(&points)?;
+    let film = film.evaluated(py)?;
     let found = py.detach(|| {
-        let film = film.evaluated()?;
         let volume = film.volume().map_err(of_film)?;
         let sensed = film.sensed_field(&volume.grid).map_err(of_film)?;
         let Some(noise) = noise_t.map(|d| Noise { deviation_t: d.into() }).or(Noise::of_sensor(sensed.sensor())) else {

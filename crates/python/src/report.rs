@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::exceptions::failed;
-use crate::film::{Film, evaluated};
+use crate::film::Film;
 use crate::samples::{SampledFilm, sampled};
 use crate::vectors::vectors;
 
@@ -28,20 +28,19 @@ pub(crate) fn report<'py>(
 ) -> PyResult<(Vec<Figure<'py>>, String, Vec<String>)> {
     let layout = &film.layout;
     let field_t = field_t.as_ref().map(|field| vectors(field).map(<[_]>::to_vec)).transpose()?;
+    let evaluated = film.evaluated(py)?;
     let samples = match layout {
         Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } => {
-            let errors = sampled(py, layout, None, 0..tolerance.samples, None, &|_| Ok(()))?;
-            let nominal = py.detach(|| SampledFilm::new(layout)?.nominal().map_err(failed))?;
+            let scene = SampledFilm::new(&evaluated)?;
+            let errors = sampled(py, &scene, None, 0..tolerance.samples, None, &|_| Ok(()))?;
+            let nominal = py.detach(|| scene.nominal()).map_err(failed)?;
             Some(FilmSamples { nominal, errors })
         }
         _ => None,
     };
     let results = PrintedResults { text, json };
-    let report = py.detach(|| {
-        let film = film.evaluated()?;
-        Report::new(&film, field_t, samples, results, svg_text(outlines)).map_err(failed)
-    })?;
-    let Report { figures, html, absent, .. } = report;
+    let report = py.detach(|| Report::new(&evaluated, field_t, samples, results, svg_text(outlines)));
+    let Report { figures, html, absent, .. } = report.map_err(failed)?;
     let figures = figures.into_iter().map(|f| (f.name, f.caption, f.svg, PyBytes::new(py, &f.png), f.csv));
     Ok((figures.collect(), html, absent))
 }
@@ -51,7 +50,7 @@ pub(crate) fn report<'py>(
 pub(crate) fn view(py: Python<'_>, film: &Film) -> PyResult<String> {
     py.detach(|| {
         let layout = Layout { volume: None, ideal: None, tolerance: None, sensor: None, ..film.layout.clone() };
-        let film = evaluated(&layout)?;
+        let film = magsplice::Film::rigid(&layout);
         let results = PrintedResults { text: "", json: "{}" };
         Report::new(&film, None, None, results, SvgText::Outlines).map(|report| report.html).map_err(failed)
     })

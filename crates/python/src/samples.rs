@@ -4,13 +4,12 @@ use std::time::{Duration, Instant};
 
 use magsplice::FilmError;
 use magsplice::ideal::IdealFilm;
-use magsplice::layout::Layout;
 use magsplice::tolerance::{Estimate, EvaluationGrid, FilmErrors, RealFilm, SampleError, Sampler, Statistics};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 use crate::exceptions::{failed, of_film};
-use crate::film::{Film, evaluated};
+use crate::film::Film;
 use crate::vectors::{Triple, numbers, rows_of};
 
 /// Time that a stretch of samples should take: often enough for signals.
@@ -40,20 +39,20 @@ pub(crate) fn samples<'py>(
     let pool = threads.map(|count| rayon::ThreadPoolBuilder::new().num_threads(count).build()).transpose();
     let pool = pool.map_err(failed)?;
     let tell = |done: u64| progress.as_ref().map_or(Ok(()), |call| call.call1((done, count)).map(|_| ()));
-    let found = sampled(py, &layout, seed, first..first + count, pool.as_ref(), &tell)?;
+    let scene = SampledFilm::new(&film.with_tables(py, &layout)?)?;
+    let found = sampled(py, &scene, seed, first..first + count, pool.as_ref(), &tell)?;
     Ok(arrays(py, &found))
 }
 
-/// The errors of samples of a layout. Signals are polled between stretches.
+/// The errors of samples of a film. Signals are polled between stretches.
 pub(crate) fn sampled(
     py: Python<'_>,
-    layout: &Layout,
+    scene: &SampledFilm,
     seed: Option<u64>,
     range: std::ops::Range<u64>,
     pool: Option<&rayon::ThreadPool>,
     tell: &dyn Fn(u64) -> PyResult<()>,
 ) -> PyResult<Vec<FilmErrors>> {
-    let scene = py.detach(|| SampledFilm::new(layout))?;
     let sampler = py.detach(|| scene.sampler(seed)).map_err(failed)?;
     let workers = pool.map_or_else(rayon::current_num_threads, rayon::ThreadPool::current_num_threads);
     let (mut found, mut stretch) = (Vec::new(), workers as u64);
@@ -79,11 +78,12 @@ pub(crate) fn sampled(
 #[pyfunction]
 pub(crate) fn nominal<'py>(py: Python<'py>, film: &Film) -> PyResult<Errors<'py>> {
     let layout = film.layout_with_errors(Some("workshop"))?;
-    let found = py.detach(|| SampledFilm::new(&layout)?.nominal().map_err(failed))?;
+    let scene = SampledFilm::new(&film.with_tables(py, &layout)?)?;
+    let found = py.detach(|| scene.nominal()).map_err(failed)?;
     Ok(arrays(py, &[found]))
 }
 
-/// A layout whose films are sampled.
+/// A film whose samples are drawn.
 pub(crate) struct SampledFilm<'a> {
     real: RealFilm,
     volume: EvaluationGrid,
@@ -92,8 +92,7 @@ pub(crate) struct SampledFilm<'a> {
 }
 
 impl<'a> SampledFilm<'a> {
-    pub(crate) fn new(layout: &'a Layout) -> PyResult<SampledFilm<'a>> {
-        let film = evaluated(layout)?;
+    pub(crate) fn new(film: &magsplice::Film<'a>) -> PyResult<SampledFilm<'a>> {
         let real = film.real_film().map_err(of_film)?;
         let volume = film.evaluation_grid().map_err(of_film)?;
         let (ideal, seed) = (film.ideal().map_err(of_film)?, real.tolerance().seed);

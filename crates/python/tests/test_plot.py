@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from test_results import SQUARES
 
+import magsplice
 from magsplice import Film
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -72,3 +73,16 @@ def test_new_axes_are_made_without_any(published):
     axes = plot.layout(published)
     assert axes.get_title() == "published film"
     pyplot.close(axes.figure)
+
+
+@pytest.mark.parametrize("quantity", ["weakening", "turn"])
+def test_recoil_maps_have_a_value_for_each_tile(published, ax, quantity):
+    film = published.replace(material={"recoil_permeability": 1.05})
+    plot.recoil(film, quantity, ax=ax)
+    values = ax.collections[0].get_array()
+    found = film.recoil
+    expected = 100 * found.weakening if quantity == "weakening" else found.angle_deg
+    assert np.allclose(np.sort(values), np.sort(expected))
+    assert len(ax.collections[0].get_paths()) == 56
+    with pytest.raises(magsplice.MagspliceError, match="no tile has a recoil permeability"):
+        plot.recoil(published, ax=ax)

@@ -27,6 +27,8 @@ Film.b, Film.h, Film.j, Film.gradient
     Its field at points or on a `Grid`, exact or within a tolerance.
 Film.compare, Film.decouple
     The ideal film, and the decoupling parameters.
+Film.recoil
+    Tiles that weaken and turn each other.
 Film.tolerance
     The films that are made, on one machine or on a cluster.
 Film.read, Film.resolution
@@ -50,6 +52,7 @@ from magsplice._load import from_magpylib, load, loads, splice
 from magsplice._magpylib.fields import getB, getH
 from magsplice._magsplice import __version__
 from magsplice._metrics import Metrics
+from magsplice._recoil import FilmFigures, Recoil, RecoilEstimate
 from magsplice._report import Figure, Page, Report
 from magsplice._samples import Estimate, Samples, Statistics, statistics
 from magsplice._sensor import Readings
@@ -62,6 +65,7 @@ __all__ = [
     "Estimate",
     "Figure",
     "Film",
+    "FilmFigures",
     "Front",
     "Grid",
     "Ideal",
@@ -73,6 +77,8 @@ __all__ = [
     "PointFault",
     "PointsError",
     "Readings",
+    "Recoil",
+    "RecoilEstimate",
     "Report",
     "Samples",
     "Statistics",

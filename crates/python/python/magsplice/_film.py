@@ -15,12 +15,13 @@ from magsplice._layout import Ideal, Tile, Vector, Volume
 from magsplice._magpylib.collection import to_magpylib
 from magsplice._metrics import Metrics
 from magsplice._numbers import Numbers
+from magsplice._recoil import RecoilFilm
 from magsplice._report import DrawnFilm
 from magsplice._samples import MadeFilm, Statistics
 from magsplice._sensor import SensedFilm
 
 
-class Film(MadeFilm, SensedFilm, DrawnFilm):
+class Film(MadeFilm, SensedFilm, RecoilFilm, DrawnFilm):
     """A spliced film, or any other arrangement of block magnets, with its exact field.
 
     Lengths are in millimetres, flux density B and polarization J in tesla, field strength H in
@@ -39,9 +40,10 @@ class Film(MadeFilm, SensedFilm, DrawnFilm):
         The ideal film to compare with. `compare`, `decouple`, `tolerance` and `design` need it.
     volume : Volume or mapping, optional
         The region in which the sensor moves. The same methods need it.
-    expect, design, tolerance, sensor, elastomer : mapping, optional
+    material, expect, design, tolerance, sensor, elastomer : mapping, optional
         Tables of the layout file of these names, such as
-        ``tolerance={"preset": "workshop", "size_mm": 0.02}``; docs/layout-format.md has all keys.
+        ``tolerance={"preset": "workshop", "size_mm": 0.02}`` or
+        ``material={"recoil_permeability": 1.05}``; docs/layout-format.md has all keys.
 
     Raises
     ------
@@ -79,6 +81,7 @@ class Film(MadeFilm, SensedFilm, DrawnFilm):
         description: str | None = None,
         ideal: Ideal | Mapping[str, Any] | None = None,
         volume: Volume | Mapping[str, Any] | None = None,
+        material: Mapping[str, Any] | None = None,
         expect: Mapping[str, Any] | None = None,
         design: Mapping[str, Any] | None = None,
         tolerance: Mapping[str, Any] | None = None,
@@ -91,6 +94,7 @@ class Film(MadeFilm, SensedFilm, DrawnFilm):
                 "description": description,
                 "ideal": ideal,
                 "volume": volume,
+                "material": material,
                 "expect": expect,
                 "design": design,
                 "tolerance": tolerance,

@@ -34,6 +34,9 @@ class Tile(NamedTuple):
         Unique name. Default: ``tile-1``, ``tile-2``, ...
     kind : str, optional
         Name of the kind that the layout file gave.
+    recoil_permeability : float or (along, across), optional
+        Relative recoil permeability: one number, or those along the polarization and across it.
+        Default: that of ``[material]``.
 
     Examples
     --------
@@ -47,6 +50,7 @@ class Tile(NamedTuple):
     rotation: Any = None
     name: str | None = None
     kind: str | None = None
+    recoil_permeability: float | Sequence[float] | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Tile as a table ``[[tile]]`` of a layout file."""
@@ -59,11 +63,19 @@ class Tile(NamedTuple):
             "size_mm": _numbers(self.size_mm),
             "polarization_t": _numbers(self.polarization_t),
             "rotation": None if rotation is None else {"quaternion": _numbers(rotation)},
+            "recoil_permeability": _permeability(self.recoil_permeability),
         }
 
 
 def _numbers(values: ArrayLike) -> list[float]:
     return [float(value) for value in np.asarray(values, dtype=float).ravel()]
+
+
+def _permeability(stated: float | Sequence[float] | None) -> Any:
+    if stated is None or isinstance(stated, (int, float)):
+        return stated
+    along, across = _numbers(stated)
+    return {"along": along, "across": across}
 
 
 class Tiles(Table):
@@ -83,6 +95,9 @@ class Tiles(Table):
         Polarizations J = mu0 M in the tiles' own frames, in tesla, shape (n, 3).
     rotation : ndarray
         Quaternions (x, y, z, w) that take the tiles' frames to the film's, shape (n, 4).
+    recoil_permeability : ndarray
+        Relative recoil permeabilities of the tiles' own, along the polarization and across it,
+        shape (n, 2); NaN for tiles that have that of ``[material]``.
     """
 
     names: list[str]
@@ -91,6 +106,7 @@ class Tiles(Table):
     size_mm: Floats
     polarization_t: Floats
     rotation: Floats
+    recoil_permeability: Floats
 
     def __init__(
         self,
@@ -100,6 +116,7 @@ class Tiles(Table):
         size_mm: Floats,
         polarization_t: Floats,
         rotation: Floats,
+        recoil_permeability: Floats,
     ) -> None:
         self.names = names
         self.kinds = kinds
@@ -107,7 +124,8 @@ class Tiles(Table):
         self.size_mm = size_mm
         self.polarization_t = polarization_t
         self.rotation = rotation
-        for array in (position_mm, size_mm, polarization_t, rotation):
+        self.recoil_permeability = recoil_permeability
+        for array in (position_mm, size_mm, polarization_t, rotation, recoil_permeability):
             array.flags.writeable = False
 
     def __len__(self) -> int:
@@ -121,6 +139,8 @@ class Tiles(Table):
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
         rotation = tuple(self.rotation[index].tolist())
+        along, across = self.recoil_permeability[index].tolist()
+        own = None if np.isnan(along) else along if along == across else (along, across)
         return Tile(
             tuple(self.position_mm[index].tolist()),
             tuple(self.size_mm[index].tolist()),
@@ -128,6 +148,7 @@ class Tiles(Table):
             None if rotation == (0.0, 0.0, 0.0, 1.0) else rotation,
             self.names[index],
             self.kinds[index],
+            own,
         )
 
     def __iter__(self) -> Iterator[Tile]:

@@ -73,8 +73,8 @@ class LayoutFilm:
         ----------
         **tables
             Keys of a layout file with their new values: ``name``, ``description``, ``ideal``,
-            ``volume``, ``tolerance``, ``design``, ``sensor``, ``elastomer``, ``expect``, and
-            ``tile`` with the tiles. None removes a table.
+            ``volume``, ``material``, ``tolerance``, ``design``, ``sensor``, ``elastomer``,
+            ``expect``, and ``tile`` with the tiles. None removes a table.
 
         Examples
         --------

@@ -17,6 +17,8 @@ __all__ = [
     "layout_svg",
     "nominal",
     "read",
+    "recoil",
+    "recoil_estimate",
     "report",
     "resolution",
     "samples",
@@ -32,6 +34,7 @@ _Vector = tuple[float, float, float]
 _Within = tuple[bool, float] | None
 _Quantity = Literal["b", "h", "j"]
 _Errors = tuple[_Floats, _Floats, _Floats]
+_Figures = tuple[float, _Vector, _Vector]
 
 @final
 class Scene:
@@ -86,10 +89,23 @@ class Film:
     def __len__(self) -> int: ...
     def tiles(
         self,
-    ) -> tuple[list[str], list[str | None], _Floats, _Floats, _Floats, _Floats]: ...
+    ) -> tuple[list[str], list[str | None], _Floats, _Floats, _Floats, _Floats, _Floats]: ...
     def ideal_b(self, points: _Floats) -> _Floats: ...
     def to_json(self) -> str: ...
     def to_toml(self, compact: bool) -> str: ...
+
+class _Recoil(TypedDict):
+    cells: int
+    level: int
+    change_t: float
+    error_t: float
+    without: _Figures | None
+    with_recoil: _Figures | None
+    errors: _Figures | None
+    share_beyond_knee: float | None
+    weakening: _Floats
+    angle_deg: _Floats
+    mean_polarization_t: _Floats
 
 class _Comparison(TypedDict):
     points: int
@@ -155,6 +171,8 @@ class _Design(TypedDict):
     starts_that_agree: int
     short_of: list[str]
 
+def recoil(film: Film) -> _Recoil | None: ...
+def recoil_estimate(film: Film, mu_r: float) -> tuple[float | None, _Figures, _Figures] | None: ...
 def compare(film: Film, field_t: _Floats, points: _Floats | None = None) -> _Comparison: ...
 def decouple(film: Film, field_t: _Floats, points: _Floats | None = None) -> _Decoupling: ...
 def samples(

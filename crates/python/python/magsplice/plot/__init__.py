@@ -13,7 +13,7 @@ Examples
 
 from magsplice.plot._curves import front, parameters, samples
 from magsplice.plot._maps import arrows, field_map, parameter_map, resolution_map
-from magsplice.plot._tiles import layout
+from magsplice.plot._tiles import layout, recoil
 
 __all__ = [
     "arrows",
@@ -22,6 +22,7 @@ __all__ = [
     "layout",
     "parameter_map",
     "parameters",
+    "recoil",
     "resolution_map",
     "samples",
 ]

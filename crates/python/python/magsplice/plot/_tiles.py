@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from magsplice._film import Film
-from magsplice._layout import Floats
+from magsplice._layout import Floats, Tiles
+from magsplice.errors import MagspliceError
 from magsplice.plot._axes import axes_or_new
 
 if TYPE_CHECKING:
@@ -41,15 +42,11 @@ def layout(film: Film, ax: Axes | None = None, *, names: bool = False) -> Axes:
     j_t = _turned(tiles.polarization_t, tiles.rotation)
     strongest = float(np.linalg.norm(j_t, axis=1).max(initial=0.0)) or 1.0
     colours = colormaps["twilight"]
+    outlines = _outlines(tiles)
     for index in np.argsort(tiles.position_mm[:, 2]):
-        corners = _turned(
-            0.5 * _CORNERS * tiles.size_mm[index],
-            np.broadcast_to(tiles.rotation[index], (len(_CORNERS), 4)),
-        )
         angle = np.arctan2(j_t[index, 1], j_t[index, 0]) / (2 * np.pi) % 1.0
         colour = colours(angle) if np.hypot(*j_t[index, :2]) > 1e-9 * strongest else "lightgray"
-        outline = _hull((corners + tiles.position_mm[index])[:, :2])
-        ax.add_patch(Polygon(outline, facecolor=colour, edgecolor="0.3", alpha=0.6))
+        ax.add_patch(Polygon(outlines[index], facecolor=colour, edgecolor="0.3", alpha=0.6))
         if names:
             x, y = tiles.position_mm[index, :2]
             ax.annotate(tiles.names[index], (x, y), ha="center", va="bottom", fontsize="xx-small")
@@ -66,6 +63,63 @@ def layout(film: Film, ax: Axes | None = None, *, names: bool = False) -> Axes:
     ax.autoscale_view()
     ax.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=film.name)
     return ax
+
+
+def recoil(
+    film: Film, quantity: Literal["weakening", "turn"] = "weakening", ax: Axes | None = None
+) -> Axes:
+    """Tiles from above, coloured by how far recoil weakens or turns them.
+
+    Parameters
+    ----------
+    film : Film
+        A film whose tiles have a recoil permeability.
+    quantity : {"weakening", "turn"}
+        Lost magnitude of the mean polarization in percent, or its turn in degrees.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw on. Default: new ones.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    MagspliceError
+        If no tile has a recoil permeability.
+    """
+    found = film.recoil
+    if found is None:
+        raise MagspliceError(
+            "no tile has a recoil permeability, which this figure needs: state one, such as "
+            'film.replace(material={"recoil_permeability": 1.05})'
+        )
+    ax = axes_or_new(ax)
+    from matplotlib.collections import PolyCollection
+
+    values = 100 * found.weakening if quantity == "weakening" else found.angle_deg
+    label = {"weakening": "weakening, %", "turn": "turn, degrees"}[quantity]
+    order = np.argsort(film.tiles.position_mm[:, 2])
+    outlines = _outlines(film.tiles)
+    drawn = PolyCollection([outlines[index] for index in order], edgecolors="0.3")
+    drawn.set_array(values[order])
+    drawn.set_clim(min(0.0, values.min()), values.max())
+    ax.add_collection(drawn)
+    ax.figure.colorbar(drawn, ax=ax, label=label)
+    ax.autoscale_view()
+    ax.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=film.name)
+    return ax
+
+
+def _outlines(tiles: Tiles) -> list[Floats]:
+    """Outline of each tile from above, in millimetres."""
+    found = []
+    for position, size, rotation in zip(
+        tiles.position_mm, tiles.size_mm, tiles.rotation, strict=True
+    ):
+        corners = _turned(0.5 * _CORNERS * size, np.broadcast_to(rotation, (len(_CORNERS), 4)))
+        found.append(_hull((corners + position)[:, :2]))
+    return found
 
 
 def _turned(vectors: Floats, quaternions: Floats) -> Floats:
