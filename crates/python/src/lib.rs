@@ -7,6 +7,8 @@
 // Methods of a Python class take `&self` and values as Python passes them.
 #![allow(clippy::needless_pass_by_value)]
 
+/// Expectations of a film.
+mod check;
 /// Numbers of a film: comparison and decoupling.
 mod evaluation;
 /// Python exceptions for the errors of the library.
@@ -31,6 +33,8 @@ mod vectors;
 /// The extension module of the package magsplice.
 #[pyo3::pymodule]
 mod _magsplice {
+    #[pymodule_export]
+    use crate::check::{baseline_file, check};
     #[pymodule_export]
     use crate::evaluation::{compare, decouple};
     #[pymodule_export]

@@ -27,6 +27,8 @@ Film.b, Film.h, Film.j, Film.gradient
     Its field at points or on a `Grid`, exact or within a tolerance.
 Film.compare, Film.decouple
     The ideal film, and the decoupling parameters.
+Film.check
+    Expectations of the layout, and whether the film meets them.
 Film.recoil
     Tiles that weaken and turn each other.
 Film.tolerance
@@ -45,6 +47,7 @@ Self-Decoupled Magnetic Tactile Sensor", Magnetochemistry 2024, 10(1), 6, here "
 """
 
 from magsplice import errors, plot
+from magsplice._check import Check, Outcome
 from magsplice._comparison import Comparison, Decoupling
 from magsplice._film import Design, Film, Front
 from magsplice._layout import Grid, Ideal, Tile, Tiles, Volume
@@ -59,6 +62,7 @@ from magsplice._sensor import Readings
 from magsplice.errors import LayoutError, LayoutFault, MagspliceError, PointFault, PointsError
 
 __all__ = [
+    "Check",
     "Comparison",
     "Decoupling",
     "Design",
@@ -73,6 +77,7 @@ __all__ = [
     "LayoutFault",
     "MagspliceError",
     "Metrics",
+    "Outcome",
     "Page",
     "PointFault",
     "PointsError",

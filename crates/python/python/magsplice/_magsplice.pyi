@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Literal, TypedDict, final
 
 import numpy as np
@@ -11,6 +12,8 @@ __all__ = [
     "Film",
     "Scene",
     "__version__",
+    "baseline_file",
+    "check",
     "compare",
     "decouple",
     "design",
@@ -94,6 +97,17 @@ class Film:
     def to_json(self) -> str: ...
     def to_toml(self, compact: bool) -> str: ...
 
+class _Outcome(TypedDict):
+    expectation: str
+    error: str | None
+    value: float | None
+    at_most: float | None
+    at_least: float | None
+    margin: float | None
+    at_mm: _Vector | None
+    tile: str | None
+    percentile: tuple[float, float, int] | None
+
 class _Recoil(TypedDict):
     cells: int
     level: int
@@ -171,6 +185,8 @@ class _Design(TypedDict):
     starts_that_agree: int
     short_of: list[str]
 
+def baseline_file(film: Film) -> Path | None: ...
+def check(film: Film, baseline: tuple[_Floats, _Floats] | None = None) -> list[_Outcome]: ...
 def recoil(film: Film) -> _Recoil | None: ...
 def recoil_estimate(film: Film, mu_r: float) -> tuple[float | None, _Figures, _Figures] | None: ...
 def compare(film: Film, field_t: _Floats, points: _Floats | None = None) -> _Comparison: ...
