@@ -7,6 +7,8 @@
 // Methods of a Python class take `&self` and values as Python passes them.
 #![allow(clippy::needless_pass_by_value)]
 
+/// Where the displacement error of films that are made comes from.
+mod budget;
 /// Expectations of a film.
 mod check;
 /// Numbers of a film: comparison and decoupling.
@@ -33,6 +35,8 @@ mod vectors;
 /// The extension module of the package magsplice.
 #[pyo3::pymodule]
 mod _magsplice {
+    #[pymodule_export]
+    use crate::budget::budget;
     #[pymodule_export]
     use crate::check::{baseline_file, check};
     #[pymodule_export]

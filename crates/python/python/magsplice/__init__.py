@@ -31,8 +31,8 @@ Film.check
     Expectations of the layout, and whether the film meets them.
 Film.recoil
     Tiles that weaken and turn each other.
-Film.tolerance
-    The films that are made, on one machine or on a cluster.
+Film.tolerance, Film.budget
+    The films that are made, on one machine or on a cluster, and where their error comes from.
 Film.read, Film.resolution
     Displacements and forces from readings of a Hall sensor.
 Film.design, Film.front
@@ -47,6 +47,7 @@ Self-Decoupled Magnetic Tactile Sensor", Magnetochemistry 2024, 10(1), 6, here "
 """
 
 from magsplice import errors, plot
+from magsplice._budget import Budget, BudgetPart
 from magsplice._check import Check, Outcome
 from magsplice._comparison import Comparison, Decoupling
 from magsplice._film import Design, Film, Front
@@ -62,6 +63,8 @@ from magsplice._sensor import Readings
 from magsplice.errors import LayoutError, LayoutFault, MagspliceError, PointFault, PointsError
 
 __all__ = [
+    "Budget",
+    "BudgetPart",
     "Check",
     "Comparison",
     "Decoupling",

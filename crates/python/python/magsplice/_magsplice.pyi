@@ -13,6 +13,7 @@ __all__ = [
     "Scene",
     "__version__",
     "baseline_file",
+    "budget",
     "check",
     "compare",
     "decouple",
@@ -108,6 +109,17 @@ class _Outcome(TypedDict):
     tile: str | None
     percentile: tuple[float, float, int] | None
 
+class _Budget(TypedDict):
+    first_order: bool
+    parts: list[tuple[str, _Vector]]
+    endless_pattern_mm2: _Vector | None
+    total_mm2: _Vector
+    sampled_mm2: _Vector
+    mean_square_ratio: tuple[_Vector | None, _Vector | None, _Vector | None]
+    worth_halving: list[tuple[str, _Vector]]
+    tiles_worth_halving: list[tuple[str, _Vector]]
+    no_pattern: str | None
+
 class _Recoil(TypedDict):
     cells: int
     level: int
@@ -187,6 +199,7 @@ class _Design(TypedDict):
 
 def baseline_file(film: Film) -> Path | None: ...
 def check(film: Film, baseline: tuple[_Floats, _Floats] | None = None) -> list[_Outcome]: ...
+def budget(film: Film, preset: str | None, seed: int, samples: int) -> _Budget: ...
 def recoil(film: Film) -> _Recoil | None: ...
 def recoil_estimate(film: Film, mu_r: float) -> tuple[float | None, _Figures, _Figures] | None: ...
 def compare(film: Film, field_t: _Floats, points: _Floats | None = None) -> _Comparison: ...
