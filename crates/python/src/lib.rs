@@ -17,6 +17,8 @@ mod evaluation;
 mod exceptions;
 /// A layout with its prepared tiles.
 mod film;
+/// Forces of tiles on each other.
+mod forces;
 /// Positions and forces from readings.
 mod readings;
 /// What recoil changes in a film.
@@ -43,6 +45,8 @@ mod _magsplice {
     use crate::evaluation::{compare, decouple};
     #[pymodule_export]
     use crate::film::Film;
+    #[pymodule_export]
+    use crate::forces::Forces;
     #[pymodule_export]
     use crate::readings::{read, resolution};
     #[pymodule_export]

@@ -33,6 +33,8 @@ Film.recoil
     Tiles that weaken and turn each other.
 Film.tolerance, Film.budget
     The films that are made, on one machine or on a cluster, and where their error comes from.
+Film.forces
+    Forces of the tiles on each other, and orders of laying.
 Film.read, Film.resolution
     Displacements and forces from readings of a Hall sensor.
 Film.design, Film.front
@@ -51,6 +53,7 @@ from magsplice._budget import Budget, BudgetPart
 from magsplice._check import Check, Outcome
 from magsplice._comparison import Comparison, Decoupling
 from magsplice._film import Design, Film, Front
+from magsplice._forces import Forces, LayingOrder
 from magsplice._layout import Grid, Ideal, Tile, Tiles, Volume
 from magsplice._load import from_magpylib, load, loads, splice
 from magsplice._magpylib.fields import getB, getH
@@ -73,9 +76,11 @@ __all__ = [
     "Figure",
     "Film",
     "FilmFigures",
+    "Forces",
     "Front",
     "Grid",
     "Ideal",
+    "LayingOrder",
     "LayoutError",
     "LayoutFault",
     "MagspliceError",

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Film",
+    "Forces",
     "Scene",
     "__version__",
     "baseline_file",
@@ -38,6 +39,7 @@ _Vector = tuple[float, float, float]
 _Within = tuple[bool, float] | None
 _Quantity = Literal["b", "h", "j"]
 _Errors = tuple[_Floats, _Floats, _Floats]
+_Loads = tuple[_Floats, _Floats]
 _Figures = tuple[float, _Vector, _Vector]
 
 @final
@@ -97,6 +99,21 @@ class Film:
     def ideal_b(self, points: _Floats) -> _Floats: ...
     def to_json(self) -> str: ...
     def to_toml(self, compact: bool) -> str: ...
+
+@final
+class Forces:
+    def __new__(cls, film: Film, turned_error: float) -> Forces: ...
+    def by_all(self) -> _Loads: ...
+    def order(self, tiles: list[int]) -> _Order: ...
+    def least_order(self, seed: int) -> _Order: ...
+
+class _Order(TypedDict):
+    tiles: list[int]
+    loads: _Loads
+    holding_n: float
+    given_holding_n: float
+    bound_n: float | None
+    greedy_holding_n: float | None
 
 class _Outcome(TypedDict):
     expectation: str
