@@ -1,9 +1,8 @@
 //! Positions and forces from readings of a sensor.
 
 use glam::DVec3;
-use magsplice::FilmError;
-use magsplice::decouple::{Branch, Parameters};
-use magsplice::sensor::{LocateError, Located, Locator, Noise};
+use magsplice::AtRest;
+use magsplice::sensor::{LocateError, Located, Noise};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -27,45 +26,33 @@ pub(crate) struct ReadingNumbers<'py> {
     messages: Vec<String>,
 }
 
-/// The displacement of the sensor from the reference point for each reading, in millimetres.
+/// The displacement of the sensor for each reading, in millimetres: from the reference point, or from where it
+/// had the readings `rest`. What the mean of the readings `zero` has beyond the field of the reference point is in
+/// all readings, else `constant_t` is.
 #[pyfunction]
-#[pyo3(signature = (film, readings_t, noise_t=None, constant_t=[0.0; 3]))]
+#[pyo3(signature = (film, readings_t, noise_t=None, constant_t=[0.0; 3], zero_t=None, rest_t=None))]
 pub(crate) fn read<'py>(
     py: Python<'py>,
     film: &Film,
     readings_t: PyReadonlyArray2<'py, f64>,
     noise_t: Option<[f64; 3]>,
     constant_t: [f64; 3],
+    zero_t: Option<PyReadonlyArray2<'py, f64>>,
+    rest_t: Option<PyReadonlyArray2<'py, f64>>,
 ) -> PyResult<ReadingNumbers<'py>> {
     let readings_t = vectors(&readings_t)?;
-    let constant_t = DVec3::from(constant_t);
+    let at_rest = match (zero_t.as_ref().map(vectors).transpose()?, rest_t.as_ref().map(vectors).transpose()?) {
+        (_, Some(rest_t)) => AtRest::Rest(rest_t),
+        (Some(zero_t), None) => AtRest::Zero(zero_t),
+        (None, None) => AtRest::Constant(constant_t.into()),
+    };
     let film = film.evaluated(py)?;
-    let volume = *film.volume().map_err(of_film)?;
-    let (sensed, at_reference_t, locator) = py
-        .detach(|| {
-            let sensed = film.sensed_field(&volume.grid)?;
-            let at_reference_t = sensed.readings_t(&[volume.reference_mm]).map_err(FilmError::Points)?[0];
-            let locator = Locator::new(sensed.clone(), volume.grid).map_err(FilmError::Points)?;
-            Ok((sensed, at_reference_t, locator.with_constant_reading(constant_t)))
-        })
-        .map_err(of_film)?;
+    let reader = py.detach(|| film.reader(at_rest, noise_t.map(noise_of))).map_err(of_film)?;
     let mut found = Vec::new();
     for readings_t in readings_t.chunks(STRETCH_READINGS) {
-        found.extend(py.detach(|| locator.locate(readings_t)));
+        found.extend(py.detach(|| reader.locate(readings_t)));
         py.check_signals()?;
     }
-    let noise = noise_t.map(|d| Noise { deviation_t: d.into() }).or(Noise::of_sensor(sensed.sensor()));
-    let closed_form_mm = film.ideal().ok().map(|ideal| {
-        let parameters = |reading_t: DVec3| {
-            let branch = Branch::from_axis_field(sensed.field_of_reading_t(at_reference_t))?;
-            Parameters::from_field(sensed.field_of_reading_t(reading_t), branch)
-        };
-        let before = parameters(at_reference_t);
-        let of = |reading_t: &DVec3| {
-            Some(parameters(*reading_t - constant_t)?.displacement_from(&before?, ideal.wavenumber()))
-        };
-        readings_t.iter().map(|reading| of(reading).unwrap_or(DVec3::NAN)).collect::<Vec<DVec3>>()
-    });
     let located = |found: &Result<Located, LocateError>| match found {
         Ok(located) | Err(LocateError::Outside(located)) => Some(*located),
         Err(_) => None,
@@ -76,14 +63,18 @@ pub(crate) fn read<'py>(
     };
     let layer = film.layout().elastomer;
     Ok(ReadingNumbers {
-        displacement_mm: of_each(&|located| Some(located.position - volume.reference_mm)),
-        deviation_mm: noise.map(|noise| of_each(&|located| noise.of_position(located.gradient))),
+        displacement_mm: of_each(&|located| Some(located.position - reader.origin_mm)),
+        deviation_mm: reader.noise.map(|noise| of_each(&|located| noise.of_position(located.gradient))),
         // The film moves by the opposite of the sensor's displacement.
-        force_n: layer.map(|l| of_each(&|located| Some(l.force_n(volume.reference_mm - located.position)))),
-        closed_form_mm: closed_form_mm.map(|values| rows_of(py, &values)),
+        force_n: layer.map(|l| of_each(&|located| Some(l.force_n(reader.origin_mm - located.position)))),
+        closed_form_mm: reader.closed_form_mm(readings_t).map(|values| rows_of(py, &values)),
         status: PyArray1::from_vec(py, found.iter().map(status).collect()),
         messages: found.iter().map(|f| f.as_ref().err().map_or(String::new(), ToString::to_string)).collect(),
     })
+}
+
+fn noise_of(deviation_t: [f64; 3]) -> Noise {
+    Noise { deviation_t: deviation_t.into() }
 }
 
 fn status(found: &Result<Located, LocateError>) -> u8 {
@@ -111,7 +102,7 @@ pub(crate) fn resolution<'py>(
     let found = py.detach(|| {
         let volume = film.volume().map_err(of_film)?;
         let sensed = film.sensed_field(&volume.grid).map_err(of_film)?;
-        let Some(noise) = noise_t.map(|d| Noise { deviation_t: d.into() }).or(Noise::of_sensor(sensed.sensor())) else {
+        let Some(noise) = noise_t.map(noise_of).or(Noise::of_sensor(sensed.sensor())) else {
             return Ok(None);
         };
         let gradients = sensed.gradients(points).map_err(|errors| of_points(&errors))?;

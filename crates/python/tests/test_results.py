@@ -79,49 +79,6 @@ def test_samples_have_statistics(published):
         magsplice.statistics(np.zeros(0))
 
 
-def test_readings_give_positions_and_forces(published):
-    film = published.replace(
-        sensor={"part": "MLX90393", "noise_ut": 5.0},
-        elastomer={
-            "area_mm2": 400.0,
-            "thickness_mm": 7.0,
-            "youngs_modulus_mpa": 0.1,
-            "poisson_ratio": 0.49,
-        },
-    )
-    rng = np.random.default_rng(6)
-    points = rng.uniform((-1.5, -1.5, -4.8), (1.5, 1.5, -3.2), (4, 5, 3))
-    exact = published.read(published.b(points))
-    moved = points - np.array(published.reference_mm)
-    assert exact.status.shape == (4, 5)
-    assert (exact.status == 0).all()
-    np.testing.assert_allclose(exact.displacement_mm, moved, atol=1e-9)
-    assert exact.deviation_mm is None
-    assert exact.force_n is None
-    read = film.read(film.b(points))
-    # The sensor rounds, so positions are as good as its counts.
-    assert np.abs(read.displacement_mm - moved).max() < 0.1
-    assert read.deviation_mm.shape == (4, 5, 3)
-    shear = 400 * 0.1 / 7 / (2 * 1.49)
-    np.testing.assert_allclose(read.force_n[..., 0], -shear * read.displacement_mm[..., 0])
-    lost = published.read([[1.0, 1.0, 1.0], [np.nan, 0, 0]])
-    assert lost.status.tolist() == [3, 3]
-    assert all(lost.messages)
-    assert np.isnan(lost.displacement_mm).all()
-    stray = published.read(published.b(points) + 1e-4, constant_t=(1e-4, 1e-4, 1e-4))
-    np.testing.assert_allclose(stray.displacement_mm, moved, atol=1e-9)
-
-
-def test_resolution_is_noise_over_the_gradient(published):
-    point = np.array([0.3, 0.2, -4.0])
-    inverse = np.linalg.inv(published.gradient(point))
-    expected = 5e-6 * np.sqrt((inverse**2).sum(axis=1))
-    np.testing.assert_allclose(published.resolution(point, noise_t=5e-6), expected, rtol=1e-9)
-    assert published.resolution(noise_t=(5e-6, 5e-6, 1e-5)).shape == (9, 9, 5, 3)
-    with pytest.raises(ValueError, match="give noise_t in tesla"):
-        published.resolution()
-
-
 SQUARES = {
     "name": "four squares",
     "ideal": {"wavelength_mm": 10.0, "thickness_mm": 1.0, "amplitude_t": 0.12},

@@ -237,6 +237,8 @@ def read(
     readings_t: _Floats,
     noise_t: _Vector | None = None,
     constant_t: _Vector = ...,
+    zero_t: _Floats | None = None,
+    rest_t: _Floats | None = None,
 ) -> _Readings: ...
 def resolution(film: Film, points: _Floats, noise_t: _Vector | None = None) -> _Floats | None: ...
 def report(

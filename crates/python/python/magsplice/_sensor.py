@@ -24,8 +24,8 @@ class Readings(Table):
     Attributes
     ----------
     displacement_mm : ndarray
-        Displacement of the sensor from the reference point, in millimetres, shape (..., 3). The
-        film moves by the opposite.
+        Displacement of the sensor from the reference point, or from where it was at rest, in
+        millimetres, shape (..., 3). The film moves by the opposite.
     deviation_mm : ndarray | None
         Standard deviations of it, in millimetres, shape (..., 3). None without noise.
     force_n : ndarray | None
@@ -80,6 +80,8 @@ class SensedFilm(FieldFilm):
         *,
         noise_t: float | Sequence[float] | None = None,
         constant_t: Sequence[float] = (0.0, 0.0, 0.0),
+        zero: ArrayLike | None = None,
+        rest: ArrayLike | None = None,
     ) -> Readings:
         """Displacements, and forces, from what a Hall sensor reads below the film.
 
@@ -96,6 +98,12 @@ class SensedFilm(FieldFilm):
             ``[sensor]``.
         constant_t : sequence of 3 floats
             What every reading contains besides the film's field, in tesla, such as a stray field.
+        zero : array_like of shape (..., 3), optional
+            Readings of the sensor at rest at the reference point, in tesla. What their mean has
+            beyond the field there is subtracted from all readings. Excludes `constant_t`.
+        rest : array_like of shape (..., 3), optional
+            Readings of the sensor at rest, in tesla, in no field but that of the film.
+            Displacements count from its position. Excludes `constant_t` and `zero`.
 
         Returns
         -------
@@ -106,11 +114,24 @@ class SensedFilm(FieldFilm):
         Raises
         ------
         MagspliceError
-            If the layout has no working volume, or the sensor cannot read the field.
+            If the layout has no working volume, the sensor cannot read the field, or the mean of
+            `rest` has no position.
+        ValueError
+            If more than one of `constant_t`, `zero` and `rest` is given, or one has no readings.
         """
         flat, shape = flattened(readings_t)
         x, y, z = (float(value) for value in constant_t)
-        numbers = _magsplice.read(self._core, flat, _vector(noise_t), (x, y, z))
+        given = [any((x, y, z)), zero is not None, rest is not None]
+        if sum(given) > 1:
+            raise ValueError("more than one of constant_t, zero and rest is given: give one")
+        numbers = _magsplice.read(
+            self._core,
+            flat,
+            _vector(noise_t),
+            (x, y, z),
+            None if zero is None else _at_rest("zero", zero),
+            None if rest is None else _at_rest("rest", rest),
+        )
 
         def shaped(array: Floats | None) -> Floats | None:
             return None if array is None else array.reshape(*shape, 3)
@@ -166,3 +187,10 @@ def _vector(value: float | Sequence[float] | None) -> Vector | None:
         return None
     x, y, z = np.broadcast_to(np.asarray(value, dtype=float), 3).tolist()
     return (x, y, z)
+
+
+def _at_rest(name: str, readings_t: ArrayLike) -> Floats:
+    flat, _ = flattened(readings_t)
+    if not len(flat):
+        raise ValueError(f"{name} has no readings, must have one at least")
+    return flat
