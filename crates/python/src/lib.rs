@@ -11,6 +11,8 @@
 mod budget;
 /// Expectations of a film.
 mod check;
+/// Which tiles of a film that was made are wrong.
+mod diagnosis;
 /// Numbers of a film: comparison and decoupling.
 mod evaluation;
 /// Python exceptions for the errors of the library.
@@ -41,6 +43,8 @@ mod _magsplice {
     use crate::budget::budget;
     #[pymodule_export]
     use crate::check::{baseline_file, check};
+    #[pymodule_export]
+    use crate::diagnosis::diagnose;
     #[pymodule_export]
     use crate::evaluation::{compare, decouple};
     #[pymodule_export]

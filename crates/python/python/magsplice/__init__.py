@@ -37,6 +37,8 @@ Film.forces
     Forces of the tiles on each other, and orders of laying.
 Film.read, Film.resolution
     Displacements and forces from readings of a Hall sensor.
+Film.diagnose
+    Wrong tiles of a film that was made, from a scan of its field.
 Film.design, Film.front
     Better films.
 Film.report, Film.view, magsplice.plot
@@ -52,6 +54,7 @@ from magsplice import errors, plot
 from magsplice._budget import Budget, BudgetPart
 from magsplice._check import Check, Outcome
 from magsplice._comparison import Comparison, Decoupling
+from magsplice._diagnosis import Diagnosis, WrongTile
 from magsplice._film import Design, Film, Front
 from magsplice._forces import Forces, LayingOrder
 from magsplice._layout import Grid, Ideal, Tile, Tiles, Volume
@@ -72,6 +75,7 @@ __all__ = [
     "Comparison",
     "Decoupling",
     "Design",
+    "Diagnosis",
     "Estimate",
     "Figure",
     "Film",
@@ -98,6 +102,7 @@ __all__ = [
     "Tile",
     "Tiles",
     "Volume",
+    "WrongTile",
     "__version__",
     "errors",
     "from_magpylib",

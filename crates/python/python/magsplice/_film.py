@@ -13,6 +13,7 @@ from magsplice import _cluster, _html, _magsplice
 from magsplice._arrow import Column, Table, split
 from magsplice._budget import BudgetedFilm
 from magsplice._check import CheckedFilm
+from magsplice._diagnosis import DiagnosedFilm
 from magsplice._forces import LaidFilm
 from magsplice._layout import Ideal, Tile, Vector, Volume
 from magsplice._magpylib.collection import to_magpylib
@@ -24,7 +25,9 @@ from magsplice._samples import MadeFilm, Statistics
 from magsplice._sensor import SensedFilm
 
 
-class Film(MadeFilm, BudgetedFilm, SensedFilm, RecoilFilm, LaidFilm, CheckedFilm, DrawnFilm):
+class Film(
+    MadeFilm, BudgetedFilm, SensedFilm, RecoilFilm, LaidFilm, DiagnosedFilm, CheckedFilm, DrawnFilm
+):
     """A spliced film, or any other arrangement of block magnets, with its exact field.
 
     Lengths are in millimetres, flux density B and polarization J in tesla, field strength H in

@@ -301,3 +301,11 @@ def table_of(part: Any) -> Any:
     if isinstance(part, Mapping) or part is None or isinstance(part, (str, int, float)):
         return part
     return [table_of(item) for item in part]
+
+
+def three_of(value: float | Sequence[float] | None) -> Vector | None:
+    """Three numbers, or one number for all axes; None without."""
+    if value is None:
+        return None
+    x, y, z = np.broadcast_to(np.asarray(value, dtype=float), 3).tolist()
+    return (x, y, z)

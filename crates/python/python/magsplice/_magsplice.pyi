@@ -19,6 +19,7 @@ __all__ = [
     "compare",
     "decouple",
     "design",
+    "diagnose",
     "layout_svg",
     "nominal",
     "read",
@@ -137,6 +138,27 @@ class _Budget(TypedDict):
     tiles_worth_halving: list[tuple[str, _Vector]]
     no_pattern: str | None
 
+class _Named(TypedDict):
+    of: tuple[int, str]
+    magnitude: float
+    components: list[tuple[float, float]]
+    chi_squared: float
+    ln_probability: float
+    alternatives: list[tuple[int, str]]
+
+class _Diagnosis(TypedDict):
+    named: list[_Named]
+    is_complete: bool
+    is_residual_too_large: bool
+    residual_t: float
+    chi_squared: float
+    freedom: int
+    strength: float
+    offset_t: _Vector
+    rotation_rad: _Vector
+    start_mm: _Vector
+    errors: _Floats
+
 class _Recoil(TypedDict):
     cells: int
     level: int
@@ -217,6 +239,16 @@ class _Design(TypedDict):
 def baseline_file(film: Film) -> Path | None: ...
 def check(film: Film, baseline: tuple[_Floats, _Floats] | None = None) -> list[_Outcome]: ...
 def budget(film: Film, preset: str | None, seed: int, samples: int) -> _Budget: ...
+def diagnose(
+    film: Film,
+    points: _Floats,
+    readings_t: _Floats,
+    noise_t: _Vector | None,
+    preset: str | None,
+    as_ordered: bool,
+    free: list[bool],
+    false_alarm: float,
+) -> _Diagnosis: ...
 def recoil(film: Film) -> _Recoil | None: ...
 def recoil_estimate(film: Film, mu_r: float) -> tuple[float | None, _Figures, _Figures] | None: ...
 def compare(film: Film, field_t: _Floats, points: _Floats | None = None) -> _Comparison: ...

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from magsplice import _magsplice
 from magsplice._arrow import Column, Table, split
 from magsplice._field import FieldFilm, flattened
-from magsplice._layout import Floats, Grid, Vector
+from magsplice._layout import Floats, Grid, three_of
 
 #: What the numbers in `Readings.status` mean.
 STATUS = ("in the volume", "outside the volume", "ambiguous", "not found", "saturated")
@@ -127,7 +127,7 @@ class SensedFilm(FieldFilm):
         numbers = _magsplice.read(
             self._core,
             flat,
-            _vector(noise_t),
+            three_of(noise_t),
             (x, y, z),
             None if zero is None else _at_rest("zero", zero),
             None if rest is None else _at_rest("rest", rest),
@@ -173,20 +173,13 @@ class SensedFilm(FieldFilm):
         """
         points = self._required_grid() if points is None else points
         flat, shape = flattened(points.points_mm if isinstance(points, Grid) else points)
-        found = _magsplice.resolution(self._core, flat, _vector(noise_t))
+        found = _magsplice.resolution(self._core, flat, three_of(noise_t))
         if found is None:
             raise ValueError(
                 "noise_t is missing and the layout has no [sensor] with noise: "
                 "give noise_t in tesla, such as 5e-6"
             )
         return found.reshape(*shape, 3)
-
-
-def _vector(value: float | Sequence[float] | None) -> Vector | None:
-    if value is None:
-        return None
-    x, y, z = np.broadcast_to(np.asarray(value, dtype=float), 3).tolist()
-    return (x, y, z)
 
 
 def _at_rest(name: str, readings_t: ArrayLike) -> Floats:
