@@ -38,7 +38,7 @@ pub(crate) enum Failure {
     /// The layout file cannot be read or breaks a rule.
     Layout(LayoutError),
     /// The film of a layout cannot be evaluated.
-    Film { layout: PathBuf, error: FilmError },
+    Film { layout: PathBuf, error: Box<FilmError> },
     /// There is no film to design. `place` is the layout file or the verb.
     Design { place: String, error: DesignError },
     /// A file of points or a baseline cannot be used.

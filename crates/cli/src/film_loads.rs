@@ -1,5 +1,6 @@
 //! Results of `forces`: a layout with the loads on its tiles, and an order of laying.
 
+use magsplice::ForceChange;
 use magsplice::force::{FilmForces, LayingOrder, LeastHolding, Load};
 use magsplice::layout::Layout;
 use magsplice::prelude::DVec3;
@@ -66,6 +67,8 @@ impl OrderedLoads {
 /// The loads of a film.
 pub(crate) struct FilmLoads<'a> {
     pub(crate) layout: &'a Layout,
+    /// What recoil changes in the forces, and their error, in newtons.
+    pub(crate) recoil: Option<ForceChange>,
     /// On each tile, by all others.
     pub(crate) tiles: Vec<LoadN>,
     /// Sum of all forces, and of all torques about the origin: zero but for round-off.
@@ -74,14 +77,21 @@ pub(crate) struct FilmLoads<'a> {
 }
 
 impl<'a> FilmLoads<'a> {
-    pub(crate) fn new(layout: &'a Layout, forces: &FilmForces, order: Option<OrderedLoads>) -> FilmLoads<'a> {
+    pub(crate) fn new(
+        layout: &'a Layout,
+        forces: &FilmForces,
+        recoil: Option<ForceChange>,
+        order: Option<OrderedLoads>,
+    ) -> FilmLoads<'a> {
+        let in_n =
+            |found: ForceChange| ForceChange { change: PER_MM2 * found.change, error: PER_MM2 * found.error, ..found };
         let tiles: Vec<LoadN> = forces.by_all().iter().map(LoadN::new).collect();
         let mut sum = LoadN { force_n: DVec3::ZERO, torque_n_mm: DVec3::ZERO };
         for (named, load) in layout.tiles.iter().zip(&tiles) {
             sum.force_n += load.force_n;
             sum.torque_n_mm += load.torque_n_mm + named.tile.position().cross(load.force_n);
         }
-        FilmLoads { layout, tiles, sum, order }
+        FilmLoads { layout, recoil: recoil.map(in_n), tiles, sum, order }
     }
 
     /// The tile with the largest force, and with the largest torque.

@@ -12,7 +12,7 @@ use crate::faults::FaultList;
 /// The failure of a film: points without a field one by one, with the names of tiles.
 pub(crate) fn film_failure(path: &Path, layout: &Layout, error: FilmError) -> Failure {
     let FilmError::Points(errors) = error else {
-        return Failure::Film { layout: path.to_owned(), error };
+        return Failure::Film { layout: path.to_owned(), error: Box::new(error) };
     };
     let mut faults = FaultList::default();
     for error in errors.0 {
@@ -26,7 +26,7 @@ pub(crate) fn film_failure(path: &Path, layout: &Layout, error: FilmError) -> Fa
 /// `purpose` says in words what the verb is for.
 pub(crate) fn no_film(path: &Path, error: FilmError, verb: &str, purpose: &str) -> Failure {
     let FilmError::Missing(table) = error else {
-        return Failure::Film { layout: path.to_owned(), error };
+        return Failure::Film { layout: path.to_owned(), error: Box::new(error) };
     };
     let shown = path.display();
     let message = format!(
@@ -60,7 +60,7 @@ pub(crate) fn no_volume(path: &Path, error: FilmError) -> Failure {
                       docs/layout-format.md describes it"
                 .to_owned(),
         },
-        error => Failure::Film { layout: path.to_owned(), error },
+        error => Failure::Film { layout: path.to_owned(), error: Box::new(error) },
     }
 }
 
@@ -71,6 +71,6 @@ pub(crate) fn no_points(path: &Path, error: FilmError) -> Failure {
             path: path.to_owned(),
             message: "the layout has no [volume] table to take points from: add one, or give --points".to_owned(),
         },
-        error => Failure::Film { layout: path.to_owned(), error },
+        error => Failure::Film { layout: path.to_owned(), error: Box::new(error) },
     }
 }

@@ -10,13 +10,14 @@ use magsplice_magnet::MU_0;
 
 use crate::aligned_pair::AlignedPair;
 use crate::corner::CornerDifference;
-use crate::double_double::DoubleDouble;
 use crate::load::Load;
+use crate::real::Real;
 
 /// The functions of [`CornerDifference`] are multiplied by this.
 const DENOMINATOR: f64 = 12.0;
 
-/// The load on the first cuboid by the second, in the scaled lengths of the pair.
+/// The load on the first cuboid by the second, in the scaled lengths of the pair. The error with
+/// `f64` is that of [`FilmForces::of_cells`](crate::FilmForces::of_cells).
 ///
 /// Energy, force and moments about the centre of the first are sums over the differences of corners of
 ///
@@ -28,13 +29,13 @@ const DENOMINATOR: f64 = 12.0;
 ///
 /// where s and s' are the products of the signs of the corners, x_k is that of the corner of the first,
 /// and M_kc is the sum of x_k times the force along c, from which the torque follows.
-pub(crate) fn load(pair: &AlignedPair) -> Load {
-    let products = Products::new(pair.polarizations_t);
+pub(crate) fn load<N: Real>(pair: &AlignedPair) -> Load {
+    let products = Products::<N>::new(pair.polarizations_t);
     let halves = pair.sizes.map(|size| size * 0.5);
-    let differences = [0, 1, 2].map(|k| differences(pair, k));
+    let differences = [0, 1, 2].map(|k| differences::<N>(pair, k));
     let sides = [0, 1, 2].map(|k: usize| pair.offset[k].hi);
-    let mut force = [DoubleDouble::ZERO; 3];
-    let mut moment = [[DoubleDouble::ZERO; 3]; 3];
+    let mut force = [N::ZERO; 3];
+    let mut moment = [[N::ZERO; 3]; 3];
     for corner in 0..64_usize {
         let upper = [0, 1, 2].map(|k: usize| corner >> k & 1 == 1);
         let upper_of_second = [0, 1, 2].map(|k: usize| corner >> (k + 3) & 1 == 1);
@@ -59,35 +60,35 @@ pub(crate) fn load(pair: &AlignedPair) -> Load {
     Load { force: DVec3::from_array(force.map(|f| f.to_f64() * factor)), torque: DVec3::from_array(torque) }
 }
 
-fn add(sum: &mut DoubleDouble, term: DoubleDouble, positive: bool) {
+fn add<N: Real>(sum: &mut N, term: N, positive: bool) {
     *sum += if positive { term } else { -term };
 }
 
 /// Differences of the faces across one axis, by the faces of the first and of the second: lower, upper.
 /// Faces that reach into each other by round-off touch.
-fn differences(pair: &AlignedPair, axis: usize) -> [[DoubleDouble; 2]; 2] {
+fn differences<N: Real>(pair: &AlignedPair, axis: usize) -> [[N; 2]; 2] {
     let half = |tile: usize, upper: usize| (upper as f64 - 0.5) * pair.sizes[tile][axis];
     [0, 1].map(|first| {
         [0, 1].map(|second| {
-            let between = DoubleDouble::sum(half(0, first), -half(1, second));
-            let difference = pair.offset[axis] + between;
-            let touches = difference.hi.abs() <= pair.seam && difference.hi * pair.offset[axis].hi <= 0.0;
-            if touches { DoubleDouble::ZERO } else { difference }
+            let between = N::sum(half(0, first), -half(1, second));
+            let difference = N::rounded(pair.offset[axis]) + between;
+            let touches = difference.to_f64().abs() <= pair.seam && difference.to_f64() * pair.offset[axis].hi <= 0.0;
+            if touches { N::ZERO } else { difference }
         })
     })
 }
 
 /// The products J_a J'_b of polarizations.
-struct Products([[DoubleDouble; 3]; 3]);
+struct Products<N>([[N; 3]; 3]);
 
-impl Products {
-    fn new([first, second]: [DVec3; 2]) -> Products {
-        Products([0, 1, 2].map(|a: usize| [0, 1, 2].map(|b: usize| DoubleDouble::product(first[a], second[b]))))
+impl<N: Real> Products<N> {
+    fn new([first, second]: [DVec3; 2]) -> Products<N> {
+        Products([0, 1, 2].map(|a: usize| [0, 1, 2].map(|b: usize| N::product(first[a], second[b]))))
     }
 
     /// The sum over a and b, of those that are not zero, of J_a J'_b times a function.
-    fn sum(&self, function: impl Fn(usize, usize) -> Option<DoubleDouble>) -> DoubleDouble {
-        let mut sum = DoubleDouble::ZERO;
+    fn sum(&self, function: impl Fn(usize, usize) -> Option<N>) -> N {
+        let mut sum = N::ZERO;
         for (a, row) in self.0.iter().enumerate() {
             for (b, product) in row.iter().enumerate().filter(|(_, product)| !product.is_zero()) {
                 if let Some(value) = function(a, b) {
@@ -98,15 +99,48 @@ impl Products {
         sum
     }
 
-    fn third(&self, difference: &CornerDifference, c: usize) -> DoubleDouble {
+    fn third(&self, difference: &CornerDifference<N>, c: usize) -> N {
         self.sum(|a, b| Some(difference.third(a, b, c)))
     }
 
-    fn third_along(&self, difference: &CornerDifference, c: usize, k: usize) -> DoubleDouble {
+    fn third_along(&self, difference: &CornerDifference<N>, c: usize, k: usize) -> N {
         self.sum(|a, b| match (a == k, b == k) {
             (true, _) => None,
             (false, true) => Some(difference.second(a, c)),
             (false, false) => Some(difference.third_along([a, b, c], k)),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use magsplice_magnet::Tile;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::double_double::DoubleDouble;
+
+    /// Error of the force with `f64` in J J' D^2 / (4 pi mu0), and of the torque in D times that.
+    const F64_ERROR: f64 = 1e-11;
+
+    proptest! {
+        #[test]
+        fn numbers_of_16_digits_have_the_stated_error(
+            sizes in prop::array::uniform6(0.05_f64..4.0),
+            at in prop::array::uniform3(-10.0_f64..10.0),
+            j in prop::array::uniform6(-1.0_f64..1.0),
+        ) {
+            let tile = |at: [f64; 3], of: usize| {
+                let of_three = |all: [f64; 6]| DVec3::from_slice(&all[3 * of..]);
+                Tile::new(at.into(), of_three(sizes), of_three(j)).unwrap()
+            };
+            let pair = AlignedPair::new(&tile(at, 0), &tile([0.0; 3], 1)).unwrap();
+            let (short, exact) = (load::<f64>(&pair), load::<DoubleDouble>(&pair));
+            let distance = DVec3::from(at).length() * pair.scale + 0.5 * (pair.sizes[0] + pair.sizes[1]).length();
+            let unit = pair.polarizations_t[0].length() * pair.polarizations_t[1].length() * distance * distance
+                / (4.0 * std::f64::consts::PI * MU_0);
+            prop_assert!((short.force - exact.force).length() <= F64_ERROR * unit);
+            prop_assert!((short.torque - exact.torque).length() <= F64_ERROR * unit * distance);
+        }
     }
 }

@@ -10,50 +10,49 @@
 //! makes their coefficients integers. Products whose polynomial vanishes on the line where L is
 //! infinite are zero there: their limit.
 
-use crate::double_double::DoubleDouble;
-use crate::functions::{HALF_PI, arctangent, ln};
+use crate::real::Real;
 
 /// Difference of two corners, with its logarithms and arctangents.
-pub(crate) struct CornerDifference {
-    u: [DoubleDouble; 3],
-    squares: [DoubleDouble; 3],
-    volume: DoubleDouble,
-    r: DoubleDouble,
-    log: [DoubleDouble; 3],
-    angle: [DoubleDouble; 3],
+pub(crate) struct CornerDifference<N> {
+    u: [N; 3],
+    squares: [N; 3],
+    volume: N,
+    r: N,
+    log: [N; 3],
+    angle: [N; 3],
 }
 
-impl CornerDifference {
+impl<N: Real> CornerDifference<N> {
     /// A difference of corners. `sides` holds the sign of each coordinate that is zero: that of the
     /// side from which the corners approached each other.
-    pub(crate) fn new(u: [DoubleDouble; 3], sides: [f64; 3]) -> CornerDifference {
-        let squares = u.map(DoubleDouble::squared);
+    pub(crate) fn new(u: [N; 3], sides: [f64; 3]) -> CornerDifference<N> {
+        let squares = u.map(N::squared);
         let r = (squares[0] + squares[1] + squares[2]).sqrt();
         let log = [0, 1, 2].map(|a: usize| {
             let (b, c) = others(a);
             let across = squares[b] + squares[c];
             if u[a].is_zero() || across.is_zero() {
-                return DoubleDouble::ZERO;
+                return N::ZERO;
             }
-            let half = ln((u[a].abs() + r).squared() / across).scaled(0.5);
-            if u[a].hi < 0.0 { -half } else { half }
+            let half = ((u[a].abs() + r).squared() / across).ln().scaled(0.5);
+            if u[a].to_f64() < 0.0 { -half } else { half }
         });
         let angle = [0, 1, 2].map(|a: usize| {
             let (b, c) = others(a);
             let area = u[b] * u[c];
             if area.is_zero() {
-                return DoubleDouble::ZERO;
+                return N::ZERO;
             }
-            let sign = if u[a].is_zero() { sides[a] } else { u[a].hi };
-            let angle = if u[a].is_zero() { HALF_PI } else { arctangent(area.abs(), u[a].abs() * r) };
-            if (sign < 0.0) == (area.hi < 0.0) { angle } else { -angle }
+            let sign = if u[a].is_zero() { sides[a] } else { u[a].to_f64() };
+            let angle = if u[a].is_zero() { N::HALF_PI } else { N::arctangent(area.abs(), u[a].abs() * r) };
+            if (sign < 0.0) == (area.to_f64() < 0.0) { angle } else { -angle }
         });
         let volume = u[0] * u[1] * u[2];
         CornerDifference { u, squares, volume, r, log, angle }
     }
 
     /// 12 d^2 G / (du_a du_b).
-    pub(crate) fn second(&self, a: usize, b: usize) -> DoubleDouble {
+    pub(crate) fn second(&self, a: usize, b: usize) -> N {
         let (u, s, l, t) = (&self.u, &self.squares, &self.log, &self.angle);
         if a == b {
             let (p, q) = others(a);
@@ -69,7 +68,7 @@ impl CornerDifference {
     }
 
     /// 12 d^3 G / (du_a du_b du_c).
-    pub(crate) fn third(&self, a: usize, b: usize, c: usize) -> DoubleDouble {
+    pub(crate) fn third(&self, a: usize, b: usize, c: usize) -> N {
         let (u, s, l, t) = (&self.u, &self.squares, &self.log, &self.angle);
         match twice_and_once(a, b, c) {
             Some((a, b)) if a == b => {
@@ -91,7 +90,7 @@ impl CornerDifference {
     }
 
     /// 12 times the integral of d^3 G / (du_a du_b du_c) along u_k, of which none of a, b, c is k.
-    pub(crate) fn third_along(&self, [a, b, c]: [usize; 3], k: usize) -> DoubleDouble {
+    pub(crate) fn third_along(&self, [a, b, c]: [usize; 3], k: usize) -> N {
         let (u, s, l, t) = (&self.u, &self.squares, &self.log, &self.angle);
         let Some((a, b)) = twice_and_once(a, b, c) else {
             unreachable!("three axes of which none is k are not all different");

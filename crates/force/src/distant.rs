@@ -151,6 +151,7 @@ mod tests {
 
     use super::*;
     use crate::closed_form;
+    use crate::double_double::DoubleDouble;
 
     /// The rules are exact up to the ninth power, so that errors of force and torque fall with the tenth
     /// power of the distance: by 1024 where it doubles, and by 64 if the sixth moment were wrong.
@@ -161,7 +162,7 @@ mod tests {
             let position = distance * direction.normalize();
             let second = Tile::new(position, DVec3::new(1.0, 1.5, 2.5), DVec3::new(-0.07, 0.15, 0.11)).unwrap();
             let pair = AlignedPair::new(&first, &second).unwrap();
-            let (fast, exact) = (load(&pair), closed_form::load(&pair));
+            let (fast, exact) = (load(&pair), closed_form::load::<DoubleDouble>(&pair));
             let relative = |fast: DVec3, exact: DVec3| (fast - exact).length() / exact.length();
             [relative(fast.force, exact.force), relative(fast.torque, exact.torque)]
         };

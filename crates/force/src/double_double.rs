@@ -50,10 +50,6 @@ impl DoubleDouble {
         self.hi == 0.0
     }
 
-    pub(crate) fn abs(self) -> DoubleDouble {
-        if self.hi < 0.0 { -self } else { self }
-    }
-
     /// The product with a power of two, which is exact.
     pub(crate) fn scaled(self, power_of_two: f64) -> DoubleDouble {
         DoubleDouble { hi: self.hi * power_of_two, lo: self.lo * power_of_two }

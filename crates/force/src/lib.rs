@@ -46,6 +46,8 @@ mod order_bound;
 mod order_search;
 /// Force and torque of two tiles.
 mod pair;
+/// The two kinds of numbers in which the closed form is evaluated.
+mod real;
 /// Force and torque of two cuboids that are turned against each other.
 mod turned;
 

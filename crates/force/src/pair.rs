@@ -4,7 +4,9 @@ use glam::DVec3;
 use magsplice_magnet::Tile;
 
 use crate::aligned_pair::AlignedPair;
+use crate::double_double::DoubleDouble;
 use crate::load::Load;
+use crate::real::Real;
 use crate::turned::NotConverged;
 use crate::{closed_form, distant, turned};
 
@@ -22,9 +24,16 @@ use crate::{closed_form, distant, turned};
 /// If tiles that are turned against each other are so close that the integral does not converge.
 pub fn pair_loads(first: &Tile, second: &Tile, tolerance: f64) -> Result<[Load; 2], NotConverged> {
     let offset = first.position() - second.position();
-    let on_first = match AlignedPair::new(first, second) {
+    let on_first = load::<DoubleDouble>(first, second, tolerance)?;
+    Ok([on_first, on_first.reaction(offset)])
+}
+
+/// The load on the first tile by the second. Tiles with parallel edges that are not distant are evaluated in
+/// numbers of this kind.
+pub(crate) fn load<N: Real>(first: &Tile, second: &Tile, tolerance: f64) -> Result<Load, NotConverged> {
+    Ok(match AlignedPair::new(first, second) {
         Some(pair) => {
-            let load = if distant::is_distant(&pair) { distant::load(&pair) } else { closed_form::load(&pair) };
+            let load = if distant::is_distant(&pair) { distant::load(&pair) } else { closed_form::load::<N>(&pair) };
             let unscaled = 1.0 / pair.scale;
             let to_scene = |vector: DVec3| first.rotation() * vector;
             Load {
@@ -33,6 +42,5 @@ pub fn pair_loads(first: &Tile, second: &Tile, tolerance: f64) -> Result<[Load; 
             }
         }
         None => turned::load(first, second, tolerance)?,
-    };
-    Ok([on_first, on_first.reaction(offset)])
+    })
 }

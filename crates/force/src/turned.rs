@@ -245,6 +245,7 @@ mod tests {
     use super::*;
     use crate::aligned_pair::AlignedPair;
     use crate::closed_form;
+    use crate::double_double::DoubleDouble;
 
     const TOLERANCE: f64 = 1e-10;
 
@@ -266,7 +267,7 @@ mod tests {
         for position in [[2.0, 0.5, 0.25], [1.25, 0.25, 0.0], [1.25, 0.25, 0.125]] {
             let second = tile([1.5, 2.0, 1.0], [-0.2, 0.8, 0.5], position);
             let pair = AlignedPair::new(&first, &second).unwrap();
-            let exact = closed_form::load(&pair);
+            let exact = closed_form::load::<DoubleDouble>(&pair);
             let length = 1.0 / pair.scale;
             let exact = Load { force: exact.force * length.powi(2), torque: exact.torque * length.powi(3) };
             assert_close(load(&first, &second, TOLERANCE).unwrap(), exact, "closed form");

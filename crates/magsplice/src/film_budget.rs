@@ -44,8 +44,9 @@ impl<'a> Film<'a> {
     pub fn budget(&self, seed: u64, samples: u64) -> Result<FilmBudget<'a>, FilmError> {
         let (real, volume, ideal) = (self.real_film()?, self.evaluation_grid()?, self.ideal()?);
         let of_sample = |(sample, error): (u64, SampleError)| FilmError::Sample { sample, error };
+        let in_film = real.in_film(real.tiles()).map_err(|faults| of_sample((0, SampleError::Tile(faults))))?;
         let pattern: Result<FilmErrors, EndlessPatternError> =
-            EndlessPattern::new(real.tiles(), ideal).and_then(|pattern| pattern.errors(&volume));
+            EndlessPattern::new(&in_film, ideal).and_then(|pattern| pattern.errors(&volume));
         let model = FirstOrder::new(&real, &volume, ideal).map_err(|error| of_sample((0, error)))?;
         let sampler = Sampler::new(&real, &volume, ideal, seed).map_err(|error| of_sample((0, error)))?;
         let check = model.check(&sampler, 0..samples).map_err(of_sample)?;

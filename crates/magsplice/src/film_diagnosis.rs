@@ -3,6 +3,7 @@
 use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_layout::FilmTolerance;
+use magsplice_magnet::Quantity;
 use magsplice_making::{Diagnosis, DiagnosisError, DiagnosisSettings, FieldScan, ScanDiagnosis};
 use magsplice_sensor::{FreeParameters, Noise, ScanParameters, fit_scan};
 
@@ -13,7 +14,8 @@ use crate::stage::Stage;
 impl Film<'_> {
     /// What a scan tells of the tiles: `readings_t` of the sensor of the layout at points in millimetres. Its plates
     /// count as points there. `noise` is that of the readings; without it, that of the sensor. Ordinary errors are
-    /// those that the layout states of tiles and groups.
+    /// those that the layout states of tiles and groups. What recoil adds to the field is that of the film as
+    /// ordered: what a wrong tile changes in itself and in others by it is neglected.
     ///
     /// # Errors
     /// [`FilmError::NoNoise`] if the noise is not known; [`FilmError::Points`] for points without a field; otherwise
@@ -34,7 +36,13 @@ impl Film<'_> {
             Some(element.deviation_t() / element.gain.abs()).filter(|noise_t| noise_t.min_element() > 0.0);
         let noise_t = noise.map(|noise| noise.deviation_t).or(of_sensor_t).ok_or(FilmError::NoNoise)?;
         let field_t = |reading_t: &DVec3| element.rotation * ((*reading_t - element.offset_t) / element.gain);
-        let field_t: Vec<DVec3> = readings_t.iter().map(field_t).collect();
+        let mut field_t: Vec<DVec3> = readings_t.iter().map(field_t).collect();
+        if self.recoil().is_some() {
+            let [with_t, rigid_t] = [self, &Film::rigid(self.layout())]
+                .map(|film| film.scene().field_at(Quantity::FluxDensity, &points_mm).map_err(FilmError::Points));
+            let added_t = with_t?.into_iter().zip(rigid_t?).map(|(with_t, rigid_t)| with_t - rigid_t);
+            field_t.iter_mut().zip(added_t).for_each(|(field_t, added_t)| *field_t -= added_t);
+        }
         let tiles = self.layout().bare_tiles();
         let ordinary = self.layout().tolerance.as_ref().map(|stated| FilmTolerance {
             tiles: stated.tiles.clone(),

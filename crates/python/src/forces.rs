@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use magsplice::force::{FilmForces, LayingOrder, LeastHolding, Load, OrderSettings};
+use magsplice::{ForceChange, SolvedForces};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
@@ -19,6 +20,7 @@ type Loads<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 #[pyclass(frozen, module = "magsplice._magsplice")]
 pub(crate) struct Forces {
     pairs: FilmForces,
+    recoil: Option<ForceChange>,
 }
 
 /// An order of laying, with the fields of the Python class.
@@ -37,8 +39,14 @@ impl Forces {
     #[new]
     fn new(py: Python<'_>, film: &Film, turned_error: f64) -> PyResult<Forces> {
         let film = film.evaluated(py)?;
-        let pairs = py.detach(|| film.forces(turned_error, || {})).map_err(of_film)?;
-        Ok(Forces { pairs })
+        let SolvedForces { loads: pairs, recoil } = py.detach(|| film.forces(turned_error)).map_err(of_film)?;
+        Ok(Forces { pairs, recoil })
+    }
+
+    /// What recoil changes in the force on a tile at most, and the estimate of the error, in newtons.
+    #[getter]
+    fn recoil(&self) -> Option<(f64, f64)> {
+        self.recoil.map(|found| (PER_MM2 * found.change, PER_MM2 * found.error))
     }
 
     /// The load on each tile by all others.

@@ -49,8 +49,13 @@ def test_recoil_weakens_forces():
     tiles = [Tile((x, 0, 0), (1, 1, 1), (1, 0, 0), name=name) for x, name in ((0, "a"), (1.5, "b"))]
     rigid = Film(tiles, name="pair")
     recoil = rigid.replace(material={"recoil_permeability": 1.2})
-    assert rigid.forces().force_n[0, 0] == pytest.approx(0.06568293225624168, rel=1e-9)
-    assert recoil.forces().force_n[0, 0] == pytest.approx(0.05858525469484047, rel=1e-9)
+    before, after = rigid.forces(), recoil.forces()
+    assert before.force_n[0, 0] == pytest.approx(0.06568293225624168, rel=1e-9)
+    assert before.recoil_change_n is None
+    assert after.force_n[0, 0] == pytest.approx(0.05809935474174895, rel=1e-9)
+    change_n = before.force_n[0, 0] - after.force_n[0, 0]
+    assert after.recoil_change_n == pytest.approx(change_n, rel=1e-9)
+    assert 0 < after.recoil_error_n < change_n
 
 
 def test_orders_name_each_tile_once(published):

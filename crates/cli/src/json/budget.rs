@@ -4,7 +4,7 @@ use magsplice::tolerance::Estimate;
 use serde::Serialize;
 
 use super::recoil::RecoilJson;
-use crate::sampling::film_budget::FilmBudget;
+use crate::sampling::film_budget::BudgetedFilm;
 
 /// The result of `budget`. Mean squares are in mm^2; they add up.
 #[derive(Serialize)]
@@ -65,16 +65,16 @@ struct ImprovementJson {
 }
 
 impl<'a> BudgetJson<'a> {
-    pub(crate) fn new(film: &FilmBudget<'a>) -> BudgetJson<'a> {
-        let totals = film.totals_mm2();
-        let part = |part: crate::sampling::film_budget::BudgetPart| PartJson {
+    pub(crate) fn new(film: &BudgetedFilm<'a>) -> BudgetJson<'a> {
+        let totals = film.found.totals_mm2();
+        let part = |part: magsplice::BudgetPart| PartJson {
             share: [0, 1, 2].map(|axis| part.mean_squares_mm2[axis] / totals[axis]).into(),
             name: part.name,
             mean_square_mm2: part.mean_squares_mm2.into(),
         };
         let ratio = |ratio: Estimate| RatioJson { ratio: ratio.value, interval_95: ratio.interval };
         let improvement = |name: String, saved: [f64; 3]| ImprovementJson { name, saved_mm2: saved.into() };
-        let layout = film.layout;
+        let layout = film.found.layout;
         BudgetJson {
             layout: &layout.name,
             sha256: &layout.sha256,
@@ -83,19 +83,21 @@ impl<'a> BudgetJson<'a> {
             tiles: layout.tiles.len(),
             seed: film.seed,
             samples: film.samples,
-            first_order: film.is_first_order,
-            endless_pattern_mm2: film.endless_pattern_mm2().map(AxesJson::from),
-            parts: film.parts().into_iter().map(part).collect(),
+            first_order: film.found.is_first_order,
+            endless_pattern_mm2: film.found.endless_pattern_mm2().map(AxesJson::from),
+            parts: film.found.parts().into_iter().map(part).collect(),
             total_mm2: totals.into(),
-            sampled_mm2: film.sampled_mm2.into(),
-            mean_square_ratio: film.check.axes.map(|axis| axis.mean_square_ratio.map(ratio)).into(),
+            sampled_mm2: film.found.sampled_mm2.into(),
+            mean_square_ratio: film.found.check.axes.map(|axis| axis.mean_square_ratio.map(ratio)).into(),
             worth_halving: film
+                .found
                 .budget
                 .causes
                 .iter()
-                .map(|item| improvement(film.cause(item.cause), item.saved_mm2))
+                .map(|item| improvement(film.found.cause(item.cause), item.saved_mm2))
                 .collect(),
             tiles_worth_halving: film
+                .found
                 .budget
                 .tiles
                 .iter()

@@ -1,5 +1,6 @@
 //! `forces`: loads on tiles, and an order of laying.
 
+use magsplice::ForceChange;
 use magsplice::prelude::DVec3;
 use serde::Serialize;
 
@@ -11,12 +12,24 @@ pub(crate) struct ForcesJson<'a> {
     layout: &'a str,
     sha256: &'a str,
     version: &'static str,
+    /// Absent without recoil.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recoil: Option<ForceChangeJson>,
     tiles: Vec<TileJson<'a>>,
     /// Zero but for round-off; the torque is about the origin.
     sum: LoadJson,
     /// Absent without `--order`.
     #[serde(skip_serializing_if = "Option::is_none")]
     order: Option<OrderJson<'a>>,
+}
+
+/// What recoil changes in the forces, and the estimate of their error.
+#[derive(Serialize)]
+struct ForceChangeJson {
+    cells: usize,
+    level: usize,
+    change_n: f64,
+    error_n: f64,
 }
 
 #[derive(Serialize)]
@@ -87,6 +100,12 @@ impl<'a> ForcesJson<'a> {
             layout: &layout.name,
             sha256: &layout.sha256,
             version: env!("CARGO_PKG_VERSION"),
+            recoil: loads.recoil.map(|ForceChange { cells, level, change, error }| ForceChangeJson {
+                cells,
+                level,
+                change_n: change,
+                error_n: error,
+            }),
             tiles: loads.tiles.iter().enumerate().map(|(index, load)| tile(index, load)).collect(),
             sum: (&loads.sum).into(),
             order: loads.order.as_ref().map(order),

@@ -6,7 +6,7 @@ use magsplice::ideal::IdealFilm;
 use magsplice::layout::Layout;
 use magsplice::making::{SortedSampler, Sorting};
 use magsplice::tolerance::{EvaluationGrid, FilmErrors, RealFilm, SampleError, Sampler};
-use magsplice::{Film, FilmError, FilmRecoil, Stage};
+use magsplice::{Film, FilmBudget, FilmError, FilmRecoil, Stage};
 
 use crate::failure::Failure;
 use crate::laying::place_groups::place_groups;
@@ -69,16 +69,12 @@ impl<'a> SampledScene<'a> {
         self.layout
     }
 
+    pub(crate) fn budget(&self, seed: u64, samples: u64) -> Result<FilmBudget<'a>, Failure> {
+        self.film.budget(seed, samples).map_err(|error| film_failure(self.path, self.layout, error))
+    }
+
     pub(crate) fn recoil(&self) -> Option<&FilmRecoil> {
         self.film.recoil()
-    }
-
-    pub(crate) fn real(&self) -> &RealFilm {
-        &self.real
-    }
-
-    pub(crate) fn volume(&self) -> &EvaluationGrid {
-        &self.volume
     }
 
     pub(crate) fn ideal(&self) -> Result<&'a IdealFilm, Failure> {

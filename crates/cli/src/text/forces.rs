@@ -2,8 +2,10 @@
 
 use std::fmt::Write;
 
+use magsplice::ForceChange;
 use magsplice::prelude::DVec3;
 
+use super::number::counted;
 use super::{header, rows};
 use crate::film_loads::{FilmLoads, LoadN, OrderSource, OrderedLoads};
 
@@ -16,9 +18,22 @@ const SMALLEST_LARGEST: f64 = 0.1;
 /// The report of `forces`.
 pub(crate) fn forces(film: &FilmLoads) -> String {
     let mut text = header::layout(film.layout);
-    text += "force on each tile by all others, and torque about its centre; rigid magnetization\n\n";
+    text += "force on each tile by all others, and torque about its centre; ";
+    text += match &film.recoil {
+        None => "rigid magnetization\n\n",
+        Some(_) => "with recoil\n",
+    };
     let largest_n = film.tiles.iter().map(|load| load.force_n.length()).fold(0.0, f64::max);
     let unit = Unit::for_forces(largest_n);
+    if let Some(ForceChange { cells, level, change, error }) = film.recoil {
+        let _ = writeln!(
+            text,
+            "recoil: {} at level {level}, forces change by up to {}, known to {}\n",
+            counted(cells, "cell", "cells"),
+            unit.force(change),
+            unit.force(error)
+        );
+    }
     let lines = film.tiles.iter().enumerate().map(|(tile, load)| (String::new(), tile, load));
     text += &unit.table(film, lines, false);
     text.push('\n');

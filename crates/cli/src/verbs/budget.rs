@@ -13,7 +13,7 @@ use crate::output::destination::Output;
 #[cfg(feature = "report")]
 use crate::output::figure_file;
 use crate::progress::ProgressLine;
-use crate::sampling::film_budget::FilmBudget;
+use crate::sampling::film_budget::BudgetedFilm;
 use crate::sampling::scene::SampledScene;
 use crate::{json, remarks, text};
 
@@ -29,16 +29,17 @@ pub(crate) fn run(args: &BudgetArgs, quiet: bool) -> Result<(), Failure> {
     let figure = figure_file::open(args.figure.as_deref(), &inputs)?;
     let seed = args.seed.or(layout.tolerance.as_ref().map(|tolerance| tolerance.seed)).unwrap_or(1);
     progress.show(Stage::uncounted("budget"));
-    let film = FilmBudget::new(&scene, seed, args.samples)?;
+    let film = BudgetedFilm::new(&scene, seed, args.samples)?;
     progress.end();
     #[cfg(feature = "report")]
     if let Some(file) = figure {
         let bars: Vec<BudgetBar> = film
+            .found
             .parts()
             .into_iter()
             .map(|part| BudgetBar { name: part.name, mean_squares_mm2: part.mean_squares_mm2 })
             .collect();
-        file.write(budget_figure(&bars, film.totals_mm2()))?;
+        file.write(budget_figure(&bars, film.found.totals_mm2()))?;
     }
     let result = match args.result.format {
         TextOrJson::Text => text::budget::budget(&film),

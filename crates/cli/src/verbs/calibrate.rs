@@ -15,7 +15,7 @@ use crate::output::destination::Output;
 use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::sensor::calibration::Calibration;
-use crate::sensor::film_readings::{AtRest, FilmReadings};
+use crate::sensor::film_readings::{FilmReadings, Resting};
 use crate::sensor::reading_file;
 use crate::{json, remarks, text};
 
@@ -32,7 +32,7 @@ pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
         rows.into_iter().map(|[force, reading]| (force, reading)).unzip();
     progress.show(Stage::uncounted("readings"));
     let readings =
-        FilmReadings::new(&film, &args.layout, &args.readings, &readings_t, AtRest::new(args.zero, args.rest), None)?;
+        FilmReadings::new(&film, &args.layout, &args.readings, &readings_t, Resting::new(args.zero, args.rest), None)?;
     let place = args.readings.display().to_string();
     let mut faults = FaultList::default();
     readings.unlocated(&lines).for_each(|(line, fault)| faults.add(line, fault));

@@ -3,11 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use magsplice::layout::{FilmTolerance, Layout};
-use magsplice::magnet::{PointErrors, Quantity};
-use magsplice::making::{DiagnosisError, DiagnosisSettings, FieldScan, ScanDiagnosis};
-use magsplice::prelude::{DVec3, Scene};
-use magsplice::sensor::{FreeParameters, ScanParameters, fit_scan};
-use magsplice::{Film, Stage};
+use magsplice::making::DiagnosisError;
+use magsplice::prelude::DVec3;
+use magsplice::{FilmError, Stage};
 
 use crate::args::diagnose::{DiagnoseArgs, DiagnoseFormat};
 use crate::failure::{self, Failure};
@@ -21,7 +19,7 @@ use crate::progress::ProgressLine;
 use crate::sensor::diagnosed_film::{self, DiagnosedFilm};
 use crate::sensor::reading_file;
 use crate::text::number::number;
-use crate::words::no_field;
+use crate::words::{film_failure, no_field};
 use crate::{json, remarks, text};
 
 pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
@@ -39,11 +37,9 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     let noise_t = noise_t(args, &layout)?;
     let groups = [reading_file::positions(), reading_file::flux_densities(None)];
     let (rows, lines) = reading_file::read_all(&args.scan, &groups)?;
+    let (points_mm, readings_t): (Vec<DVec3>, Vec<DVec3>) =
+        rows.into_iter().map(|[point, reading]| (point, reading)).unzip();
     let element = layout.sensor.as_ref().map(|sensor| sensor.element).unwrap_or_default();
-    let (points_mm, readings_t): (Vec<DVec3>, Vec<DVec3>) = rows
-        .into_iter()
-        .map(|[point, reading]| (point, element.rotation * ((reading - element.offset_t) / element.gain)))
-        .unzip();
     if !quiet && (element.plates != [DVec3::ZERO; 3] || element.active_area != [0.0; 2]) {
         failure::tell(&format_args!(
             "{}: the plates of [sensor] count as points at the positions of the scan",
@@ -53,27 +49,12 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
 
     let ordinary = ordinary(&layout);
     let has_ordinary = ordinary != FilmTolerance::default();
-    let refused = |error| refused(args, &layout, &lines, error);
-    let (tiles, readings) = (layout.bare_tiles(), readings_t.len());
     let show = |stage: Stage| progress.show(stage);
     let ordered = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
-    let readings_t =
-        without_recoil_t(&ordered, &points_mm, readings_t).map_err(|errors| refused(DiagnosisError::Points(errors)))?;
-    let recoil = ordered.recoil().cloned();
-    progress.show(Stage::uncounted("preparing the diagnosis"));
-    let start = start(args, &tiles, &points_mm, &readings_t);
-    let scan = FieldScan { points_mm, noise_t };
-    let settings = DiagnosisSettings {
-        ordinary,
-        free: args.free(),
-        false_alarm: args.false_alarm,
-        ..DiagnosisSettings::default()
-    };
-    let model = ScanDiagnosis::new(&tiles, scan, settings, start).map_err(refused)?;
-    let show = |named: usize| {
-        progress.show(Stage::uncounted(if named == 0 { "looking for wrong tiles" } else { "naming wrong tiles" }));
-    };
-    let diagnosis = model.diagnose(&readings_t, show).map_err(refused)?;
+    let diagnosis = ordered
+        .diagnose(points_mm, &readings_t, args.noise, args.free(), args.false_alarm)
+        .map_err(|error| refused(args, &layout, &lines, error))?;
+    let (recoil, readings) = (ordered.recoil().cloned(), readings_t.len());
     progress.end();
     let film = DiagnosedFilm {
         layout: &layout,
@@ -114,21 +95,6 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Readings less what recoil adds to the field of the film as ordered.
-fn without_recoil_t(
-    ordered: &Film,
-    points_mm: &[DVec3],
-    mut readings_t: Vec<DVec3>,
-) -> Result<Vec<DVec3>, PointErrors> {
-    if ordered.recoil().is_some() {
-        let with_t = ordered.scene().field_at(Quantity::FluxDensity, points_mm)?;
-        let rigid_t = Film::rigid(ordered.layout()).scene().field_at(Quantity::FluxDensity, points_mm)?;
-        let added_t = with_t.into_iter().zip(rigid_t).map(|(with_t, rigid_t)| with_t - rigid_t);
-        readings_t.iter_mut().zip(added_t).for_each(|(reading_t, added_t)| *reading_t -= added_t);
-    }
-    Ok(readings_t)
-}
-
 /// The noise of a flux density along each axis of the film.
 fn noise_t(args: &DiagnoseArgs, layout: &Layout) -> Result<DVec3, Failure> {
     let of_sensor = layout.sensor.as_ref().map(|sensor| sensor.element.deviation_t() / sensor.element.gain.abs());
@@ -147,27 +113,10 @@ fn ordinary(layout: &Layout) -> FilmTolerance {
     FilmTolerance { tiles: tolerance.tiles.clone(), groups: tolerance.groups.clone(), ..FilmTolerance::default() }
 }
 
-/// The parameters of the scan with which the fit begins: those of the nominal film, as `scan` fits them, or
-/// those of a perfect scan where wrong tiles do not let it.
-fn start(
-    args: &DiagnoseArgs,
-    tiles: &[magsplice::prelude::Tile],
-    points: &[DVec3],
-    readings_t: &[DVec3],
-) -> ScanParameters {
-    let free = args.free();
-    let is_any = |FreeParameters { strength, offset, rotation, start }| strength || offset || rotation || start;
-    if !is_any(free) {
-        return ScanParameters::PERFECT;
-    }
-    let scene = Scene::new(tiles);
-    fit_scan(&scene, points, readings_t, free).map_or(ScanParameters::PERFECT, |fit| fit.parameters)
-}
-
-fn refused(args: &DiagnoseArgs, layout: &Layout, lines: &[u64], error: DiagnosisError) -> Failure {
+fn refused(args: &DiagnoseArgs, layout: &Layout, lines: &[u64], error: FilmError) -> Failure {
     let path = args.scan.clone();
     match error {
-        DiagnosisError::Points(errors) => {
+        FilmError::Points(errors) => {
             let mut faults = FaultList::default();
             for error in errors.0 {
                 let (line, cause) = (lines[error.index], no_field(error.cause, layout));
@@ -175,14 +124,15 @@ fn refused(args: &DiagnoseArgs, layout: &Layout, lines: &[u64], error: Diagnosis
             }
             faults.failure(path.display().to_string())
         }
-        DiagnosisError::NoDerivative { tile, point: DVec3 { x, y, z } } => Failure::Points {
+        FilmError::Diagnosis(DiagnosisError::NoDerivative { tile, point: DVec3 { x, y, z } }) => Failure::Points {
             path,
             message: format!(
                 "the field of tile \"{}\" has no derivatives at ({x}, {y}, {z}) mm, must be away from its edges",
                 layout.tiles[tile].name
             ),
         },
-        other => Failure::Points { path, message: other.to_string() },
+        FilmError::Diagnosis(error) => Failure::Points { path, message: error.to_string() },
+        error => film_failure(&args.layout, layout, error),
     }
 }
 

@@ -3,11 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use magsplice::force::{FilmForces, FilmForcesError, LayingOrder, LeastHolding, OrderSettings};
+use magsplice::force::{LayingOrder, LeastHolding, OrderSettings};
 use magsplice::layout::Layout;
-use magsplice::prelude::Tile;
-use magsplice::recoil::{Magnetization, RecoilTile, RefinementError};
-use magsplice::{FilmError, Stage};
+use magsplice::{FilmError, SolvedForces, Stage};
 #[cfg(feature = "report")]
 use magsplice_report::{TileForce, forces_figure};
 
@@ -18,6 +16,7 @@ use crate::output::choice;
 use crate::output::destination::Output;
 #[cfg(feature = "report")]
 use crate::output::figure_file;
+use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::words::film_failure;
 use crate::{json, order_file, remarks, text};
@@ -36,7 +35,10 @@ pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
     let mut output = Output::open(args.output.as_deref(), &inputs)?;
     #[cfg(feature = "report")]
     let figure = figure_file::open(args.figure.as_deref(), &inputs)?;
-    let forces = film_forces(args, &layout, &progress)?;
+    let show = |stage: Stage| progress.show(stage);
+    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
+    let SolvedForces { loads: forces, recoil } =
+        film.forces(args.turned_error).map_err(|error| failed(args, &layout, error))?;
     let ordered = |tiles: Vec<usize>| LayingOrder::new(&forces, tiles).expect("each tile once");
     let given = ordered(given);
     let order = match (args.order.as_deref(), order_path) {
@@ -52,7 +54,7 @@ pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
             Some(OrderedLoads::new(&ordered(order), OrderSource::File(path.display().to_string()), &given))
         }
     };
-    let loads = FilmLoads::new(&layout, &forces, order);
+    let loads = FilmLoads::new(&layout, &forces, recoil, order);
     progress.end();
     #[cfg(feature = "report")]
     if let Some(file) = figure {
@@ -67,56 +69,13 @@ pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
     output.finish()
 }
 
-/// The loads of all pairs.
-fn film_forces(args: &ForcesArgs, layout: &Layout, progress: &ProgressLine) -> Result<FilmForces, Failure> {
-    let tiles: Vec<Tile> = layout.bare_tiles();
-    let film = if layout.has_recoil() { Some(divided(args, layout, progress)?) } else { None };
-    let owner = |index: usize| film.as_ref().map_or(index, |film| film.owners()[index]);
-    let counted = |of: usize, unit: &'static str| Counter { progress, name: "forces", of, unit };
-    let forces = match &film {
-        Some(film) => {
-            let counted = counted(film.cells().len(), "cells");
-            FilmForces::of_cells(&tiles, film.cells(), film.owners(), args.turned_error, counted.callback())
+fn failed(args: &ForcesArgs, layout: &Layout, error: FilmError) -> Failure {
+    match error {
+        FilmError::Forces { ref tiles, .. } if !tiles.is_empty() => {
+            Failure::Points { path: args.layout.clone(), message: format!("{error} (--turned-error)") }
         }
-        None => FilmForces::new(&tiles, args.turned_error, counted(tiles.len(), "tiles").callback()),
-    };
-    forces.map_err(|error| {
-        let message = match error {
-            FilmForcesError::Pair { first, second, source } => format!(
-                "tiles {} and {}: their force is known to {:.1e} only, and not to {:.1e}; leave a gap between them, or \
-                 give a larger --turned-error",
-                layout.tiles[owner(first)].name,
-                layout.tiles[owner(second)].name,
-                source.reached,
-                source.tolerance
-            ),
-            FilmForcesError::TooManyTiles { count, most } if film.is_some() => format!(
-                "tiles with a recoil permeability are divided into {count} cells, which have more pairs than fit in \
-                 memory, at most {most}: remove recoil_permeability, or take a part of the film"
-            ),
-            other => other.to_string(),
-        };
-        Failure::Points { path: args.layout.clone(), message }
-    })
-}
-
-/// Level of division of tiles with a recoil permeability: eight cells for a compact tile. The next level has ten
-/// times as many pairs. What it changes in the forces has not been measured.
-const RECOIL_LEVEL: usize = 2;
-
-/// The tiles divided into cells whose polarization agrees with their field. It is that of the whole film, also
-/// while the film is laid.
-fn divided(args: &ForcesArgs, layout: &Layout, progress: &ProgressLine) -> Result<Magnetization, Failure> {
-    let tiles: Vec<RecoilTile> = layout
-        .tiles
-        .iter()
-        .zip(layout.permeabilities())
-        .map(|(named, permeability)| RecoilTile { tile: named.tile, permeability })
-        .collect();
-    progress.show(Stage::uncounted("polarization"));
-    Magnetization::solve(&tiles, RECOIL_LEVEL, || {}).map_err(|error| {
-        film_failure(&args.layout, layout, FilmError::from_recoil(RefinementError::Recoil(error), layout))
-    })
+        error => film_failure(&args.layout, layout, error),
+    }
 }
 
 /// Counts what is done, from any thread, for the progress line.

@@ -18,7 +18,7 @@ use crate::output::{choice, table};
 use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::remarks;
-use crate::sensor::film_readings::{AtRest, FilmReadings};
+use crate::sensor::film_readings::{FilmReadings, Resting};
 use crate::sensor::reading_file;
 use crate::words::no_volume;
 
@@ -44,7 +44,7 @@ pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
         &args.layout,
         &args.readings,
         &readings_t,
-        AtRest::new(args.zero, args.rest),
+        Resting::new(args.zero, args.rest),
         args.noise,
     )?;
     let found = &readings.found;

@@ -102,8 +102,12 @@ fn turned_tiles_in_contact_are_named() {
     let turned = STACKED.replace("[0, 0, 15]", "[0, 0, 15]\nrotation = { axis = [0, 0, 1], angle_deg = 30 }");
     sandbox.write("film.toml", &turned);
     let said = sandbox.run(&["forces", "film.toml", "--turned-error", "1e-13"]);
-    said.refuses("film.toml: tiles lower and upper: their force is known to");
-    assert!(said.stderr.contains("leave a gap between them, or give a larger --turned-error"), "{}", said.stderr);
+    said.refuses("film.toml: tiles \"lower\" and \"upper\": their force is known to");
+    assert!(
+        said.stderr.contains("leave a gap between them, or allow a larger error (--turned-error)"),
+        "{}",
+        said.stderr
+    );
     let said = sandbox.run(&["forces", "film.toml", "--turned-error", "1e-3"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
 }

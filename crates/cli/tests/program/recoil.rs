@@ -233,6 +233,7 @@ fn cells_beyond_the_knee_are_told() {
         &["check", "film.toml"],
         &["tolerance", "film.toml", "--preset", "jig", "--samples", "2"],
         &["report", "film.toml", "-o", "report"],
+        &["forces", "film.toml"],
     ] {
         let said = sandbox.run(verb);
         assert_eq!(said.status, 0, "{verb:?} {}", said.stderr);

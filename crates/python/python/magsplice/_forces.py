@@ -98,11 +98,17 @@ class Forces(_Loads):
         Sum of all torques about the origin: zero but for round-off.
     order : LayingOrder | None
         Loads while the tiles are laid; None unless an order was asked for.
+    recoil_change_n : float | None
+        Largest change of the force on a tile by recoil; None without recoil.
+    recoil_error_n : float | None
+        Estimate of the largest error of such a force, from two divisions of the tiles.
     """
 
     sum_force_n: Vector
     sum_torque_n_mm: Vector
     order: LayingOrder | None
+    recoil_change_n: float | None
+    recoil_error_n: float | None
 
     def to_dict(self) -> dict[str, Any]:
         """Largest loads by name; for JSON."""
@@ -128,8 +134,8 @@ class LaidFilm(LayoutFilm):
         """Forces and torques of the tiles on each other, as ``magsplice forces`` prints them.
 
         Tiles with parallel edges have them in closed form, exact to round-off, also where they
-        touch. Tiles with a recoil permeability are divided into eight cells, with the polarization
-        that they have in the whole film.
+        touch. Tiles with a recoil permeability are divided into 27 cells or more, with the
+        polarization that they have in the whole film.
 
         Parameters
         ----------
@@ -168,7 +174,8 @@ class LaidFilm(LayoutFilm):
                 numbers["greedy_holding_n"],
             )
         about_origin = torque_n_mm + np.cross(self.tiles.position_mm, force_n)
-        return Forces(names, force_n, torque_n_mm, _sum(force_n), _sum(about_origin), laying)
+        sums = (_sum(force_n), _sum(about_origin))
+        return Forces(names, force_n, torque_n_mm, *sums, laying, *(pairs.recoil or (None, None)))
 
 
 def _steps(order: str | Sequence[str], names: list[str]) -> list[int]:
