@@ -29,7 +29,8 @@ pub(crate) const TURNED_DISTANT: f64 = 6.0;
 pub(crate) const MOST_PARTS: usize = 100_000;
 
 /// Most cells of one solution. The 96 768 cells of the published film at level 12 take 2.5 GB and 86 s of one
-/// core with a permeability of 1.2; 102 400 cells of a board of 40 x 40 cubes take 1.5 GB and 37 s.
+/// core with a permeability of 1.2; 102 400 cells of a board of 40 x 40 cubes take 1.5 GB
+/// and 37 s.
 pub const MAX_CELLS: usize = 120_000;
 
 /// Most cells whose pairs all have their tensors, times the root of the number of images of each cell in
