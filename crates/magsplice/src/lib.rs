@@ -86,6 +86,7 @@ pub use film::Film;
 pub use film_budget::{BudgetPart, FilmBudget};
 #[cfg(feature = "layout")]
 pub use film_error::FilmError;
+#[cfg(feature = "layout")]
 pub use film_forces::{ForceChange, SolvedForces};
 #[cfg(feature = "layout")]
 pub use film_reader::{AtRest, FilmReader};
