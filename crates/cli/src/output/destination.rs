@@ -12,6 +12,9 @@ use crate::interrupt;
 /// Bytes of a result that are held back in memory; more of them go to a temporary file.
 const MAX_HELD_BYTES: usize = 64 << 20;
 
+/// Bytes that go to it in one piece. Rows are short, and each call of the file system takes long.
+const HELD_PIECE_BYTES: usize = 1 << 20;
+
 /// An open destination of a result.
 pub(crate) enum Output {
     Stdout(BufWriter<StdoutLock<'static>>),
@@ -30,7 +33,7 @@ pub(crate) enum Output {
     },
     /// Anything that [`Output::finish`] passes on as a whole.
     HeldBack {
-        held: SpooledTempFile,
+        held: BufWriter<SpooledTempFile>,
         output: Box<Output>,
     },
 }
@@ -70,7 +73,10 @@ impl Output {
         match self {
             // A file appears as a whole already.
             Output::File { .. } | Output::HeldBack { .. } => self,
-            output => Output::HeldBack { held: SpooledTempFile::new(MAX_HELD_BYTES), output: Box::new(output) },
+            output => {
+                let held = BufWriter::with_capacity(HELD_PIECE_BYTES, SpooledTempFile::new(MAX_HELD_BYTES));
+                Output::HeldBack { held, output: Box::new(output) }
+            }
         }
     }
 
@@ -94,7 +100,8 @@ impl Output {
     /// Completes the output. Without this call a file never appears.
     pub(crate) fn finish(mut self) -> Result<(), Failure> {
         self.write(|writer| writer.flush())?;
-        if let Output::HeldBack { mut held, mut output } = self {
+        if let Output::HeldBack { held, mut output } = self {
+            let mut held = held.into_inner().map_err(|error| output.failure(error.into_error()))?;
             held.rewind().map_err(|error| output.failure(error))?;
             output.write(|writer| io::copy(&mut held, writer).map(drop))?;
             return output.finish();
