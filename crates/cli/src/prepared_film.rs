@@ -10,8 +10,8 @@ use crate::failure::Failure;
 use crate::text::recoil::beyond_knee;
 use crate::words::film_failure;
 
-/// The film of a layout, with the polarization of its tiles solved if they have a recoil permeability. Tells of
-/// cells beyond the knee of the material.
+/// The film of a layout, with the polarization of its tiles solved if they have a recoil permeability.
+/// Cells beyond the knee of the material are told.
 pub(crate) fn prepare<'a>(
     path: &Path,
     layout: &'a Layout,

@@ -13,7 +13,9 @@ use crate::turned::NotConverged;
 /// Most tiles: their pairs take 800 MB.
 const MOST_TILES: usize = 4_000;
 
-/// Distance of two tiles, in the sum of half their diagonals, from which on their mean polarizations count.
+/// Distance of two tiles, in the sum of half their diagonals, from which on their mean polarizations count. In
+/// twelve tiles of a designed film with a permeability of 1.2 that changes the force of no pair by more than
+/// 1.3e-4 of the largest force on a tile.
 const FAR: f64 = 1.5;
 
 /// Forces and torques of all pairs of tiles.
@@ -67,9 +69,9 @@ impl FilmForces {
     /// `tiles` have the mean polarization of their cells, which takes the place of the cells for tiles that are
     /// farther apart than one and a half times the sum of half their diagonals.
     ///
-    /// Pairs of cells with parallel edges are evaluated in `f64`: the error of the force of a pair of cells is
-    /// below 1e-11 J J' D^2 / (4 pi mu0), where D is the largest distance of two corners. What the division leaves
-    /// out is larger.
+    /// Pairs of cells with parallel edges are evaluated in `f64`. The error of the force of a pair of cells was
+    /// below 1e-11 J J' D^2 / (4 pi mu0) for pairs at random, where D is the largest distance of two corners. What
+    /// the division leaves out is larger.
     ///
     /// # Errors
     /// As [`FilmForces::new`].

@@ -1,0 +1,150 @@
+//! Samples of films, and the tiles of their steps.
+
+use super::*;
+use magsplice_layout::{Distribution, ErrorGroup, TileErrors};
+
+fn normal(deviations: [f64; 3]) -> [Distribution; 3] {
+    deviations.map(Distribution::normal)
+}
+
+fn film(errors: &TileErrors) -> RealFilm {
+    let tile = |n: usize| {
+        let turn = DQuat::from_scaled_axis(DVec3::new(0.3, -0.2, 0.1) * n as f64);
+        let tile = Tile::new(DVec3::splat(n as f64), DVec3::new(3.0, 2.0, 1.0), DVec3::new(0.3, -0.4, 0.5));
+        tile.and_then(|tile| tile.rotated(turn)).expect("valid")
+    };
+    let tiles: Vec<Tile> = (0..4).map(tile).collect();
+    RealFilm::new(&tiles, &FilmTolerance::of_tiles(errors, 4))
+}
+
+/// Means of squares of each error over `n` values are wrong by a normal error of (2 / n)^1/2.
+/// Six of these are allowed, and the square of the error, by which rotations are not normal.
+#[test]
+fn samples_have_the_standard_deviations_of_the_errors() {
+    let [position, rotation, size] = [[0.01, 0.02, 0.03], [0.004, 0.005, 0.006], [0.001, 0.002, 0.003]];
+    let (strength_error, angles) = (0.01, [0.02, 0.03]);
+    let errors = TileErrors {
+        position_mm: normal(position),
+        rotation_rad: normal(rotation),
+        size_mm: normal(size),
+        strength: Distribution::normal(strength_error),
+        direction_rad: angles.map(Distribution::normal),
+    };
+    let film = film(&errors);
+    let (mut squares, mut count) = ([[0.0; 3]; 3], 0.0);
+    let (mut strength, mut direction) = (0.0, [0.0; 2]);
+    for sample in 0..5000 {
+        let made = film.sample_tiles(11, sample).expect("no tile has lost its sides");
+        for (tile, ideal) in made.iter().zip(film.tiles()) {
+            let turn = (tile.rotation() * ideal.rotation().inverse()).to_scaled_axis();
+            let found = [tile.position() - ideal.position(), turn, tile.size() - ideal.size()];
+            for (sums, found) in squares.iter_mut().zip(found) {
+                (0..3).for_each(|axis| sums[axis] += found[axis].powi(2));
+            }
+            let (j, ideal_j) = (tile.polarization_t(), ideal.polarization_t());
+            strength += (j.length() / ideal_j.length() - 1.0).powi(2);
+            let [first, second] = direction_axes(ideal).expect("J");
+            // A turn about one axis moves J along the other.
+            direction[0] += (j.normalize().dot(second)).powi(2);
+            direction[1] += (j.normalize().dot(first)).powi(2);
+            count += 1.0;
+        }
+    }
+    let allowed = 6.0 * (2.0_f64 / count).sqrt() + 1e-3;
+    for (squares, wanted) in squares.iter().zip([position, rotation, size]) {
+        for axis in 0..3 {
+            let ratio = squares[axis] / count / wanted[axis].powi(2);
+            assert!((ratio - 1.0).abs() < allowed, "{ratio} along {axis} of {wanted:?}");
+        }
+    }
+    let ratio = strength / count / strength_error.powi(2);
+    assert!((ratio - 1.0).abs() < allowed, "{ratio} of the strength");
+    for (squares, wanted) in direction.iter().zip(angles) {
+        let ratio = squares / count / wanted.powi(2);
+        assert!((ratio - 1.0).abs() < allowed, "{ratio} of a direction of {wanted}");
+    }
+}
+
+#[test]
+fn a_further_error_changes_no_other() {
+    let only_position = TileErrors { position_mm: normal([0.1; 3]), ..TileErrors::default() };
+    let both = TileErrors { strength: Distribution::normal(0.1), ..only_position.clone() };
+    let (one, other) = (film(&only_position).sample_tiles(5, 17), film(&both).sample_tiles(5, 17));
+    for (one, other) in one.expect("valid").iter().zip(&other.expect("valid")) {
+        assert_eq!(one.position(), other.position());
+        assert_ne!(one.polarization_t(), other.polarization_t());
+    }
+}
+
+/// Tiles that are cut, then laid, are those of the sample. A spare tile has errors of its own.
+#[test]
+fn tiles_are_cut_then_laid() {
+    let [position, rotation, size] = [normal([0.1; 3]), normal([0.05; 3]), normal([0.02; 3])];
+    let strength = Distribution::normal(0.1);
+    let direction_rad = [0.03, 0.02].map(Distribution::normal);
+    let errors = TileErrors { position_mm: position, rotation_rad: rotation, size_mm: size, strength, direction_rad };
+    let group = ErrorGroup { name: "row".to_owned(), tiles: vec![0, 2], errors: errors.clone() };
+    let film = film(&errors);
+    let tolerance = FilmTolerance { groups: vec![group], ..film.tolerance().clone() };
+    let film = RealFilm::new(film.tiles(), &tolerance);
+    let cut = film.cut_tiles(2, 9).expect("valid");
+    let (laid, sample) = (film.laid_tiles(&cut, 2, 9).expect("valid"), film.sample_tiles(2, 9).expect("valid"));
+    for (laid, sample) in laid.iter().zip(&sample) {
+        assert!(laid.position().distance(sample.position()) < 1e-14);
+        assert!(laid.size().distance(sample.size()) < 1e-14);
+        assert!(laid.polarization_t().distance(sample.polarization_t()) < 1e-14);
+        assert!(laid.rotation().dot(sample.rotation()).abs() > 1.0 - 1e-14);
+    }
+    let spare = film.spare_tile(1, 0, 2, 9).expect("valid");
+    assert_eq!(spare.position(), film.tiles()[1].position());
+    assert!(cut.iter().all(|tile| tile.polarization_t().distance(spare.polarization_t()) > 1e-4));
+}
+
+#[test]
+fn tiles_that_cannot_exist_are_faults() {
+    let errors = TileErrors { size_mm: normal([10.0; 3]), ..TileErrors::default() };
+    assert!((0..20).any(|sample| film(&errors).sample_tiles(1, sample).is_err()));
+}
+
+/// Distances within the group stay, distances to other tiles do not; strengths change by one factor.
+#[test]
+fn a_group_is_a_rigid_body_of_equal_strength_errors() {
+    let errors = TileErrors {
+        position_mm: normal([0.3; 3]),
+        rotation_rad: normal([0.2; 3]),
+        strength: Distribution::normal(0.1),
+        ..TileErrors::default()
+    };
+    let group = ErrorGroup { name: "row".to_owned(), tiles: vec![0, 1, 3], errors };
+    let tiles = film(&TileErrors::default()).tiles().to_vec();
+    let film = RealFilm::new(&tiles, &FilmTolerance { groups: vec![group], ..FilmTolerance::default() });
+    let made = film.sample_tiles(3, 4).expect("valid");
+    let distance = |tiles: &[Tile], a: usize, b: usize| tiles[a].position().distance(tiles[b].position());
+    for (a, b) in [(0, 1), (1, 3)] {
+        assert!((distance(&made, a, b) - distance(&tiles, a, b)).abs() < 1e-12);
+    }
+    assert!((distance(&made, 0, 2) - distance(&tiles, 0, 2)).abs() > 1e-3);
+    assert_eq!(made[2], tiles[2]);
+    let factor = |tile: usize| made[tile].polarization_t().length() / tiles[tile].polarization_t().length();
+    assert!((factor(0) - 1.0).abs() > 1e-3 && (factor(0) - factor(3)).abs() < 1e-12);
+    // The centre turns about itself, so that it has the errors of position alone.
+    let moved = |tile: usize| made[tile].position() - tiles[tile].position();
+    let mean = (moved(0) + moved(1) + moved(3)) / 3.0;
+    let alone = TileErrors { position_mm: normal([0.3; 3]), ..TileErrors::default() };
+    let group = ErrorGroup { name: "row".to_owned(), tiles: vec![0, 1, 3], errors: alone };
+    let shifted = RealFilm::new(&tiles, &FilmTolerance { groups: vec![group], ..FilmTolerance::default() });
+    let shift = shifted.sample_tiles(3, 4).expect("valid")[1].position() - tiles[1].position();
+    assert!(mean.distance(shift) < 1e-12, "{mean}, not {shift}");
+}
+
+/// Errors in the plane of the film keep J in it for tiles in any rotation about its normal.
+#[test]
+fn direction_errors_are_in_the_plane_of_the_film_and_out_of_it() {
+    let j_t = DVec3::new(0.3, -0.4, 0.0);
+    let turn = DQuat::from_rotation_z(0.7);
+    let tile = Tile::new(DVec3::ZERO, DVec3::ONE, j_t).and_then(|tile| tile.rotated(turn)).expect("valid");
+    let in_plane = turned_in_tile(&tile, [0.1, 0.0]);
+    assert!(in_plane.z.abs() < 1e-15 && (in_plane.angle_between(j_t) - 0.1).abs() < 1e-12);
+    let out = turned_in_tile(&tile, [0.0, 0.1]);
+    assert!((out.z.abs() - 0.5 * 0.1_f64.sin()).abs() < 1e-12, "{out}");
+}
