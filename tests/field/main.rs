@@ -18,6 +18,8 @@ mod one_tile;
 mod plan;
 /// The linear map from polarizations to B against scenes.
 mod polarization_map;
+/// Progress of evaluations, and their interruption by it.
+mod progress;
 /// Physical laws on random scenes.
 mod properties;
 /// Tolerances near the error bound of the exact field against the oracle.

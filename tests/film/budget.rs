@@ -47,7 +47,7 @@ fn parts_add_up_to_the_simulated_total() {
     for name in ["designed-displacement", "published-film"] {
         let layout = layout(name);
         with_budget(&layout, &tolerance(layout.tiles.len()), |budget, model, sampler| {
-            let check = model.check(sampler, 0..200).expect("samples");
+            let check = model.check(sampler, 0..200, || {}).expect("samples");
             let samples = sampler.errors_of_range(0..200).expect("samples");
             for (axis, of_axis) in budget.axes.iter().enumerate() {
                 let causes: f64 = of_axis.causes.iter().map(|share| share.contribution.total_mm2()).sum();
@@ -59,6 +59,8 @@ fn parts_add_up_to_the_simulated_total() {
                     samples.iter().map(|sample| sample.displacement_rmse_mm[axis].powi(2)).collect();
                 let n = squares.len() as f64;
                 let mean = squares.iter().sum::<f64>() / n;
+                let stated = check.axes[axis].sampled_mm2;
+                assert!((stated - mean).abs() < 1e-12 * mean, "{name}, {axis}: {stated}, not {mean}");
                 let deviation = (squares.iter().map(|square| (square - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
                 assert!((mean - total).abs() < 4.0 * deviation / n.sqrt(), "{name}, {axis}: {mean}, not {total}");
             }

@@ -93,7 +93,8 @@ fn model_is_valid_for_designed_films_with_errors_of_a_workshop() {
         .filter(|name| name.starts_with("designed-") || name.starts_with("robust-"));
     let mut count = 0;
     for name in names {
-        let check = with_model(&name, &errors(1.0), |model, sampler| model.check(sampler, 0..120).expect("samples"));
+        let check =
+            with_model(&name, &errors(1.0), |model, sampler| model.check(sampler, 0..120, || {}).expect("samples"));
         assert!(check.is_valid(), "{name}: {check:?}");
         count += 1;
     }
@@ -104,7 +105,7 @@ fn model_is_valid_for_designed_films_with_errors_of_a_workshop() {
 /// right to 2 %, but the variance of samples is larger by a tenth and more.
 #[test]
 fn model_of_the_published_film_has_its_mean_square_but_not_its_variance() {
-    let check = with_model("published-film", &errors(1.0), |model, sampler| model.check(sampler, 0..200));
+    let check = with_model("published-film", &errors(1.0), |model, sampler| model.check(sampler, 0..200, || {}));
     let check = check.expect("samples");
     for axis in check.axes {
         assert!(axis.mean_square_is_valid(), "{check:?}");
@@ -119,7 +120,7 @@ fn model_of_the_published_film_has_its_mean_square_but_not_its_variance() {
 #[test]
 fn model_is_not_valid_for_errors_twenty_times_larger() {
     let large = TileErrors { size_mm: errors(1.0).size_mm, ..errors(20.0) };
-    let check = with_model("designed-displacement", &large, |model, sampler| model.check(sampler, 0..60));
+    let check = with_model("designed-displacement", &large, |model, sampler| model.check(sampler, 0..60, || {}));
     let valid = check.map(|check| check.axes.map(|axis| axis.is_valid()));
     assert_eq!(valid, Ok([false; 3]));
 }

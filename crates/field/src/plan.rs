@@ -122,7 +122,7 @@ pub(crate) fn plan_on_grid(direct: &DirectSum, tree: &LazyTree, accuracy: Accura
     let Accuracy::Within(tolerance) = accuracy else {
         return Plan { parts: vec![exact(direct, grid.len())], exact_cost };
     };
-    let fits = GridFits::new(direct, tolerance, grid);
+    let fits = GridFits::new(direct, tolerance, grid, &|_| {});
     let mut parts: Vec<PlannedPart> = fits.fitted.iter().map(|(part, fit)| chebyshev(direct, *part, fit)).collect();
     let rest = fits.rest.iter().flat_map(|part| part.indices(grid));
     let points: Vec<DVec3> = rest.map(|index| grid.point(index)).collect();

@@ -2,13 +2,14 @@
 
 use fearless_simd::Level;
 use glam::{DMat3, DVec3};
-use magsplice_magnet::{Accuracy, Cause, Grid, MU_0, PointErrors, Quantity, Tile, Tolerance};
+use magsplice_magnet::{Accuracy, Cause, Grid, MU_0, PointError, PointErrors, Quantity, Tile, Tolerance};
 use magsplice_simd::{InstructionSet, MissingInstructions};
 
 use crate::direct::batches::none_or;
 use crate::direct::direct_sum::DirectSum;
 use crate::interpolation::fitted_field::{FittedField, FittedFieldError};
 use crate::plan::{Plan, plan_at_points, plan_on_grid};
+use crate::tolerances::GRID_POINTS_AT_ONCE;
 use crate::tree::lazy_tree::LazyTree;
 use crate::within::{at_points, on_grid};
 
@@ -146,12 +147,31 @@ impl Scene {
     /// # Panics
     /// If the two slices differ in length.
     pub fn field_into(&self, quantity: Quantity, points: &[DVec3], field: &mut [DVec3]) -> Result<(), PointErrors> {
+        self.field_with_progress(quantity, points, field, &|_| {})
+    }
+
+    /// The same as [`Scene::field_into`]. `progress` is told, from any thread, how many more points begin: at most
+    /// a few thousand at a time, or none where points begin anew with another model.
+    ///
+    /// # Errors
+    /// As [`Scene::field_into`].
+    ///
+    /// # Panics
+    /// If the two slices differ in length. A panic of `progress` ends the evaluation and reaches the caller, who
+    /// can interrupt it so.
+    pub fn field_with_progress(
+        &self,
+        quantity: Quantity,
+        points: &[DVec3],
+        field: &mut [DVec3],
+        progress: &(dyn Fn(usize) + Sync),
+    ) -> Result<(), PointErrors> {
         match self.tolerance_for(quantity) {
             Some(tolerance) => {
                 assert_eq!(points.len(), field.len(), "one value per point");
-                none_or(at_points(&self.direct, &self.tree, tolerance, quantity, points, field))
+                none_or(at_points(&self.direct, &self.tree, tolerance, quantity, points, field, progress))
             }
-            None => self.direct.exact_field_into(quantity, points, field),
+            None => self.direct.exact_field_with_progress(quantity, points, field, progress),
         }
     }
 
@@ -188,14 +208,37 @@ impl Scene {
     /// # Panics
     /// If `field` does not have one entry for each point.
     pub fn field_on_grid_into(&self, quantity: Quantity, grid: &Grid, field: &mut [DVec3]) -> Result<(), PointErrors> {
+        self.field_on_grid_with_progress(quantity, grid, field, &|_| {})
+    }
+
+    /// The same as [`Scene::field_on_grid_into`], with the progress of [`Scene::field_with_progress`]. Points that
+    /// are interpolated are told all at once.
+    ///
+    /// # Errors
+    /// As [`Scene::field_on_grid_into`].
+    ///
+    /// # Panics
+    /// If `field` does not have one entry for each point, and if `progress` does.
+    pub fn field_on_grid_with_progress(
+        &self,
+        quantity: Quantity,
+        grid: &Grid,
+        field: &mut [DVec3],
+        progress: &(dyn Fn(usize) + Sync),
+    ) -> Result<(), PointErrors> {
         assert_eq!(grid.len(), field.len(), "one value per point");
-        match self.tolerance_for(quantity) {
-            Some(tolerance) => none_or(on_grid(&self.direct, &self.tree, tolerance, quantity, grid, field)),
-            None => {
-                let points: Vec<DVec3> = grid.points().collect();
-                self.direct.exact_field_into(quantity, &points, field)
+        if let Some(tolerance) = self.tolerance_for(quantity) {
+            return none_or(on_grid(&self.direct, &self.tree, tolerance, quantity, grid, field, progress));
+        }
+        let mut errors = Vec::new();
+        for (number, field) in field.chunks_mut(GRID_POINTS_AT_ONCE).enumerate() {
+            let start = number * GRID_POINTS_AT_ONCE;
+            let points: Vec<DVec3> = (start..start + field.len()).map(|index| grid.point(index)).collect();
+            if let Err(PointErrors(found)) = self.direct.exact_field_with_progress(quantity, &points, field, progress) {
+                errors.extend(found.into_iter().map(|error| PointError { index: start + error.index, ..error }));
             }
         }
+        none_or(errors)
     }
 
     /// The gradient at one point: column j is the derivative along x_j, in the unit of the quantity

@@ -259,6 +259,10 @@ pub(crate) const REGROUPED_PARTS: usize = 100;
 /// Number of points among which neighbouring points are chosen. Their copies take a megabyte.
 pub(crate) const REGROUPED_POINTS: usize = 16_384;
 
+/// Number of points of a grid whose exact field is evaluated at a time. Their coordinates take 1.5 MB, and they
+/// give every thread batches enough.
+pub(crate) const GRID_POINTS_AT_ONCE: usize = 1 << 16;
+
 /// Number of batches for each thread, where there are enough points. More batches divide the work
 /// more evenly.
 pub(crate) const BATCHES_PER_THREAD: usize = 8;

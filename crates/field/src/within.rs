@@ -12,6 +12,7 @@ use glam::DVec3;
 use magsplice_magnet::{BoundingBox, Grid, MU_0, PointError, Quantity, Tolerance, is_in_range};
 use rayon::prelude::*;
 
+use crate::direct::batches::Progress;
 use crate::direct::direct_sum::DirectSum;
 use crate::interpolation::fitted_field::FittedField;
 use crate::interpolation::on_grid::GridFits;
@@ -31,10 +32,11 @@ pub(crate) fn at_points(
     quantity: Quantity,
     points: &[DVec3],
     field: &mut [DVec3],
+    progress: Progress,
 ) -> Vec<PointError> {
     let chunks = points.chunks(MAX_SORTED_POINTS).zip(field.chunks_mut(MAX_SORTED_POINTS)).enumerate();
     let errors = chunks.map(|(number, (points, field))| {
-        let mut errors = at_some_points(direct, tree, tolerance, quantity, points, field);
+        let mut errors = at_some_points(direct, tree, tolerance, quantity, points, field, progress);
         errors.iter_mut().for_each(|error| error.index += number * MAX_SORTED_POINTS);
         errors
     });
@@ -54,6 +56,7 @@ fn at_some_points(
     quantity: Quantity,
     points: &[DVec3],
     field: &mut [DVec3],
+    progress: Progress,
 ) -> Vec<PointError> {
     let usable: Vec<u32> = match fitted(direct, tolerance, points) {
         Some(fitted) => {
@@ -63,19 +66,24 @@ fn at_some_points(
                 field.par_iter_mut().for_each(|h| *h /= MU_0);
             }
             let weak: Vec<usize> = weak.into_iter().map(|error| error.index).collect();
-            return exact_at(direct, tolerance, quantity, points, &weak, field);
+            progress(points.len());
+            return exact_at(direct, tolerance, quantity, points, &weak, field, &|_| progress(0));
         }
         None if direct.tiles().len() < MIN_TREE_TILES => {
-            return direct.field_within_into(tolerance, quantity, points, field);
+            return direct.field_within_into(tolerance, quantity, points, field, progress);
         }
         None => (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect(),
     };
     if !tree_pays(direct, tolerance, points, &usable) {
-        return direct.field_within_into(tolerance, quantity, points, field);
+        return direct.field_within_into(tolerance, quantity, points, field, progress);
     }
-    let (mut errors, mut exact) = sum_over_tree(direct, tree.get(direct), tolerance, quantity, points, usable, field);
-    exact.extend((0..points.len()).filter(|&index| !is_in_range(points[index])));
-    errors.extend(exact_at(direct, tolerance, quantity, points, &exact, field));
+    let outside: Vec<usize> = (0..points.len()).filter(|&index| !is_in_range(points[index])).collect();
+    progress(outside.len());
+    let tiles = (direct, tree.get(direct));
+    let (mut errors, mut exact) = sum_over_tree(tiles, tolerance, quantity, points, usable, field, progress);
+    exact.extend(outside);
+    // All points have begun.
+    errors.extend(exact_at(direct, tolerance, quantity, points, &exact, field, &|_| progress(0)));
     errors.sort_by_key(|error| error.index);
     errors
 }
@@ -107,10 +115,11 @@ fn exact_at(
     points: &[DVec3],
     indices: &[usize],
     field: &mut [DVec3],
+    progress: Progress,
 ) -> Vec<PointError> {
     let chosen: Vec<DVec3> = indices.iter().map(|&index| points[index]).collect();
     let mut values = vec![DVec3::ZERO; chosen.len()];
-    let errors = direct.field_within_into(tolerance, quantity, &chosen, &mut values);
+    let errors = direct.field_within_into(tolerance, quantity, &chosen, &mut values, progress);
     for (&index, value) in indices.iter().zip(values) {
         field[index] = value;
     }
@@ -141,20 +150,22 @@ pub(crate) fn on_grid(
     quantity: Quantity,
     grid: &Grid,
     field: &mut [DVec3],
+    progress: Progress,
 ) -> Vec<PointError> {
-    let fits = GridFits::new(direct, tolerance, grid);
+    let fits = GridFits::new(direct, tolerance, grid, progress);
     if fits.fitted.is_empty() {
         let points: Vec<DVec3> = grid.points().collect();
-        return at_points(direct, tree, tolerance, quantity, &points, field);
+        return at_points(direct, tree, tolerance, quantity, &points, field, progress);
     }
     let rest = fits.evaluate(direct.level(), tolerance, grid, field);
+    progress(grid.len() - rest.len());
     if quantity == Quantity::FieldStrength {
         // No interpolated point is in a tile, so H is B / mu0.
         field.par_iter_mut().for_each(|h| *h /= MU_0);
     }
     let points: Vec<DVec3> = rest.iter().map(|&index| grid.point(index)).collect();
     let mut values = vec![DVec3::ZERO; points.len()];
-    let errors = at_points(direct, tree, tolerance, quantity, &points, &mut values);
+    let errors = at_points(direct, tree, tolerance, quantity, &points, &mut values, progress);
     for (&index, value) in rest.iter().zip(values) {
         field[index] = value;
     }

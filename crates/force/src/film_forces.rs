@@ -50,8 +50,8 @@ pub enum FilmForcesError {
 
 impl FilmForces {
     /// The loads of all pairs. `tolerance` is that of [`pair_loads`], for tiles that are turned against
-    /// each other. `progress` is told, from any thread, when the pairs of a tile with later ones are
-    /// done.
+    /// each other. `progress` is told, from any thread, when the pairs of a tile with later ones
+    /// begin. A panic of it ends the work and reaches the caller.
     ///
     /// # Errors
     /// Too many tiles; turned tiles so close that their force does not converge.
@@ -63,8 +63,8 @@ impl FilmForces {
 
     /// The loads of all pairs of tiles that are divided into cells, such as tiles whose polarization follows the
     /// field. `owners` holds the index of the tile of each cell, in ascending order. Torques are about the
-    /// centres of the tiles. `progress` is told, from any thread, when the pairs of a tile with later ones are
-    /// known.
+    /// centres of the tiles. `progress` is told, from any thread, when the pairs of a tile with later ones
+    /// begin.
     ///
     /// `tiles` have the mean polarization of their cells, which takes the place of the cells for tiles that are
     /// farther apart than one and a half times the sum of half their diagonals.
@@ -116,11 +116,10 @@ impl FilmForces {
             return Err(FilmForcesError::TooManyTiles { count, most: MOST_TILES });
         }
         let of_first = |first: usize| {
+            progress();
             let of_second =
                 |second| loads_of(first, second).map_err(|source| FilmForcesError::Pair { first, second, source });
-            let row = (first + 1..count).map(of_second).collect::<Result<Vec<[Load; 2]>, _>>()?;
-            progress();
-            Ok(row)
+            (first + 1..count).map(of_second).collect::<Result<Vec<[Load; 2]>, _>>()
         };
         let rows: Vec<Vec<[Load; 2]>> = (0..count).into_par_iter().map(of_first).collect::<Result<_, _>>()?;
         let mut loads = vec![Load::ZERO; count * count];

@@ -61,15 +61,14 @@ pub struct LeastHolding {
 
 impl LeastHolding {
     /// Searches the order with the least holding, and a bound that no order is below. Results do not
-    /// depend on the number of threads. `progress` is told when a run ends, from any thread.
+    /// depend on the number of threads. `progress` is told when a run begins, from any thread.
     pub fn search(forces: &FilmForces, settings: &OrderSettings, progress: impl Fn() + Sync) -> LeastHolding {
         let greedy = ordered(forces, greedy(forces));
         let runs: Vec<LayingOrder> = (0..settings.runs as u64)
             .into_par_iter()
             .map(|run| {
-                let found = ordered(forces, Annealing::new(forces, greedy.tiles()).run(settings, run));
                 progress();
-                found
+                ordered(forces, Annealing::new(forces, greedy.tiles()).run(settings, run))
             })
             .collect();
         let least = |best: LayingOrder, next: &LayingOrder| {

@@ -1,6 +1,7 @@
 //! Outcomes of the expectations of a film.
 
 use std::cell::OnceCell;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use magsplice_expect::{Baseline, Clearance, Expectation, Outcome};
 use magsplice_tolerance::{FilmErrors, Sampler};
@@ -88,17 +89,12 @@ impl Film<'_> {
         let no_sample = |sample, error| FilmError::Sample { sample, error };
         let sampler =
             Sampler::new(&film, &volume, self.ideal()?, tolerance.seed).map_err(|error| no_sample(0, error))?;
-        let mut errors = Vec::new();
-        while errors.len() < count as usize {
-            let done = errors.len();
-            self.tell(Stage { name: "films", done, of: Some(count as usize), unit: "samples" });
-            let next = done as u64;
-            let found = sampler.errors_of_range(next..count.min(next + STRETCH_SAMPLES));
-            errors.extend(found.map_err(|(sample, error)| no_sample(sample, error))?);
-        }
-        Ok(errors)
+        let (done, of) = (AtomicUsize::new(0), Some(count as usize));
+        let counted = || {
+            let done = done.fetch_add(1, Ordering::Relaxed);
+            self.tell(Stage { name: "films", done, of, unit: "samples" });
+        };
+        let errors = sampler.errors_of_range_with_progress(0..count, counted);
+        errors.map_err(|(sample, error)| no_sample(sample, error))
     }
 }
-
-/// Number of samples between progress callbacks: about a tenth of a second for the published film.
-const STRETCH_SAMPLES: u64 = 256;

@@ -1,5 +1,7 @@
 //! A film: a layout evaluated step by step, from field to comparison and decoupling.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use glam::DVec3;
 use magsplice_decouple::{Decoupling, PointDecoupling};
 use magsplice_field::Scene;
@@ -13,12 +15,8 @@ use crate::film_error::FilmError;
 use crate::film_recoil::FilmRecoil;
 use crate::stage::Stage;
 
-/// Least and largest number of points evaluated between progress callbacks. The least gives work to
-/// every thread and room to sort points into batches of neighbours.
-const STRETCH_POINTS: [usize; 2] = [1 << 14, 1 << 16];
-/// Number of pairs of tile and point evaluated between progress callbacks, within these limits:
-/// about a tenth of a second.
-const STRETCH_VALUES: usize = 1 << 24;
+/// Number of pairs of tile and point between progress callbacks: about a tenth of a second of one thread.
+const PAIRS_BETWEEN_CALLS: usize = 1 << 24;
 
 /// A layout with its tiles prepared for evaluation. Lengths in millimetres, flux density in tesla.
 ///
@@ -70,21 +68,17 @@ impl<'a> Film<'a> {
     /// [`FilmError::Recoil`] if tiles have a recoil permeability and their polarization is not known to the
     /// stated error.
     pub fn new(layout: &'a Layout) -> Result<Film<'a>, FilmError> {
-        Film::prepared(layout, None)
+        Ok(Film::with_recoil(layout, FilmRecoil::new(layout, &|_| {})?))
     }
 
-    /// Prepares the tiles of a layout, and calls `progress` between parts of this and all later work. The
-    /// callback must be short.
+    /// Prepares the tiles of a layout, and calls `progress` between parts of this and all later work, see
+    /// [`Film::telling`].
     ///
     /// # Errors
     /// As [`Film::new`].
     pub fn with_progress(layout: &'a Layout, progress: &'a (dyn Fn(Stage) + Sync)) -> Result<Film<'a>, FilmError> {
-        Film::prepared(layout, Some(progress))
-    }
-
-    fn prepared(layout: &'a Layout, progress: Option<&'a (dyn Fn(Stage) + Sync)>) -> Result<Film<'a>, FilmError> {
-        let recoil = FilmRecoil::new(layout, progress.unwrap_or(&|_| {}))?;
-        Ok(Film { progress, ..Film::with_recoil(layout, recoil) })
+        let recoil = FilmRecoil::new(layout, progress)?;
+        Ok(Film::with_recoil(layout, recoil).telling(progress))
     }
 
     /// The film whose tiles have the polarization that an earlier film found, see [`Film::recoil`]. Layouts of
@@ -105,6 +99,12 @@ impl<'a> Film<'a> {
     /// The same film, whose fields of the working volume have this accuracy. A new film is exact.
     pub fn with_accuracy(self, accuracy: Accuracy) -> Film<'a> {
         Film { scene: self.scene.with_accuracy(accuracy), ..self }
+    }
+
+    /// The same film, which calls `progress` between parts of its work, from any thread. The callback must be
+    /// short. A panic of it ends the work and reaches the caller, who can interrupt the work so.
+    pub fn telling(self, progress: &'a (dyn Fn(Stage) + Sync)) -> Film<'a> {
+        Film { progress: Some(progress), ..self }
     }
 
     /// Calls the progress callback, if there is one.
@@ -198,14 +198,9 @@ impl<'a> Film<'a> {
     pub fn volume_field_t(&self) -> Result<Vec<DVec3>, FilmError> {
         let grid = &self.volume()?.grid;
         let mut field = vec![DVec3::ZERO; grid.len()];
-        let evaluated = match self.scene.accuracy() {
-            Accuracy::Exact => self.exact_field_t(|index| grid.point(index), &mut field),
-            // Fields to a tolerance are chosen for the grid as a whole.
-            Accuracy::Within(_) => {
-                self.tell(Stage::uncounted("field"));
-                self.scene.field_on_grid_into(Quantity::FluxDensity, grid, &mut field)
-            }
-        };
+        let evaluated = self.with_counted_points(grid.len(), |progress| {
+            self.scene.field_on_grid_with_progress(Quantity::FluxDensity, grid, &mut field, progress)
+        });
         evaluated.map(|()| field).map_err(FilmError::Points)
     }
 
@@ -215,33 +210,26 @@ impl<'a> Film<'a> {
     /// [`FilmError::Points`] if the field does not exist at some of the points.
     pub fn field_at_t(&self, points: &[DVec3]) -> Result<Vec<DVec3>, FilmError> {
         let mut field = vec![DVec3::ZERO; points.len()];
-        let evaluated = match self.scene.accuracy() {
-            Accuracy::Exact => self.exact_field_t(|index| points[index], &mut field),
-            // Fields to a tolerance are chosen for the points as a whole.
-            Accuracy::Within(_) => {
-                self.tell(Stage::uncounted("field"));
-                self.scene.field_into(Quantity::FluxDensity, points, &mut field)
-            }
-        };
+        let evaluated = self.with_counted_points(points.len(), |progress| {
+            self.scene.field_with_progress(Quantity::FluxDensity, points, &mut field, progress)
+        });
         evaluated.map(|()| field).map_err(FilmError::Points)
     }
 
-    /// Evaluates points in stretches, with progress callbacks between them. No digit depends on the
-    /// stretches.
-    fn exact_field_t(&self, point: impl Fn(usize) -> DVec3, field: &mut [DVec3]) -> Result<(), PointErrors> {
-        let total = field.len();
-        let [least, most] = STRETCH_POINTS;
-        let stretch = (STRETCH_VALUES / self.scene.tile_count().max(1)).clamp(least, most);
-        let mut errors = Vec::new();
-        for (number, field) in field.chunks_mut(stretch).enumerate() {
-            let start = number * stretch;
-            self.tell(Stage { name: "field", done: start, of: Some(total), unit: "points" });
-            let points: Vec<DVec3> = (start..start + field.len()).map(&point).collect();
-            if let Err(PointErrors(found)) = self.scene.field_into(Quantity::FluxDensity, &points, field) {
-                errors.extend(found.into_iter().map(|error| PointError { index: start + error.index, ..error }));
+    /// Evaluates `of` points with a callback that is told, from any thread, how many more begin. The progress
+    /// callback of the film is called from time to time.
+    pub fn with_counted_points<T>(&self, of: usize, evaluate: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
+        let between = (PAIRS_BETWEEN_CALLS / self.scene.tile_count().max(1)).max(1);
+        let done = AtomicUsize::new(0);
+        let tell = |done: usize| self.tell(Stage { name: "field", done, of: Some(of), unit: "points" });
+        tell(0);
+        evaluate(&|points| {
+            let before = done.fetch_add(points, Ordering::Relaxed);
+            let after = before + points;
+            if before / between < after / between {
+                tell(after);
             }
-        }
-        if errors.is_empty() { Ok(()) } else { Err(PointErrors(errors)) }
+        })
     }
 
     /// The comparison of a field with the ideal film (Dai 2024, Eq. 2) over the working volume.
@@ -331,28 +319,28 @@ mod tests {
         Layout::parse(&text, "layout").unwrap()
     }
 
-    /// The field from the film, and from its scene for all points at once.
+    /// The field from the film on its grid, and from its scene at the points of the grid.
     fn both(layout: &Layout, accuracy: Accuracy) -> [Result<Vec<DVec3>, FilmError>; 2] {
         let film = Film::new(layout).unwrap().with_accuracy(accuracy);
         let grid = &film.volume().unwrap().grid;
-        let mut field = vec![DVec3::ZERO; grid.len()];
-        let at_once = film.scene().field_on_grid_into(Quantity::FluxDensity, grid, &mut field);
-        [film.volume_field_t(), at_once.map(|()| field).map_err(FilmError::Points)]
+        let at_once = match accuracy {
+            Accuracy::Exact => film.scene().field_at(Quantity::FluxDensity, &grid.points().collect::<Vec<DVec3>>()),
+            Accuracy::Within(_) => film.scene().field_on_grid(Quantity::FluxDensity, grid),
+        };
+        [film.volume_field_t(), at_once.map_err(FilmError::Points)]
     }
 
     #[test]
-    fn stretches_change_no_digit_and_no_error() {
+    fn parts_of_a_grid_change_no_digit_and_no_error() {
         let below = layout(-6.0);
         for accuracy in [Accuracy::Exact, Accuracy::Within(Tolerance::relative(1e-6).unwrap())] {
             let [film, scene] = both(&below, accuracy);
             assert!(film.is_ok() && film == scene);
         }
-        // Edges of the tile are among the points.
+        // Edges of the tile are among the points, in more than one part of the grid.
         let [film, scene] = both(&layout(-3.5), Accuracy::Exact);
         let Err(FilmError::Points(errors)) = &film else { panic!("{film:?}") };
-        assert!(
-            errors.0.first().unwrap().index < STRETCH_POINTS[1] && errors.0.last().unwrap().index > STRETCH_POINTS[1]
-        );
+        assert!(errors.0.first().unwrap().index < 1 << 16 && errors.0.last().unwrap().index > 1 << 16);
         assert_eq!(film, scene);
     }
 
@@ -367,17 +355,18 @@ mod tests {
     }
 
     #[test]
-    fn progress_is_reported_between_stretches() {
+    fn progress_is_told_from_time_to_time() {
         let layout = layout(-6.0);
         let told = Mutex::new(Vec::new());
         let progress = |stage: Stage| told.lock().unwrap().push(stage);
         let film = Film::with_progress(&layout, &progress).unwrap();
         film.volume_field_t().unwrap();
-        let stage = |done| Stage { name: "field", done, of: Some(132_651), unit: "points" };
-        assert_eq!(*told.lock().unwrap(), [stage(0), stage(65_536), stage(131_072)]);
+        let stage = |done, of| Stage { name: "field", done, of: Some(of), unit: "points" };
+        // Its single tile is evaluated in less than a tenth of a second.
+        assert_eq!(*told.lock().unwrap(), [stage(0, 132_651)]);
         told.lock().unwrap().clear();
-        let film = film.with_accuracy(Accuracy::Within(Tolerance::relative(1e-6).unwrap()));
-        film.volume_field_t().unwrap();
-        assert_eq!(*told.lock().unwrap(), [Stage::uncounted("field")]);
+        film.with_counted_points(1 << 30, |progress| (0..4).for_each(|_| progress(PAIRS_BETWEEN_CALLS / 2)));
+        let [first, second] = [1, 2].map(|calls| stage(calls * PAIRS_BETWEEN_CALLS, 1 << 30));
+        assert_eq!(*told.lock().unwrap(), [stage(0, 1 << 30), first, second]);
     }
 }

@@ -1,5 +1,7 @@
 //! Where the displacement error of the films that are made comes from.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use magsplice_layout::Layout;
 use magsplice_tolerance::{
     AxisBudget, Budget, Cause, EndlessPattern, EndlessPatternError, FilmErrors, FirstOrder, FirstOrderCheck,
@@ -8,6 +10,7 @@ use magsplice_tolerance::{
 
 use crate::film::Film;
 use crate::film_error::FilmError;
+use crate::stage::Stage;
 
 /// The error budget of a film, and whether the first order holds.
 #[derive(Clone, Debug)]
@@ -22,8 +25,6 @@ pub struct FilmBudget<'a> {
     pub is_first_order: bool,
     /// Why the error of the splicing pattern is not known, if it is not.
     pub no_pattern: Option<EndlessPatternError>,
-    /// Mean squares along x, y, z of exact samples, in mm^2.
-    pub sampled_mm2: [f64; 3],
 }
 
 /// A part of a budget.
@@ -49,25 +50,20 @@ impl<'a> Film<'a> {
             EndlessPattern::new(&in_film, ideal).and_then(|pattern| pattern.errors(&volume));
         let model = FirstOrder::new(&real, &volume, ideal).map_err(|error| of_sample((0, error)))?;
         let sampler = Sampler::new(&real, &volume, ideal, seed).map_err(|error| of_sample((0, error)))?;
-        let check = model.check(&sampler, 0..samples).map_err(of_sample)?;
-        let errors = sampler.errors_of_range(0..samples).map_err(of_sample)?;
-        let mean_square = |axis: usize| {
-            errors.iter().map(|errors| errors.displacement_rmse_mm[axis].powi(2)).sum::<f64>() / samples as f64
+        let done = AtomicUsize::new(0);
+        let counted = || {
+            let done = done.fetch_add(1, Ordering::Relaxed);
+            self.tell(Stage { name: "budget", done, of: None, unit: "samples" });
         };
+        let check = model.check(&sampler, 0..samples, counted).map_err(of_sample)?;
         let is_first_order = check.axes.iter().all(|axis| axis.mean_square_is_valid());
         let budget = if is_first_order {
             Budget::new(&model, pattern.as_ref().ok())
         } else {
-            Budget::from_samples(&real, &volume, ideal, pattern.as_ref().ok(), seed, 0..samples).map_err(of_sample)?
+            let pattern = pattern.as_ref().ok();
+            Budget::from_samples(&real, &volume, ideal, pattern, seed, 0..samples, counted).map_err(of_sample)?
         };
-        Ok(FilmBudget {
-            layout: self.layout(),
-            budget,
-            check,
-            is_first_order,
-            no_pattern: pattern.err(),
-            sampled_mm2: [0, 1, 2].map(mean_square),
-        })
+        Ok(FilmBudget { layout: self.layout(), budget, check, is_first_order, no_pattern: pattern.err() })
     }
 }
 
@@ -107,6 +103,11 @@ impl FilmBudget<'_> {
     pub fn compensated_pattern_mm2(&self) -> Option<[f64; 3]> {
         let mut ends = self.budget.axes.iter().filter_map(AxisBudget::finite_film_mm2);
         self.endless_pattern_mm2().filter(|_| ends.any(|square| square < 0.0))
+    }
+
+    /// Mean squares along x, y, z of exact samples, in mm^2.
+    pub fn sampled_mm2(&self) -> [f64; 3] {
+        self.check.axes.map(|axis| axis.sampled_mm2)
     }
 
     /// The sum of all parts along x, y, z.

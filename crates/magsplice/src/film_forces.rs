@@ -56,7 +56,7 @@ impl Film<'_> {
         let passes = if layout.has_recoil() { 1 + RECOIL_LEVELS.len() } else { 1 };
         let (done, of) = (AtomicUsize::new(0), Some(passes * tiles.len()));
         let counted = || {
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            let done = done.fetch_add(1, Ordering::Relaxed);
             self.tell(Stage { name: "forces", done, of, unit: "tiles" });
         };
         let failed = |error: FilmForcesError| {
@@ -73,7 +73,8 @@ impl Film<'_> {
         }
         let recoil_tiles = recoil_tiles(layout, None);
         let at_level = |level: usize| {
-            let solved = Magnetization::solve(&recoil_tiles, level, || {})
+            let stage = Stage { name: "polarization, level", done: level, of: None, unit: "" };
+            let solved = Magnetization::solve(&recoil_tiles, level, |_| self.tell(stage))
                 .map_err(|error| FilmError::from_recoil(RefinementError::Recoil(error), layout))?;
             let means = solved.mean_tiles();
             let loads = FilmForces::of_cells(&means, solved.cells(), solved.owners(), turned_error, counted);
@@ -111,7 +112,7 @@ mod tests {
         let force = |permeability| {
             let layout = layout(permeability, "position_mm = [1.1, 0, 0]");
             let found = Film::rigid(&layout).forces(1e-9).unwrap();
-            let finer = Magnetization::solve(&recoil_tiles(&layout, None), 6, || {}).unwrap();
+            let finer = Magnetization::solve(&recoil_tiles(&layout, None), 6, |_| {}).unwrap();
             let finer = FilmForces::of_cells(&finer.mean_tiles(), finer.cells(), finer.owners(), 1e-9, || {}).unwrap();
             (found.loads.by_one(0, 1).force.x, finer.by_one(0, 1).force.x, found.recoil)
         };

@@ -102,12 +102,13 @@ impl FilmRecoil {
             );
             values
         };
-        progress(Stage::uncounted("what recoil changes, to first order"));
+        let first_order = Stage::uncounted("what recoil changes, to first order");
+        progress(first_order);
         let of_field = 3 * points.len();
         let bare = layout.bare_tiles();
         let rigid = quantity(&bare);
-        let first_order =
-            Magnetization::first_order(&tiles, 1, || {}).map_err(|error| failed(RefinementError::Recoil(error)))?;
+        let first_order = Magnetization::first_order(&tiles, 1, |_| progress(first_order))
+            .map_err(|error| failed(RefinementError::Recoil(error)))?;
         let change_t = largest_vector(&differences(&quantity(first_order.cells())[..of_field], &rigid[..of_field]));
         let mut tolerances = vec![f64::INFINITY; rigid.len()];
         tolerances[..of_field].fill(TOLERANCE_MARGIN * layout.material.recoil_error * change_t);
@@ -205,7 +206,7 @@ impl RecoilEstimate {
             return Ok(None);
         };
         let tiles = recoil_tiles(layout, (!stated).then_some(permeability));
-        let estimate = Magnetization::first_order(&tiles, 1, || {})
+        let estimate = Magnetization::first_order(&tiles, 1, |_| {})
             .map_err(|error| FilmError::from_recoil(RefinementError::Recoil(error), layout))?;
         let figures = [&layout.bare_tiles()[..], estimate.cells()].map(|tiles| grid.figures(&Scene::new(tiles)));
         let [Some(rigid), Some(recoil)] = figures else { return Ok(None) };

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 
 use crate::exceptions::of_film;
 use crate::film::Film;
+use crate::interruption::Interruption;
 use crate::vectors::Triple;
 
 /// Names with values along x, y, z.
@@ -35,8 +36,10 @@ pub(crate) fn budget(
     samples: u64,
 ) -> PyResult<BudgetNumbers> {
     let layout = film.layout_with_errors(preset)?;
-    let film = film.with_tables(py, &layout)?;
-    let found = py.detach(|| film.budget(seed, samples)).map_err(of_film)?;
+    let interruption = Interruption::default();
+    let progress = |_| interruption.poll();
+    let film = film.with_tables(py, &layout)?.telling(&progress);
+    let found = interruption.run(py, || film.budget(seed, samples))?.map_err(of_film)?;
     let ratio = |Estimate { value, interval: [low, high] }| (value, low, high);
     let budget = &found.budget;
     Ok(BudgetNumbers {
@@ -44,7 +47,7 @@ pub(crate) fn budget(
         parts: found.parts().into_iter().map(|part| (part.name, part.mean_squares_mm2.into())).collect(),
         endless_pattern_mm2: found.endless_pattern_mm2().map(Into::into),
         total_mm2: found.totals_mm2().into(),
-        sampled_mm2: found.sampled_mm2.into(),
+        sampled_mm2: found.sampled_mm2().into(),
         mean_square_ratio: found.check.axes.map(|axis| axis.mean_square_ratio.map(ratio)).into(),
         worth_halving: budget.causes.iter().map(|item| (found.cause(item.cause), item.saved_mm2.into())).collect(),
         tiles_worth_halving: budget

@@ -7,6 +7,7 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 
 use crate::film::Film;
+use crate::interruption::Interruption;
 use crate::vectors::{Triple, vectors};
 
 /// An expectation with its outcome, with the fields of the Python class.
@@ -42,8 +43,10 @@ pub(crate) fn check(
         Ok::<_, PyErr>(Baseline { points: vectors(points)?.to_vec(), field_t: vectors(field_t)?.to_vec() })
     });
     let held = held.transpose()?;
-    let evaluated = film.evaluated(py)?;
-    let outcomes = py.detach(|| evaluated.outcomes(held.as_ref()));
+    let interruption = Interruption::default();
+    let progress = |_| interruption.poll();
+    let evaluated = film.evaluated(py)?.telling(&progress);
+    let outcomes = interruption.run(py, || evaluated.outcomes(held.as_ref()))?;
     let numbers = outcomes.into_iter().map(|(expectation, outcome)| OutcomeNumbers {
         expectation: expectation.to_string(),
         ..match outcome {

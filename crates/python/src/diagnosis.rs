@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 
 use crate::exceptions::of_film;
 use crate::film::Film;
+use crate::interruption::Interruption;
 use crate::vectors::{Triple, vectors};
 
 /// Index and kind of an error of a tile.
@@ -63,8 +64,11 @@ pub(crate) fn diagnose<'py>(
     let [strength, offset, rotation, start] = free;
     let free = FreeParameters { strength, offset, rotation, start };
     let noise = noise_t.map(|deviation_t| Noise { deviation_t: deviation_t.into() });
-    let rigid = magsplice::Film::rigid(&layout);
-    let found = py.detach(|| rigid.diagnose(points, readings_t, noise, free, false_alarm)).map_err(of_film)?;
+    let interruption = Interruption::default();
+    let progress = |_| interruption.poll();
+    let film = film.with_tables(py, &layout)?.telling(&progress);
+    let diagnose = || film.diagnose(points, readings_t, noise, free, false_alarm);
+    let found = interruption.run(py, diagnose)?.map_err(of_film)?;
     let errors = PyArray2::zeros(py, [found.errors.len(), TileErrors::COUNT], false);
     errors.readwrite().as_slice_mut()?.copy_from_slice(found.errors.as_flattened());
     Ok(DiagnosisNumbers {

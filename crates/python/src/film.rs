@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 use crate::exceptions::{failed, of_film, of_layout};
+use crate::interruption::Interruption;
 use crate::scene::Scene;
 use crate::vectors::{Triple, rows_of, vectors, written_rows};
 
@@ -186,7 +187,10 @@ impl From<Layout> for Film {
 impl Film {
     fn prepared(&self, py: Python<'_>) -> PyResult<&Prepared> {
         self.prepared.get_or_try_init(py, || {
-            let film = py.detach(|| magsplice::Film::new(&self.layout)).map_err(of_film)?;
+            let interruption = Interruption::default();
+            let progress = |_| interruption.poll();
+            let prepare = || magsplice::Film::with_progress(&self.layout, &progress);
+            let film = interruption.run(py, prepare)?.map_err(of_film)?;
             Ok(Prepared { recoil: film.recoil().cloned(), scene: Py::new(py, Scene::from(film.scene().clone()))? })
         })
     }

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 
 use crate::exceptions::{bad_value, of_film};
 use crate::film::Film;
+use crate::interruption::Interruption;
 use crate::vectors::rows_of;
 
 /// From T^2 mm^2 / mu0 to N, and from T^2 mm^3 / mu0 to N mm.
@@ -38,8 +39,11 @@ pub(crate) struct OrderNumbers<'py> {
 impl Forces {
     #[new]
     fn new(py: Python<'_>, film: &Film, turned_error: f64) -> PyResult<Forces> {
-        let film = film.evaluated(py)?;
-        let SolvedForces { loads: pairs, recoil } = py.detach(|| film.forces(turned_error)).map_err(of_film)?;
+        let interruption = Interruption::default();
+        let progress = |_| interruption.poll();
+        let film = film.evaluated(py)?.telling(&progress);
+        let SolvedForces { loads: pairs, recoil } =
+            interruption.run(py, || film.forces(turned_error))?.map_err(of_film)?;
         Ok(Forces { pairs, recoil })
     }
 
@@ -60,10 +64,12 @@ impl Forces {
     }
 
     /// The order with the least holding that is found.
-    fn least_order<'py>(&self, py: Python<'py>, seed: u64) -> OrderNumbers<'py> {
+    fn least_order<'py>(&self, py: Python<'py>, seed: u64) -> PyResult<OrderNumbers<'py>> {
         let settings = OrderSettings { seed, ..OrderSettings::default() };
-        let found = py.detach(|| LeastHolding::search(&self.pairs, &settings, || {}));
-        self.numbers(py, &found.order, Some(&found))
+        let interruption = Interruption::default();
+        let search = || LeastHolding::search(&self.pairs, &settings, || interruption.poll());
+        let found = interruption.run(py, search)?;
+        Ok(self.numbers(py, &found.order, Some(&found)))
     }
 }
 

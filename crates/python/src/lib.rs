@@ -2,7 +2,7 @@
 //!
 //! The package in `python/magsplice` is what people import. It gives this module contiguous arrays of
 //! doubles and makes results into classes. Here arrays are viewed in place, the interpreter is released
-//! during work, and signals are polled between stretches of work.
+//! during work, and signals are polled.
 
 // Methods of a Python class take `&self` and values as Python passes them.
 #![allow(clippy::needless_pass_by_value)]
@@ -21,6 +21,8 @@ mod exceptions;
 mod film;
 /// Forces of tiles on each other.
 mod forces;
+/// Ctrl-C during work.
+mod interruption;
 /// Positions and forces from readings.
 mod readings;
 /// What recoil changes in a film.

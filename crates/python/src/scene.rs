@@ -10,6 +10,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::exceptions::{bad_value, of_points};
+use crate::interruption::Interruption;
 use crate::vectors::{numbers, vectors, written_gradients, written_rows};
 
 /// Number of pairs of tile and point between two polls for signals: about a tenth of a second.
@@ -108,9 +109,9 @@ impl Scene {
             }
             // The models are chosen for the grid as a whole.
             Accuracy::Within(_) => {
-                let result = py.detach(|| scene.field_on_grid_into(quantity, &grid, field));
-                py.check_signals()?;
-                Ok(result.err().map(|errors| of_points(&errors)))
+                let interruption = Interruption::default();
+                let evaluate = || scene.field_on_grid_with_progress(quantity, &grid, field, &|_| interruption.poll());
+                Ok(interruption.run(py, evaluate)?.err().map(|errors| of_points(&errors)))
             }
         })
     }

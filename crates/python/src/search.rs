@@ -1,10 +1,7 @@
 //! Searches for films.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::thread;
-use std::time::Duration;
 
 use magsplice::design::{
     DesignProblem, MadeErrors, MadeFilms, Metrics, ProgressUpdate, SearchResult, SpliceRequest, StageMetrics,
@@ -15,11 +12,9 @@ use pyo3::prelude::*;
 
 use crate::exceptions::{failed, of_layout};
 use crate::film::Film;
+use crate::interruption::Interruption;
 use crate::samples::StatisticsNumbers;
 use crate::vectors::Triple;
-
-/// Time between two polls for signals.
-const POLL: Duration = Duration::from_millis(50);
 
 /// Name and version in the history of layouts.
 const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " design");
@@ -110,23 +105,20 @@ pub(crate) fn design(
             _ => DesignProblem::new(layout),
         })
         .map_err(failed)?;
-    let last = Mutex::new(None);
-    let result = interruptible(
-        py,
-        |stop| {
-            problem.search(&|update| {
-                *last.lock().unwrap_or_else(PoisonError::into_inner) = Some(update);
-                if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            })
-        },
-        || match (&progress, last.lock().unwrap_or_else(PoisonError::into_inner).take()) {
-            (Some(call), Some(ProgressUpdate { stage, done, of, best })) => {
-                call.call1((stage.name(), done, of, best)).map(|_| ())
-            }
-            _ => Ok(()),
-        },
-    )?
-    .map_err(failed)?;
+    let (interruption, last) = (Interruption::default(), Mutex::new(None));
+    let search = || {
+        problem.search(&|update| {
+            *last.lock().unwrap_or_else(PoisonError::into_inner) = Some(update);
+            if interruption.has_begun() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
+    };
+    let tell = || match (&progress, last.lock().unwrap_or_else(PoisonError::into_inner).take()) {
+        (Some(call), Some(ProgressUpdate { stage, done, of, best })) => {
+            call.call1((stage.name(), done, of, best)).map(|_| ())
+        }
+        _ => Ok(()),
+    };
+    let result = interruption.run_and_tell(py, search, tell)?.map_err(failed)?;
     let text = problem.designed_layout(&result, PROGRAM).to_compact_toml();
     let SearchResult { before, after, finer, made, stages, parts, agreeing_starts, short_of, .. } = result;
     Ok(DesignNumbers {
@@ -195,36 +187,4 @@ pub(crate) fn splice(
     let text = layout.to_compact_toml();
     Layout::parse(&text, "the pattern").map_err(of_layout)?;
     Ok(text)
-}
-
-/// Does work in a thread while this one polls for signals and calls `tell`. An exception sets the flag that
-/// the work polls, and is raised when the work has ended.
-fn interruptible<T: Send>(
-    py: Python<'_>,
-    work: impl FnOnce(&AtomicBool) -> T + Send,
-    tell: impl Fn() -> PyResult<()>,
-) -> PyResult<T> {
-    let stop = AtomicBool::new(false);
-    let poller = thread::current();
-    thread::scope(|scope| {
-        let stop = &stop;
-        let worker = scope.spawn(move || {
-            let result = work(stop);
-            poller.unpark();
-            result
-        });
-        let mut exception = None;
-        while !worker.is_finished() {
-            py.detach(|| thread::park_timeout(POLL));
-            if let Err(error) = py.check_signals().and_then(|()| tell()) {
-                stop.store(true, Ordering::Relaxed);
-                exception.get_or_insert(error);
-            }
-        }
-        match (worker.join(), exception) {
-            (Ok(_), Some(exception)) => Err(exception),
-            (Ok(result), None) => Ok(result),
-            (Err(panic), _) => std::panic::resume_unwind(panic),
-        }
-    })
 }

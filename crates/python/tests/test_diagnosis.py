@@ -66,6 +66,19 @@ def test_ordinary_errors_are_not_named(published, scan):
     assert [wrong.tile for wrong in as_ordered.wrong[:2]] == ["film-x2-y7", "film-x6-y1"]
 
 
+def test_weak_tile_among_tiles_with_recoil_is_named_alone(published):
+    ordered = published.replace(material={"recoil_permeability": 1.05}, expect=None)
+    tiles = list(published.tiles)
+    tiles[10] = tiles[10]._replace(polarization_t=[0.95 * j for j in tiles[10].polarization_t])
+    x = np.linspace(-10, 10, 21)
+    points = np.stack(np.meshgrid(x, x, [-2.0], indexing="ij"), axis=-1)
+    readings = ordered.replace(tile=tiles).b(points)
+    (weak,) = ordered.diagnose(points, readings, noise_t=1e-5).wrong
+    assert (weak.tile, weak.kind) == ("film-x2-y7", "strength")
+    rigid = published.diagnose(points, readings, noise_t=1e-5)
+    assert len(rigid.wrong) > 1
+
+
 def test_scans_that_cannot_be_diagnosed_are_refused(published, scan):
     points, readings = scan
     with pytest.raises(magsplice.MagspliceError, match="the layout has no noise"):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from test_results import SQUARES
 
+import magsplice
 from magsplice import Film
 
 #: Seconds before Ctrl-C: long after the call has begun, and long before its work could end.
@@ -14,7 +15,7 @@ DELAY = 0.5
 
 
 def interrupted(work):
-    """Checks that Ctrl-C ends work, and that Python runs meanwhile."""
+    """Checks that Ctrl-C ends work that takes much longer, and that Python runs meanwhile."""
     ticks = 0
     stop = threading.Event()
 
@@ -43,6 +44,12 @@ def test_fields_are_interrupted(large):
     interrupted(lambda: large.b(points))
 
 
+def test_fields_of_grids_to_a_tolerance_are_interrupted(large):
+    # Across the tiles, so that most points are summed over a tree.
+    grid = magsplice.Grid((-40, -40, -3), (40, 40, 4), (400, 400, 60))
+    interrupted(lambda: large.b(grid, within=1e-9, invalid="nan"))
+
+
 def test_gradients_are_interrupted(large):
     points = np.random.default_rng(7).uniform((-40, -40, -5), (40, 40, -3), (2_000_000, 3))
     interrupted(lambda: large.gradient(points))
@@ -50,6 +57,27 @@ def test_gradients_are_interrupted(large):
 
 def test_samples_are_interrupted(published):
     interrupted(lambda: published.tolerance(100_000_000, preset="workshop"))
+
+
+def test_polarizations_are_interrupted(large):
+    film = large.replace(material={"recoil_permeability": 1.1, "recoil_error": 1e-3})
+    interrupted(lambda: film.b([0, 0, -4]))
+
+
+def test_forces_are_interrupted(large):
+    film = large.replace(material={"recoil_permeability": 1.1})
+    # The polarization of the film itself is known before.
+    film.b([0, 0, -4])
+    interrupted(film.forces)
+
+
+def test_budgets_are_interrupted(published):
+    interrupted(lambda: published.budget(1_000_000, preset="by-hand"))
+
+
+def test_checks_are_interrupted(published):
+    made = {"samples": 1_000_000, "displacement_rmse_mm": {"x": 1}}
+    interrupted(published.replace(tolerance={"preset": "workshop"}, expect={"made": made}).check)
 
 
 def test_searches_are_interrupted(published):

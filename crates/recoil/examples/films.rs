@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let permeability = Permeability::isotropic(mu_r)?;
             let tiles: Vec<RecoilTile> =
                 layout.bare_tiles().into_iter().map(|tile| RecoilTile { tile, permeability }).collect();
-            let estimate = uniformity_r_x(&layout, Magnetization::first_order(&tiles, 1, || {})?.cells());
+            let estimate = uniformity_r_x(&layout, Magnetization::first_order(&tiles, 1, |_| {})?.cells());
             let start = Instant::now();
             let level = highest_level(&tiles, MOST_CELLS);
             let refined = extrapolated_at(&tiles, level, |cells| vec![uniformity_r_x(&layout, cells)], |_| {})?;

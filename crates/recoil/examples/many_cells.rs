@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let tiles = (0..CUBES * CUBES).map(cube).collect::<Result<Vec<RecoilTile>, _>>()?;
     let start = Instant::now();
-    let solved = Magnetization::solve(&tiles, LEVEL, || {})?;
+    let solved = Magnetization::solve(&tiles, LEVEL, |_| {})?;
     println!("{} cells, {:.1} s on {} threads", solved.cells().len(), start.elapsed().as_secs_f64(), threads());
     // Only Linux tells.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -28,7 +28,7 @@ impl Magnetization {
     pub fn first_order(
         tiles: &[RecoilTile],
         level: usize,
-        progress: impl Fn() + Sync,
+        progress: impl Fn(usize) + Sync,
     ) -> Result<Magnetization, RecoilError> {
         let division = Division::new(tiles, level)?;
         let rigid: Vec<DVec3> = division.cells.iter().map(Tile::scene_polarization_t).collect();
@@ -40,12 +40,17 @@ impl Magnetization {
 }
 
 /// The mean of mu0 H over each cell, in tesla: pair by pair for few cells, by a tree for many.
-fn mean_fields_t(division: &Division, rigid: &[DVec3], progress: impl Fn() + Sync) -> Result<Vec<DVec3>, RecoilError> {
+fn mean_fields_t(
+    division: &Division,
+    rigid: &[DVec3],
+    progress: impl Fn(usize) + Sync,
+) -> Result<Vec<DVec3>, RecoilError> {
     if rigid.len() > MOST_CELLS_OF_TENSORS {
         return Ok(PairSums::by_tree(division, progress)?.mean_fields_t(rigid));
     }
     let field =
         |i: usize| {
+            progress(1);
             let mut sum = DVec3::ZERO;
             for (j, j_t) in rigid.iter().enumerate() {
                 let tensor = mean_tensor(&division.cells[i], &division.cells[j]).map_err(|source| {
@@ -53,7 +58,6 @@ fn mean_fields_t(division: &Division, rigid: &[DVec3], progress: impl Fn() + Syn
                 })?;
                 sum += tensor.apply(*j_t);
             }
-            progress();
             Ok(-sum)
         };
     (0..rigid.len()).into_par_iter().map(field).collect()
@@ -73,8 +77,8 @@ mod tests {
             let tiles = [(DVec3::ZERO, DVec3::Z), (DVec3::new(1.2, 0.3, 0.0), DVec3::X)].map(|(position, j_t)| {
                 RecoilTile { tile: Tile::new(position, DVec3::ONE, j_t).unwrap(), permeability }
             });
-            let estimate = Magnetization::first_order(&tiles, 2, || {}).unwrap();
-            let solution = Magnetization::solve(&tiles, 2, || {}).unwrap();
+            let estimate = Magnetization::first_order(&tiles, 2, |_| {}).unwrap();
+            let solution = Magnetization::solve(&tiles, 2, |_| {}).unwrap();
             let pairs = estimate.cells().iter().zip(solution.cells());
             pairs.map(|(a, b)| (a.polarization_t() - b.polarization_t()).length()).fold(0.0, f64::max)
         };
@@ -87,7 +91,7 @@ mod tests {
     fn unit_permeability_keeps_every_bit() {
         let permeability = Permeability::isotropic(1.0).unwrap();
         let tile = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::new(0.1, 0.2, -0.3)).unwrap();
-        let estimate = Magnetization::first_order(&[RecoilTile { tile, permeability }], 1, || {}).unwrap();
+        let estimate = Magnetization::first_order(&[RecoilTile { tile, permeability }], 1, |_| {}).unwrap();
         assert_eq!(estimate.cells(), [tile]);
     }
 }

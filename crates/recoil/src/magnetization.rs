@@ -125,7 +125,7 @@ mod tests {
         let turned = turned.unwrap().rotated(DQuat::from_rotation_z(0.4)).unwrap();
         let tiles = [Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::Z).unwrap(), turned];
         let tiles = tiles.map(|tile| RecoilTile { tile, permeability });
-        let solution = Magnetization::solve(&tiles, 2, || {}).unwrap();
+        let solution = Magnetization::solve(&tiles, 2, |_| {}).unwrap();
         let points = [DVec3::new(0.3, 0.2, -1.5), DVec3::new(-2.0, 1.0, 0.4)];
         let field_t = |tiles: &[Tile]| {
             let scene = magsplice_field::Scene::new(tiles);

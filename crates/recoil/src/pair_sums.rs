@@ -32,8 +32,8 @@ enum Method {
 }
 
 impl PairSums {
-    /// The tensors of all pairs of few cells, or the tree of many. `progress` is told once for each cell,
-    /// from any thread.
+    /// The tensors of all pairs of few cells, or the tree of many. `progress` is told, from any thread, how
+    /// many more cells begin.
     ///
     /// # Errors
     /// If tensors are not known, if they do not fit in memory, or if a permeability multiplies the error of
@@ -42,7 +42,7 @@ impl PairSums {
         tiles: &[RecoilTile],
         division: &Division,
         level: usize,
-        progress: impl Fn() + Sync,
+        progress: impl Fn(usize) + Sync,
     ) -> Result<PairSums, RecoilError> {
         let count = division.cells.len();
         // Eight images divide the number of pairs by eight.
@@ -65,14 +65,14 @@ impl PairSums {
     pub(crate) fn by_tensors(
         division: &Division,
         orbits: Orbits,
-        progress: impl Fn() + Sync,
+        progress: impl Fn(usize) + Sync,
     ) -> Result<PairSums, RecoilError> {
         let method = Method::Tensors(PairTensors::new(division, &orbits, progress)?);
         Ok(PairSums { method, roots_of_volume: roots_of_volume(division, &orbits), orbits })
     }
 
     /// The tensors of near pairs, and expansions.
-    pub(crate) fn by_tree(division: &Division, progress: impl Fn() + Sync) -> Result<PairSums, RecoilError> {
+    pub(crate) fn by_tree(division: &Division, progress: impl Fn(usize) + Sync) -> Result<PairSums, RecoilError> {
         let orbits = Orbits::trivial(division.cells.len());
         let roots_of_volume = roots_of_volume(division, &orbits);
         let method = Method::Tree(CellSum::new(division, &roots_of_volume, progress)?);

@@ -21,11 +21,11 @@ pub(crate) struct PairTensors {
 
 impl PairTensors {
     /// The tensors of all pairs. `progress` is told, from any thread, when those of a representative with all
-    /// before it are done, once for each cell of the orbit.
+    /// before it begin: the number of cells of the orbit.
     pub(crate) fn new(
         division: &Division,
         orbits: &Orbits,
-        progress: impl Fn() + Sync,
+        progress: impl Fn(usize) + Sync,
     ) -> Result<PairTensors, RecoilError> {
         let cells = &division.cells;
         let stabilizers: Vec<f64> = orbits.representatives.iter().map(|cell| orbits.stabilizer(*cell) as f64).collect();
@@ -45,9 +45,8 @@ impl PairTensors {
                 }
                 Ok(sum * (volume(i) / (volume(j) * stabilizers[row] * stabilizers[column])).sqrt())
             };
-            let tensors = (0..=row).map(tensor).collect::<Result<Vec<_>, RecoilError>>();
-            (0..orbits.images.len() / stabilizers[row] as usize).for_each(|_| progress());
-            tensors
+            progress(orbits.images.len() / stabilizers[row] as usize);
+            (0..=row).map(tensor).collect::<Result<Vec<_>, RecoilError>>()
         };
         let rows = (0..orbits.representatives.len()).into_par_iter().map(row).collect::<Result<Vec<_>, _>>()?;
         Ok(PairTensors { rows })

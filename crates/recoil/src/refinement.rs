@@ -94,7 +94,8 @@ pub enum RefinementError {
 /// cells as tiles to any number of values: B at points, an error of a film. Without permeabilities above 1
 /// level 1 is exact.
 ///
-/// `progress` is told the level, from any thread, once for each of its cells.
+/// `progress` is told the level, from any thread, while it is solved. A panic of it ends the work and reaches the
+/// caller.
 ///
 /// # Errors
 /// If the polarization is not known, or the tolerance is not reached; the error then holds the best that is
@@ -197,7 +198,7 @@ impl<'a, Q: Fn(&[Tile]) -> Vec<f64>> Levels<'a, Q> {
     /// Solves the next level.
     fn next(&mut self, progress: &(impl Fn(usize) + Sync)) -> Result<Magnetization, RecoilError> {
         let level = self.values.len() + 1;
-        let magnetization = Magnetization::solve(self.tiles, level, || progress(level))?;
+        let magnetization = Magnetization::solve(self.tiles, level, |_| progress(level))?;
         self.values.push((self.quantity)(magnetization.cells()));
         Ok(magnetization)
     }

@@ -26,8 +26,8 @@ impl Magnetization {
     /// Up to [`MOST_CELLS_OF_TENSORS`](crate::tolerances::MOST_CELLS_OF_TENSORS) cells, time and memory are
     /// proportional to the square of their number. In films with one, two or three mirror planes one cell
     /// stands for two, four or eight. With more cells, time and memory are proportional to their number.
-    /// The result does not depend on the number of threads. `progress` is told, from any thread, once for
-    /// each cell.
+    /// The result does not depend on the number of threads. `progress` is told, from any thread, how many
+    /// more cells begin, and 0 when an iteration does. A panic of it ends the work and reaches the caller.
     ///
     /// # Accuracy
     /// The equations of few cells are solved to about [`TENSOR_ERROR`](crate::tolerances::TENSOR_ERROR), those
@@ -38,14 +38,23 @@ impl Magnetization {
     /// Level 0, tiles that overlap, too many cells or too many near pairs of them, tiles turned against each
     /// other whose field does not converge, many cells with a permeability above
     /// [`MOST_PERMEABILITY_OF_TREE`](crate::tolerances::MOST_PERMEABILITY_OF_TREE).
-    pub fn solve(tiles: &[RecoilTile], level: usize, progress: impl Fn() + Sync) -> Result<Magnetization, RecoilError> {
+    pub fn solve(
+        tiles: &[RecoilTile],
+        level: usize,
+        progress: impl Fn(usize) + Sync,
+    ) -> Result<Magnetization, RecoilError> {
         let division = Division::new(tiles, level)?;
-        let sums = PairSums::new(tiles, &division, level, progress)?;
-        Magnetization::from_sums(tiles, division, &sums)
+        let sums = PairSums::new(tiles, &division, level, &progress)?;
+        Magnetization::from_sums(tiles, division, &sums, progress)
     }
 
     /// The polarization of cells whose tensors are known.
-    fn from_sums(tiles: &[RecoilTile], division: Division, sums: &PairSums) -> Result<Magnetization, RecoilError> {
+    fn from_sums(
+        tiles: &[RecoilTile],
+        division: Division,
+        sums: &PairSums,
+        progress: impl Fn(usize),
+    ) -> Result<Magnetization, RecoilError> {
         let PairSums { orbits, roots_of_volume, .. } = sums;
         let of_tiles: Vec<DMat3> = tiles.iter().map(RecoilTile::root_of_susceptibility).collect();
         let cells = &orbits.representatives;
@@ -59,6 +68,7 @@ impl Magnetization {
             .map(|((h_t, root_of_volume), root)| *root * (h_t * *root_of_volume))
             .collect();
         let x = conjugate_gradients(&right, sums.residual(), |x| {
+            progress(0);
             let inner: Vec<DVec3> = x.iter().zip(&roots).map(|(x, root)| *root * *x).collect();
             let sums = sums.apply(&inner);
             x.iter().zip(&roots).zip(sums).map(|((x, root), sum)| *x + *root * sum).collect()

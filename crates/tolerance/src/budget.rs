@@ -131,7 +131,8 @@ impl Budget {
     /// The budget by exact samples, for films whose errors are too large for the first order. Each cause
     /// contributes what it adds to the nominal mean square alone; [`AxisBudget::together_mm2`] is what all
     /// of them add beyond that. What halving saves is that of errors that add as squares, and nothing is
-    /// known of single tiles.
+    /// known of single tiles. `progress` is told, from any thread, when a
+    /// sample begins.
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
@@ -142,13 +143,14 @@ impl Budget {
         pattern: Option<&FilmErrors>,
         seed: u64,
         samples: Range<u64>,
+        progress: impl Fn() + Sync,
     ) -> Result<Budget, (u64, SampleError)> {
         let first = samples.start;
         let mean_squares = |tolerance: &FilmTolerance, samples: Range<u64>| -> Result<[f64; 3], (u64, SampleError)> {
             let count = (samples.end - samples.start) as f64;
             let film = film.clone().with_tolerance(tolerance);
             let sampler = Sampler::new(&film, volume, ideal, seed).map_err(|error| (first, error))?;
-            let errors = sampler.errors_of_range(samples)?;
+            let errors = sampler.errors_of_range_with_progress(samples, &progress)?;
             let mean = |axis: usize| errors.iter().map(|e| e.displacement_rmse_mm[axis].powi(2)).sum::<f64>() / count;
             Ok([0, 1, 2].map(mean))
         };

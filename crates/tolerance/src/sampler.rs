@@ -143,7 +143,22 @@ impl<'a> Sampler<'a> {
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
     pub fn errors_of_range(&self, samples: Range<u64>) -> Result<Vec<FilmErrors>, (u64, SampleError)> {
-        let of_sample = |sample| self.errors_of(sample).map_err(|error| (sample, error));
+        self.errors_of_range_with_progress(samples, || {})
+    }
+
+    /// The same as [`Sampler::errors_of_range`]. `progress` is told, from any thread, when a sample begins.
+    ///
+    /// # Errors
+    /// As [`Sampler::errors_of_range`].
+    pub fn errors_of_range_with_progress(
+        &self,
+        samples: Range<u64>,
+        progress: impl Fn() + Sync,
+    ) -> Result<Vec<FilmErrors>, (u64, SampleError)> {
+        let of_sample = |sample| {
+            progress();
+            self.errors_of(sample).map_err(|error| (sample, error))
+        };
         let results: Vec<Result<FilmErrors, _>> = samples.into_par_iter().map(of_sample).collect();
         results.into_iter().collect()
     }

@@ -87,7 +87,7 @@ impl<'a> BudgetJson<'a> {
             endless_pattern_mm2: film.found.endless_pattern_mm2().map(AxesJson::from),
             parts: film.found.parts().into_iter().map(part).collect(),
             total_mm2: totals.into(),
-            sampled_mm2: film.found.sampled_mm2.into(),
+            sampled_mm2: film.found.sampled_mm2().into(),
             mean_square_ratio: film.found.check.axes.map(|axis| axis.mean_square_ratio.map(ratio)).into(),
             worth_halving: film
                 .found

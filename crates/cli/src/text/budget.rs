@@ -24,7 +24,7 @@ pub(crate) fn budget(film: &BudgetedFilm) -> String {
     }
     line(&mut text, "total", cells(totals, totals));
     let sampled = format!("{} of films", counted(film.samples as usize, "exact sample", "exact samples"));
-    line(&mut text, &sampled, film.found.sampled_mm2.map(|square| format!("{:<13}", rms(square))));
+    line(&mut text, &sampled, film.found.sampled_mm2().map(|square| format!("{:<13}", rms(square))));
     text.push('\n');
     if let Some(why) = &film.found.no_pattern {
         rows::prose(&mut text, &format!("the splicing pattern and the end of the film are not told apart: {why}"));

@@ -81,8 +81,9 @@ fn on_grid(args: &FieldArgs, film: &Film, progress: &ProgressLine, quiet: bool) 
         (Accuracy::Within(_), Some(quantity)) => {
             let points: Vec<DVec3> = grid.points().collect();
             let mut field = vec![DVec3::ZERO; points.len()];
-            progress.show(Stage::uncounted("field"));
-            let evaluated = film.scene().field_on_grid_into(quantity, &grid, &mut field);
+            let evaluated = film.with_counted_points(points.len(), |progress| {
+                film.scene().field_on_grid_with_progress(quantity, &grid, &mut field, progress)
+            });
             writer.add(evaluated, &points, field.iter().flat_map(DVec3::to_array), &mut faults, fault)?;
         }
         _ => {

@@ -90,7 +90,7 @@ impl Counter<'_> {
     fn callback(&self) -> impl Fn() + Sync {
         let done = AtomicUsize::new(0);
         move || {
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            let done = done.fetch_add(1, Ordering::Relaxed);
             self.progress.show(Stage { name: self.name, done, of: Some(self.of), unit: self.unit });
         }
     }

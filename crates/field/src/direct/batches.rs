@@ -6,6 +6,9 @@ use rayon::prelude::*;
 
 use crate::tolerances::{BATCHES_PER_THREAD, POINTS_PER_BATCH, REGROUPED_POINTS};
 
+/// A callback that is told, from any thread, how many more points begin.
+pub(crate) type Progress<'a> = &'a (dyn Fn(usize) + Sync);
+
 /// The division of points into batches.
 #[derive(Clone, Copy)]
 pub(crate) struct Batches {
@@ -21,6 +24,7 @@ pub(crate) fn for_each_batch<T: Send + Copy + Default>(
     points: &[DVec3],
     values: &mut [T],
     batches: Batches,
+    progress: Progress,
     evaluate: impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, Cause)) + Sync + Send,
 ) -> Result<(), PointErrors> {
     assert_eq!(points.len(), values.len(), "one value per point");
@@ -35,7 +39,7 @@ pub(crate) fn for_each_batch<T: Send + Copy + Default>(
             let regrouped: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
             let mut results = vec![T::default(); points.len()];
             let start = stretch * REGROUPED_POINTS;
-            let failed = in_batches(&regrouped, &mut results, size, &evaluate);
+            let failed = in_batches(&regrouped, &mut results, size, progress, &evaluate);
             let error = |(position, cause): (usize, Cause)| {
                 let index = start + order[position] as usize;
                 PointError { index, point: regrouped[position], cause }
@@ -46,7 +50,7 @@ pub(crate) fn for_each_batch<T: Send + Copy + Default>(
             }
         }
     } else {
-        let failed = in_batches(points, values, size, &evaluate);
+        let failed = in_batches(points, values, size, progress, &evaluate);
         errors.reserve_exact(failed.iter().map(Vec::len).sum());
         let error = |(index, cause)| PointError { index, point: points[index], cause };
         errors.extend(failed.into_iter().flatten().map(error));
@@ -64,11 +68,13 @@ fn in_batches<T: Send>(
     points: &[DVec3],
     values: &mut [T],
     size: usize,
+    progress: Progress,
     evaluate: &(impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, Cause)) + Sync + Send),
 ) -> Vec<Vec<(usize, Cause)>> {
     let batches = points.par_chunks(size).zip(values.par_chunks_mut(size)).enumerate();
     batches
         .map(|(batch, (points, values))| {
+            progress(points.len());
             let mut failures = Vec::new();
             evaluate(points, values, &mut |index, cause| {
                 if failures.is_empty() {

@@ -11,7 +11,7 @@ use magsplice_cuboid::tolerances::EXACT_BOUND;
 use magsplice_magnet::{BoundingBox, Cause, MU_0, PointError, PointErrors, Quantity, Tile, Tolerance, is_in_range};
 use magsplice_simd::column::Column;
 
-use super::batches::{Batches, for_each_batch};
+use super::batches::{Batches, Progress, for_each_batch};
 use super::edges::EdgesAtPoint;
 use super::gradient_sum::GradientSum;
 use super::magnitude::{LeastField, MagnitudeBounds};
@@ -174,7 +174,18 @@ impl DirectSum {
         points: &[DVec3],
         field: &mut [DVec3],
     ) -> Result<(), PointErrors> {
-        for_each_batch(points, field, self.batches(), |points, field, failed| {
+        self.exact_field_with_progress(quantity, points, field, &|_| {})
+    }
+
+    /// [`DirectSum::exact_field_into`] with progress.
+    pub(crate) fn exact_field_with_progress(
+        &self,
+        quantity: Quantity,
+        points: &[DVec3],
+        field: &mut [DVec3],
+        progress: Progress,
+    ) -> Result<(), PointErrors> {
+        for_each_batch(points, field, self.batches(), progress, |points, field, failed| {
             self.field_of_batch(quantity, points, field, failed);
         })
     }
@@ -187,8 +198,9 @@ impl DirectSum {
         quantity: Quantity,
         points: &[DVec3],
         field: &mut [DVec3],
+        progress: Progress,
     ) -> Vec<PointError> {
-        let evaluated = for_each_batch(points, field, self.batches(), |points, field, failed| {
+        let evaluated = for_each_batch(points, field, self.batches(), progress, |points, field, failed| {
             self.field_of_batch_within(tolerance, quantity, points, field, failed);
         });
         evaluated.err().map_or(Vec::new(), |errors| errors.0)
@@ -335,7 +347,7 @@ impl DirectSum {
         points: &[DVec3],
         gradient: &mut [DMat3],
     ) -> Result<(), PointErrors> {
-        for_each_batch(points, gradient, self.batches(), |points, gradient, failed| {
+        for_each_batch(points, gradient, self.batches(), &|_| {}, |points, gradient, failed| {
             self.flux_density_gradient_of_batch(points, gradient, failed);
         })
     }

@@ -11,6 +11,7 @@ use super::chebyshev::polynomials;
 use super::fit::{ChebyshevFit, FitFailure};
 use super::outlook::is_promising;
 use super::weighted_sums::{PADDING, padded, weighted_sum};
+use crate::direct::batches::Progress;
 use crate::direct::direct_sum::DirectSum;
 use crate::tolerances::{
     GRID_POINTS_PER_NODE, MIN_FIT_PAIRS, MIN_FIT_POINTS, MIN_LOOK_UP_TILES, NODE_TRANSFORM_TILES,
@@ -33,10 +34,11 @@ pub(crate) struct GridFits {
 impl GridFits {
     /// Divides a grid. Parts too near to tiles for a fit are halved, down to a smallest number of
     /// points.
-    pub(crate) fn new(direct: &DirectSum, tolerance: Tolerance, grid: &Grid) -> GridFits {
+    /// `progress` is told 0 when a part begins.
+    pub(crate) fn new(direct: &DirectSum, tolerance: Tolerance, grid: &Grid, progress: Progress) -> GridFits {
         let mut fits = GridFits { fitted: Vec::new(), rest: Vec::new() };
         let whole = GridPart { start: [0; 3], end: grid.counts() };
-        divide(direct, tolerance, grid, whole, &mut fits.fitted, &mut fits.rest);
+        divide(direct, tolerance, grid, whole, &mut fits, progress);
         fits
     }
 
@@ -56,9 +58,10 @@ fn divide(
     tolerance: Tolerance,
     grid: &Grid,
     part: GridPart,
-    fitted: &mut Vec<(GridPart, ChebyshevFit)>,
-    rest: &mut Vec<GridPart>,
+    fits: &mut GridFits,
+    progress: Progress,
 ) {
+    progress(0);
     let points = part.len();
     let tiles = direct.tiles().len();
     let few_tiles = tiles < MIN_LOOK_UP_TILES;
@@ -71,7 +74,7 @@ fn divide(
         ChebyshevFit::new(direct, part.region(grid), tolerance, points / points_per_node)
     };
     match fit {
-        Ok(fit) => fitted.push((part, fit)),
+        Ok(fit) => fits.fitted.push((part, fit)),
         // Parts of a grid near a single tile gain less than the attempts to fit them cost.
         Err(FitFailure::TooNear) if points >= 2 * min_points && tiles > 1 => {
             let axis = part.longest_axis(grid);
@@ -79,10 +82,10 @@ fn divide(
             let (mut low, mut high) = (part, part);
             low.end[axis] = middle;
             high.start[axis] = middle;
-            divide(direct, tolerance, grid, low, fitted, rest);
-            divide(direct, tolerance, grid, high, fitted, rest);
+            divide(direct, tolerance, grid, low, fits, progress);
+            divide(direct, tolerance, grid, high, fits, progress);
         }
-        Err(_) => rest.push(part),
+        Err(_) => fits.rest.push(part),
     }
 }
 

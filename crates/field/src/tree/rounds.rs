@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::interaction_list::InteractionList;
 use super::nodes::Tree;
 use super::sum::field_of_list;
-use crate::direct::batches::neighbours_together;
+use crate::direct::batches::{Progress, neighbours_together};
 use crate::direct::direct_sum::DirectSum;
 use crate::tolerances::{
     ADDED_NODE_ERRORS, ERROR_OVER_MEAN, ESTIMATE_POINTS, ESTIMATE_STEP, FIELD_OVER_ERROR, FIRST_ERROR_OVER_J,
@@ -20,13 +20,13 @@ use crate::tolerances::{
 /// Writes B or H at the `usable` points to `field`. Returns the points without a field, and the
 /// indices of points at which the tolerance is not kept.
 pub(crate) fn sum_over_tree(
-    direct: &DirectSum,
-    tree: &Tree,
+    (direct, tree): (&DirectSum, &Tree),
     tolerance: Tolerance,
     quantity: Quantity,
     points: &[DVec3],
     usable: Vec<u32>,
     field: &mut [DVec3],
+    progress: Progress,
 ) -> (Vec<PointError>, Vec<usize>) {
     let size = batch_size(usable.len());
     let order = batch_order(points, usable, size);
@@ -35,6 +35,7 @@ pub(crate) fn sum_over_tree(
     let batches = sorted.par_chunks(size).zip(values.par_chunks_mut(size)).enumerate();
     let open: Vec<OpenPoints> = batches
         .map(|(number, (points, values))| {
+            progress(points.len());
             let mut batch = PointBatch::new(direct, tree, tolerance, quantity, points, values);
             batch.evaluate_all();
             batch.open.shifted(number * size)

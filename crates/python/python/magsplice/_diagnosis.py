@@ -153,7 +153,7 @@ class DiagnosedFilm(LayoutFilm):
         """Tiles that are weak, turned or displaced, from a scan of the field near the film.
 
         An error is named if neither the noise nor the ordinary errors of tiles explain it, as
-        ``magsplice diagnose`` does. Tiles are rigid: recoil is nearly the same in all films.
+        ``magsplice diagnose`` does. What recoil adds to the field is that of the film as ordered.
 
         Parameters
         ----------

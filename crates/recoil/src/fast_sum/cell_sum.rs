@@ -97,7 +97,7 @@ impl CellSum {
     pub(crate) fn new(
         division: &Division,
         roots_of_volume: &[f64],
-        progress: impl Fn() + Sync,
+        progress: impl Fn(usize) + Sync,
     ) -> Result<CellSum, RecoilError> {
         let cells = &division.cells;
         let tree = Octree::new(cells);
@@ -112,6 +112,8 @@ impl CellSum {
         let block = |cache: &mut TensorCache, leaves: &[usize; 2]| {
             let [rows, columns] = leaves.map(|leaf| &tree.order[tree.nodes[leaf].cells.clone()]);
             let is_own = leaves[0] == leaves[1];
+            // Each cell is in one leaf.
+            progress(if is_own { rows.len() } else { 0 });
             let mut tensors: Vec<SymmetricTensor> = Vec::with_capacity(rows.len() * columns.len());
             for (row, &i) in rows.iter().enumerate() {
                 for (column, &j) in columns.iter().enumerate() {
@@ -126,9 +128,6 @@ impl CellSum {
                         source,
                     })?;
                     tensors.push(tensor * (roots_of_volume[i] / roots_of_volume[j]));
-                }
-                if is_own {
-                    progress();
                 }
             }
             Ok(NearBlock { leaves: *leaves, tensors })

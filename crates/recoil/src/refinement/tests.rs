@@ -119,7 +119,7 @@ fn errors_contain_finer_levels_of_many_shapes() {
     for (index, tiles) in shapes().into_iter().enumerate() {
         let bare: Vec<Tile> = tiles.iter().map(|each| each.tile).collect();
         let rigid = values(&tiles, &bare);
-        let at = |level| values(&tiles, Magnetization::solve(&tiles, level, || {}).unwrap().cells());
+        let at = |level| values(&tiles, Magnetization::solve(&tiles, level, |_| {}).unwrap().cells());
         let history: Vec<Vec<f64>> = (1..=6).map(at).collect();
         let (finest, _) = extrapolate(&rigid, &history);
         for level in 3..=4 {

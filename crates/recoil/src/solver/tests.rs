@@ -17,7 +17,7 @@ fn magnet(size: [f64; 3], position: [f64; 3], polarization_t: [f64; 3], mu_r: f6
 }
 
 fn solve(tiles: &[RecoilTile], level: usize) -> Magnetization {
-    Magnetization::solve(tiles, level, || {}).unwrap()
+    Magnetization::solve(tiles, level, |_| {}).unwrap()
 }
 
 /// Two boxes of one cell each. The six equations were solved with mpmath 1.3.0 in 80 digits, their tensors
@@ -165,7 +165,7 @@ fn number_of_threads_does_not_matter() {
 #[test]
 fn bad_input_is_refused() {
     let cube = magnet([1.0; 3], [0.0; 3], [0.0, 0.0, 1.0], 1.1);
-    let solve = |tiles: &[RecoilTile], level| Magnetization::solve(tiles, level, || {}).unwrap_err();
+    let solve = |tiles: &[RecoilTile], level| Magnetization::solve(tiles, level, |_| {}).unwrap_err();
     assert_eq!(solve(&[cube], 0), RecoilError::NoLevel);
     let beside = magnet([1.0; 3], [0.5, 0.0, 0.0], [0.0, 0.0, 1.0], 1.1);
     assert_eq!(solve(&[cube, beside], 1), RecoilError::Overlap { first: 0, second: 1 });
@@ -174,7 +174,7 @@ fn bad_input_is_refused() {
     for mu_r in [0.99, -1.0, f64::NAN, f64::INFINITY, 1e5] {
         assert!(Permeability::isotropic(mu_r).is_err(), "{mu_r}");
     }
-    assert!(Magnetization::solve(&[], 1, || {}).unwrap().cells().is_empty());
+    assert!(Magnetization::solve(&[], 1, |_| {}).unwrap().cells().is_empty());
 }
 
 /// A stack of two tiles, the upper one turned about the axis of the stack by a small angle and by none: the
@@ -259,10 +259,10 @@ fn tree_agrees_with_all_tensors() {
         };
         let division = Division::new(&tiles, level).unwrap();
         let [tree, all] = [
-            PairSums::by_tree(&division, || {}),
-            PairSums::by_tensors(&division, Orbits::trivial(division.cells.len()), || {}),
+            PairSums::by_tree(&division, |_| {}),
+            PairSums::by_tensors(&division, Orbits::trivial(division.cells.len()), |_| {}),
         ]
-        .map(|sums| Magnetization::from_sums(&tiles, division.clone(), &sums.unwrap()).unwrap());
+        .map(|sums| Magnetization::from_sums(&tiles, division.clone(), &sums.unwrap(), |_| {}).unwrap());
         let bare: Vec<Tile> = tiles.iter().map(|each| each.tile).collect();
         let (by_tree, by_all, rigid) = (fields_t(tree.cells()), fields_t(all.cells()), fields_t(&bare));
         let largest = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
@@ -279,7 +279,7 @@ fn tree_is_symmetric() {
         magnet([1.0; 3], [9.0, 1.0, 0.0], [1.0, 0.0, 0.0], 1.2),
     ];
     let division = Division::new(&tiles, 7).unwrap();
-    let sums = PairSums::by_tree(&division, || {}).unwrap();
+    let sums = PairSums::by_tree(&division, |_| {}).unwrap();
     let vector = |phase: f64| -> Vec<DVec3> {
         (0..division.cells.len()).map(|i| (phase * DVec3::new(1.3, 2.1, 0.7) * i as f64).map(f64::sin)).collect()
     };
@@ -293,7 +293,7 @@ fn tree_is_symmetric() {
 #[test]
 fn tree_refuses_what_it_cannot_solve() {
     let soft = [magnet([1.0; 3], [0.0; 3], [0.0, 0.0, 1.0], 200.0)];
-    let error = Magnetization::solve(&soft, 15, || {}).unwrap_err();
+    let error = Magnetization::solve(&soft, 15, |_| {}).unwrap_err();
     assert_eq!(error, RecoilError::TooPermeable { permeability: 200.0, cells: 3375 });
     assert!(error.to_string().contains("lower it"), "{error}");
 }
@@ -318,8 +318,8 @@ fn mirror_planes_change_nothing() {
             let division = Division::new(&tiles, level).unwrap();
             let orbits = Orbits::new(&tiles, &division, level);
             assert_eq!(orbits.images.len(), images, "{tiles:?}");
-            let all = PairSums::by_tensors(&division, Orbits::trivial(division.cells.len()), || {}).unwrap();
-            let all = Magnetization::from_sums(&tiles, division.clone(), &all).unwrap();
+            let all = PairSums::by_tensors(&division, Orbits::trivial(division.cells.len()), |_| {}).unwrap();
+            let all = Magnetization::from_sums(&tiles, division.clone(), &all, |_| {}).unwrap();
             let solution = solve(&tiles, level);
             let errors = all.cells().iter().zip(solution.cells());
             let error = errors.map(|(a, b)| (a.polarization_t() - b.polarization_t()).length()).fold(0.0, f64::max);
@@ -340,8 +340,8 @@ fn progress_counts_cells() {
     let cube = [magnet([1.0; 3], [0.0; 3], [0.0, 0.0, 1.0], 1.1)];
     for level in [1, 4, 5, 15] {
         let count = std::sync::atomic::AtomicUsize::new(0);
-        let add = || {
-            count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        let add = |cells| {
+            count.fetch_add(cells, std::sync::atomic::Ordering::Relaxed);
         };
         let cells = Magnetization::solve(&cube, level, add).unwrap().cells().len();
         assert_eq!(count.into_inner(), cells, "level {level}");

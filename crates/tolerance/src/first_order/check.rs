@@ -34,6 +34,8 @@ pub struct FirstOrderCheck {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxisCheck {
+    /// Mean square of the displacement error of the exact samples over the volume, in mm^2.
+    pub sampled_mm2: f64,
     /// The expected mean square of exact samples over that of the model. `None` if the model has no
     /// error at all.
     pub mean_square_ratio: Option<Estimate>,
@@ -73,6 +75,8 @@ impl FirstOrderCheck {
 /// Sums over samples along one axis, each already averaged over the points.
 #[derive(Clone, Copy, Default)]
 struct Sums {
+    /// Squares of exact errors.
+    exact: f64,
     /// Differences of the squares of exact and of linear errors.
     squares: Moments,
     /// The same of the squares of their differences from the mean of the model.
@@ -103,14 +107,20 @@ impl Moments {
 
 impl FirstOrder {
     /// Compares the model with exact samples of the same film and volume. 200 samples are enough for
-    /// errors of a usual workshop. The result does not depend on the number of threads.
+    /// errors of a usual workshop. The result does not depend on the number of threads. `progress` is told, from
+    /// any thread, when a sample begins.
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
     ///
     /// # Panics
     /// If there are fewer than two samples, or the sampler has other points.
-    pub fn check(&self, sampler: &Sampler, samples: Range<u64>) -> Result<FirstOrderCheck, (u64, SampleError)> {
+    pub fn check(
+        &self,
+        sampler: &Sampler,
+        samples: Range<u64>,
+        progress: impl Fn() + Sync,
+    ) -> Result<FirstOrderCheck, (u64, SampleError)> {
         let count = samples.end.saturating_sub(samples.start);
         assert!(count >= 2, "at least two samples");
         assert_eq!(sampler.points().len(), self.points + 1, "a sampler of the same volume");
@@ -122,7 +132,10 @@ impl FirstOrder {
             let next = samples.end.min(first.saturating_add(SAMPLES_AT_ONCE));
             let pairs: Vec<_> = (first..next)
                 .into_par_iter()
-                .map(|sample| self.pair(sampler, sample).map_err(|error| (sample, error)))
+                .map(|sample| {
+                    progress();
+                    self.pair(sampler, sample).map_err(|error| (sample, error))
+                })
                 .collect();
             for pair in pairs {
                 let (exact_mm, linear_mm) = pair?;
@@ -149,6 +162,7 @@ impl FirstOrder {
             let (exact, linear) = (self.along(exact_mm, axis), self.along(linear_mm, axis));
             let mean = self.along(&self.mean_mm, axis);
             let (mut squares, mut about_mean) = (0.0, 0.0);
+            sums.exact += dot(exact, exact) / count;
             for ((exact, linear), mean) in exact.iter().zip(linear).zip(mean) {
                 let difference = exact - linear;
                 // Products of sum and difference, which do not cancel.
@@ -179,6 +193,6 @@ impl FirstOrder {
         // At most, as if each sample had its difference along the bias.
         let bias_deviation = 2.0 * (bias * scatter * count).sqrt();
         let variance_ratio = ratio(mean - bias, per_root * (deviation + bias_deviation), errors.variance_mm2);
-        AxisCheck { mean_square_ratio, variance_ratio }
+        AxisCheck { sampled_mm2: sums.exact / count, mean_square_ratio, variance_ratio }
     }
 }

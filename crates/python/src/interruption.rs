@@ -1,0 +1,81 @@
+//! Ctrl-C during work.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use pyo3::prelude::*;
+
+/// Time between two polls for signals.
+const POLL: Duration = Duration::from_millis(50);
+
+/// Work that a signal ends. Progress callbacks of the work call [`Interruption::poll`], or return what
+/// [`Interruption::has_begun`] says.
+#[derive(Default)]
+pub(crate) struct Interruption {
+    stop: AtomicBool,
+}
+
+/// What unwinds work that is interrupted.
+struct Interrupted;
+
+impl Interruption {
+    /// Whether a signal has arrived, so that the work should end.
+    pub(crate) fn has_begun(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Ends the work by unwinding if a signal has arrived. It is called by any thread of the work.
+    pub(crate) fn poll(&self) {
+        if self.has_begun() {
+            // No message, as a panic would print.
+            resume_unwind(Box::new(Interrupted));
+        }
+    }
+
+    /// Does work in a thread while this one polls for signals.
+    ///
+    /// # Errors
+    /// The exception of a signal, such as `KeyboardInterrupt`, when the work has ended.
+    pub(crate) fn run<T: Send>(&self, py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+        self.run_and_tell(py, work, || Ok(()))
+    }
+
+    /// The same as [`Interruption::run`]. `tell` is called with each poll; its exceptions end the work too.
+    pub(crate) fn run_and_tell<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce() -> T + Send,
+        tell: impl Fn() -> PyResult<()>,
+    ) -> PyResult<T> {
+        let poller = thread::current();
+        thread::scope(|scope| {
+            let worker = scope.spawn(move || {
+                let result = catch_unwind(AssertUnwindSafe(work));
+                poller.unpark();
+                result
+            });
+            let mut exception = None;
+            while !worker.is_finished() {
+                py.detach(|| thread::park_timeout(POLL));
+                if let Err(error) = py.check_signals().and_then(|()| tell()) {
+                    self.stop.store(true, Ordering::Relaxed);
+                    exception.get_or_insert(error);
+                }
+            }
+            let result = worker.join().and_then(|result| result);
+            match (result, exception) {
+                (Err(panic), _) if !is_interruption(panic.as_ref()) => resume_unwind(panic),
+                (_, Some(exception)) => Err(exception),
+                (Ok(result), None) => Ok(result),
+                (Err(_), None) => unreachable!("only an exception interrupts"),
+            }
+        })
+    }
+}
+
+fn is_interruption(panic: &(dyn Any + Send)) -> bool {
+    panic.is::<Interrupted>()
+}
