@@ -43,7 +43,6 @@ mod laying;
 /// The layout files that arguments name.
 mod layout_files;
 /// The layout of a film that was made.
-mod made_layout;
 /// Orders of laying from a CSV file.
 mod order_file;
 /// Where results go: standard output, files, folders, tables.

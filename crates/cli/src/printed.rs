@@ -1,11 +1,11 @@
 //! Pages to print: bill of materials, cut list, laying plan.
 
 use magsplice::layout::Layout;
+use magsplice::making::PlanRow;
 use magsplice_export::twelve_digits;
 use magsplice_report::{Figure, PrintedPage, PrintedTable};
 
 use crate::cut_list::{CutList, bar_length_mm, sheet_area_mm2};
-use crate::laying::laying_plan::PlanRow;
 use crate::text::number::counted;
 
 /// The film and its bill of materials.

@@ -49,6 +49,8 @@ mod from_tiles;
 mod layout;
 /// The format version, and counts and lengths above which a file is refused.
 mod limits;
+/// Layouts of films that were made.
+mod made_tiles;
 /// The material of the tiles.
 mod material;
 /// The bill of materials.

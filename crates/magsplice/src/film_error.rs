@@ -10,7 +10,7 @@ use magsplice_force::FilmForcesError;
 use magsplice_ideal::ComparisonError;
 use magsplice_layout::Layout;
 use magsplice_magnet::PointErrors;
-use magsplice_making::DiagnosisError;
+use magsplice_making::{AssignmentError, DiagnosisError};
 use magsplice_recoil::tolerances::{MAX_CELLS, MOST_PERMEABILITY_OF_TREE};
 use magsplice_recoil::{RecoilError, RefinementError};
 use magsplice_sensor::{LocateError, SensedFieldError};
@@ -55,6 +55,15 @@ pub enum FilmError {
     NoNoise,
     /// A scan cannot be diagnosed.
     Diagnosis(DiagnosisError),
+    /// Measured tiles cannot be assigned.
+    Assignment {
+        /// Why.
+        error: AssignmentError,
+        /// Name of the tile that the error is about, if it is about one.
+        tile: String,
+        /// Sides in millimetres of each part, and the number of its places that are free.
+        groups: Vec<(DVec3, usize)>,
+    },
     /// Steps of an experiment in millimetres that are not above 0, or too small for the working volume.
     ExperimentStep(DVec3),
     /// The polarization of tiles with a recoil permeability is not known.
@@ -133,6 +142,33 @@ fn recoil_words(error: &RefinementError, tiles: &[String], f: &mut fmt::Formatte
     }
 }
 
+/// A failure of an assignment in the words of a layout.
+fn assignment_words(
+    error: &AssignmentError,
+    tile: &str,
+    groups: &[(DVec3, usize)],
+    f: &mut fmt::Formatter<'_>,
+) -> fmt::Result {
+    match error {
+        AssignmentError::TooFew { group, places, tiles } => {
+            let (DVec3 { x, y, z }, number) = (groups[*group].0, group + 1);
+            let of_places = if *places == 1 { "1 place".to_owned() } else { format!("{places} places") };
+            write!(
+                f,
+                "part {number} ({x} x {y} x {z} mm, {of_places}) has {tiles} of the measured tiles: measure more, or say \
+                 which lie already"
+            )
+        }
+        AssignmentError::NoOrientation { .. } => {
+            write!(f, "place \"{tile}\": its tile must be turned over: allow tiles to be turned over")
+        }
+        AssignmentError::Shim { .. } => {
+            write!(f, "shim \"{tile}\": what it does cannot be told from the other shims: choose another place")
+        }
+        error => write!(f, "{error}"),
+    }
+}
+
 impl fmt::Display for FilmError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -155,6 +191,7 @@ impl fmt::Display for FilmError {
                 f.write_str("the layout has no noise: give that of the readings, or noise_ut or part in [sensor]")
             }
             FilmError::Diagnosis(error) => error.fmt(f),
+            FilmError::Assignment { error, tile, groups } => assignment_words(error, tile, groups, f),
             FilmError::AtRest(error) => write!(f, "the mean of the readings at rest: {error}"),
             FilmError::Recoil { error, tiles } => recoil_words(error, tiles, f),
             FilmError::Forces { error: FilmForcesError::Pair { source, .. }, tiles } => write!(
@@ -197,6 +234,7 @@ impl Error for FilmError {
             FilmError::Sensor(error) => Some(error),
             FilmError::AtRest(error) => Some(error),
             FilmError::Diagnosis(error) => Some(error),
+            FilmError::Assignment { error, .. } => Some(error),
             FilmError::Recoil { error, .. } => Some(error),
             FilmError::Forces { error, .. } => Some(error),
             FilmError::Missing(_)

@@ -56,6 +56,9 @@ mod experiments;
 /// A layout evaluated step by step.
 #[cfg(feature = "layout")]
 mod film;
+/// Which measured tile goes to which place of a film.
+#[cfg(feature = "layout")]
+mod film_assignment;
 /// Where the displacement error of the films that are made comes from.
 #[cfg(feature = "layout")]
 mod film_budget;
@@ -82,6 +85,8 @@ mod stage;
 pub use experiments::EXPERIMENT_STEP_MM;
 #[cfg(feature = "layout")]
 pub use film::Film;
+#[cfg(feature = "layout")]
+pub use film_assignment::FilmAssignment;
 #[cfg(feature = "layout")]
 pub use film_budget::{BudgetPart, FilmBudget};
 #[cfg(feature = "layout")]

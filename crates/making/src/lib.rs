@@ -1,10 +1,12 @@
 //! Films as they are made: which measured tile goes to which place, and which way round; and which tiles of
 //! a film that was made are wrong.
 //!
-//! * [`CutTile`]: a tile that was cut and measured.
+//! * [`MeasuredBox`]: measured tiles, sorted by the parts of a layout; each is a [`CutTile`].
+//! * [`PartlyLaid`]: a film of which some tiles lie already.
 //! * [`Orientation`]: one of the 24 ways in which a cuboid fits an upright box.
 //! * [`AssignmentProblem`]: tiles, places, and what each does to the displacement errors.
 //! * [`Assignment`]: the tile of each place, found by local searches from many starts.
+//! * [`PlanRow`]: a line of the plan by which a film is laid.
 //! * [`MeasurementErrors`]: errors of the measurements of tiles, and what they leave of the sorting.
 //! * [`SortedSampler`]: samples of films whose tiles are cut with spares, measured and sorted.
 //! * [`ScanDiagnosis`]: which tiles are weak, turned or displaced, from a scan of the field: a
@@ -24,10 +26,16 @@ mod assignment;
 mod diagnosis;
 /// Local searches for the tile of each place.
 mod local_search;
+/// A box of measured tiles, sorted by the parts of a layout.
+mod measured_box;
 /// Errors of measurements, and what they leave of the sorting.
 mod measurement;
 /// The ways in which a cuboid fits an upright box.
 mod orientation;
+/// Films of which some tiles lie already.
+mod partly_laid;
+/// The plan: which tile goes where, and which way round.
+mod plan_row;
 /// What tiles do to the displacement errors at each place.
 mod problem;
 /// Tiles whose strength is chosen.
@@ -40,7 +48,10 @@ pub use diagnosis::{
     Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, Estimate, FieldScan, NamedError, ScanDiagnosis,
     SimilarErrors, Untold,
 };
+pub use measured_box::{MeasuredBox, MeasuredMagnet, MeasuredTile};
 pub use measurement::MeasurementErrors;
 pub use orientation::Orientation;
+pub use partly_laid::{Laying, LyingTile, PartlyLaid};
+pub use plan_row::PlanRow;
 pub use problem::AssignmentProblem;
 pub use sorted_films::{SortedSampleError, SortedSampler, Sorting};

@@ -1,6 +1,7 @@
 //! The ways in which a cuboid fits an upright box.
 
 use glam::{DMat3, DVec3};
+use magsplice_magnet::Tile;
 
 /// A rotation that maps axes onto axes: one of 24. It turns vectors of a tile as it was measured into the
 /// frame of its place.
@@ -61,6 +62,19 @@ impl Orientation {
     /// instead.
     pub fn upper_side(&self) -> (usize, bool) {
         (usize::from(self.order[2]), self.reversed[2])
+    }
+
+    /// The name of the side of the measured tile that is up, such as `+z`.
+    pub fn upper_side_name(&self) -> &'static str {
+        let (axis, is_down) = self.upper_side();
+        [["+x", "-x"], ["+y", "-y"], ["+z", "-z"]][axis][usize::from(is_down)]
+    }
+
+    /// Where the mark of a tile points at a place, from the x axis of the film towards its y axis, from 0 to below
+    /// 360 degrees.
+    pub fn mark_deg(&self, place: &Tile) -> f64 {
+        let along = place.rotation() * self.mark_direction();
+        along.y.atan2(along.x).to_degrees().rem_euclid(360.0)
     }
 
     /// The axis of the measured tile that a mark on the tile shows: its x, or its y if x is upright.

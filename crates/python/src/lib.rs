@@ -7,6 +7,8 @@
 // Methods of a Python class take `&self` and values as Python passes them.
 #![allow(clippy::needless_pass_by_value)]
 
+/// Which measured tile goes to which place.
+mod assignment;
 /// Where the displacement error of films that are made comes from.
 mod budget;
 /// Expectations of a film.
@@ -41,6 +43,8 @@ mod vectors;
 /// The extension module of the package magsplice.
 #[pyo3::pymodule]
 mod _magsplice {
+    #[pymodule_export]
+    use crate::assignment::assign;
     #[pymodule_export]
     use crate::budget::budget;
     #[pymodule_export]

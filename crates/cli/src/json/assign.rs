@@ -59,7 +59,7 @@ struct PlaceJson<'a> {
 
 impl<'a> AssignJson<'a> {
     pub(crate) fn new(film: &'a AssignedFilm) -> AssignJson<'a> {
-        let measurement = film.measurement.as_ref().map(|(errors, rms)| MeasurementJson { errors, rms });
+        let measurement = film.assignment.measurement.as_ref().map(|(errors, rms)| MeasurementJson { errors, rms });
         AssignJson {
             layout: &film.layout.name,
             sha256: &film.layout.sha256,
@@ -67,18 +67,20 @@ impl<'a> AssignJson<'a> {
             recoil: film.recoil.as_ref().map(RecoilJson::new),
             measured_tiles: film.measured,
             rms_mm: RmsJson {
-                as_ordered: film.ordered_rms_mm,
-                in_order: film.found.in_order_rms_mm,
-                assigned: film.found.rms_mm,
-                starts: &film.found.starts_rms_mm,
+                as_ordered: film.assignment.ordered_rms_mm,
+                in_order: film.assignment.found.in_order_rms_mm,
+                assigned: film.assignment.found.rms_mm,
+                starts: &film.assignment.found.starts_rms_mm,
                 measurement,
             },
             shims: film
+                .assignment
                 .shims
                 .iter()
                 .map(|(shim, strength_t)| ShimJson { place: &film.layout.tiles[*shim].name, strength_t: *strength_t })
                 .collect(),
             plan: film
+                .assignment
                 .plan
                 .iter()
                 .map(|row| PlaceJson {

@@ -26,18 +26,6 @@ pub(super) enum MagnetColumns {
     Strength(Column, Option<[Column; 2]>),
 }
 
-impl MagnetColumns {
-    /// Columns of components.
-    pub(super) fn components(&self) -> Option<[Column; 3]> {
-        match self {
-            MagnetColumns::Polarization(columns)
-            | MagnetColumns::Magnetization(columns)
-            | MagnetColumns::Moment(columns) => Some(*columns),
-            MagnetColumns::Strength(..) => None,
-        }
-    }
-}
-
 /// The line of names that messages show.
 pub(super) const EXAMPLE: &str = "tile,part,jx_t,jy_t,jz_t";
 

@@ -2,13 +2,11 @@
 
 /// A film with the tile of each place: the result of `assign`.
 pub(crate) mod assigned_film;
-/// The plan: which tile goes where, and which way round.
+/// The plan as a file.
 pub(crate) mod laying_plan;
 /// The columns of measured tiles.
 mod measured_columns;
 /// Measured tiles from a CSV file, sorted by the parts of a layout.
 pub(crate) mod measured_tiles;
-/// The places that take the same part.
-pub(crate) mod place_groups;
 /// Tiles that lie already, from a CSV file.
 pub(crate) mod placed_tiles;

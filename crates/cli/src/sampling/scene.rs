@@ -4,12 +4,11 @@ use std::path::Path;
 
 use magsplice::ideal::IdealFilm;
 use magsplice::layout::Layout;
-use magsplice::making::{SortedSampler, Sorting};
+use magsplice::making::{PlaceGroup, SortedSampler, Sorting};
 use magsplice::tolerance::{EvaluationGrid, FilmErrors, RealFilm, SampleError, Sampler};
 use magsplice::{Film, FilmBudget, FilmError, FilmRecoil, Stage};
 
 use crate::failure::Failure;
-use crate::laying::place_groups::place_groups;
 use crate::prepared_film::prepare;
 use crate::words::{film_failure, no_film};
 
@@ -61,7 +60,7 @@ impl<'a> SampledScene<'a> {
         sampler: &'b Sampler<'b>,
         sorting: Sorting,
     ) -> Result<SortedSampler<'b>, Failure> {
-        SortedSampler::new(sampler, place_groups(self.layout), &self.volume, self.ideal()?, sorting)
+        SortedSampler::new(sampler, PlaceGroup::from_layout(self.layout), &self.volume, self.ideal()?, sorting)
             .map_err(|error| Failure::Points { path: self.path.to_owned(), message: error.to_string() })
     }
 

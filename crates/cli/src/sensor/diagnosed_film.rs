@@ -5,8 +5,6 @@ use magsplice::layout::{FilmTolerance, Layout};
 use magsplice::making::{Candidate, Diagnosis, ErrorKind, NamedError, SimilarErrors, Untold};
 use magsplice::prelude::DVec3;
 
-use crate::made_layout;
-
 /// A layout with the diagnosis of a scan.
 pub(crate) struct DiagnosedFilm<'a> {
     /// The film as ordered, with the ordinary errors.
@@ -140,8 +138,7 @@ impl DiagnosedFilm<'_> {
     /// The film that was found as a layout. Requirements and the brief are those of the film as ordered, and
     /// are left out; so are the errors of its tiles, which are now known.
     pub(crate) fn found_layout(&self, original: &Layout, scan: &str) -> Layout {
-        let mut layout = original.clone();
-        made_layout::replace_tiles(&mut layout, &self.diagnosis.tiles);
+        let mut layout = original.clone().with_made_tiles(&self.diagnosis.tiles);
         layout.tolerance =
             layout.tolerance.map(|tolerance| FilmTolerance { tiles: Vec::new(), groups: Vec::new(), ..tolerance });
         layout.tolerance = layout.tolerance.filter(|tolerance| *tolerance != FilmTolerance::default());

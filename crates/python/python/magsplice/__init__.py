@@ -37,6 +37,8 @@ Film.forces
     Forces of the tiles on each other, and orders of laying.
 Film.read, Film.resolution
     Displacements and forces from readings of a Hall sensor.
+Film.assign
+    Which measured tile goes to which place, and which way round.
 Film.diagnose
     Wrong tiles of a film that was made, from a scan of its field.
 Film.design, Film.front
@@ -51,6 +53,7 @@ Self-Decoupled Magnetic Tactile Sensor", Magnetochemistry 2024, 10(1), 6, here "
 """
 
 from magsplice import errors, plot
+from magsplice._assignment import Assignment, MeasuredTile, PlacedTile
 from magsplice._budget import Budget, BudgetPart
 from magsplice._check import Check, Outcome
 from magsplice._comparison import Comparison, Decoupling
@@ -69,6 +72,7 @@ from magsplice._sensor import Readings
 from magsplice.errors import LayoutError, LayoutFault, MagspliceError, PointFault, PointsError
 
 __all__ = [
+    "Assignment",
     "Budget",
     "BudgetPart",
     "Check",
@@ -88,9 +92,11 @@ __all__ = [
     "LayoutError",
     "LayoutFault",
     "MagspliceError",
+    "MeasuredTile",
     "Metrics",
     "Outcome",
     "Page",
+    "PlacedTile",
     "PointFault",
     "PointsError",
     "Readings",

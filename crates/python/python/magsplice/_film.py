@@ -11,6 +11,7 @@ import numpy as np
 
 from magsplice import _cluster, _html, _magsplice
 from magsplice._arrow import Column, Table, split
+from magsplice._assignment import AssignedFilm
 from magsplice._budget import BudgetedFilm
 from magsplice._check import CheckedFilm
 from magsplice._diagnosis import DiagnosedFilm
@@ -26,7 +27,15 @@ from magsplice._sensor import SensedFilm
 
 
 class Film(
-    MadeFilm, BudgetedFilm, SensedFilm, RecoilFilm, LaidFilm, DiagnosedFilm, CheckedFilm, DrawnFilm
+    MadeFilm,
+    BudgetedFilm,
+    SensedFilm,
+    RecoilFilm,
+    LaidFilm,
+    AssignedFilm,
+    DiagnosedFilm,
+    CheckedFilm,
+    DrawnFilm,
 ):
     """A spliced film, or any other arrangement of block magnets, with its exact field.
 

@@ -238,6 +238,27 @@ class _Design(TypedDict):
     starts_that_agree: int
     short_of: list[str]
 
+class _Assignment(TypedDict):
+    text: str
+    ordered_rms_mm: float
+    in_order_rms_mm: float
+    rms_mm: float
+    starts_rms_mm: list[float]
+    measured_rms_mm: _Statistics | None
+    spares: int
+    shims: list[tuple[str, float]]
+    plan: list[tuple[str, str, _Vector, str, str, float, bool]]
+
+def assign(
+    film: Film,
+    measured: list[tuple[str, str | None, _Vector | None, list[float]]],
+    placed: list[tuple[str, str, _Vector | None, str, float]],
+    shims: list[str],
+    may_turn_over: bool,
+    starts: int,
+    seed: int,
+    errors: tuple[float, float, float | None] | None,
+) -> _Assignment: ...
 def baseline_file(film: Film) -> Path | None: ...
 def check(film: Film, baseline: tuple[_Floats, _Floats] | None = None) -> list[_Outcome]: ...
 def budget(film: Film, preset: str | None, seed: int, samples: int) -> _Budget: ...

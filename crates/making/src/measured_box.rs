@@ -1,0 +1,243 @@
+//! A box of measured tiles, sorted by the parts of a layout.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::DVec3;
+use magsplice_layout::{Layout, MAX_NAME_BYTES, Part, ten_decimals};
+use magsplice_magnet::MU_0;
+
+use crate::assignment::{CutTile, PlaceGroup};
+
+/// Factors between what is measured and what was ordered that no box of tiles has. Beyond them a unit is
+/// wrong, or a tile is of another part.
+const LEAST_FACTOR: f64 = 0.5;
+const MOST_FACTOR: f64 = 2.0;
+
+/// Angle from the direction that was ordered beyond which a tile was turned when it was measured.
+const MOST_ANGLE_DEG: f64 = 45.0;
+
+/// Cubic metres of a cubic millimetre.
+const M3_PER_MM3: f64 = 1e-9;
+
+/// Largest number of characters of a text that a message repeats.
+const MOST_SHOWN: usize = 200;
+
+/// What was measured of a tile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredTile<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its part: the number, from 1, in the order of [`Layout::parts`], or the name of a tile or kind of this part
+    /// alone. `None` if the layout has one part, or the sides tell it.
+    pub part: Option<&'a str>,
+    /// Its sides in the order of those of the part. `None` if they were not measured.
+    pub size_mm: Option<DVec3>,
+    /// Its magnetization.
+    pub magnet: MeasuredMagnet,
+}
+
+/// The magnetization of a tile, along its sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum MeasuredMagnet {
+    /// J in tesla.
+    Polarization(DVec3),
+    /// The magnetic moment in A m2.
+    Moment(DVec3),
+    /// |J| in tesla, along the direction of the part.
+    Strength(f64),
+}
+
+/// A box of measured tiles for the parts of a layout.
+#[derive(Clone, Debug)]
+pub struct MeasuredBox<'a> {
+    parts: Vec<Part>,
+    /// The part that the name of each tile and of each kind stands for.
+    part_names: HashMap<&'a str, usize>,
+    groups: Vec<PlaceGroup>,
+    names: HashSet<String>,
+    has_sizes: bool,
+}
+
+impl PlaceGroup {
+    /// The places of each part of a layout, without tiles.
+    pub fn from_layout(layout: &Layout) -> Vec<PlaceGroup> {
+        layout.parts().iter().map(PlaceGroup::from_part).collect()
+    }
+
+    fn from_part(part: &Part) -> PlaceGroup {
+        PlaceGroup {
+            size_mm: part.size_mm,
+            polarization_t: part.strength_t * part.direction,
+            places: part.tiles.clone(),
+            tiles: Vec::new(),
+        }
+    }
+}
+
+impl<'a> MeasuredBox<'a> {
+    /// An empty box.
+    pub fn new(layout: &'a Layout) -> MeasuredBox<'a> {
+        let parts = layout.parts();
+        MeasuredBox {
+            part_names: part_names(layout, &parts),
+            groups: parts.iter().map(PlaceGroup::from_part).collect(),
+            parts,
+            names: HashSet::new(),
+            has_sizes: false,
+        }
+    }
+
+    /// Adds a tile.
+    ///
+    /// # Errors
+    /// Every rule that it breaks, in words: its part must be known, its name free, and what was measured near to
+    /// what was ordered.
+    pub fn add(&mut self, tile: &MeasuredTile) -> Result<(), Vec<String>> {
+        let mut faults: Vec<String> = self.name_fault(tile.name).into_iter().collect();
+        let number = match self.part(tile) {
+            Ok(number) => number,
+            Err(fault) => {
+                faults.push(fault);
+                return Err(faults);
+            }
+        };
+        let part = &self.parts[number];
+        let size_mm = tile.size_mm.unwrap_or(part.size_mm);
+        for axis in 0..3 {
+            let (size, ordered) = (size_mm[axis], part.size_mm[axis]);
+            if !(LEAST_FACTOR..=MOST_FACTOR).contains(&(size / ordered)) {
+                let side = ["first", "second", "third"][axis];
+                faults.push(format!(
+                    "the {side} side is {size} mm, must be within {LEAST_FACTOR} to {MOST_FACTOR} times the {ordered} mm \
+                     of part {}",
+                    number + 1
+                ));
+            }
+        }
+        let polarization_t = match tile.magnet {
+            MeasuredMagnet::Polarization(j_t) => j_t,
+            MeasuredMagnet::Moment(moment) => moment * (MU_0 / (size_mm.element_product() * M3_PER_MM3)),
+            MeasuredMagnet::Strength(strength_t) => strength_t * part.direction,
+        };
+        if faults.is_empty() {
+            faults.extend(polarization_fault(polarization_t, part, number));
+        }
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        self.has_sizes |= size_mm != part.size_mm;
+        self.names.insert(tile.name.to_owned());
+        self.groups[number].tiles.push(CutTile { name: tile.name.to_owned(), polarization_t, size_mm });
+        Ok(())
+    }
+
+    /// Number of tiles.
+    pub fn tile_count(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Whether any tile has other sides than its part.
+    pub fn has_sizes(&self) -> bool {
+        self.has_sizes
+    }
+
+    /// The places of each part, with the tiles in the order in which they were added.
+    pub fn into_groups(self) -> Vec<PlaceGroup> {
+        self.groups
+    }
+
+    fn name_fault(&self, name: &str) -> Option<String> {
+        let shown = beginning(name);
+        if name.is_empty() {
+            return Some("has no name in the column of tiles".to_owned());
+        }
+        if name.len() > MAX_NAME_BYTES {
+            return Some(format!("tile \"{shown}\" has {} bytes, must have at most {MAX_NAME_BYTES}", name.len()));
+        }
+        if self.names.contains(name) {
+            return Some(format!("tile \"{shown}\" is in the box already"));
+        }
+        name.chars().any(char::is_control).then(|| format!("tile \"{shown}\" has control characters"))
+    }
+
+    /// The index of the part of a tile.
+    fn part(&self, tile: &MeasuredTile) -> Result<usize, String> {
+        let count = self.parts.len();
+        if let Some(part) = tile.part {
+            let by_number = part.parse().ok().filter(|number| (1..=count).contains(number));
+            let found = by_number.map(|number: usize| number - 1).or_else(|| self.part_names.get(part).copied());
+            return found.ok_or_else(|| {
+                format!(
+                    "part = \"{}\", must be a number from 1 to {count}, as `magsplice tiles` lists the parts, or the name \
+                     of a tile or of a kind of one part",
+                    beginning(part)
+                )
+            });
+        }
+        if count == 1 {
+            return Ok(0);
+        }
+        let Some(size_mm) = tile.size_mm else {
+            return Err(format!("names no part, must have one of {count} in a column part, or sizes"));
+        };
+        // The nearest part, if no other is nearly as near: sizes of parts differ by more than cuts do.
+        let mut by_distance: Vec<(f64, usize)> =
+            self.parts.iter().enumerate().map(|(number, part)| ((part.size_mm - size_mm).length(), number)).collect();
+        by_distance.sort_by(|a, b| a.0.total_cmp(&b.0));
+        match by_distance[..] {
+            [(near, number), (next, _), ..] if next > 2.0 * near && near < 0.25 * size_mm.length() => Ok(number),
+            _ => {
+                let DVec3 { x, y, z } = size_mm;
+                Err(format!("its sizes ({x}, {y}, {z}) mm fit no part alone, must name one in a column part"))
+            }
+        }
+    }
+}
+
+/// The beginning of a text.
+pub(crate) fn beginning(text: &str) -> String {
+    text.chars().take(MOST_SHOWN).collect()
+}
+
+/// The part that the name of each tile and of each kind stands for. Kinds of several parts are left out.
+fn part_names<'a>(layout: &'a Layout, parts: &[Part]) -> HashMap<&'a str, usize> {
+    let mut of_kinds: HashMap<&str, Option<usize>> = HashMap::new();
+    let mut names = HashMap::new();
+    for (number, part) in parts.iter().enumerate() {
+        for named in part.tiles.iter().map(|&tile| &layout.tiles[tile]) {
+            names.insert(named.name.as_str(), number);
+            if let Some(kind) = &named.kind {
+                let of_kind = of_kinds.entry(kind).or_insert(Some(number));
+                *of_kind = of_kind.filter(|of_kind| *of_kind == number);
+            }
+        }
+    }
+    let kinds = of_kinds.into_iter().filter_map(|(kind, part)| Some((kind, part?)));
+    kinds.for_each(|(kind, part)| {
+        names.entry(kind).or_insert(part);
+    });
+    names
+}
+
+fn polarization_fault(polarization_t: DVec3, part: &Part, number: usize) -> Option<String> {
+    let (strength_t, ordered_t) = (polarization_t.length(), part.strength_t);
+    if ordered_t == 0.0 {
+        return None;
+    }
+    if !(LEAST_FACTOR..=MOST_FACTOR).contains(&(strength_t / ordered_t)) {
+        return Some(format!(
+            "its polarization is {} T, must be within {LEAST_FACTOR} to {MOST_FACTOR} times the {ordered_t} T of part {}",
+            ten_decimals(strength_t),
+            number + 1
+        ));
+    }
+    let angle_deg = polarization_t.angle_between(part.direction).to_degrees();
+    (angle_deg > MOST_ANGLE_DEG).then(|| {
+        format!(
+            "its polarization is {angle_deg:.1} deg from that of part {}, must be within {MOST_ANGLE_DEG} deg: turn the \
+             axes so that x is along the first side of the part, y along the second, as `magsplice tiles` lists them",
+            number + 1
+        )
+    })
+}

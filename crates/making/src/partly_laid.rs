@@ -1,0 +1,191 @@
+//! Films of which some tiles lie already.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::{DQuat, DVec3};
+use magsplice_layout::{Layout, NamedTile};
+use magsplice_magnet::Tile;
+
+use crate::assignment::{CutTile, PlaceGroup};
+use crate::measured_box::beginning;
+use crate::orientation::Orientation;
+use crate::plan_row::PlanRow;
+
+/// Angle between a mark and the direction that it has at its place, beyond which the tile lies in another
+/// orientation.
+const MOST_TURN_DEG: f64 = 45.0;
+
+/// A film of which some tiles lie, and what is left to do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartlyLaid {
+    /// The film, with the tiles that lie as they lie.
+    pub film: Vec<Tile>,
+    /// Places and tiles that are left.
+    pub groups: Vec<PlaceGroup>,
+    /// The tiles that lie, each with the index of its place.
+    pub plan: Vec<(usize, PlanRow)>,
+}
+
+/// A tile that lies in a film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LyingTile<'a> {
+    /// Name of its place.
+    pub place: &'a str,
+    /// Its name.
+    pub tile: &'a str,
+    /// Its measured centre. `None` if it is that of the place.
+    pub position_mm: Option<DVec3>,
+    /// The side of the tile that is up, such as `+z`.
+    pub up: &'a str,
+    /// Where its mark points, from the x axis of the film towards its y axis, in degrees.
+    pub mark_deg: f64,
+}
+
+/// A film while its tiles are laid.
+#[derive(Clone, Debug)]
+pub struct Laying<'a> {
+    layout: &'a Layout,
+    groups: &'a [PlaceGroup],
+    film: Vec<Tile>,
+    plan: Vec<(usize, PlanRow)>,
+    /// Group and index of each tile, by its name.
+    tiles: HashMap<&'a str, (usize, usize)>,
+    /// Index and group of each place, by its name. Shims and places without a part have no group.
+    places: HashMap<&'a str, (usize, Option<usize>)>,
+    used: HashSet<(usize, usize)>,
+    filled: HashSet<usize>,
+}
+
+impl<'a> Laying<'a> {
+    /// The film of a layout, of which no tile lies yet. The groups have its places and the measured tiles.
+    pub fn new(layout: &'a Layout, groups: &'a [PlaceGroup]) -> Laying<'a> {
+        let mut tiles = HashMap::new();
+        let mut group_of = HashMap::new();
+        for (number, group) in groups.iter().enumerate() {
+            for (index, tile) in group.tiles.iter().enumerate() {
+                tiles.insert(tile.name.as_str(), (number, index));
+            }
+            group.places.iter().for_each(|place| {
+                group_of.insert(*place, number);
+            });
+        }
+        let place =
+            |(index, named): (usize, &'a NamedTile)| (named.name.as_str(), (index, group_of.get(&index).copied()));
+        Laying {
+            layout,
+            groups,
+            film: layout.bare_tiles(),
+            plan: Vec::new(),
+            tiles,
+            places: layout.tiles.iter().enumerate().map(place).collect(),
+            used: HashSet::new(),
+            filled: HashSet::new(),
+        }
+    }
+
+    /// Lays a tile.
+    ///
+    /// # Errors
+    /// Every rule that it breaks, in words.
+    pub fn lay(&mut self, lying: &LyingTile) -> Result<(), Vec<String>> {
+        let mut faults = Vec::new();
+        let place = self.places.get(lying.place).copied();
+        let tile = self.tiles.get(lying.tile).copied();
+        let (place_shown, tile_shown) = (beginning(lying.place), beginning(lying.tile));
+        match place {
+            None => faults.push(format!("place = \"{place_shown}\", must be the name of a tile of the layout")),
+            Some((place, _)) if !self.filled.insert(place) => {
+                faults.push(format!("place \"{place_shown}\" has a tile already"));
+            }
+            Some(_) => {}
+        }
+        match tile {
+            None => faults.push(format!("tile = \"{tile_shown}\", must be one of the measured tiles")),
+            Some(tile) if !self.used.insert(tile) => {
+                faults.push(format!("tile \"{tile_shown}\" lies elsewhere already"));
+            }
+            Some(_) => {}
+        }
+        let (Some((place, of_place)), Some((group, index))) = (place, tile) else {
+            return Err(faults);
+        };
+        if of_place != Some(group) {
+            let number = |group: usize| group + 1;
+            faults.push(match of_place {
+                Some(wanted) => format!(
+                    "tile \"{tile_shown}\" is of part {}, place \"{place_shown}\" of part {}",
+                    number(group),
+                    number(wanted)
+                ),
+                None => format!("place \"{place_shown}\" is a shim"),
+            });
+        }
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        let position = lying.position_mm.unwrap_or(self.film[place].position());
+        let (orientation, turn_deg) =
+            self.orientation(group, place, lying.up, lying.mark_deg).map_err(|fault| vec![fault])?;
+        let cut = &self.groups[group].tiles[index];
+        let lies = lying_tile(cut, &self.film[place], orientation, position, turn_deg).map_err(|fault| vec![fault])?;
+        self.film[place] = lies;
+        self.plan.push((place, PlanRow::new(&self.layout.tiles[place].name, lying.tile, orientation, &lies, true)));
+        Ok(())
+    }
+
+    /// The orientation in which a tile lies, and the angle by which it is turned about z beyond it.
+    fn orientation(&self, group: usize, place: usize, up: &str, deg: f64) -> Result<(Orientation, f64), String> {
+        let at = &self.film[place];
+        let fitting = self.groups[group].orientations_at(at, true);
+        let turn = |orientation: &Orientation| {
+            let difference = (deg - orientation.mark_deg(at)).rem_euclid(360.0);
+            if difference > 180.0 { difference - 360.0 } else { difference }
+        };
+        let nearest = fitting
+            .iter()
+            .filter(|orientation| orientation.upper_side_name() == up)
+            .min_by(|a, b| turn(a).abs().total_cmp(&turn(b).abs()));
+        match nearest {
+            Some(orientation) if turn(orientation).abs() <= MOST_TURN_DEG => Ok((*orientation, turn(orientation))),
+            _ => {
+                let possible: Vec<String> = fitting
+                    .iter()
+                    .map(|orientation| format!("{} at {:.0}", orientation.upper_side_name(), orientation.mark_deg(at)))
+                    .collect();
+                Err(format!(
+                    "with {} up and its mark at {deg} deg, its polarization is not that of the place, must be near: {} deg",
+                    beginning(up),
+                    possible.join(", ")
+                ))
+            }
+        }
+    }
+
+    /// What is left to do.
+    pub fn finish(self) -> PartlyLaid {
+        let mut groups = self.groups.to_vec();
+        for (number, group) in groups.iter_mut().enumerate() {
+            group.places.retain(|place| !self.filled.contains(place));
+            let mut index = 0;
+            group.tiles.retain(|_| {
+                index += 1;
+                !self.used.contains(&(number, index - 1))
+            });
+        }
+        PartlyLaid { film: self.film, groups, plan: self.plan }
+    }
+}
+
+/// A tile at a measured position, turned about z beyond its orientation.
+fn lying_tile(
+    cut: &CutTile,
+    place: &Tile,
+    orientation: Orientation,
+    position: DVec3,
+    turn_deg: f64,
+) -> Result<Tile, String> {
+    let rotation = DQuat::from_rotation_z(turn_deg.to_radians()) * place.rotation();
+    Tile::new(position, orientation.sides(cut.size_mm), orientation.apply(cut.polarization_t))
+        .and_then(|tile| if turn_deg == 0.0 { tile.rotated(place.rotation()) } else { tile.rotated(rotation) })
+        .map_err(|faults| faults.to_string())
+}

@@ -1,0 +1,143 @@
+//! Which measured tile goes to which place of a film.
+
+use magsplice::layout::Layout;
+use magsplice::making::{
+    AssignmentSettings, Laying, LyingTile, MeasuredBox, MeasuredMagnet, MeasuredTile, MeasurementErrors, PartlyLaid,
+    PlaceGroup, PlanRow,
+};
+use magsplice::prelude::DVec3;
+use pyo3::prelude::*;
+
+use crate::exceptions::{failed, of_film};
+use crate::film::Film;
+use crate::interruption::Interruption;
+use crate::samples::StatisticsNumbers;
+use crate::vectors::Triple;
+
+/// Name and version in the history of layouts.
+const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " assign");
+
+/// Most faults that an exception lists.
+const MOST_FAULTS: usize = 20;
+
+/// Name, part, sides, and J along the sides, or |J| alone.
+type Measured = (String, Option<String>, Option<[f64; 3]>, Vec<f64>);
+
+/// Place, tile, centre, upper side, and direction of the mark in degrees.
+type Lying = (String, String, Option<[f64; 3]>, String, f64);
+
+/// An assignment, with the fields of the Python class.
+#[derive(IntoPyObject)]
+pub(crate) struct AssignmentNumbers {
+    /// The layout of the film as TOML, with its tiles in their order.
+    text: String,
+    ordered_rms_mm: f64,
+    in_order_rms_mm: f64,
+    rms_mm: f64,
+    starts_rms_mm: Vec<f64>,
+    measured_rms_mm: Option<StatisticsNumbers>,
+    spares: usize,
+    shims: Vec<(String, f64)>,
+    plan: Vec<Row>,
+}
+
+/// Place, tile, centre, upper side, mark and its direction in degrees, whether the tile lies.
+type Row = (String, String, Triple, &'static str, &'static str, f64, bool);
+
+/// The tiles of a box at the places of a film. `errors` are those of strength, direction in radians and sides in
+/// millimetres.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "Python passes them by name")]
+pub(crate) fn assign(
+    py: Python<'_>,
+    film: &Film,
+    measured: Vec<Measured>,
+    placed: Vec<Lying>,
+    shims: Vec<String>,
+    may_turn_over: bool,
+    starts: usize,
+    seed: u64,
+    errors: Option<(f64, f64, Option<f64>)>,
+) -> PyResult<AssignmentNumbers> {
+    let layout = &film.layout;
+    let mut tiles = MeasuredBox::new(layout);
+    refused("measured", measured.iter().map(|tile| added(&mut tiles, tile)))?;
+    let (count, has_sizes, mut groups) = (tiles.tile_count(), tiles.has_sizes(), tiles.into_groups());
+    let shims = taken_out(layout, &shims, &mut groups)?;
+    let partly = partly_laid(layout, &groups, &placed)?;
+    let settings = AssignmentSettings { starts, seed, may_turn_over, ..AssignmentSettings::default() };
+    let errors =
+        errors.map(|(strength, direction_rad, size_mm)| MeasurementErrors { strength, direction_rad, size_mm });
+    let interruption = Interruption::default();
+    let progress = |_| interruption.poll();
+    let film = film.evaluated(py)?.telling(&progress);
+    let assigned = interruption.run(py, || film.assign(&partly, &shims, &settings, errors))?.map_err(of_film)?;
+    let row = |row: &PlanRow| {
+        let PlanRow { place, tile, centre_mm, up, mark, mark_deg, is_laid } = row.clone();
+        (place, tile, centre_mm.into(), up, mark, mark_deg, is_laid)
+    };
+    Ok(AssignmentNumbers {
+        text: film.assigned_layout(&assigned, has_sizes, PROGRAM).to_toml(),
+        ordered_rms_mm: assigned.ordered_rms_mm,
+        in_order_rms_mm: assigned.found.in_order_rms_mm,
+        rms_mm: assigned.found.rms_mm,
+        starts_rms_mm: assigned.found.starts_rms_mm,
+        measured_rms_mm: assigned.measurement.map(|(_, rms)| rms.into()),
+        spares: (count + shims.len()).saturating_sub(assigned.plan.len()),
+        shims: assigned.shims.iter().map(|(shim, t)| (layout.tiles[*shim].name.clone(), *t)).collect(),
+        plan: assigned.plan.iter().map(row).collect(),
+    })
+}
+
+fn added(tiles: &mut MeasuredBox, (name, part, size_mm, j_t): &Measured) -> Result<(), Vec<String>> {
+    let magnet = match j_t[..] {
+        [strength_t] => MeasuredMagnet::Strength(strength_t),
+        [x, y, z] => MeasuredMagnet::Polarization(DVec3::new(x, y, z)),
+        _ => return Err(vec![format!("polarization_t has {} components, must have 3 or be a number", j_t.len())]),
+    };
+    tiles.add(&MeasuredTile { name, part: part.as_deref(), size_mm: size_mm.map(DVec3::from), magnet })
+}
+
+/// The indices of the shims, whose places are taken out of the groups.
+fn taken_out(layout: &Layout, shims: &[String], groups: &mut [PlaceGroup]) -> PyResult<Vec<usize>> {
+    let mut found: Vec<usize> = Vec::new();
+    refused(
+        "shims",
+        shims.iter().map(|name| match layout.tiles.iter().position(|named| named.name == *name) {
+            None => Err(vec![format!("\"{name}\", must be the name of a tile of the film")]),
+            Some(tile) if found.contains(&tile) => Err(vec![format!("\"{name}\" is given twice")]),
+            Some(tile) => {
+                found.push(tile);
+                Ok(())
+            }
+        }),
+    )?;
+    groups.iter_mut().for_each(|group| group.places.retain(|place| !found.contains(place)));
+    Ok(found)
+}
+
+fn partly_laid(layout: &Layout, groups: &[PlaceGroup], placed: &[Lying]) -> PyResult<PartlyLaid> {
+    let mut laying = Laying::new(layout, groups);
+    let lay = |(place, tile, position_mm, up, mark_deg): &Lying| {
+        let position_mm = position_mm.map(DVec3::from);
+        laying.lay(&LyingTile { place, tile, position_mm, up, mark_deg: *mark_deg })
+    };
+    refused("placed", placed.iter().map(lay))?;
+    Ok(laying.finish())
+}
+
+/// An exception that lists the items with faults.
+fn refused(list: &str, items: impl Iterator<Item = Result<(), Vec<String>>>) -> PyResult<()> {
+    let with_faults = |(index, item): (usize, Result<(), Vec<String>>)| item.err().map(|faults| (index, faults));
+    let faults: Vec<(usize, Vec<String>)> = items.enumerate().filter_map(with_faults).collect();
+    if faults.is_empty() {
+        return Ok(());
+    }
+    let lines =
+        faults.iter().take(MOST_FAULTS).map(|(index, faults)| format!("{list}[{index}]: {}", faults.join("; ")));
+    let mut lines: Vec<String> = lines.collect();
+    if faults.len() > MOST_FAULTS {
+        lines.push(format!("and {} more", faults.len() - MOST_FAULTS));
+    }
+    Err(failed(lines.join("\n")))
+}
