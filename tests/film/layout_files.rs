@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use magsplice::layout::LayoutError;
 use magsplice::prelude::*;
 
+use crate::shipped::EVERY_KEY;
+
 fn parse(body: &str) -> Result<Layout, LayoutError> {
     Layout::parse(&format!("format = 1\nname = \"test\"\n{body}"), "test.toml")
 }
@@ -342,4 +344,32 @@ fn faulty_expectations_are_refused() {
         let problems = text.lines().filter(|l| l.contains("expect: ")).count();
         assert!(problems == 0 || problems == messages.len(), "{expect}: {text}");
     }
+}
+
+/// A number too many is refused in every list of numbers but those of any length.
+#[test]
+fn lists_that_are_too_long_are_refused() {
+    let any_length = ["widths_mm", "pattern", "values"];
+    let extra = ["quaternion = [0, 0, 0, 1]", "euler_deg = [0, 0, 90], order = \"xyz\""]
+        .map(|rotation| EVERY_KEY.replace("axis = [0, 0, 1], angle_deg = 30", rotation));
+    let matrix = EVERY_KEY.replace("axis = [0, 0, 1], angle_deg = 30", "matrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]");
+    let mut lists = 0;
+    for text in [EVERY_KEY.to_owned(), matrix].iter().chain(&extra) {
+        Layout::parse_beside(text, "every key", "tests/film").expect("a layout");
+        for (open, _) in text.match_indices('[') {
+            let Some(close) = text[open..].find(']').map(|length| open + length) else { continue };
+            let inside = &text[open + 1..close];
+            let is_numbers = inside.split(',').all(|number| number.trim().parse::<f64>().is_ok());
+            let key = text[..open].trim_end().trim_end_matches('=').trim_end();
+            let key = key.rsplit([' ', '\n', '{']).next().unwrap_or_default();
+            if !is_numbers || any_length.contains(&key) {
+                continue;
+            }
+            lists += 1;
+            let longer = format!("{}, 7{}", &text[..close], &text[close..]);
+            let found = Layout::parse_beside(&longer, "every key", "tests/film");
+            assert!(found.is_err(), "{key} = [{inside}, 7]");
+        }
+    }
+    assert!(lists > 100, "{lists}");
 }

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::tables::exact_list::exactly;
+
 /// The table `[design]`, with its defaults filled in.
 ///
 /// The default brief varies nothing and requires nothing.
@@ -131,6 +133,7 @@ pub enum Under {
 #[serde(deny_unknown_fields)]
 pub struct StockPart {
     /// Sides in the plane of the film, in mm.
+    #[serde(deserialize_with = "exactly")]
     pub size_mm: [f64; 2],
     /// Angle of the polarization from the first side towards the second, in degrees. Default: 0.
     #[serde(default)]

@@ -120,7 +120,7 @@ fn recoil_words(error: &RefinementError, tiles: &[String], f: &mut fmt::Formatte
         (RefinementError::NotConverged { best: Some(best), tolerance, reached, most_cells, needed_cells }, _) => {
             write!(
                 f,
-                "what recoil changes in B is known to {:.1} of the stated error with {} cells, and it takes about \
+                "what recoil changes in B is known to {:.1} times the stated error with {} cells, and it takes about \
              {needed_cells:.0e} cells of at most {most_cells}: raise recoil_error in [material], or take points \
              farther from the tiles",
                 reached / tolerance,

@@ -141,8 +141,8 @@ impl FilmRecoil {
         self.level
     }
 
-    /// The largest change of B by recoil in tesla, at points of the working volume, or around the tiles of a
-    /// layout without one.
+    /// The largest change of B by recoil in tesla, at points of the working volume. Without one at points of a box
+    /// around all tiles, away from them by its shortest side; nearer to them B changes more.
     pub fn change_t(&self) -> f64 {
         self.change_t
     }

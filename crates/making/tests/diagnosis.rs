@@ -241,3 +241,13 @@ fn bad_settings_are_refused() {
     let empty = FieldScan { points_mm: Vec::new(), ..scan };
     assert_eq!(refused(empty, DiagnosisSettings::default()), DiagnosisError::Empty);
 }
+
+#[test]
+fn readings_that_are_not_finite_are_refused() {
+    let mut readings_t = readings(&film(), &points(), NOISE_T, &mut ChaCha8Rng::seed_from_u64(1));
+    for value in [f64::NAN, f64::INFINITY] {
+        readings_t[7].y = value;
+        let refused = model(DiagnosisSettings::default()).diagnose(&readings_t, |_| {}).unwrap_err();
+        assert_eq!(refused, DiagnosisError::Reading { index: 7 });
+    }
+}

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 use magsplice::layout::{FilmTolerance, Layout, NamedTile, TileErrors};
+use magsplice::magnet::Tile;
 use magsplice::{FilmError, FilmRecoil};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
@@ -38,6 +39,15 @@ type Tiles<'py> = (
     Vec<String>,
     Vec<Option<String>>,
     Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+);
+
+/// Indices of the tiles, then centres, sides, polarizations and rotations of cells.
+type Cells<'py> = (
+    Vec<usize>,
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f64>>,
@@ -133,10 +143,6 @@ impl Film {
         let tiles = &self.layout.tiles;
         let of_each =
             |value: &dyn Fn(&NamedTile) -> DVec3| rows_of(py, &tiles.iter().map(value).collect::<Vec<DVec3>>());
-        let rotation = PyArray2::zeros(py, [tiles.len(), 4], false);
-        for (row, named) in rotation.readwrite().as_slice_mut()?.as_chunks_mut::<4>().0.iter_mut().zip(tiles) {
-            *row = named.tile.rotation().to_array();
-        }
         let permeability = PyArray2::zeros(py, [tiles.len(), 2], false);
         for (row, named) in permeability.readwrite().as_slice_mut()?.as_chunks_mut::<2>().0.iter_mut().zip(tiles) {
             *row = named.permeability.map_or([f64::NAN; 2], |own| [own.along(), own.across()]);
@@ -147,9 +153,20 @@ impl Film {
             of_each(&|named| named.tile.position()),
             of_each(&|named| named.tile.size()),
             of_each(&|named| named.tile.polarization_t()),
-            rotation,
+            rotations(py, tiles.iter().map(|named| &named.tile))?,
             permeability,
         ))
+    }
+
+    /// The cells of tiles with a recoil permeability: the indices of their tiles, centres, sides, polarizations
+    /// and rotations. None without.
+    fn cells<'py>(&self, py: Python<'py>) -> PyResult<Option<Cells<'py>>> {
+        let Some(recoil) = self.recoil(py)? else { return Ok(None) };
+        let cells = recoil.magnetization().cells();
+        let of_each = |value: &dyn Fn(&Tile) -> DVec3| rows_of(py, &cells.iter().map(value).collect::<Vec<DVec3>>());
+        let owners = recoil.magnetization().owners().to_vec();
+        let (position, size) = (of_each(&Tile::position), of_each(&Tile::size));
+        Ok(Some((owners, position, size, of_each(&Tile::polarization_t), rotations(py, cells.iter())?)))
     }
 
     /// B of the ideal film at points, in tesla; NaN where they are not below the film.
@@ -176,6 +193,18 @@ impl Film {
     fn to_toml(&self, compact: bool) -> String {
         if compact { self.layout.to_compact_toml() } else { self.layout.to_toml() }
     }
+}
+
+/// The rotations of tiles, as quaternions (x, y, z, w).
+fn rotations<'a, 'py>(
+    py: Python<'py>,
+    tiles: impl ExactSizeIterator<Item = &'a Tile>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let rotation = PyArray2::zeros(py, [tiles.len(), 4], false);
+    for (row, tile) in rotation.readwrite().as_slice_mut()?.as_chunks_mut::<4>().0.iter_mut().zip(tiles) {
+        *row = tile.rotation().to_array();
+    }
+    Ok(rotation)
 }
 
 impl From<Layout> for Film {

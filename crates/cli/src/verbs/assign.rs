@@ -6,9 +6,10 @@ use std::path::Path;
 #[cfg(feature = "report")]
 use magsplice::FilmAssignment;
 use magsplice::layout::Layout;
-use magsplice::making::{AssignmentError, AssignmentSettings, PartlyLaid, PlaceGroup, PlanRow};
-use magsplice::prelude::Tile;
+use magsplice::making::{AssignmentError, AssignmentSettings, PartlyLaid, PlaceGroup};
 use magsplice::{Film, FilmError, Stage};
+#[cfg(feature = "report")]
+use magsplice::{making::PlanRow, prelude::Tile};
 #[cfg(feature = "report")]
 use magsplice_report::{LaidTile, SvgText, laying_plan_figure};
 

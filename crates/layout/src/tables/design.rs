@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::brief::{Goal, StockPart, Symmetry, Under};
+use crate::tables::exact_list::some_exactly;
 use crate::tables::expect::LowerBound;
 
 /// What a search may change to improve the film, and its goal.
@@ -122,9 +123,11 @@ fn one() -> f64 {
 pub(crate) struct Outline {
     /// Lower and upper end along x, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_exactly")]
     pub(crate) x: Option<[f64; 2]>,
     /// Lower and upper end along y, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_exactly")]
     pub(crate) y: Option<[f64; 2]>,
 }
 

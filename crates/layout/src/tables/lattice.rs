@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::tables::exact_list::exactly;
 use crate::tables::material::RecoilPermeability;
 
 /// A film cut along lines parallel to x and y. Each cell holds one tile, unless its pattern is zero
@@ -14,6 +15,7 @@ pub(crate) struct LatticeTable {
     /// on, numbered in the order of the file.
     pub(crate) name: Option<String>,
     /// Lower corner, in mm.
+    #[serde(deserialize_with = "exactly")]
     pub(crate) start_mm: [f64; 3],
     /// Height along z, in mm.
     pub(crate) height_mm: f64,

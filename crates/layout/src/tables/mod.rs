@@ -25,6 +25,8 @@ use self::volume::VolumeTable;
 pub(crate) mod design;
 /// Distributions of errors in `[tolerance]`.
 pub(crate) mod distribution;
+/// Lists of an exact length.
+pub(crate) mod exact_list;
 /// `[expect]`: bounds and a baseline for the film.
 pub(crate) mod expect;
 /// `[ideal]`: the sinusoidal film to compare with.

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::tables::exact_list::some_exactly;
 use crate::tables::rotation::RotationTable;
 
 /// The three-axis Hall sensor below the film. Without this table it is perfect: points without errors,
@@ -41,6 +42,7 @@ pub(crate) struct SensorTable {
     /// Sides of the rectangle along x and y of the sensor that a plate averages over, in mm. Default:
     /// points.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_exactly")]
     pub(crate) active_area_mm: Option<[f64; 2]>,
     /// Centres of the plates in the frame of the sensor. Default: all at its position.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -53,12 +55,15 @@ pub(crate) struct SensorTable {
 pub(crate) struct PlatesTable {
     /// Centre of the plate that reads B_x.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_exactly")]
     pub(crate) x: Option<[f64; 3]>,
     /// Centre of the plate that reads B_y.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_exactly")]
     pub(crate) y: Option<[f64; 3]>,
     /// Centre of the plate that reads B_z.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_exactly")]
     pub(crate) z: Option<[f64; 3]>,
 }
 

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::tables::exact_list::{exactly, some_exactly};
 use crate::tables::material::RecoilPermeability;
 use crate::tables::rotation::RotationTable;
 
@@ -11,10 +12,12 @@ use crate::tables::rotation::RotationTable;
 #[serde(deny_unknown_fields)]
 pub(crate) struct KindTable {
     /// Full side lengths along the tile's own axes, in mm.
+    #[serde(deserialize_with = "exactly")]
     pub(crate) size_mm: [f64; 3],
     /// Magnitude of the polarization, in T. Each tile gives its direction.
     pub(crate) strength_t: Option<f64>,
     /// Polarization J = mu0 M in the tile's own frame, in T.
+    #[serde(default, deserialize_with = "some_exactly")]
     pub(crate) polarization_t: Option<[f64; 3]>,
     /// Relative recoil permeability. Default: that of [material].
     pub(crate) recoil_permeability: Option<RecoilPermeability>,
@@ -32,18 +35,22 @@ pub(crate) struct TileTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) kind: Option<String>,
     /// Centre, in mm.
+    #[serde(deserialize_with = "exactly")]
     pub(crate) position_mm: [f64; 3],
     /// Full side lengths along the tile's own axes, in mm. Required unless a kind gives them.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_exactly")]
     pub(crate) size_mm: Option<[f64; 3]>,
     /// Polarization J = mu0 M in the tile's own frame, in T.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_exactly")]
     pub(crate) polarization_t: Option<[f64; 3]>,
     /// Magnitude of the polarization, in T. Needs a direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) strength_t: Option<f64>,
     /// Direction of the polarization in the tile's own frame, a vector of any length but zero.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_exactly")]
     pub(crate) direction: Option<[f64; 3]>,
     /// Angle of the polarization in the tile's own xy plane, from x towards y, in degrees. Goes with
     /// strength_t, instead of direction.
@@ -72,8 +79,10 @@ pub(crate) struct TileTable {
 #[serde(deny_unknown_fields)]
 pub(crate) struct GridTable {
     /// Number of copies along x, y, z, the tile itself included.
+    #[serde(deserialize_with = "exactly")]
     pub(crate) count: [usize; 3],
     /// Distance between neighbouring copies along x, y, z, in mm.
+    #[serde(deserialize_with = "exactly")]
     pub(crate) pitch_mm: [f64; 3],
     /// Axes along which the polarization of every other copy is reversed.
     #[serde(default)]
@@ -88,6 +97,7 @@ pub(crate) struct MirrorTable {
     pub(crate) axes: Vec<AxisName>,
     /// A point on the mirrors, in mm. Default: the origin.
     #[serde(default)]
+    #[serde(deserialize_with = "exactly")]
     pub(crate) at_mm: [f64; 3],
     /// How the polarization is mirrored. Default: reflect.
     #[serde(default)]

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use crate::tables::distribution::{Components, WrittenDistribution};
+use crate::tables::exact_list::some_exactly;
 use crate::tables::rotation::RotationTable;
 use crate::tables::tile::AxisName;
 
@@ -225,6 +226,7 @@ pub(crate) struct NeighbourTable {
     pub(crate) layout: String,
     /// Place of its origin, in mm. Required.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_exactly")]
     pub(crate) position_mm: Option<[f64; 3]>,
     /// Rotation about its origin. Default: none.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -226,6 +226,9 @@ impl ScanDiagnosis {
     /// If there are not as many readings as points.
     pub fn diagnose(&self, readings_t: &[DVec3], watch: impl FnMut(usize)) -> Result<Diagnosis, DiagnosisError> {
         assert_eq!(readings_t.len(), self.model.points.len(), "one reading per point");
+        if let Some(index) = readings_t.iter().position(|reading_t| !reading_t.is_finite()) {
+            return Err(DiagnosisError::Reading { index });
+        }
         let (model, unknowns) = (&self.model, &self.model.unknowns);
         let ln_limit = self.naming_probability().ln();
         let search = Search { model, readings_t, candidates: &self.candidates, ln_limit };

@@ -29,6 +29,11 @@ pub enum DiagnosisError {
         /// What was given, in tesla.
         value_t: f64,
     },
+    /// A reading is not finite.
+    Reading {
+        /// Index of the reading.
+        index: usize,
+    },
     /// The probability of a false alarm is not between 0 and 1.
     FalseAlarm(f64),
     /// The derivatives by all errors at all points need too much memory.
@@ -53,6 +58,9 @@ impl fmt::Display for DiagnosisError {
             DiagnosisError::Empty => f.write_str("no tiles or no readings, must be at least one of each"),
             DiagnosisError::Noise { axis, value_t } => {
                 write!(f, "noise[{axis}] = {value_t} T, must be greater than 0")
+            }
+            DiagnosisError::Reading { index } => {
+                write!(f, "reading[{index}] is not finite: leave it and its point out")
             }
             DiagnosisError::FalseAlarm(value) => {
                 write!(f, "probability of a false alarm = {value}, must be greater than 0 and less than 1")

@@ -33,12 +33,17 @@ class Table:
                 'tables need the package nanoarrow: pip install "magsplice[tables]"'
             ) from error
         columns = self.columns()
-        arrays = [
-            nanoarrow.c_array(column)
-            if isinstance(column, np.ndarray)
-            else nanoarrow.c_array(column, nanoarrow.string())
-            for column in columns.values()
-        ]
+
+        def array_of(column: Column) -> Any:
+            if not isinstance(column, np.ndarray):
+                return nanoarrow.c_array(column, nanoarrow.string())
+            if len(column):
+                return nanoarrow.c_array(column)
+            # An array without elements does not tell its type there.
+            kind = "bool_" if column.dtype == bool else column.dtype.name
+            return nanoarrow.c_array([], getattr(nanoarrow, kind)())
+
+        arrays = [array_of(column) for column in columns.values()]
         schema = nanoarrow.struct(
             {name: array.schema for name, array in zip(columns, arrays, strict=True)}
         )

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from magsplice import _magsplice
+from magsplice._arguments import whole
 from magsplice._arrow import Column, Table, split
 from magsplice._layout import Vector
 from magsplice._layout_film import LayoutFilm
@@ -201,8 +202,7 @@ class AssignedFilm(LayoutFilm):
         >>> found.spares, found.rms_mm <= found.in_order_rms_mm
         (1, True)
         """
-        if not 1 <= starts <= _MOST_STARTS:
-            raise ValueError(f"starts = {starts}, must be from 1 to {_MOST_STARTS}")
+        starts, seed = whole("starts", starts, 1, _MOST_STARTS), whole("seed", seed, 0)
         errors = (
             _within("strength_error", strength_error, _MOST_STRENGTH),
             math.radians(_within("direction_error_deg", direction_error_deg, _MOST_DIRECTION_DEG)),

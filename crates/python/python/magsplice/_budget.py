@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from magsplice import _magsplice
+from magsplice._arguments import whole
 from magsplice._arrow import Column, Table, split
 from magsplice._layout import Vector
 from magsplice._layout_film import LayoutFilm
@@ -119,10 +120,8 @@ class BudgetedFilm(LayoutFilm):
         MagspliceError
             If the layout has no errors, ideal film or working volume, or a sample has no errors.
         """
-        if not 20 <= samples <= 1_000_000:
-            raise ValueError(f"samples = {samples}, must be from 20 to 1000000")
-        if seed is None:
-            seed = (self._core.sampling or (0, 1))[1]
+        samples = whole("samples", samples, 20, 1_000_000)
+        seed = (self._core.sampling or (0, 1))[1] if seed is None else whole("seed", seed, 0)
         numbers = _magsplice.budget(self._core, preset, seed, samples)
         ratios = (
             None if ratio is None else Estimate(*ratio) for ratio in numbers["mean_square_ratio"]

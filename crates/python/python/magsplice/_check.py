@@ -84,7 +84,12 @@ class Check(Numbers):
 
     def __getitem__(self, expectation: str) -> Outcome:
         """Outcome of an expectation, by its key."""
-        return next(found for found in self.outcomes if found.expectation == expectation)
+        by_key = {found.expectation: found for found in self.outcomes}
+        if expectation not in by_key:
+            raise KeyError(
+                f"{expectation}: must be one of {', '.join(by_key) or 'no expectations'}"
+            )
+        return by_key[expectation]
 
     def to_dict(self) -> dict[str, Any]:
         """Status, value and bound by expectation; for JSON."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from magsplice._arguments import one_of
 from magsplice._datasets import coordinates
 from magsplice._layout import Floats, Grid
 from magsplice._layout_film import LayoutFilm
@@ -131,6 +132,7 @@ class FieldFilm(LayoutFilm):
         PointsError
             If points have no gradient.
         """
+        one_of("quantity", quantity, ("b", "h"))
         flat, shape = flattened(points.points_mm if isinstance(points, Grid) else points)
         values, error = self._core.scene.gradient(quantity, flat)
         if error is not None and invalid == "raise":

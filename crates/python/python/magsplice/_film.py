@@ -143,6 +143,8 @@ class Film(
 
         Raises
         ------
+        ValueError
+            If `least_amplitude` is not above 0.
         MagspliceError
             If the layout has no ``[design]``, or there is no film that keeps its rules.
 
@@ -152,6 +154,8 @@ class Film(
         ...     design={"vary": ["size", "position", "direction"], "symmetry": "four-fold"}
         ... ).design()  # doctest: +SKIP
         """
+        if least_amplitude is not None and not 0 < least_amplitude < np.inf:
+            raise ValueError(f"least_amplitude = {least_amplitude}, must be above 0 and finite")
         numbers = _magsplice.design(self._core, least_amplitude, progress)
         film = Film._parsed(numbers["text"], "the film found", self._folder)
         return Design.from_numbers(film, numbers, self.to_dict()["design"])
@@ -187,6 +191,9 @@ class Film(
 
     def to_magpylib(self) -> Any:
         """Film as a `magpylib.Collection` of cuboids, in metres and tesla.
+
+        Tiles with a recoil permeability become their cells, with the polarization that agrees with
+        the field: magpylib knows no recoil.
 
         Needs magpylib: ``pip install "magsplice[magpylib]"``.
         """

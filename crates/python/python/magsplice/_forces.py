@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from magsplice import _magsplice
+from magsplice._arguments import whole
 from magsplice._arrow import Column, Table, split
 from magsplice._layout import Floats, Vector
 from magsplice._layout_film import LayoutFilm
@@ -118,7 +119,13 @@ class Forces(_Loads):
             largest[f"largest_{key}"] = float(magnitudes.max())
             largest[f"tile_of_largest_{key}"] = self.names[int(magnitudes.argmax())]
         order = {} if self.order is None else self.order.to_dict()
-        return {"tiles": len(self.names), **largest, **order}
+        recoil = {}
+        if self.recoil_change_n is not None:
+            recoil = {
+                "recoil_change_n": self.recoil_change_n,
+                "recoil_error_n": self.recoil_error_n,
+            }
+        return {"tiles": len(self.names), **largest, **recoil, **order}
 
 
 class LaidFilm(LayoutFilm):
@@ -158,6 +165,7 @@ class LaidFilm(LayoutFilm):
         """
         if not 1e-13 <= turned_error <= 0.1:
             raise ValueError(f"turned_error = {turned_error}, must be from 1e-13 to 0.1")
+        seed = whole("seed", seed, 0)
         names = self.tiles.names
         steps = None if order is None or order == "least" else _steps(order, names)
         pairs = _magsplice.Forces(self._core, turned_error)
@@ -182,12 +190,18 @@ def _steps(order: str | Sequence[str], names: list[str]) -> list[int]:
     """Index of the tile of each step."""
     if order == "given":
         return list(range(len(names)))
-    unknown = [name for name in order if name not in names]
-    if isinstance(order, str) or unknown:
-        shown = order if isinstance(order, str) else unknown[0]
-        raise ValueError(f'order: {shown!r}, must be "given", "least" or the names of all tiles')
+    laid = [order] if isinstance(order, str) else list(order)
     index = {name: number for number, name in enumerate(names)}
-    return [index[name] for name in order]
+    wrong = [name for name in laid if name not in index]
+    if isinstance(order, str) or wrong:
+        shown = wrong[0] if wrong else order
+        raise ValueError(f'order: {shown!r}, must be "given", "least" or the names of all tiles')
+    twice = next((name for step, name in enumerate(laid) if name in laid[:step]), None)
+    if twice is not None:
+        raise ValueError(f"order: {twice!r} is laid twice")
+    if len(laid) < len(names):
+        raise ValueError(f"order: has {len(laid)} tiles, must have all {len(names)}")
+    return [index[name] for name in laid]
 
 
 def _sum(vectors: Floats) -> Vector:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from magsplice._arguments import whole
 from magsplice._arrow import Column, Table, split
 
 Floats = NDArray[np.float64]
@@ -28,8 +29,9 @@ class Tile(NamedTuple):
     polarization_t : (x, y, z)
         Polarization J = mu0 M in the tile's own frame, in tesla.
     rotation : (x, y, z, w), optional
-        Quaternion that takes the tile's own frame to the film's, or anything with ``as_quat()``,
-        such as `scipy.spatial.transform.Rotation`. Default: not rotated.
+        Quaternion that takes the tile's own frame to the film's, a matrix of shape (3, 3) that does
+        so, or anything with ``as_quat()``, such as `scipy.spatial.transform.Rotation`. Default: not
+        rotated.
     name : str, optional
         Unique name. Default: ``tile-1``, ``tile-2``, ...
     kind : str, optional
@@ -62,19 +64,32 @@ class Tile(NamedTuple):
             "position_mm": _numbers(self.position_mm),
             "size_mm": _numbers(self.size_mm),
             "polarization_t": _numbers(self.polarization_t),
-            "rotation": None if rotation is None else {"quaternion": _numbers(rotation)},
+            "rotation": None if rotation is None else _rotation(rotation),
             "recoil_permeability": _permeability(self.recoil_permeability),
         }
 
 
-def _numbers(values: ArrayLike) -> list[float]:
-    return [float(value) for value in np.asarray(values, dtype=float).ravel()]
+def _numbers(values: ArrayLike) -> Any:
+    """Numbers as a layout file has them. Rules for their shape are those of the file."""
+    return np.asarray(values, dtype=float).tolist()
+
+
+def _rotation(rotation: ArrayLike) -> dict[str, Any]:
+    numbers = np.asarray(rotation, dtype=float)
+    return {"matrix" if numbers.ndim == 2 else "quaternion": numbers.tolist()}
 
 
 def _permeability(stated: float | Sequence[float] | None) -> Any:
-    if stated is None or isinstance(stated, (int, float)):
-        return stated
-    along, across = _numbers(stated)
+    if stated is None:
+        return None
+    numbers = np.asarray(stated, dtype=float)
+    if numbers.ndim == 0:
+        return float(numbers)
+    if numbers.shape != (2,):
+        raise ValueError(
+            f"recoil_permeability = {stated!r}, must be one number, or those along and across"
+        )
+    along, across = numbers.tolist()
     return {"along": along, "across": across}
 
 
@@ -196,8 +211,8 @@ class Grid:
         for name in ("lower_mm", "upper_mm"):
             x, y, z = getattr(self, name)
             object.__setattr__(self, name, (float(x), float(y), float(z)))
-        nx, ny, nz = self.counts
-        object.__setattr__(self, "counts", (int(nx), int(ny), int(nz)))
+        nx, ny, nz = (whole("counts", count, 1) for count in self.counts)
+        object.__setattr__(self, "counts", (nx, ny, nz))
 
     def _axis(self, axis: int) -> Floats:
         # Rounded once, as the library rounds, so that a grid symmetric about 0 contains 0.

@@ -16,6 +16,25 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
+#: Keys of a layout file that may be left out.
+_KEYS = (
+    "description",
+    "history",
+    "overlap_mm",
+    "ideal",
+    "volume",
+    "material",
+    "expect",
+    "design",
+    "tolerance",
+    "sensor",
+    "elastomer",
+    "kind",
+    "tile",
+    "lattice",
+)
+
+
 class LayoutFilm:
     """A film with the parts of its layout."""
 
@@ -81,6 +100,11 @@ class LayoutFilm:
         >>> volume = film.to_dict()["volume"]  # doctest: +SKIP
         >>> finer = film.replace(volume={**volume, "step_mm": 0.25})  # doctest: +SKIP
         """
+        unknown = [key for key, table in tables.items() if table is None and key not in _KEYS]
+        if unknown:
+            raise TypeError(
+                f"{unknown[0]} is no key of a layout, must be one of {', '.join(_KEYS)}"
+            )
         return type(self).from_dict({**self.to_dict(), **tables}, folder=self._folder)
 
     def to_toml(self, *, compact: bool = True) -> str:

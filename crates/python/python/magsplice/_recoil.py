@@ -46,8 +46,9 @@ class Recoil(Numbers, Table):
     level : int
         Level of division.
     change_t : float
-        Largest change of B by recoil, in tesla, at points of the working volume, or around the
-        tiles of a layout without one.
+        Largest change of B by recoil, in tesla, at points of the working volume. Without one at
+        points of a box around all tiles, away from them by the shortest side of the tiles
+        together; nearer to them B changes more.
     error_t : float
         Estimate of the largest error of B at the same points, in tesla.
     without : FilmFigures | None
@@ -151,6 +152,9 @@ class RecoilFilm(LayoutFilm):
         numbers = _magsplice.recoil(self._core)
         if numbers is None:
             return None
+        for key in ("weakening", "angle_deg", "mean_polarization_t"):
+            # The result is kept.
+            numbers[key].flags.writeable = False
         return Recoil(
             cells=numbers["cells"],
             level=numbers["level"],

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from magsplice import _cluster, _magsplice
+from magsplice._arguments import LARGEST_SEED, one_of, whole
 from magsplice._arrow import Column, Table, split
 from magsplice._layout import Floats
 from magsplice._layout_film import LayoutFilm
@@ -23,6 +24,12 @@ Preset = Literal["by-hand", "workshop", "jig"]
 
 #: Number of samples and seed of layouts that state none.
 _SAMPLING = (1000, 1)
+
+#: Most samples of one call, as of a run of the program.
+_MOST_SAMPLES = 10_000_000
+
+#: Most threads, which rayon allows.
+_MOST_THREADS = 65_535
 
 
 class Estimate(NamedTuple):
@@ -123,11 +130,14 @@ class Samples(Numbers, Table):
 
     def displacement_mm(self, axis: str) -> Statistics:
         """Statistics of the displacement RMSE along ``"x"``, ``"y"`` or ``"z"``, in millimetres."""
-        return statistics(self.displacement_rmse_mm[:, "xyz".index(axis)])
+        return statistics(self.displacement_rmse_mm[:, "xyz".index(one_of("axis", axis, "xyz"))])
 
     def uniformity(self, parameter: str) -> Statistics:
         """Statistics of the uniformity RMSE of ``"r_x"``, ``"r_y"`` or ``"s_z"``."""
-        return statistics(self.uniformity_rmse[:, ("r_x", "r_y", "s_z").index(parameter)])
+        names = ("r_x", "r_y", "s_z")
+        return statistics(
+            self.uniformity_rmse[:, names.index(one_of("parameter", parameter, names))]
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Medians and 95th percentiles by name; for JSON."""
@@ -214,7 +224,7 @@ class MadeFilm(LayoutFilm):
         Parameters
         ----------
         samples : int, optional
-            Number of films. Default: that of the layout, 1000 if it states none.
+            Number of films, up to 10 million. Default: that of the layout, 1000 if it states none.
         preset : {"by-hand", "workshop", "jig"}, optional
             Errors of every tile to assume instead of those of the layout.
         seed : int, optional
@@ -243,8 +253,11 @@ class MadeFilm(LayoutFilm):
             If the layout has no errors, ideal film or working volume, or a sample has no errors.
         """
         stated = self._core.sampling or _SAMPLING
-        count = stated[0] if samples is None else int(samples)
-        seed = stated[1] if seed is None else int(seed)
+        count = stated[0] if samples is None else whole("samples", samples, 1, _MOST_SAMPLES)
+        seed = stated[1] if seed is None else whole("seed", seed, 0)
+        first = whole("first", first, 0, LARGEST_SEED - count)
+        threads = None if threads is None else whole("threads", threads, 1, _MOST_THREADS)
+        partition = None if partition is None else whole("partition", partition, 1, _MOST_SAMPLES)
         if client is not None:
             draw = partial(_drawn, self, preset, seed, threads or 1)
             arrays = _cluster.samples(client, draw, first, count, partition, progress)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from magsplice import _magsplice
 from magsplice._arrow import Column, Table, split
 from magsplice._field import FieldFilm, flattened
-from magsplice._layout import Floats, Grid, three_of
+from magsplice._layout import Floats, Grid, Vector, three_of
 
 #: What the numbers in `Readings.status` mean.
 STATUS = ("in the volume", "outside the volume", "ambiguous", "not found", "saturated")
@@ -117,17 +117,20 @@ class SensedFilm(FieldFilm):
             If the layout has no working volume, the sensor cannot read the field, or the mean of
             `rest` has no position.
         ValueError
-            If more than one of `constant_t`, `zero` and `rest` is given, or one has no readings.
+            If more than one of `constant_t`, `zero` and `rest` is given, one has no readings or
+            none that are finite numbers, or a noise is not above 0.
         """
         flat, shape = flattened(readings_t)
         x, y, z = (float(value) for value in constant_t)
+        if not np.isfinite((x, y, z)).all():
+            raise ValueError(f"constant_t = {constant_t}, must be finite numbers")
         given = [any((x, y, z)), zero is not None, rest is not None]
         if sum(given) > 1:
             raise ValueError("more than one of constant_t, zero and rest is given: give one")
         numbers = _magsplice.read(
             self._core,
             flat,
-            three_of(noise_t),
+            _noise_of(noise_t),
             (x, y, z),
             None if zero is None else _at_rest("zero", zero),
             None if rest is None else _at_rest("rest", rest),
@@ -167,13 +170,13 @@ class SensedFilm(FieldFilm):
         Raises
         ------
         ValueError
-            If neither `noise_t` nor the layout states a noise.
+            If neither `noise_t` nor the layout states a noise, or a noise is not above 0.
         MagspliceError
             If the layout has no working volume, or the sensor cannot read the field.
         """
         points = self._required_grid() if points is None else points
         flat, shape = flattened(points.points_mm if isinstance(points, Grid) else points)
-        found = _magsplice.resolution(self._core, flat, three_of(noise_t))
+        found = _magsplice.resolution(self._core, flat, _noise_of(noise_t))
         if found is None:
             raise ValueError(
                 "noise_t is missing and the layout has no [sensor] with noise: "
@@ -186,4 +189,14 @@ def _at_rest(name: str, readings_t: ArrayLike) -> Floats:
     flat, _ = flattened(readings_t)
     if not len(flat):
         raise ValueError(f"{name} has no readings, must have one at least")
+    if not np.isfinite(flat).all():
+        raise ValueError(f"{name} has readings that are not finite numbers")
     return flat
+
+
+def _noise_of(noise_t: float | Sequence[float] | None) -> Vector | None:
+    """Standard deviations along x, y, z in tesla. ValueError unless each is above 0."""
+    found = three_of(noise_t)
+    if found is not None and not (np.isfinite(found).all() and min(found) > 0):
+        raise ValueError(f"noise_t = {noise_t}, must be above 0 and finite")
+    return found

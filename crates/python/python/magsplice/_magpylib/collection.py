@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from magsplice._layout_film import LayoutFilm
+from magsplice._magpylib.blocks import blocks_of
 from magsplice._magpylib.cuboids import MILLI, imported, shifted
 
 
@@ -14,12 +15,12 @@ def to_magpylib(film: LayoutFilm) -> Any:
     Parameters
     ----------
     film : LayoutFilm
-        The film. Each cuboid has the name of its tile as its label.
+        The film. Each cuboid has the name of its tile as its label. Tiles with a recoil
+        permeability become their cells, with the polarization that agrees with the field.
     """
     magpylib = imported()
     from scipy.spatial.transform import Rotation
 
-    tiles = film.tiles
     collection = magpylib.Collection(style_label=film.name)
     collection.add(
         *(
@@ -30,14 +31,7 @@ def to_magpylib(film: LayoutFilm) -> Any:
                 orientation=Rotation.from_quat(rotation),
                 style_label=name,
             )
-            for name, position, size, polarization_t, rotation in zip(
-                tiles.names,
-                tiles.position_mm,
-                tiles.size_mm,
-                tiles.polarization_t,
-                tiles.rotation,
-                strict=True,
-            )
+            for name, position, size, polarization_t, rotation in zip(*blocks_of(film), strict=True)
         )
     )
     return collection

@@ -13,6 +13,7 @@ import numpy as np
 from magsplice import _magsplice
 from magsplice._layout import Floats
 from magsplice._layout_film import LayoutFilm
+from magsplice._magpylib.blocks import blocks_of
 from magsplice._magpylib.cuboids import MILLI, Track, cuboids_of, label_of, shifted
 from magsplice._magpylib.observers import Sensor, sensors_of
 
@@ -36,12 +37,11 @@ class _Source:
     def arrays(self, step: int) -> tuple[Floats, ...]:
         """Positions, sizes, polarizations and rotations of the cuboids at a step of the path."""
         if self.film is not None:
-            tiles = self.film.tiles
+            _, position_mm, size_mm, polarization_t, rotation = blocks_of(self.film)
             metres = [
-                np.array([shifted(row, -MILLI) for row in rows])
-                for rows in (tiles.position_mm, tiles.size_mm)
+                np.array([shifted(row, -MILLI) for row in rows]) for rows in (position_mm, size_mm)
             ]
-            return *metres, tiles.polarization_t, tiles.rotation
+            return *metres, polarization_t, rotation
         rows = zip(*(track.at(step) for track in self.tracks), strict=True)
         return tuple(np.array(array, dtype=float) for array in rows)
 
@@ -82,7 +82,9 @@ def _field(
         for sensor, part in zip(sensors, np.split(field, ends, axis=2), strict=True)
     ]
     if pixel_agg is not None:
-        join = getattr(np, pixel_agg)
+        join = getattr(np, pixel_agg, None)
+        if join is None:
+            raise ValueError(f"pixel_agg = {pixel_agg!r}, must be the name of a function of NumPy")
         parts = [join(part, axis=tuple(range(3, part.ndim - 1))) for part in parts]
     result: Floats = np.concatenate(parts, axis=2)
     if sumup:

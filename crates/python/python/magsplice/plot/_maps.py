@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from magsplice._arguments import one_of
 from magsplice._film import Film
 from magsplice._layout import Floats, Grid
 from magsplice.plot._axes import axes_or_new, grid_of
@@ -49,6 +50,8 @@ def field_map(
     -------
     matplotlib.axes.Axes
     """
+    one_of("component", component, ("bx", "by", "bz", "magnitude"))
+    one_of("of", of, ("film", "ideal", "difference"))
     ax = axes_or_new(ax)
     grid, z = _plane(film, z_mm)
     field_t = film.ideal_b(grid) if of == "ideal" else film.b(grid, invalid="nan")
@@ -59,6 +62,8 @@ def field_map(
     else:
         values, symbol = field_t[..., "xyz".index(component[1])], f"$B_{component[1]}$"
     name = {"film": "", "ideal": " of the ideal film", "difference": ", film minus ideal"}[of]
+    if component == "magnitude" and of == "difference":
+        symbol, name = "|B of the film - B of the ideal film|", ""
     label = f"{symbol}{name}, mT"
     return _map(1e3 * values[..., 0], grid, z, label, ax, component != "magnitude", **options)
 
@@ -141,6 +146,7 @@ def parameter_map(
     """
     ax = axes_or_new(ax)
     grid, z = _plane(film, z_mm)
+    one_of("parameter", parameter, ("r_x", "r_y", "s_z"))
     values = getattr(film.decouple(grid.points_mm), parameter)[..., 0]
     label = {"r_x": "$R_x$, rad", "r_y": "$R_y$, rad", "s_z": "$S_z$"}[parameter]
     return _map(values, grid, z, label, ax, parameter != "s_z", **options)

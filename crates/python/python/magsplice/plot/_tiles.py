@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from magsplice._arguments import one_of
 from magsplice._film import Film
 from magsplice._layout import Floats, Tiles
 from magsplice.errors import MagspliceError
@@ -88,6 +89,7 @@ def recoil(
     MagspliceError
         If no tile has a recoil permeability.
     """
+    one_of("quantity", quantity, ("weakening", "turn"))
     found = film.recoil
     if found is None:
         raise MagspliceError(

@@ -1,0 +1,152 @@
+"""Arguments that break rules, and results at the ends of their ranges."""
+
+import numpy as np
+import polars
+import pytest
+from conftest import LAYOUTS
+
+import magsplice
+from magsplice import Film, Grid, Tile
+
+
+def test_rotations_are_quaternions_or_matrices():
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    half = np.sqrt(0.5)
+    by_matrix, by_quaternion = (
+        Film([Tile((0, 0, 0), (1, 2, 3), (0.1, 0, 1), rotation=rotation)], name="one")
+        for rotation in (turn, (0, 0, half, half))
+    )
+    points = [[0.2, 0.3, 3], [1, 2, -3]]
+    np.testing.assert_allclose(by_matrix.b(points), by_quaternion.b(points), rtol=1e-12)
+    for rotation in (np.eye(2), (1, 2, 3, 4, 5), np.zeros((2, 3))):
+        with pytest.raises(magsplice.LayoutError):
+            Film([Tile((0, 0, 0), (1, 2, 3), (0, 0, 1), rotation=rotation)], name="one")
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("position_mm", [0, 0, 0, 7]),
+        ("position_mm", [[0, 0, 0], [5, 0, 0]]),
+        ("size_mm", [1, 1, 1, 7]),
+        ("polarization_t", [0, 0, 1, 7]),
+    ],
+)
+def test_vectors_have_three_numbers(key, value):
+    tile = Tile((0, 0, 0), (1, 1, 1), (0, 0, 1))._replace(**{key: value})
+    with pytest.raises(
+        magsplice.LayoutError, match=rf"{key} is (a list of three numbers|one number)"
+    ):
+        Film([tile], name="one")
+
+
+def test_permeabilities_may_be_numbers_of_numpy():
+    for stated in (np.float32(1.05), np.array(1.05), (1.05, 1.1), np.array([1.05, 1.1])):
+        tile = Tile((0, 0, 0), (1, 1, 1), (0, 0, 1), recoil_permeability=stated)
+        film = Film([tile], name="one")
+        assert film.tiles.recoil_permeability[0, 0] == pytest.approx(1.05, rel=1e-6)
+    with pytest.raises(ValueError, match="must be one number, or those along and across"):
+        Tile((0, 0, 0), (1, 1, 1), (0, 0, 1), recoil_permeability=(1, 2, 3)).to_dict()
+
+
+def test_keys_of_layouts_are_known(published):
+    with pytest.raises(TypeError, match="materal is no key of a layout"):
+        published.replace(materal=None)
+    assert published.replace(design=None, expect=None).name == published.name
+
+
+def test_noise_is_above_zero(published):
+    for noise_t in (-1, 0, np.nan, (1e-6, 1e-6, np.inf)):
+        with pytest.raises(ValueError, match=r"noise_t = .* must be above 0 and finite"):
+            published.read([[0, 0, 0]], noise_t=noise_t)
+        with pytest.raises(ValueError, match=r"noise_t = .* must be above 0 and finite"):
+            published.resolution([0, 0, -4], noise_t=noise_t)
+    with pytest.raises(ValueError, match="zero has readings that are not finite"):
+        published.read([[0, 0, 0]], zero=[np.nan] * 3)
+    with pytest.raises(ValueError, match="constant_t"):
+        published.read([[0, 0, 0]], constant_t=(np.nan, 0, 0))
+
+
+def test_readings_of_a_diagnosis_are_finite(published):
+    points = np.random.default_rng(1).uniform((-3, -3, -2), (3, 3, -1), (60, 3))
+    readings = published.b(points)
+    readings[3, 1] = np.nan
+    with pytest.raises(magsplice.MagspliceError, match=r"reading\[3\] is not finite"):
+        published.diagnose(points, readings, noise_t=1e-6)
+
+
+def test_numbers_of_samples_are_whole_and_in_range(published):
+    for samples in (0, -1, 10**12):
+        with pytest.raises(ValueError, match=f"samples = {samples}, must be from 1 to 10000000"):
+            published.tolerance(samples, preset="jig")
+    for samples in (10.7, "10"):
+        with pytest.raises(TypeError, match="must be a whole number"):
+            published.tolerance(samples, preset="jig")
+    with pytest.raises(ValueError, match="seed = -1, must be at least 0"):
+        published.tolerance(1, preset="jig", seed=-1)
+    with pytest.raises(ValueError, match="seed = -1, must be at least 0"):
+        published.forces("least", seed=-1)
+
+
+def test_words_are_known(published):
+    made = published.tolerance(4, preset="jig")
+    with pytest.raises(ValueError, match="axis = 'yz', must be one of"):
+        made.displacement_mm("yz")
+    with pytest.raises(ValueError, match="parameter = 'x', must be one of"):
+        made.uniformity("x")
+    with pytest.raises(ValueError, match='quantity = \'j\', must be one of "b", "h"'):
+        published.gradient([0, 0, -3], quantity="j")
+    with pytest.raises(ValueError, match="component = 'hx', must be one of"):
+        magsplice.plot.field_map(published, "hx")
+    with pytest.raises(ValueError, match="parameter = 'rx', must be one of"):
+        magsplice.plot.parameter_map(published, "rx")
+    with pytest.raises(KeyError, match="nothing: must be one of"):
+        published.check()["nothing"]
+
+
+def test_amplitudes_are_checked_before_a_search():
+    film = magsplice.load(LAYOUTS / "designed-stock.toml")
+    for least in (-1, 0, np.nan):
+        with pytest.raises(ValueError, match="least_amplitude"):
+            film.design(least_amplitude=least)
+
+
+def test_orders_have_each_tile_once(published):
+    names = published.tiles.names
+    order = published.forces(name for name in names).order
+    assert order.names == names
+    with pytest.raises(ValueError, match=f"order: '{names[0]}' is laid twice"):
+        published.forces([*names, names[0]])
+    with pytest.raises(ValueError, match="order: has 55 tiles, must have all 56"):
+        published.forces(names[1:])
+
+
+def test_empty_results_are_tables(published):
+    read = published.read(np.empty((0, 3)))
+    table = polars.DataFrame(read)
+    assert table.height == 0
+    assert table.columns == list(read.columns())
+
+
+def test_fields_for_magpylib_are_those_of_the_cells(published):
+    film = published.replace(material={"recoil_permeability": 1.1, "recoil_error": 0.3})
+    points = np.array([[0, 0, -3], [1, 2, -4]])
+    expected = film.b(points)
+    assert not np.allclose(expected, published.b(points), rtol=1e-3)
+    np.testing.assert_allclose(magsplice.getB(film, 1e-3 * points), expected, atol=1e-16)
+    collection = film.to_magpylib()
+    assert len(collection.children) == film.recoil.cells
+    np.testing.assert_allclose(collection.getB(1e-3 * points), expected, atol=1e-12)
+
+
+def test_results_that_are_kept_do_not_change(published):
+    film = published.replace(material={"recoil_permeability": 1.05, "recoil_error": 0.3})
+    with pytest.raises(ValueError, match="read-only"):
+        film.recoil.weakening[0] = 9
+    forces = film.forces().to_dict()
+    assert forces["recoil_error_n"] > 0
+
+
+def test_grids_have_whole_numbers_of_points():
+    with pytest.raises(TypeError, match="must be a whole number"):
+        Grid((0, 0, -3), (1, 1, -2), (2.7, 1, 1))
