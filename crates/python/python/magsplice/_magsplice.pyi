@@ -13,6 +13,7 @@ __all__ = [
     "Forces",
     "Scene",
     "__version__",
+    "assign",
     "baseline_file",
     "budget",
     "check",
