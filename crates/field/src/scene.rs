@@ -150,8 +150,8 @@ impl Scene {
         self.field_with_progress(quantity, points, field, &|_| {})
     }
 
-    /// The same as [`Scene::field_into`]. `progress` is told, from any thread, how many more points begin: at most
-    /// a few thousand at a time, or none where points begin anew with another model.
+    /// The same as [`Scene::field_into`]. `progress` is told, from any thread, how many more points begin: a few
+    /// thousand at a time, or all that are interpolated, or none where points begin anew with another model.
     ///
     /// # Errors
     /// As [`Scene::field_into`].

@@ -150,3 +150,11 @@ def test_results_that_are_kept_do_not_change(published):
 def test_grids_have_whole_numbers_of_points():
     with pytest.raises(TypeError, match="must be a whole number"):
         Grid((0, 0, -3), (1, 1, -2), (2.7, 1, 1))
+
+
+def test_sources_that_are_no_cuboids_are_named():
+    for source in (None, "Cuboid"):
+        with pytest.raises(TypeError, match="is no cuboid"):
+            magsplice.getB(source, (0, 0, 0.1))
+    with pytest.raises(ValueError, match="starts = -1, must be at least 1"):
+        magsplice.splice(10, (20, 20), starts=-1)

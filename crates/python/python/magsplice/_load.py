@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from magsplice import _magsplice
+from magsplice._arguments import whole
 from magsplice._film import Film
 from magsplice._layout import Tile
 from magsplice._magpylib.cuboids import MILLI, Track, cuboids_of, shifted
@@ -133,9 +134,12 @@ def splice(
 
     Raises
     ------
+    ValueError
+        If `starts` is below 1 or `seed` below 0.
     MagspliceError
-        If numbers are out of range; the message has all of them.
+        If other numbers are out of range; the message has all of them.
     """
+    starts, seed = whole("starts", starts, 1), whole("seed", seed, 0)
     wave = wavelength_mm
     text = _magsplice.splice(
         wave,

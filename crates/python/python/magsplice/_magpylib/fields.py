@@ -30,8 +30,8 @@ class _Source:
 
     def __init__(self, entry: Any) -> None:
         self.film = entry if isinstance(entry, LayoutFilm) else None
-        self.label = label_of(entry) if self.film is None else self.film.name
         self.tracks = [] if self.film is not None else [Track(c) for c in cuboids_of(entry)]
+        self.label = label_of(entry) if self.film is None else self.film.name
         self.length = max((track.length for track in self.tracks), default=1)
 
     def arrays(self, step: int) -> tuple[Floats, ...]:
