@@ -56,7 +56,7 @@ def test_gradients_are_interrupted(large):
 
 
 def test_samples_are_interrupted(published):
-    interrupted(lambda: published.tolerance(100_000_000, preset="workshop"))
+    interrupted(lambda: published.tolerance(10_000_000, preset="workshop"))
 
 
 def test_polarizations_are_interrupted(large):
@@ -90,7 +90,7 @@ def test_exceptions_in_callbacks_end_the_work(published):
         raise RuntimeError("enough")
 
     with pytest.raises(RuntimeError, match="enough"):
-        published.tolerance(100_000_000, preset="workshop", progress=refuse)
+        published.tolerance(10_000_000, preset="workshop", progress=refuse)
     many = Film.from_dict({**SQUARES, "design": {**SQUARES["design"], "starts": 10_000}})
     with pytest.raises(RuntimeError, match="enough"):
         many.design(progress=refuse)
