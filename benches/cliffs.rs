@@ -7,7 +7,10 @@
 //! * `ratio: within-over-exact-worst = <time within a tolerance / exact time>`, the worst over the
 //!   tolerances 1e-2 to 1e-13 and the scenes of docs/accuracy-and-speed.md, after a line for each.
 //!
-//! Ratios are medians over interleaved pairs of runs. `-- --test` runs everything once on smaller
+//! Ratios are medians over interleaved pairs of runs. The place in memory of what a scene has
+//! prepared changes a ratio by some 5 %, and the worst of two hundred cases would be the one that
+//! this hits. So the worst cases are measured again, each with some pairs of scenes in other places;
+//! the worst of the medians over these is printed. `-- --test` runs everything once on smaller
 //! scenes; a word runs the cases that have it in their names.
 
 use std::hint::black_box;
@@ -35,6 +38,10 @@ struct CliffEffort {
     least_pairs: usize,
     /// Seconds after which no further pair begins, beyond the smallest number.
     seconds: f64,
+    /// Number of the worst cases that are measured again.
+    worst: usize,
+    /// Number of pairs of scenes that each of them is measured with.
+    copies: usize,
 }
 
 const FULL: CliffEffort = CliffEffort {
@@ -44,6 +51,8 @@ const FULL: CliffEffort = CliffEffort {
     pairs: 15,
     least_pairs: 3,
     seconds: 1.0,
+    worst: 5,
+    copies: 7,
 };
 
 const ONCE: CliffEffort = CliffEffort {
@@ -53,6 +62,8 @@ const ONCE: CliffEffort = CliffEffort {
     pairs: 1,
     least_pairs: 1,
     seconds: 0.0,
+    worst: 1,
+    copies: 1,
 };
 
 fn main() {
@@ -123,52 +134,69 @@ impl Wanted<'_> {
     }
 }
 
+/// A scene, points in it, and a tolerance.
+struct ToleranceCase<'a> {
+    name: String,
+    scene: &'a Scene,
+    points: Wanted<'a>,
+    tolerance: Tolerance,
+}
+
 fn within_over_exact(effort: CliffEffort, wanted: &str) {
-    let mut worst = (0.0, String::new());
-    let mut scenes = placed_scenes(effort.sizes);
-    scenes.push(random_cubes(effort.sizes));
-    for scene in &scenes {
-        for place in &scene.places {
-            let list = Wanted::List(&place.points);
-            for points in place.volume.iter().map(Wanted::Grid).chain([list]) {
-                let kind = if matches!(points, Wanted::Grid(_)) { "grid" } else { "list" };
-                let name = format!("{}, {}, {kind}", scene.title, place.name);
-                if name.contains(wanted) {
-                    let (ratio, exponent) = worst_tolerance(effort, &name, &Scene::new(&scene.tiles), &points);
-                    if ratio > worst.0 {
-                        worst = (ratio, format!("{name}, within 1e-{exponent}"));
-                    }
+    let mut placed = placed_scenes(effort.sizes);
+    placed.push(random_cubes(effort.sizes));
+    let scenes: Vec<Scene> = placed.iter().map(|placed| Scene::new(&placed.tiles)).collect();
+    let mut cases = Vec::new();
+    for (placed, scene) in placed.iter().zip(&scenes) {
+        for place in &placed.places {
+            let name = format!("{}, {}", placed.title, place.name);
+            for exponent in 2..=13 {
+                let tolerance = Tolerance::relative(10_f64.powi(-exponent)).expect("a tolerance");
+                let mut add = |kind: &str, points| {
+                    let name = format!("{name}, {kind}, within 1e-{exponent}");
+                    cases.push(ToleranceCase { name, scene, points, tolerance });
+                };
+                if let Some(grid) = &place.volume {
+                    add("grid", Wanted::Grid(grid));
                 }
+                add("list", Wanted::List(&place.points));
             }
         }
     }
-    println!("ratio: within-over-exact-worst = {:.2}   ({})", worst.0, worst.1);
+    cases.retain(|case| case.name.contains(wanted));
+    let mut measured: Vec<(f64, &ToleranceCase)> = cases.iter().map(|case| (case.ratio(effort, 1), case)).collect();
+    measured.sort_by(|(one, _), (other, _)| other.total_cmp(one));
+    let worst = measured.iter().take(effort.worst).map(|(_, case)| (case.ratio(effort, effort.copies), &case.name));
+    if let Some((ratio, name)) = worst.max_by(|(one, _), (other, _)| one.total_cmp(other)) {
+        println!("ratio: within-over-exact-worst = {ratio:.2}   ({name})");
+    }
 }
 
-/// Prints the ratio for every tolerance; returns the worst with its tolerance's decimal digits.
-fn worst_tolerance(effort: CliffEffort, name: &str, exact: &Scene, points: &Wanted) -> (f64, i32) {
-    let mut worst = (0.0, 0);
-    for exponent in 2..=13 {
-        let tolerance = Tolerance::relative(10_f64.powi(-exponent)).expect("a tolerance");
-        let within = exact.clone().with_accuracy(Accuracy::Within(tolerance));
+impl ToleranceCase<'_> {
+    /// Measures with `copies` pairs of scenes and prints the median ratio.
+    fn ratio(&self, effort: CliffEffort, copies: usize) -> f64 {
+        let ToleranceCase { name, scene, points, tolerance } = self;
         let (mut field, mut truth) = (vec![DVec3::ZERO; points.len()], vec![DVec3::ZERO; points.len()]);
         let mut refused = 0;
-        let ratio = median_ratio(
-            effort,
-            || refused = points.evaluate(&within, &mut field),
-            || assert_eq!(points.evaluate(exact, &mut truth), 0, "bounded"),
-        );
+        let exact = vec![(*scene).clone(); copies];
+        let within: Vec<Scene> =
+            exact.iter().map(|scene| scene.clone().with_accuracy(Accuracy::Within(*tolerance))).collect();
+        let ratio_of = |(within, exact): (&Scene, &Scene)| {
+            median_ratio(
+                effort,
+                || refused = points.evaluate(within, &mut field),
+                || assert_eq!(points.evaluate(exact, &mut truth), 0, "bounded"),
+            )
+        };
+        let ratio = median(within.iter().zip(&exact).map(ratio_of).collect());
         let apart = field.iter().zip(&truth).map(|(a, b)| (*a - *b).length() / b.length());
         let largest = apart.fold(0.0, f64::max);
         println!(
-            "within-over-exact: {name}, 1e-{exponent} = {ratio:.2}   ({} points, {refused} refused; the largest error is {largest:.1e} of |B|)",
+            "within-over-exact: {name} = {ratio:.2}   ({} points, {refused} refused; the largest error is {largest:.1e} of |B|)",
             points.len()
         );
-        if ratio > worst.0 {
-            worst = (ratio, exponent);
-        }
+        ratio
     }
-    worst
 }
 
 /// The median over interleaved pairs of runs of the time of `one` over the time of `other`. A first

@@ -57,11 +57,12 @@ impl FarMagnitude {
         let square = xx + yy + zz;
         let q = reciprocal_root_bound(simd, square);
         let q_squared = q * q;
-        let mut form = q_squared.mul_add(self.quartic, self.constant);
-        form = zz.mul_add(self.squares[2], yy.mul_add(self.squares[1], xx.mul_add(self.squares[0], form)));
+        let mut form =
+            zz.mul_add(self.squares[2], yy.mul_add(self.squares[1], xx.mul_add(self.squares[0], self.constant)));
         if let Some([yz, zx, xy]) = self.mixed {
             form = (y * z).mul_add(yz, (z * x).mul_add(zx, (x * y).mul_add(xy, form)));
         }
+        let form = q_squared.mul_add(self.quartic, form);
         (q_squared * q * q_squared.mul_add(form, self.dipole), square.simd_ge(self.from))
     }
 }

@@ -259,46 +259,38 @@ impl DirectSum {
             let least = magnitudes_t.get(index).map_or(least_in_box, |own_t| least_squared(*own_t));
             is_weak(&field[index], least)
         };
-        let mut open = Vec::with_capacity(points.len());
-        open.extend((0..points.len() as u32).filter(|&index| is_open(index as usize)));
+        let open = indices_where(points.len(), is_open);
         if open.is_empty() {
             return;
         }
-        let mut refuse_weak = |index: u32, magnitude_t: f64| {
-            let index = index as usize;
-            if is_weak(&field[index], least_squared(magnitude_t)) {
-                field[index] = DVec3::NAN;
-                failed(index, Cause::TooExact { bound_t: EXACT_BOUND * magnitude_t });
-            }
+        let at_open: Vec<DVec3> = open.iter().map(|&index| points[index as usize]).collect();
+        let own_t = if !is_only {
+            self.magnitudes_t(&at_open)
+        } else if by_closed_form {
+            magnitudes_t.resize(points.len(), f64::INFINITY);
+            self.completed_magnitudes_t(&at_open, open.iter().map(|&index| magnitudes_t[index as usize]).collect())
+        } else {
+            let (mut again, mut own_t) = (vec![DVec3::ZERO; open.len()], Vec::new());
+            self.field_and_magnitudes_of_batch(quantity, &at_open, &mut again, Some(&mut own_t), &mut |_, _| ());
+            own_t.resize(open.len(), f64::INFINITY);
+            self.completed_magnitudes_t(&at_open, own_t)
         };
-        let mut others = open;
-        if is_only {
-            // The closed form of a single tile has no bound at points of other methods.
-            let mut by_closed_form_t = magnitudes_t;
-            by_closed_form_t.resize(points.len(), f64::INFINITY);
-            if !by_closed_form {
-                let at_open: Vec<DVec3> = others.iter().map(|&index| points[index as usize]).collect();
-                let (mut again, mut of_open_t) = (vec![DVec3::ZERO; others.len()], Vec::new());
-                self.field_and_magnitudes_of_batch(
-                    quantity,
-                    &at_open,
-                    &mut again,
-                    Some(&mut of_open_t),
-                    &mut |_, _| (),
-                );
-                others.iter().zip(of_open_t).for_each(|(&index, own_t)| by_closed_form_t[index as usize] = own_t);
-            }
-            others.retain(|&index| {
-                let own_t = by_closed_form_t[index as usize];
-                if own_t.is_finite() {
-                    refuse_weak(index, own_t);
-                }
-                own_t.is_infinite()
-            });
+        let is_refused = |number: usize| is_weak(&field[open[number] as usize], least_squared(own_t[number]));
+        for number in indices_where(open.len(), is_refused) {
+            let (index, magnitude_t) = (open[number as usize] as usize, own_t[number as usize]);
+            field[index] = DVec3::NAN;
+            failed(index, Cause::TooExact { bound_t: EXACT_BOUND * magnitude_t });
         }
-        let mut others_t = Column::default();
-        magnitudes.write(self.level, others.iter().map(|&index| points[index as usize]), &mut others_t);
-        others.iter().zip(others_t.iter()).for_each(|(&index, &magnitude_t)| refuse_weak(index, magnitude_t));
+    }
+
+    /// The bounds of a single tile that its closed form has written, with those at points of other
+    /// methods, where they are infinite.
+    fn completed_magnitudes_t(&self, points: &[DVec3], mut magnitudes_t: Vec<f64>) -> Vec<f64> {
+        let others = indices_where(points.len(), |index| magnitudes_t[index].is_infinite());
+        let at_others: Vec<DVec3> = others.iter().map(|&index| points[index as usize]).collect();
+        let others_t = self.magnitudes_t(&at_others);
+        others.iter().zip(others_t).for_each(|(&index, own_t)| magnitudes_t[index as usize] = own_t);
+        magnitudes_t
     }
 
     /// Upper bounds, in tesla, of the sum over tiles of the magnitudes of the fields that the
@@ -383,4 +375,15 @@ impl DirectSum {
 
 fn check_range(point: DVec3) -> Result<(), Cause> {
     if is_in_range(point) { Ok(()) } else { Err(Cause::OutOfRange) }
+}
+
+/// The indices below `count` that are `wanted`, found without a branch for each.
+fn indices_where(count: usize, wanted: impl Fn(usize) -> bool) -> Vec<u32> {
+    let (mut indices, mut found) = (vec![0; count], 0);
+    for index in 0..count {
+        indices[found] = index as u32;
+        found += usize::from(wanted(index));
+    }
+    indices.truncate(found);
+    indices
 }
