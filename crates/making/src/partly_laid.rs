@@ -86,7 +86,7 @@ impl<'a> Laying<'a> {
     /// Lays a tile.
     ///
     /// # Errors
-    /// Every rule that it breaks, in words.
+    /// Every rule that it breaks, in words. The film is then as it was.
     pub fn lay(&mut self, lying: &LyingTile) -> Result<(), Vec<String>> {
         let mut faults = Vec::new();
         let place = self.places.get(lying.place).copied();
@@ -94,14 +94,14 @@ impl<'a> Laying<'a> {
         let (place_shown, tile_shown) = (beginning(lying.place), beginning(lying.tile));
         match place {
             None => faults.push(format!("place = \"{place_shown}\", must be the name of a tile of the layout")),
-            Some((place, _)) if !self.filled.insert(place) => {
+            Some((place, _)) if self.filled.contains(&place) => {
                 faults.push(format!("place \"{place_shown}\" has a tile already"));
             }
             Some(_) => {}
         }
         match tile {
             None => faults.push(format!("tile = \"{tile_shown}\", must be one of the measured tiles")),
-            Some(tile) if !self.used.insert(tile) => {
+            Some(tile) if self.used.contains(&tile) => {
                 faults.push(format!("tile \"{tile_shown}\" lies elsewhere already"));
             }
             Some(_) => {}
@@ -128,6 +128,8 @@ impl<'a> Laying<'a> {
             self.orientation(group, place, lying.up, lying.mark_deg).map_err(|fault| vec![fault])?;
         let cut = &self.groups[group].tiles[index];
         let lies = lying_tile(cut, &self.film[place], orientation, position, turn_deg).map_err(|fault| vec![fault])?;
+        self.filled.insert(place);
+        self.used.insert((group, index));
         self.film[place] = lies;
         self.plan.push((place, PlanRow::new(&self.layout.tiles[place].name, lying.tile, orientation, &lies, true)));
         Ok(())
