@@ -9,9 +9,9 @@
 //!
 //! Ratios are medians over interleaved pairs of runs. The place in memory of what a scene has
 //! prepared changes a ratio by some 5 %, and the worst of two hundred cases would be the one that
-//! this hits. So the worst cases are measured again, each with some pairs of scenes in other places;
-//! the worst of the medians over these is printed. `-- --test` runs everything once on smaller
-//! scenes; a word runs the cases that have it in their names.
+//! this hits. So the worst cases are measured again, each with some pairs of scenes in other
+//! places; the worst of the medians over these is printed. `-- --test` runs everything once on
+//! smaller scenes; a word runs the cases that have it in their names.
 
 use std::hint::black_box;
 use std::time::Instant;

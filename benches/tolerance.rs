@@ -2,10 +2,10 @@
 //!
 //! `cargo bench -p magsplice-benches --bench tolerance` prints on one thread
 //!
-//! * `ratio: tolerance-sample-over-film = <time of a sample / time of one exact evaluation>` for the
-//!   published film with workshop errors, at the 405 points of its working volume and its reference
-//!   point. A sample draws a film, computes its field and evaluates its errors; the exact evaluation
-//!   prepares the same misplaced tiles and computes their field.
+//! * `ratio: tolerance-sample-over-film = <time of a sample / time of one exact evaluation>` for
+//!   the published film with workshop errors, at the 405 points of its working volume and its
+//!   reference point. A sample draws a film, computes its field and evaluates its errors; the exact
+//!   evaluation prepares the same misplaced tiles and computes their field.
 //!
 //! The ratio is the median over interleaved pairs of runs. `-- --test` runs a pair once.
 

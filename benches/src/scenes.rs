@@ -79,7 +79,8 @@ pub fn placed_scenes(sizes: SceneSizes) -> Vec<PlacedScene> {
     ]
 }
 
-/// 100 cubes of side 1 with any polarization, evenly divided over a cube of side 16 without overlap.
+/// 100 cubes of side 1 with any polarization, evenly divided over a cube of side 16 without
+/// overlap.
 ///
 /// The places are a list of points in the same cube and a grid in a box beside it.
 pub fn random_cubes(sizes: SceneSizes) -> PlacedScene {

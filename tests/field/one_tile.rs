@@ -22,8 +22,8 @@ const GRADIENT: f64 = 2e-14;
 /// of the oracle leave round-off.
 const SYMMETRIC_ZERO: f64 = 1e-90;
 
-/// The stated error of B at a point is at least 2e-14 of the sum of the fields that the components of
-/// J make alone. It is proportional to J, and infinite where there is no point.
+/// The stated error of B at a point is at least 2e-14 of the sum of the fields that the components
+/// of J make alone. It is proportional to J, and infinite where there is no point.
 #[test]
 fn error_bounds_are_at_least_the_exact_bound() {
     let (size, j) = (DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7));

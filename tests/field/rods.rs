@@ -7,8 +7,8 @@ use magsplice_tests::oracle::Oracle;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// The stated bound of the exact field, as a fraction of the sum over tiles of the magnitudes of the
-/// fields that the components of J make alone.
+/// The stated bound of the exact field, as a fraction of the sum over tiles of the magnitudes of
+/// the fields that the components of J make alone.
 const EXACT_BOUND: f64 = 2e-14;
 
 /// Rods beside each other on a lattice, some of them of equal J, and a cube on every fifth place.

@@ -274,8 +274,8 @@ fn fitted_fields_refuse_bad_boxes_and_points_outside() {
     assert!(fitted.memory_bytes() < 1 << 21);
 }
 
-/// Beside a single tile a tolerance below round-off is refused at every point, also where all points of a
-/// batch have their own bounds.
+/// Beside a single tile a tolerance below round-off is refused at every point, also where all
+/// points of a batch have their own bounds.
 #[test]
 fn tolerance_below_round_off_is_refused_beside_a_single_tile() {
     let tile = Tile::new(DVec3::ZERO, DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7)).expect("valid");

@@ -40,8 +40,8 @@ fn with_budget<T>(
     of(&Budget::new(&model, Some(&pattern)), &model, &sampler)
 }
 
-/// The parts add up to the total, and the total is that of exact samples: within 5 % by pairs of exact
-/// and linear samples, and within four standard errors by exact samples alone.
+/// The parts add up to the total, and the total is that of exact samples: within 5 % by pairs of
+/// exact and linear samples, and within four standard errors by exact samples alone.
 #[test]
 fn parts_add_up_to_the_simulated_total() {
     for name in ["designed-displacement", "published-film"] {
@@ -115,8 +115,8 @@ fn halved_errors_save_what_is_stated() {
     agrees(&halved, budget.tiles[0].saved_mm2);
 }
 
-/// The end of the published film causes nearly all of its error. The error of the pattern of a designed
-/// film is compensated by its end.
+/// The end of the published film causes nearly all of its error. The error of the pattern of a
+/// designed film is compensated by its end.
 #[test]
 fn pattern_and_finite_film_make_the_nominal_error() {
     let parts = |name: &str| {

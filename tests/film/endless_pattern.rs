@@ -16,8 +16,8 @@ fn ideal() -> IdealFilm {
     IdealFilm::new(WAVELENGTH, 1.0, 0.12).expect("a film")
 }
 
-/// Tiles within one period without a net moment, some of them turned about z, one tilted by a quarter
-/// turn, of two heights, magnetized in and out of the plane.
+/// Tiles within one period without a net moment, some of them turned about z, one tilted by a
+/// quarter turn, of two heights, magnetized in and out of the plane.
 fn one_period() -> Vec<Tile> {
     let tile = |x: f64, y: f64, z: f64, size: [f64; 3], j_t: [f64; 3], turn: DQuat| {
         Tile::new(DVec3::new(x, y, z), DVec3::from(size), turn.inverse() * DVec3::from(j_t))
@@ -51,10 +51,11 @@ fn repeated_t(period: &[Tile], n: i32, points: &[DVec3]) -> Vec<DVec3> {
     points.iter().map(|point| scene.field(Quantity::FluxDensity, *point).expect("a field")).collect()
 }
 
-/// An upper bound of the field of all periods beyond n x n, at points within 2.5 mm of the centre along
-/// x and y and 5 mm along z. A tile at R + s has the field f(R + s - r) of a dipole m dV. The moments of a period have no
-/// sum, and those at R and -R have opposite first moments in f. So only second derivatives are left,
-/// at most 24 |m| / (4 pi d^5) at the distance d times half the square of the shift |s| + |r|.
+/// An upper bound of the field of all periods beyond n x n, at points within 2.5 mm of the centre
+/// along x and y and 5 mm along z. A tile at R + s has the field f(R + s - r) of a dipole m dV. The
+/// moments of a period have no sum, and those at R and -R have opposite first moments in f. So only
+/// second derivatives are left, at most 24 |m| / (4 pi d^5) at the distance d times half the square
+/// of the shift |s| + |r|.
 fn beyond_t(period: &[Tile], n: i32) -> f64 {
     let reach = 0.5 * WAVELENGTH * 2.0_f64.sqrt() + DVec3::new(2.5, 2.5, 5.0).length();
     let moment: f64 = period.iter().map(|tile| tile.polarization_t().length() * tile.size().element_product()).sum();
@@ -87,9 +88,9 @@ fn endless_pattern_is_the_limit_of_large_films() {
             assert!((*film - *endless).length() < allowed, "{n}: {film}, not {endless} within {allowed}");
         }
     }
-    // What is missing falls as n^-3, then n^-5: the sum over R of even derivatives. Without the first
-    // term the remaining difference falls by 32 from one pair of films to the next, to the first part of
-    // 31 of the change between them. A tenth is allowed.
+    // What is missing falls as n^-3, then n^-5: the sum over R of even derivatives. Without the
+    // first term the remaining difference falls by 32 from one pair of films to the next, to the
+    // first part of 31 of the change between them. A tenth is allowed.
     let limit = |(a, of_a): &(i32, Vec<DVec3>), (b, of_b): &(i32, Vec<DVec3>), at: usize| {
         let [a, b] = [a, b].map(|n| f64::from(*n).powi(3));
         (of_b[at] * b - of_a[at] * a) / (b - a)
@@ -101,8 +102,8 @@ fn endless_pattern_is_the_limit_of_large_films() {
     }
 }
 
-/// The published pattern along x is a wave of strength 1 that is zero in narrow intervals, times 1 along
-/// narrow intervals of y and 2^-1/2 along wide ones. All harmonics of the field follow.
+/// The published pattern along x is a wave of strength 1 that is zero in narrow intervals, times 1
+/// along narrow intervals of y and 2^-1/2 along wide ones. All harmonics of the field follow.
 #[test]
 fn harmonics_of_the_published_pattern_are_the_known_ones() {
     let film = layout("published-film");
@@ -138,8 +139,8 @@ fn harmonics_of_the_published_pattern_are_the_known_ones() {
     }
     // Wide intervals of about two thirds of half a wavelength leave little of the third harmonic.
     assert!((wave(3) / wave(1)).abs() < 0.013);
-    // The amplitude against the ideal film is that of the first harmonic, 0.884, but for harmonics such
-    // as (1, 2), which are not orthogonal to it in a volume of less than a wavelength.
+    // The amplitude against the ideal film is that of the first harmonic, 0.884, but for harmonics
+    // such as (1, 2), which are not orthogonal to it in a volume of less than a wavelength.
     let volume = film.volume.as_ref().expect("stated");
     let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
     let errors = pattern.errors(&volume).expect("errors");
@@ -148,9 +149,9 @@ fn harmonics_of_the_published_pattern_are_the_known_ones() {
     assert!((errors.uniformity_rmse.r_x - 0.0031).abs() < 1e-4, "{errors:?}");
 }
 
-/// Many narrow tiles with the polarization of the ideal film at their centres. Their first harmonics are
-/// those of the ideal film times sinc(pi / n) twice, for the average over x and over y of one component
-/// each, and the next are n - 1 and n + 1.
+/// Many narrow tiles with the polarization of the ideal film at their centres. Their first
+/// harmonics are those of the ideal film times sinc(pi / n) twice, for the average over x and over
+/// y of one component each, and the next are n - 1 and n + 1.
 #[test]
 fn pattern_of_narrow_tiles_is_the_ideal_film() {
     let n = 20;

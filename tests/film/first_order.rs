@@ -29,9 +29,9 @@ fn with_model<T>(name: &str, errors: &TileErrors, of: impl FnOnce(&FirstOrder, &
     of(&model, &Sampler::new(&film, &volume, &ideal, 1).expect("no neighbour"))
 }
 
-/// Shares of the variance against those of an independent computation with samples, in percent without
-/// digits, and one percent more. Shares of positions and sizes were measured less well there, and are
-/// compared with exact samples below.
+/// Shares of the variance against those of an independent computation with samples, in percent
+/// without digits, and one percent more. Shares of positions and sizes were measured less well
+/// there, and are compared with exact samples below.
 #[test]
 fn shares_of_causes_are_the_known_ones() {
     let AxisErrors { shares, variance_mm2, expected_mm2, tiles, .. } =
@@ -54,8 +54,8 @@ fn shares_of_causes_are_the_known_ones() {
     assert!((of_tiles - variance_mm2).abs() < 1e-12 * variance_mm2);
 }
 
-/// The mean square of exact samples with one cause alone is what this cause contributes, within four
-/// standard errors of the mean.
+/// The mean square of exact samples with one cause alone is what this cause contributes, within
+/// four standard errors of the mean.
 #[test]
 fn shares_of_causes_are_those_of_exact_samples_of_one_cause() {
     let all = errors(1.0);
@@ -101,8 +101,8 @@ fn model_is_valid_for_designed_films_with_errors_of_a_workshop() {
     assert!(count >= 12, "{count} designed films");
 }
 
-/// Second derivatives of the published film are multiplied by its large nominal errors. Mean squares are
-/// right to 2 %, but the variance of samples is larger by a tenth and more.
+/// Second derivatives of the published film are multiplied by its large nominal errors. Mean
+/// squares are right to 2 %, but the variance of samples is larger by a tenth and more.
 #[test]
 fn model_of_the_published_film_has_its_mean_square_but_not_its_variance() {
     let check = with_model("published-film", &errors(1.0), |model, sampler| model.check(sampler, 0..200, || {}));
@@ -125,8 +125,8 @@ fn model_is_not_valid_for_errors_twenty_times_larger() {
     assert_eq!(valid, Ok([false; 3]));
 }
 
-/// Percentiles of the linear model against exact samples with the same random numbers, so that both have
-/// the same error of sampling. The largest errors are the least linear.
+/// Percentiles of the linear model against exact samples with the same random numbers, so that both
+/// have the same error of sampling. The largest errors are the least linear.
 #[test]
 fn percentiles_of_the_model_are_those_of_exact_samples() {
     with_model("designed-displacement", &errors(1.0), |model, sampler| {

@@ -28,10 +28,10 @@ fn normal(deviations: [f64; 3]) -> [Distribution; 3] {
     deviations.map(Distribution::normal)
 }
 
-/// Whether a known value of as many samples agrees with an estimate: the difference of two estimates
-/// has 2^1/2 times the error of one. The interval of 95 % is widened to that of 99.7 %, with the
-/// rounding of the known value. Its longer half counts, since the other estimate may lie on the other
-/// side.
+/// Whether a known value of as many samples agrees with an estimate: the difference of two
+/// estimates has 2^1/2 times the error of one. The interval of 95 % is widened to that of 99.7 %,
+/// with the rounding of the known value. Its longer half counts, since the other estimate may lie
+/// on the other side.
 fn agrees(found: Estimate, known: f64, rounding: f64) -> bool {
     let widened = 2.0_f64.sqrt() * 3.0 / 1.96;
     let half = found.interval.map(|end| (end - found.value).abs()).into_iter().fold(0.0, f64::max);
@@ -84,8 +84,8 @@ fn films_with_each_cause_of_error_have_the_known_displacement_errors() {
     assert!(apart.is_empty(), "{apart:#?}");
 }
 
-/// Displacement errors along x and z, in mm, of designed-displacement with one cause outside its tiles,
-/// from an independent computation, to its last digit.
+/// Displacement errors along x and z, in mm, of designed-displacement with one cause outside its
+/// tiles, from an independent computation, to its last digit.
 #[test]
 fn causes_outside_the_tiles_have_the_known_displacement_errors() {
     let fixed = |values: [f64; 3]| values.map(Distribution::Fixed);

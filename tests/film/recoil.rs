@@ -11,13 +11,13 @@ use crate::shipped::layout;
 /// What the tiles lack on each side, so that misplaced ones do not overlap.
 const GAP_MM: f64 = 0.1;
 
-/// Largest difference of a displacement error, as a share of the susceptibility. That of the field is the field
-/// of a tile in its neighbours times the susceptibility, 0.1 to 0.4 of it; of a root mean square along one
-/// axis a part.
+/// Largest difference of a displacement error, as a share of the susceptibility. That of the field
+/// is the field of a tile in its neighbours times the susceptibility, 0.1 to 0.4 of it; of a root
+/// mean square along one axis a part.
 const NEGLECTED: f64 = 0.4;
 
-/// A sample has the errors of its tiles, and what these change in the polarization of other tiles is neglected.
-/// The solution of the sample, of as many cells, has nearly the same errors.
+/// A sample has the errors of its tiles, and what these change in the polarization of other tiles
+/// is neglected. The solution of the sample, of as many cells, has nearly the same errors.
 #[test]
 fn errors_of_films_with_recoil_are_those_of_solved_films() {
     let [strength, degree, place] = [0.03, 1.0_f64.to_radians(), 0.02].map(Distribution::normal);

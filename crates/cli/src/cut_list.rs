@@ -36,8 +36,9 @@ impl CutList<'_> {
         part.tiles.iter().map(|&tile| self.layout.tiles[tile].name.as_str()).collect()
     }
 
-    /// The list as CSV, one line for each part: its number, the number of pieces, sides in mm, strength
-    /// in T, angles of the polarization in degrees, the tiles made of it; with a kerf the material.
+    /// The list as CSV, one line for each part: its number, the number of pieces, sides in mm,
+    /// strength in T, angles of the polarization in degrees, the tiles made of it; with a kerf the
+    /// material.
     pub(crate) fn csv(&self) -> String {
         let mut head =
             vec!["part", "count", "a_mm", "b_mm", "c_mm", "strength_t", "direction_deg", "tilt_deg", "tiles"];
@@ -69,8 +70,8 @@ fn digits(value: f64) -> String {
     twelve_digits(value).to_string()
 }
 
-/// Area of a sheet, as thick as the third side, for all pieces of a part. Each piece takes its first
-/// two sides with one kerf each.
+/// Area of a sheet, as thick as the third side, for all pieces of a part. Each piece takes its
+/// first two sides with one kerf each.
 pub(crate) fn sheet_area_mm2(part: &Part, kerf_mm: f64) -> f64 {
     part.count as f64 * (part.size_mm.x + kerf_mm) * (part.size_mm.y + kerf_mm)
 }

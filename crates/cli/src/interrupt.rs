@@ -9,7 +9,8 @@ use std::sync::{Mutex, Once, PoisonError};
 /// Exit status after Ctrl-C, the one that shells give.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// The temporary files and folders that an interruption removes. Those that got their names are gone.
+/// The temporary files and folders that an interruption removes. Those that got their names are
+/// gone.
 static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 static HANDLER: Once = Once::new();
 

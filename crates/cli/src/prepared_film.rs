@@ -10,8 +10,8 @@ use crate::failure::Failure;
 use crate::text::recoil::beyond_knee;
 use crate::words::film_failure;
 
-/// The film of a layout, with the polarization of its tiles solved if they have a recoil permeability.
-/// Cells beyond the knee of the material are told.
+/// The film of a layout, with the polarization of its tiles solved if they have a recoil
+/// permeability. Cells beyond the knee of the material are told.
 pub(crate) fn prepare<'a>(
     path: &Path,
     layout: &'a Layout,
@@ -30,11 +30,13 @@ pub(crate) fn tell_of_knee(path: &Path, film: &Film, tell: &dyn Fn(&str)) {
     }
 }
 
-/// Permeabilities of a layout that states none: those of most rare-earth magnets, and of weak bonded ones.
+/// Permeabilities of a layout that states none: those of most rare-earth magnets, and of weak
+/// bonded ones.
 const TRIED_PERMEABILITIES: [f64; 2] = [1.05, 1.2];
 
-/// What recoil changes in the figures of a film, to first order: for the permeabilities of the layout, or if it
-/// states none, for those that magnets have. Empty without an ideal film and a working volume.
+/// What recoil changes in the figures of a film, to first order: for the permeabilities of the
+/// layout, or if it states none, for those that magnets have. Empty without an ideal film and a
+/// working volume.
 pub(crate) fn recoil_estimates(path: &Path, layout: &Layout) -> Result<Vec<RecoilEstimate>, Failure> {
     let tried = if layout.has_recoil() { &TRIED_PERMEABILITIES[..1] } else { &TRIED_PERMEABILITIES };
     let mut estimates = Vec::new();

@@ -43,8 +43,8 @@ impl ProgressLine {
         line
     }
 
-    /// The line of a search. Where standard error is no terminal, a line about the search is printed
-    /// every [`LOG_INTERVAL`] instead.
+    /// The line of a search. Where standard error is no terminal, a line about the search is
+    /// printed every [`LOG_INTERVAL`] instead.
     pub(crate) fn start_search(visible: bool) -> ProgressLine {
         let log = (visible && !stderr().is_terminal()).then(ProgressLog::start);
         let mut line = ProgressLine::start(visible);

@@ -37,8 +37,8 @@ impl<'a> Evaluator<'a> {
     }
 
     /// mu0 H in tesla, in the frame of the cuboid, at points given by axis. `fields` holds as many
-    /// values as there are points, a multiple of [`PAIR`](magsplice_simd::lanes::PAIR). Each pair of
-    /// vectors requests memory `ahead`.
+    /// values as there are points, a multiple of [`PAIR`](magsplice_simd::lanes::PAIR). Each pair
+    /// of vectors requests memory `ahead`.
     ///
     /// # Panics
     /// If the method is the scalar kernel or an expansion.

@@ -1,8 +1,8 @@
 //! Second derivatives of B with respect to the positions of the faces of a tile.
 //!
 //! The first derivatives are sums over the twelve edges (docs/physics.md, section 6.1). Each edge
-//! depends on the four faces that bound it, through its ends and its distance from the point, so the
-//! second derivatives are sums over the same edges.
+//! depends on the four faces that bound it, through its ends and its distance from the point, so
+//! the second derivatives are sums over the same edges.
 
 use std::f64::consts::PI;
 
@@ -19,8 +19,8 @@ use crate::face_derivatives::segment;
 ///
 /// # Accuracy
 /// The error is at most 64 units of round-off of the sum of the contributions of the twelve edges.
-/// Far away the edges cancel: at a distance of r sizes the error is about r units of round-off of the
-/// largest second derivative.
+/// Far away the edges cancel: at a distance of r sizes the error is about r units of round-off of
+/// the largest second derivative.
 ///
 /// # Example
 /// ```
@@ -64,8 +64,8 @@ impl FaceHessian {
         second.iter().flatten().all(|value| value.is_finite()).then_some(FaceHessian { second })
     }
 
-    /// The derivative with respect to two faces, each given by the axis that it is normal to and its
-    /// side: 0 for the lower, 1 for the upper face.
+    /// The derivative with respect to two faces, each given by the axis that it is normal to and
+    /// its side: 0 for the lower, 1 for the upper face.
     ///
     /// # Panics
     /// If an axis is above 2 or a side above 1.
@@ -93,7 +93,8 @@ fn of_edges(to_faces: &[DVec3; 2], j: DVec3) -> Option<[[DVec3; 6]; 6]> {
             for (number, &face) in faces.iter().enumerate() {
                 let (dy, dz) = (f64::from(number == 2), f64::from(number == 3));
                 let (d_across, d_lengthwise) = (by_across[number], by_lengthwise[number]);
-                // Both faces that meet in the edge: the current of the one is the charge of the other.
+                // Both faces that meet in the edge: the current of the one is the charge of the
+                // other.
                 let along = (j_next * y + j_last * z) * d_across + (j_next * dy + j_last * dz) * across;
                 let around = (j_next * z - j_last * y) * d_across + (j_next * dz - j_last * dy) * across;
                 let of_next = &mut second[2 * next + i][face];
@@ -123,8 +124,8 @@ struct EdgeMoments {
 }
 
 impl EdgeMoments {
-    /// The integrals over t between the ends, r^2 = t^2 + rho^2, without cancellation (Eqs. P32, P63
-    /// and P64); `None` where they are unbounded.
+    /// The integrals over t between the ends, r^2 = t^2 + rho^2, without cancellation (Eqs. P32,
+    /// P63 and P64); `None` where they are unbounded.
     fn new([from, to]: [f64; 2], rho_squared: f64) -> Option<EdgeMoments> {
         let (across, _) = segment([from, to], rho_squared)?;
         let [from_squared, to_squared] = [from, to].map(|t| t * t + rho_squared);
@@ -162,7 +163,8 @@ mod tests {
     use super::*;
     use crate::face_derivatives::FaceDerivatives;
 
-    /// A tile in any rotation, and points beside edges, inside, on extensions of edges and far away.
+    /// A tile in any rotation, and points beside edges, inside, on extensions of edges and far
+    /// away.
     fn cases() -> Vec<(Tile, DVec3)> {
         let size = DVec3::new(3.0, 2.0, 1.0);
         let turns = [DQuat::IDENTITY, DQuat::from_scaled_axis(DVec3::new(0.3, -0.5, 0.2))];
@@ -203,10 +205,10 @@ mod tests {
         moved.and_then(|moved| moved.rotated(tile.rotation())).expect("valid")
     }
 
-    /// With steps h of 1e-4, four-point differences are off by the fifth derivative times h^4 / 30, and
-    /// by the round-off of the first derivatives (32 units for each edge at most, times the square of
-    /// the distance) over h. The nearest edge is 0.58 away, so that the former is below 1e-14 times
-    /// 5! / 0.58^4 of the second derivatives.
+    /// With steps h of 1e-4, four-point differences are off by the fifth derivative times h^4 / 30,
+    /// and by the round-off of the first derivatives (32 units for each edge at most, times the
+    /// square of the distance) over h. The nearest edge is 0.58 away, so that the former is below
+    /// 1e-14 times 5! / 0.58^4 of the second derivatives.
     #[test]
     fn second_derivatives_agree_with_differences_of_the_first() {
         let h = 1e-4;
@@ -231,9 +233,10 @@ mod tests {
         }
     }
 
-    /// Three laws that hold exactly, so that the error is that of round-off: the order of derivatives;
-    /// a tile that moves has a field that obeys Laplace's equation; and B does not change with scale,
-    /// so that the second derivatives times the positions of the faces are minus the first ones.
+    /// Three laws that hold exactly, so that the error is that of round-off: the order of
+    /// derivatives; a tile that moves has a field that obeys Laplace's equation; and B does not
+    /// change with scale, so that the second derivatives times the positions of the faces are minus
+    /// the first ones.
     #[test]
     fn laws_hold_to_round_off() {
         for (tile, point) in cases() {

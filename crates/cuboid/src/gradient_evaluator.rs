@@ -60,8 +60,8 @@ impl<'a> GradientEvaluator<'a> {
         self.terms.has_near_form()
     }
 
-    /// The gradient of B in tesla per length, in the frame of the cuboid, at points given by axis in
-    /// whole vectors: xx, yy, zz, yz, xz, xy.
+    /// The gradient of B in tesla per length, in the frame of the cuboid, at points given by axis
+    /// in whole vectors: xx, yy, zz, yz, xz, xy.
     #[inline(never)]
     pub fn gradients<S: Simd>(
         &self,

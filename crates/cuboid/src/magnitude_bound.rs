@@ -46,7 +46,8 @@ pub struct MagnitudeBound {
 }
 
 impl MagnitudeBound {
-    /// Prepares a tile. `roundoff` bounds the error of an offset from a face, in the unit of lengths.
+    /// Prepares a tile. `roundoff` bounds the error of an offset from a face, in the unit of
+    /// lengths.
     pub fn new(tile: &Tile, roundoff: f64) -> MagnitudeBound {
         let longest = tile.size().max_element();
         let half_diagonal = 0.5 * longest * (tile.size() / longest).length();
@@ -170,7 +171,8 @@ impl MagnitudeBound {
         }
         let least = Lanes::<S>::splat(simd, 1.0 / FARTHEST_BOUND);
         let gap_squared = (gaps[0] + gaps[1] + gaps[2]).max(least);
-        // Dipoles at the nearest point, on the nearest line of a rod, on the nearest plane of a plate.
+        // Dipoles at the nearest point, on the nearest line of a rod, on the nearest plane of a
+        // plate.
         let inverse = gap_squared.reciprocal_root_bound(simd);
         let of_rod = inverse * inverse * (self.cross_section / PI);
         let of_plate = inverse * self.shortest;

@@ -65,13 +65,13 @@ impl Shape {
         if self.largest <= LONGEST_ROD * self.second { CLOSED_FORM_REACH * self.side_of_error(form) } else { 0.0 }
     }
 
-    /// Upper bound of the mean of 1 / |r - r'|^3 over the cuboid, times r^3, at a distance r from the
-    /// centre; `q` is the half diagonal over r, below 1.
+    /// Upper bound of the mean of 1 / |r - r'|^3 over the cuboid, times r^3, at a distance r from
+    /// the centre; `q` is the half diagonal over r, below 1.
     ///
     /// It is 1 + 2 q^2 + m (S - 1 - 6 q^2), m the fourth moment. The part of even degree l in r' is
     /// at most (l + 1) (l + 2) / 2 (r' / r)^l of 1 / r^3; S is the sum of these over all l where r'
-    /// is the half diagonal. Odd parts cancel, and from l = 4 on the mean of r'^l is at most m of its
-    /// largest value.
+    /// is the half diagonal. Odd parts cancel, and from l = 4 on the mean of r'^l is at most m of
+    /// its largest value.
     pub fn mean_inverse_cube(&self, q: f64) -> f64 {
         let sum = 0.5 * ((1.0 - q).powi(-3) + (1.0 + q).powi(-3));
         1.0 + 2.0 * q * q + self.fourth_moment * (sum - 1.0 - 6.0 * q * q)

@@ -30,9 +30,9 @@ pub const VANISHING_SIZE: f64 = power_of_two(-400);
 /// onto its faces.
 pub const RESOLVED_THICKNESS: f64 = 16.0;
 
-/// Distance from a tile, as a fraction of its largest side, or of the second side of a rod, at which
-/// the closed form in vectors begins. Nearer to an edge its differences of nearly equal numbers cost digits like 1 /
-/// distance^2.
+/// Distance from a tile, as a fraction of its largest side, or of the second side of a rod, at
+/// which the closed form in vectors begins. Nearer to an edge its differences of nearly equal
+/// numbers cost digits like 1 / distance^2.
 pub const NEAR_FRACTION: f64 = 0.08;
 
 /// Smallest ratio of the shortest to the longest side for which points inside and nearer are
@@ -50,13 +50,14 @@ pub const LONGEST_GRADIENT_ROD: f64 = 30.0;
 /// would cancel in flatter cuboids. The largest error found at this ratio is 1.3e-14.
 pub const NEAR_GRADIENT_ASPECT: f64 = 0.3;
 
-/// Smallest ratio of the shortest to the longest side for which points close to a plate or a rod are
-/// evaluated in vectors: squares of distances stay in the range of
+/// Smallest ratio of the shortest to the longest side for which points close to a plate or a rod
+/// are evaluated in vectors: squares of distances stay in the range of
 /// [`Lanes::root`](magsplice_simd::lanes::Lanes::root).
 pub const THINNEST: f64 = power_of_two(-40);
 
-/// Ratio of the longest to the second side beyond which [`Form::Thin`](crate::closed_form::terms::Form)
-/// takes T_ac and T_aa from the compact form away from the ends. Its own form loses that ratio.
+/// Ratio of the longest to the second side beyond which
+/// [`Form::Thin`](crate::closed_form::terms::Form) takes T_ac and T_aa from the compact form away
+/// from the ends. Its own form loses that ratio.
 pub const STRIP_ASPECT: f64 = 10.0;
 
 /// Smallest distance of such points from the planes of all faces, as a fraction of the largest
@@ -68,8 +69,8 @@ pub const LEAST_OFFSET: f64 = power_of_two(-40);
 pub const CLOSED_FORM_REACH: f64 = 15.0;
 
 /// Largest ratio of the longest to the second side for the closed form of rods in vectors. Products
-/// of twelve lengths as small as [`NEAR_FRACTION`] of the second side are then far from the smallest
-/// numbers.
+/// of twelve lengths as small as [`NEAR_FRACTION`] of the second side are then far from the
+/// smallest numbers.
 pub const LONGEST_ROD: f64 = power_of_two(20);
 
 /// Orders of the multipole series in (half diagonal / distance)^2, and the distance in half
@@ -137,7 +138,7 @@ pub const FARTHEST_BOUND: f64 = 1e180;
 pub const SMALLEST_IN_SINGLE_PRECISION: f64 = 0.01;
 
 /// Factor by which single precision may make a bound of the magnitude too small. Offsets from the
-/// centre of a cuboid are wrong by 11 units of 2^-24 in each coordinate, at 10 radii from the centre
-/// of its group. That is 8e-5 of the smallest distance, 0.015 radii, so that the terms, which fall
-/// like at most q^7 x^2, are wrong by 7e-4. Some 50 roundings add 3e-6.
+/// centre of a cuboid are wrong by 11 units of 2^-24 in each coordinate, at 10 radii from the
+/// centre of its group. That is 8e-5 of the smallest distance, 0.015 radii, so that the terms,
+/// which fall like at most q^7 x^2, are wrong by 7e-4. Some 50 roundings add 3e-6.
 pub const SINGLE_PRECISION: f64 = 1.001;

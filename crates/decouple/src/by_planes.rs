@@ -8,10 +8,10 @@ use crate::per_parameter::Parameter;
 /// Two coordinates are those of one plane up to this fraction of the extent of the points.
 const SAME_PLANE: f64 = 1e-6;
 
-/// The uniformity RMSE of R_x, R_y, S_z over points on planes normal to their own axes: the population
-/// standard deviation over each plane, averaged over the planes with two points or more. On a grid it
-/// is [`Decoupling::uniformity_rmse`](crate::Decoupling::uniformity_rmse). `None` where no plane has two
-/// points.
+/// The uniformity RMSE of R_x, R_y, S_z over points on planes normal to their own axes: the
+/// population standard deviation over each plane, averaged over the planes with two points or more.
+/// On a grid it is [`Decoupling::uniformity_rmse`](crate::Decoupling::uniformity_rmse). `None`
+/// where no plane has two points.
 ///
 /// # Panics
 /// If there are not as many parameters as points.

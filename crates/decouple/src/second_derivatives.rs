@@ -64,8 +64,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Central differences of the first derivatives are off by h^2 and by round-off over h, both
-        /// below 1e-9 of the derivatives, which are below 100 in units of B.
+        /// Central differences of the first derivatives are off by h^2 and by round-off over h,
+        /// both below 1e-9 of the derivatives, which are below 100 in units of B.
         #[test]
         fn second_derivatives_agree_with_differences_of_the_first(
             x in -2.0..2.0_f64, y in -2.0..2.0_f64, size in -6..6_i32, reversed in any::<bool>(),

@@ -6,8 +6,8 @@ use crate::objective::Residuals;
 /// variable.
 const LEAST_CURVATURE: f64 = 1e-3;
 
-/// The upper triangle of J^T J with the Jacobian J of the residuals, plus the curvature of the expected
-/// squares, by rows of `all` elements. The elements beyond the first `n` variables are 0.
+/// The upper triangle of J^T J with the Jacobian J of the residuals, plus the curvature of the
+/// expected squares, by rows of `all` elements. The elements beyond the first `n` variables are 0.
 pub(crate) fn dense(residuals: &Residuals, n: usize, all: usize) -> Vec<f64> {
     let mut curvature = vec![0.0; all * all];
     for row in residuals.derivatives.chunks_exact(n) {
@@ -27,8 +27,8 @@ pub(crate) fn dense(residuals: &Residuals, n: usize, all: usize) -> Vec<f64> {
 
 /// The damping of each variable with the curvature `own`, for steps of these units.
 ///
-/// Damping is measured in units of the steps, so that it does not depend on the units of the variables.
-/// A part of it is the same for all variables and holds variables that change nothing.
+/// Damping is measured in units of the steps, so that it does not depend on the units of the
+/// variables. A part of it is the same for all variables and holds variables that change nothing.
 pub(crate) fn damped(own: &[f64], units: &[f64], damping: f64) -> Vec<f64> {
     let largest = own.iter().zip(units).map(|(own, unit)| own * unit * unit).fold(0.0, f64::max);
     own.iter().zip(units).map(|(own, unit)| damping * (own + LEAST_CURVATURE * largest / (unit * unit))).collect()

@@ -1,5 +1,5 @@
-//! The errors of the films that are made, as mean squares: of each tile, of tiles that move together,
-//! and of the surroundings and the sensor.
+//! The errors of the films that are made, as mean squares: of each tile, of tiles that move
+//! together, and of the surroundings and the sensor.
 
 use glam::{DMat3, DVec3};
 use magsplice_field::Scene;
@@ -15,8 +15,8 @@ use crate::symmetry::SymmetryOperation;
 /// Mean squares of the errors of a tile, in the order of [`TileErrors::all`].
 pub(crate) type MeanSquares = [f64; TileErrors::COUNT];
 
-/// The errors of films. An error whose mean is not 0, such as a fixed one, counts with its mean square,
-/// as if either sign were as likely.
+/// The errors of films. An error whose mean is not 0, such as a fixed one, counts with its mean
+/// square, as if either sign were as likely.
 #[derive(Clone, Debug)]
 pub(crate) struct ErrorModel {
     /// By tile of the layout.
@@ -48,8 +48,8 @@ pub(crate) enum Centre {
     Box,
 }
 
-/// A change of the field that the sensor reads, of either sign: a field, and a linear function of the
-/// film's own field.
+/// A change of the field that the sensor reads, of either sign: a field, and a linear function of
+/// the film's own field.
 #[derive(Clone, Debug)]
 pub(crate) struct CommonError {
     /// The field at the points of the grid and at the reference point, in tesla.
@@ -116,8 +116,9 @@ impl ErrorModel {
         })
     }
 
-    /// The images of a tile that have to be looked at. Where the errors of images have the same effect
-    /// apart from the symmetry operation, that is the tile itself, with the mean squares of all of them.
+    /// The images of a tile that have to be looked at. Where the errors of images have the same
+    /// effect apart from the symmetry operation, that is the tile itself, with the mean squares of
+    /// all of them.
     pub(crate) fn images(&self, tile: &VariableTile) -> Vec<ErrorImage> {
         if self.tiles.is_empty() {
             return Vec::new();

@@ -29,8 +29,8 @@ const SHARE_OF_STEPS: f64 = 0.6;
 const ROUNDS_OF_EXCHANGE: usize = 3;
 
 impl DesignProblem<'_> {
-    /// Estimates the time of [`DesignProblem::search`] on this number of threads. It takes the first
-    /// step of the search and measures it.
+    /// Estimates the time of [`DesignProblem::search`] on this number of threads. It takes the
+    /// first step of the search and measures it.
     ///
     /// # Errors
     /// If no film keeps the rules, or the film to start from has no decoupling parameters.

@@ -2,13 +2,14 @@
 //! derivatives.
 //!
 //! An error of mean square m changes the displacement residual e at a point by its sensitivity: the
-//! change of B there and at the reference point, times the derivatives of the parameters. The expected
-//! square is the sum over all errors of m times the squared sensitivity (docs/physics.md, section
-//! 6.3). It is a sum of squares, so that Gauss-Newton steps suit it as they suit the nominal error.
+//! change of B there and at the reference point, times the derivatives of the parameters. The
+//! expected square is the sum over all errors of m times the squared sensitivity (docs/physics.md,
+//! section 6.3). It is a sum of squares, so that Gauss-Newton steps suit it as they suit the
+//! nominal error.
 //!
-//! A sensitivity depends on a variable in two ways: through the field of the whole film, on which the
-//! derivatives of the parameters depend, and through the tile that has the error. The first is the
-//! same for all errors, so that the rows are never formed: their products with vectors of three
+//! A sensitivity depends on a variable in two ways: through the field of the whole film, on which
+//! the derivatives of the parameters depend, and through the tile that has the error. The first is
+//! the same for all errors, so that the rows are never formed: their products with vectors of three
 //! components are added up instead.
 
 use glam::{DMat3, DVec3};
@@ -72,8 +73,8 @@ impl ErrorModel {
     }
 }
 
-/// Sums over rows of products with the derivatives of the field: a row is u times the derivatives at a
-/// computed point, plus v times those at the reference point, plus a part of its own.
+/// Sums over rows of products with the derivatives of the field: a row is u times the derivatives
+/// at a computed point, plus v times those at the reference point, plus a part of its own.
 #[derive(Clone, Debug)]
 struct Sums {
     loss: f64,
@@ -227,7 +228,8 @@ impl Rows<'_> {
         Some(found)
     }
 
-    /// Adds the rows of noise and of what all tiles share and changes the field as a function of itself.
+    /// Adds the rows of noise and of what all tiles share and changes the field as a function of
+    /// itself.
     fn add_common(&self, model: &ErrorModel, sums: &mut Sums) {
         let film = self.film;
         let b_reference = film.field.flux_density_t[film.field.flux_density_t.len() - 1];
@@ -310,7 +312,8 @@ impl Rows<'_> {
         let film = self.film;
         let (n, reference_index) = (film.variable_count(), film.field.flux_density_t.len() - 1);
         for errors in &model.joint {
-            // Change of B and its derivatives at the points of the grid, then at the reference point.
+            // Change of B and its derivatives at the points of the grid, then at the reference
+            // point.
             for response in joint_responses(errors, film)? {
                 let (there, own_there) = response.at(film.sampling.grid.len());
                 for (point, (sensitivity, &(index, operation))) in

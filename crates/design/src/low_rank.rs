@@ -2,11 +2,11 @@
 
 use crate::tolerances::{SMALLEST_FACTOR, SMALLEST_ROW};
 
-/// Rows R with R^T R equal to F^T F up to [`SMALLEST_ROW`], where the columns are measured in `units`.
-/// `rows` are the rows of F, one after the other, as long as `units`.
+/// Rows R with R^T R equal to F^T F up to [`SMALLEST_ROW`], where the columns are measured in
+/// `units`. `rows` are the rows of F, one after the other, as long as `units`.
 ///
-/// This is a QR decomposition with column pivoting. It costs the number of rows of F times that of R
-/// for each column.
+/// This is a QR decomposition with column pivoting. It costs the number of rows of F times that of
+/// R for each column.
 pub(crate) fn reduced(rows: &[f64], units: &[f64]) -> Vec<f64> {
     let n = units.len();
     let height = rows.len() / n.max(1);
@@ -45,7 +45,8 @@ pub(crate) fn reduced(rows: &[f64], units: &[f64]) -> Vec<f64> {
 /// Rows R and a diagonal D so that R^T R + D is near a positive semidefinite matrix: equal on the
 /// diagonal, and off it up to [`SMALLEST_FACTOR`] in `units` of the columns.
 ///
-/// This is a Cholesky decomposition with pivoting, whose remainder is left out except for its diagonal.
+/// This is a Cholesky decomposition with pivoting, whose remainder is left out except for its
+/// diagonal.
 pub(crate) fn factored(matrix: &[f64], units: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let n = units.len();
     let mut rest: Vec<f64> = (0..n).map(|i| matrix[i * n + i]).collect();
@@ -109,8 +110,8 @@ mod tests {
         assert!(reduced(&[0.0; 10], &units).is_empty());
     }
 
-    /// A matrix of rank two with a small diagonal: two rows hold the first part, and the diagonal the
-    /// second up to the square of [`SMALLEST_FACTOR`].
+    /// A matrix of rank two with a small diagonal: two rows hold the first part, and the diagonal
+    /// the second up to the square of [`SMALLEST_FACTOR`].
     #[test]
     fn a_matrix_is_few_rows_and_a_diagonal() {
         let units: Vec<f64> = (0..6).map(|i| 10_f64.powi(i - 3)).collect();

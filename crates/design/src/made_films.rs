@@ -1,4 +1,5 @@
-//! The errors of the films that are made, by samples: of the film before a search, and of the one found.
+//! The errors of the films that are made, by samples: of the film before a search, and of the one
+//! found.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -16,7 +17,8 @@ const BATCH: u64 = 100;
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct MadeFilms {
-    /// Number of samples of each film: those of `[tolerance]`, or fewer if the search was interrupted.
+    /// Number of samples of each film: those of `[tolerance]`, or fewer if the search was
+    /// interrupted.
     pub samples: u64,
     /// Seed of the samples. Both films have the same errors.
     pub seed: u64,
@@ -40,8 +42,8 @@ pub struct MadeErrors {
 }
 
 impl DesignProblem<'_> {
-    /// Samples the film before the search and the film found. `None` if the brief does not count the
-    /// films that are made.
+    /// Samples the film before the search and the film found. `None` if the brief does not count
+    /// the films that are made.
     ///
     /// If `stop` is set, the samples end after the first batch.
     ///

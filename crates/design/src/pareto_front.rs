@@ -58,9 +58,9 @@ impl DesignProblem<'_> {
     /// parts.
     ///
     /// A film is left out if another film of the front is as good in error, amplitude and number of
-    /// parts, and better in one of them. The error is the 95th percentile of the films that are made
-    /// where the brief counts them. Of 1000 samples it scatters by 1.3 %, and so does the ratio of two
-    /// films, so that of two films that differ by less either may be left out.
+    /// parts, and better in one of them. The error is the 95th percentile of the films that are
+    /// made where the brief counts them. Of 1000 samples it scatters by 1.3 %, and so does the
+    /// ratio of two films, so that of two films that differ by less either may be left out.
     ///
     /// A film with more amplitude also meets a smaller bound, so errors grow along the front as far
     /// as the search succeeds. If `progress` stops the search, the front has the films found until
@@ -164,8 +164,8 @@ mod tests {
         }
     }
 
-    /// Four squares on the diagonals and four strips on the axes. The brief wants one part, of which
-    /// there is a stock, and two starts.
+    /// Four squares on the diagonals and four strips on the axes. The brief wants one part, of
+    /// which there is a stock, and two starts.
     const FILM: &str = r#"
         format = 1
         name = "film"
@@ -203,8 +203,8 @@ mod tests {
         mirror = { axes = ["y"] }
     "#;
 
-    /// Along the amplitude any number of parts is allowed, and stock plays no role. Along the number of
-    /// parts no film misses a demand because it has more parts than the brief wants.
+    /// Along the amplitude any number of parts is allowed, and stock plays no role. Along the
+    /// number of parts no film misses a demand because it has more parts than the brief wants.
     #[test]
     fn number_of_parts_binds_no_film_of_a_front() {
         let layout = Layout::parse(FILM, "film").unwrap_or_else(|e| panic!("{e}"));
@@ -218,7 +218,8 @@ mod tests {
         };
         // The film of least error has an amplitude of 1.19.
         let front = problem.pareto_front(&[1.3, 0.3], &note).unwrap_or_else(|e| panic!("{e}"));
-        // The amplitudes come first, each with three starts. The film of all parts has those of the brief.
+        // The amplitudes come first, each with three starts. The film of all parts has those of the
+        // brief.
         let mut starts = starts.into_inner().unwrap();
         starts.dedup();
         assert_eq!(starts, [STARTS, 2]);

@@ -108,8 +108,8 @@ pub(crate) fn levels(
     }
 }
 
-/// The assignment with its nearest parts merged, pair after pair, until `aim` parts are left that are
-/// not in stock.
+/// The assignment with its nearest parts merged, pair after pair, until `aim` parts are left that
+/// are not in stock.
 fn with_nearest_merged(mut assignment: PartAssignment, aim: usize, turns: bool) -> PartAssignment {
     while assignment.free() > aim {
         match assignment.nearest_merged(turns) {

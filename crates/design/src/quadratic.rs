@@ -105,8 +105,8 @@ impl QuadraticProgram {
         let matrix = matrix.into_matrix(limits.len(), gradient.len());
         let settings = DefaultSettings {
             verbose: false,
-            // Only factorizations that this crate does not build in have threads. A program that builds
-            // them in gets the same films for any number of threads, too.
+            // Only factorizations that this crate does not build in have threads. A program that
+            // builds them in gets the same films for any number of threads, too.
             max_threads: 1,
             tol_gap_abs: GAP,
             tol_gap_rel: GAP,
@@ -169,8 +169,9 @@ mod tests {
         assert_eq!(program.solve(), None);
     }
 
-    /// The duality gap bounds what the objective is above its minimum: (x - 2)^2 / 2 + (y - 2)^2 / 2 for x
-    /// and y up to 1. The solver divides by the largest element, 2, and compares with the minimum, -1.5.
+    /// The duality gap bounds what the objective is above its minimum: (x - 2)^2 / 2 + (y - 2)^2 /
+    /// 2 for x and y up to 1. The solver divides by the largest element, 2, and compares with the
+    /// minimum, -1.5.
     #[test]
     fn objective_is_within_its_tolerance() {
         let curvature = Curvature::Dense(vec![1.0, 0.0, 0.0, 1.0]);
@@ -180,9 +181,9 @@ mod tests {
         assert!(above <= 2.0 * 1.5 * GAP, "{above}");
     }
 
-    /// Short steps near an optimum are as accurate as long ones. Their objective is so small that the
-    /// tolerance of the objective alone would end the solver early: with the solver's own tolerance of the
-    /// gradient, 1e-8, the gradient left is 3e-8, and 3e-10 with ours.
+    /// Short steps near an optimum are as accurate as long ones. Their objective is so small that
+    /// the tolerance of the objective alone would end the solver early: with the solver's own
+    /// tolerance of the gradient, 1e-8, the gradient left is 3e-8, and 3e-10 with ours.
     #[test]
     fn short_steps_are_accurate() {
         let (step, limit) = (1e-3, 1e-2);
@@ -199,15 +200,16 @@ mod tests {
         }
     }
 
-    /// The output of the program is the caller's. The solver prints its iterations unless it is told not
-    /// to, which only another process can observe.
+    /// The output of the program is the caller's. The solver prints its iterations unless it is
+    /// told not to, which only another process can observe.
     #[test]
     fn solver_prints_nothing() {
         let name = "quadratic::tests::finds_free_and_constrained_minima_and_refuses_contradictions";
         let tests = std::env::current_exe().unwrap();
         let run = std::process::Command::new(tests).args(["--exact", name, "--nocapture"]).output().unwrap();
         let printed = String::from_utf8(run.stdout).unwrap();
-        // The lines of the test runner: a blank line, the count, the test, a blank line, the result.
+        // The lines of the test runner: a blank line, the count, the test, a blank line, the
+        // result.
         let lines: Vec<&str> = printed.lines().filter(|line| !line.is_empty()).collect();
         assert_eq!(lines.len(), 3, "{printed}");
         assert!(lines[1].starts_with(&format!("test {name}")), "{printed}");

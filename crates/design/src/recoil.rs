@@ -1,8 +1,9 @@
 //! What recoil adds to the field of a film in a search.
 //!
-//! B with recoil is B of the polarizations J_r plus that of what the field adds to them. A descent holds
-//! the second part constant. It is then computed anew for the film found, until it stays: it changes by
-//! the susceptibility times the change of the film, so that each round is nearer by about this factor.
+//! B with recoil is B of the polarizations J_r plus that of what the field adds to them. A descent
+//! holds the second part constant. It is then computed anew for the film found, until it stays: it
+//! changes by the susceptibility times the change of the film, so that each round is nearer by
+//! about this factor.
 
 use std::ops::ControlFlow;
 
@@ -21,7 +22,8 @@ use crate::progress::{Progress, ProgressUpdate, SearchStage};
 use crate::tolerances::{MOST_STEPS, RECOIL_LEVEL, RECOIL_STAYS, ROUNDS_OF_RECOIL};
 
 impl DesignProblem<'_> {
-    /// The cells of a film with the polarization that agrees with their field; without recoil the tiles.
+    /// The cells of a film with the polarization that agrees with their field; without recoil the
+    /// tiles.
     ///
     /// # Errors
     /// If the polarization is not known.
@@ -57,8 +59,8 @@ impl DesignProblem<'_> {
         Magnetization::solve(&tiles, RECOIL_LEVEL, |_| {}).map(Some).map_err(DesignError::Recoil)
     }
 
-    /// Holds what recoil adds to the field of this film. Returns the largest change of what was held, relative
-    /// to the largest field.
+    /// Holds what recoil adds to the field of this film. Returns the largest change of what was
+    /// held, relative to the largest field.
     ///
     /// # Errors
     /// If the polarization or the field is not known.

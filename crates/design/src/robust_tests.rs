@@ -1,5 +1,5 @@
-//! Tests of the expected square: its value against the model of first order, its derivatives against
-//! differences.
+//! Tests of the expected square: its value against the model of first order, its derivatives
+//! against differences.
 
 use magsplice_layout::{Layout, Under};
 use magsplice_tolerance::{EvaluationGrid, FirstOrder, RealFilm};
@@ -12,7 +12,8 @@ const TABLES: &str = "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0
 const TILE_ERRORS: &str = "[tolerance]\nposition_mm = [0.05, 0.03, 0.04]\nrotation_deg = [0.5, 0.3, 1.0]\nsize_mm = [0.02, 0.01, 0.03]\nstrength = 0.01\n\
                            direction_deg = [1.0, 0.7]\n";
 
-/// Errors that tiles share, and those of the surroundings and of the sensor, beside those of the tiles.
+/// Errors that tiles share, and those of the surroundings and of the sensor, beside those of the
+/// tiles.
 const SHARED_ERRORS: &str = "film = { position_mm = [0.1, 0.05, 0.08], rotation_deg = [0.4, 0.6, 0.5] }\nstray_field = { field_ut = [50.0, 20.0, 10.0] }\n\
                              temperature = { change_k = 10.0, strength_per_k = -0.0012 }\n\
                              sensor = { offset_ut = 3.0, rotation_deg = [0.5, 0.4, 0.3], gain = 0.01, noise_ut = 5.0 }\n\
@@ -48,8 +49,8 @@ fn published(symmetry: &str) -> Layout {
     layout
 }
 
-/// Two independent ways to the same number: the model of first order has no symmetry, no derivatives by
-/// variables, and other sums.
+/// Two independent ways to the same number: the model of first order has no symmetry, no
+/// derivatives by variables, and other sums.
 #[test]
 fn expected_square_is_that_of_the_model_of_first_order() {
     let vary = "vary = [\"size\"]";
@@ -127,8 +128,8 @@ fn derivatives_of_the_expected_square_agree_with_central_differences() {
     }
 }
 
-/// The derivatives of sensitivities are never formed. Differences of the sensitivities of the model of
-/// first order stand for them here.
+/// The derivatives of sensitivities are never formed. Differences of the sensitivities of the model
+/// of first order stand for them here.
 #[test]
 fn curvature_is_the_product_of_the_derivatives_of_sensitivities() {
     // Noise at each point is no term of that model.

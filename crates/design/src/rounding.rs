@@ -240,8 +240,8 @@ fn tile(variable_tile: &VariableTile, variables: &[f64]) -> Option<Tile> {
     Tile::new(position, size, j).ok()?.rotated(variable_tile.original.rotation()).ok()
 }
 
-/// The polarization that a strength and angles of ten decimals give, if it differs by round-off only:
-/// this one is written in the layout. Else the polarization itself.
+/// The polarization that a strength and angles of ten decimals give, if it differs by round-off
+/// only: this one is written in the layout. Else the polarization itself.
 fn short_form(j: DVec3) -> DVec3 {
     let in_degrees = angles(j).map(|angle| decimal(angle.to_degrees()));
     let short = decimal(j.length()) * direction_from_degrees(in_degrees);

@@ -111,9 +111,9 @@ impl Sampling {
         self.operations.iter().any(|operation| operation.exchange)
     }
 
-    /// For each residual of a point of the grid along an axis, axis fastest, a number that residuals
-    /// share whose derivatives are multiples of each other by symmetry. `None` if the reference
-    /// point is off the axis, where its derivatives break the symmetry.
+    /// For each residual of a point of the grid along an axis, axis fastest, a number that
+    /// residuals share whose derivatives are multiples of each other by symmetry. `None` if the
+    /// reference point is off the axis, where its derivatives break the symmetry.
     pub(crate) fn classes(&self) -> Option<Vec<usize>> {
         let on_axis = self.reference.x == 0.0 && self.reference.y == 0.0;
         let class = |&(index, operation): &(usize, SymmetryOperation)| {

@@ -59,8 +59,8 @@ pub struct SpliceRequest {
     pub smallest_cut_mm: f64,
     /// Least distance of neighbouring tiles.
     pub gap_mm: f64,
-    /// Sizes are rounded to multiples of this, in millimetres; a tile centred on a mirror plane has its
-    /// faces at half multiples.
+    /// Sizes are rounded to multiples of this, in millimetres; a tile centred on a mirror plane has
+    /// its faces at half multiples.
     pub resolution_mm: f64,
     /// Directions are rounded to multiples of this, in degrees.
     pub resolution_deg: f64,
@@ -80,8 +80,8 @@ pub struct SpliceRequest {
 /// strength have no third harmonic (Dai 2024, Fig. 5, has 3.3 of 5 mm).
 const WIDE: f64 = 1.0 / 3.0;
 
-/// Amplitude that no film of tiles reaches. The fundamental of a square wave is 4 / pi of its height,
-/// and the tiles are as strong as the ideal film's crests.
+/// Amplitude that no film of tiles reaches. The fundamental of a square wave is 4 / pi of its
+/// height, and the tiles are as strong as the ideal film's crests.
 const MAX_AMPLITUDE: f64 = 2.0;
 
 /// Points of the working volume along each axis.

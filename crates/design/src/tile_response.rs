@@ -1,5 +1,5 @@
-//! How the field of a tile changes with the errors with which the tile is made, and how these changes
-//! depend on the numbers of the tile that a search varies.
+//! How the field of a tile changes with the errors with which the tile is made, and how these
+//! changes depend on the numbers of the tile that a search varies.
 
 use glam::{DMat3, DVec3};
 use magsplice_field::{FaceDerivatives, FaceHessian, PolarizationMap};
@@ -10,8 +10,8 @@ use magsplice_tolerance::direction_normal;
 use crate::pattern::VariableTile;
 use crate::sampling::matrix;
 
-/// Numbers of a tile: the coordinates of its faces, each at twice its axis plus its side; direction,
-/// tilt and strength of its polarization.
+/// Numbers of a tile: the coordinates of its faces, each at twice its axis plus its side;
+/// direction, tilt and strength of its polarization.
 pub(crate) const NUMBERS: usize = 9;
 const FACES: usize = 6;
 
@@ -67,8 +67,8 @@ pub(crate) struct RespondingTile {
 }
 
 impl RespondingTile {
-    /// Prepares a tile. Responses to errors that are not active are left at 0. `None` where a side of
-    /// the tile is not positive.
+    /// Prepares a tile. Responses to errors that are not active are left at 0. `None` where a side
+    /// of the tile is not positive.
     pub(crate) fn new(
         variable_tile: &VariableTile,
         variables: &[f64],
@@ -214,8 +214,8 @@ fn shifted_by_face(hessian: &FaceHessian, along: DVec3, face: usize) -> DVec3 {
 ///
 /// Let u be the unit vector of the polarization, s its magnitude, and N the vector from which the
 /// errors are measured, in most cases the film's normal. The axes of the turns are the parts of N
-/// normal to u, and the axis normal to both, so that the changes are s w and s u x w with w the unit
-/// vector of N x u.
+/// normal to u, and the axis normal to both, so that the changes are s w and s u x w with w the
+/// unit vector of N x u.
 fn turned(unit_tile: &Tile, unit: DVec3, strength: f64, by_angles: &[DVec3; 3]) -> ([DVec3; 2], [[DVec3; 3]; 2]) {
     let Some(normal) = direction_normal(unit_tile) else { return Default::default() };
     let across = normal.cross(unit);

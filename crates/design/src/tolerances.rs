@@ -48,8 +48,8 @@ pub(crate) const PATIENCE: usize = 8;
 pub(crate) const LEAST_GAIN: f64 = 1e-3;
 
 /// A descent ends when the root mean square of its residuals, in radians or relative to the ideal
-/// field, is below this. That is a ten-millionth of a wavelength, a thousandth of a micrometre for 10
-/// mm, far below what rounding leaves of any film.
+/// field, is below this. That is a ten-millionth of a wavelength, a thousandth of a micrometre for
+/// 10 mm, far below what rounding leaves of any film.
 pub(crate) const NOTHING_LEFT: f64 = 1e-7;
 
 /// From this number of variables on, the curvature of a step is a product of few rows instead of a
@@ -62,9 +62,9 @@ pub(crate) const FACTORED_FROM: usize = 150;
 /// that a descent can reduce are above [`NOTHING_LEFT`].
 pub(crate) const SMALLEST_ROW: f64 = 1e-9;
 
-/// Elements of the curvature by errors of films below the square of this, relative to the largest, are
-/// left out of the rows unless they are on the diagonal. Every tile has errors of its own, so the
-/// curvature has no small rank; a step needs it to a per mille only.
+/// Elements of the curvature by errors of films below the square of this, relative to the largest,
+/// are left out of the rows unless they are on the diagonal. Every tile has errors of its own, so
+/// the curvature has no small rank; a step needs it to a per mille only.
 pub(crate) const SMALLEST_FACTOR: f64 = 0.03;
 
 /// Maximum number of steps of a descent.
@@ -84,8 +84,8 @@ pub(crate) const ROUNDS_OF_AMPLITUDE: usize = 4;
 /// Level of division of tiles with a recoil permeability, the least at which an error is known.
 pub(crate) const RECOIL_LEVEL: usize = 3;
 
-/// Largest change of what recoil adds to the field, relative to the field, at which it stays. Films are
-/// designed to errors of 1e-5 of the field.
+/// Largest change of what recoil adds to the field, relative to the field, at which it stays. Films
+/// are designed to errors of 1e-5 of the field.
 pub(crate) const RECOIL_STAYS: f64 = 1e-7;
 
 /// Most rounds until it stays. Each is nearer by about the susceptibility, 0.05 to 0.2.

@@ -15,8 +15,8 @@ const MARGIN: f64 = 0.01;
 /// Relative margin of the written percentiles above the upper ends of their intervals of 95 %.
 ///
 /// The written file may have its tiles in another order, so that its samples are others. The 95th
-/// percentile of 1000 samples has a standard error of 1.5 %. Two such estimates differ by more than the
-/// interval, this margin and the interval of the check in one of 2000 films.
+/// percentile of 1000 samples has a standard error of 1.5 %. Two such estimates differ by more than
+/// the interval, this margin and the interval of the check in one of 2000 films.
 const MADE_MARGIN: f64 = 0.02;
 
 /// Ending of the names of designed films.

@@ -5,8 +5,8 @@ use magsplice_tolerance::{Figure, FilmErrors, probability_of_at_least};
 
 use crate::outcome::{Bound, Expectation, Location, Outcome, made_bound};
 
-/// Whether a film keeps the bounds of `[expect]` on its uniformity RMSE, its displacement RMSE and its
-/// amplitude. `None` if there are no such bounds.
+/// Whether a film keeps the bounds of `[expect]` on its uniformity RMSE, its displacement RMSE and
+/// its amplitude. `None` if there are no such bounds.
 pub fn keeps_bounds(expected: &Expectations, errors: &FilmErrors) -> Option<bool> {
     let at_most = (0..3).flat_map(|axis| {
         [
@@ -20,14 +20,14 @@ pub fn keeps_bounds(expected: &Expectations, errors: &FilmErrors) -> Option<bool
 }
 
 impl Outcome {
-    /// The outcome for a figure of the films that are made. `errors` are those of samples. `None` if the
-    /// layout does not bound the figure, or there are too few samples to break any bound with the
-    /// confidence that it states.
+    /// The outcome for a figure of the films that are made. `errors` are those of samples. `None`
+    /// if the layout does not bound the figure, or there are too few samples to break any bound
+    /// with the confidence that it states.
     ///
-    /// The value is the limit that the percentile passes with this confidence, so that a film at its
-    /// bound does not fail by chance: if more films than the percentile allows were beyond this value,
-    /// that would be so by chance only with a probability of 1 less the confidence, by the exact binomial
-    /// distribution. The location has the percentile itself.
+    /// The value is the limit that the percentile passes with this confidence, so that a film at
+    /// its bound does not fail by chance: if more films than the percentile allows were beyond this
+    /// value, that would be so by chance only with a probability of 1 less the confidence, by the
+    /// exact binomial distribution. The location has the percentile itself.
     ///
     /// # Panics
     /// Without samples.
@@ -96,8 +96,8 @@ mod tests {
         }
     }
 
-    /// Of 100 films, 5 are beyond the 95th percentile on average, and 10 or more with a probability of
-    /// 0.028; 9 or more with 0.063. So the tenth largest value is the limit.
+    /// Of 100 films, 5 are beyond the 95th percentile on average, and 10 or more with a probability
+    /// of 0.028; 9 or more with 0.063. So the tenth largest value is the limit.
     #[test]
     fn a_bound_fails_only_if_samples_exclude_it() {
         let errors: Vec<FilmErrors> = (1..=100).map(|n| with_displacement(f64::from(n))).collect();

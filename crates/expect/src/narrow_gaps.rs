@@ -31,8 +31,8 @@ pub struct NarrowGaps {
 }
 
 impl NarrowGaps {
-    /// The pairs of tiles that do not touch and are less than `limit` apart. `None` if there are none.
-    /// The cost is about N log N for N tiles with few neighbours each.
+    /// The pairs of tiles that do not touch and are less than `limit` apart. `None` if there are
+    /// none. The cost is about N log N for N tiles with few neighbours each.
     ///
     /// # Accuracy
     /// A few units of round-off of the coordinates. Tiles whose gap is below 1e-12 of the largest

@@ -73,8 +73,8 @@ pub enum Location {
     Point(DVec3),
     /// At the tile with this index.
     Tile(usize),
-    /// Among the films that are made: the percentile itself, by samples. The value of the outcome is a
-    /// limit of it; see [`Outcome::from_made`].
+    /// Among the films that are made: the percentile itself, by samples. The value of the outcome
+    /// is a limit of it; see [`Outcome::from_made`].
     Percentile {
         /// Which percentile.
         per_cent: f64,

@@ -19,8 +19,8 @@ pub struct DisplacementTable<'a> {
     pub lower: [f64; 3],
     /// Largest R_x, R_y, S_z.
     pub upper: [f64; 3],
-    /// Millimetres along x, y, z for each term: products of Chebyshev polynomials of the degrees i, j and
-    /// k, in the order of i, then j, then k.
+    /// Millimetres along x, y, z for each term: products of Chebyshev polynomials of the degrees i,
+    /// j and k, in the order of i, then j, then k.
     pub coefficients: &'a [[f64; 3]],
     /// Largest error in millimetres.
     pub largest_error_mm: f64,

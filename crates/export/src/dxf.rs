@@ -26,8 +26,8 @@ const COLOURS: usize = 6;
 /// Distance of a name from the centre of its outline, as a fraction of the way to an edge: beside
 /// the arrow, which ends at [`ARROW`] of this way at the latest.
 const NAME_AT: f64 = 0.82;
-/// Largest height of a name, as a fraction of the width of its outline: it fits between the arrow and
-/// the edge.
+/// Largest height of a name, as a fraction of the width of its outline: it fits between the arrow
+/// and the edge.
 const NAME_HEIGHT: f64 = 0.1;
 /// Largest length of a name, as a fraction of the edge that it runs along.
 const NAME_LENGTH: f64 = 0.9;
@@ -35,11 +35,11 @@ const NAME_LENGTH: f64 = 0.9;
 const CHARACTER: f64 = 1.0;
 
 /// Writes the outlines of the tiles in the xy plane and an arrow for each polarization, in
-/// millimetres. The tiles of the n-th part of [`Layout::parts`] are on the layer `PART-n`. The name of
-/// each tile is a text inside its outline.
+/// millimetres. The tiles of the n-th part of [`Layout::parts`] are on the layer `PART-n`. The name
+/// of each tile is a text inside its outline.
 ///
-/// The arrow is the projection of the polarization onto the plane. A polarization normal to the plane
-/// is a circle, with a point if it comes up and with a cross if it goes down.
+/// The arrow is the projection of the polarization onto the plane. A polarization normal to the
+/// plane is a circle, with a point if it comes up and with a cross if it goes down.
 ///
 /// # Errors
 /// Errors of the writer.

@@ -1,8 +1,8 @@
 //! Fields, decoupling parameters and tiles as files of other tools.
 //!
 //! A [`Table`] holds points, the quantities known at each of them, and metadata. [`csv`], [`json`],
-//! [`numpy`], [`vtk`] and, with the feature `parquet`, the module `parquet` write a table.
-//! [`vtk`], [`magpylib`], [`dxf`] and [`stl`] write the tiles of a layout. Every function writes to a
+//! [`numpy`], [`vtk`] and, with the feature `parquet`, the module `parquet` write a table. [`vtk`],
+//! [`magpylib`], [`dxf`] and [`stl`] write the tiles of a layout. Every function writes to a
 //! [`std::io::Write`] and returns the errors of that writer.
 //!
 //! This crate computes nothing, opens no file and parses no arguments. The page

@@ -6,8 +6,8 @@ use std::io::{self, Write};
 const SCRIPT: &str = include_str!("magpylib_import.py");
 
 /// Writes the script. Run where magpylib 5 or 6 and a collection are at hand, it writes the cuboids
-/// as CSV with lengths in metres and polarizations in tesla. `version` is the version of the program
-/// that writes the script.
+/// as CSV with lengths in metres and polarizations in tesla. `version` is the version of the
+/// program that writes the script.
 ///
 /// # Accuracy
 /// Numbers have the shortest digits that read back to the same number.

@@ -9,8 +9,8 @@ use crate::cuboid_faces::{FACES, corner_mm};
 /// Triangles of a tile.
 const TRIANGLES: usize = 2 * FACES.len();
 
-/// Writes the tiles as binary STL, in millimetres: twelve triangles for each tile, with normals that
-/// point outwards. Each tile is a closed body. Polarizations are lost.
+/// Writes the tiles as binary STL, in millimetres: twelve triangles for each tile, with normals
+/// that point outwards. Each tile is a closed body. Polarizations are lost.
 ///
 /// # Accuracy
 /// STL has coordinates in single precision, 7 digits.

@@ -63,8 +63,8 @@ impl Scene {
         Scene { tree: LazyTree::new(&direct, Accuracy::Exact), accuracy: Accuracy::Exact, direct }
     }
 
-    /// Prepares the cells that tiles are divided into. Indices of tiles in errors are those of `owners`, which
-    /// holds one for each cell.
+    /// Prepares the cells that tiles are divided into. Indices of tiles in errors are those of
+    /// `owners`, which holds one for each cell.
     ///
     /// # Panics
     /// If there is not one owner for each cell.
@@ -88,13 +88,13 @@ impl Scene {
     /// the calls for grids. Single points, gradients and J are always exact.
     ///
     /// Where no cheaper model keeps the tolerance, the exact field is given. A tolerance costs
-    /// little more than the exact field. The exceptions are tolerances below 1e-11 beside a few tiles
-    /// and points that are refused, at up to four times its cost.
+    /// little more than the exact field. The exceptions are tolerances below 1e-11 beside a few
+    /// tiles and points that are refused, at up to four times its cost.
     ///
     /// Exact values keep a tolerance if 2e-14 of an upper bound of the sum over tiles does
     /// (docs/physics.md, section 2.10); other points are refused. The bound is about twice the sum
-    /// in the median. The largest factors found beside random single tiles are 15 for a cube, 25 for
-    /// aspects up to 10, and 60 for aspects up to 1000. The rounding of points in the frames of
+    /// in the median. The largest factors found beside random single tiles are 15 for a cube, 25
+    /// for aspects up to 10, and 60 for aspects up to 1000. The rounding of points in the frames of
     /// rotated tiles (see Accuracy above) is not included: close to rotated tiles and far from
     /// others of their orientation a tolerance near that rounding may be missed.
     pub fn with_accuracy(self, accuracy: Accuracy) -> Scene {
@@ -150,15 +150,16 @@ impl Scene {
         self.field_with_progress(quantity, points, field, &|_| {})
     }
 
-    /// The same as [`Scene::field_into`]. `progress` is told, from any thread, how many more points begin: a few
-    /// thousand at a time, or all that are interpolated, or none where points begin anew with another model.
+    /// The same as [`Scene::field_into`]. `progress` is told, from any thread, how many more points
+    /// begin: a few thousand at a time, or all that are interpolated, or none where points begin
+    /// anew with another model.
     ///
     /// # Errors
     /// As [`Scene::field_into`].
     ///
     /// # Panics
-    /// If the two slices differ in length. A panic of `progress` ends the evaluation and reaches the caller, who
-    /// can interrupt it so.
+    /// If the two slices differ in length. A panic of `progress` ends the evaluation and reaches
+    /// the caller, who can interrupt it so.
     pub fn field_with_progress(
         &self,
         quantity: Quantity,
@@ -211,8 +212,8 @@ impl Scene {
         self.field_on_grid_with_progress(quantity, grid, field, &|_| {})
     }
 
-    /// The same as [`Scene::field_on_grid_into`], with the progress of [`Scene::field_with_progress`]. Points that
-    /// are interpolated are told all at once.
+    /// The same as [`Scene::field_on_grid_into`], with the progress of
+    /// [`Scene::field_with_progress`]. Points that are interpolated are told all at once.
     ///
     /// # Errors
     /// As [`Scene::field_on_grid_into`].

@@ -78,8 +78,8 @@ pub(crate) const LOOK_UP_POINTS_PER_NODE: usize = 4;
 /// than sorting the points.
 pub(crate) const MIN_TREE_TILES: usize = 64;
 
-/// Smallest number of points for which the tree is used. Direct summation at fewer points costs less
-/// than building the tree.
+/// Smallest number of points for which the tree is used. Direct summation at fewer points costs
+/// less than building the tree.
 pub(crate) const MIN_TREE_POINTS: usize = 256;
 
 /// Number of points of a list at which the rounding of the tree's sums is compared with the
@@ -150,8 +150,8 @@ pub(crate) const DISTANCE_BISECTIONS: usize = 8;
 /// With more tiles only the farthest distance of each is used.
 pub(crate) const CORNER_MEAN_TILES: usize = 64;
 
-/// Largest ratio of the longest to the second side of a bar. Bars use the compact closed form, whose
-/// error is at least that ratio in units of round-off.
+/// Largest ratio of the longest to the second side of a bar. Bars use the compact closed form,
+/// whose error is at least that ratio in units of round-off.
 pub(crate) const LONGEST_BAR: f64 = 10.0;
 
 /// Largest error of one part of a cluster, over the error of a single tile at the end of its closed
@@ -175,8 +175,8 @@ pub(crate) const SMALL_GROUP: usize = 4;
 /// points must be farther away.
 pub(crate) const TILES_PER_GROUP: usize = 16;
 
-/// [`TILES_PER_GROUP`] for the elements of rods. Some of their lengths are as small as the square of
-/// the least distance over the longest.
+/// [`TILES_PER_GROUP`] for the elements of rods. Some of their lengths are as small as the square
+/// of the least distance over the longest.
 pub(crate) const RODS_PER_GROUP: usize = 8;
 
 /// Smallest distance d from a group at which its product is used, as a multiple of the cube root of
@@ -259,8 +259,8 @@ pub(crate) const REGROUPED_PARTS: usize = 100;
 /// Number of points among which neighbouring points are chosen. Their copies take a megabyte.
 pub(crate) const REGROUPED_POINTS: usize = 16_384;
 
-/// Number of points of a grid whose exact field is evaluated at a time. Their coordinates take 1.5 MB, and they
-/// give every thread batches enough.
+/// Number of points of a grid whose exact field is evaluated at a time. Their coordinates take 1.5
+/// MB, and they give every thread batches enough.
 pub(crate) const GRID_POINTS_AT_ONCE: usize = 1 << 16;
 
 /// Number of batches for each thread, where there are enough points. More batches divide the work
@@ -268,8 +268,8 @@ pub(crate) const GRID_POINTS_AT_ONCE: usize = 1 << 16;
 pub(crate) const BATCHES_PER_THREAD: usize = 8;
 
 /// Number of neighbouring tiles whose magnitudes are bounded together at points far from them. A
-/// bound of one tile costs a twelfth of its closed form; far away the exact field of a cluster costs
-/// as little, and there the groups are far too.
+/// bound of one tile costs a twelfth of its closed form; far away the exact field of a cluster
+/// costs as little, and there the groups are far too.
 pub(crate) const TILES_PER_GROUP_BOUND: usize = 16;
 
 /// Distance from the centre of such a group, in radii of the sphere around it, from which its tiles
@@ -287,8 +287,8 @@ pub(crate) const PARTIAL_SUMS: usize = 8;
 /// nodes.
 pub(crate) const MIN_FIT_POINTS: usize = 1000;
 
-/// Smallest number of pairs of tiles and grid points that a Chebyshev fit is tried for. The proof of
-/// its error costs as much as thousands of pairs, whether the fit is then made or not.
+/// Smallest number of pairs of tiles and grid points that a Chebyshev fit is tried for. The proof
+/// of its error costs as much as thousands of pairs, whether the fit is then made or not.
 pub(crate) const MIN_FIT_PAIRS: usize = 24_000;
 
 /// Smallest relative tolerance that a fit is tried for. A fit of 8 nodes along each axis amplifies
@@ -303,9 +303,9 @@ pub(crate) const GRID_POINTS_PER_NODE: usize = 2;
 /// one tile over [`GRID_POINTS_PER_NODE`]. Where tiles are few, it costs more than the exact field.
 pub(crate) const NODE_TRANSFORM_TILES: usize = 6;
 
-/// Smallest number of points per node that the distances of tiles suggest for a fit, of a list or of
-/// few tiles ([`MIN_LOOK_UP_TILES`]). They suggest fewer nodes than the fit needs; a box that would
-/// need still more is sampled in vain, which costs most where the exact field is cheap.
+/// Smallest number of points per node that the distances of tiles suggest for a fit, of a list or
+/// of few tiles ([`MIN_LOOK_UP_TILES`]). They suggest fewer nodes than the fit needs; a box that
+/// would need still more is sampled in vain, which costs most where the exact field is cheap.
 pub(crate) const POINTS_PER_EXPECTED_NODE: usize = 12;
 
 /// Largest number of nodes along an axis. A box that needs more is divided.
@@ -322,12 +322,12 @@ pub(crate) const TRUNCATION_SHARE: f64 = 0.75;
 /// Growth of the rounding error that is allowed for when more nodes are needed because of it.
 pub(crate) const LARGER_ROUNDING: f64 = 1.2;
 
-/// Smallest truncation error of a fit that is aimed at, as a fraction of the allowed error. Below it
-/// rounding would need nearly all of the allowance.
+/// Smallest truncation error of a fit that is aimed at, as a fraction of the allowed error. Below
+/// it rounding would need nearly all of the allowance.
 pub(crate) const MIN_TRUNCATION_SHARE: f64 = 0.1;
 
-/// Number of points along each axis of a box, its ends included, at which the smallest |B| is looked
-/// for.
+/// Number of points along each axis of a box, its ends included, at which the smallest |B| is
+/// looked for.
 pub(crate) const RANGE_POINTS: usize = 5;
 
 /// Number of patches of a face, in the bound of the truncation error, along a side as long as the
@@ -351,8 +351,8 @@ pub(crate) const NODE_ROUNDING: f64 = 2.0 * f64::EPSILON;
 /// counted as an error.
 pub(crate) const MIRROR_ROUNDING: f64 = 3e-14;
 
-/// Largest number of tiles among which mirror images are searched. The time of the search grows with
-/// the square of that number.
+/// Largest number of tiles among which mirror images are searched. The time of the search grows
+/// with the square of that number.
 pub(crate) const MAX_MIRRORED_TILES: usize = 4096;
 
 /// Smallest |B| in a box, as a fraction of the largest, for which nodes are added. Points with a

@@ -21,8 +21,8 @@ pub(crate) struct AlignedPair {
 }
 
 impl AlignedPair {
-    /// The pair in the frame of the first tile; `None` if their edges are not parallel. Tiles turned by
-    /// multiples of 90 degrees against each other have parallel edges.
+    /// The pair in the frame of the first tile; `None` if their edges are not parallel. Tiles
+    /// turned by multiples of 90 degrees against each other have parallel edges.
     pub(crate) fn new(first: &Tile, second: &Tile) -> Option<AlignedPair> {
         let relative = DMat3::from_quat(first.rotation().inverse() * second.rotation());
         let permutation = nearest_signed_permutation(relative)?;

@@ -1,8 +1,8 @@
 //! Force and torque of two cuboids with parallel edges, in closed form.
 //!
 //! Forces: Akoun and Yonnet, "3D analytical calculation of the forces exerted between two cuboidal
-//! magnets", IEEE Trans. Magn. 20 (1984) 1962, and for other polarizations Yonnet and Allag, IEEE Trans.
-//! Magn. 45 (2009) 3969. Torques: after Janssen et al., IEEE Trans. Magn. 46 (2010) 1748,
+//! magnets", IEEE Trans. Magn. 20 (1984) 1962, and for other polarizations Yonnet and Allag, IEEE
+//! Trans. Magn. 45 (2009) 3969. Torques: after Janssen et al., IEEE Trans. Magn. 46 (2010) 1748,
 //! with the lever integrated by parts.
 
 use glam::DVec3;
@@ -19,7 +19,8 @@ const DENOMINATOR: f64 = 12.0;
 /// The load on the first cuboid by the second, in the scaled lengths of the pair. The error with
 /// `f64` is that of [`FilmForces::of_cells`](crate::FilmForces::of_cells).
 ///
-/// Energy, force and moments about the centre of the first are sums over the differences of corners of
+/// Energy, force and moments about the centre of the first are sums over the differences of corners
+/// of
 ///
 /// ```text
 /// W    =  J_a J'_b G_ab s s' / (4 pi mu0)
@@ -27,8 +28,8 @@ const DENOMINATOR: f64 = 12.0;
 /// M_kc = -J_a J'_b (x_k G_abc - [a is not k] integral of G_abc du_k) s s' / (4 pi mu0)
 /// ```
 ///
-/// where s and s' are the products of the signs of the corners, x_k is that of the corner of the first,
-/// and M_kc is the sum of x_k times the force along c, from which the torque follows.
+/// where s and s' are the products of the signs of the corners, x_k is that of the corner of the
+/// first, and M_kc is the sum of x_k times the force along c, from which the torque follows.
 pub(crate) fn load<N: Real>(pair: &AlignedPair) -> Load {
     let products = Products::<N>::new(pair.polarizations_t);
     let halves = pair.sizes.map(|size| size * 0.5);
@@ -64,8 +65,8 @@ fn add<N: Real>(sum: &mut N, term: N, positive: bool) {
     *sum += if positive { term } else { -term };
 }
 
-/// Differences of the faces across one axis, by the faces of the first and of the second: lower, upper.
-/// Faces that reach into each other by round-off touch.
+/// Differences of the faces across one axis, by the faces of the first and of the second: lower,
+/// upper. Faces that reach into each other by round-off touch.
 fn differences<N: Real>(pair: &AlignedPair, axis: usize) -> [[N; 2]; 2] {
     let half = |tile: usize, upper: usize| (upper as f64 - 0.5) * pair.sizes[tile][axis];
     [0, 1].map(|first| {

@@ -1,14 +1,14 @@
 //! The functions of the distance of two corners whose sums are forces and torques.
 //!
 //! G(u, v, w) is the function with d^6 G / (du^2 dv^2 dw^2) = 1 / r. The interaction energy of two
-//! charged boxes is a sum of G over the 64 differences of their corners, that of polarized boxes a sum
-//! of second derivatives, and forces are sums of third derivatives [Akoun and Yonnet 1984; Yonnet and
-//! Allag 2009]. Torques need integrals of these along one axis, for the lever.
+//! charged boxes is a sum of G over the 64 differences of their corners, that of polarized boxes a
+//! sum of second derivatives, and forces are sums of third derivatives [Akoun and Yonnet 1984;
+//! Yonnet and Allag 2009]. Torques need integrals of these along one axis, for the lever.
 //!
-//! With u = (u_x, u_y, u_z), r = |u|, L_a = artanh(u_a / r) and A_a = arctan(u_b u_c / (u_a r)), every
-//! function here is a sum of products of polynomials with L, A and r. All are multiplied by 12, which
-//! makes their coefficients integers. Products whose polynomial vanishes on the line where L is
-//! infinite are zero there: their limit.
+//! With u = (u_x, u_y, u_z), r = |u|, L_a = artanh(u_a / r) and A_a = arctan(u_b u_c / (u_a r)),
+//! every function here is a sum of products of polynomials with L, A and r. All are multiplied by
+//! 12, which makes their coefficients integers. Products whose polynomial vanishes on the line
+//! where L is infinite are zero there: their limit.
 
 use crate::real::Real;
 

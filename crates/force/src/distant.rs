@@ -1,9 +1,10 @@
 //! Force and torque of two distant cuboids with parallel edges.
 //!
-//! The double integral of a function of x - x' over two boxes is one integral of it, weighted along each
-//! axis by the convolution of two intervals. The dipole force is smooth far away, so that the Gauss rule
-//! of this weight with five nodes along each axis integrates it to round-off. The lever x_k of a
-//! torque is integrated by parts: x = -d/dx (a^2 / 4 - x^2) / 2 in an interval of length a.
+//! The double integral of a function of x - x' over two boxes is one integral of it, weighted along
+//! each axis by the convolution of two intervals. The dipole force is smooth far away, so that the
+//! Gauss rule of this weight with five nodes along each axis integrates it to round-off. The lever
+//! x_k of a torque is integrated by parts: x = -d/dx (a^2 / 4 - x^2) / 2 in an interval of length
+//! a.
 
 use glam::DVec3;
 use magsplice_magnet::MU_0;
@@ -11,8 +12,8 @@ use magsplice_magnet::MU_0;
 use crate::aligned_pair::AlignedPair;
 use crate::load::Load;
 
-/// Least distance of the centres over half the sum of the diagonals. The rule of five nodes on half a
-/// length h is off by about (h / 2D)^10 times the binomial 14 over 4, below 1e-15 from D = 32 h.
+/// Least distance of the centres over half the sum of the diagonals. The rule of five nodes on half
+/// a length h is off by about (h / 2D)^10 times the binomial 14 over 4, below 1e-15 from D = 32 h.
 const LEAST_RATIO: f64 = 32.0;
 
 /// Nodes along an axis.
@@ -102,8 +103,8 @@ fn parabola_moments() -> [f64; 5] {
     [1.0, 3.0 / 15.0, 3.0 / 35.0, 3.0 / 63.0, 3.0 / 99.0]
 }
 
-/// The Gauss rule for x - x' with x in an interval of length `first` and with the moments `moments`,
-/// and x' uniform in an interval of length `second`.
+/// The Gauss rule for x - x' with x in an interval of length `first` and with the moments
+/// `moments`, and x' uniform in an interval of length `second`.
 fn rule(first: f64, second: f64, moments: fn() -> [f64; 5]) -> Rule {
     let largest = first.max(second);
     let (a, b) = ((first / largest).powi(2), (second / largest).powi(2));
@@ -115,8 +116,8 @@ fn rule(first: f64, second: f64, moments: fn() -> [f64; 5]) -> Rule {
             .sum()
     };
     let [m1, m2, m3, m4] = [1, 2, 3, 4].map(moment);
-    // The nodes are 0 and the square roots of the zeros of s^2 - p s + q, orthogonal to 1 and s with
-    // the weight s.
+    // The nodes are 0 and the square roots of the zeros of s^2 - p s + q, orthogonal to 1 and s
+    // with the weight s.
     let determinant = m1 * m3 - m2 * m2;
     let p = (m1 * m4 - m2 * m3) / determinant;
     let q = (m2 * m4 - m3 * m3) / determinant;
@@ -153,8 +154,9 @@ mod tests {
     use crate::closed_form;
     use crate::double_double::DoubleDouble;
 
-    /// The rules are exact up to the ninth power, so that errors of force and torque fall with the tenth
-    /// power of the distance: by 1024 where it doubles, and by 64 if the sixth moment were wrong.
+    /// The rules are exact up to the ninth power, so that errors of force and torque fall with the
+    /// tenth power of the distance: by 1024 where it doubles, and by 64 if the sixth moment were
+    /// wrong.
     #[test]
     fn error_falls_with_the_tenth_power_of_the_distance() {
         let first = Tile::new(DVec3::ZERO, DVec3::new(2.0, 3.0, 1.0), DVec3::new(0.1, -0.05, 0.2)).unwrap();

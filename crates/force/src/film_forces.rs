@@ -13,9 +13,9 @@ use crate::turned::NotConverged;
 /// Most tiles: their pairs take 800 MB.
 const MOST_TILES: usize = 4_000;
 
-/// Distance of two tiles, in the sum of half their diagonals, from which on their mean polarizations count. In
-/// twelve tiles of a designed film with a permeability of 1.2 that changes the force of no pair by more than
-/// 1.3e-4 of the largest force on a tile.
+/// Distance of two tiles, in the sum of half their diagonals, from which on their mean
+/// polarizations count. In twelve tiles of a designed film with a permeability of 1.2 that changes
+/// the force of no pair by more than 1.3e-4 of the largest force on a tile.
 const FAR: f64 = 1.5;
 
 /// Forces and torques of all pairs of tiles.
@@ -49,9 +49,9 @@ pub enum FilmForcesError {
 }
 
 impl FilmForces {
-    /// The loads of all pairs. `tolerance` is that of [`pair_loads`], for tiles that are turned against
-    /// each other. `progress` is told, from any thread, when the pairs of a tile with later ones
-    /// begin. A panic of it ends the work and reaches the caller.
+    /// The loads of all pairs. `tolerance` is that of [`pair_loads`], for tiles that are turned
+    /// against each other. `progress` is told, from any thread, when the pairs of a tile with later
+    /// ones begin. A panic of it ends the work and reaches the caller.
     ///
     /// # Errors
     /// Too many tiles; turned tiles so close that their force does not converge.
@@ -61,17 +61,17 @@ impl FilmForces {
         })
     }
 
-    /// The loads of all pairs of tiles that are divided into cells, such as tiles whose polarization follows the
-    /// field. `owners` holds the index of the tile of each cell, in ascending order. Torques are about the
-    /// centres of the tiles. `progress` is told, from any thread, when the pairs of a tile with later ones
-    /// begin.
+    /// The loads of all pairs of tiles that are divided into cells, such as tiles whose
+    /// polarization follows the field. `owners` holds the index of the tile of each cell, in
+    /// ascending order. Torques are about the centres of the tiles. `progress` is told, from any
+    /// thread, when the pairs of a tile with later ones begin.
     ///
-    /// `tiles` have the mean polarization of their cells, which takes the place of the cells for tiles that are
-    /// farther apart than one and a half times the sum of half their diagonals.
+    /// `tiles` have the mean polarization of their cells, which takes the place of the cells for
+    /// tiles that are farther apart than one and a half times the sum of half their diagonals.
     ///
-    /// Pairs of cells with parallel edges are evaluated in `f64`. The error of the force of a pair of cells was
-    /// below 1e-11 J J' D^2 / (4 pi mu0) for pairs at random, where D is the largest distance of two corners. What
-    /// the division leaves out is larger.
+    /// Pairs of cells with parallel edges are evaluated in `f64`. The error of the force of a pair
+    /// of cells was below 1e-11 J J' D^2 / (4 pi mu0) for pairs at random, where D is the largest
+    /// distance of two corners. What the division leaves out is larger.
     ///
     /// # Errors
     /// As [`FilmForces::new`].

@@ -22,8 +22,8 @@ const EXP_HALVINGS: u32 = 5;
 /// Terms of the series of exp.
 const EXP_TERMS: usize = 13;
 
-/// Halvings of the argument of the sine, from at most pi / 2 to at most 0.1. With powers up to 19 the
-/// rest of the series is below 1e-40.
+/// Halvings of the argument of the sine, from at most pi / 2 to at most 0.1. With powers up to 19
+/// the rest of the series is below 1e-40.
 const SINE_HALVINGS: u32 = 4;
 
 const fn inverse_factorials() -> [DoubleDouble; 20] {

@@ -1,8 +1,9 @@
 //! Orders in which the tiles of a film are laid, and the force with which each tile must be held.
 //!
-//! Tiles are laid one by one, each at its place, where it is glued. While it is being laid, only the
-//! tiles that are already there act on it. Its holding is the magnitude of that force. The holding of an
-//! order is the largest of its steps. The film that is laid already is assumed to hold.
+//! Tiles are laid one by one, each at its place, where it is glued. While it is being laid, only
+//! the tiles that are already there act on it. Its holding is the magnitude of that force. The
+//! holding of an order is the largest of its steps. The film that is laid already is assumed to
+//! hold.
 
 use std::error::Error;
 use std::fmt;

@@ -2,16 +2,18 @@
 //!
 //! * [`pair_loads`]: forces and torques of two tiles.
 //! * [`FilmForces`]: those of all pairs of the tiles of a film.
-//! * [`LayingOrder`]: an order in which tiles are laid, and the force on each while it is being laid.
+//! * [`LayingOrder`]: an order in which tiles are laid, and the force on each while it is being
+//!   laid.
 //! * [`LeastHolding`]: the order with the least of these forces, with a bound that none is below.
 //!
-//! The magnetization is as given: a tile is not magnetized by the field of the others. Tiles of NdFeB have a
-//! recoil permeability of 1.05 or so, which changes forces by a few percent. [`FilmForces::of_cells`] takes the
-//! cells of tiles whose polarization follows the field, which `magsplice-recoil` computes.
+//! The magnetization is as given: a tile is not magnetized by the field of the others. Tiles of
+//! NdFeB have a recoil permeability of 1.05 or so, which changes forces by a few percent.
+//! [`FilmForces::of_cells`] takes the cells of tiles whose polarization follows the field, which
+//! `magsplice-recoil` computes.
 //!
 //! # Units
-//! Polarization in tesla. With lengths in metres, forces are in newtons and torques in newton metres; see
-//! [`Load`] for other units of length. This crate reads no files and prints nothing.
+//! Polarization in tesla. With lengths in metres, forces are in newtons and torques in newton
+//! metres; see [`Load`] for other units of length. This crate reads no files and prints nothing.
 //!
 //! # Features
 //! `serde` (off by default): `Serialize` for results.

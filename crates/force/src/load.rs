@@ -7,9 +7,9 @@ use glam::DVec3;
 /// Force on a tile, and torque about its centre.
 ///
 /// # Units
-/// With lengths in metres, newtons and newton metres. With lengths in another unit L, the force is in
-/// newtons times (L / m)^2 and the torque in newton metres times (L / m)^3. So with millimetres a factor
-/// of 1e-6 turns the force into N, and the torque into N mm.
+/// With lengths in metres, newtons and newton metres. With lengths in another unit L, the force is
+/// in newtons times (L / m)^2 and the torque in newton metres times (L / m)^3. So with millimetres
+/// a factor of 1e-6 turns the force into N, and the torque into N mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Load {

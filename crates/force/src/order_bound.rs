@@ -1,11 +1,11 @@
 //! A bound of the holding that no order of laying is below.
 //!
-//! Read backwards, an order takes tiles away from the whole film. Each must be held against those that
-//! are left, so that a step depends on the set of tiles taken before and not on their order. The search
-//! examines sets by the least holding with which they can be reached. When it stops, each order still
-//! has to pass a set that was not examined, none of which is reached with less than the set examined last.
-//! If it reaches the empty film, or no set is left below the holding of a known order, the least holding is
-//! known.
+//! Read backwards, an order takes tiles away from the whole film. Each must be held against those
+//! that are left, so that a step depends on the set of tiles taken before and not on their order.
+//! The search examines sets by the least holding with which they can be reached. When it stops,
+//! each order still has to pass a set that was not examined, none of which is reached with less
+//! than the set examined last. If it reaches the empty film, or no set is left below the holding of
+//! a known order, the least holding is known.
 
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashSet};
@@ -17,8 +17,8 @@ use crate::film_forces::FilmForces;
 /// Most sets that wait to be examined, in about 200 MB.
 const MOST_WAITING: usize = 4_000_000;
 
-/// Forces of sets are differences, off by a few units of round-off of the largest. The bound is lowered by
-/// this fraction.
+/// Forces of sets are differences, off by a few units of round-off of the largest. The bound is
+/// lowered by this fraction.
 const ROUND_OFF: f64 = 1e-12;
 
 /// Result of the search.

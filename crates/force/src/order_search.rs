@@ -1,8 +1,8 @@
 //! The order of laying with the least holding: a greedy start, improved by annealing.
 //!
-//! The greedy order is built from its end. Of the tiles that are left, the one with the least force is
-//! laid last. Annealing then moves single tiles to other steps, and keeps what lowers a mean of the forces
-//! that is close to the largest of them.
+//! The greedy order is built from its end. Of the tiles that are left, the one with the least force
+//! is laid last. Annealing then moves single tiles to other steps, and keeps what lowers a mean of
+//! the forces that is close to the largest of them.
 
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
@@ -13,11 +13,12 @@ use crate::film_forces::FilmForces;
 use crate::laying_order::LayingOrder;
 use crate::order_bound::{Bound, bound};
 
-/// Half the power in the mean of the forces that annealing lowers. With a smaller one the largest force
-/// counts too little, with a larger one only it counts and few moves seem to change anything.
+/// Half the power in the mean of the forces that annealing lowers. With a smaller one the largest
+/// force counts too little, with a larger one only it counts and few moves seem to change anything.
 const HALF_POWER: i32 = 6;
 
-/// First and last temperature, as fractions of the mean: from moves that raise it by a tenth to none.
+/// First and last temperature, as fractions of the mean: from moves that raise it by a tenth to
+/// none.
 const TEMPERATURES: [f64; 2] = [0.05, 2e-4];
 
 /// Longest move, in steps. Longer ones change much, are seldom kept, and cost more.
@@ -60,8 +61,8 @@ pub struct LeastHolding {
 }
 
 impl LeastHolding {
-    /// Searches the order with the least holding, and a bound that no order is below. Results do not
-    /// depend on the number of threads. `progress` is told when a run begins, from any thread.
+    /// Searches the order with the least holding, and a bound that no order is below. Results do
+    /// not depend on the number of threads. `progress` is told when a run begins, from any thread.
     pub fn search(forces: &FilmForces, settings: &OrderSettings, progress: impl Fn() + Sync) -> LeastHolding {
         let greedy = ordered(forces, greedy(forces));
         let runs: Vec<LayingOrder> = (0..settings.runs as u64)

@@ -33,8 +33,8 @@ pub(crate) trait Real:
     /// The natural logarithm of a positive number.
     fn ln(self) -> Self;
 
-    /// The angle between 0 and pi / 2 whose tangent is y / x, of numbers that are not negative and not both
-    /// zero.
+    /// The angle between 0 and pi / 2 whose tangent is y / x, of numbers that are not negative and
+    /// not both zero.
     fn arctangent(y: Self, x: Self) -> Self;
 
     fn times(self, factor: f64) -> Self;

@@ -1,9 +1,9 @@
 //! Force and torque of two cuboids that are turned against each other.
 //!
-//! The charges J . n of the faces of the smaller cuboid are integrated in the exact field of the larger
-//! one with Gauss-Legendre rules, on panels that are halved until the integral does not change. Fields
-//! have logarithmic singularities on edges, so that panels are halved across the direction in which
-//! the integral changes most.
+//! The charges J . n of the faces of the smaller cuboid are integrated in the exact field of the
+//! larger one with Gauss-Legendre rules, on panels that are halved until the integral does not
+//! change. Fields have logarithmic singularities on edges, so that panels are halved across the
+//! direction in which the integral changes most.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -31,8 +31,8 @@ const RULE: [(f64, f64); 8] = [
 /// Most panels of one pair. A pair at a distance needs six, one whose edges touch a few hundred.
 const MOST_PANELS: usize = 4_000;
 
-/// Points on a face of the larger cuboid are moved outwards by this fraction of its longest side. The
-/// field changes by no more than the logarithm of it times itself.
+/// Points on a face of the larger cuboid are moved outwards by this fraction of its longest side.
+/// The field changes by no more than the logarithm of it times itself.
 const OUTSIDE: f64 = 1e-13;
 
 /// The integral over the charges of a tile in the field of another one does not converge.
@@ -147,8 +147,8 @@ struct Panel {
     area: Area,
     /// mu0 times force and torque.
     load: Load,
-    /// Change of the load when the rectangle is halved, both ways; torques over half the diagonal of
-    /// the tile.
+    /// Change of the load when the rectangle is halved, both ways; torques over half the diagonal
+    /// of the tile.
     error: f64,
     /// Integral of |J . n| mu0 |H|.
     magnitude: f64,
@@ -259,8 +259,8 @@ mod tests {
         assert!(error < 10.0 * TOLERANCE, "{what}: {error:e}, {a:?} {b:?}");
     }
 
-    /// The integral over charges agrees with the closed form for tiles with parallel edges, apart and
-    /// side by side.
+    /// The integral over charges agrees with the closed form for tiles with parallel edges, apart
+    /// and side by side.
     #[test]
     fn integral_agrees_with_the_closed_form() {
         let first = tile([1.0, 1.5, 1.0], [0.4, -0.3, 0.9], [0.0; 3]);

@@ -48,8 +48,8 @@ fn pairs_agree_with_integrals_of_thirty_digits() {
     assert_eq!(count, 12);
 }
 
-/// Force along z on the second of two blocks magnetized along z, by the formula that Akoun and Yonnet
-/// published, in their notation.
+/// Force along z on the second of two blocks magnetized along z, by the formula that Akoun and
+/// Yonnet published, in their notation.
 fn akoun_yonnet(first: &Tile, second: &Tile) -> DVec3 {
     let (a, big_a) = (0.5 * first.size(), 0.5 * second.size());
     let apart = second.position() - first.position();
@@ -73,8 +73,8 @@ fn akoun_yonnet(first: &Tile, second: &Tile) -> DVec3 {
 
 #[test]
 fn forces_agree_with_akoun_and_yonnet() {
-    // The example of their paper: two cuboids of 20 x 12 x 6 and 12 x 20 x 6 mm with 0.38 T, one above the
-    // other, and others.
+    // The example of their paper: two cuboids of 20 x 12 x 6 and 12 x 20 x 6 mm with 0.38 T, one
+    // above the other, and others.
     for (x, y, z) in [(-4.0, -4.0, 8.0), (3.1, -4.0, 8.0), (16.9, -4.0, 8.0), (1.3, 2.7, 7.0), (-9.0, 17.5, 1.0)] {
         let first = tile([20.0, 12.0, 6.0], [0.0, 0.0, 0.38], [0.0; 3]);
         let second = tile([12.0, 20.0, 6.0], [0.0, 0.0, 0.38], [x, y, z]);
@@ -240,7 +240,8 @@ proptest! {
         let turned = |t: &Tile| {
             Tile::new(rotation * t.position(), t.size(), t.polarization_t()).unwrap().rotated(rotation).unwrap()
         };
-        // Round-off of the turned positions moves faces by 1e-15, which matters at gaps of that size.
+        // Round-off of the turned positions moves faces by 1e-15, which matters at gaps of that
+        // size.
         prop_assume!(second.position().x - 0.5 * (first.size().x + second.size().x) > 1e-3);
         let ([load, _], [seen, _]) = (loads(&first, &second), loads(&turned(&first), &turned(&second)));
         let scale = scale_of(&first, &second);
@@ -289,7 +290,8 @@ fn contact_does_not_depend_on_round_off() {
         assert!((at(z) - at(1.0)).abs() < 1e-10 * at(1.0), "{z}: {} {}", at(z), at(1.0));
         assert!((at(-z) + at(1.0)).abs() < 1e-10 * at(1.0));
     }
-    // Two faces of one size and charge attract at least with J^2 A / (2 mu0) less that of the far faces.
+    // Two faces of one size and charge attract at least with J^2 A / (2 mu0) less that of the far
+    // faces.
     assert!(at(1.0) > 0.0 && at(1.0) < 0.5 / MU_0);
 }
 

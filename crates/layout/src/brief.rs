@@ -49,8 +49,8 @@ pub struct Brief {
     pub thickness_mm: [f64; 2],
     /// Lower and upper bound of the magnitude of the polarization, used if it varies.
     pub strength_t: [f64; 2],
-    /// Sizes are rounded to multiples of this; a tile centred on a mirror plane has its faces at half
-    /// multiples.
+    /// Sizes are rounded to multiples of this; a tile centred on a mirror plane has its faces at
+    /// half multiples.
     pub resolution_mm: f64,
     /// Directions are rounded to multiples of this.
     pub resolution_deg: f64,

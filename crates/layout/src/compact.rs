@@ -62,13 +62,13 @@ struct Tables {
 const SUFFIXES: usize = "-mx-my".len();
 
 impl Layout {
-    /// The layout as TOML for people: one line for each tile, without its mirror images at x = 0 and
-    /// y = 0. Sizes and strengths that several lines share become kinds. Polarizations are strengths
-    /// with angles in degrees.
+    /// The layout as TOML for people: one line for each tile, without its mirror images at x = 0
+    /// and y = 0. Sizes and strengths that several lines share become kinds. Polarizations are
+    /// strengths with angles in degrees.
     ///
-    /// Parsing the text gives the same tiles, number for number, in another order, and mirror images
-    /// have the names of images. Numbers that no short form gives exactly are written in the plain
-    /// form.
+    /// Parsing the text gives the same tiles, number for number, in another order, and mirror
+    /// images have the names of images. Numbers that no short form gives exactly are written in the
+    /// plain form.
     ///
     /// # Panics
     /// If the path of the expected field is not UTF-8, which no layout file can express.
@@ -132,8 +132,8 @@ struct Line<'a> {
     axes: &'static [usize],
     /// Indices of its images, in the order of [`suffixes`].
     images: Vec<usize>,
-    /// Strength and the angles in the plane and out of it, in degrees, if they give the polarization
-    /// exactly.
+    /// Strength and the angles in the plane and out of it, in degrees, if they give the
+    /// polarization exactly.
     angles: Option<(f64, [f64; 2])>,
 }
 

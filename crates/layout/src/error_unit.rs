@@ -38,8 +38,8 @@ impl ErrorUnit {
         }
     }
 
-    /// The number in the file that reads back to exactly this one, with few digits if there is one with
-    /// few.
+    /// The number in the file that reads back to exactly this one, with few digits if there is one
+    /// with few.
     pub(crate) fn written(self, value: f64) -> f64 {
         let guess = match self {
             ErrorUnit::Degree => value.to_degrees(),
@@ -53,8 +53,8 @@ impl ErrorUnit {
         all.find(|written| self.read(*written) == value).unwrap_or(guess)
     }
 
-    /// The distribution of numbers in the file as the one of numbers in memory. Where no error is left,
-    /// it is [`Distribution::NONE`], whatever its form.
+    /// The distribution of numbers in the file as the one of numbers in memory. Where no error is
+    /// left, it is [`Distribution::NONE`], whatever its form.
     pub(crate) fn read_distribution(self, written: &Distribution) -> Distribution {
         let read = |value: f64| self.read(value);
         let found = match written {
@@ -73,7 +73,8 @@ impl ErrorUnit {
         if is_none { Distribution::NONE } else { found }
     }
 
-    /// The magnitude that no error exceeds, in the unit of the file. Lengths have none by themselves.
+    /// The magnitude that no error exceeds, in the unit of the file. Lengths have none by
+    /// themselves.
     pub(crate) fn largest(self) -> Option<f64> {
         match self {
             // Those of a range are limited by nothing.
@@ -88,7 +89,8 @@ impl ErrorUnit {
         }
     }
 
-    /// The rule that a number above [`largest`](ErrorUnit::largest) breaks, and what was probably meant.
+    /// The rule that a number above [`largest`](ErrorUnit::largest) breaks, and what was probably
+    /// meant.
     pub(crate) fn rule(self, value: f64) -> String {
         let largest = self.largest().unwrap_or(f64::INFINITY);
         let meant = match self {

@@ -67,7 +67,8 @@ pub struct Layout {
     pub history: Vec<String>,
     /// Depth by which tiles may overlap, in millimetres: 0 but for films as they were measured.
     pub overlap_mm: f64,
-    /// All tiles, repetitions written out. No two of them overlap by more than round-off and `overlap_mm`.
+    /// All tiles, repetitions written out. No two of them overlap by more than round-off and
+    /// `overlap_mm`.
     pub tiles: Vec<NamedTile>,
     /// SHA-256 of the file's bytes, in lower-case hexadecimal.
     pub sha256: String,
@@ -101,8 +102,8 @@ pub struct NamedTile {
     pub kind: Option<String>,
     /// The rotation as written, from which the rotation of `tile` was computed.
     pub rotation: Option<Rotation>,
-    /// The tile, in millimetres and tesla. With a recoil permeability above 1 its polarization is that without
-    /// a field, J_r.
+    /// The tile, in millimetres and tesla. With a recoil permeability above 1 its polarization is
+    /// that without a field, J_r.
     pub tile: Tile,
     /// Its recoil permeability. `None` for that of the material.
     pub permeability: Option<Permeability>,

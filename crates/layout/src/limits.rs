@@ -1,5 +1,5 @@
-//! Limits on layout files: the format version, counts and lengths above which a file is refused, and
-//! the number of items that a list in a message names.
+//! Limits on layout files: the format version, counts and lengths above which a file is refused,
+//! and the number of items that a list in a message names.
 
 /// The version of the format that this crate reads and writes.
 pub(crate) const FORMAT: i64 = 1;
@@ -35,8 +35,8 @@ pub(crate) const MAX_DESIGN_POINTS: f64 = 1e5;
 /// Decimal steps are not exact in binary.
 pub(crate) const STEP_ROUNDING: f64 = 1e-6;
 
-/// Largest number of pairs of tiles that are examined for overlap: this many for each tile, which is
-/// more than the half of 26 neighbours, and [`SPARE_PAIRS`].
+/// Largest number of pairs of tiles that are examined for overlap: this many for each tile, which
+/// is more than the half of 26 neighbours, and [`SPARE_PAIRS`].
 pub(crate) const PAIRS_PER_TILE: usize = 16;
 
 /// Pairs examined besides [`PAIRS_PER_TILE`], in a second. They are enough for 3000 bars side by
@@ -50,27 +50,27 @@ pub(crate) const MAX_OVERLAPS: usize = 100_000;
 /// Largest number of starting points of a design search.
 pub(crate) const MAX_STARTS: usize = 10_000;
 
-/// Largest number of tiles of a layout with `[tolerance]`. The errors of a tile take about 300 bytes,
-/// and every sample evaluates all tiles: a sample of a larger film takes a minute.
+/// Largest number of tiles of a layout with `[tolerance]`. The errors of a tile take about 300
+/// bytes, and every sample evaluates all tiles: a sample of a larger film takes a minute.
 pub(crate) const MAX_TOLERANCE_TILES: usize = 100_000;
 
 /// Largest number of tiles in all groups of `[tolerance]` together, each counted in every group.
 pub(crate) const MAX_GROUP_MEMBERS: usize = 4 * MAX_TOLERANCE_TILES;
 
-/// Largest number of values of a tabulated distribution. Its quantiles of 0.01 % are then known to a
-/// third of themselves.
+/// Largest number of values of a tabulated distribution. Its quantiles of 0.01 % are then known to
+/// a third of themselves.
 pub(crate) const MAX_TABULATED: usize = 100_000;
 
 /// Largest number of tabulated values in a layout, counted in each distribution that they are used
 /// for. They are written into the layout with up to 25 bytes each.
 pub(crate) const MAX_TABULATED_IN_ALL: usize = 1_000_000;
 
-/// Largest number of names with an asterisk in `[tolerance]`, times the number of tiles: a few seconds
-/// of comparing.
+/// Largest number of names with an asterisk in `[tolerance]`, times the number of tiles: a few
+/// seconds of comparing.
 pub(crate) const MAX_NAME_TRIALS: usize = 10_000_000;
 
-/// Numbers of samples of a tolerance analysis. Ten samples have no percentiles, but they show that an
-/// analysis runs. The figures of more than ten million take gigabytes of memory.
+/// Numbers of samples of a tolerance analysis. Ten samples have no percentiles, but they show that
+/// an analysis runs. The figures of more than ten million take gigabytes of memory.
 pub const SAMPLE_COUNTS: std::ops::RangeInclusive<u64> = 10..=10_000_000;
 
 /// Largest number of faults, findings of one sort, or names that are listed one by one: a wrong

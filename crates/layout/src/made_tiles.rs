@@ -8,8 +8,9 @@ use crate::layout::{Layout, NamedTile};
 use crate::rotation::Rotation;
 
 impl Layout {
-    /// The layout of a film that was made: with its tiles as they are, in the same order, and the depth to which
-    /// they overlap allowed. Requirements and the brief are those of the film as ordered, and are left out.
+    /// The layout of a film that was made: with its tiles as they are, in the same order, and the
+    /// depth to which they overlap allowed. Requirements and the brief are those of the film as
+    /// ordered, and are left out.
     pub fn with_made_tiles(mut self, tiles: &[Tile]) -> Layout {
         for (named, tile) in self.tiles.iter_mut().zip(tiles) {
             if named.tile != *tile {

@@ -31,7 +31,8 @@ const AMPERES_PER_METRE_FROM: f64 = 25_000.0;
 /// Vacuum permeability in T m/A.
 const MU_0: f64 = 1.256_637_061_27e-6;
 
-/// The polarization that a number in T that no material has was probably meant to be, as a question.
+/// The polarization that a number in T that no material has was probably meant to be, as a
+/// question.
 ///
 /// # Example
 /// ```

@@ -36,7 +36,8 @@ pub struct Elastomer {
 }
 
 impl Elastomer {
-    /// Force over displacement along each axis by Hooke's law, in N/mm: A G / h in shear with G = E / (2 (1
+    /// Force over displacement along each axis by Hooke's law, in N/mm: A G / h in shear with G = E
+    /// / (2 (1
     /// + nu)), and A E / h normal to the layer.
     pub fn hooke_n_per_mm(&self) -> DVec3 {
         let normal = self.area_mm2 * self.youngs_modulus_mpa / self.thickness_mm;

@@ -86,16 +86,16 @@ pub struct ErrorGroup {
     pub name: String,
     /// Indices of its tiles.
     pub tiles: Vec<usize>,
-    /// The errors, in addition to those of each tile. The group moves and turns as a rigid body, about
-    /// the mean of the centres of its tiles. Errors of size, strength and direction are the same for
-    /// all its tiles.
+    /// The errors, in addition to those of each tile. The group moves and turns as a rigid body,
+    /// about the mean of the centres of its tiles. Errors of size, strength and direction are the
+    /// same for all its tiles.
     pub errors: TileErrors,
 }
 
 /// Errors that all tiles share, and those of the surroundings and of the sensor.
 ///
-/// Displacements are measured from a reference point, where the sensor has been read once. All errors
-/// are already there at that time, unless they are said to come later.
+/// Displacements are measured from a reference point, where the sensor has been read once. All
+/// errors are already there at that time, unless they are said to come later.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CommonErrors {
     /// Pose of the film against the sensor.
@@ -154,7 +154,8 @@ pub struct Temperature {
     pub strength_per_k: f64,
 }
 
-/// Errors of the sensor. It reads `gain * B + offset + noise` of the components of B along its axes.
+/// Errors of the sensor. It reads `gain * B + offset + noise` of the components of B along its
+/// axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SensorErrors {
     /// Offset along each axis.
@@ -168,7 +169,8 @@ pub struct SensorErrors {
 }
 
 impl TileErrors {
-    /// All errors: three each of position, rotation and size, one of strength, and two of direction.
+    /// All errors: three each of position, rotation and size, one of strength, and two of
+    /// direction.
     pub fn all(&self) -> [&Distribution; TileErrors::COUNT] {
         let TileErrors { position_mm: p, rotation_rad: r, size_mm: s, strength, direction_rad: d } = self;
         [&p[0], &p[1], &p[2], &r[0], &r[1], &r[2], &s[0], &s[1], &s[2], strength, &d[0], &d[1]]

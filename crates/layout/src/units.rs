@@ -25,9 +25,9 @@ pub(crate) fn unit_vector(vector: [f64; 3]) -> Option<DVec3> {
 /// The unit vector at an angle in the xy plane, from x towards y, and an angle out of it towards z,
 /// both in degrees.
 ///
-/// It lies exactly along an axis where the angles are multiples of 90 degrees. Angles that are mirror
-/// images of each other in an axis or in a diagonal give vectors that are so to the last digit, if
-/// the angles have at most ten decimals.
+/// It lies exactly along an axis where the angles are multiples of 90 degrees. Angles that are
+/// mirror images of each other in an axis or in a diagonal give vectors that are so to the last
+/// digit, if the angles have at most ten decimals.
 pub fn direction_from_degrees([direction_deg, tilt_deg]: [f64; 2]) -> DVec3 {
     let [(along, across), (plane, height)] = [direction_deg, tilt_deg].map(cos_sin);
     DVec3::new(plane * along, plane * across, height)
@@ -52,8 +52,8 @@ fn cos_sin(angle_deg: f64) -> (f64, f64) {
     }
 }
 
-/// The number rounded to ten decimals, which removes round-off: 0.1 + 0.2 becomes 0.3. Negative zero
-/// becomes zero.
+/// The number rounded to ten decimals, which removes round-off: 0.1 + 0.2 becomes 0.3. Negative
+/// zero becomes zero.
 pub fn ten_decimals(value: f64) -> f64 {
     format!("{value:.10}").parse::<f64>().unwrap_or(value) + 0.0
 }

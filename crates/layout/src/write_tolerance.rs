@@ -18,8 +18,8 @@ use crate::tolerance::{
 
 /// The table of tolerances. `names` are those of the tiles, in the order of the errors.
 ///
-/// Errors that most tiles have are written once, and those of other tiles by their names, key by key:
-/// the text then has no distribution more often than the file from which it was read.
+/// Errors that most tiles have are written once, and those of other tiles by their names, key by
+/// key: the text then has no distribution more often than the file from which it was read.
 pub(crate) fn tolerance_table(tolerance: &FilmTolerance, names: &[&str]) -> Spanned<ToleranceTable> {
     let FilmTolerance { tiles, groups, common, samples, seed } = tolerance;
     let mut table = ToleranceTable { samples: Some(*samples), seed: Some(*seed), ..ToleranceTable::default() };
@@ -105,8 +105,8 @@ fn by_tile<'e, const N: usize, W>(
     (!errors.iter().all(Distribution::is_none)).then(|| write(errors))
 }
 
-/// What tells distributions apart: their form and the bits of their numbers. Tabulated ones are told
-/// apart by their place in memory, which copies share.
+/// What tells distributions apart: their form and the bits of their numbers. Tabulated ones are
+/// told apart by their place in memory, which copies share.
 #[derive(Clone, Copy, Eq, Hash, PartialEq)]
 struct DistributionKey(u8, u64, u64);
 

@@ -63,8 +63,8 @@ fn directions_in_degrees_are_checked() {
     }
 }
 
-/// Sizes and strengths that tiles share are written once, below a blank line, and mirror images on a
-/// zero coordinate are found whichever sign the zero has.
+/// Sizes and strengths that tiles share are written once, below a blank line, and mirror images on
+/// a zero coordinate are found whichever sign the zero has.
 #[test]
 fn compact_layouts_share_kinds_and_images() {
     let text = "format = 1\nname = \"film\"\n\

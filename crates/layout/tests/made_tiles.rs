@@ -55,8 +55,8 @@ fn film_made_as_ordered_keeps_all_but_requirements_and_brief() {
     assert_eq!(made.volume, ordered.volume);
 }
 
-/// A tile of another size is no longer of its kind; the rotation is written as that of the tile is, and the
-/// layout that is read back has the same tiles.
+/// A tile of another size is no longer of its kind; the rotation is written as that of the tile is,
+/// and the layout that is read back has the same tiles.
 #[test]
 fn tiles_as_made_are_read_back_with_their_numbers() {
     let ordered = ordered();

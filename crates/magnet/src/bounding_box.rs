@@ -25,8 +25,8 @@ impl BoundingBox {
 
     /// The smallest box around points; of no points it is empty, from infinity to minus infinity.
     pub fn from_points(points: &[DVec3]) -> BoundingBox {
-        // Coordinates of four points at a time, so that they are compared in vectors and none waits for
-        // the one before.
+        // Coordinates of four points at a time, so that they are compared in vectors and none waits
+        // for the one before.
         let (mut lower, mut upper) = ([f64::INFINITY; 12], [f64::NEG_INFINITY; 12]);
         let fours = points.chunks_exact(4);
         let rest = fours.remainder();

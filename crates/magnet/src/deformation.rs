@@ -17,15 +17,17 @@ pub enum Bend {
     Cylinder {
         /// The axis along which the film curves: 0 for x, 1 for y.
         along: usize,
-        /// Radius of the middle plane. The ends of the film rise if it is positive, away from a sensor below.
+        /// Radius of the middle plane. The ends of the film rise if it is positive, away from a
+        /// sensor below.
         radius: f64,
     },
-    /// The heights z(x, y) of the middle plane over the one of the flat film. Tiles keep x and y of their
-    /// centres on this plane: for small slopes, whose square does not count.
+    /// The heights z(x, y) of the middle plane over the one of the flat film. Tiles keep x and y of
+    /// their centres on this plane: for small slopes, whose square does not count.
     Heights(HeightMap),
 }
 
-/// What happens to a film: it is bent, then turned about the centre of its bounding box, then shifted.
+/// What happens to a film: it is bent, then turned about the centre of its bounding box, then
+/// shifted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deformation {
     /// The shape. `None` for a flat film.
@@ -97,7 +99,8 @@ impl Deformation {
 }
 
 impl Bend {
-    /// Where a point of the flat film goes, and how its surroundings turn. `None` beyond the heights.
+    /// Where a point of the flat film goes, and how its surroundings turn. `None` beyond the
+    /// heights.
     fn placed(&self, point: DVec3, centre: DVec3) -> Option<(DVec3, DQuat)> {
         let from = point - centre;
         match self {
@@ -164,7 +167,8 @@ mod tests {
         assert!((after[2].position() - before[2].position() - deformation.shift).length() < 1e-14);
     }
 
-    /// A film on a cylinder: centres are on it, tiles are tangent to it, and arcs are as long as the film.
+    /// A film on a cylinder: centres are on it, tiles are tangent to it, and arcs are as long as
+    /// the film.
     #[test]
     fn film_lies_on_a_cylinder() {
         for (along, radius) in [(0, 20.0), (1, 20.0), (0, -15.0)] {

@@ -16,8 +16,8 @@ use crate::tolerances::{MAX_LENGTH, UNIT_NORM_TOLERANCE};
 /// gain_a e_a . R^-1 mean of B(p + R (plate_a + s)) + offset_a
 /// ```
 ///
-/// with the rotation R of the sensor, and the mean over all s of the active area. Readings have noise,
-/// are whole numbers of counts, and are limited to the range.
+/// with the rotation R of the sensor, and the mean over all s of the active area. Readings have
+/// noise, are whole numbers of counts, and are limited to the range.
 ///
 /// # Units
 /// Lengths in the unit of the tiles, flux densities in tesla.
@@ -26,7 +26,8 @@ use crate::tolerances::{MAX_LENGTH, UNIT_NORM_TOLERANCE};
 pub struct HallSensor {
     /// Centres of the plates that read x, y, z, in the frame of the sensor.
     pub plates: [DVec3; 3],
-    /// Sides of the rectangle that each plate averages over, along x and y of the sensor; 0 for a point.
+    /// Sides of the rectangle that each plate averages over, along x and y of the sensor; 0 for a
+    /// point.
     pub active_area: [f64; 2],
     /// Turns the axes of the sensor into those of the film. A unit quaternion.
     pub rotation: DQuat,
@@ -100,8 +101,8 @@ impl HallSensor {
         rules.into_iter().find(|(is_kept, _)| !is_kept).map_or(Ok(self), |(_, fault)| Err(fault))
     }
 
-    /// Standard deviation of a reading of each axis: its noise, and the rounding to counts, whose error is
-    /// uniform over one count.
+    /// Standard deviation of a reading of each axis: its noise, and the rounding to counts, whose
+    /// error is uniform over one count.
     pub fn deviation_t(&self) -> DVec3 {
         (self.noise_t * self.noise_t + self.count_t * self.count_t / 12.0).map(f64::sqrt)
     }

@@ -3,8 +3,8 @@
 use std::error::Error;
 use std::fmt;
 
-/// Heights z(x, y), given on a grid, and between its points by cubic polynomials with continuous slopes
-/// (Catmull-Rom).
+/// Heights z(x, y), given on a grid, and between its points by cubic polynomials with continuous
+/// slopes (Catmull-Rom).
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightMap {
     x: Vec<f64>,
@@ -13,8 +13,8 @@ pub struct HeightMap {
     heights: Vec<f64>,
 }
 
-/// The numbers are no height map: coordinates must ascend, two at least along each axis, and there must be
-/// one finite height for each pair.
+/// The numbers are no height map: coordinates must ascend, two at least along each axis, and there
+/// must be one finite height for each pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InvalidHeightMap;
 
@@ -71,8 +71,8 @@ impl Weights {
         for (end, [value, tangent]) in [(low, [0, 1]), (low + 1, [2, 3])] {
             weights.values[end - first] += hermite[value];
             weights.slopes[end - first] += slope[value] / width;
-            // The slope at a point is that of the parabola through it and its neighbours, and at an end that of
-            // the first interval.
+            // The slope at a point is that of the parabola through it and its neighbours, and at an
+            // end that of the first interval.
             for (index, weight) in derivative(at, end) {
                 weights.values[index - first] += hermite[tangent] * width * weight;
                 weights.slopes[index - first] += slope[tangent] * weight;

@@ -8,8 +8,8 @@ pub const MAX_PERMEABILITY: f64 = 1e4;
 
 /// The relative recoil permeability mu_r of a magnet, along its easy axis and across it.
 ///
-/// The easy axis is the direction of the polarization of the tile. A tile without polarization has none:
-/// the permeability across applies in all directions.
+/// The easy axis is the direction of the polarization of the tile. A tile without polarization has
+/// none: the permeability across applies in all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Permeability {

@@ -8,23 +8,23 @@ use crate::film::Film;
 use crate::film_error::FilmError;
 use crate::stage::Stage;
 
-/// Steps of the experiments of Dai 2024, Fig. 9, along x, y and z, in millimetres: 0.5 mm in shear and 1 mm
-/// normal to the film.
+/// Steps of the experiments of Dai 2024, Fig. 9, along x, y and z, in millimetres: 0.5 mm in shear
+/// and 1 mm normal to the film.
 pub const EXPERIMENT_STEP_MM: DVec3 = DVec3::new(0.5, 0.5, 1.0);
 
 /// Most steps along an axis.
 const MOST_STEPS: f64 = 1e5;
 
 impl Film<'_> {
-    /// What the sensor reads and tells while the film is moved along x, then y, then z, by multiples of a
-    /// step. The sensor stays in the working volume.
+    /// What the sensor reads and tells while the film is moved along x, then y, then z, by
+    /// multiples of a step. The sensor stays in the working volume.
     ///
-    /// `seed` is that of the noise; without it the readings have none. `real` has the tiles of the film that
-    /// is there, where it is not the one of the layout.
+    /// `seed` is that of the noise; without it the readings have none. `real` has the tiles of the
+    /// film that is there, where it is not the one of the layout.
     ///
     /// # Errors
-    /// If the layout has no working volume, a step is not above 0 or makes more than 100 000 steps, or the
-    /// sensor cannot read the field.
+    /// If the layout has no working volume, a step is not above 0 or makes more than 100 000 steps,
+    /// or the sensor cannot read the field.
     pub fn experiments(
         &self,
         step_mm: DVec3,

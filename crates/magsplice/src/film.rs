@@ -15,7 +15,8 @@ use crate::film_error::FilmError;
 use crate::film_recoil::FilmRecoil;
 use crate::stage::Stage;
 
-/// Number of pairs of tile and point between progress callbacks: about a tenth of a second of one thread.
+/// Number of pairs of tile and point between progress callbacks: about a tenth of a second of one
+/// thread.
 const PAIRS_BETWEEN_CALLS: usize = 1 << 24;
 
 /// A layout with its tiles prepared for evaluation. Lengths in millimetres, flux density in tesla.
@@ -50,10 +51,10 @@ const PAIRS_BETWEEN_CALLS: usize = 1 << 24;
 /// ```
 ///
 /// # Recoil
-/// Tiles with a recoil permeability above 1 are divided into cells whose polarization agrees with the field
-/// of all of them. The division is refined until B is known to the stated share of what recoil changes in it,
-/// `recoil_error` of `[material]`, at points of the working volume, or around the tiles of a layout without
-/// one. [`Film::recoil`] tells what was found.
+/// Tiles with a recoil permeability above 1 are divided into cells whose polarization agrees with
+/// the field of all of them. The division is refined until B is known to the stated share of what
+/// recoil changes in it, `recoil_error` of `[material]`, at points of the working volume, or around
+/// the tiles of a layout without one. [`Film::recoil`] tells what was found.
 pub struct Film<'a> {
     layout: &'a Layout,
     scene: Scene,
@@ -65,14 +66,14 @@ impl<'a> Film<'a> {
     /// Prepares the tiles of a layout for evaluation.
     ///
     /// # Errors
-    /// [`FilmError::Recoil`] if tiles have a recoil permeability and their polarization is not known to the
-    /// stated error.
+    /// [`FilmError::Recoil`] if tiles have a recoil permeability and their polarization is not
+    /// known to the stated error.
     pub fn new(layout: &'a Layout) -> Result<Film<'a>, FilmError> {
         Ok(Film::with_recoil(layout, FilmRecoil::new(layout, &|_| {})?))
     }
 
-    /// Prepares the tiles of a layout, and calls `progress` between parts of this and all later work, see
-    /// [`Film::telling`].
+    /// Prepares the tiles of a layout, and calls `progress` between parts of this and all later
+    /// work, see [`Film::telling`].
     ///
     /// # Errors
     /// As [`Film::new`].
@@ -81,8 +82,9 @@ impl<'a> Film<'a> {
         Ok(Film::with_recoil(layout, recoil).telling(progress))
     }
 
-    /// The film whose tiles have the polarization that an earlier film found, see [`Film::recoil`]. Layouts of
-    /// both must have the same tiles and material; other tables may differ. Nothing is solved again.
+    /// The film whose tiles have the polarization that an earlier film found, see [`Film::recoil`].
+    /// Layouts of both must have the same tiles and material; other tables may differ. Nothing is
+    /// solved again.
     pub fn with_recoil(layout: &'a Layout, recoil: Option<FilmRecoil>) -> Film<'a> {
         let scene = match &recoil {
             Some(recoil) => Scene::of_cells(recoil.magnetization().cells(), recoil.magnetization().owners()),
@@ -91,7 +93,8 @@ impl<'a> Film<'a> {
         Film { layout, scene, recoil, progress: None }
     }
 
-    /// The film whose tiles keep the polarization of the layout, whatever their recoil permeability.
+    /// The film whose tiles keep the polarization of the layout, whatever their recoil
+    /// permeability.
     pub fn rigid(layout: &'a Layout) -> Film<'a> {
         Film::with_recoil(layout, None)
     }
@@ -101,8 +104,9 @@ impl<'a> Film<'a> {
         Film { scene: self.scene.with_accuracy(accuracy), ..self }
     }
 
-    /// The same film, which calls `progress` between parts of its work, from any thread. The callback must be
-    /// short. A panic of it ends the work and reaches the caller, who can interrupt the work so.
+    /// The same film, which calls `progress` between parts of its work, from any thread. The
+    /// callback must be short. A panic of it ends the work and reaches the caller, who can
+    /// interrupt the work so.
     pub fn telling(self, progress: &'a (dyn Fn(Stage) + Sync)) -> Film<'a> {
         Film { progress: Some(progress), ..self }
     }
@@ -119,7 +123,8 @@ impl<'a> Film<'a> {
         self.layout
     }
 
-    /// The polarization of tiles with a recoil permeability. `None` if no tile of the layout has one.
+    /// The polarization of tiles with a recoil permeability. `None` if no tile of the layout has
+    /// one.
     pub fn recoil(&self) -> Option<&FilmRecoil> {
         self.recoil.as_ref()
     }
@@ -147,9 +152,10 @@ impl<'a> Film<'a> {
 
     /// The film with the errors of those that are made from the layout.
     ///
-    /// Tiles with a recoil permeability weaken and turn as those without errors do. What the mean polarization
-    /// of each leaves out of the field is the same in all films. How the errors of one tile change the
-    /// polarization of the others is neglected: it is of the order of the susceptibility times the errors.
+    /// Tiles with a recoil permeability weaken and turn as those without errors do. What the mean
+    /// polarization of each leaves out of the field is the same in all films. How the errors of one
+    /// tile change the polarization of the others is neglected: it is of the order of the
+    /// susceptibility times the errors.
     ///
     /// # Errors
     /// If the layout states no errors.
@@ -158,7 +164,8 @@ impl<'a> Film<'a> {
         Ok(self.weakened(RealFilm::new(&self.layout.bare_tiles(), tolerance)))
     }
 
-    /// A film of other tiles at the places of this one, which weaken and turn as those of this one do.
+    /// A film of other tiles at the places of this one, which weaken and turn as those of this one
+    /// do.
     ///
     /// # Panics
     /// If it does not have as many tiles.
@@ -169,8 +176,8 @@ impl<'a> Film<'a> {
         film.with_weakening(Weakening::new(&self.layout.bare_tiles(), &solution.mean_tiles(), remainder))
     }
 
-    /// What the sensor of the layout reads of the film when it moves in the volume that a grid spans. Without
-    /// `[sensor]` in the layout it is a perfect one.
+    /// What the sensor of the layout reads of the film when it moves in the volume that a grid
+    /// spans. Without `[sensor]` in the layout it is a perfect one.
     ///
     /// # Errors
     /// [`FilmError::Sensor`] if the field changes too much over the active area.
@@ -216,8 +223,8 @@ impl<'a> Film<'a> {
         evaluated.map(|()| field).map_err(FilmError::Points)
     }
 
-    /// Evaluates `of` points with a callback that is told, from any thread, how many more begin. The progress
-    /// callback of the film is called from time to time.
+    /// Evaluates `of` points with a callback that is told, from any thread, how many more begin.
+    /// The progress callback of the film is called from time to time.
     pub fn with_counted_points<T>(&self, of: usize, evaluate: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
         let between = (PAIRS_BETWEEN_CALLS / self.scene.tile_count().max(1)).max(1);
         let done = AtomicUsize::new(0);

@@ -33,13 +33,14 @@ pub struct FilmAssignment {
 }
 
 impl<'a> Film<'a> {
-    /// The tiles of a box at the places that are left, so that the displacement error of the film is least. `shims`
-    /// are the places of tiles whose strength is chosen. With errors of the measurements the distribution that
-    /// they leave is evaluated. What recoil adds to the field is that of the film as ordered.
+    /// The tiles of a box at the places that are left, so that the displacement error of the film
+    /// is least. `shims` are the places of tiles whose strength is chosen. With errors of the
+    /// measurements the distribution that they leave is evaluated. What recoil adds to the field is
+    /// that of the film as ordered.
     ///
     /// # Errors
-    /// [`FilmError::Missing`] without an ideal film and a working volume; [`FilmError::Assignment`] if the tiles
-    /// cannot be assigned.
+    /// [`FilmError::Missing`] without an ideal film and a working volume; [`FilmError::Assignment`]
+    /// if the tiles cannot be assigned.
     pub fn assign(
         &self,
         partly: &PartlyLaid,
@@ -87,8 +88,9 @@ impl<'a> Film<'a> {
         Ok(FilmAssignment { ordered_rms_mm, found, measurement, tiles, plan, shims })
     }
 
-    /// The layout of an assigned film: its tiles as measured, and the errors of laying and of the measurements.
-    /// `has_sizes` says whether sides were measured, `program` who assigned, in the history.
+    /// The layout of an assigned film: its tiles as measured, and the errors of laying and of the
+    /// measurements. `has_sizes` says whether sides were measured, `program` who assigned, in the
+    /// history.
     pub fn assigned_layout(&self, assigned: &FilmAssignment, has_sizes: bool, program: &str) -> Layout {
         let ordered = self.layout();
         let mut layout = ordered.clone().with_made_tiles(&assigned.tiles);
@@ -117,8 +119,8 @@ fn shim_strength_t(ordered: &Tile, shim: &Tile) -> f64 {
     j_t.length() * j_t.dot(ordered.polarization_t()).signum()
 }
 
-/// Leaves the errors of laying. Strength and direction are known but for the errors of the measurements,
-/// and so are sides if they were measured.
+/// Leaves the errors of laying. Strength and direction are known but for the errors of the
+/// measurements, and so are sides if they were measured.
 fn of_measured_tiles(tolerance: &mut FilmTolerance, errors: MeasurementErrors, has_sizes: bool) {
     for tile in &mut tolerance.tiles {
         tile.strength = Distribution::normal(errors.strength);

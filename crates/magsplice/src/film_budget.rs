@@ -37,11 +37,12 @@ pub struct BudgetPart {
 }
 
 impl<'a> Film<'a> {
-    /// Where the displacement error of the films that are made from the layout comes from. So many samples, at
-    /// least one, check the first order, or give the budget where it does not hold.
+    /// Where the displacement error of the films that are made from the layout comes from. So many
+    /// samples, at least one, check the first order, or give the budget where it does not hold.
     ///
     /// # Errors
-    /// If the layout has no ideal film, no working volume or no errors, or a sample has no displacement errors.
+    /// If the layout has no ideal film, no working volume or no errors, or a sample has no
+    /// displacement errors.
     pub fn budget(&self, seed: u64, samples: u64) -> Result<FilmBudget<'a>, FilmError> {
         let (real, volume, ideal) = (self.real_film()?, self.evaluation_grid()?, self.ideal()?);
         let of_sample = |(sample, error): (u64, SampleError)| FilmError::Sample { sample, error };
@@ -98,8 +99,8 @@ impl FilmBudget<'_> {
         Some([x?, y?, z?])
     }
 
-    /// Those of a pattern that the end of the film compensates, along an axis at least. They may be far larger
-    /// than the total, and are no parts of it that could be compared with others.
+    /// Those of a pattern that the end of the film compensates, along an axis at least. They may be
+    /// far larger than the total, and are no parts of it that could be compared with others.
     pub fn compensated_pattern_mm2(&self) -> Option<[f64; 3]> {
         let mut ends = self.budget.axes.iter().filter_map(AxisBudget::finite_film_mm2);
         self.endless_pattern_mm2().filter(|_| ends.any(|square| square < 0.0))

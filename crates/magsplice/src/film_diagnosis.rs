@@ -12,14 +12,15 @@ use crate::film_error::FilmError;
 use crate::stage::Stage;
 
 impl Film<'_> {
-    /// What a scan tells of the tiles: `readings_t` of the sensor of the layout at points in millimetres. Its plates
-    /// count as points there. `noise` is that of the readings; without it, that of the sensor. Ordinary errors are
-    /// those that the layout states of tiles and groups. What recoil adds to the field is that of the film as
-    /// ordered: what a wrong tile changes in itself and in others by it is neglected.
+    /// What a scan tells of the tiles: `readings_t` of the sensor of the layout at points in
+    /// millimetres. Its plates count as points there. `noise` is that of the readings; without it,
+    /// that of the sensor. Ordinary errors are those that the layout states of tiles and groups.
+    /// What recoil adds to the field is that of the film as ordered: what a wrong tile changes in
+    /// itself and in others by it is neglected.
     ///
     /// # Errors
-    /// [`FilmError::NoNoise`] if the noise is not known; [`FilmError::Points`] for points without a field; otherwise
-    /// [`FilmError::Diagnosis`].
+    /// [`FilmError::NoNoise`] if the noise is not known; [`FilmError::Points`] for points without a
+    /// field; otherwise [`FilmError::Diagnosis`].
     ///
     /// # Panics
     /// If there are not as many readings as points.
@@ -49,7 +50,8 @@ impl Film<'_> {
             groups: stated.groups.clone(),
             ..FilmTolerance::default()
         });
-        // The parameters of the nominal film, or of a perfect scan where wrong tiles do not let it be fitted.
+        // The parameters of the nominal film, or of a perfect scan where wrong tiles do not let it
+        // be fitted.
         let FreeParameters { strength, offset, rotation, start } = free;
         let start = if strength || offset || rotation || start {
             let fit = fit_scan(&Scene::new(&tiles), &points_mm, &field_t, free);

@@ -64,7 +64,8 @@ pub enum FilmError {
         /// Sides in millimetres of each part, and the number of its places that are free.
         groups: Vec<(DVec3, usize)>,
     },
-    /// Steps of an experiment in millimetres that are not above 0, or too small for the working volume.
+    /// Steps of an experiment in millimetres that are not above 0, or too small for the working
+    /// volume.
     ExperimentStep(DVec3),
     /// The polarization of tiles with a recoil permeability is not known.
     Recoil {

@@ -13,9 +13,9 @@ use crate::stage::Stage;
 /// Levels of division of tiles with a recoil permeability: 8 and 27 cells for a compact tile.
 const RECOIL_LEVELS: [usize; 2] = [2, 3];
 
-/// Error of forces at the higher level over what the levels are apart. In five or six tiles of three films, with
-/// permeabilities of 1.05 and 1.2, levels 7 to 10 are 0.9 to 1.7 times as far from it, and the limit probably up
-/// to 2.2 times (docs/recoil.md).
+/// Error of forces at the higher level over what the levels are apart. In five or six tiles of
+/// three films, with permeabilities of 1.05 and 1.2, levels 7 to 10 are 0.9 to 1.7 times as far
+/// from it, and the limit probably up to 2.2 times (docs/recoil.md).
 const ERROR_OF_DIFFERENCE: f64 = 3.0;
 
 /// Forces and torques of the tiles of a film on each other, and what recoil changes in them.
@@ -41,15 +41,15 @@ pub struct ForceChange {
 }
 
 impl Film<'_> {
-    /// The loads of all pairs of tiles. `turned_error` is the largest relative error of the force of two tiles
-    /// that are turned against each other.
+    /// The loads of all pairs of tiles. `turned_error` is the largest relative error of the force
+    /// of two tiles that are turned against each other.
     ///
-    /// Tiles with a recoil permeability are divided into 27 cells or more, with the polarization that they have in
-    /// the whole film, also while the film is laid.
+    /// Tiles with a recoil permeability are divided into 27 cells or more, with the polarization
+    /// that they have in the whole film, also while the film is laid.
     ///
     /// # Errors
-    /// [`FilmError::Forces`] for too many tiles, and for turned tiles so close that their force does not converge;
-    /// [`FilmError::Recoil`] if the polarization of the cells is not known.
+    /// [`FilmError::Forces`] for too many tiles, and for turned tiles so close that their force
+    /// does not converge; [`FilmError::Recoil`] if the polarization of the cells is not known.
     pub fn forces(&self, turned_error: f64) -> Result<SolvedForces, FilmError> {
         let layout = self.layout();
         let tiles = layout.bare_tiles();

@@ -8,19 +8,21 @@ use magsplice_sensor::{LocateError, Located, Locator, Noise, SensedField};
 use crate::film::Film;
 use crate::film_error::FilmError;
 
-/// Standard deviations by which a position may be outside the volume because of noise: of normal errors, one of
-/// 30 000 is larger.
+/// Standard deviations by which a position may be outside the volume because of noise: of normal
+/// errors, one of 30 000 is larger.
 const MOST_DEVIATIONS: f64 = 4.0;
 
 /// What is known of the sensor at rest, where displacements begin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AtRest<'r> {
-    /// It is at the reference point. Its readings contain this besides the field of the film, in tesla.
+    /// It is at the reference point. Its readings contain this besides the field of the film, in
+    /// tesla.
     Constant(DVec3),
-    /// It is at the reference point, where it had these readings, one at least, in tesla. What their mean has
-    /// beyond the field of the film is in all readings.
+    /// It is at the reference point, where it had these readings, one at least, in tesla. What
+    /// their mean has beyond the field of the film is in all readings.
     Zero(&'r [DVec3]),
-    /// It is where it had these readings, one at least, in tesla. Nothing is added to the field of the film.
+    /// It is where it had these readings, one at least, in tesla. Nothing is added to the field of
+    /// the film.
     Rest(&'r [DVec3]),
 }
 
@@ -41,12 +43,12 @@ pub struct FilmReader<'a> {
 }
 
 impl Film<'_> {
-    /// A reader of what the sensor reads in the working volume. `noise` is that of the readings; without it, that
-    /// of the sensor of the layout.
+    /// A reader of what the sensor reads in the working volume. `noise` is that of the readings;
+    /// without it, that of the sensor of the layout.
     ///
     /// # Errors
-    /// If the layout has no working volume, the sensor cannot read the field, or the mean of [`AtRest::Rest`] has
-    /// no position.
+    /// If the layout has no working volume, the sensor cannot read the field, or the mean of
+    /// [`AtRest::Rest`] has no position.
     pub fn reader(&self, at_rest: AtRest, noise: Option<Noise>) -> Result<FilmReader<'_>, FilmError> {
         let volume = self.volume()?;
         let sensed = self.sensed_field(&volume.grid)?;
@@ -78,8 +80,8 @@ impl Film<'_> {
 }
 
 impl FilmReader<'_> {
-    /// The position of the sensor for each reading in tesla. A position that noise may have moved out of the
-    /// volume counts as inside.
+    /// The position of the sensor for each reading in tesla. A position that noise may have moved
+    /// out of the volume counts as inside.
     pub fn locate(&self, readings_t: &[DVec3]) -> Vec<Result<Located, LocateError>> {
         let mut found = self.locator.locate(readings_t);
         for found in &mut found {
@@ -93,8 +95,8 @@ impl FilmReader<'_> {
         found
     }
 
-    /// The displacement of the sensor by the closed form of the ideal film (Dai 2024, Eq. 14), in millimetres; NaN
-    /// where a reading has none. `None` without an ideal film.
+    /// The displacement of the sensor by the closed form of the ideal film (Dai 2024, Eq. 14), in
+    /// millimetres; NaN where a reading has none. `None` without an ideal film.
     pub fn closed_form_mm(&self, readings_t: &[DVec3]) -> Option<Vec<DVec3>> {
         let (wavenumber, before) = self.closed_form.as_ref()?;
         let of = |reading_t: &DVec3| {

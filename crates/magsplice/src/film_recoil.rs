@@ -22,16 +22,16 @@ const MOST_POINTS: usize = 2_000;
 /// Most points along each axis of a volume that has more. Fields below a film are smooth.
 const MOST_POINTS_ALONG: usize = 9;
 
-/// Distance of the points around the tiles of a layout without a working volume, in shortest sides of the
-/// box around all tiles.
+/// Distance of the points around the tiles of a layout without a working volume, in shortest sides
+/// of the box around all tiles.
 const POINTS_OUTSIDE: f64 = 1.0;
 
-/// Distance from a tile, in its shortest side, within which B is not asked to be known to the stated error.
-/// It is that of the cell beside the point, and unbounded at edges.
+/// Distance from a tile, in its shortest side, within which B is not asked to be known to the
+/// stated error. It is that of the cell beside the point, and unbounded at edges.
 const NEAREST: f64 = 0.01;
 
-/// Share of the stated error that the extrapolated values of a refinement may have. The field is that of the
-/// cells, which differs from them by at most a third of their error.
+/// Share of the stated error that the extrapolated values of a refinement may have. The field is
+/// that of the cells, which differs from them by at most a third of their error.
 const TOLERANCE_MARGIN: f64 = 0.75;
 
 /// Most tiles for which [`RecoilEstimate::new`] gives an estimate, so that `check` stays fast.
@@ -48,8 +48,8 @@ pub struct FilmRecoil {
     change_t: f64,
     /// Largest error of B in tesla.
     error_t: f64,
-    /// Figures without recoil and with it, and their errors. `None` if the layout has no ideal film or no
-    /// working volume, or the figures do not exist.
+    /// Figures without recoil and with it, and their errors. `None` if the layout has no ideal film
+    /// or no working volume, or the figures do not exist.
     figures: Option<[RecoilFigures; 3]>,
 }
 
@@ -67,9 +67,9 @@ pub struct RecoilFigures {
 /// What recoil changes in the figures of a film, to first order and with one cell for each tile.
 ///
 /// # Accuracy
-/// The change of the amplitude is right to tens of percent. Where the fields of the tiles of a designed film
-/// cancel, the change of an error of the film may be wrong by a factor. [`crate::Film`] computes it with a
-/// stated error.
+/// The change of the amplitude is right to tens of percent. Where the fields of the tiles of a
+/// designed film cancel, the change of an error of the film may be wrong by a factor.
+/// [`crate::Film`] computes it with a stated error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecoilEstimate {
     /// The permeability of all tiles. `None` for those that the layout states.
@@ -141,8 +141,9 @@ impl FilmRecoil {
         self.level
     }
 
-    /// The largest change of B by recoil in tesla, at points of the working volume. Without one at points of a box
-    /// around all tiles, away from them by its shortest side; nearer to them B changes more.
+    /// The largest change of B by recoil in tesla, at points of the working volume. Without one at
+    /// points of a box around all tiles, away from them by its shortest side; nearer to them B
+    /// changes more.
     pub fn change_t(&self) -> f64 {
         self.change_t
     }
@@ -167,8 +168,8 @@ impl FilmRecoil {
         self.magnetization.tile_changes()
     }
 
-    /// The cells beyond the knee of the material, and their share of the volume of all tiles. `None` if the
-    /// layout states no knee.
+    /// The cells beyond the knee of the material, and their share of the volume of all tiles.
+    /// `None` if the layout states no knee.
     pub fn beyond_knee(&self, layout: &Layout) -> Option<(Vec<DemagnetizedCell>, f64)> {
         let knee_t = layout.material.knee_field_t?;
         Some((self.magnetization.beyond_knee(knee_t), self.magnetization.share_beyond_knee(knee_t)))
@@ -195,8 +196,8 @@ impl RecoilFigures {
 
 impl RecoilEstimate {
     /// The estimate for tiles with the permeabilities of the layout, or if it states none, all with
-    /// `permeability`. `None` if the layout has no ideal film or no working volume, has more than a thousand
-    /// tiles, or its figures do not exist.
+    /// `permeability`. `None` if the layout has no ideal film or no working volume, has more than a
+    /// thousand tiles, or its figures do not exist.
     ///
     /// # Errors
     /// [`FilmError::Recoil`] if tiles overlap.
@@ -221,8 +222,8 @@ pub(crate) fn recoil_tiles(layout: &Layout, permeability: Option<Permeability>) 
     tiles.map(|(named, own)| RecoilTile { tile: named.tile, permeability: permeability.unwrap_or(own) }).collect()
 }
 
-/// Few points of the working volume outside all tiles. If it has none, the corners of a box around all tiles
-/// and the middles of its faces.
+/// Few points of the working volume outside all tiles. If it has none, the corners of a box around
+/// all tiles and the middles of its faces.
 fn points(layout: &Layout) -> Vec<DVec3> {
     let is_outside = |point: &DVec3| !layout.tiles.iter().any(|named| is_near(&named.tile, *point));
     let of_volume = layout.volume.iter().flat_map(|volume| {

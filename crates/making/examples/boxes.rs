@@ -1,5 +1,5 @@
-//! The displacement error of films that are sorted from boxes of measured tiles, beside the same tiles in
-//! the order in which they were cut:
+//! The displacement error of films that are sorted from boxes of measured tiles, beside the same
+//! tiles in the order in which they were cut:
 //!
 //!     cargo run --release -p magsplice-making --example boxes -- layouts/designed-stock.toml 200 0.25
 //!
@@ -19,8 +19,8 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
     (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
 }
 
-/// A box with 3 % of strength and 1 degree about both axes normal to J, with spare tiles as a share of the
-/// places.
+/// A box with 3 % of strength and 1 degree about both axes normal to J, with spare tiles as a share
+/// of the places.
 fn boxed(layout: &Layout, seed: u64, spares: f64) -> Vec<PlaceGroup> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let group = |part: magsplice_layout::Part| {

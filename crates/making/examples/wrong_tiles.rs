@@ -2,9 +2,10 @@
 //!
 //!     cargo run --release -p magsplice-making --example wrong_tiles -- layouts/published-film.toml 100
 //!
-//! The arguments are a layout, a number of films, and, if all other tiles have ordinary errors, those of
-//! `workshop` or `jig`. In each film one tile is turned by 3 degrees about z, another is 5 % weaker, and a
-//! third is displaced by 0.1 mm in the plane. The scan covers the film in steps of 1 mm.
+//! The arguments are a layout, a number of films, and, if all other tiles have ordinary errors,
+//! those of `workshop` or `jig`. In each film one tile is turned by 3 degrees about z, another is 5
+//! % weaker, and a third is displaced by 0.1 mm in the plane. The scan covers the film in steps of
+//! 1 mm.
 
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -74,8 +75,8 @@ fn names_exactly(found: &Diagnosis, wanted: &[(usize, ErrorKind)]) -> bool {
     named == wanted
 }
 
-/// Shares of films whose three wrong tiles are named and no other, whose wrong tiles are named whatever else
-/// is, and of right films in which a tile is named.
+/// Shares of films whose three wrong tiles are named and no other, whose wrong tiles are named
+/// whatever else is, and of right films in which a tile is named.
 fn measure(layout: &Layout, films: u64, ordinary: Option<&TileErrors>, height_mm: f64, noise_t: f64) -> [u64; 3] {
     let tiles = layout.bare_tiles();
     let points_mm = scan_points(&tiles, height_mm);

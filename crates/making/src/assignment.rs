@@ -55,13 +55,14 @@ pub struct Assignment {
     pub placed: Vec<PlacedTile>,
     /// For each shim tile, the factor by which its polarization differs from that of the film.
     pub shim_factors: Vec<f64>,
-    /// Root mean square of the displacement errors over all points and axes, by the exact field, in mm.
+    /// Root mean square of the displacement errors over all points and axes, by the exact field, in
+    /// mm.
     pub rms_mm: f64,
-    /// The same of the tiles in the order in which they were given, each as measured where it fits so,
-    /// with shim tiles as they are in the film.
+    /// The same of the tiles in the order in which they were given, each as measured where it fits
+    /// so, with shim tiles as they are in the film.
     pub in_order_rms_mm: f64,
-    /// The same, by the linear model, at which each start ended, least first. The least that many of them
-    /// have in common is probably the best there is.
+    /// The same, by the linear model, at which each start ended, least first. The least that many
+    /// of them have in common is probably the best there is.
     pub starts_rms_mm: Vec<f64>,
 }
 

@@ -1,5 +1,5 @@
-//! Films as they are made: which measured tile goes to which place, and which way round; and which tiles of
-//! a film that was made are wrong.
+//! Films as they are made: which measured tile goes to which place, and which way round; and which
+//! tiles of a film that was made are wrong.
 //!
 //! * [`MeasuredBox`]: measured tiles, sorted by the parts of a layout; each is a [`CutTile`].
 //! * [`PartlyLaid`]: a film of which some tiles lie already.
@@ -7,7 +7,8 @@
 //! * [`AssignmentProblem`]: tiles, places, and what each does to the displacement errors.
 //! * [`Assignment`]: the tile of each place, found by local searches from many starts.
 //! * [`PlanRow`]: a line of the plan by which a film is laid.
-//! * [`MeasurementErrors`]: errors of the measurements of tiles, and what they leave of the sorting.
+//! * [`MeasurementErrors`]: errors of the measurements of tiles, and what they leave of the
+//!   sorting.
 //! * [`SortedSampler`]: samples of films whose tiles are cut with spares, measured and sorted.
 //! * [`ScanDiagnosis`]: which tiles are weak, turned or displaced, from a scan of the field: a
 //!   [`Diagnosis`].

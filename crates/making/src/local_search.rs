@@ -1,15 +1,16 @@
-//! Local search: exchanges of two tiles, turns of one, and spare tiles, until none of them helps; then
-//! random exchanges, and the search anew.
+//! Local search: exchanges of two tiles, turns of one, and spare tiles, until none of them helps;
+//! then random exchanges, and the search anew.
 
 use rand::seq::SliceRandom;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Exchanges of one disturbance: enough to leave a local minimum, and few enough to keep most of it.
+/// Exchanges of one disturbance: enough to leave a local minimum, and few enough to keep most of
+/// it.
 const EXCHANGES_OF_A_KICK: usize = 3;
 
-/// Fraction by which the square must fall for an exchange to count: far above round-off, so that a search
-/// ends.
+/// Fraction by which the square must fall for an exchange to count: far above round-off, so that a
+/// search ends.
 const LEAST_GAIN: f64 = 1e-9;
 
 /// What a tile does at a place in each orientation, in coordinates of the displacement errors.
@@ -131,7 +132,8 @@ impl LocalSearch {
         }
     }
 
-    /// The best exchange of the tile at a place: its orientation, with a spare tile, or with a later place.
+    /// The best exchange of the tile at a place: its orientation, with a spare tile, or with a
+    /// later place.
     fn improve_place(
         &mut self,
         group: usize,
@@ -143,7 +145,8 @@ impl LocalSearch {
         let (own, own_orientation) = self.chosen[group][place];
         let mut without = sum.clone();
         add(&mut without, -1.0, &of_group[place][own].of_orientations[own_orientation]);
-        // The place of the other tile with its orientation there, the tile, and its orientation here.
+        // The place of the other tile with its orientation there, the tile, and its orientation
+        // here.
         let mut best: Option<(Other, usize, usize)> = None;
         let mut lowest = *least * (1.0 - LEAST_GAIN);
         let here = |tile: usize| of_group[place][tile].of_orientations.iter().enumerate();

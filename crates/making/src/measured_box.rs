@@ -8,8 +8,8 @@ use magsplice_magnet::MU_0;
 
 use crate::assignment::{CutTile, PlaceGroup};
 
-/// Factors between what is measured and what was ordered that no box of tiles has. Beyond them a unit is
-/// wrong, or a tile is of another part.
+/// Factors between what is measured and what was ordered that no box of tiles has. Beyond them a
+/// unit is wrong, or a tile is of another part.
 const LEAST_FACTOR: f64 = 0.5;
 const MOST_FACTOR: f64 = 2.0;
 
@@ -27,8 +27,8 @@ const MOST_SHOWN: usize = 200;
 pub struct MeasuredTile<'a> {
     /// Its name.
     pub name: &'a str,
-    /// Its part: the number, from 1, in the order of [`Layout::parts`], or the name of a tile or kind of this part
-    /// alone. `None` if the layout has one part, or the sides tell it.
+    /// Its part: the number, from 1, in the order of [`Layout::parts`], or the name of a tile or
+    /// kind of this part alone. `None` if the layout has one part, or the sides tell it.
     pub part: Option<&'a str>,
     /// Its sides in the order of those of the part. `None` if they were not measured.
     pub size_mm: Option<DVec3>,
@@ -91,8 +91,8 @@ impl<'a> MeasuredBox<'a> {
     /// Adds a tile.
     ///
     /// # Errors
-    /// Every rule that it breaks, in words: its part must be known, its name free, and what was measured near to
-    /// what was ordered.
+    /// Every rule that it breaks, in words: its part must be known, its name free, and what was
+    /// measured near to what was ordered.
     pub fn add(&mut self, tile: &MeasuredTile) -> Result<(), Vec<String>> {
         let mut faults: Vec<String> = self.name_fault(tile.name).into_iter().collect();
         let number = match self.part(tile) {
@@ -181,7 +181,8 @@ impl<'a> MeasuredBox<'a> {
         let Some(size_mm) = tile.size_mm else {
             return Err(format!("names no part, must have one of {count} in a column part, or sizes"));
         };
-        // The nearest part, if no other is nearly as near: sizes of parts differ by more than cuts do.
+        // The nearest part, if no other is nearly as near: sizes of parts differ by more than cuts
+        // do.
         let mut by_distance: Vec<(f64, usize)> =
             self.parts.iter().enumerate().map(|(number, part)| ((part.size_mm - size_mm).length(), number)).collect();
         by_distance.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -200,7 +201,8 @@ pub(crate) fn beginning(text: &str) -> String {
     text.chars().take(MOST_SHOWN).collect()
 }
 
-/// The part that the name of each tile and of each kind stands for. Kinds of several parts are left out.
+/// The part that the name of each tile and of each kind stands for. Kinds of several parts are left
+/// out.
 fn part_names<'a>(layout: &'a Layout, parts: &[Part]) -> HashMap<&'a str, usize> {
     let mut of_kinds: HashMap<&str, Option<usize>> = HashMap::new();
     let mut names = HashMap::new();

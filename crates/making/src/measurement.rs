@@ -9,7 +9,8 @@ use rayon::prelude::*;
 use crate::assignment::{AssignmentError, CutTile, PlacedTile};
 use crate::problem::AssignmentProblem;
 
-/// Samples of measurements of one film: the 95th percentile of the errors has a standard error of 1 %.
+/// Samples of measurements of one film: the 95th percentile of the errors has a standard error of 1
+/// %.
 const SAMPLES: u64 = 4000;
 
 /// Standard deviations of the errors of a measurement. The errors are normal and independent.
@@ -25,8 +26,8 @@ pub struct MeasurementErrors {
 }
 
 impl MeasurementErrors {
-    /// What is measured of a tile that was ordered with these sides, with errors drawn from a random
-    /// stream.
+    /// What is measured of a tile that was ordered with these sides, with errors drawn from a
+    /// random stream.
     pub fn measured(&self, tile: &CutTile, ordered_mm: DVec3, random: &mut impl RngCore) -> CutTile {
         let [strength, first, second, x, y, z] = std::array::from_fn(|_| normal(random));
         let j_t = tile.polarization_t;
@@ -46,12 +47,12 @@ impl MeasurementErrors {
 }
 
 impl AssignmentProblem<'_> {
-    /// The root mean square of the displacement errors, in mm, of a film whose tiles were measured with
-    /// these errors: its distribution over 4000 measurements, by the linear model.
+    /// The root mean square of the displacement errors, in mm, of a film whose tiles were measured
+    /// with these errors: its distribution over 4000 measurements, by the linear model.
     ///
-    /// The tiles are as measured, less errors of the measurement. Nothing else is known of them. This
-    /// overstates the errors where those of the measurement are not small beside the differences of the
-    /// tiles: by one part in ten of the mean square if they are a third of them.
+    /// The tiles are as measured, less errors of the measurement. Nothing else is known of them.
+    /// This overstates the errors where those of the measurement are not small beside the
+    /// differences of the tiles: by one part in ten of the mean square if they are a third of them.
     ///
     /// # Errors
     /// Tiles that cannot exist, and films whose parameters do not exist.

@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 use magsplice_magnet::Tile;
 
-/// A rotation that maps axes onto axes: one of 24. It turns vectors of a tile as it was measured into the
-/// frame of its place.
+/// A rotation that maps axes onto axes: one of 24. It turns vectors of a tile as it was measured
+/// into the frame of its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Orientation {
@@ -58,8 +58,8 @@ impl Orientation {
         self.order[2] == 2 && !self.reversed[2]
     }
 
-    /// The axis of the measured tile, 0 to 2, that points up at its place, and whether it points down
-    /// instead.
+    /// The axis of the measured tile, 0 to 2, that points up at its place, and whether it points
+    /// down instead.
     pub fn upper_side(&self) -> (usize, bool) {
         (usize::from(self.order[2]), self.reversed[2])
     }
@@ -70,14 +70,15 @@ impl Orientation {
         [["+x", "-x"], ["+y", "-y"], ["+z", "-z"]][axis][usize::from(is_down)]
     }
 
-    /// Where the mark of a tile points at a place, from the x axis of the film towards its y axis, from 0 to below
-    /// 360 degrees.
+    /// Where the mark of a tile points at a place, from the x axis of the film towards its y axis,
+    /// from 0 to below 360 degrees.
     pub fn mark_deg(&self, place: &Tile) -> f64 {
         let along = place.rotation() * self.mark_direction();
         along.y.atan2(along.x).to_degrees().rem_euclid(360.0)
     }
 
-    /// The axis of the measured tile that a mark on the tile shows: its x, or its y if x is upright.
+    /// The axis of the measured tile that a mark on the tile shows: its x, or its y if x is
+    /// upright.
     pub fn mark_axis(&self) -> usize {
         usize::from(self.order[2] == 0)
     }

@@ -11,8 +11,8 @@ use crate::measured_box::beginning;
 use crate::orientation::Orientation;
 use crate::plan_row::PlanRow;
 
-/// Angle between a mark and the direction that it has at its place, beyond which the tile lies in another
-/// orientation.
+/// Angle between a mark and the direction that it has at its place, beyond which the tile lies in
+/// another orientation.
 const MOST_TURN_DEG: f64 = 45.0;
 
 /// A film of which some tiles lie, and what is left to do.
@@ -57,7 +57,8 @@ pub struct Laying<'a> {
 }
 
 impl<'a> Laying<'a> {
-    /// The film of a layout, of which no tile lies yet. The groups have its places and the measured tiles.
+    /// The film of a layout, of which no tile lies yet. The groups have its places and the measured
+    /// tiles.
     pub fn new(layout: &'a Layout, groups: &'a [PlaceGroup]) -> Laying<'a> {
         let mut tiles = HashMap::new();
         let mut group_of = HashMap::new();

@@ -22,7 +22,8 @@ pub struct PlanRow {
     pub up: &'static str,
     /// The axis of the measured tile that a mark on it shows, such as `+x`.
     pub mark: &'static str,
-    /// Where this axis points, from the x axis of the film towards its y axis, from 0 to below 360 degrees.
+    /// Where this axis points, from the x axis of the film towards its y axis, from 0 to below 360
+    /// degrees.
     pub mark_deg: f64,
     /// Whether the tile lies already.
     pub is_laid: bool,

@@ -10,12 +10,12 @@ use crate::local_search::{Contribution, LocalSearch};
 use crate::orientation::Orientation;
 use crate::shims::Shims;
 
-/// Relative difference of sides and of polarizations up to which a tile fits a place: the digits of the
-/// parts of a layout.
+/// Relative difference of sides and of polarizations up to which a tile fits a place: the digits of
+/// the parts of a layout.
 const SAME: f64 = 1e-8;
 
-/// Rounds in which what the linear model leaves out is measured and added. The first leaves a hundredth of
-/// it, the second less than the round-off of measurements.
+/// Rounds in which what the linear model leaves out is measured and added. The first leaves a
+/// hundredth of it, the second less than the round-off of measurements.
 const CORRECTIONS: usize = 2;
 
 /// Most contributions of tiles at places that are held in memory: 4 GB at 64 coordinates each.
@@ -36,7 +36,8 @@ pub struct AssignmentProblem<'a> {
 
 impl<'a> AssignmentProblem<'a> {
     /// The problem of laying a film with a model of its errors. `shims` are tiles of the film whose
-    /// strength may be chosen. Tiles of the film that are no shims and in no group stay as they are.
+    /// strength may be chosen. Tiles of the film that are no shims and in no group stay as they
+    /// are.
     ///
     /// # Errors
     /// See [`AssignmentError`].
@@ -138,7 +139,8 @@ impl<'a> AssignmentProblem<'a> {
         Ok(film)
     }
 
-    /// Root mean square of the displacement errors over all points and axes, by the exact field, in mm.
+    /// Root mean square of the displacement errors over all points and axes, by the exact field, in
+    /// mm.
     ///
     /// # Errors
     /// Tiles that cannot exist, and films whose parameters do not exist.

@@ -6,12 +6,12 @@ use magsplice_tolerance::TileChanges;
 
 use crate::assignment::AssignmentError;
 
-/// Part of a shim's contribution that must be its own. What is left of less is round-off, and would ask
-/// for strengths that no magnet has.
+/// Part of a shim's contribution that must be its own. What is left of less is round-off, and would
+/// ask for strengths that no magnet has.
 const OWN_PART: f64 = 1e-6;
 
-/// Rounds of least squares with the exact field. Each leaves the square of what was left before, which is
-/// a few per cent.
+/// Rounds of least squares with the exact field. Each leaves the square of what was left before,
+/// which is a few per cent.
 const ROUNDS: usize = 4;
 
 /// Shim tiles of a film, and what they do to its displacement errors.
@@ -20,8 +20,8 @@ pub(crate) struct Shims {
     tiles: Vec<usize>,
     /// Orthonormal coordinates that span the contributions.
     basis: Vec<Vec<f64>>,
-    /// For each shim: the components along the basis of its contribution at twice its strength less that
-    /// at its strength. Upper triangular.
+    /// For each shim: the components along the basis of its contribution at twice its strength less
+    /// that at its strength. Upper triangular.
     components: Vec<Vec<f64>>,
 }
 
@@ -57,7 +57,8 @@ impl Shims {
         vec![1.0; self.tiles.len()]
     }
 
-    /// The factors at which errors are least in the mean square. `errors` gives those at given factors.
+    /// The factors at which errors are least in the mean square. `errors` gives those at given
+    /// factors.
     pub(crate) fn factors(
         &self,
         errors: impl Fn(&[f64]) -> Result<Vec<f64>, AssignmentError>,

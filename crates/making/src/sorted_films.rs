@@ -16,15 +16,16 @@ use crate::measurement::MeasurementErrors;
 use crate::orientation::Orientation;
 use crate::problem::AssignmentProblem;
 
-/// Changes the seed of a run into that of its measurements, which are then independent of its tiles.
+/// Changes the seed of a run into that of its measurements, which are then independent of its
+/// tiles.
 const SEED_OF_MEASUREMENTS: u64 = 0x6d65_6173_7572_6564;
 
 /// How tiles are cut, measured and sorted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Sorting {
-    /// Number of tiles that are cut beyond those of the film. Parts have spares in proportion to their
-    /// places.
+    /// Number of tiles that are cut beyond those of the film. Parts have spares in proportion to
+    /// their places.
     pub spares: usize,
     /// Errors of the measurements.
     pub measurement: MeasurementErrors,
@@ -32,8 +33,8 @@ pub struct Sorting {
     pub settings: AssignmentSettings,
 }
 
-/// Draws samples of a film whose tiles are sorted. Sample number i has the tiles, the errors of laying
-/// and the surroundings of sample number i of the same film without sorting.
+/// Draws samples of a film whose tiles are sorted. Sample number i has the tiles, the errors of
+/// laying and the surroundings of sample number i of the same film without sorting.
 #[derive(Clone, Debug)]
 pub struct SortedSampler<'a> {
     sampler: &'a Sampler<'a>,
@@ -58,8 +59,8 @@ pub enum SortedSampleError {
 }
 
 impl<'a> SortedSampler<'a> {
-    /// Prepares what all samples share. `parts` are groups of places without tiles: tiles of one group
-    /// may be exchanged. Tiles in no group are laid where they are cut for.
+    /// Prepares what all samples share. `parts` are groups of places without tiles: tiles of one
+    /// group may be exchanged. Tiles in no group are laid where they are cut for.
     ///
     /// # Errors
     /// If the film has no displacement errors, or a part does not fit its places.
@@ -84,8 +85,8 @@ impl<'a> SortedSampler<'a> {
         Ok(SortedSampler { sampler, model, sorting, in_order, spares: shared_out(sorting.spares, &places), parts })
     }
 
-    /// The errors of sample number `sample`, which depend on the seed of the sampler and on this number
-    /// alone.
+    /// The errors of sample number `sample`, which depend on the seed of the sampler and on this
+    /// number alone.
     ///
     /// # Errors
     /// If a tile of the sample cannot exist, or the parameters do not exist in the volume.
@@ -116,8 +117,8 @@ impl<'a> SortedSampler<'a> {
         self.sampler.errors_of_tiles(sample, &laid).map_err(SortedSampleError::Sample)
     }
 
-    /// The errors of samples with these numbers, computed in parallel. They do not depend on the number
-    /// of threads, and samples of several ranges are those of the joined range.
+    /// The errors of samples with these numbers, computed in parallel. They do not depend on the
+    /// number of threads, and samples of several ranges are those of the joined range.
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
@@ -127,7 +128,8 @@ impl<'a> SortedSampler<'a> {
         results.into_iter().collect()
     }
 
-    /// The tiles of each part in the frame of the part: those that were cut for the places, then spares.
+    /// The tiles of each part in the frame of the part: those that were cut for the places, then
+    /// spares.
     fn cut(&self, at_places: &[Tile], sample: u64) -> Result<Vec<PlaceGroup>, magsplice_magnet::TileFaults> {
         let (film, seed) = (self.sampler.film(), self.sampler.seed());
         let mut spare = 0;

@@ -19,8 +19,8 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
     (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
 }
 
-/// A box with 3 % of strength and 1 degree about both axes normal to J, with spare tiles as a share of the
-/// places.
+/// A box with 3 % of strength and 1 degree about both axes normal to J, with spare tiles as a share
+/// of the places.
 fn boxed(layout: &Layout, seed: u64, spares: f64) -> Vec<PlaceGroup> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let group = |part: magsplice_layout::Part| {
@@ -48,8 +48,8 @@ fn percentile_95(values: &[f64]) -> f64 {
     sorted[(0.95 * sorted.len() as f64) as usize]
 }
 
-/// Boxes of random tiles in the order in which they were cut, and sorted. The ratio of the 95th percentiles
-/// of 20 boxes has a standard error of about 15 %.
+/// Boxes of random tiles in the order in which they were cut, and sorted. The ratio of the 95th
+/// percentiles of 20 boxes has a standard error of about 15 %.
 #[test]
 fn sorted_films_are_many_times_better() {
     for (name, factor) in [("designed-displacement", 8.0), ("designed-stock", 11.0)] {

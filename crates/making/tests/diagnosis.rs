@@ -81,8 +81,8 @@ fn films_named(seeds: std::ops::Range<u64>) -> usize {
         .count()
 }
 
-/// With a probability of 0.01 of a false alarm in each film, all of four are right in 96 of 100 runs; these
-/// seeds are such a run.
+/// With a probability of 0.01 of a false alarm in each film, all of four are right in 96 of 100
+/// runs; these seeds are such a run.
 #[test]
 fn three_wrong_tiles_are_named_and_no_other() {
     assert_eq!(films_named(0..4), 4);
@@ -94,8 +94,8 @@ fn three_wrong_tiles_are_named_in_95_of_100_films() {
     assert!(named >= 95, "{named}");
 }
 
-/// Values are within five of their deviations of the errors that were made, and the deviations are small
-/// enough to mean something: noise of 10 uT against a field of 20 mT, at several points.
+/// Values are within five of their deviations of the errors that were made, and the deviations are
+/// small enough to mean something: noise of 10 uT against a field of 20 mT, at several points.
 #[test]
 fn named_errors_have_their_values() {
     let mut tiles = film();
@@ -132,7 +132,8 @@ fn named_errors_have_their_values() {
     }
 }
 
-/// Chi squared of a right film is that of its readings: within five deviations sqrt(2 n) of their number.
+/// Chi squared of a right film is that of its readings: within five deviations sqrt(2 n) of their
+/// number.
 #[test]
 fn right_films_have_no_wrong_tile() {
     let diagnosis = model(DiagnosisSettings::default());
@@ -191,7 +192,8 @@ fn parameters_of_the_scan_are_fitted_beside_wrong_tiles() {
     let settings = DiagnosisSettings { free: FreeParameters::ALL, ..DiagnosisSettings::default() };
     let found = model(settings).diagnose(&readings_t, |_| {}).unwrap();
     assert_eq!(candidates(&found), [Candidate { tile: 20, kind: ErrorKind::Turn }]);
-    // Noise of 1e-5 T against gradients of 0.02 T/mm at 441 points leaves 0.0001 mm; ten times that.
+    // Noise of 1e-5 T against gradients of 0.02 T/mm at 441 points leaves 0.0001 mm; ten times
+    // that.
     assert!(found.scan.start.distance(truth.start) < 1e-3, "{:?}", found.scan);
     assert!((found.scan.strength - truth.strength).abs() < 1e-3, "{:?}", found.scan);
     assert!(found.scan.rotation_rad.distance(truth.rotation_rad) < 1e-3, "{:?}", found.scan);

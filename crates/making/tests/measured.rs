@@ -52,8 +52,8 @@ impl Film {
 
 /// The errors of the true tiles scatter as is predicted from the errors of the measurements.
 ///
-/// Mean and 95th percentile of 400 films have standard errors of 1.5 and 3 % of themselves here: the errors
-/// of a film scatter by about a third. Four of them are allowed.
+/// Mean and 95th percentile of 400 films have standard errors of 1.5 and 3 % of themselves here:
+/// the errors of a film scatter by about a third. Four of them are allowed.
 #[test]
 fn predicted_errors_are_those_of_samples() {
     let film = Film::shipped("designed-displacement");
@@ -77,8 +77,8 @@ fn predicted_errors_are_those_of_samples() {
     assert!(predicted.mean.value > 1.5 * found.rms_mm, "{predicted:?} and {found:?}");
 }
 
-/// Without shims the film is the best that was found; with two, it is better, and at a minimum of their
-/// strengths.
+/// Without shims the film is the best that was found; with two, it is better, and at a minimum of
+/// their strengths.
 #[test]
 fn shims_have_the_best_strengths() {
     let film = Film::shipped("designed-displacement");
@@ -114,8 +114,8 @@ fn percentile_95(errors: &[FilmErrors]) -> f64 {
     Statistics::new(errors.iter().map(rms_mm)).unwrap().p95.value
 }
 
-/// The tiles of samples differ by strength and direction alone: sorting takes most of their errors away;
-/// errors of measurements give back a part; errors of laying stay.
+/// The tiles of samples differ by strength and direction alone: sorting takes most of their errors
+/// away; errors of measurements give back a part; errors of laying stay.
 #[test]
 fn samples_of_sorted_films() {
     let film = Film::shipped("designed-displacement");

@@ -44,8 +44,8 @@ pub(crate) struct AssignmentNumbers {
 /// Place, tile, centre, upper side, mark and its direction in degrees, whether the tile lies.
 type Row = (String, String, Triple, &'static str, &'static str, f64, bool);
 
-/// The tiles of a box at the places of a film. `errors` are those of strength, direction in radians and sides in
-/// millimetres.
+/// The tiles of a box at the places of a film. `errors` are those of strength, direction in radians
+/// and sides in millimetres.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "Python passes them by name")]
 pub(crate) fn assign(

@@ -30,8 +30,8 @@ struct Prepared {
     scene: Py<Scene>,
 }
 
-/// First and last point, points along x, y, z, corners as written, step and reference point of a working
-/// volume.
+/// First and last point, points along x, y, z, corners as written, step and reference point of a
+/// working volume.
 type Volume = (Triple, Triple, Triple<usize>, Triple, Triple, Triple, Triple);
 
 /// Names, kinds, centres, sides, polarizations, rotations, and own recoil permeabilities of tiles.
@@ -137,8 +137,8 @@ impl Film {
         self.layout.tiles.len()
     }
 
-    /// The tiles as arrays; rotations are quaternions (x, y, z, w). Permeabilities are along and across the
-    /// polarization, NaN for tiles that have that of the material.
+    /// The tiles as arrays; rotations are quaternions (x, y, z, w). Permeabilities are along and
+    /// across the polarization, NaN for tiles that have that of the material.
     fn tiles<'py>(&self, py: Python<'py>) -> PyResult<Tiles<'py>> {
         let tiles = &self.layout.tiles;
         let of_each =
@@ -158,8 +158,8 @@ impl Film {
         ))
     }
 
-    /// The cells of tiles with a recoil permeability: the indices of their tiles, centres, sides, polarizations
-    /// and rotations. None without.
+    /// The cells of tiles with a recoil permeability: the indices of their tiles, centres, sides,
+    /// polarizations and rotations. None without.
     fn cells<'py>(&self, py: Python<'py>) -> PyResult<Option<Cells<'py>>> {
         let Some(recoil) = self.recoil(py)? else { return Ok(None) };
         let cells = recoil.magnetization().cells();

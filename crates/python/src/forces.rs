@@ -47,7 +47,8 @@ impl Forces {
         Ok(Forces { pairs, recoil })
     }
 
-    /// What recoil changes in the force on a tile at most, and the estimate of the error, in newtons.
+    /// What recoil changes in the force on a tile at most, and the estimate of the error, in
+    /// newtons.
     #[getter]
     fn recoil(&self) -> Option<(f64, f64)> {
         self.recoil.map(|found| (PER_MM2 * found.change, PER_MM2 * found.error))

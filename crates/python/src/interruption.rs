@@ -11,8 +11,8 @@ use pyo3::prelude::*;
 /// Time between two polls for signals.
 const POLL: Duration = Duration::from_millis(50);
 
-/// Work that a signal ends. Progress callbacks of the work call [`Interruption::poll`], or return what
-/// [`Interruption::has_begun`] says.
+/// Work that a signal ends. Progress callbacks of the work call [`Interruption::poll`], or return
+/// what [`Interruption::has_begun`] says.
 #[derive(Default)]
 pub(crate) struct Interruption {
     stop: AtomicBool,
@@ -43,7 +43,8 @@ impl Interruption {
         self.run_and_tell(py, work, || Ok(()))
     }
 
-    /// The same as [`Interruption::run`]. `tell` is called with each poll; its exceptions end the work too.
+    /// The same as [`Interruption::run`]. `tell` is called with each poll; its exceptions end the
+    /// work too.
     pub(crate) fn run_and_tell<T: Send>(
         &self,
         py: Python<'_>,

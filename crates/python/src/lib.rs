@@ -1,8 +1,9 @@
-//! The extension module of the Python package `magsplice`: conversions between Python and the library.
+//! The extension module of the Python package `magsplice`: conversions between Python and the
+//! library.
 //!
-//! The package in `python/magsplice` is what people import. It gives this module contiguous arrays of
-//! doubles and makes results into classes. Here arrays are viewed in place, the interpreter is released
-//! during work, and signals are polled.
+//! The package in `python/magsplice` is what people import. It gives this module contiguous arrays
+//! of doubles and makes results into classes. Here arrays are viewed in place, the interpreter is
+//! released during work, and signals are polled.
 
 // Methods of a Python class take `&self` and values as Python passes them.
 #![allow(clippy::needless_pass_by_value)]

@@ -13,7 +13,8 @@ use crate::vectors::{rows_of, vectors};
 /// Number of readings between two polls for signals.
 const STRETCH_READINGS: usize = 1 << 12;
 
-/// What was found from readings, with the fields of the Python class. NaN where a reading has no value.
+/// What was found from readings, with the fields of the Python class. NaN where a reading has no
+/// value.
 #[derive(IntoPyObject)]
 pub(crate) struct ReadingNumbers<'py> {
     displacement_mm: Bound<'py, PyArray2<f64>>,
@@ -26,9 +27,9 @@ pub(crate) struct ReadingNumbers<'py> {
     messages: Vec<String>,
 }
 
-/// The displacement of the sensor for each reading, in millimetres: from the reference point, or from where it
-/// had the readings `rest`. What the mean of the readings `zero` has beyond the field of the reference point is in
-/// all readings, else `constant_t` is.
+/// The displacement of the sensor for each reading, in millimetres: from the reference point, or
+/// from where it had the readings `rest`. What the mean of the readings `zero` has beyond the field
+/// of the reference point is in all readings, else `constant_t` is.
 #[pyfunction]
 #[pyo3(signature = (film, readings_t, noise_t=None, constant_t=[0.0; 3], zero_t=None, rest_t=None))]
 pub(crate) fn read<'py>(
@@ -87,8 +88,8 @@ fn status(found: &Result<Located, LocateError>) -> u8 {
     }
 }
 
-/// Standard deviations of the position that one reading gives, at points, in millimetres; infinite where a
-/// displacement leaves the reading unchanged. None without noise.
+/// Standard deviations of the position that one reading gives, at points, in millimetres; infinite
+/// where a displacement leaves the reading unchanged. None without noise.
 #[pyfunction]
 #[pyo3(signature = (film, points, noise_t=None))]
 pub(crate) fn resolution<'py>(

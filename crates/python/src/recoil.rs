@@ -50,8 +50,8 @@ pub(crate) fn recoil<'py>(py: Python<'py>, film: &Film) -> PyResult<Option<Recoi
     }))
 }
 
-/// What recoil changes to first order: permeability, None for those of the layout, and figures without and with it.
-/// None if there are no figures.
+/// What recoil changes to first order: permeability, None for those of the layout, and figures
+/// without and with it. None if there are no figures.
 #[pyfunction]
 pub(crate) fn recoil_estimate(
     py: Python<'_>,

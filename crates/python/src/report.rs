@@ -14,8 +14,9 @@ use crate::vectors::vectors;
 /// A figure: name, caption, SVG, PNG and CSV.
 type Figure<'py> = (&'static str, String, String, Bound<'py, PyBytes>, String);
 
-/// The figures of a film, the page that shows them, and what the report lacks. `field_t` is B on the grid
-/// of the volume, where there is one. `text` and `json` are the results that the page repeats.
+/// The figures of a film, the page that shows them, and what the report lacks. `field_t` is B on
+/// the grid of the volume, where there is one. `text` and `json` are the results that the page
+/// repeats.
 #[pyfunction]
 #[pyo3(signature = (film, field_t, text, json, outlines=false))]
 pub(crate) fn report<'py>(

@@ -17,11 +17,12 @@ const STRETCH: Duration = Duration::from_millis(200);
 /// Largest number of samples of a stretch.
 const LONGEST_STRETCH: u64 = 1 << 16;
 
-/// Errors of samples: uniformity RMSE and displacement RMSE of shape (n, 3), amplitude of shape (n,).
+/// Errors of samples: uniformity RMSE and displacement RMSE of shape (n, 3), amplitude of shape
+/// (n,).
 type Errors<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
 
-/// The errors of samples `first` to `first + count` of the films that are made from a layout, on so many
-/// threads.
+/// The errors of samples `first` to `first + count` of the films that are made from a layout, on so
+/// many threads.
 #[pyfunction]
 #[pyo3(signature = (film, preset, seed, first, count, threads=None, progress=None))]
 #[expect(clippy::too_many_arguments, reason = "Python passes them by name")]

@@ -15,11 +15,11 @@ use crate::vectors::{numbers, vectors, written_gradients, written_rows};
 
 /// Number of pairs of tile and point between two polls for signals: about a tenth of a second.
 const STRETCH_PAIRS: usize = 1 << 24;
-/// Least and largest number of points between two polls. The least gives every thread points to sort
-/// into batches of neighbours.
+/// Least and largest number of points between two polls. The least gives every thread points to
+/// sort into batches of neighbours.
 const STRETCH_POINTS: [usize; 2] = [1 << 12, 1 << 16];
-/// Number of points between two polls where the field has a tolerance. The model is chosen for a stretch
-/// as a whole, so that short ones would be slow.
+/// Number of points between two polls where the field has a tolerance. The model is chosen for a
+/// stretch as a whole, so that short ones would be slow.
 const STRETCH_POINTS_WITHIN: usize = 1 << 20;
 
 /// A tolerance as Python passes it: whether it is a fraction of |B|, and the number.
@@ -73,8 +73,8 @@ impl Scene {
         self.exact.tile_count()
     }
 
-    /// The field at points: an array of shape (n, 3), NaN where there is no field, and the exception that
-    /// names these points, or None.
+    /// The field at points: an array of shape (n, 3), NaN where there is no field, and the
+    /// exception that names these points, or None.
     #[pyo3(signature = (quantity, points, within=None))]
     fn field<'py>(
         &self,
@@ -116,8 +116,9 @@ impl Scene {
         })
     }
 
-    /// The gradient at points: an array of shape (n, 3, 3), and the exception that names points without a
-    /// gradient, or None. Gradients are symmetric, so that columns in memory may count as rows.
+    /// The gradient at points: an array of shape (n, 3, 3), and the exception that names points
+    /// without a gradient, or None. Gradients are symmetric, so that columns in memory may count as
+    /// rows.
     fn gradient<'py>(
         &self,
         py: Python<'py>,

@@ -86,8 +86,8 @@ pub(crate) struct DesignNumbers {
     short_of: Vec<String>,
 }
 
-/// Searches for a better film, as the table [design] of the layout asks, or with another least amplitude.
-/// `progress` is called with stage, finished items, number of items and best error.
+/// Searches for a better film, as the table [design] of the layout asks, or with another least
+/// amplitude. `progress` is called with stage, finished items, number of items and best error.
 #[pyfunction]
 #[pyo3(signature = (film, least_amplitude=None, progress=None))]
 pub(crate) fn design(

@@ -2,9 +2,10 @@
 //!
 //!     cargo run --release -p magsplice-recoil --example films -- layouts/published-film.toml layouts/designed-tilted.toml
 //!
-//! The arguments are layouts with `[ideal]` and `[volume]`. Their polarizations are J_r. The table holds the
-//! value without permeability, the first-order estimate of one cell for each tile, the value at the highest
-//! level, the value extrapolated from all levels with its error, and the weakening of tiles.
+//! The arguments are layouts with `[ideal]` and `[volume]`. Their polarizations are J_r. The table
+//! holds the value without permeability, the first-order estimate of one cell for each tile, the
+//! value at the highest level, the value extrapolated from all levels with its error, and the
+//! weakening of tiles.
 
 use std::error::Error;
 use std::time::Instant;

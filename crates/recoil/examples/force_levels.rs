@@ -2,10 +2,10 @@
 //!
 //!     cargo run --release -p magsplice-recoil --example force_levels -- layouts/designed-tilted.toml 1.05 6
 //!
-//! The arguments are a layout, a permeability, a number of its first tiles, and the highest level (default: 6).
-//! Differences are between the forces on a tile by all others, over the largest of them. The last line compares
-//! forces of pairs at level 3 with those of all pairs of cells: pairs that are far apart count with their mean
-//! polarizations.
+//! The arguments are a layout, a permeability, a number of its first tiles, and the highest level
+//! (default: 6). Differences are between the forces on a tile by all others, over the largest of
+//! them. The last line compares forces of pairs at level 3 with those of all pairs of cells: pairs
+//! that are far apart count with their mean polarizations.
 
 use std::error::Error;
 

@@ -1,4 +1,5 @@
-//! Time and memory of the polarization of a board of 40 x 40 touching cubes, 102 400 cells at level 4:
+//! Time and memory of the polarization of a board of 40 x 40 touching cubes, 102 400 cells at level
+//! 4:
 //!
 //!     cargo run --release -p magsplice-recoil --example many_cells
 

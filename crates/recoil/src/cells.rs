@@ -5,16 +5,16 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use magsplice_magnet::{Tile, TileFaults};
 
-/// Cells along a side are a multiple of the level: this times the root of the ratio of the side to the
-/// shortest one, rounded. Cells at the edges are narrow already, so that a side of three times the
-/// shortest needs no more than it has.
+/// Cells along a side are a multiple of the level: this times the root of the ratio of the side to
+/// the shortest one, rounded. Cells at the edges are narrow already, so that a side of three times
+/// the shortest needs no more than it has.
 const CELLS_OF_LONG_SIDE: f64 = 0.7;
 
 /// Largest multiple of the level.
 const MOST_PER_LEVEL: usize = 4;
 
-/// Unit to which faces between cells are rounded, in half sides rounded up to a power of 2. It is far below the
-/// smallest cell.
+/// Unit to which faces between cells are rounded, in half sides rounded up to a power of 2. It is
+/// far below the smallest cell.
 const FACE_UNIT: f64 = 1.0 / (1_u64 << 30) as f64;
 
 /// The numbers of cells along the sides of a box at a level.
@@ -33,9 +33,9 @@ pub fn cell_count(size: DVec3, level: usize) -> usize {
 
 /// The cells of a tile at a level: tiles with its polarization and rotation that fill it.
 ///
-/// Along each side of n cells, faces are at -cos(pi i / n) of the half side: the field and with it the
-/// polarization vary most at edges. At level 1 a tile that is not long is one cell, and is returned as it
-/// is, bit for bit.
+/// Along each side of n cells, faces are at -cos(pi i / n) of the half side: the field and with it
+/// the polarization vary most at edges. At level 1 a tile that is not long is one cell, and is
+/// returned as it is, bit for bit.
 ///
 /// # Errors
 /// If a cell would be smaller or thinner than a tile may be.
@@ -60,8 +60,8 @@ pub fn cells(tile: &Tile, level: usize) -> Result<Vec<Tile>, TileFaults> {
 
 /// Middles and lengths of the intervals of one side.
 fn intervals(half: f64, count: usize) -> Vec<(f64, f64)> {
-    // Faces between cells have few binary digits, so that middles and lengths are exact, and the outer faces are
-    // those of the tile to the last digit. They are odd about the middle.
+    // Faces between cells have few binary digits, so that middles and lengths are exact, and the
+    // outer faces are those of the tile to the last digit. They are odd about the middle.
     let unit = FACE_UNIT * half.log2().ceil().exp2();
     let face = |i: usize| {
         if i == 0 || i == count {

@@ -1,9 +1,9 @@
 //! The mean demagnetizing tensor of two boxes with parallel edges, in closed form.
 //!
-//! A. J. Newell, W. Williams, D. J. Dunlop, "A generalization of the demagnetizing tensor for nonuniform
-//! magnetization", J. Geophys. Res. 98 (1993) 9551, for boxes of different sizes: the second differences
-//! of their functions f and g become sums over the 64 differences of corners. With r = |u|,
-//! L_a = artanh(u_a / r) and A_a = arctan(u_b u_c / (u_a r)), their functions are
+//! A. J. Newell, W. Williams, D. J. Dunlop, "A generalization of the demagnetizing tensor for
+//! nonuniform magnetization", J. Geophys. Res. 98 (1993) 9551, for boxes of different sizes: the
+//! second differences of their functions f and g become sums over the 64 differences of corners.
+//! With r = |u|, L_a = artanh(u_a / r) and A_a = arctan(u_b u_c / (u_a r)), their functions are
 //!
 //! ```text
 //! 6 f_a  = 3 u_b (u_c^2 - u_a^2) L_b + 3 u_c (u_b^2 - u_a^2) L_c - 6 u_a u_b u_c A_a
@@ -12,8 +12,8 @@
 //!          - u_c (3 u_a^2 A_a + 3 u_b^2 A_b + u_c^2 A_c) - 2 u_a u_b r
 //! ```
 //!
-//! Where L or A have no value their polynomials vanish, and so does the limit of the product: any finite
-//! value of them does.
+//! Where L or A have no value their polynomials vanish, and so does the limit of the product: any
+//! finite value of them does.
 
 use std::f64::consts::PI;
 
@@ -34,8 +34,9 @@ const CORNERS: usize = 64;
 /// Added to denominators: below every square and product of lengths that has an effect.
 const TINY: f64 = 1e-290;
 
-/// The tensor that takes the polarization of the source to minus the mean of mu0 H over the receiver.
-/// `offset` leads from the centre of the source to that of the receiver. Lengths are at most 1.
+/// The tensor that takes the polarization of the source to minus the mean of mu0 H over the
+/// receiver. `offset` leads from the centre of the source to that of the receiver. Lengths are at
+/// most 1.
 pub(crate) fn mean_tensor(receiver: DVec3, source: DVec3, offset: DVec3) -> SymmetricTensor {
     let differences = [0, 1, 2].map(|axis: usize| {
         let (sum, difference) = (0.5 * (receiver + source)[axis], 0.5 * (receiver - source)[axis]);

@@ -1,8 +1,9 @@
 //! The mean demagnetizing tensor of two distant boxes with parallel edges.
 //!
-//! The mean over both boxes of a function of the difference of two points is a mean over that difference.
-//! Along each axis its density is the convolution of two intervals: a trapezoid. A Gaussian rule of two to
-//! five nodes for this density takes the mean of the tensor of a dipole, without cancellation.
+//! The mean over both boxes of a function of the difference of two points is a mean over that
+//! difference. Along each axis its density is the convolution of two intervals: a trapezoid. A
+//! Gaussian rule of two to five nodes for this density takes the mean of the tensor of a dipole,
+//! without cancellation.
 
 use std::f64::consts::PI;
 
@@ -13,13 +14,13 @@ use crate::symmetric_tensor::SymmetricTensor;
 /// A node and its weight.
 type Node = (f64, f64);
 
-/// The error of a rule of n nodes, relative to the tensor, is below this over the 2n-th power of the ratio
-/// of the distance of the centres to the largest half side of the box of all differences of points. It is
-/// largest for two nodes: 0.7, and 0.03 for five of a small box beside a long one.
+/// The error of a rule of n nodes, relative to the tensor, is below this over the 2n-th power of
+/// the ratio of the distance of the centres to the largest half side of the box of all differences
+/// of points. It is largest for two nodes: 0.7, and 0.03 for five of a small box beside a long one.
 const RULE_ERROR: f64 = 1.5;
 
-/// The mean tensor, as [`crate::corner_sum::mean_tensor`], to an error relative to its norm. `None` if the
-/// boxes are too near.
+/// The mean tensor, as [`crate::corner_sum::mean_tensor`], to an error relative to its norm. `None`
+/// if the boxes are too near.
 pub(crate) fn mean_tensor(receiver: DVec3, source: DVec3, offset: DVec3, error: f64) -> Option<SymmetricTensor> {
     let ratio = offset.length() / (0.5 * (receiver + source)).max_element();
     let square = ratio * ratio;
@@ -68,8 +69,8 @@ pub(crate) fn dipole(u: DVec3) -> SymmetricTensor {
     }
 }
 
-/// The length a + b, and the even moments from the second to the eighth of the sum of two uniform numbers
-/// on [-a, a] and [-b, b], in that length.
+/// The length a + b, and the even moments from the second to the eighth of the sum of two uniform
+/// numbers on [-a, a] and [-b, b], in that length.
 fn moments(a: f64, b: f64) -> (f64, [f64; 4]) {
     let scale = a + b;
     let (a, b) = ((a / scale) * (a / scale), (b / scale) * (b / scale));
@@ -94,7 +95,8 @@ fn rule_of_three(a: f64, b: f64) -> [Node; 3] {
     [(-node, weight), (0.0, 1.0 - 2.0 * weight), (node, weight)]
 }
 
-/// The Gaussian rule of four nodes for that sum. The polynomial t^4 + p t^2 + q is orthogonal to 1 and t^2.
+/// The Gaussian rule of four nodes for that sum. The polynomial t^4 + p t^2 + q is orthogonal to 1
+/// and t^2.
 fn rule_of_four(a: f64, b: f64) -> [Node; 4] {
     let (scale, [m2, m4, m6, _]) = moments(a, b);
     let p = (m2 * m4 - m6) / (m4 - m2 * m2);
@@ -105,8 +107,8 @@ fn rule_of_four(a: f64, b: f64) -> [Node; 4] {
     [(-outer, of_outer), (-inner, of_inner), (inner, of_inner), (outer, of_outer)]
 }
 
-/// The Gaussian rule of five nodes for that sum. The polynomial t (t^4 + p t^2 + q) is orthogonal to t and
-/// t^3.
+/// The Gaussian rule of five nodes for that sum. The polynomial t (t^4 + p t^2 + q) is orthogonal
+/// to t and t^3.
 fn rule_of_five(a: f64, b: f64) -> [Node; 5] {
     let (scale, [m2, m4, m6, m8]) = moments(a, b);
     let determinant = m2 * m6 - m4 * m4;
@@ -129,7 +131,8 @@ fn squares_of_nodes(p: f64, q: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// The rule integrates even powers below twice its nodes over two intervals, and its nodes are inside.
+    /// The rule integrates even powers below twice its nodes over two intervals, and its nodes are
+    /// inside.
     fn check<const NODES: usize>(rule: impl Fn(f64, f64) -> [Node; NODES]) {
         for (a, b) in [(0.5, 0.5), (1.0, 1e-6), (0.3, 2.0)] {
             let rule = rule(a, b);

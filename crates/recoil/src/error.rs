@@ -29,7 +29,8 @@ pub enum RecoilError {
         /// Number of cells.
         count: usize,
     },
-    /// The near pairs of cells do not fit in memory: cells are much longer in one direction than another.
+    /// The near pairs of cells do not fit in memory: cells are much longer in one direction than
+    /// another.
     TooManyNearPairs {
         /// Number of cells.
         count: usize,

@@ -13,15 +13,15 @@ use crate::pair_sums::PairSums;
 use crate::tolerances::MOST_CELLS_OF_TENSORS;
 
 impl Magnetization {
-    /// The polarization J = J_r + chi mu0 H of the field H of the polarizations J_r, each tile divided into
-    /// cells at a level: an estimate without the solution of equations. 56 tiles of one cell each take
-    /// milliseconds.
+    /// The polarization J = J_r + chi mu0 H of the field H of the polarizations J_r, each tile
+    /// divided into cells at a level: an estimate without the solution of equations. 56 tiles of
+    /// one cell each take milliseconds.
     ///
     /// # Accuracy
-    /// The neglected terms are at most chi times the change, in the root mean square over the volume: a
-    /// twentieth of it for a permeability of 1.05. The division has larger errors. At level 1 the change of B
-    /// outside a film is right to tens of percent; where the fields of the tiles of a designed film cancel,
-    /// what remains may be wrong by a factor.
+    /// The neglected terms are at most chi times the change, in the root mean square over the
+    /// volume: a twentieth of it for a permeability of 1.05. The division has larger errors. At
+    /// level 1 the change of B outside a film is right to tens of percent; where the fields of the
+    /// tiles of a designed film cancel, what remains may be wrong by a factor.
     ///
     /// # Errors
     /// Those of [`Magnetization::solve`], but for the solution.

@@ -12,9 +12,9 @@ use crate::{corner_sum, distant};
 /// `receiver` is -N J for the polarization J of `source`.
 ///
 /// # Accuracy
-/// For tiles with parallel edges 1e-9 of the norm of the tensor, plus, for tiles that touch, a few units
-/// of round-off of the cube of their largest distance over the volume of the receiver. For tiles that are
-/// turned against each other [`crate::tolerances::TURNED_ERROR`] of the norm.
+/// For tiles with parallel edges 1e-9 of the norm of the tensor, plus, for tiles that touch, a few
+/// units of round-off of the cube of their largest distance over the volume of the receiver. For
+/// tiles that are turned against each other [`crate::tolerances::TURNED_ERROR`] of the norm.
 ///
 /// # Errors
 /// If the average over a turned tile does not converge, which happens if two tiles overlap.
@@ -64,8 +64,8 @@ fn parallel_axes(relative: DMat3) -> Option<DMat3> {
     Some(DMat3::from_cols(permutes(relative.x_axis)?, permutes(relative.y_axis)?, permutes(relative.z_axis)?))
 }
 
-/// The tensor of two boxes of these sides with parallel edges; `offset` leads from the source to the
-/// receiver.
+/// The tensor of two boxes of these sides with parallel edges; `offset` leads from the source to
+/// the receiver.
 pub(crate) fn of_boxes(receiver: DVec3, source: DVec3, offset: DVec3, error: f64) -> SymmetricTensor {
     // In units of the largest length, so that no power leaves the range of numbers.
     let unit = receiver.max_element().max(source.max_element()).max(offset.abs().max_element());
@@ -80,8 +80,8 @@ fn of_scaled_boxes([receiver, source]: [DVec3; 2], offset: DVec3, error: f64, ha
     if touches || halvings == 0 || corner_error(receiver, source, offset) <= error {
         return corner_sum::mean_tensor(receiver, source, offset);
     }
-    // The longest side is halved. The mean over a receiver is that of the means over its halves, and the
-    // field of a source is the sum of those of its halves.
+    // The longest side is halved. The mean over a receiver is that of the means over its halves,
+    // and the field of a source is the sum of those of its halves.
     let (axis_of_receiver, axis_of_source) = (receiver.max_position(), source.max_position());
     let halves_receiver = receiver[axis_of_receiver] >= source[axis_of_source];
     let (mut receiver, mut source) = (receiver, source);

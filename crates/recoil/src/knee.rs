@@ -2,8 +2,8 @@
 
 use crate::magnetization::Magnetization;
 
-/// A cell whose field drives it beyond the knee. Its recoil line holds no more: it loses polarization for
-/// good.
+/// A cell whose field drives it beyond the knee. Its recoil line holds no more: it loses
+/// polarization for good.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DemagnetizedCell {
     /// Index of the cell.
@@ -15,18 +15,19 @@ pub struct DemagnetizedCell {
 }
 
 impl Magnetization {
-    /// mu0 H of each cell along the easy axis of its tile, in tesla; `None` for tiles without polarization.
+    /// mu0 H of each cell along the easy axis of its tile, in tesla; `None` for tiles without
+    /// polarization.
     pub fn fields_along_easy_axis_t(&self) -> Vec<Option<f64>> {
         let axes: Vec<_> = self.tiles().iter().map(|each| each.easy_axis()).collect();
         self.owners().iter().zip(self.fields_t()).map(|(owner, h_t)| Some(axes[*owner]?.dot(*h_t))).collect()
     }
 
-    /// The cells beyond the knee, in their order. `knee_t` is mu0 times the magnitude of the field at the
-    /// knee, in tesla: the demagnetization curve is straight for fields along the easy axis above `-knee_t`.
-    /// Data sheets state it for each grade and temperature.
+    /// The cells beyond the knee, in their order. `knee_t` is mu0 times the magnitude of the field
+    /// at the knee, in tesla: the demagnetization curve is straight for fields along the easy axis
+    /// above `-knee_t`. Data sheets state it for each grade and temperature.
     ///
-    /// The field is the mean over a cell. At edges of tiles it is larger: a finer level finds more cells,
-    /// of less volume.
+    /// The field is the mean over a cell. At edges of tiles it is larger: a finer level finds more
+    /// cells, of less volume.
     pub fn beyond_knee(&self, knee_t: f64) -> Vec<DemagnetizedCell> {
         let cells = self.fields_along_easy_axis_t().into_iter().zip(self.owners()).enumerate();
         cells
@@ -59,8 +60,8 @@ mod tests {
         RecoilTile { tile, permeability: Permeability::isotropic(1.05).unwrap() }
     }
 
-    /// A cube has mu0 H = -J / 3 and J = J_r 3 / (mu_r + 2). Another one beside it, magnetized against it along
-    /// the line between them, adds to its demagnetizing field.
+    /// A cube has mu0 H = -J / 3 and J = J_r 3 / (mu_r + 2). Another one beside it, magnetized
+    /// against it along the line between them, adds to its demagnetizing field.
     #[test]
     fn knee_is_passed_by_the_right_cells() {
         let alone = Magnetization::solve(&[cube(0.0, DVec3::Z)], 1, |_| {}).unwrap();

@@ -1,7 +1,7 @@
 //! Self-consistent magnetization of cuboid tiles with a linear recoil line.
 //!
-//! The polarization of a tile is J = J_r + chi mu0 H, chi = mu_r - 1, where H is the field of all tiles,
-//! its own demagnetizing field included.
+//! The polarization of a tile is J = J_r + chi mu0 H, chi = mu_r - 1, where H is the field of all
+//! tiles, its own demagnetizing field included.
 //!
 //! * [`RecoilTile`]: a tile with its polarization J_r and its [`Permeability`].
 //! * [`Magnetization`]: the polarization of cells that agrees with their field.
@@ -11,11 +11,11 @@
 //! * [`mean_tensor`]: the mean over one tile of the field of another.
 //!
 //! # Accuracy
-//! Few cells have the tensors of all their pairs, right to [`tolerances::TENSOR_ERROR`], and their equations are
-//! solved to round-off. For many, pairs of distant cells interact by multipole expansions, right to
-//! [`tolerances::TREE_ERROR`]. What remains is the division into cells. [`refine`] estimates its error for the
-//! quantity that is asked for.
-//! The estimate is no bound: its constants were fitted to the values of the tests.
+//! Few cells have the tensors of all their pairs, right to [`tolerances::TENSOR_ERROR`], and their
+//! equations are solved to round-off. For many, pairs of distant cells interact by multipole
+//! expansions, right to [`tolerances::TREE_ERROR`]. What remains is the division into cells.
+//! [`refine`] estimates its error for the quantity that is asked for. The estimate is no bound: its
+//! constants were fitted to the values of the tests.
 //!
 //! # Example
 //! ```
@@ -43,7 +43,8 @@
 //! ```
 //!
 //! # Units
-//! Lengths are in any one unit, polarizations in tesla. This crate reads no files and prints nothing.
+//! Lengths are in any one unit, polarizations in tesla. This crate reads no files and prints
+//! nothing.
 
 // Rules are written as `!(x <= limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]

@@ -11,8 +11,8 @@ use crate::pair_tensors::PairTensors;
 use crate::symmetry::Orbits;
 use crate::tolerances::{MOST_CELLS_OF_TENSORS, MOST_PERMEABILITY_OF_TREE, RESIDUAL, RESIDUAL_OF_TREE};
 
-/// The matrix of the tensors T_ij of representatives of orbits ([`PairTensors`]). Without mirrors, each cell
-/// is the only one of its orbit, and T_ij is sqrt(V_i / V_j) N_ij.
+/// The matrix of the tensors T_ij of representatives of orbits ([`PairTensors`]). Without mirrors,
+/// each cell is the only one of its orbit, and T_ij is sqrt(V_i / V_j) N_ij.
 pub(crate) struct PairSums {
     method: Method,
     /// The cells whose sums are known.
@@ -32,12 +32,12 @@ enum Method {
 }
 
 impl PairSums {
-    /// The tensors of all pairs of few cells, or the tree of many. `progress` is told, from any thread, how
-    /// many more cells begin.
+    /// The tensors of all pairs of few cells, or the tree of many. `progress` is told, from any
+    /// thread, how many more cells begin.
     ///
     /// # Errors
-    /// If tensors are not known, if they do not fit in memory, or if a permeability multiplies the error of
-    /// the tree beyond use.
+    /// If tensors are not known, if they do not fit in memory, or if a permeability multiplies the
+    /// error of the tree beyond use.
     pub(crate) fn new(
         tiles: &[RecoilTile],
         division: &Division,
@@ -87,7 +87,8 @@ impl PairSums {
         }
     }
 
-    /// The mean of mu0 H over each representative, in tesla, of the polarizations of representatives.
+    /// The mean of mu0 H over each representative, in tesla, of the polarizations of
+    /// representatives.
     pub(crate) fn mean_fields_t(&self, polarizations_t: &[DVec3]) -> Vec<DVec3> {
         let weighted: Vec<DVec3> =
             polarizations_t.iter().zip(&self.roots_of_volume).map(|(j, root)| *j * *root).collect();

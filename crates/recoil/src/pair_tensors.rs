@@ -12,16 +12,16 @@ use crate::symmetry::Orbits;
 /// exchanged.
 ///
 /// With the orbit's size o and the mirrors that leave a cell where it is, s, T_ij is the sum of
-/// sqrt(V_i / V_j) N_ig(j) D_g over all products g of mirrors, over sqrt(s_i s_j). D_g holds the signs of
-/// components of polarizations. The vectors are those of cells times sqrt(o).
+/// sqrt(V_i / V_j) N_ig(j) D_g over all products g of mirrors, over sqrt(s_i s_j). D_g holds the
+/// signs of components of polarizations. The vectors are those of cells times sqrt(o).
 pub(crate) struct PairTensors {
     /// Row i holds the representatives up to i.
     rows: Vec<Vec<DMat3>>,
 }
 
 impl PairTensors {
-    /// The tensors of all pairs. `progress` is told, from any thread, when those of a representative with all
-    /// before it begin: the number of cells of the orbit.
+    /// The tensors of all pairs. `progress` is told, from any thread, when those of a
+    /// representative with all before it begin: the number of cells of the orbit.
     pub(crate) fn new(
         division: &Division,
         orbits: &Orbits,

@@ -1,17 +1,17 @@
 //! Levels of division until a quantity is known to a tolerance.
 //!
-//! Let Q_l be the quantity at level l. With the cells of [`crate::cells`] its error falls with the square
-//! of the level, Q_l = Q + c / l^2, in the mean over films that were measured. The value is extrapolated
-//! with this order (Richardson). Its error is that of Q_l by the last two changes of Q, of which
-//! the earlier one is brought to the last level: one change can be small by chance. It is not less than a
-//! share of what the permeability changes in the value, and it is multiplied by a factor of safety: odd and
-//! even numbers of cells have errors of their own.
+//! Let Q_l be the quantity at level l. With the cells of [`crate::cells`] its error falls with the
+//! square of the level, Q_l = Q + c / l^2, in the mean over films that were measured. The value is
+//! extrapolated with this order (Richardson). Its error is that of Q_l by the last two changes of
+//! Q, of which the earlier one is brought to the last level: one change can be small by chance. It
+//! is not less than a share of what the permeability changes in the value, and it is multiplied by
+//! a factor of safety: odd and even numbers of cells have errors of their own.
 //!
-//! The share and the factor were fitted to the values of the tests: B near and far, and mean polarizations,
-//! of 19 sets of tiles. These are rods, plates, cubes, touching and separate pairs, a Halbach row, a
-//! checkerboard, stripes, anisotropic and turned tiles, with permeabilities up to 3. The result is an
-//! estimate, not a bound. It does not contain the error of the solution of the cells, which is
-//! [`crate::tolerances::TREE_ERROR`] of the change with many cells.
+//! The share and the factor were fitted to the values of the tests: B near and far, and mean
+//! polarizations, of 19 sets of tiles. These are rods, plates, cubes, touching and separate pairs,
+//! a Halbach row, a checkerboard, stripes, anisotropic and turned tiles, with permeabilities up
+//! to 3. The result is an estimate, not a bound. It does not contain the error of the solution of
+//! the cells, which is [`crate::tolerances::TREE_ERROR`] of the change with many cells.
 
 use std::error::Error;
 use std::fmt;
@@ -24,25 +24,28 @@ use crate::magnetization::Magnetization;
 use crate::material::RecoilTile;
 use crate::tolerances::MAX_CELLS;
 
-/// Least error of a value at level 1, as a share of what the permeability changes in it. It falls with the
-/// square of the level too. Both changes of one value of many can be small by chance: one value has an error
-/// at level 3 of a tenth of its change, over 3^2.
+/// Least error of a value at level 1, as a share of what the permeability changes in it. It falls
+/// with the square of the level too. Both changes of one value of many can be small by chance: one
+/// value has an error at level 3 of a tenth of its change, over 3^2.
 const LEAST_SHARE: f64 = 0.25;
 
-/// Factor of safety. Of the 418 values of 19 sets of tiles, the largest error at level 3 is 4.2 times the
-/// estimate without it, and three are more than 3 times it; at levels 4 to 6 the largest is 1.1 times it.
+/// Factor of safety. Of the 418 values of 19 sets of tiles, the largest error at level 3 is 4.2
+/// times the estimate without it, and three are more than 3 times it; at levels 4 to 6 the largest
+/// is 1.1 times it.
 const SAFETY: f64 = 4.5;
 
 /// Levels that are needed for two changes.
 const LEAST_LEVEL: usize = 3;
 
-/// Power of the level with which errors may fall at most. They fall with the square, and change by chance.
+/// Power of the level with which errors may fall at most. They fall with the square, and change by
+/// chance.
 const STEEPEST_FALL: i32 = 3;
 
 /// When a refinement ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefinementSettings {
-    /// Largest error of each value, in its unit; infinite for a value whose error is only estimated.
+    /// Largest error of each value, in its unit; infinite for a value whose error is only
+    /// estimated.
     pub tolerances: Vec<f64>,
     /// Most cells, at most [`MAX_CELLS`].
     pub most_cells: usize,
@@ -75,8 +78,8 @@ pub enum RefinementError {
         reached: f64,
         /// Most cells.
         most_cells: usize,
-        /// Cells of the level at which the error is small enough if it falls with the square of the level, or of
-        /// the third level if it is not known.
+        /// Cells of the level at which the error is small enough if it falls with the square of the
+        /// level, or of the third level if it is not known.
         needed_cells: usize,
         /// The best that is known, with two levels or more of which three are needed for errors.
         best: Option<Box<Refined>>,
@@ -90,17 +93,17 @@ pub enum RefinementError {
     },
 }
 
-/// Divides tiles at level 1, 2, 3 and so on, until `quantity` is known to a tolerance. `quantity` takes the
-/// cells as tiles to any number of values: B at points, an error of a film. Without permeabilities above 1
-/// level 1 is exact.
+/// Divides tiles at level 1, 2, 3 and so on, until `quantity` is known to a tolerance. `quantity`
+/// takes the cells as tiles to any number of values: B at points, an error of a film. Without
+/// permeabilities above 1 level 1 is exact.
 ///
-/// `progress` is told the level, from any thread, while it is solved. A panic of it ends the work and reaches the
-/// caller.
+/// `progress` is told the level, from any thread, while it is solved. A panic of it ends the work
+/// and reaches the caller.
 ///
 /// # Errors
-/// If the polarization is not known, or the tolerance is not reached; the error then holds the best that is
-/// known. Levels above the third are not solved where their errors would have to fall faster than with the
-/// cube of the level.
+/// If the polarization is not known, or the tolerance is not reached; the error then holds the best
+/// that is known. Levels above the third are not solved where their errors would have to fall
+/// faster than with the cube of the level.
 ///
 /// # Panics
 /// Never; a quantity that is not finite does not converge.
@@ -145,14 +148,15 @@ pub fn refine(
     Err(RefinementError::NotConverged { tolerance, reached: f64::INFINITY, most_cells, needed_cells, best: None })
 }
 
-/// The quantity at a level, 3 or higher, extrapolated from this level and those before, with its errors. See
-/// [`refine`]; tiles without permeabilities above 1 have no errors at any level.
+/// The quantity at a level, 3 or higher, extrapolated from this level and those before, with its
+/// errors. See [`refine`]; tiles without permeabilities above 1 have no errors at any level.
 ///
 /// # Errors
 /// If the polarization is not known, or the level has more than [`MAX_CELLS`] cells.
 ///
 /// # Panics
-/// If the level is less than 3, or the quantity does not have the same number of values at each level.
+/// If the level is less than 3, or the quantity does not have the same number of values at each
+/// level.
 pub fn extrapolated_at(
     tiles: &[RecoilTile],
     level: usize,
@@ -224,8 +228,8 @@ impl<'a, Q: Fn(&[Tile]) -> Vec<f64>> Levels<'a, Q> {
     }
 }
 
-/// The error that is farthest above its tolerance, with the tolerance. An error that is no number is the
-/// farthest.
+/// The error that is farthest above its tolerance, with the tolerance. An error that is no number
+/// is the farthest.
 fn farthest(errors: &[f64], tolerances: &[f64]) -> (f64, f64) {
     let pairs = errors.iter().copied().zip(tolerances.iter().copied());
     // An infinite tolerance is for an error that may be anything.

@@ -1,8 +1,8 @@
 //! Mirror planes of a set of tiles, and the cells that stand for all.
 //!
-//! A mirror takes a polarization to its image as an axial vector, along the axis as it is and across it
-//! reversed, or to the opposite of that. Where each tile has an image among the tiles, the solution has
-//! the same planes: one cell of each orbit is unknown.
+//! A mirror takes a polarization to its image as an axial vector, along the axis as it is and
+//! across it reversed, or to the opposite of that. Where each tile has an image among the tiles,
+//! the solution has the same planes: one cell of each orbit is unknown.
 
 use glam::{DQuat, DVec3};
 use magsplice_magnet::BoundingBox;
@@ -73,8 +73,8 @@ impl Orbits {
         self.images.iter().filter(|(images, _)| images[cell] == cell).count()
     }
 
-    /// The values of all cells from those of the representatives. Components that a plane through a cell
-    /// reverses vanish.
+    /// The values of all cells from those of the representatives. Components that a plane through a
+    /// cell reverses vanish.
     pub(crate) fn expand(&self, values: &[DVec3]) -> Vec<DVec3> {
         let mut all = vec![DVec3::ZERO; self.images[0].0.len()];
         for (cell, value) in self.representatives.iter().zip(values) {

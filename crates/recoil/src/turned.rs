@@ -1,7 +1,8 @@
 //! The mean demagnetizing tensor of two boxes that are turned against each other.
 //!
-//! The exact field of the source is averaged over the receiver by Gauss-Legendre rules on parts that are
-//! divided until the average does not change. Far away the tensor of a dipole is averaged over both.
+//! The exact field of the source is averaged over the receiver by Gauss-Legendre rules on parts
+//! that are divided until the average does not change. Far away the tensor of a dipole is averaged
+//! over both.
 
 use std::error::Error;
 use std::f64::consts::PI;
@@ -119,8 +120,8 @@ fn in_field(receiver: &Tile, source: &Tile) -> Result<SymmetricTensor, TurnedNot
     let mut evaluated = 1;
     let (mut settled, mut error) = (SymmetricTensor::ZERO, 0.0);
     let norm = parts[0].1.norm();
-    // Depth first; each part may have the share of the error that its volume is of the receiver, by its
-    // root, because errors at singular edges are in few parts.
+    // Depth first; each part may have the share of the error that its volume is of the receiver, by
+    // its root, because errors at singular edges are in few parts.
     while let Some((part, coarse, volume)) = parts.pop() {
         let eighths = part.eighths().map(|eighth| (eighth, average(&scenes, eighth), 0.125 * volume));
         evaluated += 8;
@@ -154,7 +155,8 @@ mod tests {
 
     use super::*;
 
-    /// The average of dipoles is that of the exact field, at the least distance at which it is used.
+    /// The average of dipoles is that of the exact field, at the least distance at which it is
+    /// used.
     #[test]
     fn distant_average_is_that_of_the_exact_field() {
         let rotation = DQuat::from_euler(EulerRot::XYZ, 0.3, -0.7, 1.1);

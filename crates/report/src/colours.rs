@@ -45,9 +45,9 @@ pub(crate) enum Palette {
 const LINES_FRACTION: f32 = 0.86;
 
 impl ColourScale {
-    /// The diverging scale for a range of values whose zero has a meaning. Values of one sign get the
-    /// half of the palette that is theirs, so that a quantity has the same colours in all figures.
-    /// The range may be empty.
+    /// The diverging scale for a range of values whose zero has a meaning. Values of one sign get
+    /// the half of the palette that is theirs, so that a quantity has the same colours in all
+    /// figures. The range may be empty.
     pub(crate) fn signed([low, high]: [f64; 2]) -> ColourScale {
         let (low, high) = if low <= high { (low.min(0.0), high.max(0.0)) } else { (0.0, 0.0) };
         let slight = ONE_SIGN_TOLERANCE * (high - low);
@@ -59,8 +59,8 @@ impl ColourScale {
         }
     }
 
-    /// The sequential scale for a range of values whose zero has no meaning, such as logarithms. The
-    /// range may be empty.
+    /// The sequential scale for a range of values whose zero has no meaning, such as logarithms.
+    /// The range may be empty.
     pub(crate) fn without_zero([low, high]: [f64; 2]) -> ColourScale {
         if low > high {
             return ColourScale { low: 0.0, high: 1.0, palette: Palette::Sequential };

@@ -5,8 +5,8 @@
 //! everything. [`FrontFigure`] draws the trade-offs that a design search found.
 //!
 //! plotters draws the figures. Their colours are readable in print and by colour-blind readers.
-//! Text of SVG files is text or outlines ([`SvgText`]). In PNG files and on the page it is drawn with
-//! the font in `fonts/`, so that a figure looks the same on every machine.
+//! Text of SVG files is text or outlines ([`SvgText`]). In PNG files and on the page it is drawn
+//! with the font in `fonts/`, so that a figure looks the same on every machine.
 //!
 //! This crate computes no field and no decoupling parameter by itself: [`Film`](magsplice::Film)
 //! does. It writes no files.

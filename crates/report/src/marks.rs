@@ -77,8 +77,8 @@ pub(crate) fn corner_brackets(sheet: &Sheet, upper_left: [f64; 2], lower_right: 
     Ok(())
 }
 
-/// The arms of the brackets at the corners of a rectangle, two per corner: from the corner to the end
-/// of the arm.
+/// The arms of the brackets at the corners of a rectangle, two per corner: from the corner to the
+/// end of the arm.
 pub(crate) fn bracket_arms([left, top]: [f64; 2], [right, bottom]: [f64; 2], most_px: f64) -> [[[f64; 2]; 2]; 8] {
     let length = most_px.min(0.4 * (right - left)).min(0.4 * (bottom - top));
     let corners = [

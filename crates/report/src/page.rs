@@ -70,7 +70,8 @@ pub(crate) fn page(
     })
 }
 
-/// The elements of the head of a page with this title. `more_style` is CSS that this page alone needs.
+/// The elements of the head of a page with this title. `more_style` is CSS that this page alone
+/// needs.
 pub(crate) fn head(title: &str, more_style: &str) -> String {
     filled(HEAD, &|placeholder| match placeholder {
         "title" => title.to_owned(),

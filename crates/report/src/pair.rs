@@ -61,8 +61,8 @@ impl PairReport {
         let surveys = [Survey::new(films[0], first_t)?, Survey::new(films[1], second_t)?];
         let ranges = SharedRanges::default();
         let draw = |index: usize| drafts(films[index], &drawn_tiles(films[index]), surveys[index].as_ref(), &ranges);
-        // The first drawings only find the ranges that both films share. The vectors need two rounds:
-        // their arrows fill the window, and the window is shared.
+        // The first drawings only find the ranges that both films share. The vectors need two
+        // rounds: their arrows fill the window, and the window is shared.
         for index in [0, 1, 0] {
             draw(index)?;
         }

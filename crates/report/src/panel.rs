@@ -264,8 +264,8 @@ fn numbers_in(range: [f64; 2], px: f64) -> Vec<f64> {
     RangedCoordf64::from(range[0]..range[1]).key_points(max_numbers(range, px))
 }
 
-/// Largest count of numbers along an axis. It is raised where it leaves a single number, from which no
-/// scale can be read: plotters takes steps of powers of ten, times 1, 2 or 5.
+/// Largest count of numbers along an axis. It is raised where it leaves a single number, from which
+/// no scale can be read: plotters takes steps of powers of ten, times 1, 2 or 5.
 fn max_numbers([low, high]: [f64; 2], px: f64) -> usize {
     let wanted = ((px / PX_PER_NUMBER) as usize).clamp(2, MOST_NUMBERS);
     let is_enough = |count: &usize| RangedCoordf64::from(low..high).key_points(*count).len() > 1;

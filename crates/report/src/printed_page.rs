@@ -1,4 +1,5 @@
-//! A page to print and take to the bench: a figure and tables, in one HTML file that loads no other.
+//! A page to print and take to the bench: a figure and tables, in one HTML file that loads no
+//! other.
 
 use std::fmt::Write;
 

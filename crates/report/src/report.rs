@@ -21,9 +21,9 @@ pub(crate) const PAGE_NAME: &str = "report.html";
 
 /// The figures of a film, and the HTML page that shows them.
 ///
-/// A layout with a working volume and an ideal film has eight figures, and two more with a sensor. Without an ideal film the
-/// figures of the decoupling parameters are missing; without a working volume the only figure is
-/// the one of the tiles. [`Report::absent`] gives the reasons.
+/// A layout with a working volume and an ideal film has eight figures, and two more with a sensor.
+/// Without an ideal film the figures of the decoupling parameters are missing; without a working
+/// volume the only figure is the one of the tiles. [`Report::absent`] gives the reasons.
 ///
 /// # Example
 ///
@@ -68,9 +68,9 @@ impl Report {
     /// Draws all figures that the layout allows, and the page.
     ///
     /// `field_t` is B in tesla on the grid of the working volume, as [`Film::volume_field_t`]
-    /// returns it. `None` computes it here. `samples` are films that are made from the layout, whose
-    /// errors two further figures show. The figures have the accuracy of the film. `text` is the
-    /// form of text in the SVG files; on the page it is always outlines.
+    /// returns it. `None` computes it here. `samples` are films that are made from the layout,
+    /// whose errors two further figures show. The figures have the accuracy of the film. `text` is
+    /// the form of text in the SVG files; on the page it is always outlines.
     ///
     /// # Errors
     /// - [`ReportError::Film`] if the film cannot be evaluated.

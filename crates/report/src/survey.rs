@@ -211,8 +211,8 @@ impl FieldSlice {
         without_round_off(b, IDEAL_ROUND_OFF * b.length())
     }
 
-    /// B of the film minus B of the ideal film times `amplitude` in tesla in a cell. Components that
-    /// are round-off are 0.
+    /// B of the film minus B of the ideal film times `amplitude` in tesla in a cell. Components
+    /// that are round-off are 0.
     pub(crate) fn difference_t(&self, film: &IdealFilm, amplitude: f64, u: usize, v: usize) -> DVec3 {
         let ideal = amplitude * self.ideal_t(film, u, v);
         let bound = self.round_off_t[self.index(u, v)] + IDEAL_ROUND_OFF * ideal.length();
@@ -226,8 +226,8 @@ impl FieldSlice {
 
     /// The decoupling parameters in a cell; `None` where they do not exist.
     ///
-    /// R_x and R_y that are round-off are 0: an error of B of one bound changes them by at most a few
-    /// times the bound over |B_z|.
+    /// R_x and R_y that are round-off are 0: an error of B of one bound changes them by at most a
+    /// few times the bound over |B_z|.
     pub(crate) fn parameters(&self, branch: Branch, u: usize, v: usize) -> Option<Parameters> {
         let b = self.field_t(u, v);
         let found = Parameters::from_field(b, branch)?;
@@ -236,8 +236,8 @@ impl FieldSlice {
         Some(Parameters { r_x: angle(found.r_x), r_y: angle(found.r_y), ..found })
     }
 
-    /// Differences of S_z up to this are round-off in a cell: an error of B of one bound changes S_z by
-    /// at most a few times the bound over the largest component of B.
+    /// Differences of S_z up to this are round-off in a cell: an error of B of one bound changes
+    /// S_z by at most a few times the bound over the largest component of B.
     pub(crate) fn log_round_off(&self, u: usize, v: usize) -> f64 {
         BOUNDS_PER_PARAMETER * self.round_off_t[self.index(u, v)] / self.field_t(u, v).abs().max_element()
     }

@@ -41,8 +41,8 @@ pub(crate) fn plain(text: &str) -> String {
     text.chars().map(|c| if known(c) { c } else { '\u{fffd}' }).collect()
 }
 
-/// SVG with the private characters replaced with elements. A subscript is lowered by `dy`, which all
-/// programs know, unlike `baseline-shift`; the letter after it is raised again.
+/// SVG with the private characters replaced with elements. A subscript is lowered by `dy`, which
+/// all programs know, unlike `baseline-shift`; the letter after it is raised again.
 pub(crate) fn marked_up(svg: &str) -> String {
     let svg = svg
         .replace(SYMBOL, "<tspan font-style=\"italic\">")

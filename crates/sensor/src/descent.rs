@@ -1,22 +1,23 @@
-//! Gauss-Newton steps towards the position with a reading, for many readings at once, so that the field
-//! is evaluated at many points per call.
+//! Gauss-Newton steps towards the position with a reading, for many readings at once, so that the
+//! field is evaluated at many points per call.
 
 use glam::{DMat3, DVec3};
 
 use crate::sensed_field::SensedField;
 
-/// Most evaluations of one search. Steps that converge take five; a step that is halved takes one more.
+/// Most evaluations of one search. Steps that converge take five; a step that is halved takes one
+/// more.
 const MOST_EVALUATIONS: usize = 60;
 
-/// Length of a step, as a fraction of the diagonal of the volume, below which the search ends. Steps
-/// converge quadratically, so that the error left is the square of it, and round-off.
+/// Length of a step, as a fraction of the diagonal of the volume, below which the search ends.
+/// Steps converge quadratically, so that the error left is the square of it, and round-off.
 const SHORTEST_STEP: f64 = 1e-8;
 
 /// Longest step, as a fraction of the diagonal: farther away the field is not linear.
 const LONGEST_STEP: f64 = 0.25;
 
-/// Fraction of the magnitude of the reading up to which a field counts as equal to it. The exact field
-/// is right to 2e-14 of the sum over tiles, which is rarely 1e4 times the field.
+/// Fraction of the magnitude of the reading up to which a field counts as equal to it. The exact
+/// field is right to 2e-14 of the sum over tiles, which is rarely 1e4 times the field.
 const SAME_FIELD: f64 = 1e-9;
 
 /// The box in which positions are searched.
@@ -84,8 +85,8 @@ pub(crate) fn descend(field: &SensedField, region: &Region, searches: &[(DVec3, 
 }
 
 impl Descent {
-    /// Chooses the next candidate from the field and its gradient at the present one. Returns how the
-    /// search ended, if it did.
+    /// Chooses the next candidate from the field and its gradient at the present one. Returns how
+    /// the search ended, if it did.
     fn next(&mut self, field_t: DVec3, gradient: DMat3, region: &Region) -> Option<Ending> {
         let difference = self.reading_t - field_t;
         let distance = difference.length();

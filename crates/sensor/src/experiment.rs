@@ -9,7 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use crate::locator::{LocateError, Located, Locator};
 use crate::sensed_field::SensedField;
 
-/// Fraction of a step by which a displacement may exceed the volume: the round-off of decimal steps.
+/// Fraction of a step by which a displacement may exceed the volume: the round-off of decimal
+/// steps.
 const STEP_ROUNDING: f64 = 1e-9;
 
 /// A film at one displacement, and what its sensor tells.
@@ -21,11 +22,11 @@ pub struct ExperimentStep {
     pub reading_t: DVec3,
     /// R_x, R_y, S_z of the reading (Eq. 15). `None` where B_z is 0.
     pub parameters: Option<Parameters>,
-    /// The displacement of the film by the closed form (Eq. 14). `None` without a wavenumber or where B_z
-    /// is 0.
+    /// The displacement of the film by the closed form (Eq. 14). `None` without a wavenumber or
+    /// where B_z is 0.
     pub by_closed_form: Option<DVec3>,
-    /// The displacement of the film by the field of the tiles. `None` for readings without a position, and if
-    /// the reading at rest has none.
+    /// The displacement of the film by the field of the tiles. `None` for readings without a
+    /// position, and if the reading at rest has none.
     pub by_field: Option<DVec3>,
     /// Whether a component of the reading is at the limit of the sensor's range.
     pub is_saturated: bool,
@@ -42,8 +43,8 @@ pub struct ExperimentSettings {
     pub seed: Option<u64>,
 }
 
-/// The displacements of a film along an axis, at multiples of a step, for which a sensor at `reference`
-/// stays in a volume. The sensor moves in the frame of the film by the opposite.
+/// The displacements of a film along an axis, at multiples of a step, for which a sensor at
+/// `reference` stays in a volume. The sensor moves in the frame of the film by the opposite.
 ///
 /// # Panics
 /// If the step is not greater than 0.
@@ -62,9 +63,9 @@ pub fn displacements(volume: &Grid, reference: DVec3, axis: usize, step: f64) ->
 
 /// Moves a film and reads its sensor at each displacement.
 ///
-/// `film` is the film that is there, and `locator` knows the one that was ordered. The sensor is first
-/// read at rest, without noise. All displacements count from this reading: those by the field from the
-/// position of it, which is not the reference point if the film is not the ordered one.
+/// `film` is the film that is there, and `locator` knows the one that was ordered. The sensor is
+/// first read at rest, without noise. All displacements count from this reading: those by the field
+/// from the position of it, which is not the reference point if the film is not the ordered one.
 ///
 /// # Errors
 /// Displacements at which the sensor is on an edge of a tile.
@@ -114,7 +115,8 @@ fn position(found: &Result<Located, LocateError>) -> Option<DVec3> {
     }
 }
 
-/// The noise of one reading: a stream of random numbers of its own, so that it does not depend on others.
+/// The noise of one reading: a stream of random numbers of its own, so that it does not depend on
+/// others.
 fn noise_t(sensor: &HallSensor, seed: u64, index: u64) -> DVec3 {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(index);

@@ -10,8 +10,8 @@
 //!
 //! The equations are in docs/physics.md, section 8.
 //!
-//! Flux densities in tesla; lengths in any one unit, that of the tiles. This crate reads no files and
-//! prints nothing.
+//! Flux densities in tesla; lengths in any one unit, that of the tiles. This crate reads no files
+//! and prints nothing.
 //!
 //! # Features
 //! `serde` (off by default): `Serialize` for results and values, `Deserialize` for values.

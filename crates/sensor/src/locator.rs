@@ -17,12 +17,12 @@ const REACH: f64 = 0.5;
 /// Least extent that the reach is a fraction of, over the diagonal, for volumes that are a plane.
 const LEAST_EXTENT: f64 = 0.1;
 
-/// Distance from the volume, as a fraction of its diagonal, up to which a position counts as within:
-/// the round-off of positions on its surface.
+/// Distance from the volume, as a fraction of its diagonal, up to which a position counts as
+/// within: the round-off of positions on its surface.
 const ON_SURFACE: f64 = 1e-9;
 
-/// Distance of two positions, as a fraction of the diagonal, from which on they are different. Searches
-/// end within 1e-16 of it from each other, unless the gradient nearly vanishes.
+/// Distance of two positions, as a fraction of the diagonal, from which on they are different.
+/// Searches end within 1e-16 of it from each other, unless the gradient nearly vanishes.
 const APART: f64 = 1e-6;
 
 /// Readings that are searched at a time, which bounds the memory.
@@ -46,8 +46,8 @@ pub struct Locator<'a> {
 pub struct Located {
     /// The position, in the frame and the unit of length of the tiles.
     pub position: DVec3,
-    /// Gradient of the reading there: column j is the derivative along x_j, in tesla per unit of length.
-    /// [`Noise`](crate::Noise) makes standard deviations from it.
+    /// Gradient of the reading there: column j is the derivative along x_j, in tesla per unit of
+    /// length. [`Noise`](crate::Noise) makes standard deviations from it.
     pub gradient: DMat3,
 }
 
@@ -68,8 +68,9 @@ pub enum LocateError {
 }
 
 impl<'a> Locator<'a> {
-    /// A locator for the volume that a grid spans. The field is that of an exact [`Scene`](magsplice_field::Scene),
-    /// which a perfect sensor reads, or what a sensor reads of it.
+    /// A locator for the volume that a grid spans. The field is that of an exact
+    /// [`Scene`](magsplice_field::Scene), which a perfect sensor reads, or what a sensor reads of
+    /// it.
     ///
     /// The search begins at points of the grid, so its step must resolve the field: a tenth of the
     /// wavelength of a film is enough.
@@ -86,8 +87,8 @@ impl<'a> Locator<'a> {
         Ok(Locator { field, grid, readings_t, constant_t: DVec3::ZERO, region })
     }
 
-    /// The same locator for readings that contain this much besides the field of the tiles: a stray field,
-    /// or an offset that the sensor does not state.
+    /// The same locator for readings that contain this much besides the field of the tiles: a stray
+    /// field, or an offset that the sensor does not state.
     pub fn with_constant_reading(self, constant_t: DVec3) -> Locator<'a> {
         Locator { constant_t, ..self }
     }
@@ -97,15 +98,16 @@ impl<'a> Locator<'a> {
         &self.grid
     }
 
-    /// The position with each reading, in the frame of the tiles. Readings in tesla, as the sensor gives them.
+    /// The position with each reading, in the frame of the tiles. Readings in tesla, as the sensor
+    /// gives them.
     ///
-    /// Gauss-Newton steps begin at every point of the grid whose field is nearer to the reading than
-    /// those of its neighbours. They use the exact field and its gradient. The positions found are exact
-    /// to the error of the field, 2e-14 of the sum over tiles, over its gradient. Results do not depend
-    /// on the other readings, nor on the number of threads.
+    /// Gauss-Newton steps begin at every point of the grid whose field is nearer to the reading
+    /// than those of its neighbours. They use the exact field and its gradient. The positions found
+    /// are exact to the error of the field, 2e-14 of the sum over tiles, over its gradient. Results
+    /// do not depend on the other readings, nor on the number of threads.
     ///
-    /// That no other position in the volume has the reading is not proved: it holds as far as the grid
-    /// resolves the field.
+    /// That no other position in the volume has the reading is not proved: it holds as far as the
+    /// grid resolves the field.
     pub fn locate(&self, readings_t: &[DVec3]) -> Vec<Result<Located, LocateError>> {
         readings_t.chunks(BATCH).flat_map(|readings_t| self.locate_batch(readings_t)).collect()
     }

@@ -13,15 +13,16 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// The noise of a sensor's readings, with their rounding to counts. `None` if it states neither.
+    /// The noise of a sensor's readings, with their rounding to counts. `None` if it states
+    /// neither.
     pub fn of_sensor(sensor: &HallSensor) -> Option<Noise> {
         let deviation_t = sensor.deviation_t();
         (deviation_t != DVec3::ZERO).then_some(Noise { deviation_t })
     }
 
-    /// Standard deviations along x, y, z of the position that a reading gives, where the field has this
-    /// gradient (column j is the derivative along x_j). `None` where the gradient is singular, so that
-    /// some displacement leaves the reading unchanged.
+    /// Standard deviations along x, y, z of the position that a reading gives, where the field has
+    /// this gradient (column j is the derivative along x_j). `None` where the gradient is singular,
+    /// so that some displacement leaves the reading unchanged.
     ///
     /// No unbiased estimate from one reading has smaller ones, if the noise is normal (the bound of
     /// Cramér and Rao): with b = B(p) + noise, the covariance of p is G^-1 S G^-T.
@@ -30,9 +31,10 @@ impl Noise {
         self.through(inverse)
     }
 
-    /// Standard deviations along x, y, z of the displacement of Dai 2024, Eq. 14, to first order, where
-    /// the parameters have these derivatives by the flux density. The parameters are those of the flux
-    /// density that the readings of `sensor` stand for. The reading at the reference point is taken as exact.
+    /// Standard deviations along x, y, z of the displacement of Dai 2024, Eq. 14, to first order,
+    /// where the parameters have these derivatives by the flux density. The parameters are those of
+    /// the flux density that the readings of `sensor` stand for. The reading at the reference point
+    /// is taken as exact.
     pub fn of_parameters(
         &self,
         derivatives: &ParameterDerivatives,

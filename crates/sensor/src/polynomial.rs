@@ -1,5 +1,5 @@
-//! The position of a sensor as a polynomial of the decoupling parameters, for computers without room for
-//! the tiles.
+//! The position of a sensor as a polynomial of the decoupling parameters, for computers without
+//! room for the tiles.
 
 use std::error::Error;
 use std::fmt;
@@ -11,7 +11,8 @@ use nalgebra::DMatrix;
 
 use crate::sensed_field::SensedField;
 
-/// Degrees that are tried, the least first. The error of a film falls three to five times with each.
+/// Degrees that are tried, the least first. The error of a film falls three to five times with
+/// each.
 const DEGREES: [usize; 4] = [4, 6, 8, 10];
 
 /// Nodes along x, y, z to which a polynomial is fitted: twice the highest degree, and one more.
@@ -20,8 +21,8 @@ const NODES: [usize; 3] = [21, 21, 15];
 /// Points along x, y, z at which its error is measured. None but the corners are nodes.
 const CHECKS: [usize; 3] = [30, 30, 18];
 
-/// The displacement of a sensor from the reference point as a polynomial of R_x, R_y and S_z: a sum of
-/// products of Chebyshev polynomials.
+/// The displacement of a sensor from the reference point as a polynomial of R_x, R_y and S_z: a sum
+/// of products of Chebyshev polynomials.
 ///
 /// For an ideal film the displacement is a multiple of each parameter (Dai 2024, Eq. 14). The
 /// polynomial also contains what the splicing pattern and the end of the film change.
@@ -59,8 +60,8 @@ pub enum PolynomialError {
 }
 
 impl DisplacementPolynomial {
-    /// The polynomial of the least degree whose error is at most `error` at all points of a grid of 30 x
-    /// 30 x 18 points in the volume that `volume` spans. Displacements count from `reference`.
+    /// The polynomial of the least degree whose error is at most `error` at all points of a grid of
+    /// 30 x 30 x 18 points in the volume that `volume` spans. Displacements count from `reference`.
     ///
     /// The error between these points is not bounded. They are closer than the polynomial can bend.
     ///
@@ -162,7 +163,8 @@ impl DisplacementPolynomial {
         qr.q_tr_mul(&mut right);
         let upper = qr.r();
         let mut solution = right.rows(0, terms).into_owned();
-        // The columns are products of Chebyshev polynomials over their whole range, and independent.
+        // The columns are products of Chebyshev polynomials over their whole range, and
+        // independent.
         upper.solve_upper_triangular_mut(&mut solution);
         self.coefficients = (0..terms).map(|term| [0, 1, 2].map(|axis| solution[(term, axis)])).collect();
     }

@@ -8,9 +8,9 @@ use crate::scan_least_squares::Scan;
 use crate::scan_parameters::{FreeParameters, ScanFit, ScanParameters};
 use crate::sensed_field::SensedField;
 
-/// A reading is an outlier if a component is farther from the fit than this many standard deviations.
-/// Of a million normal errors, one exceeds five of them by chance in half of all scans, and six in one
-/// of 500.
+/// A reading is an outlier if a component is farther from the fit than this many standard
+/// deviations. Of a million normal errors, one exceeds five of them by chance in half of all scans,
+/// and six in one of 500.
 const OUTLIER: f64 = 6.0;
 
 /// The standard deviation of normal errors over the median of their magnitudes.
@@ -28,9 +28,9 @@ const MOST_OUTLIERS: f64 = 0.2;
 
 /// Fits the parameters of a scan: readings of a sensor, in tesla, at positions of the scan.
 ///
-/// Gauss-Newton steps begin with the perfect scan and use the exact field and its gradient. Readings
-/// farther from the fit than six standard deviations are left out and the rest is fitted anew, until no
-/// reading is; the standard deviation is that of the median.
+/// Gauss-Newton steps begin with the perfect scan and use the exact field and its gradient.
+/// Readings farther from the fit than six standard deviations are left out and the rest is fitted
+/// anew, until no reading is; the standard deviation is that of the median.
 ///
 /// # Errors
 /// See [`ScanError`].

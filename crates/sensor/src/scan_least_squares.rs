@@ -1,5 +1,5 @@
-//! The least squares of a scan: Gauss-Newton steps with the exact field and its gradient (docs/physics.md,
-//! section 8).
+//! The least squares of a scan: Gauss-Newton steps with the exact field and its gradient
+//! (docs/physics.md, section 8).
 
 use glam::{DMat3, DQuat, DVec3};
 use magsplice_magnet::HallSensor;
@@ -18,16 +18,16 @@ const MOST_STEPS: usize = 50;
 /// Relative change of the sum of squares below which a fit ends.
 const LEAST_GAIN: f64 = 1e-12;
 
-/// Eigenvalue of the scaled normal matrix, over the largest, below which a combination of parameters is
-/// not determined by the scan. Round-off of the matrix is 1e-16 of the largest.
+/// Eigenvalue of the scaled normal matrix, over the largest, below which a combination of
+/// parameters is not determined by the scan. Round-off of the matrix is 1e-16 of the largest.
 const UNDETERMINED: f64 = 1e-12;
 
-/// Length of a step, in scaled parameters and as a fraction of the full step where that is longer than
-/// one, at which halving ends: the sum of squares then changes by round-off alone.
+/// Length of a step, in scaled parameters and as a fraction of the full step where that is longer
+/// than one, at which halving ends: the sum of squares then changes by round-off alone.
 const SHORTEST_STEP: f64 = 1e-12;
 
-/// Share of the largest component of an undetermined combination from which on a parameter is named as
-/// part of it.
+/// Share of the largest component of an undetermined combination from which on a parameter is named
+/// as part of it.
 const LEAST_PART: f64 = 0.3;
 
 /// A scan that is fitted.

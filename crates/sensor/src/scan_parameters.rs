@@ -58,7 +58,8 @@ impl ScanParameters {
         self.turn().inverse() * (self.strength * field_t) + self.offset_t
     }
 
-    /// The field, in the frame of the tiles, that a sensor without offset and rotation would have read.
+    /// The field, in the frame of the tiles, that a sensor without offset and rotation would have
+    /// read.
     pub fn corrected_t(&self, reading_t: DVec3) -> DVec3 {
         self.turn() * (reading_t - self.offset_t)
     }

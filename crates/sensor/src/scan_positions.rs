@@ -1,4 +1,5 @@
-//! The positions of a scan: whether they are a grid, which of it are missing, and which are repeated.
+//! The positions of a scan: whether they are a grid, which of it are missing, and which are
+//! repeated.
 
 use std::collections::HashSet;
 
@@ -23,8 +24,8 @@ pub struct ScanPositions {
 }
 
 impl ScanPositions {
-    /// The positions of readings. Two are the same if they differ by at most a millionth of the extent
-    /// along each axis. They are a grid if at least half of its positions have a reading.
+    /// The positions of readings. Two are the same if they differ by at most a millionth of the
+    /// extent along each axis. They are a grid if at least half of its positions have a reading.
     pub fn new(points: &[DVec3]) -> ScanPositions {
         let coordinates: [Vec<f64>; 3] = std::array::from_fn(|axis| {
             let mut values: Vec<f64> = points.iter().map(|point| point[axis]).collect();

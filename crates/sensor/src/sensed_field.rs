@@ -8,13 +8,13 @@ use magsplice_field::Scene;
 use magsplice_magnet::{Grid, HallSensor, HallSensorFault, PointError, PointErrors, Quantity};
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Difference of two quadrature rules, as a fraction of the largest flux density in the volume, below
-/// which the first is used. It moves positions by 1e-8 of the wavelength over 2 pi, or ten times that
-/// where the field is weak.
+/// Difference of two quadrature rules, as a fraction of the largest flux density in the volume,
+/// below which the first is used. It moves positions by 1e-8 of the wavelength over 2 pi, or ten
+/// times that where the field is weak.
 const AVERAGED: f64 = 1e-8;
 
-/// Most quadrature nodes along a side of the active area. A film of wavelength L needs four for a side of
-/// L / 10 and eight for L / 2.
+/// Most quadrature nodes along a side of the active area. A film of wavelength L needs four for a
+/// side of L / 10 and eight for L / 2.
 const MOST_NODES: usize = 8;
 
 /// Points along each side of the volume at which quadrature rules are compared.
@@ -33,8 +33,8 @@ pub struct SensedField<'a> {
     averaging_error_t: f64,
 }
 
-/// A place at which the field counts, relative to the position of the sensor and in the frame of the
-/// tiles, and its weight in the mean.
+/// A place at which the field counts, relative to the position of the sensor and in the frame of
+/// the tiles, and its weight in the mean.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     offset: DVec3,
@@ -47,7 +47,8 @@ struct Node {
 pub enum SensedFieldError {
     /// The sensor cannot exist.
     Sensor(HallSensorFault),
-    /// The field changes too much over the active area: rules of 8 x 8 and 9 x 9 nodes differ by this much.
+    /// The field changes too much over the active area: rules of 8 x 8 and 9 x 9 nodes differ by
+    /// this much.
     ActiveArea {
         /// Difference in tesla.
         difference_t: f64,
@@ -63,7 +64,8 @@ impl<'a> From<&'a Scene> for SensedField<'a> {
 }
 
 impl<'a> SensedField<'a> {
-    /// The readings of a sensor that moves in the volume that a grid spans. The scene must be exact.
+    /// The readings of a sensor that moves in the volume that a grid spans. The scene must be
+    /// exact.
     ///
     /// # Errors
     /// See [`SensedFieldError`].
@@ -108,8 +110,8 @@ impl<'a> SensedField<'a> {
         self.nodes[0].len().isqrt()
     }
 
-    /// Estimate of the error of the mean over the active area, in tesla: its largest difference to the next
-    /// finer rule, at points of the volume.
+    /// Estimate of the error of the mean over the active area, in tesla: its largest difference to
+    /// the next finer rule, at points of the volume.
     pub fn averaging_error_t(&self) -> f64 {
         self.averaging_error_t
     }
@@ -129,8 +131,8 @@ impl<'a> SensedField<'a> {
         Ok(means.into_iter().map(|means: [DVec3; 3]| self.reading_t(means)).collect())
     }
 
-    /// The readings, and their gradients: column j is the derivative along x_j, in tesla per unit of
-    /// length. NaN where there is no field.
+    /// The readings, and their gradients: column j is the derivative along x_j, in tesla per unit
+    /// of length. NaN where there is no field.
     pub fn readings_and_gradients(&self, positions: &[DVec3]) -> (Vec<DVec3>, Vec<DMat3>) {
         let field_t = |points: &[DVec3]| -> Result<Vec<DVec3>, PointErrors> {
             let mut field_t = vec![DVec3::ZERO; points.len()];
@@ -157,7 +159,8 @@ impl<'a> SensedField<'a> {
         Ok(slopes.into_iter().map(|slopes: [DMat3; 3]| self.gradient(slopes)).collect())
     }
 
-    /// The flux density, in the frame of the tiles, of which a perfect sensor would give this reading.
+    /// The flux density, in the frame of the tiles, of which a perfect sensor would give this
+    /// reading.
     pub fn field_of_reading_t(&self, reading_t: DVec3) -> DVec3 {
         self.sensor.rotation * ((reading_t - self.sensor.offset_t) / self.sensor.gain)
     }
@@ -234,8 +237,8 @@ fn nodes(sensor: &HallSensor, count: usize) -> Vec<Vec<Node>> {
     if x == y && x == z { vec![of_plate(x)] } else { sensor.plates.map(of_plate).into() }
 }
 
-/// Nodes and weights of the Gauss-Legendre rule on [-1, 1], by the eigenvalues of its Jacobi matrix (Golub
-/// and Welsch 1969).
+/// Nodes and weights of the Gauss-Legendre rule on [-1, 1], by the eigenvalues of its Jacobi matrix
+/// (Golub and Welsch 1969).
 fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let beta = |n: usize| n as f64 / ((4 * n * n - 1) as f64).sqrt();
     let jacobi = DMatrix::from_fn(count, count, |i, j| if i.abs_diff(j) == 1 { beta(i.max(j)) } else { 0.0 });

@@ -1,18 +1,19 @@
-//! Where the search for a position begins: points of the volume whose field is nearest to the reading.
+//! Where the search for a position begins: points of the volume whose field is nearest to the
+//! reading.
 
 use glam::DVec3;
 use magsplice_magnet::Grid;
 
-/// Most starting points of one reading. A reading that many separate points are near to is ambiguous
-/// after two of them.
+/// Most starting points of one reading. A reading that many separate points are near to is
+/// ambiguous after two of them.
 const MOST_STARTS: usize = 8;
 
-/// The points of a grid from which the field is nearest to the reading among their neighbours, nearest
-/// first.
+/// The points of a grid from which the field is nearest to the reading among their neighbours,
+/// nearest first.
 ///
 /// The squared difference of the field and the reading has a minimum at each position with this
-/// reading. On a grid on which the field is nearly linear from point to point, one of the points around
-/// the position is lower than its neighbours.
+/// reading. On a grid on which the field is nearly linear from point to point, one of the points
+/// around the position is lower than its neighbours.
 pub(crate) fn starts(grid: &Grid, field_t: &[DVec3], reading_t: DVec3) -> Vec<DVec3> {
     let distance: Vec<f64> = field_t.iter().map(|field| (*field - reading_t).length_squared()).collect();
     let counts = grid.counts();

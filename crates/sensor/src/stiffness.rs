@@ -12,8 +12,8 @@ const CONFIDENCE: f64 = 0.95;
 /// round-off of a difference.
 const LEAST_EXTENT: f64 = 1e-9;
 
-/// The line F = stiffness d + force at rest along one axis (Dai 2024, Eqs. 16 and 17, with calibrated
-/// coefficients).
+/// The line F = stiffness d + force at rest along one axis (Dai 2024, Eqs. 16 and 17, with
+/// calibrated coefficients).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stiffness {
@@ -40,11 +40,11 @@ pub enum StiffnessError {
 }
 
 impl Stiffness {
-    /// Fits the line to displacements and the forces with which they were made. The errors are taken to
-    /// be normal and those of the forces; the intervals are Student's.
+    /// Fits the line to displacements and the forces with which they were made. The errors are
+    /// taken to be normal and those of the forces; the intervals are Student's.
     ///
-    /// Errors of the displacements make the line flatter by the fraction of their variance over that of
-    /// the displacements.
+    /// Errors of the displacements make the line flatter by the fraction of their variance over
+    /// that of the displacements.
     ///
     /// # Errors
     /// See [`StiffnessError`].
@@ -98,8 +98,8 @@ impl Error for StiffnessError {}
 mod tests {
     use super::*;
 
-    /// The slope of these is 1.99 and the intercept 1.04, by hand; the quantile of Student at 0.975 with
-    /// three degrees of freedom is 3.182446 in every table.
+    /// The slope of these is 1.99 and the intercept 1.04, by hand; the quantile of Student at 0.975
+    /// with three degrees of freedom is 3.182446 in every table.
     #[test]
     fn line_and_intervals_are_those_of_a_linear_model() {
         let line = Stiffness::fit(&[0.0, 1.0, 2.0, 3.0, 4.0], &[1.1, 2.9, 5.2, 6.8, 9.1]).unwrap();

@@ -43,7 +43,8 @@ fn field_tells_the_displacement_and_the_closed_form_nearly() {
     let steps = experiment(&sensed, &locator, &moved, &settings).unwrap();
     for (step, moved) in steps.iter().zip(&moved) {
         assert!((step.by_field.unwrap() - *moved).length() < 1e-9, "{step:?}");
-        // The published film is off by 0.25 mm RMS over the volume, and by 0.8 mm at the ends of its lowest line.
+        // The published film is off by 0.25 mm RMS over the volume, and by 0.8 mm at the ends of
+        // its lowest line.
         assert!((step.by_closed_form.unwrap() - *moved).length() < 0.9, "{step:?}");
         assert!(!step.is_saturated);
     }
@@ -51,7 +52,8 @@ fn field_tells_the_displacement_and_the_closed_form_nearly() {
     assert!(steps[4].by_closed_form.unwrap().length() < 1e-14);
 }
 
-/// The noise of a reading is its own: another seed is another noise, and its size is that of the sensor.
+/// The noise of a reading is its own: another seed is another noise, and its size is that of the
+/// sensor.
 #[test]
 fn noise_and_rounding_are_those_of_the_sensor() {
     let (layout, grid, settings) = film();

@@ -25,8 +25,8 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
     (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
 }
 
-/// The error of the field is at most 2e-14 of the sum over tiles, below 1e-14 T here, and the gradient
-/// at least 1e-5 T/mm. So positions are right to 1e-9 mm, the shortest step squared aside.
+/// The error of the field is at most 2e-14 of the sum over tiles, below 1e-14 T here, and the
+/// gradient at least 1e-5 T/mm. So positions are right to 1e-9 mm, the shortest step squared aside.
 #[test]
 fn readings_without_noise_give_their_positions() {
     for name in ["published-film", "designed-displacement", "robust-tilted"] {
@@ -43,8 +43,9 @@ fn readings_without_noise_give_their_positions() {
     }
 }
 
-/// A standard deviation from n samples has a standard error of 1 / sqrt(2 n) of itself: four of them are
-/// 4.5 % for 4000. The steps are nearly linear over the noise, so that the bound is reached.
+/// A standard deviation from n samples has a standard error of 1 / sqrt(2 n) of itself: four of
+/// them are 4.5 % for 4000. The steps are nearly linear over the noise, so that the bound is
+/// reached.
 #[test]
 fn noise_moves_positions_as_far_as_the_bound_says() {
     let (scene, grid, layout) = shipped("published-film");
@@ -100,7 +101,8 @@ fn readings_that_fit_elsewhere_twice_or_nowhere_say_so() {
         Err(LocateError::Ambiguous(both)) => {
             let mut x = both.map(|position| position.x);
             x.sort_by(f64::total_cmp);
-            // Near its rim the film is weaker, so that the second position is not a wavelength away.
+            // Near its rim the film is weaker, so that the second position is not a wavelength
+            // away.
             assert!((x[0] + 5.5).abs() < 1e-9 && (x[1] - 4.5).abs() < 0.3, "{x:?}");
             for position in both {
                 let there = scene.field(Quantity::FluxDensity, position).unwrap();

@@ -51,9 +51,9 @@ fn scan_without_noise_gives_its_parameters() {
     assert!(fit.noise_t < 1e-12, "{}", fit.noise_t);
 }
 
-/// Errors over their stated deviations are normal of deviation 1: over 100 scans of 10 parameters their
-/// mean square is 1 within 4 sqrt(2 / 1000) = 0.18. Parameters of one scan are correlated, which widens
-/// that, by less than twice.
+/// Errors over their stated deviations are normal of deviation 1: over 100 scans of 10 parameters
+/// their mean square is 1 within 4 sqrt(2 / 1000) = 0.18. Parameters of one scan are correlated,
+/// which widens that, by less than twice.
 #[test]
 fn parameters_scatter_as_stated() {
     let (scene, points) = film();

@@ -15,9 +15,8 @@ use crate::sampler::Sampler;
 /// (docs/physics.md, Eq. P62).
 ///
 /// # Accuracy
-/// Errors of tiles and surroundings are taken to first order.
-/// [`FirstOrder::check`] compares the total with exact samples: times its ratio of mean squares, it is
-/// the directly simulated total.
+/// Errors of tiles and surroundings are taken to first order. [`FirstOrder::check`] compares the
+/// total with exact samples: times its ratio of mean squares, it is the directly simulated total.
 ///
 /// # Example
 /// ```
@@ -60,22 +59,23 @@ pub struct AxisBudget {
     pub nominal_mm2: f64,
     /// The splicing pattern without end against the ideal film. `None` if it is not known.
     pub pattern_mm2: Option<f64>,
-    /// The contribution of each cause that has errors: of the tiles, the surroundings, and the sensor.
+    /// The contribution of each cause that has errors: of the tiles, the surroundings, and the
+    /// sensor.
     pub causes: Vec<Share>,
     /// The sum of the nominal mean square and of all causes.
     pub total_mm2: f64,
 }
 
 impl AxisBudget {
-    /// What the end of the film adds to the error of its splicing pattern: the nominal mean square less
-    /// that of the pattern. It is negative where a film is designed such that both compensate each
-    /// other. `None` if the pattern is not known.
+    /// What the end of the film adds to the error of its splicing pattern: the nominal mean square
+    /// less that of the pattern. It is negative where a film is designed such that both compensate
+    /// each other. `None` if the pattern is not known.
     pub fn finite_film_mm2(&self) -> Option<f64> {
         self.pattern_mm2.map(|pattern| self.nominal_mm2 - pattern)
     }
 
-    /// What the causes together add beyond the sum of what they add alone. It is zero to first order,
-    /// but for rounding.
+    /// What the causes together add beyond the sum of what they add alone. It is zero to first
+    /// order, but for rounding.
     pub fn together_mm2(&self) -> f64 {
         let alone: f64 = self.causes.iter().map(|share| share.contribution.total_mm2()).sum();
         self.total_mm2 - self.nominal_mm2 - alone
@@ -103,8 +103,8 @@ pub struct CauseImprovement {
 }
 
 impl Budget {
-    /// The budget to first order of a film, and of its splicing pattern without end if it has one, see
-    /// [`EndlessPattern::errors`](crate::EndlessPattern::errors), in the same volume.
+    /// The budget to first order of a film, and of its splicing pattern without end if it has one,
+    /// see [`EndlessPattern::errors`](crate::EndlessPattern::errors), in the same volume.
     pub fn new(model: &FirstOrder, pattern: Option<&FilmErrors>) -> Budget {
         let errors = [0, 1, 2].map(|axis| model.axis_errors(axis));
         let saved_by = |of: &dyn Fn(&AxisErrors) -> f64| errors.each_ref().map(of);
@@ -128,11 +128,11 @@ impl Budget {
 }
 
 impl Budget {
-    /// The budget by exact samples, for films whose errors are too large for the first order. Each cause
-    /// contributes what it adds to the nominal mean square alone; [`AxisBudget::together_mm2`] is what all
-    /// of them add beyond that. What halving saves is that of errors that add as squares, and nothing is
-    /// known of single tiles. `progress` is told, from any thread, when a
-    /// sample begins.
+    /// The budget by exact samples, for films whose errors are too large for the first order. Each
+    /// cause contributes what it adds to the nominal mean square alone;
+    /// [`AxisBudget::together_mm2`] is what all of them add beyond that. What halving saves is that
+    /// of errors that add as squares, and nothing is known of single tiles. `progress` is told,
+    /// from any thread, when a sample begins.
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.

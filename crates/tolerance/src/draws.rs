@@ -139,8 +139,8 @@ mod tests {
         }
     }
 
-    /// Mean, variance and fourth moment of n normal deviates deviate from 0, 1 and 3 by normal errors
-    /// of 1, 2^1/2 and 96^1/2 over the root of n. Six of these are allowed.
+    /// Mean, variance and fourth moment of n normal deviates deviate from 0, 1 and 3 by normal
+    /// errors of 1, 2^1/2 and 96^1/2 over the root of n. Six of these are allowed.
     #[test]
     fn deviates_are_normal_and_independent() {
         let tiles = 20_000;

@@ -56,7 +56,8 @@ impl Figure {
 }
 
 impl FilmErrors {
-    /// The errors of a field that the sensor reads on the grid, z fastest, and at the reference point.
+    /// The errors of a field that the sensor reads on the grid, z fastest, and at the reference
+    /// point.
     ///
     /// # Errors
     /// If a decoupling parameter does not exist at a point of the volume.

@@ -1,5 +1,6 @@
-//! Real films: the decoupling errors of films whose tiles are misplaced, turned, cut to wrong sizes,
-//! and weaker or magnetized in another direction than ordered, in stray fields, read by real sensors.
+//! Real films: the decoupling errors of films whose tiles are misplaced, turned, cut to wrong
+//! sizes, and weaker or magnetized in another direction than ordered, in stray fields, read by real
+//! sensors.
 //!
 //! * [`RealFilm`]: a film with the errors of those that are made like it, and its samples.
 //! * [`Sampler`]: sample number i, which depends on a seed and on i alone, and its errors.
@@ -12,9 +13,9 @@
 //! * [`Budget`]: where the displacement errors come from: pattern, end of the film, and each cause.
 //! * [`Statistics`]: mean and percentiles of many samples, with confidence intervals.
 //!
-//! The errors themselves, such as [`magsplice_layout::FilmTolerance`], are values of a layout: lengths
-//! in millimetres, flux densities in tesla, angles in radians. This crate reads no files and prints
-//! nothing.
+//! The errors themselves, such as [`magsplice_layout::FilmTolerance`], are values of a layout:
+//! lengths in millimetres, flux densities in tesla, angles in radians. This crate reads no files
+//! and prints nothing.
 //!
 //! # Features
 //! `serde` (off by default): `Serialize` for values and results, `Deserialize` for values.

@@ -96,9 +96,9 @@ impl Surroundings {
     /// Number of the errors that [`Surroundings::values`] gives.
     pub(crate) const ERRORS: usize = 19;
 
-    /// The values of the errors: three each of position and rotation of the film, three of the stray
-    /// field, the relative change of all strengths, and three each of offset, rotation and gain of the
-    /// sensor.
+    /// The values of the errors: three each of position and rotation of the film, three of the
+    /// stray field, the relative change of all strengths, and three each of offset, rotation and
+    /// gain of the sensor.
     pub(crate) fn values(&self) -> [f64; Surroundings::ERRORS] {
         let vectors = [self.pose.shift, self.pose.turn.to_scaled_axis(), self.stray_field_t];
         let of_sensor = [self.offset_t, self.sensor_turn.to_scaled_axis(), self.gain - DVec3::ONE];

@@ -120,8 +120,8 @@ impl RealFilm {
         self.draw_tiles(&mut Draws::new(seed, sample))
     }
 
-    /// The tiles of sample number `sample` after they are cut and magnetized: each at its place, with its
-    /// errors of size, strength and direction alone.
+    /// The tiles of sample number `sample` after they are cut and magnetized: each at its place,
+    /// with its errors of size, strength and direction alone.
     ///
     /// # Errors
     /// The faults of the first tile that cannot exist, such as one without thickness.
@@ -129,8 +129,8 @@ impl RealFilm {
         (0..self.tiles.len()).map(|tile| self.cut_tile(tile, tile, seed, sample)).collect()
     }
 
-    /// Spare tile number `number` of sample number `sample`: another tile that is cut like tile number
-    /// `tile`, with errors of its own.
+    /// Spare tile number `number` of sample number `sample`: another tile that is cut like tile
+    /// number `tile`, with errors of its own.
     ///
     /// # Errors
     /// The faults of a tile that cannot exist, such as one without thickness.
@@ -148,10 +148,10 @@ impl RealFilm {
         with_errors(&self.tiles[tile], &cut, self.tiles[tile].position())
     }
 
-    /// The tiles of sample number `sample` if these tiles are laid: `cut`, one for each place, with the
-    /// errors of position and rotation of the places and the errors of groups. Of
-    /// [`cut_tiles`](RealFilm::cut_tiles) it makes [`sample_tiles`](RealFilm::sample_tiles), but for
-    /// round-off.
+    /// The tiles of sample number `sample` if these tiles are laid: `cut`, one for each place, with
+    /// the errors of position and rotation of the places and the errors of groups. Of
+    /// [`cut_tiles`](RealFilm::cut_tiles) it makes [`sample_tiles`](RealFilm::sample_tiles), but
+    /// for round-off.
     ///
     /// # Errors
     /// The faults of the first tile that cannot exist, such as one without thickness.
@@ -171,8 +171,8 @@ impl RealFilm {
         Ok(tiles)
     }
 
-    /// The tiles with given errors, numbered as in [`TileErrors::all`]: those of each tile, then those of
-    /// each group. Tiles may overlap.
+    /// The tiles with given errors, numbered as in [`TileErrors::all`]: those of each tile, then
+    /// those of each group. Tiles may overlap.
     ///
     /// # Errors
     /// The faults of the first tile that cannot exist, such as one without thickness.
@@ -258,8 +258,8 @@ fn turned_in_tile(tile: &Tile, [in_plane, out_of_plane]: [f64; 2]) -> DVec3 {
     }
 }
 
-/// The axes, in the frame of the tile, about which errors turn J: the part of the film's normal that
-/// is normal to J, and the axis normal to both. `None` if J is zero.
+/// The axes, in the frame of the tile, about which errors turn J: the part of the film's normal
+/// that is normal to J, and the axis normal to both. `None` if J is zero.
 pub(crate) fn direction_axes(tile: &Tile) -> Option<[DVec3; 2]> {
     let along = tile.polarization_t().try_normalize()?;
     let reference = direction_normal(tile)?;
@@ -267,11 +267,11 @@ pub(crate) fn direction_axes(tile: &Tile) -> Option<[DVec3; 2]> {
     Some([normal, along.cross(normal)])
 }
 
-/// The vector in the frame of the tile whose part normal to J is the axis of errors of direction in the
-/// plane: the film's normal. `None` if J is zero.
+/// The vector in the frame of the tile whose part normal to J is the axis of errors of direction in
+/// the plane: the film's normal. `None` if J is zero.
 ///
-/// Where J is along the film's normal, which leaves no part, the tile's own x takes its place, or its y
-/// if J is along x.
+/// Where J is along the film's normal, which leaves no part, the tile's own x takes its place, or
+/// its y if J is along x.
 pub fn direction_normal(tile: &Tile) -> Option<DVec3> {
     let along = tile.polarization_t().try_normalize()?;
     let film_normal = tile.rotation().inverse() * DVec3::Z;

@@ -24,8 +24,8 @@ pub struct Sampler<'a> {
     points: Vec<DVec3>,
     /// The field of the neighbour at each of them.
     neighbour_t: Vec<DVec3>,
-    /// The field of the film beside that of its tiles, and its gradient, at each of them; empty if there is
-    /// none.
+    /// The field of the film beside that of its tiles, and its gradient, at each of them; empty if
+    /// there is none.
     remainder_t: Vec<(DVec3, DMat3)>,
 }
 
@@ -64,8 +64,8 @@ impl<'a> Sampler<'a> {
         self.errors_of_readings(&self.readings_of_t(sample)?)
     }
 
-    /// The errors of sample number `sample` if its tiles are these: they have the pose, the surroundings
-    /// and the sensor of the sample.
+    /// The errors of sample number `sample` if its tiles are these: they have the pose, the
+    /// surroundings and the sensor of the sample.
     ///
     /// # Errors
     /// If the parameters do not exist in the volume.
@@ -78,7 +78,8 @@ impl<'a> Sampler<'a> {
         FilmErrors::from_field(&read_t[..last], read_t[last], &self.volume, self.ideal)
     }
 
-    /// The readings of sample number `sample` at the points of the grid, then at the reference point.
+    /// The readings of sample number `sample` at the points of the grid, then at the reference
+    /// point.
     pub(crate) fn readings_of_t(&self, sample: u64) -> Result<Vec<DVec3>, SampleError> {
         let mut draws = Draws::new(self.seed, sample);
         let tiles = self.film.draw_tiles(&mut draws).map_err(SampleError::Tile)?;
@@ -137,8 +138,8 @@ impl<'a> Sampler<'a> {
         self.seed
     }
 
-    /// The errors of samples with these numbers, computed in parallel. They do not depend on the number
-    /// of threads, and samples of several ranges are those of the joined range.
+    /// The errors of samples with these numbers, computed in parallel. They do not depend on the
+    /// number of threads, and samples of several ranges are those of the joined range.
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
@@ -146,7 +147,8 @@ impl<'a> Sampler<'a> {
         self.errors_of_range_with_progress(samples, || {})
     }
 
-    /// The same as [`Sampler::errors_of_range`]. `progress` is told, from any thread, when a sample begins.
+    /// The same as [`Sampler::errors_of_range`]. `progress` is told, from any thread, when a sample
+    /// begins.
     ///
     /// # Errors
     /// As [`Sampler::errors_of_range`].

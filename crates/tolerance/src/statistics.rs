@@ -121,8 +121,8 @@ mod tests {
         assert_eq!(Statistics::new([2.0]).expect("one").mean.interval, [f64::NEG_INFINITY, f64::INFINITY]);
     }
 
-    /// Known values: Wilson's interval of 8 of 10 is 0.4901 to 0.9433; of ten throws of a coin, at least
-    /// eight are heads in 56 of 1024 cases.
+    /// Known values: Wilson's interval of 8 of 10 is 0.4901 to 0.9433; of ten throws of a coin, at
+    /// least eight are heads in 56 of 1024 cases.
     #[test]
     fn shares_have_the_known_intervals_and_tails() {
         let [low, high] = share(8, 10).expect("samples").interval;
@@ -134,8 +134,8 @@ mod tests {
         assert!((probability_of_at_least(10, 10, 0.9) - 0.9_f64.powi(10)).abs() < 1e-12);
     }
 
-    /// Of 1000 intervals of 95 %, 950 contain the true value, with a standard deviation of 7. Intervals
-    /// of percentiles are rounded outwards and contain it more often.
+    /// Of 1000 intervals of 95 %, 950 contain the true value, with a standard deviation of 7.
+    /// Intervals of percentiles are rounded outwards and contain it more often.
     #[test]
     fn intervals_contain_the_true_value_as_often_as_stated() {
         let (mut mean, mut p50, mut p95) = (0, 0, 0);

@@ -6,20 +6,21 @@ use magsplice_magnet::{Tile, TileFaults};
 
 /// How the tiles of a film with a recoil permeability weaken and turn, each at its place.
 ///
-/// A tile that is laid at a place is weakened and turned like the one that was ordered for it: by a factor and
-/// a rotation. How it changes other tiles is neglected; of its change the share that is neglected is of the
-/// order of the susceptibility.
+/// A tile that is laid at a place is weakened and turned like the one that was ordered for it: by a
+/// factor and a rotation. How it changes other tiles is neglected; of its change the share that is
+/// neglected is of the order of the susceptibility.
 #[derive(Clone, Debug)]
 pub struct Weakening {
-    /// For each place: J of the tile as ordered, and its mean in the film, in the frame of the tile.
+    /// For each place: J of the tile as ordered, and its mean in the film, in the frame of the
+    /// tile.
     places: Vec<[DVec3; 2]>,
     /// What the means leave out of the field.
     remainder: Scene,
 }
 
 impl Weakening {
-    /// The weakening of tiles with these mean polarizations in the film. `remainder` is the field that the means
-    /// leave out.
+    /// The weakening of tiles with these mean polarizations in the film. `remainder` is the field
+    /// that the means leave out.
     ///
     /// # Panics
     /// If there are not as many means as tiles.
@@ -76,8 +77,8 @@ mod tests {
         Tile::new(DVec3::ZERO, DVec3::ONE, polarization_t.into()).unwrap()
     }
 
-    /// The tile as ordered has its mean, one with errors the same factor and rotation, and one without
-    /// remanence what the others give it.
+    /// The tile as ordered has its mean, one with errors the same factor and rotation, and one
+    /// without remanence what the others give it.
     #[test]
     fn tiles_are_weakened_like_those_ordered() {
         let ordered = [cube([0.1, 0.0, 0.0]), cube([0.0; 3])];

@@ -1,8 +1,9 @@
 //! Adversarial scenes against an oracle of many digits.
 //!
-//! `cargo test -p magsplice-tests --features all-cases --test field attacks -- --nocapture` runs all
-//! scenes and prints how close they come to what is promised. With `MAGSPLICE_SCENES=2000..3000` in
-//! the environment only the scenes with these numbers run, so that a run of hours can be divided.
+//! `cargo test -p magsplice-tests --features all-cases --test field attacks -- --nocapture` runs
+//! all scenes and prints how close they come to what is promised. With
+//! `MAGSPLICE_SCENES=2000..3000` in the environment only the scenes with these numbers run, so that
+//! a run of hours can be divided.
 
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -18,8 +19,8 @@ mod scenes;
 /// Tolerances on grids and at points.
 mod tolerances;
 
-/// The stated bound of the exact field, as a fraction of the sum over tiles of the magnitudes of the
-/// fields that the components of J make alone.
+/// The stated bound of the exact field, as a fraction of the sum over tiles of the magnitudes of
+/// the fields that the components of J make alone.
 const EXACT_BOUND: f64 = 2e-14;
 
 /// The numbers of the scenes that a test runs: those of `MAGSPLICE_SCENES`, else 10 000 with the

@@ -1,5 +1,5 @@
-//! The true field of adversarial scenes: by the oracle at some points, and by the exact field within
-//! its own bound at all others.
+//! The true field of adversarial scenes: by the oracle at some points, and by the exact field
+//! within its own bound at all others.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::{Quantity, Scene, Tile};

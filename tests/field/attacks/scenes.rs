@@ -199,8 +199,8 @@ impl Dice {
         (nearest, sign * DVec3::AXES[axis])
     }
 
-    /// A tile of 1e-6 to 0.2, with about the wanted field at a point. It is some sizes away, so that a
-    /// fit cannot resolve it, or some tenths of the box, where the box can still be fitted.
+    /// A tile of 1e-6 to 0.2, with about the wanted field at a point. It is some sizes away, so
+    /// that a fit cannot resolve it, or some tenths of the box, where the box can still be fitted.
     fn speck(&mut self, point: DVec3, outwards: DVec3, half: f64, wanted_t: f64) -> Tile {
         let is_near = self.chance(0.3);
         let size = if is_near { self.decades(-6.0, -0.7) } else { self.decades(-4.0, -0.7) };

@@ -10,17 +10,17 @@ use super::numbers::{angle_rad, fraction, length_mm};
 
 /// Choose which measured tile goes to which place of a film, and which way round.
 ///
-/// Each row of the table is a tile that was cut: its name in the column tile; its part, by its number in
-/// `magsplice tiles` or the name of a tile or kind of the layout, in the column part; and its polarization
-/// (jx_t, jy_t, jz_t), magnetization (mx_a_per_m, ...), moment (moment_x_a_m2, ...) or strength (strength_t,
-/// with or without direction_deg and tilt_deg). Axes are those of the part: x along its first side, y
-/// along its second, z up. Sides that were measured are in size_x_mm, size_y_mm, size_z_mm. Tiles beyond the
-/// places are spares.
+/// Each row of the table is a tile that was cut: its name in the column tile; its part, by its
+/// number in `magsplice tiles` or the name of a tile or kind of the layout, in the column part; and
+/// its polarization (jx_t, jy_t, jz_t), magnetization (mx_a_per_m, ...), moment (moment_x_a_m2,
+/// ...) or strength (strength_t, with or without direction_deg and tilt_deg). Axes are those of the
+/// part: x along its first side, y along its second, z up. Sides that were measured are in
+/// size_x_mm, size_y_mm, size_z_mm. Tiles beyond the places are spares.
 ///
-/// The tiles are placed so that the displacement error of the film is least: local searches from many
-/// starts, by the exact derivatives and then the exact field. The result is a layout with the measured
-/// tiles, and a plan: for each place the tile, the side that is up, and where its mark points. The mark is
-/// drawn on a tile along +x of its part when it is measured.
+/// The tiles are placed so that the displacement error of the film is least: local searches from
+/// many starts, by the exact derivatives and then the exact field. The result is a layout with the
+/// measured tiles, and a plan: for each place the tile, the side that is up, and where its mark
+/// points. The mark is drawn on a tile along +x of its part when it is measured.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  magsplice assign layouts/designed-stock.toml --measured tiles.csv -o assigned.toml \
@@ -33,8 +33,9 @@ pub(crate) struct AssignArgs {
     /// CSV file with the measured tiles
     #[arg(long, value_name = "FILE")]
     pub(crate) measured: PathBuf,
-    /// CSV file with the tiles that lie already, with the columns of --plan: they stay, and the others make
-    /// up for them. Positions are as measured; rows whose cell in the column laid is no are left out
+    /// CSV file with the tiles that lie already, with the columns of --plan: they stay, and the
+    /// others make up for them. Positions are as measured; rows whose cell in the column laid is no
+    /// are left out
     #[arg(long, value_name = "FILE")]
     pub(crate) placed: Option<PathBuf>,
     /// Place of a shim tile, whose strength is chosen; may be given again

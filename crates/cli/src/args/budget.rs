@@ -10,10 +10,10 @@ use super::preset::PresetArgs;
 /// Tell where the displacement error of the films that are made comes from.
 ///
 /// Divides the expected mean square of the displacement error, along x, y and z, into the splicing
-/// pattern (the same pattern without end, against the ideal film), the end of the film, and each cause
-/// of [tolerance]: of the tiles, of the surroundings, and of the sensor. The division is to first order,
-/// by exact derivatives. Exact samples check it; where they disagree by more than 5 %, the program says
-/// so and divides by samples of each cause alone.
+/// pattern (the same pattern without end, against the ideal film), the end of the film, and each
+/// cause of [tolerance]: of the tiles, of the surroundings, and of the sensor. The division is to
+/// first order, by exact derivatives. Exact samples check it; where they disagree by more than 5 %,
+/// the program says so and divides by samples of each cause alone.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice budget layouts/robust-in-plane.toml\n  \
     magsplice budget layouts/published-film.toml --preset workshop --figure budget.png")]

@@ -44,9 +44,9 @@ pub(crate) struct DesignArgs {
 /// the crests of the ideal polarization, and one sixth wide about its zeros. Then searches as
 /// `design` does, with sizes, positions and directions free.
 ///
-/// Lengths scale with the wavelength: by default the thickness is 0.1, the range 0.4 and the distance
-/// 0.3 to 0.5 of it, and a film of two wavelengths is as large as the published one. The film must
-/// hold the crests about its middle: it is at least 5/6 of the wavelength long and wide.
+/// Lengths scale with the wavelength: by default the thickness is 0.1, the range 0.4 and the
+/// distance 0.3 to 0.5 of it, and a film of two wavelengths is as large as the published one. The
+/// film must hold the crests about its middle: it is at least 5/6 of the wavelength long and wide.
 ///
 /// Lengths may have a unit (mm, cm, um, m) and polarizations too (T, mT, uT, nT), such as 0.8cm,
 /// 20mmx20mm, 120mT.
@@ -68,12 +68,12 @@ pub(crate) struct SpliceArgs {
     /// Polarization of every tile, in T
     #[arg(long, value_name = "T", value_parser = flux_density_t, allow_hyphen_values = true, default_value_t = 0.12)]
     remanence: f64,
-    /// Extent of the working volume along x and y, in mm, such as 4x4: the region under the middle of
-    /// the film in which the sensor moves [default: 0.4 of the wavelength each]
+    /// Extent of the working volume along x and y, in mm, such as 4x4: the region under the middle
+    /// of the film in which the sensor moves [default: 0.4 of the wavelength each]
     #[arg(long, visible_alias = "under", value_name = "XxY", value_parser = extents_mm, allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
-    /// Least and greatest distance of the sensor below the film, in mm, such as 3..5, or its z, such
-    /// as -5..-3 [default: 0.3 and 0.5 of the wavelength]
+    /// Least and greatest distance of the sensor below the film, in mm, such as 3..5, or its z,
+    /// such as -5..-3 [default: 0.3 and 0.5 of the wavelength]
     #[arg(long, value_name = "A..B", value_parser = distance_mm, allow_hyphen_values = true)]
     distance: Option<[f64; 2]>,
     /// Shortest side of a tile, in mm, at most a quarter of the wavelength [default: 0.08 of the

@@ -8,15 +8,18 @@ use magsplice::sensor::{FreeParameters, Noise};
 use super::preset::PresetArgs;
 use super::sensor::{FitArg, noise};
 
-/// Tell which tiles of a film that was made are weak, turned or displaced, from a scan of its field.
+/// Tell which tiles of a film that was made are weak, turned or displaced, from a scan of its
+/// field.
 ///
-/// The scan is of the field near the film, for example in steps of 1 mm, 1 mm below it. Each tile may be
-/// weaker or stronger, turned, magnetized in another direction, or displaced. An error is named if neither
-/// the noise nor the ordinary errors of tiles explain it. Ordinary errors are those of [tolerance] or of
-/// --preset. Without either, or with --as-ordered, tiles that are not named count as ordered. The result has each error with its
-/// standard deviation, errors that would explain the scan nearly as well, and what the scan cannot tell.
+/// The scan is of the field near the film, for example in steps of 1 mm, 1 mm below it. Each tile
+/// may be weaker or stronger, turned, magnetized in another direction, or displaced. An error is
+/// named if neither the noise nor the ordinary errors of tiles explain it. Ordinary errors are
+/// those of [tolerance] or of --preset. Without either, or with --as-ordered, tiles that are not
+/// named count as ordered. The result has each error with its standard deviation, errors that would
+/// explain the scan nearly as well, and what the scan cannot tell.
 ///
-/// With -o the film that was found is written as a layout, which `tolerance`, `decouple` and `read` take.
+/// With -o the film that was found is written as a layout, which `tolerance`, `decouple` and `read`
+/// take.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice diagnose film.toml --scan scan.csv --noise 10uT\n  \
     magsplice diagnose film.toml --scan scan.csv --fit --preset workshop -o found.toml --figure wrong.svg")]
@@ -27,8 +30,8 @@ pub(crate) struct DiagnoseArgs {
     /// bx (uT); - is standard input
     #[arg(long, value_name = "FILE")]
     pub(crate) scan: PathBuf,
-    /// Standard deviation of a reading, such as 10uT, or of its x, y and z: 5uT,5uT,8uT [default: that of
-    /// [sensor] in the layout]
+    /// Standard deviation of a reading, such as 10uT, or of its x, y and z: 5uT,5uT,8uT [default:
+    /// that of [sensor] in the layout]
     #[arg(long, value_name = "NOISE", value_parser = noise)]
     pub(crate) noise: Option<Noise>,
     #[command(flatten)]
@@ -38,8 +41,8 @@ pub(crate) struct DiagnoseArgs {
     /// Smaller errors are then named. Ordinary errors of several tiles are all named, too.
     #[arg(long, conflicts_with = "preset")]
     pub(crate) as_ordered: bool,
-    /// Fit what is not known of the scan beside the errors of tiles, such as --fit=offset,start; --fit alone
-    /// fits everything
+    /// Fit what is not known of the scan beside the errors of tiles, such as --fit=offset,start;
+    /// --fit alone fits everything
     #[arg(
         long,
         value_enum,

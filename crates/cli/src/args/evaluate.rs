@@ -76,8 +76,9 @@ pub(crate) struct CompareArgs {
 /// Evaluate the film: its field, its difference from the ideal film, and its decoupling errors.
 ///
 /// Text is a report. JSON is the report with every point of the working volume. The other formats
-/// hold B, R_x, R_y and S_z at every point. With --points they also hold the errors of the parameters
-/// and of the displacement at each point; there is no uniformity RMSE then, which needs a grid.
+/// hold B, R_x, R_y and S_z at every point. With --points they also hold the errors of the
+/// parameters and of the displacement at each point; there is no uniformity RMSE then, which needs
+/// a grid.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  magsplice decouple layouts/published-film.toml\n  magsplice decouple layouts/published-film.toml -o film.npz"

@@ -11,15 +11,16 @@ use super::numbers::{angle_rad, length_mm};
 
 /// Move the film along x, y and z, and tell what its sensor reads.
 ///
-/// The film moves by multiples of a step as far as the sensor stays in the working volume: in shear along
-/// x and y, and towards the sensor along z (Dai 2024, Fig. 9). The table has the displacement of the film,
-/// the readings, R_x, R_y and S_z, and the displacement that the readings tell: by the field of the layout
-/// and, with [ideal], by the closed form. With [elastomer] it also has the forces (Eqs. 16 and 17), so that
-/// `magsplice calibrate` reads it. With [sensor] the readings are those of this sensor.
+/// The film moves by multiples of a step as far as the sensor stays in the working volume: in shear
+/// along x and y, and towards the sensor along z (Dai 2024, Fig. 9). The table has the displacement
+/// of the film, the readings, R_x, R_y and S_z, and the displacement that the readings tell: by the
+/// field of the layout and, with [ideal], by the closed form. With [elastomer] it also has the
+/// forces (Eqs. 16 and 17), so that `magsplice calibrate` reads it. With [sensor] the readings are
+/// those of this sensor.
 ///
 /// The film that is read may differ from the layout: it is bent, then turned about its centre, then
-/// shifted. Its tiles follow as rigid blocks. Displacements count from where it seems to be at rest, as with
-/// `read --rest`.
+/// shifted. Its tiles follow as rigid blocks. Displacements count from where it seems to be at
+/// rest, as with `read --rest`.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  magsplice experiment layouts/published-film.toml -o moved.csv --figure moved.png\n  \
@@ -37,7 +38,8 @@ pub(crate) struct ExperimentArgs {
     /// Shift of the film that is read along x, y and z, such as 0.1mm,0,0
     #[arg(long, value_name = "LENGTHS", value_parser = lengths_mm, allow_hyphen_values = true)]
     pub(crate) shift: Option<DVec3>,
-    /// Rotation vector of the film that is read: angles about axes parallel to x, y and z, such as 0,0.5deg,0
+    /// Rotation vector of the film that is read: angles about axes parallel to x, y and z, such as
+    /// 0,0.5deg,0
     #[arg(long, value_name = "ANGLES", value_parser = angles_rad, allow_hyphen_values = true)]
     pub(crate) rotate: Option<DVec3>,
     /// Radius to which the film is bent; its ends rise from the sensor if it is positive
@@ -46,7 +48,8 @@ pub(crate) struct ExperimentArgs {
     /// Axis along which the film is bent
     #[arg(long, value_enum, value_name = "AXIS", default_value = "x", requires = "bend_radius")]
     pub(crate) bend_along: BendAxis,
-    /// CSV file with the heights of the film over its flat shape: columns x_mm, y_mm, z_mm, on a full grid
+    /// CSV file with the heights of the film over its flat shape: columns x_mm, y_mm, z_mm, on a
+    /// full grid
     #[arg(long, value_name = "FILE", conflicts_with = "bend_radius")]
     pub(crate) heights: Option<PathBuf>,
     /// Draw the curves of Dai 2024, Fig. 9, into this file, .svg or .png

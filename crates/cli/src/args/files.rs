@@ -36,8 +36,8 @@ pub(crate) struct TilesArgs {
 /// faces of the tiles with their polarization. For CAD: a drawing (DXF) or bodies (STL). For
 /// firmware: the displacement of a sensor from its reading, as a function in C.
 ///
-/// The other way round, --to magpylib-import writes a Python script that turns a magpylib collection
-/// into a table for `magsplice import`.
+/// The other way round, --to magpylib-import writes a Python script that turns a magpylib
+/// collection into a table for `magsplice import`.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice export layouts/published-film.toml --to magpylib -o film.py\n  \
     magsplice export layouts/published-film.toml --to c-header --error 0.005mm -o film.h")]
@@ -47,7 +47,8 @@ pub(crate) struct ExportArgs {
     /// Program to write for [default: by the file's ending]
     #[arg(long, value_enum, required_unless_present = "output")]
     pub(crate) to: Option<ExportFormat>,
-    /// For --to c-header: largest error of the displacement over the working volume [default: 0.005mm]
+    /// For --to c-header: largest error of the displacement over the working volume [default:
+    /// 0.005mm]
     #[arg(long, value_name = "LENGTH", value_parser = error_mm)]
     pub(crate) error: Option<f64>,
     /// File to write, complete or not at all [default: -, standard output]

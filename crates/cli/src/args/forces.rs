@@ -9,14 +9,14 @@ use super::formats::FileFormat;
 
 /// Tell with what force and torque the tiles of a film act on each other.
 ///
-/// Each tile has the force by all others, and the torque about its own centre. Tiles with parallel edges
-/// have them in closed form, exact to round-off, also where they touch. The magnetization is rigid: a
-/// tile is not magnetized by the field of the others.
+/// Each tile has the force by all others, and the torque about its own centre. Tiles with parallel
+/// edges have them in closed form, exact to round-off, also where they touch. The magnetization is
+/// rigid: a tile is not magnetized by the field of the others.
 ///
-/// With --order, tiles are laid one after another, each at its place, where it is glued. The holding of a
-/// step is the magnitude of the force on the tile that is being laid, by those that are already there. The
-/// holding of an order is the largest of its steps. --order least searches the order with the least
-/// holding, and prints a bound that no order is below.
+/// With --order, tiles are laid one after another, each at its place, where it is glued. The
+/// holding of a step is the magnitude of the force on the tile that is being laid, by those that
+/// are already there. The holding of an order is the largest of its steps. --order least searches
+/// the order with the least holding, and prints a bound that no order is below.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice forces layouts/published-film.toml\n  \
     magsplice forces film.toml --order least --figure order.svg --format csv -o order.csv\n  \
@@ -24,8 +24,8 @@ use super::formats::FileFormat;
 pub(crate) struct ForcesArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
-    /// Order of laying: given (that of the layout file), least (searched), or a CSV file whose column tile
-    /// has the names of the tiles
+    /// Order of laying: given (that of the layout file), least (searched), or a CSV file whose
+    /// column tile has the names of the tiles
     #[arg(long, value_name = "ORDER")]
     pub(crate) order: Option<String>,
     /// Seed of the random numbers of --order least

@@ -11,20 +11,20 @@ use super::numbers::flux_density_t;
 
 /// Find where the sensor was when it read given flux densities.
 ///
-/// The result is the displacement of the sensor from the reference point of the working volume, in the
-/// frame of the film. The film has moved by the opposite. The exact field of the layout gives it, so
-/// that it does not contain the error of the splicing pattern and of the end of the film. With [ideal]
-/// the result also has the displacement by the closed form of the ideal film (Dai 2024, Eqs. 14 and
-/// 15), and with --noise the standard deviations that noise causes.
+/// The result is the displacement of the sensor from the reference point of the working volume, in
+/// the frame of the film. The film has moved by the opposite. The exact field of the layout gives
+/// it, so that it does not contain the error of the splicing pattern and of the end of the film.
+/// With [ideal] the result also has the displacement by the closed form of the ideal film (Dai
+/// 2024, Eqs. 14 and 15), and with --noise the standard deviations that noise causes.
 ///
 /// Readings without a position in the working volume, or with two, are named on standard error. The
-/// displacement is NaN where there are two positions or none. The column `status` is 0 for a position
-/// in the volume, 1 for one outside by more than four deviations of the noise, 2 for two positions, 3 for
-/// none, and 4 for a reading at the limit of the sensor's range.
+/// displacement is NaN where there are two positions or none. The column `status` is 0 for a
+/// position in the volume, 1 for one outside by more than four deviations of the noise, 2 for two
+/// positions, 3 for none, and 4 for a reading at the limit of the sensor's range.
 ///
-/// With [sensor] in the layout, the readings are those of this sensor, with its plates, gains, offsets
-/// and rotation, and its noise is that of --noise. With [elastomer], the result has the force on the
-/// film.
+/// With [sensor] in the layout, the readings are those of this sensor, with its plates, gains,
+/// offsets and rotation, and its noise is that of --noise. With [elastomer], the result has the
+/// force on the film.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice read readings.csv --layout film.toml --noise 5uT -o moved.csv")]
 pub(crate) struct ReadArgs {
@@ -33,18 +33,18 @@ pub(crate) struct ReadArgs {
     /// Layout file of the film
     #[arg(long, value_name = "LAYOUT")]
     pub(crate) layout: PathBuf,
-    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT [default: that of
-    /// [sensor] in the layout]
+    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT [default:
+    /// that of [sensor] in the layout]
     #[arg(long, value_name = "NOISE", value_parser = noise)]
     pub(crate) noise: Option<Noise>,
-    /// The first N readings are of the sensor at rest at the reference point: their mean, less the field
-    /// of the film there, is subtracted from all
+    /// The first N readings are of the sensor at rest at the reference point: their mean, less the
+    /// field of the film there, is subtracted from all
     ///
     /// A constant stray field and the offset of the sensor are then without effect.
     #[arg(long, value_name = "N", default_value = "0")]
     pub(crate) zero: usize,
-    /// The first N readings are of the sensor at rest: displacements count from the position of their mean,
-    /// not from the reference point
+    /// The first N readings are of the sensor at rest: displacements count from the position of
+    /// their mean, not from the reference point
     ///
     /// The film may then lie elsewhere than in the layout. A constant field moves all positions.
     #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero")]
@@ -63,18 +63,18 @@ pub(crate) struct ReadArgs {
 /// Tell how small displacements the noise of a sensor lets it see, over the working volume.
 ///
 /// The standard deviations of the displacement along x, y and z that normal noise of the readings
-/// causes: by the exact field (no estimate from one reading has smaller ones: the bound of Cramér and
-/// Rao), and, with [ideal], by the closed form of the ideal film (Dai 2024, Eqs. 14 and 15). The text
-/// has their root mean squares over the volume, and the largest. With -o, a table of every point is
-/// written.
+/// causes: by the exact field (no estimate from one reading has smaller ones: the bound of Cramér
+/// and Rao), and, with [ideal], by the closed form of the ideal film (Dai 2024, Eqs. 14 and 15).
+/// The text has their root mean squares over the volume, and the largest. With -o, a table of every
+/// point is written.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice resolution layouts/published-film.toml --noise 5uT\n  \
     magsplice resolution film.toml --noise 5uT,5uT,8uT -o resolution.vti")]
 pub(crate) struct ResolutionArgs {
     /// Layout file
     pub(crate) layout: PathBuf,
-    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT [default: that of
-    /// [sensor] in the layout]
+    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT [default:
+    /// that of [sensor] in the layout]
     #[arg(long, value_name = "NOISE", value_parser = noise)]
     pub(crate) noise: Option<Noise>,
     /// File for a table of all points, complete or not at all
@@ -131,11 +131,11 @@ pub(crate) fn noise(text: &str) -> Result<Noise, String> {
 
 /// Compare a measured scan of the field with the layout, and fit what cannot be known beforehand.
 ///
-/// Fits the strength of the tiles, the offset (that of the sensor and a uniform stray field together),
-/// the rotation of the sensor, and where in the frame of the film the scan began, with standard
-/// deviations from the residuals. Readings farther from the fit than six standard deviations are left
-/// out and named, and so are missing and repeated positions. With [ideal], the uniformity RMSE of the
-/// readings stands beside that of the layout at the same places.
+/// Fits the strength of the tiles, the offset (that of the sensor and a uniform stray field
+/// together), the rotation of the sensor, and where in the frame of the film the scan began, with
+/// standard deviations from the residuals. Readings farther from the fit than six standard
+/// deviations are left out and named, and so are missing and repeated positions. With [ideal], the
+/// uniformity RMSE of the readings stands beside that of the layout at the same places.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice scan scan.csv --layout film.toml\n  \
     magsplice scan scan.csv --layout film.toml --fit strength,offset --save corrected.csv")]
@@ -155,12 +155,12 @@ pub(crate) struct ScanArgs {
         default_value = "strength,offset,rotation,start"
     )]
     pub(crate) fit: Vec<FitArg>,
-    /// File for a table of the readings, corrected for offset and rotation, with the field of the layout
-    /// and the residuals
+    /// File for a table of the readings, corrected for offset and rotation, with the field of the
+    /// layout and the residuals
     #[arg(long, value_name = "FILE")]
     pub(crate) save: Option<PathBuf>,
-    /// Folder for figures of planes of the scan, measured beside simulated: B, and R_x, R_y, S_z (Dai 2024,
-    /// Figs. 6 to 8)
+    /// Folder for figures of planes of the scan, measured beside simulated: B, and R_x, R_y, S_z
+    /// (Dai 2024, Figs. 6 to 8)
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FOLDER")]
     pub(crate) figures: Option<PathBuf>,
@@ -194,10 +194,11 @@ impl ScanArgs {
 
 /// Fit the stiffness of the elastic layer: forces against displacements.
 ///
-/// Each row has a force on the film and what the sensor read. The displacement of the film is found from
-/// the reading, by the exact field of the layout and, with [ideal], by the closed form of the ideal film.
-/// For each axis and each way, a line F = stiffness x displacement + force at rest is fitted by least
-/// squares (Dai 2024, Eqs. 16 and 17): six coefficients, with intervals of 95 % confidence.
+/// Each row has a force on the film and what the sensor read. The displacement of the film is found
+/// from the reading, by the exact field of the layout and, with [ideal], by the closed form of the
+/// ideal film. For each axis and each way, a line F = stiffness x displacement + force at rest is
+/// fitted by least squares (Dai 2024, Eqs. 16 and 17): six coefficients, with intervals of 95 %
+/// confidence.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice calibrate forces.csv --layout film.toml --zero 20")]
 pub(crate) struct CalibrateArgs {
@@ -211,8 +212,8 @@ pub(crate) struct CalibrateArgs {
     /// reference point, is subtracted from all
     #[arg(long, value_name = "N", default_value = "0")]
     pub(crate) zero: usize,
-    /// The first N readings are of the film at rest: displacements count from the position of their mean,
-    /// not from the reference point
+    /// The first N readings are of the film at rest: displacements count from the position of their
+    /// mean, not from the reference point
     #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero")]
     pub(crate) rest: usize,
     #[command(flatten)]

@@ -6,8 +6,8 @@ use magsplice::making::{AssignmentSettings, MeasurementErrors, Sorting};
 use super::assign::MeasurementArgs;
 use crate::failure::Failure;
 
-/// Starts and disturbances of the search for each sample. With 16 and 200, as `assign` has, the P95 of
-/// the shipped films is lower by a tenth and samples take eight times as long.
+/// Starts and disturbances of the search for each sample. With 16 and 200, as `assign` has, the P95
+/// of the shipped films is lower by a tenth and samples take eight times as long.
 const STARTS: usize = 4;
 const KICKS: usize = 100;
 

@@ -13,18 +13,18 @@ pub(crate) const MAX_SAMPLES: u64 = *magsplice::layout::SAMPLE_COUNTS.end();
 
 /// Evaluate the films that are made from a layout: samples with the errors of its [tolerance].
 ///
-/// Each sample is a film whose tiles are misplaced, turned, cut to wrong sizes, and of wrong strength
-/// and direction, in the surroundings and under the sensor of [tolerance]. Its exact field gives the
-/// uniformity RMSE, the displacement RMSE and the amplitude. The result has their mean and percentiles
-/// with intervals of 95 % confidence, and the share of the films that keep the bounds of [expect] and
-/// [expect.made].
+/// Each sample is a film whose tiles are misplaced, turned, cut to wrong sizes, and of wrong
+/// strength and direction, in the surroundings and under the sensor of [tolerance]. Its exact field
+/// gives the uniformity RMSE, the displacement RMSE and the amplitude. The result has their mean
+/// and percentiles with intervals of 95 % confidence, and the share of the films that keep the
+/// bounds of [expect] and [expect.made].
 ///
 /// Sample i depends on the seed and on i alone, so that machines can share the work: see --first.
 /// Ctrl-C ends the run with the result so far.
 ///
-/// With --sorted the tiles of each sample are cut, measured and placed as `magsplice assign` does, before
-/// they are laid with the errors of position and rotation: what measuring the tiles is worth. Errors of
-/// groups stay those of the places.
+/// With --sorted the tiles of each sample are cut, measured and placed as `magsplice assign` does,
+/// before they are laid with the errors of position and rotation: what measuring the tiles is
+/// worth. Errors of groups stay those of the places.
 #[derive(Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(after_help = "Example:\n  magsplice tolerance layouts/robust-in-plane.toml --samples 10000\n  \

@@ -117,7 +117,8 @@ fn euler_about_axes(
     let given: Vec<usize> = (0..AXES.len()).filter(|&axis| columns[axis].is_some()).collect();
     let names: Vec<String> = given.iter().map(|&axis| format!("r{}", AXES[axis])).collect();
     match given[..] {
-        // A rotation about one axis does not depend on the order, as long as the order has this axis.
+        // A rotation about one axis does not depend on the order, as long as the order has this
+        // axis.
         [axis] if axes.contains(&axis) => {
             let first = axes.iter().position(|&of_order| of_order == axis).unwrap_or(0);
             Some(RotationColumns::Euler([0, 1, 2].map(|turn| columns[axis].filter(|_| turn == first)), order))

@@ -285,8 +285,8 @@ fn check_is_text(beginning: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether this is the line `sep=;`, by which Excel learns the separator of a file. The line of names
-/// shows it too.
+/// Whether this is the line `sep=;`, by which Excel learns the separator of a file. The line of
+/// names shows it too.
 fn names_separator(text: &str) -> bool {
     let text = text.trim_matches(['"', ' ', ',', ';', '\t']).to_lowercase();
     text.strip_prefix("sep=").is_some_and(|mark| mark.chars().count() <= 1)

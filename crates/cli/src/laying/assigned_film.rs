@@ -16,8 +16,8 @@ pub(crate) struct AssignedFilm<'a> {
 const NEAR_BEST: f64 = 1.1;
 
 impl AssignedFilm<'_> {
-    /// The median of the ends of all starts over the best, and the number of starts that ended near the
-    /// best.
+    /// The median of the ends of all starts over the best, and the number of starts that ended near
+    /// the best.
     pub(crate) fn starts(&self) -> (f64, usize) {
         let ends = &self.assignment.found.starts_rms_mm;
         let best = ends[0];

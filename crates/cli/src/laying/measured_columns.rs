@@ -21,8 +21,8 @@ pub(super) enum MagnetColumns {
     Magnetization([Column; 3]),
     /// In A m2.
     Moment([Column; 3]),
-    /// Magnitude in tesla, then the angles in degrees from the first side towards the second, and out of
-    /// the plane of both. Without them the direction is that of the part.
+    /// Magnitude in tesla, then the angles in degrees from the first side towards the second, and
+    /// out of the plane of both. Without them the direction is that of the part.
     Strength(Column, Option<[Column; 2]>),
 }
 

@@ -25,8 +25,8 @@ struct Columns {
     laid: Option<Column>,
 }
 
-/// Reads which of the tiles of `groups` lie in the film of a layout. The failure lists all rows that break
-/// rules.
+/// Reads which of the tiles of `groups` lie in the film of a layout. The failure lists all rows
+/// that break rules.
 pub(crate) fn read(path: &Path, layout: &Layout, groups: &[PlaceGroup]) -> Result<PartlyLaid, Failure> {
     let failed = |message: String| Failure::Points { path: path.to_owned(), message };
     let has_names = |names: &[String]| {

@@ -56,7 +56,8 @@ impl Folder {
             }
         }
         let beside = folder_of(&destination).map_err(failed)?;
-        // Only the kind of the error: its text names the temporary folder, which the user never sees.
+        // Only the kind of the error: its text names the temporary folder, which the user never
+        // sees.
         let filled = interrupt::temporary(|| builder.tempdir_in(beside));
         let filled = filled.map_err(|e| failed(io::Error::from(e.kind())))?;
         Ok(Folder { filled, destination, named: path.to_owned(), list })
@@ -86,7 +87,8 @@ impl Folder {
             } else {
                 replace(&destination, filled.path(), list.lines().next().unwrap_or(""))?;
             }
-            // The temporary path no longer exists, so there is nothing to remove when it is dropped.
+            // The temporary path no longer exists, so there is nothing to remove when it is
+            // dropped.
             let _ = filled.keep();
             Ok(())
         })

@@ -25,8 +25,8 @@ pub(crate) struct SamplingRun<'a> {
 }
 
 impl SamplingRun<'_> {
-    /// Appends the errors of the samples that are not among `errors` yet. `keep` is called with each
-    /// stretch of them. Ends early if `stop` is set.
+    /// Appends the errors of the samples that are not among `errors` yet. `keep` is called with
+    /// each stretch of them. Ends early if `stop` is set.
     pub(crate) fn extend(
         &self,
         errors: &mut Vec<FilmErrors>,

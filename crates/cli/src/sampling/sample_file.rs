@@ -26,7 +26,8 @@ const COLUMNS: [&str; 7] = [
     "amplitude",
 ];
 
-/// Longest line of a file of samples: eight numbers of at most 25 characters, or the line before them.
+/// Longest line of a file of samples: eight numbers of at most 25 characters, or the line before
+/// them.
 const MAX_LINE: u64 = 400;
 
 /// The names of all columns.

@@ -10,8 +10,8 @@ use sha2::{Digest, Sha256};
 /// A run: a film with its errors, the seed, and the numbers of the samples.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SampleSource {
-    /// SHA-256 of the tiles, their permeabilities and errors, the working volume, the ideal film and how tiles are sorted,
-    /// which with the seed determine every sample.
+    /// SHA-256 of the tiles, their permeabilities and errors, the working volume, the ideal film
+    /// and how tiles are sorted, which with the seed determine every sample.
     pub(crate) fingerprint: String,
     pub(crate) seed: u64,
     /// Number of the first sample.

@@ -121,8 +121,8 @@ impl DiagnosedFilm<'_> {
         matches!(error, 3..6) && along[error - 3].abs() > ABOUT_J
     }
 
-    /// The largest standard deviation of the errors of a tile after the scan over that before it, but for
-    /// turns about J.
+    /// The largest standard deviation of the errors of a tile after the scan over that before it,
+    /// but for turns about J.
     #[cfg(feature = "report")]
     pub(crate) fn untold_of(&self, tile: usize) -> f64 {
         let of_tile = self.diagnosis.narrowed.iter();
@@ -135,8 +135,8 @@ impl DiagnosedFilm<'_> {
         &self.diagnosis.similar
     }
 
-    /// The film that was found as a layout. Requirements and the brief are those of the film as ordered, and
-    /// are left out; so are the errors of its tiles, which are now known.
+    /// The film that was found as a layout. Requirements and the brief are those of the film as
+    /// ordered, and are left out; so are the errors of its tiles, which are now known.
     pub(crate) fn found_layout(&self, original: &Layout, scan: &str) -> Layout {
         let mut layout = original.clone().with_made_tiles(&self.diagnosis.tiles);
         layout.tolerance =

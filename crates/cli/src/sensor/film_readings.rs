@@ -35,7 +35,8 @@ impl Resting {
 pub(crate) struct FilmReadings {
     /// The position of each reading.
     pub(crate) found: Vec<Result<Located, LocateError>>,
-    /// The displacement of the sensor by the closed form, NaN where it has none. With an ideal film.
+    /// The displacement of the sensor by the closed form, NaN where it has none. With an ideal
+    /// film.
     pub(crate) closed_form_mm: Option<Vec<DVec3>>,
     /// The position from which displacements count.
     pub(crate) origin_mm: DVec3,
@@ -45,8 +46,9 @@ pub(crate) struct FilmReadings {
 
 impl FilmReadings {
     /// Finds the positions. `noise` is that of the readings; without it, that of the sensor of the
-    /// layout. `at_rest` says which readings are of the sensor at rest: they tell a constant field, which
-    /// is subtracted from all, or the position from which displacements count. `file` has the readings.
+    /// layout. `at_rest` says which readings are of the sensor at rest: they tell a constant field,
+    /// which is subtracted from all, or the position from which displacements count. `file` has the
+    /// readings.
     pub(crate) fn new(
         film: &Film,
         layout_path: &Path,
@@ -78,8 +80,8 @@ impl FilmReadings {
         })
     }
 
-    /// The position of each reading, also outside the volume. Nothing for a reading with two positions or
-    /// none.
+    /// The position of each reading, also outside the volume. Nothing for a reading with two
+    /// positions or none.
     pub(crate) fn positions(&self) -> impl Iterator<Item = Option<Located>> + '_ {
         self.found.iter().map(|found| match found {
             Ok(located) | Err(LocateError::Outside(located)) => Some(*located),

@@ -5,8 +5,8 @@ use magsplice::prelude::{Branch, DVec3, Parameters};
 use magsplice::sensor::Noise;
 use magsplice::{Film, FilmError, Stage};
 
-/// Standard deviations of displacements at the points of the working volume, in mm. They are infinite
-/// where nothing is seen.
+/// Standard deviations of displacements at the points of the working volume, in mm. They are
+/// infinite where nothing is seen.
 pub(crate) struct FilmResolution {
     pub(crate) noise: Noise,
     /// Readings per second.

@@ -11,8 +11,9 @@ use super::reading_file;
 use crate::args::experiment::{BendAxis, ExperimentArgs};
 use crate::failure::Failure;
 
-/// The field of the deformed film. Nothing if the film is as in the layout. Tiles with a recoil permeability
-/// keep the polarization that they have in the film of the layout; in a bent film they have its mean.
+/// The field of the deformed film. Nothing if the film is as in the layout. Tiles with a recoil
+/// permeability keep the polarization that they have in the film of the layout; in a bent film they
+/// have its mean.
 pub(crate) fn deformed(args: &ExperimentArgs, film: &Film) -> Result<Option<Scene>, Failure> {
     let along = if args.bend_along == BendAxis::X { 0 } else { 1 };
     let bend = match (args.bend_radius, &args.heights) {

@@ -5,8 +5,8 @@ use magsplice_report::ScanPlane;
 
 use super::scanned_film::ScannedFilm;
 
-/// Difference of two steps of a grid, as a fraction of them, up to which a map shows them as equal: cells
-/// are then in place to a tenth of their width over fifty of them.
+/// Difference of two steps of a grid, as a fraction of them, up to which a map shows them as equal:
+/// cells are then in place to a tenth of their width over fifty of them.
 const EQUAL_STEPS: f64 = 2e-3;
 
 /// The planes that are drawn, with what the parameters need.
@@ -18,8 +18,8 @@ pub(crate) struct ScanPlanes {
 }
 
 impl ScanPlanes {
-    /// The planes of a scan on a grid with equal steps. `None` for other positions. `branch` is that of the
-    /// parameters, with an ideal film.
+    /// The planes of a scan on a grid with equal steps. `None` for other positions. `branch` is
+    /// that of the parameters, with an ideal film.
     pub(crate) fn new(scanned: &ScannedFilm, branch: Option<Branch>) -> Option<ScanPlanes> {
         let counts = scanned.positions.grid?;
         // As the grid of `ScanPositions`: coordinates that differ by round-off are one.

@@ -11,7 +11,8 @@ use magsplice::tolerance::Statistics;
 use super::number::{counted, number};
 use super::rows;
 
-/// The film before and after the search, side by side. The film before is a pattern if `from_pattern`.
+/// The film before and after the search, side by side. The film before is a pattern if
+/// `from_pattern`.
 pub(crate) fn search_result(
     problem: &DesignProblem,
     result: &SearchResult,

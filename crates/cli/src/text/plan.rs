@@ -8,7 +8,8 @@ use magsplice::{Film, RecoilEstimate};
 
 use super::{header, number, recoil, rows};
 
-/// A plan for points, with estimates of what recoil changes; `points_of` says where the points are from.
+/// A plan for points, with estimates of what recoil changes; `points_of` says where the points are
+/// from.
 pub(crate) fn plan(film: &Film, plan: &Plan, estimates: &[RecoilEstimate], points_of: &str) -> String {
     let points: usize = plan.parts.iter().map(|part| part.points).sum();
     let mut text = format!("{}{points} {points_of}\n{}", header::layout(film.layout()), header::accuracy(film));

@@ -22,8 +22,8 @@ pub(crate) fn line(recoil: &FilmRecoil) -> String {
     )
 }
 
-/// The section of a film: figures without and with recoil, what becomes of the tiles, and cells beyond the
-/// knee.
+/// The section of a film: figures without and with recoil, what becomes of the tiles, and cells
+/// beyond the knee.
 pub(crate) fn section(film: &Film, recoil: &FilmRecoil) -> String {
     let mut text = String::new();
     rows::heading(&mut text, "recoil", ["without", "with", "known to"]);
@@ -52,7 +52,8 @@ pub(crate) fn section(film: &Film, recoil: &FilmRecoil) -> String {
     text
 }
 
-/// The part of a film that is beyond the knee of its material. `None` if there is none, or no knee is stated.
+/// The part of a film that is beyond the knee of its material. `None` if there is none, or no knee
+/// is stated.
 pub(crate) fn beyond_knee(recoil: &FilmRecoil, layout: &Layout) -> Option<String> {
     let (cells, share) = recoil.beyond_knee(layout)?;
     let worst = cells.iter().min_by(|a, b| a.field_t.total_cmp(&b.field_t))?;

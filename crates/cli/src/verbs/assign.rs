@@ -146,7 +146,8 @@ fn assignment_failure(args: &AssignArgs, layout: &Layout, error: FilmError) -> F
     Failure::Points { path: path.clone(), message: format!("{error}{option}") }
 }
 
-/// The layout file of the film with its measured tiles. Refuses a film that breaks a rule of layouts.
+/// The layout file of the film with its measured tiles. Refuses a film that breaks a rule of
+/// layouts.
 fn layout_text(args: &AssignArgs, film: &AssignedFilm, has_sizes: bool) -> Result<String, Failure> {
     let program = format!("{PROGRAM} assign");
     let layout = Film::rigid(film.layout).assigned_layout(&film.assignment, has_sizes, &program);

@@ -141,7 +141,8 @@ fn check(path: &Path, update: bool, quiet: bool, progress: &ProgressLine) -> Che
     checked
 }
 
-/// Refuses layouts that name one file as their baseline: the last would replace those of the others.
+/// Refuses layouts that name one file as their baseline: the last would replace those of the
+/// others.
 fn refuse_shared_baselines(files: &[NamedFile]) -> Result<(), Failure> {
     let mut owners: HashMap<PathBuf, (PathBuf, &Path)> = HashMap::new();
     for file in files {

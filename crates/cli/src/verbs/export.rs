@@ -20,7 +20,8 @@ use crate::progress::ProgressLine;
 use crate::remarks;
 use crate::words::{film_failure, no_volume};
 
-/// Error of a displacement that goes with c-header if none is given: below the noise of most sensors.
+/// Error of a displacement that goes with c-header if none is given: below the noise of most
+/// sensors.
 const DEFAULT_ERROR_MM: f64 = 0.005;
 
 pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {

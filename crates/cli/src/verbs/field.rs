@@ -25,7 +25,8 @@ use crate::remarks;
 use crate::words::{no_field, no_points};
 
 pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
-    // No progress line between results on the same terminal, nor between points that a person types.
+    // No progress line between results on the same terminal, nor between points that a person
+    // types.
     let results_on_terminal = args.output.as_deref().is_none_or(is_standard) && stdout().is_terminal();
     let visible = !quiet && !results_on_terminal && !point_file::are_typed(args.points.path());
     let progress = ProgressLine::start(visible);

@@ -75,8 +75,8 @@ pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The displacement of each reading, its standard deviations if there is noise, and the force if there is an
-/// elastic layer.
+/// The displacement of each reading, its standard deviations if there is noise, and the force if
+/// there is an elastic layer.
 fn columns(readings: &FilmReadings, layer: Option<&Elastomer>) -> Vec<ColumnQuantity> {
     let of_each = |value: &dyn Fn(Located) -> Option<DVec3>| -> Vec<f64> {
         let values = readings.positions().map(|located| located.and_then(value).unwrap_or(DVec3::NAN));

@@ -63,8 +63,8 @@ fn draw_one(args: &ReportArgs, path: &Path, quiet: bool) -> Result<(), Failure> 
     print(&said)
 }
 
-/// Samples of the films that are made, if the layout states their errors. Appends their statistics to
-/// `text`.
+/// Samples of the films that are made, if the layout states their errors. Appends their statistics
+/// to `text`.
 fn samples(
     path: &Path,
     layout: &Layout,

@@ -96,13 +96,13 @@ fn refused(args: &ScanArgs, layout: &Layout, lines: &[u64], error: ScanError) ->
     faults.failure(path.display().to_string())
 }
 
-/// Strengths of a film that was made, over that of its layout: magnets of half or twice the strength were
-/// not ordered.
+/// Strengths of a film that was made, over that of its layout: magnets of half or twice the
+/// strength were not ordered.
 const PLAUSIBLE_STRENGTHS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
-/// Residual over the noise of the sensor from which on the film is not as ordered. The deviation of the
-/// residuals is right to a per cent for a scan of thousands of readings, and the noise that a datasheet
-/// states to a factor of two.
+/// Residual over the noise of the sensor from which on the film is not as ordered. The deviation of
+/// the residuals is right to a per cent for a scan of thousands of readings, and the noise that a
+/// datasheet states to a factor of two.
 const MOST_RESIDUAL: f64 = 3.0;
 
 /// Says on standard error if the fit is hardly that of this film.

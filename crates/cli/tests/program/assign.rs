@@ -89,7 +89,8 @@ fn turned(j_t: [f64; 3], up: &str, mark_deg: f64) -> [f64; 3] {
     [x * cosine - y * sine, x * sine + y * cosine, z]
 }
 
-/// Each place has one tile, turned as the plan says; the layout's errors are those that the summary states.
+/// Each place has one tile, turned as the plan says; the layout's errors are those that the summary
+/// states.
 #[test]
 fn plan_is_the_film_that_is_written() {
     let sandbox = Sandbox::new();
@@ -124,7 +125,8 @@ fn plan_is_the_film_that_is_written() {
     }
 }
 
-/// Tiles that lie keep their places, positions and angles; the rest makes up for them; a shim helps.
+/// Tiles that lie keep their places, positions and angles; the rest makes up for them; a shim
+/// helps.
 #[test]
 fn tiles_that_lie_stay() {
     let sandbox = Sandbox::new();
@@ -178,7 +180,8 @@ fn measured_sides_are_those_of_the_film() {
     let film = shipped("published-film");
     let mut text = "tile,part,strength_mt,size_x_mm,size_y_mm,size_z_mm\n".to_owned();
     for (number, Cut { name, part, size_mm: [x, y, z], .. }) in boxed(&sandbox, &film, 0).iter().enumerate() {
-        // The last side was not measured of half of the tiles, so that their sides are those ordered.
+        // The last side was not measured of half of the tiles, so that their sides are those
+        // ordered.
         let sides = if number % 2 == 0 { format!("{:?},{:?},{z:?}", x + 0.02, y + 0.01) } else { ",,".to_owned() };
         let _ = writeln!(text, "{name},{part},120,{sides}");
     }
@@ -202,8 +205,8 @@ fn measured_sides_are_those_of_the_film() {
     refused.refuses("side is 33.2 mm, must be within 0.5 to 2 times the 3.3 mm of part 1");
 }
 
-/// The written [tolerance] keeps the errors of laying and has those of the measurements; no side is turned
-/// over if none may be.
+/// The written [tolerance] keeps the errors of laying and has those of the measurements; no side is
+/// turned over if none may be.
 #[test]
 fn tolerance_of_the_film_is_that_of_laying_and_measuring() {
     let sandbox = Sandbox::new();
@@ -378,8 +381,8 @@ fn samples_of_sorted_tiles() {
     assert!(text.contains("tiles are measured and sorted before they are laid: 0 spare tiles;"), "{text}");
 }
 
-/// The film that is written has the errors that were stated but for what recoil is neglected, and smaller ones than
-/// if its tiles had been assigned as rigid ones.
+/// The film that is written has the errors that were stated but for what recoil is neglected, and
+/// smaller ones than if its tiles had been assigned as rigid ones.
 #[test]
 fn tiles_with_recoil_are_assigned_with_what_it_adds() {
     let sandbox = Sandbox::new();
@@ -392,7 +395,8 @@ fn tiles_with_recoil_are_assigned_with_what_it_adds() {
     assert!(number(&found["recoil"]["change_t"]) > 0.0, "{found}");
     let (stated, in_order) = (number(&found["rms_mm"]["assigned"]), number(&found["rms_mm"]["in_order"]));
     let decoupled = decoupled_rms_mm(&sandbox, "assigned.toml");
-    // How a tile that is wrong changes others is neglected: a fifth of the susceptibility of its error.
+    // How a tile that is wrong changes others is neglected: a fifth of the susceptibility of its
+    // error.
     assert!((decoupled - stated).abs() < 0.2 * 0.05 * in_order, "{decoupled} and {found}");
     assigned(&sandbox, "rigid.toml", &[]);
     let as_rigid = sandbox.read("assigned.toml") + material;

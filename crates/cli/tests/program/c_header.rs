@@ -39,8 +39,9 @@ pub(crate) fn answers(sandbox: &Sandbox, readings: &str) -> Vec<Vec<f64>> {
     text.lines().map(|line| line.split(',').map(|cell| cell.parse().expect("a number")).collect()).collect()
 }
 
-/// Readings at all points of the working volume, where the displacement is known. Single precision has an
-/// error of 1e-7 of the parameters, which is 1e-6 mm, and adds up over terms to less than 1e-4 mm.
+/// Readings at all points of the working volume, where the displacement is known. Single precision
+/// has an error of 1e-7 of the parameters, which is 1e-6 mm, and adds up over terms to less than
+/// 1e-4 mm.
 #[test]
 fn compiled_header_gives_displacements_within_the_stated_error() {
     let sandbox = Sandbox::new();

@@ -23,7 +23,8 @@ impl Random {
     }
 }
 
-/// Displacements of the film in shear and towards the sensor, and the field that the sensor then reads.
+/// Displacements of the film in shear and towards the sensor, and the field that the sensor then
+/// reads.
 fn displaced(sandbox: &Sandbox) -> Vec<([f64; 3], [f64; 3])> {
     let mut moved = Vec::new();
     for step in 0..30 {
@@ -64,8 +65,8 @@ fn number(of: &Value) -> f64 {
     of.as_f64().unwrap_or_else(|| panic!("{of} is no number"))
 }
 
-/// Without noise the coefficients by the field of the layout are exact. Those of the closed form are off
-/// by the error of the film.
+/// Without noise the coefficients by the field of the layout are exact. Those of the closed form
+/// are off by the error of the film.
 #[test]
 fn stiffness_without_noise_is_exact() {
     let sandbox = Sandbox::new();

@@ -28,8 +28,8 @@ fn cut_list_has_sides_strength_and_angles_of_each_part() {
     assert!(bill.contains("39 deg, 12.5 deg out of plane") && bill.contains("not polarized"), "{bill}");
 }
 
-/// The numbers and tiles of parts are the same in the list of tiles, the bill, the cut list, JSON and
-/// the layers of the drawing.
+/// The numbers and tiles of parts are the same in the list of tiles, the bill, the cut list, JSON
+/// and the layers of the drawing.
 #[test]
 fn every_tile_has_the_same_part_everywhere() {
     let sandbox = Sandbox::new();
@@ -124,7 +124,8 @@ fn drawing_has_outlines_and_arrows_on_a_layer_for_each_part() {
 #[test]
 fn cut_list_and_drawing_have_the_digits_that_a_person_would_write() {
     let sandbox = Sandbox::new();
-    // (2.1 + 0.1) (1.1 + 0.1) is 2.6400000000000006 in binary numbers, and 4.1 - 0.1 is 3.9999999999999996.
+    // (2.1 + 0.1) (1.1 + 0.1) is 2.6400000000000006 in binary numbers, and 4.1 - 0.1 is
+    // 3.9999999999999996.
     let tile = |x: f64, size: &str| {
         format!("[[tile]]\nposition_mm = [{x}, 0, 0.5]\nsize_mm = {size}\nstrength_t = 0.1\ndirection_deg = 90\n")
     };

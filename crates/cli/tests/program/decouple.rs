@@ -51,7 +51,8 @@ fn decouple_as_json() {
 #[test]
 fn singular_points_are_counted_and_named() {
     let sandbox = Sandbox::new();
-    // J along x: B_z = 0 on the plane x = 0. Six points of the grid lie on it, the reference does not.
+    // J along x: B_z = 0 on the plane x = 0. Six points of the grid lie on it, the reference does
+    // not.
     sandbox.write(
         "shear.toml",
         "format = 1\nname = \"shear\"\n[ideal]\nwavelength_mm = 10\nthickness_mm = 1\namplitude_t = 1\n\

@@ -55,7 +55,8 @@ fn design_as_json() {
     assert_eq!(found["short_of"].as_array().map(Vec::len), Some(0));
 }
 
-/// The film is found for its errors, sampled beside the film before, and written with what it reached.
+/// The film is found for its errors, sampled beside the film before, and written with what it
+/// reached.
 #[test]
 fn design_under_tolerance_states_the_films_that_are_made() {
     let sandbox = Sandbox::new();
@@ -82,8 +83,8 @@ fn design_under_tolerance_states_the_films_that_are_made() {
     let checked = sandbox.run(&["check", "better.toml"]);
     assert_eq!(checked.status, 0, "{}", checked.stdout);
     assert!(sandbox.read("better.toml").contains("[expect.made.displacement_rmse_mm]"));
-    // The samples are those of `tolerance`. The file of the film found has its tiles in another order, so
-    // that each gets other errors.
+    // The samples are those of `tolerance`. The file of the film found has its tiles in another
+    // order, so that each gets other errors.
     let json = |arguments: &[&str]| -> serde_json::Value {
         serde_json::from_str(&sandbox.run(arguments).stdout).expect("JSON")
     };
@@ -203,8 +204,8 @@ fn front_writes_tables_figures_and_layouts() {
     assert_eq!(sandbox.read("front/amplitude-0.7.toml"), "mine");
 }
 
-/// A film that is better as ordered, and worse as made and in amplitude, is on the front of films as
-/// ordered only.
+/// A film that is better as ordered, and worse as made and in amplitude, is on the front of films
+/// as ordered only.
 #[test]
 fn front_of_films_that_are_made_has_their_percentiles() {
     let sandbox = Sandbox::new();
@@ -268,8 +269,8 @@ fn splice_finds_a_film() {
     assert_eq!(said.status, 0, "{}{}", said.stdout, said.stderr);
     let checked = sandbox.run(&["check", "film.toml"]);
     assert_eq!(checked.status, 0, "{}", checked.stdout);
-    // The layout is short: one line for each of nine tiles, whose images are the other 47, and angles
-    // with as many digits as were asked for.
+    // The layout is short: one line for each of nine tiles, whose images are the other 47, and
+    // angles with as many digits as were asked for.
     let text = sandbox.read("film.toml");
     let lines: Vec<&str> = text.lines().filter(|line| line.contains("position_mm")).collect();
     assert!((9..=20).contains(&lines.len()) && text.lines().count() < 90, "{text}");
@@ -295,8 +296,8 @@ fn splice_finds_a_film() {
         .refuses_arguments("two lengths with an x between them");
 }
 
-/// The first Ctrl-C ends the search, and the program writes its result. Before, a search that is not
-/// on a terminal says how long it takes, and every ten seconds how far it is.
+/// The first Ctrl-C ends the search, and the program writes its result. Before, a search that is
+/// not on a terminal says how long it takes, and every ten seconds how far it is.
 #[cfg(unix)]
 #[test]
 fn long_search_is_announced_and_logged_and_interrupted_with_its_best_film() {

@@ -38,8 +38,8 @@ fn layout(errors: &[(usize, f64, f64, f64)]) -> String {
     text.replacen("name =", "overlap_mm = 1.0\nname =", 1)
 }
 
-/// Writes the nominal film and a scan of one with errors, 1 mm below it, in steps of 1 mm, with noise of
-/// 10 uT.
+/// Writes the nominal film and a scan of one with errors, 1 mm below it, in steps of 1 mm, with
+/// noise of 10 uT.
 fn scanned(errors: &[(usize, f64, f64, f64)]) -> Sandbox {
     scanned_of(errors, "")
 }
@@ -130,8 +130,8 @@ fn weak_tile_among_tiles_with_recoil_is_named_alone() {
     assert!(rigid["named"].as_array().is_some_and(|named| named.len() > 1), "{rigid}");
 }
 
-/// The film that was found has no requirements, allows the overlap of its tiles, and is taken by the verbs
-/// that evaluate films.
+/// The film that was found has no requirements, allows the overlap of its tiles, and is taken by
+/// the verbs that evaluate films.
 #[test]
 fn found_film_is_a_layout() {
     let sandbox = scanned(&WRONG);

@@ -1,5 +1,5 @@
-//! Bounds of `[expect]` that say nothing, that no film has, or that are in another unit: refused, or
-//! findings of `check`.
+//! Bounds of `[expect]` that say nothing, that no film has, or that are in another unit: refused,
+//! or findings of `check`.
 
 use serde_json::Value;
 

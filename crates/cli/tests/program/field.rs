@@ -95,7 +95,8 @@ fn gradient_columns() {
     let around = rows(&sandbox.run(&["field", &layout, "--points", "around.csv"]).stdout);
     for component in 0..3 {
         let slope = (around[1][3 + component] - around[0][3 + component]) / (2.0 * h);
-        // Truncation error: h^2 / 6 times a third derivative of about B / mm^3. Round-off: 1e-18 / h.
+        // Truncation error: h^2 / 6 times a third derivative of about B / mm^3. Round-off: 1e-18 /
+        // h.
         assert!((row[3 * component] - slope).abs() < 1e-11, "dB_{component}/dx is {}, not {slope}", row[3 * component]);
     }
     assert!(

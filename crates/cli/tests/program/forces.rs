@@ -17,8 +17,8 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().expect("a list").iter().map(|number| number.as_f64().expect("a number")).collect()
 }
 
-/// The force is that of the row `stacked` of the reference table of the library: 323786.329638943 N for
-/// cubes of 1 m.
+/// The force is that of the row `stacked` of the reference table of the library: 323786.329638943 N
+/// for cubes of 1 m.
 #[test]
 fn stacked_cubes_attract() {
     let sandbox = Sandbox::new();

@@ -109,8 +109,8 @@ impl Sandbox {
 }
 
 impl RunOutput {
-    /// Asserts that the program printed this message, nothing on standard output, and exited with 2.
-    /// For `check`, that the message is the result of the layout.
+    /// Asserts that the program printed this message, nothing on standard output, and exited
+    /// with 2. For `check`, that the message is the result of the layout.
     #[track_caller]
     fn refuses(&self, message: &str) {
         if self.is_check {

@@ -171,7 +171,8 @@ fn short_work_shows_no_progress_line() {
     let sandbox = Sandbox::new();
     let layout = crate::shipped("single-tile");
     for verb in [&["field", &layout, "-o", "out.csv"][..], &["check", &layout], &["tiles", &layout]] {
-        // On a busy machine the run may take longer than the delay of the line; then it is repeated.
+        // On a busy machine the run may take longer than the delay of the line; then it is
+        // repeated.
         loop {
             let begun = Instant::now();
             let (mut child, seen) = start(&sandbox, verb);

@@ -21,8 +21,9 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
 }
 
-/// The mean of the uniformity RMSE with 0.05 mm in x and y is known to be 0.0646, 0.0646 and 0.041. Of
-/// 400 samples it is known to four deviations of 0.0013 over the root of 400, and to the rounding.
+/// The mean of the uniformity RMSE with 0.05 mm in x and y is known to be 0.0646, 0.0646 and 0.041.
+/// Of 400 samples it is known to four deviations of 0.0013 over the root of 400, and to the
+/// rounding.
 #[test]
 fn tolerance_gives_the_known_errors_of_the_published_film() {
     let sandbox = Sandbox::new();
@@ -238,8 +239,8 @@ fn yield_counts_the_films_that_keep_the_bounds_of_made_films() {
     assert!(text.contains("% of the films keep all bounds of [expect] ("), "{text}");
 }
 
-/// The P95 along x of the published film in a workshop is known to be 0.268 mm, to its rounding and the
-/// error of 400 samples, about 0.002.
+/// The P95 along x of the published film in a workshop is known to be 0.268 mm, to its rounding and
+/// the error of 400 samples, about 0.002.
 #[test]
 fn check_fails_only_where_samples_exclude_the_percentile() {
     let sandbox = Sandbox::new();
@@ -259,7 +260,8 @@ fn check_fails_only_where_samples_exclude_the_percentile() {
     let broken = with("displacement_rmse_mm = { x = 0.255 }");
     assert_eq!(broken.status, 1, "{}", broken.stdout);
     assert!(broken.stdout.contains("FAILED") && broken.stdout.contains("made.displacement_rmse_mm.x"));
-    // Half of all builds would fail at the percentile itself, and one in twenty at a confidence of 95 %.
+    // Half of all builds would fail at the percentile itself, and one in twenty at a confidence of
+    // 95 %.
     let text = sandbox.run(&["check", "film.toml", "--format", "json"]).stdout;
     let result = json(&text);
     let percentile = &result["layouts"][0]["expectations"][0]["percentile"];
@@ -275,9 +277,9 @@ fn check_fails_only_where_samples_exclude_the_percentile() {
     );
 }
 
-/// The known shares of designed-displacement: direction 46 %, x and y 21 %, size 12 %, rotation 10 %, z
-/// 9 %, strength 2 % of an independent computation with 400 samples of each cause. Those of P95 differ by
-/// up to a quarter of a share from those of mean squares.
+/// The known shares of designed-displacement: direction 46 %, x and y 21 %, size 12 %, rotation 10
+/// %, z 9 %, strength 2 % of an independent computation with 400 samples of each cause. Those of
+/// P95 differ by up to a quarter of a share from those of mean squares.
 #[test]
 fn budget_divides_the_error_into_its_causes() {
     let sandbox = Sandbox::new();

@@ -154,8 +154,8 @@ fn errors_that_cannot_be_kept_are_refused() {
     assert!(said.stderr.contains("recoil_permeability = 200, must be at most 100"), "{}", said.stderr);
 }
 
-/// The nominal film of a tolerance study is the film of `decouple`, and temperature takes the coefficient of the
-/// material.
+/// The nominal film of a tolerance study is the film of `decouple`, and temperature takes the
+/// coefficient of the material.
 #[test]
 fn films_that_are_made_have_recoil() {
     let tolerance = "[tolerance]\nstrength = 0.01\nposition_mm = 0.02\nsamples = 40\n\
@@ -194,8 +194,8 @@ fn report_maps_how_far_tiles_weaken_and_turn() {
     assert!(sandbox.read("report/recoil.svg").contains("<svg"));
 }
 
-/// The film that is designed with recoil has the errors that `decouple` finds, and smaller ones than a film that was
-/// designed without.
+/// The film that is designed with recoil has the errors that `decouple` finds, and smaller ones
+/// than a film that was designed without.
 #[test]
 fn design_counts_recoil() {
     let brief = "[design]\nvary = [\"size\", \"position\"]\nsymmetry = \"mirror\"\nstarts = 1\noutline_mm = { x = [-6, 6], \
@@ -245,7 +245,8 @@ fn cells_beyond_the_knee_are_told() {
     }
 }
 
-/// The volume touches edges of both tiles: there B is refused as without recoil, and left out of the error.
+/// The volume touches edges of both tiles: there B is refused as without recoil, and left out of
+/// the error.
 #[test]
 fn volume_that_touches_tiles_is_evaluated_outside_them() {
     let sandbox = Sandbox::new();

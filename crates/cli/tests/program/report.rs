@@ -320,8 +320,8 @@ fn residuals_of_a_designed_film_are_in_micrometres_under_each_parameter() {
     }
 }
 
-/// On planes of constant z the figure shows S_z minus its mean, as a displacement: S_z itself would be
-/// one colour.
+/// On planes of constant z the figure shows S_z minus its mean, as a displacement: S_z itself would
+/// be one colour.
 #[test]
 fn level_planes_show_the_residual_of_s_z_in_micrometres() {
     let sandbox = Sandbox::new();

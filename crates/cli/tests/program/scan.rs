@@ -34,8 +34,8 @@ fn number(of: &Value) -> f64 {
     of.as_f64().unwrap_or_else(|| panic!("{of} is no number"))
 }
 
-/// A film that is 5 % stronger, in a stray field, under a sensor that is turned by 2 degrees about z and
-/// whose scan began 0.4 mm beside the middle.
+/// A film that is 5 % stronger, in a stray field, under a sensor that is turned by 2 degrees about
+/// z and whose scan began 0.4 mm beside the middle.
 #[test]
 fn known_parameters_of_a_scan_are_recovered() {
     let sandbox = Sandbox::new();

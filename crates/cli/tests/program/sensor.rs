@@ -12,7 +12,8 @@ fn rows(text: &str) -> (&str, Vec<Vec<f64>>) {
     (text.lines().next().expect("a line of names"), crate::rows(text))
 }
 
-/// Random points of the working volume, as CSV. The numbers are those of a linear congruential generator.
+/// Random points of the working volume, as CSV. The numbers are those of a linear congruential
+/// generator.
 fn random_points(count: u64) -> (String, Vec<[f64; 3]>) {
     let mut state = 1_u64;
     let mut next = |low: f64, high: f64| {
@@ -24,8 +25,8 @@ fn random_points(count: u64) -> (String, Vec<[f64; 3]>) {
     (format!("x_mm,y_mm,z_mm\n{}\n", lines.join("\n")), points)
 }
 
-/// The field that `field` writes is that of the places that `read` finds. Without noise they agree to
-/// 1e-6 mm, where the closed form is off by tenths of a millimetre.
+/// The field that `field` writes is that of the places that `read` finds. Without noise they agree
+/// to 1e-6 mm, where the closed form is off by tenths of a millimetre.
 #[test]
 fn readings_without_noise_give_the_displacements() {
     let sandbox = Sandbox::new();

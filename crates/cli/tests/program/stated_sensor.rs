@@ -34,7 +34,8 @@ fn experiment(sandbox: &Sandbox, options: &[&str]) -> Columns {
     Columns::new(&said.stdout)
 }
 
-/// A sensor whose plates, axes and gains are all off: what it reads tells the displacement all the same.
+/// A sensor whose plates, axes and gains are all off: what it reads tells the displacement all the
+/// same.
 const CROOKED: &str = "[sensor]\nplates_mm = { x = [0.1, 0, 0], z = [0, 0.1, -0.05] }\nactive_area_mm = [0.2, 0.1]\n\
                        rotation = { axis = [1, 2, 3], angle_deg = 3 }\ngain = [1.02, 0.98, 1.05]\noffset_ut = [100, -50, 30]\n";
 

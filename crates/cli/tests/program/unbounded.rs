@@ -48,7 +48,8 @@ fn names_of_choices_are_read_in_either_case() {
     assert_ne!(run("B", "NaN").stdout, run("H", "NaN").stdout);
 }
 
-/// As docs/file-formats.md says: lower faces belong to the tile, and edges parallel to J are bounded.
+/// As docs/file-formats.md says: lower faces belong to the tile, and edges parallel to J are
+/// bounded.
 #[test]
 fn faces_and_edges_are_as_documented() {
     let sandbox = Sandbox::new();

@@ -1,4 +1,5 @@
-//! The elements T_bc and T_bb of a rod, whose longest side is along a (docs/physics.md, section 2.6).
+//! The elements T_bc and T_bb of a rod, whose longest side is along a (docs/physics.md, section
+//! 2.6).
 //!
 //! A rod is the difference of two half-infinite rods, which begin at its ends. The differences
 //! along b and c are taken before the logarithm and the arctangent, so that the error does not grow
@@ -34,7 +35,8 @@ pub fn ratios_of_rod<N: Number>(
         near[corner] = middle.where_at_least(0.0, r[4 + corner], r[corner]);
         far[corner] = middle.where_at_least(0.0, r[corner], r[4 + corner]);
     }
-    // R + x along each edge of a half-infinite rod that begins at x; (y^2 + z^2) / (R - x) beside it.
+    // R + x along each edge of a half-infinite rod that begins at x; (y^2 + z^2) / (R - x) beside
+    // it.
     let from_edges = [b0[1] + c0[1], b0[1] + c1[1], b1[1] + c0[1], b1[1] + c1[1]];
     let beside = near_end.where_at_least(0.0, near_end, zero - near_end);
     let (mut near_sums, mut far_sums) = ([zero; 4], [zero; 4]);

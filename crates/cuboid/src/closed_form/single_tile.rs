@@ -143,8 +143,8 @@ impl ClosedForm {
         (across[BC], across[BB]) = (factors[AC], factors[AA]);
         [ratios[AC], ratios[AA]] = ratios_of_rod(simd, &exchanged, &across, squares);
         if self.is_strip {
-            // Beside a strip T_ac and T_aa are those of its distant ends, which this form takes from
-            // two long half-infinite strips across it.
+            // Beside a strip T_ac and T_aa are those of its distant ends, which this form takes
+            // from two long half-infinite strips across it.
             let far = self.beyond_ends(simd, place);
             let compact =
                 [place.ratio::<AC>(&self.terms.compact, squares), place.ratio::<AA>(&self.terms.compact, squares)];

@@ -21,7 +21,8 @@ pub const CC: usize = 5;
 /// Which closed form evaluates a cuboid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// The form of [`CornerGeometry::ratio`](super::elements::CornerGeometry::ratio) for all elements.
+    /// The form of [`CornerGeometry::ratio`](super::elements::CornerGeometry::ratio) for all
+    /// elements.
     Compact,
     /// The form of [`ratios_of_rod`](super::rod::ratios_of_rod) for T_bc and T_bb.
     Rod,

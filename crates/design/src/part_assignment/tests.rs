@@ -1,4 +1,5 @@
-//! Tiles stay as they are where their parts are mirror images, and parts keep what symmetry demands.
+//! Tiles stay as they are where their parts are mirror images, and parts keep what symmetry
+//! demands.
 
 use magsplice_layout::Layout;
 use magsplice_magnet::Tile;

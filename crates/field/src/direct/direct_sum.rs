@@ -103,7 +103,8 @@ impl DirectSum {
         self.field_and_magnitudes_of_batch(quantity, points, field, None, failed);
     }
 
-    /// [`DirectSum::field_of_batch`] with upper bounds of the magnitude of a single tile, if wanted.
+    /// [`DirectSum::field_of_batch`] with upper bounds of the magnitude of a single tile, if
+    /// wanted.
     fn field_and_magnitudes_of_batch(
         &self,
         quantity: Quantity,
@@ -190,8 +191,8 @@ impl DirectSum {
         })
     }
 
-    /// Writes the exact field at every point where it keeps the tolerance; returns the other points,
-    /// where `field` is NaN.
+    /// Writes the exact field at every point where it keeps the tolerance; returns the other
+    /// points, where `field` is NaN.
     pub(crate) fn field_within_into(
         &self,
         tolerance: Tolerance,
@@ -235,8 +236,8 @@ impl DirectSum {
         let mut magnitudes_t = Vec::new();
         let wanted = by_closed_form.then_some(&mut magnitudes_t);
         self.field_and_magnitudes_of_batch(quantity, points, field, wanted, failed);
-        // One bound for all points decides nearly all batches, and one for the box around the points
-        // most others.
+        // One bound for all points decides nearly all batches, and one for the box around the
+        // points most others.
         let any_weak = |least: f64| {
             field.chunks(POINTS_COMPARED).any(|some| some.iter().fold(false, |any, b| any | is_weak(b, least)))
         };
@@ -301,8 +302,8 @@ impl DirectSum {
         magnitudes_t[..points.len()].to_vec()
     }
 
-    /// The gradient of B at each point of a batch: column j is dB/dx_j, in tesla per unit of length.
-    /// Points without one are passed to `failed`, and their gradient is NaN.
+    /// The gradient of B at each point of a batch: column j is dB/dx_j, in tesla per unit of
+    /// length. Points without one are passed to `failed`, and their gradient is NaN.
     pub(crate) fn flux_density_gradient_of_batch(
         &self,
         points: &[DVec3],
@@ -344,8 +345,8 @@ impl DirectSum {
         })
     }
 
-    /// Index in errors of a tile whose edge makes the point singular. `blocks` are the edges of merged
-    /// blocks.
+    /// Index in errors of a tile whose edge makes the point singular. `blocks` are the edges of
+    /// merged blocks.
     fn tile_with_edge_at(&self, point: DVec3, blocks: &EdgesAtPoint) -> usize {
         let mut edges = EdgesAtPoint::default();
         for (frame, local) in self.frames.locals(point) {

@@ -158,8 +158,8 @@ impl AxisRestriction {
     }
 }
 
-/// Upper bound of the error with which T_`degree` of a box is interpolated at the nodes of its cells:
-/// twice the sum of its coefficients in a cell beyond the last node, in the worst cell.
+/// Upper bound of the error with which T_`degree` of a box is interpolated at the nodes of its
+/// cells: twice the sum of its coefficients in a cell beyond the last node, in the worst cell.
 fn truncation_error_of_polynomial(degree: usize, cells: usize) -> f64 {
     if degree < CELL_NODES {
         return 0.0;

@@ -11,8 +11,8 @@ use crate::tolerances::{MAX_MIRRORED_TILES, MIRROR_ROUNDING};
 /// Symmetry of the field about the three middle planes of a box.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mirrors {
-    /// For each axis, s of B(M x) = s M B(x), where M mirrors x in the plane across the axis. `None`
-    /// if the tiles are not symmetric.
+    /// For each axis, s of B(M x) = s M B(x), where M mirrors x in the plane across the axis.
+    /// `None` if the tiles are not symmetric.
     pub(super) signs: [Option<f64>; 3],
     /// Upper bound of the error by which tiles miss their mirror images, in tesla.
     pub(super) error_t: f64,

@@ -11,12 +11,12 @@ use magsplice_magnet::{BoundingBox, Quantity, Tolerance};
 use crate::direct::direct_sum::DirectSum;
 use crate::tolerances::{MIN_FIELD_SHARE, MIN_FIT_FRACTION};
 
-/// Whether the distances of tiles suggest at most `max_nodes` nodes for a fit of the field in a box.
-/// Sampling a box whose fit then fails costs time, and distances cost nearly none.
+/// Whether the distances of tiles suggest at most `max_nodes` nodes for a fit of the field in a
+/// box. Sampling a box whose fit then fails costs time, and distances cost nearly none.
 ///
 /// The numbers of nodes that the asymptotic decay of the coefficients suggests (Eq. P26) are less
-/// than a fit will need. The rounding of the exact values, which the fit amplifies, is compared with
-/// the tolerance at the corners of the box.
+/// than a fit will need. The rounding of the exact values, which the fit amplifies, is compared
+/// with the tolerance at the corners of the box.
 pub(crate) fn is_promising(direct: &DirectSum, region: &BoundingBox, tolerance: Tolerance, max_nodes: usize) -> bool {
     if matches!(tolerance, Tolerance::Relative { fraction, .. } if fraction < MIN_FIT_FRACTION) {
         return false;

@@ -76,8 +76,8 @@ impl Sources {
         sources
     }
 
-    /// The least number of nodes with which the truncation error is at most `allowed_t`. `None` if an
-    /// axis needs more than [`MAX_FIT_NODES`].
+    /// The least number of nodes with which the truncation error is at most `allowed_t`. `None` if
+    /// an axis needs more than [`MAX_FIT_NODES`].
     pub(super) fn node_counts(&self, allowed_t: f64) -> Option<NodeCounts> {
         let mut counts = [1; 3];
         let mut errors_t = [0.0; 3];
@@ -107,8 +107,8 @@ impl Sources {
         }
     }
 
-    /// Upper bound of the derivative along each axis of the error of interpolation, in tesla per unit
-    /// of length (Eq. P51). The sources must be charges.
+    /// Upper bound of the derivative along each axis of the error of interpolation, in tesla per
+    /// unit of length (Eq. P51). The sources must be charges.
     pub(super) fn gradient_error_t(&self, nodes: NodeCounts, half: DVec3) -> DVec3 {
         let mut slopes_t = DVec3::ZERO;
         let mut growth = 1.0;
@@ -121,7 +121,8 @@ impl Sources {
                 slopes_t[other] += if other == axis {
                     sum(&|source| source.slope_tail_t(count)) / half[axis]
                 } else if before.contains(&other) {
-                    // A polynomial of degree d has a slope of at most d^2 times its values (Markov).
+                    // A polynomial of degree d has a slope of at most d^2 times its values
+                    // (Markov).
                     error_t * ((nodes.counts[other] - 1) as f64).powi(2) / half[other]
                 } else {
                     sum(&|source| source.derivative(half[axis]).tail_t(count))
@@ -145,16 +146,16 @@ impl Sources {
             if error_t <= allowed_t {
                 return Some((count, error_t));
             }
-            // The ratio of successive errors grows with the number of nodes, so that this step is at
-            // most as long as it may be.
+            // The ratio of successive errors grows with the number of nodes, so that this step is
+            // at most as long as it may be.
             let steps = if error_t.is_finite() { ((allowed_t / error_t).ln() / ratio.ln()).ceil() } else { 1.0 };
             count += steps.clamp(1.0, MAX_FIT_NODES as f64) as usize;
         }
         None
     }
 
-    /// Upper bound of the error of interpolation at `count` nodes along one axis, at any place along
-    /// the others, in tesla, and a lower bound of the ratio of the next bound to it.
+    /// Upper bound of the error of interpolation at `count` nodes along one axis, at any place
+    /// along the others, in tesla, and a lower bound of the ratio of the next bound to it.
     fn error_along_t(&self, axis: usize, count: usize) -> (f64, f64) {
         let (mut error_t, mut next_t) = (0.0, 0.0);
         for source in &self.by_axis[axis] {
@@ -227,8 +228,8 @@ impl Source {
         self.weighted_tail_t(count, |_| 1.0)
     }
 
-    /// [`Source::tail_t`] with each coefficient times the square of its degree, which is the largest
-    /// slope of its polynomial.
+    /// [`Source::tail_t`] with each coefficient times the square of its degree, which is the
+    /// largest slope of its polynomial.
     fn slope_tail_t(&self, count: usize) -> f64 {
         self.weighted_tail_t(count, |k| k * k)
     }
@@ -255,16 +256,16 @@ impl Source {
         self.amplitude_t * averaged * products * weight(n) * self.decay.powi(count as i32) / rest
     }
 
-    /// The source of the derivative of the field of charges in any direction, per unit of length. It
-    /// has the coefficients of dipoles.
+    /// The source of the derivative of the field of charges in any direction, per unit of length.
+    /// It has the coefficients of dipoles.
     fn derivative(&self, half: f64) -> Source {
         let scale = 2.0 * self.decay / half;
         Source { kind: Kind::Dipoles, amplitude_t: DIPOLE_FACTOR * scale * self.amplitude_t, ..*self }
     }
 }
 
-/// The slowest decay of the coefficients of any tile along each axis of a box. `None` if a tile is so
-/// near that a box needs more than [`MAX_FIT_NODES`].
+/// The slowest decay of the coefficients of any tile along each axis of a box. `None` if a tile is
+/// so near that a box needs more than [`MAX_FIT_NODES`].
 pub(super) fn slowest_decays(direct: &DirectSum, region: &BoundingBox) -> Option<[f64; 3]> {
     let half = region.half_size();
     let mut decays = [0.0_f64; 3];
@@ -282,7 +283,8 @@ pub(super) fn slowest_decays(direct: &DirectSum, region: &BoundingBox) -> Option
     Some(decays)
 }
 
-/// rho of Eq. P26 times half the length of the box, so that nothing overflows in the shortest boxes.
+/// rho of Eq. P26 times half the length of the box, so that nothing overflows in the shortest
+/// boxes.
 fn rho(along: f64, aside: f64, half: f64) -> f64 {
     let root = |x: f64| (x * x + aside * aside).sqrt();
     let long_axis = 0.5 * (root(along + half) + root(along - half));

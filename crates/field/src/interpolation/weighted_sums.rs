@@ -46,8 +46,8 @@ fn strip<S: Simd, const N: usize>(
 ) {
     let length = Lanes::<S>::LEN;
     let mut sums = [Lanes::<S>::splat(simd, 0.0); N];
-    // By indices: with cargo's default profile the iterators of zipped slices are not inlined here, and take
-    // half of the time of a look-up.
+    // By indices: with cargo's default profile the iterators of zipped slices are not inlined here,
+    // and take half of the time of a look-up.
     let mut at = start;
     for weight in weights {
         for (n, sum) in sums.iter_mut().enumerate() {

@@ -10,7 +10,8 @@ use rustc_hash::FxHashMap;
 
 use crate::tolerances::LONGEST_BAR;
 
-/// Cuboids with the same field as `blocks` that need fewer tensor elements; `None` if there are none.
+/// Cuboids with the same field as `blocks` that need fewer tensor elements; `None` if there are
+/// none.
 pub(super) fn decomposed(blocks: &[Block]) -> Option<Vec<Block>> {
     let mut parts: Vec<Block> = Vec::new();
     for component in 0..3 {

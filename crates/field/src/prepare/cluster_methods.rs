@@ -41,8 +41,8 @@ pub(super) fn is_compact(ranges: &MethodRanges) -> bool {
 
 /// The ranges of a cluster.
 ///
-/// `parts` are the cuboids that the closed form evaluates, with their tables, and `tiles` the number
-/// of cuboids for the other methods.
+/// `parts` are the cuboids that the closed form evaluates, with their tables, and `tiles` the
+/// number of cuboids for the other methods.
 pub(super) fn ranges_of_cluster(parts: &[Block], tables: &CornerTables, tiles: usize) -> MethodRanges {
     let (centre, half) = around(parts);
     let scale = scale_of(parts);

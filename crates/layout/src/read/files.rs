@@ -10,8 +10,8 @@ use crate::limits::MAX_FILE_BYTES;
 pub(crate) struct Source {
     /// The folder that paths in the layout are relative to.
     pub(crate) folder: PathBuf,
-    /// Whether the layout is the neighbour of another. Its own tolerances, and so its neighbours, do not
-    /// count.
+    /// Whether the layout is the neighbour of another. Its own tolerances, and so its neighbours,
+    /// do not count.
     pub(crate) is_neighbour: bool,
 }
 
@@ -21,8 +21,8 @@ impl Source {
         Source { folder: path.parent().unwrap_or(Path::new("")).to_owned(), is_neighbour: false }
     }
 
-    /// The source of a text of this origin: a file if the origin is the path of one, else the working
-    /// folder.
+    /// The source of a text of this origin: a file if the origin is the path of one, else the
+    /// working folder.
     pub(crate) fn of_origin(origin: &str) -> Source {
         let path = Path::new(origin);
         if path.is_file() { Source::of_file(path) } else { Source { folder: PathBuf::new(), is_neighbour: false } }
@@ -40,8 +40,8 @@ pub(crate) fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The contents of a regular file with at most `most` bytes. Pipes and devices are refused before they
-/// are opened, because opening a pipe waits for its other end.
+/// The contents of a regular file with at most `most` bytes. Pipes and devices are refused before
+/// they are opened, because opening a pipe waits for its other end.
 pub(crate) fn regular_bytes(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     let about = fs::metadata(path)?;
     if !about.is_file() {

@@ -16,8 +16,8 @@ use crate::read::strength_rules::doubt;
 /// Fraction of |B| from which on a tolerance of a baseline was probably meant in another unit.
 const LARGEST_WITHIN: f64 = 0.1;
 
-/// A best-fit amplitude above which a bound was probably meant in percent. A film is seldom twice as
-/// strong as its ideal film.
+/// A best-fit amplitude above which a bound was probably meant in percent. A film is seldom twice
+/// as strong as its ideal film.
 const LARGEST_AMPLITUDE: f64 = 10.0;
 
 /// Round-off of a magnitude that is computed from three components.

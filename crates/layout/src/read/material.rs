@@ -9,16 +9,16 @@ use crate::read::faults::TableFaults;
 use crate::read::number_rules::check_positive;
 use crate::tables::material::{MaterialTable, RecoilPermeability};
 
-/// Largest relative change of the strength per kelvin. Hard ferrite, the material that changes most,
-/// has 0.002.
+/// Largest relative change of the strength per kelvin. Hard ferrite, the material that changes
+/// most, has 0.002.
 const MOST_PER_KELVIN: f64 = 0.02;
 
 /// Largest recoil permeability that a magnet has: that of Alnico. Rare-earth magnets, bonded or
 /// sintered, and ferrite have 1.03 to 1.2.
 const MOST_OF_MAGNETS: f64 = 6.0;
 
-/// Least share for the error of what recoil changes. Errors fall with the square of the level, and the number
-/// of cells grows with its cube: a hundred times less needs a thousand times more cells.
+/// Least share for the error of what recoil changes. Errors fall with the square of the level, and
+/// the number of cells grows with its cube: a hundred times less needs a thousand times more cells.
 const LEAST_RECOIL_ERROR: f64 = 1e-4;
 
 /// The material. Faults are added.

@@ -1,8 +1,9 @@
 //! Reading a layout: text becomes tables, tables become a checked [`Layout`].
 //!
 //! Every rule is checked before a value is converted, so that messages use the names and units of
-//! the file. All broken rules are reported at once, the first few by name. Overlaps are searched only
-//! if no other rule is broken. The limits on a whole layout are checked before its tiles are made.
+//! the file. All broken rules are reported at once, the first few by name. Overlaps are searched
+//! only if no other rule is broken. The limits on a whole layout are checked before its tiles are
+//! made.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -112,8 +113,9 @@ impl Layout {
         parse_from(&text, &origin, &Source::of_file(path))
     }
 
-    /// The layout in `text`. `origin` names the source of the text in errors. If it is the path of a
-    /// file, then paths in the text are relative to the folder of this file, else to the working folder.
+    /// The layout in `text`. `origin` names the source of the text in errors. If it is the path of
+    /// a file, then paths in the text are relative to the folder of this file, else to the working
+    /// folder.
     ///
     /// # Errors
     /// [`LayoutError::Syntax`] and [`LayoutError::Invalid`], as for [`Layout::read`].
@@ -187,8 +189,8 @@ fn parse_from(text: &str, origin: &str, source: &Source) -> Result<Layout, Layou
     resolve(file, text, sha256, source).map_err(|faults| LayoutError::Invalid { origin: origin.to_owned(), faults })
 }
 
-/// The tiles of the layout file at a path relative to `folder`, without its tolerances, or why there are
-/// none in one line.
+/// The tiles of the layout file at a path relative to `folder`, without its tolerances, or why
+/// there are none in one line.
 fn tiles_of_neighbour(folder: &Path, layout: &str) -> Result<Vec<NamedTile>, String> {
     let path = folder.join(layout);
     let bytes = regular_bytes(&path, MAX_FILE_BYTES).map_err(|error| format!("cannot be read: {error}"))?;

@@ -15,8 +15,8 @@ use crate::tables::tile::AXIS_LETTERS;
 /// listed once for each axis that the mirror reflects.
 type Between = (usize, usize, Option<usize>);
 
-/// Adds a fault for each pair of entries with tiles that overlap by more than round-off and `allowed_mm`. A pair of
-/// tiles that stand in the file is named before one of images.
+/// Adds a fault for each pair of entries with tiles that overlap by more than round-off and
+/// `allowed_mm`. A pair of tiles that stand in the file is named before one of images.
 pub(crate) fn check(tiles: &[NamedTile], entries: &[Entry], allowed_mm: f64, faults: &mut Faults) {
     let bare: Vec<Tile> = tiles.iter().map(|named| named.tile).collect();
     let most = PAIRS_PER_TILE * tiles.len() + SPARE_PAIRS;
@@ -96,7 +96,8 @@ fn of_own_image(named: &NamedTile, axis: usize, entry: &Entry, pair: &Overlap, r
     )
 }
 
-/// Two tiles, of different entries or copies of one. Only the second moves; its image moves with it.
+/// Two tiles, of different entries or copies of one. Only the second moves; its image moves with
+/// it.
 fn of_two(tiles: &[NamedTile], first: Origin, second: Origin, pair: &Overlap, rule: &str) -> String {
     let name = &tiles[second.original].name;
     let whole =

@@ -10,16 +10,16 @@ use crate::plausible::{MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, meant_length, s
 use crate::read::strength_rules::doubt;
 use crate::tables::tile::AXIS_LETTERS;
 
-/// Distance of the film from z = 0 that is accepted, as a fraction of the wavelength. It changes the
-/// field by 2 pi times as much, 0.6 %, less than errors of manufacture do.
+/// Distance of the film from z = 0 that is accepted, as a fraction of the wavelength. It changes
+/// the field by 2 pi times as much, 0.6 %, less than errors of manufacture do.
 const STANDS_WITHIN: f64 = 1e-3;
 
 /// The film's extent as a fraction of the wavelength below which it is no film. A film has at least
 /// one wide tile, a third of the wavelength; a tenth of that is left for single tiles.
 const LEAST_FILM: f64 = 0.03;
 
-/// Largest ratio of the heights of the film and of the ideal film. A film is made thicker or thinner
-/// than the ideal one to change its amplitude, but not by so much.
+/// Largest ratio of the heights of the film and of the ideal film. A film is made thicker or
+/// thinner than the ideal one to change its amplitude, but not by so much.
 const MAX_HEIGHT_RATIO: f64 = 30.0;
 
 /// Largest ratio of the volume's longest side to that of the tiles. The sides of a film and of its

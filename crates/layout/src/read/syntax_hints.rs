@@ -16,8 +16,8 @@ const LEAST_SIMILARITY: f64 = 0.84;
 /// The unit that the end of a key names, in words.
 const UNITS: [(&str, &str); 4] = [("_mm", "mm"), ("_t", "tesla"), ("_ut", "microtesla"), ("_deg", "degrees")];
 
-/// The message about a syntax error. `message` and `span` are of the TOML parser. A value of a wrong
-/// type is told by the form that its key wants, if this is known.
+/// The message about a syntax error. `message` and `span` are of the TOML parser. A value of a
+/// wrong type is told by the form that its key wants, if this is known.
 pub(crate) fn message(text: &str, message: &str, span: Option<Range<usize>>) -> String {
     let written = span.clone().and_then(|span| text.get(span)).unwrap_or_default();
     let form = span.clone().and_then(|span| {

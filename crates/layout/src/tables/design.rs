@@ -19,8 +19,8 @@ pub(crate) struct DesignTable {
     /// The error that the search minimizes. Default: uniformity.
     #[serde(default)]
     pub(crate) goal: Goal,
-    /// The films whose error counts: the film of the layout, or those made with the errors of [tolerance].
-    /// Default: nominal.
+    /// The films whose error counts: the film of the layout, or those made with the errors of
+    /// [tolerance]. Default: nominal.
     #[serde(default, skip_serializing_if = "is_nominal")]
     pub(crate) under: Under,
     /// Weights of the errors of R_x, R_y and S_z. Default: 1 each.
@@ -44,8 +44,8 @@ pub(crate) struct DesignTable {
     /// Bounds of the magnitude of the polarization, in T. Required if the strength varies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) strength_t: Option<MinMax>,
-    /// Sizes are rounded to multiples of this, in mm; a tile centred on a mirror plane has its faces at
-    /// half multiples. Default: 0.001.
+    /// Sizes are rounded to multiples of this, in mm; a tile centred on a mirror plane has its
+    /// faces at half multiples. Default: 0.001.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) resolution_mm: Option<f64>,
     /// Directions are rounded to multiples of this, in degrees. Default: 0.01.

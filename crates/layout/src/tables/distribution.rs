@@ -48,8 +48,8 @@ pub(crate) struct DistributionTable {
     pub(crate) values: Option<Vec<f64>>,
 }
 
-/// One distribution for all of `N` components, or a list of one for each. Each component has errors of
-/// its own.
+/// One distribution for all of `N` components, or a list of one for each. Each component has errors
+/// of its own.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub(crate) enum Components<const N: usize> {

@@ -1,5 +1,5 @@
-//! Lists of an exact length. The arrays of serde take as many elements as they hold from a longer list, and the
-//! TOML parser does not tell of the rest.
+//! Lists of an exact length. The arrays of serde take as many elements as they hold from a longer
+//! list, and the TOML parser does not tell of the rest.
 
 use std::fmt;
 use std::marker::PhantomData;

@@ -52,8 +52,8 @@ pub(crate) struct MadeTable {
     /// Number of films that are evaluated. Default: the samples of [tolerance].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) samples: Option<u64>,
-    /// Confidence with which the films that were evaluated must exclude that the bound is kept, before
-    /// it counts as broken: a fraction. Default: 0.95.
+    /// Confidence with which the films that were evaluated must exclude that the bound is kept,
+    /// before it counts as broken: a fraction. Default: 0.95.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) confidence: Option<f64>,
 }

@@ -6,25 +6,26 @@ use serde::{Deserialize, Serialize};
 use crate::tables::exact_list::some_exactly;
 use crate::tables::rotation::RotationTable;
 
-/// The three-axis Hall sensor below the film. Without this table it is perfect: points without errors,
-/// noise or limits.
+/// The three-axis Hall sensor below the film. Without this table it is perfect: points without
+/// errors, noise or limits.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Sensor")]
 pub(crate) struct SensorTable {
-    /// A part with known numbers: MLX90393, TLV493D, LIS3MDL or MMC5983MA. The keys beside it replace its
-    /// numbers.
+    /// A part with known numbers: MLX90393, TLV493D, LIS3MDL or MMC5983MA. The keys beside it
+    /// replace its numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) part: Option<String>,
-    /// Standard deviation of the noise of a reading, in microtesla: one for all axes, or three. Default:
-    /// 0.
+    /// Standard deviation of the noise of a reading, in microtesla: one for all axes, or three.
+    /// Default: 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) noise_ut: Option<PerAxis>,
-    /// Flux density of one count, in microtesla: one for all axes, or three. Default: 0, readings are not
-    /// rounded.
+    /// Flux density of one count, in microtesla: one for all axes, or three. Default: 0, readings
+    /// are not rounded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) count_ut: Option<PerAxis>,
-    /// Largest flux density that is read, in millitesla: one for all axes, or three. Default: no limit.
+    /// Largest flux density that is read, in millitesla: one for all axes, or three. Default: no
+    /// limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) range_mt: Option<PerAxis>,
     /// Readings per second. Default: not stated.
@@ -39,8 +40,8 @@ pub(crate) struct SensorTable {
     /// Rotation of the sensor in the frame of the film. Default: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) rotation: Option<RotationTable>,
-    /// Sides of the rectangle along x and y of the sensor that a plate averages over, in mm. Default:
-    /// points.
+    /// Sides of the rectangle along x and y of the sensor that a plate averages over, in mm.
+    /// Default: points.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[serde(default, deserialize_with = "some_exactly")]
     pub(crate) active_area_mm: Option<[f64; 2]>,
@@ -49,7 +50,8 @@ pub(crate) struct SensorTable {
     pub(crate) plates_mm: Option<PlatesTable>,
 }
 
-/// Centres of the plates that read x, y and z, in the frame of the sensor, in mm. Default: its position.
+/// Centres of the plates that read x, y and z, in the frame of the sensor, in mm. Default: its
+/// position.
 #[derive(Clone, Copy, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PlatesTable {
@@ -98,11 +100,12 @@ pub(crate) struct ElastomerTable {
     pub(crate) youngs_modulus_mpa: f64,
     /// Poisson ratio: above -1, and at most 0.5.
     pub(crate) poisson_ratio: f64,
-    /// Calibrated stiffness over that of Eqs. 16 and 17 along x, y, z: the coefficients a_1 to a_3. Default:
-    /// 1.
+    /// Calibrated stiffness over that of Eqs. 16 and 17 along x, y, z: the coefficients a_1 to a_3.
+    /// Default: 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) scale: Option<PerAxis>,
-    /// Calibrated force without displacement along x, y, z, in N: the coefficients b_1 to b_3. Default: 0.
+    /// Calibrated force without displacement along x, y, z, in N: the coefficients b_1 to b_3.
+    /// Default: 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) force_at_rest_n: Option<PerAxis>,
 }

@@ -52,8 +52,8 @@ pub(crate) struct TileTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[serde(default, deserialize_with = "some_exactly")]
     pub(crate) direction: Option<[f64; 3]>,
-    /// Angle of the polarization in the tile's own xy plane, from x towards y, in degrees. Goes with
-    /// strength_t, instead of direction.
+    /// Angle of the polarization in the tile's own xy plane, from x towards y, in degrees. Goes
+    /// with strength_t, instead of direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) direction_deg: Option<f64>,
     /// Angle of the polarization out of the tile's own xy plane towards z, in degrees. Goes with

@@ -11,9 +11,9 @@ use crate::tables::exact_list::some_exactly;
 use crate::tables::rotation::RotationTable;
 use crate::tables::tile::AxisName;
 
-/// The errors of the films that are made from the layout. A plain number is the standard deviation of
-/// normal errors of mean 0; a table gives another distribution. Errors of different tiles, axes and
-/// keys are independent.
+/// The errors of the films that are made from the layout. A plain number is the standard deviation
+/// of normal errors of mean 0; a table gives another distribution. Errors of different tiles, axes
+/// and keys are independent.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ToleranceTable {
@@ -23,8 +23,8 @@ pub(crate) struct ToleranceTable {
     /// Errors of each tile's centre along x, y, z, in mm: one for all axes, or three.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) position_mm: Option<Components<3>>,
-    /// Angles by which each tile is turned about axes parallel to x, y, z, in degrees: one for all axes,
-    /// or three.
+    /// Angles by which each tile is turned about axes parallel to x, y, z, in degrees: one for all
+    /// axes, or three.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) rotation_deg: Option<Components<3>>,
     /// Errors of each side, along the tile's own axes, in mm: one for all sides, or three.
@@ -33,8 +33,8 @@ pub(crate) struct ToleranceTable {
     /// Error of |J|, as a fraction of it: 0.01 is 1 %.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) strength: Option<WrittenDistribution>,
-    /// Angles by which J is turned within the tile, in degrees: one for both directions, or two, in the
-    /// plane of the film and out of it.
+    /// Angles by which J is turned within the tile, in degrees: one for both directions, or two, in
+    /// the plane of the film and out of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) direction_deg: Option<Components<2>>,
     /// Number of films that `check` and `tolerance` evaluate. Default: 1000.
@@ -67,8 +67,8 @@ pub(crate) struct ToleranceTable {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, KindErrorsTable>")]
     pub(crate) kind: BTreeMap<String, Spanned<KindErrorsTable>>,
-    /// Errors of tiles by name. They replace those of kinds, and later entries replace earlier ones, key
-    /// by key.
+    /// Errors of tiles by name. They replace those of kinds, and later entries replace earlier
+    /// ones, key by key.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(with = "Vec<TileErrorsTable>")]
     pub(crate) tile: Vec<Spanned<TileErrorsTable>>,
@@ -134,16 +134,17 @@ pub(crate) struct TileErrorsTable {
     pub(crate) direction_deg: Option<Components<2>>,
 }
 
-/// Tiles that move or change together: all tiles, or those of `tiles` or `kinds`, as one group or as
-/// one for each row or kind.
+/// Tiles that move or change together: all tiles, or those of `tiles` or `kinds`, as one group or
+/// as one for each row or kind.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct GroupTable {
-    /// Unique name. Default: group-1, group-2 and so on, numbered in the order of the file. Groups for
-    /// rows are named NAME-1, NAME-2, and groups for kinds NAME-KIND.
+    /// Unique name. Default: group-1, group-2 and so on, numbered in the order of the file. Groups
+    /// for rows are named NAME-1, NAME-2, and groups for kinds NAME-KIND.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) name: Option<String>,
-    /// Names of its tiles. An asterisk stands for any letters, unless the text is the name of a tile.
+    /// Names of its tiles. An asterisk stands for any letters, unless the text is the name of a
+    /// tile.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) tiles: Option<Vec<String>>,
     /// Kinds of its tiles, instead of names.

@@ -23,8 +23,8 @@ const TILES: &str = "[kind.square]\nsize_mm = [3, 3, 1]\nstrength_t = 0.12\n\
     [[tile]]\nname = \"corner\"\nkind = \"square\"\nposition_mm = [2, 4, 0.5]\ndirection = [1, 1, 0]\nmirror = { axes = [\"x\", \"y\"] }\n\
     [[tile]]\nname = \"bar\"\nkind = \"bar\"\nposition_mm = [6, 4, 0.75]\ndirection = [1, 0, 0]\nmirror = { axes = [\"x\", \"y\"] }\n";
 
-/// The text of a layout; lines 1 to 12 are its head, ideal film and volume, and [tolerance] is line 13
-/// if `tables` begins with it.
+/// The text of a layout; lines 1 to 12 are its head, ideal film and volume, and [tolerance] is line
+/// 13 if `tables` begins with it.
 fn text(tables: &str) -> String {
     format!("{HEAD}{IDEAL}{VOLUME}{}\n{tables}\n{TILES}", "")
 }

@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// Asserts that a layout is read again with the same errors of each tile and group, from the plain and
-/// the compact form.
+/// Asserts that a layout is read again with the same errors of each tile and group, from the plain
+/// and the compact form.
 #[track_caller]
 pub(crate) fn assert_is_written(layout: &Layout, folder: &std::path::Path) {
     let wanted = layout.tolerance.as_ref().expect("stated");

@@ -27,14 +27,17 @@ pub struct FieldScan {
 /// What is ordinary, and when a tile is named.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiagnosisSettings {
-    /// The errors that tiles and groups of tiles ordinarily have. With the default, tiles that are not named
-    /// are exactly as ordered. Each distribution counts as a normal one of the same mean square.
+    /// The errors that tiles and groups of tiles ordinarily have. With the default, tiles that are
+    /// not named are exactly as ordered. Each distribution counts as a normal one of the same mean
+    /// square.
     pub ordinary: FilmTolerance,
-    /// The errors whose deviation before the scan is compared with that after it, where nothing is ordinary.
+    /// The errors whose deviation before the scan is compared with that after it, where nothing is
+    /// ordinary.
     pub prior: TileErrors,
     /// Parameters of the scan that are not known.
     pub free: FreeParameters,
-    /// Probability that any tile of a film without errors beyond the ordinary ones is named. Default: 0.01.
+    /// Probability that any tile of a film without errors beyond the ordinary ones is named.
+    /// Default: 0.01.
     pub false_alarm: f64,
 }
 
@@ -99,8 +102,8 @@ impl Estimate {
 }
 
 impl NamedError {
-    /// The magnitude: the error of strength itself, or the length of the vector of all components that are
-    /// more than noise. The scan may hardly tell one of them, such as a turn about J.
+    /// The magnitude: the error of strength itself, or the length of the vector of all components
+    /// that are more than noise. The scan may hardly tell one of them, such as a turn about J.
     pub fn magnitude(&self) -> f64 {
         let length = |parts: &mut dyn Iterator<Item = &Estimate>| parts.map(|of| of.value.powi(2)).sum::<f64>().sqrt();
         match &self.components[..] {
@@ -118,11 +121,11 @@ impl NamedError {
 pub struct Diagnosis {
     /// The errors that are named, the surest first.
     pub named: Vec<NamedError>,
-    /// Whether all significant errors are named. Where a film has more than 16 of them, it is another film, or
-    /// its tiles have ordinary errors that were not stated.
+    /// Whether all significant errors are named. Where a film has more than 16 of them, it is
+    /// another film, or its tiles have ordinary errors that were not stated.
     pub is_complete: bool,
-    /// The film that explains the readings: named errors without components that are noise, and the most
-    /// probable ordinary ones.
+    /// The film that explains the readings: named errors without components that are noise, and the
+    /// most probable ordinary ones.
     pub tiles: Vec<Tile>,
     /// The errors of each tile in this film, numbered as in [`TileErrors::all`].
     pub errors: Vec<[f64; TileErrors::COUNT]>,
@@ -130,7 +133,8 @@ pub struct Diagnosis {
     pub scan: ScanParameters,
     /// Readings less those of the film that was found, in tesla.
     pub residuals_t: Vec<DVec3>,
-    /// Sum of the squares of residuals over those of the noise, and of ordinary errors over their deviations.
+    /// Sum of the squares of residuals over those of the noise, and of ordinary errors over their
+    /// deviations.
     pub chi_squared: f64,
     /// Its expectation: the number of readings less that of the free numbers.
     pub freedom: usize,
@@ -146,8 +150,8 @@ pub struct Diagnosis {
 const IMPLAUSIBLE: f64 = 1e-4;
 
 impl Diagnosis {
-    /// Whether the residual is too large for the noise: the film has errors of another kind, or the noise is
-    /// larger than stated.
+    /// Whether the residual is too large for the noise: the film has errors of another kind, or the
+    /// noise is larger than stated.
     pub fn is_residual_too_large(&self) -> bool {
         self.ln_probability < IMPLAUSIBLE.ln()
     }
@@ -162,12 +166,13 @@ impl Diagnosis {
 /// A film and the places at which it is scanned, for any number of scans.
 ///
 /// # Cost
-/// A film of 56 tiles at 441 points needs about 0.3 s on one core; with ordinary errors of all tiles, several
-/// seconds. Memory grows as readings times unknowns, of which a tile has nine to twelve.
+/// A film of 56 tiles at 441 points needs about 0.3 s on one core; with ordinary errors of all
+/// tiles, several seconds. Memory grows as readings times unknowns, of which a tile has nine to
+/// twelve.
 ///
 /// # Accuracy
-/// The field is exact for the errors that are found, and so are the derivatives. Standard deviations are
-/// those of the linear model there.
+/// The field is exact for the errors that are found, and so are the derivatives. Standard
+/// deviations are those of the linear model there.
 #[derive(Clone, Debug)]
 pub struct ScanDiagnosis {
     model: ScanModel,
@@ -177,8 +182,8 @@ pub struct ScanDiagnosis {
 }
 
 impl ScanDiagnosis {
-    /// The model of a film at the points of a scan. `start` has the parameters of the scan where they are
-    /// not fitted, and where the fit begins.
+    /// The model of a film at the points of a scan. `start` has the parameters of the scan where
+    /// they are not fitted, and where the fit begins.
     ///
     /// # Errors
     /// See [`DiagnosisError`].
@@ -210,14 +215,14 @@ impl ScanDiagnosis {
         Ok(ScanDiagnosis { model, settings, candidates, nominal })
     }
 
-    /// The largest probability of one error by chance for which it is named: the probability of a false
-    /// alarm over the number of errors that may be named (Bonferroni).
+    /// The largest probability of one error by chance for which it is named: the probability of a
+    /// false alarm over the number of errors that may be named (Bonferroni).
     pub fn naming_probability(&self) -> f64 {
         self.settings.false_alarm / self.candidates.len() as f64
     }
 
-    /// The diagnosis of readings, in tesla, one for each point of the scan and in the frame of the film.
-    /// `watch` is told the number of errors named so far.
+    /// The diagnosis of readings, in tesla, one for each point of the scan and in the frame of the
+    /// film. `watch` is told the number of errors named so far.
     ///
     /// # Errors
     /// See [`DiagnosisError`].
@@ -288,7 +293,8 @@ impl ScanDiagnosis {
         })
     }
 
-    /// The deviations before the scan: the ordinary ones, or those of the prior where nothing is ordinary.
+    /// The deviations before the scan: the ordinary ones, or those of the prior where nothing is
+    /// ordinary.
     fn prior(&self) -> Vec<f64> {
         let Unknowns { list, ordinary } = &self.model.unknowns;
         let is_stated = list

@@ -20,8 +20,8 @@ impl ErrorKind {
     pub const ALL: [ErrorKind; 4] =
         [ErrorKind::Strength, ErrorKind::Turn, ErrorKind::Direction, ErrorKind::Displacement];
 
-    /// The numbers of its components, as in [`TileErrors::all`](magsplice_layout::TileErrors::all): x, y, z;
-    /// for the direction of J the turns in the plane of the film and out of it.
+    /// The numbers of its components, as in [`TileErrors::all`](magsplice_layout::TileErrors::all):
+    /// x, y, z; for the direction of J the turns in the plane of the film and out of it.
     pub fn components(self) -> std::ops::Range<usize> {
         match self {
             ErrorKind::Displacement => 0..3,

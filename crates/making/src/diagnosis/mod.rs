@@ -1,13 +1,13 @@
 //! Wrong tiles of a film that was made, from a scan of its field.
 //!
-//! The model is B at the points of the scan: that of the nominal film and, to first order, the exact
-//! derivatives by every error of every tile. Least squares with prior deviations (ridge regression, or
-//! the mean of a Gaussian posterior) finds the errors, and Gauss-Newton steps repeat it at the film so
-//! found, whose field is exact. Forward selection with tests of chi squared then names the errors that
-//! neither noise nor ordinary errors explain.
+//! The model is B at the points of the scan: that of the nominal film and, to first order, the
+//! exact derivatives by every error of every tile. Least squares with prior deviations (ridge
+//! regression, or the mean of a Gaussian posterior) finds the errors, and Gauss-Newton steps repeat
+//! it at the film so found, whose field is exact. Forward selection with tests of chi squared then
+//! names the errors that neither noise nor ordinary errors explain.
 //!
-//! References: A. Tarantola, Inverse Problem Theory (SIAM 2005), section 3.2, for the estimate and its
-//! covariance; C. R. Rao, Proc. Cambridge Phil. Soc. 44, 50 (1948), for the score test.
+//! References: A. Tarantola, Inverse Problem Theory (SIAM 2005), section 3.2, for the estimate and
+//! its covariance; C. R. Rao, Proc. Cambridge Phil. Soc. 44, 50 (1948), for the score test.
 
 /// The diagnosis of a film: settings and results.
 mod diagnosis_run;

@@ -10,11 +10,12 @@ use super::error::DiagnosisError;
 use super::significance::ln_probability_above;
 
 /// Eigenvalue of the information about the components of an error, over the largest, below which a
-/// combination of them does not show in the readings. Round-off leaves 1e-12 of it where ordinary errors
-/// hide most of the signal.
+/// combination of them does not show in the readings. Round-off leaves 1e-12 of it where ordinary
+/// errors hide most of the signal.
 const INVISIBLE: f64 = 1e-7;
 
-/// Share of the information about the components of an error that ordinary errors and noise must leave.
+/// Share of the information about the components of an error that ordinary errors and noise must
+/// leave.
 const LEAST_LEFT: f64 = 1e-9;
 
 /// The fit of unknowns with prior deviations.
@@ -62,8 +63,8 @@ impl<'a> Ridge<'a> {
         Ok(Ridge { gram, projected, active, inverse, estimate })
     }
 
-    /// What the sum of squares, with that of the prior, falls by from other values to the estimate. Values of
-    /// unknowns without a deviation are 0.
+    /// What the sum of squares, with that of the prior, falls by from other values to the estimate.
+    /// Values of unknowns without a deviation are 0.
     pub(crate) fn gain(&self, values: &DVector<f64>) -> f64 {
         let step = DVector::from_fn(self.active.len(), |i, _| self.estimate[self.active[i]] - values[self.active[i]]);
         // L^T step of the factor L.

@@ -1,5 +1,5 @@
-//! The readings of a scan as a function of the unknowns: residuals and exact derivatives, whitened by
-//! the noise.
+//! The readings of a scan as a function of the unknowns: residuals and exact derivatives, whitened
+//! by the noise.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
@@ -11,7 +11,8 @@ use rayon::prelude::*;
 use super::error::DiagnosisError;
 use super::unknowns::{State, Unknown, Unknowns};
 
-/// Most bytes of derivatives, and of the products of all pairs of them. Three times as many are in use.
+/// Most bytes of derivatives, and of the products of all pairs of them. Three times as many are in
+/// use.
 const LARGEST_BYTES: usize = 1 << 30;
 
 /// Bytes of the response of one tile at one point.
@@ -48,7 +49,8 @@ pub(crate) struct Compared {
     pub(crate) residuals_t: Vec<DVec3>,
     /// The sum of their squares, each over the square of the noise.
     pub(crate) chi_squared: f64,
-    /// The products of the columns with the residuals of the linear model at the origin of all unknowns.
+    /// The products of the columns with the residuals of the linear model at the origin of all
+    /// unknowns.
     pub(crate) projected: DVector<f64>,
 }
 

@@ -1,5 +1,5 @@
-//! Which errors are named: forward selection, backward elimination and exchange, each with a refit by
-//! Gauss-Newton steps.
+//! Which errors are named: forward selection, backward elimination and exchange, each with a refit
+//! by Gauss-Newton steps.
 
 use glam::DVec3;
 
@@ -8,8 +8,8 @@ use super::error_kind::ErrorKind;
 use super::ridge::{Ridge, Score};
 use super::scan_model::{Compared, Linearized, ScanModel};
 
-/// Fall of the sum of squares, in units of the variance of the noise, below which Gauss-Newton steps end.
-/// Errors then change by a thirtieth of their standard deviation.
+/// Fall of the sum of squares, in units of the variance of the noise, below which Gauss-Newton
+/// steps end. Errors then change by a thirtieth of their standard deviation.
 const LEAST_GAIN: f64 = 1e-3;
 
 /// Most Gauss-Newton steps of a fit. Errors of 10 degrees or 0.5 mm need about six.
@@ -18,12 +18,12 @@ const MOST_STEPS: usize = 20;
 /// Most halvings of a step.
 const MOST_HALVINGS: usize = 12;
 
-/// Most errors that are named. A film with more is another one, or its tiles have ordinary errors that were
-/// not stated; each further error would take longer than the one before.
+/// Most errors that are named. A film with more is another one, or its tiles have ordinary errors
+/// that were not stated; each further error would take longer than the one before.
 const MOST_NAMED: usize = 16;
 
-/// Logarithm of the ratio of probabilities up to which another error could be the one that is named: a
-/// thousand.
+/// Logarithm of the ratio of probabilities up to which another error could be the one that is
+/// named: a thousand.
 const ALTERNATIVE: f64 = 6.9;
 
 /// An error that may be named: a tile and what is wrong with it.
@@ -56,7 +56,8 @@ pub(crate) struct NamedCandidate {
 }
 
 impl Search<'_> {
-    /// The errors that noise and ordinary errors do not explain, beginning with the model at `start`.
+    /// The errors that noise and ordinary errors do not explain, beginning with the model at
+    /// `start`.
     pub(crate) fn run(&self, start: &Linearized, mut watch: impl FnMut(usize)) -> Result<Found, DiagnosisError> {
         let mut named: Vec<TileAndKind> = Vec::new();
         let mut visited: Vec<Vec<TileAndKind>> = vec![Vec::new()];
@@ -92,8 +93,8 @@ impl Search<'_> {
         Ok(Found { at, compared, named: tested, is_complete })
     }
 
-    /// The named errors of the next round: one less, another one, or one more. `None` if all stand and no
-    /// further one is significant.
+    /// The named errors of the next round: one less, another one, or one more. `None` if all stand
+    /// and no further one is significant.
     fn next(
         &self,
         at: &Linearized,

@@ -1,13 +1,15 @@
-//! Probabilities of chi squared, as logarithms: strong signals have probabilities below all numbers.
+//! Probabilities of chi squared, as logarithms: strong signals have probabilities below all
+//! numbers.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::gamma::ln_gamma;
 
-/// Probability below which its logarithm is by the asymptotic series, whose relative error is then below
-/// `freedom` / 1000.
+/// Probability below which its logarithm is by the asymptotic series, whose relative error is then
+/// below `freedom` / 1000.
 const LEAST_PROBABILITY: f64 = 1e-250;
 
-/// The natural logarithm of the probability that chi squared of this many degrees of freedom is larger.
+/// The natural logarithm of the probability that chi squared of this many degrees of freedom is
+/// larger.
 pub(crate) fn ln_probability_above(chi_squared: f64, freedom: usize) -> f64 {
     let Ok(distribution) = ChiSquared::new(freedom as f64) else { return 0.0 };
     if !(chi_squared > 0.0) {

@@ -7,8 +7,9 @@ use magsplice_tolerance::mean_square;
 
 use super::error_kind::ErrorKind;
 
-/// Prior deviation of the components of an error that is named, numbered as in [`TileErrors::all`]: far
-/// above what the scan tells, yet so small that a direction it does not tell stays where the model holds.
+/// Prior deviation of the components of an error that is named, numbered as in [`TileErrors::all`]:
+/// far above what the scan tells, yet so small that a direction it does not tell stays where the
+/// model holds.
 const WIDE: [f64; TileErrors::COUNT] = [0.5, 0.5, 0.5, 0.2, 0.2, 0.2, 0.5, 0.5, 0.5, 0.5, 0.2, 0.2];
 
 /// Number of parameters of a scan: strength, and three each of offset, rotation and start.

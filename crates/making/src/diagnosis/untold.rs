@@ -5,11 +5,12 @@ use super::ridge::Ridge;
 use super::scan_model::Linearized;
 use super::unknowns::{Unknown, Unknowns};
 
-/// Standard deviation after the scan over that before it from which on the scan does not tell an error.
+/// Standard deviation after the scan over that before it from which on the scan does not tell an
+/// error.
 const HARDLY_NARROWED: f64 = 0.5;
 
-/// Correlation of what two errors change in the readings from which on they look alike: then a tenth of the
-/// signal of one remains beside the other.
+/// Correlation of what two errors change in the readings from which on they look alike: then a
+/// tenth of the signal of one remains beside the other.
 const ALIKE: f64 = 0.995;
 
 /// An error of a tile that the scan hardly narrows.
@@ -38,8 +39,8 @@ pub struct SimilarErrors {
     pub correlation: f64,
 }
 
-/// The errors of all tiles with their standard deviations before and after the scan, if all have ordinary
-/// errors of these deviations.
+/// The errors of all tiles with their standard deviations before and after the scan, if all have
+/// ordinary errors of these deviations.
 pub(crate) fn narrowed(at: &Linearized, unknowns: &Unknowns, before: &[f64]) -> Result<Vec<Untold>, DiagnosisError> {
     let projected = nalgebra::DVector::zeros(before.len());
     let after = Ridge::new(&at.gram, &projected, before)?.deviations();

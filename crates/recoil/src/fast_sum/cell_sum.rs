@@ -19,14 +19,15 @@ use crate::error::RecoilError;
 use crate::symmetric_tensor::SymmetricTensor;
 use crate::tolerances::MOST_BYTES;
 
-/// Groups of receivers whose translations are sorted by their matrix. Fewer groups read each matrix from
-/// memory fewer times, more divide the work more evenly.
+/// Groups of receivers whose translations are sorted by their matrix. Fewer groups read each matrix
+/// from memory fewer times, more divide the work more evenly.
 const RECEIVER_GROUPS: usize = 16;
 
 /// Translations by one matrix that are made at the same time.
 const TOGETHER: usize = 4;
 
-/// Gauss-Legendre rule of four nodes on [-1, 1], exact for the gradients of coefficients of degree 8.
+/// Gauss-Legendre rule of four nodes on [-1, 1], exact for the gradients of coefficients of
+/// degree 8.
 const RULE: [(f64, f64); 4] = [
     (-0.861_136_311_594_052_6, 0.173_927_422_568_726_93),
     (-0.339_981_043_584_856_26, 0.326_072_577_431_273_07),
@@ -35,10 +36,12 @@ const RULE: [(f64, f64); 4] = [
 ];
 const _: () = assert!(DEGREE <= 8);
 
-/// The tensors T_ij = sqrt(V_i / V_j) N_ij of near pairs, and expansions in place of those of far pairs.
+/// The tensors T_ij = sqrt(V_i / V_j) N_ij of near pairs, and expansions in place of those of far
+/// pairs.
 pub(crate) struct CellSum {
     tree: Octree,
-    /// The moments of each cell for the three directions of its polarization, in the order of the tree.
+    /// The moments of each cell for the three directions of its polarization, in the order of the
+    /// tree.
     moments: Vec<[Coefficients; 3]>,
     /// The translations to all nodes.
     far: Vec<FarGroup>,
@@ -271,7 +274,8 @@ fn far_groups(tree: &Octree, far: &[[usize; 2]]) -> (Vec<FarGroup>, Vec<Translat
     (groups, matrices)
 }
 
-/// The moments of each cell: the means of the gradients over it times the root of its volume, in sides of its leaf.
+/// The moments of each cell: the means of the gradients over it times the root of its volume, in
+/// sides of its leaf.
 fn moments(tree: &Octree, cells: &[Tile]) -> Vec<[Coefficients; 3]> {
     let leaves: Vec<usize> = (0..tree.nodes.len()).filter(|node| tree.is_leaf(*node)).collect();
     let mut of_cells = vec![(0, DVec3::ZERO, 0.0); cells.len()];

@@ -1,16 +1,17 @@
 //! Solid harmonics and the matrices that translate expansions.
 //!
-//! With R_lm = r^l P_lm(cos theta) e^(i m phi) / (l + m)! and I_lm = (l - m)! P_lm(cos theta) e^(i m phi) / r^(l + 1),
-//! P_lm without the sign (-1)^m, and points a and b about the centres of two nodes,
+//! With R_lm = r^l P_lm(cos theta) e^(i m phi) / (l + m)! and I_lm = (l - m)! P_lm(cos theta) e^(i
+//! m phi) / r^(l + 1), P_lm without the sign (-1)^m, and points a and b about the centres of two
+//! nodes,
 //!
 //! ```text
 //! 1 / |c + a - b| = sum over l, m, k, n of (-1)^l R_lm(a)* I_(l+k)(m+n)(c) R_kn(b)*
 //! R_lm(a + b) = sum over k, n of R_kn(a) R_(l-k)(m-n)(b)
 //! ```
 //!
-//! for the vector c from the centre of b to that of a, and R_l(-m) = (-1)^m R_lm*. Expansions are vectors of
-//! the real and imaginary parts of R_lm for m >= 0: W. Dehnen, Comput. Astrophys. Cosmol. 1, 1 (2014). The
-//! degree 0 is left out: the mean gradient of a cell has none.
+//! for the vector c from the centre of b to that of a, and R_l(-m) = (-1)^m R_lm*. Expansions are
+//! vectors of the real and imaginary parts of R_lm for m >= 0: W. Dehnen, Comput. Astrophys.
+//! Cosmol. 1, 1 (2014). The degree 0 is left out: the mean gradient of a cell has none.
 
 use fearless_simd::prelude::*;
 use glam::DVec3;
@@ -116,7 +117,8 @@ impl Translation {
         Translation(vec![[0.0; COEFFICIENTS]; COEFFICIENTS].into_boxed_slice())
     }
 
-    /// From the coefficients of a node with half the side, whose centre is at `shift` in sides of the other.
+    /// From the coefficients of a node with half the side, whose centre is at `shift` in sides of
+    /// the other.
     pub(super) fn to_parent(shift: DVec3) -> Translation {
         let harmonics = Triangle::regular(shift, DEGREE);
         let mut matrix = Translation::zero();
@@ -148,9 +150,9 @@ impl Translation {
         matrix
     }
 
-    /// From moments of one node to the local expansion of another one: `offset` leads from the centre of
-    /// the source to that of the receiver, in sides of the receiver; `ratio` is the side of the source over
-    /// that of the receiver.
+    /// From moments of one node to the local expansion of another one: `offset` leads from the
+    /// centre of the source to that of the receiver, in sides of the receiver; `ratio` is the side
+    /// of the source over that of the receiver.
     pub(super) fn to_local(offset: DVec3, ratio: f64) -> Translation {
         let harmonics = Triangle::irregular(offset, 2 * DEGREE);
         let mut matrix = Translation::zero();
@@ -238,7 +240,8 @@ mod tests {
         all
     }
 
-    /// The expansion without its terms of degree 0 in one of the points: the mixed difference of 1 / r.
+    /// The expansion without its terms of degree 0 in one of the points: the mixed difference of 1
+    /// / r.
     #[test]
     fn translation_to_local_gives_the_potential() {
         let (offset, ratio) = (DVec3::new(3.0, -2.0, 2.5), 0.5);

@@ -4,8 +4,8 @@ use glam::I64Vec3;
 
 use super::octree::Octree;
 
-/// Largest sum of the radii of two nodes over the distance of their centres at which they interact by
-/// expansions.
+/// Largest sum of the radii of two nodes over the distance of their centres at which they interact
+/// by expansions.
 const SEPARATION: f64 = 0.7;
 
 /// Pairs of nodes.
@@ -17,8 +17,8 @@ pub(super) struct Interactions {
     pub(super) near: Vec<[usize; 2]>,
 }
 
-/// What a translation depends on: the difference of the levels of source and receiver, and the offset of
-/// their centres in half sides of the smaller one.
+/// What a translation depends on: the difference of the levels of source and receiver, and the
+/// offset of their centres in half sides of the smaller one.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub(super) struct Offset {
     pub(super) levels: i32,

@@ -5,7 +5,8 @@ use std::ops::Range;
 use glam::{DVec3, I64Vec3};
 use magsplice_magnet::Tile;
 
-/// Largest number of cells of a leaf. Fewer make more pairs of nodes, more make more pairs of near cells.
+/// Largest number of cells of a leaf. Fewer make more pairs of nodes, more make more pairs of near
+/// cells.
 const CELLS_PER_LEAF: usize = 16;
 
 /// Most halvings of the cube of all cells.

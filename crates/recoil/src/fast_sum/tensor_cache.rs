@@ -1,7 +1,7 @@
 //! Tensors of pairs of cells of which most have been met before.
 //!
-//! Films repeat tiles, and the cells of a tile repeat sizes and offsets in all its octants. A tensor is that
-//! of rounded lengths, so that it does not depend on which pair was met first.
+//! Films repeat tiles, and the cells of a tile repeat sizes and offsets in all its octants. A
+//! tensor is that of rounded lengths, so that it does not depend on which pair was met first.
 
 use std::collections::HashMap;
 

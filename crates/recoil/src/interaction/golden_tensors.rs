@@ -1,8 +1,8 @@
 //! Mean demagnetizing tensors of boxes with parallel edges, in 17 digits.
 //!
-//! Computed with mpmath 1.3.0 in 80 digits from the functions f and g of Newell, Williams and Dunlop
-//! (1993) in their published form, summed over the 64 differences of corners. Pairs are one box, boxes
-//! that touch, boxes apart at random, cubes and thin boxes at growing distances.
+//! Computed with mpmath 1.3.0 in 80 digits from the functions f and g of Newell, Williams and
+//! Dunlop (1993) in their published form, summed over the 64 differences of corners. Pairs are one
+//! box, boxes that touch, boxes apart at random, cubes and thin boxes at growing distances.
 
 /// Size of the receiver, size of the source, offset; diagonal xx, yy, zz and yz, zx, xy.
 pub(super) const TENSORS: [[[f64; 3]; 5]; 55] = [

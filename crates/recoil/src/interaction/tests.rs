@@ -47,8 +47,8 @@ fn errors_of_corner_sums_are_below_their_estimate() {
     }
 }
 
-/// The factor along z of a prism with the half sides a, b, c: A. Aharoni, "Demagnetizing factors for
-/// rectangular ferromagnetic prisms", J. Appl. Phys. 83 (1998) 3432, Eq. 1.
+/// The factor along z of a prism with the half sides a, b, c: A. Aharoni, "Demagnetizing factors
+/// for rectangular ferromagnetic prisms", J. Appl. Phys. 83 (1998) 3432, Eq. 1.
 fn aharoni([a, b, c]: [f64; 3]) -> f64 {
     let (ab, bc, ac) = (a.hypot(b), b.hypot(c), a.hypot(c));
     let abc = ab.hypot(c);
@@ -138,8 +138,8 @@ fn parts_add_up_to_the_whole() {
     }
 }
 
-/// Far away the tensor is that of a dipole. Cubes have no quadrupole and no octupole: the error is of the
-/// fourth power of side over distance.
+/// Far away the tensor is that of a dipole. Cubes have no quadrupole and no octupole: the error is
+/// of the fourth power of side over distance.
 #[test]
 fn distant_cubes_are_dipoles() {
     for distance in [30.0, 1e3, 1e6] {

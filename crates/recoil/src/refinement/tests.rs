@@ -86,8 +86,8 @@ fn shapes() -> Vec<Vec<RecoilTile>> {
     ]
 }
 
-/// B at points beside and below the box of all tiles, half a unit to three away from it, a difference of two
-/// values that nearly cancel, and the mean polarization.
+/// B at points beside and below the box of all tiles, half a unit to three away from it, a
+/// difference of two values that nearly cancel, and the mean polarization.
 fn values(tiles: &[RecoilTile], cells: &[Tile]) -> Vec<f64> {
     let half = tiles.iter().map(|each| 0.5 * each.tile.size());
     let ends = tiles.iter().map(|each| each.tile.position()).zip(half);
@@ -111,8 +111,8 @@ fn values(tiles: &[RecoilTile], cells: &[Tile]) -> Vec<f64> {
     values
 }
 
-/// Values extrapolated from levels to 3 and to 4 contain those from levels to 6 within their errors.
-/// Values that vanish by symmetry have the error of the solution.
+/// Values extrapolated from levels to 3 and to 4 contain those from levels to 6 within their
+/// errors. Values that vanish by symmetry have the error of the solution.
 #[test]
 fn errors_contain_finer_levels_of_many_shapes() {
     let solution_error = 1e-7;
@@ -132,9 +132,9 @@ fn errors_contain_finer_levels_of_many_shapes() {
     }
 }
 
-/// Mean polarization of cubes that fill a sphere: J_r 3 / (mu_r + 2), within the error, for three numbers of
-/// cubes across. The mean factor of a shape with the symmetry of a cube is 1/3, so that steps of the
-/// surface change the mean in the second order only.
+/// Mean polarization of cubes that fill a sphere: J_r 3 / (mu_r + 2), within the error, for three
+/// numbers of cubes across. The mean factor of a shape with the symmetry of a cube is 1/3, so that
+/// steps of the surface change the mean in the second order only.
 #[test]
 fn errors_contain_the_factor_of_a_sphere() {
     for (across, mu_r) in [(4_i32, 1.05_f64), (5, 1.2), (6, 1.5)] {
@@ -153,8 +153,9 @@ fn errors_contain_the_factor_of_a_sphere() {
     }
 }
 
-/// The mean polarization of a rod and of a plate along z is J_r / (1 + chi N) with the magnetometric
-/// demagnetizing factor N of A. Aharoni, J. Appl. Phys. 83 (1998) 3432, up to the second order of chi.
+/// The mean polarization of a rod and of a plate along z is J_r / (1 + chi N) with the
+/// magnetometric demagnetizing factor N of A. Aharoni, J. Appl. Phys. 83 (1998) 3432, up to the
+/// second order of chi.
 #[test]
 fn errors_contain_the_factors_of_a_rod_and_a_plate() {
     let chi = 1e-3;
@@ -189,7 +190,8 @@ fn refinement_without_enough_cells_says_so() {
     // With two levels no error is known.
     let (needed_cells, reached, best) = best_of(8, 1.0);
     assert_eq!((needed_cells, reached, best), (27, f64::INFINITY, None));
-    // An error that falls with the cube of the level would be small enough at level 10, and not at level 4.
+    // An error that falls with the cube of the level would be small enough at level 10, and not at
+    // level 4.
     let (_, third, _) = best_of(27, 1e-9);
     let tolerance = third * (3.0_f64 / 10.0).powi(3) * 1.1;
     let (needed_cells, reached, best) = best_of(100, tolerance);
@@ -233,9 +235,9 @@ fn refinement_ends_when_the_values_with_tolerances_are_known() {
     assert!(refined.level > LEAST_LEVEL && refined.errors[2] <= 1e-5);
 }
 
-/// Points near faces, edges and corners, at distances down to a hundredth of the shortest side. Errors fall
-/// slowly there, and so do their estimates. That of the finest level is as large as the change nearer to a face
-/// than a tenth of the shortest side, so that the test says little there.
+/// Points near faces, edges and corners, at distances down to a hundredth of the shortest side.
+/// Errors fall slowly there, and so do their estimates. That of the finest level is as large as the
+/// change nearer to a face than a tenth of the shortest side, so that the test says little there.
 #[test]
 fn errors_contain_finer_levels_near_a_tile() {
     let tiles = [magnet([3.0, 6.0, 1.0], [0.0; 3], [0.12, 0.0, 0.0], 1.2)];

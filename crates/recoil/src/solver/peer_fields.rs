@@ -1,7 +1,7 @@
 //! B of magnets with a recoil permeability, by another program.
 //!
-//! Written by peer_fields.py with magpylib 6.2.0 and magpylib-material-response 0.6.0: its dense solver,
-//! its interaction averaged over cells.
+//! Written by peer_fields.py with magpylib 6.2.0 and magpylib-material-response 0.6.0: its dense
+//! solver, its interaction averaged over cells.
 
 /// The published film of 168 cells, mu_r = 1.05: points in mm, B in tesla.
 pub(super) const FILM_1_05: [[[f64; 3]; 2]; 48] = [

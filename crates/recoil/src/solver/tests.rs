@@ -20,8 +20,8 @@ fn solve(tiles: &[RecoilTile], level: usize) -> Magnetization {
     Magnetization::solve(tiles, level, |_| {}).unwrap()
 }
 
-/// Two boxes of one cell each. The six equations were solved with mpmath 1.3.0 in 80 digits, their tensors
-/// from the functions f and g of Newell, Williams and Dunlop (1993).
+/// Two boxes of one cell each. The six equations were solved with mpmath 1.3.0 in 80 digits, their
+/// tensors from the functions f and g of Newell, Williams and Dunlop (1993).
 #[test]
 fn two_boxes_agree_with_eighty_digits() {
     let cubes = [
@@ -82,11 +82,11 @@ fn unit_permeability_keeps_every_bit() {
     assert_eq!(solve(&[tiles[0]], 1).cells(), [tiles[0].tile]);
 }
 
-/// A sphere of cubes: J = J_r 3 / (mu_r + 2). The mean factor over a shape with the symmetry of a cube is
-/// 1/3, so that the steps of the surface change the mean polarization in the second order only: by
-/// chi^2 d^2 / (1 + chi / 3)^3, where d is the deviation of the factor of cells from 1/3. It is below a
-/// tenth: a cell at a step has factors between those of a cube, 1/3, and about 1/3 +- 0.2, and half of the
-/// cells are inside.
+/// A sphere of cubes: J = J_r 3 / (mu_r + 2). The mean factor over a shape with the symmetry of a
+/// cube is 1/3, so that the steps of the surface change the mean polarization in the second order
+/// only: by chi^2 d^2 / (1 + chi / 3)^3, where d is the deviation of the factor of cells from 1/3.
+/// It is below a tenth: a cell at a step has factors between those of a cube, 1/3, and about 1/3 +-
+/// 0.2, and half of the cells are inside.
 #[test]
 fn sphere_of_cubes_weakens_as_a_sphere() {
     for mu_r in [1.05_f64, 1.5, 3.0] {
@@ -109,8 +109,9 @@ fn sphere_of_cubes_weakens_as_a_sphere() {
     }
 }
 
-/// The middle of a rod along J keeps J_r; that of a plate across J has J_r / mu_r. The demagnetizing
-/// factors there are (sqrt(2) side / length) / pi and 1 less it, to first order in the ratio.
+/// The middle of a rod along J keeps J_r; that of a plate across J has J_r / mu_r. The
+/// demagnetizing factors there are (sqrt(2) side / length) / pi and 1 less it, to first order in
+/// the ratio.
 #[test]
 fn rods_and_plates_reach_their_limits() {
     let mu_r = 1.2;
@@ -177,8 +178,8 @@ fn bad_input_is_refused() {
     assert!(Magnetization::solve(&[], 1, |_| {}).unwrap().cells().is_empty());
 }
 
-/// A stack of two tiles, the upper one turned about the axis of the stack by a small angle and by none: the
-/// averages over turned cells and the closed form differ as little as the angle.
+/// A stack of two tiles, the upper one turned about the axis of the stack by a small angle and by
+/// none: the averages over turned cells and the closed form differ as little as the angle.
 #[test]
 fn turned_stack_is_continuous_in_its_angle() {
     let lower = magnet([1.0; 3], [0.0; 3], [0.3, 0.0, 1.0], 1.2);
@@ -193,7 +194,8 @@ fn turned_stack_is_continuous_in_its_angle() {
     }
 }
 
-/// The tiles of the published film, each in three equal cells along its longest side, the first of two.
+/// The tiles of the published film, each in three equal cells along its longest side, the first of
+/// two.
 fn thirds_of_the_published_film(mu_r: f64) -> Vec<RecoilTile> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../layouts/published-film.toml");
     let permeability = Permeability::isotropic(mu_r).unwrap();
@@ -236,8 +238,9 @@ fn fields_agree_with_another_program() {
     }
 }
 
-/// The tree against the tensors of all pairs: what a permeability changes in B outside agrees to a few
-/// millionths of its largest value, for compact and for flat and long cells, and among turned tiles.
+/// The tree against the tensors of all pairs: what a permeability changes in B outside agrees to a
+/// few millionths of its largest value, for compact and for flat and long cells, and among turned
+/// tiles.
 #[test]
 fn tree_agrees_with_all_tensors() {
     let frame = DQuat::from_axis_angle(DVec3::new(0.48, 0.6, 0.64), 0.9);
@@ -298,8 +301,8 @@ fn tree_refuses_what_it_cannot_solve() {
     assert!(error.to_string().contains("lower it"), "{error}");
 }
 
-/// Films with three mirror planes, one of which tiles cross, and with one: the solution is that of all cells,
-/// and the change of J has the planes to the last bit.
+/// Films with three mirror planes, one of which tiles cross, and with one: the solution is that of
+/// all cells, and the change of J has the planes to the last bit.
 #[test]
 fn mirror_planes_change_nothing() {
     let across = [

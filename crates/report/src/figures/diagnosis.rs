@@ -57,8 +57,8 @@ pub struct DiagnosedTile<'a> {
     pub tile: &'a NamedTile,
     /// What is wrong with it.
     pub faults: Vec<TileFault>,
-    /// The largest standard deviation of its errors after the scan, over that before it, but for turns about
-    /// J.
+    /// The largest standard deviation of its errors after the scan, over that before it, but for
+    /// turns about J.
     pub untold: f64,
 }
 
@@ -85,8 +85,8 @@ impl TileFault {
     }
 }
 
-/// The tiles from above: those that are wrong with a mark for what is wrong, and beside them how much the
-/// scan tells of each tile.
+/// The tiles from above: those that are wrong with a mark for what is wrong, and beside them how
+/// much the scan tells of each tile.
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.

@@ -1,5 +1,5 @@
-//! B, the decoupling parameters and the displacement or force that a sensor tells while the film is moved
-//! along each axis (Dai 2024, Fig. 9).
+//! B, the decoupling parameters and the displacement or force that a sensor tells while the film is
+//! moved along each axis (Dai 2024, Fig. 9).
 
 use glam::DVec3;
 use magsplice::layout::Elastomer;

@@ -28,17 +28,18 @@ const TOP_PX: f64 = 14.0;
 /// Empty space around tiles and arrows, as a fraction of the longer side.
 const MARGIN: f64 = 0.03;
 
-/// Length of the longest arrow over the longer side of the largest tile, and its limits as fractions of
-/// the longer side of the film.
+/// Length of the longest arrow over the longer side of the largest tile, and its limits as
+/// fractions of the longer side of the film.
 const ARROW_PER_TILE: f64 = 0.75;
 const ARROW_PER_FILM: [f64; 2] = [0.035, 0.12];
 /// Shorter arrows are not drawn: a head alone has no length.
 const SHORTEST_PX: f64 = 3.0;
-/// Radius of the mark for the largest force out of the plane, in pixels, and the smallest that is drawn.
+/// Radius of the mark for the largest force out of the plane, in pixels, and the smallest that is
+/// drawn.
 const MARK_PX: f64 = 9.0;
 const SMALLEST_MARK_PX: f64 = 1.5;
-/// Forces from this fraction of the largest on are drawn as the largest: images by symmetry differ by
-/// round-off.
+/// Forces from this fraction of the largest on are drawn as the largest: images by symmetry differ
+/// by round-off.
 const LARGEST: f64 = 1.0 - 1e-9;
 /// Size of the numbers of steps, in pixels: the largest, and the smallest that can be read.
 const NUMBER_PX: [f64; 2] = [12.0, 7.0];
@@ -56,8 +57,8 @@ pub struct TileForce<'a> {
     pub step: Option<usize>,
 }
 
-/// The tiles from above, each with the force on it as an arrow. `while_laid` says that each force is that
-/// of the tiles laid before, and not of all others.
+/// The tiles from above, each with the force on it as an arrow. `while_laid` says that each force
+/// is that of the tiles laid before, and not of all others.
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.

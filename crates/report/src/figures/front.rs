@@ -26,8 +26,8 @@ const MAX_NUMBERS: usize = 9;
 /// The figure of a Pareto front: four errors of each film against what better films cost.
 ///
 /// The four errors are displacement and uniformity RMSE, each for shear (the larger one of x and y)
-/// and for the normal direction z, in millimetres on a logarithmic scale. Where all films have errors
-/// as made, these are drawn, and the displacement RMSE of the films as ordered.
+/// and for the normal direction z, in millimetres on a logarithmic scale. Where all films have
+/// errors as made, these are drawn, and the displacement RMSE of the films as ordered.
 #[derive(Clone, Debug)]
 pub struct FrontFigure {
     /// What the horizontal axis shows.
@@ -215,8 +215,8 @@ fn mark(sheet: &Sheet, series: &ErrorSeries, at: [f64; 2]) -> DrawResult {
     sheet.ring(at, RADIUS_PX, series.colour, 1.2)
 }
 
-/// Draws the vertical axis: faint lines at powers of ten, ticks between them, and numbers at powers of
-/// ten, or also between them where there are too few.
+/// Draws the vertical axis: faint lines at powers of ten, ticks between them, and numbers at powers
+/// of ten, or also between them where there are too few.
 fn decades(sheet: &Sheet, panel: &Panel) -> DrawResult {
     const FAINT: RGBColor = RGBColor(222, 222, 222);
     let [low, high] = panel.y;

@@ -29,8 +29,8 @@ const MARGIN: f64 = 0.03;
 /// Minimum of half the shorter side, as a fraction of the longer side.
 const MIN_HALF_SIDE: f64 = 0.06;
 
-/// Maximum radius of the mark for a polarization out of the plane, in pixels: alone, and at the tail
-/// of an arrow, which it must not hide.
+/// Maximum radius of the mark for a polarization out of the plane, in pixels: alone, and at the
+/// tail of an arrow, which it must not hide.
 const MARK_PX: f64 = 12.0;
 const MARK_AT_TAIL_PX: f64 = 6.0;
 /// Maximum length of the arms of the brackets at the corners of the working volume, in pixels.

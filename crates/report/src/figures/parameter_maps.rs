@@ -48,8 +48,8 @@ fn residual_name() -> String {
     format!("({} \u{2212} mean) / {} (\u{b5}m)", symbol("S", "z"), variable("k"))
 }
 
-/// S_z minus its mean over a plane of constant z, divided by k, in um: the displacement along z that
-/// the film shows where there is none. In the order of the cells; NaN where there is no value.
+/// S_z minus its mean over a plane of constant z, divided by k, in um: the displacement along z
+/// that the film shows where there is none. In the order of the cells; NaN where there is no value.
 struct NormalResidual {
     mean: f64,
     um: Vec<f64>,

@@ -1,4 +1,5 @@
-//! The standard deviations of displacements that the noise of the sensor causes, on planes of constant z.
+//! The standard deviations of displacements that the noise of the sensor causes, on planes of
+//! constant z.
 
 use glam::DVec3;
 use magsplice::Film;
@@ -19,7 +20,8 @@ const ROOM_PX: [f64; 2] = [220.0, 220.0];
 const TOP_PX: f64 = 30.0;
 const GAP_PX: f64 = 26.0;
 const UM_PER_MM: f64 = 1e3;
-/// Number of cells along a side of a map. A deviation takes a gradient for each node of the active area.
+/// Number of cells along a side of a map. A deviation takes a gradient for each node of the active
+/// area.
 const CELLS: usize = 48;
 
 /// Deviations on one plane of constant z.

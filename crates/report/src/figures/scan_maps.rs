@@ -1,5 +1,5 @@
-//! A measured plane of a scan beside the field of the layout: B (Dai 2024, Fig. 6), and the decoupling
-//! parameters (Figs. 7 and 8).
+//! A measured plane of a scan beside the field of the layout: B (Dai 2024, Fig. 6), and the
+//! decoupling parameters (Figs. 7 and 8).
 
 use glam::DVec3;
 
@@ -29,7 +29,8 @@ pub struct ScanPlane {
     pub at_mm: f64,
     /// Coordinates of the points along both axes, in millimetres, ascending in equal steps.
     pub coordinates_mm: [Vec<f64>; 2],
-    /// Readings in tesla without the errors of the sensor, second axis fastest; NaN where there is none.
+    /// Readings in tesla without the errors of the sensor, second axis fastest; NaN where there is
+    /// none.
     pub measured_t: Vec<DVec3>,
     /// The field of the layout at the same points.
     pub simulated_t: Vec<DVec3>,

@@ -17,13 +17,16 @@ const CLEARANCE_PX: f64 = 3.0;
 const MARK_CLEARANCE_PX: f64 = 6.0;
 /// Lengths of the longest arrow that are tried, as fractions of the room for it.
 const ARROW_FRACTIONS: [f64; 5] = [0.7, 0.6, 0.5, 0.4, 0.3];
-/// Maximum length of an arrow, in pixels. A longer one says no more, and leaves less room for names.
+/// Maximum length of an arrow, in pixels. A longer one says no more, and leaves less room for
+/// names.
 const MAX_ARROW_PX: f64 = 64.0;
-/// Length that the longest arrow has at least, in pixels, or as a fraction of the room for it, whichever
-/// is less. A shorter one does not show its direction, and is hidden by the mark at its tail.
+/// Length that the longest arrow has at least, in pixels, or as a fraction of the room for it,
+/// whichever is less. A shorter one does not show its direction, and is hidden by the mark at its
+/// tail.
 const MIN_ARROW_PX: f64 = 20.0;
 const MIN_ARROW_FRACTION: f64 = 0.6;
-/// The fraction of tiles that may have a smaller room for the arrow or the name than the others get.
+/// The fraction of tiles that may have a smaller room for the arrow or the name than the others
+/// get.
 const EXCEPTIONS: f64 = 0.05;
 /// Places that are tried along each side of a tile, beside its centre.
 const PLACES: i32 = 4;

@@ -3,11 +3,12 @@
 use glam::{DVec2, DVec3};
 use magsplice_magnet::Tile;
 
-/// The largest sine of the angle between the normal of the film and an axis of a tile whose faces are
-/// taken as parallel to the film: rounding of a rotation of many steps.
+/// The largest sine of the angle between the normal of the film and an axis of a tile whose faces
+/// are taken as parallel to the film: rounding of a rotation of many steps.
 const LARGEST_TILT: f64 = 1e-9;
 
-/// A part of a tile: a convex polygon in the plane of the film, of uniform thickness and polarization.
+/// A part of a tile: a convex polygon in the plane of the film, of uniform thickness and
+/// polarization.
 #[derive(Clone, Debug)]
 pub(super) struct Footprint {
     /// Corners, counterclockwise.
@@ -58,8 +59,8 @@ impl Footprint {
         0.5 * self.edges().map(|(from, to)| from.perp_dot(to)).sum::<f64>()
     }
 
-    /// The integral of e^(-i q r) over the polygon, real and imaginary part, for q other than 0: by the
-    /// divergence theorem a sum over its edges (docs/physics.md, Eq. P60).
+    /// The integral of e^(-i q r) over the polygon, real and imaginary part, for q other than 0: by
+    /// the divergence theorem a sum over its edges (docs/physics.md, Eq. P60).
     pub(super) fn transform(&self, q: DVec2) -> [f64; 2] {
         let (mut real, mut imaginary) = (0.0, 0.0);
         for (from, to) in self.edges() {

@@ -11,23 +11,23 @@ use rayon::prelude::*;
 use super::footprint::Footprint;
 use crate::film_errors::{EvaluationGrid, FilmErrors, SampleError};
 
-/// The largest sum of the harmonics that are left out, as a part of mean |J| e^(-kh) at the height h of
-/// the nearest point. The first harmonic of a film as thick as a tenth of its wavelength is about a
-/// fifth of that.
+/// The largest sum of the harmonics that are left out, as a part of mean |J| e^(-kh) at the height
+/// h of the nearest point. The first harmonic of a film as thick as a tenth of its wavelength is
+/// about a fifth of that.
 const TRUNCATION: f64 = 1e-13;
 
 /// The highest harmonic along each axis. It is enough down to a height of 0.05 wavelengths.
 const MOST_HARMONICS: usize = 128;
 
-/// The splicing pattern of a film without end: what lies within half a wavelength of the axis x = y = 0
-/// of the film, repeated in x and y. Tiles are cut at the border.
+/// The splicing pattern of a film without end: what lies within half a wavelength of the axis x =
+/// y = 0 of the film, repeated in x and y. Tiles are cut at the border.
 ///
 /// # Units
 /// Lengths in millimetres, flux densities in tesla.
 ///
 /// # Accuracy
-/// The harmonics that are left out add at most 1e-13 of mean |J| e^(-kh) at the point nearest to the
-/// film, by the bound of [`EndlessPattern::truncation_bound_t`]. Rounding is of the same order.
+/// The harmonics that are left out add at most 1e-13 of mean |J| e^(-kh) at the point nearest to
+/// the film, by the bound of [`EndlessPattern::truncation_bound_t`]. Rounding is of the same order.
 ///
 /// # Example
 /// ```
@@ -134,9 +134,9 @@ impl EndlessPattern {
         Ok(points.par_iter().map(at_point).collect())
     }
 
-    /// The coefficient of e^(ik(mx + ny)) in the Fourier series of B at the height z: its real and its
-    /// imaginary part, in tesla. That of the ideal film with m = 1 and n = 0 is K e^(kz) / 2 times (i,
-    /// 0, 1). All vanish for m = n = 0.
+    /// The coefficient of e^(ik(mx + ny)) in the Fourier series of B at the height z: its real and
+    /// its imaginary part, in tesla. That of the ideal film with m = 1 and n = 0 is K e^(kz) / 2
+    /// times (i, 0, 1). All vanish for m = n = 0.
     pub fn harmonic_t(&self, m: i32, n: i32, z_mm: f64) -> [DVec3; 2] {
         if m == 0 && n == 0 {
             return [DVec3::ZERO; 2];
@@ -151,8 +151,8 @@ impl EndlessPattern {
         ]
     }
 
-    /// An upper bound, in tesla, of the sum of all harmonics with m or n beyond `most` in magnitude, at
-    /// this height below the lowest face (docs/physics.md, Eq. P61).
+    /// An upper bound, in tesla, of the sum of all harmonics with m or n beyond `most` in
+    /// magnitude, at this height below the lowest face (docs/physics.md, Eq. P61).
     pub fn truncation_bound_t(&self, most: usize, height_mm: f64) -> f64 {
         let x = (-self.ideal.wavenumber() * height_mm).exp();
         let most = most as f64;

@@ -4,8 +4,8 @@ use super::low_rank::{add, dot};
 use super::model::{FirstOrder, Sensitivity};
 use super::sources::{Cause, ErrorSource};
 
-/// The expected mean square of the displacement errors along one axis over the working volume, in mm^2
-/// (docs/physics.md, Eqs. P56 to P58).
+/// The expected mean square of the displacement errors along one axis over the working volume, in
+/// mm^2 (docs/physics.md, Eqs. P56 to P58).
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxisErrors {
@@ -13,7 +13,8 @@ pub struct AxisErrors {
     pub nominal_mm2: f64,
     /// Expected mean square: the nominal one and all contributions of the causes.
     pub expected_mm2: f64,
-    /// Its part by errors that vary: the variance of the displacement error, averaged over the points.
+    /// Its part by errors that vary: the variance of the displacement error, averaged over the
+    /// points.
     pub variance_mm2: f64,
     /// Standard deviation of the mean square from film to film, as if all errors were normal.
     pub deviation_mm2: f64,
@@ -38,8 +39,8 @@ pub struct Share {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Contribution {
-    /// The part by errors that are the same in each film: twice the product with the nominal errors, and
-    /// the product with all fixed errors. It is negative where they compensate others.
+    /// The part by errors that are the same in each film: twice the product with the nominal
+    /// errors, and the product with all fixed errors. It is negative where they compensate others.
     pub fixed_mm2: f64,
     /// The part by errors that vary.
     pub variance_mm2: f64,
@@ -140,9 +141,9 @@ impl FirstOrder {
         }
     }
 
-    /// Standard deviation of the mean square: for normal errors of covariance C and mean m over N points
-    /// its square is (2 tr C^2 + 4 m C m) / N^2. C is that of the low-rank sensitivities and of the
-    /// noise of each reading, which is diagonal.
+    /// Standard deviation of the mean square: for normal errors of covariance C and mean m over N
+    /// points its square is (2 tr C^2 + 4 m C m) / N^2. C is that of the low-rank sensitivities and
+    /// of the noise of each reading, which is diagonal.
     fn deviation_mm2(&self, axis: usize) -> f64 {
         let (mean, noise) = (self.along(&self.mean_mm, axis), self.along(&self.noise_mm2, axis));
         let rank = self.varying.rank();

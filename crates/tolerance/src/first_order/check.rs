@@ -1,7 +1,8 @@
 //! The model against exact samples.
 //!
-//! Both are evaluated with the same random numbers. Their difference varies far less than either, so
-//! that a few hundred samples tell a bias that is much smaller than the error of a mean over them.
+//! Both are evaluated with the same random numbers. Their difference varies far less than either,
+//! so that a few hundred samples tell a bias that is much smaller than the error of a mean over
+//! them.
 
 use std::ops::Range;
 
@@ -39,8 +40,8 @@ pub struct AxisCheck {
     /// The expected mean square of exact samples over that of the model. `None` if the model has no
     /// error at all.
     pub mean_square_ratio: Option<Estimate>,
-    /// The variance of the displacement error of exact samples, averaged over the points, over that of
-    /// the model. `None` if nothing varies in the model.
+    /// The variance of the displacement error of exact samples, averaged over the points, over that
+    /// of the model. `None` if nothing varies in the model.
     pub variance_ratio: Option<Estimate>,
 }
 
@@ -106,9 +107,9 @@ impl Moments {
 }
 
 impl FirstOrder {
-    /// Compares the model with exact samples of the same film and volume. 200 samples are enough for
-    /// errors of a usual workshop. The result does not depend on the number of threads. `progress` is told, from
-    /// any thread, when a sample begins.
+    /// Compares the model with exact samples of the same film and volume. 200 samples are enough
+    /// for errors of a usual workshop. The result does not depend on the number of threads.
+    /// `progress` is told, from any thread, when a sample begins.
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
@@ -184,8 +185,8 @@ impl FirstOrder {
         let per_root = NORMAL_95 / count.sqrt();
         let (mean, deviation) = sums.squares.mean_and_deviation(count);
         let mean_square_ratio = ratio(mean, per_root * deviation, errors.expected_mm2);
-        // The variance is the mean square about the mean of the model, less the square of the bias of
-        // this mean. The square of an estimated bias is too large by its own variance.
+        // The variance is the mean square about the mean of the model, less the square of the bias
+        // of this mean. The square of an estimated bias is too large by its own variance.
         let (mean, deviation) = sums.about_mean.mean_and_deviation(count);
         let found_bias = dot(bias_mm, bias_mm) / (count * count * self.points as f64);
         let scatter = (sums.differences / count - found_bias).max(0.0) / (count - 1.0);

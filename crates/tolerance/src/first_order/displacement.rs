@@ -9,8 +9,8 @@ use crate::film_errors::SampleError;
 /// The derivatives of the displacement errors by the readings.
 #[derive(Clone, Debug)]
 pub(crate) struct Displacement {
-    /// Derivatives of the parameters over k at each point of the grid, in mm per tesla, with the signs
-    /// of displacements along x, y, z.
+    /// Derivatives of the parameters over k at each point of the grid, in mm per tesla, with the
+    /// signs of displacements along x, y, z.
     rows: Vec<[DVec3; 3]>,
     /// The same at the reference point.
     at_reference: [DVec3; 3],
@@ -48,15 +48,15 @@ impl Displacement {
         changes
     }
 
-    /// The change of the displacement error at each point along an axis by a change of the reading at
-    /// this point alone.
+    /// The change of the displacement error at each point along an axis by a change of the reading
+    /// at this point alone.
     pub(crate) fn rows(&self) -> &[[DVec3; 3]] {
         &self.rows
     }
 }
 
-/// The displacement errors in millimetres of readings at the points of a grid, then at the reference
-/// point: x at all points, then y, then z.
+/// The displacement errors in millimetres of readings at the points of a grid, then at the
+/// reference point: x at all points, then y, then z.
 pub(crate) fn displacement_errors_mm(
     points: &[DVec3],
     read_t: &[DVec3],

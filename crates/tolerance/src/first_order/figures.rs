@@ -1,7 +1,7 @@
 //! Figures of a film as functions of its displacement errors, and their derivatives.
 //!
-//! Over a plane normal to its own axis, a parameter differs from k times its displacement error by a
-//! constant, so that both have the same deviation there.
+//! Over a plane normal to its own axis, a parameter differs from k times its displacement error by
+//! a constant, so that both have the same deviation there.
 
 use glam::DVec3;
 use magsplice_decouple::PerParameter;
@@ -15,8 +15,8 @@ use crate::film_errors::{Figure, FilmErrors, SampleError};
 pub(crate) struct Figures {
     counts: [usize; 3],
     wavenumber: f64,
-    /// The field of the ideal film over the sum of its squares: the scalar product with the readings
-    /// is the amplitude.
+    /// The field of the ideal film over the sum of its squares: the scalar product with the
+    /// readings is the amplitude.
     amplitude_by_field: Vec<DVec3>,
 }
 
@@ -50,8 +50,8 @@ impl Figures {
         }
     }
 
-    /// The derivatives of a figure by all displacement errors along its axis. `None` if the figure is
-    /// not differentiable, or no function of them.
+    /// The derivatives of a figure by all displacement errors along its axis. `None` if the figure
+    /// is not differentiable, or no function of them.
     pub(crate) fn gradient(&self, figure: Figure, errors_mm: &[f64]) -> Option<Vec<f64>> {
         let count = self.points();
         match figure {

@@ -13,20 +13,23 @@ use crate::film_errors::{Figure, FilmErrors};
 const AMPLITUDE: usize = Figure::ALL.len() - 1;
 
 impl FirstOrder {
-    /// The errors of sample number `sample` under the linear model. Its random numbers are those of the
-    /// exact sample of the same seed and number, see [`Sampler::errors_of`](crate::Sampler::errors_of).
+    /// The errors of sample number `sample` under the linear model. Its random numbers are those of
+    /// the exact sample of the same seed and number, see
+    /// [`Sampler::errors_of`](crate::Sampler::errors_of).
     ///
     /// # Accuracy
-    /// The displacement errors of the linear model, with a few dozen numbers in place of all errors: the
-    /// expected square of what this leaves out is at most 1e-8 of that of the errors, over all axes.
+    /// The displacement errors of the linear model, with a few dozen numbers in place of all
+    /// errors: the expected square of what this leaves out is at most 1e-8 of that of the errors,
+    /// over all axes.
     pub fn linear_errors_of(&self, seed: u64, sample: u64) -> FilmErrors {
         let (errors_mm, amplitude) = self.linear_sample(seed, sample);
         self.figures.of_errors(&errors_mm, amplitude)
     }
 
-    /// The errors of samples with these numbers under the linear model, computed in parallel. Percentiles
-    /// follow from [`statistics`](crate::statistics). A sample of 56 tiles with twelve errors each takes
-    /// about 0.2 ms on one core, and with noise of the sensor at 405 points about 0.4 ms.
+    /// The errors of samples with these numbers under the linear model, computed in parallel.
+    /// Percentiles follow from [`statistics`](crate::statistics). A sample of 56 tiles with twelve
+    /// errors each takes about 0.2 ms on one core, and with noise of the sensor at 405 points about
+    /// 0.4 ms.
     pub fn linear_errors_of_range(&self, seed: u64, samples: Range<u64>) -> Vec<FilmErrors> {
         samples.into_par_iter().map(|sample| self.linear_errors_of(seed, sample)).collect()
     }

@@ -1,13 +1,13 @@
 //! A few numbers that determine all displacement errors.
 //!
-//! The field in the working volume is smooth, so that a few dozen combinations of hundreds of errors
-//! reach it. An orthonormal basis of the sensitivities is built column by column, each time from the
-//! largest that is left (modified Gram-Schmidt with pivots).
+//! The field in the working volume is smooth, so that a few dozen combinations of hundreds of
+//! errors reach it. An orthonormal basis of the sensitivities is built column by column, each time
+//! from the largest that is left (modified Gram-Schmidt with pivots).
 
 use rayon::prelude::*;
 
-/// The part of the root mean square of all sensitivities that the basis may lack. The expected square
-/// of the displacement errors, over all axes, lacks at most the square of this part.
+/// The part of the root mean square of all sensitivities that the basis may lack. The expected
+/// square of the displacement errors, over all axes, lacks at most the square of this part.
 const LEFT_OUT: f64 = 1e-4;
 
 /// Columns as combinations of a few orthonormal ones.

@@ -26,26 +26,27 @@ pub struct ErrorTerm {
     pub mean: f64,
     /// Its standard deviation, in its unit.
     pub deviation: f64,
-    /// The derivative of each figure of [`Figure::ALL`] by the error, at the film without errors. `None`
-    /// where there is none, such as for the RMSE of errors that all vanish.
+    /// The derivative of each figure of [`Figure::ALL`] by the error, at the film without errors.
+    /// `None` where there is none, such as for the RMSE of errors that all vanish.
     pub figures: [Option<f64>; Figure::ALL.len()],
 }
 
-/// The displacement errors of a film as linear functions of all its errors (docs/physics.md, Eq. P55).
+/// The displacement errors of a film as linear functions of all its errors (docs/physics.md, Eq.
+/// P55).
 ///
-/// The derivatives are exact. They belong to the film without errors beside its neighbour, whose field
-/// is taken as it is.
+/// The derivatives are exact. They belong to the film without errors beside its neighbour, whose
+/// field is taken as it is.
 ///
 /// # Units
 /// Displacements in millimetres, flux densities in tesla, angles in radians.
 ///
 /// # Cost
-/// A film of 56 tiles at 405 points takes about 0.2 s on one core. Each error with a distribution needs
-/// 24 bytes per point, twice while the model is made.
+/// A film of 56 tiles at 405 points takes about 0.2 s on one core. Each error with a distribution
+/// needs 24 bytes per point, twice while the model is made.
 ///
 /// # Accuracy
-/// Second derivatives are left out: for errors of size s the displacement errors are wrong by the order
-/// of s^2 over the square of the distance of the sensor. [`FirstOrder::check`] measures it.
+/// Second derivatives are left out: for errors of size s the displacement errors are wrong by the
+/// order of s^2 over the square of the distance of the sensor. [`FirstOrder::check`] measures it.
 ///
 /// # Example
 /// ```
@@ -104,8 +105,8 @@ impl FirstOrder {
     /// The model of a film in a working volume.
     ///
     /// # Errors
-    /// If the parameters or the derivatives do not exist at a point of the volume, or the derivatives
-    /// need too much memory.
+    /// If the parameters or the derivatives do not exist at a point of the volume, or the
+    /// derivatives need too much memory.
     pub fn new(film: &RealFilm, volume: &EvaluationGrid, ideal: &IdealFilm) -> Result<FirstOrder, SampleError> {
         let sampler = Sampler::new(film, volume, ideal, 0)?;
         let points = sampler.points();
@@ -192,8 +193,8 @@ impl FirstOrder {
         self.points
     }
 
-    /// The displacement error along an axis of the film without errors and without its neighbour, at
-    /// each point, z fastest, in mm.
+    /// The displacement error along an axis of the film without errors and without its neighbour,
+    /// at each point, z fastest, in mm.
     ///
     /// # Panics
     /// If the axis is not 0, 1 or 2.
@@ -207,8 +208,8 @@ impl FirstOrder {
         &self.terms
     }
 
-    /// The change of the displacement error along an axis at each point by one standard deviation of
-    /// each error that varies, in mm. Numbers are those of [`FirstOrder::terms`].
+    /// The change of the displacement error along an axis at each point by one standard deviation
+    /// of each error that varies, in mm. Numbers are those of [`FirstOrder::terms`].
     ///
     /// # Panics
     /// If the axis is not 0, 1 or 2.

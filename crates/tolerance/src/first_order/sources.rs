@@ -11,8 +11,8 @@ use crate::real_film::RealFilm;
 /// numbered as in [`TileErrors::all`].
 ///
 /// # Units
-/// Lengths in millimetres, angles in radians, flux densities in tesla; strengths, gains and the change
-/// by temperature are fractions.
+/// Lengths in millimetres, angles in radians, flux densities in tesla; strengths, gains and the
+/// change by temperature are fractions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
@@ -140,8 +140,8 @@ impl Moments {
     }
 }
 
-/// All errors of a film with their moments: those of each tile, each group, those in common, and the
-/// noise of the reading at the reference point.
+/// All errors of a film with their moments: those of each tile, each group, those in common, and
+/// the noise of the reading at the reference point.
 pub(crate) fn sources(film: &RealFilm) -> Vec<(ErrorSource, Moments)> {
     let tolerance = film.tolerance();
     let mut all = Vec::new();
@@ -183,8 +183,8 @@ pub(crate) fn sources(film: &RealFilm) -> Vec<(ErrorSource, Moments)> {
     all
 }
 
-/// The values of all errors of [`sources`] in a sample. `reference` is the number of the reading at the
-/// reference point.
+/// The values of all errors of [`sources`] in a sample. `reference` is the number of the reading at
+/// the reference point.
 pub(crate) fn drawn_values(film: &RealFilm, draws: &mut Draws, reference: usize) -> Vec<f64> {
     let tolerance = film.tolerance();
     let mut values = vec![0.0; TileErrors::COUNT * film.tiles().len()];

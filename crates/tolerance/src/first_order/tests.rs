@@ -134,9 +134,10 @@ fn exact(tolerance: &FilmTolerance) -> Vec<f64> {
 }
 
 /// Central differences D of steps h and 2h are wrong by c h^2 and 4 c h^2 and terms of h^4, so that
-/// (4 D(h) - D(2h)) / 3 is wrong by the order of h^4, with h in units of the distances, of a radian or
-/// of the field: (1e-3)^4 times the fifth derivative over 30, below 1e-10. Round-off of 1e-14 over h is
-/// below 1e-10 likewise. Both are relative to the largest derivative; a thousand of these are allowed.
+/// (4 D(h) - D(2h)) / 3 is wrong by the order of h^4, with h in units of the distances, of a radian
+/// or of the field: (1e-3)^4 times the fifth derivative over 30, below 1e-10. Round-off of 1e-14
+/// over h is below 1e-10 likewise. Both are relative to the largest derivative; a thousand of these
+/// are allowed.
 #[test]
 fn derivatives_are_those_of_the_exact_evaluation() {
     for later in [false, true] {
@@ -224,9 +225,9 @@ fn shares_add_up_and_halving_saves_what_is_stated() {
     }
 }
 
-/// Mean and deviation of the mean square over n linear samples are those that are stated, within six
-/// standard errors: deviation over n^1/2 for the mean; for the deviation, whose fourth moment is at most
-/// 15 times its square for a square of a normal number, (15 / 4n)^1/2 of it.
+/// Mean and deviation of the mean square over n linear samples are those that are stated, within
+/// six standard errors: deviation over n^1/2 for the mean; for the deviation, whose fourth moment
+/// is at most 15 times its square for a square of a normal number, (15 / 4n)^1/2 of it.
 #[test]
 fn linear_samples_have_the_stated_mean_square_and_its_deviation() {
     let mut tolerance = everything(true);

@@ -13,18 +13,20 @@ use crate::film_errors::{EvaluationGrid, SampleError};
 use crate::real_film::RealFilm;
 use crate::sampler::exact_field_t;
 
-/// Change of J, as a fraction of it, for which few coordinates suffice: that of magnets from a shop.
+/// Change of J, as a fraction of it, for which few coordinates suffice: that of magnets from a
+/// shop.
 const USUAL_CHANGE: f64 = 0.03;
 
 /// Change of a side for which few coordinates suffice, in millimetres.
 const USUAL_SIZE_MM: f64 = 0.02;
 
-/// The displacement errors of a film as linear functions of what its tiles are: the components of J and
-/// the sides, in the frame of each tile.
+/// The displacement errors of a film as linear functions of what its tiles are: the components of J
+/// and the sides, in the frame of each tile.
 ///
-/// Displacement errors are written in a few coordinates. The root mean square over all points and axes
-/// of errors with the coordinates c is |c| over the root of the number of errors. What the coordinates
-/// leave out is 1e-4 of the errors of a film whose tiles are wrong by 3 % of J and 0.02 mm in size.
+/// Displacement errors are written in a few coordinates. The root mean square over all points and
+/// axes of errors with the coordinates c is |c| over the root of the number of errors. What the
+/// coordinates leave out is 1e-4 of the errors of a film whose tiles are wrong by 3 % of J and 0.02
+/// mm in size.
 ///
 /// # Units
 /// Millimetres, and tesla.
@@ -32,7 +34,8 @@ const USUAL_SIZE_MM: f64 = 0.02;
 pub struct TileChanges {
     film: RealFilm,
     points: Vec<DVec3>,
-    /// The field that the mean polarizations of tiles leave out, at each point; empty without recoil.
+    /// The field that the mean polarizations of tiles leave out, at each point; empty without
+    /// recoil.
     remainder_t: Vec<DVec3>,
     ideal: IdealFilm,
     basis: Vec<Vec<f64>>,
@@ -98,8 +101,8 @@ impl TileChanges {
         &self.nominal
     }
 
-    /// Coordinates of the change of the displacement errors by J of a tile in its own frame, in tesla, and
-    /// by its sides, in millimetres.
+    /// Coordinates of the change of the displacement errors by J of a tile in its own frame, in
+    /// tesla, and by its sides, in millimetres.
     pub fn change(&self, tile: usize, polarization_t: DVec3, size_mm: DVec3) -> Vec<f64> {
         let factors = [polarization_t, size_mm].into_iter().flat_map(|vector| vector.to_array());
         let mut sum = vec![0.0; self.nominal.len()];
@@ -118,8 +121,8 @@ impl TileChanges {
         Ok(self.basis.iter().map(|column| dot(column, &errors_mm)).collect())
     }
 
-    /// The root mean square over all points and axes of the displacement errors of other tiles, by the
-    /// exact field, in mm. Nothing is left out.
+    /// The root mean square over all points and axes of the displacement errors of other tiles, by
+    /// the exact field, in mm. Nothing is left out.
     ///
     /// # Errors
     /// If the parameters do not exist at a point of the volume.
@@ -132,7 +135,8 @@ impl TileChanges {
         displacement_errors_mm(&self.points, &film_t, &self.ideal)
     }
 
-    /// The root mean square over all points and axes of displacement errors with these coordinates, in mm.
+    /// The root mean square over all points and axes of displacement errors with these coordinates,
+    /// in mm.
     pub fn rms_mm(&self, coordinates: &[f64]) -> f64 {
         let errors = 3 * (self.points.len() - 1);
         (dot(coordinates, coordinates) / errors as f64).sqrt()

@@ -12,8 +12,8 @@ use crate::real_film::direction_axes;
 /// Points below which a task is not divided: a point takes about a microsecond.
 const POINTS_PER_TASK: usize = 64;
 
-/// How the field of one tile changes at each of several points, in the frame of the scene: the exact
-/// derivatives of B by every error of the tile.
+/// How the field of one tile changes at each of several points, in the frame of the scene: the
+/// exact derivatives of B by every error of the tile.
 ///
 /// # Units
 /// Lengths in millimetres, flux densities in tesla, angles in radians; strengths are fractions.

@@ -106,7 +106,8 @@ fn tiles_that_cannot_exist_are_faults() {
     assert!((0..20).any(|sample| film(&errors).sample_tiles(1, sample).is_err()));
 }
 
-/// Distances within the group stay, distances to other tiles do not; strengths change by one factor.
+/// Distances within the group stay, distances to other tiles do not; strengths change by one
+/// factor.
 #[test]
 fn a_group_is_a_rigid_body_of_equal_strength_errors() {
     let errors = TileErrors {

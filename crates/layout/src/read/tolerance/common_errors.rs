@@ -16,8 +16,8 @@ use crate::tolerance::{CommonErrors, FilmPose, SensorErrors, StrayField, Tempera
 /// microtesla is far below the noise of any sensor.
 const LEAST_FIELD_UT: f64 = 1e-3;
 
-/// The errors of all tables but the neighbour. Faults are added. `film_mm` is the longest side of the
-/// film, `strength_per_k` that of the material.
+/// The errors of all tables but the neighbour. Faults are added. `film_mm` is the longest side of
+/// the film, `strength_per_k` that of the material.
 pub(crate) fn resolve(
     table: &ToleranceTable,
     film_mm: Option<f64>,

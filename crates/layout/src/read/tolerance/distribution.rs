@@ -7,8 +7,8 @@ use crate::read::faults::TableFaults;
 use crate::read::tolerance::tabulated::Tabulated;
 use crate::tables::distribution::{Components, DistributionTable, WrittenDistribution};
 
-/// Fraction of its standard deviation below which the limit of a truncated normal distribution makes
-/// it uniform, to 1e-4 of its density.
+/// Fraction of its standard deviation below which the limit of a truncated normal distribution
+/// makes it uniform, to 1e-4 of its density.
 const LEAST_LIMIT: f64 = 0.01;
 
 /// The distributions of the components of a key. Faults are added, and a component with a fault has

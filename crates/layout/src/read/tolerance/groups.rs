@@ -140,7 +140,8 @@ fn rows(axis: usize, chosen: Vec<usize>, selection: &Selection) -> Vec<Vec<usize
     rows
 }
 
-/// Indices in the order of their places, parted where a place is further than round-off from the next.
+/// Indices in the order of their places, parted where a place is further than round-off from the
+/// next.
 fn neighbours(mut indices: Vec<usize>, place: impl Fn(usize) -> f64) -> Vec<Vec<usize>> {
     indices.sort_by(|&a, &b| place(a).total_cmp(&place(b)));
     indices.chunk_by(|&a, &b| place(b) - place(a) <= ROW_ROUNDING_MM).map(<[usize]>::to_vec).collect()

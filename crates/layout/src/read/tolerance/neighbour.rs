@@ -11,8 +11,8 @@ use crate::read::rotation;
 use crate::tables::tolerance::{NeighbourTable, When};
 use crate::tolerance::Neighbour;
 
-/// The neighbour, or `None` after adding its faults. `read` gives the tiles of the layout at a path, or
-/// says why there are none.
+/// The neighbour, or `None` after adding its faults. `read` gives the tiles of the layout at a
+/// path, or says why there are none.
 pub(crate) fn resolve(
     table: &NeighbourTable,
     read: &dyn Fn(&str) -> Result<Vec<NamedTile>, String>,

@@ -19,8 +19,8 @@ pub(crate) struct Selection<'t> {
     by_kind: BTreeMap<&'t str, Vec<usize>>,
     /// Names of declared kinds, also of those without tiles.
     kinds: BTreeSet<&'t str>,
-    /// Whether all tiles of the file are there. If some are missing because of other faults, names that
-    /// do not exist are no faults.
+    /// Whether all tiles of the file are there. If some are missing because of other faults, names
+    /// that do not exist are no faults.
     is_complete: bool,
     /// Comparisons of names that are left.
     trials_left: usize,
@@ -82,7 +82,8 @@ impl<'t> Selection<'t> {
         found
     }
 
-    /// The indices of the tiles of these kinds, in the order of the kinds. Faults of kinds are added.
+    /// The indices of the tiles of these kinds, in the order of the kinds. Faults of kinds are
+    /// added.
     pub(crate) fn of_kinds(&self, key: &str, kinds: &[String], faults: &mut TableFaults) -> Vec<usize> {
         let (mut found, mut seen) = (Vec::new(), BTreeSet::new());
         for kind in kinds {

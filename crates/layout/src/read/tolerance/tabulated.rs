@@ -16,8 +16,8 @@ use crate::read::names::shown;
 /// A file with its column and unit.
 type ColumnKey = (String, Option<String>, ErrorUnit);
 
-/// The tabulated distributions of one layout. Files are read once, and all of them and all values count
-/// towards limits.
+/// The tabulated distributions of one layout. Files are read once, and all of them and all values
+/// count towards limits.
 pub(crate) struct Tabulated {
     folder: PathBuf,
     read: HashMap<ColumnKey, Result<Distribution, String>>,

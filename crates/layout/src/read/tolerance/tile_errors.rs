@@ -1,4 +1,5 @@
-//! Errors of tiles: a preset, the keys that replace its numbers, those of kinds and of single tiles.
+//! Errors of tiles: a preset, the keys that replace its numbers, those of kinds and of single
+//! tiles.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -40,8 +41,8 @@ impl ErrorKeys<'_> {
             && direction_deg.is_none()
     }
 
-    /// The errors of the keys, after adding faults. `shortest` is the shortest side of the tiles, with
-    /// its tile.
+    /// The errors of the keys, after adding faults. `shortest` is the shortest side of the tiles,
+    /// with its tile.
     pub(crate) fn resolve(
         &self,
         shortest: Option<(f64, &str)>,
