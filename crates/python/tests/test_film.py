@@ -4,6 +4,7 @@ import copy
 import pickle
 
 import numpy as np
+import polars
 import pytest
 from conftest import LAYOUTS
 
@@ -209,6 +210,37 @@ def test_tiles_are_a_sequence_and_arrays(published):
         tiles.position_mm[0, 0] = 1.0
     copied = Film(tiles, name="copied")
     assert np.array_equal(copied.b([1, 1, -4]), published.b([1, 1, -4]))
+
+
+def test_films_of_the_same_text_are_equal(published):
+    text = published.to_toml()
+    for same in (copy.deepcopy(published), pickle.loads(pickle.dumps(published))):
+        assert same == published
+        assert hash(same) == hash(published)
+    assert magsplice.loads(text) == magsplice.loads(text)
+    assert magsplice.loads(text) != magsplice.loads(text, folder="elsewhere")
+    assert published != published.replace(description="other")
+    assert published != published.sha256
+
+
+def test_table_of_tiles_has_kinds_and_permeabilities():
+    layout = {
+        "name": "kinds",
+        "kind": {
+            "square": {"size_mm": [1, 1, 1], "recoil_permeability": {"along": 1.05, "across": 1.1}}
+        },
+        "tile": [
+            {"name": "a", "kind": "square", "position_mm": [0, 0, 0], "polarization_t": [0, 0, 1]},
+            Tile((3, 0, 0), (1, 1, 1), (0, 0, 1), name="b"),
+        ],
+    }
+    tiles = Film.from_dict(layout).tiles
+    assert tiles.columns()["kind"] == ["square", None]
+    table = polars.DataFrame(tiles)
+    assert table["kind"].to_list() == ["square", None]
+    assert table["recoil_permeability_along"].is_nan().to_list() == [False, True]
+    assert table["recoil_permeability_across"].to_list()[0] == 1.1
+    assert table["size_x_mm"].to_list() == [1.0, 1.0]
 
 
 def test_ideal_field_is_that_of_equation_2(published):

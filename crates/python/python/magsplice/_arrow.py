@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Column = NDArray[Any] | list[str]
+Column = NDArray[Any] | list[str] | list[str | None]
 
 
 class Table:
@@ -21,7 +21,10 @@ class Table:
     """
 
     def columns(self) -> dict[str, Column]:
-        """Columns by name: contiguous arrays and lists of texts, all of one length."""
+        """Columns by name: contiguous arrays and lists of texts, all of one length.
+
+        A text that is missing is None.
+        """
         raise NotImplementedError
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:

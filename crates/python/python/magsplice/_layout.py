@@ -173,13 +173,20 @@ class Tiles(Table):
         return f"<Tiles: {len(self)}>"
 
     def columns(self) -> dict[str, Column]:
-        """Columns name, x_mm, y_mm, z_mm, size_x_mm, ..., j_x_t, ..., q_x, q_y, q_z, q_w."""
+        """Columns name, kind, x_mm, ..., size_x_mm, ..., j_x_t, ..., q_x, q_y, q_z, q_w, ...
+
+        The last two are recoil_permeability_along and recoil_permeability_across, NaN for tiles
+        that have that of ``[material]``. The kind of a tile without one is null.
+        """
+        permeabilities = ("recoil_permeability_along", "recoil_permeability_across")
         return {
             "name": self.names,
+            "kind": self.kinds,
             **split(("x_mm", "y_mm", "z_mm"), self.position_mm),
             **split(("size_x_mm", "size_y_mm", "size_z_mm"), self.size_mm),
             **split(("j_x_t", "j_y_t", "j_z_t"), self.polarization_t),
             **split(("q_x", "q_y", "q_z", "q_w"), self.rotation),
+            **split(permeabilities, self.recoil_permeability),
         }
 
 

@@ -126,6 +126,15 @@ class LayoutFilm:
         # The text makes the same film bit for bit. Files that it names must be in reach.
         return type(self)._parsed, (self._text, self._origin, self._folder)
 
+    def __eq__(self, other: object) -> bool:
+        """Whether the layouts have the same text, and the files that it names the same folder."""
+        if not isinstance(other, LayoutFilm):
+            return NotImplemented
+        return (self._text, self._folder) == (other._text, other._folder)
+
+    def __hash__(self) -> int:
+        return hash((self._text, self._folder))
+
     def __len__(self) -> int:
         return len(self._core)
 
