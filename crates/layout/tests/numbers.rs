@@ -73,3 +73,18 @@ fn volume_includes_its_end_where_round_off_misses_it_and_nowhere_else() {
         assert_eq!(found.findings.len(), findings, "{end} by {step}: {:?}", found.findings);
     }
 }
+
+/// The message counts the values of a list that is too short or too long.
+#[test]
+fn lists_have_as_many_values_as_their_key_takes() {
+    let read = |position: &str| {
+        let body = format!("position_mm = [{position}]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n");
+        Layout::parse(&format!("format = 1\nname = \"test\"\n[[tile]]\n{body}"), "test.toml")
+    };
+    assert!(read("0, 0, 7").is_ok());
+    for (position, count) in [("", 0), ("0, 0", 2), ("0, 0, 0, 7", 4), ("0, 0, 0, 7, 7, 7", 6)] {
+        let message = read(position).expect_err("a list of another length").to_string();
+        let wanted = format!("position_mm is a list of three numbers in mm, not a list of {count},");
+        assert!(message.contains(&wanted), "{message}");
+    }
+}

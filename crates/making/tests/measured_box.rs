@@ -107,9 +107,13 @@ fn part_is_told_by_number_name_kind_or_sizes() {
         );
     }
     let sized = |size_mm| MeasuredTile { part: None, size_mm: Some(size_mm), ..tile("t") };
-    assert_eq!(part_of(&sized(DVec3::new(3.02, 1.49, 1.01))), of_tile("strip"));
-    // Squares are of two parts, and this strip lies between two parts.
-    for size_mm in [DVec3::new(3.0, 3.0, 1.0), DVec3::new(3.0, 2.2, 1.0), DVec3::new(9.0, 1.5, 1.0)] {
+    for size_mm in [DVec3::new(3.02, 1.49, 1.01), DVec3::new(3.2, 1.4, 0.9)] {
+        assert_eq!(part_of(&sized(size_mm)), of_tile("strip"));
+    }
+    // Squares are of two parts, one strip lies between two parts, and two tiles are far from all.
+    for size_mm in
+        [DVec3::new(3.0, 3.0, 1.0), DVec3::new(3.0, 2.2, 1.0), DVec3::new(9.0, 1.5, 1.0), DVec3::new(3.0, 0.2, 1.0)]
+    {
         assert_refused(&sized(size_mm), &["fit no part alone"]);
     }
     assert_refused(&MeasuredTile { part: None, ..tile("t") }, &["names no part, must have one of 3"]);

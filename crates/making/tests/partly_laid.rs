@@ -90,13 +90,13 @@ fn tile_lies_as_its_upper_side_and_its_mark_say() {
 #[test]
 fn tile_lies_where_it_was_measured_and_turned_as_its_mark() {
     let position_mm = DVec3::new(5.02, -0.01, 0.503);
-    // 3 degrees beyond west, either way round the circle.
-    for mark_deg in [183.0, -177.0, 543.0] {
+    // 3 degrees beyond west, counted in three ways, and 3 degrees before it.
+    for (mark_deg, from_east_deg) in [(183.0, 183.0), (-177.0, 183.0), (543.0, 183.0), (177.0, 177.0)] {
         let partly = laid(&[LyingTile { position_mm: Some(position_mm), ..lying("west", "s1", "+z", mark_deg) }]);
         let tile = &partly.film[1];
         assert_eq!(tile.position(), position_mm);
-        assert_lies(tile, DQuat::from_rotation_z(183_f64.to_radians()) * MEASURED_T[1]);
-        assert_eq!(partly.plan[0].1.mark_deg, 183.0);
+        assert_lies(tile, DQuat::from_rotation_z(f64::to_radians(from_east_deg)) * MEASURED_T[1]);
+        assert_eq!(partly.plan[0].1.mark_deg, from_east_deg);
     }
 }
 
