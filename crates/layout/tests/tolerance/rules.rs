@@ -294,6 +294,7 @@ fn expectations_of_made_films_are_read_and_their_limits_are_rules() {
             "amplitude = { min = 0 }\nconfidence = 95",
             "confidence = 95, must be greater than 0 and less than 1 (a fraction, not per cent: 0.95?)",
         ),
+        ("amplitude = { min = 0 }\nconfidence = 0", "confidence = 0, must be greater than 0 and less than 1"),
         ("amplitude = { min = 0 }\nconfidence = nan", "confidence = NaN, must be greater than 0 and less than 1"),
         ("amplitude = { min = 0 }\nsamples = 1", "samples = 1, must be from 10"),
     ] {
