@@ -307,6 +307,18 @@ fn volumes_in_metres_and_round_off_are_told() {
     assert!(found(&ends)[0].ends_with("the last points are at 0.8"), "{:?}", found(&ends));
 }
 
+/// The middle of the lower plane, unless the volume names another point.
+#[test]
+fn displacements_count_from_the_middle_of_the_lower_plane() {
+    let volume = "[volume]\nx_mm = [0, 2]\ny_mm = [-1, 3.5]\nz_mm = [-5, -3]\nstep_mm = 0.5\n";
+    let reference_mm = |keys: &str| {
+        let layout = parse(&format!("{volume}{keys}{TILE}")).expect("a valid layout");
+        layout.volume.expect("a volume").reference_mm
+    };
+    assert_eq!(reference_mm(""), DVec3::new(1.0, 1.25, -5.0));
+    assert_eq!(reference_mm("reference_mm = [0, 1, -4]\n"), DVec3::new(0.0, 1.0, -4.0));
+}
+
 /// Each key in degrees, with the tile or the place in the stock.
 #[test]
 fn angles_in_radians_are_told_with_their_place() {

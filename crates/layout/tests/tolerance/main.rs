@@ -100,6 +100,8 @@ fn tables_give_other_distributions() {
     for (written, wanted) in [
         ("{ normal = 0.05 }", Distribution::Normal { deviation: 0.05 }),
         ("{ normal = 0.05, within = 0.1 }", Distribution::Truncated { deviation: 0.05, limit: 0.1 }),
+        // The nearest limit is a hundredth of the deviation.
+        ("{ normal = 0.05, within = 0.0006 }", Distribution::Truncated { deviation: 0.05, limit: 0.0006 }),
         ("{ uniform = 0.1 }", Distribution::Uniform { half_width: 0.1 }),
         ("{ fixed = -0.1 }", Distribution::Fixed(-0.1)),
         ("{ values = [0.2, -0.1, 0, 0] }", Distribution::Tabulated([-0.1, 0.0, 0.0, 0.2].into())),

@@ -133,6 +133,9 @@ fn each_rule_states_value_and_place() {
         with(&format!("[[tolerance.group]]\nname = \"{long}\"\ntiles = [\"*\"]\nstrength = 0")),
         "has 201 bytes",
     ));
+    // The name of the table is short enough, those of its rows are not.
+    let rows = with(&format!("[[tolerance.group]]\nname = \"{}\"\nrows_along = \"x\"\nstrength = 0.1", &long[1..]));
+    cases.push((rows, "must have at most 200"));
     for (tables, rule) in cases {
         let message = parse(&tables).expect_err(&tables);
         assert!(message.starts_with("test.toml: line ") && message.contains(rule), "{tables:?}: {message}");

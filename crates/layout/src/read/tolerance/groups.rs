@@ -54,11 +54,12 @@ pub(crate) fn resolve(
         if parts.len() > 1 && !tabulated.count(errors.all(), parts.len() - 1) {
             at.add(too_many_values("this group"));
         }
+        // The names of rows and kinds, of which one is told. That of the table has been checked.
+        let is_long = |(name, _): &&NamedGroup| name.len() > MAX_NAME_BYTES;
+        if is_divided && let Some((name, _)) = parts.iter().find(is_long) {
+            check_name("name", name, &mut at);
+        }
         for (name, tiles) in parts {
-            // The names of rows and kinds. That of the table has been checked.
-            if is_divided && name.len() > MAX_NAME_BYTES {
-                check_name("name", &name, &mut at);
-            }
             if !names.insert(name.clone()) {
                 at.add(format!("several groups are named \"{}\", names must be unique", shown(&name)));
             }
