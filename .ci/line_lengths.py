@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Fails when a line of prose, in a comment or on a page, is longer than 100 columns.
 
-Tables, code, headings, pictures and aligned formulas may be longer.
+Tables, code, headings, pictures, aligned formulas and single words may be longer.
 """
 
 import re
@@ -31,7 +31,8 @@ def prose(path, lines):
 
 
 def may_be_longer(text):
-    return text.startswith(("    ", "|", "#", "![")) or re.search(r"\S  +\S", text)
+    is_word = len(text.split()) == 1
+    return is_word or text.startswith(("    ", "|", "#", "![")) or re.search(r"\S  +\S", text)
 
 
 def main():
