@@ -62,10 +62,9 @@ fn tiles_as_made_are_read_back_with_their_numbers() {
     let ordered = ordered();
     let [left, right] = ordered.bare_tiles()[..] else { panic!("two tiles") };
     let larger = Tile::new(left.position(), DVec3::new(2.01, 1.98, 1.0), DVec3::new(0.097, 0.002, -0.001)).unwrap();
-    let quarter = Tile::new(right.position(), right.size(), DVec3::new(0.1, 0.0, 0.0)).unwrap();
-    let turned = quarter.rotated(DQuat::from_rotation_z(1.6)).unwrap();
-    let upright = quarter;
-    for (made_right, is_rotated) in [(turned, true), (upright, false)] {
+    let unturned = Tile::new(right.position(), right.size(), right.polarization_t()).unwrap();
+    let turned = unturned.rotated(DQuat::from_rotation_z(1.6)).unwrap();
+    for (made_right, is_rotated) in [(turned, true), (unturned, false)] {
         let made = ordered.clone().with_made_tiles(&[larger, made_right]);
         let names: Vec<&str> = made.tiles.iter().map(|tile| tile.name.as_str()).collect();
         assert_eq!(names, ["left", "right"]);

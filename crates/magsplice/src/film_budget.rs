@@ -99,8 +99,9 @@ impl FilmBudget<'_> {
         Some([x?, y?, z?])
     }
 
-    /// Those of a pattern that the end of the film compensates, along an axis at least. They may be
-    /// far larger than the total, and are no parts of it that could be compared with others.
+    /// The mean squares of a pattern along x, y, z, in mm^2, if the end of the film compensates it
+    /// along an axis at least. They may be far larger than the total, and are no parts of it that
+    /// could be compared with others.
     pub fn compensated_pattern_mm2(&self) -> Option<[f64; 3]> {
         let mut ends = self.budget.axes.iter().filter_map(AxisBudget::finite_film_mm2);
         self.endless_pattern_mm2().filter(|_| ends.any(|square| square < 0.0))

@@ -12,7 +12,7 @@ use crate::film_error::FilmError;
 use crate::stage::Stage;
 
 impl Film<'_> {
-    /// What a scan tells of the tiles: `readings_t` of the sensor of the layout at points in
+    /// The errors of tiles that a scan tells: `readings_t` of the sensor of the layout at points in
     /// millimetres. Its plates count as points there. `noise` is that of the readings; without it,
     /// that of the sensor. Ordinary errors are those that the layout states of tiles and groups.
     /// What recoil adds to the field is that of the film as ordered: what a wrong tile changes in

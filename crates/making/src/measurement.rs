@@ -26,8 +26,8 @@ pub struct MeasurementErrors {
 }
 
 impl MeasurementErrors {
-    /// What is measured of a tile that was ordered with these sides, with errors drawn from a
-    /// random stream.
+    /// The tile as it is measured, with errors drawn from a random stream. It was ordered with
+    /// these sides.
     pub fn measured(&self, tile: &CutTile, ordered_mm: DVec3, random: &mut impl RngCore) -> CutTile {
         let [strength, first, second, x, y, z] = std::array::from_fn(|_| normal(random));
         let j_t = tile.polarization_t;

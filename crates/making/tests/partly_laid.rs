@@ -65,7 +65,7 @@ fn film_without_a_tile_is_the_film_as_ordered() {
     assert_eq!(empty, PartlyLaid { film: layout.bare_tiles(), groups, plan: Vec::new() });
 }
 
-/// As measured, turned about the upright axis, turned over, and both; J follows the tile.
+/// J follows the tile: as measured, turned over, turned about the upright axis, and both.
 #[test]
 fn tile_lies_as_its_upper_side_and_its_mark_say() {
     let DVec3 { x, y, z } = MEASURED_T[0];

@@ -42,8 +42,8 @@ struct NamedNumbers {
     alternatives: Vec<Error>,
 }
 
-/// What a scan tells of the tiles. `free` says whether strength, offset, rotation and start are
-/// fitted.
+/// The errors of tiles that a scan tells. `free` says whether strength, offset, rotation and start
+/// are fitted.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "Python passes them by name")]
 pub(crate) fn diagnose<'py>(

@@ -127,7 +127,7 @@ class LayoutFilm:
         return type(self)._parsed, (self._text, self._origin, self._folder)
 
     def __eq__(self, other: object) -> bool:
-        """Whether the layouts have the same text, and the files that it names the same folder."""
+        """Whether the layouts have the same text, and their files the same folder."""
         if not isinstance(other, LayoutFilm):
             return NotImplemented
         return (self._text, self._folder) == (other._text, other._folder)
