@@ -2,8 +2,8 @@
 
 use magsplice_layout::{Goal, Layout};
 
-use crate::design_problem::DesignProblem;
-use crate::metrics::Metrics;
+use crate::problem::design_problem::DesignProblem;
+use crate::search::metrics::Metrics;
 
 /// Central differences in every variable, for every goal, with all numbers free at once.
 ///

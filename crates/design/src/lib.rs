@@ -54,83 +54,36 @@
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-/// Affine expressions of the variables.
-mod affine;
-/// Second derivatives of the model of a step.
-mod curvature;
 /// Derivatives of the residuals against central differences.
 #[cfg(test)]
 mod derivative_tests;
 /// Local descent by damped Gauss-Newton steps.
 mod descent;
-/// A layout prepared for design.
-mod design_problem;
 /// Why a film cannot be designed.
 mod error;
-/// Errors of the films that are made, as mean squares.
-mod error_model;
-/// The time that a search will take.
-mod estimate;
-/// The expected square that errors of films add, with derivatives.
-mod expected_squares;
-/// How the field changes with errors that several tiles share.
-mod joint_response;
-/// Matrices of few rows.
-mod low_rank;
-/// Errors of the films that are made, by samples.
-mod made_films;
-/// Errors of a film over a grid.
-mod metrics;
-/// Residuals of each goal, with derivatives.
-mod objective;
 /// Error against amplitude and against the number of parts.
 mod pareto_front;
-/// Which tile is made of which part.
-mod part_assignment;
-/// Merging of distinct parts.
+/// Films of few distinct parts.
 mod parts;
-/// Tiles as functions of the variables.
-mod pattern;
+/// A layout prepared for design: variables, rules, errors.
+mod problem;
 /// Progress of a search, and the way to stop it.
 mod progress;
-/// Quadratic programs under linear inequalities.
-mod quadratic;
-/// What recoil adds to the field of a film.
-mod recoil;
-/// The film at which the expected square is taken.
-mod robust_film;
-/// Tests of the expected square of errors.
-#[cfg(test)]
-mod robust_tests;
-/// Rounding to the resolution.
-mod rounding;
-/// Linear rules: sides, outline, thickness, strength, distances.
-mod rules;
-/// Points of the design grid, and the field there with derivatives.
-mod sampling;
-/// The search, stage by stage.
+/// The search, stage by stage, and the film found.
 mod search;
-/// The film that a search returns.
-mod search_result;
 /// A layout to begin with, from a few numbers.
 mod splice;
-/// Strengths replaced by strengths in stock.
-mod stock_strengths;
-/// Symmetry operations and orbits of tiles.
-mod symmetry;
-/// How the field of a tile changes with its errors.
-mod tile_response;
+/// Strengths in stock, and strengths under recoil.
+mod strengths;
 /// Tolerances and tuning constants.
 mod tolerances;
-/// The film found, as a layout.
-mod write_layout;
 
-pub use design_problem::DesignProblem;
 pub use error::DesignError;
-pub use estimate::SearchEstimate;
-pub use made_films::{MadeErrors, MadeFilms};
-pub use metrics::Metrics;
 pub use pareto_front::ParetoFront;
+pub use problem::design_problem::DesignProblem;
 pub use progress::{Progress, ProgressUpdate, SearchStage, ignore_progress};
-pub use search_result::{SearchResult, StageMetrics};
+pub use search::estimate::SearchEstimate;
+pub use search::made_films::{MadeErrors, MadeFilms};
+pub use search::metrics::Metrics;
+pub use search::search_result::{SearchResult, StageMetrics};
 pub use splice::SpliceRequest;

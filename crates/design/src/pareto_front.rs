@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use magsplice_layout::{Brief, Goal};
 
-use crate::descent::Candidate;
-use crate::design_problem::DesignProblem;
 use crate::error::DesignError;
-use crate::parts;
+use crate::parts::merging;
+use crate::problem::design_problem::DesignProblem;
+use crate::problem::least_squares::Candidate;
 use crate::progress::{Progress, SearchStage, latched};
-use crate::search_result::SearchResult;
+use crate::search::search_result::SearchResult;
 use crate::tolerances::MOST_STEPS;
 
 /// The best films found for a series of demands.
@@ -132,8 +132,8 @@ impl DesignProblem<'_> {
         problem.leave_room_for_rounding();
         // Down to the parts in stock, or to a single part.
         let least = usize::from(self.brief.stock.is_empty());
-        let levels = parts::levels(&problem, &problem.pattern, &best, least, progress);
-        let result = |level: parts::FilmOfParts| {
+        let levels = merging::levels(&problem, &problem.pattern, &best, least, progress);
+        let result = |level: merging::FilmOfParts| {
             let stage = SearchStage::Parts(level.part_count());
             let stages = vec![self.stage_metrics(stage, &level.pattern, &level.candidate)?];
             let brief = Brief { parts: None, ..problem.brief.clone() };

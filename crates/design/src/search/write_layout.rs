@@ -4,10 +4,10 @@ use glam::DVec3;
 use magsplice_decouple::PerParameter;
 use magsplice_layout::{Expectations, Layout, MAX_NAME_BYTES, MadeExpectations};
 
-use crate::design_problem::DesignProblem;
-use crate::made_films::MadeErrors;
-use crate::metrics::Metrics;
-use crate::search_result::SearchResult;
+use crate::problem::design_problem::DesignProblem;
+use crate::search::made_films::MadeErrors;
+use crate::search::metrics::Metrics;
+use crate::search::search_result::SearchResult;
 
 /// Relative margin of the written expectations above the errors reached, for round-off.
 const MARGIN: f64 = 0.01;

@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use magsplice_layout::{Brief, Symmetry};
 use magsplice_magnet::Tile;
 
-use crate::affine::Affine;
-use crate::pattern::{Pattern, VariableTile};
+use crate::problem::affine::Affine;
+use crate::problem::pattern::{Pattern, VariableTile};
 
 /// An affine expression that must be at least 0.
 #[derive(Clone, Debug, PartialEq)]

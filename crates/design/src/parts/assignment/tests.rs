@@ -5,7 +5,7 @@ use magsplice_layout::Layout;
 use magsplice_magnet::Tile;
 
 use super::*;
-use crate::design_problem::DesignProblem;
+use crate::problem::design_problem::DesignProblem;
 
 /// A layout with `stock` in its brief and one tile for each centre, size and direction.
 fn layout(symmetry: &str, stock: &str, tiles: &[([f64; 2], [f64; 2], f64)]) -> Layout {

@@ -7,8 +7,8 @@ use magsplice_layout::TileErrors;
 use magsplice_magnet::Tile;
 use magsplice_tolerance::direction_normal;
 
-use crate::pattern::VariableTile;
-use crate::sampling::matrix;
+use crate::problem::pattern::VariableTile;
+use crate::problem::sampling::matrix;
 
 /// Numbers of a tile: the coordinates of its faces, each at twice its axis plus its side;
 /// direction, tilt and strength of its polarization.

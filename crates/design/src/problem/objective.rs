@@ -5,9 +5,9 @@ use magsplice_decouple::{Branch, ParameterDerivatives, Parameters};
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::Goal;
 
-use crate::pattern::half_turn;
-use crate::sampling::{SampledField, Sampling};
-use crate::symmetry::SymmetryOperation;
+use crate::problem::pattern::half_turn;
+use crate::problem::sampling::{SampledField, Sampling};
+use crate::problem::symmetry::SymmetryOperation;
 
 /// The goal of a design, with what its residuals need besides the field.
 #[derive(Clone, Debug)]

@@ -6,10 +6,10 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use glam::DVec3;
 use magsplice_layout::{Brief, StockPart, Variables, direction_from_degrees};
 
-use crate::affine::Affine;
-use crate::descent::Candidate;
-use crate::pattern::{Pattern, VariableKind, VariableTile};
-use crate::symmetry::{Orbit, SymmetryOperation};
+use crate::problem::affine::Affine;
+use crate::problem::least_squares::Candidate;
+use crate::problem::pattern::{Pattern, VariableKind, VariableTile};
+use crate::problem::symmetry::{Orbit, SymmetryOperation};
 use crate::tolerances::SAME_TILE;
 
 /// Symmetry that a part must have: that of all tiles made of it.

@@ -1,6 +1,6 @@
 //! Second derivatives of the model of a step (Gauss-Newton), and their damping.
 
-use crate::objective::Residuals;
+use crate::problem::objective::Residuals;
 
 /// Damping of variables that change nothing, as a fraction of the damping of the most effective
 /// variable.
@@ -37,7 +37,7 @@ pub(crate) fn damped(own: &[f64], units: &[f64], damping: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::objective::ExpectedSquares;
+    use crate::problem::objective::ExpectedSquares;
 
     #[test]
     fn dense_curvature_is_the_sum_of_both_parts() {

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use crate::design_problem::DesignProblem;
 use crate::error::DesignError;
+use crate::problem::design_problem::DesignProblem;
 use crate::tolerances::{MOST_STEPS, PARTS_SINGLY, PARTS_TRIED, TRIAL_STEPS, TRIALS_FINISHED};
 
 /// The size of a search, and an estimate of its time.

@@ -6,8 +6,8 @@ use glam::DVec3;
 use magsplice_layout::{Brief, Symmetry, Variables};
 use magsplice_magnet::Tile;
 
-use crate::affine::Affine;
-use crate::symmetry::{Orbit, SymmetryOperation};
+use crate::problem::affine::Affine;
+use crate::problem::symmetry::{Orbit, SymmetryOperation};
 use crate::tolerances::SAME_TILE;
 
 /// The quantity that a variable measures.
@@ -262,7 +262,7 @@ mod tests {
     use magsplice_layout::Layout;
 
     use super::*;
-    use crate::design_problem::DesignProblem;
+    use crate::problem::design_problem::DesignProblem;
 
     /// The kinds of the variables of tiles, given by position and polarization, under a brief.
     fn kinds(brief: &str, tiles: &[([f64; 3], [f64; 3])]) -> Vec<VariableKind> {

@@ -12,10 +12,10 @@ use magsplice_layout::Layout;
 use magsplice_magnet::Tile;
 use rayon::prelude::*;
 
-use crate::descent::Candidate;
-use crate::design_problem::DesignProblem;
-use crate::part_assignment::PartAssignment;
-use crate::pattern::Pattern;
+use crate::parts::assignment::PartAssignment;
+use crate::problem::design_problem::DesignProblem;
+use crate::problem::least_squares::Candidate;
+use crate::problem::pattern::Pattern;
 use crate::progress::{Progress, ProgressUpdate, SearchStage};
 use crate::tolerances::{MOST_STEPS, PARTS_SINGLY, PARTS_TRIED, TRIAL_STEPS, TRIALS_FINISHED};
 

@@ -1,10 +1,10 @@
 //! Strengths in stock: the strengths of a film are replaced by strengths in stock, one after the
 //! other.
 
-use crate::affine::Affine;
-use crate::descent::Candidate;
-use crate::design_problem::DesignProblem;
-use crate::pattern::{Pattern, VariableKind};
+use crate::problem::affine::Affine;
+use crate::problem::design_problem::DesignProblem;
+use crate::problem::least_squares::Candidate;
+use crate::problem::pattern::{Pattern, VariableKind};
 use crate::progress::{Progress, ProgressUpdate, SearchStage};
 use crate::tolerances::MOST_STEPS;
 

@@ -7,8 +7,8 @@ use magsplice_field::{FaceDerivatives, PolarizationMap};
 use magsplice_layout::Symmetry;
 use magsplice_magnet::Grid;
 
-use crate::pattern::Pattern;
-use crate::symmetry::SymmetryOperation;
+use crate::problem::pattern::Pattern;
+use crate::problem::symmetry::SymmetryOperation;
 
 /// Coordinates that differ by less than this fraction of the extent are equal.
 const SAME_COORDINATE: f64 = 1e-9;

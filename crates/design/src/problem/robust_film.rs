@@ -1,8 +1,8 @@
 //! The film at which the expected square of errors is taken.
 
-use crate::objective::Objective;
-use crate::pattern::Pattern;
-use crate::sampling::{SampledField, Sampling};
+use crate::problem::objective::Objective;
+use crate::problem::pattern::Pattern;
+use crate::problem::sampling::{SampledField, Sampling};
 
 /// The film at which the expected square is taken.
 #[derive(Clone, Copy)]

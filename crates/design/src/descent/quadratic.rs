@@ -204,7 +204,7 @@ mod tests {
     /// told not to, which only another process can observe.
     #[test]
     fn solver_prints_nothing() {
-        let name = "quadratic::tests::finds_free_and_constrained_minima_and_refuses_contradictions";
+        let name = "descent::quadratic::tests::finds_free_and_constrained_minima_and_refuses_contradictions";
         let tests = std::env::current_exe().unwrap();
         let run = std::process::Command::new(tests).args(["--exact", name, "--nocapture"]).output().unwrap();
         let printed = String::from_utf8(run.stdout).unwrap();

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use magsplice_magnet::Tile;
 use magsplice_tolerance::{EvaluationGrid, Figure, FilmErrors, SampleError, Sampler, Statistics, statistics};
 
-use crate::design_problem::DesignProblem;
+use crate::problem::design_problem::DesignProblem;
 use crate::progress::{Progress, ProgressUpdate, SearchStage};
 
 /// Samples between two updates about progress: about a tenth of a second for a film of 56 tiles.

@@ -14,10 +14,10 @@ use magsplice_magnet::{Quantity, Tile};
 use magsplice_recoil::{Magnetization, RecoilTile};
 use magsplice_tolerance::{RealFilm, Weakening};
 
-use crate::descent::Candidate;
-use crate::design_problem::DesignProblem;
 use crate::error::DesignError;
-use crate::pattern::Pattern;
+use crate::problem::design_problem::DesignProblem;
+use crate::problem::least_squares::Candidate;
+use crate::problem::pattern::Pattern;
 use crate::progress::{Progress, ProgressUpdate, SearchStage};
 use crate::tolerances::{MOST_STEPS, RECOIL_LEVEL, RECOIL_STAYS, ROUNDS_OF_RECOIL};
 

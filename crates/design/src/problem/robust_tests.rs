@@ -4,7 +4,7 @@
 use magsplice_layout::{Layout, Under};
 use magsplice_tolerance::{EvaluationGrid, FirstOrder, RealFilm};
 
-use crate::design_problem::DesignProblem;
+use crate::problem::design_problem::DesignProblem;
 
 const TABLES: &str = "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n[volume]\nx_mm = [-1.5, 2.0]\n\
                       y_mm = [-1.0, 1.0]\nz_mm = [-5.0, -3.0]\nstep_mm = 1.0\n";

@@ -9,16 +9,16 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::descent::Candidate;
-use crate::design_problem::DesignProblem;
 use crate::error::DesignError;
-use crate::metrics::Metrics;
-use crate::parts;
-use crate::pattern::Pattern;
+use crate::parts::merging;
+use crate::problem::design_problem::DesignProblem;
+use crate::problem::least_squares::Candidate;
+use crate::problem::pattern::Pattern;
 use crate::progress::{Progress, ProgressUpdate, SearchStage, SharedProgress, latched};
-use crate::rounding;
-use crate::search_result::{SearchResult, StageMetrics};
-use crate::stock_strengths::fix_to_stock;
+use crate::search::metrics::Metrics;
+use crate::search::rounding;
+use crate::search::search_result::{SearchResult, StageMetrics};
+use crate::strengths::stock_strengths::fix_to_stock;
 use crate::tolerances::{MOST_STEPS, ROUNDS_OF_AMPLITUDE, SPREAD_OF_STARTS};
 
 impl DesignProblem<'_> {
@@ -58,7 +58,7 @@ impl DesignProblem<'_> {
         }
         if self.brief.parts.is_some() || !self.brief.stock.is_empty() {
             problem.leave_room_for_rounding();
-            let film = parts::fewest(&problem, &pattern, &candidate, &progress).ok_or_else(DesignError::no_parts)?;
+            let film = merging::fewest(&problem, &pattern, &candidate, &progress).ok_or_else(DesignError::no_parts)?;
             stages.push(self.stage_metrics(SearchStage::Parts(film.part_count()), &film.pattern, &film.candidate)?);
             (pattern, candidate) = (film.pattern, film.candidate);
             candidate = problem.settle_recoil(&pattern, candidate, &progress)?;
@@ -87,7 +87,7 @@ impl DesignProblem<'_> {
         let sampled_by = self.clone();
         let (tiles, [after, finer]) = self.rounded_with_amplitude(pattern, candidate, progress)?;
         stages.push(StageMetrics { stage: SearchStage::Rounding, uniformity_rmse: after.uniformity_rmse });
-        let parts = parts::count_distinct(layout, &tiles);
+        let parts = merging::count_distinct(layout, &tiles);
         let mut short_of = Vec::new();
         let amplitude = smaller_amplitude(&[after, finer]);
         if let Some(least) = least.filter(|least| amplitude < *least) {

@@ -3,9 +3,9 @@
 use magsplice_decouple::PerParameter;
 use magsplice_magnet::Tile;
 
-use crate::made_films::MadeFilms;
-use crate::metrics::Metrics;
 use crate::progress::SearchStage;
+use crate::search::made_films::MadeFilms;
+use crate::search::metrics::Metrics;
 
 /// A film that a search found, with its errors before and after. Lengths in millimetres,
 /// polarization in tesla.
@@ -46,7 +46,7 @@ pub struct StageMetrics {
     /// The stage that ended.
     pub stage: SearchStage,
     /// Uniformity RMSE over the working volume.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::metrics::as_array"))]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::search::metrics::as_array"))]
     pub uniformity_rmse: PerParameter,
 }
 

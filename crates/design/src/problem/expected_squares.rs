@@ -17,13 +17,13 @@ use magsplice_decouple::{Branch, ParameterDerivatives, ParameterSecondDerivative
 use magsplice_layout::TileErrors;
 use rayon::prelude::*;
 
-use crate::error_model::{ErrorImage, ErrorModel};
-use crate::joint_response::joint_responses;
-use crate::objective::ExpectedSquares;
-use crate::pattern::VariableTile;
-use crate::robust_film::RobustFilm;
-use crate::symmetry::SymmetryOperation;
-use crate::tile_response::{RespondingTile, TileResponse, numbers};
+use crate::problem::error_model::{ErrorImage, ErrorModel};
+use crate::problem::joint_response::joint_responses;
+use crate::problem::objective::ExpectedSquares;
+use crate::problem::pattern::VariableTile;
+use crate::problem::robust_film::RobustFilm;
+use crate::problem::symmetry::SymmetryOperation;
+use crate::problem::tile_response::{RespondingTile, TileResponse, numbers};
 
 /// Derivatives of the three weighted displacements by B at a point, in the frame of the film.
 struct Sensitivity {

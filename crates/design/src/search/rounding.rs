@@ -6,10 +6,10 @@ use glam::DVec3;
 use magsplice_layout::{direction_from_degrees, ten_decimals as decimal};
 use magsplice_magnet::Tile;
 
-use crate::descent::LeastSquares;
-use crate::design_problem::DesignProblem;
-use crate::pattern::{Pattern, VariableKind, VariableTile, angles, image};
-use crate::rules::LinearRule;
+use crate::problem::design_problem::DesignProblem;
+use crate::problem::least_squares::LeastSquares;
+use crate::problem::pattern::{Pattern, VariableKind, VariableTile, angles, image};
+use crate::problem::rules::LinearRule;
 use crate::tolerances::{KEPT_MM, ROUNDINGS};
 
 /// The best variables found that are multiples of the resolution near `variables`. They are changed

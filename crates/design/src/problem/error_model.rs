@@ -8,9 +8,9 @@ use magsplice_magnet::Quantity;
 use magsplice_tolerance::mean_square;
 
 use crate::error::DesignError;
-use crate::pattern::VariableTile;
-use crate::sampling::Sampling;
-use crate::symmetry::SymmetryOperation;
+use crate::problem::pattern::VariableTile;
+use crate::problem::sampling::Sampling;
+use crate::problem::symmetry::SymmetryOperation;
 
 /// Mean squares of the errors of a tile, in the order of [`TileErrors::all`].
 pub(crate) type MeanSquares = [f64; TileErrors::COUNT];

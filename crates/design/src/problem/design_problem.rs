@@ -5,14 +5,14 @@ use magsplice_ideal::IdealFilm;
 use magsplice_layout::{Brief, Goal, Layout, Symmetry, Under, WorkingVolume};
 use magsplice_magnet::{BoundingBox, Grid, Tile};
 
-use crate::descent::LeastSquares;
 use crate::error::DesignError;
-use crate::error_model::ErrorModel;
-use crate::objective::Objective;
-use crate::pattern::Pattern;
-use crate::rules::{DesignBounds, LinearRule, RuleMeaning};
-use crate::sampling::Sampling;
-use crate::symmetry::orbits;
+use crate::problem::error_model::ErrorModel;
+use crate::problem::least_squares::LeastSquares;
+use crate::problem::objective::Objective;
+use crate::problem::pattern::Pattern;
+use crate::problem::rules::{DesignBounds, LinearRule, RuleMeaning};
+use crate::problem::sampling::Sampling;
+use crate::problem::symmetry::orbits;
 use crate::tolerances::{AMPLITUDE_MARGIN, POINTS_ALONG, SAME_TILE};
 
 /// A layout with a brief that can be carried out. Lengths in millimetres, polarization in tesla.

@@ -4,11 +4,11 @@ use glam::DVec3;
 use magsplice_layout::TileErrors;
 use magsplice_magnet::BoundingBox;
 
-use crate::error_model::{Centre, JointErrors};
-use crate::pattern::{VariableTile, image};
-use crate::robust_film::RobustFilm;
-use crate::symmetry::SymmetryOperation;
-use crate::tile_response::{RespondingTile, TileResponse, numbers};
+use crate::problem::error_model::{Centre, JointErrors};
+use crate::problem::pattern::{VariableTile, image};
+use crate::problem::robust_film::RobustFilm;
+use crate::problem::symmetry::SymmetryOperation;
+use crate::problem::tile_response::{RespondingTile, TileResponse, numbers};
 
 /// The change of B by a deviation of one error, with derivatives by all variables.
 pub(crate) struct JointResponse {

@@ -1,0 +1,10 @@
+//! Local descent: steps that reduce the error of a film and keep its rules.
+
+/// Second derivatives of the model of a step.
+mod curvature;
+/// Damped Gauss-Newton steps.
+mod gauss_newton;
+/// Matrices of few rows.
+mod low_rank;
+/// Quadratic programs under linear inequalities.
+mod quadratic;

@@ -1,0 +1,16 @@
+//! The search from several starts, its stages, and the film found.
+
+/// The time that a search will take.
+pub(crate) mod estimate;
+/// Errors of the films that are made, by samples.
+pub(crate) mod made_films;
+/// Errors of a film over a grid.
+pub(crate) mod metrics;
+/// Rounding to the resolution.
+mod rounding;
+/// The film that a search returns.
+pub(crate) mod search_result;
+/// The search, stage by stage.
+mod stages;
+/// The film found, as a layout.
+mod write_layout;
