@@ -46,6 +46,8 @@ mod decoupling;
 mod ideal_error;
 /// The parameters of one field value, and displacement from their change.
 mod parameters;
+/// One value for each axis.
+mod per_axis;
 /// One number for each parameter.
 mod per_parameter;
 /// Second derivatives of the parameters.
@@ -55,5 +57,6 @@ pub use at_points::PointDecoupling;
 pub use by_planes::uniformity_by_planes;
 pub use decoupling::{Decoupling, DecouplingError, PlaneStatistics};
 pub use parameters::{Branch, ParameterDerivatives, Parameters};
+pub use per_axis::PerAxis;
 pub use per_parameter::{Parameter, PerParameter};
 pub use second_derivatives::ParameterSecondDerivatives;
