@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 use magsplice::field::{Quantity, Scene};
-use magsplice::layout::{FilmTolerance, TileErrors};
+use magsplice::layout::{FilmTolerance, Preset};
 use magsplice::tolerance::{EvaluationGrid, RealFilm, Sampler};
 use magsplice_benches::{median, shipped_layout};
 
@@ -33,7 +33,7 @@ fn sample_over_film(pairs: u64, samples: u64) {
     let (volume, ideal) = (layout.volume.as_ref().expect("stated"), layout.ideal.expect("stated"));
     let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
     let tiles = layout.bare_tiles();
-    let film = RealFilm::new(&tiles, &FilmTolerance::of_tiles(&TileErrors::workshop(), tiles.len()));
+    let film = RealFilm::new(&tiles, &FilmTolerance::of_tiles(&Preset::Workshop.errors(), tiles.len()));
     let sampler = Sampler::new(&film, &volume, &ideal, 1).expect("no neighbour");
     let points: Vec<DVec3> = volume.grid.points().chain([volume.reference]).collect();
     let mut field_t = vec![DVec3::ZERO; points.len()];

@@ -1,7 +1,7 @@
 //! Error budgets of shipped films, against exact samples.
 
 use magsplice::layout::{
-    CommonErrors, Distribution, FilmTolerance, Layout, SensorErrors, StrayField, Temperature, TileErrors,
+    CommonErrors, Distribution, FilmTolerance, Layout, Preset, SensorErrors, StrayField, Temperature, TileErrors,
 };
 use magsplice::tolerance::{Budget, Cause, EndlessPattern, EvaluationGrid, FirstOrder, RealFilm, Sampler};
 
@@ -11,7 +11,7 @@ use crate::shipped::layout;
 fn tolerance(tiles: usize) -> FilmTolerance {
     let degree = || Distribution::normal(1.0_f64.to_radians());
     let three = |deviation| [const { Distribution::NONE }; 3].map(|_| Distribution::normal(deviation));
-    let errors = TileErrors { size_mm: three(0.02), direction_rad: [degree(), degree()], ..TileErrors::workshop() };
+    let errors = TileErrors { size: three(0.02), direction: [degree(), degree()], ..Preset::Workshop.errors() };
     let any_direction_t = Distribution::Fixed(30e-6);
     FilmTolerance {
         common: CommonErrors {
@@ -90,12 +90,12 @@ fn halved_errors_save_what_is_stated() {
     assert_eq!(causes, [Cause::Direction, Cause::StrayField, Cause::Size]);
     let mut halved = [whole.clone(), whole.clone(), whole.clone()];
     for tile in &mut halved[0].tiles {
-        tile.direction_rad = tile.direction_rad.each_ref().map(|error| error.scaled(0.5));
+        tile.direction = tile.direction.each_ref().map(|error| error.scaled(0.5));
     }
     let field = halved[1].common.stray_field.as_mut().expect("a field");
     field.any_direction_t = field.any_direction_t.scaled(0.5);
     for tile in &mut halved[2].tiles {
-        tile.size_mm = half(&tile.size_mm);
+        tile.size = half(&tile.size);
     }
     for (halved, of) in halved.iter().zip(&budget.causes) {
         agrees(halved, of.saved_mm2);
@@ -104,14 +104,7 @@ fn halved_errors_save_what_is_stated() {
     let tiles: Vec<usize> = budget.tiles.iter().take(4).map(|of| of.tile).collect();
     assert_eq!(tiles, [20, 22, 33, 35]);
     let mut halved = whole.clone();
-    let TileErrors { position_mm, rotation_rad, size_mm, strength, direction_rad } = &whole.tiles[20];
-    halved.tiles[20] = TileErrors {
-        position_mm: half(position_mm),
-        rotation_rad: half(rotation_rad),
-        size_mm: half(size_mm),
-        strength: strength.scaled(0.5),
-        direction_rad: direction_rad.each_ref().map(|error| error.scaled(0.5)),
-    };
+    halved.tiles[20] = whole.tiles[20].each_ref().map(|error| error.scaled(0.5));
     agrees(&halved, budget.tiles[0].saved_mm2);
 }
 

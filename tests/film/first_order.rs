@@ -10,11 +10,11 @@ fn errors(factor: f64) -> TileErrors {
     let normal = |deviation: f64| Distribution::normal(factor * deviation);
     let three = |deviation| [normal(deviation), normal(deviation), normal(deviation)];
     TileErrors {
-        position_mm: three(0.05),
-        rotation_rad: three(0.5_f64.to_radians()),
-        size_mm: three(0.02),
+        position: three(0.05),
+        rotation: three(0.5_f64.to_radians()),
+        size: three(0.02),
         strength: normal(0.01),
-        direction_rad: [normal(1.0_f64.to_radians()), normal(1.0_f64.to_radians())],
+        direction: [normal(1.0_f64.to_radians()), normal(1.0_f64.to_radians())],
     }
 }
 
@@ -60,14 +60,14 @@ fn shares_of_causes_are_the_known_ones() {
 fn shares_of_causes_are_those_of_exact_samples_of_one_cause() {
     let all = errors(1.0);
     let none = TileErrors::default();
-    let [x, y, z] = all.position_mm.clone();
+    let [x, y, z] = all.position.clone();
     let alone = [
-        TileErrors { position_mm: [x, y, Distribution::NONE], ..none.clone() },
-        TileErrors { position_mm: [Distribution::NONE, Distribution::NONE, z], ..none.clone() },
-        TileErrors { rotation_rad: all.rotation_rad.clone(), ..none.clone() },
-        TileErrors { size_mm: all.size_mm.clone(), ..none.clone() },
+        TileErrors { position: [x, y, Distribution::NONE], ..none.clone() },
+        TileErrors { position: [Distribution::NONE, Distribution::NONE, z], ..none.clone() },
+        TileErrors { rotation: all.rotation.clone(), ..none.clone() },
+        TileErrors { size: all.size.clone(), ..none.clone() },
         TileErrors { strength: all.strength.clone(), ..none.clone() },
-        TileErrors { direction_rad: all.direction_rad.clone(), ..none },
+        TileErrors { direction: all.direction.clone(), ..none },
     ];
     let shares = with_model("designed-displacement", &all, |model, _| model.axis_errors(0).shares);
     for (share, errors) in shares.iter().zip(&alone) {
@@ -119,7 +119,7 @@ fn model_of_the_published_film_has_its_mean_square_but_not_its_variance() {
 /// All errors but those of size, which leave no tile.
 #[test]
 fn model_is_not_valid_for_errors_twenty_times_larger() {
-    let large = TileErrors { size_mm: errors(1.0).size_mm, ..errors(20.0) };
+    let large = TileErrors { size: errors(1.0).size, ..errors(20.0) };
     let check = with_model("designed-displacement", &large, |model, sampler| model.check(sampler, 0..60, || {}));
     let valid = check.map(|check| check.axes.map(|axis| axis.is_valid()));
     assert_eq!(valid, Ok([false; 3]));

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use magsplice::layout::{
-    CommonErrors, Distribution, FilmPose, FilmTolerance, SensorErrors, StrayField, Temperature, TileErrors,
+    CommonErrors, Distribution, FilmPose, FilmTolerance, Preset, SensorErrors, StrayField, Temperature, TileErrors,
 };
 use magsplice::tolerance::{Estimate, EvaluationGrid, Figure, FilmErrors, RealFilm, Sampler, statistics};
 
@@ -40,7 +40,7 @@ fn agrees(found: Estimate, known: f64, rounding: f64) -> bool {
 
 #[test]
 fn published_film_with_misplaced_tiles_has_the_known_mean_uniformity() {
-    let errors = TileErrors { position_mm: normal([0.05, 0.05, 0.0]), ..TileErrors::default() };
+    let errors = TileErrors { position: normal([0.05, 0.05, 0.0]), ..TileErrors::default() };
     let sampled = sampled("published-film", |tiles| FilmTolerance::of_tiles(&errors, tiles), 0..SAMPLES);
     for (axis, mean) in [0.0646, 0.0646, 0.041].into_iter().enumerate() {
         let found = statistics(&sampled, Figure::Uniformity(axis)).expect("samples").mean;
@@ -54,16 +54,16 @@ fn published_film_with_misplaced_tiles_has_the_known_mean_uniformity() {
 fn films_with_each_cause_of_error_have_the_known_displacement_errors() {
     let none = TileErrors::default();
     let degree = || Distribution::normal(1.0_f64.to_radians());
-    let (direction_rad, size_mm) = ([degree(), degree()], normal([0.02; 3]));
+    let (direction, size) = ([degree(), degree()], normal([0.02; 3]));
     let causes = [
-        TileErrors { position_mm: normal([0.05, 0.05, 0.0]), ..none.clone() },
-        TileErrors { position_mm: normal([0.0, 0.0, 0.05]), ..none.clone() },
-        TileErrors { rotation_rad: normal([0.5_f64.to_radians(); 3]), ..none.clone() },
+        TileErrors { position: normal([0.05, 0.05, 0.0]), ..none.clone() },
+        TileErrors { position: normal([0.0, 0.0, 0.05]), ..none.clone() },
+        TileErrors { rotation: normal([0.5_f64.to_radians(); 3]), ..none.clone() },
         TileErrors { strength: Distribution::normal(0.01), ..none.clone() },
-        TileErrors { direction_rad: direction_rad.clone(), ..none.clone() },
-        TileErrors { size_mm: size_mm.clone(), ..none.clone() },
-        TileErrors::workshop(),
-        TileErrors { direction_rad, size_mm, ..TileErrors::workshop() },
+        TileErrors { direction: direction.clone(), ..none.clone() },
+        TileErrors { size: size.clone(), ..none.clone() },
+        Preset::Workshop.errors(),
+        TileErrors { direction, size, ..Preset::Workshop.errors() },
     ];
     let known = [
         ("published-film", [0.257, 0.258, 0.256, 0.249, 0.271, 0.262, 0.268, 0.290]),
@@ -149,7 +149,7 @@ fn causes_outside_the_tiles_have_the_known_displacement_errors() {
 fn samples_of_parts_are_those_of_the_whole_for_any_number_of_threads() {
     let sampled = |threads: usize, samples: Range<u64>| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let tolerance = |tiles| FilmTolerance::of_tiles(&TileErrors::workshop(), tiles);
+        let tolerance = |tiles| FilmTolerance::of_tiles(&Preset::Workshop.errors(), tiles);
         pool.install(|| sampled("designed-tilted", tolerance, samples))
     };
     let whole = sampled(1, 0..9);

@@ -23,8 +23,8 @@ fn errors_of_films_with_recoil_are_those_of_solved_films() {
     let [strength, degree, place] = [0.03, 1.0_f64.to_radians(), 0.02].map(Distribution::normal);
     let errors = TileErrors {
         strength,
-        direction_rad: [degree.clone(), degree],
-        position_mm: [place.clone(), place.clone(), place],
+        direction: [degree.clone(), degree],
+        position: [place.clone(), place.clone(), place],
         ..TileErrors::default()
     };
     for (name, mu_r) in [("designed-displacement", 1.05), ("designed-displacement", 1.2), ("designed-tilted", 1.05)] {

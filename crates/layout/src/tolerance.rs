@@ -1,7 +1,7 @@
 //! What a film that is made differs by from its layout: errors of tiles, of groups of tiles, and of
 //! the surroundings.
 
-use magsplice_magnet::Tile;
+use magsplice_magnet::{PerTileError, Tile};
 
 use crate::distribution::Distribution;
 use crate::rotation::Rotation;
@@ -62,22 +62,9 @@ impl FilmTolerance {
     }
 }
 
-/// Distributions of the errors of one tile, all independent. The default is a tile without errors.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TileErrors {
-    /// Error of the centre along each axis of the layout.
-    pub position_mm: [Distribution; 3],
-    /// Components along the axes of the layout of the rotation vector by which the tile is turned
-    /// about its centre.
-    pub rotation_rad: [Distribution; 3],
-    /// Error of each side, along the tile's own axes.
-    pub size_mm: [Distribution; 3],
-    /// Error of |J|, as a fraction of it.
-    pub strength: Distribution,
-    /// Angles by which J is turned within the tile: in the plane of the film, about the part of its
-    /// normal that is normal to J; and out of it, about the axis normal to both.
-    pub direction_rad: [Distribution; 2],
-}
+/// Distributions of the errors of one tile, all independent, in millimetres, radians, or as
+/// fractions of the strength. The default is a tile without errors.
+pub type TileErrors = PerTileError<Distribution>;
 
 /// Tiles with errors in common, such as a row laid along one ruler or a batch magnetized together.
 #[derive(Clone, Debug, PartialEq)]
@@ -166,24 +153,4 @@ pub struct SensorErrors {
     pub gain: [Distribution; 3],
     /// Noise along each axis, independent in every reading.
     pub noise_t: [Distribution; 3],
-}
-
-impl TileErrors {
-    /// All errors: three each of position, rotation and size, one of strength, and two of
-    /// direction.
-    pub fn all(&self) -> [&Distribution; TileErrors::COUNT] {
-        let TileErrors { position_mm: p, rotation_rad: r, size_mm: s, strength, direction_rad: d } = self;
-        [&p[0], &p[1], &p[2], &r[0], &r[1], &r[2], &s[0], &s[1], &s[2], strength, &d[0], &d[1]]
-    }
-
-    /// The same, to change them.
-    pub fn all_mut(&mut self) -> [&mut Distribution; TileErrors::COUNT] {
-        let TileErrors { position_mm, rotation_rad, size_mm, strength, direction_rad } = self;
-        let ([px, py, pz], [rx, ry, rz], [sx, sy, sz]) = (position_mm, rotation_rad, size_mm);
-        let [in_plane, out_of_plane] = direction_rad;
-        [px, py, pz, rx, ry, rz, sx, sy, sz, strength, in_plane, out_of_plane]
-    }
-
-    /// Number of errors of a tile.
-    pub const COUNT: usize = 12;
 }

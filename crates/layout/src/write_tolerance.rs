@@ -28,21 +28,21 @@ pub(crate) fn tolerance_table(tolerance: &FilmTolerance, names: &[&str]) -> Span
     let entry = TileErrorsTable::default;
     let mut entries = Vec::new();
     table.position_mm = by_tile(
-        tiles.iter().map(|errors| &errors.position_mm),
+        tiles.iter().map(|errors| &errors.position),
         lengths,
         |tiles, errors| TileErrorsTable { tiles, position_mm: errors, ..entry() },
         names,
         &mut entries,
     );
     table.rotation_deg = by_tile(
-        tiles.iter().map(|errors| &errors.rotation_rad),
+        tiles.iter().map(|errors| &errors.rotation),
         angles,
         |tiles, errors| TileErrorsTable { tiles, rotation_deg: errors, ..entry() },
         names,
         &mut entries,
     );
     table.size_mm = by_tile(
-        tiles.iter().map(|errors| &errors.size_mm),
+        tiles.iter().map(|errors| &errors.size),
         lengths,
         |tiles, errors| TileErrorsTable { tiles, size_mm: errors, ..entry() },
         names,
@@ -56,7 +56,7 @@ pub(crate) fn tolerance_table(tolerance: &FilmTolerance, names: &[&str]) -> Span
         &mut entries,
     );
     table.direction_deg = by_tile(
-        tiles.iter().map(|errors| &errors.direction_rad),
+        tiles.iter().map(|errors| &errors.direction),
         |errors| components(errors, ErrorUnit::Degree),
         |tiles, errors| TileErrorsTable { tiles, direction_deg: errors, ..entry() },
         names,
@@ -160,21 +160,21 @@ fn written(error: &Distribution, unit: ErrorUnit) -> WrittenDistribution {
 
 fn group_table(group: &ErrorGroup, names: &[&str]) -> GroupTable {
     let ErrorGroup { name, tiles, errors } = group;
-    let TileErrors { position_mm, rotation_rad, size_mm, strength, direction_rad } = errors;
-    let has_none = errors.all().iter().all(|error| error.is_none());
+    let TileErrors { position, rotation, size, strength, direction } = errors;
+    let has_none = errors.values().all(Distribution::is_none);
     GroupTable {
         name: Some(name.clone()),
         tiles: Some(tiles.iter().map(|&tile| names[tile].to_owned()).collect()),
-        position_mm: some_components(position_mm, ErrorUnit::Millimetre),
-        rotation_deg: some_components(rotation_rad, ErrorUnit::Degree),
-        size_mm: some_components(size_mm, ErrorUnit::Millimetre),
+        position_mm: some_components(position, ErrorUnit::Millimetre),
+        rotation_deg: some_components(rotation, ErrorUnit::Degree),
+        size_mm: some_components(size, ErrorUnit::Millimetre),
         // A group gives at least one key.
         strength: if has_none {
             Some(WrittenDistribution::Deviation(0.0))
         } else {
             some_written(strength, ErrorUnit::Fraction)
         },
-        direction_deg: some_components(direction_rad, ErrorUnit::Degree),
+        direction_deg: some_components(direction, ErrorUnit::Degree),
         ..GroupTable::default()
     }
 }

@@ -1,6 +1,7 @@
 //! Magnets and the points at which their field is wanted.
 //!
 //! * [`Tile`]: a uniformly magnetized cuboid with position, size, polarization and rotation.
+//! * [`TileError`], [`PerTileError`]: the twelve errors with which a tile is made.
 //! * [`overlaps`]: the pairs of tiles that share volume.
 //! * [`Grid`]: regular points.
 //! * [`Quantity`]: B, H or J.
@@ -17,7 +18,8 @@
 //!
 //! # Features
 //! * `serde` (off by default): `Serialize` and `Deserialize` for [`Tile`], [`Grid`], [`Quantity`],
-//!   [`Accuracy`] and [`Tolerance`]. Deserialized values obey the rules of their constructors.
+//!   [`Accuracy`], [`Tolerance`], [`Axis`], [`TileError`] and [`PerTileError`]. Deserialized values
+//!   obey the rules of their constructors.
 //!
 //! This crate computes no field, reads no files and prints nothing.
 
@@ -26,6 +28,8 @@
 
 /// Exact evaluation, or a tolerance.
 mod accuracy;
+/// The axes x, y, z.
+mod axis;
 /// Boxes with sides along the axes.
 mod bounding_box;
 /// Films that are shifted, turned and bent.
@@ -49,10 +53,13 @@ mod quantity;
 mod serde_tests;
 /// The uniformly magnetized cuboid and the rules it obeys.
 mod tile;
+/// The errors of a tile, and a value for each.
+mod tile_error;
 /// Limits on tiles, and the round-off that geometry forgives.
 pub mod tolerances;
 
 pub use accuracy::{Accuracy, InvalidTolerance, Tolerance};
+pub use axis::Axis;
 pub use bounding_box::BoundingBox;
 pub use deformation::{Bend, Deformation, DeformationError};
 pub use grid::{Grid, GridFault};
@@ -63,4 +70,5 @@ pub use permeability::{InvalidPermeability, MAX_PERMEABILITY, Permeability};
 pub use point_error::{Cause, PointError, PointErrors, is_in_range};
 pub use quantity::{MU_0, Quantity};
 pub use tile::{Tile, TileFault, TileFaults};
+pub use tile_error::{DirectionError, PerTileError, TileError};
 pub use tolerances::{MAX_LENGTH, MAX_POLARIZATION_T, MIN_ASPECT, MIN_SIZE, UNIT_NORM_TOLERANCE};

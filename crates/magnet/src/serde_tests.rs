@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use serde_json::{from_str, to_string};
 
-use crate::{Accuracy, Grid, Quantity, Tile, Tolerance};
+use crate::{Accuracy, Axis, Grid, PerTileError, Quantity, Tile, TileError, Tolerance};
 
 #[test]
 fn values_read_back() {
@@ -22,6 +22,14 @@ fn values_read_back() {
     assert_eq!(from_str::<Grid>(&json).unwrap(), grid);
     let tile = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::X).unwrap().rotated(DQuat::from_rotation_z(0.3)).unwrap();
     assert_eq!(from_str::<Tile>(&to_string(&tile).unwrap()).unwrap(), tile);
+    assert_eq!(to_string(&TileError::Position(Axis::Y)).unwrap(), r#""position_y_mm""#);
+    for error in TileError::ALL {
+        assert_eq!(from_str::<TileError>(&to_string(&error).unwrap()).unwrap(), error);
+    }
+    let places = PerTileError::from_fn(TileError::index);
+    let json = to_string(&places).unwrap();
+    assert_eq!(json, r#"{"position":[0,1,2],"rotation":[3,4,5],"size":[6,7,8],"strength":9,"direction":[10,11]}"#);
+    assert_eq!(from_str::<PerTileError<usize>>(&json).unwrap(), places);
 }
 
 #[test]
@@ -32,4 +40,5 @@ fn invalid_values_are_refused() {
     assert!(from_str::<Grid>(r#"{"lower":[0,0,0],"upper":[1,1,1],"counts":[1,0,3]}"#).is_err());
     let tile = r#"{"position":[0,0,0],"size":[1,0,1],"polarization_t":[1,0,0],"rotation":[0,0,0,1]}"#;
     assert!(from_str::<Tile>(tile).is_err());
+    refused(from_str::<TileError>(r#""position""#).unwrap_err(), "no error of a tile has the key \"position\"");
 }

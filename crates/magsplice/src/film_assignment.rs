@@ -124,9 +124,9 @@ fn shim_strength_t(ordered: &Tile, shim: &Tile) -> f64 {
 fn of_measured_tiles(tolerance: &mut FilmTolerance, errors: MeasurementErrors, has_sizes: bool) {
     for tile in &mut tolerance.tiles {
         tile.strength = Distribution::normal(errors.strength);
-        tile.direction_rad = [Distribution::normal(errors.direction_rad), Distribution::normal(errors.direction_rad)];
+        tile.direction = [Distribution::normal(errors.direction_rad), Distribution::normal(errors.direction_rad)];
         if has_sizes {
-            tile.size_mm = std::array::from_fn(|_| Distribution::normal(errors.size_mm.unwrap_or(0.0)));
+            tile.size = std::array::from_fn(|_| Distribution::normal(errors.size_mm.unwrap_or(0.0)));
         }
     }
 }

@@ -12,8 +12,8 @@ use std::time::Instant;
 
 use glam::DVec3;
 use magsplice_field::Scene;
-use magsplice_layout::{FilmTolerance, Layout, TileErrors};
-use magsplice_magnet::{BoundingBox, Quantity, Tile};
+use magsplice_layout::{FilmTolerance, Layout, Preset, TileErrors};
+use magsplice_magnet::{BoundingBox, PerTileError, Quantity, Tile};
 use magsplice_making::{Diagnosis, DiagnosisSettings, ErrorKind, FieldScan, ScanDiagnosis};
 use magsplice_sensor::ScanParameters;
 use magsplice_tolerance::RealFilm;
@@ -46,7 +46,7 @@ fn scan_points(tiles: &[Tile], height_mm: f64) -> Vec<DVec3> {
 }
 
 /// Three different tiles with their errors, added to ordinary ones.
-fn wrong_tiles(count: usize, random: &mut ChaCha8Rng) -> [(usize, ErrorKind, [f64; TileErrors::COUNT]); 3] {
+fn wrong_tiles(count: usize, random: &mut ChaCha8Rng) -> [(usize, ErrorKind, PerTileError<f64>); 3] {
     let mut chosen: Vec<usize> = Vec::new();
     while chosen.len() < 3 {
         let tile = random.random_range(0..count);
@@ -54,11 +54,11 @@ fn wrong_tiles(count: usize, random: &mut ChaCha8Rng) -> [(usize, ErrorKind, [f6
             chosen.push(tile);
         }
     }
-    let (mut turn, mut weak, mut moved) = ([0.0; 12], [0.0; 12], [0.0; 12]);
-    turn[5] = if random.random::<bool>() { 3_f64.to_radians() } else { -3_f64.to_radians() };
-    weak[9] = -0.05;
+    let [mut turn, mut weak, mut moved] = [PerTileError::default(); 3];
+    turn.rotation[2] = if random.random::<bool>() { 3_f64.to_radians() } else { -3_f64.to_radians() };
+    weak.strength = -0.05;
     let along = TAU * random.random::<f64>();
-    (moved[0], moved[1]) = (0.1 * along.cos(), 0.1 * along.sin());
+    (moved.position[0], moved.position[1]) = (0.1 * along.cos(), 0.1 * along.sin());
     [
         (chosen[0], ErrorKind::Turn, turn),
         (chosen[1], ErrorKind::Strength, weak),
@@ -94,7 +94,7 @@ fn measure(layout: &Layout, films: u64, ordinary: Option<&TileErrors>, height_mm
         let mut random = ChaCha8Rng::seed_from_u64(film);
         let made = population.sample_tiles(film, 1).expect("tiles exist");
         let wrong = wrong_tiles(tiles.len(), &mut random);
-        let mut errors = vec![[0.0; 12]; tiles.len()];
+        let mut errors = vec![PerTileError::default(); tiles.len()];
         wrong.iter().for_each(|(tile, _, values)| errors[*tile] = *values);
         let film =
             RealFilm::new(&made, &FilmTolerance::default()).tiles_with_errors(&errors, &[]).expect("tiles exist");
@@ -115,8 +115,8 @@ fn main() {
     let layout = Layout::read(path).unwrap_or_else(|error| panic!("{error}"));
     let films: u64 = films.parse().expect("a number of films");
     let ordinary = rest.first().map(|preset| match preset.as_str() {
-        "workshop" => TileErrors::workshop(),
-        "jig" => TileErrors::jig(),
+        "workshop" => Preset::Workshop.errors(),
+        "jig" => Preset::Jig.errors(),
         other => panic!("{other} is neither workshop nor jig"),
     });
     println!("{path}: of {films} films: exactly the three wrong tiles / all three and others / right films named");

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
-use magsplice_layout::{FilmTolerance, Layout, TileErrors};
-use magsplice_magnet::{Quantity, Tile};
+use magsplice_layout::{FilmTolerance, Layout, Preset};
+use magsplice_magnet::{Axis, Quantity, Tile, TileError};
 use magsplice_making::{Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, ScanDiagnosis};
 use magsplice_sensor::{FreeParameters, ScanParameters};
 use magsplice_tolerance::RealFilm;
@@ -106,16 +106,16 @@ fn named_errors_have_their_values() {
     let found = model(DiagnosisSettings::default())
         .diagnose(&readings(&tiles, &points(), NOISE_T, &mut random), |_| {})
         .unwrap();
-    let component = |tile: usize, error: usize| {
+    let component = |tile: usize, error: TileError| {
         let named = found.named.iter().find(|named| named.candidate.tile == tile).expect("a named tile");
         *named.components.iter().find(|estimate| estimate.error == error).expect("a component")
     };
     for (tile, error, value, most) in [
-        (12, 5, 3_f64.to_radians(), 2e-3),
-        (30, 9, -0.05, 2e-3),
-        (47, 0, 0.06, 2e-3),
-        (47, 1, -0.08, 2e-3),
-        (47, 2, 0.0, 2e-3),
+        (12, TileError::Rotation(Axis::Z), 3_f64.to_radians(), 2e-3),
+        (30, TileError::Strength, -0.05, 2e-3),
+        (47, TileError::Position(Axis::X), 0.06, 2e-3),
+        (47, TileError::Position(Axis::Y), -0.08, 2e-3),
+        (47, TileError::Position(Axis::Z), 0.0, 2e-3),
     ] {
         let estimate = component(tile, error);
         assert!((estimate.value - value).abs() < 5.0 * estimate.deviation, "{estimate:?}, not {value}");
@@ -123,7 +123,10 @@ fn named_errors_have_their_values() {
     }
     // What a turn about J adds is noise.
     let turned = found.named.iter().find(|named| named.candidate.tile == 12).expect("a named tile");
-    assert!((turned.magnitude() - 3_f64.to_radians()).abs() < 5.0 * component(12, 5).deviation, "{turned:?}");
+    assert!(
+        (turned.magnitude() - 3_f64.to_radians()).abs() < 5.0 * component(12, TileError::Rotation(Axis::Z)).deviation,
+        "{turned:?}"
+    );
     assert!(!found.is_residual_too_large(), "{}", found.chi_squared / found.freedom as f64);
     // The film that was found is the one that was made.
     for (found, made) in found.tiles.iter().zip(&tiles) {
@@ -151,7 +154,7 @@ fn right_films_have_no_wrong_tile() {
 #[test]
 fn films_with_errors_of_all_tiles_are_told() {
     let ordered = &film()[..12];
-    let ordinary = FilmTolerance::of_tiles(&TileErrors::by_hand(), ordered.len());
+    let ordinary = FilmTolerance::of_tiles(&Preset::ByHand.errors(), ordered.len());
     let tiles = RealFilm::new(ordered, &ordinary).sample_tiles(5, 0).unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(7);
     let points_mm: Vec<DVec3> = points().into_iter().filter(|point| point.x < 0.0).collect();
@@ -202,7 +205,7 @@ fn parameters_of_the_scan_are_fitted_beside_wrong_tiles() {
 /// Among tiles with ordinary errors, an outlier of ten deviations is named.
 #[test]
 fn outliers_of_ordinary_errors_are_named() {
-    let ordinary = FilmTolerance::of_tiles(&TileErrors::workshop(), film().len());
+    let ordinary = FilmTolerance::of_tiles(&Preset::Workshop.errors(), film().len());
     let mut tiles = RealFilm::new(&film(), &ordinary).sample_tiles(5, 0).unwrap();
     tiles[33] = changed(&tiles[33], 0.0, 0.9, DVec3::ZERO);
     let mut random = ChaCha8Rng::seed_from_u64(5);

@@ -122,10 +122,10 @@ fn samples_of_sorted_films() {
     let tiles = film.layout.bare_tiles();
     let cut = TileErrors {
         strength: Distribution::normal(0.03),
-        direction_rad: [0.0175; 2].map(Distribution::normal),
+        direction: [0.0175; 2].map(Distribution::normal),
         ..TileErrors::default()
     };
-    let laid = TileErrors { position_mm: [0.05; 3].map(Distribution::normal), ..cut.clone() };
+    let laid = TileErrors { position: [0.05; 3].map(Distribution::normal), ..cut.clone() };
     let ideal = film.layout.ideal.unwrap();
     let exact = MeasurementErrors::default();
     let p95 = |errors: &TileErrors, sorted: Option<(usize, MeasurementErrors)>| {

@@ -1,6 +1,6 @@
 //! Which tiles of a film that was made are wrong.
 
-use magsplice::layout::TileErrors;
+use magsplice::magnet::{PerTileError, TileError};
 use magsplice::making::{Candidate, ErrorKind, NamedError};
 use magsplice::sensor::{FreeParameters, Noise};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
@@ -70,8 +70,9 @@ pub(crate) fn diagnose<'py>(
     let film = film.with_tables(py, &layout)?.telling(&progress);
     let diagnose = || film.diagnose(points, readings_t, noise, free, false_alarm);
     let found = interruption.run(py, diagnose)?.map_err(of_film)?;
-    let errors = PyArray2::zeros(py, [found.errors.len(), TileErrors::COUNT], false);
-    errors.readwrite().as_slice_mut()?.copy_from_slice(found.errors.as_flattened());
+    let errors = PyArray2::zeros(py, [found.errors.len(), TileError::ALL.len()], false);
+    let values = found.errors.iter().flat_map(PerTileError::values);
+    errors.readwrite().as_slice_mut()?.iter_mut().zip(values).for_each(|(place, value)| *place = *value);
     Ok(DiagnosisNumbers {
         is_complete: found.is_complete,
         is_residual_too_large: found.is_residual_too_large(),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use glam::DVec3;
-use magsplice::layout::{FilmTolerance, Layout, NamedTile, TileErrors};
+use magsplice::layout::{FilmTolerance, Layout, NamedTile, Preset};
 use magsplice::magnet::Tile;
 use magsplice::{FilmError, FilmRecoil};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
@@ -245,9 +245,9 @@ impl Film {
         let mut layout = self.layout.clone();
         let errors = match preset {
             None => return Ok(layout),
-            Some("by-hand") => TileErrors::by_hand(),
-            Some("workshop") => TileErrors::workshop(),
-            Some("jig") => TileErrors::jig(),
+            Some("by-hand") => Preset::ByHand.errors(),
+            Some("workshop") => Preset::Workshop.errors(),
+            Some("jig") => Preset::Jig.errors(),
             Some(other) => {
                 return Err(PyValueError::new_err(format!(
                     "preset = {other:?}, must be \"by-hand\", \"workshop\" or \"jig\""

@@ -28,7 +28,7 @@ use crate::sampler::Sampler;
 ///
 /// let tile = |x: f64| Tile::new(DVec3::new(x, 0.0, 0.5), DVec3::new(4.0, 9.0, 1.0), DVec3::new(0.1 * x.signum(), 0.0, 0.0));
 /// let tiles = [tile(-2.5)?, tile(2.5)?];
-/// let film = RealFilm::new(&tiles, &FilmTolerance::of_tiles(&TileErrors::workshop(), 2));
+/// let film = RealFilm::new(&tiles, &FilmTolerance::of_tiles(&Preset::Workshop.errors(), 2));
 /// let grid = Grid::new(DVec3::new(-1.0, -1.0, -5.0), DVec3::new(1.0, 1.0, -3.0), [5, 5, 3])?;
 /// let volume = EvaluationGrid { grid, reference: DVec3::new(0.0, 0.0, -5.0) };
 /// let ideal = IdealFilm::new(10.0, 1.0, 0.12)?;

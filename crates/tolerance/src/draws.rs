@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use magsplice_layout::{Distribution, StrayField, TileErrors};
+use magsplice_magnet::{PerTileError, TileError};
 use rand::{RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -16,16 +17,6 @@ const WORDS_PER_DEVIATE: u128 = 2;
 /// Regions of the stream of a sample, in deviates. Each has room for 2^40 deviates, more than any
 /// layout has errors.
 const REGION: u128 = 1 << 40;
-
-/// The errors of one tile or group: values of its distributions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct DrawnErrors {
-    pub(crate) position_mm: DVec3,
-    pub(crate) rotation_rad: DVec3,
-    pub(crate) size_mm: DVec3,
-    pub(crate) strength: f64,
-    pub(crate) direction_rad: [f64; 2],
-}
 
 /// Deviates of one sample. The stream of ChaCha8 that belongs to the sample is read at the place of
 /// each error, so that neither other samples nor other errors change it.
@@ -41,25 +32,26 @@ impl Draws {
     }
 
     /// The errors of tile number `tile`.
-    pub(crate) fn of_tile(&mut self, tile: usize, errors: &TileErrors) -> DrawnErrors {
+    pub(crate) fn of_tile(&mut self, tile: usize, errors: &TileErrors) -> PerTileError<f64> {
         self.of_errors(0, tile, errors)
     }
 
     /// The errors of group number `group`.
-    pub(crate) fn of_group(&mut self, group: usize, errors: &TileErrors) -> DrawnErrors {
+    pub(crate) fn of_group(&mut self, group: usize, errors: &TileErrors) -> PerTileError<f64> {
         self.of_errors(REGION, group, errors)
     }
 
-    fn of_errors(&mut self, region: u128, number: usize, errors: &TileErrors) -> DrawnErrors {
-        let mut values = [0.0; TileErrors::COUNT];
-        self.fill(region + number as u128 * TileErrors::COUNT as u128, errors.all(), &mut values);
-        DrawnErrors::from_values(values)
+    fn of_errors(&mut self, region: u128, number: usize, errors: &TileErrors) -> PerTileError<f64> {
+        let mut drawn = PerTileError::default();
+        let place = region + (number * TileError::ALL.len()) as u128;
+        self.fill(place, errors.values(), drawn.iter_mut().map(|(_, value)| value));
+        drawn
     }
 
     /// Values of errors that all tiles share. `cause` is the number of the first.
     pub(crate) fn common<const N: usize>(&mut self, cause: usize, errors: [&Distribution; N]) -> [f64; N] {
         let mut values = [0.0; N];
-        self.fill(2 * REGION + cause as u128, errors, &mut values);
+        self.fill(2 * REGION + cause as u128, errors.into_iter(), values.iter_mut());
         values
     }
 
@@ -77,21 +69,26 @@ impl Draws {
     }
 
     /// Noise of reading number `reading` along each axis.
-    pub(crate) fn noise_t(&mut self, reading: usize, [x, y, z]: &[Distribution; 3]) -> DVec3 {
+    pub(crate) fn noise_t(&mut self, reading: usize, errors: &[Distribution; 3]) -> DVec3 {
         let mut values = [0.0; 3];
-        self.fill(3 * REGION + 3 * reading as u128, [x, y, z], &mut values);
+        self.fill(3 * REGION + 3 * reading as u128, errors.iter(), values.iter_mut());
         DVec3::from(values)
     }
 
     /// Values of distributions, the first at this place of the stream.
-    fn fill<const N: usize>(&mut self, place: u128, errors: [&Distribution; N], values: &mut [f64; N]) {
+    fn fill<'e, 'v>(
+        &mut self,
+        place: u128,
+        errors: impl Iterator<Item = &'e Distribution> + Clone,
+        values: impl Iterator<Item = &'v mut f64>,
+    ) {
         let is_fixed = |error: &Distribution| matches!(error, Distribution::Fixed(_));
-        if errors.into_iter().all(is_fixed) {
-            *values = errors.map(mean);
+        if errors.clone().all(is_fixed) {
+            values.zip(errors).for_each(|(value, error)| *value = mean(error));
             return;
         }
         self.stream.set_word_pos(place * WORDS_PER_DEVIATE);
-        for (value, error) in values.iter_mut().zip(errors) {
+        for (value, error) in values.zip(errors) {
             *value = quantile(error, self.uniform());
         }
     }
@@ -102,41 +99,12 @@ impl Draws {
     }
 }
 
-impl DrawnErrors {
-    /// Errors of these values, in the order of [`TileErrors::all`].
-    pub(crate) fn from_values(
-        [px, py, pz, rx, ry, rz, sx, sy, sz, strength, in_plane, out_of_plane]: [f64; TileErrors::COUNT],
-    ) -> DrawnErrors {
-        DrawnErrors {
-            position_mm: DVec3::new(px, py, pz),
-            rotation_rad: DVec3::new(rx, ry, rz),
-            size_mm: DVec3::new(sx, sy, sz),
-            strength,
-            direction_rad: [in_plane, out_of_plane],
-        }
-    }
-
-    /// The values, in the order of [`TileErrors::all`].
-    pub(crate) fn to_values(self) -> [f64; TileErrors::COUNT] {
-        let DrawnErrors { position_mm: p, rotation_rad: r, size_mm: s, strength, direction_rad: [a, b] } = self;
-        [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z, strength, a, b]
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn all_normal() -> TileErrors {
-        let normal = || Distribution::normal(1.0);
-        let three = || [normal(), normal(), normal()];
-        TileErrors {
-            position_mm: three(),
-            rotation_rad: three(),
-            size_mm: three(),
-            strength: normal(),
-            direction_rad: [normal(), normal()],
-        }
+        TileErrors::from_fn(|_| Distribution::normal(1.0))
     }
 
     /// Mean, variance and fourth moment of n normal deviates deviate from 0, 1 and 3 by normal
@@ -146,15 +114,15 @@ mod tests {
         let tiles = 20_000;
         let mut draws = Draws::new(7, 3);
         let errors = all_normal();
-        let all: Vec<_> = (0..tiles).map(|tile| draws.of_tile(tile, &errors).to_values()).collect();
+        let all: Vec<_> = (0..tiles).map(|tile| draws.of_tile(tile, &errors)).collect();
         let root = (tiles as f64).sqrt();
-        let mean = |f: &dyn Fn(&[f64; TileErrors::COUNT]) -> f64| all.iter().map(f).sum::<f64>() / tiles as f64;
-        for i in 0..TileErrors::COUNT {
-            assert!(mean(&|d| d[i]).abs() < 6.0 / root, "mean of deviate {i}");
-            assert!((mean(&|d| d[i].powi(2)) - 1.0).abs() < 6.0 * 2.0_f64.sqrt() / root, "variance of deviate {i}");
-            assert!((mean(&|d| d[i].powi(4)) - 3.0).abs() < 6.0 * 96.0_f64.sqrt() / root, "moment of deviate {i}");
-            for j in 0..i {
-                assert!(mean(&|d| d[i] * d[j]).abs() < 6.0 / root, "deviates {i} and {j}");
+        let mean = |f: &dyn Fn(&PerTileError<f64>) -> f64| all.iter().map(f).sum::<f64>() / tiles as f64;
+        for (number, i) in TileError::ALL.into_iter().enumerate() {
+            assert!(mean(&|d| d[i]).abs() < 6.0 / root, "mean of deviate {i:?}");
+            assert!((mean(&|d| d[i].powi(2)) - 1.0).abs() < 6.0 * 2.0_f64.sqrt() / root, "variance of deviate {i:?}");
+            assert!((mean(&|d| d[i].powi(4)) - 3.0).abs() < 6.0 * 96.0_f64.sqrt() / root, "moment of deviate {i:?}");
+            for &j in &TileError::ALL[..number] {
+                assert!(mean(&|d| d[i] * d[j]).abs() < 6.0 / root, "deviates {i:?} and {j:?}");
             }
         }
     }
@@ -170,11 +138,11 @@ mod tests {
             assert_ne!(Draws::new(seed, sample).of_tile(tile, &errors), in_order);
         }
         // Tiles, groups, common errors and noise have deviates of their own.
-        let position = in_order.position_mm.to_array();
+        let position = in_order.position;
         assert_ne!(later.of_group(4, &errors), in_order);
-        let [x, y, z] = &errors.position_mm;
-        assert_ne!(later.common(4 * TileErrors::COUNT, [x, y, z]), position);
-        assert_ne!(later.noise_t(4 * TileErrors::COUNT / 3, &errors.position_mm).to_array(), position);
+        let [x, y, z] = &errors.position;
+        assert_ne!(later.common(4 * TileError::ALL.len(), [x, y, z]), position);
+        assert_ne!(later.noise_t(4 * TileError::ALL.len() / 3, &errors.position).to_array(), position);
     }
 
     /// Components of a unit vector of any direction have mean 0 and mean square 1/3, with standard

@@ -1,33 +1,25 @@
 //! The errors of one cause alone.
 
 use magsplice_layout::{CommonErrors, Distribution, FilmTolerance, SensorErrors, TileErrors};
+use magsplice_magnet::TileError;
 
 use crate::first_order::Cause;
 
 /// Each cause that has errors, with a tolerance of these alone.
 pub(crate) fn each_alone(all: &FilmTolerance) -> Vec<(Cause, FilmTolerance)> {
-    let of_tiles = [
-        (Cause::PositionInPlane, 0..2),
-        (Cause::PositionZ, 2..3),
-        (Cause::Rotation, 3..6),
-        (Cause::Size, 6..9),
-        (Cause::Strength, 9..10),
-        (Cause::Direction, 10..12),
-    ];
+    let mut of_tiles = TileError::ALL.map(Cause::from).to_vec();
+    of_tiles.dedup();
     let mut found = Vec::new();
-    for (cause, kept) in of_tiles {
-        let has_errors = all.tiles.iter().any(|errors| errors.all()[kept.clone()].iter().any(|error| !error.is_none()));
-        if has_errors {
-            let only = |errors: &TileErrors| {
-                let mut errors = errors.clone();
-                let of_all = errors.all_mut().into_iter().enumerate();
-                of_all.filter(|(number, _)| !kept.contains(number)).for_each(|(_, error)| *error = Distribution::NONE);
-                errors
-            };
-            found.push((
-                cause,
-                FilmTolerance { tiles: all.tiles.iter().map(only).collect(), ..FilmTolerance::default() },
-            ));
+    for cause in of_tiles {
+        let only = |errors: &TileErrors| {
+            TileErrors::from_fn(|error| match Cause::from(error) == cause {
+                true => errors[error].clone(),
+                false => Distribution::NONE,
+            })
+        };
+        let tiles: Vec<TileErrors> = all.tiles.iter().map(only).collect();
+        if tiles.iter().any(|errors| *errors != TileErrors::default()) {
+            found.push((cause, FilmTolerance { tiles, ..FilmTolerance::default() }));
         }
     }
     for (index, group) in all.groups.iter().enumerate() {

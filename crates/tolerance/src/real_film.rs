@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 
 use glam::{DQuat, DVec3};
-use magsplice_layout::{ErrorGroup, FilmTolerance, TileErrors};
-use magsplice_magnet::{BoundingBox, Tile, TileFaults};
+use magsplice_layout::{Distribution, ErrorGroup, FilmTolerance};
+use magsplice_magnet::{BoundingBox, PerTileError, Tile, TileFaults};
 
-use crate::draws::{DrawnErrors, Draws};
+use crate::draws::Draws;
 use crate::readings::{Pose, Surroundings};
 use crate::weakening::Weakening;
 
@@ -144,7 +144,7 @@ impl RealFilm {
     fn cut_tile(&self, tile: usize, number: usize, seed: u64, sample: u64) -> Result<Tile, TileFaults> {
         let Some(errors) = self.tolerance.tiles.get(tile) else { return Ok(self.tiles[tile]) };
         let drawn = Draws::new(seed, sample).of_tile(number, errors);
-        let cut = DrawnErrors { position_mm: DVec3::ZERO, rotation_rad: DVec3::ZERO, ..drawn };
+        let cut = PerTileError { position: [0.0; 3], rotation: [0.0; 3], ..drawn };
         with_errors(&self.tiles[tile], &cut, self.tiles[tile].position())
     }
 
@@ -164,15 +164,15 @@ impl RealFilm {
         let mut tiles = cut.to_vec();
         for (index, (tile, errors)) in tiles.iter_mut().zip(&self.tolerance.tiles).enumerate() {
             let drawn = draws.of_tile(index, errors);
-            let laid = DrawnErrors { size_mm: DVec3::ZERO, strength: 0.0, direction_rad: [0.0; 2], ..drawn };
+            let laid = PerTileError { size: [0.0; 3], strength: 0.0, direction: [0.0; 2], ..drawn };
             *tile = with_errors(tile, &laid, tile.position())?;
         }
         self.draw_groups(&mut draws, &mut tiles)?;
         Ok(tiles)
     }
 
-    /// The tiles with given errors, numbered as in [`TileErrors::all`]: those of each tile, then
-    /// those of each group. Tiles may overlap.
+    /// The tiles with given errors of each tile and of each group, in millimetres, radians, or as
+    /// fractions. Tiles may overlap.
     ///
     /// # Errors
     /// The faults of the first tile that cannot exist, such as one without thickness.
@@ -181,22 +181,22 @@ impl RealFilm {
     /// If there are not as many errors as tiles and groups.
     pub fn tiles_with_errors(
         &self,
-        of_tiles: &[[f64; TileErrors::COUNT]],
-        of_groups: &[[f64; TileErrors::COUNT]],
+        of_tiles: &[PerTileError<f64>],
+        of_groups: &[PerTileError<f64>],
     ) -> Result<Vec<Tile>, TileFaults> {
         assert_eq!(of_tiles.len(), self.tiles.len(), "errors of each tile");
         assert_eq!(of_groups.len(), self.tolerance.groups.len(), "errors of each group");
         let mut tiles = self.tiles.clone();
-        for (tile, values) in tiles.iter_mut().zip(of_tiles) {
-            if *values != [0.0; TileErrors::COUNT] {
-                *tile = with_errors(tile, &DrawnErrors::from_values(*values), tile.position())?;
+        for (tile, errors) in tiles.iter_mut().zip(of_tiles) {
+            if *errors != PerTileError::default() {
+                *tile = with_errors(tile, errors, tile.position())?;
             }
         }
-        for (group, values) in self.tolerance.groups.iter().zip(of_groups) {
-            if *values != [0.0; TileErrors::COUNT] {
-                let (drawn, centre) = (DrawnErrors::from_values(*values), self.group_centre_mm(group));
+        for (group, errors) in self.tolerance.groups.iter().zip(of_groups) {
+            if *errors != PerTileError::default() {
+                let centre = self.group_centre_mm(group);
                 for &tile in &group.tiles {
-                    tiles[tile] = with_errors(&tiles[tile], &drawn, centre)?;
+                    tiles[tile] = with_errors(&tiles[tile], errors, centre)?;
                 }
             }
         }
@@ -212,7 +212,7 @@ impl RealFilm {
     pub(crate) fn draw_tiles(&self, draws: &mut Draws) -> Result<Vec<Tile>, TileFaults> {
         let mut tiles = self.tiles.clone();
         for (index, (tile, errors)) in tiles.iter_mut().zip(&self.tolerance.tiles).enumerate() {
-            if errors.all().iter().any(|error| !error.is_none()) {
+            if !errors.values().all(Distribution::is_none) {
                 let drawn = draws.of_tile(index, errors);
                 *tile = with_errors(tile, &drawn, tile.position())?;
             }
@@ -240,10 +240,10 @@ impl RealFilm {
 }
 
 /// A tile with errors, turned about a point.
-fn with_errors(tile: &Tile, errors: &DrawnErrors, about: DVec3) -> Result<Tile, TileFaults> {
-    let pose = Pose::new(about, errors.position_mm, errors.rotation_rad);
-    let turned_t = turned_in_tile(tile, errors.direction_rad) * (1.0 + errors.strength);
-    let made = Tile::new(pose.apply(tile.position()), tile.size() + errors.size_mm, turned_t)?;
+fn with_errors(tile: &Tile, errors: &PerTileError<f64>, about: DVec3) -> Result<Tile, TileFaults> {
+    let pose = Pose::new(about, errors.position.into(), errors.rotation.into());
+    let turned_t = turned_in_tile(tile, errors.direction) * (1.0 + errors.strength);
+    let made = Tile::new(pose.apply(tile.position()), tile.size() + DVec3::from(errors.size), turned_t)?;
     made.rotated(pose.rotation() * tile.rotation())
 }
 

@@ -1,7 +1,7 @@
 //! The option `--preset`.
 
 use clap::{Args, ValueEnum};
-use magsplice::layout::{FilmTolerance, Layout, TileErrors};
+use magsplice::layout::{self, FilmTolerance, Layout};
 
 /// Errors of tiles to assume instead of those of the layout.
 #[derive(Args)]
@@ -27,14 +27,14 @@ enum Preset {
 impl PresetArgs {
     /// Gives the tiles of a layout the errors of the preset, and no others. Samples and seed stay.
     pub(crate) fn apply(&self, layout: &mut Layout) {
-        let errors = match self.preset {
+        let preset = match self.preset {
             None => return,
-            Some(Preset::ByHand) => TileErrors::by_hand(),
-            Some(Preset::Workshop) => TileErrors::workshop(),
-            Some(Preset::Jig) => TileErrors::jig(),
+            Some(Preset::ByHand) => layout::Preset::ByHand,
+            Some(Preset::Workshop) => layout::Preset::Workshop,
+            Some(Preset::Jig) => layout::Preset::Jig,
         };
         let FilmTolerance { samples, seed, .. } = layout.tolerance.take().unwrap_or_default();
         layout.tolerance =
-            Some(FilmTolerance { samples, seed, ..FilmTolerance::of_tiles(&errors, layout.tiles.len()) });
+            Some(FilmTolerance { samples, seed, ..FilmTolerance::of_tiles(&preset.errors(), layout.tiles.len()) });
     }
 }

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use magsplice::magnet::TileError;
 use serde::Serialize;
 
 use super::recoil::RecoilJson;
-use crate::sensor::diagnosed_film::{DiagnosedFilm, key, kind, shown};
+use crate::sensor::diagnosed_film::{DiagnosedFilm, kind};
 
 /// The result of `diagnose`.
 #[derive(Serialize)]
@@ -83,7 +84,7 @@ impl<'a> DiagnoseJson<'a> {
             components: named
                 .components
                 .iter()
-                .map(|of| (key(of.error), [of.value, of.deviation].map(|value| shown(of.error, value))))
+                .map(|of| (of.error.key(), [of.value, of.deviation].map(|value| of.error.shown(value))))
                 .collect(),
             chi_squared: named.chi_squared,
             ln_probability: named.ln_probability,
@@ -95,13 +96,13 @@ impl<'a> DiagnoseJson<'a> {
         });
         let untold = film.untold().into_iter().map(|of| UntoldJson {
             tile: film.name(of.tile),
-            error: key(of.error),
-            before: shown(of.error, of.before),
-            after: shown(of.error, of.after),
+            error: of.error.key(),
+            before: of.error.shown(of.before),
+            after: of.error.shown(of.after),
         });
         let similar = film.similar().iter().map(|of| SimilarJson {
             tiles: [of.first.0, of.second.0].map(|tile| film.name(tile)),
-            errors: [of.first.1, of.second.1].map(key),
+            errors: [of.first.1, of.second.1].map(TileError::key),
             correlation: of.correlation,
         });
         DiagnoseJson {

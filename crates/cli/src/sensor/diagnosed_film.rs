@@ -2,6 +2,7 @@
 
 use magsplice::FilmRecoil;
 use magsplice::layout::{FilmTolerance, Layout};
+use magsplice::magnet::TileError;
 use magsplice::making::{Candidate, Diagnosis, ErrorKind, NamedError, SimilarErrors, Untold};
 use magsplice::prelude::DVec3;
 
@@ -19,62 +20,6 @@ pub(crate) struct DiagnosedFilm<'a> {
 
 /// Cosine of the angle between J and an axis of rotation from which on a turn is about J.
 const ABOUT_J: f64 = 0.99;
-
-/// Names of the errors of a tile with their units, and the factor from the unit of the library.
-const COMPONENTS: [(&str, &str); 12] = [
-    ("position x", "mm"),
-    ("position y", "mm"),
-    ("position z", "mm"),
-    ("rotation about x", "deg"),
-    ("rotation about y", "deg"),
-    ("rotation about z", "deg"),
-    ("size x", "mm"),
-    ("size y", "mm"),
-    ("size z", "mm"),
-    ("strength", "%"),
-    ("direction of J in the plane", "deg"),
-    ("direction of J out of the plane", "deg"),
-];
-
-/// Keys of the errors of a tile with their units, for tables and JSON.
-const KEYS: [&str; 12] = [
-    "position_x_mm",
-    "position_y_mm",
-    "position_z_mm",
-    "rotation_x_deg",
-    "rotation_y_deg",
-    "rotation_z_deg",
-    "size_x_mm",
-    "size_y_mm",
-    "size_z_mm",
-    "strength_percent",
-    "direction_in_plane_deg",
-    "direction_out_of_plane_deg",
-];
-
-/// The name of an error of a tile.
-pub(crate) fn component(error: usize) -> &'static str {
-    COMPONENTS[error].0
-}
-
-/// The unit in which an error of a tile is shown.
-pub(crate) fn unit(error: usize) -> &'static str {
-    COMPONENTS[error].1
-}
-
-/// The key of an error of a tile, with its unit.
-pub(crate) fn key(error: usize) -> &'static str {
-    KEYS[error]
-}
-
-/// An error of a tile in the unit in which it is shown.
-pub(crate) fn shown(error: usize, value: f64) -> f64 {
-    match unit(error) {
-        "deg" => value.to_degrees(),
-        "%" => 100.0 * value,
-        _ => value,
-    }
-}
 
 /// What is wrong in one word.
 pub(crate) fn kind(kind: ErrorKind) -> &'static str {
@@ -116,9 +61,9 @@ impl DiagnosedFilm<'_> {
     }
 
     /// Whether an error turns a tile about its J, which hardly changes the field.
-    pub(crate) fn is_about_j(&self, tile: usize, error: usize) -> bool {
+    pub(crate) fn is_about_j(&self, tile: usize, error: TileError) -> bool {
         let along = self.layout.tiles[tile].tile.scene_polarization_t().normalize_or_zero();
-        matches!(error, 3..6) && along[error - 3].abs() > ABOUT_J
+        matches!(error, TileError::Rotation(axis) if along[axis.index()].abs() > ABOUT_J)
     }
 
     /// The largest standard deviation of the errors of a tile after the scan over that before it,

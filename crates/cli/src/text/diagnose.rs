@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use magsplice::magnet::TileError;
+
 use super::number::{counted, number};
 use super::{header, rows};
 use crate::args::diagnose::DiagnoseArgs;
 use crate::args::sensor::FitArg;
-use crate::sensor::diagnosed_film::{DiagnosedFilm, component, in_words, shown, unit};
+use crate::sensor::diagnosed_film::{DiagnosedFilm, in_words};
 
 /// Tiles, errors and pairs that are listed.
 const LISTED: usize = 6;
@@ -62,9 +64,9 @@ fn named(text: &mut String, film: &DiagnosedFilm) {
     for named in &film.diagnosis.named {
         let _ = writeln!(text, "  {}: {}", film.name(named.candidate.tile), in_words(named));
         for estimate in &named.components {
-            let label = format!("    {}, {}", component(estimate.error), unit(estimate.error));
-            let value = shown(estimate.error, estimate.value);
-            let deviation = shown(estimate.error, estimate.deviation);
+            let label = format!("    {}, {}", estimate.error.name(), estimate.error.unit());
+            let value = estimate.error.shown(estimate.value);
+            let deviation = estimate.error.shown(estimate.deviation);
             let _ = writeln!(text, "{label:<42}{value:>11.4} +- {deviation:.4}");
         }
         if !named.alternatives.is_empty() {
@@ -100,7 +102,7 @@ fn fitted(text: &mut String, film: &DiagnosedFilm, args: &DiagnoseArgs) {
 /// What the scan cannot tell.
 fn untold(text: &mut String, film: &DiagnosedFilm) {
     let assumed = if film.has_ordinary { "ordinary errors" } else { "errors of films made by hand" };
-    let mut by_error: BTreeMap<usize, Vec<&str>> = BTreeMap::new();
+    let mut by_error: BTreeMap<TileError, Vec<&str>> = BTreeMap::new();
     let mut about_j: Vec<&str> = Vec::new();
     for untold in film.untold() {
         if film.is_about_j(untold.tile, untold.error) {
@@ -115,7 +117,7 @@ fn untold(text: &mut String, film: &DiagnosedFilm) {
         text.push_str("  nothing: it narrows every error to less than half\n");
     }
     for (error, tiles) in &by_error {
-        let _ = writeln!(text, "  {} of {}", component(*error), counted(tiles.len(), "tile", "tiles"));
+        let _ = writeln!(text, "  {} of {}", error.name(), counted(tiles.len(), "tile", "tiles"));
         rows::prose(text, &listed(tiles));
     }
     if !about_j.is_empty() {
@@ -126,7 +128,7 @@ fn untold(text: &mut String, film: &DiagnosedFilm) {
         let _ = writeln!(text, "  {} that look alike", counted(similar.len(), "pair of errors", "pairs of errors"));
         for pair in similar.iter().take(LISTED) {
             let [first, second] =
-                [pair.first, pair.second].map(|(tile, error)| format!("{} of {}", component(error), film.name(tile)));
+                [pair.first, pair.second].map(|(tile, error)| format!("{} of {}", error.name(), film.name(tile)));
             rows::prose(text, &format!("{first} and {second}: correlation {:.4}", pair.correlation));
         }
     }

@@ -126,14 +126,14 @@ fn tile_errors(tolerance: &FilmTolerance) -> String {
     if tolerance.tiles.iter().any(|errors| errors != first) {
         return "errors of the tiles: not the same for all\n".to_owned();
     }
-    let TileErrors { position_mm, rotation_rad, size_mm, strength, direction_rad } = first;
+    let TileErrors { position, rotation, size, strength, direction } = first;
     let degrees = 1.0_f64.to_degrees();
     let causes = [
-        ("position", position_mm.as_slice(), 1.0, "mm"),
-        ("rotation", rotation_rad, degrees, "deg"),
-        ("size", size_mm, 1.0, "mm"),
+        ("position", position.as_slice(), 1.0, "mm"),
+        ("rotation", rotation, degrees, "deg"),
+        ("size", size, 1.0, "mm"),
         ("strength", std::slice::from_ref(strength), 100.0, "%"),
-        ("direction", direction_rad, degrees, "deg"),
+        ("direction", direction, degrees, "deg"),
     ];
     let mut stated = Vec::new();
     for (name, errors, factor, unit) in causes {

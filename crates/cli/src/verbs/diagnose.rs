@@ -145,9 +145,9 @@ fn csv(film: &DiagnosedFilm) -> String {
                 "\"{}\",{},{},{:?},{:?},{:?}\n",
                 film.name(named.candidate.tile).replace('"', "\"\""),
                 diagnosed_film::kind(named.candidate.kind),
-                diagnosed_film::key(estimate.error),
-                diagnosed_film::shown(estimate.error, estimate.value),
-                diagnosed_film::shown(estimate.error, estimate.deviation),
+                estimate.error.key(),
+                estimate.error.shown(estimate.value),
+                estimate.error.shown(estimate.deviation),
                 named.chi_squared
             );
         }

@@ -1,5 +1,6 @@
 //! `diagnose --figure`: wrong tiles, and how much the scan tells of each.
 
+use magsplice::magnet::PerTileError;
 use magsplice::making::{ErrorKind, Estimate, NamedError};
 use magsplice::prelude::DVec3;
 use magsplice_report::{DiagnosedTile, Figure, ReportError, TileFault, diagnosis_figure};
@@ -22,18 +23,17 @@ pub(super) fn draw(film: &DiagnosedFilm) -> Result<Figure, ReportError> {
 }
 
 fn fault(named: &NamedError) -> TileFault {
-    let first = named.candidate.kind.components().start;
-    let mut values = [0.0; 3];
+    let mut errors = PerTileError::default();
     let is_noise = |estimate: &&Estimate| !estimate.is_significant() && named.components.len() > 1;
     named
         .components
         .iter()
         .filter(|estimate| !is_noise(estimate))
-        .for_each(|estimate| values[estimate.error - first] = estimate.value);
+        .for_each(|estimate| errors[estimate.error] = estimate.value);
     match named.candidate.kind {
-        ErrorKind::Strength => TileFault::Strength(values[0]),
-        ErrorKind::Turn => TileFault::Turn(DVec3::from(values).map(f64::to_degrees)),
-        ErrorKind::Direction => TileFault::Direction([values[0], values[1]].map(f64::to_degrees)),
-        _ => TileFault::Displacement(DVec3::from(values)),
+        ErrorKind::Strength => TileFault::Strength(errors.strength),
+        ErrorKind::Turn => TileFault::Turn(DVec3::from(errors.rotation).map(f64::to_degrees)),
+        ErrorKind::Direction => TileFault::Direction(errors.direction.map(f64::to_degrees)),
+        _ => TileFault::Displacement(DVec3::from(errors.position)),
     }
 }

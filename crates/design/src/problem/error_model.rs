@@ -4,7 +4,7 @@
 use glam::{DMat3, DVec3};
 use magsplice_field::Scene;
 use magsplice_layout::{CommonErrors, Distribution, FilmTolerance, TileErrors};
-use magsplice_magnet::Quantity;
+use magsplice_magnet::{PerTileError, Quantity};
 use magsplice_tolerance::mean_square;
 
 use crate::error::DesignError;
@@ -12,8 +12,8 @@ use crate::problem::pattern::VariableTile;
 use crate::problem::sampling::Sampling;
 use crate::problem::symmetry::SymmetryOperation;
 
-/// Mean squares of the errors of a tile, in the order of [`TileErrors::all`].
-pub(crate) type MeanSquares = [f64; TileErrors::COUNT];
+/// Mean squares of the errors of a tile.
+pub(crate) type MeanSquares = PerTileError<f64>;
 
 /// The errors of films. An error whose mean is not 0, such as a fixed one, counts with its mean
 /// square, as if either sign were as likely.
@@ -91,7 +91,7 @@ impl ErrorModel {
         sampling: &Sampling,
         weights: [f64; 3],
     ) -> Result<ErrorModel, DesignError> {
-        let mean_squares = |errors: &TileErrors| errors.all().map(mean_square);
+        let mean_squares = |errors: &TileErrors| errors.each_ref().map(mean_square);
         let mut joint: Vec<JointErrors> = (tolerance.groups.iter())
             .map(|group| JointErrors {
                 tiles: group.tiles.clone(),
@@ -100,13 +100,13 @@ impl ErrorModel {
             })
             .collect();
         let pose = TileErrors {
-            position_mm: tolerance.common.film.position_mm.clone(),
-            rotation_rad: tolerance.common.film.rotation_rad.clone(),
+            position: tolerance.common.film.position_mm.clone(),
+            rotation: tolerance.common.film.rotation_rad.clone(),
             ..TileErrors::default()
         };
         let all = (0..tile_count).collect();
         joint.push(JointErrors { tiles: all, mean_squares: mean_squares(&pose), centre: Centre::Box });
-        joint.retain(|errors| errors.mean_squares != [0.0; TileErrors::COUNT]);
+        joint.retain(|errors| errors.mean_squares != MeanSquares::default());
         Ok(ErrorModel {
             tiles: tolerance.tiles.iter().map(mean_squares).collect(),
             joint,
@@ -131,9 +131,9 @@ impl ErrorModel {
         if !self.symmetric {
             return images.collect();
         }
-        let mut mean_squares = [0.0; TileErrors::COUNT];
+        let mut mean_squares = MeanSquares::default();
         for image in images {
-            mean_squares.iter_mut().zip(image.mean_squares).for_each(|(sum, square)| *sum += square);
+            mean_squares.iter_mut().for_each(|(error, sum)| *sum += image.mean_squares[error]);
         }
         vec![ErrorImage { operation: SymmetryOperation::IDENTITY, mean_squares }]
     }
@@ -143,8 +143,8 @@ impl ErrorModel {
 fn along_own_axes(operation: SymmetryOperation, of_image: &MeanSquares) -> MeanSquares {
     let mut squares = *of_image;
     if operation.exchange {
-        // Three errors each of position, rotation and size.
-        (0..3).for_each(|kind| squares.swap(3 * kind, 3 * kind + 1));
+        let MeanSquares { position, rotation, size, .. } = &mut squares;
+        [position, rotation, size].into_iter().for_each(|along| along.swap(0, 1));
     }
     squares
 }

@@ -14,7 +14,7 @@
 
 use glam::{DMat3, DVec3};
 use magsplice_decouple::{Branch, ParameterDerivatives, ParameterSecondDerivatives, Parameters};
-use magsplice_layout::TileErrors;
+use magsplice_magnet::TileError;
 use rayon::prelude::*;
 
 use crate::problem::error_model::{ErrorImage, ErrorModel};
@@ -169,11 +169,11 @@ impl Rows<'_> {
             own,
         };
         let points: Vec<DVec3> = film.sampling.grid.points().chain([film.sampling.reference]).collect();
-        let mut own_at_reference = vec![DVec3::ZERO; TileErrors::COUNT * m];
+        let mut own_at_reference = vec![DVec3::ZERO; TileError::ALL.len() * m];
         let (mut own_at_point, mut part) = (own_at_reference.clone(), vec![0.0; m]);
         for ErrorImage { operation, mean_squares } in images {
             let active = mean_squares.map(|square| square > 0.0);
-            if !active.contains(&true) {
+            if !active.values().any(|active| *active) {
                 continue;
             }
             let deviations = mean_squares.map(f64::sqrt);
@@ -183,9 +183,9 @@ impl Rows<'_> {
             let at_reference = responses.pop()?;
             let of_own = |response: &TileResponse, into: &mut [DVec3]| {
                 into.fill(DVec3::ZERO);
-                for error in (0..TileErrors::COUNT).filter(|error| active[*error] && m > 0) {
+                for error in TileError::ALL.into_iter().filter(|error| active[*error] && m > 0) {
                     for &(number, share, factor) in &shares {
-                        into[error * m + share] +=
+                        into[error.index() * m + share] +=
                             deviations[error] * factor * operation.apply(response.derivatives[error][number]);
                     }
                 }
@@ -195,11 +195,12 @@ impl Rows<'_> {
                 responses.iter().zip(&self.at_points).zip(film.sampling.images())
             {
                 of_own(response, &mut own_at_point);
-                for error in (0..TileErrors::COUNT).filter(|error| active[*error]) {
+                for error in TileError::ALL.into_iter().filter(|error| active[*error]) {
                     let change =
                         |response: &TileResponse| deviations[error] * operation.apply(response.by_error[error]);
                     let (here, there) = (change(response), change(&at_reference));
-                    let [own_here, own_there] = [&own_at_point, &own_at_reference].map(|own| &own[error * m..][..m]);
+                    let [own_here, own_there] =
+                        [&own_at_point, &own_at_reference].map(|own| &own[error.index() * m..][..m]);
                     for axis in 0..3 {
                         let (first, from) = (sensitivity.first[axis], self.reference.first[axis]);
                         let value = first.dot(here) - from.dot(there);

@@ -1,8 +1,7 @@
 //! How the field of a film changes with errors that several of its tiles share.
 
 use glam::DVec3;
-use magsplice_layout::TileErrors;
-use magsplice_magnet::BoundingBox;
+use magsplice_magnet::{Axis, BoundingBox, DirectionError, PerTileError, TileError};
 
 use crate::problem::error_model::{Centre, JointErrors};
 use crate::problem::pattern::{VariableTile, image};
@@ -35,19 +34,14 @@ struct VariablePoint {
     derivatives: Vec<DVec3>,
 }
 
-/// Errors of position and rotation, which are the first.
-const POSITION: usize = 0;
-const ROTATION: usize = 3;
-const SIZE: usize = 6;
-
 /// The responses to each of the joint errors, times their deviations.
 pub(crate) fn joint_responses(errors: &JointErrors, film: &RobustFilm) -> Option<Vec<JointResponse>> {
     let n = film.field.variable_count;
     let points: Vec<DVec3> = film.sampling.grid.points().chain([film.sampling.reference]).collect();
     let mut active = errors.mean_squares.map(|square| square > 0.0);
     // A turn about a point is a turn about another one and a shift.
-    let turns = active[ROTATION..SIZE].contains(&true);
-    (POSITION..ROTATION).for_each(|error| active[error] |= turns);
+    let turns = active.rotation.contains(&true);
+    active.position.iter_mut().for_each(|active| *active |= turns);
     let new = |active: bool| active.then(|| JointResponse::new(points.len(), n));
     let mut responses = active.map(new);
     for tile in &film.pattern.tiles {
@@ -61,17 +55,17 @@ pub(crate) fn joint_responses(errors: &JointErrors, film: &RobustFilm) -> Option
             let centre = centre_of(tile, *operation, film);
             for (point, response) in responding.at(&mapped)?.iter().enumerate() {
                 let seen = Seen { response, operation: *operation, tile };
-                for (error, into) in responses.iter_mut().enumerate() {
+                for (error, into) in responses.iter_mut() {
                     let Some(into) = into else { continue };
-                    let turn = DVec3::AXES[error % 3];
-                    let is_turn = (ROTATION..SIZE).contains(&error);
-                    let shift = if is_turn { turn.cross(centre.value) } else { DVec3::ZERO };
                     seen.add_to(into, point, error, 1.0);
-                    for axis in (0..3).filter(|_| is_turn) {
-                        seen.add_to(into, point, POSITION + axis, shift[axis]);
-                        let change = seen.change(POSITION + axis);
+                    let TileError::Rotation(about) = error else { continue };
+                    let turn = about.unit();
+                    let shift = turn.cross(centre.value);
+                    for axis in Axis::ALL {
+                        seen.add_to(into, point, TileError::Position(axis), shift[axis.index()]);
+                        let change = seen.change(TileError::Position(axis));
                         for (sum, by) in into.derivatives[point * n..][..n].iter_mut().zip(&centre.derivatives) {
-                            *sum += turn.cross(*by)[axis] * change;
+                            *sum += turn.cross(*by)[axis.index()] * change;
                         }
                     }
                 }
@@ -83,23 +77,23 @@ pub(crate) fn joint_responses(errors: &JointErrors, film: &RobustFilm) -> Option
         turn_about(&centre, &mut responses);
     }
     let deviations = errors.mean_squares.map(f64::sqrt);
-    let scaled = |(response, deviation): (Option<JointResponse>, f64)| {
-        let mut response = response.filter(|_| deviation > 0.0)?;
+    let scaled = |(error, response): (TileError, &mut Option<JointResponse>)| {
+        let deviation = deviations[error];
+        let mut response = response.take().filter(|_| deviation > 0.0)?;
         response.changes.iter_mut().chain(&mut response.derivatives).for_each(|change| *change *= deviation);
         Some(response)
     };
-    Some(responses.into_iter().zip(deviations).filter_map(scaled).collect())
+    Some(responses.iter_mut().filter_map(scaled).collect())
 }
 
 /// Turns about the origin become turns about a point.
-fn turn_about(centre: &VariablePoint, responses: &mut [Option<JointResponse>; TileErrors::COUNT]) {
-    let (positions, rest) = responses.split_at_mut(ROTATION);
-    for (number, turning) in rest.iter_mut().enumerate().take(SIZE - ROTATION) {
+fn turn_about(centre: &VariablePoint, responses: &mut PerTileError<Option<JointResponse>>) {
+    for (number, turning) in responses.rotation.iter_mut().enumerate() {
         let Some(turning) = turning else { continue };
         let turn = DVec3::AXES[number];
         let back = turn.cross(centre.value);
         let n = centre.derivatives.len();
-        for (axis, shifted) in positions.iter().enumerate() {
+        for (axis, shifted) in responses.position.iter().enumerate() {
             let Some(shifted) = shifted else { continue };
             for (point, change) in shifted.changes.iter().enumerate() {
                 turning.changes[point] -= back[axis] * *change;
@@ -115,13 +109,10 @@ fn turn_about(centre: &VariablePoint, responses: &mut [Option<JointResponse>; Ti
 }
 
 /// Errors of a tile along all axes of each kind, because images may exchange the axes.
-fn all_axes(active: [bool; TileErrors::COUNT]) -> [bool; TileErrors::COUNT] {
-    let mut all = active;
-    for kind in 0..3 {
-        let any = active[3 * kind..3 * kind + 3].contains(&true);
-        all[3 * kind..3 * kind + 3].fill(any);
-    }
-    all
+fn all_axes(active: PerTileError<bool>) -> PerTileError<bool> {
+    let PerTileError { position, rotation, size, strength, direction } = active;
+    let [position, rotation, size] = [position, rotation, size].map(|along| [along.contains(&true); 3]);
+    PerTileError { position, rotation, size, strength, direction }
 }
 
 /// The response of an image of a tile.
@@ -133,26 +124,31 @@ struct Seen<'a> {
 
 impl Seen<'_> {
     /// The error of the tile that an error of the image is, and its sign.
-    fn own_error(&self, error: usize) -> (usize, f64) {
+    fn own_error(&self, error: TileError) -> (TileError, f64) {
         let SymmetryOperation { exchange, signs: [x, y] } = self.operation;
         let handed = x * y * if exchange { -1.0 } else { 1.0 };
-        let (kind, axis) = (error / 3, error % 3);
-        let own_axis = if exchange && axis < 2 { 1 - axis } else { axis };
-        match kind {
-            0 => (own_axis, [x, y, 1.0][axis]),
-            1 => (ROTATION + own_axis, handed * [x, y, 1.0][axis]),
-            2 => (SIZE + own_axis, 1.0),
+        let own = |axis: Axis| match axis {
+            Axis::X if exchange => Axis::Y,
+            Axis::Y if exchange => Axis::X,
+            _ => axis,
+        };
+        let sign = |axis: Axis| [x, y, 1.0][axis.index()];
+        match error {
+            TileError::Position(axis) => (TileError::Position(own(axis)), sign(axis)),
+            TileError::Rotation(axis) => (TileError::Rotation(own(axis)), handed * sign(axis)),
+            TileError::Size(axis) => (TileError::Size(own(axis)), 1.0),
             // Turns in the plane of the film change their sign in mirrors.
-            _ => (error, if error == TileErrors::COUNT - 2 { handed } else { 1.0 }),
+            TileError::Direction(DirectionError::InPlane) => (error, handed),
+            TileError::Strength | TileError::Direction(DirectionError::OutOfPlane) => (error, 1.0),
         }
     }
 
-    fn change(&self, error: usize) -> DVec3 {
+    fn change(&self, error: TileError) -> DVec3 {
         let (own, sign) = self.own_error(error);
         sign * self.operation.apply(self.response.by_error[own])
     }
 
-    fn add_to(&self, into: &mut JointResponse, point: usize, error: usize, factor: f64) {
+    fn add_to(&self, into: &mut JointResponse, point: usize, error: TileError, factor: f64) {
         let (own, sign) = self.own_error(error);
         into.changes[point] += factor * self.change(error);
         let n = into.derivatives.len() / into.changes.len();

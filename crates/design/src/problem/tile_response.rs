@@ -3,8 +3,7 @@
 
 use glam::{DMat3, DVec3};
 use magsplice_field::{FaceDerivatives, FaceHessian, PolarizationMap};
-use magsplice_layout::TileErrors;
-use magsplice_magnet::Tile;
+use magsplice_magnet::{PerTileError, Tile, TileError};
 use magsplice_tolerance::direction_normal;
 
 use crate::problem::pattern::VariableTile;
@@ -21,28 +20,14 @@ pub(crate) fn numbers(tile: &VariableTile) -> [&[(usize, f64)]; NUMBERS] {
     [x0, x1, y0, y1, z0, z1, &tile.direction, &tile.tilt, &tile.strength].map(|number| number.terms.as_slice())
 }
 
-/// First errors of each kind, in the order of [`TileErrors::all`].
-const POSITION: usize = 0;
-const ROTATION: usize = 3;
-const SIZE: usize = 6;
-const STRENGTH: usize = 9;
-const DIRECTION: usize = 10;
-
-/// The change of B at a point for a unit of each error of a tile, in the order of
-/// [`TileErrors::all`]: tesla per millimetre, per radian, or per whole of the strength.
-#[derive(Clone, Copy, Debug)]
+/// The change of B at a point for a unit of each error of a tile: tesla per millimetre, per radian,
+/// or per whole of the strength.
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TileResponse {
     /// The changes.
-    pub(crate) by_error: [DVec3; TileErrors::COUNT],
+    pub(crate) by_error: PerTileError<DVec3>,
     /// Their derivatives with respect to the numbers of the tile.
-    pub(crate) derivatives: [[DVec3; NUMBERS]; TileErrors::COUNT],
-}
-
-impl TileResponse {
-    pub(crate) const ZERO: TileResponse = TileResponse {
-        by_error: [DVec3::ZERO; TileErrors::COUNT],
-        derivatives: [[DVec3::ZERO; NUMBERS]; TileErrors::COUNT],
-    };
+    pub(crate) derivatives: PerTileError<[DVec3; NUMBERS]>,
 }
 
 /// A tile prepared for its responses at many points.
@@ -60,7 +45,7 @@ pub(crate) struct RespondingTile {
     /// Their derivatives by direction, tilt and strength.
     turned_by_angles: [[DVec3; 3]; 2],
     /// Errors that the tile has.
-    active: [bool; TileErrors::COUNT],
+    active: PerTileError<bool>,
     /// Whether derivatives by faces are needed.
     faces_vary: bool,
     with_derivatives: bool,
@@ -72,7 +57,7 @@ impl RespondingTile {
     pub(crate) fn new(
         variable_tile: &VariableTile,
         variables: &[f64],
-        active: [bool; TileErrors::COUNT],
+        active: PerTileError<bool>,
         with_derivatives: bool,
     ) -> Option<RespondingTile> {
         let tile = variable_tile.tile(variables)?;
@@ -102,7 +87,7 @@ impl RespondingTile {
 
     /// The response at a point, where `by_j` is the field of units of polarization.
     fn response(&self, point: DVec3, by_j: DMat3) -> Option<TileResponse> {
-        let mut response = TileResponse::ZERO;
+        let mut response = TileResponse::default();
         let units = FirstDerivatives::new(&self.unit_tiles, point)?;
         let own = units.of(self.j);
         let second = self.with_derivatives && self.faces_vary;
@@ -110,52 +95,60 @@ impl RespondingTile {
         let of_angles = if self.with_derivatives { self.by_angles.map(|by| units.of(by)) } else { [own; 3] };
         let arm = point - self.tile.position();
         let field = by_j * self.j;
-        for error in (0..TileErrors::COUNT).filter(|error| self.active[*error]) {
+        for error in TileError::ALL.into_iter().filter(|error| self.active[*error]) {
             let into = &mut response.derivatives[error];
-            let axis = error % 3;
-            if error < SIZE {
-                // A shift, and for a turn also the turn of the field itself.
-                let turn = if error < ROTATION { DVec3::ZERO } else { DVec3::AXES[axis] };
-                let shift = if error < ROTATION { DVec3::AXES[error - POSITION] } else { turn.cross(arm) };
-                let along = self.axes.transpose() * shift;
-                response.by_error[error] = own.shifted(along) + turn.cross(field);
-                if !self.with_derivatives {
-                    continue;
+            match error {
+                TileError::Position(axis) | TileError::Rotation(axis) => {
+                    // A shift, and for a turn also the turn of the field itself.
+                    let is_turn = matches!(error, TileError::Rotation(_));
+                    let turn = if is_turn { axis.unit() } else { DVec3::ZERO };
+                    let shift = if is_turn { turn.cross(arm) } else { axis.unit() };
+                    let along = self.axes.transpose() * shift;
+                    response.by_error[error] = own.shifted(along) + turn.cross(field);
+                    if !self.with_derivatives {
+                        continue;
+                    }
+                    for (number, by) in self.by_angles.into_iter().enumerate() {
+                        into[FACES + number] = of_angles[number].shifted(along) + turn.cross(by_j * by);
+                    }
+                    let Some(hessian) = &hessian else { continue };
+                    for (face, by_face) in into.iter_mut().enumerate().take(FACES) {
+                        // The centre, about which the tile turns, moves by half.
+                        let centre = -0.5 * (self.axes.transpose() * turn.cross(self.axes.col(face / 2)));
+                        *by_face =
+                            shifted_by_face(hessian, along, face) + own.shifted(centre) + turn.cross(own.by[face]);
+                    }
                 }
-                for (number, by) in self.by_angles.into_iter().enumerate() {
-                    into[FACES + number] = of_angles[number].shifted(along) + turn.cross(by_j * by);
+                TileError::Size(axis) => {
+                    let axis = axis.index();
+                    response.by_error[error] = own.grown(axis);
+                    if !self.with_derivatives {
+                        continue;
+                    }
+                    for (number, of_angle) in of_angles.iter().enumerate() {
+                        into[FACES + number] = of_angle.grown(axis);
+                    }
+                    let Some(hessian) = &hessian else { continue };
+                    for (face, by_face) in into.iter_mut().enumerate().take(FACES) {
+                        let other = [face / 2, face % 2];
+                        *by_face = 0.5 * (hessian.get([axis, 1], other) - hessian.get([axis, 0], other));
+                    }
                 }
-                let Some(hessian) = &hessian else { continue };
-                for (face, by_face) in into.iter_mut().enumerate().take(FACES) {
-                    // The centre, about which the tile turns, moves by half.
-                    let centre = -0.5 * (self.axes.transpose() * turn.cross(self.axes.col(face / 2)));
-                    *by_face = shifted_by_face(hessian, along, face) + own.shifted(centre) + turn.cross(own.by[face]);
-                }
-            } else if error < STRENGTH {
-                response.by_error[error] = own.grown(axis);
-                if !self.with_derivatives {
-                    continue;
-                }
-                for (number, of_angle) in of_angles.iter().enumerate() {
-                    into[FACES + number] = of_angle.grown(axis);
-                }
-                let Some(hessian) = &hessian else { continue };
-                for (face, by_face) in into.iter_mut().enumerate().take(FACES) {
-                    let other = [face / 2, face % 2];
-                    *by_face = 0.5 * (hessian.get([axis, 1], other) - hessian.get([axis, 0], other));
-                }
-            } else {
-                let (j, by_angles) = match error {
-                    STRENGTH => (self.j, &self.by_angles),
-                    _ => (self.turned[error - DIRECTION], &self.turned_by_angles[error - DIRECTION]),
-                };
-                response.by_error[error] = by_j * j;
-                if !self.with_derivatives {
-                    continue;
-                }
-                into[..FACES].copy_from_slice(&units.of(j).by);
-                for (number, by) in by_angles.iter().enumerate() {
-                    into[FACES + number] = by_j * *by;
+                TileError::Strength | TileError::Direction(_) => {
+                    let (j, by_angles) = match error {
+                        TileError::Direction(turn) => {
+                            (self.turned[turn as usize], &self.turned_by_angles[turn as usize])
+                        }
+                        _ => (self.j, &self.by_angles),
+                    };
+                    response.by_error[error] = by_j * j;
+                    if !self.with_derivatives {
+                        continue;
+                    }
+                    into[..FACES].copy_from_slice(&units.of(j).by);
+                    for (number, by) in by_angles.iter().enumerate() {
+                        into[FACES + number] = by_j * *by;
+                    }
                 }
             }
         }

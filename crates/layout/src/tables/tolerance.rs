@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
+use crate::presets::Preset;
 use crate::tables::distribution::{Components, WrittenDistribution};
 use crate::tables::exact_list::some_exactly;
 use crate::tables::rotation::RotationTable;
@@ -76,18 +77,6 @@ pub(crate) struct ToleranceTable {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(with = "Vec<GroupTable>")]
     pub(crate) group: Vec<Spanned<GroupTable>>,
-}
-
-/// Usual errors of a way to make films.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Preset {
-    /// Magnets from a shop, laid by hand along a line.
-    ByHand,
-    /// Magnets ground to size and laid into a milled frame.
-    Jig,
-    /// Tiles cut and laid with care, on a printed grid.
-    Workshop,
 }
 
 /// Errors of the tiles of one kind.

@@ -10,8 +10,8 @@ mod writing;
 
 use glam::DVec3;
 use magsplice_layout::{
-    CommonErrors, Distribution, ErrorGroup, FilmTolerance, Finding, Layout, MadeExpectations, SensorErrors, StrayField,
-    Temperature, TileErrors,
+    CommonErrors, Distribution, ErrorGroup, FilmTolerance, Finding, Layout, MadeExpectations, Preset, SensorErrors,
+    StrayField, Temperature, TileErrors,
 };
 
 const HEAD: &str = "format = 1\nname = \"test\"\n";
@@ -59,11 +59,11 @@ fn plain_numbers_are_standard_deviations_of_each_tile() {
          direction_deg = [1, 2]\nsamples = 2000\nseed = 7",
     );
     let errors = TileErrors {
-        position_mm: normal([0.05, 0.06, 0.0]),
-        rotation_rad: degrees([0.5; 3]),
-        size_mm: normal([0.02; 3]),
+        position: normal([0.05, 0.06, 0.0]),
+        rotation: degrees([0.5; 3]),
+        size: normal([0.02; 3]),
         strength: Distribution::Normal { deviation: 0.01 },
-        direction_rad: degrees([1.0, 2.0]),
+        direction: degrees([1.0, 2.0]),
     };
     let wanted = FilmTolerance { samples: 2000, seed: 7, ..FilmTolerance::of_tiles(&errors, 8) };
     assert_eq!(found, wanted);
@@ -75,22 +75,22 @@ fn plain_numbers_are_standard_deviations_of_each_tile() {
 #[test]
 fn presets_have_their_numbers_and_keys_replace_them() {
     for (preset, wanted) in
-        [("workshop", TileErrors::workshop()), ("by-hand", TileErrors::by_hand()), ("jig", TileErrors::jig())]
+        [("workshop", Preset::Workshop.errors()), ("by-hand", Preset::ByHand.errors()), ("jig", Preset::Jig.errors())]
     {
         assert_eq!(tolerance(&format!("[tolerance]\npreset = \"{preset}\"")), FilmTolerance::of_tiles(&wanted, 8));
     }
-    let replaced = TileErrors { strength: Distribution::normal(0.02), ..TileErrors::workshop() };
+    let replaced = TileErrors { strength: Distribution::normal(0.02), ..Preset::Workshop.errors() };
     let found = tolerance("[tolerance]\npreset = \"workshop\"\nstrength = 0.02");
     assert_eq!(found, FilmTolerance::of_tiles(&replaced, 8));
     // The numbers of the documentation.
-    let hand = TileErrors::by_hand();
-    assert_eq!((hand.position_mm, hand.rotation_rad), (normal([0.15; 3]), degrees([1.5; 3])));
-    assert_eq!((hand.size_mm, hand.strength), (normal([0.05; 3]), Distribution::normal(0.03)));
-    assert_eq!(hand.direction_rad, degrees([2.0; 2]));
-    let jig = TileErrors::jig();
-    assert_eq!((jig.position_mm, jig.rotation_rad), (normal([0.02; 3]), degrees([0.2; 3])));
-    assert_eq!((jig.size_mm, jig.strength), (normal([0.02; 3]), Distribution::normal(0.01)));
-    assert_eq!(jig.direction_rad, degrees([1.0; 2]));
+    let hand = Preset::ByHand.errors();
+    assert_eq!((hand.position, hand.rotation), (normal([0.15; 3]), degrees([1.5; 3])));
+    assert_eq!((hand.size, hand.strength), (normal([0.05; 3]), Distribution::normal(0.03)));
+    assert_eq!(hand.direction, degrees([2.0; 2]));
+    let jig = Preset::Jig.errors();
+    assert_eq!((jig.position, jig.rotation), (normal([0.02; 3]), degrees([0.2; 3])));
+    assert_eq!((jig.size, jig.strength), (normal([0.02; 3]), Distribution::normal(0.01)));
+    assert_eq!(jig.direction, degrees([1.0; 2]));
     let message = parse("[tolerance]\npreset = \"workshp\"").expect_err("unknown");
     assert!(message.contains("did you mean \"workshop\"?"), "{message}");
 }
@@ -110,11 +110,11 @@ fn tables_give_other_distributions() {
         ("{ fixed = 0 }", Distribution::NONE),
     ] {
         let table = format!("[tolerance]\nstrength = 0.1\nposition_mm = [0, {written}, 0]");
-        assert_eq!(of_tile(&table, "bar").position_mm[1], wanted, "{written}");
+        assert_eq!(of_tile(&table, "bar").position[1], wanted, "{written}");
         let table = format!("[tolerance]\nstrength = 0.1\nposition_mm = {written}");
-        assert_eq!(of_tile(&table, "bar").position_mm, [wanted.clone(), wanted.clone(), wanted], "{written}");
+        assert_eq!(of_tile(&table, "bar").position, [wanted.clone(), wanted.clone(), wanted], "{written}");
     }
-    let turned = of_tile("[tolerance]\nrotation_deg = [0, 0, { normal = 1, within = 2 }]", "bar").rotation_rad;
+    let turned = of_tile("[tolerance]\nrotation_deg = [0, 0, { normal = 1, within = 2 }]", "bar").rotation;
     let radians = [1.0_f64, 2.0].map(f64::to_radians);
     assert_eq!(turned[2], Distribution::Truncated { deviation: radians[0], limit: radians[1] });
 }
@@ -134,7 +134,7 @@ fn kinds_and_names_replace_errors_key_by_key() {
         ("bar-mx-my", 0.2, 0.0),
     ] {
         let found = of_tile(table, tile);
-        assert_eq!(found.position_mm, normal([position_mm; 3]), "{tile}");
+        assert_eq!(found.position, normal([position_mm; 3]), "{tile}");
         assert_eq!(found.strength, Distribution::normal(strength), "{tile}");
     }
 }
@@ -172,8 +172,8 @@ fn groups_are_of_names_kinds_or_rows() {
     let errors =
         tolerance("[[tolerance.group]]\ntiles = [\"*\"]\nposition_mm = [0.1, 0, 0]\nrotation_deg = [0, 0, 0.2]");
     assert!(errors.tiles.is_empty() && errors.groups[0].tiles.len() == 8);
-    assert_eq!(errors.groups[0].errors.position_mm, normal([0.1, 0.0, 0.0]));
-    assert_eq!(errors.groups[0].errors.rotation_rad, degrees([0.0, 0.0, 0.2]));
+    assert_eq!(errors.groups[0].errors.position, normal([0.1, 0.0, 0.0]));
+    assert_eq!(errors.groups[0].errors.rotation, degrees([0.0, 0.0, 0.2]));
 }
 
 const COMMON: &str = "[tolerance.film]\nposition_mm = 0.2\nrotation_deg = [0, 0, 0.5]\n\

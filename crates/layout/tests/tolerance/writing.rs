@@ -99,9 +99,9 @@ fn files_beside_the_layout_give_measured_errors_and_a_neighbour() {
     write("film.toml", &text(tables));
     let layout = Layout::read(folder.path().join("film.toml")).expect("valid");
     let found = layout.tolerance.as_ref().expect("stated");
-    assert_eq!(found.tiles[3].position_mm[0], Distribution::Tabulated([-0.03, 0.02].into()));
+    assert_eq!(found.tiles[3].position[0], Distribution::Tabulated([-0.03, 0.02].into()));
     let turns = [(-1.0_f64).to_radians(), 0.5_f64.to_radians()];
-    assert_eq!(found.tiles[3].rotation_rad[2], Distribution::Tabulated(turns.into()));
+    assert_eq!(found.tiles[3].rotation[2], Distribution::Tabulated(turns.into()));
     let neighbour = found.common.neighbour.as_ref().expect("stated");
     assert!(neighbour.later && neighbour.layout == "other.toml" && neighbour.tiles.len() == 1);
     let tile = neighbour.tiles[0];

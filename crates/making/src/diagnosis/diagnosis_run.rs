@@ -1,8 +1,8 @@
 //! The diagnosis of a film: settings and results.
 
 use glam::DVec3;
-use magsplice_layout::{FilmTolerance, TileErrors};
-use magsplice_magnet::Tile;
+use magsplice_layout::{FilmTolerance, Preset, TileErrors};
+use magsplice_magnet::{PerTileError, Tile, TileError};
 use magsplice_sensor::{FreeParameters, ScanParameters};
 use magsplice_tolerance::{RealFilm, mean_square};
 
@@ -45,7 +45,7 @@ impl Default for DiagnosisSettings {
     fn default() -> DiagnosisSettings {
         DiagnosisSettings {
             ordinary: FilmTolerance::default(),
-            prior: TileErrors::by_hand(),
+            prior: Preset::ByHand.errors(),
             free: FreeParameters { strength: false, offset: false, rotation: false, start: false },
             false_alarm: 0.01,
         }
@@ -66,8 +66,8 @@ pub struct Candidate {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Estimate {
-    /// Number of the error, as in [`TileErrors::all`].
-    pub error: usize,
+    /// The error.
+    pub error: TileError,
     /// The error, in mm, radians, or as a fraction.
     pub value: f64,
     /// Its standard deviation.
@@ -127,8 +127,8 @@ pub struct Diagnosis {
     /// The film that explains the readings: named errors without components that are noise, and the
     /// most probable ordinary ones.
     pub tiles: Vec<Tile>,
-    /// The errors of each tile in this film, numbered as in [`TileErrors::all`].
-    pub errors: Vec<[f64; TileErrors::COUNT]>,
+    /// The errors of each tile in this film, in mm, radians, or as fractions.
+    pub errors: Vec<PerTileError<f64>>,
     /// The parameters of the scan.
     pub scan: ScanParameters,
     /// Readings less those of the film that was found, in tesla.
@@ -305,7 +305,7 @@ impl ScanDiagnosis {
             return ordinary.clone();
         }
         let prior = |(unknown, deviation): (&Unknown, &f64)| match unknown {
-            Unknown::Tile { error, .. } => mean_square(self.settings.prior.all()[*error]).sqrt(),
+            Unknown::Tile { error, .. } => mean_square(&self.settings.prior[*error]).sqrt(),
             _ => *deviation,
         };
         list.iter().zip(ordinary).map(prior).collect()

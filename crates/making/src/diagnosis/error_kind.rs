@@ -1,5 +1,7 @@
 //! The kinds of error that are named.
 
+use magsplice_magnet::TileError;
+
 /// What is wrong with a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
@@ -20,19 +22,20 @@ impl ErrorKind {
     pub const ALL: [ErrorKind; 4] =
         [ErrorKind::Strength, ErrorKind::Turn, ErrorKind::Direction, ErrorKind::Displacement];
 
-    /// The numbers of its components, as in [`TileErrors::all`](magsplice_layout::TileErrors::all):
-    /// x, y, z; for the direction of J the turns in the plane of the film and out of it.
-    pub fn components(self) -> std::ops::Range<usize> {
-        match self {
-            ErrorKind::Displacement => 0..3,
-            ErrorKind::Turn => 3..6,
-            ErrorKind::Strength => 9..10,
-            ErrorKind::Direction => 10..12,
-        }
+    /// Its components: x, y, z; for the direction of J the turns in the plane of the film and out
+    /// of it.
+    pub fn components(self) -> impl Iterator<Item = TileError> {
+        TileError::ALL.into_iter().filter(move |error| ErrorKind::of_component(*error) == Some(self))
     }
 
     /// The kind that has an error as its component. `None` for errors of size.
-    pub fn of_component(error: usize) -> Option<ErrorKind> {
-        ErrorKind::ALL.into_iter().find(|kind| kind.components().contains(&error))
+    pub fn of_component(error: TileError) -> Option<ErrorKind> {
+        match error {
+            TileError::Position(_) => Some(ErrorKind::Displacement),
+            TileError::Rotation(_) => Some(ErrorKind::Turn),
+            TileError::Size(_) => None,
+            TileError::Strength => Some(ErrorKind::Strength),
+            TileError::Direction(_) => Some(ErrorKind::Direction),
+        }
     }
 }

@@ -3,7 +3,7 @@
 
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
-use magsplice_magnet::{Quantity, Tile};
+use magsplice_magnet::{PerTileError, Quantity, Tile, TileError};
 use magsplice_tolerance::{RealFilm, TileResponse};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -100,7 +100,7 @@ impl ScanModel {
                         tiles[tile].position(),
                         &mut change_t,
                     );
-                    scale_strength(error, state.tiles[tile], &mut change_t);
+                    scale_strength(error, &state.tiles[tile], &mut change_t);
                 }
                 Unknown::Group { group, error } => {
                     let tolerance = &self.film.tolerance().groups[group];
@@ -108,7 +108,7 @@ impl ScanModel {
                     for &tile in &tolerance.tiles {
                         responses[tile].as_ref()?.add_derivative(error, centre, &mut change_t);
                     }
-                    scale_strength(error, state.groups[group], &mut change_t);
+                    scale_strength(error, &state.groups[group], &mut change_t);
                 }
                 Unknown::Scan(0) => {
                     change_t.iter_mut().zip(&field_t).for_each(|(change, b)| *change = *b / scan.strength);
@@ -173,14 +173,11 @@ impl ScanModel {
 }
 
 /// A response is by the strength that the tile has; errors are fractions of the nominal one.
-fn scale_strength(error: usize, values: [f64; magsplice_layout::TileErrors::COUNT], change_t: &mut [DVec3]) {
-    if error == STRENGTH && values[STRENGTH] != 0.0 {
-        change_t.iter_mut().for_each(|change| *change /= 1.0 + values[STRENGTH]);
+fn scale_strength(error: TileError, errors: &PerTileError<f64>, change_t: &mut [DVec3]) {
+    if error == TileError::Strength && errors.strength != 0.0 {
+        change_t.iter_mut().for_each(|change| *change /= 1.0 + errors.strength);
     }
 }
-
-/// Number of the error of strength, see [`TileErrors::all`](magsplice_layout::TileErrors::all).
-const STRENGTH: usize = 9;
 
 /// The products of all pairs of columns, some of which are known.
 fn products(columns: &[Vec<f64>], known: impl Fn(usize, usize) -> Option<f64> + Sync) -> DMatrix<f64> {

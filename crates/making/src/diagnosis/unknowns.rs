@@ -1,16 +1,17 @@
 //! The unknowns of a scan as one list, and their prior deviations.
 
 use glam::DVec3;
-use magsplice_layout::{FilmTolerance, TileErrors};
+use magsplice_layout::FilmTolerance;
+use magsplice_magnet::{PerTileError, TileError};
 use magsplice_sensor::{FreeParameters, ScanParameters};
 use magsplice_tolerance::mean_square;
 
 use super::error_kind::ErrorKind;
 
-/// Prior deviation of the components of an error that is named, numbered as in [`TileErrors::all`]:
-/// far above what the scan tells, yet so small that a direction it does not tell stays where the
-/// model holds.
-const WIDE: [f64; TileErrors::COUNT] = [0.5, 0.5, 0.5, 0.2, 0.2, 0.2, 0.5, 0.5, 0.5, 0.5, 0.2, 0.2];
+/// Prior deviation of the components of an error that is named: far above what the scan tells, yet
+/// so small that a direction it does not tell stays where the model holds.
+const WIDE: PerTileError<f64> =
+    PerTileError { position: [0.5; 3], rotation: [0.2; 3], size: [0.5; 3], strength: 0.5, direction: [0.2; 2] };
 
 /// Number of parameters of a scan: strength, and three each of offset, rotation and start.
 pub(crate) const SCAN_PARAMETERS: usize = 10;
@@ -28,9 +29,9 @@ const WIDE_START_MM: f64 = 1.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unknown {
     /// An error of a tile.
-    Tile { tile: usize, error: usize },
+    Tile { tile: usize, error: TileError },
     /// An error of a group of tiles.
-    Group { group: usize, error: usize },
+    Group { group: usize, error: TileError },
     /// A parameter of the scan.
     Scan(usize),
 }
@@ -52,16 +53,16 @@ impl Unknowns {
             deviations.push(deviation);
         };
         for tile in 0..tiles {
-            let errors = ordinary.tiles.get(tile).map(TileErrors::all);
-            for error in 0..TileErrors::COUNT {
-                let deviation = errors.map_or(0.0, |errors| mean_square(errors[error]).sqrt());
+            let errors = ordinary.tiles.get(tile);
+            for error in TileError::ALL {
+                let deviation = errors.map_or(0.0, |errors| mean_square(&errors[error]).sqrt());
                 if deviation > 0.0 || ErrorKind::of_component(error).is_some() {
                     add(Unknown::Tile { tile, error }, deviation);
                 }
             }
         }
         for (group, errors) in ordinary.groups.iter().enumerate() {
-            for (error, distribution) in errors.errors.all().into_iter().enumerate() {
+            for (error, distribution) in errors.errors.iter() {
                 let deviation = mean_square(distribution).sqrt();
                 if deviation > 0.0 {
                     add(Unknown::Group { group, error }, deviation);
@@ -84,8 +85,11 @@ impl Unknowns {
 
     /// The indices of the components of an error of a tile.
     pub(crate) fn of_error(&self, tile: usize, kind: ErrorKind) -> Vec<usize> {
-        let is_part = |unknown: &Unknown| matches!(unknown, Unknown::Tile { tile: other, error } if *other == tile && kind.components().contains(error));
-        (0..self.list.len()).filter(|index| is_part(&self.list[*index])).collect()
+        let is_part = |unknown: Unknown| match unknown {
+            Unknown::Tile { tile: other, error } => other == tile && ErrorKind::of_component(error) == Some(kind),
+            _ => false,
+        };
+        (0..self.list.len()).filter(|index| is_part(self.list[*index])).collect()
     }
 
     /// The deviations if these errors of tiles may have any value.
@@ -110,8 +114,8 @@ impl Unknowns {
 /// A value of every error of a film and parameter of a scan.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct State {
-    pub(crate) tiles: Vec<[f64; TileErrors::COUNT]>,
-    pub(crate) groups: Vec<[f64; TileErrors::COUNT]>,
+    pub(crate) tiles: Vec<PerTileError<f64>>,
+    pub(crate) groups: Vec<PerTileError<f64>>,
     /// Strength less 1, offset, rotation, start.
     pub(crate) scan: [f64; SCAN_PARAMETERS],
 }
@@ -124,7 +128,7 @@ impl State {
         for (values, vector) in values[1..].chunks_exact_mut(3).zip(vectors) {
             values.copy_from_slice(&vector.to_array());
         }
-        let none = [0.0; TileErrors::COUNT];
+        let none = PerTileError::default();
         State { tiles: vec![none; tiles], groups: vec![none; groups], scan: values }
     }
 

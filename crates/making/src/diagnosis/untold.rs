@@ -1,5 +1,7 @@
 //! What the scan cannot tell: errors that it hardly narrows, and errors that look alike.
 
+use magsplice_magnet::TileError;
+
 use super::error::DiagnosisError;
 use super::ridge::Ridge;
 use super::scan_model::Linearized;
@@ -19,8 +21,8 @@ const ALIKE: f64 = 0.995;
 pub struct Untold {
     /// Index of the tile.
     pub tile: usize,
-    /// Number of the error, as in [`TileErrors::all`](magsplice_layout::TileErrors::all).
-    pub error: usize,
+    /// The error.
+    pub error: TileError,
     /// Standard deviation before the scan, in mm, radians, or as a fraction.
     pub before: f64,
     /// Standard deviation after it.
@@ -31,10 +33,10 @@ pub struct Untold {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SimilarErrors {
-    /// Index of the first tile, and number of its error.
-    pub first: (usize, usize),
+    /// Index of the first tile, and its error.
+    pub first: (usize, TileError),
     /// Those of the second.
-    pub second: (usize, usize),
+    pub second: (usize, TileError),
     /// Correlation of what both change in the readings, over the noise.
     pub correlation: f64,
 }
@@ -69,7 +71,7 @@ impl Untold {
 
 /// All pairs of errors of tiles that look alike, the most alike first.
 pub(crate) fn similar(at: &Linearized, unknowns: &Unknowns) -> Vec<SimilarErrors> {
-    let errors: Vec<(usize, (usize, usize))> = unknowns
+    let errors: Vec<(usize, (usize, TileError))> = unknowns
         .list
         .iter()
         .enumerate()

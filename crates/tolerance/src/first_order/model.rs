@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use magsplice_ideal::IdealFilm;
-use magsplice_layout::TileErrors;
+use magsplice_magnet::{Axis, PerTileError, TileError};
 
 use super::displacement::{Displacement, displacement_errors_mm};
 use super::figures::Figures;
@@ -52,13 +52,13 @@ pub struct ErrorTerm {
 /// ```
 /// use glam::DVec3;
 /// use magsplice_ideal::IdealFilm;
-/// use magsplice_layout::{FilmTolerance, TileErrors};
+/// use magsplice_layout::{FilmTolerance, Preset};
 /// use magsplice_magnet::{Grid, Tile};
 /// use magsplice_tolerance::{EvaluationGrid, FirstOrder, RealFilm};
 ///
 /// let tile = |x: f64| Tile::new(DVec3::new(x, 0.0, 0.5), DVec3::new(4.0, 9.0, 1.0), DVec3::new(0.1 * x.signum(), 0.0, 0.0));
 /// let tiles = [tile(-2.5)?, tile(2.5)?];
-/// let film = RealFilm::new(&tiles, &FilmTolerance::of_tiles(&TileErrors::workshop(), 2));
+/// let film = RealFilm::new(&tiles, &FilmTolerance::of_tiles(&Preset::Workshop.errors(), 2));
 /// let grid = Grid::new(DVec3::new(-1.0, -1.0, -5.0), DVec3::new(1.0, 1.0, -3.0), [5, 5, 3])?;
 /// let volume = EvaluationGrid { grid, reference: DVec3::new(0.0, 0.0, -5.0) };
 /// let model = FirstOrder::new(&film, &volume, &IdealFilm::new(10.0, 1.0, 0.12)?)?;
@@ -243,27 +243,28 @@ fn for_each_derivative(
 ) -> Result<(), SampleError> {
     let none = vec![DVec3::ZERO; points.len()];
     let tolerance = film.tolerance();
-    let mut of_groups = vec![vec![none.clone(); TileErrors::COUNT]; tolerance.groups.len()];
-    let mut of_pose = vec![none.clone(); 6];
+    let mut of_groups = vec![PerTileError::from_fn(|_| none.clone()); tolerance.groups.len()];
+    let pose = [TileError::Position, TileError::Rotation].map(|kind| Axis::ALL.map(kind));
+    let mut of_pose = vec![none.clone(); pose.as_flattened().len()];
     let in_film = film.in_film(film.tiles()).map_err(SampleError::Tile)?;
     for (number, tile) in in_film.iter().enumerate() {
         let response = TileResponse::new(number, tile, points)?;
-        for error in 0..TileErrors::COUNT {
+        for error in TileError::ALL {
             let mut changes_t = none.clone();
             response.add_derivative(error, tile.position(), &mut changes_t);
             each(&changes_t);
         }
-        for (error, sum) in of_pose.iter_mut().enumerate() {
-            response.add_derivative(error, film.centre_mm(), sum);
+        for (error, sum) in pose.as_flattened().iter().zip(&mut of_pose) {
+            response.add_derivative(*error, film.centre_mm(), sum);
         }
         for (group, sums) in tolerance.groups.iter().zip(&mut of_groups) {
             let centre = film.group_centre_mm(group);
             for _ in group.tiles.iter().filter(|tile| **tile == number) {
-                sums.iter_mut().enumerate().for_each(|(error, sum)| response.add_derivative(error, centre, sum));
+                sums.iter_mut().for_each(|(error, sum)| response.add_derivative(error, centre, sum));
             }
         }
     }
-    of_groups.iter().flatten().for_each(|changes_t| each(changes_t));
+    of_groups.iter().flat_map(PerTileError::values).for_each(|changes_t| each(changes_t));
     let last = points.len() - 1;
     let mut of_pose = of_pose.into_iter();
     for source in ErrorSource::common() {

@@ -1,14 +1,14 @@
 //! The errors of a film as one list, with their means, variances and values in samples.
 
-use magsplice_layout::{Distribution, TileErrors};
+use magsplice_layout::Distribution;
+use magsplice_magnet::{Axis, TileError};
 
 use crate::draws::Draws;
 use crate::quantile::{mean, variance};
 use crate::readings::Surroundings;
 use crate::real_film::RealFilm;
 
-/// One error of a film, a number. Axes are 0, 1, 2 for x, y, z. Errors of tiles and groups are
-/// numbered as in [`TileErrors::all`].
+/// One error of a film, a number. Axes are 0, 1, 2 for x, y, z.
 ///
 /// # Units
 /// Lengths in millimetres, angles in radians, flux densities in tesla; strengths, gains and the
@@ -21,15 +21,15 @@ pub enum ErrorSource {
     Tile {
         /// Index of the tile.
         tile: usize,
-        /// Number of the error.
-        error: usize,
+        /// The error.
+        error: TileError,
     },
     /// An error of a group of tiles.
     Group {
         /// Index of the group.
         group: usize,
-        /// Number of the error.
-        error: usize,
+        /// The error.
+        error: TileError,
     },
     /// Position of the film along an axis.
     FilmPosition(usize),
@@ -86,18 +86,25 @@ pub enum Cause {
     SensorNoise,
 }
 
+impl From<TileError> for Cause {
+    /// The cause of an error of single tiles.
+    fn from(error: TileError) -> Cause {
+        match error {
+            TileError::Position(Axis::X | Axis::Y) => Cause::PositionInPlane,
+            TileError::Position(Axis::Z) => Cause::PositionZ,
+            TileError::Rotation(_) => Cause::Rotation,
+            TileError::Size(_) => Cause::Size,
+            TileError::Strength => Cause::Strength,
+            TileError::Direction(_) => Cause::Direction,
+        }
+    }
+}
+
 impl ErrorSource {
     /// What the error comes from.
     pub fn cause(self) -> Cause {
         match self {
-            ErrorSource::Tile { error, .. } => match error {
-                0 | 1 => Cause::PositionInPlane,
-                2 => Cause::PositionZ,
-                3..6 => Cause::Rotation,
-                6..9 => Cause::Size,
-                9 => Cause::Strength,
-                _ => Cause::Direction,
-            },
+            ErrorSource::Tile { error, .. } => Cause::from(error),
             ErrorSource::Group { group, .. } => Cause::Group(group),
             ErrorSource::FilmPosition(_) | ErrorSource::FilmRotation(_) => Cause::FilmPose,
             ErrorSource::StrayField(_) => Cause::StrayField,
@@ -146,14 +153,14 @@ pub(crate) fn sources(film: &RealFilm) -> Vec<(ErrorSource, Moments)> {
     let tolerance = film.tolerance();
     let mut all = Vec::new();
     for tile in 0..film.tiles().len() {
-        for error in 0..TileErrors::COUNT {
-            let of_tile = tolerance.tiles.get(tile).map(|errors| Moments::new(errors.all()[error]));
+        for error in TileError::ALL {
+            let of_tile = tolerance.tiles.get(tile).map(|errors| Moments::new(&errors[error]));
             all.push((ErrorSource::Tile { tile, error }, of_tile.unwrap_or_default()));
         }
     }
     for (group, errors) in tolerance.groups.iter().enumerate() {
-        let of_group = errors.errors.all().into_iter().map(Moments::new).enumerate();
-        all.extend(of_group.map(|(error, moments)| (ErrorSource::Group { group, error }, moments)));
+        let of_group = errors.errors.iter();
+        all.extend(of_group.map(|(error, errors)| (ErrorSource::Group { group, error }, Moments::new(errors))));
     }
     let common = &tolerance.common;
     let stray_field = |axis: usize| {
@@ -187,12 +194,13 @@ pub(crate) fn sources(film: &RealFilm) -> Vec<(ErrorSource, Moments)> {
 /// the reference point.
 pub(crate) fn drawn_values(film: &RealFilm, draws: &mut Draws, reference: usize) -> Vec<f64> {
     let tolerance = film.tolerance();
-    let mut values = vec![0.0; TileErrors::COUNT * film.tiles().len()];
-    for (tile, (values, errors)) in values.chunks_exact_mut(TileErrors::COUNT).zip(&tolerance.tiles).enumerate() {
-        values.copy_from_slice(&draws.of_tile(tile, errors).to_values());
+    let mut values = Vec::new();
+    for tile in 0..film.tiles().len() {
+        let drawn = tolerance.tiles.get(tile).map(|errors| draws.of_tile(tile, errors));
+        values.extend(drawn.unwrap_or_default().values());
     }
     for (group, errors) in tolerance.groups.iter().enumerate() {
-        values.extend(draws.of_group(group, &errors.errors).to_values());
+        values.extend(draws.of_group(group, &errors.errors).values());
     }
     values.extend(film.draw_surroundings(draws).values());
     values.extend(draws.noise_t(reference, &tolerance.common.sensor.noise_t).to_array());

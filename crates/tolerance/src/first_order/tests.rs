@@ -6,7 +6,7 @@ use magsplice_layout::{
     CommonErrors, Distribution, ErrorGroup, FilmPose, FilmTolerance, Neighbour, SensorErrors, StrayField, Temperature,
     TileErrors,
 };
-use magsplice_magnet::{Grid, Tile};
+use magsplice_magnet::{Grid, Tile, TileError};
 
 use super::displacement::displacement_errors_mm;
 use super::{ErrorSource, FirstOrder};
@@ -51,11 +51,11 @@ fn everything(later: bool) -> FilmTolerance {
     let normal = Distribution::normal;
     let three = |deviation: f64| [normal(deviation), normal(deviation), normal(deviation)];
     let errors = TileErrors {
-        position_mm: three(0.02),
-        rotation_rad: three(0.004),
-        size_mm: three(0.01),
+        position: three(0.02),
+        rotation: three(0.004),
+        size: three(0.01),
         strength: normal(0.01),
-        direction_rad: [normal(0.01), normal(0.02)],
+        direction: [normal(0.01), normal(0.02)],
     };
     let neighbour_tile = Tile::new(DVec3::new(4.0, 1.0, -20.0), DVec3::new(9.0, 8.0, 2.0), DVec3::new(0.1, 0.2, 0.3));
     FilmTolerance {
@@ -86,24 +86,17 @@ fn everything(later: bool) -> FilmTolerance {
 fn only(source: ErrorSource, value: f64, all: &FilmTolerance) -> Option<FilmTolerance> {
     let fixed = Distribution::Fixed(value);
     let mut errors = TileErrors::default();
-    let mut set = |number: usize| match number {
-        0..3 => errors.position_mm[number] = fixed.clone(),
-        3..6 => errors.rotation_rad[number - 3] = fixed.clone(),
-        6..9 => errors.size_mm[number - 6] = fixed.clone(),
-        9 => errors.strength = fixed.clone(),
-        _ => errors.direction_rad[number - 10] = fixed.clone(),
-    };
     let mut common = CommonErrors { neighbour: all.common.neighbour.clone(), ..CommonErrors::default() };
     let later = all.common.stray_field.as_ref().is_some_and(|field| field.later);
     let mut stray_field = StrayField { later, ..StrayField::default() };
     let (mut tiles, mut groups) = (vec![TileErrors::default(); 4], Vec::new());
     match source {
         ErrorSource::Tile { tile, error } => {
-            set(error);
+            errors[error] = fixed;
             tiles[tile] = errors;
         }
         ErrorSource::Group { group, error } => {
-            set(error);
+            errors[error] = fixed;
             groups.push(ErrorGroup { errors, ..all.groups[group].clone() });
         }
         ErrorSource::FilmPosition(axis) => common.film.position_mm[axis] = fixed,
@@ -148,11 +141,8 @@ fn derivatives_are_those_of_the_exact_evaluation() {
             (0..3).map(|axis| model.sensitivities_mm(axis).collect()).collect();
         for (number, term) in model.terms().iter().enumerate() {
             let step = match term.source {
-                ErrorSource::Tile { error, .. } | ErrorSource::Group { error, .. }
-                    if error < 3 || (6..9).contains(&error) =>
-                {
-                    3e-3
-                }
+                ErrorSource::Tile { error: TileError::Position(_) | TileError::Size(_), .. }
+                | ErrorSource::Group { error: TileError::Position(_) | TileError::Size(_), .. } => 3e-3,
                 ErrorSource::FilmPosition(_) => 3e-3,
                 ErrorSource::StrayField(_) | ErrorSource::SensorOffset(_) => 1e-6,
                 _ => 1e-3,
@@ -206,13 +196,7 @@ fn shares_add_up_and_halving_saves_what_is_stated() {
     };
     let whole = model(&tolerance);
     let mut halved = tolerance.clone();
-    halved.tiles[1] = TileErrors {
-        position_mm: tolerance.tiles[1].position_mm.each_ref().map(|error| error.scaled(0.5)),
-        rotation_rad: tolerance.tiles[1].rotation_rad.each_ref().map(|error| error.scaled(0.5)),
-        size_mm: tolerance.tiles[1].size_mm.each_ref().map(|error| error.scaled(0.5)),
-        strength: tolerance.tiles[1].strength.scaled(0.5),
-        direction_rad: tolerance.tiles[1].direction_rad.each_ref().map(|error| error.scaled(0.5)),
-    };
+    halved.tiles[1] = tolerance.tiles[1].each_ref().map(|error| error.scaled(0.5));
     let less = model(&halved);
     for axis in 0..3 {
         let (whole, less) = (whole.axis_errors(axis), less.axis_errors(axis));

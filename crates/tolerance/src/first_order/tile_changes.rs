@@ -3,7 +3,7 @@
 use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_ideal::IdealFilm;
-use magsplice_magnet::Tile;
+use magsplice_magnet::{Axis, Tile, TileError};
 use rayon::prelude::*;
 
 use super::displacement::{Displacement, displacement_errors_mm};
@@ -70,7 +70,8 @@ impl TileChanges {
                     let in_film_t = film.weakening().map_or(own_t, |weakening| weakening.change_t(number, own_t));
                     response.add_polarization_change(in_film_t, &mut changes_t);
                 } else {
-                    response.add_derivative(FIRST_SIZE + component - 3, tile.position(), &mut changes_t);
+                    let error = TileError::Size(Axis::ALL[component - 3]);
+                    response.add_derivative(error, tile.position(), &mut changes_t);
                 }
                 let scale = if component < 3 { j_scale } else { size_scale };
                 displacement.changes_mm(&changes_t).into_iter().map(|change| scale * change).collect()
@@ -155,9 +156,6 @@ fn film_field_t(
     film_t.iter_mut().zip(remainder_t).for_each(|(b_t, remainder_t)| *b_t += *remainder_t);
     Ok(film_t)
 }
-
-/// Number of the first error of size, see [`TileErrors::all`](magsplice_layout::TileErrors).
-const FIRST_SIZE: usize = 6;
 
 /// Usual changes of a component of J and of a side.
 fn scales(tile: &Tile) -> [f64; 2] {

@@ -2,8 +2,7 @@
 
 use glam::{DMat3, DVec3};
 use magsplice_field::{FaceDerivatives, PolarizationMap, PolarizationMapError};
-use magsplice_layout::TileErrors;
-use magsplice_magnet::Tile;
+use magsplice_magnet::{Tile, TileError};
 use rayon::prelude::*;
 
 use crate::film_errors::SampleError;
@@ -72,29 +71,26 @@ impl TileResponse {
         sum.iter_mut().zip(&self.at_points).for_each(|(sum, at)| *sum += at.by_polarization * change_t);
     }
 
-    /// Adds the derivative of B at each point by one error of the tile, numbered as in
-    /// [`TileErrors::all`]. Turns are about a point.
-    ///
-    /// # Panics
-    /// If there is no error of this number.
-    pub fn add_derivative(&self, error: usize, about: DVec3, sum: &mut [DVec3]) {
-        assert!(error < TileErrors::COUNT, "an error of a tile");
+    /// Adds the derivative of B at each point by one error of the tile. Turns are about a point.
+    pub fn add_derivative(&self, error: TileError, about: DVec3, sum: &mut [DVec3]) {
         let j_t = self.tile.polarization_t();
         // An axis by which J is turned changes it by their product.
         let turned_t = match error {
-            10 | 11 => direction_axes(&self.tile).map_or(DVec3::ZERO, |axes| axes[error - 10].cross(j_t)),
+            TileError::Direction(turn) => {
+                direction_axes(&self.tile).map_or(DVec3::ZERO, |axes| axes[turn as usize].cross(j_t))
+            }
             _ => DVec3::ZERO,
         };
         for (sum, at) in sum.iter_mut().zip(&self.at_points) {
             *sum += match error {
-                0..3 => at.by_position.col(error),
-                3..6 => {
-                    let turn = DVec3::AXES[error - 3];
+                TileError::Position(axis) => at.by_position.col(axis.index()),
+                TileError::Rotation(axis) => {
+                    let turn = axis.unit();
                     turn.cross(at.field_t) + at.by_position * turn.cross(at.point - about)
                 }
-                6..9 => at.by_size.col(error - 6),
-                9 => at.field_t,
-                _ => at.by_polarization * turned_t,
+                TileError::Size(axis) => at.by_size.col(axis.index()),
+                TileError::Strength => at.field_t,
+                TileError::Direction(_) => at.by_polarization * turned_t,
             };
         }
     }

@@ -24,11 +24,11 @@ fn samples_have_the_standard_deviations_of_the_errors() {
     let [position, rotation, size] = [[0.01, 0.02, 0.03], [0.004, 0.005, 0.006], [0.001, 0.002, 0.003]];
     let (strength_error, angles) = (0.01, [0.02, 0.03]);
     let errors = TileErrors {
-        position_mm: normal(position),
-        rotation_rad: normal(rotation),
-        size_mm: normal(size),
+        position: normal(position),
+        rotation: normal(rotation),
+        size: normal(size),
         strength: Distribution::normal(strength_error),
-        direction_rad: angles.map(Distribution::normal),
+        direction: angles.map(Distribution::normal),
     };
     let film = film(&errors);
     let (mut squares, mut count) = ([[0.0; 3]; 3], 0.0);
@@ -67,7 +67,7 @@ fn samples_have_the_standard_deviations_of_the_errors() {
 
 #[test]
 fn a_further_error_changes_no_other() {
-    let only_position = TileErrors { position_mm: normal([0.1; 3]), ..TileErrors::default() };
+    let only_position = TileErrors { position: normal([0.1; 3]), ..TileErrors::default() };
     let both = TileErrors { strength: Distribution::normal(0.1), ..only_position.clone() };
     let (one, other) = (film(&only_position).sample_tiles(5, 17), film(&both).sample_tiles(5, 17));
     for (one, other) in one.expect("valid").iter().zip(&other.expect("valid")) {
@@ -81,8 +81,8 @@ fn a_further_error_changes_no_other() {
 fn tiles_are_cut_then_laid() {
     let [position, rotation, size] = [normal([0.1; 3]), normal([0.05; 3]), normal([0.02; 3])];
     let strength = Distribution::normal(0.1);
-    let direction_rad = [0.03, 0.02].map(Distribution::normal);
-    let errors = TileErrors { position_mm: position, rotation_rad: rotation, size_mm: size, strength, direction_rad };
+    let direction = [0.03, 0.02].map(Distribution::normal);
+    let errors = TileErrors { position, rotation, size, strength, direction };
     let group = ErrorGroup { name: "row".to_owned(), tiles: vec![0, 2], errors: errors.clone() };
     let film = film(&errors);
     let tolerance = FilmTolerance { groups: vec![group], ..film.tolerance().clone() };
@@ -102,7 +102,7 @@ fn tiles_are_cut_then_laid() {
 
 #[test]
 fn tiles_that_cannot_exist_are_faults() {
-    let errors = TileErrors { size_mm: normal([10.0; 3]), ..TileErrors::default() };
+    let errors = TileErrors { size: normal([10.0; 3]), ..TileErrors::default() };
     assert!((0..20).any(|sample| film(&errors).sample_tiles(1, sample).is_err()));
 }
 
@@ -111,8 +111,8 @@ fn tiles_that_cannot_exist_are_faults() {
 #[test]
 fn a_group_is_a_rigid_body_of_equal_strength_errors() {
     let errors = TileErrors {
-        position_mm: normal([0.3; 3]),
-        rotation_rad: normal([0.2; 3]),
+        position: normal([0.3; 3]),
+        rotation: normal([0.2; 3]),
         strength: Distribution::normal(0.1),
         ..TileErrors::default()
     };
@@ -131,7 +131,7 @@ fn a_group_is_a_rigid_body_of_equal_strength_errors() {
     // The centre turns about itself, so that it has the errors of position alone.
     let moved = |tile: usize| made[tile].position() - tiles[tile].position();
     let mean = (moved(0) + moved(1) + moved(3)) / 3.0;
-    let alone = TileErrors { position_mm: normal([0.3; 3]), ..TileErrors::default() };
+    let alone = TileErrors { position: normal([0.3; 3]), ..TileErrors::default() };
     let group = ErrorGroup { name: "row".to_owned(), tiles: vec![0, 1, 3], errors: alone };
     let shifted = RealFilm::new(&tiles, &FilmTolerance { groups: vec![group], ..FilmTolerance::default() });
     let shift = shifted.sample_tiles(3, 4).expect("valid")[1].position() - tiles[1].position();

@@ -51,7 +51,7 @@ pub(crate) fn resolve(
             at.add(format!("makes {members} tiles in all groups, must be at most {MAX_GROUP_MEMBERS}"));
             return groups;
         }
-        if parts.len() > 1 && !tabulated.count(errors.all(), parts.len() - 1) {
+        if parts.len() > 1 && !tabulated.count(errors.values(), parts.len() - 1) {
             at.add(too_many_values("this group"));
         }
         // The names of rows and kinds, of which one is told. That of the table has been checked.

@@ -7,6 +7,7 @@ use toml::Spanned;
 
 use self::selection::Selection;
 use self::tabulated::Tabulated;
+use crate::distribution::Distribution;
 use crate::finding::{Finding, FindingSubject};
 use crate::layout::NamedTile;
 use crate::limits::{MAX_TOLERANCE_TILES, SAMPLE_COUNTS};
@@ -118,7 +119,7 @@ fn remark(found: &FilmTolerance, present: TablesPresent, findings: &mut Vec<Find
             missing.join(" and ")
         ));
     }
-    let idle = found.groups.iter().filter(|group| group.errors.all().iter().all(|error| error.is_none()));
+    let idle = found.groups.iter().filter(|group| group.errors.values().all(Distribution::is_none));
     let is_idle =
         |group: &ErrorGroup| format!("tolerance.group \"{}\": all errors are 0, so that it has no effect", group.name);
     findings.extend(listed(idle, FindingSubject::Tolerance, is_idle, "groups"));

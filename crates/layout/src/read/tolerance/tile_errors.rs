@@ -9,13 +9,14 @@ use toml::Spanned;
 use crate::distribution::Distribution;
 use crate::error_unit::{ErrorUnit, largest_magnitude};
 use crate::plausible::short;
+use crate::presets::Preset;
 use crate::read::faults::{Faults, TableFaults};
 use crate::read::names::shown;
 use crate::read::tolerance::distribution::{components, distribution};
 use crate::read::tolerance::selection::Selection;
 use crate::read::tolerance::tabulated::Tabulated;
 use crate::tables::distribution::{Components, WrittenDistribution};
-use crate::tables::tolerance::{GroupTable, KindErrorsTable, Preset, TileErrorsTable, ToleranceTable};
+use crate::tables::tolerance::{GroupTable, KindErrorsTable, TileErrorsTable, ToleranceTable};
 use crate::tolerance::TileErrors;
 
 /// The rule for a table without any of the keys of errors.
@@ -128,11 +129,11 @@ impl GivenErrors {
     /// Replaces the errors of the keys that were given.
     pub(crate) fn replace_in(&self, errors: &mut TileErrors) {
         let GivenErrors { position_mm, rotation_rad, size_mm, strength, direction_rad } = self;
-        set_if_given(position_mm, &mut errors.position_mm);
-        set_if_given(rotation_rad, &mut errors.rotation_rad);
-        set_if_given(size_mm, &mut errors.size_mm);
+        set_if_given(position_mm, &mut errors.position);
+        set_if_given(rotation_rad, &mut errors.rotation);
+        set_if_given(size_mm, &mut errors.size);
         set_if_given(strength, &mut errors.strength);
-        set_if_given(direction_rad, &mut errors.direction_rad);
+        set_if_given(direction_rad, &mut errors.direction);
     }
 }
 
@@ -173,12 +174,7 @@ pub(crate) fn resolve(
     tabulated: &mut Tabulated,
     faults: &mut Faults,
 ) -> Vec<TileErrors> {
-    let mut base = match table.preset {
-        Some(Preset::ByHand) => TileErrors::by_hand(),
-        Some(Preset::Jig) => TileErrors::jig(),
-        Some(Preset::Workshop) => TileErrors::workshop(),
-        None => TileErrors::default(),
-    };
+    let mut base = table.preset.map(Preset::errors).unwrap_or_default();
     let count = selection.tiles.len();
     let shortest = selection.shortest_side(0..count);
     let mut at = faults.at(span, "tolerance");
@@ -199,7 +195,7 @@ pub(crate) fn resolve(
         let given = keys.resolve(selection.shortest_side(chosen.iter().copied()), tabulated, &mut at);
         chosen.into_iter().for_each(|index| given.replace_in(&mut tiles[index]));
     }
-    let has_errors = |errors: &TileErrors| errors.all().iter().any(|error| !error.is_none());
+    let has_errors = |errors: &TileErrors| errors.values().any(|error| !error.is_none());
     if tiles.iter().any(has_errors) { tiles } else { Vec::new() }
 }
 
