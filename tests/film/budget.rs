@@ -56,7 +56,7 @@ fn parts_add_up_to_the_simulated_total() {
                 assert!((parts - total).abs() < 1e-12 * total, "{name}, {axis}: {parts}, not {total}");
                 assert!(check.axes[axis].mean_square_is_valid(), "{name}, {axis}: {:?}", check.axes[axis]);
                 let squares: Vec<f64> =
-                    samples.iter().map(|sample| sample.displacement_rmse_mm[axis].powi(2)).collect();
+                    samples.iter().map(|sample| sample.displacement_rmse_mm.to_array()[axis].powi(2)).collect();
                 let n = squares.len() as f64;
                 let mean = squares.iter().sum::<f64>() / n;
                 let stated = check.axes[axis].sampled_mm2;

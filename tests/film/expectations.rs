@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use magsplice::decouple::Figure;
 use magsplice::expect::{Baseline, Expectation};
 use magsplice::field::InstructionSet;
 use magsplice::prelude::*;
@@ -103,11 +104,11 @@ fn expectations_that_fail_to_evaluate_leave_the_others() {
     let outcomes = Film::new(&layout).unwrap().outcomes(None);
     for (expectation, outcome) in outcomes {
         match expectation {
-            Expectation::UniformityRmse(_) | Expectation::DisplacementRmse(_) => {
+            Expectation::Figure(Figure::Uniformity(_) | Figure::Displacement(_)) => {
                 assert!(matches!(outcome, Err(FilmError::NotBelow(_))), "{outcome:?}");
             }
             Expectation::Field => assert_eq!(outcome, Err(FilmError::NoBaseline)),
-            Expectation::Amplitude | Expectation::Clearance => assert!(outcome.unwrap().is_met()),
+            Expectation::Figure(Figure::Amplitude) | Expectation::Clearance => assert!(outcome.unwrap().is_met()),
             _ => panic!("{expectation} is not expected of this film"),
         }
     }

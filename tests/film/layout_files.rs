@@ -286,8 +286,8 @@ fn expectations_survive_a_round_trip() {
                   field = { file = \"published.field.csv\", within = 1e-9 }\nclearance_mm = { min = 0.0 }\n";
     let found = layout(&format!("{TABLES}{expect}{TILE}"));
     let expected = found.expectations.clone();
-    assert_eq!(expected.uniformity_rmse, [Some(0.065), None, Some(0.042)]);
-    assert_eq!((expected.least_amplitude, expected.least_clearance_mm), (Some(0.8), Some(0.0)));
+    assert_eq!(expected.bounds.uniformity_rmse.to_array(), [Some(0.065), None, Some(0.042)]);
+    assert_eq!((expected.bounds.least_amplitude, expected.least_clearance_mm), (Some(0.8), Some(0.0)));
     let field = expected.field.unwrap();
     assert_eq!((field.file.to_str(), field.within), (Some("published.field.csv"), 1e-9));
     // The plain form has the same expectations.

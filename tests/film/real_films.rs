@@ -3,10 +3,11 @@
 
 use std::ops::Range;
 
+use magsplice::decouple::Figures;
 use magsplice::layout::{
     CommonErrors, Distribution, FilmPose, FilmTolerance, Preset, SensorErrors, StrayField, Temperature, TileErrors,
 };
-use magsplice::tolerance::{Estimate, EvaluationGrid, Figure, FilmErrors, RealFilm, Sampler, statistics};
+use magsplice::tolerance::{Estimate, EvaluationGrid, RealFilm, Sampler, statistics};
 
 use crate::shipped::layout;
 
@@ -14,7 +15,7 @@ use crate::shipped::layout;
 const SAMPLES: u64 = 400;
 
 /// A shipped film with errors, and the errors of samples of it.
-fn sampled(name: &str, tolerance: impl Fn(usize) -> FilmTolerance, samples: Range<u64>) -> Vec<FilmErrors> {
+fn sampled(name: &str, tolerance: impl Fn(usize) -> FilmTolerance, samples: Range<u64>) -> Vec<Figures> {
     let layout = layout(name);
     let (volume, ideal) = (layout.volume.as_ref().expect("stated"), layout.ideal.expect("stated"));
     let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
@@ -43,7 +44,7 @@ fn published_film_with_misplaced_tiles_has_the_known_mean_uniformity() {
     let errors = TileErrors { position: normal([0.05, 0.05, 0.0]), ..TileErrors::default() };
     let sampled = sampled("published-film", |tiles| FilmTolerance::of_tiles(&errors, tiles), 0..SAMPLES);
     for (axis, mean) in [0.0646, 0.0646, 0.041].into_iter().enumerate() {
-        let found = statistics(&sampled, Figure::Uniformity(axis)).expect("samples").mean;
+        let found = statistics(&sampled).expect("samples").uniformity_rmse.to_array()[axis].expect("defined").mean;
         let rounding = if axis == 2 { 5e-4 } else { 5e-5 };
         assert!(agrees(found, mean, rounding), "axis {axis}: {found:?}, not {mean}");
     }
@@ -75,7 +76,7 @@ fn films_with_each_cause_of_error_have_the_known_displacement_errors() {
     for (name, known) in known {
         for (number, (errors, known)) in causes.iter().zip(known).enumerate() {
             let sampled = sampled(name, |tiles| FilmTolerance::of_tiles(errors, tiles), 0..SAMPLES);
-            let p95 = statistics(&sampled, Figure::Displacement(0)).expect("samples").p95;
+            let p95 = statistics(&sampled).expect("samples").displacement_rmse_mm.x.p95;
             if !agrees(p95, known, 5e-4) {
                 apart.push(format!("{name}, cause {number}: {p95:?}, not {known}"));
             }
@@ -139,7 +140,7 @@ fn causes_outside_the_tiles_have_the_known_displacement_errors() {
         let samples = if allowed > 1e-5 { SAMPLES } else { 1 };
         let sampled = sampled("designed-displacement", tolerance, 0..samples);
         for (axis, known) in [0, 2].into_iter().zip(known) {
-            let found = statistics(&sampled, Figure::Displacement(axis)).expect("samples").mean.value;
+            let found = statistics(&sampled).expect("samples").displacement_rmse_mm.to_array()[axis].mean.value;
             assert!((found - known).abs() < allowed, "{common:?}, axis {axis}: {found}, not {known}");
         }
     }

@@ -4,7 +4,7 @@ use magsplice::Film;
 use magsplice::layout::{Distribution, FilmTolerance, NamedTile, TileErrors};
 use magsplice::prelude::*;
 use magsplice::recoil::{Magnetization, Permeability, RecoilTile};
-use magsplice::tolerance::{EvaluationGrid, FilmErrors, RealFilm, Sampler};
+use magsplice::tolerance::{EvaluationGrid, RealFilm, Sampler};
 
 use crate::shipped::layout;
 
@@ -54,10 +54,10 @@ fn errors_of_films_with_recoil_are_those_of_solved_films() {
             let solved = Scene::new(Magnetization::solve(&tiles, level, |_| {}).unwrap().cells());
             let field_t = solved.field_on_grid(Quantity::FluxDensity, &volume.grid).unwrap();
             let reference_t = solved.field(Quantity::FluxDensity, volume.reference).unwrap();
-            let of_solved = FilmErrors::from_field(&field_t, reference_t, &volume, &ideal).unwrap();
+            let of_solved = volume.figures(&field_t, reference_t, &ideal).unwrap();
             let of_sample = sampler.errors_of(sample).unwrap();
-            for (axis, solved_mm) in of_solved.displacement_rmse_mm.into_iter().enumerate() {
-                let sample_mm = of_sample.displacement_rmse_mm[axis];
+            for (axis, solved_mm) in of_solved.displacement_rmse_mm.to_array().into_iter().enumerate() {
+                let sample_mm = of_sample.displacement_rmse_mm.to_array()[axis];
                 assert!(
                     (sample_mm - solved_mm).abs() <= NEGLECTED * (mu_r - 1.0) * solved_mm,
                     "{name} {mu_r}, sample {sample}, axis {axis}: {sample_mm} mm, solved {solved_mm} mm"

@@ -33,14 +33,6 @@ impl<'a> Evaluation<'a> {
         Ok(Evaluation { film, ideal, volume, field_t, reference_field_t, comparison, decoupling })
     }
 
-    /// The uniformity RMSE of each parameter; NaN if the planes normal to its axis have one point
-    /// each, which deviates from nothing.
-    pub(crate) fn uniformity_rmse(&self) -> PerParameter {
-        let PerParameter { r_x, r_y, s_z } = self.decoupling.uniformity_rmse;
-        let known = |value: f64, axis| if self.volume.grid.plane_len(axis) > 1 { value } else { f64::NAN };
-        PerParameter { r_x: known(r_x, 0), r_y: known(r_y, 1), s_z: known(s_z, 2) }
-    }
-
     /// B, R_x, R_y and S_z at every point of the volume; the parameters are NaN at singular points.
     pub(crate) fn table(&self) -> Table {
         let Evaluation { film, volume, field_t, decoupling, .. } = self;
@@ -52,7 +44,7 @@ impl<'a> Evaluation<'a> {
         let mut metadata = table::film_metadata(film);
         metadata.extend([
             ("reference_mm", MetadataValue::Numbers(volume.reference_mm.to_array().to_vec())),
-            ("uniformity_rmse", all(self.uniformity_rmse())),
+            ("uniformity_rmse", all(decoupling.uniformity_rmse.map(|rmse| rmse.unwrap_or(f64::NAN)))),
             ("ideal_rmse", all(decoupling.ideal_rmse)),
             ("singular_points", MetadataValue::Count(decoupling.singular.len())),
         ]);

@@ -6,6 +6,7 @@ use magsplice_ideal::IdealFilm;
 use crate::decoupling::{DecouplingError, check_reach, reference_parameters};
 use crate::ideal_error::{SquareSums, ideal_error};
 use crate::parameters::Parameters;
+use crate::per_axis::PerAxis;
 use crate::per_parameter::PerParameter;
 
 /// The decoupling parameters of a film at given points, with their errors against the ideal film.
@@ -37,6 +38,9 @@ pub struct PointDecoupling {
     pub singular: Vec<DVec3>,
     /// Root mean square of the errors over all points.
     pub ideal_rmse: PerParameter,
+    /// The same errors as displacements along x, y, z (Dai 2024, Eq. 14): over the wavenumber, in
+    /// the unit of lengths, which is millimetres in layouts.
+    pub displacement_rmse_mm: PerAxis,
 }
 
 impl PointDecoupling {
@@ -77,7 +81,9 @@ impl PointDecoupling {
         }
         let mut squares = SquareSums::default();
         errors.iter().flatten().for_each(|error| squares.add(*error));
-        Ok(PointDecoupling { parameters, at_reference, errors, singular, ideal_rmse: squares.rmse() })
+        let ideal_rmse = squares.rmse();
+        let displacement_rmse_mm = ideal_rmse.as_lengths(k).into();
+        Ok(PointDecoupling { parameters, at_reference, errors, singular, ideal_rmse, displacement_rmse_mm })
     }
 
     /// The displacement that Eq. 14 of Dai 2024 finds from the reference to a point, minus the true
@@ -113,7 +119,7 @@ mod tests {
             let error = d.displacement_error(index, film().wavenumber()).unwrap();
             assert!((error - moved).length() < 1e-12, "{error}");
         }
-        assert!((d.ideal_rmse.as_lengths(film().wavenumber()) - moved.abs()).length() < 1e-12);
+        assert!((DVec3::from(d.displacement_rmse_mm) - moved.abs()).length() < 1e-12);
     }
 
     #[test]

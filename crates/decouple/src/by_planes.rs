@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::parameters::Parameters;
-use crate::per_parameter::Parameter;
+use crate::per_parameter::{Parameter, PerParameter};
 
 /// Two coordinates are those of one plane up to this fraction of the extent of the points.
 const SAME_PLANE: f64 = 1e-6;
@@ -15,9 +15,10 @@ const SAME_PLANE: f64 = 1e-6;
 ///
 /// # Panics
 /// If there are not as many parameters as points.
-pub fn uniformity_by_planes(points: &[DVec3], parameters: &[Parameters]) -> [Option<f64>; 3] {
+pub fn uniformity_by_planes(points: &[DVec3], parameters: &[Parameters]) -> PerParameter<Option<f64>> {
     assert_eq!(points.len(), parameters.len(), "parameters at each point");
-    let of = |axis: usize, parameter: Parameter| {
+    let of = |parameter: Parameter| {
+        let axis = parameter.axis().index();
         let mut values: Vec<(f64, f64)> =
             points.iter().zip(parameters).map(|(point, all)| (point[axis], all.get(parameter))).collect();
         values.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -33,7 +34,7 @@ pub fn uniformity_by_planes(points: &[DVec3], parameters: &[Parameters]) -> [Opt
             .collect();
         (!deviations.is_empty()).then(|| deviations.iter().sum::<f64>() / deviations.len() as f64)
     };
-    [of(0, Parameter::Rx), of(1, Parameter::Ry), of(2, Parameter::Sz)]
+    Parameter::ALL.map(of).into()
 }
 
 #[cfg(test)]
@@ -44,11 +45,11 @@ mod tests {
     fn planes_with_one_point_do_not_count() {
         let points = [DVec3::ZERO, DVec3::Y, DVec3::new(1.0, 0.0, 0.0)];
         let parameters = [1.0, 3.0, 7.0].map(|value| Parameters { r_x: value, r_y: value, s_z: value });
-        let [r_x, r_y, s_z] = uniformity_by_planes(&points, &parameters);
+        let PerParameter { r_x, r_y, s_z } = uniformity_by_planes(&points, &parameters);
         // x = 0 has 1 and 3, y = 0 has 1 and 7, and z = 0 has all three of mean 11 / 3.
         assert_eq!((r_x, r_y), (Some(1.0), Some(3.0)));
         let variance = [1.0_f64, 3.0, 7.0].iter().map(|value| (value - 11.0 / 3.0).powi(2)).sum::<f64>() / 3.0;
         assert!((s_z.unwrap() - variance.sqrt()).abs() < 1e-14);
-        assert_eq!(uniformity_by_planes(&points[..1], &parameters[..1]), [None; 3]);
+        assert_eq!(uniformity_by_planes(&points[..1], &parameters[..1]), PerParameter::default());
     }
 }

@@ -6,10 +6,11 @@ use std::fmt;
 use glam::DVec3;
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::Grid;
-use ndarray::{Array3, ArrayView2, Axis};
+use ndarray::{Array3, ArrayView2};
 
 use crate::ideal_error::{SquareSums, ideal_error};
 use crate::parameters::{Branch, Parameters};
+use crate::per_axis::PerAxis;
 use crate::per_parameter::{Parameter, PerParameter};
 
 /// The decoupling parameters of a film over a working volume, with their errors.
@@ -27,7 +28,7 @@ use crate::per_parameter::{Parameter, PerParameter};
 /// let reference = DVec3::new(0.0, 0.0, -5.0);
 /// let at_reference = (reference, film.flux_density_t(reference).unwrap());
 /// let decoupling = Decoupling::from_field(&grid, &field_t, at_reference, &film).unwrap();
-/// assert!(decoupling.uniformity_rmse.r_x < 1e-13); // the ideal film decouples perfectly
+/// assert!(decoupling.uniformity_rmse.r_x.unwrap() < 1e-13); // the ideal film decouples perfectly
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -43,11 +44,14 @@ pub struct Decoupling {
     pub singular: Vec<DVec3>,
     /// Uniformity RMSE: the population standard deviation of a parameter over a plane normal to its
     /// own axis, averaged over the planes. It tells how much the parameter depends on the two
-    /// coordinates that it should not depend on.
-    pub uniformity_rmse: PerParameter,
+    /// coordinates that it should not depend on. `None` where the planes have one point each.
+    pub uniformity_rmse: PerParameter<Option<f64>>,
     /// Root mean square, over all points, of the difference between a parameter's change from the
     /// reference point and that of the ideal film (-k dx, -k dy, k dz).
     pub ideal_rmse: PerParameter,
+    /// The same errors as displacements along x, y, z (Dai 2024, Eq. 14): over the wavenumber, in
+    /// the unit of lengths, which is millimetres in layouts.
+    pub displacement_rmse_mm: PerAxis,
 }
 
 /// Statistics of a parameter over one plane normal to its own axis, where it should be constant. In
@@ -124,10 +128,14 @@ impl Decoupling {
         if singular.len() == grid.len() {
             return Err(DecouplingError::AllSingular);
         }
-        let [r_x, r_y, s_z] = Parameter::ALL.map(|parameter| mean_deviation(&plane_statistics(&parameters, parameter)));
-        let uniformity_rmse = PerParameter { r_x, r_y, s_z };
+        let uniformity = |parameter: Parameter| {
+            let has_planes = grid.plane_len(parameter.axis().index()) > 1;
+            has_planes.then(|| mean_deviation(&plane_statistics(&parameters, parameter)))
+        };
+        let uniformity_rmse = Parameter::ALL.map(uniformity).into();
         let ideal_rmse = ideal_rmse(&parameters, &at_reference, grid, reference, ideal.wavenumber());
-        Ok(Decoupling { parameters, at_reference, singular, uniformity_rmse, ideal_rmse })
+        let displacement_rmse_mm = ideal_rmse.as_lengths(ideal.wavenumber()).into();
+        Ok(Decoupling { parameters, at_reference, singular, uniformity_rmse, ideal_rmse, displacement_rmse_mm })
     }
 
     /// Statistics of a parameter over each plane of the grid normal to the axis that the parameter
@@ -139,7 +147,10 @@ impl Decoupling {
 }
 
 fn plane_statistics(parameters: &Array3<Option<Parameters>>, parameter: Parameter) -> Vec<Option<PlaneStatistics>> {
-    parameters.axis_iter(Axis(parameter.axis())).map(|plane| statistics_over(&plane, parameter)).collect()
+    parameters
+        .axis_iter(ndarray::Axis(parameter.axis().index()))
+        .map(|plane| statistics_over(&plane, parameter))
+        .collect()
 }
 
 /// Mean deviation of the planes that have a regular point.
@@ -252,7 +263,8 @@ mod tests {
     #[test]
     fn ideal_film_has_no_error() {
         let d = Decoupling::from_field(&grid(), &ideal_field(&grid()), reference(), &film()).unwrap();
-        for value in [d.uniformity_rmse.r_x, d.uniformity_rmse.s_z, d.ideal_rmse.r_y, d.ideal_rmse.s_z] {
+        let uniformity = d.uniformity_rmse.map(Option::unwrap);
+        for value in [uniformity.r_x, uniformity.s_z, d.ideal_rmse.r_y, d.ideal_rmse.s_z] {
             // Round-off of the parameters: |B| / |B_z| is below 10 in this volume.
             assert!(value < 1e-13, "{value}");
         }
@@ -270,14 +282,15 @@ mod tests {
         let d = Decoupling::from_field(&grid, &field, reference(), &film()).unwrap();
         // One of 25 values is raised by e, so the deviation is e sqrt(24) / 25.
         let e = 1.1_f64.ln();
-        assert_relative_eq!(d.uniformity_rmse.s_z, e * 24.0_f64.sqrt() / 25.0 / 3.0, max_relative = 1e-9);
+        let uniformity = d.uniformity_rmse.map(Option::unwrap);
+        assert_relative_eq!(uniformity.s_z, e * 24.0_f64.sqrt() / 25.0 / 3.0, max_relative = 1e-9);
         assert_relative_eq!(d.ideal_rmse.s_z, e / 75.0_f64.sqrt(), max_relative = 1e-9);
-        assert_relative_eq!(d.ideal_rmse.as_lengths(film().wavenumber()).z, e / 75.0_f64.sqrt() / film().wavenumber());
-        assert!(d.uniformity_rmse.r_x < 1e-13);
+        assert_relative_eq!(d.displacement_rmse_mm.z, e / 75.0_f64.sqrt() / film().wavenumber());
+        assert!(uniformity.r_x < 1e-13);
         let plane = d.plane_statistics(Parameter::Sz)[1].unwrap();
         assert_relative_eq!(plane.most - plane.least, e, max_relative = 1e-9);
         assert_relative_eq!(plane.mean - plane.least, e / 25.0, max_relative = 1e-9);
-        assert_relative_eq!(plane.deviation, 3.0 * d.uniformity_rmse.s_z, max_relative = 1e-9);
+        assert_relative_eq!(plane.deviation, 3.0 * uniformity.s_z, max_relative = 1e-9);
     }
 
     /// A film that is displaced after the reference was taken has the same error in every point.
@@ -287,9 +300,9 @@ mod tests {
         let field: Vec<DVec3> = grid.points().map(|p| film().flux_density_t(p + moved).unwrap()).collect();
         let at = DVec3::new(0.7, -0.4, -4.5);
         let d = Decoupling::from_field(&grid, &field, (at, film().flux_density_t(at).unwrap()), &film()).unwrap();
-        let found = d.ideal_rmse.as_lengths(film().wavenumber());
+        let found = DVec3::from(d.displacement_rmse_mm);
         assert!((found - moved.abs()).length() < 1e-12, "{found}");
-        assert!(d.uniformity_rmse.as_lengths(film().wavenumber()).length() < 1e-12);
+        assert!(d.uniformity_rmse.map(Option::unwrap).as_lengths(film().wavenumber()).length() < 1e-12);
     }
 
     #[test]
@@ -310,7 +323,16 @@ mod tests {
         field[4].z = 0.0;
         let d = Decoupling::from_field(&grid, &field, reference(), &film()).unwrap();
         assert_eq!(d.singular, [grid.point(4)]);
-        assert!(d.ideal_rmse.r_x < 1e-13 && d.uniformity_rmse.r_x < 1e-13);
+        assert!(d.ideal_rmse.r_x < 1e-13 && d.uniformity_rmse.r_x.unwrap() < 1e-13);
+    }
+
+    /// Along a line of points in x, the planes normal to x have one point each.
+    #[test]
+    fn planes_of_one_point_have_no_uniformity() {
+        let line = Grid::new(DVec3::new(-1.0, 0.0, -4.0), DVec3::new(1.0, 0.0, -4.0), [3, 1, 1]).expect("a grid");
+        let d = Decoupling::from_field(&line, &ideal_field(&line), reference(), &film()).unwrap();
+        let PerParameter { r_x, r_y, s_z } = d.uniformity_rmse;
+        assert!(r_x.is_none() && r_y.unwrap() < 1e-13 && s_z.unwrap() < 1e-13, "{r_x:?} {r_y:?} {s_z:?}");
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! * [`Parameters`]: R_x, R_y, S_z of a field value, and displacement from their change (Dai 2024,
 //!   Eqs. 13 to 15).
 //! * [`Decoupling`]: the parameters over a working volume, and their errors.
+//! * [`Figures`]: the errors of a film over its working volume, and its amplitude.
 //! * [`uniformity_by_planes`]: the uniformity of parameters at points on planes.
 //! * [`PointDecoupling`]: the parameters at given points, and their errors.
 //!
@@ -42,13 +43,15 @@ mod at_points;
 mod by_planes;
 /// The parameters over a working volume, and their errors.
 mod decoupling;
+/// Seven numbers that describe how well a film decouples.
+mod figures;
 /// The error of a parameter's change against the ideal film.
 mod ideal_error;
 /// The parameters of one field value, and displacement from their change.
 mod parameters;
 /// One value for each axis.
 mod per_axis;
-/// One number for each parameter.
+/// One value for each parameter.
 mod per_parameter;
 /// Second derivatives of the parameters.
 mod second_derivatives;
@@ -56,6 +59,7 @@ mod second_derivatives;
 pub use at_points::PointDecoupling;
 pub use by_planes::uniformity_by_planes;
 pub use decoupling::{Decoupling, DecouplingError, PlaneStatistics};
+pub use figures::{Figure, Figures};
 pub use parameters::{Branch, ParameterDerivatives, Parameters};
 pub use per_axis::PerAxis;
 pub use per_parameter::{Parameter, PerParameter};

@@ -1,6 +1,9 @@
 //! One value for each axis.
 
+use std::ops::Index;
+
 use glam::DVec3;
+use magsplice_magnet::Axis;
 
 /// One value for each axis, such as an error of the displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -12,6 +15,24 @@ pub struct PerAxis<T = f64> {
     pub y: T,
     /// The value along z.
     pub z: T,
+}
+
+impl<T> PerAxis<T> {
+    /// The values along x, y, z.
+    pub fn to_array(self) -> [T; 3] {
+        [self.x, self.y, self.z]
+    }
+
+    /// The values of a function of these.
+    pub fn map<U>(self, f: impl FnMut(T) -> U) -> PerAxis<U> {
+        self.to_array().map(f).into()
+    }
+}
+
+impl<T> From<[T; 3]> for PerAxis<T> {
+    fn from([x, y, z]: [T; 3]) -> PerAxis<T> {
+        PerAxis { x, y, z }
+    }
 }
 
 impl From<DVec3> for PerAxis {
@@ -26,9 +47,14 @@ impl From<PerAxis> for DVec3 {
     }
 }
 
-impl<T> PerAxis<T> {
-    /// The values along x, y, z.
-    pub fn to_array(self) -> [T; 3] {
-        [self.x, self.y, self.z]
+impl<T> Index<Axis> for PerAxis<T> {
+    type Output = T;
+
+    fn index(&self, axis: Axis) -> &T {
+        match axis {
+            Axis::X => &self.x,
+            Axis::Y => &self.y,
+            Axis::Z => &self.z,
+        }
     }
 }

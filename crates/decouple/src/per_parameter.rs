@@ -1,9 +1,12 @@
-//! One number for each decoupling parameter.
+//! One value for each decoupling parameter.
+
+use std::ops::Index;
 
 use glam::DVec3;
+use magsplice_magnet::Axis;
 
 /// The name of a decoupling parameter (Dai 2024, Eq. 15).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Parameter {
     /// R_x, which follows x.
@@ -21,43 +24,41 @@ impl Parameter {
     /// All parameters, in the order of the axes that they follow.
     pub const ALL: [Parameter; 3] = [Parameter::Rx, Parameter::Ry, Parameter::Sz];
 
-    /// The axis that the parameter follows: 0, 1, 2 for x, y, z.
-    pub const fn axis(self) -> usize {
+    /// The axis that the parameter follows.
+    pub const fn axis(self) -> Axis {
         match self {
-            Parameter::Rx => 0,
-            Parameter::Ry => 1,
-            Parameter::Sz => 2,
+            Parameter::Rx => Axis::X,
+            Parameter::Ry => Axis::Y,
+            Parameter::Sz => Axis::Z,
         }
     }
 }
 
-/// One number for each decoupling parameter, such as an error.
+/// One value for each decoupling parameter, such as an error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct PerParameter {
-    /// The number for R_x, in radians.
-    pub r_x: f64,
-    /// The number for R_y, in radians.
-    pub r_y: f64,
-    /// The number for S_z, without unit.
-    pub s_z: f64,
+pub struct PerParameter<T = f64> {
+    /// The value for R_x; numbers are in radians.
+    pub r_x: T,
+    /// The value for R_y; numbers are in radians.
+    pub r_y: T,
+    /// The value for S_z; numbers are without unit.
+    pub s_z: T,
 }
 
-impl PerParameter {
-    /// The number for one parameter.
-    pub const fn get(&self, parameter: Parameter) -> f64 {
-        match parameter {
-            Parameter::Rx => self.r_x,
-            Parameter::Ry => self.r_y,
-            Parameter::Sz => self.s_z,
-        }
-    }
-
-    /// The numbers for R_x, R_y, S_z, in the order of [`Parameter::ALL`].
-    pub const fn to_array(&self) -> [f64; 3] {
+impl<T> PerParameter<T> {
+    /// The values for R_x, R_y, S_z, in the order of [`Parameter::ALL`].
+    pub fn to_array(self) -> [T; 3] {
         [self.r_x, self.r_y, self.s_z]
     }
 
+    /// The values of a function of these.
+    pub fn map<U>(self, f: impl FnMut(T) -> U) -> PerParameter<U> {
+        self.to_array().map(f).into()
+    }
+}
+
+impl PerParameter {
     /// The same errors as displacements along x, y, z: divided by k (Dai 2024, Eq. 14), in the unit
     /// of 1 / `wavenumber`.
     pub fn as_lengths(&self, wavenumber: f64) -> DVec3 {
@@ -65,16 +66,39 @@ impl PerParameter {
     }
 }
 
+impl<T> From<[T; 3]> for PerParameter<T> {
+    fn from([r_x, r_y, s_z]: [T; 3]) -> PerParameter<T> {
+        PerParameter { r_x, r_y, s_z }
+    }
+}
+
+impl<T> Index<Parameter> for PerParameter<T> {
+    type Output = T;
+
+    fn index(&self, parameter: Parameter) -> &T {
+        match parameter {
+            Parameter::Rx => &self.r_x,
+            Parameter::Ry => &self.r_y,
+            Parameter::Sz => &self.s_z,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::per_axis::PerAxis;
 
     #[test]
-    fn numbers_are_in_the_order_of_the_axes() {
+    fn values_are_in_the_order_of_the_axes() {
         let numbers = PerParameter { r_x: 2.0, r_y: 3.0, s_z: 5.0 };
         assert_eq!(numbers.to_array(), [2.0, 3.0, 5.0]);
-        assert_eq!(Parameter::ALL.map(|parameter| numbers.get(parameter)), numbers.to_array());
-        assert_eq!(Parameter::ALL.map(Parameter::axis), [0, 1, 2]);
+        assert_eq!(PerParameter::from(numbers.to_array()), numbers);
+        assert_eq!(Parameter::ALL.map(|parameter| numbers[parameter]), numbers.to_array());
+        assert_eq!(Parameter::ALL.map(Parameter::axis), Axis::ALL);
         assert_eq!(numbers.as_lengths(2.0), DVec3::new(1.0, 1.5, 2.5));
+        let lengths = PerAxis::from(numbers.as_lengths(2.0));
+        assert_eq!(Axis::ALL.map(|axis| lengths[axis]), lengths.to_array());
+        assert_eq!(lengths.map(|length| 2.0 * length).to_array(), numbers.map(|number| number).to_array());
     }
 }

@@ -88,7 +88,7 @@ fn weighted_amplitude_is_that_of_the_finer_grid() {
         layout.volume.unwrap().reference_mm,
         &layout.ideal.unwrap(),
     );
-    let exact = exact.unwrap().amplitude;
+    let exact = exact.unwrap().figures.amplitude;
     // The coarse grid and the finer one differ by 7e-3.
     assert!((residuals.amplitudes[1].0 - exact).abs() < 2e-5, "{} is not {exact}", residuals.amplitudes[1].0);
     assert!((residuals.amplitudes[0].0 - exact).abs() > 1e-4, "the grids differ");

@@ -45,7 +45,8 @@
 //! let layout = Layout::parse(text, "example")?;
 //! let problem = DesignProblem::new(&layout)?;
 //! let result = problem.search(&ignore_progress)?;
-//! assert!(result.after.uniformity_rmse.r_x < result.before.uniformity_rmse.r_x);
+//! let r_x = |metrics: &magsplice_design::Metrics| metrics.figures.uniformity_rmse.r_x.unwrap();
+//! assert!(r_x(&result.after) < r_x(&result.before));
 //! let designed = problem.designed_layout(&result, "example");
 //! assert_eq!(designed.tiles.len(), 4);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -29,7 +29,7 @@ impl ParetoFront {
     /// The front without dominated films. A film that misses a demand stays, and dominates none.
     fn without_dominated(self, error: impl Fn(&SearchResult) -> f64) -> ParetoFront {
         let ParetoFront { by_amplitude, by_parts } = self;
-        let merits = |film: &SearchResult| (error(film), film.after.amplitude, film.parts);
+        let merits = |film: &SearchResult| (error(film), film.after.figures.amplitude, film.parts);
         let all = by_amplitude.iter().map(|(_, film)| film).chain(&by_parts);
         let rivals: Vec<Merits> = all.filter(|film| film.short_of.is_empty()).map(merits).collect();
         let stays = |film: &SearchResult| {
@@ -110,12 +110,13 @@ impl DesignProblem<'_> {
             squares.sum::<f64>().sqrt()
         };
         if let Some(made) = &film.made {
-            return weighted(made.after.displacement_rmse_mm.each_ref().map(|axis| axis.p95.value));
+            return weighted(made.after.displacement_rmse_mm.map(|axis| axis.p95.value).to_array());
         }
         let metrics = &film.after;
         match self.brief.goal {
-            Goal::Uniformity => weighted(metrics.uniformity_rmse.to_array()),
-            Goal::Displacement => weighted(metrics.displacement_rmse_mm),
+            // An undefined uniformity is no error.
+            Goal::Uniformity => weighted(metrics.figures.uniformity_rmse.map(Option::unwrap_or_default).to_array()),
+            Goal::Displacement => weighted(metrics.figures.displacement_rmse_mm.to_array()),
             Goal::Field => metrics.scaled_relative_rmse.unwrap_or(f64::INFINITY),
         }
     }
@@ -226,7 +227,7 @@ mod tests {
         assert_eq!(front.by_amplitude.len(), 2);
         for (least, film) in &front.by_amplitude {
             assert_eq!(film.short_of, [""; 0]);
-            assert!(film.after.amplitude >= *least, "{}", film.after.amplitude);
+            assert!(film.after.figures.amplitude >= *least, "{}", film.after.figures.amplitude);
             let stages: Vec<SearchStage> = film.stages.iter().map(|stage| stage.stage).collect();
             assert_eq!(stages, [SearchStage::Starts, SearchStage::Rounding]);
         }

@@ -14,10 +14,12 @@
 //!
 //! # Example
 //! ```
+//! use magsplice_decouple::Figure;
 //! use magsplice_expect::{Bound, Expectation, Outcome};
 //!
 //! let bound = Bound::AtLeast(0.8);
-//! let outcome = Outcome { expectation: Expectation::Amplitude, value: 0.82, bound, location: None };
+//! let amplitude = Expectation::Figure(Figure::Amplitude);
+//! let outcome = Outcome { expectation: amplitude, value: 0.82, bound, location: None };
 //! assert!(outcome.is_met() && (outcome.margin() - 0.02).abs() < 1e-15);
 //! ```
 
@@ -38,4 +40,4 @@ pub use baseline::{Baseline, BaselineDifference, PointsMismatch};
 pub use clearance::Clearance;
 pub use made::keeps_bounds;
 pub use narrow_gaps::NarrowGaps;
-pub use outcome::{Bound, DisplacementAxis, Expectation, Location, Outcome};
+pub use outcome::{Bound, Expectation, Location, Outcome};

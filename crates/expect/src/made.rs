@@ -1,28 +1,25 @@
 //! Expectations of films that are made: bounds that each sample keeps or breaks.
 
-use magsplice_layout::{Expectations, MadeExpectations};
-use magsplice_tolerance::{Figure, FilmErrors, probability_of_at_least};
+use magsplice_decouple::{Figure, Figures};
+use magsplice_layout::{FigureBounds, MadeExpectations};
+use magsplice_tolerance::probability_of_at_least;
 
-use crate::outcome::{Bound, Expectation, Location, Outcome, made_bound};
+use crate::outcome::{Bound, Expectation, Location, Outcome};
 
-/// Whether a film keeps the bounds of `[expect]` on its uniformity RMSE, its displacement RMSE and
-/// its amplitude. `None` if there are no such bounds.
-pub fn keeps_bounds(expected: &Expectations, errors: &FilmErrors) -> Option<bool> {
-    let at_most = (0..3).flat_map(|axis| {
-        [
-            (Figure::Uniformity(axis), expected.uniformity_rmse[axis]),
-            (Figure::Displacement(axis), expected.displacement_rmse_mm[axis]),
-        ]
-    });
-    let kept = at_most.filter_map(|(figure, bound)| Some(errors.get(figure) <= bound?));
-    let strong = expected.least_amplitude.map(|least| errors.amplitude >= least);
-    kept.chain(strong).reduce(|all, one| all && one)
+/// Whether a film keeps the bounds of its figures. An undefined uniformity keeps none. `None` if
+/// there are no bounds.
+pub fn keeps_bounds(bounds: &FigureBounds, figures: &Figures) -> Option<bool> {
+    let is_kept = |(figure, value): (Figure, Option<&f64>)| {
+        let bound = Bound::of(bounds, figure)?;
+        Some(value.is_some_and(|value| bound.is_kept_by(*value)))
+    };
+    figures.iter().filter_map(is_kept).reduce(|all, one| all && one)
 }
 
 impl Outcome {
-    /// The outcome for a figure of the films that are made. `errors` are those of samples. `None`
-    /// if the layout does not bound the figure, or there are too few samples to break any bound
-    /// with the confidence that it states.
+    /// The outcome for a figure of the films that are made, from the figures of samples. `None` if
+    /// the layout does not bound the figure, or too few samples have it to break any bound with the
+    /// confidence that the layout states.
     ///
     /// The value is the limit that the percentile passes with this confidence, so that a film at
     /// its bound does not fail by chance: if more films than the percentile allows were beyond this
@@ -31,10 +28,10 @@ impl Outcome {
     ///
     /// # Panics
     /// Without samples.
-    pub fn from_made(expected: &MadeExpectations, figure: Figure, errors: &[FilmErrors]) -> Option<Outcome> {
-        let bound = made_bound(expected, figure)?;
+    pub fn from_made(expected: &MadeExpectations, figure: Figure, errors: &[Figures]) -> Option<Outcome> {
+        let bound = Bound::of(&expected.bounds, figure)?;
         // The films beyond the percentile come first.
-        let mut sorted: Vec<f64> = errors.iter().map(|errors| errors.get(figure)).collect();
+        let mut sorted: Vec<f64> = errors.iter().filter_map(|errors| errors.get(figure).copied()).collect();
         match bound {
             Bound::AtMost(_) => sorted.sort_by(|a, b| b.total_cmp(a)),
             Bound::AtLeast(_) => sorted.sort_by(f64::total_cmp),
@@ -60,64 +57,64 @@ impl Outcome {
 
 #[cfg(test)]
 mod tests {
-    use magsplice_decouple::PerParameter;
+    use magsplice_decouple::{Parameter, PerAxis, PerParameter};
+    use magsplice_magnet::Axis;
 
     use super::*;
 
     #[test]
     fn a_film_keeps_all_bounds_or_breaks_them() {
-        let errors = FilmErrors {
-            uniformity_rmse: PerParameter { r_x: 0.1, r_y: 0.2, s_z: 0.3 },
-            displacement_rmse_mm: [0.01, 0.02, 0.03],
+        let errors = Figures {
+            uniformity_rmse: PerParameter { r_x: Some(0.1), r_y: None, s_z: Some(0.3) },
+            displacement_rmse_mm: PerAxis { x: 0.01, y: 0.02, z: 0.03 },
             amplitude: 0.8,
         };
-        assert_eq!(keeps_bounds(&Expectations::default(), &errors), None);
-        let loose = Expectations {
-            uniformity_rmse: [Some(0.1), None, Some(0.3)],
-            displacement_rmse_mm: [None, Some(0.02), None],
+        assert_eq!(keeps_bounds(&FigureBounds::default(), &errors), None);
+        let loose = FigureBounds {
+            uniformity_rmse: [Some(0.1), None, Some(0.3)].into(),
+            displacement_rmse_mm: [None, Some(0.02), None].into(),
             least_amplitude: Some(0.8),
-            ..Expectations::default()
         };
         assert_eq!(keeps_bounds(&loose, &errors), Some(true));
         for broken in [
-            Expectations { uniformity_rmse: [None, None, Some(0.29)], ..loose.clone() },
-            Expectations { displacement_rmse_mm: [Some(0.009), None, None], ..loose.clone() },
-            Expectations { least_amplitude: Some(0.81), ..loose.clone() },
+            FigureBounds { uniformity_rmse: [None, None, Some(0.29)].into(), ..loose },
+            FigureBounds { uniformity_rmse: [None, Some(1.0), None].into(), ..loose },
+            FigureBounds { displacement_rmse_mm: [Some(0.009), None, None].into(), ..loose },
+            FigureBounds { least_amplitude: Some(0.81), ..loose },
         ] {
             assert_eq!(keeps_bounds(&broken, &errors), Some(false));
         }
     }
 
-    fn with_displacement(x: f64) -> FilmErrors {
-        FilmErrors {
-            uniformity_rmse: PerParameter { r_x: 0.0, r_y: 0.0, s_z: 0.0 },
-            displacement_rmse_mm: [x, 0.0, 0.0],
-            amplitude: x,
-        }
+    fn with_displacement(x: f64) -> Figures {
+        Figures { displacement_rmse_mm: PerAxis { x, y: 0.0, z: 0.0 }, amplitude: x, ..Figures::default() }
     }
 
     /// Of 100 films, 5 are beyond the 95th percentile on average, and 10 or more with a probability
     /// of 0.028; 9 or more with 0.063. So the tenth largest value is the limit.
     #[test]
     fn a_bound_fails_only_if_samples_exclude_it() {
-        let errors: Vec<FilmErrors> = (1..=100).map(|n| with_displacement(f64::from(n))).collect();
+        let errors: Vec<Figures> = (1..=100).map(|n| with_displacement(f64::from(n))).collect();
         let at = |bound: f64| MadeExpectations {
-            displacement_rmse_mm: [Some(bound), None, None],
-            least_amplitude: Some(bound),
+            bounds: FigureBounds {
+                displacement_rmse_mm: [Some(bound), None, None].into(),
+                least_amplitude: Some(bound),
+                ..FigureBounds::default()
+            },
             ..MadeExpectations::default()
         };
         let outcome = |bound, figure| Outcome::from_made(&at(bound), figure, &errors).expect("bounded");
-        let most = outcome(91.0, Figure::Displacement(0));
+        let most = outcome(91.0, Figure::Displacement(Axis::X));
         assert_eq!((most.value, most.bound, most.is_met()), (91.0, Bound::AtMost(91.0), true));
-        assert!(!outcome(90.9, Figure::Displacement(0)).is_met());
+        assert!(!outcome(90.9, Figure::Displacement(Axis::X)).is_met());
         let Some(Location::Percentile { per_cent, value, samples }) = most.location else { panic!("{most:?}") };
         assert!((value - 95.05).abs() < 1e-9 && (per_cent, samples) == (95.0, 100), "{most:?}");
         let least = outcome(10.0, Figure::Amplitude);
         assert_eq!((least.value, least.is_met()), (10.0, true));
         assert!(!outcome(10.1, Figure::Amplitude).is_met());
-        assert_eq!(Outcome::from_made(&at(1.0), Figure::Uniformity(0), &errors), None);
+        assert_eq!(Outcome::from_made(&at(1.0), Figure::Uniformity(Parameter::Rx), &errors), None);
         // Two films cannot exclude a percentile of 50 with a confidence of 95 %.
         let half = MadeExpectations { percentile: 50.0, ..at(0.5) };
-        assert_eq!(Outcome::from_made(&half, Figure::Displacement(0), &errors[..2]), None);
+        assert_eq!(Outcome::from_made(&half, Figure::Displacement(Axis::X), &errors[..2]), None);
     }
 }

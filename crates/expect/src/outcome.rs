@@ -3,9 +3,8 @@
 use std::fmt;
 
 use glam::DVec3;
-use magsplice_decouple::{Parameter, PerParameter};
-use magsplice_layout::{Expectations, MadeExpectations};
-use magsplice_tolerance::Figure;
+use magsplice_decouple::Figure;
+use magsplice_layout::{Expectations, FigureBounds};
 
 use crate::baseline::BaselineDifference;
 use crate::clearance::Clearance;
@@ -14,43 +13,14 @@ use crate::clearance::Clearance;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Expectation {
-    /// Uniformity RMSE of one decoupling parameter, in radians for R_x and R_y.
-    UniformityRmse(Parameter),
-    /// RMSE of the displacement along one axis, in millimetres.
-    DisplacementRmse(DisplacementAxis),
-    /// Best-fit amplitude against the ideal film.
-    Amplitude,
+    /// A figure of the film.
+    Figure(Figure),
     /// The largest difference from the baseline, as a fraction of |B|.
     Field,
     /// The distance of the tiles from the working volume, in millimetres.
     Clearance,
     /// A figure of the films that are made, at a percentile of them.
     Made(Figure),
-}
-
-/// An axis of displacement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DisplacementAxis {
-    /// Shear along x.
-    X,
-    /// Shear along y.
-    Y,
-    /// Along the normal of the film.
-    Z,
-}
-
-impl DisplacementAxis {
-    /// All axes, in the order of [`Expectations::displacement_rmse_mm`].
-    pub const ALL: [DisplacementAxis; 3] = [DisplacementAxis::X, DisplacementAxis::Y, DisplacementAxis::Z];
-
-    /// The index of the axis: 0, 1, 2 for x, y, z.
-    pub const fn index(self) -> usize {
-        match self {
-            DisplacementAxis::X => 0,
-            DisplacementAxis::Y => 1,
-            DisplacementAxis::Z => 2,
-        }
-    }
 }
 
 /// A bound of a value. A value equal to the bound keeps it.
@@ -102,26 +72,10 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The outcome for the uniformity RMSE of one parameter. `None` if the layout does not bound
-    /// it.
-    pub fn from_uniformity(expected: &Expectations, parameter: Parameter, found: &PerParameter) -> Option<Outcome> {
-        let most = expected.uniformity_rmse[parameter.axis()]?;
-        let expectation = Expectation::UniformityRmse(parameter);
-        Some(Outcome { expectation, value: found.get(parameter), bound: Bound::AtMost(most), location: None })
-    }
-
-    /// The outcome for the RMSE of the displacement along an axis. `found_mm` holds the values for
-    /// all axes, in millimetres. `None` if the layout does not bound it.
-    pub fn from_displacement(expected: &Expectations, axis: DisplacementAxis, found_mm: DVec3) -> Option<Outcome> {
-        let bound = Bound::AtMost(expected.displacement_rmse_mm[axis.index()]?);
-        let expectation = Expectation::DisplacementRmse(axis);
-        Some(Outcome { expectation, value: found_mm[axis.index()], bound, location: None })
-    }
-
-    /// The outcome for the best-fit amplitude. `None` if the layout does not bound it.
-    pub fn from_amplitude(expected: &Expectations, value: f64) -> Option<Outcome> {
-        let bound = Bound::AtLeast(expected.least_amplitude?);
-        Some(Outcome { expectation: Expectation::Amplitude, value, bound, location: None })
+    /// The outcome for a figure of the film. `None` if the layout does not bound it.
+    pub fn from_figure(expected: &FigureBounds, figure: Figure, value: f64) -> Option<Outcome> {
+        let bound = Bound::of(expected, figure)?;
+        Some(Outcome { expectation: Expectation::Figure(figure), value, bound, location: None })
     }
 
     /// The outcome for the difference of the field from the baseline. `None` if the layout has no
@@ -149,63 +103,46 @@ impl Outcome {
 
     /// Whether the value keeps its bound. NaN does not.
     pub fn is_met(&self) -> bool {
-        match self.bound {
-            Bound::AtMost(most) => self.value <= most,
-            Bound::AtLeast(least) => self.value >= least,
-        }
+        self.bound.is_kept_by(self.value)
     }
 }
 
-/// The bound of a figure at a percentile of the films that are made. `None` if there is none.
-pub(crate) fn made_bound(expected: &MadeExpectations, figure: Figure) -> Option<Bound> {
-    match figure {
-        Figure::Uniformity(axis) => expected.uniformity_rmse[axis].map(Bound::AtMost),
-        Figure::Displacement(axis) => expected.displacement_rmse_mm[axis].map(Bound::AtMost),
-        Figure::Amplitude => expected.least_amplitude.map(Bound::AtLeast),
+impl Bound {
+    /// The bound of a figure. `None` if there is none.
+    pub(crate) fn of(bounds: &FigureBounds, figure: Figure) -> Option<Bound> {
+        let bound = bounds.get(figure)?;
+        Some(if figure == Figure::Amplitude { Bound::AtLeast(bound) } else { Bound::AtMost(bound) })
+    }
+
+    pub(crate) fn is_kept_by(self, value: f64) -> bool {
+        match self {
+            Bound::AtMost(most) => value <= most,
+            Bound::AtLeast(least) => value >= least,
+        }
     }
 }
 
 impl Expectation {
     /// All quantities that these expectations bound, in the order in which reports list them.
     pub fn stated_in(expected: &Expectations) -> Vec<Expectation> {
-        let uniformity = Parameter::ALL.into_iter().zip(expected.uniformity_rmse);
-        let uniformity = uniformity.filter(|(_, bound)| bound.is_some()).map(|(p, _)| Expectation::UniformityRmse(p));
-        let displacement = DisplacementAxis::ALL.into_iter().zip(expected.displacement_rmse_mm);
-        let displacement = displacement.filter(|(_, bound)| bound.is_some());
-        let displacement = displacement.map(|(axis, _)| Expectation::DisplacementRmse(axis));
-        let amplitude = expected.least_amplitude.map(|_| Expectation::Amplitude);
+        let bounded =
+            |bounds: FigureBounds| Figure::ALL.into_iter().filter(move |figure| bounds.get(*figure).is_some());
         let field = expected.field.as_ref().map(|_| Expectation::Field);
         let clearance = expected.least_clearance_mm.map(|_| Expectation::Clearance);
-        let made = Figure::ALL
-            .into_iter()
-            .filter(|figure| expected.made.as_ref().is_some_and(|made| made_bound(made, *figure).is_some()));
-        let made = made.map(Expectation::Made);
-        uniformity.chain(displacement).chain(amplitude).chain(field).chain(clearance).chain(made).collect()
+        let made = expected.made.iter().flat_map(|made| bounded(made.bounds)).map(Expectation::Made);
+        bounded(expected.bounds).map(Expectation::Figure).chain(field).chain(clearance).chain(made).collect()
     }
 }
 
 impl fmt::Display for Expectation {
     /// Writes the key, such as `uniformity_rmse.r_x`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Expectation::UniformityRmse(Parameter::Rx) => "uniformity_rmse.r_x",
-            Expectation::UniformityRmse(Parameter::Ry) => "uniformity_rmse.r_y",
-            Expectation::UniformityRmse(Parameter::Sz) => "uniformity_rmse.s_z",
-            Expectation::DisplacementRmse(DisplacementAxis::X) => "displacement_rmse_mm.x",
-            Expectation::DisplacementRmse(DisplacementAxis::Y) => "displacement_rmse_mm.y",
-            Expectation::DisplacementRmse(DisplacementAxis::Z) => "displacement_rmse_mm.z",
-            Expectation::Amplitude => "amplitude",
-            Expectation::Field => "field",
-            Expectation::Clearance => "clearance_mm",
-            Expectation::Made(figure) => {
-                let stated = match figure {
-                    Figure::Uniformity(axis) => Expectation::UniformityRmse(Parameter::ALL[*axis]),
-                    Figure::Displacement(axis) => Expectation::DisplacementRmse(DisplacementAxis::ALL[*axis]),
-                    Figure::Amplitude => Expectation::Amplitude,
-                };
-                return write!(f, "made.{stated}");
-            }
-        })
+        match self {
+            Expectation::Figure(figure) => f.write_str(figure.key()),
+            Expectation::Field => f.write_str("field"),
+            Expectation::Clearance => f.write_str("clearance_mm"),
+            Expectation::Made(figure) => write!(f, "made.{}", figure.key()),
+        }
     }
 }
 
@@ -238,7 +175,9 @@ impl serde::Serialize for Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use magsplice_decouple::{Parameter, PerAxis, PerParameter};
     use magsplice_layout::ExpectedField;
+    use magsplice_magnet::Axis;
 
     #[test]
     fn bounds_are_inclusive_and_broken_ones_have_negative_margins() {
@@ -261,24 +200,29 @@ mod tests {
     }
 
     #[test]
-    fn each_axis_has_its_own_bound() {
-        let expected = Expectations { displacement_rmse_mm: [Some(1.0), None, Some(3.0)], ..Expectations::default() };
-        let found =
-            DisplacementAxis::ALL.map(|axis| Outcome::from_displacement(&expected, axis, DVec3::new(0.5, 20.0, 30.0)));
-        assert_eq!(found.map(|o| o.map(|o| (o.value, o.is_met()))), [Some((0.5, true)), None, Some((30.0, false))]);
-        let names: Vec<String> = Expectation::stated_in(&expected).iter().map(Expectation::to_string).collect();
-        assert_eq!(names, ["displacement_rmse_mm.x", "displacement_rmse_mm.z"]);
-    }
-
-    #[test]
-    fn each_parameter_has_its_own_bound() {
-        let expected = Expectations { uniformity_rmse: [Some(1.0), None, Some(3.0)], ..Expectations::default() };
-        let found = PerParameter { r_x: 10.0, r_y: 20.0, s_z: 30.0 };
-        let [x, y, z] =
-            Parameter::ALL.map(|p| Outcome::from_uniformity(&expected, p, &found).map(|o| (o.value, o.bound)));
-        assert_eq!([x, y, z], [Some((10.0, Bound::AtMost(1.0))), None, Some((30.0, Bound::AtMost(3.0)))]);
-        let all = [Expectation::UniformityRmse(Parameter::Rx), Expectation::UniformityRmse(Parameter::Sz)];
-        assert_eq!(Expectation::stated_in(&expected), all);
+    fn each_figure_has_its_own_bound() {
+        let bounds = FigureBounds {
+            uniformity_rmse: PerParameter { r_x: Some(1.0), r_y: None, s_z: Some(3.0) },
+            displacement_rmse_mm: PerAxis { x: Some(1.0), y: None, z: Some(3.0) },
+            least_amplitude: None,
+        };
+        for (figure, value, wanted) in [
+            (Figure::Uniformity(Parameter::Rx), 10.0, Some((Bound::AtMost(1.0), false))),
+            (Figure::Uniformity(Parameter::Ry), 20.0, None),
+            (Figure::Uniformity(Parameter::Sz), 30.0, Some((Bound::AtMost(3.0), false))),
+            (Figure::Displacement(Axis::X), 0.5, Some((Bound::AtMost(1.0), true))),
+            (Figure::Displacement(Axis::Y), 20.0, None),
+            (Figure::Displacement(Axis::Z), 30.0, Some((Bound::AtMost(3.0), false))),
+            (Figure::Amplitude, 1.0, None),
+        ] {
+            let outcome = Outcome::from_figure(&bounds, figure, value);
+            assert!(outcome.is_none_or(|of| (of.expectation, of.value) == (Expectation::Figure(figure), value)));
+            assert_eq!(outcome.map(|of| (of.bound, of.is_met())), wanted, "{figure:?}");
+        }
+        let stated = Expectation::stated_in(&Expectations { bounds, ..Expectations::default() });
+        let names: Vec<String> = stated.iter().map(Expectation::to_string).collect();
+        let wanted = ["uniformity_rmse.r_x", "uniformity_rmse.s_z", "displacement_rmse_mm.x", "displacement_rmse_mm.z"];
+        assert_eq!(names, wanted);
     }
 
     #[test]
@@ -286,7 +230,7 @@ mod tests {
         let none = Expectations::default();
         let field = Some(ExpectedField { file: "field.csv".into(), within: 1e-3 });
         let stated = Expectations {
-            least_amplitude: Some(0.9),
+            bounds: FigureBounds { least_amplitude: Some(0.9), ..FigureBounds::default() },
             field,
             least_clearance_mm: Some(2.0),
             ..Expectations::default()
@@ -296,7 +240,7 @@ mod tests {
         let clearance = Clearance { distance: 3.0, tile: 7 };
         let found = |expected: &Expectations| {
             [
-                Outcome::from_amplitude(expected, 0.8),
+                Outcome::from_figure(&expected.bounds, Figure::Amplitude, 0.8),
                 Outcome::from_field(expected, &difference(0.0)),
                 Outcome::from_field(expected, &difference(1e-2)),
                 Outcome::from_clearance(expected, &clearance),
@@ -320,7 +264,7 @@ mod tests {
     #[test]
     fn outcome_is_serialized_with_its_bound_margin_and_location() {
         let json = |outcome: &Outcome| serde_json::to_string(outcome).unwrap();
-        let expectation = Expectation::UniformityRmse(Parameter::Rx);
+        let expectation = Expectation::Figure(Figure::Uniformity(Parameter::Rx));
         let outcome = Outcome { expectation, value: 0.25, bound: Bound::AtMost(1.0), location: None };
         assert_eq!(json(&outcome), r#"{"expectation":"uniformity_rmse.r_x","value":0.25,"at_most":1.0,"margin":0.75}"#);
         let (expectation, bound) = (Expectation::Clearance, Bound::AtLeast(2.0));

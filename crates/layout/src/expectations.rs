@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use magsplice_decouple::{Figure, PerAxis, PerParameter};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -10,13 +11,8 @@ use serde::{Deserialize, Serialize};
 /// All bounds are inclusive.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Expectations {
-    /// Upper bounds of the uniformity RMSE of R_x, R_y (radians) and S_z (dimensionless) over the
-    /// working volume.
-    pub uniformity_rmse: [Option<f64>; 3],
-    /// Upper bounds of the displacement RMSE along x, y, z over the working volume, in millimetres.
-    pub displacement_rmse_mm: [Option<f64>; 3],
-    /// Lower bound of the amplitude: the best-fit factor of B against the ideal film.
-    pub least_amplitude: Option<f64>,
+    /// Bounds of the figures of the film over the working volume.
+    pub bounds: FigureBounds,
     /// A baseline that the field in the working volume must reproduce.
     pub field: Option<ExpectedField>,
     /// Lower bound of the distance between the tiles and the working volume, in millimetres.
@@ -32,6 +28,28 @@ impl Expectations {
     }
 }
 
+/// Bounds of the figures of a film. `None` where nothing is required.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FigureBounds {
+    /// Upper bounds of the uniformity RMSE, in radians for R_x and R_y.
+    pub uniformity_rmse: PerParameter<Option<f64>>,
+    /// Upper bounds of the displacement RMSE along x, y, z, in millimetres.
+    pub displacement_rmse_mm: PerAxis<Option<f64>>,
+    /// Lower bound of the amplitude: the best-fit factor of B against the ideal film.
+    pub least_amplitude: Option<f64>,
+}
+
+impl FigureBounds {
+    /// The bound of one figure: a lower one of the amplitude, an upper one of the others.
+    pub fn get(&self, figure: Figure) -> Option<f64> {
+        match figure {
+            Figure::Uniformity(parameter) => self.uniformity_rmse[parameter],
+            Figure::Displacement(axis) => self.displacement_rmse_mm[axis],
+            Figure::Amplitude => self.least_amplitude,
+        }
+    }
+}
+
 /// The table `[expect.made]`: bounds at a percentile of the films that are made from the layout. A
 /// bound counts as broken only if samples exclude with a stated confidence that it is kept.
 ///
@@ -40,13 +58,8 @@ impl Expectations {
 pub struct MadeExpectations {
     /// Per cent of the films that must keep each bound, above 0 and below 100.
     pub percentile: f64,
-    /// Upper bounds of the uniformity RMSE of R_x, R_y (radians) and S_z (dimensionless) at the
-    /// percentile.
-    pub uniformity_rmse: [Option<f64>; 3],
-    /// Upper bounds of the displacement RMSE along x, y, z at the percentile, in millimetres.
-    pub displacement_rmse_mm: [Option<f64>; 3],
-    /// Lower bound of the amplitude at 100 minus the percentile.
-    pub least_amplitude: Option<f64>,
+    /// Upper bounds at the percentile, and the lower bound of the amplitude at 100 minus it.
+    pub bounds: FigureBounds,
     /// Number of films that are evaluated. `None` stands for the samples of
     /// [`FilmTolerance`](crate::FilmTolerance).
     pub samples: Option<u64>,
@@ -57,14 +70,7 @@ pub struct MadeExpectations {
 impl Default for MadeExpectations {
     /// No bounds, the 95th percentile, and a confidence of 95 %.
     fn default() -> MadeExpectations {
-        MadeExpectations {
-            percentile: 95.0,
-            uniformity_rmse: [None; 3],
-            displacement_rmse_mm: [None; 3],
-            least_amplitude: None,
-            samples: None,
-            confidence: 0.95,
-        }
+        MadeExpectations { percentile: 95.0, bounds: FigureBounds::default(), samples: None, confidence: 0.95 }
     }
 }
 

@@ -85,7 +85,7 @@ mod write_tolerance;
 pub use brief::{Brief, Goal, StockPart, Symmetry, Under, Variables};
 pub use distribution::Distribution;
 pub use error::{LayoutError, LayoutFault};
-pub use expectations::{Expectations, ExpectedField, MadeExpectations};
+pub use expectations::{Expectations, ExpectedField, FigureBounds, MadeExpectations};
 pub use finding::{Finding, FindingSubject};
 pub use layout::{Layout, NamedTile, WorkingVolume};
 pub use limits::{MAX_NAME_BYTES, SAMPLE_COUNTS};

@@ -1,10 +1,11 @@
 //! Writing a layout: values become tables, tables become TOML or any other format of serde.
 
+use magsplice_decouple::{PerAxis, PerParameter};
 use serde::Serialize;
 use toml::Spanned;
 
 use crate::brief::{Brief, Variables};
-use crate::expectations::{Expectations, MadeExpectations};
+use crate::expectations::{Expectations, FigureBounds, MadeExpectations};
 use crate::layout::{Layout, NamedTile, WorkingVolume};
 use crate::limits::FORMAT;
 use crate::tables::design::{DesignTable, MinMax, Outline, Variable, Weights};
@@ -113,12 +114,11 @@ pub(crate) fn volume_table(volume: &WorkingVolume) -> VolumeTable {
 }
 
 pub(crate) fn expect_table(expectations: &Expectations) -> Option<ExpectTable> {
-    let Expectations { uniformity_rmse, displacement_rmse_mm, least_amplitude, field, least_clearance_mm, made } =
-        expectations;
+    let Expectations { bounds, field, least_clearance_mm, made } = expectations;
     (!expectations.is_empty()).then(|| ExpectTable {
-        uniformity_rmse: uniformity_bounds(*uniformity_rmse),
-        displacement_rmse_mm: displacement_bounds(*displacement_rmse_mm),
-        amplitude: at_least(*least_amplitude),
+        uniformity_rmse: uniformity_bounds(bounds),
+        displacement_rmse_mm: displacement_bounds(bounds),
+        amplitude: at_least(bounds.least_amplitude),
         field: field.clone(),
         clearance_mm: at_least(*least_clearance_mm),
         made: made.as_ref().map(|made| Spanned::new(0..0, made_table(made))),
@@ -128,22 +128,22 @@ pub(crate) fn expect_table(expectations: &Expectations) -> Option<ExpectTable> {
 fn made_table(made: &MadeExpectations) -> MadeTable {
     MadeTable {
         percentile: Some(made.percentile),
-        uniformity_rmse: uniformity_bounds(made.uniformity_rmse),
-        displacement_rmse_mm: displacement_bounds(made.displacement_rmse_mm),
-        amplitude: at_least(made.least_amplitude),
+        uniformity_rmse: uniformity_bounds(&made.bounds),
+        displacement_rmse_mm: displacement_bounds(&made.bounds),
+        amplitude: at_least(made.bounds.least_amplitude),
         samples: made.samples,
         confidence: Some(made.confidence),
     }
 }
 
-fn uniformity_bounds(bounds: [Option<f64>; 3]) -> Option<UniformityBounds> {
-    let [r_x, r_y, s_z] = bounds;
-    (bounds != [None; 3]).then_some(UniformityBounds { r_x, r_y, s_z })
+fn uniformity_bounds(bounds: &FigureBounds) -> Option<UniformityBounds> {
+    let PerParameter { r_x, r_y, s_z } = bounds.uniformity_rmse;
+    r_x.or(r_y).or(s_z).map(|_| UniformityBounds { r_x, r_y, s_z })
 }
 
-fn displacement_bounds(bounds: [Option<f64>; 3]) -> Option<DisplacementBounds> {
-    let [x, y, z] = bounds;
-    (bounds != [None; 3]).then_some(DisplacementBounds { x, y, z })
+fn displacement_bounds(bounds: &FigureBounds) -> Option<DisplacementBounds> {
+    let PerAxis { x, y, z } = bounds.displacement_rmse_mm;
+    x.or(y).or(z).map(|_| DisplacementBounds { x, y, z })
 }
 
 fn at_least(min: Option<f64>) -> Option<LowerBound> {

@@ -80,9 +80,9 @@ fn expectations_are_read_and_their_limits_are_rules() {
          field = { file = \"field.csv\", within = 1e-9 }\nclearance_mm = { min = 0.5 }",
     );
     let given = given.expect("valid expectations").expectations;
-    assert_eq!(given.uniformity_rmse, [None, Some(0.25), None]);
-    assert_eq!(given.displacement_rmse_mm, [None, None, Some(0.0)]);
-    assert_eq!((given.least_amplitude, given.least_clearance_mm), (Some(-1.0), Some(0.5)));
+    assert_eq!(given.bounds.uniformity_rmse.to_array(), [None, Some(0.25), None]);
+    assert_eq!(given.bounds.displacement_rmse_mm.to_array(), [None, None, Some(0.0)]);
+    assert_eq!((given.bounds.least_amplitude, given.least_clearance_mm), (Some(-1.0), Some(0.5)));
     let field = given.field.expect("given");
     assert_eq!((field.file.to_str(), field.within), (Some("field.csv"), 1e-9));
     for (keys, rule) in [

@@ -21,9 +21,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // R_x, R_y and S_z (Eqs. 14 and 15) should each follow one displacement only.
     let decoupling = film.decouple(&field_t)?;
-    let error = decoupling.uniformity_rmse;
+    let error = decoupling.uniformity_rmse.map(|error| error.expect("planes of several points"));
     println!("uniformity RMSE: R_x {:.4}, R_y {:.4} rad, S_z {:.4}", error.r_x, error.r_y, error.s_z);
-    let error_mm = decoupling.ideal_rmse.as_lengths(film.ideal()?.wavenumber());
+    let error_mm = decoupling.displacement_rmse_mm;
     println!("error of displacement: {:.3}, {:.3}, {:.3} mm", error_mm.x, error_mm.y, error_mm.z);
     Ok(())
 }

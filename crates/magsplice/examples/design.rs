@@ -13,10 +13,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Another callback in place of `ignore_progress` is told the progress and may stop the search.
     let result = problem.search(&ignore_progress)?;
-    let [before_mm, after_mm] = [result.before, result.after].map(|metrics| metrics.displacement_rmse_mm);
-    println!("error of displacement along x, before: {:.4} mm", before_mm[0]);
-    println!("error of displacement along x, after:  {:.4} mm", after_mm[0]);
-    println!("best-fit amplitude: {:.4} before, {:.4} after", result.before.amplitude, result.after.amplitude);
+    let [before_mm, after_mm] = [result.before, result.after].map(|metrics| metrics.figures.displacement_rmse_mm);
+    println!("error of displacement along x, before: {:.4} mm", before_mm.x);
+    println!("error of displacement along x, after:  {:.4} mm", after_mm.x);
+    let [before, after] = [result.before, result.after].map(|metrics| metrics.figures.amplitude);
+    println!("best-fit amplitude: {before:.4} before, {after:.4} after");
 
     // The film found is a layout again, which can be written to a file.
     let better = problem.designed_layout(&result, "examples/design.rs");

@@ -3,8 +3,9 @@
 use std::cell::OnceCell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use magsplice_decouple::{Figure, Figures};
 use magsplice_expect::{Baseline, Clearance, Expectation, Outcome};
-use magsplice_tolerance::{FilmErrors, Sampler};
+use magsplice_tolerance::Sampler;
 
 use crate::film::Film;
 use crate::film_error::FilmError;
@@ -41,17 +42,16 @@ impl Film<'_> {
         let made_films = || made_films.get_or_init(|| self.made_films()).as_deref().map_err(Clone::clone);
         let outcome = |expectation: Expectation| -> Result<Outcome, FilmError> {
             let outcome = match expectation {
-                Expectation::UniformityRmse(parameter) => {
-                    if self.volume()?.grid.plane_len(parameter.axis()) == 1 {
-                        return Err(FilmError::OnePointPlanes(parameter));
-                    }
-                    Outcome::from_uniformity(expected, parameter, &decoupling()?.uniformity_rmse)
+                Expectation::Figure(figure) => {
+                    let found = match figure {
+                        Figure::Uniformity(parameter) => {
+                            decoupling()?.uniformity_rmse[parameter].ok_or(FilmError::OnePointPlanes(parameter))?
+                        }
+                        Figure::Displacement(axis) => decoupling()?.displacement_rmse_mm[axis],
+                        Figure::Amplitude => self.compare(field()?)?.amplitude,
+                    };
+                    Outcome::from_figure(&expected.bounds, figure, found)
                 }
-                Expectation::DisplacementRmse(axis) => {
-                    let found = decoupling()?.ideal_rmse.as_lengths(self.ideal()?.wavenumber());
-                    Outcome::from_displacement(expected, axis, found)
-                }
-                Expectation::Amplitude => Outcome::from_amplitude(expected, self.compare(field()?)?.amplitude),
                 Expectation::Field => {
                     let baseline = baseline.ok_or(FilmError::NoBaseline)?;
                     let points = self.volume()?.grid;
@@ -67,6 +67,9 @@ impl Film<'_> {
                 Expectation::Made(figure) => {
                     let made = expected.made.as_ref().ok_or(FilmError::Missing("expect.made"))?;
                     let errors = made_films()?;
+                    if let (Figure::Uniformity(parameter), Some(first)) = (figure, errors.first()) {
+                        first.get(figure).ok_or(FilmError::OnePointPlanes(parameter))?;
+                    }
                     let outcome = Outcome::from_made(made, figure, errors);
                     return outcome.ok_or(FilmError::TooFewSamples(errors.len()));
                 }
@@ -80,7 +83,7 @@ impl Film<'_> {
     }
 
     /// The errors of the films that are made, of as many samples as the layout states.
-    fn made_films(&self) -> Result<Vec<FilmErrors>, FilmError> {
+    fn made_films(&self) -> Result<Vec<Figures>, FilmError> {
         let film = self.real_film()?;
         let tolerance = film.tolerance();
         let stated = self.layout().expectations.made.as_ref().and_then(|made| made.samples);

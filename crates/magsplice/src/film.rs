@@ -46,7 +46,7 @@ const PAIRS_BETWEEN_CALLS: usize = 1 << 24;
 /// let film = Film::new(&layout)?;
 /// let field_t = film.volume_field_t()?;
 /// assert!(film.compare(&field_t)?.amplitude > 0.5);
-/// assert!(film.decouple(&field_t)?.uniformity_rmse.r_x < 0.2);
+/// assert!(film.decouple(&field_t)?.uniformity_rmse.r_x.unwrap() < 0.2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

@@ -2,10 +2,10 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use magsplice_decouple::Figures;
 use magsplice_layout::Layout;
 use magsplice_tolerance::{
-    AxisBudget, Budget, Cause, EndlessPattern, EndlessPatternError, FilmErrors, FirstOrder, FirstOrderCheck,
-    SampleError, Sampler,
+    AxisBudget, Budget, Cause, EndlessPattern, EndlessPatternError, FirstOrder, FirstOrderCheck, SampleError, Sampler,
 };
 
 use crate::film::Film;
@@ -47,7 +47,7 @@ impl<'a> Film<'a> {
         let (real, volume, ideal) = (self.real_film()?, self.evaluation_grid()?, self.ideal()?);
         let of_sample = |(sample, error): (u64, SampleError)| FilmError::Sample { sample, error };
         let in_film = real.in_film(real.tiles()).map_err(|faults| of_sample((0, SampleError::Tile(faults))))?;
-        let pattern: Result<FilmErrors, EndlessPatternError> =
+        let pattern: Result<Figures, EndlessPatternError> =
             EndlessPattern::new(&in_film, ideal).and_then(|pattern| pattern.errors(&volume));
         let model = FirstOrder::new(&real, &volume, ideal).map_err(|error| of_sample((0, error)))?;
         let sampler = Sampler::new(&real, &volume, ideal, seed).map_err(|error| of_sample((0, error)))?;

@@ -218,7 +218,7 @@ impl fmt::Display for FilmError {
                 f,
                 "the grid has one point in each plane normal to {}, and the uniformity RMSE compares the points of a \
                  plane: use a smaller step_mm in [volume]",
-                ['x', 'y', 'z'][parameter.axis()]
+                parameter.axis()
             ),
         }
     }

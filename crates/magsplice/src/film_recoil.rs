@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use magsplice_decouple::{Decoupling, PerParameter};
+use magsplice_decouple::{Decoupling, Figure, Figures};
 use magsplice_field::Scene;
 use magsplice_ideal::{Comparison, IdealFilm};
 use magsplice_layout::{Layout, WorkingVolume};
@@ -48,20 +48,10 @@ pub struct FilmRecoil {
     change_t: f64,
     /// Largest error of B in tesla.
     error_t: f64,
-    /// Figures without recoil and with it, and their errors. `None` if the layout has no ideal film
-    /// or no working volume, or the figures do not exist.
-    figures: Option<[RecoilFigures; 3]>,
-}
-
-/// Figures of a film over its working volume; over few points of it, if it has more than 2000.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RecoilFigures {
-    /// Best-fit amplitude against the ideal film.
-    pub amplitude: f64,
-    /// Uniformity RMSE of R_x, R_y and S_z.
-    pub uniformity_rmse: PerParameter,
-    /// RMSE of the displacement against the ideal film along x, y, z, in millimetres.
-    pub displacement_rmse_mm: DVec3,
+    /// Figures without recoil and with it, and their errors, over few points of a working volume
+    /// that has more than 2000. `None` if the layout has no ideal film or no working volume, or the
+    /// figures do not exist.
+    figures: Option<[Figures; 3]>,
 }
 
 /// What recoil changes in the figures of a film, to first order and with one cell for each tile.
@@ -75,9 +65,9 @@ pub struct RecoilEstimate {
     /// The permeability of all tiles. `None` for those that the layout states.
     pub permeability: Option<f64>,
     /// Figures without recoil.
-    pub rigid: RecoilFigures,
+    pub rigid: Figures,
     /// Figures with it.
-    pub recoil: RecoilFigures,
+    pub recoil: Figures,
 }
 
 impl FilmRecoil {
@@ -96,9 +86,9 @@ impl FilmRecoil {
             let mut values = field_t
                 .map_or(vec![f64::NAN; 3 * points.len()], |field_t| field_t.iter().flat_map(DVec3::to_array).collect());
             values.extend(
-                figures.iter().flat_map(|grid| {
-                    grid.figures(&scene).map_or([f64::NAN; RecoilFigures::COUNT], RecoilFigures::values)
-                }),
+                figures
+                    .iter()
+                    .flat_map(|grid| grid.figures(&scene).map_or([f64::NAN; Figure::ALL.len()], |found| flat(&found))),
             );
             values
         };
@@ -119,14 +109,12 @@ impl FilmRecoil {
         // The field is that of the cells, not the extrapolated one.
         let offsets = differences(&values, &refined.values);
         let errors: Vec<f64> = refined.errors.iter().zip(offsets).map(|(error, offset)| error + offset.abs()).collect();
-        let figures = figures
-            .is_some()
-            .then(|| [&rigid, &values, &errors].map(|values| RecoilFigures::from_values(&values[of_field..])));
+        let found = figures.as_ref().map(|grid| [&rigid, &values, &errors].map(|flat| grid.unflat(&flat[of_field..])));
         Ok(Some(FilmRecoil {
             level: refined.level,
             change_t: largest_vector(&differences(&values[..of_field], &rigid[..of_field])),
             error_t: largest_vector(&errors[..of_field]),
-            figures: figures.filter(|figures| figures[1].values().iter().all(|value| value.is_finite())),
+            figures: found.filter(|_| values[of_field..].iter().all(|value| value.is_finite())),
             magnetization: Arc::new(refined.magnetization),
         }))
     }
@@ -154,12 +142,12 @@ impl FilmRecoil {
     }
 
     /// Figures without recoil, and with it. `None` without an ideal film and a working volume.
-    pub fn figures(&self) -> Option<[RecoilFigures; 2]> {
+    pub fn figures(&self) -> Option<[Figures; 2]> {
         self.figures.map(|[rigid, recoil, _]| [rigid, recoil])
     }
 
     /// Estimates of the errors of the figures.
-    pub fn figure_errors(&self) -> Option<RecoilFigures> {
+    pub fn figure_errors(&self) -> Option<Figures> {
         self.figures.map(|[_, _, errors]| errors)
     }
 
@@ -173,24 +161,6 @@ impl FilmRecoil {
     pub fn beyond_knee(&self, layout: &Layout) -> Option<(Vec<DemagnetizedCell>, f64)> {
         let knee_t = layout.material.knee_field_t?;
         Some((self.magnetization.beyond_knee(knee_t), self.magnetization.share_beyond_knee(knee_t)))
-    }
-}
-
-impl RecoilFigures {
-    const COUNT: usize = 7;
-
-    fn values(self) -> [f64; RecoilFigures::COUNT] {
-        let PerParameter { r_x, r_y, s_z } = self.uniformity_rmse;
-        let d = self.displacement_rmse_mm;
-        [self.amplitude, r_x, r_y, s_z, d.x, d.y, d.z]
-    }
-
-    fn from_values(values: &[f64]) -> RecoilFigures {
-        RecoilFigures {
-            amplitude: values[0],
-            uniformity_rmse: PerParameter { r_x: values[1], r_y: values[2], s_z: values[3] },
-            displacement_rmse_mm: DVec3::from_slice(&values[4..]),
-        }
     }
 }
 
@@ -276,19 +246,31 @@ impl<'a> FigureGrid<'a> {
     }
 
     /// `None` if the figures do not exist.
-    fn figures(&self, scene: &Scene) -> Option<RecoilFigures> {
+    fn figures(&self, scene: &Scene) -> Option<Figures> {
         let points: Vec<DVec3> = self.grid.points().collect();
         let field_t = scene.field_at(Quantity::FluxDensity, &points).ok()?;
         let reference_mm = self.volume.reference_mm;
         let reference_t = scene.field(Quantity::FluxDensity, reference_mm).ok()?;
         let comparison = Comparison::new(&points, &field_t, &self.ideal_field_t).ok()?;
         let decoupling = Decoupling::from_field(&self.grid, &field_t, (reference_mm, reference_t), self.ideal).ok()?;
-        Some(RecoilFigures {
-            amplitude: comparison.amplitude,
-            uniformity_rmse: decoupling.uniformity_rmse,
-            displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(self.ideal.wavenumber()),
-        })
+        Some(Figures::new(&decoupling, comparison.amplitude))
     }
+
+    /// Figures from values in the order of [`Figure::ALL`], without an undefined uniformity.
+    fn unflat(&self, values: &[f64]) -> Figures {
+        let is_defined = |figure| match figure {
+            Figure::Uniformity(parameter) => self.grid.plane_len(parameter.axis().index()) > 1,
+            _ => true,
+        };
+        let value = |figure: Figure| is_defined(figure).then(|| values[figure.index()]);
+        Figures::from_fn(value).expect("displacements and the amplitude are defined")
+    }
+}
+
+/// The values of figures in the order of [`Figure::ALL`]. An undefined uniformity is 0, which
+/// recoil does not change.
+fn flat(figures: &Figures) -> [f64; Figure::ALL.len()] {
+    Figure::ALL.map(|figure| figures.get(figure).copied().unwrap_or(0.0))
 }
 
 fn differences(values: &[f64], others: &[f64]) -> Vec<f64> {

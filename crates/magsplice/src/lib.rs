@@ -96,7 +96,7 @@ pub use film_forces::{ForceChange, SolvedForces};
 #[cfg(feature = "layout")]
 pub use film_reader::{AtRest, FilmReader};
 #[cfg(feature = "layout")]
-pub use film_recoil::{FilmRecoil, RecoilEstimate, RecoilFigures};
+pub use film_recoil::{FilmRecoil, RecoilEstimate};
 pub use magsplice_decouple as decouple;
 #[cfg(feature = "design")]
 pub use magsplice_design as design;

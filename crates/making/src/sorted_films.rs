@@ -4,9 +4,10 @@ use std::error::Error;
 use std::fmt;
 use std::ops::Range;
 
+use magsplice_decouple::Figures;
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::Tile;
-use magsplice_tolerance::{EvaluationGrid, FilmErrors, SampleError, Sampler, TileChanges};
+use magsplice_tolerance::{EvaluationGrid, SampleError, Sampler, TileChanges};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -90,7 +91,7 @@ impl<'a> SortedSampler<'a> {
     ///
     /// # Errors
     /// If a tile of the sample cannot exist, or the parameters do not exist in the volume.
-    pub fn errors_of(&self, sample: u64) -> Result<FilmErrors, SortedSampleError> {
+    pub fn errors_of(&self, sample: u64) -> Result<Figures, SortedSampleError> {
         let (film, seed) = (self.sampler.film(), self.sampler.seed());
         let faulty = |faults| SortedSampleError::Sample(SampleError::Tile(faults));
         let mut laid = film.cut_tiles(seed, sample).map_err(faulty)?;
@@ -122,9 +123,9 @@ impl<'a> SortedSampler<'a> {
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
-    pub fn errors_of_range(&self, samples: Range<u64>) -> Result<Vec<FilmErrors>, (u64, SortedSampleError)> {
+    pub fn errors_of_range(&self, samples: Range<u64>) -> Result<Vec<Figures>, (u64, SortedSampleError)> {
         let of_sample = |sample| self.errors_of(sample).map_err(|error| (sample, error));
-        let results: Vec<Result<FilmErrors, _>> = samples.into_par_iter().map(of_sample).collect();
+        let results: Vec<Result<Figures, _>> = samples.into_par_iter().map(of_sample).collect();
         results.into_iter().collect()
     }
 

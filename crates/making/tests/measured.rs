@@ -1,11 +1,12 @@
 //! Measurements with errors, shim tiles, and samples of films whose tiles are sorted.
 
+use magsplice_decouple::Figures;
 use magsplice_layout::{Distribution, FilmTolerance, Layout, Part, TileErrors};
 use magsplice_making::{
     AssignmentError, AssignmentProblem, AssignmentSettings, CutTile, MeasurementErrors, PlaceGroup, SortedSampler,
     Sorting,
 };
-use magsplice_tolerance::{EvaluationGrid, FilmErrors, RealFilm, Sampler, Statistics, TileChanges};
+use magsplice_tolerance::{EvaluationGrid, RealFilm, Sampler, Statistics, TileChanges};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -106,11 +107,11 @@ fn shims_have_the_best_strengths() {
     assert_eq!(refused.err(), Some(AssignmentError::Shim { tile: shims[0] }));
 }
 
-fn rms_mm(errors: &FilmErrors) -> f64 {
-    (errors.displacement_rmse_mm.iter().map(|error| error * error).sum::<f64>() / 3.0).sqrt()
+fn rms_mm(errors: &Figures) -> f64 {
+    (errors.displacement_rmse_mm.to_array().iter().map(|error| error * error).sum::<f64>() / 3.0).sqrt()
 }
 
-fn percentile_95(errors: &[FilmErrors]) -> f64 {
+fn percentile_95(errors: &[Figures]) -> f64 {
     Statistics::new(errors.iter().map(rms_mm)).unwrap().p95.value
 }
 

@@ -1,6 +1,6 @@
 //! Numbers of a film: comparison with the ideal film, and decoupling.
 
-use magsplice::decouple::{Parameters, PerParameter};
+use magsplice::decouple::Parameters;
 use magsplice::ideal::Comparison;
 use magsplice::prelude::DVec3;
 use numpy::{PyArray2, PyReadonlyArray2};
@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use crate::exceptions::of_film;
 use crate::film::Film;
-use crate::vectors::{Triple, rows_of, vectors};
+use crate::vectors::{OptionalTriple, Triple, rows_of, vectors};
 
 /// A comparison as a dictionary with the fields of the Python class.
 #[derive(IntoPyObject)]
@@ -68,8 +68,8 @@ pub(crate) struct DecouplingNumbers<'py> {
     parameters: Bound<'py, PyArray2<f64>>,
     at_reference: Triple,
     singular_mm: Bound<'py, PyArray2<f64>>,
-    /// Only for a grid; NaN where the planes have one point each.
-    uniformity_rmse: Option<Triple>,
+    /// Only for a grid; None where the planes have one point each.
+    uniformity_rmse: Option<OptionalTriple>,
     ideal_rmse: Triple,
     displacement_rmse_mm: Triple,
     wavenumber_per_mm: f64,
@@ -97,10 +97,7 @@ pub(crate) fn decouple<'py>(
             }
             None => {
                 let found = film.decouple(field_t)?;
-                let grid = film.volume()?.grid;
-                let PerParameter { r_x, r_y, s_z } = found.uniformity_rmse;
-                let known = |value: f64, axis| if grid.plane_len(axis) > 1 { value } else { f64::NAN };
-                let uniformity = Some((known(r_x, 0), known(r_y, 1), known(s_z, 2)));
+                let uniformity = Some(found.uniformity_rmse.to_array().into());
                 let parameters: Vec<DVec3> = found.parameters.iter().map(vector).collect();
                 (parameters, found.at_reference, found.singular, uniformity, found.ideal_rmse, wavenumber)
             }

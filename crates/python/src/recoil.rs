@@ -1,16 +1,16 @@
 //! What recoil changes in a film.
 
 use magsplice::magnet::Permeability;
-use magsplice::{RecoilEstimate, RecoilFigures};
+use magsplice::{RecoilEstimate, decouple};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 use crate::exceptions::{bad_value, of_film};
 use crate::film::Film;
-use crate::vectors::{Triple, numbers, rows_of};
+use crate::vectors::{OptionalTriple, Triple, numbers, rows_of};
 
 /// Figures of a film: amplitude, uniformity RMSE, displacement RMSE in millimetres.
-type Figures = (f64, Triple, Triple);
+type Figures = (f64, OptionalTriple, Triple);
 
 /// The polarization that agrees with the field, with the fields of the Python class.
 #[derive(IntoPyObject)]
@@ -63,6 +63,6 @@ pub(crate) fn recoil_estimate(
     Ok(found.map(|found| (found.permeability, figures(found.rigid), figures(found.recoil))))
 }
 
-fn figures(of: RecoilFigures) -> Figures {
-    (of.amplitude, of.uniformity_rmse.to_array().into(), of.displacement_rmse_mm.into())
+fn figures(of: decouple::Figures) -> Figures {
+    (of.amplitude, of.uniformity_rmse.to_array().into(), of.displacement_rmse_mm.to_array().into())
 }

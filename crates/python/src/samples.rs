@@ -3,8 +3,9 @@
 use std::time::{Duration, Instant};
 
 use magsplice::FilmError;
+use magsplice::decouple::Figures;
 use magsplice::ideal::IdealFilm;
-use magsplice::tolerance::{Estimate, EvaluationGrid, FilmErrors, RealFilm, SampleError, Sampler, Statistics};
+use magsplice::tolerance::{Estimate, EvaluationGrid, RealFilm, SampleError, Sampler, Statistics};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 
@@ -53,7 +54,7 @@ pub(crate) fn sampled(
     range: std::ops::Range<u64>,
     pool: Option<&rayon::ThreadPool>,
     tell: &dyn Fn(u64) -> PyResult<()>,
-) -> PyResult<Vec<FilmErrors>> {
+) -> PyResult<Vec<Figures>> {
     let sampler = py.detach(|| scene.sampler(seed)).map_err(failed)?;
     let workers = pool.map_or_else(rayon::current_num_threads, rayon::ThreadPool::current_num_threads);
     let (mut found, mut stretch) = (Vec::new(), workers as u64);
@@ -105,14 +106,15 @@ impl<'a> SampledFilm<'a> {
     }
 
     /// The errors of the film without errors of its tiles.
-    pub(crate) fn nominal(&self) -> Result<FilmErrors, SampleError> {
+    pub(crate) fn nominal(&self) -> Result<Figures, SampleError> {
         let exact = self.real.clone().without_errors();
         Sampler::new(&exact, &self.volume, self.ideal, self.seed)?.errors_of(0)
     }
 }
 
-fn arrays<'py>(py: Python<'py>, errors: &[FilmErrors]) -> Errors<'py> {
-    let uniformity: Vec<_> = errors.iter().map(|e| e.uniformity_rmse.to_array().into()).collect();
+fn arrays<'py>(py: Python<'py>, errors: &[Figures]) -> Errors<'py> {
+    let undefined = |rmse: Option<f64>| rmse.unwrap_or(f64::NAN);
+    let uniformity: Vec<_> = errors.iter().map(|e| e.uniformity_rmse.to_array().map(undefined).into()).collect();
     let displacement: Vec<_> = errors.iter().map(|e| e.displacement_rmse_mm.into()).collect();
     let amplitude = errors.iter().map(|e| e.amplitude).collect();
     (rows_of(py, &uniformity), rows_of(py, &displacement), numbers(py, amplitude))

@@ -14,7 +14,7 @@ use crate::exceptions::{failed, of_layout};
 use crate::film::Film;
 use crate::interruption::Interruption;
 use crate::samples::StatisticsNumbers;
-use crate::vectors::Triple;
+use crate::vectors::{OptionalTriple, Triple};
 
 /// Name and version in the history of layouts.
 const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " design");
@@ -23,7 +23,7 @@ const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " design"
 #[derive(IntoPyObject)]
 pub(crate) struct MetricsNumbers {
     points: usize,
-    uniformity_rmse: Triple,
+    uniformity_rmse: OptionalTriple,
     ideal_rmse: Triple,
     displacement_rmse_mm: Triple,
     amplitude: f64,
@@ -34,10 +34,10 @@ impl From<Metrics> for MetricsNumbers {
     fn from(metrics: Metrics) -> MetricsNumbers {
         MetricsNumbers {
             points: metrics.points,
-            uniformity_rmse: metrics.uniformity_rmse.to_array().into(),
+            uniformity_rmse: metrics.figures.uniformity_rmse.to_array().into(),
             ideal_rmse: metrics.ideal_rmse.to_array().into(),
-            displacement_rmse_mm: metrics.displacement_rmse_mm.into(),
-            amplitude: metrics.amplitude,
+            displacement_rmse_mm: metrics.figures.displacement_rmse_mm.to_array().into(),
+            amplitude: metrics.figures.amplitude,
             scaled_relative_rmse: metrics.scaled_relative_rmse,
         }
     }
@@ -57,7 +57,10 @@ pub(crate) struct MadeNumbers {
 impl From<MadeFilms> for MadeNumbers {
     fn from(made: MadeFilms) -> MadeNumbers {
         let numbers = |errors: MadeErrors| {
-            (errors.displacement_rmse_mm.map(StatisticsNumbers::from), StatisticsNumbers::from(errors.amplitude))
+            (
+                errors.displacement_rmse_mm.map(StatisticsNumbers::from).to_array(),
+                StatisticsNumbers::from(errors.amplitude),
+            )
         };
         let (before_displacement_rmse_mm, before_amplitude) = numbers(made.before);
         let (after_displacement_rmse_mm, after_amplitude) = numbers(made.after);
@@ -80,7 +83,7 @@ pub(crate) struct DesignNumbers {
     after: MetricsNumbers,
     five_times_finer: MetricsNumbers,
     made: Option<MadeNumbers>,
-    stages: Vec<(&'static str, Triple)>,
+    stages: Vec<(&'static str, OptionalTriple)>,
     parts: usize,
     starts_that_agree: usize,
     short_of: Vec<String>,

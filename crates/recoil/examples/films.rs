@@ -33,7 +33,10 @@ fn uniformity_r_x(layout: &Layout, tiles: &[Tile]) -> f64 {
         return f64::NAN;
     };
     let reference = (volume.reference_mm, reference_t);
-    Decoupling::from_field(&volume.grid, &field_t, reference, ideal).map_or(f64::NAN, |d| d.uniformity_rmse.r_x)
+    Decoupling::from_field(&volume.grid, &field_t, reference, ideal)
+        .ok()
+        .and_then(|d| d.uniformity_rmse.r_x)
+        .unwrap_or(f64::NAN)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

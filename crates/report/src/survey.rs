@@ -2,11 +2,10 @@
 //! decoupling parameters, and the tiles that are drawn.
 
 use glam::DVec3;
-use magsplice::decouple::{Branch, Decoupling, Parameters};
+use magsplice::decouple::{Branch, Decoupling, Figures, Parameters};
 use magsplice::field::{Cause, PointErrors};
 use magsplice::layout::{NamedTile, WorkingVolume};
 use magsplice::prelude::{Accuracy, Grid, IdealFilm, Quantity, Tolerance};
-use magsplice::tolerance::FilmErrors;
 use magsplice::{Film, FilmError};
 
 use crate::error::ReportError;
@@ -74,9 +73,9 @@ pub(crate) struct Survey<'a> {
 #[derive(Clone, Debug)]
 pub struct FilmSamples {
     /// The errors of the film as it was ordered.
-    pub nominal: FilmErrors,
+    pub nominal: Figures,
     /// The errors of each sample.
-    pub errors: Vec<FilmErrors>,
+    pub errors: Vec<Figures>,
 }
 
 /// The ideal film over the same grid, and the decoupling parameters of the spliced film.

@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
+use magsplice_decouple::Figures;
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::FilmTolerance;
 
-use crate::film_errors::{EvaluationGrid, FilmErrors, SampleError};
+use crate::evaluation_grid::{EvaluationGrid, SampleError};
 use crate::first_order::{AxisErrors, Cause, Contribution, FirstOrder, Share};
 use crate::one_cause::each_alone;
 use crate::real_film::RealFilm;
@@ -105,7 +106,7 @@ pub struct CauseImprovement {
 impl Budget {
     /// The budget to first order of a film, and of its splicing pattern without end if it has one,
     /// see [`EndlessPattern::errors`](crate::EndlessPattern::errors), in the same volume.
-    pub fn new(model: &FirstOrder, pattern: Option<&FilmErrors>) -> Budget {
+    pub fn new(model: &FirstOrder, pattern: Option<&Figures>) -> Budget {
         let errors = [0, 1, 2].map(|axis| model.axis_errors(axis));
         let saved_by = |of: &dyn Fn(&AxisErrors) -> f64| errors.each_ref().map(of);
         let tiles = (0..errors[0].tiles.len())
@@ -119,7 +120,7 @@ impl Budget {
         let causes = most_saving(causes.collect(), |cause| cause.saved_mm2);
         let mut axis = 0;
         let axes = errors.map(|AxisErrors { nominal_mm2, expected_mm2, shares, .. }| {
-            let pattern_mm2 = pattern.map(|pattern| pattern.displacement_rmse_mm[axis].powi(2));
+            let pattern_mm2 = pattern.map(|pattern| pattern.displacement_rmse_mm.to_array()[axis].powi(2));
             axis += 1;
             AxisBudget { nominal_mm2, pattern_mm2, causes: shares, total_mm2: expected_mm2 }
         });
@@ -140,7 +141,7 @@ impl Budget {
         film: &RealFilm,
         volume: &EvaluationGrid,
         ideal: &IdealFilm,
-        pattern: Option<&FilmErrors>,
+        pattern: Option<&Figures>,
         seed: u64,
         samples: Range<u64>,
         progress: impl Fn() + Sync,
@@ -151,7 +152,8 @@ impl Budget {
             let film = film.clone().with_tolerance(tolerance);
             let sampler = Sampler::new(&film, volume, ideal, seed).map_err(|error| (first, error))?;
             let errors = sampler.errors_of_range_with_progress(samples, &progress)?;
-            let mean = |axis: usize| errors.iter().map(|e| e.displacement_rmse_mm[axis].powi(2)).sum::<f64>() / count;
+            let square = |e: &Figures, axis: usize| e.displacement_rmse_mm.to_array()[axis].powi(2);
+            let mean = |axis: usize| errors.iter().map(|e| square(e, axis)).sum::<f64>() / count;
             Ok([0, 1, 2].map(mean))
         };
         let nominal = mean_squares(&FilmTolerance::default(), first..first + 1)?;
@@ -170,7 +172,7 @@ impl Budget {
         }
         let mut axis = 0;
         let axes = shares.map(|causes| {
-            let pattern_mm2 = pattern.map(|pattern| pattern.displacement_rmse_mm[axis].powi(2));
+            let pattern_mm2 = pattern.map(|pattern| pattern.displacement_rmse_mm.to_array()[axis].powi(2));
             axis += 1;
             AxisBudget { nominal_mm2: nominal[axis - 1], pattern_mm2, causes, total_mm2: total[axis - 1] }
         });

@@ -4,7 +4,6 @@
 //!
 //! * [`RealFilm`]: a film with the errors of those that are made like it, and its samples.
 //! * [`Sampler`]: sample number i, which depends on a seed and on i alone, and its errors.
-//! * [`FilmErrors`]: the errors of decoupling and displacement of one sample.
 //! * [`FirstOrder`]: the errors to first order, by exact derivatives: shares of causes and tiles
 //!   without samples, and where this is valid.
 //! * [`TileChanges`]: the errors to first order by J and the sides of tiles.
@@ -29,8 +28,8 @@ mod budget;
 mod draws;
 /// The splicing pattern without end.
 mod endless;
-/// The errors of decoupling and displacement of a film.
-mod film_errors;
+/// The figures of a film over its working volume.
+mod evaluation_grid;
 /// Errors to first order.
 mod first_order;
 /// The errors of one cause alone.
@@ -50,7 +49,7 @@ mod weakening;
 
 pub use budget::{AxisBudget, Budget, CauseImprovement, TileImprovement};
 pub use endless::{EndlessPattern, EndlessPatternError};
-pub use film_errors::{EvaluationGrid, Figure, FilmErrors, SampleError};
+pub use evaluation_grid::{EvaluationGrid, SampleError};
 pub use first_order::{
     AxisCheck, AxisErrors, Cause, Contribution, ErrorSource, ErrorTerm, FirstOrder, FirstOrderCheck, Share,
     TileChanges, TileResponse,

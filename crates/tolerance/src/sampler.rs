@@ -3,13 +3,14 @@
 use std::ops::Range;
 
 use glam::{DMat3, DVec3};
+use magsplice_decouple::Figures;
 use magsplice_field::Scene;
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Quantity, Tile};
 use rayon::prelude::*;
 
 use crate::draws::Draws;
-use crate::film_errors::{EvaluationGrid, Figure, FilmErrors, SampleError};
+use crate::evaluation_grid::{EvaluationGrid, SampleError};
 use crate::real_film::RealFilm;
 use crate::statistics::Statistics;
 
@@ -60,7 +61,7 @@ impl<'a> Sampler<'a> {
     ///
     /// # Errors
     /// If a tile of the sample cannot exist, or the parameters do not exist in the volume.
-    pub fn errors_of(&self, sample: u64) -> Result<FilmErrors, SampleError> {
+    pub fn errors_of(&self, sample: u64) -> Result<Figures, SampleError> {
         self.errors_of_readings(&self.readings_of_t(sample)?)
     }
 
@@ -69,13 +70,13 @@ impl<'a> Sampler<'a> {
     ///
     /// # Errors
     /// If the parameters do not exist in the volume.
-    pub fn errors_of_tiles(&self, sample: u64, tiles: &[Tile]) -> Result<FilmErrors, SampleError> {
+    pub fn errors_of_tiles(&self, sample: u64, tiles: &[Tile]) -> Result<Figures, SampleError> {
         self.errors_of_readings(&self.readings_of_tiles_t(&mut Draws::new(self.seed, sample), tiles)?)
     }
 
-    fn errors_of_readings(&self, read_t: &[DVec3]) -> Result<FilmErrors, SampleError> {
+    fn errors_of_readings(&self, read_t: &[DVec3]) -> Result<Figures, SampleError> {
         let last = read_t.len() - 1;
-        FilmErrors::from_field(&read_t[..last], read_t[last], &self.volume, self.ideal)
+        self.volume.figures(&read_t[..last], read_t[last], self.ideal)
     }
 
     /// The readings of sample number `sample` at the points of the grid, then at the reference
@@ -143,7 +144,7 @@ impl<'a> Sampler<'a> {
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
-    pub fn errors_of_range(&self, samples: Range<u64>) -> Result<Vec<FilmErrors>, (u64, SampleError)> {
+    pub fn errors_of_range(&self, samples: Range<u64>) -> Result<Vec<Figures>, (u64, SampleError)> {
         self.errors_of_range_with_progress(samples, || {})
     }
 
@@ -156,22 +157,19 @@ impl<'a> Sampler<'a> {
         &self,
         samples: Range<u64>,
         progress: impl Fn() + Sync,
-    ) -> Result<Vec<FilmErrors>, (u64, SampleError)> {
+    ) -> Result<Vec<Figures>, (u64, SampleError)> {
         let of_sample = |sample| {
             progress();
             self.errors_of(sample).map_err(|error| (sample, error))
         };
-        let results: Vec<Result<FilmErrors, _>> = samples.into_par_iter().map(of_sample).collect();
+        let results: Vec<Result<Figures, _>> = samples.into_par_iter().map(of_sample).collect();
         results.into_iter().collect()
     }
 }
 
-/// Statistics of one figure of samples. `None` without samples.
-///
-/// # Panics
-/// If the figure has an axis that is not 0, 1 or 2.
-pub fn statistics(errors: &[FilmErrors], figure: Figure) -> Option<Statistics> {
-    Statistics::new(errors.iter().map(|errors| errors.get(figure)))
+/// Statistics of the figures of samples. `None` without samples.
+pub fn statistics(samples: &[Figures]) -> Option<Figures<Statistics>> {
+    Figures::from_fn(|figure| Statistics::new(samples.iter().filter_map(|sample| sample.get(figure).copied())))
 }
 
 /// The exact field of tiles at points.

@@ -1,6 +1,6 @@
 //! `decouple`: the comparison, the decoupling errors and every point.
 
-use magsplice::decouple::PerParameter;
+use magsplice::decouple::{PerAxis, PerParameter};
 use magsplice::prelude::DVec3;
 use magsplice_export::Table;
 use serde::Serialize;
@@ -21,8 +21,8 @@ pub(crate) struct DecoupleJson<'a> {
     points: usize,
     reference_mm: [f64; 3],
     /// Deviation of each parameter over the planes normal to its axis.
-    uniformity_rmse: PerParameter,
-    uniformity_rmse_mm: LengthsJson,
+    uniformity_rmse: PerParameter<Option<f64>>,
+    uniformity_rmse_mm: PerAxis<Option<f64>>,
     /// Error of each parameter's change from the reference point, against Eq. 2.
     ideal_rmse: PerParameter,
     /// The same as an error of the displacement found by Eq. 14.
@@ -45,10 +45,10 @@ impl<'a> DecoupleJson<'a> {
             source: SourceJson::new(film),
             points: volume.grid.len(),
             reference_mm: volume.reference_mm.to_array(),
-            uniformity_rmse: evaluation.uniformity_rmse(),
-            uniformity_rmse_mm: evaluation.uniformity_rmse().as_lengths(k).into(),
+            uniformity_rmse: decoupling.uniformity_rmse,
+            uniformity_rmse_mm: decoupling.uniformity_rmse.to_array().map(|rmse| rmse.map(|rmse| rmse / k)).into(),
             ideal_rmse: decoupling.ideal_rmse,
-            displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(k).into(),
+            displacement_rmse_mm: DVec3::from(decoupling.displacement_rmse_mm).into(),
             singular_points_mm: decoupling.singular.iter().map(DVec3::to_array).collect(),
             comparison: comparison(&evaluation.comparison),
             remark: about_amplitude(evaluation.comparison.amplitude),

@@ -42,14 +42,14 @@ struct LeftOutJson {
 impl<'a> DecouplePointsJson<'a> {
     /// `table` is [`PointEvaluation::table`].
     pub(crate) fn new(evaluation: &PointEvaluation<'a>, table: &'a Table) -> DecouplePointsJson<'a> {
-        let PointEvaluation { film, ideal, volume, given, decoupling, .. } = evaluation;
+        let PointEvaluation { film, volume, given, decoupling, .. } = evaluation;
         let worst = evaluation.worst_mm();
         DecouplePointsJson {
             source: SourceJson::new(film),
             points: given.points.len(),
             reference_mm: volume.reference_mm.to_array(),
             ideal_rmse: decoupling.ideal_rmse,
-            displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(ideal.wavenumber()).into(),
+            displacement_rmse_mm: DVec3::from(decoupling.displacement_rmse_mm).into(),
             worst_displacement_error_mm: worst.map(|(_, error)| error.into()),
             worst_displacement_at_mm: worst.map(|(at, _)| at.to_array()),
             singular_points_mm: decoupling.singular.iter().map(DVec3::to_array).collect(),

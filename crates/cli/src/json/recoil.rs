@@ -1,10 +1,8 @@
 //! What recoil changes in a film.
 
-use magsplice::decouple::PerParameter;
-use magsplice::{FilmRecoil, RecoilEstimate, RecoilFigures};
+use magsplice::decouple::{Figures, PerAxis, PerParameter};
+use magsplice::{FilmRecoil, RecoilEstimate};
 use serde::Serialize;
-
-use super::lengths::LengthsJson;
 
 /// The solution, with estimates of its errors.
 #[derive(Serialize)]
@@ -32,14 +30,14 @@ struct FiguresJson {
 #[derive(Serialize)]
 struct FilmFiguresJson {
     amplitude: f64,
-    uniformity_rmse: PerParameter,
-    displacement_rmse_mm: LengthsJson,
+    uniformity_rmse: PerParameter<Option<f64>>,
+    displacement_rmse_mm: PerAxis,
 }
 
-impl From<RecoilFigures> for FilmFiguresJson {
-    fn from(figures: RecoilFigures) -> FilmFiguresJson {
-        let RecoilFigures { amplitude, uniformity_rmse, displacement_rmse_mm } = figures;
-        FilmFiguresJson { amplitude, uniformity_rmse, displacement_rmse_mm: displacement_rmse_mm.into() }
+impl From<Figures> for FilmFiguresJson {
+    fn from(figures: Figures) -> FilmFiguresJson {
+        let Figures { amplitude, uniformity_rmse, displacement_rmse_mm } = figures;
+        FilmFiguresJson { amplitude, uniformity_rmse, displacement_rmse_mm }
     }
 }
 

@@ -1,7 +1,8 @@
 //! `tolerance`: statistics of samples.
 
+use magsplice::decouple::{Figures, PerAxis, PerParameter};
 use magsplice::making::Sorting;
-use magsplice::tolerance::{Estimate, Figure, Statistics};
+use magsplice::tolerance::{Estimate, Statistics};
 use serde::Serialize;
 
 use super::recoil::RecoilJson;
@@ -24,28 +25,14 @@ pub(crate) struct ToleranceJson<'a> {
     /// How tiles are sorted; absent if they are not.
     #[serde(skip_serializing_if = "Option::is_none")]
     sorting: Option<&'a Sorting>,
-    uniformity_rmse: ParametersJson,
-    displacement_rmse_mm: AxesJson,
+    uniformity_rmse: PerParameter<Option<StatisticsJson>>,
+    displacement_rmse_mm: PerAxis<StatisticsJson>,
     amplitude: StatisticsJson,
     /// The share of the films that keep the bounds of `[expect]`.
     #[serde(rename = "yield")]
     yield_share: Option<ShareJson>,
     /// The share of the films that keep all bounds of `[expect.made]`.
     yield_made: Option<ShareJson>,
-}
-
-#[derive(Serialize)]
-struct ParametersJson {
-    r_x: StatisticsJson,
-    r_y: StatisticsJson,
-    s_z: StatisticsJson,
-}
-
-#[derive(Serialize)]
-struct AxesJson {
-    x: StatisticsJson,
-    y: StatisticsJson,
-    z: StatisticsJson,
 }
 
 #[derive(Serialize)]
@@ -79,8 +66,9 @@ struct ShareJson {
 
 impl<'a> ToleranceJson<'a> {
     pub(crate) fn new(film: &'a SampledFilm) -> ToleranceJson<'a> {
-        let statistics =
-            |index: usize| StatisticsJson::new(film.nominal.get(Figure::ALL[index]), &film.statistics[index]);
+        let statistics = |figure| Some(StatisticsJson::new(*film.nominal.get(figure)?, film.statistics.get(figure)?));
+        let Figures { uniformity_rmse, displacement_rmse_mm, amplitude } =
+            Figures::from_fn(statistics).expect("displacements and the amplitude are defined");
         ToleranceJson {
             layout: &film.layout.name,
             sha256: &film.layout.sha256,
@@ -92,9 +80,9 @@ impl<'a> ToleranceJson<'a> {
             first: film.source.first,
             count: film.source.count,
             sorting: film.sorting.as_ref(),
-            uniformity_rmse: ParametersJson { r_x: statistics(0), r_y: statistics(1), s_z: statistics(2) },
-            displacement_rmse_mm: AxesJson { x: statistics(3), y: statistics(4), z: statistics(5) },
-            amplitude: statistics(6),
+            uniformity_rmse,
+            displacement_rmse_mm,
+            amplitude,
             yield_share: film.yield_share.map(ShareJson::new),
             yield_made: film.yield_made.map(ShareJson::new),
         }

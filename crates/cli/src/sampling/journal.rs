@@ -6,12 +6,11 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use magsplice::tolerance::FilmErrors;
-
 use super::sample_file;
 use super::source::SampleSource;
 use crate::failure::Failure;
 use crate::text::number::counted;
+use magsplice::decouple::Figures;
 
 /// What the name of a journal ends with.
 const ENDING: &str = ".partial";
@@ -33,11 +32,7 @@ impl Journal {
 
     /// Opens a journal, and the samples that it holds. A journal of an earlier run is continued if
     /// `resume`, and is refused otherwise, so that no samples are lost.
-    pub(crate) fn open(
-        save: &Path,
-        source: &SampleSource,
-        resume: bool,
-    ) -> Result<(Journal, Vec<FilmErrors>), Failure> {
+    pub(crate) fn open(save: &Path, source: &SampleSource, resume: bool) -> Result<(Journal, Vec<Figures>), Failure> {
         let path = Journal::path_beside(save);
         let failed = |error: io::Error| Failure::Write { target: path.display().to_string(), error };
         // A run that was killed before the names of the figures were written has no samples.
@@ -76,7 +71,7 @@ impl Journal {
     }
 
     /// Appends the next samples.
-    pub(crate) fn append(&mut self, errors: &[FilmErrors]) -> Result<(), Failure> {
+    pub(crate) fn append(&mut self, errors: &[Figures]) -> Result<(), Failure> {
         let lines: String =
             (self.next..).zip(errors).map(|(sample, errors)| sample_file::line(sample, errors) + "\n").collect();
         self.next += errors.len() as u64;

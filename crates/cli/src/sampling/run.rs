@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use magsplice::Stage;
-use magsplice::tolerance::FilmErrors;
+use magsplice::decouple::Figures;
 
 use super::source::SampleSource;
 use crate::failure::Failure;
@@ -20,7 +20,7 @@ const LONGEST_STRETCH: u64 = 1 << 16;
 /// Samples to evaluate.
 pub(crate) struct SamplingRun<'a> {
     /// The errors of samples with these numbers.
-    pub(crate) errors_of: &'a dyn Fn(Range<u64>) -> Result<Vec<FilmErrors>, Failure>,
+    pub(crate) errors_of: &'a dyn Fn(Range<u64>) -> Result<Vec<Figures>, Failure>,
     pub(crate) source: &'a SampleSource,
 }
 
@@ -29,8 +29,8 @@ impl SamplingRun<'_> {
     /// each stretch of them. Ends early if `stop` is set.
     pub(crate) fn extend(
         &self,
-        errors: &mut Vec<FilmErrors>,
-        mut keep: impl FnMut(&[FilmErrors]) -> Result<(), Failure>,
+        errors: &mut Vec<Figures>,
+        mut keep: impl FnMut(&[Figures]) -> Result<(), Failure>,
         progress: &ProgressLine,
         stop: Option<&AtomicBool>,
     ) -> Result<(), Failure> {

@@ -4,9 +4,8 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use magsplice::decouple::PerParameter;
+use magsplice::decouple::{Figure, Figures};
 use magsplice::layout::Layout;
-use magsplice::tolerance::{Figure, FilmErrors};
 use magsplice_export::{ColumnQuantity, MetadataValue, Rows, Table, numpy};
 
 use super::source::SampleSource;
@@ -35,16 +34,21 @@ pub(crate) fn heading() -> String {
     format!("sample,{}", COLUMNS.join(","))
 }
 
+/// A figure of a sample; NaN for an undefined uniformity.
+fn number(errors: &Figures, figure: Figure) -> f64 {
+    errors.get(figure).copied().unwrap_or(f64::NAN)
+}
+
 /// A sample as a line of CSV. Numbers read back to the same bits.
-pub(crate) fn line(sample: u64, errors: &FilmErrors) -> String {
-    let figures = Figure::ALL.map(|figure| format!("{:?}", errors.get(figure)));
+pub(crate) fn line(sample: u64, errors: &Figures) -> String {
+    let figures = Figure::ALL.map(|figure| format!("{:?}", number(errors, figure)));
     format!("{sample},{}", figures.join(","))
 }
 
 /// Writes samples in a format.
 pub(crate) fn write(
     source: &SampleSource,
-    errors: &[FilmErrors],
+    errors: &[Figures],
     layout: &Layout,
     format: SampleFormat,
     output: &mut Output,
@@ -65,11 +69,11 @@ pub(crate) fn write(
     })
 }
 
-fn table(source: &SampleSource, errors: &[FilmErrors], layout: &Layout) -> Table {
+fn table(source: &SampleSource, errors: &[Figures], layout: &Layout) -> Table {
     let column = |(figure, name): (Figure, &'static &'static str)| ColumnQuantity {
         name,
         components: std::slice::from_ref(name),
-        values: errors.iter().map(|errors| errors.get(figure)).collect(),
+        values: errors.iter().map(|errors| number(errors, figure)).collect(),
     };
     let quantities = Figure::ALL.into_iter().zip(&COLUMNS).map(column).collect();
     let mut metadata = layout_metadata(layout);
@@ -83,7 +87,7 @@ fn table(source: &SampleSource, errors: &[FilmErrors], layout: &Layout) -> Table
 /// journal. `bytes` is the length of what was read.
 pub(crate) struct SampleFile {
     pub(crate) source: SampleSource,
-    pub(crate) errors: Vec<FilmErrors>,
+    pub(crate) errors: Vec<Figures>,
     pub(crate) bytes: u64,
 }
 
@@ -117,7 +121,7 @@ pub(crate) fn read(path: &Path) -> Result<SampleFile, Failure> {
         Some((names, length)) if names == heading() => bytes += length,
         _ => return Err(refused(not_samples("its second line does not name the figures"))),
     }
-    let mut errors: Vec<FilmErrors> = Vec::new();
+    let mut errors: Vec<Figures> = Vec::new();
     while let Some((line, length)) = next_line()? {
         let expected = source.first + errors.len() as u64;
         let number = errors.len() + 3;
@@ -138,12 +142,11 @@ fn not_samples(why: &str) -> String {
     format!("is not a file of samples as `magsplice tolerance --save FILE.csv` writes it: {why}")
 }
 
-fn parse(line: &str) -> Option<(u64, FilmErrors)> {
+fn parse(line: &str) -> Option<(u64, Figures)> {
     let (sample, figures) = line.split_once(',')?;
     let figures: Vec<f64> = figures.split(',').map(|figure| figure.parse().ok()).collect::<Option<_>>()?;
-    let [r_x, r_y, s_z, x, y, z, amplitude] = figures.try_into().ok()?;
-    let errors =
-        FilmErrors { uniformity_rmse: PerParameter { r_x, r_y, s_z }, displacement_rmse_mm: [x, y, z], amplitude };
-    Figure::ALL.iter().all(|figure| errors.get(*figure).is_finite()).then_some(())?;
+    let figures: [f64; Figure::ALL.len()] = figures.try_into().ok()?;
+    figures.iter().all(|figure| !figure.is_infinite()).then_some(())?;
+    let errors = Figures::from_fn(|figure| Some(figures[figure.index()]).filter(|value| !value.is_nan()))?;
     Some((sample.parse().ok()?, errors))
 }

@@ -1,10 +1,11 @@
 //! Results of `tolerance`: statistics of the samples of a film.
 
 use magsplice::FilmRecoil;
+use magsplice::decouple::Figures;
 use magsplice::expect::keeps_bounds;
-use magsplice::layout::{Expectations, Layout, MadeExpectations};
+use magsplice::layout::{FigureBounds, Layout};
 use magsplice::making::Sorting;
-use magsplice::tolerance::{Estimate, Figure, FilmErrors, Statistics, share, statistics};
+use magsplice::tolerance::{Estimate, Statistics, share, statistics};
 
 use super::scene::SampledScene;
 use super::source::SampleSource;
@@ -15,12 +16,11 @@ pub(crate) struct SampledFilm<'a> {
     pub(crate) layout: &'a Layout,
     pub(crate) recoil: Option<FilmRecoil>,
     /// The errors of the film as it was ordered.
-    pub(crate) nominal: FilmErrors,
+    pub(crate) nominal: Figures,
     pub(crate) source: SampleSource,
     /// How the tiles are sorted, if they are.
     pub(crate) sorting: Option<Sorting>,
-    /// In the order of [`Figure::ALL`].
-    pub(crate) statistics: [Statistics; 7],
+    pub(crate) statistics: Figures<Statistics>,
     /// The share of the samples that keep the bounds of `[expect]`; nothing if there are none.
     pub(crate) yield_share: Option<Estimate>,
     /// The share of the samples that keep all bounds of `[expect.made]`; nothing if there are none.
@@ -33,12 +33,12 @@ impl<'a> SampledFilm<'a> {
     pub(crate) fn new(
         scene: &SampledScene<'a>,
         source: SampleSource,
-        errors: &[FilmErrors],
+        errors: &[Figures],
     ) -> Result<SampledFilm<'a>, Failure> {
         let (layout, recoil, nominal) = (scene.layout(), scene.recoil().cloned(), scene.nominal()?);
-        let statistics = Figure::ALL.map(|figure| statistics(errors, figure).expect("at least one sample"));
-        let yield_share = keeping(&layout.expectations, errors);
-        let yield_made = layout.expectations.made.as_ref().and_then(|made| keeping(&of_one_film(made), errors));
+        let statistics = statistics(errors).expect("at least one sample");
+        let yield_share = keeping(&layout.expectations.bounds, errors);
+        let yield_made = layout.expectations.made.as_ref().and_then(|made| keeping(&made.bounds, errors));
         Ok(SampledFilm { layout, recoil, nominal, source, sorting: None, statistics, yield_share, yield_made })
     }
 
@@ -49,17 +49,7 @@ impl<'a> SampledFilm<'a> {
 }
 
 /// The share of the samples that keep all bounds; nothing if there are none.
-fn keeping(bounds: &Expectations, errors: &[FilmErrors]) -> Option<Estimate> {
+fn keeping(bounds: &FigureBounds, errors: &[Figures]) -> Option<Estimate> {
     let kept: Vec<bool> = errors.iter().map(|errors| keeps_bounds(bounds, errors)).collect::<Option<_>>()?;
     share(kept.iter().filter(|kept| **kept).count(), kept.len())
-}
-
-/// The bounds of a percentile as bounds of one film.
-fn of_one_film(made: &MadeExpectations) -> Expectations {
-    Expectations {
-        uniformity_rmse: made.uniformity_rmse,
-        displacement_rmse_mm: made.displacement_rmse_mm,
-        least_amplitude: made.least_amplitude,
-        ..Expectations::default()
-    }
 }

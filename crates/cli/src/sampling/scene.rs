@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use magsplice::decouple::Figures;
 use magsplice::ideal::IdealFilm;
 use magsplice::layout::Layout;
 use magsplice::making::{PlaceGroup, SortedSampler, Sorting};
-use magsplice::tolerance::{EvaluationGrid, FilmErrors, RealFilm, SampleError, Sampler};
+use magsplice::tolerance::{EvaluationGrid, RealFilm, SampleError, Sampler};
 use magsplice::{Film, FilmBudget, FilmError, FilmRecoil, Stage};
 
 use crate::failure::Failure;
@@ -85,7 +86,7 @@ impl<'a> SampledScene<'a> {
     }
 
     /// The errors of the film as it was ordered.
-    pub(crate) fn nominal(&self) -> Result<FilmErrors, Failure> {
+    pub(crate) fn nominal(&self) -> Result<Figures, Failure> {
         self.sampler_of(&self.exact, 1)?.errors_of(0).map_err(|error| self.failure(&error))
     }
 

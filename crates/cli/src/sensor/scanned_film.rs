@@ -72,7 +72,7 @@ impl Uniformity {
         let places: Vec<DVec3> = usable.iter().map(|n| points[kept[*n]]).collect();
         let [readings, corrected, simulated] = parameters.map(|of_field| {
             let usable: Vec<Parameters> = usable.iter().filter_map(|n| of_field[*n]).collect();
-            uniformity_by_planes(&places, &usable)
+            uniformity_by_planes(&places, &usable).to_array()
         });
         Uniformity { readings, corrected, simulated, singular: kept.len() - usable.len() }
     }

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use anstyle::{AnsiColor, Style};
+use magsplice::decouple::Figure;
 use magsplice::expect::{Bound, Expectation, Location, Outcome};
 use magsplice::layout::Layout;
 
@@ -110,7 +111,7 @@ fn location(outcome: &Outcome, layout: &Layout) -> String {
         Some(Location::Percentile { per_cent, value, samples }) => {
             format!("P{per_cent} of {samples} films is {}", number(value))
         }
-        _ if outcome.expectation == Expectation::Amplitude && outcome.value < 0.0 => {
+        _ if outcome.expectation == Expectation::Figure(Figure::Amplitude) && outcome.value < 0.0 => {
             "the film is reversed or shifted by half a wavelength".to_owned()
         }
         _ => String::new(),

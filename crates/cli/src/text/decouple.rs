@@ -7,7 +7,7 @@ use magsplice::ideal::{Comparison, IdealFilm};
 use magsplice::layout::WorkingVolume;
 use magsplice::prelude::DVec3;
 
-use super::number::number;
+use super::number::{number, uniformity_number};
 use super::{header, rows};
 use crate::evaluation::Evaluation;
 use crate::failure::PRINTED_FAULTS;
@@ -23,7 +23,7 @@ pub(crate) fn evaluation(evaluation: &Evaluation) -> String {
         header::film(film, volume),
         field(field_t, volume, *reference_field_t, Some(ideal)),
         comparison(compared),
-        decoupling(decoupled, evaluation.uniformity_rmse(), volume, ideal.wavenumber()),
+        decoupling(decoupled, volume, ideal.wavenumber()),
     ];
     sections.extend(film.recoil().map(|recoil| super::recoil::section(film, recoil)));
     sections.join("\n")
@@ -84,20 +84,17 @@ pub(crate) fn comparison(c: &Comparison) -> String {
 }
 
 /// The decoupling errors, as parameters and as millimetres.
-fn decoupling(d: &Decoupling, uniformity: PerParameter, volume: &WorkingVolume, wavenumber: f64) -> String {
+fn decoupling(d: &Decoupling, volume: &WorkingVolume, wavenumber: f64) -> String {
     let vector = |p: PerParameter| DVec3::new(p.r_x, p.r_y, p.s_z);
     let r = volume.reference_mm;
     let mut text = String::new();
     rows::heading(&mut text, "decoupling (Eq. 15)", ["R_x", "R_y", "S_z"]);
-    let mut uniform = |label: &str, values: DVec3| {
-        // Planes with a single point have no uniformity.
-        let cell = |value: f64| if value.is_nan() { "one point".to_owned() } else { number(value) };
-        rows::cells(&mut text, label, values.to_array().map(cell));
-    };
-    uniform("  uniformity RMSE", vector(uniformity));
-    uniform("    as displacement x, y, z, mm", uniformity.as_lengths(wavenumber));
+    let uniformity = d.uniformity_rmse.to_array();
+    rows::cells(&mut text, "  uniformity RMSE", uniformity.map(uniformity_number));
+    let lengths = uniformity.map(|rmse| uniformity_number(rmse.map(|rmse| rmse / wavenumber)));
+    rows::cells(&mut text, "    as displacement x, y, z, mm", lengths);
     rows::vector(&mut text, "  RMSE against the ideal film", vector(d.ideal_rmse));
-    rows::vector(&mut text, "    as displacement x, y, z, mm", d.ideal_rmse.as_lengths(wavenumber));
+    rows::vector(&mut text, "    as displacement x, y, z, mm", d.displacement_rmse_mm.into());
     let _ = writeln!(text, "  changes are from the reference ({}, {}, {}) mm", r.x, r.y, r.z);
     let _ = match d.singular.len() {
         0 => writeln!(text, "  singular points (B_z = 0): none"),

@@ -3,12 +3,13 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use magsplice::decouple::Figures;
 use magsplice::design::{DesignProblem, MadeFilms, Metrics, ParetoFront, SearchResult};
 use magsplice::layout::Symmetry;
 use magsplice::prelude::DVec3;
 use magsplice::tolerance::Statistics;
 
-use super::number::{counted, number};
+use super::number::{counted, number, uniformity_number};
 use super::rows;
 
 /// The film before and after the search, side by side. The film before is a pattern if
@@ -39,16 +40,18 @@ pub(crate) fn search_result(
     let columns = [&result.before, &result.after, &result.finer];
     let before = if from_pattern { "start pattern" } else { "before" };
     rows::heading(&mut text, "", [before, "after", "5 x finer"]);
-    let mut errors = |title: &str, of: &dyn Fn(&Metrics) -> [f64; 3], names: [&str; 3]| {
+    let mut errors = |title: &str, of: &dyn Fn(&Figures) -> [String; 3], names: [&str; 3]| {
         let _ = writeln!(text, "{title}");
         for (index, name) in names.into_iter().enumerate() {
-            rows::cells(&mut text, &format!("  {name}"), columns.map(|metrics| number(of(metrics)[index])));
+            rows::cells(&mut text, &format!("  {name}"), columns.map(|metrics| of(&metrics.figures)[index].clone()));
         }
     };
-    errors("uniformity RMSE", &|metrics| metrics.uniformity_rmse.to_array(), ["R_x", "R_y", "S_z"]);
-    errors("RMSE of displacement, mm", &|metrics| metrics.displacement_rmse_mm, ["x", "y", "z"]);
+    let uniformity = |figures: &Figures| figures.uniformity_rmse.map(uniformity_number).to_array();
+    errors("uniformity RMSE", &uniformity, ["R_x", "R_y", "S_z"]);
+    let displacement = |figures: &Figures| figures.displacement_rmse_mm.map(number).to_array();
+    errors("RMSE of displacement, mm", &displacement, ["x", "y", "z"]);
     let _ = writeln!(text, "against the ideal film");
-    rows::cells(&mut text, "  amplitude", columns.map(|metrics| number(metrics.amplitude)));
+    rows::cells(&mut text, "  amplitude", columns.map(|metrics| number(metrics.figures.amplitude)));
     let scaled = |metrics: &Metrics| metrics.scaled_relative_rmse.map_or("none".to_owned(), number);
     rows::cells(&mut text, "  relative RMSE after scaling", columns.map(scaled));
 
@@ -58,7 +61,11 @@ pub(crate) fn search_result(
     let _ = writeln!(text, "\nuniformity RMSE after each stage");
     rows::heading(&mut text, "", ["R_x", "R_y", "S_z"]);
     for stage in &result.stages {
-        rows::cells(&mut text, &format!("  {}", stage.stage.name()), stage.uniformity_rmse.to_array().map(number));
+        rows::cells(
+            &mut text,
+            &format!("  {}", stage.stage.name()),
+            stage.uniformity_rmse.to_array().map(uniformity_number),
+        );
     }
     let magnetized = result.tiles.iter().filter(|tile| tile.polarization_t() != DVec3::ZERO).count();
     let tiles = counted(magnetized, "tile", "tiles");
@@ -80,8 +87,8 @@ fn films_made(text: &mut String, made: &MadeFilms, before: &str) {
     rows::heading(text, "", ["x", "y", "z"]);
     for (film, errors) in [(before, &made.before), ("after", &made.after)] {
         let mut percentile = |name: &str, of: &dyn Fn(&Statistics) -> f64| {
-            let cells = errors.displacement_rmse_mm.each_ref().map(|axis| number(of(axis)));
-            rows::cells(text, &format!("  {film}, {name}"), cells);
+            let cells = errors.displacement_rmse_mm.map(|axis| number(of(&axis)));
+            rows::cells(text, &format!("  {film}, {name}"), cells.to_array());
         };
         percentile("mean", &|errors| errors.mean.value);
         percentile("P50", &|errors| errors.p50.value);
@@ -109,12 +116,13 @@ pub(crate) fn front(front: &ParetoFront) -> String {
         for (name, result) in rows {
             let metrics = &result.after;
             let made = result.made.as_ref().filter(|_| are_made);
-            let first = made.map_or(metrics.uniformity_rmse.to_array(), |made| {
-                made.after.displacement_rmse_mm.each_ref().map(|axis| axis.p95.value)
-            });
-            let numbers = first.into_iter().chain(metrics.displacement_rmse_mm);
-            let numbers: String = numbers.map(|value| format!("{:>13}", number(value))).collect();
-            let _ = writeln!(text, "  {name:<22}{numbers}{:>13.4}{:>13}", metrics.amplitude, result.parts);
+            let first = match made {
+                Some(made) => made.after.displacement_rmse_mm.map(|axis| number(axis.p95.value)).to_array(),
+                None => metrics.figures.uniformity_rmse.map(uniformity_number).to_array(),
+            };
+            let numbers = first.into_iter().chain(metrics.figures.displacement_rmse_mm.map(number).to_array());
+            let numbers: String = numbers.map(|number| format!("{number:>13}")).collect();
+            let _ = writeln!(text, "  {name:<22}{numbers}{:>13.4}{:>13}", metrics.figures.amplitude, result.parts);
         }
     };
     let by_amplitude = front.by_amplitude.iter().map(|(least, film)| (format!("at least {least}"), film));

@@ -10,6 +10,11 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
+/// A uniformity RMSE. Planes with a single point have none.
+pub(crate) fn uniformity_number(rmse: Option<f64>) -> String {
+    rmse.map_or("one point".to_owned(), number)
+}
+
 /// A number of things, with the word for one or for many of them.
 pub(crate) fn counted(number: usize, one: &str, many: &str) -> String {
     if number == 1 { format!("1 {one}") } else { format!("{number} {many}") }

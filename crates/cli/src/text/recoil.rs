@@ -2,11 +2,12 @@
 
 use std::fmt::Write;
 
-use magsplice::decouple::PerParameter;
+use magsplice::decouple::{Figure, Parameter};
 use magsplice::layout::Layout;
-use magsplice::{Film, FilmRecoil, RecoilEstimate, RecoilFigures};
+use magsplice::magnet::Axis;
+use magsplice::{Film, FilmRecoil, RecoilEstimate};
 
-use super::number::{counted, number};
+use super::number::{counted, uniformity_number};
 use super::rows;
 
 const MT_PER_T: f64 = 1e3;
@@ -28,10 +29,10 @@ pub(crate) fn section(film: &Film, recoil: &FilmRecoil) -> String {
     let mut text = String::new();
     rows::heading(&mut text, "recoil", ["without", "with", "known to"]);
     if let (Some([rigid, with]), Some(errors)) = (recoil.figures(), recoil.figure_errors()) {
-        for ((label, rigid), ((_, with), (_, error))) in
-            named(&rigid).into_iter().zip(named(&with).into_iter().zip(named(&errors)))
-        {
-            rows::cells(&mut text, &format!("  {label}"), [number(rigid), number(with), short(error)]);
+        for (label, figure) in LABELS {
+            let [without, with] = [&rigid, &with].map(|of| uniformity_number(of.get(figure).copied()));
+            let error = errors.get(figure).map_or(String::new(), |error| short(*error));
+            rows::cells(&mut text, &format!("  {label}"), [without, with, error]);
         }
     }
     let changes = recoil.tile_changes();
@@ -73,37 +74,34 @@ pub(crate) fn estimate(estimate: &RecoilEstimate) -> String {
     let of = permeability.map_or("as stated".to_owned(), |mu_r| format!("mu_r {mu_r}"));
     let amplitude = recoil.amplitude / rigid.amplitude - 1.0;
     let mut text = format!("{of}: amplitude {} %", signed(100.0 * amplitude));
-    let of_axes = |figures: &RecoilFigures| {
-        let PerParameter { r_x, r_y, s_z } = figures.uniformity_rmse;
-        let d = figures.displacement_rmse_mm;
-        [
-            ("R_x", r_x, ""),
-            ("R_y", r_y, ""),
-            ("S_z", s_z, ""),
-            ("dx", d.x, " mm"),
-            ("dy", d.y, " mm"),
-            ("dz", d.z, " mm"),
-        ]
-    };
-    for ((label, rigid, unit), (_, recoil, _)) in of_axes(rigid).into_iter().zip(of_axes(recoil)) {
-        let _ = write!(text, ", {label} {}{unit}", signed(recoil - rigid));
+    for (label, figure, unit) in CHANGES {
+        let change = recoil.get(figure).zip(rigid.get(figure)).map(|(recoil, rigid)| recoil - rigid);
+        let change = change.map_or("one point".to_owned(), |change| format!("{}{unit}", signed(change)));
+        let _ = write!(text, ", {label} {change}");
     }
     text
 }
 
-fn named(figures: &RecoilFigures) -> [(&'static str, f64); 7] {
-    let PerParameter { r_x, r_y, s_z } = figures.uniformity_rmse;
-    let d = figures.displacement_rmse_mm;
-    [
-        ("best-fit amplitude", figures.amplitude),
-        ("uniformity RMSE R_x", r_x),
-        ("uniformity RMSE R_y", r_y),
-        ("uniformity RMSE S_z", s_z),
-        ("displacement RMSE x, mm", d.x),
-        ("displacement RMSE y, mm", d.y),
-        ("displacement RMSE z, mm", d.z),
-    ]
-}
+/// Labels of figures in the section.
+const LABELS: [(&str, Figure); 7] = [
+    ("best-fit amplitude", Figure::Amplitude),
+    ("uniformity RMSE R_x", Figure::Uniformity(Parameter::Rx)),
+    ("uniformity RMSE R_y", Figure::Uniformity(Parameter::Ry)),
+    ("uniformity RMSE S_z", Figure::Uniformity(Parameter::Sz)),
+    ("displacement RMSE x, mm", Figure::Displacement(Axis::X)),
+    ("displacement RMSE y, mm", Figure::Displacement(Axis::Y)),
+    ("displacement RMSE z, mm", Figure::Displacement(Axis::Z)),
+];
+
+/// Labels of changes in the line of an estimate, with units.
+const CHANGES: [(&str, Figure, &str); 6] = [
+    ("R_x", Figure::Uniformity(Parameter::Rx), ""),
+    ("R_y", Figure::Uniformity(Parameter::Ry), ""),
+    ("S_z", Figure::Uniformity(Parameter::Sz), ""),
+    ("dx", Figure::Displacement(Axis::X), " mm"),
+    ("dy", Figure::Displacement(Axis::Y), " mm"),
+    ("dz", Figure::Displacement(Axis::Z), " mm"),
+];
 
 /// Two significant digits.
 fn short(value: f64) -> String {

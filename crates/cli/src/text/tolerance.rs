@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
+use magsplice::decouple::{Figure, Parameter};
 use magsplice::layout::{CommonErrors, Distribution, FilmPose, FilmTolerance, SensorErrors, TileErrors};
 use magsplice::making::Sorting;
-use magsplice::tolerance::{Estimate, Figure, Statistics};
+use magsplice::tolerance::{Estimate, Statistics};
 
 use super::number::counted;
 use super::{header, rows};
@@ -29,13 +30,11 @@ pub(crate) fn samples(film: &SampledFilm) -> String {
     text.push('\n');
     let names = ["", "nominal", "mean", "P50", "P95", "P99", "P95 is within"].map(str::to_owned);
     let mut table = vec![names];
-    for (figure, statistics) in Figure::ALL.into_iter().zip(&film.statistics) {
-        if figure != Figure::Amplitude {
-            table.push(row(figure, film.nominal.get(figure), statistics));
-        }
+    for (figure, statistics) in film.statistics.iter().filter(|(figure, _)| *figure != Figure::Amplitude) {
+        table.push(row(figure, film.nominal.get(figure).zip(statistics)));
     }
     lines(&mut text, &table);
-    let amplitude = &film.statistics[Figure::ALL.len() - 1];
+    let amplitude = &film.statistics.amplitude;
     let names = ["", "nominal", "mean", "P50", "P5", "P1", "P5 is within"].map(str::to_owned);
     let values =
         [film.nominal.amplitude, amplitude.mean.value, amplitude.p50.value, amplitude.p5.value, amplitude.p1.value];
@@ -98,14 +97,18 @@ fn lines<const N: usize>(text: &mut String, table: &[[String; N]]) {
 const FIRST_COLUMN: usize = 26;
 const LEAST_COLUMN: usize = 9;
 
-fn row(of: Figure, nominal: f64, statistics: &Statistics) -> [String; 7] {
+fn row(of: Figure, found: Option<(&f64, &Statistics)>) -> [String; 7] {
     let name = match of {
-        Figure::Uniformity(axis) => format!("uniformity RMSE of {}", ["R_x", "R_y", "S_z"][axis]),
-        Figure::Displacement(axis) => format!("displacement RMSE, {}, mm", ["x", "y", "z"][axis]),
+        Figure::Uniformity(Parameter::Rx) => "uniformity RMSE of R_x".to_owned(),
+        Figure::Uniformity(Parameter::Ry) => "uniformity RMSE of R_y".to_owned(),
+        Figure::Uniformity(Parameter::Sz) => "uniformity RMSE of S_z".to_owned(),
+        Figure::Displacement(axis) => format!("displacement RMSE, {axis}, mm"),
         Figure::Amplitude => "amplitude".to_owned(),
     };
-    let Statistics { mean, p50, p95, p99, .. } = statistics;
-    let [nominal, mean, p50, p95_value, p99] = [nominal, mean.value, p50.value, p95.value, p99.value].map(figure);
+    let Some((nominal, Statistics { mean, p50, p95, p99, .. })) = found else {
+        return [&name, "one point", "", "", "", "", ""].map(str::to_owned);
+    };
+    let [nominal, mean, p50, p95_value, p99] = [*nominal, mean.value, p50.value, p95.value, p99.value].map(figure);
     [name, nominal, mean, p50, p95_value, p99, interval(p95)]
 }
 

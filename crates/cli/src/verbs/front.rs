@@ -81,15 +81,22 @@ fn write_figures(problem: &DesignProblem, front: &ParetoFront, folder: &mut Fold
 
     let film = |at: f64, metrics: &Metrics, made: Option<&MadeErrors>| FrontFilm {
         at,
-        displacement_rmse_mm: metrics.displacement_rmse_mm,
-        uniformity_rmse_mm: metrics.uniformity_rmse.as_lengths(problem.ideal().wavenumber()).to_array(),
-        made_p95_mm: made.map(|made| made.displacement_rmse_mm.each_ref().map(|axis| axis.p95.value)),
+        displacement_rmse_mm: metrics.figures.displacement_rmse_mm.to_array(),
+        // An undefined uniformity is no error.
+        uniformity_rmse_mm: metrics
+            .figures
+            .uniformity_rmse
+            .map(Option::unwrap_or_default)
+            .as_lengths(problem.ideal().wavenumber())
+            .to_array(),
+        made_p95_mm: made.map(|made| made.displacement_rmse_mm.map(|axis| axis.p95.value).to_array()),
     };
     let after = |at: f64, result: &SearchResult| film(at, &result.after, result.made.as_ref().map(|made| &made.after));
     let before = front.by_amplitude.first().map(|(_, result)| {
-        film(result.before.amplitude, &result.before, result.made.as_ref().map(|made| &made.before))
+        film(result.before.figures.amplitude, &result.before, result.made.as_ref().map(|made| &made.before))
     });
-    let by_amplitude = front.by_amplitude.iter().map(|(_, result)| after(result.after.amplitude, result)).collect();
+    let by_amplitude =
+        front.by_amplitude.iter().map(|(_, result)| after(result.after.figures.amplitude, result)).collect();
     let by_parts = front.by_parts.iter().map(|result| after(result.parts as f64, result)).collect();
     let figures = [
         FrontFigure { axis: FrontAxis::Amplitude, films: by_amplitude, before },

@@ -1,7 +1,6 @@
 //! The numbers of two films side by side.
 
 use magsplice::decouple::PerParameter;
-use magsplice::prelude::DVec3;
 use magsplice::{Film, FilmError};
 use magsplice_report::PairedNumber;
 
@@ -9,7 +8,7 @@ use crate::evaluation::Evaluation;
 
 const MT_PER_T: f64 = 1e3;
 /// One of the decoupling errors of a film.
-type ErrorOf = fn(&Evaluation) -> PerParameter;
+type ErrorOf = fn(&Evaluation) -> PerParameter<Option<f64>>;
 
 /// Error bounds by which a component of B must exceed zero, as in the figures.
 const BOUNDS_OF_ZERO: f64 = 2.0;
@@ -50,15 +49,15 @@ pub(super) fn numbers(films: &[Film; 2], evaluated: &[Option<Evaluation>; 2]) ->
     add("largest difference from the ideal film, mT".to_owned(), &|e| Some(e.comparison.worst_t * MT_PER_T));
     let errors: [(&str, ErrorOf); 2] = [
         ("uniformity RMSE", |e| e.decoupling.uniformity_rmse),
-        ("RMSE against the ideal film", |e| e.decoupling.ideal_rmse),
+        ("RMSE against the ideal film", |e| e.decoupling.ideal_rmse.map(Some)),
     ];
     for (name, of) in errors {
         for (i, parameter) in PARAMETERS.into_iter().enumerate() {
-            add(format!("{name} of {parameter}"), &|e| Some(of(e).to_array()[i]));
+            add(format!("{name} of {parameter}"), &|e| of(e).to_array()[i]);
         }
         for (i, axis) in AXES.into_iter().enumerate() {
-            let length = |e: &Evaluation| of(e).as_lengths(e.ideal.wavenumber());
-            add(format!("{name} as displacement {axis}, mm"), &|e| Some(DVec3::to_array(&length(e))[i]));
+            let length = |e: &Evaluation| of(e).to_array()[i].map(|error| error / e.ideal.wavenumber());
+            add(format!("{name} as displacement {axis}, mm"), &length);
         }
     }
     add("singular points (B_z = 0)".to_owned(), &|e| Some(e.decoupling.singular.len() as f64));

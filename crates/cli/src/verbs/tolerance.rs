@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use magsplice::Stage;
-use magsplice::tolerance::FilmErrors;
+use magsplice::decouple::Figures;
 
 use crate::args::formats::TextOrJson;
 use crate::args::tolerance::{MAX_SAMPLES, MergeArgs, SampleFormat, ToleranceArgs, ToleranceResultArgs, ToleranceVerb};
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
         None => sampler.errors_of_range(samples).map_err(|(sample, error)| scene.sample_failure(sample, &error)),
     };
     let run = SamplingRun { errors_of: &errors_of, source: &source };
-    let keep = |found: &[FilmErrors]| journal.as_mut().map_or(Ok(()), |journal| journal.append(found));
+    let keep = |found: &[Figures]| journal.as_mut().map_or(Ok(()), |journal| journal.append(found));
     run.extend(&mut errors, keep, &progress, Some(stop))?;
     progress.end();
     let interrupted = (errors.len() as u64) < source.count;
@@ -126,7 +126,7 @@ fn merge(args: &MergeArgs, quiet: bool) -> Result<(), Failure> {
         parts.push((path, part));
     }
     parts.sort_by_key(|(_, part)| part.source.first);
-    let mut errors: Vec<FilmErrors> = Vec::new();
+    let mut errors: Vec<Figures> = Vec::new();
     let source = parts.first().map(|(_, part)| part.source.clone()).expect("at least one part is required");
     for (path, part) in parts {
         let refused = |message: String| Err(Failure::Points { path: path.clone(), message });
@@ -176,7 +176,7 @@ impl<'a> Outputs<'a> {
         Ok(Outputs { args, result: Output::open(args.text.output.as_deref(), &inputs)?, samples })
     }
 
-    fn finish(mut self, film: &SampledFilm, errors: &[FilmErrors]) -> Result<(), Failure> {
+    fn finish(mut self, film: &SampledFilm, errors: &[Figures]) -> Result<(), Failure> {
         if let Some((format, mut output)) = self.samples.take() {
             sample_file::write(&film.source, errors, film.layout, format, &mut output)?;
             output.finish()?;

@@ -48,7 +48,7 @@ fn design_as_json() {
     sandbox.write("film.toml", &film(QUICK));
     let said = sandbox.run(&["design", "film.toml", "-o", "better.toml", "--format", "json"]);
     let found: serde_json::Value = serde_json::from_str(&said.stdout).expect("JSON");
-    let error = |figures: &str| found[figures]["displacement_rmse_mm"][0].as_f64().expect("a number");
+    let error = |figures: &str| found[figures]["displacement_rmse_mm"]["x"].as_f64().expect("a number");
     assert!(error("after") < 0.1 * error("before") && error("five_times_finer") < 0.1 * error("before"));
     assert_eq!(found["before"]["points"], 405);
     assert_eq!(found["five_times_finer"]["points"], 41 * 41 * 21);
@@ -221,7 +221,7 @@ fn front_of_films_that_are_made_has_their_percentiles() {
         let row = said.stdout.lines().find(|line| line.contains(&format!("{p95:.6}")));
         assert!(row.is_some(), "{p95} is not in {}", said.stdout);
         // Errors of manufacture are larger than those of the film as ordered.
-        let ordered = film["after"]["displacement_rmse_mm"][0].as_f64().expect("a number");
+        let ordered = film["after"]["displacement_rmse_mm"]["x"].as_f64().expect("a number");
         assert!(p95 > ordered, "{film}");
         let layout = sandbox.read(&format!("front/{}", film["file"].as_str().expect("a name")));
         assert!(layout.contains(&format!("as made P95 {p95:.3e}")), "{layout}");

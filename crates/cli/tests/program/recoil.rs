@@ -211,8 +211,8 @@ fn design_counts_recoil() {
         let said = sandbox.run(&["design", layout, "-o", designed, "--format", "json"]);
         assert_eq!(said.status, 0, "{}", said.stderr);
         let result: Value = serde_json::from_str(&said.stdout).expect("JSON");
-        let of = |axis: usize| number(&result["after"]["uniformity_rmse"][axis]);
-        let found = [of(0), of(1), of(2)].map(|rmse| rmse * rmse).iter().sum::<f64>().sqrt();
+        let of = |key: &str| number(&result["after"]["uniformity_rmse"][key]);
+        let found = [of("r_x"), of("r_y"), of("s_z")].map(|rmse| rmse * rmse).iter().sum::<f64>().sqrt();
         let again = error(designed);
         assert!((found - again).abs() <= 1e-9 * again, "{found} {again}");
     }

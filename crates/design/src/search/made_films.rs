@@ -3,8 +3,9 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use magsplice_decouple::{Figures, PerAxis};
 use magsplice_magnet::Tile;
-use magsplice_tolerance::{EvaluationGrid, Figure, FilmErrors, SampleError, Sampler, Statistics, statistics};
+use magsplice_tolerance::{EvaluationGrid, SampleError, Sampler, Statistics, statistics};
 
 use crate::problem::design_problem::DesignProblem;
 use crate::progress::{Progress, ProgressUpdate, SearchStage};
@@ -33,9 +34,9 @@ pub struct MadeFilms {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct MadeErrors {
     /// RMSE of the displacement along x, y, z, in millimetres; see
-    /// [`Metrics::displacement_rmse_mm`](crate::Metrics::displacement_rmse_mm).
+    /// [`Figures::displacement_rmse_mm`].
     #[cfg_attr(feature = "serde", serde(serialize_with = "by_axis"))]
-    pub displacement_rmse_mm: [Statistics; 3],
+    pub displacement_rmse_mm: PerAxis<Statistics>,
     /// Best-fit amplitude against the ideal film.
     #[cfg_attr(feature = "serde", serde(serialize_with = "of_amplitude"))]
     pub amplitude: Statistics,
@@ -71,7 +72,7 @@ impl DesignProblem<'_> {
                 .map_err(|error: SampleError| in_words(film, error.to_string()))
         };
         let samplers = [sampler(0)?, sampler(1)?];
-        let mut errors: [Vec<FilmErrors>; 2] = [Vec::new(), Vec::new()];
+        let mut errors: [Vec<Figures>; 2] = [Vec::new(), Vec::new()];
         let mut done = 0;
         while done < tolerance.samples {
             let end = (done + BATCH).min(tolerance.samples);
@@ -93,12 +94,9 @@ impl DesignProblem<'_> {
 }
 
 impl MadeErrors {
-    fn new(errors: &[FilmErrors]) -> Option<MadeErrors> {
-        let of_axis = |axis| statistics(errors, Figure::Displacement(axis));
-        Some(MadeErrors {
-            displacement_rmse_mm: [of_axis(0)?, of_axis(1)?, of_axis(2)?],
-            amplitude: statistics(errors, Figure::Amplitude)?,
-        })
+    fn new(errors: &[Figures]) -> Option<MadeErrors> {
+        let Figures { displacement_rmse_mm, amplitude, .. } = statistics(errors)?;
+        Some(MadeErrors { displacement_rmse_mm, amplitude })
     }
 }
 
@@ -108,15 +106,9 @@ use serialized::{by_axis, of_amplitude};
 /// Statistics without intervals, as `magsplice tolerance` names them.
 #[cfg(feature = "serde")]
 mod serialized {
+    use magsplice_decouple::PerAxis;
     use magsplice_tolerance::Statistics;
     use serde::{Serialize, Serializer};
-
-    #[derive(Serialize)]
-    struct Axes {
-        x: Percentiles,
-        y: Percentiles,
-        z: Percentiles,
-    }
 
     #[derive(Serialize)]
     struct Percentiles {
@@ -135,14 +127,14 @@ mod serialized {
         p1: f64,
     }
 
-    pub(super) fn by_axis<S: Serializer>(errors: &[Statistics; 3], serializer: S) -> Result<S::Ok, S::Error> {
-        let [x, y, z] = errors.map(|Statistics { mean, p50, p95, p99, .. }| Percentiles {
+    pub(super) fn by_axis<S: Serializer>(errors: &PerAxis<Statistics>, serializer: S) -> Result<S::Ok, S::Error> {
+        let percentiles = errors.map(|Statistics { mean, p50, p95, p99, .. }| Percentiles {
             mean: mean.value,
             p50: p50.value,
             p95: p95.value,
             p99: p99.value,
         });
-        Axes { x, y, z }.serialize(serializer)
+        percentiles.serialize(serializer)
     }
 
     pub(super) fn of_amplitude<S: Serializer>(amplitude: &Statistics, serializer: S) -> Result<S::Ok, S::Error> {

@@ -1,7 +1,7 @@
 //! Metrics of a film: how well it decouples over a grid.
 
 use glam::DVec3;
-use magsplice_decouple::{Decoupling, PerParameter};
+use magsplice_decouple::{Decoupling, Figures, PerParameter};
 use magsplice_field::Scene;
 use magsplice_ideal::{Comparison, IdealFilm};
 use magsplice_magnet::{Grid, Quantity, Tile};
@@ -14,19 +14,12 @@ use crate::error::DesignError;
 pub struct Metrics {
     /// Number of points of the grid.
     pub points: usize,
-    /// Standard deviation of each parameter over the planes normal to its axis, averaged over the
-    /// planes; see [`Decoupling::uniformity_rmse`].
-    #[cfg_attr(feature = "serde", serde(serialize_with = "as_array"))]
-    pub uniformity_rmse: PerParameter,
+    /// The figures of the film.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub figures: Figures,
     /// RMSE of each parameter's change from the reference point against the ideal film; see
     /// [`Decoupling::ideal_rmse`].
-    #[cfg_attr(feature = "serde", serde(serialize_with = "as_array"))]
     pub ideal_rmse: PerParameter,
-    /// RMSE of the displacement along x, y, z that the parameters give (Dai 2024, Eq. 14), in
-    /// millimetres: `ideal_rmse` over the wavenumber.
-    pub displacement_rmse_mm: [f64; 3],
-    /// Best-fit amplitude against the ideal film.
-    pub amplitude: f64,
     /// RMSE of B against the ideal film times the amplitude, relative to the latter. `None` if the
     /// amplitude is zero.
     pub scaled_relative_rmse: Option<f64>,
@@ -63,17 +56,9 @@ impl Metrics {
         let comparison = Comparison::new(&points, &field, &ideal_field).map_err(DesignError::Comparison)?;
         Ok(Metrics {
             points: points.len(),
-            uniformity_rmse: decoupling.uniformity_rmse,
+            figures: Figures::new(&decoupling, comparison.amplitude),
             ideal_rmse: decoupling.ideal_rmse,
-            displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(ideal.wavenumber()).to_array(),
-            amplitude: comparison.amplitude,
             scaled_relative_rmse: comparison.scaled_relative_rmse,
         })
     }
-}
-
-/// Serializes the values of R_x, R_y, S_z as an array.
-#[cfg(feature = "serde")]
-pub(crate) fn as_array<S: serde::Serializer>(values: &PerParameter, serializer: S) -> Result<S::Ok, S::Error> {
-    serde::Serialize::serialize(&values.to_array(), serializer)
 }

@@ -46,32 +46,32 @@ pub struct StageMetrics {
     /// The stage that ended.
     pub stage: SearchStage,
     /// Uniformity RMSE over the working volume.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::search::metrics::as_array"))]
-    pub uniformity_rmse: PerParameter,
+    pub uniformity_rmse: PerParameter<Option<f64>>,
 }
 
 #[cfg(all(test, feature = "serde"))]
 mod tests {
+    use magsplice_decouple::Figures;
+
     use super::*;
 
     #[test]
-    fn metrics_and_stages_are_serialized_with_arrays_and_units() {
-        let errors = |r_x: f64| PerParameter { r_x, r_y: 2.0, s_z: 3.0 };
+    fn metrics_and_stages_are_serialized_with_names_and_units() {
+        let uniformity_rmse = PerParameter { r_x: Some(1.0), r_y: Some(2.0), s_z: None };
         let metrics = Metrics {
             points: 9,
-            uniformity_rmse: errors(1.0),
-            ideal_rmse: errors(4.0),
-            displacement_rmse_mm: [5.0, 6.0, 7.0],
-            amplitude: 0.5,
+            figures: Figures { uniformity_rmse, displacement_rmse_mm: [5.0, 6.0, 7.0].into(), amplitude: 0.5 },
+            ideal_rmse: PerParameter { r_x: 4.0, r_y: 2.0, s_z: 3.0 },
             scaled_relative_rmse: None,
         };
         assert_eq!(
             serde_json::to_string(&metrics).unwrap(),
-            r#"{"points":9,"uniformity_rmse":[1.0,2.0,3.0],"ideal_rmse":[4.0,2.0,3.0],"#.to_owned()
-                + r#""displacement_rmse_mm":[5.0,6.0,7.0],"amplitude":0.5,"scaled_relative_rmse":null}"#
+            r#"{"points":9,"uniformity_rmse":{"r_x":1.0,"r_y":2.0,"s_z":null},"#.to_owned()
+                + r#""displacement_rmse_mm":{"x":5.0,"y":6.0,"z":7.0},"amplitude":0.5,"#
+                + r#""ideal_rmse":{"r_x":4.0,"r_y":2.0,"s_z":3.0},"scaled_relative_rmse":null}"#
         );
-        let stage = StageMetrics { stage: SearchStage::Parts(4), uniformity_rmse: errors(1.0) };
-        let written = r#"{"stage":"fewer parts","uniformity_rmse":[1.0,2.0,3.0]}"#;
+        let stage = StageMetrics { stage: SearchStage::Parts(4), uniformity_rmse };
+        let written = r#"{"stage":"fewer parts","uniformity_rmse":{"r_x":1.0,"r_y":2.0,"s_z":null}}"#;
         assert_eq!(serde_json::to_string(&stage).unwrap(), written);
     }
 }

@@ -2,7 +2,6 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use magsplice_decouple::PerParameter;
 use magsplice_layout::Brief;
 use magsplice_magnet::{Overlap, Tile, overlaps};
 use rand::{Rng, SeedableRng};
@@ -86,7 +85,7 @@ impl DesignProblem<'_> {
         let (layout, least, wanted) = (self.layout, self.brief.least_amplitude, self.brief.parts);
         let sampled_by = self.clone();
         let (tiles, [after, finer]) = self.rounded_with_amplitude(pattern, candidate, progress)?;
-        stages.push(StageMetrics { stage: SearchStage::Rounding, uniformity_rmse: after.uniformity_rmse });
+        stages.push(StageMetrics { stage: SearchStage::Rounding, uniformity_rmse: after.figures.uniformity_rmse });
         let parts = merging::count_distinct(layout, &tiles);
         let mut short_of = Vec::new();
         let amplitude = smaller_amplitude(&[after, finer]);
@@ -214,13 +213,13 @@ impl DesignProblem<'_> {
         candidate: &Candidate,
     ) -> Result<StageMetrics, DesignError> {
         let tiles = pattern.all_tiles(&candidate.variables).ok_or(DesignError::NoField)?;
-        let uniformity_rmse: PerParameter = self.metrics(&self.cells(&tiles)?)?.uniformity_rmse;
-        Ok(StageMetrics { stage, uniformity_rmse })
+        let figures = self.metrics(&self.cells(&tiles)?)?.figures;
+        Ok(StageMetrics { stage, uniformity_rmse: figures.uniformity_rmse })
     }
 }
 
 fn smaller_amplitude(metrics: &[Metrics; 2]) -> f64 {
-    metrics[0].amplitude.min(metrics[1].amplitude)
+    metrics[0].figures.amplitude.min(metrics[1].figures.amplitude)
 }
 
 /// The best film of several starts.

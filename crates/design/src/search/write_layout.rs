@@ -1,8 +1,9 @@
 //! The film found, as a layout.
 
 use glam::DVec3;
-use magsplice_decouple::PerParameter;
-use magsplice_layout::{Expectations, Layout, MAX_NAME_BYTES, MadeExpectations};
+use magsplice_decouple::{Figures, PerAxis, PerParameter};
+use magsplice_layout::{Expectations, FigureBounds, Layout, MAX_NAME_BYTES, MadeExpectations};
+use magsplice_tolerance::Statistics;
 
 use crate::problem::design_problem::DesignProblem;
 use crate::search::made_films::MadeErrors;
@@ -61,20 +62,25 @@ impl DesignProblem<'_> {
             layout.name += DESIGNED;
         }
         layout.description = None;
-        let bound = |reached: f64| Some(three_digits_up(reached * (1.0 + MARGIN)));
-        let made = result.made.as_ref().map(|made| MadeExpectations {
-            displacement_rmse_mm: made.after.displacement_rmse_mm.map(|errors| {
-                // Infinite where there are too few samples.
-                let [_, highest] = errors.p95.interval;
-                highest.is_finite().then(|| three_digits_up(highest * (1.0 + MADE_MARGIN)))
-            }),
-            ..MadeExpectations::default()
+        let bound = |reached: f64| three_digits_up(reached * (1.0 + MARGIN));
+        let of_made = |errors: Statistics| {
+            // Infinite where there are too few samples.
+            let [_, highest] = errors.p95.interval;
+            highest.is_finite().then(|| three_digits_up(highest * (1.0 + MADE_MARGIN)))
+        };
+        let made = result.made.as_ref().map(|made| FigureBounds {
+            displacement_rmse_mm: made.after.displacement_rmse_mm.map(of_made),
+            ..FigureBounds::default()
         });
-        let made = made.filter(|made| made.displacement_rmse_mm.iter().any(Option::is_some));
+        let made = made.filter(|bounds| *bounds != FigureBounds::default());
+        let made = made.map(|bounds| MadeExpectations { bounds, ..MadeExpectations::default() });
+        let Figures { uniformity_rmse, displacement_rmse_mm, amplitude } = result.after.figures;
         layout.expectations = Expectations {
-            uniformity_rmse: result.after.uniformity_rmse.to_array().map(bound),
-            displacement_rmse_mm: result.after.displacement_rmse_mm.map(bound),
-            least_amplitude: Some((result.after.amplitude * 1e4).floor() / 1e4),
+            bounds: FigureBounds {
+                uniformity_rmse: uniformity_rmse.map(|reached| reached.map(bound)),
+                displacement_rmse_mm: displacement_rmse_mm.map(|reached| Some(bound(reached))),
+                least_amplitude: Some((amplitude * 1e4).floor() / 1e4),
+            },
             field: None,
             made: made.or(layout.expectations.made),
             ..layout.expectations
@@ -86,14 +92,15 @@ impl DesignProblem<'_> {
 
     fn history_line(&self, start: &str, result: &SearchResult, program: &str) -> String {
         let errors = |metrics: &Metrics, made: Option<&MadeErrors>| {
-            let PerParameter { r_x, r_y, s_z } = metrics.uniformity_rmse;
-            let [x, y, z] = metrics.displacement_rmse_mm;
+            let Figures { uniformity_rmse, displacement_rmse_mm, amplitude } = metrics.figures;
+            let in_words = |value: Option<f64>| value.map_or("one point".to_owned(), |value| format!("{value:.3e}"));
+            let PerParameter { r_x, r_y, s_z } = uniformity_rmse.map(in_words);
+            let PerAxis { x, y, z } = displacement_rmse_mm;
             format!(
-                "uniformity RMSE {r_x:.3e}, {r_y:.3e}, {s_z:.3e}, displacement RMSE {x:.3e}, {y:.3e}, {z:.3e} mm, \
-                 amplitude {:.4}",
-                metrics.amplitude
+                "uniformity RMSE {r_x}, {r_y}, {s_z}, displacement RMSE {x:.3e}, {y:.3e}, {z:.3e} mm, \
+                 amplitude {amplitude:.4}"
             ) + &made.map_or(String::new(), |made| {
-                let [x, y, z] = made.displacement_rmse_mm.each_ref().map(|axis| axis.p95.value);
+                let PerAxis { x, y, z } = made.displacement_rmse_mm.map(|axis| axis.p95.value);
                 format!(", as made P95 {x:.3e}, {y:.3e}, {z:.3e} mm")
             })
         };
@@ -134,18 +141,22 @@ mod tests {
                     step_mm = 1.0\n[design]\nvary = [\"direction\"]\n[expect]\nclearance_mm = { min = 2.0 }\n\
                     [[tile]]\nposition_mm = [0, 0, 0.5]\nsize_mm = [1, 1, 1]\npolarization_t = [0.1, 0.1, 0]\n";
         let mut layout = Layout::parse(text, "film").unwrap_or_else(|e| panic!("{e}"));
-        layout.expectations.uniformity_rmse = [Some(0.5); 3];
-        layout.expectations.displacement_rmse_mm = [Some(0.5); 3];
-        layout.expectations.least_amplitude = Some(0.05);
+        layout.expectations.bounds = FigureBounds {
+            uniformity_rmse: [Some(0.5); 3].into(),
+            displacement_rmse_mm: [Some(0.5); 3].into(),
+            least_amplitude: Some(0.05),
+        };
         layout.expectations.field = Some(ExpectedField { file: "field.csv".into(), within: 1e-9 });
         let problem = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}"));
         let reached = [0.0012341, 0.0023451, 0.0034561];
         let metrics = Metrics {
             points: 9,
-            uniformity_rmse: PerParameter { r_x: reached[0], r_y: reached[1], s_z: reached[2] },
+            figures: Figures {
+                uniformity_rmse: reached.map(Some).into(),
+                displacement_rmse_mm: reached.map(|error| 10.0 * error).into(),
+                amplitude: 0.712345,
+            },
             ideal_rmse: PerParameter { r_x: 1.0, r_y: 1.0, s_z: 1.0 },
-            displacement_rmse_mm: reached.map(|error| 10.0 * error),
-            amplitude: 0.712345,
             scaled_relative_rmse: None,
         };
         let result = SearchResult {
@@ -162,10 +173,11 @@ mod tests {
         };
         let written = problem.designed_layout(&result, "test").expectations;
         // A hundredth above the errors, rounded up to three digits.
-        assert_eq!(written.uniformity_rmse, [Some(0.00125), Some(0.00237), Some(0.0035)]);
-        assert_eq!(written.displacement_rmse_mm, [Some(0.0125), Some(0.0237), Some(0.035)]);
+        let FigureBounds { uniformity_rmse, displacement_rmse_mm, least_amplitude } = written.bounds;
+        assert_eq!(uniformity_rmse.to_array(), [Some(0.00125), Some(0.00237), Some(0.0035)]);
+        assert_eq!(displacement_rmse_mm.to_array(), [Some(0.0125), Some(0.0237), Some(0.035)]);
         // Rounded down, so that the film meets it.
-        assert_eq!(written.least_amplitude, Some(0.7123));
+        assert_eq!(least_amplitude, Some(0.7123));
         // The baseline is the field of the film before. The clearance is a demand on any film.
         assert_eq!((written.field, written.made), (None, None));
         assert_eq!(written.least_clearance_mm, Some(2.0));

@@ -1,10 +1,12 @@
 //! `[expect]`: requirements on the film.
 
-use crate::expectations::{Expectations, ExpectedField};
+use magsplice_decouple::{PerAxis, PerParameter};
+
+use crate::expectations::{Expectations, ExpectedField, FigureBounds};
 use crate::read::faults::TableFaults;
 use crate::read::number_rules::{check_finite, check_not_negative};
 use crate::read::tables_present::TablesPresent;
-use crate::tables::expect::{DisplacementBounds, ExpectTable, UniformityBounds};
+use crate::tables::expect::{DisplacementBounds, ExpectTable, LowerBound, UniformityBounds};
 
 /// The relative difference of opposite fields, the largest that there is.
 const MOST_DIFFERENT: f64 = 2.0;
@@ -28,13 +30,10 @@ pub(crate) fn resolve(table: ExpectTable, present: TablesPresent, faults: &mut T
     for (key, _, needs_ideal) in keys.into_iter().filter(|(_, given, _)| *given) {
         present.check(&format!("{key} "), needs_ideal, faults);
     }
-    let uniformity = uniformity_bounds(uniformity_rmse.as_ref(), faults);
-    let displacement = displacement_bounds(displacement_rmse_mm.as_ref(), faults);
-    let (least_amplitude, least_clearance_mm) = (amplitude.map(|bound| bound.min), clearance_mm.map(|bound| bound.min));
-    for (key, least) in [("amplitude.min", least_amplitude), ("clearance_mm.min", least_clearance_mm)] {
-        if let Some(least) = least {
-            check_finite(key, least, faults);
-        }
+    let bounds = figure_bounds(uniformity_rmse.as_ref(), displacement_rmse_mm.as_ref(), amplitude.as_ref(), faults);
+    let least_clearance_mm = clearance_mm.map(|bound| bound.min);
+    if let Some(least) = least_clearance_mm {
+        check_finite("clearance_mm.min", least, faults);
     }
     if let Some(ExpectedField { file, within }) = &field {
         if file.as_os_str().is_empty() {
@@ -49,9 +48,7 @@ pub(crate) fn resolve(table: ExpectTable, present: TablesPresent, faults: &mut T
         }
     }
     Expectations {
-        uniformity_rmse: uniformity,
-        displacement_rmse_mm: displacement,
-        least_amplitude,
+        bounds,
         field,
         least_clearance_mm,
         // Read by itself, because it has a line of its own.
@@ -59,19 +56,29 @@ pub(crate) fn resolve(table: ExpectTable, present: TablesPresent, faults: &mut T
     }
 }
 
-/// The upper bounds of the uniformity RMSE, after adding their faults.
-pub(crate) fn uniformity_bounds(bounds: Option<&UniformityBounds>, faults: &mut TableFaults) -> [Option<f64>; 3] {
-    let Some(UniformityBounds { r_x, r_y, s_z }) = bounds else { return [None; 3] };
-    upper_bounds("uniformity_rmse", ["r_x", "r_y", "s_z"], [*r_x, *r_y, *s_z], faults)
+/// The bounds of figures, after adding their faults.
+pub(crate) fn figure_bounds(
+    uniformity: Option<&UniformityBounds>,
+    displacement: Option<&DisplacementBounds>,
+    amplitude: Option<&LowerBound>,
+    faults: &mut TableFaults,
+) -> FigureBounds {
+    let mut bounds = FigureBounds { least_amplitude: amplitude.map(|bound| bound.min), ..FigureBounds::default() };
+    if let Some(UniformityBounds { r_x, r_y, s_z }) = uniformity {
+        bounds.uniformity_rmse = PerParameter { r_x: *r_x, r_y: *r_y, s_z: *s_z };
+        check_upper_bounds("uniformity_rmse", ["r_x", "r_y", "s_z"], bounds.uniformity_rmse.to_array(), faults);
+    }
+    if let Some(DisplacementBounds { x, y, z }) = displacement {
+        bounds.displacement_rmse_mm = PerAxis { x: *x, y: *y, z: *z };
+        check_upper_bounds("displacement_rmse_mm", ["x", "y", "z"], bounds.displacement_rmse_mm.to_array(), faults);
+    }
+    if let Some(least) = bounds.least_amplitude {
+        check_finite("amplitude.min", least, faults);
+    }
+    bounds
 }
 
-/// The upper bounds of the displacement RMSE in mm, after adding their faults.
-pub(crate) fn displacement_bounds(bounds: Option<&DisplacementBounds>, faults: &mut TableFaults) -> [Option<f64>; 3] {
-    let Some(DisplacementBounds { x, y, z }) = bounds else { return [None; 3] };
-    upper_bounds("displacement_rmse_mm", ["x", "y", "z"], [*x, *y, *z], faults)
-}
-
-fn upper_bounds(table: &str, keys: [&str; 3], bounds: [Option<f64>; 3], faults: &mut TableFaults) -> [Option<f64>; 3] {
+fn check_upper_bounds(table: &str, keys: [&str; 3], bounds: [Option<f64>; 3], faults: &mut TableFaults) {
     if bounds == [None; 3] {
         faults.add(format!("{table} is empty, must give at least one of {}", keys.join(", ")));
     }
@@ -80,5 +87,4 @@ fn upper_bounds(table: &str, keys: [&str; 3], bounds: [Option<f64>; 3], faults: 
             check_not_negative(&format!("{table}.{key}"), bound, faults);
         }
     }
-    bounds
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use magsplice_decouple::{PerAxis, PerParameter};
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Tile, overlap};
 
@@ -49,7 +50,8 @@ pub(crate) fn about_tiles(tiles: &[NamedTile], volume: Option<&WorkingVolume>) -
 pub(crate) fn about_expectations(expected: &Expectations, ideal: Option<&IdealFilm>) -> Vec<Finding> {
     let mut messages = Vec::new();
     // R_x and R_y are angles between -pi and pi, so that they do not deviate more from their mean.
-    for (key, bound) in ["r_x", "r_y"].into_iter().zip(expected.uniformity_rmse) {
+    let PerParameter { r_x, r_y, s_z } = expected.bounds.uniformity_rmse;
+    for (key, bound) in [("r_x", r_x), ("r_y", r_y)] {
         if let Some(bound) = bound.filter(|bound| *bound >= PI) {
             messages.push(format!(
                 "expect: uniformity_rmse.{key} = {bound} is kept by every film: it bounds an angle in rad, not in mrad or \
@@ -57,13 +59,13 @@ pub(crate) fn about_expectations(expected: &Expectations, ideal: Option<&IdealFi
             ));
         }
     }
-    if let Some(bound) = expected.uniformity_rmse[2].filter(|bound| *bound >= PI) {
+    if let Some(bound) = s_z.filter(|bound| *bound >= PI) {
         messages.push(format!(
             "expect: uniformity_rmse.s_z = {bound} is kept by almost every film: S_z is a natural logarithm, so that a flux \
              density may vary by a factor of exp({bound}) at equal z; it is no percentage"
         ));
     }
-    messages.extend(ideal.iter().flat_map(|ideal| about_displacement(expected.displacement_rmse_mm, ideal)));
+    messages.extend(ideal.iter().flat_map(|ideal| about_displacement(expected.bounds.displacement_rmse_mm, ideal)));
     if let Some(least) = expected.least_clearance_mm.filter(|least| *least < 0.0) {
         messages.push(format!(
             "expect: clearance_mm.min = {least} lets tiles reach {} mm into the working volume, in the way of the sensor: \
@@ -71,7 +73,7 @@ pub(crate) fn about_expectations(expected: &Expectations, ideal: Option<&IdealFi
             -least
         ));
     }
-    if let Some(least) = expected.least_amplitude.filter(|least| *least <= 0.0) {
+    if let Some(least) = expected.bounds.least_amplitude.filter(|least| *least <= 0.0) {
         messages.push(format!(
             "expect: amplitude.min = {least} is also kept by a film that is reversed or without a field: give a fraction of \
              the ideal film's field, such as 0.8"
@@ -85,16 +87,17 @@ pub(crate) fn about_expectations(expected: &Expectations, ideal: Option<&IdealFi
         ));
     }
     let found = messages.into_iter().map(|message| Finding::new(FindingSubject::Expectations, message));
-    let of_amplitude = expected.least_amplitude.and_then(|least| about_amplitude(FindingSubject::Expectations, least));
+    let of_amplitude =
+        expected.bounds.least_amplitude.and_then(|least| about_amplitude(FindingSubject::Expectations, least));
     found.chain(of_amplitude).collect()
 }
 
 /// Bounds of the displacement that say nothing. R_x and R_y are angles, so that displacements along
 /// x and y are at most half the wavelength off.
-fn about_displacement(bounds_mm: [Option<f64>; 3], ideal: &IdealFilm) -> Vec<String> {
+fn about_displacement(bounds_mm: PerAxis<Option<f64>>, ideal: &IdealFilm) -> Vec<String> {
     let half = 0.5 * ideal.wavelength();
     let mut messages = Vec::new();
-    for (axis, bound) in ["x", "y", "z"].into_iter().zip(bounds_mm) {
+    for (axis, bound) in ["x", "y", "z"].into_iter().zip(bounds_mm.to_array()) {
         let Some(bound) = bound.filter(|bound| *bound >= half) else { continue };
         let films = if axis == "z" { "almost every film" } else { "every film" };
         let meant_mm = 1e-3 * bound;

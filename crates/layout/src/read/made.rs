@@ -1,9 +1,8 @@
 //! `[expect.made]`: requirements on a percentile of the films that are made.
 
 use crate::expectations::MadeExpectations;
-use crate::read::expect::{displacement_bounds, uniformity_bounds};
+use crate::read::expect::figure_bounds;
 use crate::read::faults::TableFaults;
-use crate::read::number_rules::check_finite;
 use crate::read::tables_present::TablesPresent;
 use crate::read::tolerance::check_samples;
 use crate::tables::expect::MadeTable;
@@ -36,16 +35,6 @@ pub(crate) fn resolve(table: &MadeTable, present: TablesPresent, faults: &mut Ta
     if let Some(samples) = samples {
         check_samples(*samples, faults);
     }
-    let least_amplitude = amplitude.as_ref().map(|bound| bound.min);
-    if let Some(least) = least_amplitude {
-        check_finite("amplitude.min", least, faults);
-    }
-    MadeExpectations {
-        percentile,
-        uniformity_rmse: uniformity_bounds(uniformity_rmse.as_ref(), faults),
-        displacement_rmse_mm: displacement_bounds(displacement_rmse_mm.as_ref(), faults),
-        least_amplitude,
-        samples: *samples,
-        confidence,
-    }
+    let bounds = figure_bounds(uniformity_rmse.as_ref(), displacement_rmse_mm.as_ref(), amplitude.as_ref(), faults);
+    MadeExpectations { percentile, bounds, samples: *samples, confidence }
 }

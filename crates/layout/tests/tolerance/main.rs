@@ -10,8 +10,8 @@ mod writing;
 
 use glam::DVec3;
 use magsplice_layout::{
-    CommonErrors, Distribution, ErrorGroup, FilmTolerance, Finding, Layout, MadeExpectations, Preset, SensorErrors,
-    StrayField, Temperature, TileErrors,
+    CommonErrors, Distribution, ErrorGroup, FigureBounds, FilmTolerance, Finding, Layout, MadeExpectations, Preset,
+    SensorErrors, StrayField, Temperature, TileErrors,
 };
 
 const HEAD: &str = "format = 1\nname = \"test\"\n";

@@ -273,16 +273,24 @@ fn expectations_of_made_films_are_read_and_their_limits_are_rules() {
     let all = all.expect("valid");
     let wanted = MadeExpectations {
         percentile: 90.0,
-        uniformity_rmse: [Some(0.07), None, Some(0.05)],
-        displacement_rmse_mm: [Some(0.03), None, None],
-        least_amplitude: Some(0.8),
+        bounds: FigureBounds {
+            uniformity_rmse: [Some(0.07), None, Some(0.05)].into(),
+            displacement_rmse_mm: [Some(0.03), None, None].into(),
+            least_amplitude: Some(0.8),
+        },
         samples: Some(400),
         confidence: 0.99,
     };
     assert_eq!(all.expectations.made, Some(wanted));
     assert_is_written(&all, std::path::Path::new(""));
     let least = made("amplitude = { min = 0.8 }").expect("valid").expectations.made.expect("stated");
-    assert_eq!(least, MadeExpectations { least_amplitude: Some(0.8), ..MadeExpectations::default() });
+    assert_eq!(
+        least,
+        MadeExpectations {
+            bounds: FigureBounds { least_amplitude: Some(0.8), ..FigureBounds::default() },
+            ..MadeExpectations::default()
+        }
+    );
     assert_eq!((least.percentile, least.samples, least.confidence), (95.0, None, 0.95));
     for (keys, rule) in [
         ("", "has no bound, must give at least one of uniformity_rmse, displacement_rmse_mm, amplitude"),

@@ -12,7 +12,7 @@ from magsplice import _magsplice
 from magsplice._arrow import Column, Table, split
 from magsplice._datasets import coordinates
 from magsplice._field import FieldFilm, flattened
-from magsplice._layout import Floats, Grid, Vector
+from magsplice._layout import Floats, Grid, PerParameter, Vector
 from magsplice._numbers import Numbers
 
 if TYPE_CHECKING:
@@ -80,9 +80,10 @@ class Decoupling(Numbers, Table):
         Point from which changes count, in millimetres.
     singular_mm : ndarray
         Points with B_z = 0, where no parameters exist, shape (n, 3). They enter no average.
-    uniformity_rmse : (float, float, float) | None
+    uniformity_rmse : (float | None, float | None, float | None) | None
         Uniformity RMSE of R_x, R_y, S_z: the standard deviation over the planes normal to the
-        own axis of a parameter, averaged over the planes. None for points that are no grid.
+        own axis of a parameter, averaged over the planes. None where the planes have one point each, and for points
+        that are no grid.
     ideal_rmse : (float, float, float)
         RMSE of the parameters' changes from the reference point against those of the ideal
         film.
@@ -99,7 +100,7 @@ class Decoupling(Numbers, Table):
     at_reference: Vector
     reference_mm: Vector
     singular_mm: Floats
-    uniformity_rmse: Vector | None
+    uniformity_rmse: PerParameter | None
     ideal_rmse: Vector
     displacement_rmse_mm: Vector
     wavenumber_per_mm: float

@@ -16,7 +16,7 @@ from magsplice._budget import BudgetedFilm
 from magsplice._check import CheckedFilm
 from magsplice._diagnosis import DiagnosedFilm
 from magsplice._forces import LaidFilm
-from magsplice._layout import Ideal, Tile, Vector, Volume
+from magsplice._layout import Ideal, PerParameter, Tile, Volume
 from magsplice._magpylib.collection import to_magpylib
 from magsplice._metrics import Metrics
 from magsplice._numbers import Numbers
@@ -238,7 +238,7 @@ class Design(Numbers):
     before: Metrics
     after: Metrics
     five_times_finer: Metrics
-    stages: list[tuple[str, Vector]]
+    stages: list[tuple[str, PerParameter]]
     parts: int
     starts_that_agree: int
     short_of: list[str]
@@ -259,7 +259,8 @@ class Design(Numbers):
             return x, y, z
 
         made_after = along("after_displacement_rmse_mm")
-        errors: Sequence[float] = after.uniformity_rmse
+        # An undefined uniformity is no error.
+        errors: Sequence[float] = [error or 0.0 for error in after.uniformity_rmse]
         if made_after is not None:
             errors = [axis.p95.value for axis in made_after]
         elif brief.get("goal") == "displacement":

@@ -15,6 +15,8 @@ from magsplice._arrow import Column, Table, split
 
 Floats = NDArray[np.float64]
 Vector = tuple[float, float, float]
+# Values of R_x, R_y, S_z. None where the planes of a grid have one point each.
+PerParameter = tuple[float | None, float | None, float | None]
 
 
 class Tile(NamedTuple):

@@ -38,11 +38,12 @@ __version__: str
 
 _Floats = NDArray[np.float64]
 _Vector = tuple[float, float, float]
+_PerParameter = tuple[float | None, float | None, float | None]
 _Within = tuple[bool, float] | None
 _Quantity = Literal["b", "h", "j"]
 _Errors = tuple[_Floats, _Floats, _Floats]
 _Loads = tuple[_Floats, _Floats]
-_Figures = tuple[float, _Vector, _Vector]
+_Figures = tuple[float, _PerParameter, _Vector]
 
 @final
 class Scene:
@@ -191,7 +192,7 @@ class _Decoupling(TypedDict):
     parameters: _Floats
     at_reference: _Vector
     singular_mm: _Floats
-    uniformity_rmse: _Vector | None
+    uniformity_rmse: _PerParameter | None
     ideal_rmse: _Vector
     displacement_rmse_mm: _Vector
     wavenumber_per_mm: float
@@ -215,7 +216,7 @@ class _Readings(TypedDict):
 
 class _Metrics(TypedDict):
     points: int
-    uniformity_rmse: _Vector
+    uniformity_rmse: _PerParameter
     ideal_rmse: _Vector
     displacement_rmse_mm: _Vector
     amplitude: float
@@ -235,7 +236,7 @@ class _Design(TypedDict):
     after: _Metrics
     five_times_finer: _Metrics
     made: _Made | None
-    stages: list[tuple[str, _Vector]]
+    stages: list[tuple[str, _PerParameter]]
     parts: int
     starts_that_agree: int
     short_of: list[str]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from magsplice._layout import Vector
+from magsplice._layout import PerParameter, Vector
 from magsplice._numbers import Numbers
 
 
@@ -17,8 +17,8 @@ class Metrics(Numbers):
     ----------
     points : int
         Number of points of the grid.
-    uniformity_rmse : (float, float, float)
-        Uniformity RMSE of R_x, R_y, S_z.
+    uniformity_rmse : (float | None, float | None, float | None)
+        Uniformity RMSE of R_x, R_y, S_z; None where planes have one point each.
     ideal_rmse : (float, float, float)
         RMSE of the parameters' changes against the ideal film.
     displacement_rmse_mm : (float, float, float)
@@ -30,7 +30,7 @@ class Metrics(Numbers):
     """
 
     points: int
-    uniformity_rmse: Vector
+    uniformity_rmse: PerParameter
     ideal_rmse: Vector
     displacement_rmse_mm: Vector
     amplitude: float

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from magsplice import _magsplice
 from magsplice._arrow import Column, Table, split
-from magsplice._layout import Floats, Vector
+from magsplice._layout import Floats, PerParameter, Vector
 from magsplice._layout_film import LayoutFilm
 from magsplice._numbers import Numbers
 
@@ -20,14 +20,14 @@ class FilmFigures(NamedTuple):
     ----------
     amplitude : float
         Best-fit amplitude against the ideal film.
-    uniformity_rmse : (float, float, float)
-        Uniformity RMSE of R_x, R_y, S_z.
+    uniformity_rmse : (float | None, float | None, float | None)
+        Uniformity RMSE of R_x, R_y, S_z; None where planes have one point each.
     displacement_rmse_mm : (float, float, float)
         RMSE of the displacement along x, y, z, in millimetres.
     """
 
     amplitude: float
-    uniformity_rmse: Vector
+    uniformity_rmse: PerParameter
     displacement_rmse_mm: Vector
 
 
@@ -198,5 +198,5 @@ class RecoilFilm(LayoutFilm):
         return RecoilEstimate(permeability, FilmFigures(*without), FilmFigures(*with_recoil))
 
 
-def _figures(numbers: tuple[float, Vector, Vector] | None) -> FilmFigures | None:
+def _figures(numbers: tuple[float, PerParameter, Vector] | None) -> FilmFigures | None:
     return None if numbers is None else FilmFigures(*numbers)

@@ -39,7 +39,7 @@ pub(crate) struct AlongAxes {
     values: [Vec<ParameterPlane>; 3],
     /// Displacement that the parameter shows, from the reference point, minus the true one, in um.
     residuals_um: [Vec<ParameterPlane>; 3],
-    uniformity_rmse: [f64; 3],
+    uniformity_rmse: [Option<f64>; 3],
 }
 
 impl AlongAxes {
@@ -48,8 +48,8 @@ impl AlongAxes {
         let against = survey.against_ideal.as_ref()?;
         let values = [0, 1, 2].map(|which| planes(survey, against, which));
         let residuals_um = [0, 1, 2].map(|which| residuals_um(survey, against, which, &values[which]));
-        let uniformity = against.decoupling.uniformity_rmse;
-        Some(AlongAxes { values, residuals_um, uniformity_rmse: [uniformity.r_x, uniformity.r_y, uniformity.s_z] })
+        let uniformity_rmse = against.decoupling.uniformity_rmse.to_array();
+        Some(AlongAxes { values, residuals_um, uniformity_rmse })
     }
 
     /// The figure as SVG.
@@ -70,7 +70,7 @@ impl AlongAxes {
                 let axis = AXIS_NAMES[which];
                 upper.axes(sheet, AxisLabel::TicksOnly, AxisLabel::Named(&names()[which]))?;
                 let parameter = [symbol("R", "x"), symbol("R", "y"), symbol("S", "z")];
-                let rmse = rounded(self.uniformity_rmse[which]);
+                let rmse = self.uniformity_rmse[which].map_or("one point".to_owned(), rounded);
                 upper.title(sheet, which, &format!("uniformity RMSE of {}: {rmse}", parameter[which]))?;
                 let y = shared("residual", padded(all_values(residuals)));
                 let under = Panel { top: lower, height: RESIDUAL_PX, y, ..upper };

@@ -1,6 +1,7 @@
 //! Errors of the films that are made: histograms and empirical distributions of samples.
 
-use magsplice::tolerance::{Figure as FilmFigure, FilmErrors};
+use magsplice::decouple::{Figure, Figures, Parameter};
+use magsplice::magnet::Axis;
 
 use crate::colours::{BLUE, VERMILION};
 use crate::error::DrawError;
@@ -40,10 +41,10 @@ pub(crate) enum ErrorKind {
 }
 
 impl ErrorKind {
-    fn figure(self, axis: usize) -> FilmFigure {
+    fn figure(self, axis: usize) -> Figure {
         match self {
-            ErrorKind::Displacement => FilmFigure::Displacement(axis),
-            ErrorKind::Uniformity => FilmFigure::Uniformity(axis),
+            ErrorKind::Displacement => Figure::Displacement(Axis::ALL[axis]),
+            ErrorKind::Uniformity => Figure::Uniformity(Parameter::ALL[axis]),
         }
     }
 
@@ -61,18 +62,18 @@ impl ErrorKind {
 /// The errors of one kind of samples.
 pub(crate) struct Distributions {
     kind: ErrorKind,
-    /// The samples along each axis in ascending order.
+    /// The samples along each axis in ascending order. None of an undefined uniformity.
     sorted: [Vec<f64>; 3],
     /// The film as it was ordered.
-    nominal: [f64; 3],
+    nominal: [Option<f64>; 3],
 }
 
 impl Distributions {
     /// `samples` must not be empty.
-    pub(crate) fn new(kind: ErrorKind, nominal: &FilmErrors, samples: &[FilmErrors]) -> Distributions {
-        let of = |errors: &FilmErrors, axis| UM_PER_MM * errors.get(kind.figure(axis));
+    pub(crate) fn new(kind: ErrorKind, nominal: &Figures, samples: &[Figures]) -> Distributions {
+        let of = |errors: &Figures, axis| errors.get(kind.figure(axis)).map(|value| UM_PER_MM * value);
         let sorted = [0, 1, 2].map(|axis| {
-            let mut values: Vec<f64> = samples.iter().map(|errors| of(errors, axis)).collect();
+            let mut values: Vec<f64> = samples.iter().filter_map(|errors| of(errors, axis)).collect();
             values.sort_by(f64::total_cmp);
             values
         });
@@ -84,9 +85,9 @@ impl Distributions {
         let width = MARGIN_PX + 3.0 * (LEFT_PX + SIDE_PX) + 16.0;
         let lower = TOP_PX + HISTOGRAM_PX + BETWEEN_PX;
         sheet([width, lower + DISTRIBUTION_PX + BELOW_PX + 8.0], |sheet| {
-            legend(sheet, self.sorted[0].len())?;
+            legend(sheet, self.sorted.iter().map(Vec::len).max().unwrap_or(0))?;
             for axis in 0..3 {
-                let (sorted, nominal) = (&self.sorted[axis], self.nominal[axis]);
+                let (sorted, Some(nominal)) = (&self.sorted[axis], self.nominal[axis]) else { continue };
                 let x = range(sorted, nominal);
                 let left = MARGIN_PX + LEFT_PX + axis as f64 * (LEFT_PX + SIDE_PX);
                 let counts = counts(sorted, x);
@@ -127,7 +128,11 @@ impl Distributions {
         let mut csv = format!("share_below,{names}\n");
         for step in 0..QUANTILES {
             let share = step as f64 / (QUANTILES - 1) as f64;
-            let [x, y, z] = self.sorted.each_ref().map(|sorted| quantile(sorted, share) / UM_PER_MM);
+            let cell = |sorted: &Vec<f64>| match sorted[..] {
+                [] => String::new(),
+                _ => (quantile(sorted, share) / UM_PER_MM).to_string(),
+            };
+            let [x, y, z] = self.sorted.each_ref().map(cell);
             csv += &format!("{share},{x},{y},{z}\n");
         }
         csv

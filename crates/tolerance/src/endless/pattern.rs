@@ -4,12 +4,13 @@ use std::error::Error;
 use std::fmt;
 
 use glam::{DVec2, DVec3};
+use magsplice_decouple::Figures;
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::Tile;
 use rayon::prelude::*;
 
 use super::footprint::Footprint;
-use crate::film_errors::{EvaluationGrid, FilmErrors, SampleError};
+use crate::evaluation_grid::{EvaluationGrid, SampleError};
 
 /// The largest sum of the harmonics that are left out, as a part of mean |J| e^(-kh) at the height
 /// h of the nearest point. The first harmonic of a film as thick as a tenth of its wavelength is
@@ -164,12 +165,11 @@ impl EndlessPattern {
     ///
     /// # Errors
     /// As [`EndlessPattern::flux_density_t`], and if the parameters do not exist in the volume.
-    pub fn errors(&self, volume: &EvaluationGrid) -> Result<FilmErrors, EndlessPatternError> {
+    pub fn errors(&self, volume: &EvaluationGrid) -> Result<Figures, EndlessPatternError> {
         let points: Vec<DVec3> = volume.grid.points().chain([volume.reference]).collect();
         let field_t = self.flux_density_t(&points)?;
         let last = points.len() - 1;
-        FilmErrors::from_field(&field_t[..last], field_t[last], volume, &self.ideal)
-            .map_err(EndlessPatternError::NoErrors)
+        volume.figures(&field_t[..last], field_t[last], &self.ideal).map_err(EndlessPatternError::NoErrors)
     }
 
     /// The highest harmonic that is needed at a height.

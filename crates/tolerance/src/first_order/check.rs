@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::displacement::displacement_errors_mm;
 use super::low_rank::{add, dot};
 use super::model::FirstOrder;
-use crate::film_errors::SampleError;
+use crate::evaluation_grid::SampleError;
 use crate::sampler::Sampler;
 use crate::statistics::{Estimate, NORMAL_95};
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 use magsplice_decouple::{Branch, DecouplingError, Parameters, PointDecoupling};
 use magsplice_ideal::IdealFilm;
 
-use crate::film_errors::SampleError;
+use crate::evaluation_grid::SampleError;
 
 /// The derivatives of the displacement errors by the readings.
 #[derive(Clone, Debug)]

@@ -4,15 +4,15 @@
 //! a constant, so that both have the same deviation there.
 
 use glam::DVec3;
-use magsplice_decouple::PerParameter;
+use magsplice_decouple::{Figure, Figures, Parameter};
 use magsplice_ideal::IdealFilm;
-use magsplice_magnet::Grid;
+use magsplice_magnet::{Axis, Grid};
 
-use crate::film_errors::{Figure, FilmErrors, SampleError};
+use crate::evaluation_grid::SampleError;
 
 /// What turns displacement errors and readings into figures.
 #[derive(Clone, Debug)]
-pub(crate) struct Figures {
+pub(crate) struct FigureModel {
     counts: [usize; 3],
     wavenumber: f64,
     /// The field of the ideal film over the sum of its squares: the scalar product with the
@@ -20,13 +20,13 @@ pub(crate) struct Figures {
     amplitude_by_field: Vec<DVec3>,
 }
 
-impl Figures {
-    pub(crate) fn new(grid: &Grid, ideal: &IdealFilm) -> Result<Figures, SampleError> {
+impl FigureModel {
+    pub(crate) fn new(grid: &Grid, ideal: &IdealFilm) -> Result<FigureModel, SampleError> {
         let at = |point| ideal.flux_density_t(point).ok_or(SampleError::NotBelow { point });
         let mut field: Vec<DVec3> = grid.points().map(at).collect::<Result<_, _>>()?;
         let squares: f64 = field.iter().map(|b| b.length_squared()).sum();
         field.iter_mut().for_each(|b| *b /= squares);
-        Ok(Figures { counts: grid.counts(), wavenumber: ideal.wavenumber(), amplitude_by_field: field })
+        Ok(FigureModel { counts: grid.counts(), wavenumber: ideal.wavenumber(), amplitude_by_field: field })
     }
 
     /// The amplitude of readings, or its change by their changes.
@@ -35,17 +35,20 @@ impl Figures {
     }
 
     /// All figures of displacement errors: x at all points, then y, then z.
-    pub(crate) fn of_errors(&self, errors_mm: &[f64], amplitude: f64) -> FilmErrors {
+    pub(crate) fn of_errors(&self, errors_mm: &[f64], amplitude: f64) -> Figures {
         let count = self.points();
-        let along = |axis: usize| &errors_mm[axis * count..][..count];
-        let [r_x, r_y, s_z] = [0, 1, 2].map(|axis| {
+        let along = |axis: Axis| &errors_mm[axis.index() * count..][..count];
+        let uniformity = |parameter: Parameter| {
+            let axis = parameter.axis();
             let planes = self.planes(along(axis), axis);
-            self.wavenumber * planes.iter().map(|(_, deviation)| deviation).sum::<f64>() / planes.len() as f64
-        });
-        FilmErrors {
-            uniformity_rmse: PerParameter { r_x, r_y, s_z },
-            displacement_rmse_mm: [0, 1, 2]
-                .map(|axis| (along(axis).iter().map(|error| error * error).sum::<f64>() / count as f64).sqrt()),
+            let deviations: f64 = planes.iter().map(|(_, deviation)| deviation).sum();
+            (planes.len() < count).then(|| self.wavenumber * deviations / planes.len() as f64)
+        };
+        let displacement =
+            |axis: Axis| (along(axis).iter().map(|error| error * error).sum::<f64>() / count as f64).sqrt();
+        Figures {
+            uniformity_rmse: Parameter::ALL.map(uniformity).into(),
+            displacement_rmse_mm: Axis::ALL.map(displacement).into(),
             amplitude,
         }
     }
@@ -56,13 +59,14 @@ impl Figures {
         let count = self.points();
         match figure {
             Figure::Displacement(axis) => {
-                let along = &errors_mm[axis * count..][..count];
+                let along = &errors_mm[axis.index() * count..][..count];
                 let squares = along.iter().map(|error| error * error).sum::<f64>();
                 let factor = 1.0 / (squares * count as f64).sqrt();
                 factor.is_finite().then(|| along.iter().map(|error| error * factor).collect())
             }
-            Figure::Uniformity(axis) => {
-                let along = &errors_mm[axis * count..][..count];
+            Figure::Uniformity(parameter) => {
+                let axis = parameter.axis();
+                let along = &errors_mm[axis.index() * count..][..count];
                 let planes = self.planes(along, axis);
                 let in_plane = (count / planes.len()) as f64;
                 let slope = |(index, error): (usize, &f64)| {
@@ -82,14 +86,14 @@ impl Figures {
 
     /// The plane normal to an axis in which a point lies. Points are in the order of the grid, z
     /// fastest.
-    fn plane(&self, index: usize, axis: usize) -> usize {
+    fn plane(&self, index: usize, axis: Axis) -> usize {
         let [_, ny, nz] = self.counts;
-        [index / (ny * nz), index / nz % ny, index % nz][axis]
+        [index / (ny * nz), index / nz % ny, index % nz][axis.index()]
     }
 
     /// Mean and deviation over each plane normal to an axis.
-    fn planes(&self, along: &[f64], axis: usize) -> Vec<(f64, f64)> {
-        let planes = self.counts[axis];
+    fn planes(&self, along: &[f64], axis: Axis) -> Vec<(f64, f64)> {
+        let planes = self.counts[axis.index()];
         let in_plane = (along.len() / planes) as f64;
         let mut found = vec![(0.0, 0.0); planes];
         for (index, value) in along.iter().enumerate() {

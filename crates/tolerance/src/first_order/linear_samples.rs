@@ -2,15 +2,12 @@
 
 use std::ops::Range;
 
+use magsplice_decouple::{Figure, Figures};
 use rayon::prelude::*;
 
-use super::model::FirstOrder;
+use super::model::{ErrorTerm, FirstOrder};
 use super::sources::drawn_values;
 use crate::draws::Draws;
-use crate::film_errors::{Figure, FilmErrors};
-
-/// The place of the amplitude among the figures.
-const AMPLITUDE: usize = Figure::ALL.len() - 1;
 
 impl FirstOrder {
     /// The errors of sample number `sample` under the linear model. Its random numbers are those of
@@ -21,7 +18,7 @@ impl FirstOrder {
     /// The displacement errors of the linear model, with a few dozen numbers in place of all
     /// errors: the expected square of what this leaves out is at most 1e-8 of that of the errors,
     /// over all axes.
-    pub fn linear_errors_of(&self, seed: u64, sample: u64) -> FilmErrors {
+    pub fn linear_errors_of(&self, seed: u64, sample: u64) -> Figures {
         let (errors_mm, amplitude) = self.linear_sample(seed, sample);
         self.figures.of_errors(&errors_mm, amplitude)
     }
@@ -30,7 +27,7 @@ impl FirstOrder {
     /// Percentiles follow from [`statistics`](crate::statistics). A sample of 56 tiles with twelve
     /// errors each takes about 0.2 ms on one core, and with noise of the sensor at 405 points about
     /// 0.4 ms.
-    pub fn linear_errors_of_range(&self, seed: u64, samples: Range<u64>) -> Vec<FilmErrors> {
+    pub fn linear_errors_of_range(&self, seed: u64, samples: Range<u64>) -> Vec<Figures> {
         samples.into_par_iter().map(|sample| self.linear_errors_of(seed, sample)).collect()
     }
 
@@ -44,8 +41,8 @@ impl FirstOrder {
         });
         let mut errors_mm = self.mean_mm.clone();
         self.varying.add_combination(deviates, &mut errors_mm);
-        let by_errors =
-            self.terms.iter().zip(&values).map(|(term, value)| term.figures[AMPLITUDE].unwrap_or(0.0) * value);
+        let by_term = |term: &ErrorTerm| term.figures[Figure::Amplitude.index()].unwrap_or(0.0);
+        let by_errors = self.terms.iter().zip(&values).map(|(term, value)| by_term(term) * value);
         let mut amplitude = self.amplitude + by_errors.sum::<f64>();
         if self.has_noise() {
             let noise = &self.film.tolerance().common.sensor.noise_t;

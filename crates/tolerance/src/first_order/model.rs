@@ -1,15 +1,16 @@
 //! The model: residuals and sensitivities.
 
 use glam::DVec3;
+use magsplice_decouple::Figure;
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Axis, PerTileError, TileError};
 
 use super::displacement::{Displacement, displacement_errors_mm};
-use super::figures::Figures;
+use super::figures::FigureModel;
 use super::low_rank::{LowRank, add, dot};
 use super::sources::{ErrorSource, Moments, sources};
 use super::tile_response::TileResponse;
-use crate::film_errors::{EvaluationGrid, Figure, SampleError};
+use crate::evaluation_grid::{EvaluationGrid, SampleError};
 use crate::real_film::RealFilm;
 use crate::sampler::Sampler;
 
@@ -89,7 +90,7 @@ pub struct FirstOrder {
     pub(super) noise_shift_mm: Vec<f64>,
     pub(super) noise_mean_t: DVec3,
     pub(super) displacement: Displacement,
-    pub(super) figures: Figures,
+    pub(super) figures: FigureModel,
     /// Amplitude without errors.
     pub(super) amplitude: f64,
 }
@@ -117,7 +118,7 @@ impl FirstOrder {
         if bytes.is_none_or(|bytes| bytes > LARGEST_BYTES) {
             return Err(SampleError::TooLarge { bytes });
         }
-        let figures = Figures::new(&volume.grid, ideal)?;
+        let figures = FigureModel::new(&volume.grid, ideal)?;
         let film_t = sampler.film_t()?;
         let nominal_mm = displacement_errors_mm(points, &film_t, ideal)?;
         let mut read_t: Vec<DVec3> =
@@ -136,18 +137,19 @@ impl FirstOrder {
         for_each_derivative(film, points, &film_t, &read_t, |changes_t| {
             let (source, Moments { mean, variance }) = sources[terms.len()];
             let column = displacement.changes_mm(changes_t);
-            let by_figure = |(figure, gradient): (Figure, &Option<Vec<f64>>)| match figure {
-                Figure::Amplitude => Some(figures.amplitude(changes_t)),
-                Figure::Displacement(axis) | Figure::Uniformity(axis) => {
-                    gradient.as_ref().map(|gradient| dot(gradient, &column[axis * last..][..last]))
+            let along = |axis: Axis| &column[axis.index() * last..][..last];
+            let by_figure = Figure::ALL.map(|figure| {
+                let gradient = gradients[figure.index()].as_ref();
+                match figure {
+                    Figure::Amplitude => Some(figures.amplitude(changes_t)),
+                    Figure::Displacement(axis) => gradient.map(|gradient| dot(gradient, along(axis))),
+                    Figure::Uniformity(parameter) => gradient.map(|gradient| dot(gradient, along(parameter.axis()))),
                 }
-            };
-            let by_figure: Vec<Option<f64>> = Figure::ALL.into_iter().zip(&gradients).map(by_figure).collect();
+            });
             if mean != 0.0 || variance != 0.0 {
                 sensitivities.push(Sensitivity { term: terms.len(), column });
             }
-            let figures = std::array::from_fn(|number| by_figure[number]);
-            terms.push(ErrorTerm { source, mean, deviation: variance.sqrt(), figures });
+            terms.push(ErrorTerm { source, mean, deviation: variance.sqrt(), figures: by_figure });
         })?;
 
         let mut mean_mm = errors_mm;

@@ -10,7 +10,7 @@ use magsplice_magnet::{Grid, Tile, TileError};
 
 use super::displacement::displacement_errors_mm;
 use super::{ErrorSource, FirstOrder};
-use crate::film_errors::{EvaluationGrid, Figure};
+use crate::evaluation_grid::EvaluationGrid;
 use crate::real_film::RealFilm;
 use crate::sampler::Sampler;
 
@@ -122,7 +122,7 @@ fn exact(tolerance: &FilmTolerance) -> Vec<f64> {
     let read_t = sampler.readings_of_t(0).expect("a sample");
     let mut values = displacement_errors_mm(sampler.points(), &read_t, &ideal).expect("parameters");
     let errors = sampler.errors_of(0).expect("a sample");
-    values.extend(Figure::ALL.map(|figure| errors.get(figure)));
+    values.extend(errors.iter().map(|(_, value)| value.expect("defined")));
     values
 }
 
@@ -221,7 +221,8 @@ fn linear_samples_have_the_stated_mean_square_and_its_deviation() {
     let samples = model.linear_errors_of_range(3, 0..n);
     for axis in 0..3 {
         let errors = model.axis_errors(axis);
-        let squares: Vec<f64> = samples.iter().map(|sample| sample.displacement_rmse_mm[axis].powi(2)).collect();
+        let squares: Vec<f64> =
+            samples.iter().map(|sample| sample.displacement_rmse_mm.to_array()[axis].powi(2)).collect();
         let mean = squares.iter().sum::<f64>() / n as f64;
         let deviation = (squares.iter().map(|square| (square - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
         let root = (n as f64).sqrt();

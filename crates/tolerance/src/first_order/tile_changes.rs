@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::displacement::{Displacement, displacement_errors_mm};
 use super::low_rank::{LowRank, dot};
 use super::tile_response::TileResponse;
-use crate::film_errors::{EvaluationGrid, SampleError};
+use crate::evaluation_grid::{EvaluationGrid, SampleError};
 use crate::real_film::RealFilm;
 use crate::sampler::exact_field_t;
 

@@ -5,7 +5,7 @@ use magsplice_field::{FaceDerivatives, PolarizationMap, PolarizationMapError};
 use magsplice_magnet::{Tile, TileError};
 use rayon::prelude::*;
 
-use crate::film_errors::SampleError;
+use crate::evaluation_grid::SampleError;
 use crate::real_film::direction_axes;
 
 /// Points below which a task is not divided: a point takes about a microsecond.

@@ -1,10 +1,10 @@
-//! The errors of decoupling and displacement of a film.
+//! The figures of a film over its working volume, and why a sample has none.
 
 use std::error::Error;
 use std::fmt;
 
 use glam::DVec3;
-use magsplice_decouple::{Decoupling, DecouplingError, PerParameter};
+use magsplice_decouple::{Decoupling, DecouplingError, Figures};
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Grid, PointErrors, TileFaults};
 
@@ -18,84 +18,25 @@ pub struct EvaluationGrid {
     pub reference: DVec3,
 }
 
-/// The errors of one film over its working volume.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct FilmErrors {
-    /// See [`Decoupling::uniformity_rmse`].
-    pub uniformity_rmse: PerParameter,
-    /// RMSE of the displacement along x, y, z that the parameters give (Dai 2024, Eq. 14), in
-    /// millimetres: [`Decoupling::ideal_rmse`] over the wavenumber.
-    pub displacement_rmse_mm: [f64; 3],
-    /// The factor that brings the field of the ideal film closest to that of the film.
-    pub amplitude: f64,
-}
-
-/// A figure of a film: one number of its [`FilmErrors`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Figure {
-    /// Uniformity RMSE of R_x, R_y or S_z, by axis.
-    Uniformity(usize),
-    /// Displacement RMSE along an axis, in millimetres.
-    Displacement(usize),
-    /// Amplitude.
-    Amplitude,
-}
-
-impl Figure {
-    /// All figures.
-    pub const ALL: [Figure; 7] = [
-        Figure::Uniformity(0),
-        Figure::Uniformity(1),
-        Figure::Uniformity(2),
-        Figure::Displacement(0),
-        Figure::Displacement(1),
-        Figure::Displacement(2),
-        Figure::Amplitude,
-    ];
-}
-
-impl FilmErrors {
-    /// The errors of a field that the sensor reads on the grid, z fastest, and at the reference
+impl EvaluationGrid {
+    /// The figures of a field that the sensor reads on the grid, z fastest, and at the reference
     /// point.
     ///
     /// # Errors
     /// If a decoupling parameter does not exist at a point of the volume.
-    pub fn from_field(
-        field_t: &[DVec3],
-        at_reference_t: DVec3,
-        volume: &EvaluationGrid,
-        ideal: &IdealFilm,
-    ) -> Result<FilmErrors, SampleError> {
-        let decoupling = Decoupling::from_field(&volume.grid, field_t, (volume.reference, at_reference_t), ideal)
+    pub fn figures(&self, field_t: &[DVec3], at_reference_t: DVec3, ideal: &IdealFilm) -> Result<Figures, SampleError> {
+        let decoupling = Decoupling::from_field(&self.grid, field_t, (self.reference, at_reference_t), ideal)
             .map_err(SampleError::Decoupling)?;
         if !decoupling.singular.is_empty() {
             return Err(SampleError::Singular { points: decoupling.singular });
         }
         let (mut product, mut square) = (0.0, 0.0);
-        for (point, b_t) in volume.grid.points().zip(field_t) {
+        for (point, b_t) in self.grid.points().zip(field_t) {
             let ideal_t = ideal.flux_density_t(point).ok_or(SampleError::NotBelow { point })?;
             product += ideal_t.dot(*b_t);
             square += ideal_t.length_squared();
         }
-        Ok(FilmErrors {
-            uniformity_rmse: decoupling.uniformity_rmse,
-            displacement_rmse_mm: decoupling.ideal_rmse.as_lengths(ideal.wavenumber()).to_array(),
-            amplitude: product / square,
-        })
-    }
-
-    /// One of its numbers.
-    ///
-    /// # Panics
-    /// If the figure has an axis that is not 0, 1 or 2.
-    pub fn get(&self, figure: Figure) -> f64 {
-        let PerParameter { r_x, r_y, s_z } = self.uniformity_rmse;
-        match figure {
-            Figure::Uniformity(axis) => [r_x, r_y, s_z][axis],
-            Figure::Displacement(axis) => self.displacement_rmse_mm[axis],
-            Figure::Amplitude => self.amplitude,
-        }
+        Ok(Figures::new(&decoupling, product / square))
     }
 }
 
