@@ -23,7 +23,7 @@ use crate::sampler::Sampler;
 /// ```
 /// use glam::DVec3;
 /// use magsplice_ideal::IdealFilm;
-/// use magsplice_layout::{FilmTolerance, TileErrors};
+/// use magsplice_layout::{FilmTolerance, Preset};
 /// use magsplice_magnet::{Grid, Tile};
 /// use magsplice_tolerance::{Budget, EndlessPattern, EvaluationGrid, FirstOrder, RealFilm};
 ///
