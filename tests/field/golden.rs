@@ -1,7 +1,7 @@
 //! B against the tables of `tests/reference`.
 
 use glam::DVec3;
-use magsplice_field::{Cause, InstructionSet, Quantity, Scene};
+use magsplice_field::{InstructionSet, PointErrorCause, Quantity, Scene};
 use magsplice_tests::reference_tables::{self, ReferenceRow};
 
 /// Largest relative error of |B| at any row, as `Scene` promises.
@@ -83,10 +83,15 @@ fn face_points_take_the_limit_from_the_owner() {
 fn edges_and_corners_are_reported_unbounded() {
     for row in reference_tables::read("singular_points", 40) {
         let scene = Scene::new(&[row.tile]);
-        assert_eq!(scene.field(Quantity::FluxDensity, row.point), Err(Cause::Unbounded { tile: 0 }), "row {}", row.id);
+        assert_eq!(
+            scene.field(Quantity::FluxDensity, row.point),
+            Err(PointErrorCause::Unbounded { tile: 0 }),
+            "row {}",
+            row.id
+        );
         assert_eq!(
             scene.field(Quantity::FieldStrength, row.point),
-            Err(Cause::Unbounded { tile: 0 }),
+            Err(PointErrorCause::Unbounded { tile: 0 }),
             "row {}",
             row.id
         );

@@ -2,7 +2,7 @@
 //! on random tiles and points.
 
 use glam::{DMat3, DQuat, DVec3};
-use magsplice_field::{Cause, MU_0, Quantity, Scene, Tile};
+use magsplice_field::{MU_0, PointErrorCause, Quantity, Scene, Tile};
 use magsplice_tests::oracle::Oracle;
 use magsplice_tests::{cases, reference_tables, scenes, share};
 use proptest::prelude::*;
@@ -150,8 +150,8 @@ fn field_of_random_tiles() {
                 }
             }
             (b, h) => {
-                prop_assert_eq!(b, Err(Cause::Unbounded { tile: 0 }));
-                prop_assert_eq!(h, Err(Cause::Unbounded { tile: 0 }));
+                prop_assert_eq!(b, Err(PointErrorCause::Unbounded { tile: 0 }));
+                prop_assert_eq!(h, Err(PointErrorCause::Unbounded { tile: 0 }));
                 prop_assert!(unbounded_at(&tile, point), "reported as unbounded without reason");
             }
         }
@@ -167,7 +167,7 @@ fn gradient_of_random_tiles() {
         match Scene::new(&[tile]).gradient(Quantity::FluxDensity, point) {
             Ok(gradient) => check_gradient(gradient, oracle.gradient(&tile, point))?,
             Err(cause) => {
-                prop_assert_eq!(cause, Cause::Unbounded { tile: 0 });
+                prop_assert_eq!(cause, PointErrorCause::Unbounded { tile: 0 });
                 prop_assert!(unbounded_at(&tile, point), "reported as unbounded without reason");
             }
         }
@@ -290,7 +290,7 @@ fn tiny_offsets_and_polarizations_never_give_nan() {
     }
     let faint = tile([0.0; 3], [1.0; 3], [1e-163, 0.0, 0.0]);
     let edge = DVec3::new(0.5, 0.5, 0.1);
-    assert_eq!(Scene::new(&[faint]).field(Quantity::FluxDensity, edge), Err(Cause::Unbounded { tile: 0 }));
+    assert_eq!(Scene::new(&[faint]).field(Quantity::FluxDensity, edge), Err(PointErrorCause::Unbounded { tile: 0 }));
     let strong = tile([0.6e-271; 3], [1.2e-271; 3], [1e30, 0.0, 0.0]);
     let gradient = Scene::new(&[strong]).gradient(Quantity::FluxDensity, DVec3::new(-1e-281, -1e-281, 0.5e-271));
     assert!(gradient.is_err() || gradient.is_ok_and(|g| g.is_finite()));

@@ -1,7 +1,7 @@
 //! The linear map from polarizations to B, against the field of the scene.
 
 use glam::{DQuat, DVec3};
-use magsplice_field::{Cause, PolarizationMap, PolarizationMapError, Quantity, Scene, Tile};
+use magsplice_field::{PointErrorCause, PolarizationMap, PolarizationMapError, Quantity, Scene, Tile};
 use proptest::prelude::*;
 
 fn vector(reach: f64) -> impl Strategy<Value = DVec3> {
@@ -60,5 +60,5 @@ fn points_on_an_edge_of_any_tile_are_refused() {
     let error = PolarizationMap::new(&tiles, &points).unwrap_err();
     let PolarizationMapError::Points { tile: 0, errors } = &error else { panic!("{error}") };
     assert_eq!((errors.0.len(), errors.0[0].index), (1, 1));
-    assert!(matches!(errors.0[0].cause, Cause::Unbounded { .. }));
+    assert!(matches!(errors.0[0].cause, PointErrorCause::Unbounded { .. }));
 }

@@ -4,7 +4,7 @@
 use std::cell::{Cell, RefCell};
 
 use glam::{DQuat, DVec3};
-use magsplice_field::{Accuracy, Cause, Grid, Quantity, Scene, Tile, Tolerance};
+use magsplice_field::{Accuracy, Grid, PointErrorCause, Quantity, Scene, Tile, Tolerance};
 use magsplice_tests::cases;
 use magsplice_tests::oracle::Oracle;
 use proptest::prelude::*;
@@ -66,7 +66,7 @@ fn values_near_the_limit_keep_their_tolerance_and_refusals_have_a_reason() {
                         prop_assert!(error_t <= allowed_t, "off by {error_t:e}, not {allowed_t:e}");
                     }
                     Err(errors) => {
-                        let Cause::TooExact { bound_t } = errors.0[0].cause else { panic!("{errors:?}") };
+                        let PointErrorCause::TooExact { bound_t } = errors.0[0].cause else { panic!("{errors:?}") };
                         refused.set(refused.get() + 1);
                         let stated_t = EXACT_BOUND * magnitude_t;
                         prop_assert!(bound_t >= stated_t * (1.0 - 1e-9), "{bound_t:e} is below {stated_t:e}");
@@ -97,7 +97,7 @@ fn bounds_hold_at_every_distance_from_many_tiles() {
         let point = DVec3::new(4.0, 4.1, 0.9) + distance * DVec3::new(0.48, -0.6, 0.64);
         let (_, magnitude_t) = field_and_magnitude(&mut oracle, &tiles, point);
         let errors = within.field_at(Quantity::FluxDensity, &[point]).expect_err("no tolerance is that small");
-        let Cause::TooExact { bound_t } = errors.0[0].cause else { panic!("{errors:?}") };
+        let PointErrorCause::TooExact { bound_t } = errors.0[0].cause else { panic!("{errors:?}") };
         let excess = bound_t / (EXACT_BOUND * magnitude_t);
         assert!((1.0..5.0).contains(&excess), "{excess} times too large at {distance}");
     }

@@ -4,7 +4,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use glam::{DMat3, DQuat, DVec3};
-use magsplice_field::{Cause, Quantity, Scene, Tile, overlaps};
+use magsplice_field::{PointErrorCause, Quantity, Scene, Tile, overlaps};
 
 const J: DVec3 = DVec3::new(0.3, -0.5, 0.7);
 
@@ -166,8 +166,8 @@ fn exposed_edges_are_named() {
     let (parts, _) = pinwheel();
     let scene = Scene::new(&parts);
     let at = |x: f64, y: f64, z: f64| scene.field(Quantity::FluxDensity, DVec3::new(x, y, z));
-    assert_eq!(at(3.0, 0.4, 0.9), Err(Cause::Unbounded { tile: 1 }));
-    assert_eq!(at(0.8, 3.0, 0.9), Err(Cause::Unbounded { tile: 2 }));
+    assert_eq!(at(3.0, 0.4, 0.9), Err(PointErrorCause::Unbounded { tile: 1 }));
+    assert_eq!(at(0.8, 3.0, 0.9), Err(PointErrorCause::Unbounded { tile: 2 }));
     let other = [parts[0], Tile::new(parts[1].position(), parts[1].size(), -J).unwrap()];
     let corner = DVec3::new(2.1, 0.4, 0.9);
     assert!(Scene::new(&other).field(Quantity::FluxDensity, corner).is_err());
@@ -175,7 +175,7 @@ fn exposed_edges_are_named() {
     // In a merged block, an edge of the outline belongs to the tile that lies there.
     let row = [0, 1, 2, 3].map(|i| tile([f64::from(i), 0.0, 0.0], [f64::from(i) + 1.0, 1.0, 1.0]));
     let end = Scene::new(&row).field(Quantity::FluxDensity, DVec3::new(2.5, 1.0, 1.0));
-    assert_eq!(end, Err(Cause::Unbounded { tile: 2 }));
+    assert_eq!(end, Err(PointErrorCause::Unbounded { tile: 2 }));
 }
 
 /// The gradient of parts that merge is that of the whole. On the edge of a computed seam it is
@@ -185,7 +185,7 @@ fn gradient_on_seams() {
     let (parts, whole) = pinwheel();
     let scene = Scene::new(&parts);
     let edge = DVec3::new(2.1, 0.4, 0.9);
-    assert!(matches!(scene.gradient(Quantity::FluxDensity, edge), Err(Cause::Unresolved { tile: 0 | 1 })));
+    assert!(matches!(scene.gradient(Quantity::FluxDensity, edge), Err(PointErrorCause::Unresolved { tile: 0 | 1 })));
     let exact = Scene::new(&[whole]).gradient(Quantity::FluxDensity, edge).unwrap();
     let halves = [tile([0.0, 0.0, 0.0], [3.0, 0.4, 0.9]), tile([0.0, 0.4, 0.0], [3.0, 3.0, 0.9])];
     let merged = Scene::new(&halves).gradient(Quantity::FluxDensity, edge).unwrap();
@@ -224,7 +224,7 @@ fn exposed_edges_of_rotated_tiles() {
         let turn = DQuat::from_rotation_z(angle.to_radians());
         let scene = Scene::new(&[cube.rotated(turn).unwrap()]);
         let edge = turn * DVec3::new(0.5, 0.5, 0.2);
-        assert_eq!(scene.field(Quantity::FluxDensity, edge), Err(Cause::Unbounded { tile: 0 }), "{angle}");
+        assert_eq!(scene.field(Quantity::FluxDensity, edge), Err(PointErrorCause::Unbounded { tile: 0 }), "{angle}");
     }
 }
 

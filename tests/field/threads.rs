@@ -1,7 +1,7 @@
 //! Fields do not depend on the number of threads, nor on how points are divided into calls.
 
 use glam::{DQuat, DVec3};
-use magsplice_field::{Cause, InstructionSet, Quantity, Scene, Tile};
+use magsplice_field::{InstructionSet, PointErrorCause, Quantity, Scene, Tile};
 use rayon::ThreadPoolBuilder;
 
 fn scene() -> Scene {
@@ -116,13 +116,13 @@ fn assert_all_named(scene: &Scene) {
     points[999] = DVec3::new(-1.0, -1.0, -1.0);
     let mut field = vec![DVec3::ZERO; points.len()];
     let errors = scene.field_into(Quantity::FluxDensity, &points, &mut field).unwrap_err();
-    let found: Vec<(usize, Cause)> = errors.0.iter().map(|e| (e.index, e.cause)).collect();
-    let edge = Cause::Unbounded { tile: 0 };
+    let found: Vec<(usize, PointErrorCause)> = errors.0.iter().map(|e| (e.index, e.cause)).collect();
+    let edge = PointErrorCause::Unbounded { tile: 0 };
     // (1, 0, -1) lies on an edge and (1, 1, -1) on a corner. (0, 1, -1) lies on an edge along J,
     // where the field is bounded.
     let on_grid = [(1, 0), (1, 1)].map(|(x, y)| (y * 10 + x, edge));
-    let mut expected: Vec<(usize, Cause)> = on_grid.to_vec();
-    expected.extend([(7, edge), (800, Cause::OutOfRange), (999, edge)]);
+    let mut expected: Vec<(usize, PointErrorCause)> = on_grid.to_vec();
+    expected.extend([(7, edge), (800, PointErrorCause::OutOfRange), (999, edge)]);
     expected.sort_by_key(|e| e.0);
     assert_eq!(found, expected);
     assert!(field.iter().enumerate().all(|(i, f)| f.is_finite() != found.iter().any(|e| e.0 == i)));

@@ -1,7 +1,7 @@
 //! Tolerances at lists of points, which sum over a tree of the tiles.
 
 use glam::{DQuat, DVec3};
-use magsplice_field::{Accuracy, Cause, MU_0, Model, Quantity, Scene, Tile, Tolerance};
+use magsplice_field::{Accuracy, MU_0, Model, PointErrorCause, Quantity, Scene, Tile, Tolerance};
 use magsplice_tests::cases;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
@@ -13,7 +13,7 @@ use rayon::ThreadPoolBuilder;
 /// for the bound on the sum over tiles.
 const EXACT_ERROR: f64 = 1e-12;
 
-fn field(scene: &Scene, quantity: Quantity, points: &[DVec3]) -> (Vec<DVec3>, Vec<(usize, Cause)>) {
+fn field(scene: &Scene, quantity: Quantity, points: &[DVec3]) -> (Vec<DVec3>, Vec<(usize, PointErrorCause)>) {
     let mut field = vec![DVec3::ZERO; points.len()];
     let errors = scene.field_into(quantity, points, &mut field).err().map_or(vec![], |errors| errors.0);
     assert!(errors.iter().all(|error| field[error.index].is_nan()));

@@ -1,7 +1,9 @@
 //! Tolerances on grids and in prepared boxes: kept at every point, or the point is reported.
 
 use glam::{DQuat, DVec3};
-use magsplice_field::{Accuracy, Cause, FittedFieldError, Grid, LookUpErrors, MU_0, Quantity, Scene, Tile, Tolerance};
+use magsplice_field::{
+    Accuracy, FittedFieldError, Grid, LookUpErrors, MU_0, PointErrorCause, Quantity, Scene, Tile, Tolerance,
+};
 use magsplice_tests::cases;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
@@ -11,7 +13,7 @@ use rayon::ThreadPoolBuilder;
 /// are far above it.
 const EXACT_ERROR: f64 = 1e-12;
 
-fn grid_field(scene: &Scene, quantity: Quantity, grid: &Grid) -> (Vec<DVec3>, Vec<Cause>) {
+fn grid_field(scene: &Scene, quantity: Quantity, grid: &Grid) -> (Vec<DVec3>, Vec<PointErrorCause>) {
     let mut field = vec![DVec3::ZERO; grid.len()];
     let errors = scene.field_on_grid_into(quantity, grid, &mut field).err().map_or(vec![], |errors| errors.0);
     for error in &errors {
@@ -127,7 +129,7 @@ fn points_that_cannot_keep_their_tolerance_are_refused() {
         let within = scene.clone().with_accuracy(Accuracy::Within(Tolerance::relative(fraction).expect("a tolerance")));
         let (_, causes) = grid_field(&within, Quantity::FluxDensity, &grid);
         assert!((least..=most).contains(&causes.len()), "{fraction}: {} points refused", causes.len());
-        assert!(causes.iter().all(|cause| matches!(cause, Cause::TooExact { bound_t } if *bound_t < 1e-13)));
+        assert!(causes.iter().all(|cause| matches!(cause, PointErrorCause::TooExact { bound_t } if *bound_t < 1e-13)));
     }
     let absolute = scene.with_accuracy(Accuracy::Within(Tolerance::absolute_t(1e-12).expect("a tolerance")));
     assert_eq!(grid_field(&absolute, Quantity::FluxDensity, &grid).1, []);

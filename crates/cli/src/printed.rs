@@ -3,19 +3,19 @@
 use magsplice::layout::Layout;
 use magsplice::making::PlanRow;
 use magsplice_export::twelve_digits;
-use magsplice_report::{Figure, PrintedPage, PrintedTable};
+use magsplice_report::{Drawing, PrintedPage, PrintedTable};
 
 use crate::cut_list::{CutList, bar_length_mm, sheet_area_mm2};
 use crate::text::number::counted;
 
 /// The film and its bill of materials.
-pub(crate) fn bill_page(list: &CutList, figure: &Figure) -> String {
+pub(crate) fn bill_page(list: &CutList, figure: &Drawing) -> String {
     let layout = list.layout;
     page(layout, &layout.name, &[summary(list)], figure, &[bill(list)])
 }
 
 /// The plan by which a film is laid, and its bill of materials.
-pub(crate) fn plan_page(list: &CutList, figure: &Figure, plan: &[PlanRow]) -> String {
+pub(crate) fn plan_page(list: &CutList, figure: &Drawing, plan: &[PlanRow]) -> String {
     let layout = list.layout;
     let marks = "Before a tile is measured, an arrow is drawn on its upper side along its x axis, which is along the first \
                  side of its part. In the plan the column up names the side of the tile that is up at its place: +z is the \
@@ -26,7 +26,7 @@ pub(crate) fn plan_page(list: &CutList, figure: &Figure, plan: &[PlanRow]) -> St
     page(layout, &format!("Laying plan: {}", layout.name), &paragraphs, figure, &[plan_table(plan), bill(list)])
 }
 
-fn page(layout: &Layout, title: &str, paragraphs: &[String], figure: &Figure, tables: &[PrintedTable]) -> String {
+fn page(layout: &Layout, title: &str, paragraphs: &[String], figure: &Drawing, tables: &[PrintedTable]) -> String {
     let source = format!(
         "Layout \"{}\", SHA-256 {}; magsplice {}. Lengths in mm.",
         layout.name,

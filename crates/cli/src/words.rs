@@ -4,7 +4,7 @@ use std::path::Path;
 
 use magsplice::FilmError;
 use magsplice::layout::Layout;
-use magsplice::magnet::Cause;
+use magsplice::magnet::PointErrorCause;
 
 use crate::failure::Failure;
 use crate::faults::FaultList;
@@ -38,12 +38,12 @@ pub(crate) fn no_film(path: &Path, error: FilmError, verb: &str, purpose: &str) 
 }
 
 /// Why there is no field at a point.
-pub(crate) fn no_field(cause: Cause, layout: &Layout) -> String {
+pub(crate) fn no_field(cause: PointErrorCause, layout: &Layout) -> String {
     match cause {
-        Cause::Unbounded { tile } => {
+        PointErrorCause::Unbounded { tile } => {
             format!("the field is unbounded there, on an exposed edge of tile \"{}\"", layout.tiles[tile].name)
         }
-        Cause::Unresolved { tile } => format!(
+        PointErrorCause::Unresolved { tile } => format!(
             "the gradient cannot be resolved on an edge that tile \"{}\" shares with others",
             layout.tiles[tile].name
         ),

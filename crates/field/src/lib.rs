@@ -40,8 +40,8 @@ pub use interpolation::fitted_field::{FittedField, FittedFieldError, LookUpError
 pub use magsplice_cuboid::{FaceDerivatives, FaceHessian};
 pub use magsplice_ideal::{Comparison, ComparisonError, IdealFilm, IdealFilmFault, IdealFilmFaults};
 pub use magsplice_magnet::{
-    Accuracy, BoundingBox, Cause, Grid, GridFault, InvalidTolerance, MAX_LENGTH, MAX_POLARIZATION_T, MIN_ASPECT,
-    MIN_SIZE, MU_0, Overlap, PointError, PointErrors, Quantity, Tile, TileFault, TileFaults, Tolerance,
+    Accuracy, BoundingBox, Grid, GridFault, InvalidTolerance, MAX_LENGTH, MAX_POLARIZATION_T, MIN_ASPECT, MIN_SIZE,
+    MU_0, Overlap, PointError, PointErrorCause, PointErrors, Quantity, Tile, TileFault, TileFaults, Tolerance,
     UNIT_NORM_TOLERANCE, overlap, overlaps,
 };
 pub use magsplice_simd::{InstructionSet, MissingInstructions};

@@ -2,7 +2,7 @@
 
 use fearless_simd::Level;
 use glam::{DMat3, DVec3};
-use magsplice_magnet::{Accuracy, Cause, Grid, MU_0, PointError, PointErrors, Quantity, Tile, Tolerance};
+use magsplice_magnet::{Accuracy, Grid, MU_0, PointError, PointErrorCause, PointErrors, Quantity, Tile, Tolerance};
 use magsplice_simd::{InstructionSet, MissingInstructions};
 
 use crate::direct::batches::none_or;
@@ -117,7 +117,7 @@ impl Scene {
     /// # Errors
     /// If the field is unbounded at the point or the point is not a finite number; a value that is
     /// returned is finite.
-    pub fn field(&self, quantity: Quantity, point: DVec3) -> Result<DVec3, Cause> {
+    pub fn field(&self, quantity: Quantity, point: DVec3) -> Result<DVec3, PointErrorCause> {
         let (mut field, mut failure) = ([DVec3::NAN], None);
         self.direct.field_of_batch(quantity, &[point], &mut field, &mut |_, cause| failure = Some(cause));
         failure.map_or(Ok(field[0]), Err)
@@ -255,8 +255,8 @@ impl Scene {
     ///
     /// # Errors
     /// If the gradient is unbounded at the point, if it cannot be resolved there (see
-    /// [`Cause::Unresolved`]), or if the point is not a finite number.
-    pub fn gradient(&self, quantity: Quantity, point: DVec3) -> Result<DMat3, Cause> {
+    /// [`PointErrorCause::Unresolved`]), or if the point is not a finite number.
+    pub fn gradient(&self, quantity: Quantity, point: DVec3) -> Result<DMat3, PointErrorCause> {
         let (mut gradient, mut failure) = ([DMat3::NAN], None);
         self.direct.flux_density_gradient_of_batch(&[point], &mut gradient, &mut |_, cause| failure = Some(cause));
         failure.map_or(Ok(in_unit_of(quantity, gradient[0])), Err)
@@ -345,8 +345,8 @@ mod tests {
         let scene = Scene::of_cells(&cells, &[7, 7, 4]);
         for (x, tile) in [(1.5, 7), (3.5, 4)] {
             let point = DVec3::new(x, 0.0, 0.5);
-            assert_eq!(scene.field(Quantity::FluxDensity, point), Err(Cause::Unbounded { tile }));
-            assert_eq!(scene.gradient(Quantity::FluxDensity, point), Err(Cause::Unbounded { tile }));
+            assert_eq!(scene.field(Quantity::FluxDensity, point), Err(PointErrorCause::Unbounded { tile }));
+            assert_eq!(scene.gradient(Quantity::FluxDensity, point), Err(PointErrorCause::Unbounded { tile }));
         }
     }
 }

@@ -67,7 +67,7 @@ pub use hall_sensor::{HallSensor, HallSensorFault};
 pub use height_map::{HeightMap, InvalidHeightMap};
 pub use overlap::{Overlap, TooManyPairs, overlap, overlaps, overlaps_among};
 pub use permeability::{InvalidPermeability, MAX_PERMEABILITY, Permeability};
-pub use point_error::{Cause, PointError, PointErrors, is_in_range};
+pub use point_error::{PointError, PointErrorCause, PointErrors, is_in_range};
 pub use quantity::{MU_0, Quantity};
 pub use tile::{Tile, TileFault, TileFaults};
 pub use tile_error::{DirectionError, PerTileError, TileError};

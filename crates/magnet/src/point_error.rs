@@ -9,7 +9,7 @@ use crate::tolerances::MAX_LENGTH;
 /// The reason why a point has no field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Cause {
+pub enum PointErrorCause {
     /// The point is on an exposed edge or corner, where the field grows without bound like the
     /// logarithm of the distance.
     Unbounded {
@@ -40,7 +40,7 @@ pub struct PointError {
     /// The point.
     pub point: DVec3,
     /// The reason.
-    pub cause: Cause,
+    pub cause: PointErrorCause,
 }
 
 /// All points without a field, in the order of the points.
@@ -57,17 +57,19 @@ pub fn is_in_range(point: DVec3) -> bool {
     point.abs().cmple(DVec3::splat(MAX_LENGTH)).all()
 }
 
-impl fmt::Display for Cause {
+impl fmt::Display for PointErrorCause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Cause::Unbounded { tile } => write!(f, "the field is unbounded on an exposed edge of tile {tile}"),
-            Cause::Unresolved { tile } => {
+            PointErrorCause::Unbounded { tile } => {
+                write!(f, "the field is unbounded on an exposed edge of tile {tile}")
+            }
+            PointErrorCause::Unresolved { tile } => {
                 write!(f, "the gradient cannot be resolved on an edge that tile {tile} shares with others")
             }
-            Cause::OutOfRange => {
+            PointErrorCause::OutOfRange => {
                 f.write_str("coordinates must be finite, at most 2^1000 in magnitude, and the result in range")
             }
-            Cause::TooExact { bound_t } => write!(
+            PointErrorCause::TooExact { bound_t } => write!(
                 f,
                 "the tolerance cannot be kept: even the exact field is only certain to {bound_t:.1e} T; \
                  take a larger tolerance, or one in tesla"
@@ -76,7 +78,7 @@ impl fmt::Display for Cause {
     }
 }
 
-impl std::error::Error for Cause {}
+impl std::error::Error for PointErrorCause {}
 
 impl fmt::Display for PointError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -7,7 +7,7 @@ use magsplice_decouple::{Decoupling, PointDecoupling};
 use magsplice_field::Scene;
 use magsplice_ideal::{Comparison, IdealFilm};
 use magsplice_layout::{Layout, WorkingVolume};
-use magsplice_magnet::{Accuracy, Cause, Grid, PointError, PointErrors, Quantity};
+use magsplice_magnet::{Accuracy, Grid, PointError, PointErrorCause, PointErrors, Quantity};
 use magsplice_sensor::SensedField;
 use magsplice_tolerance::{EvaluationGrid, RealFilm, Weakening};
 
@@ -302,7 +302,8 @@ impl<'a> Film<'a> {
     /// If the layout has no working volume, or the field does not exist at the point.
     pub fn reference_field_t(&self) -> Result<DVec3, FilmError> {
         let point = self.volume()?.reference_mm;
-        let refused = |cause: Cause| FilmError::Points(PointErrors(vec![PointError { index: 0, point, cause }]));
+        let refused =
+            |cause: PointErrorCause| FilmError::Points(PointErrors(vec![PointError { index: 0, point, cause }]));
         self.scene.field(Quantity::FluxDensity, point).map_err(refused)
     }
 }

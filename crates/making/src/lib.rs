@@ -46,8 +46,8 @@ mod sorted_films;
 
 pub use assignment::{Assignment, AssignmentError, AssignmentSettings, CutTile, PlaceGroup, PlacedTile};
 pub use diagnosis::{
-    Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, Estimate, FieldScan, NamedError, ScanDiagnosis,
-    SimilarErrors, Untold,
+    Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, FittedError, NamedError,
+    NarrowedError, ScanDiagnosis, SimilarErrors,
 };
 pub use measured_box::{MeasuredBox, MeasuredMagnet, MeasuredTile};
 pub use measurement::MeasurementErrors;

@@ -2,7 +2,7 @@
 
 use magsplice::FilmError;
 use magsplice::layout::LayoutError;
-use magsplice::magnet::{Cause, PointError, PointErrors};
+use magsplice::magnet::{PointError, PointErrorCause, PointErrors};
 use pyo3::PyErr;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::import_exception;
@@ -33,7 +33,7 @@ pub(crate) fn of_layout(error: LayoutError) -> PyErr {
 /// Points without a field, as `PointsError`.
 pub(crate) fn of_points(errors: &PointErrors) -> PyErr {
     let tile = |error: &PointError| match error.cause {
-        Cause::Unbounded { tile } | Cause::Unresolved { tile } => Some(tile),
+        PointErrorCause::Unbounded { tile } | PointErrorCause::Unresolved { tile } => Some(tile),
         _ => None,
     };
     let points: Vec<_> = errors.0.iter().map(|e| (e.index, e.point.to_array(), tile(e), e.cause.to_string())).collect();

@@ -23,7 +23,7 @@ pub enum ReportError {
     },
     /// A figure cannot be drawn.
     Drawing {
-        /// Name of the figure, as in [`Figure::name`](crate::Figure::name).
+        /// Name of the figure, as in [`Drawing::name`](crate::Drawing::name).
         figure: &'static str,
         /// The reason.
         source: Box<dyn Error + Send + Sync>,

@@ -155,7 +155,7 @@ mod tests {
     use resvg::usvg::{Group, Node, Paint, Rect, Tree};
 
     use super::*;
-    use crate::figure::{Figure, SvgText};
+    use crate::drawing::{Drawing, SvgText};
     use crate::survey::tiles_to_draw;
     use crate::typeset;
 
@@ -299,7 +299,7 @@ mod tests {
         let drafts = drafts(&film, &[], survey.as_ref(), &SharedRanges::default()).unwrap();
         let draft = drafts.iter().find(|draft| draft.name == "field-lowest").unwrap();
         let figure =
-            Figure::new(draft.name, String::new(), &draft.svg, String::new(), SvgText::Text, &typeset::options())
+            Drawing::new(draft.name, String::new(), &draft.svg, String::new(), SvgText::Text, &typeset::options())
                 .unwrap();
         let png = resvg::tiny_skia::Pixmap::decode_png(&figure.png).unwrap();
         // The first column of maps starts at (64, 52) in pixels of the SVG, of which the PNG has

@@ -13,10 +13,10 @@
 
 /// Colour scales for values, and colours for directions.
 mod colours;
+/// [`Drawing`]: SVG, PNG and CSV.
+mod drawing;
 /// [`ReportError`].
 mod error;
-/// [`Figure`]: SVG, PNG and CSV.
-mod figure;
 /// All figures of a report in order, with their captions, before text becomes outlines.
 mod figure_drafts;
 /// One file per kind of figure.
@@ -52,10 +52,10 @@ mod tile_shapes;
 /// Symbols with subscripts, numbers on axes, and the font.
 mod typeset;
 
+pub use drawing::{Drawing, SvgText};
 pub use error::ReportError;
-pub use figure::{Figure, SvgText};
 pub use figures::budget::{BudgetBar, budget_figure};
-pub use figures::diagnosis::{DiagnosedTile, TileFault, diagnosis_figure};
+pub use figures::diagnosis::{DiagnosedTile, DrawnFault, diagnosis_figure};
 pub use figures::experiment::{ExperimentCurves, experiment_figure};
 pub use figures::forces::{TileForce, forces_figure};
 pub use figures::front::{FrontAxis, FrontFigure, FrontFilm};

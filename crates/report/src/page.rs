@@ -6,7 +6,7 @@ use std::fmt::Write;
 use magsplice::Film;
 use magsplice::layout::NamedTile;
 
-use crate::figure::Figure;
+use crate::drawing::Drawing;
 use crate::page_data::{page_data_json, strides};
 use crate::raster_image::data_url;
 use crate::survey::Survey;
@@ -42,7 +42,7 @@ pub(crate) fn page(
     film: &Film,
     survey: Option<&Survey>,
     tiles: &[&NamedTile],
-    figures: &[Figure],
+    figures: &[Drawing],
     absent: &[String],
     results: PrintedResults,
 ) -> String {
@@ -127,7 +127,7 @@ fn facts(film: &Film, survey: Option<&Survey>, drawn: usize) -> String {
     })
 }
 
-fn figure_element(figure: &Figure) -> String {
+fn figure_element(figure: &Drawing) -> String {
     format!(
         "<figure id=\"{0}\"><a href=\"{0}.svg\"><img alt=\"{1}\" src=\"{2}\"></a><figcaption>{1} Files beside this \
          page: <a href=\"{0}.svg\">SVG</a>, <a href=\"{0}.png\">PNG</a>, <a href=\"{0}.csv\">CSV of its \

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use glam::DVec3;
 use magsplice::Film;
 
+use crate::drawing::{Drawing, SvgText};
 use crate::error::ReportError;
-use crate::figure::{Figure, SvgText};
 use crate::figure_drafts::drafts;
 use crate::page::{escaped, filled, head};
 use crate::raster_image::data_url;
@@ -35,7 +35,7 @@ pub struct PairedNumber {
 #[non_exhaustive]
 pub struct PairReport {
     /// The figures of each film.
-    pub figures: [Vec<Figure>; 2],
+    pub figures: [Vec<Drawing>; 2],
     /// The page: HTML that loads no other file.
     pub html: String,
     /// What the report lacks of each film, and why.
@@ -78,7 +78,7 @@ impl PairReport {
     pub fn files(&self) -> Vec<(String, &[u8])> {
         let mut files = vec![(PAGE_NAME.to_owned(), self.html.as_bytes())];
         for (prefix, figures) in PREFIXES.iter().zip(&self.figures) {
-            for (name, contents) in figures.iter().flat_map(Figure::files) {
+            for (name, contents) in figures.iter().flat_map(Drawing::files) {
                 files.push((format!("{prefix}-{name}"), contents));
             }
         }
@@ -89,7 +89,7 @@ impl PairReport {
 fn page(
     films: [&Film; 2],
     labels: [&str; 2],
-    figures: &[Vec<Figure>; 2],
+    figures: &[Vec<Drawing>; 2],
     absent: &[Vec<String>; 2],
     numbers: &[PairedNumber],
 ) -> String {
@@ -141,7 +141,7 @@ fn row(PairedNumber { name, values }: &PairedNumber) -> String {
 }
 
 /// Figures of the same name beside each other.
-fn figure_pairs(figures: &[Vec<Figure>; 2], labels: &[String; 2]) -> String {
+fn figure_pairs(figures: &[Vec<Drawing>; 2], labels: &[String; 2]) -> String {
     let mut names: Vec<&str> = Vec::new();
     for figure in figures.iter().flatten() {
         if !names.contains(&figure.name) {
@@ -162,7 +162,7 @@ fn figure_pairs(figures: &[Vec<Figure>; 2], labels: &[String; 2]) -> String {
     })
 }
 
-fn figure_element(figure: &Figure, prefix: &str, label: &str) -> String {
+fn figure_element(figure: &Drawing, prefix: &str, label: &str) -> String {
     let caption = escaped(&figure.caption);
     let source = data_url("image/svg+xml", figure.outlined.as_bytes());
     let file = format!("{prefix}-{}", figure.name);

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use crate::figure::Figure;
+use crate::drawing::Drawing;
 use crate::page::escaped;
 use crate::raster_image::data_url;
 
@@ -17,7 +17,7 @@ pub struct PrintedPage<'a> {
     /// Paragraphs below it.
     pub paragraphs: &'a [String],
     /// The figure, with its caption.
-    pub figure: &'a Figure,
+    pub figure: &'a Drawing,
     /// The tables, in order.
     pub tables: &'a [PrintedTable],
     /// Where the page comes from, at its end.

@@ -7,8 +7,8 @@ use magsplice::layout::NamedTile;
 use magsplice::{Film, Stage};
 use rayon::prelude::*;
 
+use crate::drawing::{Drawing, SvgText};
 use crate::error::ReportError;
-use crate::figure::{Figure, SvgText};
 use crate::figure_drafts::{FigureDraft, drafts};
 use crate::page::{PrintedResults, page};
 use crate::sensor_drafts::sensor_drafts;
@@ -57,7 +57,7 @@ pub(crate) const PAGE_NAME: &str = "report.html";
 #[non_exhaustive]
 pub struct Report {
     /// The figures, in the order of the page.
-    pub figures: Vec<Figure>,
+    pub figures: Vec<Drawing>,
     /// The page: HTML that loads no other file.
     pub html: String,
     /// What the report lacks, and why: one phrase each, without a full stop.
@@ -115,7 +115,7 @@ pub(crate) fn drawn_tiles<'a>(film: &Film<'a>) -> Vec<&'a NamedTile> {
 }
 
 /// The figures as SVG and PNG, drawn in parallel.
-pub(crate) fn rendered(film: &Film, drafts: Vec<FigureDraft>, text: SvgText) -> Result<Vec<Figure>, ReportError> {
+pub(crate) fn rendered(film: &Film, drafts: Vec<FigureDraft>, text: SvgText) -> Result<Vec<Drawing>, ReportError> {
     let options = typeset::options();
     let (rendered, all) = (AtomicUsize::new(0), drafts.len());
     let tell = |done: usize| film.tell(Stage { name: "rendering", done, of: Some(all), unit: "figures" });
@@ -123,7 +123,7 @@ pub(crate) fn rendered(film: &Film, drafts: Vec<FigureDraft>, text: SvgText) -> 
     drafts
         .into_par_iter()
         .map(|FigureDraft { name, caption, svg, csv }| {
-            let figure = Figure::new(name, caption, &svg, csv, text, &options);
+            let figure = Drawing::new(name, caption, &svg, csv, text, &options);
             tell(rendered.fetch_add(1, Ordering::Relaxed) + 1);
             figure.map_err(|source| ReportError::Drawing { figure: name, source })
         })

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use magsplice::decouple::{Branch, Decoupling, Figures, Parameters};
-use magsplice::field::{Cause, PointErrors};
+use magsplice::field::{PointErrorCause, PointErrors};
 use magsplice::layout::{NamedTile, WorkingVolume};
 use magsplice::prelude::{Accuracy, Grid, IdealFilm, Quantity, Tolerance};
 use magsplice::{Film, FilmError};
@@ -174,8 +174,11 @@ impl FieldSlice {
         let ranges_mm = axes.map(|axis| [volume.lower_mm[axis], volume.upper_mm[axis]]);
         let mut field_t = vec![DVec3::ZERO; grid.len()];
         if let Err(errors) = film.scene().field_on_grid_into(Quantity::FluxDensity, &grid, &mut field_t) {
-            let other: Vec<_> =
-                errors.0.into_iter().filter(|error| !matches!(error.cause, Cause::Unbounded { .. })).collect();
+            let other: Vec<_> = errors
+                .0
+                .into_iter()
+                .filter(|error| !matches!(error.cause, PointErrorCause::Unbounded { .. }))
+                .collect();
             if !other.is_empty() {
                 return Err(FilmError::Points(PointErrors(other)));
             }

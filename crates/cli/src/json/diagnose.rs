@@ -30,7 +30,7 @@ pub(crate) struct DiagnoseJson<'a> {
     chi_squared: f64,
     degrees_of_freedom: usize,
     residual_too_large: bool,
-    untold: Vec<UntoldJson<'a>>,
+    unresolved: Vec<UnresolvedJson<'a>>,
     similar: Vec<SimilarJson<'a>>,
 }
 
@@ -61,7 +61,7 @@ struct ScanJson {
 }
 
 #[derive(Serialize)]
-struct UntoldJson<'a> {
+struct UnresolvedJson<'a> {
     tile: &'a str,
     error: &'static str,
     before: f64,
@@ -94,7 +94,7 @@ impl<'a> DiagnoseJson<'a> {
                 .map(|other| AlternativeJson { tile: film.name(other.tile), kind: kind(other.kind) })
                 .collect(),
         });
-        let untold = film.untold().into_iter().map(|of| UntoldJson {
+        let unresolved = film.unresolved().into_iter().map(|of| UnresolvedJson {
             tile: film.name(of.tile),
             error: of.error.key(),
             before: of.error.shown(of.before),
@@ -127,7 +127,7 @@ impl<'a> DiagnoseJson<'a> {
             chi_squared: diagnosis.chi_squared,
             degrees_of_freedom: diagnosis.freedom,
             residual_too_large: diagnosis.is_residual_too_large(),
-            untold: untold.collect(),
+            unresolved: unresolved.collect(),
             similar: similar.collect(),
         }
     }

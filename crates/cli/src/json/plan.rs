@@ -22,8 +22,7 @@ pub(crate) struct PlanJson<'a> {
 }
 
 /// Keys of the parts of a plan that differ from the library's.
-const NAMES: [(&str, &str); 4] =
-    [("lower", "lower_mm"), ("upper", "upper_mm"), ("distance", "distance_mm"), ("truncation_error_t", "left_out_t")];
+const NAMES: [(&str, &str); 3] = [("lower", "lower_mm"), ("upper", "upper_mm"), ("distance", "distance_mm")];
 
 impl<'a> PlanJson<'a> {
     pub(crate) fn new(film: &Film<'a>, plan: &Plan, estimates: &[RecoilEstimate]) -> PlanJson<'a> {

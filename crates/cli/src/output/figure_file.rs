@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::ValueEnum;
-use magsplice_report::{Figure, ReportError};
+use magsplice_report::{Drawing, ReportError};
 
 use super::choice;
 use super::destination::Output;
@@ -53,7 +53,7 @@ pub(crate) fn open(path: Option<&Path>, inputs: &[&Path]) -> Result<Option<Figur
 
 impl FigureFile {
     /// Writes the figure that was drawn.
-    pub(crate) fn write(mut self, drawn: Result<Figure, ReportError>) -> Result<(), Failure> {
+    pub(crate) fn write(mut self, drawn: Result<Drawing, ReportError>) -> Result<(), Failure> {
         let figure = drawn.map_err(|error| Failure::Format(error.to_string()))?;
         self.output.write(|w| match self.format {
             FigureFormat::Svg => w.write_all(figure.svg.as_bytes()),

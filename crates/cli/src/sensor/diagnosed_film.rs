@@ -3,7 +3,7 @@
 use magsplice::FilmRecoil;
 use magsplice::layout::{FilmTolerance, Layout};
 use magsplice::magnet::TileError;
-use magsplice::making::{Candidate, Diagnosis, ErrorKind, NamedError, SimilarErrors, Untold};
+use magsplice::making::{Candidate, Diagnosis, ErrorKind, NamedError, NarrowedError, SimilarErrors};
 use magsplice::prelude::DVec3;
 
 /// A layout with the diagnosis of a scan.
@@ -56,8 +56,8 @@ impl DiagnosedFilm<'_> {
     }
 
     /// Errors that the scan hardly narrows.
-    pub(crate) fn untold(&self) -> Vec<Untold> {
-        self.diagnosis.narrowed.iter().copied().filter(Untold::is_untold).collect()
+    pub(crate) fn unresolved(&self) -> Vec<NarrowedError> {
+        self.diagnosis.narrowed.iter().copied().filter(NarrowedError::is_unresolved).collect()
     }
 
     /// Whether an error turns a tile about its J, which hardly changes the field.
@@ -69,10 +69,10 @@ impl DiagnosedFilm<'_> {
     /// The largest standard deviation of the errors of a tile after the scan over that before it,
     /// but for turns about J.
     #[cfg(feature = "report")]
-    pub(crate) fn untold_of(&self, tile: usize) -> f64 {
+    pub(crate) fn unresolved_of(&self, tile: usize) -> f64 {
         let of_tile = self.diagnosis.narrowed.iter();
         let of_tile = of_tile.filter(|error| error.tile == tile && !self.is_about_j(tile, error.error));
-        of_tile.map(Untold::ratio).fold(0.0, f64::max)
+        of_tile.map(NarrowedError::ratio).fold(0.0, f64::max)
     }
 
     /// Pairs of errors that look alike, without those of one tile between its turn and its J.

@@ -50,7 +50,7 @@ pub(crate) fn diagnosis(film: &DiagnosedFilm, args: &DiagnoseArgs) -> String {
     if diagnosis.is_residual_too_large() {
         rows::prose(&mut text, "The residual is too large for the noise: errors that are named may be others.");
     }
-    untold(&mut text, film);
+    unresolved(&mut text, film);
     text
 }
 
@@ -100,16 +100,16 @@ fn fitted(text: &mut String, film: &DiagnosedFilm, args: &DiagnoseArgs) {
 }
 
 /// What the scan cannot tell.
-fn untold(text: &mut String, film: &DiagnosedFilm) {
+fn unresolved(text: &mut String, film: &DiagnosedFilm) {
     let assumed = if film.has_ordinary { "ordinary errors" } else { "errors of films made by hand" };
     let mut by_error: BTreeMap<TileError, Vec<&str>> = BTreeMap::new();
     let mut about_j: Vec<&str> = Vec::new();
-    for untold in film.untold() {
-        if film.is_about_j(untold.tile, untold.error) {
-            about_j.push(film.name(untold.tile));
+    for unresolved in film.unresolved() {
+        if film.is_about_j(unresolved.tile, unresolved.error) {
+            about_j.push(film.name(unresolved.tile));
             continue;
         }
-        by_error.entry(untold.error).or_default().push(film.name(untold.tile));
+        by_error.entry(unresolved.error).or_default().push(film.name(unresolved.tile));
     }
     let similar = film.similar();
     let _ = writeln!(text, "\nwhat the scan cannot tell, if all tiles have {assumed}:");

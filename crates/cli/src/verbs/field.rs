@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use magsplice::field::Scene;
 use magsplice::layout::Layout;
-use magsplice::magnet::{Accuracy, Cause, PointError, PointErrors, Quantity};
+use magsplice::magnet::{Accuracy, PointError, PointErrorCause, PointErrors, Quantity};
 use magsplice::prelude::{DMat3, DVec3};
 use magsplice::{Film, Stage};
 use magsplice_export::{Metadata, Points, Table, csv};
@@ -114,7 +114,7 @@ impl PointFaults {
     fn add(&mut self, errors: PointErrors, layout: &Layout, fault: impl Fn(&PointError, &str) -> (u64, String)) {
         for error in errors.0 {
             let (line, words) = fault(&error, &no_field(error.cause, layout));
-            let on_edge = matches!(error.cause, Cause::Unbounded { .. } | Cause::Unresolved { .. });
+            let on_edge = matches!(error.cause, PointErrorCause::Unbounded { .. } | PointErrorCause::Unresolved { .. });
             if on_edge && self.unbounded == UnboundedArg::Nan {
                 self.written_as_nan.add(line, format!("{words}; written as NaN"));
             } else {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use magsplice::magnet::{Cause, PointErrors, Quantity};
+use magsplice::magnet::{PointErrorCause, PointErrors, Quantity};
 use magsplice::prelude::DVec3;
 use magsplice::{Film, FilmError, Stage};
 
@@ -58,7 +58,7 @@ fn check_accuracy(film: &Film, path: &Path, points: usize, point: impl Fn(usize)
         return Ok(());
     };
     // Points without any field are no matter of the tolerance, and have a plan like others.
-    errors.retain(|error| matches!(error.cause, Cause::TooExact { .. }));
+    errors.retain(|error| matches!(error.cause, PointErrorCause::TooExact { .. }));
     if errors.is_empty() {
         Ok(())
     } else {

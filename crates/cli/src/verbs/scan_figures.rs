@@ -4,7 +4,7 @@ use std::path::Path;
 
 use magsplice::Film;
 use magsplice::prelude::Branch;
-use magsplice_report::{Figure, ReportError, ScanPlane, SvgText, scan_field_figure, scan_parameters_figure};
+use magsplice_report::{Drawing, ReportError, ScanPlane, SvgText, scan_field_figure, scan_parameters_figure};
 
 use crate::args::sensor::ScanArgs;
 use crate::failure::Failure;
@@ -42,7 +42,7 @@ pub(super) fn draw(args: &ScanArgs, film: &Film, scanned: &ScannedFilm, mut fold
     folder.finish()
 }
 
-fn figures(planes: &ScanPlanes) -> Result<Vec<Figure>, ReportError> {
+fn figures(planes: &ScanPlanes) -> Result<Vec<Drawing>, ReportError> {
     let mut figures = Vec::new();
     // The last of one or two planes is the highest.
     let named = |names: [&'static str; 3]| -> Vec<(&'static str, &ScanPlane)> {

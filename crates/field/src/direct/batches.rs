@@ -1,7 +1,7 @@
 //! Batches of points that are evaluated in parallel, with results in the order of the points.
 
 use glam::DVec3;
-use magsplice_magnet::{Cause, PointError, PointErrors};
+use magsplice_magnet::{PointError, PointErrorCause, PointErrors};
 use rayon::prelude::*;
 
 use crate::tolerances::{BATCHES_PER_THREAD, POINTS_PER_BATCH, REGROUPED_POINTS};
@@ -25,7 +25,7 @@ pub(crate) fn for_each_batch<T: Send + Copy + Default>(
     values: &mut [T],
     batches: Batches,
     progress: Progress,
-    evaluate: impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, Cause)) + Sync + Send,
+    evaluate: impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, PointErrorCause)) + Sync + Send,
 ) -> Result<(), PointErrors> {
     assert_eq!(points.len(), values.len(), "one value per point");
     let threads = rayon::current_num_threads();
@@ -40,7 +40,7 @@ pub(crate) fn for_each_batch<T: Send + Copy + Default>(
             let mut results = vec![T::default(); points.len()];
             let start = stretch * REGROUPED_POINTS;
             let failed = in_batches(&regrouped, &mut results, size, progress, &evaluate);
-            let error = |(position, cause): (usize, Cause)| {
+            let error = |(position, cause): (usize, PointErrorCause)| {
                 let index = start + order[position] as usize;
                 PointError { index, point: regrouped[position], cause }
             };
@@ -69,8 +69,8 @@ fn in_batches<T: Send>(
     values: &mut [T],
     size: usize,
     progress: Progress,
-    evaluate: &(impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, Cause)) + Sync + Send),
-) -> Vec<Vec<(usize, Cause)>> {
+    evaluate: &(impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, PointErrorCause)) + Sync + Send),
+) -> Vec<Vec<(usize, PointErrorCause)>> {
     let batches = points.par_chunks(size).zip(values.par_chunks_mut(size)).enumerate();
     batches
         .map(|(batch, (points, values))| {

@@ -8,7 +8,9 @@ use glam::{DMat3, DVec3};
 use magsplice_cuboid::block::PlacedPoint;
 use magsplice_cuboid::scalar::kernel::FieldKind;
 use magsplice_cuboid::tolerances::EXACT_BOUND;
-use magsplice_magnet::{BoundingBox, Cause, MU_0, PointError, PointErrors, Quantity, Tile, Tolerance, is_in_range};
+use magsplice_magnet::{
+    BoundingBox, MU_0, PointError, PointErrorCause, PointErrors, Quantity, Tile, Tolerance, is_in_range,
+};
 use magsplice_simd::column::Column;
 
 use super::batches::{Batches, Progress, for_each_batch};
@@ -98,7 +100,7 @@ impl DirectSum {
         quantity: Quantity,
         points: &[DVec3],
         field: &mut [DVec3],
-        failed: &mut dyn FnMut(usize, Cause),
+        failed: &mut dyn FnMut(usize, PointErrorCause),
     ) {
         self.field_and_magnitudes_of_batch(quantity, points, field, None, failed);
     }
@@ -111,7 +113,7 @@ impl DirectSum {
         points: &[DVec3],
         field: &mut [DVec3],
         magnitudes_t: Option<&mut Vec<f64>>,
-        failed: &mut dyn FnMut(usize, Cause),
+        failed: &mut dyn FnMut(usize, PointErrorCause),
     ) {
         let kind = match quantity {
             Quantity::FluxDensity => FieldKind::Density,
@@ -137,7 +139,7 @@ impl DirectSum {
         kind: FieldKind,
         points: &[DVec3],
         field: &mut [DVec3],
-        failed: &mut dyn FnMut(usize, Cause),
+        failed: &mut dyn FnMut(usize, PointErrorCause),
         evaluate: impl FnOnce(&mut Sum, &mut [DVec3]),
     ) {
         Sum::with_buffers(|sum| {
@@ -147,7 +149,7 @@ impl DirectSum {
             }
             for (index, edges) in sum.edges() {
                 if edges.exposed() {
-                    failed(index, Cause::Unbounded { tile: self.tile_with_edge_at(points[index], edges) });
+                    failed(index, PointErrorCause::Unbounded { tile: self.tile_with_edge_at(points[index], edges) });
                     field[index] = DVec3::NAN;
                 }
             }
@@ -157,7 +159,7 @@ impl DirectSum {
             for (index, field) in field.iter_mut().enumerate() {
                 // The point or the result is out of range.
                 if !field.is_finite() && !sum.is_exposed(index) {
-                    failed(index, Cause::OutOfRange);
+                    failed(index, PointErrorCause::OutOfRange);
                     *field = DVec3::NAN;
                 }
             }
@@ -215,7 +217,7 @@ impl DirectSum {
         quantity: Quantity,
         points: &[DVec3],
         field: &mut [DVec3],
-        failed: &mut dyn FnMut(usize, Cause),
+        failed: &mut dyn FnMut(usize, PointErrorCause),
     ) {
         let per_tesla = if quantity == Quantity::FieldStrength { 1.0 / MU_0 } else { 1.0 };
         let (magnitudes, least) = (self.magnitudes(), LeastField::new(tolerance));
@@ -280,7 +282,7 @@ impl DirectSum {
         for number in indices_where(open.len(), is_refused) {
             let (index, magnitude_t) = (open[number as usize] as usize, own_t[number as usize]);
             field[index] = DVec3::NAN;
-            failed(index, Cause::TooExact { bound_t: EXACT_BOUND * magnitude_t });
+            failed(index, PointErrorCause::TooExact { bound_t: EXACT_BOUND * magnitude_t });
         }
     }
 
@@ -308,19 +310,26 @@ impl DirectSum {
         &self,
         points: &[DVec3],
         gradient: &mut [DMat3],
-        failed: &mut dyn FnMut(usize, Cause),
+        failed: &mut dyn FnMut(usize, PointErrorCause),
     ) {
         GradientSum::with_buffers(|sum| {
             sum.sum_all(self.level, &self.frames, points, gradient);
             for (index, edges) in sum.edges().filter(|(_, edges)| edges.singular()) {
                 let tile = self.tile_with_edge_at(points[index], edges);
-                failed(index, if edges.exposed() { Cause::Unbounded { tile } } else { Cause::Unresolved { tile } });
+                failed(
+                    index,
+                    if edges.exposed() {
+                        PointErrorCause::Unbounded { tile }
+                    } else {
+                        PointErrorCause::Unresolved { tile }
+                    },
+                );
                 gradient[index] = DMat3::NAN;
             }
             for (index, gradient) in gradient.iter_mut().enumerate() {
                 let is_singular = sum.is_singular(index);
                 if !gradient.is_finite() && !is_singular {
-                    failed(index, Cause::OutOfRange);
+                    failed(index, PointErrorCause::OutOfRange);
                     *gradient = DMat3::NAN;
                 }
             }
@@ -360,7 +369,7 @@ impl DirectSum {
         self.owners.as_ref().map_or(tile, |owners| owners[tile])
     }
 
-    fn polarization(&self, point: DVec3) -> Result<DVec3, Cause> {
+    fn polarization(&self, point: DVec3) -> Result<DVec3, PointErrorCause> {
         check_range(point)?;
         let mut total = DVec3::ZERO;
         for (frame, local) in self.frames.locals(point) {
@@ -374,8 +383,8 @@ impl DirectSum {
     }
 }
 
-fn check_range(point: DVec3) -> Result<(), Cause> {
-    if is_in_range(point) { Ok(()) } else { Err(Cause::OutOfRange) }
+fn check_range(point: DVec3) -> Result<(), PointErrorCause> {
+    if is_in_range(point) { Ok(()) } else { Err(PointErrorCause::OutOfRange) }
 }
 
 /// The indices below `count` that are `wanted`, found without a branch for each.

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use magsplice_expansion::tolerances::POINTS_PER_DEGREE;
-use magsplice_magnet::{BoundingBox, Cause, MU_0, PointError, Quantity, Tolerance};
+use magsplice_magnet::{BoundingBox, MU_0, PointError, PointErrorCause, Quantity, Tolerance};
 use rayon::prelude::*;
 
 use super::interaction_list::InteractionList;
@@ -101,7 +101,7 @@ struct OpenPoints {
     /// Points at which the tolerance is not kept.
     missed: Vec<usize>,
     /// Points that have no field.
-    failed: Vec<(usize, Cause)>,
+    failed: Vec<(usize, PointErrorCause)>,
 }
 
 impl OpenPoints {
@@ -144,7 +144,7 @@ struct ListResult {
     values: Vec<DVec3>,
     /// Upper bound of the truncation error at each point, in tesla.
     truncation_error_t: Vec<f64>,
-    failed: Vec<(usize, Cause)>,
+    failed: Vec<(usize, PointErrorCause)>,
 }
 
 impl ListResult {

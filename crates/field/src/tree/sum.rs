@@ -5,7 +5,7 @@ use glam::DVec3;
 use magsplice_cuboid::scalar::kernel::FieldKind;
 use magsplice_expansion::local::LocalExpansion;
 use magsplice_expansion::m2l::{M2lInput, translate};
-use magsplice_magnet::{Cause, Quantity};
+use magsplice_magnet::{PointErrorCause, Quantity};
 use magsplice_simd::power_of_two::power_of_two_reciprocal;
 
 use super::interaction::{DirectItem, ExpandedNode};
@@ -25,7 +25,7 @@ pub(super) fn field_of_list(
     points: &[DVec3],
     field: &mut [DVec3],
     truncation_error_t: &mut [f64],
-    failed: &mut dyn FnMut(usize, Cause),
+    failed: &mut dyn FnMut(usize, PointErrorCause),
 ) {
     let kind = if quantity == Quantity::FieldStrength { FieldKind::Strength } else { FieldKind::Density };
     direct.field_of_batch_by(kind, points, field, failed, |sum, field| {

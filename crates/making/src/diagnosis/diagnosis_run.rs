@@ -13,7 +13,7 @@ use super::scan_model::{Linearized, ScanModel};
 use super::search::{Search, TileAndKind};
 use super::significance::ln_probability_above;
 use super::unknowns::{State, Unknown, Unknowns};
-use super::untold::{SimilarErrors, Untold, narrowed, similar};
+use super::unresolved::{NarrowedError, SimilarErrors, narrowed, similar};
 
 /// Where a film was scanned, and how exactly.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +65,7 @@ pub struct Candidate {
 /// An error with its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Estimate {
+pub struct FittedError {
     /// The error.
     pub error: TileError,
     /// The error, in mm, radians, or as a fraction.
@@ -82,7 +82,7 @@ pub struct NamedError {
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub candidate: Candidate,
     /// Its components.
-    pub components: Vec<Estimate>,
+    pub components: Vec<FittedError>,
     /// What chi squared rises by without it.
     pub chi_squared: f64,
     /// The natural logarithm of the probability that chance gives as much for one error.
@@ -94,7 +94,7 @@ pub struct NamedError {
 /// Value of a component over its deviation from which on it is no noise.
 const SIGNIFICANT: f64 = 2.0;
 
-impl Estimate {
+impl FittedError {
     /// Whether the value is more than noise: beyond two deviations.
     pub fn is_significant(&self) -> bool {
         self.value.abs() > SIGNIFICANT * self.deviation
@@ -105,10 +105,11 @@ impl NamedError {
     /// The magnitude: the error of strength itself, or the length of the vector of all components
     /// that are more than noise. The scan may hardly tell one of them, such as a turn about J.
     pub fn magnitude(&self) -> f64 {
-        let length = |parts: &mut dyn Iterator<Item = &Estimate>| parts.map(|of| of.value.powi(2)).sum::<f64>().sqrt();
+        let length =
+            |parts: &mut dyn Iterator<Item = &FittedError>| parts.map(|of| of.value.powi(2)).sum::<f64>().sqrt();
         match &self.components[..] {
             [one] => one.value,
-            several if several.iter().any(Estimate::is_significant) => {
+            several if several.iter().any(FittedError::is_significant) => {
                 length(&mut several.iter().filter(|estimate| estimate.is_significant()))
             }
             several => length(&mut several.iter()),
@@ -141,7 +142,7 @@ pub struct Diagnosis {
     /// The natural logarithm of the probability of a larger one.
     pub ln_probability: f64,
     /// Standard deviations of all errors of tiles before and after the scan.
-    pub narrowed: Vec<Untold>,
+    pub narrowed: Vec<NarrowedError>,
     /// Pairs of errors that look alike, the most alike first.
     pub similar: Vec<SimilarErrors>,
 }
@@ -242,9 +243,11 @@ impl ScanDiagnosis {
         let deviations = unknowns.with_named(&errors);
         let after = Ridge::new(&found.at.gram, &found.compared.projected, &deviations)?.deviations();
         let values = model.values(&found.at.state);
-        let estimates = |(tile, kind): TileAndKind| -> Vec<Estimate> {
+        let estimates = |(tile, kind): TileAndKind| -> Vec<FittedError> {
             let estimate = |index: usize| match unknowns.list[index] {
-                Unknown::Tile { error, .. } => Some(Estimate { error, value: values[index], deviation: after[index] }),
+                Unknown::Tile { error, .. } => {
+                    Some(FittedError { error, value: values[index], deviation: after[index] })
+                }
                 _ => None,
             };
             unknowns.of_error(tile, kind).into_iter().filter_map(estimate).collect()

@@ -25,10 +25,10 @@ mod search;
 mod significance;
 /// The unknowns of a scan as one list, and their prior deviations.
 mod unknowns;
-/// What the scan cannot tell.
-mod untold;
+/// Errors that the scan does not resolve.
+mod unresolved;
 
-pub use diagnosis_run::{Candidate, Diagnosis, DiagnosisSettings, Estimate, FieldScan, NamedError, ScanDiagnosis};
+pub use diagnosis_run::{Candidate, Diagnosis, DiagnosisSettings, FieldScan, FittedError, NamedError, ScanDiagnosis};
 pub use error::DiagnosisError;
 pub use error_kind::ErrorKind;
-pub use untold::{SimilarErrors, Untold};
+pub use unresolved::{NarrowedError, SimilarErrors};

@@ -4,8 +4,8 @@ use plotters::prelude::RGBColor;
 use plotters::style::text_anchor::HPos;
 
 use crate::colours::{BLUE, VERMILION};
+use crate::drawing::{Drawing, SvgText};
 use crate::error::{DrawError, ReportError};
-use crate::figure::{Figure, SvgText};
 use crate::panel::{AxisLabel, BELOW_PX, Panel};
 use crate::sheet::{DrawResult, LETTERS, Lettering, Sheet, sheet};
 use crate::typeset::{self, AXIS_NAMES, variable};
@@ -38,12 +38,12 @@ pub struct BudgetBar {
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.
-pub fn budget_figure(bars: &[BudgetBar], totals_mm2: [f64; 3]) -> Result<Figure, ReportError> {
+pub fn budget_figure(bars: &[BudgetBar], totals_mm2: [f64; 3]) -> Result<Drawing, ReportError> {
     let caption = "Shares of all causes in the mean square of the displacement error of the films that are made. \
                    Parts below zero compensate others."
         .to_owned();
     let drawn = svg(bars, totals_mm2)
-        .and_then(|svg| Figure::new(NAME, caption, &svg, csv(bars), SvgText::Text, &typeset::options()));
+        .and_then(|svg| Drawing::new(NAME, caption, &svg, csv(bars), SvgText::Text, &typeset::options()));
     drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
 }
 

@@ -7,8 +7,8 @@ use magsplice::layout::NamedTile;
 use plotters::prelude::RGBColor;
 
 use crate::colours::{BLUE, ColourScale, GREEN, Palette, VERMILION, plotters_colour};
+use crate::drawing::{Drawing, SvgText};
 use crate::error::{DrawError, ReportError};
-use crate::figure::{Figure, SvgText};
 use crate::marks::arrow;
 use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel, equal_scale};
 use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
@@ -39,7 +39,7 @@ const OUTLINE: RGBColor = RGBColor(150, 150, 150);
 
 /// What is wrong with a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TileFault {
+pub enum DrawnFault {
     /// Error of |J|, as a fraction.
     Strength(f64),
     /// Rotation vector in degrees.
@@ -56,19 +56,19 @@ pub struct DiagnosedTile<'a> {
     /// The tile as ordered.
     pub tile: &'a NamedTile,
     /// What is wrong with it.
-    pub faults: Vec<TileFault>,
+    pub faults: Vec<DrawnFault>,
     /// The largest standard deviation of its errors after the scan, over that before it, but for
     /// turns about J.
-    pub untold: f64,
+    pub unresolved: f64,
 }
 
-impl TileFault {
+impl DrawnFault {
     fn colour(self) -> RGBColor {
         match self {
-            TileFault::Strength(_) => GREEN,
-            TileFault::Turn(_) => VERMILION,
-            TileFault::Direction(_) => PURPLE,
-            TileFault::Displacement(_) => BLUE,
+            DrawnFault::Strength(_) => GREEN,
+            DrawnFault::Turn(_) => VERMILION,
+            DrawnFault::Direction(_) => PURPLE,
+            DrawnFault::Displacement(_) => BLUE,
         }
     }
 
@@ -76,11 +76,11 @@ impl TileFault {
     fn words(self) -> String {
         let rounded = |value: f64, digits: usize| number(format!("{value:.digits$}").parse().unwrap_or(value));
         match self {
-            TileFault::Strength(error) if error < 0.0 => format!("{} % too weak", rounded(-100.0 * error, 1)),
-            TileFault::Strength(error) => format!("{} % too strong", rounded(100.0 * error, 1)),
-            TileFault::Turn(turn) => format!("turned by {}\u{b0}", rounded(turn.length(), 1)),
-            TileFault::Direction([a, b]) => format!("J turned by {}\u{b0}", rounded(a.hypot(b), 1)),
-            TileFault::Displacement(shift) => format!("displaced by {} mm", rounded(shift.length(), 3)),
+            DrawnFault::Strength(error) if error < 0.0 => format!("{} % too weak", rounded(-100.0 * error, 1)),
+            DrawnFault::Strength(error) => format!("{} % too strong", rounded(100.0 * error, 1)),
+            DrawnFault::Turn(turn) => format!("turned by {}\u{b0}", rounded(turn.length(), 1)),
+            DrawnFault::Direction([a, b]) => format!("J turned by {}\u{b0}", rounded(a.hypot(b), 1)),
+            DrawnFault::Displacement(shift) => format!("displaced by {} mm", rounded(shift.length(), 3)),
         }
     }
 }
@@ -90,13 +90,13 @@ impl TileFault {
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.
-pub fn diagnosis_figure(tiles: &[DiagnosedTile]) -> Result<Figure, ReportError> {
+pub fn diagnosis_figure(tiles: &[DiagnosedTile]) -> Result<Drawing, ReportError> {
     let caption = "The tiles from above. Left: tiles that are wrong, with an arrow for a displacement, an arc for a \
                    turn, and a percentage for the strength. Right: the largest standard deviation of the errors of each \
                    tile after the scan, over that before it, but for turns about J; of 1 the scan tells nothing."
         .to_owned();
     let drawn =
-        svg(tiles).and_then(|svg| Figure::new(NAME, caption, &svg, csv(tiles), SvgText::Text, &typeset::options()));
+        svg(tiles).and_then(|svg| Drawing::new(NAME, caption, &svg, csv(tiles), SvgText::Text, &typeset::options()));
     drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
 }
 
@@ -120,7 +120,7 @@ fn svg(tiles: &[DiagnosedTile]) -> Result<String, DrawError> {
             };
             sheet.fill(&outline(&left), of.faults.first().map_or(PALE, |fault| pale(fault.colour())))?;
             sheet.outline(&outline(&left), OUTLINE, 0.7)?;
-            sheet.fill(&outline(&right), plotters_colour(map.colour(of.untold)))?;
+            sheet.fill(&outline(&right), plotters_colour(map.colour(of.unresolved)))?;
             sheet.outline(&outline(&right), OUTLINE, 0.7)?;
         }
         // Marks reach over neighbours, so they come last.
@@ -145,7 +145,7 @@ fn listed(tiles: &[DiagnosedTile]) -> Vec<(String, RGBColor)> {
     let all: Vec<(String, RGBColor)> = tiles
         .iter()
         .flat_map(|of| {
-            let line = |fault: &TileFault| (format!("{}: {}", plain(&of.tile.name), fault.words()), fault.colour());
+            let line = |fault: &DrawnFault| (format!("{}: {}", plain(&of.tile.name), fault.words()), fault.colour());
             of.faults.iter().map(line).collect::<Vec<_>>()
         })
         .collect();
@@ -160,7 +160,7 @@ fn listed(tiles: &[DiagnosedTile]) -> Vec<(String, RGBColor)> {
 }
 
 /// The mark for what is wrong with a tile.
-fn mark(sheet: &Sheet, panel: &Panel, named: &NamedTile, fault: TileFault) -> DrawResult {
+fn mark(sheet: &Sheet, panel: &Panel, named: &NamedTile, fault: DrawnFault) -> DrawResult {
     let corners: Vec<DVec2> =
         from_above(&named.tile).into_iter().map(|corner| DVec2::from(panel.at(corner.x, corner.y))).collect();
     let outline: Vec<[f64; 2]> = corners.iter().map(|corner| corner.to_array()).collect();
@@ -169,7 +169,7 @@ fn mark(sheet: &Sheet, panel: &Panel, named: &NamedTile, fault: TileFault) -> Dr
     let high = corners.iter().copied().fold(DVec2::MIN, DVec2::max);
     let (middle, extent) = (0.5 * (low + high), high - low);
     match fault {
-        TileFault::Strength(error) => {
+        DrawnFault::Strength(error) => {
             let sign = if error < 0.0 { "\u{2212}" } else { "+" };
             let text = format!("{sign}{:.0}%", 100.0 * error.abs());
             let upright = extent.x < extent.y && extent.x < 30.0;
@@ -177,7 +177,7 @@ fn mark(sheet: &Sheet, panel: &Panel, named: &NamedTile, fault: TileFault) -> Dr
             let letters = Lettering { upright, colour: fault.colour(), ..LETTERS.sized(size).centred() };
             sheet.text(middle.to_array(), &text, letters)
         }
-        TileFault::Displacement(shift) => match shift.truncate().try_normalize() {
+        DrawnFault::Displacement(shift) => match shift.truncate().try_normalize() {
             Some(along) if shift.truncate().length() > 0.5 * shift.z.abs() => {
                 let step = 0.5 * SHIFT_PX * DVec2::new(along.x, -along.y);
                 arrow(sheet, (middle - step).to_array(), (middle + step).to_array(), 3.0, fault.colour())
@@ -185,8 +185,8 @@ fn mark(sheet: &Sheet, panel: &Panel, named: &NamedTile, fault: TileFault) -> Dr
             // Along z: a disc, which no other mark is.
             _ => sheet.disc(middle.to_array(), 4.0, fault.colour()),
         },
-        TileFault::Turn(turn) => arc(sheet, middle, arc_radius(extent), turn.z < 0.0, fault.colour()),
-        TileFault::Direction([in_plane, _]) => arc(sheet, middle, arc_radius(extent), in_plane < 0.0, fault.colour()),
+        DrawnFault::Turn(turn) => arc(sheet, middle, arc_radius(extent), turn.z < 0.0, fault.colour()),
+        DrawnFault::Direction([in_plane, _]) => arc(sheet, middle, arc_radius(extent), in_plane < 0.0, fault.colour()),
     }
 }
 
@@ -214,10 +214,10 @@ fn pale(colour: RGBColor) -> RGBColor {
 }
 
 fn csv(tiles: &[DiagnosedTile]) -> String {
-    let mut csv = "name,wrong,untold\n".to_owned();
+    let mut csv = "name,wrong,unresolved\n".to_owned();
     for of in tiles {
         let faults: Vec<String> = of.faults.iter().map(|fault| fault.words()).collect();
-        csv += &format!("\"{}\",\"{}\",{:?}\n", of.tile.name.replace('"', "\"\""), faults.join("; "), of.untold);
+        csv += &format!("\"{}\",\"{}\",{:?}\n", of.tile.name.replace('"', "\"\""), faults.join("; "), of.unresolved);
     }
     csv
 }

@@ -7,8 +7,8 @@ use magsplice::sensor::ExperimentStep;
 use plotters::prelude::RGBColor;
 
 use crate::colours::{BLUE, GREEN, VERMILION};
+use crate::drawing::{Drawing, SvgText};
 use crate::error::{DrawError, ReportError};
-use crate::figure::{Figure, SvgText};
 use crate::flux_unit::{FluxUnit, flux_unit};
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel, padded};
 use crate::sheet::{DrawResult, LETTERS, Sheet, sheet};
@@ -62,9 +62,9 @@ impl Line<'_> {
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.
-pub fn experiment_figure(curves: &ExperimentCurves, text: SvgText) -> Result<Figure, ReportError> {
+pub fn experiment_figure(curves: &ExperimentCurves, text: SvgText) -> Result<Drawing, ReportError> {
     let drawn =
-        draw(curves).and_then(|svg| Figure::new(NAME, caption(curves), &svg, csv(curves), text, &typeset::options()));
+        draw(curves).and_then(|svg| Drawing::new(NAME, caption(curves), &svg, csv(curves), text, &typeset::options()));
     drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
 }
 

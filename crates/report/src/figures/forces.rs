@@ -6,8 +6,8 @@ use plotters::prelude::RGBColor;
 use plotters::style::text_anchor::VPos;
 
 use crate::colours::{DirectionColours, VERMILION, light};
+use crate::drawing::{Drawing, SvgText};
 use crate::error::{DrawError, ReportError};
-use crate::figure::{Figure, SvgText};
 use crate::marks::{arrow, out_of_plane_mark};
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
 use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
@@ -62,7 +62,7 @@ pub struct TileForce<'a> {
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.
-pub fn forces_figure(tiles: &[TileForce], while_laid: bool) -> Result<Figure, ReportError> {
+pub fn forces_figure(tiles: &[TileForce], while_laid: bool) -> Result<Drawing, ReportError> {
     let caption = if while_laid {
         "The tiles from above with the number of the step at which each is laid, and the force on it by the tiles \
          laid before. Circles are forces out of the plane, up with a dot and down with a cross."
@@ -71,7 +71,7 @@ pub fn forces_figure(tiles: &[TileForce], while_laid: bool) -> Result<Figure, Re
          dot and down with a cross."
     };
     let drawn = svg(tiles, while_laid)
-        .and_then(|svg| Figure::new(NAME, caption.to_owned(), &svg, csv(tiles), SvgText::Text, &typeset::options()));
+        .and_then(|svg| Drawing::new(NAME, caption.to_owned(), &svg, csv(tiles), SvgText::Text, &typeset::options()));
     drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
 }
 

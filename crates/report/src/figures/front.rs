@@ -5,8 +5,8 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::RGBColor;
 
 use crate::colours::{BLUE, VERMILION};
+use crate::drawing::{Drawing, SvgText};
 use crate::error::{DrawError, ReportError};
-use crate::figure::{Figure, SvgText};
 use crate::panel::{BELOW_PX, Panel};
 use crate::sheet::{DrawResult, FRAME_PX, INK, LETTERS, Lettering, Sheet, sheet};
 use crate::typeset::{self, AXIS_NAMES, AxisNumbers};
@@ -66,7 +66,7 @@ impl FrontFigure {
     ///
     /// # Errors
     /// [`ReportError::Drawing`] if no film has an error above 0, which the logarithmic scale needs.
-    pub fn draw(&self) -> Result<Figure, ReportError> {
+    pub fn draw(&self) -> Result<Drawing, ReportError> {
         let (name, cost) = match self.axis {
             FrontAxis::Amplitude => ("front-amplitude", "its best-fit amplitude relative to the ideal film"),
             FrontAxis::Parts => ("front-parts", "its number of distinct parts"),
@@ -77,7 +77,7 @@ impl FrontFigure {
             if self.is_made() { made } else { "" }
         );
         let drawn = svg(self)
-            .and_then(|svg| Figure::new(name, caption, &svg, self.csv(), SvgText::Outlines, &typeset::options()));
+            .and_then(|svg| Drawing::new(name, caption, &svg, self.csv(), SvgText::Outlines, &typeset::options()));
         drawn.map_err(|source| ReportError::Drawing { figure: name, source })
     }
 }

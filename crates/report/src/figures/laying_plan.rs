@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3};
 use magsplice::prelude::Tile;
 use plotters::prelude::RGBColor;
 
+use crate::drawing::{Drawing, SvgText};
 use crate::error::{DrawError, ReportError};
-use crate::figure::{Figure, SvgText};
 use crate::marks::{arrow, hollow_arrow};
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
 use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
@@ -52,12 +52,12 @@ pub struct LaidTile<'a> {
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if the figure cannot be drawn.
-pub fn laying_plan_figure(tiles: &[LaidTile], text: SvgText) -> Result<Figure, ReportError> {
+pub fn laying_plan_figure(tiles: &[LaidTile], text: SvgText) -> Result<Drawing, ReportError> {
     let caption =
         "Where each measured tile goes, from above. The arrow is the mark on the tile. A hollow arrow is a mark \
                    that is not on the upper side."
             .to_owned();
-    let drawn = draw(tiles).and_then(|svg| Figure::new(NAME, caption, &svg, csv(tiles), text, &typeset::options()));
+    let drawn = draw(tiles).and_then(|svg| Drawing::new(NAME, caption, &svg, csv(tiles), text, &typeset::options()));
     drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
 }
 

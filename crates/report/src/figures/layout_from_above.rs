@@ -5,8 +5,8 @@ use magsplice::layout::{Layout, NamedTile, WorkingVolume};
 use plotters::prelude::RGBColor;
 
 use crate::colours::{DirectionColours, light};
+use crate::drawing::{Drawing, SvgText};
 use crate::error::{DrawError, ReportError};
-use crate::figure::{Figure, SvgText};
 use crate::marks::{BRACKET_WIDTH_PX, VANISHING, arrow, bracket_arms, corner_brackets, out_of_plane_mark};
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
 use crate::shared_ranges::SharedRanges;
@@ -46,11 +46,11 @@ pub(crate) const CAPTION: &str = "The tiles seen from above, with their polariza
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if the figure cannot be drawn.
-pub fn layout_figure(layout: &Layout, text: SvgText) -> Result<Figure, ReportError> {
+pub fn layout_figure(layout: &Layout, text: SvgText) -> Result<Drawing, ReportError> {
     let centre_mm = layout.volume.as_ref().map_or(DVec3::ZERO, |volume| volume.reference_mm);
     let tiles = tiles_to_draw(&layout.tiles, centre_mm);
     let drawn = draw(&tiles, layout.tiles.len(), layout.volume.as_ref(), &SharedRanges::default())
-        .and_then(|svg| Figure::new(NAME, CAPTION.to_owned(), &svg, csv(&tiles), text, &typeset::options()));
+        .and_then(|svg| Drawing::new(NAME, CAPTION.to_owned(), &svg, csv(&tiles), text, &typeset::options()));
     drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
 }
 

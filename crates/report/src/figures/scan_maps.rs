@@ -4,8 +4,8 @@
 use glam::DVec3;
 
 use crate::colours::ColourScale;
+use crate::drawing::{Drawing, SvgText};
 use crate::error::{DrawError, ReportError};
-use crate::figure::{Figure, SvgText};
 use crate::flux_unit::flux_unit;
 use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel, equal_scale};
 use crate::sheet::{LETTERS, sheet};
@@ -52,7 +52,7 @@ struct Row {
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.
-pub fn scan_field_figure(plane: &ScanPlane, name: &'static str, text: SvgText) -> Result<Figure, ReportError> {
+pub fn scan_field_figure(plane: &ScanPlane, name: &'static str, text: SvgText) -> Result<Drawing, ReportError> {
     let both = || plane.measured_t.iter().chain(&plane.simulated_t).filter(|b| b.is_finite());
     let unit = flux_unit(both().map(|b| b.abs().max_element()).fold(0.0, f64::max));
     let differences_t: Vec<DVec3> = plane.measured_t.iter().zip(&plane.simulated_t).map(|(m, s)| *m - *s).collect();
@@ -78,7 +78,7 @@ pub fn scan_parameters_figure(
     plane: &ScanPlane,
     name: &'static str,
     text: SvgText,
-) -> Result<Option<Figure>, ReportError> {
+) -> Result<Option<Drawing>, ReportError> {
     let Some([measured, simulated]) = &plane.parameters else { return Ok(None) };
     let row = |which: usize| {
         let (letter, unit, fine) = [("R", "rad", "mrad"), ("R", "rad", "mrad"), ("S", "ln of B/T", "1/1000")][which];
@@ -102,7 +102,7 @@ fn figure(
     csv: String,
     name: &'static str,
     text: SvgText,
-) -> Result<Figure, ReportError> {
+) -> Result<Drawing, ReportError> {
     let normal = 3 - plane.axes[0] - plane.axes[1];
     let caption = format!(
         "{what} at {} = {} mm: the readings without the errors of the sensor, the field of the layout at the same \
@@ -110,7 +110,7 @@ fn figure(
         AXIS_NAMES[normal],
         number((1e3 * plane.at_mm).round() / 1e3)
     );
-    let drawn = draw(plane, rows).and_then(|svg| Figure::new(name, caption, &svg, csv, text, &typeset::options()));
+    let drawn = draw(plane, rows).and_then(|svg| Drawing::new(name, caption, &svg, csv, text, &typeset::options()));
     drawn.map_err(|source| ReportError::Drawing { figure: name, source })
 }
 

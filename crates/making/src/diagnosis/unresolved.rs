@@ -1,4 +1,4 @@
-//! What the scan cannot tell: errors that it hardly narrows, and errors that look alike.
+//! Errors that the scan does not resolve: those that it hardly narrows, and those that look alike.
 
 use magsplice_magnet::TileError;
 
@@ -7,18 +7,17 @@ use super::ridge::Ridge;
 use super::scan_model::Linearized;
 use super::unknowns::{Unknown, Unknowns};
 
-/// Standard deviation after the scan over that before it from which on the scan does not tell an
-/// error.
+/// Ratio of the standard deviations after and before the scan from which on an error is unresolved.
 const HARDLY_NARROWED: f64 = 0.5;
 
 /// Correlation of what two errors change in the readings from which on they look alike: then a
 /// tenth of the signal of one remains beside the other.
 const ALIKE: f64 = 0.995;
 
-/// An error of a tile that the scan hardly narrows.
+/// An error of a tile, with its standard deviations before and after the scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Untold {
+pub struct NarrowedError {
     /// Index of the tile.
     pub tile: usize,
     /// The error.
@@ -43,28 +42,32 @@ pub struct SimilarErrors {
 
 /// The errors of all tiles with their standard deviations before and after the scan, if all have
 /// ordinary errors of these deviations.
-pub(crate) fn narrowed(at: &Linearized, unknowns: &Unknowns, before: &[f64]) -> Result<Vec<Untold>, DiagnosisError> {
+pub(crate) fn narrowed(
+    at: &Linearized,
+    unknowns: &Unknowns,
+    before: &[f64],
+) -> Result<Vec<NarrowedError>, DiagnosisError> {
     let projected = nalgebra::DVector::zeros(before.len());
     let after = Ridge::new(&at.gram, &projected, before)?.deviations();
     let errors = unknowns.list.iter().zip(before).zip(after.iter());
     Ok(errors
         .filter_map(|((unknown, before), after)| match unknown {
             Unknown::Tile { tile, error } if *before > 0.0 => {
-                Some(Untold { tile: *tile, error: *error, before: *before, after: *after })
+                Some(NarrowedError { tile: *tile, error: *error, before: *before, after: *after })
             }
             _ => None,
         })
         .collect())
 }
 
-impl Untold {
+impl NarrowedError {
     /// Standard deviation after the scan over that before it.
     pub fn ratio(&self) -> f64 {
         self.after / self.before
     }
 
     /// Whether the scan hardly narrows the error.
-    pub fn is_untold(&self) -> bool {
+    pub fn is_unresolved(&self) -> bool {
         self.ratio() > HARDLY_NARROWED
     }
 }

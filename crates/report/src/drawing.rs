@@ -28,7 +28,7 @@ pub enum SvgText {
 /// A figure as SVG and as PNG, both drawn from the same shapes, and its data as CSV.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
-pub struct Figure {
+pub struct Drawing {
     /// Name of its files, without extension.
     pub name: &'static str,
     /// What the figure shows, in one to three sentences.
@@ -43,7 +43,7 @@ pub struct Figure {
     pub(crate) outlined: String,
 }
 
-impl Figure {
+impl Drawing {
     /// A figure from SVG whose text is still text.
     pub(crate) fn new(
         name: &'static str,
@@ -52,7 +52,7 @@ impl Figure {
         csv: String,
         text: SvgText,
         options: &Options,
-    ) -> Result<Figure, DrawError> {
+    ) -> Result<Drawing, DrawError> {
         let tree = Tree::from_str(svg, options)?;
         let written = WriteOptions {
             coordinates_precision: DECIMALS,
@@ -72,7 +72,7 @@ impl Figure {
             SvgText::Text => with_fallbacks(svg),
             SvgText::Outlines => outlined.clone(),
         };
-        Ok(Figure { name, caption, svg, png: encoded(&pixels)?, csv, outlined })
+        Ok(Drawing { name, caption, svg, png: encoded(&pixels)?, csv, outlined })
     }
 
     /// Names and contents of the files: SVG, PNG and CSV.
