@@ -150,3 +150,22 @@ fn parse(line: &str) -> Option<(u64, Figures)> {
     let errors = Figures::from_fn(|figure| Some(figures[figure.index()]).filter(|value| !value.is_nan()))?;
     Some((sample.parse().ok()?, errors))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_read_back_to_the_same_bits_and_a_uniformity_may_be_undefined() {
+        let figures = Figures {
+            uniformity_rmse: [None, Some(0.1 + 0.2), Some(1e-300)].into(),
+            displacement_rmse_mm: [0.3, 1.0 / 3.0, 0.0].into(),
+            amplitude: 0.8,
+        };
+        let line = line(7, &figures);
+        assert!(line.starts_with("7,NaN,0.30000000000000004,1e-300,"), "{line}");
+        assert_eq!(parse(&line), Some((7, figures)));
+        assert_eq!(parse(&line.replace("0.3,", "NaN,")), None);
+        assert_eq!(parse(&line.replace("NaN", "inf")), None);
+    }
+}
