@@ -8,6 +8,7 @@
 //!   without samples, and where this is valid.
 //! * [`TileChanges`]: the errors to first order by J and the sides of tiles.
 //! * [`TileResponse`]: the exact derivatives of the field of one tile by each of its errors.
+//! * [`LowRank`]: columns as combinations of a few orthonormal ones.
 //! * [`EndlessPattern`]: the splicing pattern of a film without end, by its Fourier series.
 //! * [`Budget`]: where the displacement errors come from: pattern, end of the film, and each cause.
 //! * [`Statistics`]: mean and percentiles of many samples, with confidence intervals.
@@ -32,6 +33,8 @@ mod endless;
 mod evaluation_grid;
 /// Errors to first order.
 mod first_order;
+/// Columns as combinations of a few orthonormal ones.
+mod low_rank;
 /// The errors of one cause alone.
 mod one_cause;
 /// Quantiles, means and variances of distributions.
@@ -54,6 +57,7 @@ pub use first_order::{
     AxisCheck, AxisErrors, Cause, Contribution, ErrorSource, ErrorTerm, FirstOrder, FirstOrderCheck, Share,
     TileChanges, TileResponse,
 };
+pub use low_rank::LowRank;
 pub use quantile::mean_square;
 pub use real_film::{RealFilm, direction_normal};
 pub use sampler::{Sampler, statistics};

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 
 use magsplice_layout::Goal;
 
+use crate::descent::curvature;
 use crate::descent::quadratic::{Curvature, QuadraticProgram};
-use crate::descent::{curvature, low_rank};
 use crate::problem::least_squares::{Candidate, LeastSquares};
 use crate::problem::objective::Residuals;
 use crate::problem::pattern::{Pattern, VariableKind};
@@ -130,11 +130,11 @@ impl LeastSquares {
             damping.into_iter().enumerate().for_each(|(i, damping)| dense[i * all + i] += damping);
             Curvature::Dense(dense)
         } else {
-            let mut rows = low_rank::reduced(&self.distinct_rows(residuals, n), &units);
+            let mut rows = curvature::reduced(&self.distinct_rows(residuals, n), &units);
             let mut rest = vec![0.0; n];
             if let Some(expected) = &residuals.expected {
                 let factors;
-                (factors, rest) = low_rank::factored(&expected.curvature, &units);
+                (factors, rest) = curvature::factored(&expected.curvature, &units);
                 rows.extend(factors);
             }
             let own: Vec<f64> = (0..n)

@@ -4,7 +4,5 @@
 mod curvature;
 /// Damped Gauss-Newton steps.
 mod gauss_newton;
-/// Matrices of few rows.
-mod low_rank;
 /// Quadratic programs under linear inequalities.
 mod quadratic;

@@ -1,8 +1,8 @@
 //! Mean squares of the displacement errors along one axis, divided into causes and tiles.
 
-use super::low_rank::{add, dot};
 use super::model::{FirstOrder, Sensitivity};
 use super::sources::{Cause, ErrorSource};
+use crate::low_rank::{add, dot};
 
 /// The expected mean square of the displacement errors along one axis over the working volume, in
 /// mm^2 (docs/physics.md, Eqs. P56 to P58).

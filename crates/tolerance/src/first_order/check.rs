@@ -9,9 +9,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::displacement::displacement_errors_mm;
-use super::low_rank::{add, dot};
 use super::model::FirstOrder;
 use crate::evaluation_grid::SampleError;
+use crate::low_rank::{add, dot};
 use crate::sampler::Sampler;
 use crate::statistics::{Estimate, NORMAL_95};
 

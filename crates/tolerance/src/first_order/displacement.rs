@@ -6,6 +6,11 @@ use magsplice_ideal::IdealFilm;
 
 use crate::evaluation_grid::SampleError;
 
+/// The part of the root mean square of all sensitivities that a basis of them may lack. The
+/// expected square of the displacement errors, over all axes, lacks at most the square of this
+/// part.
+pub(super) const LEFT_OUT: f64 = 1e-4;
+
 /// The derivatives of the displacement errors by the readings.
 #[derive(Clone, Debug)]
 pub(crate) struct Displacement {

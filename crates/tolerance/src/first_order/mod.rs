@@ -11,8 +11,6 @@ mod displacement;
 mod figures;
 /// Samples of the linear model.
 mod linear_samples;
-/// A few numbers that determine all displacement errors.
-mod low_rank;
 /// The model: residuals and sensitivities.
 mod model;
 /// The errors of a film as one list.

@@ -6,10 +6,10 @@ use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Axis, Tile, TileError};
 use rayon::prelude::*;
 
-use super::displacement::{Displacement, displacement_errors_mm};
-use super::low_rank::{LowRank, dot};
+use super::displacement::{Displacement, LEFT_OUT, displacement_errors_mm};
 use super::tile_response::TileResponse;
 use crate::evaluation_grid::{EvaluationGrid, SampleError};
+use crate::low_rank::{LowRank, dot};
 use crate::real_film::RealFilm;
 use crate::sampler::exact_field_t;
 
@@ -79,7 +79,7 @@ impl TileChanges {
             Ok((0..6).map(column).collect())
         };
         let columns = tiles.par_iter().enumerate().map(of_tile).collect::<Result<Vec<_>, _>>()?;
-        let reduced = LowRank::new(std::iter::once(nominal).chain(columns.into_iter().flatten()).collect());
+        let reduced = LowRank::new(std::iter::once(nominal).chain(columns.into_iter().flatten()).collect(), LEFT_OUT);
         let mut coordinates = reduced.coordinates.into_iter();
         let nominal = coordinates.next().unwrap_or_default();
         let by_tile = tiles

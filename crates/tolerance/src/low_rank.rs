@@ -1,31 +1,29 @@
-//! A few numbers that determine all displacement errors.
+//! Columns as combinations of a few orthonormal ones.
 //!
-//! The field in the working volume is smooth, so that a few dozen combinations of hundreds of
-//! errors reach it. An orthonormal basis of the sensitivities is built column by column, each time
-//! from the largest that is left (modified Gram-Schmidt with pivots).
+//! The field in the working volume is smooth, so that a few dozen combinations reach what hundreds
+//! of errors or variables do there. An orthonormal basis is built column by column, each time from
+//! the largest that is left (modified Gram-Schmidt with pivots). It ends at the numeric rank, where
+//! a complete decomposition of nalgebra would go on through all columns.
 
 use rayon::prelude::*;
 
-/// The part of the root mean square of all sensitivities that the basis may lack. The expected
-/// square of the displacement errors, over all axes, lacks at most the square of this part.
-const LEFT_OUT: f64 = 1e-4;
-
 /// Columns as combinations of a few orthonormal ones.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct LowRank {
-    /// Orthonormal columns.
-    pub(crate) basis: Vec<Vec<f64>>,
-    /// The coordinates of each column.
-    pub(crate) coordinates: Vec<Vec<f64>>,
+pub struct LowRank {
+    /// Orthonormal columns, the first from the largest of the given ones.
+    pub basis: Vec<Vec<f64>>,
+    /// The coordinates of each given column in the basis.
+    pub coordinates: Vec<Vec<f64>>,
 }
 
 impl LowRank {
-    /// The basis of columns.
-    pub(crate) fn new(mut columns: Vec<Vec<f64>>) -> LowRank {
+    /// The basis of columns of equal lengths. The root mean square of what the basis lacks is at
+    /// most the part `left_out` of the root mean square of the columns.
+    pub fn new(mut columns: Vec<Vec<f64>>, left_out: f64) -> LowRank {
         let mut coordinates = vec![Vec::new(); columns.len()];
         let mut basis: Vec<Vec<f64>> = Vec::new();
         let mut squares: Vec<f64> = columns.iter().map(|column| dot(column, column)).collect();
-        let allowed = LEFT_OUT * LEFT_OUT * squares.iter().sum::<f64>();
+        let allowed = left_out * left_out * squares.iter().sum::<f64>();
         loop {
             let pivot = (0..columns.len()).max_by(|a, b| squares[*a].total_cmp(&squares[*b]));
             let Some(pivot) = pivot.filter(|_| squares.iter().sum::<f64>() > allowed) else { break };
@@ -53,7 +51,7 @@ impl LowRank {
     }
 
     /// Number of columns of the basis.
-    pub(crate) fn rank(&self) -> usize {
+    pub fn rank(&self) -> usize {
         self.basis.len()
     }
 
@@ -102,13 +100,13 @@ mod tests {
                 column
             })
             .collect();
-        let found = LowRank::new(columns.clone());
+        let found = LowRank::new(columns.clone(), 1e-4);
         assert_eq!(found.rank(), 3);
         for (number, column) in columns.iter().enumerate() {
             let mut sum = vec![0.0; 50];
             found.add_combination((0..20).map(|other| f64::from(u8::from(other == number))), &mut sum);
             assert!(sum.iter().zip(column).all(|(found, wanted)| (found - wanted).abs() < 1e-12));
         }
-        assert_eq!(LowRank::new(vec![vec![0.0; 5]; 3]).rank(), 0);
+        assert_eq!(LowRank::new(vec![vec![0.0; 5]; 3], 1e-4).rank(), 0);
     }
 }
