@@ -7,21 +7,38 @@ use glam::DVec3;
 use magsplice_decouple::DecouplingError;
 use magsplice_ideal::ComparisonError;
 use magsplice_recoil::RecoilError;
+use magsplice_tolerance::SampleError;
 
+use crate::rule::Rule;
+use crate::splice_fault::SpliceFault;
 use crate::tolerances::MAX_LISTED;
+
+/// A table of a layout that a design needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Table {
+    /// `[design]`, the brief.
+    Design,
+    /// `[ideal]`.
+    Ideal,
+    /// `[volume]`.
+    Volume,
+    /// `[tolerance]`.
+    Tolerance,
+}
 
 /// Why a film cannot be designed. Messages name tiles and give lengths in millimetres.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DesignError {
     /// The layout lacks this table.
-    Missing(&'static str),
+    Missing(Table),
     /// Some tiles have no image under the symmetry of the brief.
     NotSymmetric {
         /// Names of these tiles.
         tiles: Vec<String>,
-        /// Where the film lies, if it is not centred on 0, so that most tiles have no image.
-        off_centre: Option<String>,
+        /// Where the film lies along x and y, in millimetres, along the axes along which it is not
+        /// centred on 0. Both `None` where other tiles are the cause.
+        off_centre_mm: [Option<[f64; 2]>; 2],
     },
     /// The brief counts the films that are made, and its goal is not the displacement.
     NotDisplacement,
@@ -30,15 +47,15 @@ pub enum DesignError {
     /// The brief and the symmetry leave no number free.
     NothingFree,
     /// No film near the layout's keeps these rules together.
-    Contradiction(Vec<String>),
+    Contradiction(Vec<Rule>),
     /// The film found, rounded to the resolution of the brief, is no film.
     Resolution {
         /// The resolution of lengths, in millimetres.
         resolution_mm: f64,
         /// The resolution of angles, in degrees.
         resolution_deg: f64,
-        /// Rule that the rounded film breaks.
-        reason: String,
+        /// What the rounded film lacks.
+        fault: RoundingFault,
     },
     /// This point of the working volume, in millimetres, is not below the film.
     NotBelow(DVec3),
@@ -50,34 +67,77 @@ pub enum DesignError {
     Comparison(ComparisonError),
     /// The polarization of tiles with a recoil permeability is not known.
     Recoil(RecoilError),
+    /// A film with random errors has no decoupling errors.
+    Sample(SampleError),
     /// B_z vanishes at a point of the design grid.
     Singular,
-    /// Numbers of a [`SpliceRequest`](crate::SpliceRequest) are out of range, each given as value
-    /// and rule.
-    Request(Vec<String>),
+    /// Numbers of a [`SpliceRequest`](crate::SpliceRequest) are out of range.
+    Request(Vec<SpliceFault>),
 }
 
-impl DesignError {
-    pub(crate) fn no_parts() -> DesignError {
-        DesignError::Contradiction(vec!["distinct parts must be so few, and tiles keep their distance".to_owned()])
+/// Why a film rounded to the resolution is no film.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RoundingFault {
+    /// This tile has a side of 0 mm.
+    NoSide(String),
+    /// Two tiles overlap.
+    Overlap {
+        /// Their names.
+        tiles: [String; 2],
+        /// Depth of the overlap, in millimetres.
+        depth_mm: f64,
+    },
+    /// Its errors do not exist.
+    NoMetrics(Box<DesignError>),
+}
+
+impl fmt::Display for RoundingFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            RoundingFault::NoSide(tile) => write!(f, "tile \"{tile}\" has a side of 0 mm"),
+            RoundingFault::Overlap { tiles: [first, second], depth_mm } => {
+                write!(f, "tiles \"{first}\" and \"{second}\" overlap by {depth_mm} mm")
+            }
+            RoundingFault::NoMetrics(error) => error.fmt(f),
+        }
+    }
+}
+
+impl Table {
+    fn name(self) -> &'static str {
+        match self {
+            Table::Design => "design",
+            Table::Ideal => "ideal",
+            Table::Volume => "volume",
+            Table::Tolerance => "tolerance",
+        }
     }
 }
 
 impl fmt::Display for DesignError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            DesignError::Missing("design") => f.write_str(
+            DesignError::Missing(Table::Design) => f.write_str(
                 "the layout has no [design] table, which design needs: add one, at the least the line \
                  `design = { vary = [\"size\", \"position\", \"direction\"] }` below the name",
             ),
-            DesignError::Missing(table) => write!(f, "the layout has no [{table}] table, which design needs: add one"),
-            DesignError::NotSymmetric { tiles, off_centre } => write!(
-                f,
-                "{}tiles without an image under the symmetry of [design]: {}; add the images (arrows are mirrored like \
-                 drawn ones), or ask for less symmetry",
-                off_centre.as_ref().map_or(String::new(), |reason| format!("{reason}: ")),
-                listed(tiles, ", ")
-            ),
+            DesignError::Missing(table) => {
+                write!(f, "the layout has no [{}] table, which design needs: add one", table.name())
+            }
+            DesignError::NotSymmetric { tiles, off_centre_mm } => {
+                let spans = ["x", "y"].into_iter().zip(off_centre_mm).filter_map(|(axis, span)| Some((axis, (*span)?)));
+                let spans: Vec<String> =
+                    spans.map(|(axis, [low, high])| format!("{axis} = {low} .. {high}")).collect();
+                if !spans.is_empty() {
+                    write!(f, "the film spans {} mm, which is not centred on 0: ", spans.join(" and "))?;
+                }
+                write!(
+                    f,
+                    "tiles without an image under the symmetry of [design]: {}; add the images (arrows are mirrored like \
+                     drawn ones), or ask for less symmetry",
+                    listed(tiles, ", ")
+                )
+            }
             DesignError::NotDisplacement => f.write_str(
                 "under = \"tolerance\" of [design] needs goal = \"displacement\": the films with the smallest errors of \
                  other kinds are those whose parameters change little with the displacement",
@@ -95,10 +155,10 @@ impl fmt::Display for DesignError {
                 let rules = listed(rules, "\n  ");
                 write!(f, "these rules of [design] cannot be kept together by a film like this one:\n  {rules}")
             }
-            DesignError::Resolution { resolution_mm, resolution_deg, reason } => write!(
+            DesignError::Resolution { resolution_mm, resolution_deg, fault } => write!(
                 f,
                 "rounding to resolution_mm = {resolution_mm} and resolution_deg = {resolution_deg} of [design] leaves no \
-                 film: {reason}; choose a finer resolution"
+                 film: {fault}; choose a finer resolution"
             ),
             DesignError::NotBelow(p) => write!(
                 f,
@@ -112,22 +172,27 @@ impl fmt::Display for DesignError {
             DesignError::Decoupling(error) => error.fmt(f),
             DesignError::Comparison(error) => error.fmt(f),
             DesignError::Recoil(error) => write!(f, "recoil: {error}"),
+            DesignError::Sample(error) => error.fmt(f),
             DesignError::Singular => f.write_str(
                 "B_z vanishes at a point of the working volume, so its decoupling parameters do not exist: start from \
                  a film nearer to the ideal one, or design for goal = \"field\" first",
             ),
-            DesignError::Request(problems) => f.write_str(&problems.join("\n")),
+            DesignError::Request(faults) => f.write_str(&joined(faults, "\n")),
         }
     }
 }
 
 /// The first [`MAX_LISTED`] of the items, and the number of the others.
-fn listed(items: &[String], separator: &str) -> String {
-    let mut text = items[..items.len().min(MAX_LISTED)].join(separator);
+fn listed(items: &[impl fmt::Display], separator: &str) -> String {
+    let mut text = joined(&items[..items.len().min(MAX_LISTED)], separator);
     if items.len() > MAX_LISTED {
         text += &format!("{separator}and {} more", items.len() - MAX_LISTED);
     }
     text
+}
+
+fn joined(items: &[impl fmt::Display], separator: &str) -> String {
+    items.iter().map(ToString::to_string).collect::<Vec<_>>().join(separator)
 }
 
 impl Error for DesignError {
@@ -136,6 +201,7 @@ impl Error for DesignError {
             DesignError::Decoupling(error) => Some(error),
             DesignError::Comparison(error) => Some(error),
             DesignError::Recoil(error) => Some(error),
+            DesignError::Sample(error) => Some(error),
             _ => None,
         }
     }

@@ -70,21 +70,28 @@ mod parts;
 mod problem;
 /// Progress of a search, and the way to stop it.
 mod progress;
+/// Rules of a brief, with the names of tiles.
+mod rule;
 /// The search, stage by stage, and the film found.
 mod search;
 /// A layout to begin with, from a few numbers.
 mod splice;
+/// Why a layout to begin with cannot be made.
+mod splice_fault;
 /// Strengths in stock, and strengths under recoil.
 mod strengths;
 /// Tolerances and tuning constants.
 mod tolerances;
 
-pub use error::DesignError;
+pub use error::{DesignError, RoundingFault, Table};
 pub use pareto_front::ParetoFront;
 pub use problem::design_problem::DesignProblem;
 pub use progress::{Progress, ProgressUpdate, SearchStage, ignore_progress};
+pub use rule::{Demand, Gap, Rule};
 pub use search::estimate::SearchEstimate;
 pub use search::made_films::{MadeErrors, MadeFilms};
 pub use search::metrics::Metrics;
 pub use search::search_result::{SearchResult, StageMetrics};
+pub use search::shortfall::Shortfall;
 pub use splice::SpliceRequest;
+pub use splice_fault::SpliceFault;

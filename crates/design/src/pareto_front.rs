@@ -1,7 +1,6 @@
 //! Pareto fronts: error against amplitude, and error against the number of distinct parts.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use magsplice_layout::{Brief, Goal};
 
@@ -9,7 +8,7 @@ use crate::error::DesignError;
 use crate::parts::merging;
 use crate::problem::design_problem::DesignProblem;
 use crate::problem::least_squares::Candidate;
-use crate::progress::{Progress, SearchStage, latched};
+use crate::progress::{Progress, SearchStage, Watch};
 use crate::search::search_result::SearchResult;
 use crate::tolerances::MOST_STEPS;
 
@@ -69,8 +68,7 @@ impl DesignProblem<'_> {
     /// # Errors
     /// As [`DesignProblem::search`].
     pub fn pareto_front(&self, amplitudes: &[f64], progress: Progress) -> Result<ParetoFront, DesignError> {
-        let stop = AtomicBool::new(false);
-        let progress = latched(progress, &stop);
+        let watch = Watch::new(progress);
         let mut by_amplitude: Vec<(f64, SearchResult)> = Vec::new();
         // In descending order, because a film with more amplitude is a good start for less.
         let mut descending = amplitudes.to_vec();
@@ -81,25 +79,25 @@ impl DesignProblem<'_> {
             let brief = Brief { least_amplitude: Some(amplitude), parts, stock, starts: STARTS, ..self.brief.clone() };
             let mut problem = DesignProblem::from_brief(self.layout, brief)?;
             problem.hold_recoil(&self.tiles)?;
-            let mut starts = problem.best_of_starts(&progress)?;
+            let mut starts = problem.best_of_starts(&watch)?;
             // With the field as the goal, each amplitude has its own target, so the film before is
             // no start.
             if let Some(before) = before.filter(|_| self.brief.goal != Goal::Field) {
                 let start = problem.least_squares.nearest(&problem.pattern, &before.variables);
                 let start = start.unwrap_or(before.variables);
-                let go_on = &mut |_: &Candidate| ControlFlow::Continue(());
+                let go_on = &mut |_: &_| ControlFlow::Continue(());
                 let again = problem.least_squares.descend(&problem.pattern, start, MOST_STEPS, go_on);
                 if let Some(again) = again.filter(|again| again.merit() < starts.best.merit()) {
                     starts.best = again;
                 }
             }
             before = Some(starts.best.clone());
-            by_amplitude.insert(0, (amplitude, problem.finished(starts, &progress)?));
-            if stop.load(Ordering::Relaxed) {
+            by_amplitude.insert(0, (amplitude, problem.finished(starts, &watch)?));
+            if watch.is_stopped() {
                 break;
             }
         }
-        let by_parts = self.front_of_parts(&progress, &stop)?;
+        let by_parts = self.front_of_parts(&watch)?;
         Ok(ParetoFront { by_amplitude, by_parts }.without_dominated(|film| self.error(film)))
     }
 
@@ -121,25 +119,25 @@ impl DesignProblem<'_> {
         }
     }
 
-    fn front_of_parts(&self, progress: Progress, stop: &AtomicBool) -> Result<Vec<SearchResult>, DesignError> {
+    fn front_of_parts(&self, watch: &Watch) -> Result<Vec<SearchResult>, DesignError> {
         let vary = self.brief.vary;
-        if !(vary.size && vary.position) || vary.tilt || stop.load(Ordering::Relaxed) {
+        if !(vary.size && vary.position) || vary.tilt || watch.is_stopped() {
             return Ok(Vec::new());
         }
         let mut problem = self.clone();
         problem.hold_recoil(&self.tiles)?;
-        let best = problem.best_of_starts(progress)?.best;
-        let best = problem.settle_recoil(&self.pattern, best, progress)?;
+        let best = problem.best_of_starts(watch)?.best;
+        let best = problem.settle_recoil(&self.pattern, best, watch)?;
         problem.leave_room_for_rounding();
         // Down to the parts in stock, or to a single part.
         let least = usize::from(self.brief.stock.is_empty());
-        let levels = merging::levels(&problem, &problem.pattern, &best, least, progress);
+        let levels = merging::levels(&problem, &problem.pattern, &best, least, watch);
         let result = |level: merging::FilmOfParts| {
             let stage = SearchStage::Parts(level.part_count());
             let stages = vec![self.stage_metrics(stage, &level.pattern, &level.candidate)?];
             let brief = Brief { parts: None, ..problem.brief.clone() };
             let rounding = DesignProblem { brief, ..problem.clone() };
-            rounding.rounded(&level.pattern, level.candidate, stages, 1, progress, stop)
+            rounding.rounded(&level.pattern, level.candidate, stages, 1, watch)
         };
         levels.into_iter().map(result).collect()
     }
@@ -226,7 +224,7 @@ mod tests {
         assert_eq!(starts, [STARTS, 2]);
         assert_eq!(front.by_amplitude.len(), 2);
         for (least, film) in &front.by_amplitude {
-            assert_eq!(film.short_of, [""; 0]);
+            assert_eq!(film.short_of, []);
             assert!(film.after.figures.amplitude >= *least, "{}", film.after.figures.amplitude);
             let stages: Vec<SearchStage> = film.stages.iter().map(|stage| stage.stage).collect();
             assert_eq!(stages, [SearchStage::Starts, SearchStage::Rounding]);

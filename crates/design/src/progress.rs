@@ -68,61 +68,61 @@ pub fn ignore_progress(_: ProgressUpdate) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// The same callback, which keeps returning `Break` once it has returned it. `stop` remembers that.
-pub(crate) fn latched<'a>(
+/// The callback of a search, which is not called again once it has stopped the search.
+pub(crate) struct Watch<'a> {
     progress: Progress<'a>,
-    stop: &'a AtomicBool,
-) -> impl Fn(ProgressUpdate) -> ControlFlow<()> + Sync + 'a {
-    move |update| {
-        if stop.load(Ordering::Relaxed) || progress(update).is_break() {
-            stop.store(true, Ordering::Relaxed);
-            return ControlFlow::Break(());
-        }
-        ControlFlow::Continue(())
-    }
-}
-
-/// Combined progress of descents that run in parallel.
-pub(crate) struct SharedProgress<'a> {
-    progress: Progress<'a>,
-    stage: SearchStage,
-    of: usize,
-    /// Number of finished descents, and the least error so far.
-    state: Mutex<(usize, Option<f64>)>,
     stop: AtomicBool,
 }
 
-impl<'a> SharedProgress<'a> {
-    pub(crate) fn new(progress: Progress<'a>, stage: SearchStage, of: usize) -> SharedProgress<'a> {
-        SharedProgress { progress, stage, of, state: Mutex::new((0, None)), stop: AtomicBool::new(false) }
+impl<'a> Watch<'a> {
+    pub(crate) fn new(progress: Progress<'a>) -> Watch<'a> {
+        Watch { progress, stop: AtomicBool::new(false) }
     }
 
-    /// Reports a film with this error. `counts` says whether the film keeps every bound, so that it
-    /// may be the best.
-    pub(crate) fn report(&self, error: f64, counts: bool) -> ControlFlow<()> {
+    pub(crate) fn show(&self, update: ProgressUpdate) -> ControlFlow<()> {
         if self.is_stopped() {
+            return ControlFlow::Break(());
+        }
+        let flow = (self.progress)(update);
+        self.stop.fetch_or(flow.is_break(), Ordering::Relaxed);
+        flow
+    }
+
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+/// Combined progress of starts that run in parallel.
+pub(crate) struct SharedProgress<'a> {
+    watch: &'a Watch<'a>,
+    of: usize,
+    /// Number of finished starts, and the least error so far.
+    state: Mutex<(usize, Option<f64>)>,
+}
+
+impl<'a> SharedProgress<'a> {
+    pub(crate) fn new(watch: &'a Watch<'a>, of: usize) -> SharedProgress<'a> {
+        SharedProgress { watch, of, state: Mutex::new((0, None)) }
+    }
+
+    /// Shows a film with this error. `counts` says whether the film keeps every bound, so that it
+    /// may be the best.
+    pub(crate) fn show(&self, error: f64, counts: bool) -> ControlFlow<()> {
+        if self.watch.is_stopped() {
             return ControlFlow::Break(());
         }
         let Ok(mut state) = self.state.lock() else { return ControlFlow::Break(()) };
         if counts && state.1.is_none_or(|best| error < best) {
             state.1 = Some(error);
         }
-        let update = ProgressUpdate { stage: self.stage, done: state.0, of: self.of, best: state.1 };
-        if (self.progress)(update).is_break() {
-            self.stop.store(true, Ordering::Relaxed);
-            return ControlFlow::Break(());
-        }
-        ControlFlow::Continue(())
+        self.watch.show(ProgressUpdate { stage: SearchStage::Starts, done: state.0, of: self.of, best: state.1 })
     }
 
-    /// Counts one descent as finished.
+    /// Counts one start as finished.
     pub(crate) fn finish_one(&self) {
         if let Ok(mut state) = self.state.lock() {
             state.0 += 1;
         }
-    }
-
-    pub(crate) fn is_stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
     }
 }

@@ -6,37 +6,21 @@ use std::fmt::Write;
 use glam::DVec3;
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::{
-    Brief, Goal, Layout, MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, STRONGEST_MAGNET_T, Symmetry, Variables,
-    meant_length, meant_polarization,
+    Brief, Goal, Layout, LayoutError, LayoutFault, MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, STRONGEST_MAGNET_T,
+    Symmetry, Variables,
 };
 use magsplice_magnet::Tile;
 
 use crate::error::DesignError;
+use crate::splice_fault::{MAX_AMPLITUDE, SpliceFault, WIDE, least_extent};
 
 /// A request for a film that is designed without a layout. Lengths in millimetres, polarization in
 /// tesla.
 ///
 /// ```
 /// use magsplice_design::SpliceRequest;
-/// use magsplice_layout::Goal;
 ///
-/// let request = SpliceRequest {
-///     wavelength_mm: 10.0,
-///     film_mm: [20.0, 20.0],
-///     thickness_mm: 1.0,
-///     remanence_t: 0.12,
-///     range_mm: [4.0, 4.0],
-///     distance_mm: [3.0, 5.0],
-///     smallest_cut_mm: 0.8,
-///     gap_mm: 0.0,
-///     resolution_mm: 0.001,
-///     resolution_deg: 0.01,
-///     least_amplitude: 0.65,
-///     parts: None,
-///     goal: Goal::Displacement,
-///     starts: 8,
-///     seed: 1,
-/// };
+/// let request = SpliceRequest { parts: Some(4), ..SpliceRequest::new(10.0, [20.0, 20.0]) };
 /// let layout = request.layout()?;
 /// assert_eq!(layout.tiles.len(), 56);
 /// # Ok::<(), magsplice_design::DesignError>(())
@@ -47,47 +31,63 @@ pub struct SpliceRequest {
     pub wavelength_mm: f64,
     /// Extent of the film along x and y.
     pub film_mm: [f64; 2],
-    /// Thickness of the film.
+    /// Thickness of the film. Default: 0.1 of the wavelength.
     pub thickness_mm: f64,
-    /// Magnitude of the polarization of every tile, and amplitude of the ideal film.
+    /// Magnitude of the polarization of every tile, and amplitude of the ideal film. Default: 0.12.
     pub remanence_t: f64,
-    /// Extent of the working volume along x and y.
+    /// Extent of the working volume along x and y. Default: 0.4 of the wavelength each.
     pub range_mm: [f64; 2],
-    /// Least and largest distance of the sensor below the film.
+    /// Least and largest distance of the sensor below the film. Default: 0.3 and 0.5 of the
+    /// wavelength.
     pub distance_mm: [f64; 2],
-    /// Shortest side of a tile.
+    /// Shortest side of a tile. Default: 0.08 of the wavelength.
     pub smallest_cut_mm: f64,
-    /// Least distance of neighbouring tiles.
+    /// Least distance of neighbouring tiles. Default: 0.
     pub gap_mm: f64,
-    /// Sizes are rounded to multiples of this, in millimetres; a tile centred on a mirror plane has
-    /// its faces at half multiples.
+    /// Sizes are rounded to multiples of this; a tile centred on a mirror plane has its faces at
+    /// half multiples. Default: 0.001.
     pub resolution_mm: f64,
-    /// Directions are rounded to multiples of this, in degrees.
+    /// Directions are rounded to multiples of this, in degrees. Default: 0.01.
     pub resolution_deg: f64,
-    /// Least best-fit amplitude against the ideal film.
+    /// Least best-fit amplitude against the ideal film. Default: 0.65.
     pub least_amplitude: f64,
-    /// Maximum number of distinct parts, if bounded.
+    /// Maximum number of distinct parts. Default: no bound.
     pub parts: Option<usize>,
-    /// The error that the design minimizes.
+    /// The error that the design minimizes. Default: the displacement.
     pub goal: Goal,
-    /// Number of starts of the search.
+    /// Number of starts of the search. Default: 8.
     pub starts: usize,
-    /// Seed of the random numbers that vary the starts.
+    /// Seed of the random numbers that vary the starts. Default: 1.
     pub seed: u64,
 }
-
-/// Width of the wide intervals, as a fraction of the wavelength. Two thirds of a half-wave at full
-/// strength have no third harmonic (Dai 2024, Fig. 5, has 3.3 of 5 mm).
-const WIDE: f64 = 1.0 / 3.0;
-
-/// Amplitude that no film of tiles reaches. The fundamental of a square wave is 4 / pi of its
-/// height, and the tiles are as strong as the ideal film's crests.
-const MAX_AMPLITUDE: f64 = 2.0;
 
 /// Points of the working volume along each axis.
 const POINTS: [usize; 3] = [9, 9, 5];
 
 impl SpliceRequest {
+    /// A film of this wavelength and extent along x and y, with the defaults of `magsplice splice`:
+    /// lengths in fractions of the wavelength, rounded to four digits.
+    pub fn new(wavelength_mm: f64, film_mm: [f64; 2]) -> SpliceRequest {
+        let fraction = |of: f64| four_digits(of * wavelength_mm);
+        SpliceRequest {
+            wavelength_mm,
+            film_mm,
+            thickness_mm: fraction(0.1),
+            remanence_t: 0.12,
+            range_mm: [fraction(0.4); 2],
+            distance_mm: [fraction(0.3), fraction(0.5)],
+            smallest_cut_mm: fraction(0.08),
+            gap_mm: 0.0,
+            resolution_mm: 0.001,
+            resolution_deg: 0.01,
+            least_amplitude: 0.65,
+            parts: None,
+            goal: Goal::Displacement,
+            starts: 8,
+            seed: 1,
+        }
+    }
+
     /// The layout to begin the design with. Along each axis it has intervals of a third of the
     /// wavelength about the crests of the ideal polarization (Eq. 1), and of a sixth about its
     /// zeros.
@@ -127,8 +127,15 @@ impl SpliceRequest {
              x_mm = [{:?}, {x:?}]\ny_mm = [{:?}, {y:?}]\nz_mm = [{:?}, {:?}]\nstep_mm = {steps:?}\nreference_mm = [0.0, 0.0, {:?}]\n\n{tiles}",
             self.wavelength_mm, -x, -y, -far, -near, -far
         );
-        let mut layout =
-            Layout::parse(&text, "spliced film").map_err(|error| DesignError::Request(vec![error.to_string()]))?;
+        let mut layout = Layout::parse(&text, "spliced film").map_err(|error| {
+            DesignError::Request(match error {
+                LayoutError::Invalid { faults, .. } => faults.into_iter().map(SpliceFault::Layout).collect(),
+                other => {
+                    let (place, message) = ("the pattern".to_owned(), other.to_string());
+                    vec![SpliceFault::Layout(LayoutFault { line: None, place, message })]
+                }
+            })
+        })?;
         let [width, depth] = self.film_mm;
         layout.name = format!("{width} x {depth} mm for a wavelength of {} mm", self.wavelength_mm);
         layout.brief = Some(self.brief());
@@ -186,9 +193,10 @@ impl SpliceRequest {
     }
 
     fn validate(&self) -> Result<(), DesignError> {
-        let mut problems = Vec::new();
+        let wave = self.wavelength_mm;
+        let mut faults = Vec::new();
         let lengths = [
-            ("wavelength", self.wavelength_mm),
+            ("wavelength", wave),
             ("film, along x", self.film_mm[0]),
             ("film, along y", self.film_mm[1]),
             ("thickness", self.thickness_mm),
@@ -197,106 +205,58 @@ impl SpliceRequest {
             ("distance, the nearest", self.distance_mm[0]),
             ("smallest cut", self.smallest_cut_mm),
         ];
-        let all = lengths.into_iter().chain([("resolution", self.resolution_mm)]);
         // The default lengths follow the wavelength, so that its faults are theirs, too.
-        let is_positive = self.wavelength_mm > 0.0 && self.wavelength_mm.is_finite();
-        for (name, value) in all.take(if is_positive { lengths.len() + 1 } else { 1 }) {
-            if !(value > 0.0 && value.is_finite()) {
-                problems.push(format!("{name}: {value} mm, must be a finite number greater than 0"));
-            }
-        }
-        if !(self.remanence_t > 0.0 && self.remanence_t.is_finite()) {
-            problems.push(format!("remanence: {} T, must be a finite number greater than 0", self.remanence_t));
-        } else if self.remanence_t > STRONGEST_MAGNET_T {
-            problems.push(format!(
-                "remanence: {} T, must be at most {STRONGEST_MAGNET_T} T, more than any permanent magnet has; {}",
-                self.remanence_t,
-                meant_polarization(self.remanence_t)
-            ));
-        }
-        if self.least_amplitude > MAX_AMPLITUDE {
-            problems.push(format!(
-                "amplitude: {}, must be at most {MAX_AMPLITUDE}, which tiles of the remanence of the ideal film cannot \
-                 exceed: a fraction, not percent",
-                self.least_amplitude
-            ));
-        }
+        let is_wave = not_positive("wavelength", wave, "mm").is_none();
+        let all = lengths.into_iter().chain([("resolution", self.resolution_mm)]);
+        let all = all.take(if is_wave { lengths.len() + 1 } else { 1 });
+        faults.extend(all.filter_map(|(name, mm)| not_positive(name, mm, "mm")));
+        let j = self.remanence_t;
+        faults.extend(not_positive("remanence", j, "T"));
+        faults.extend((j.is_finite() && j > STRONGEST_MAGNET_T).then_some(SpliceFault::TooStrong(j)));
+        let amplitude = self.least_amplitude;
+        faults.extend((amplitude > MAX_AMPLITUDE).then_some(SpliceFault::UnreachableAmplitude(amplitude)));
         // In metres all lengths agree with each other; one of them in metres does not.
-        if self.wavelength_mm > 0.0 && self.wavelength_mm < SHORTEST_WAVELENGTH_MM {
-            problems.push(format!(
-                "wavelength: {} mm, must be at least {SHORTEST_WAVELENGTH_MM} mm, or tiles are no larger than the resolution \
-                 of machine tools; {}",
-                self.wavelength_mm,
-                meant_length(self.wavelength_mm)
-            ));
+        if wave > 0.0 && wave < SHORTEST_WAVELENGTH_MM {
+            faults.push(SpliceFault::ShortWavelength(wave));
         } else {
-            for (name, value) in lengths.into_iter().filter(|(name, _)| *name != "wavelength") {
-                if value > 0.0 && value * MAX_LENGTH_RATIO < self.wavelength_mm {
-                    problems.push(format!(
-                        "{name}: {value} mm, must be at least a thousandth of the wavelength, {} mm; {}",
-                        self.wavelength_mm,
-                        meant_length(value)
-                    ));
-                } else if value > MAX_LENGTH_RATIO * self.wavelength_mm && !name.starts_with("film") && is_positive {
-                    problems.push(format!(
-                        "{name}: {value} mm, must be at most a thousand times the wavelength, {} mm; did you mean {} mm, \
-                         which is {value} um?",
-                        self.wavelength_mm,
-                        1e-3 * value
-                    ));
+            for &(name, mm) in &lengths[1..] {
+                if mm > 0.0 && mm * MAX_LENGTH_RATIO < wave {
+                    faults.push(SpliceFault::TooShort(name, mm, wave));
+                } else if mm > MAX_LENGTH_RATIO * wave && !name.starts_with("film") && is_wave {
+                    faults.push(SpliceFault::TooLong(name, mm, wave));
                 }
             }
         }
-        if !(self.gap_mm >= 0.0 && self.gap_mm.is_finite()) {
-            problems.push(format!("gap: {} mm, must be a finite number of at least 0", self.gap_mm));
-        }
-        if !(self.resolution_deg > 0.0 && self.resolution_deg.is_finite()) {
-            let resolution = self.resolution_deg;
-            problems
-                .push(format!("resolution of directions: {resolution} deg, must be a finite number greater than 0"));
-        }
-        if is_positive && !(self.distance_mm[0] < self.distance_mm[1]) {
-            let [near, far] = self.distance_mm;
-            problems.push(format!("distance: {near} to {far} mm, the first must be less than the second"));
-        }
-        if problems.is_empty() {
-            let quarter = 0.25 * self.wavelength_mm;
-            for (axis, extent) in ["x", "y"].into_iter().zip(self.film_mm) {
-                // A shorter film has no crest on either side.
-                if 0.5 * extent < quarter + 0.5 * WIDE * self.wavelength_mm {
-                    let least = 2.0 * quarter + WIDE * self.wavelength_mm;
-                    let meant =
-                        if 1e3 * extent >= least { format!("; {}", meant_length(extent)) } else { String::new() };
-                    problems.push(format!(
-                        "film: {extent} mm along {axis}, must be at least {least:.4} mm, 5/6 of the wavelength, to hold the \
-                         crests about the middle{meant}"
-                    ));
-                }
+        let is_gap = self.gap_mm >= 0.0 && self.gap_mm.is_finite();
+        faults.extend((!is_gap).then_some(SpliceFault::Gap(self.gap_mm)));
+        faults.extend(not_positive("resolution of directions", self.resolution_deg, "deg"));
+        let [near, far] = self.distance_mm;
+        faults.extend((is_wave && !(near < far)).then_some(SpliceFault::Distances(near, far)));
+        if faults.is_empty() {
+            for (axis, extent) in ['x', 'y'].into_iter().zip(self.film_mm) {
+                faults.extend((extent < least_extent(wave)).then_some(SpliceFault::NoCrests(axis, extent, wave)));
             }
             // cos kx + cos ky vanishes first where x + y is half a wavelength.
-            let reach = 0.5 * (self.range_mm[0] + self.range_mm[1]);
-            if reach >= 0.5 * self.wavelength_mm {
-                problems.push(format!(
-                    "range: {} x {} mm reaches points where B_z vanishes; half the sum of both must be less than half the wavelength, {} mm",
-                    self.range_mm[0],
-                    self.range_mm[1],
-                    0.5 * self.wavelength_mm
-                ));
-            }
-            if self.smallest_cut_mm > 0.25 * self.wavelength_mm {
-                problems.push(format!(
-                    "smallest cut: {} mm, must be at most a quarter of the wavelength, {quarter} mm",
-                    self.smallest_cut_mm
-                ));
-            }
-            if IdealFilm::new(self.wavelength_mm, self.thickness_mm, self.remanence_t).is_err()
-                || Tile::new(DVec3::ZERO, DVec3::splat(self.thickness_mm), DVec3::X * self.remanence_t).is_err()
-            {
-                problems.push("wavelength, thickness and remanence: out of range".to_owned());
-            }
+            let is_singular = 0.5 * (self.range_mm[0] + self.range_mm[1]) >= 0.5 * wave;
+            faults.extend(is_singular.then_some(SpliceFault::SingularRange(self.range_mm, wave)));
+            let cut = self.smallest_cut_mm;
+            faults.extend((cut > 0.25 * wave).then_some(SpliceFault::LongCut(cut, wave)));
+            let is_film = IdealFilm::new(wave, self.thickness_mm, j).is_ok()
+                && Tile::new(DVec3::ZERO, DVec3::splat(self.thickness_mm), DVec3::X * j).is_ok();
+            faults.extend((!is_film).then_some(SpliceFault::OutOfRange));
         }
-        if problems.is_empty() { Ok(()) } else { Err(DesignError::Request(problems)) }
+        if faults.is_empty() { Ok(()) } else { Err(DesignError::Request(faults)) }
     }
+}
+
+/// Four significant digits, as a person would write a default.
+fn four_digits(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+fn not_positive(name: &'static str, value: f64, unit: &'static str) -> Option<SpliceFault> {
+    let is_positive = value > 0.0 && value.is_finite();
+    (!is_positive).then_some(SpliceFault::NotPositive(name, value, unit))
 }
 
 #[cfg(test)]

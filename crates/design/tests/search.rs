@@ -4,7 +4,8 @@
 use std::ops::ControlFlow;
 
 use magsplice_design::{
-    DesignError, DesignProblem, MadeErrors, ProgressUpdate, SearchResult, SearchStage, SpliceRequest, ignore_progress,
+    DesignError, DesignProblem, MadeErrors, ProgressUpdate, SearchResult, SearchStage, Shortfall, SpliceRequest, Table,
+    ignore_progress,
 };
 use magsplice_layout::{FilmTolerance, Goal, Layout, Under};
 use magsplice_magnet::{Tile, overlaps};
@@ -89,7 +90,7 @@ fn films_that_are_made_need_errors_and_a_displacement() {
     let brief = layout.brief.as_mut().unwrap();
     brief.under = Under::Tolerance;
     let refused = |layout: &Layout| DesignProblem::new(layout).map(|_| ()).expect_err("refused");
-    assert_eq!(refused(&layout), DesignError::Missing("tolerance"));
+    assert_eq!(refused(&layout), DesignError::Missing(Table::Tolerance));
     layout.tolerance = Some(FilmTolerance::default());
     layout.brief.as_mut().unwrap().goal = Goal::Uniformity;
     assert_eq!(refused(&layout), DesignError::NotDisplacement);
@@ -177,7 +178,7 @@ fn parts_are_as_few_as_asked_and_parts_in_stock_are_unchanged() {
     );
     let result = search(&layout);
     assert_rules(&result, 0.8, 10.0);
-    assert_eq!(result.short_of, [""; 0]);
+    assert_eq!(result.short_of, []);
     assert!(result.parts <= 4, "{}", result.parts);
     let problem = DesignProblem::new(&layout).unwrap();
     let designed = Layout::parse(&problem.designed_layout(&result, "test").to_toml(), "designed")
@@ -272,29 +273,13 @@ fn contradictions_are_errors_and_missed_demands_are_listed() {
         "vary = [\"size\"]\nsymmetry = \"four-fold\"\nsmallest_cut_mm = 0.8\nstarts = 1\namplitude = { min = 5.0 }",
     );
     let result = search(&layout);
-    assert!(result.short_of.len() == 1 && result.short_of[0].ends_with("must be at least 5"), "{:?}", result.short_of);
+    assert!(matches!(result.short_of[..], [Shortfall::Amplitude { least: 5.0, .. }]), "{:?}", result.short_of);
     assert_rules(&result, 0.8, 10.0);
 }
 
 #[test]
 fn splice_request_has_the_published_pattern() {
-    let request = SpliceRequest {
-        wavelength_mm: 10.0,
-        film_mm: [20.0, 20.0],
-        thickness_mm: 1.0,
-        remanence_t: 0.12,
-        range_mm: [4.0, 4.0],
-        distance_mm: [3.0, 5.0],
-        smallest_cut_mm: 0.8,
-        gap_mm: 0.0,
-        resolution_mm: 0.001,
-        resolution_deg: 0.01,
-        least_amplitude: 0.65,
-        parts: None,
-        goal: Goal::Displacement,
-        starts: 1,
-        seed: 1,
-    };
+    let request = SpliceRequest { starts: 1, ..SpliceRequest::new(10.0, [20.0, 20.0]) };
     let layout = request.layout().unwrap();
     assert_eq!(layout.tiles.len(), 56);
     // Intervals are 10 / 3 and 10 / 6 mm wide, where the paper has 3.3 and 1.7.

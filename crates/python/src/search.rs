@@ -136,7 +136,7 @@ pub(crate) fn design(
             .collect(),
         parts,
         starts_that_agree: agreeing_starts,
-        short_of,
+        short_of: short_of.iter().map(ToString::to_string).collect(),
     })
 }
 
@@ -146,11 +146,11 @@ pub(crate) fn design(
 pub(crate) fn splice(
     wavelength_mm: f64,
     film_mm: [f64; 2],
-    thickness_mm: f64,
+    thickness_mm: Option<f64>,
     remanence_t: f64,
-    range_mm: [f64; 2],
-    distance_mm: [f64; 2],
-    smallest_cut_mm: f64,
+    range_mm: Option<[f64; 2]>,
+    distance_mm: Option<[f64; 2]>,
+    smallest_cut_mm: Option<f64>,
     gap_mm: f64,
     resolution_mm: f64,
     resolution_deg: f64,
@@ -169,14 +169,13 @@ pub(crate) fn splice(
             return Err(PyValueError::new_err(message));
         }
     };
+    let default = SpliceRequest::new(wavelength_mm, film_mm);
     let request = SpliceRequest {
-        wavelength_mm,
-        film_mm,
-        thickness_mm,
+        thickness_mm: thickness_mm.unwrap_or(default.thickness_mm),
         remanence_t,
-        range_mm,
-        distance_mm,
-        smallest_cut_mm,
+        range_mm: range_mm.unwrap_or(default.range_mm),
+        distance_mm: distance_mm.unwrap_or(default.distance_mm),
+        smallest_cut_mm: smallest_cut_mm.unwrap_or(default.smallest_cut_mm),
         gap_mm,
         resolution_mm,
         resolution_deg,
@@ -185,6 +184,7 @@ pub(crate) fn splice(
         goal,
         starts,
         seed,
+        ..default
     };
     let layout: Layout = request.layout().map_err(failed)?;
     let text = layout.to_compact_toml();

@@ -112,17 +112,15 @@ pub(crate) struct SpliceArgs {
 }
 
 impl SpliceArgs {
-    /// The film asked for; lengths that are not given are fractions of the wavelength.
+    /// The film asked for.
     pub(crate) fn request(&self) -> SpliceRequest {
-        let lambda = self.wavelength;
+        let default = SpliceRequest::new(self.wavelength, self.film);
         SpliceRequest {
-            wavelength_mm: lambda,
-            film_mm: self.film,
-            thickness_mm: self.thickness.unwrap_or(rounded(0.1 * lambda)),
+            thickness_mm: self.thickness.unwrap_or(default.thickness_mm),
             remanence_t: self.remanence,
-            range_mm: self.range.unwrap_or([rounded(0.4 * lambda); 2]),
-            distance_mm: self.distance.unwrap_or([rounded(0.3 * lambda), rounded(0.5 * lambda)]),
-            smallest_cut_mm: self.smallest_cut.unwrap_or(rounded(0.08 * lambda)),
+            range_mm: self.range.unwrap_or(default.range_mm),
+            distance_mm: self.distance.unwrap_or(default.distance_mm),
+            smallest_cut_mm: self.smallest_cut.unwrap_or(default.smallest_cut_mm),
             gap_mm: self.gap,
             resolution_mm: self.resolution,
             resolution_deg: self.resolution_deg,
@@ -135,6 +133,7 @@ impl SpliceArgs {
             },
             starts: self.starts as usize,
             seed: self.seed,
+            ..default
         }
     }
 }
@@ -147,11 +146,6 @@ enum GoalArg {
     Displacement,
     /// RMSE of B against the field of the ideal film times the amplitude
     Field,
-}
-
-/// Four significant digits, as a person would write a default.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
 }
 
 fn fraction(text: &str) -> Result<f64, String> {

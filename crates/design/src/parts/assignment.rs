@@ -103,39 +103,30 @@ impl PartAssignment {
         self.used().into_iter().filter(|&part| !self.parts[part].in_stock).count()
     }
 
+    /// The pairs of parts of which the first can become the second.
+    fn pairs(&self) -> Vec<(usize, usize)> {
+        let used = self.used();
+        let is_whole = |part: usize| self.parts[part].in_stock;
+        let may_become = |from: usize, into: usize| is_whole(into) || (into > from && used.contains(&into));
+        let froms = used.iter().copied().filter(|&from| !is_whole(from));
+        let of_part = |from| (0..self.parts.len()).filter(move |&into| into != from).map(move |into| (from, into));
+        froms.flat_map(of_part).filter(|&(from, into)| may_become(from, into)).collect()
+    }
+
     /// Every way to merge two parts. `turns` says whether directions may change.
     pub(crate) fn merged(&self, turns: bool) -> Vec<MergedAssignment> {
-        let used = self.used();
-        let mut all = Vec::new();
-        for &from in used.iter().filter(|&&part| !self.parts[part].in_stock) {
-            for into in 0..self.parts.len() {
-                let in_stock = self.parts[into].in_stock;
-                if into == from || (!in_stock && (into < from || !used.contains(&into))) {
-                    continue;
-                }
-                for flip in [false, true] {
-                    all.extend(self.with_merged(from, into, flip, turns));
-                }
-            }
-        }
-        all
+        let both =
+            |(from, into)| [false, true].into_iter().filter_map(move |flip| self.with_merged(from, into, flip, turns));
+        self.pairs().into_iter().flat_map(both).collect()
     }
 
     /// The assignment in which the two parts of the nearest sizes are merged.
     pub(crate) fn nearest_merged(&self, turns: bool) -> Option<PartAssignment> {
-        let used = self.used();
-        let mut pairs: Vec<(f64, usize, usize, bool)> = Vec::new();
-        for &from in used.iter().filter(|&&part| !self.parts[part].in_stock) {
-            for into in 0..self.parts.len() {
-                let in_stock = self.parts[into].in_stock;
-                if into == from || (!in_stock && (into < from || !used.contains(&into))) {
-                    continue;
-                }
-                let ([a, b], [c, d]) = (self.parts[from].size, self.parts[into].size);
-                pairs.push(((a - c).hypot(b - d), from, into, false));
-                pairs.push(((a - d).hypot(b - c), from, into, true));
-            }
-        }
+        let distances = |(from, into): (usize, usize)| {
+            let ([a, b], [c, d]) = (self.parts[from].size, self.parts[into].size);
+            [((a - c).hypot(b - d), from, into, false), ((a - d).hypot(b - c), from, into, true)]
+        };
+        let mut pairs: Vec<(f64, usize, usize, bool)> = self.pairs().into_iter().flat_map(distances).collect();
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
         pairs.into_iter().find_map(|(_, from, into, flip)| Some(self.with_merged(from, into, flip, turns)?.assignment))
     }

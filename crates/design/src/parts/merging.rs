@@ -16,7 +16,7 @@ use crate::parts::assignment::PartAssignment;
 use crate::problem::design_problem::DesignProblem;
 use crate::problem::least_squares::Candidate;
 use crate::problem::pattern::Pattern;
-use crate::progress::{Progress, ProgressUpdate, SearchStage};
+use crate::progress::{ProgressUpdate, SearchStage, Watch};
 use crate::tolerances::{MOST_STEPS, PARTS_SINGLY, PARTS_TRIED, TRIAL_STEPS, TRIALS_FINISHED};
 
 /// A film whose tiles share parts.
@@ -52,9 +52,9 @@ pub(crate) fn fewest(
     problem: &DesignProblem,
     pattern: &Pattern,
     candidate: &Candidate,
-    progress: Progress,
+    watch: &Watch,
 ) -> Option<FilmOfParts> {
-    levels(problem, pattern, candidate, problem.free_parts(), progress).pop()
+    levels(problem, pattern, candidate, problem.free_parts(), watch).pop()
 }
 
 /// The best films found with fewer and fewer parts, until at most `free_parts` of them are not in
@@ -64,10 +64,10 @@ pub(crate) fn levels(
     pattern: &Pattern,
     candidate: &Candidate,
     free_parts: usize,
-    progress: Progress,
+    watch: &Watch,
 ) -> Vec<FilmOfParts> {
     let assignment = PartAssignment::new(&problem.brief, pattern, candidate);
-    let Some(mut film) = designed(assignment, problem, pattern, MOST_STEPS, &|| progress(unmerged(candidate))) else {
+    let Some(mut film) = designed(assignment, problem, pattern, MOST_STEPS, &|| watch.show(unmerged(candidate))) else {
         return Vec::new();
     };
     let from = film.assignment.free();
@@ -76,17 +76,17 @@ pub(crate) fn levels(
         let left = film.assignment.free();
         let update = film.update(from - left, from.saturating_sub(free_parts));
         if left <= free_parts {
-            if let Some(better) = regrouped(problem, &film, progress) {
+            if let Some(better) = regrouped(problem, &film, watch) {
                 film = better;
             }
             levels.push(film);
             return levels;
         }
         levels.push(film.clone());
-        if progress(update).is_break() {
+        if watch.show(update).is_break() {
             return levels;
         }
-        let still = || progress(update);
+        let still = || watch.show(update);
         if left > PARTS_SINGLY {
             let aim = (left - left / 4).max(PARTS_SINGLY).max(free_parts);
             let assignment = with_nearest_merged(film.assignment.clone(), aim, problem.brief.vary.direction);
@@ -129,15 +129,17 @@ fn unmerged(candidate: &Candidate) -> ProgressUpdate {
 type StillWanted<'a> = &'a (dyn Fn() -> ControlFlow<()> + Sync);
 
 /// Moves single tiles to other parts as long as that makes the film better.
-fn regrouped(problem: &DesignProblem, film: &FilmOfParts, progress: Progress) -> Option<FilmOfParts> {
+fn regrouped(problem: &DesignProblem, film: &FilmOfParts, watch: &Watch) -> Option<FilmOfParts> {
     let mut best: Option<FilmOfParts> = None;
     loop {
         let now = best.as_ref().unwrap_or(film);
-        if now.assignment.placed.len() > PARTS_TRIED || progress(now.update(0, 0)).is_break() {
+        if now.assignment.placed.len() > PARTS_TRIED || watch.show(now.update(0, 0)).is_break() {
             return best;
         }
         let exchanged = now.assignment.with_one_exchanged(problem.brief.vary.direction);
-        let Some(next) = best_of(problem, &now.pattern, exchanged, &|| progress(now.update(0, 0))) else { return best };
+        let Some(next) = best_of(problem, &now.pattern, exchanged, &|| watch.show(now.update(0, 0))) else {
+            return best;
+        };
         if next.candidate.merit() >= 0.999 * now.candidate.merit() {
             return best;
         }
@@ -161,9 +163,8 @@ fn best_of(
     let finished: Vec<FilmOfParts> = tried
         .into_par_iter()
         .filter_map(|film| {
-            let go_on = &mut |_: &Candidate| still();
-            let candidate =
-                problem.least_squares.descend(&film.pattern, film.candidate.variables, MOST_STEPS, go_on)?;
+            let start = film.candidate.variables;
+            let candidate = problem.least_squares.descend(&film.pattern, start, MOST_STEPS, &mut |_| still())?;
             let assignment = film.assignment.updated(&film.pattern, &candidate);
             Some(FilmOfParts { assignment, pattern: film.pattern, candidate })
         })
@@ -182,8 +183,7 @@ fn designed(
 ) -> Option<FilmOfParts> {
     let pattern = assignment.pattern(problem.brief.vary, like);
     let start = problem.least_squares.nearest(&pattern, &pattern.start).ok()?;
-    let go_on = &mut |_: &Candidate| still();
-    let candidate = problem.least_squares.descend(&pattern, start, steps, go_on)?;
+    let candidate = problem.least_squares.descend(&pattern, start, steps, &mut |_| still())?;
     Some(FilmOfParts { assignment: assignment.updated(&pattern, &candidate), pattern, candidate })
 }
 

@@ -5,14 +5,15 @@ use magsplice_ideal::IdealFilm;
 use magsplice_layout::{Brief, Goal, Layout, Symmetry, Under, WorkingVolume};
 use magsplice_magnet::{BoundingBox, Grid, Tile};
 
-use crate::error::DesignError;
+use crate::error::{DesignError, Table};
 use crate::problem::error_model::ErrorModel;
 use crate::problem::least_squares::LeastSquares;
 use crate::problem::objective::Objective;
 use crate::problem::pattern::Pattern;
-use crate::problem::rules::{DesignBounds, LinearRule, RuleMeaning};
+use crate::problem::rules::{DesignBounds, LinearRule};
 use crate::problem::sampling::Sampling;
 use crate::problem::symmetry::orbits;
+use crate::rule::Rule;
 use crate::tolerances::{AMPLITUDE_MARGIN, POINTS_ALONG, SAME_TILE};
 
 /// A layout with a brief that can be carried out. Lengths in millimetres, polarization in tesla.
@@ -30,18 +31,15 @@ pub struct DesignProblem<'a> {
     pub(crate) least_squares: LeastSquares,
 }
 
-/// Where a film lies that is not centred on 0 along x and y.
-fn off_centre(tiles: &[Tile]) -> Option<String> {
+/// Where a film lies along x and y, along the axes along which it is not centred on 0.
+fn off_centre_mm(tiles: &[Tile]) -> [Option<[f64; 2]>; 2] {
     let bounds = tiles.iter().map(BoundingBox::from_tile);
-    let film = bounds
-        .reduce(|all, tile| BoundingBox { lower: all.lower.min(tile.lower), upper: all.upper.max(tile.upper) })?;
-    let spans: Vec<String> = ["x", "y"]
-        .into_iter()
-        .zip(film.lower.to_array().into_iter().zip(film.upper.to_array()))
-        .filter(|(_, (low, high))| (low + high).abs() > SAME_TILE * (high - low))
-        .map(|(axis, (low, high))| format!("{axis} = {} .. {}", shown_mm(low), shown_mm(high)))
-        .collect();
-    (!spans.is_empty()).then(|| format!("the film spans {} mm, which is not centred on 0", spans.join(" and ")))
+    let film =
+        bounds.reduce(|all, tile| BoundingBox { lower: all.lower.min(tile.lower), upper: all.upper.max(tile.upper) });
+    [0, 1].map(|axis| {
+        let (low, high) = film.map(|film| (film.lower[axis], film.upper[axis]))?;
+        ((low + high).abs() > SAME_TILE * (high - low)).then(|| [low, high].map(shown_mm))
+    })
 }
 
 /// A length without the round-off of sums of decimal numbers.
@@ -57,7 +55,7 @@ impl<'a> DesignProblem<'a> {
     /// If the layout lacks a table, its tiles lack the symmetry of the brief, no number is free, or
     /// the working volume is not below the film.
     pub fn new(layout: &'a Layout) -> Result<DesignProblem<'a>, DesignError> {
-        let brief = layout.brief.clone().ok_or(DesignError::Missing("design"))?;
+        let brief = layout.brief.clone().ok_or(DesignError::Missing(Table::Design))?;
         DesignProblem::from_brief(layout, brief)
     }
 
@@ -66,8 +64,8 @@ impl<'a> DesignProblem<'a> {
     /// # Errors
     /// As [`DesignProblem::new`].
     pub fn from_brief(layout: &'a Layout, brief: Brief) -> Result<DesignProblem<'a>, DesignError> {
-        let ideal = layout.ideal.ok_or(DesignError::Missing("ideal"))?;
-        let volume = layout.volume.ok_or(DesignError::Missing("volume"))?;
+        let ideal = layout.ideal.ok_or(DesignError::Missing(Table::Ideal))?;
+        let volume = layout.volume.ok_or(DesignError::Missing(Table::Volume))?;
         let tiles = layout.bare_tiles();
         let named = |indices: Vec<usize>| indices.into_iter().map(|i| layout.tiles[i].name.clone()).collect();
         let moves = brief.vary.size || brief.vary.position || brief.vary.cut || brief.symmetry != Symmetry::None;
@@ -77,7 +75,8 @@ impl<'a> DesignProblem<'a> {
         }
         let orbits = orbits(&tiles, brief.symmetry).map_err(|without| {
             let most = 2 * without.len() >= tiles.len();
-            DesignError::NotSymmetric { off_centre: off_centre(&tiles).filter(|_| most), tiles: named(without) }
+            let off_centre_mm = if most { off_centre_mm(&tiles) } else { [None; 2] };
+            DesignError::NotSymmetric { tiles: named(without), off_centre_mm }
         })?;
         let pattern = Pattern::new(&tiles, &orbits, &brief);
         if pattern.kinds.is_empty() {
@@ -97,11 +96,11 @@ impl<'a> DesignProblem<'a> {
         let mut bounds = DesignBounds::new(&brief, &tiles);
         if brief.vary.position && !brief.vary.size {
             // Rounding may move each of two centres nearer by half of the resolution.
-            bounds.gap_mm += brief.resolution_mm;
+            bounds.gap.least_mm += brief.resolution_mm;
         }
         let errors = match (brief.under, &layout.tolerance) {
             (Under::Nominal, _) => None,
-            (Under::Tolerance, None) => return Err(DesignError::Missing("tolerance")),
+            (Under::Tolerance, None) => return Err(DesignError::Missing(Table::Tolerance)),
             (Under::Tolerance, Some(_)) if brief.goal != Goal::Displacement => {
                 return Err(DesignError::NotDisplacement);
             }
@@ -160,40 +159,14 @@ impl<'a> DesignProblem<'a> {
         self.brief.least_amplitude
     }
 
-    /// Rules as messages.
-    pub(crate) fn describe(&self, rules: &[LinearRule]) -> Vec<String> {
-        rules.iter().map(|rule| self.describe_rule(rule)).collect()
-    }
-
-    fn describe_rule(&self, rule: &LinearRule) -> String {
-        let name = |index: usize| &self.layout.tiles[index].name;
-        let bounds = &self.least_squares.bounds;
-        match rule.meaning {
-            RuleMeaning::ShortestSide(tile) => {
-                format!("tile \"{}\": a side must be at least {} mm", name(tile), bounds.smallest_cut_mm)
-            }
-            RuleMeaning::Outline(tile) => format!(
-                "tile \"{}\": must stay within outline_mm, x = {:?}, y = {:?}",
-                name(tile),
-                bounds.outline_mm[0],
-                bounds.outline_mm[1]
-            ),
-            RuleMeaning::Thickness(tile) => {
-                format!("tile \"{}\": its thickness must be within {:?} mm", name(tile), self.brief.thickness_mm)
-            }
-            RuleMeaning::Strength(tile) => {
-                format!("tile \"{}\": its strength must be within {:?} T", name(tile), self.brief.strength_t)
-            }
-            RuleMeaning::Apart(a, b) => {
-                let rule =
-                    format!("tiles \"{}\" and \"{}\": must be at least {} mm apart", name(a), name(b), bounds.gap_mm);
-                if bounds.gap_mm == self.brief.gap_mm {
-                    return rule;
-                }
-                let Brief { gap_mm, resolution_mm, .. } = self.brief;
-                format!("{rule}: gap_mm = {gap_mm}, and resolution_mm = {resolution_mm} for the rounding of positions")
-            }
-        }
+    /// The error of rules that no film keeps together.
+    pub(crate) fn contradiction(&self, rules: Vec<LinearRule>) -> DesignError {
+        let name = |tile: usize| self.layout.tiles[tile].name.clone();
+        let named = |LinearRule { demand, tiles: (tile, other), .. }| Rule {
+            tiles: [Some(tile), other].into_iter().flatten().map(name).collect(),
+            demand,
+        };
+        DesignError::Contradiction(rules.into_iter().map(named).collect())
     }
 }
 

@@ -84,7 +84,7 @@ impl LeastSquares {
     pub(crate) fn rules(&self, pattern: &Pattern, variables: &[f64]) -> Vec<LinearRule> {
         let mut rules = self.bounds.rules_of_tiles(pattern);
         // Each of two tiles may move and grow by a step.
-        let reach = self.bounds.gap_mm + 4.0 * self.step(VariableKind::Length);
+        let reach = self.bounds.gap.least_mm + 4.0 * self.step(VariableKind::Length);
         rules.extend(self.bounds.rules_of_pairs(pattern, variables, reach));
         rules
     }

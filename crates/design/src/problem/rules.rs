@@ -7,27 +7,15 @@ use magsplice_magnet::Tile;
 
 use crate::problem::affine::Affine;
 use crate::problem::pattern::{Pattern, VariableTile};
+use crate::rule::{Demand, Gap};
 
 /// An affine expression that must be at least 0.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LinearRule {
     pub(crate) value: Affine,
-    pub(crate) meaning: RuleMeaning,
-}
-
-/// The demand that a rule stands for. Tiles are given by their index in the film.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum RuleMeaning {
-    /// A side of the tile has a least length.
-    ShortestSide(usize),
-    /// The tile stays within the outline.
-    Outline(usize),
-    /// The thickness of the tile stays within its bounds.
-    Thickness(usize),
-    /// The strength of the tile stays within its bounds.
-    Strength(usize),
-    /// Two tiles keep the least gap.
-    Apart(usize, usize),
+    pub(crate) demand: Demand,
+    /// Indices of the tiles that it binds: one, or two to be kept apart.
+    pub(crate) tiles: (usize, Option<usize>),
 }
 
 /// Bounds of the tiles of a film, resolved from its brief. Lengths in millimetres, polarization in
@@ -37,8 +25,7 @@ pub(crate) struct DesignBounds {
     /// Lower and upper end along x and y.
     pub(crate) outline_mm: [[f64; 2]; 2],
     pub(crate) smallest_cut_mm: f64,
-    /// Least distance of neighbours, with an allowance for rounding.
-    pub(crate) gap_mm: f64,
+    pub(crate) gap: Gap,
     pub(crate) thickness_mm: Option<[f64; 2]>,
     pub(crate) strength_t: Option<[f64; 2]>,
 }
@@ -69,7 +56,7 @@ impl DesignBounds {
         DesignBounds {
             outline_mm,
             smallest_cut_mm: brief.smallest_cut_mm.unwrap_or(shortest),
-            gap_mm: brief.gap_mm,
+            gap: Gap { least_mm: brief.gap_mm, gap_mm: brief.gap_mm, resolution_mm: brief.resolution_mm },
             thickness_mm: brief.vary.thickness.then_some(brief.thickness_mm),
             strength_t: brief.vary.strength.then_some(brief.strength_t),
         }
@@ -82,20 +69,23 @@ impl DesignBounds {
             let tile = variable_tile.orbit.tile;
             for [lower, upper] in &variable_tile.faces[..2] {
                 let side = upper.minus(lower);
-                rules.push(at_least(&side, self.smallest_cut_mm, RuleMeaning::ShortestSide(tile)));
+                rules.push(at_least(&side, self.smallest_cut_mm, Demand::Side(self.smallest_cut_mm), tile));
             }
+            let outline = Demand::Outline(self.outline_mm);
             for ([lower, upper], [low, high]) in variable_tile.faces[..2].iter().zip(self.outline_mm) {
-                rules.push(at_least(lower, low, RuleMeaning::Outline(tile)));
-                rules.push(at_most(upper, high, RuleMeaning::Outline(tile)));
+                rules.push(at_least(lower, low, outline, tile));
+                rules.push(at_most(upper, high, outline, tile));
             }
             if let Some([least, most]) = self.thickness_mm {
+                let within = Demand::Thickness([least, most]);
                 let height = variable_tile.faces[2][1].minus(&variable_tile.faces[2][0]);
-                rules.push(at_least(&height, least, RuleMeaning::Thickness(tile)));
-                rules.push(at_most(&height, most, RuleMeaning::Thickness(tile)));
+                rules.push(at_least(&height, least, within, tile));
+                rules.push(at_most(&height, most, within, tile));
             }
             if let Some([least, most]) = self.strength_t {
-                rules.push(at_least(&variable_tile.strength, least, RuleMeaning::Strength(tile)));
-                rules.push(at_most(&variable_tile.strength, most, RuleMeaning::Strength(tile)));
+                let within = Demand::Strength([least, most]);
+                rules.push(at_least(&variable_tile.strength, least, within, tile));
+                rules.push(at_most(&variable_tile.strength, most, within, tile));
             }
         }
         distinct(rules)
@@ -136,7 +126,9 @@ impl DesignBounds {
                 let middle = |image: &PlacedImage| image.ends[axis][0] + image.ends[axis][1];
                 let [before, after] = if middle(first) < middle(other) { [first, other] } else { [other, first] };
                 let between = after.faces[axis][0].minus(&before.faces[axis][1]);
-                rules.push(at_least(&between, self.gap_mm, RuleMeaning::Apart(first.index, other.index)));
+                let mut rule = at_least(&between, self.gap.least_mm, Demand::Apart(self.gap), first.index);
+                rule.tiles.1 = Some(other.index);
+                rules.push(rule);
             }
         }
         distinct(rules)
@@ -155,12 +147,12 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (b[0] - a[1]).max(a[0] - b[1])
 }
 
-fn at_least(value: &Affine, least: f64, meaning: RuleMeaning) -> LinearRule {
-    LinearRule { value: value.minus(&Affine::constant(least)), meaning }
+fn at_least(value: &Affine, least: f64, demand: Demand, tile: usize) -> LinearRule {
+    LinearRule { value: value.minus(&Affine::constant(least)), demand, tiles: (tile, None) }
 }
 
-fn at_most(value: &Affine, most: f64, meaning: RuleMeaning) -> LinearRule {
-    LinearRule { value: Affine::constant(most).minus(value), meaning }
+fn at_most(value: &Affine, most: f64, demand: Demand, tile: usize) -> LinearRule {
+    LinearRule { value: Affine::constant(most).minus(value), demand, tiles: (tile, None) }
 }
 
 /// The rules without repetitions, which images cause.

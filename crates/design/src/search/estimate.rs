@@ -37,7 +37,7 @@ impl DesignProblem<'_> {
     pub fn estimate(&self, threads: usize) -> Result<SearchEstimate, DesignError> {
         let begun = Instant::now();
         let start = self.least_squares.nearest(&self.pattern, &self.pattern.start);
-        let start = start.map_err(|rules| DesignError::Contradiction(self.describe(&rules)))?;
+        let start = start.map_err(|rules| self.contradiction(rules))?;
         let once = &mut |_: &_| ControlFlow::Break(());
         self.least_squares.descend(&self.pattern, start, 1, once).ok_or(DesignError::Singular)?;
         let step = begun.elapsed();

@@ -1,14 +1,14 @@
 //! The errors of the films that are made, by samples: of the film before a search, and of the one
 //! found.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use magsplice_decouple::{Figures, PerAxis};
 use magsplice_magnet::Tile;
-use magsplice_tolerance::{EvaluationGrid, SampleError, Sampler, Statistics, statistics};
+use magsplice_tolerance::{EvaluationGrid, Sampler, Statistics, statistics};
 
+use crate::error::DesignError;
 use crate::problem::design_problem::DesignProblem;
-use crate::progress::{Progress, ProgressUpdate, SearchStage};
+use crate::progress::{ProgressUpdate, SearchStage, Watch};
+use crate::search::shortfall::Shortfall;
 
 /// Samples between two updates about progress: about a tenth of a second for a film of 56 tiles.
 const BATCH: u64 = 100;
@@ -46,30 +46,22 @@ impl DesignProblem<'_> {
     /// Samples the film before the search and the film found. `None` if the brief does not count
     /// the films that are made.
     ///
-    /// If `stop` is set, the samples end after the first batch.
+    /// If the search is stopped, the samples end after the first batch.
     ///
     /// # Errors
-    /// The reason in words, if a sample has no errors.
-    pub(crate) fn made_films(
-        &self,
-        found: &[Tile],
-        progress: Progress,
-        stop: &AtomicBool,
-    ) -> Result<Option<MadeFilms>, String> {
+    /// If a sample has no errors.
+    pub(crate) fn made_films(&self, found: &[Tile], watch: &Watch) -> Result<Option<MadeFilms>, Shortfall> {
         let (Some(_), Some(tolerance)) = (&self.least_squares.errors, &self.layout.tolerance) else {
             return Ok(None);
         };
         let volume = EvaluationGrid { grid: self.volume.grid, reference: self.volume.reference_mm };
-        let in_words = |film: usize, reason: String| {
-            format!("samples of the film {}: {reason}", ["before the search", "found"][film])
-        };
-        let real_film = |film: usize, tiles: &[Tile]| {
-            self.real_film(tiles, tolerance).map_err(|error| in_words(film, error.to_string()))
-        };
+        let missed = |film: usize, sample, error| Shortfall::Samples { found: film == 1, sample, error };
+        let real_film =
+            |film, tiles: &[Tile]| self.real_film(tiles, tolerance).map_err(|error| missed(film, None, error));
         let films = [real_film(0, &self.tiles)?, real_film(1, found)?];
         let sampler = |film: usize| {
             Sampler::new(&films[film], &volume, &self.ideal, tolerance.seed)
-                .map_err(|error: SampleError| in_words(film, error.to_string()))
+                .map_err(|error| missed(film, None, DesignError::Sample(error)))
         };
         let samplers = [sampler(0)?, sampler(1)?];
         let mut errors: [Vec<Figures>; 2] = [Vec::new(), Vec::new()];
@@ -78,13 +70,14 @@ impl DesignProblem<'_> {
             let end = (done + BATCH).min(tolerance.samples);
             for (film, sampler) in samplers.iter().enumerate() {
                 let of_batch = sampler.errors_of_range(done..end);
-                errors[film]
-                    .extend(of_batch.map_err(|(sample, error)| in_words(film, format!("number {sample}: {error}")))?);
+                errors[film].extend(
+                    of_batch.map_err(|(sample, error)| missed(film, Some(sample), DesignError::Sample(error)))?,
+                );
             }
             done = end;
             let (done, of) = (done as usize, tolerance.samples as usize);
             let update = ProgressUpdate { stage: SearchStage::Samples, done, of, best: None };
-            if progress(update).is_break() || stop.load(Ordering::Relaxed) {
+            if watch.show(update).is_break() {
                 break;
             }
         }

@@ -10,6 +10,8 @@ pub(crate) mod metrics;
 mod rounding;
 /// The film that a search returns.
 pub(crate) mod search_result;
+/// Demands that the film misses.
+pub(crate) mod shortfall;
 /// The search, stage by stage.
 mod stages;
 /// The film found, as a layout.

@@ -6,6 +6,7 @@ use magsplice_magnet::Tile;
 use crate::progress::SearchStage;
 use crate::search::made_films::MadeFilms;
 use crate::search::metrics::Metrics;
+use crate::search::shortfall::Shortfall;
 
 /// A film that a search found, with its errors before and after. Lengths in millimetres,
 /// polarization in tesla.
@@ -33,8 +34,8 @@ pub struct SearchResult {
     /// Number of starts whose error is within a tenth of the best.
     #[cfg_attr(feature = "serde", serde(rename = "starts_that_agree"))]
     pub agreeing_starts: usize,
-    /// Demands of the layout that the film misses, each as value and rule. Empty if it meets all.
-    pub short_of: Vec<String>,
+    /// Demands of the layout that the film misses. Empty if it meets all.
+    pub short_of: Vec<Shortfall>,
     /// Whether the progress callback stopped the search.
     pub interrupted: bool,
 }

@@ -1,22 +1,22 @@
 //! The search for a film: several starts, strengths in stock, fewer parts if asked for, rounding.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use magsplice_layout::Brief;
 use magsplice_magnet::{Overlap, Tile, overlaps};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::error::DesignError;
+use crate::error::{DesignError, RoundingFault};
 use crate::parts::merging;
 use crate::problem::design_problem::DesignProblem;
 use crate::problem::least_squares::Candidate;
 use crate::problem::pattern::Pattern;
-use crate::progress::{Progress, ProgressUpdate, SearchStage, SharedProgress, latched};
+use crate::progress::{Progress, ProgressUpdate, SearchStage, SharedProgress, Watch};
+use crate::rule::{Demand, Rule};
 use crate::search::metrics::Metrics;
 use crate::search::rounding;
 use crate::search::search_result::{SearchResult, StageMetrics};
+use crate::search::shortfall::Shortfall;
 use crate::strengths::stock_strengths::fix_to_stock;
 use crate::tolerances::{MOST_STEPS, ROUNDS_OF_AMPLITUDE, SPREAD_OF_STARTS};
 
@@ -34,41 +34,41 @@ impl DesignProblem<'_> {
         self.metrics(&self.cells(&self.tiles)?)?;
         let mut problem = self.clone();
         problem.hold_recoil(&self.tiles)?;
-        let best = problem.best_of_starts(progress)?;
-        problem.finished(best, progress)
+        let watch = Watch::new(progress);
+        problem.finished(problem.best_of_starts(&watch)?, &watch)
     }
 
     /// The stages after the starts.
-    pub(crate) fn finished(&self, best: BestOfStarts, progress: Progress) -> Result<SearchResult, DesignError> {
-        let BestOfStarts { best, agreeing, interrupted } = best;
-        let stop = AtomicBool::new(interrupted);
-        let progress = latched(progress, &stop);
+    pub(crate) fn finished(&self, best: BestOfStarts, watch: &Watch) -> Result<SearchResult, DesignError> {
+        let BestOfStarts { best, agreeing } = best;
         let mut problem = self.clone();
         let mut stages = vec![problem.stage_metrics(SearchStage::Starts, &self.pattern, &best)?];
         let (mut pattern, mut candidate) = (self.pattern.clone(), best);
         if self.layout.has_recoil() {
-            candidate = problem.settle_recoil(&pattern, candidate, &progress)?;
+            candidate = problem.settle_recoil(&pattern, candidate, watch)?;
             stages.push(problem.stage_metrics(SearchStage::Recoil, &pattern, &candidate)?);
         }
         if !self.brief.stock_strengths_t.is_empty() {
-            (pattern, candidate) = fix_to_stock(&problem, pattern, candidate, &progress);
+            (pattern, candidate) = fix_to_stock(&problem, pattern, candidate, watch);
             stages.push(self.stage_metrics(SearchStage::Strengths, &pattern, &candidate)?);
-            candidate = problem.settle_recoil(&pattern, candidate, &progress)?;
+            candidate = problem.settle_recoil(&pattern, candidate, watch)?;
         }
         if self.brief.parts.is_some() || !self.brief.stock.is_empty() {
             problem.leave_room_for_rounding();
-            let film = merging::fewest(&problem, &pattern, &candidate, &progress).ok_or_else(DesignError::no_parts)?;
+            let film = merging::fewest(&problem, &pattern, &candidate, watch).ok_or_else(|| {
+                DesignError::Contradiction(vec![Rule { tiles: Vec::new(), demand: Demand::FewParts }])
+            })?;
             stages.push(self.stage_metrics(SearchStage::Parts(film.part_count()), &film.pattern, &film.candidate)?);
             (pattern, candidate) = (film.pattern, film.candidate);
-            candidate = problem.settle_recoil(&pattern, candidate, &progress)?;
+            candidate = problem.settle_recoil(&pattern, candidate, watch)?;
         }
-        problem.rounded(&pattern, candidate, stages, agreeing, &progress, &stop)
+        problem.rounded(&pattern, candidate, stages, agreeing, watch)
     }
 
     /// Widens the gap by two steps of the resolution: where tiles share sizes, rounding may move
     /// each of two neighbours nearer by one step.
     pub(crate) fn leave_room_for_rounding(&mut self) {
-        self.least_squares.bounds.gap_mm += 2.0 * self.brief.resolution_mm;
+        self.least_squares.bounds.gap.least_mm += 2.0 * self.brief.resolution_mm;
     }
 
     /// The last stage.
@@ -78,28 +78,23 @@ impl DesignProblem<'_> {
         candidate: Candidate,
         mut stages: Vec<StageMetrics>,
         agreeing_starts: usize,
-        progress: Progress,
-        stop: &AtomicBool,
+        watch: &Watch,
     ) -> Result<SearchResult, DesignError> {
         let before = self.metrics(&self.cells(&self.tiles)?)?;
-        let (layout, least, wanted) = (self.layout, self.brief.least_amplitude, self.brief.parts);
+        let (layout, least, most) = (self.layout, self.brief.least_amplitude, self.brief.parts);
         let sampled_by = self.clone();
-        let (tiles, [after, finer]) = self.rounded_with_amplitude(pattern, candidate, progress)?;
+        let (tiles, [after, finer]) = self.rounded_with_amplitude(pattern, candidate, watch)?;
         stages.push(StageMetrics { stage: SearchStage::Rounding, uniformity_rmse: after.figures.uniformity_rmse });
         let parts = merging::count_distinct(layout, &tiles);
         let mut short_of = Vec::new();
-        let amplitude = smaller_amplitude(&[after, finer]);
-        if let Some(least) = least.filter(|least| amplitude < *least) {
-            short_of.push(format!("amplitude {amplitude:.4}, must be at least {least}"));
-        }
-        if let Some(wanted) = wanted.filter(|wanted| parts > *wanted) {
-            short_of.push(format!("{parts} distinct parts, must be at most {wanted}"));
-        }
-        let made = sampled_by.made_films(&tiles, progress, stop).unwrap_or_else(|reason| {
-            short_of.push(reason);
+        let reached = smaller_amplitude(&[after, finer]);
+        short_of.extend(least.filter(|least| reached < *least).map(|least| Shortfall::Amplitude { reached, least }));
+        short_of.extend(most.filter(|most| parts > *most).map(|most| Shortfall::Parts { reached: parts, most }));
+        let made = sampled_by.made_films(&tiles, watch).unwrap_or_else(|missed| {
+            short_of.push(missed);
             None
         });
-        let interrupted = stop.load(Ordering::Relaxed);
+        let interrupted = watch.is_stopped();
         Ok(SearchResult { tiles, before, after, finer, made, stages, parts, agreeing_starts, short_of, interrupted })
     }
 
@@ -109,22 +104,21 @@ impl DesignProblem<'_> {
         mut self,
         pattern: &Pattern,
         mut candidate: Candidate,
-        progress: Progress,
+        watch: &Watch,
     ) -> Result<(Vec<Tile>, [Metrics; 2]), DesignError> {
         let mut rounds = 0;
         loop {
             let variables = rounding::rounded(&self, pattern, &candidate.variables);
-            let name = |index: usize| &self.layout.tiles[index].name;
+            let name = |index: usize| self.layout.tiles[index].name.clone();
             let tiles = rounding::tiles(pattern, &variables)
-                .map_err(|index| self.too_coarse(format!("tile \"{}\" has a side of 0 mm", name(index))))?;
+                .map_err(|index| self.too_coarse(RoundingFault::NoSide(name(index))))?;
             if let Some(Overlap { first, second, depth, .. }) = overlaps(&tiles).next() {
-                let tiles = format!("tiles \"{}\" and \"{}\"", name(first), name(second));
-                return Err(self.too_coarse(format!("{tiles} overlap by {depth} mm")));
+                let fault = RoundingFault::Overlap { tiles: [first, second].map(name), depth_mm: depth };
+                return Err(self.too_coarse(fault));
             }
-            let metrics =
-                |metrics: Result<Metrics, DesignError>| metrics.map_err(|error| self.too_coarse(error.to_string()));
+            let no_metrics = |error: DesignError| self.too_coarse(RoundingFault::NoMetrics(Box::new(error)));
             let cells = self.cells(&tiles)?;
-            let metrics = [metrics(self.metrics(&cells))?, metrics(self.finer_metrics(&cells))?];
+            let metrics = [self.metrics(&cells).map_err(no_metrics)?, self.finer_metrics(&cells).map_err(no_metrics)?];
             let short = self.brief.least_amplitude.map_or(0.0, |least| least - smaller_amplitude(&metrics));
             let update = ProgressUpdate {
                 stage: SearchStage::Rounding,
@@ -132,40 +126,40 @@ impl DesignProblem<'_> {
                 of: ROUNDS_OF_AMPLITUDE,
                 best: Some(candidate.root_mean_square()),
             };
-            if short <= 0.0 || rounds == ROUNDS_OF_AMPLITUDE || progress(update).is_break() {
+            if short <= 0.0 || rounds == ROUNDS_OF_AMPLITUDE || watch.show(update).is_break() {
                 return Ok((tiles, metrics));
             }
             rounds += 1;
             self.least_squares.least_amplitude = self.least_squares.least_amplitude.map(|least| least + 1.1 * short);
-            let go_on = &mut |_: &Candidate| progress(update);
             candidate = self
                 .least_squares
-                .descend(pattern, candidate.variables, MOST_STEPS, go_on)
+                .descend(pattern, candidate.variables, MOST_STEPS, &mut |_| watch.show(update))
                 .ok_or(DesignError::Singular)?;
         }
     }
 
-    fn too_coarse(&self, reason: String) -> DesignError {
+    fn too_coarse(&self, fault: RoundingFault) -> DesignError {
         let Brief { resolution_mm, resolution_deg, .. } = self.brief;
-        DesignError::Resolution { resolution_mm, resolution_deg, reason }
+        DesignError::Resolution { resolution_mm, resolution_deg, fault }
     }
 
     /// The best film of several starts, which run in parallel.
-    pub(crate) fn best_of_starts(&self, progress: Progress) -> Result<BestOfStarts, DesignError> {
+    pub(crate) fn best_of_starts(&self, watch: &Watch) -> Result<BestOfStarts, DesignError> {
         let first = self.least_squares.nearest(&self.pattern, &self.pattern.start);
-        let first = first.map_err(|rules| DesignError::Contradiction(self.describe(&rules)))?;
-        let shared = SharedProgress::new(progress, SearchStage::Starts, self.brief.starts);
+        let first = first.map_err(|rules| self.contradiction(rules))?;
+        let shared = SharedProgress::new(watch, self.brief.starts);
         let all: Vec<Option<Candidate>> = (0..self.brief.starts)
             .into_par_iter()
             .map(|index| {
                 // The first start always runs, so that there is a film.
-                if index > 0 && shared.is_stopped() {
+                if index > 0 && watch.is_stopped() {
                     return None;
                 }
                 let start = if index == 0 { Some(first.clone()) } else { self.start(&first, index) };
                 let candidate = start.and_then(|start| {
-                    let mut report = |found: &Candidate| shared.report(found.root_mean_square(), found.lack == 0.0);
-                    self.least_squares.descend(&self.pattern, start, MOST_STEPS, &mut report)
+                    self.least_squares.descend(&self.pattern, start, MOST_STEPS, &mut |found| {
+                        shared.show(found.root_mean_square(), found.lack == 0.0)
+                    })
                 });
                 shared.finish_one();
                 candidate
@@ -176,7 +170,7 @@ impl DesignProblem<'_> {
         // Errors within a tenth are squares within a fifth.
         let agreeing = merits().filter(|merit| *merit <= 1.2 * least).count();
         let best = all.into_iter().flatten().min_by(|a, b| a.merit().total_cmp(&b.merit()));
-        Ok(BestOfStarts { best: best.ok_or(DesignError::Singular)?, agreeing, interrupted: shared.is_stopped() })
+        Ok(BestOfStarts { best: best.ok_or(DesignError::Singular)?, agreeing })
     }
 
     /// A start away from the first one. `None` if no film near it keeps the rules.
@@ -227,5 +221,4 @@ pub(crate) struct BestOfStarts {
     pub(crate) best: Candidate,
     /// Number of starts whose error is within a tenth of the best.
     pub(crate) agreeing: usize,
-    pub(crate) interrupted: bool,
 }

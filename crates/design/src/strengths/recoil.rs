@@ -5,8 +5,6 @@
 //! changes by the susceptibility times the change of the film, so that each round is nearer by
 //! about this factor.
 
-use std::ops::ControlFlow;
-
 use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_layout::FilmTolerance;
@@ -18,7 +16,7 @@ use crate::error::DesignError;
 use crate::problem::design_problem::DesignProblem;
 use crate::problem::least_squares::Candidate;
 use crate::problem::pattern::Pattern;
-use crate::progress::{Progress, ProgressUpdate, SearchStage};
+use crate::progress::{ProgressUpdate, SearchStage, Watch};
 use crate::tolerances::{MOST_STEPS, RECOIL_LEVEL, RECOIL_STAYS, ROUNDS_OF_RECOIL};
 
 impl DesignProblem<'_> {
@@ -89,7 +87,7 @@ impl DesignProblem<'_> {
         &mut self,
         pattern: &Pattern,
         mut candidate: Candidate,
-        progress: Progress,
+        watch: &Watch,
     ) -> Result<Candidate, DesignError> {
         if !self.layout.has_recoil() {
             return Ok(candidate);
@@ -98,13 +96,12 @@ impl DesignProblem<'_> {
             let best = Some(candidate.root_mean_square());
             let update = ProgressUpdate { stage: SearchStage::Recoil, done, of: ROUNDS_OF_RECOIL, best };
             let tiles = pattern.all_tiles(&candidate.variables).ok_or(DesignError::NoField)?;
-            if self.hold_recoil(&tiles)? <= RECOIL_STAYS || progress(update).is_break() {
+            if self.hold_recoil(&tiles)? <= RECOIL_STAYS || watch.show(update).is_break() {
                 break;
             }
-            let go_on = &mut |_: &Candidate| -> ControlFlow<()> { progress(update) };
             candidate = self
                 .least_squares
-                .descend(pattern, candidate.variables, MOST_STEPS, go_on)
+                .descend(pattern, candidate.variables, MOST_STEPS, &mut |_| watch.show(update))
                 .ok_or(DesignError::Singular)?;
         }
         self.least_squares.candidate_at(pattern, candidate.variables).ok_or(DesignError::Singular)

@@ -5,7 +5,7 @@ use crate::problem::affine::Affine;
 use crate::problem::design_problem::DesignProblem;
 use crate::problem::least_squares::Candidate;
 use crate::problem::pattern::{Pattern, VariableKind};
-use crate::progress::{Progress, ProgressUpdate, SearchStage};
+use crate::progress::{ProgressUpdate, SearchStage, Watch};
 use crate::tolerances::MOST_STEPS;
 
 /// Fixes the strength that is nearest to one in stock, descends in the variables that are left, and
@@ -14,7 +14,7 @@ pub(crate) fn fix_to_stock(
     problem: &DesignProblem,
     mut pattern: Pattern,
     mut candidate: Candidate,
-    progress: Progress,
+    watch: &Watch,
 ) -> (Pattern, Candidate) {
     let of = pattern.kinds.iter().filter(|kind| **kind == VariableKind::Strength).count();
     for done in 0..of {
@@ -29,13 +29,14 @@ pub(crate) fn fix_to_stock(
         pattern = without(&pattern, next, value);
         candidate.variables.remove(next);
         let best = Some(candidate.root_mean_square());
-        let flow = progress(ProgressUpdate { stage: SearchStage::Strengths, done, of, best });
+        let update = ProgressUpdate { stage: SearchStage::Strengths, done, of, best };
+        let flow = watch.show(update);
         let variables = candidate.variables.clone();
         candidate = problem.least_squares.candidate_at(&pattern, variables).unwrap_or(candidate);
         // After a stop the remaining strengths are fixed without further descents.
         if flow.is_continue() {
-            let go_on = &mut |_: &Candidate| progress(ProgressUpdate { stage: SearchStage::Strengths, done, of, best });
-            let better = problem.least_squares.descend(&pattern, candidate.variables.clone(), MOST_STEPS, go_on);
+            let (start, still) = (candidate.variables.clone(), &mut |_: &_| watch.show(update));
+            let better = problem.least_squares.descend(&pattern, start, MOST_STEPS, still);
             candidate = better.unwrap_or(candidate);
         }
     }

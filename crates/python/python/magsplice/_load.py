@@ -140,15 +140,14 @@ def splice(
         If other numbers are out of range; the message has all of them.
     """
     starts, seed = whole("starts", starts, 1), whole("seed", seed, 0)
-    wave = wavelength_mm
     text = _magsplice.splice(
-        wave,
+        wavelength_mm,
         film_mm,
-        0.1 * wave if thickness_mm is None else thickness_mm,
+        thickness_mm,
         remanence_t,
-        (0.4 * wave, 0.4 * wave) if range_mm is None else range_mm,
-        (0.3 * wave, 0.5 * wave) if distance_mm is None else distance_mm,
-        0.08 * wave if smallest_cut_mm is None else smallest_cut_mm,
+        range_mm,
+        distance_mm,
+        smallest_cut_mm,
         gap_mm,
         resolution_mm,
         resolution_deg,
