@@ -4,8 +4,10 @@ use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_layout::FilmTolerance;
 use magsplice_magnet::Quantity;
-use magsplice_making::{Diagnosis, DiagnosisError, DiagnosisSettings, FieldScan, ScanDiagnosis};
-use magsplice_sensor::{FreeParameters, Noise, ScanParameters, fit_scan};
+use magsplice_scan::{
+    Diagnosis, DiagnosisError, DiagnosisSettings, FieldScan, FreeParameters, ScanDiagnosis, ScanParameters, fit_scan,
+};
+use magsplice_sensor::Noise;
 
 use crate::film::Film;
 use crate::film_error::FilmError;
@@ -45,22 +47,21 @@ impl Film<'_> {
             field_t.iter_mut().zip(added_t).for_each(|(field_t, added_t)| *field_t -= added_t);
         }
         let tiles = self.layout().bare_tiles();
-        let ordinary = self.layout().tolerance.as_ref().map(|stated| FilmTolerance {
+        let expected = self.layout().tolerance.as_ref().map(|stated| FilmTolerance {
             tiles: stated.tiles.clone(),
             groups: stated.groups.clone(),
             ..FilmTolerance::default()
         });
         // The parameters of the nominal film, or of a perfect scan where wrong tiles do not let it
         // be fitted.
-        let FreeParameters { strength, offset, rotation, start } = free;
-        let start = if strength || offset || rotation || start {
+        let start = if free != FreeParameters::NONE {
             let fit = fit_scan(&Scene::new(&tiles), &points_mm, &field_t, free);
             fit.map_or(ScanParameters::PERFECT, |fit| fit.parameters)
         } else {
             ScanParameters::PERFECT
         };
         let settings = DiagnosisSettings {
-            ordinary: ordinary.unwrap_or_default(),
+            expected: expected.unwrap_or_default(),
             free,
             false_alarm,
             ..DiagnosisSettings::default()
@@ -83,7 +84,7 @@ impl Film<'_> {
 mod tests {
     use magsplice_layout::Layout;
     use magsplice_magnet::{Grid, Quantity};
-    use magsplice_making::ErrorKind;
+    use magsplice_scan::ErrorKind;
 
     use super::*;
 
@@ -101,7 +102,7 @@ mod tests {
         let points_mm: Vec<DVec3> = grid.points().collect();
         let field_t = Film::rigid(&made).scene().field_at(Quantity::FluxDensity, &points_mm).unwrap();
         let readings_t: Vec<DVec3> = field_t.iter().map(|field_t| 1.1 * *field_t).collect();
-        let known = FreeParameters { strength: false, offset: false, rotation: false, start: false };
+        let known = FreeParameters::NONE;
         let found = Film::rigid(&ordered).diagnose(points_mm.clone(), &readings_t, None, known, 0.01).unwrap();
         let [weak] = &found.named[..] else { panic!("{:?}", found.named) };
         assert_eq!((weak.candidate.tile, weak.candidate.kind), (1, ErrorKind::Strength));

@@ -10,9 +10,10 @@ use magsplice_force::FilmForcesError;
 use magsplice_ideal::ComparisonError;
 use magsplice_layout::Layout;
 use magsplice_magnet::PointErrors;
-use magsplice_making::{AssignmentError, DiagnosisError};
+use magsplice_making::AssignmentError;
 use magsplice_recoil::tolerances::{MAX_CELLS, MOST_PERMEABILITY_OF_TREE};
 use magsplice_recoil::{RecoilError, RefinementError};
+use magsplice_scan::DiagnosisError;
 use magsplice_sensor::{LocateError, SensedFieldError};
 use magsplice_tolerance::SampleError;
 

@@ -111,6 +111,8 @@ pub use magsplice_magnet as magnet;
 #[cfg(feature = "layout")]
 pub use magsplice_making as making;
 pub use magsplice_recoil as recoil;
+#[cfg(feature = "layout")]
+pub use magsplice_scan as scan;
 pub use magsplice_sensor as sensor;
 #[cfg(feature = "layout")]
 pub use magsplice_tolerance as tolerance;

@@ -1,5 +1,4 @@
-//! Films as they are made: which measured tile goes to which place, and which way round; and which
-//! tiles of a film that was made are wrong.
+//! Films as they are made: which measured tile goes to which place, and which way round.
 //!
 //! * [`MeasuredBox`]: measured tiles, sorted by the parts of a layout; each is a [`CutTile`].
 //! * [`PartlyLaid`]: a film of which some tiles lie already.
@@ -10,8 +9,6 @@
 //! * [`MeasurementErrors`]: errors of the measurements of tiles, and what they leave of the
 //!   sorting.
 //! * [`SortedSampler`]: samples of films whose tiles are cut with spares, measured and sorted.
-//! * [`ScanDiagnosis`]: which tiles are weak, turned or displaced, from a scan of the field: a
-//!   [`Diagnosis`].
 //!
 //! Lengths in millimetres, polarizations in tesla. This crate reads no files and prints nothing.
 //!
@@ -23,8 +20,6 @@
 
 /// Tiles, places, and the tile of each place.
 mod assignment;
-/// Wrong tiles of a film that was made, from a scan of its field.
-mod diagnosis;
 /// Local searches for the tile of each place.
 mod local_search;
 /// A box of measured tiles, sorted by the parts of a layout.
@@ -45,10 +40,6 @@ mod shims;
 mod sorted_films;
 
 pub use assignment::{Assignment, AssignmentError, AssignmentSettings, CutTile, PlaceGroup, PlacedTile};
-pub use diagnosis::{
-    Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, FittedError, NamedError,
-    NarrowedError, ScanDiagnosis, SimilarErrors,
-};
 pub use measured_box::{MeasuredBox, MeasuredMagnet, MeasuredTile};
 pub use measurement::MeasurementErrors;
 pub use orientation::Orientation;

@@ -1,8 +1,8 @@
 //! Which tiles of a film that was made are wrong.
 
 use magsplice::magnet::{PerTileError, TileError};
-use magsplice::making::{Candidate, ErrorKind, NamedError};
-use magsplice::sensor::{FreeParameters, Noise};
+use magsplice::scan::{Candidate, ErrorKind, FreeParameters, NamedError};
+use magsplice::sensor::Noise;
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 

@@ -3,7 +3,6 @@
 //! * [`SensedField`]: what a Hall sensor reads, averaged over its plates.
 //! * [`Locator`]: positions from readings, by the exact field and its gradient.
 //! * [`experiment()`]: readings and positions of a film that is moved.
-//! * [`fit_scan`]: strength, offset, rotation and start of a measured scan.
 //! * [`Stiffness`]: the force of an elastic layer from displacements.
 //! * [`DisplacementPolynomial`]: positions without the tiles, for small computers.
 //! * [`Noise`]: standard deviations of positions from those of readings.
@@ -47,16 +46,6 @@ mod locator;
 mod noise;
 /// Positions as polynomials of the parameters.
 mod polynomial;
-/// Measured scans of a film.
-mod scan;
-/// Why a scan cannot be fitted.
-mod scan_error;
-/// The least squares of a scan.
-mod scan_least_squares;
-/// How a scan was taken, and what is fitted.
-mod scan_parameters;
-/// The positions of a scan.
-mod scan_positions;
 /// What a sensor reads of a field.
 mod sensed_field;
 /// Where the steps begin.
@@ -68,9 +57,5 @@ pub use experiment::{ExperimentSettings, ExperimentStep, displacements, experime
 pub use locator::{LocateError, Located, Locator};
 pub use noise::Noise;
 pub use polynomial::{DisplacementPolynomial, PolynomialError};
-pub use scan::fit_scan;
-pub use scan_error::ScanError;
-pub use scan_parameters::{FreeParameters, ScanFit, ScanParameters};
-pub use scan_positions::ScanPositions;
 pub use sensed_field::{SensedField, SensedFieldError};
 pub use stiffness::{Stiffness, StiffnessError};

@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
 use magsplice_layout::Layout;
 use magsplice_magnet::{Grid, HallSensor, Quantity};
-use magsplice_sensor::{FreeParameters, LocateError, Locator, ScanParameters, SensedField, SensedFieldError, fit_scan};
+use magsplice_sensor::{LocateError, Locator, SensedField, SensedFieldError};
 
 fn film() -> (Scene, Grid) {
     let layout = Layout::read("../../layouts/published-film.toml").unwrap_or_else(|e| panic!("{e}"));
@@ -139,25 +139,4 @@ fn areas_over_which_the_field_changes_too_much_are_refused() {
         panic!("30 mm are three wavelengths");
     };
     assert!(difference_t > 1e-7, "{difference_t}");
-}
-
-#[test]
-fn scans_by_any_sensor_give_their_parameters() {
-    let (scene, grid) = film();
-    let sensed = SensedField::new(&scene, sensor(), &grid).unwrap();
-    let truth = ScanParameters {
-        strength: 1.07,
-        offset_t: DVec3::new(3e-5, -2e-5, 4e-5),
-        rotation_rad: DVec3::new(0.02, -0.03, 0.05),
-        start: DVec3::new(0.4, -0.3, 0.25),
-    };
-    let points: Vec<DVec3> = grid.points().collect();
-    let places: Vec<DVec3> = points.iter().map(|point| *point + truth.start).collect();
-    let unscaled = sensed.without_gain_and_offset().readings_t(&places).unwrap();
-    let readings: Vec<DVec3> =
-        unscaled.into_iter().map(|b| sensor().gain * truth.reading_t(b) + sensor().offset_t).collect();
-    let fit = fit_scan(sensed, &points, &readings, FreeParameters::ALL).unwrap();
-    assert!((fit.parameters.strength - truth.strength).abs() < 1e-9);
-    assert!((fit.parameters.start - truth.start).length() < 1e-9, "{:?}", fit.parameters);
-    assert!((fit.parameters.rotation_rad - truth.rotation_rad).length() < 1e-9, "{:?}", fit.parameters);
 }

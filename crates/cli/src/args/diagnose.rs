@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use magsplice::sensor::{FreeParameters, Noise};
+use magsplice::scan::FreeParameters;
+use magsplice::sensor::Noise;
 
 use super::preset::PresetArgs;
 use super::sensor::{FitArg, noise};

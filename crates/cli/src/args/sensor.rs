@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use magsplice::prelude::DVec3;
-use magsplice::sensor::{FreeParameters, Noise};
+use magsplice::scan::FreeParameters;
+use magsplice::sensor::Noise;
 
 use super::formats::{ResultArgs, TableFormat};
 use super::numbers::flux_density_t;

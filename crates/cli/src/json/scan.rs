@@ -1,7 +1,7 @@
 //! `scan`: what was fitted, and the uniformity of the readings.
 
 use magsplice::Film;
-use magsplice::sensor::ScanParameters;
+use magsplice::scan::ScanParameters;
 use serde::Serialize;
 
 use super::source::SourceJson;

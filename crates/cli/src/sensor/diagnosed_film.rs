@@ -3,8 +3,8 @@
 use magsplice::FilmRecoil;
 use magsplice::layout::{FilmTolerance, Layout};
 use magsplice::magnet::TileError;
-use magsplice::making::{Candidate, Diagnosis, ErrorKind, NamedError, NarrowedError, SimilarErrors};
 use magsplice::prelude::DVec3;
+use magsplice::scan::{Candidate, Diagnosis, ErrorKind, NamedError, NarrowedError, SimilarErrors};
 
 /// A layout with the diagnosis of a scan.
 pub(crate) struct DiagnosedFilm<'a> {

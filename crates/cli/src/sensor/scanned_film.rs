@@ -2,7 +2,8 @@
 
 use magsplice::decouple::uniformity_by_planes;
 use magsplice::prelude::{Branch, DVec3, Parameters};
-use magsplice::sensor::{ScanFit, ScanPositions, SensedField};
+use magsplice::scan::{ScanFit, ScanPositions};
+use magsplice::sensor::SensedField;
 use magsplice::{Film, FilmError};
 
 /// A scan that was fitted.

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use magsplice::layout::{FilmTolerance, Layout};
-use magsplice::making::DiagnosisError;
 use magsplice::prelude::DVec3;
+use magsplice::scan::DiagnosisError;
 use magsplice::{FilmError, Stage};
 
 use crate::args::diagnose::{DiagnoseArgs, DiagnoseFormat};

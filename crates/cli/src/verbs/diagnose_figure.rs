@@ -1,8 +1,8 @@
 //! `diagnose --figure`: wrong tiles, and how much the scan tells of each.
 
 use magsplice::magnet::PerTileError;
-use magsplice::making::{ErrorKind, FittedError, NamedError};
 use magsplice::prelude::DVec3;
+use magsplice::scan::{ErrorKind, FittedError, NamedError};
 use magsplice_report::{DiagnosedTile, Drawing, DrawnFault, ReportError, diagnosis_figure};
 
 use crate::sensor::diagnosed_film::DiagnosedFilm;

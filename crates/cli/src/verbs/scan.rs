@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use magsplice::layout::Layout;
 use magsplice::prelude::{DVec3, Grid};
-use magsplice::sensor::{ScanError, fit_scan};
+use magsplice::scan::{ScanError, fit_scan};
 use magsplice::{Film, Stage};
 use magsplice_export::{ColumnQuantity, Points, Table};
 

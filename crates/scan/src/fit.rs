@@ -2,11 +2,11 @@
 //! fitted by least squares.
 
 use glam::DVec3;
+use magsplice_sensor::SensedField;
 
-use crate::scan_error::ScanError;
-use crate::scan_least_squares::Scan;
-use crate::scan_parameters::{FreeParameters, ScanFit, ScanParameters};
-use crate::sensed_field::SensedField;
+use crate::fit_error::ScanError;
+use crate::least_squares::{Scan, ScanFit};
+use crate::parameters::{FreeParameters, ScanParameters};
 
 /// A reading is an outlier if a component is farther from the fit than this many standard
 /// deviations. Of a million normal errors, one exceeds five of them by chance in half of all scans,
@@ -44,8 +44,7 @@ pub fn fit_scan<'a>(
     free: FreeParameters,
 ) -> Result<ScanFit, ScanError> {
     assert_eq!(points.len(), readings_t.len(), "one reading per point");
-    let free = free.indices();
-    let needed = free.len().div_ceil(3) + 1;
+    let needed = free.count().div_ceil(3) + 1;
     if readings_t.len() < needed {
         return Err(ScanError::TooFew { readings: readings_t.len(), needed });
     }
@@ -61,7 +60,7 @@ pub fn fit_scan<'a>(
             return Err(ScanError::AnotherFilm { outliers });
         }
         if found == is_outlier {
-            return Ok(ScanFit { outliers: (0..points.len()).filter(|index| found[*index]).collect(), ..fit });
+            return Ok(fit);
         }
         is_outlier = found;
     }

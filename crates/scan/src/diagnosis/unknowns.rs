@@ -1,20 +1,16 @@
 //! The unknowns of a scan as one list, and their prior deviations.
 
-use glam::DVec3;
 use magsplice_layout::FilmTolerance;
 use magsplice_magnet::{PerTileError, TileError};
-use magsplice_sensor::{FreeParameters, ScanParameters};
 use magsplice_tolerance::mean_square;
 
-use super::error_kind::ErrorKind;
+use crate::diagnosis::candidate::{Candidate, ErrorKind};
+use crate::parameters::{FreeParameters, ScanParameter, ScanParameters};
 
 /// Prior deviation of the components of an error that is named: far above what the scan tells, yet
 /// so small that a direction it does not tell stays where the model holds.
 const WIDE: PerTileError<f64> =
     PerTileError { position: [0.5; 3], rotation: [0.2; 3], size: [0.5; 3], strength: 0.5, direction: [0.2; 2] };
-
-/// Number of parameters of a scan: strength, and three each of offset, rotation and start.
-pub(crate) const SCAN_PARAMETERS: usize = 10;
 
 /// Prior deviation of the strength of all tiles.
 const WIDE_STRENGTH: f64 = 1.0;
@@ -33,27 +29,27 @@ pub(crate) enum Unknown {
     /// An error of a group of tiles.
     Group { group: usize, error: TileError },
     /// A parameter of the scan.
-    Scan(usize),
+    Scan(ScanParameter),
 }
 
-/// All unknowns with their ordinary deviations.
+/// All unknowns with their expected deviations.
 #[derive(Clone, Debug)]
 pub(crate) struct Unknowns {
     pub(crate) list: Vec<Unknown>,
     /// Standard deviation of each if nothing is wrong; 0 for what is then exactly as ordered.
-    pub(crate) ordinary: Vec<f64>,
+    pub(crate) expected: Vec<f64>,
 }
 
 impl Unknowns {
-    /// Those of this many tiles whose ordinary errors are these.
-    pub(crate) fn new(tiles: usize, ordinary: &FilmTolerance, free: FreeParameters) -> Unknowns {
+    /// Those of this many tiles whose expected errors are these.
+    pub(crate) fn new(tiles: usize, expected: &FilmTolerance, free: FreeParameters) -> Unknowns {
         let (mut list, mut deviations) = (Vec::new(), Vec::new());
         let mut add = |unknown, deviation| {
             list.push(unknown);
             deviations.push(deviation);
         };
         for tile in 0..tiles {
-            let errors = ordinary.tiles.get(tile);
+            let errors = expected.tiles.get(tile);
             for error in TileError::ALL {
                 let deviation = errors.map_or(0.0, |errors| mean_square(&errors[error]).sqrt());
                 if deviation > 0.0 || ErrorKind::of_component(error).is_some() {
@@ -61,7 +57,7 @@ impl Unknowns {
                 }
             }
         }
-        for (group, errors) in ordinary.groups.iter().enumerate() {
+        for (group, errors) in expected.groups.iter().enumerate() {
             for (error, distribution) in errors.errors.iter() {
                 let deviation = mean_square(distribution).sqrt();
                 if deviation > 0.0 {
@@ -69,22 +65,20 @@ impl Unknowns {
                 }
             }
         }
-        for parameter in 0..SCAN_PARAMETERS {
-            let (is_free, deviation) = match parameter {
-                0 => (free.strength, WIDE_STRENGTH),
-                1..=3 => (free.offset, WIDE_OFFSET_T),
-                4..=6 => (free.rotation, WIDE_ROTATION_RAD),
-                _ => (free.start, WIDE_START_MM),
+        for parameter in ScanParameter::ALL.into_iter().filter(|parameter| free.contains(*parameter)) {
+            let deviation = match parameter {
+                ScanParameter::Strength => WIDE_STRENGTH,
+                ScanParameter::Offset(_) => WIDE_OFFSET_T,
+                ScanParameter::Rotation(_) => WIDE_ROTATION_RAD,
+                ScanParameter::Start(_) => WIDE_START_MM,
             };
-            if is_free {
-                add(Unknown::Scan(parameter), deviation);
-            }
+            add(Unknown::Scan(parameter), deviation);
         }
-        Unknowns { list, ordinary: deviations }
+        Unknowns { list, expected: deviations }
     }
 
     /// The indices of the components of an error of a tile.
-    pub(crate) fn of_error(&self, tile: usize, kind: ErrorKind) -> Vec<usize> {
+    pub(crate) fn of_error(&self, Candidate { tile, kind }: Candidate) -> Vec<usize> {
         let is_part = |unknown: Unknown| match unknown {
             Unknown::Tile { tile: other, error } => other == tile && ErrorKind::of_component(error) == Some(kind),
             _ => false,
@@ -93,10 +87,10 @@ impl Unknowns {
     }
 
     /// The deviations if these errors of tiles may have any value.
-    pub(crate) fn with_named(&self, named: &[(usize, ErrorKind)]) -> Vec<f64> {
-        let mut deviations = self.ordinary.clone();
-        for (tile, kind) in named {
-            for index in self.of_error(*tile, *kind) {
+    pub(crate) fn with_named(&self, named: &[Candidate]) -> Vec<f64> {
+        let mut deviations = self.expected.clone();
+        for candidate in named {
+            for index in self.of_error(*candidate) {
                 if let Unknown::Tile { error, .. } = self.list[index] {
                     deviations[index] = WIDE[error];
                 }
@@ -117,17 +111,14 @@ pub(crate) struct State {
     pub(crate) tiles: Vec<PerTileError<f64>>,
     pub(crate) groups: Vec<PerTileError<f64>>,
     /// Strength less 1, offset, rotation, start.
-    pub(crate) scan: [f64; SCAN_PARAMETERS],
+    pub(crate) scan: [f64; ScanParameter::ALL.len()],
 }
 
 impl State {
     /// The nominal film in this scan.
     pub(crate) fn nominal(tiles: usize, groups: usize, scan: &ScanParameters) -> State {
-        let vectors = [scan.offset_t, scan.rotation_rad, scan.start];
-        let mut values = [scan.strength - 1.0; SCAN_PARAMETERS];
-        for (values, vector) in values[1..].chunks_exact_mut(3).zip(vectors) {
-            values.copy_from_slice(&vector.to_array());
-        }
+        let mut values = ScanParameter::ALL.map(|parameter| scan.get(parameter));
+        values[0] -= 1.0;
         let none = PerTileError::default();
         State { tiles: vec![none; tiles], groups: vec![none; groups], scan: values }
     }
@@ -136,7 +127,7 @@ impl State {
         match unknown {
             Unknown::Tile { tile, error } => self.tiles[tile][error],
             Unknown::Group { group, error } => self.groups[group][error],
-            Unknown::Scan(parameter) => self.scan[parameter],
+            Unknown::Scan(parameter) => self.scan[parameter.index()],
         }
     }
 
@@ -144,14 +135,13 @@ impl State {
         match unknown {
             Unknown::Tile { tile, error } => self.tiles[tile][error] = value,
             Unknown::Group { group, error } => self.groups[group][error] = value,
-            Unknown::Scan(parameter) => self.scan[parameter] = value,
+            Unknown::Scan(parameter) => self.scan[parameter.index()] = value,
         }
     }
 
     /// The parameters of the scan.
     pub(crate) fn scan_parameters(&self) -> ScanParameters {
-        let [strength, ..] = self.scan;
-        let vector = |first: usize| DVec3::from_slice(&self.scan[first..first + 3]);
-        ScanParameters { strength: 1.0 + strength, offset_t: vector(1), rotation_rad: vector(4), start: vector(7) }
+        let found = ScanParameters::from_fn(|parameter| self.scan[parameter.index()]);
+        ScanParameters { strength: 1.0 + found.strength, ..found }
     }
 }

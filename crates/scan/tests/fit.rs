@@ -1,10 +1,11 @@
 //! Scans with known parameters: they are recovered, as exactly as is stated.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
 use magsplice_layout::Layout;
-use magsplice_magnet::Quantity;
-use magsplice_sensor::{FreeParameters, ScanError, ScanParameters, fit_scan};
+use magsplice_magnet::{HallSensor, Quantity};
+use magsplice_scan::{FreeParameters, ScanError, ScanParameter, ScanParameters, fit_scan};
+use magsplice_sensor::SensedField;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -36,8 +37,7 @@ fn scan(scene: &Scene, points: &[DVec3], noise_t: f64, seed: u64) -> Vec<DVec3> 
 }
 
 fn numbers(parameters: &ScanParameters) -> Vec<f64> {
-    let ScanParameters { strength, offset_t, rotation_rad, start } = parameters;
-    [*strength].into_iter().chain([*offset_t, *rotation_rad, *start].into_iter().flat_map(|v| v.to_array())).collect()
+    ScanParameter::ALL.map(|parameter| parameters.get(parameter)).to_vec()
 }
 
 #[test]
@@ -115,4 +115,28 @@ fn parameters_that_are_not_free_stay() {
     assert_eq!((fit.deviations.rotation_rad, fit.deviations.start), (DVec3::ZERO, DVec3::ZERO));
     // What cannot turn and move is made up for by the strength, and is no noise of the sensor.
     assert!(fit.noise_t > 1e-4 && (fit.parameters.strength - 1.07).abs() < 0.3, "{:?}", fit.parameters);
+}
+
+#[test]
+fn scans_by_any_sensor_give_their_parameters() {
+    let layout = Layout::read("../../layouts/published-film.toml").unwrap_or_else(|e| panic!("{e}"));
+    let (scene, grid) = (Scene::new(&layout.bare_tiles()), layout.volume.expect("a volume").grid);
+    let sensor = HallSensor {
+        plates: [DVec3::new(0.1, 0.0, -0.05), DVec3::new(-0.1, 0.05, 0.0), DVec3::new(0.0, 0.0, 0.1)],
+        active_area: [0.4, 0.2],
+        rotation: DQuat::from_scaled_axis(DVec3::new(0.1, -0.2, 0.3)),
+        gain: DVec3::new(1.02, 0.97, 1.1),
+        offset_t: DVec3::new(1e-4, -2e-4, 3e-4),
+        ..HallSensor::default()
+    };
+    let (gain, offset_t) = (sensor.gain, sensor.offset_t);
+    let sensed = SensedField::new(&scene, sensor, &grid).unwrap();
+    let points: Vec<DVec3> = grid.points().collect();
+    let places: Vec<DVec3> = points.iter().map(|point| *point + TRUTH.start).collect();
+    let unscaled = sensed.without_gain_and_offset().readings_t(&places).unwrap();
+    let readings: Vec<DVec3> = unscaled.into_iter().map(|b| gain * TRUTH.reading_t(b) + offset_t).collect();
+    let fit = fit_scan(sensed, &points, &readings, FreeParameters::ALL).unwrap();
+    assert!((fit.parameters.strength - TRUTH.strength).abs() < 1e-9);
+    assert!((fit.parameters.start - TRUTH.start).length() < 1e-9, "{:?}", fit.parameters);
+    assert!((fit.parameters.rotation_rad - TRUTH.rotation_rad).length() < 1e-9, "{:?}", fit.parameters);
 }

@@ -1,8 +1,8 @@
-//! How often a scan names the three wrong tiles of a film and no other, by its height and noise:
+//! How often a scan names the three faulty tiles of a film and no other, by its height and noise:
 //!
-//!     cargo run --release -p magsplice-making --example wrong_tiles -- layouts/published-film.toml 100
+//!     cargo run --release -p magsplice-scan --example faulty_tiles -- layouts/published-film.toml 100
 //!
-//! The arguments are a layout, a number of films, and, if all other tiles have ordinary errors,
+//! The arguments are a layout, a number of films, and, if all other tiles have expected errors,
 //! those of `workshop` or `jig`. In each film one tile is turned by 3 degrees about z, another is 5
 //! % weaker, and a third is displaced by 0.1 mm in the plane. The scan covers the film in steps of
 //! 1 mm.
@@ -14,8 +14,7 @@ use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_layout::{FilmTolerance, Layout, Preset, TileErrors};
 use magsplice_magnet::{BoundingBox, PerTileError, Quantity, Tile};
-use magsplice_making::{Diagnosis, DiagnosisSettings, ErrorKind, FieldScan, ScanDiagnosis};
-use magsplice_sensor::ScanParameters;
+use magsplice_scan::{Diagnosis, DiagnosisSettings, ErrorKind, FieldScan, ScanDiagnosis, ScanParameters};
 use magsplice_tolerance::RealFilm;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -45,8 +44,8 @@ fn scan_points(tiles: &[Tile], height_mm: f64) -> Vec<DVec3> {
     (0..nx * ny).map(|n| at(n % nx, n / nx).with_z(z)).collect()
 }
 
-/// Three different tiles with their errors, added to ordinary ones.
-fn wrong_tiles(count: usize, random: &mut ChaCha8Rng) -> [(usize, ErrorKind, PerTileError<f64>); 3] {
+/// Three different tiles with their errors, added to expected ones.
+fn faulty_tiles(count: usize, random: &mut ChaCha8Rng) -> [(usize, ErrorKind, PerTileError<f64>); 3] {
     let mut chosen: Vec<usize> = Vec::new();
     while chosen.len() < 3 {
         let tile = random.random_range(0..count);
@@ -75,13 +74,13 @@ fn names_exactly(found: &Diagnosis, wanted: &[(usize, ErrorKind)]) -> bool {
     named == wanted
 }
 
-/// Shares of films whose three wrong tiles are named and no other, whose wrong tiles are named
+/// Shares of films whose three faulty tiles are named and no other, whose faulty tiles are named
 /// whatever else is, and of right films in which a tile is named.
-fn measure(layout: &Layout, films: u64, ordinary: Option<&TileErrors>, height_mm: f64, noise_t: f64) -> [u64; 3] {
+fn measure(layout: &Layout, films: u64, expected: Option<&TileErrors>, height_mm: f64, noise_t: f64) -> [u64; 3] {
     let tiles = layout.bare_tiles();
     let points_mm = scan_points(&tiles, height_mm);
-    let tolerance = ordinary.map_or_else(FilmTolerance::default, |errors| FilmTolerance::of_tiles(errors, tiles.len()));
-    let settings = DiagnosisSettings { ordinary: tolerance.clone(), ..DiagnosisSettings::default() };
+    let tolerance = expected.map_or_else(FilmTolerance::default, |errors| FilmTolerance::of_tiles(errors, tiles.len()));
+    let settings = DiagnosisSettings { expected: tolerance.clone(), ..DiagnosisSettings::default() };
     let scan = FieldScan { points_mm: points_mm.clone(), noise_t: DVec3::splat(noise_t) };
     let diagnosis = ScanDiagnosis::new(&tiles, scan, settings, ScanParameters::PERFECT).expect("a scan outside tiles");
     let population = RealFilm::new(&tiles, &tolerance);
@@ -93,13 +92,13 @@ fn measure(layout: &Layout, films: u64, ordinary: Option<&TileErrors>, height_mm
     for film in 0..films {
         let mut random = ChaCha8Rng::seed_from_u64(film);
         let made = population.sample_tiles(film, 1).expect("tiles exist");
-        let wrong = wrong_tiles(tiles.len(), &mut random);
+        let faulty = faulty_tiles(tiles.len(), &mut random);
         let mut errors = vec![PerTileError::default(); tiles.len()];
-        wrong.iter().for_each(|(tile, _, values)| errors[*tile] = *values);
+        faulty.iter().for_each(|(tile, _, values)| errors[*tile] = *values);
         let film =
             RealFilm::new(&made, &FilmTolerance::default()).tiles_with_errors(&errors, &[]).expect("tiles exist");
         let found = diagnosis.diagnose(&read(&film, &mut random), |_| {}).expect("a diagnosis");
-        let wanted = wrong.map(|(tile, kind, _)| (tile, kind));
+        let wanted = faulty.map(|(tile, kind, _)| (tile, kind));
         let is_named = |tile: usize| found.named.iter().any(|named| named.candidate.tile == tile);
         counts[0] += u64::from(names_exactly(&found, &wanted));
         counts[1] += u64::from(wanted.iter().all(|(tile, _)| is_named(*tile)));
@@ -114,16 +113,16 @@ fn main() {
     let [path, films, rest @ ..] = &arguments[..] else { panic!("arguments: LAYOUT FILMS [workshop|jig]") };
     let layout = Layout::read(path).unwrap_or_else(|error| panic!("{error}"));
     let films: u64 = films.parse().expect("a number of films");
-    let ordinary = rest.first().map(|preset| match preset.as_str() {
+    let expected = rest.first().map(|preset| match preset.as_str() {
         "workshop" => Preset::Workshop.errors(),
         "jig" => Preset::Jig.errors(),
         other => panic!("{other} is neither workshop nor jig"),
     });
-    println!("{path}: of {films} films: exactly the three wrong tiles / all three and others / right films named");
+    println!("{path}: of {films} films: exactly the three faulty tiles / all three and others / right films named");
     for height_mm in HEIGHTS_MM {
         for noise_t in NOISES_T {
             let start = Instant::now();
-            let [exact, all, false_alarms] = measure(&layout, films, ordinary.as_ref(), height_mm, noise_t);
+            let [exact, all, false_alarms] = measure(&layout, films, expected.as_ref(), height_mm, noise_t);
             let seconds = start.elapsed().as_secs_f64();
             println!(
                 "{height_mm} mm, {} uT: {exact} / {all} / {false_alarms} ({:.2} s per film)",

@@ -3,11 +3,13 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use magsplice_magnet::HallSensor;
+use magsplice_sensor::SensedField;
 use nalgebra::{SMatrix, SVector, SymmetricEigen};
 
-use crate::scan_error::ScanError;
-use crate::scan_parameters::{NAMES, PARAMETERS, ScanFit, ScanParameters};
-use crate::sensed_field::SensedField;
+use crate::fit_error::ScanError;
+use crate::parameters::{FreeParameters, ScanParameter, ScanParameters};
+
+const PARAMETERS: usize = ScanParameter::ALL.len();
 
 type Vector = SVector<f64, PARAMETERS>;
 type Matrix = SMatrix<f64, PARAMETERS, PARAMETERS>;
@@ -35,11 +37,27 @@ pub(crate) struct Scan<'a> {
     field: SensedField<'a>,
     points: &'a [DVec3],
     readings_t: Vec<DVec3>,
-    free: Vec<usize>,
+    free: FreeParameters,
     /// Root mean square of the field, in tesla.
     pub(crate) field_scale_t: f64,
     /// What each parameter is divided by, so that all change the readings alike.
     scales: Vector,
+}
+
+/// A fitted scan.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct ScanFit {
+    /// The parameters.
+    pub parameters: ScanParameters,
+    /// Their standard deviations, from the residuals; 0 for those that were not fitted.
+    pub deviations: ScanParameters,
+    /// Standard deviation of the residuals of one component, without outliers, in tesla.
+    pub noise_t: f64,
+    /// Reading minus fit at each point, outliers too, in tesla and along the axes of the sensor.
+    pub residuals_t: Vec<DVec3>,
+    /// Indices of the readings that were left out, in ascending order.
+    pub outliers: Vec<usize>,
 }
 
 /// Residuals, and the normal equations of a step.
@@ -51,12 +69,12 @@ struct Linearized {
 }
 
 impl<'a> Scan<'a> {
-    /// A scan whose parameters of these indices are free.
+    /// A scan of which these parameters are fitted.
     pub(crate) fn new(
         field: &SensedField<'a>,
         points: &'a [DVec3],
         readings_t: &[DVec3],
-        free: Vec<usize>,
+        free: FreeParameters,
     ) -> Result<Scan<'a>, ScanError> {
         let HallSensor { offset_t, gain, .. } = *field.sensor();
         let readings_t = readings_t.iter().map(|reading| (*reading - offset_t) / gain).collect();
@@ -71,10 +89,10 @@ impl<'a> Scan<'a> {
         if !(field_scale_t > 0.0 && length.is_finite()) {
             return Err(ScanError::Undetermined(vec!["every parameter: the film has no field there"]));
         }
-        let scales = Vector::from_fn(|index, _| match index {
-            0 | 4..=6 => 1.0,
-            1..=3 => field_scale_t,
-            _ => length,
+        let scales = Vector::from_fn(|index, _| match ScanParameter::ALL[index] {
+            ScanParameter::Strength | ScanParameter::Rotation(_) => 1.0,
+            ScanParameter::Offset(_) => field_scale_t,
+            ScanParameter::Start(_) => length,
         });
         Ok(Scan { field, points, readings_t, free, field_scale_t, scales })
     }
@@ -123,11 +141,11 @@ impl<'a> Scan<'a> {
             sum_of_squares += residual.length_squared();
             let field = strength * field_t;
             // A turn by d of the sensor changes the reading R^-1 b by R^-1 (b x d).
-            let columns: [DVec3; PARAMETERS] = std::array::from_fn(|parameter| match parameter {
-                0 => back * field_t,
-                1..=3 => DVec3::AXES[parameter - 1],
-                4..=6 => back * field.cross(DVec3::AXES[parameter - 4]),
-                _ => back * (strength * gradient.col(parameter - 7)),
+            let columns = ScanParameter::ALL.map(|parameter| match parameter {
+                ScanParameter::Strength => back * field_t,
+                ScanParameter::Offset(axis) => axis.unit(),
+                ScanParameter::Rotation(axis) => back * field.cross(axis.unit()),
+                ScanParameter::Start(axis) => back * (strength * gradient.col(axis.index())),
             });
             for (i, a) in columns.iter().enumerate() {
                 right[i] += a.dot(residual);
@@ -148,7 +166,7 @@ impl<'a> Scan<'a> {
 
     /// The inverse of the normal matrix of the free parameters; zero for the others.
     fn inverse(&self, normal: &Matrix) -> Result<Matrix, ScanError> {
-        let is_free = |index: usize| self.free.contains(&index);
+        let is_free = |index: usize| self.free.contains(ScanParameter::ALL[index]);
         // A fixed parameter has an equation of its own.
         let reduced = Matrix::from_fn(|i, j| match (is_free(i) && is_free(j), i == j) {
             (true, _) => normal[(i, j)],
@@ -171,8 +189,9 @@ impl<'a> Scan<'a> {
             }
         }
         if undetermined.contains(&true) {
-            let names = NAMES.into_iter().zip(undetermined).filter(|(_, is_undetermined)| *is_undetermined);
-            return Err(ScanError::Undetermined(names.map(|(name, _)| name).collect()));
+            let all = ScanParameter::ALL.into_iter().zip(undetermined);
+            let names = all.filter(|(_, is_undetermined)| *is_undetermined).map(|(parameter, _)| parameter.name());
+            return Err(ScanError::Undetermined(names.collect()));
         }
         for i in (0..PARAMETERS).filter(|i| !is_free(*i)) {
             inverse.fill_row(i, 0.0);
@@ -187,26 +206,27 @@ impl<'a> Scan<'a> {
     }
 
     fn moved(&self, from: &ScanParameters, step: &Vector) -> ScanParameters {
-        let step = step.component_mul(&self.scales);
-        let vector = |first: usize| DVec3::new(step[first], step[first + 1], step[first + 2]);
+        let step = ScanParameters::from_fn(|parameter| step[parameter.index()] * self.scales[parameter.index()]);
+        let turn = DQuat::from_scaled_axis(step.rotation_rad) * from.turn();
         ScanParameters {
-            strength: from.strength + step[0],
-            offset_t: from.offset_t + vector(1),
-            rotation_rad: shortest(DQuat::from_scaled_axis(vector(4)) * from.turn()).to_scaled_axis(),
-            start: from.start + vector(7),
+            strength: from.strength + step.strength,
+            offset_t: from.offset_t + step.offset_t,
+            rotation_rad: shortest(turn).to_scaled_axis(),
+            start: from.start + step.start,
         }
     }
 
     fn fitted(&self, parameters: ScanParameters, at: Linearized, is_outlier: &[bool]) -> Result<ScanFit, ScanError> {
-        let kept = is_outlier.iter().filter(|is_outlier| !**is_outlier).count();
-        let freedom = (3 * kept).saturating_sub(self.free.len()).max(1);
+        let outliers: Vec<usize> = (0..is_outlier.len()).filter(|index| is_outlier[*index]).collect();
+        let kept = is_outlier.len() - outliers.len();
+        let freedom = (3 * kept).saturating_sub(self.free.count()).max(1);
         let noise_t = (at.sum_of_squares / freedom as f64).sqrt();
         let covariance = self.inverse(&at.normal)?;
-        let deviation = |index: usize| noise_t * covariance[(index, index)].max(0.0).sqrt() * self.scales[index];
-        let vector = |first: usize| DVec3::new(deviation(first), deviation(first + 1), deviation(first + 2));
-        let deviations =
-            ScanParameters { strength: deviation(0), offset_t: vector(1), rotation_rad: vector(4), start: vector(7) };
-        Ok(ScanFit { parameters, deviations, noise_t, residuals_t: at.residuals_t, outliers: Vec::new() })
+        let deviations = ScanParameters::from_fn(|parameter| {
+            let index = parameter.index();
+            noise_t * covariance[(index, index)].max(0.0).sqrt() * self.scales[index]
+        });
+        Ok(ScanFit { parameters, deviations, noise_t, residuals_t: at.residuals_t, outliers })
     }
 }
 

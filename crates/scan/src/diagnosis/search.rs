@@ -3,10 +3,10 @@
 
 use glam::DVec3;
 
-use super::error::DiagnosisError;
-use super::error_kind::ErrorKind;
-use super::ridge::{Ridge, Score};
-use super::scan_model::{Compared, Linearized, ScanModel};
+use crate::diagnosis::candidate::Candidate;
+use crate::diagnosis::error::DiagnosisError;
+use crate::diagnosis::model::{Compared, Linearized, ScanModel};
+use crate::diagnosis::prior_fit::{PriorFit, Score};
 
 /// Fall of the sum of squares, in units of the variance of the noise, below which Gauss-Newton
 /// steps end. Errors then change by a thirtieth of their standard deviation.
@@ -18,7 +18,7 @@ const MOST_STEPS: usize = 20;
 /// Most halvings of a step.
 const MOST_HALVINGS: usize = 12;
 
-/// Most errors that are named. A film with more is another one, or its tiles have ordinary errors
+/// Most errors that are named. A film with more is another one, or its tiles have expected errors
 /// that were not stated; each further error would take longer than the one before.
 const MOST_NAMED: usize = 16;
 
@@ -26,14 +26,11 @@ const MOST_NAMED: usize = 16;
 /// named: a thousand.
 const ALTERNATIVE: f64 = 6.9;
 
-/// An error that may be named: a tile and what is wrong with it.
-pub(crate) type TileAndKind = (usize, ErrorKind);
-
-/// A search for wrong tiles in one scan.
+/// A search for faulty tiles in one scan.
 pub(crate) struct Search<'a> {
     pub(crate) model: &'a ScanModel,
     pub(crate) readings_t: &'a [DVec3],
-    pub(crate) candidates: &'a [TileAndKind],
+    pub(crate) candidates: &'a [Candidate],
     /// The logarithm of the probability below which an error is named.
     pub(crate) ln_limit: f64,
 }
@@ -50,18 +47,18 @@ pub(crate) struct Found {
 /// An error that is named, with its test and the errors that explain the readings nearly as well.
 #[derive(Clone, Debug)]
 pub(crate) struct NamedCandidate {
-    pub(crate) error: TileAndKind,
+    pub(crate) candidate: Candidate,
     pub(crate) score: Score,
-    pub(crate) alternatives: Vec<TileAndKind>,
+    pub(crate) alternatives: Vec<Candidate>,
 }
 
 impl Search<'_> {
-    /// The errors that noise and ordinary errors do not explain, beginning with the model at
+    /// The errors that noise and expected errors do not explain, beginning with the model at
     /// `start`.
     pub(crate) fn run(&self, start: &Linearized, mut watch: impl FnMut(usize)) -> Result<Found, DiagnosisError> {
-        let mut named: Vec<TileAndKind> = Vec::new();
-        let mut visited: Vec<Vec<TileAndKind>> = vec![Vec::new()];
-        let deviations = |named: &[TileAndKind]| self.model.unknowns.with_named(named);
+        let mut named: Vec<Candidate> = Vec::new();
+        let mut visited: Vec<Vec<Candidate>> = vec![Vec::new()];
+        let deviations = |named: &[Candidate]| self.model.unknowns.with_named(named);
         let (mut at, mut compared) = self.converged(start.clone(), &deviations(&named))?;
         let is_complete = loop {
             watch(named.len());
@@ -80,13 +77,13 @@ impl Search<'_> {
             .map(|error| {
                 let scores = self.without(&at, &compared, &named, *error)?;
                 let own = scores.iter().find(|(other, _)| other == error).map_or(Score::NONE, |(_, score)| *score);
-                let is_alike = |(other, score): &(TileAndKind, Score)| {
+                let is_alike = |(other, score): &(Candidate, Score)| {
                     other != error && score.ln_probability < own.ln_probability + ALTERNATIVE
                 };
-                let mut alike: Vec<(TileAndKind, Score)> = scores.into_iter().filter(is_alike).collect();
+                let mut alike: Vec<(Candidate, Score)> = scores.into_iter().filter(is_alike).collect();
                 alike.sort_by(|a, b| a.1.ln_probability.total_cmp(&b.1.ln_probability));
                 let alternatives = alike.into_iter().map(|(other, _)| other).collect();
-                Ok(NamedCandidate { error: *error, score: own, alternatives })
+                Ok(NamedCandidate { candidate: *error, score: own, alternatives })
             })
             .collect::<Result<Vec<NamedCandidate>, DiagnosisError>>()?;
         tested.sort_by(|a, b| a.score.ln_probability.total_cmp(&b.score.ln_probability));
@@ -99,17 +96,17 @@ impl Search<'_> {
         &self,
         at: &Linearized,
         compared: &Compared,
-        named: &[TileAndKind],
-        visited: &[Vec<TileAndKind>],
-    ) -> Result<Option<Vec<TileAndKind>>, DiagnosisError> {
-        let is_new = |errors: &[TileAndKind]| {
+        named: &[Candidate],
+        visited: &[Vec<Candidate>],
+    ) -> Result<Option<Vec<Candidate>>, DiagnosisError> {
+        let is_new = |errors: &[Candidate]| {
             let mut sorted = errors.to_vec();
             sorted.sort_unstable();
             !visited.contains(&sorted)
         };
-        let rest = |error: TileAndKind| named.iter().copied().filter(|other| *other != error).collect::<Vec<_>>();
-        let mut weakest: Option<(TileAndKind, f64)> = None;
-        let mut exchange: Option<(Vec<TileAndKind>, f64)> = None;
+        let rest = |error: Candidate| named.iter().copied().filter(|other| *other != error).collect::<Vec<_>>();
+        let mut weakest: Option<(Candidate, f64)> = None;
+        let mut exchange: Option<(Vec<Candidate>, f64)> = None;
         for error in named {
             let scores = self.without(at, compared, named, *error)?;
             let own = scores.iter().find(|(other, _)| other == error).map_or(0.0, |(_, score)| score.ln_probability);
@@ -119,7 +116,7 @@ impl Search<'_> {
             for (other, score) in scores.iter().filter(|(other, _)| other != error) {
                 let gain = own - score.ln_probability;
                 if gain > 0.0 && exchange.as_ref().is_none_or(|(_, most)| gain > *most) {
-                    let exchanged: Vec<TileAndKind> = rest(*error).into_iter().chain([*other]).collect();
+                    let exchanged: Vec<Candidate> = rest(*error).into_iter().chain([*other]).collect();
                     if is_new(&exchanged) {
                         exchange = Some((exchanged, gain));
                     }
@@ -132,9 +129,9 @@ impl Search<'_> {
         if let Some((exchanged, _)) = exchange {
             return Ok(Some(exchanged));
         }
-        let ridge = Ridge::new(&at.gram, &compared.projected, &self.model.unknowns.with_named(named))?;
+        let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_named(named))?;
         let best = self
-            .scores(&ridge, named)
+            .scores(&fit, named)
             .into_iter()
             .filter(|(_, score)| score.ln_probability < self.ln_limit)
             .min_by(|a, b| a.1.ln_probability.total_cmp(&b.1.ln_probability));
@@ -146,20 +143,19 @@ impl Search<'_> {
         &self,
         at: &Linearized,
         compared: &Compared,
-        named: &[TileAndKind],
-        error: TileAndKind,
-    ) -> Result<Vec<(TileAndKind, Score)>, DiagnosisError> {
-        let rest: Vec<TileAndKind> = named.iter().copied().filter(|other| *other != error).collect();
-        let ridge = Ridge::new(&at.gram, &compared.projected, &self.model.unknowns.with_named(&rest))?;
-        Ok(self.scores(&ridge, &rest))
+        named: &[Candidate],
+        error: Candidate,
+    ) -> Result<Vec<(Candidate, Score)>, DiagnosisError> {
+        let rest: Vec<Candidate> = named.iter().copied().filter(|other| *other != error).collect();
+        let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_named(&rest))?;
+        Ok(self.scores(&fit, &rest))
     }
 
     /// The tests of all errors but those that are named.
-    fn scores(&self, ridge: &Ridge, named: &[TileAndKind]) -> Vec<(TileAndKind, Score)> {
-        let others: Vec<TileAndKind> = self.candidates.iter().copied().filter(|error| !named.contains(error)).collect();
-        let components: Vec<Vec<usize>> =
-            others.iter().map(|(tile, kind)| self.model.unknowns.of_error(*tile, *kind)).collect();
-        others.into_iter().zip(ridge.scores(&components)).collect()
+    fn scores(&self, fit: &PriorFit, named: &[Candidate]) -> Vec<(Candidate, Score)> {
+        let others: Vec<Candidate> = self.candidates.iter().copied().filter(|error| !named.contains(error)).collect();
+        let components: Vec<Vec<usize>> = others.iter().map(|other| self.model.unknowns.of_error(*other)).collect();
+        others.into_iter().zip(fit.scores(&components)).collect()
     }
 
     /// The model at the fit of all unknowns, by Gauss-Newton steps.
@@ -169,7 +165,7 @@ impl Search<'_> {
         deviations: &[f64],
     ) -> Result<(Linearized, Compared), DiagnosisError> {
         let mut values = self.model.values(&from.state);
-        // Errors that are named no longer are ordinary ones, or none.
+        // Errors that are named no longer are expected ones, or none.
         values.iter_mut().zip(deviations).filter(|(_, d)| **d == 0.0).for_each(|(value, _)| *value = 0.0);
         let state = self.model.state(&from.state, &values);
         let mut at = if state == from.state { from } else { self.model.linearized(state, Some(&from))? };
@@ -180,11 +176,11 @@ impl Search<'_> {
         };
         let mut compared = self.model.compared(&at, self.readings_t);
         for _ in 0..MOST_STEPS {
-            let ridge = Ridge::new(&at.gram, &compared.projected, deviations)?;
-            if ridge.gain(&values) < LEAST_GAIN {
+            let fit = PriorFit::new(&at.gram, &compared.projected, deviations)?;
+            if fit.gain(&values) < LEAST_GAIN {
                 break;
             }
-            let step = &ridge.estimate - &values;
+            let step = &fit.estimate - &values;
             let now = objective(&compared, &values);
             let mut share = 1.0;
             let better = (0..MOST_HALVINGS).find_map(|_| {

@@ -1,4 +1,4 @@
-//! The kinds of error that are named.
+//! Errors that may be named: tiles, and what may be wrong with them.
 
 use magsplice_magnet::TileError;
 
@@ -38,4 +38,14 @@ impl ErrorKind {
             TileError::Direction(_) => Some(ErrorKind::Direction),
         }
     }
+}
+
+/// A tile and what may be wrong with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Candidate {
+    /// Index of the tile.
+    pub tile: usize,
+    /// What is wrong.
+    pub kind: ErrorKind,
 }

@@ -1,4 +1,4 @@
-//! Scans of films with known errors: the wrong tiles are named, with the errors that they have.
+//! Scans of films with known errors: the faulty tiles are named, with the errors that they have.
 
 use std::f64::consts::TAU;
 
@@ -6,8 +6,10 @@ use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
 use magsplice_layout::{FilmTolerance, Layout, Preset};
 use magsplice_magnet::{Axis, Quantity, Tile, TileError};
-use magsplice_making::{Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, ScanDiagnosis};
-use magsplice_sensor::{FreeParameters, ScanParameters};
+use magsplice_scan::{
+    Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, FreeParameters, ScanDiagnosis,
+    ScanParameters,
+};
 use magsplice_tolerance::RealFilm;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -46,7 +48,7 @@ fn changed(tile: &Tile, turn_rad: f64, strength: f64, shift_mm: DVec3) -> Tile {
 }
 
 /// Three different tiles with a turn of 3 degrees, 5 % less strength, and a shift of 0.1 mm.
-fn made_wrong(tiles: &mut [Tile], random: &mut ChaCha8Rng) -> [Candidate; 3] {
+fn made_faulty(tiles: &mut [Tile], random: &mut ChaCha8Rng) -> [Candidate; 3] {
     let mut others: Vec<usize> = (0..tiles.len()).collect();
     let [turned, weak, moved] = [(); 3].map(|()| others.swap_remove(random.random_range(0..others.len())));
     tiles[turned] = changed(&tiles[turned], 3_f64.to_radians(), 1.0, DVec3::ZERO);
@@ -66,14 +68,14 @@ fn candidates(found: &Diagnosis) -> Vec<Candidate> {
     all
 }
 
-/// Number of films, out of some, whose three wrong tiles are named and no other.
+/// Number of films, out of some, whose three faulty tiles are named and no other.
 fn films_named(seeds: std::ops::Range<u64>) -> usize {
     let diagnosis = model(DiagnosisSettings::default());
     seeds
         .filter(|seed| {
             let mut random = ChaCha8Rng::seed_from_u64(*seed);
             let mut tiles = film();
-            let mut wanted = made_wrong(&mut tiles, &mut random).to_vec();
+            let mut wanted = made_faulty(&mut tiles, &mut random).to_vec();
             wanted.sort_by_key(|candidate| (candidate.tile, candidate.kind));
             let found = diagnosis.diagnose(&readings(&tiles, &points(), NOISE_T, &mut random), |_| {}).unwrap();
             candidates(&found) == wanted
@@ -84,12 +86,12 @@ fn films_named(seeds: std::ops::Range<u64>) -> usize {
 /// With a probability of 0.01 of a false alarm in each film, all of four are right in 96 of 100
 /// runs; these seeds are such a run.
 #[test]
-fn three_wrong_tiles_are_named_and_no_other() {
+fn three_faulty_tiles_are_named_and_no_other() {
     assert_eq!(films_named(0..4), 4);
 }
 
 #[test]
-fn three_wrong_tiles_are_named_in_95_of_100_films() {
+fn three_faulty_tiles_are_named_in_95_of_100_films() {
     let named = films_named(0..100);
     assert!(named >= 95, "{named}");
 }
@@ -138,7 +140,7 @@ fn named_errors_have_their_values() {
 /// Chi squared of a right film is that of its readings: within five deviations sqrt(2 n) of their
 /// number.
 #[test]
-fn right_films_have_no_wrong_tile() {
+fn right_films_have_no_faulty_tile() {
     let diagnosis = model(DiagnosisSettings::default());
     for seed in 0..5 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -154,8 +156,8 @@ fn right_films_have_no_wrong_tile() {
 #[test]
 fn films_with_errors_of_all_tiles_are_told() {
     let ordered = &film()[..12];
-    let ordinary = FilmTolerance::of_tiles(&Preset::ByHand.errors(), ordered.len());
-    let tiles = RealFilm::new(ordered, &ordinary).sample_tiles(5, 0).unwrap();
+    let expected = FilmTolerance::of_tiles(&Preset::ByHand.errors(), ordered.len());
+    let tiles = RealFilm::new(ordered, &expected).sample_tiles(5, 0).unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(7);
     let points_mm: Vec<DVec3> = points().into_iter().filter(|point| point.x < 0.0).collect();
     let readings_t = readings(&tiles, &points_mm, NOISE_T, &mut random);
@@ -176,9 +178,9 @@ fn residual_beyond_the_noise_is_told() {
     assert!(found.is_residual_too_large(), "{}", found.chi_squared / found.freedom as f64);
 }
 
-/// The scan has another strength, an offset, a turn and an origin; the wrong tile is the same.
+/// The scan has another strength, an offset, a turn and an origin; the faulty tile is the same.
 #[test]
-fn parameters_of_the_scan_are_fitted_beside_wrong_tiles() {
+fn parameters_of_the_scan_are_fitted_beside_faulty_tiles() {
     let truth = ScanParameters {
         strength: 1.03,
         offset_t: DVec3::new(3e-5, -2e-5, 4e-5),
@@ -202,14 +204,14 @@ fn parameters_of_the_scan_are_fitted_beside_wrong_tiles() {
     assert!(found.scan.rotation_rad.distance(truth.rotation_rad) < 1e-3, "{:?}", found.scan);
 }
 
-/// Among tiles with ordinary errors, an outlier of ten deviations is named.
+/// Among tiles with expected errors, an outlier of ten deviations is named.
 #[test]
-fn outliers_of_ordinary_errors_are_named() {
-    let ordinary = FilmTolerance::of_tiles(&Preset::Workshop.errors(), film().len());
-    let mut tiles = RealFilm::new(&film(), &ordinary).sample_tiles(5, 0).unwrap();
+fn outliers_of_expected_errors_are_named() {
+    let expected = FilmTolerance::of_tiles(&Preset::Workshop.errors(), film().len());
+    let mut tiles = RealFilm::new(&film(), &expected).sample_tiles(5, 0).unwrap();
     tiles[33] = changed(&tiles[33], 0.0, 0.9, DVec3::ZERO);
     let mut random = ChaCha8Rng::seed_from_u64(5);
-    let settings = DiagnosisSettings { ordinary, ..DiagnosisSettings::default() };
+    let settings = DiagnosisSettings { expected, ..DiagnosisSettings::default() };
     let found = model(settings).diagnose(&readings(&tiles, &points(), NOISE_T, &mut random), |_| {}).unwrap();
     assert_eq!(candidates(&found), [Candidate { tile: 33, kind: ErrorKind::Strength }]);
     assert!((found.named[0].magnitude() + 0.1).abs() < 0.03, "{:?}", found.named);
@@ -222,7 +224,7 @@ fn outliers_of_ordinary_errors_are_named() {
 fn readings_do_not_depend_on_the_number_of_threads() {
     let mut random = ChaCha8Rng::seed_from_u64(6);
     let mut tiles = film();
-    made_wrong(&mut tiles, &mut random);
+    made_faulty(&mut tiles, &mut random);
     let readings_t = readings(&tiles, &points(), NOISE_T, &mut random);
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -6,20 +6,20 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 
-use super::error::DiagnosisError;
-use super::significance::ln_probability_above;
+use crate::diagnosis::error::DiagnosisError;
+use crate::diagnosis::significance::ln_probability_above;
 
 /// Eigenvalue of the information about the components of an error, over the largest, below which a
-/// combination of them does not show in the readings. Round-off leaves 1e-12 of it where ordinary
+/// combination of them does not show in the readings. Round-off leaves 1e-12 of it where expected
 /// errors hide most of the signal.
 const INVISIBLE: f64 = 1e-7;
 
-/// Share of the information about the components of an error that ordinary errors and noise must
+/// Share of the information about the components of an error that expected errors and noise must
 /// leave.
 const LEAST_LEFT: f64 = 1e-9;
 
 /// The fit of unknowns with prior deviations.
-pub(crate) struct Ridge<'a> {
+pub(crate) struct PriorFit<'a> {
     gram: &'a DMatrix<f64>,
     projected: &'a DVector<f64>,
     /// Unknowns that have a deviation.
@@ -43,13 +43,13 @@ impl Score {
     pub(crate) const NONE: Score = Score { chi_squared: 0.0, ln_probability: 0.0 };
 }
 
-impl<'a> Ridge<'a> {
+impl<'a> PriorFit<'a> {
     /// The fit of the unknowns whose deviation is not 0.
     pub(crate) fn new(
         gram: &'a DMatrix<f64>,
         projected: &'a DVector<f64>,
         deviations: &[f64],
-    ) -> Result<Ridge<'a>, DiagnosisError> {
+    ) -> Result<PriorFit<'a>, DiagnosisError> {
         let active: Vec<usize> = (0..deviations.len()).filter(|index| deviations[*index] > 0.0).collect();
         let count = active.len();
         let matrix = DMatrix::from_fn(count, count, |i, j| {
@@ -60,7 +60,7 @@ impl<'a> Ridge<'a> {
         let solved = inverse.solve(&DVector::from_fn(count, |i, _| projected[active[i]]));
         let mut estimate = DVector::zeros(deviations.len());
         active.iter().zip(solved.iter()).for_each(|(index, value)| estimate[*index] = *value);
-        Ok(Ridge { gram, projected, active, inverse, estimate })
+        Ok(PriorFit { gram, projected, active, inverse, estimate })
     }
 
     /// What the sum of squares, with that of the prior, falls by from other values to the estimate.

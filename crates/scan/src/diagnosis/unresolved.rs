@@ -2,10 +2,10 @@
 
 use magsplice_magnet::TileError;
 
-use super::error::DiagnosisError;
-use super::ridge::Ridge;
-use super::scan_model::Linearized;
-use super::unknowns::{Unknown, Unknowns};
+use crate::diagnosis::error::DiagnosisError;
+use crate::diagnosis::model::Linearized;
+use crate::diagnosis::prior_fit::PriorFit;
+use crate::diagnosis::unknowns::{Unknown, Unknowns};
 
 /// Ratio of the standard deviations after and before the scan from which on an error is unresolved.
 const HARDLY_NARROWED: f64 = 0.5;
@@ -41,14 +41,14 @@ pub struct SimilarErrors {
 }
 
 /// The errors of all tiles with their standard deviations before and after the scan, if all have
-/// ordinary errors of these deviations.
+/// expected errors of these deviations.
 pub(crate) fn narrowed(
     at: &Linearized,
     unknowns: &Unknowns,
     before: &[f64],
 ) -> Result<Vec<NarrowedError>, DiagnosisError> {
     let projected = nalgebra::DVector::zeros(before.len());
-    let after = Ridge::new(&at.gram, &projected, before)?.deviations();
+    let after = PriorFit::new(&at.gram, &projected, before)?.deviations();
     let errors = unknowns.list.iter().zip(before).zip(after.iter());
     Ok(errors
         .filter_map(|((unknown, before), after)| match unknown {

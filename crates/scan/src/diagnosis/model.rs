@@ -1,15 +1,16 @@
 //! The readings of a scan as a function of the unknowns: residuals and exact derivatives, whitened
 //! by the noise.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_magnet::{PerTileError, Quantity, Tile, TileError};
 use magsplice_tolerance::{RealFilm, TileResponse};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::error::DiagnosisError;
-use super::unknowns::{State, Unknown, Unknowns};
+use crate::diagnosis::error::DiagnosisError;
+use crate::diagnosis::unknowns::{State, Unknown, Unknowns};
+use crate::parameters::ScanParameter;
 
 /// Most bytes of derivatives, and of the products of all pairs of them. Three times as many are in
 /// use.
@@ -85,12 +86,13 @@ impl ScanModel {
                 false => Ok(None),
             })
             .collect::<Result<_, _>>()?;
-        let moves_scan = self.unknowns.list.iter().any(|unknown| matches!(unknown, Unknown::Scan(7..)));
+        let moves_scan =
+            self.unknowns.list.iter().any(|unknown| matches!(unknown, Unknown::Scan(ScanParameter::Start(_))));
         let gradient = match moves_scan {
             true => scene.gradient_at(Quantity::FluxDensity, &places).map_err(DiagnosisError::Points)?,
             false => Vec::new(),
         };
-        let back = DQuat::from_scaled_axis(scan.rotation_rad).inverse();
+        let back = scan.turn().inverse();
         let column = |index: usize| -> Option<Vec<f64>> {
             let mut change_t = vec![DVec3::ZERO; places.len()];
             match self.unknowns.list[index] {
@@ -110,21 +112,20 @@ impl ScanModel {
                     }
                     scale_strength(error, &state.groups[group], &mut change_t);
                 }
-                Unknown::Scan(0) => {
+                Unknown::Scan(ScanParameter::Strength) => {
                     change_t.iter_mut().zip(&field_t).for_each(|(change, b)| *change = *b / scan.strength);
                 }
                 // Added after the rotation; the inverse rotation below takes it back.
-                Unknown::Scan(axis @ 1..=3) => {
-                    let along = back.inverse() * DVec3::AXES[axis - 1] / scan.strength;
+                Unknown::Scan(ScanParameter::Offset(axis)) => {
+                    let along = back.inverse() * axis.unit() / scan.strength;
                     change_t.iter_mut().for_each(|change| *change = along);
                 }
                 // A turn by d of the sensor changes the reading R^-1 b by R^-1 (b x d).
-                Unknown::Scan(axis @ 4..=6) => {
-                    let axis = DVec3::AXES[axis - 4];
-                    change_t.iter_mut().zip(&field_t).for_each(|(change, b)| *change = b.cross(axis));
+                Unknown::Scan(ScanParameter::Rotation(axis)) => {
+                    change_t.iter_mut().zip(&field_t).for_each(|(change, b)| *change = b.cross(axis.unit()));
                 }
-                Unknown::Scan(axis) => {
-                    change_t.iter_mut().zip(&gradient).for_each(|(change, slope)| *change = slope.col(axis - 7));
+                Unknown::Scan(ScanParameter::Start(axis)) => {
+                    change_t.iter_mut().zip(&gradient).for_each(|(change, slope)| *change = slope.col(axis.index()));
                 }
             }
             let whitened = |change: DVec3| (back * (scan.strength * change) / self.noise_t).to_array();
