@@ -1,0 +1,6 @@
+//! Tests of the public interface: searches, fronts, starts without a film, written layouts.
+
+mod pareto_front;
+mod search;
+mod splice;
+mod written_layout;

@@ -1,0 +1,103 @@
+//! Layouts to begin with have the pattern that was published, and the demands of the request.
+
+use magsplice_design::{DesignError, DesignProblem, SpliceRequest};
+use magsplice_layout::{Brief, Goal, Layout, Symmetry, Under};
+
+use crate::search::PUBLISHED;
+
+fn request() -> SpliceRequest {
+    SpliceRequest {
+        wavelength_mm: 12.0,
+        film_mm: [24.0, 30.0],
+        thickness_mm: 1.5,
+        remanence_t: 0.2,
+        range_mm: [4.0, 3.0],
+        distance_mm: [3.0, 5.0],
+        smallest_cut_mm: 0.9,
+        gap_mm: 0.05,
+        resolution_mm: 0.02,
+        resolution_deg: 0.5,
+        least_amplitude: 0.6,
+        parts: Some(7),
+        goal: Goal::Displacement,
+        starts: 17,
+        seed: 23,
+    }
+}
+
+fn brief(request: &SpliceRequest) -> Brief {
+    request.layout().unwrap_or_else(|e| panic!("{e}")).brief.expect("a brief")
+}
+
+/// Each demand of the request differs from the value that a brief has without it.
+#[test]
+fn brief_has_the_demands_of_the_request() {
+    let Brief {
+        vary,
+        symmetry,
+        goal,
+        under,
+        weights,
+        least_amplitude,
+        outline_mm,
+        smallest_cut_mm,
+        gap_mm,
+        resolution_mm,
+        resolution_deg,
+        parts,
+        stock,
+        stock_strengths_t,
+        starts,
+        seed,
+        ..
+    } = brief(&request());
+    assert_eq!((goal, under, weights), (Goal::Displacement, Under::Nominal, [1.0; 3]));
+    assert_eq!((least_amplitude, smallest_cut_mm, gap_mm), (Some(0.6), Some(0.9), 0.05));
+    assert_eq!((resolution_mm, resolution_deg), (0.02, 0.5));
+    assert_eq!((parts, starts, seed), (Some(7), 17, 23));
+    assert!(stock.is_empty() && stock_strengths_t.is_empty());
+    // Half of the extents, because the film is centred on 0.
+    assert_eq!(outline_mm, [Some([-12.0, 12.0]), Some([-15.0, 15.0])]);
+    // Shapes and directions are free. Cut lines, heights and J are the user's.
+    assert!(vary.size && vary.position && vary.direction, "{vary:?}");
+    assert!(!(vary.cut || vary.thickness || vary.strength || vary.tilt), "{vary:?}");
+    assert_eq!(symmetry, Symmetry::Mirror);
+}
+
+/// x and y can be exchanged only if neither the film nor the working volume tells them apart.
+#[test]
+fn square_films_over_square_ranges_are_four_fold() {
+    let square = SpliceRequest { film_mm: [24.0, 24.0], range_mm: [4.0, 4.0], ..request() };
+    assert_eq!(brief(&square).symmetry, Symmetry::FourFold);
+    let over_a_strip = SpliceRequest { range_mm: [4.0, 3.0], ..square.clone() };
+    assert_eq!(brief(&over_a_strip).symmetry, Symmetry::Mirror);
+    let oblong = SpliceRequest { film_mm: [24.0, 30.0], ..square };
+    assert_eq!(brief(&oblong).symmetry, Symmetry::Mirror);
+}
+
+#[test]
+fn splice_request_has_the_published_pattern() {
+    let request = SpliceRequest { starts: 1, ..SpliceRequest::new(10.0, [20.0, 20.0]) };
+    let layout = request.layout().unwrap();
+    assert_eq!(layout.tiles.len(), 56);
+    // Intervals are 10 / 3 and 10 / 6 mm wide, where the paper has 3.3 and 1.7.
+    let published = Layout::parse(&format!("format = 1\nname = \"film\"\n{PUBLISHED}"), "published").unwrap();
+    for (own, other) in layout.bare_tiles().iter().zip(published.bare_tiles()) {
+        assert!((own.position() - other.position()).length() < 0.05 && (own.size() - other.size()).length() < 0.06);
+        assert!((own.polarization_t() - other.polarization_t()).length() < 1e-15);
+    }
+    let small =
+        SpliceRequest { film_mm: [8.0, 20.0], range_mm: [6.0, 5.0], distance_mm: [5.0, 3.0], ..request.clone() };
+    let Err(DesignError::Request(problems)) = small.layout() else { panic!("refused") };
+    assert_eq!(problems.len(), 1, "{problems:?}");
+    let small = SpliceRequest { film_mm: [8.0, 20.0], range_mm: [6.0, 5.0], ..request.clone() };
+    let Err(DesignError::Request(problems)) = small.layout() else { panic!("refused") };
+    assert_eq!(problems.len(), 2, "{problems:?}");
+    // Outlines that leave narrow rims.
+    for width in [8.4, 9.0, 11.7, 13.0, 16.5, 25.1] {
+        let layout = SpliceRequest { film_mm: [width, 20.0], ..request.clone() }.layout().unwrap();
+        assert!(layout.tiles.iter().all(|t| t.tile.size().min_element() >= 0.8 - 1e-9), "{width}");
+        assert!(layout.tiles.iter().all(|t| t.tile.position().x.abs() + 0.5 * t.tile.size().x <= 0.5 * width + 1e-9));
+        DesignProblem::new(&layout).unwrap();
+    }
+}

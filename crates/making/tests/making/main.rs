@@ -1,0 +1,6 @@
+//! Tests of the public interface: boxes of tiles, and films that are laid from them.
+
+mod assignment;
+mod measured;
+mod measured_box;
+mod partly_laid;

@@ -1,0 +1,4 @@
+//! Tests of the public interface: fits of scans, and faulty tiles.
+
+mod diagnosis;
+mod fit;

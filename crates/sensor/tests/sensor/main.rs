@@ -1,0 +1,5 @@
+//! Tests of the public interface: readings, positions, experiments.
+
+mod experiment;
+mod locator;
+mod sensed_field;
