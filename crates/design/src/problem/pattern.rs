@@ -163,6 +163,11 @@ impl PatternBuilder {
         Affine::variable(self.start.len() - 1)
     }
 
+    /// A variable, or a constant if it is not free.
+    fn number(&mut self, kind: VariableKind, start: f64, is_free: bool) -> Affine {
+        if is_free { self.variable(kind, start) } else { Affine::constant(start) }
+    }
+
     fn variable_tile(&mut self, tile: &Tile, orbit: &Orbit, brief: &Brief) -> VariableTile {
         let x = self.faces_along(0, tile, orbit, brief);
         let y = if orbit.on_diagonal && !brief.vary.cut { x.clone() } else { self.faces_along(1, tile, orbit, brief) };
@@ -177,13 +182,9 @@ impl PatternBuilder {
         VariableTile {
             orbit: orbit.clone(),
             faces: [x, y, self.faces_in_height(tile, brief)],
-            direction: if turns { self.variable(VariableKind::Angle, direction) } else { Affine::constant(direction) },
-            tilt: if tilts { self.variable(VariableKind::Angle, tilt) } else { Affine::constant(tilt) },
-            strength: if scales {
-                self.variable(VariableKind::Strength, j.length())
-            } else {
-                Affine::constant(j.length())
-            },
+            direction: self.number(VariableKind::Angle, direction, turns),
+            tilt: self.number(VariableKind::Angle, tilt, tilts),
+            strength: self.number(VariableKind::Strength, j.length(), scales),
             unit: j.normalize_or_zero(),
             original: *tile,
         }

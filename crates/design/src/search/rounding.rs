@@ -6,6 +6,7 @@ use glam::DVec3;
 use magsplice_layout::{direction_from_degrees, ten_decimals as decimal};
 use magsplice_magnet::Tile;
 
+use crate::descent::curvature;
 use crate::problem::design_problem::DesignProblem;
 use crate::problem::least_squares::LeastSquares;
 use crate::problem::pattern::{Pattern, VariableKind, VariableTile, angles, image};
@@ -82,7 +83,7 @@ struct RoundingLattice<'a> {
     moved: Vec<f64>,
     /// Derivatives of the loss at the moved variables.
     gradient: Vec<f64>,
-    /// Second derivatives of the loss.
+    /// Second derivatives of the loss, the upper triangle by rows.
     curvature: Vec<f64>,
     /// Values of the rules at the moved variables.
     rules: Vec<f64>,
@@ -102,18 +103,9 @@ impl<'a> RoundingLattice<'a> {
     ) -> Option<RoundingLattice<'a>> {
         let residuals = least_squares.residuals(pattern, variables, true)?;
         let n = variables.len();
-        let (mut gradient, mut curvature) = (vec![0.0; n], vec![0.0; n * n]);
+        let mut gradient = vec![0.0; n];
         residuals.add_gradient(n, &mut gradient);
-        for row in residuals.derivatives.chunks_exact(n) {
-            for i in 0..n {
-                for k in 0..n {
-                    curvature[i * n + k] += row[i] * row[k];
-                }
-            }
-        }
-        if let Some(expected) = &residuals.expected {
-            curvature.iter_mut().zip(&expected.curvature).for_each(|(sum, second)| *sum += second);
-        }
+        let curvature = curvature::dense(&residuals, n, n);
         let mut rules_of = vec![Vec::new(); n];
         for (index, rule) in rules.iter().enumerate() {
             for &(variable, factor) in &rule.value.terms {
@@ -163,7 +155,7 @@ impl<'a> RoundingLattice<'a> {
         let n = self.moved.len();
         self.moved[variable] += by.signum();
         for i in 0..n {
-            self.gradient[i] += by * self.curvature[variable * n + i];
+            self.gradient[i] += by * self.curvature[variable.min(i) * n + variable.max(i)];
         }
         for &(rule, factor) in &self.rules_of[variable] {
             self.rules[rule] += factor * by;
