@@ -1,10 +1,9 @@
 //! `budget`: where the displacement error comes from.
 
-use std::fmt::Write;
-
 use magsplice::tolerance::Estimate;
 
 use super::number::counted;
+use super::rows::{Column, left, right};
 use super::{header, rows};
 use crate::sampling::film_budget::BudgetedFilm;
 
@@ -42,9 +41,11 @@ pub(crate) fn budget(film: &BudgetedFilm) -> String {
     text
 }
 
+/// Name of a part and its errors along x, y, z.
+const COLUMNS: [Column; 4] = [left(28), right(20), right(20), right(20)];
+
 fn line(text: &mut String, label: &str, [x, y, z]: [String; 3]) {
-    let line = format!("{:<28}{x:>20}{y:>20}{z:>20}", label.chars().take(28).collect::<String>());
-    let _ = writeln!(text, "{}", line.trim_end());
+    *text += &rows::table(&COLUMNS, &[[label.chars().take(28).collect(), x, y, z]]);
 }
 
 /// Root mean squares with shares of the totals.

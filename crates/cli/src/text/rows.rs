@@ -6,9 +6,78 @@ use magsplice::prelude::DVec3;
 
 use super::number::number;
 
+/// A column of a table.
+#[derive(Clone, Copy)]
+pub(crate) struct Column {
+    /// Blanks before it.
+    gap: usize,
+    width: usize,
+    /// Whether the column is as wide as its widest cell, if that is wider.
+    grows: bool,
+    is_right: bool,
+}
+
+/// A column whose cells begin at its left.
+pub(crate) const fn left(width: usize) -> Column {
+    Column { gap: 0, width, grows: false, is_right: false }
+}
+
+/// A column whose cells end at its right.
+pub(crate) const fn right(width: usize) -> Column {
+    Column { is_right: true, ..left(width) }
+}
+
+impl Column {
+    /// The column after so many blanks.
+    pub(crate) const fn after(self, gap: usize) -> Column {
+        Column { gap, ..self }
+    }
+
+    /// The column, at least as wide as its widest cell.
+    pub(crate) const fn growing(self) -> Column {
+        Column { grows: true, ..self }
+    }
+}
+
+/// As wide as its widest cell, two blanks after the column before.
+const COMPACT: Column = left(0).growing().after(2);
+
+/// Label and three numbers.
+const LABELLED: [Column; 4] = [left(38), right(13), right(13), right(13)];
+
+/// The rows of a table as lines, without blanks at their ends.
+pub(crate) fn lines<const N: usize>(columns: &[Column; N], rows: &[[String; N]]) -> Vec<String> {
+    let widest = |index: usize| rows.iter().map(|row| row[index].chars().count()).max().unwrap_or(0);
+    let widths: [usize; N] = std::array::from_fn(|index| match columns[index] {
+        Column { grows: true, width, .. } => width.max(widest(index)),
+        Column { width, .. } => width,
+    });
+    let line = |row: &[String; N]| {
+        let mut line = String::new();
+        for ((cell, width), Column { gap, is_right, .. }) in row.iter().zip(widths).zip(columns) {
+            let _ = match is_right {
+                true => write!(line, "{:gap$}{cell:>width$}", ""),
+                false => write!(line, "{:gap$}{cell:<width$}", ""),
+            };
+        }
+        line.trim_end().to_owned()
+    };
+    rows.iter().map(line).collect()
+}
+
+/// The rows of a table as text.
+pub(crate) fn table<const N: usize>(columns: &[Column; N], rows: &[[String; N]]) -> String {
+    lines(columns, rows).into_iter().map(|line| line + "\n").collect()
+}
+
+/// Lines of cells in columns that are as wide as their widest cell, separated by two spaces.
+pub(crate) fn columns<const N: usize>(rows: &[[String; N]]) -> Vec<String> {
+    lines(&[COMPACT; N], rows)
+}
+
 /// Appends a label and three cells.
 pub(crate) fn cells(text: &mut String, label: &str, [x, y, z]: [String; 3]) {
-    let _ = writeln!(text, "{label:<38}{x:>13}{y:>13}{z:>13}");
+    *text += &table(&LABELLED, &[[label.to_owned(), x, y, z]]);
 }
 
 /// Appends a label and three headings.
@@ -19,6 +88,13 @@ pub(crate) fn heading(text: &mut String, label: &str, names: [&str; 3]) {
 /// Appends a label and one cell.
 pub(crate) fn cell(text: &mut String, label: &str, value: &str) {
     let _ = writeln!(text, "{label:<38}{value:>13}");
+}
+
+/// Appends a label and the components of a vector. A component below 1e-12 of the largest is
+/// round-off, and is printed as 0.
+pub(crate) fn vector(text: &mut String, label: &str, v: DVec3) {
+    let noise = 1e-12 * v.abs().max_element();
+    cells(text, label, v.to_array().map(|c| number(if c.abs() <= noise { 0.0 } else { c })));
 }
 
 /// Width of the lines of [`prose`], which is that of [`cells`].
@@ -38,25 +114,4 @@ pub(crate) fn prose(text: &mut String, sentence: &str) {
         line += word;
     }
     let _ = writeln!(text, "    {line}");
-}
-
-/// Appends a label and the components of a vector. A component below 1e-12 of the largest is
-/// round-off, and is printed as 0.
-pub(crate) fn vector(text: &mut String, label: &str, v: DVec3) {
-    let noise = 1e-12 * v.abs().max_element();
-    cells(text, label, v.to_array().map(|c| number(if c.abs() <= noise { 0.0 } else { c })));
-}
-
-/// Lines of cells in columns that are as wide as their widest cell, separated by two spaces.
-pub(crate) fn columns<const N: usize>(rows: &[[String; N]]) -> Vec<String> {
-    let widths: [usize; N] =
-        std::array::from_fn(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0));
-    let line = |row: &[String; N]| {
-        let mut line = String::new();
-        for (cell, width) in row.iter().zip(widths) {
-            let _ = write!(line, "  {cell:<width$}");
-        }
-        line.trim_end().to_owned()
-    };
-    rows.iter().map(line).collect()
 }

@@ -8,6 +8,7 @@ use magsplice::making::Sorting;
 use magsplice::tolerance::{Estimate, Statistics};
 
 use super::number::counted;
+use super::rows::{Column, left, right};
 use super::{header, rows};
 use crate::sampling::sampled_film::SampledFilm;
 use crate::sampling::source::SampleSource;
@@ -33,14 +34,15 @@ pub(crate) fn samples(film: &SampledFilm) -> String {
     for (figure, statistics) in film.statistics.iter().filter(|(figure, _)| *figure != Figure::Amplitude) {
         table.push(row(figure, film.nominal.get(figure).zip(statistics)));
     }
-    lines(&mut text, &table);
+    text += &rows::table(&COLUMNS, &table);
     let amplitude = &film.statistics.amplitude;
     let names = ["", "nominal", "mean", "P50", "P5", "P1", "P5 is within"].map(str::to_owned);
     let values =
         [film.nominal.amplitude, amplitude.mean.value, amplitude.p50.value, amplitude.p5.value, amplitude.p1.value];
     let [nominal, mean, p50, p5, p1] = values.map(figure);
     text.push('\n');
-    lines(&mut text, &[names, ["amplitude".to_owned(), nominal, mean, p50, p5, p1, interval(&amplitude.p5)]]);
+    let values = ["amplitude".to_owned(), nominal, mean, p50, p5, p1, interval(&amplitude.p5)];
+    text += &rows::table(&COLUMNS, &[names, values]);
     text.push('\n');
     for (share, bounds) in [(film.yield_share, "[expect]"), (film.yield_made, "[expect.made]")] {
         let Some(share) = share else { continue };
@@ -80,22 +82,11 @@ fn in_words(source: &SampleSource) -> String {
     }
 }
 
-/// Appends lines of cells, the first column to the left and the others to the right.
-fn lines<const N: usize>(text: &mut String, table: &[[String; N]]) {
-    let widths: [usize; N] =
-        std::array::from_fn(|column| table.iter().map(|row| row[column].chars().count()).max().unwrap_or(0));
-    for cells in table {
-        let _ = write!(text, "{:<width$}", cells[0], width = FIRST_COLUMN.max(widths[0]));
-        for (cell, width) in cells.iter().zip(widths).skip(1) {
-            let _ = write!(text, "  {cell:>width$}", width = width.max(LEAST_COLUMN));
-        }
-        text.push('\n');
-    }
-}
-
-/// Widths of the columns of both tables, so that their numbers stand below each other.
-const FIRST_COLUMN: usize = 26;
-const LEAST_COLUMN: usize = 9;
+/// Columns of both tables, so that their numbers stand below each other.
+const COLUMNS: [Column; 7] = {
+    let number = right(9).growing().after(2);
+    [left(26).growing(), number, number, number, number, number, number]
+};
 
 fn row(of: Figure, found: Option<(&f64, &Statistics)>) -> [String; 7] {
     let name = match of {
