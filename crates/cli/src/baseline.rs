@@ -11,8 +11,8 @@ use magsplice::prelude::DVec3;
 use crate::csv_input::limited_lines::{LimitedLines, read_error, shown};
 use crate::failure::Failure;
 use crate::faults::FaultList;
+use crate::inputs::points::{MAX_HELD_POINTS, too_many_points};
 use crate::output::destination::Output;
-use crate::point_file::{MAX_HELD_POINTS, too_many_points};
 
 const COLUMNS: [&str; 6] = ["x_mm", "y_mm", "z_mm", "bx_t", "by_t", "bz_t"];
 

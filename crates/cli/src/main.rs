@@ -12,11 +12,9 @@ mod args;
 mod baseline;
 /// The measurement of `bench`.
 mod benchmark;
-/// Blocks from a CSV file.
-mod blocks;
 /// Results of `check`: a layout with the outcome of each of its expectations.
 mod checked;
-/// Tables of numbers that users bring.
+/// Tables of numbers: their lines, columns and units.
 mod csv_input;
 /// The parts of a layout, and the material that they need.
 mod cut_list;
@@ -30,8 +28,8 @@ mod failure;
 mod faults;
 /// Results of `forces`: loads on tiles, and an order of laying.
 mod film_loads;
-/// Points of a file for the verbs that compare with the ideal film.
-mod given_points;
+/// Tables that users bring, each with its columns.
+mod inputs;
 /// Ctrl-C: temporary files are removed, a search ends with its best film.
 mod interrupt;
 /// JSON forms of results.
@@ -42,15 +40,10 @@ mod junit;
 mod laying;
 /// The layout files that arguments name.
 mod layout_files;
-/// The layout of a film that was made.
-/// Orders of laying from a CSV file.
-mod order_file;
 /// Where results go: standard output, files, folders, tables.
 mod output;
 /// Results of `decouple --points`.
 mod point_evaluation;
-/// Points from a CSV file.
-mod point_file;
 /// Films prepared for evaluation.
 mod prepared_film;
 /// Pages to print: bill of materials, cut list, laying plan.
@@ -62,7 +55,7 @@ mod progress;
 mod remarks;
 /// Samples of real films: what they are samples of, their files, and runs that can be continued.
 mod sampling;
-/// Readings of a sensor: their files, and what is found from them.
+/// What is found from readings of a sensor.
 mod sensor;
 /// Results as printed tables.
 mod text;

@@ -11,7 +11,7 @@ use magsplice_export::{ColumnQuantity, MetadataValue, Points, Table};
 
 use crate::args::evaluate::QuantityArg;
 use crate::failure::Failure;
-use crate::given_points::GivenPoints;
+use crate::inputs::points_below_film::GivenPoints;
 use crate::output::table;
 use crate::words::film_failure;
 

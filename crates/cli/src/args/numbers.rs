@@ -89,7 +89,7 @@ impl Kind {
         let Kind { name, units, default, bare } = self;
         let known = units::names(units);
         let unit = if unit.is_empty() { default } else { unit };
-        let exponent = units.iter().find(|(known, _)| *known == unit).map(|(_, exponent)| *exponent);
+        let exponent = units.iter().find(|known| known.name == unit).map(|known| known.exponent);
         let value = decimal::scaled(number, exponent.unwrap_or(0));
         match (value, exponent) {
             (Some(value), Some(_)) => Ok(value),

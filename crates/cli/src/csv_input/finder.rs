@@ -1,33 +1,24 @@
 //! Groups of columns, found by their names.
 
 use super::limited_lines::shown;
-use super::names::unit_in;
-use crate::units::{self, LENGTHS, Unit};
-
-/// Columns without a unit.
-pub(crate) const NO_UNIT: [Unit; 0] = [];
-
-/// The unit of angles whose numbers are no power of ten of degrees.
-const RADIANS: &str = "rad";
-
-/// Units of angles. Radians become degrees by [`Column::is_in_radians`].
-pub(crate) const ANGLES: [Unit; 3] = [("deg", 0), ("°", 0), (RADIANS, 0)];
+use super::quantities::Group;
+use crate::units::{self, LENGTHS};
 
 /// The group whose name takes a plural verb.
 pub(crate) const EULER_ANGLES: &str = "Euler angles";
 
-/// A column, and the power of ten that converts its numbers to millimetres, tesla, A/m or degrees.
+/// A column, and how its numbers are converted.
 #[derive(Clone, Copy)]
 pub(crate) struct Column {
     pub(crate) index: usize,
+    /// Power of ten, then a factor, as in [`units::Unit`].
     pub(crate) exponent: i32,
-    /// Whether the numbers are angles in radians, to be converted to degrees.
-    pub(crate) is_in_radians: bool,
+    pub(crate) factor: f64,
 }
 
 /// Names of columns, and what is wrong with them.
 pub(crate) struct Finder<'a> {
-    names: &'a [String],
+    pub(crate) names: &'a [String],
     used: Vec<bool>,
     pub(crate) faults: Vec<String>,
 }
@@ -48,6 +39,11 @@ impl<'a> Finder<'a> {
         shown(&self.names.join(","))
     }
 
+    /// The names of columns, for messages.
+    pub(crate) fn listed<'c>(&self, columns: impl IntoIterator<Item = &'c Column>) -> String {
+        columns.into_iter().map(|column| shown(&self.names[column.index])).collect::<Vec<_>>().join(", ")
+    }
+
     pub(crate) fn fault(&mut self, fault: impl Into<String>) {
         self.faults.push(fault.into());
     }
@@ -61,97 +57,87 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// The columns of a group: one for each of `wanted`, which lists the names that it may have.
-    /// `None` if there is no such column, or after adding a fault.
-    pub(crate) fn group<const N: usize, const M: usize>(
-        &mut self,
-        group: &str,
-        wanted: [[&str; M]; N],
-        units: &[Unit],
-        default: Option<&str>,
-    ) -> Option<[Column; N]> {
-        let found = wanted.map(|bases| self.columns(&bases, units));
-        let missing: Vec<&str> = (0..N).filter(|i| found[*i].is_empty()).map(|i| wanted[i][0]).collect();
+    /// The columns of a group, `default` being the unit of those without one in their names. `None`
+    /// if no column is there, or after adding a fault.
+    pub(crate) fn group<const N: usize>(&mut self, group: &Group<N>, default: Option<&str>) -> Option<[Column; N]> {
+        let found = group.columns.map(|names| self.columns(group, names));
+        let missing: Vec<&str> = (0..N).filter(|i| found[*i].is_empty()).map(|i| group.columns[i][0]).collect();
         if missing.len() == N {
-            self.explain_unknown_units(group, &wanted, units);
+            self.explain_unknown_units(group);
             return None;
         }
         if !missing.is_empty() {
-            self.fault(format!("{group} {} no column {}", has(group), missing.join(", ")));
+            self.fault(format!("{} {} no column {}", group.name, has(group.name), missing.join(", ")));
         }
-        let columns = found.map(|columns| self.only(group, &columns, units, default));
+        let columns = found.map(|columns| self.only(group, &columns, default));
         let complete: Vec<Column> = columns.into_iter().flatten().collect();
         complete.try_into().ok()
     }
 
-    /// The columns of a group that need not be complete. No fault is added for a missing column.
-    pub(crate) fn partial_group<const N: usize>(
-        &mut self,
-        group: &str,
-        wanted: [[&str; 1]; N],
-        units: &[Unit],
-    ) -> [Option<Column>; N] {
-        self.explain_unknown_units(group, &wanted, units);
-        let found = wanted.map(|bases| self.columns(&bases, units));
-        found.map(|columns| self.only(group, &columns, units, None))
+    /// The column of a group of one.
+    pub(crate) fn column(&mut self, group: &Group<1>) -> Option<Column> {
+        self.group(group, None).map(|[column]| column)
     }
 
-    /// The one column among those found for a property. `None` without a column, or after adding a
+    /// The columns of a group that need not be complete. No fault is added for a missing column.
+    pub(crate) fn partial_group<const N: usize>(&mut self, group: &Group<N>) -> [Option<Column>; N] {
+        self.explain_unknown_units(group);
+        group.columns.map(|names| self.columns(group, names)).map(|columns| self.only(group, &columns, None))
+    }
+
+    /// The one column among those found for a component. `None` without a column, or after adding a
     /// fault.
-    fn only(
+    fn only<const N: usize>(
         &mut self,
-        group: &str,
-        found: &[(usize, String)],
-        units: &[Unit],
+        group: &Group<N>,
+        found: &[(Column, bool)],
         default: Option<&str>,
     ) -> Option<Column> {
-        found.iter().for_each(|(index, _)| self.used[*index] = true);
-        let (index, unit) = match found {
-            [] => return None,
-            [(index, unit)] => (*index, unit.as_str()),
-            _ => {
-                let named: Vec<String> = found.iter().map(|(index, _)| shown(&self.names[*index])).collect();
-                self.fault(format!("{group} {} more than one column of a kind: {}", has(group), named.join(", ")));
-                return None;
+        found.iter().for_each(|(column, _)| self.used[column.index] = true);
+        let (name, has) = (group.name, has(group.name));
+        match (found, default.and_then(|unit| units::find(group.units, unit))) {
+            ([], _) => None,
+            ([(column, true)], _) => Some(*column),
+            ([(column, false)], _) if group.units.is_empty() => Some(*column),
+            ([(column, false)], Some(unit)) => Some(Column { exponent: unit.exponent, factor: unit.factor, ..*column }),
+            ([(column, false)], None) => {
+                let (column, units) = (self.listed([column]), units::names(group.units));
+                self.fault(format!("{name} in the column {column} {has} no unit, must name one of: {units}"));
+                None
             }
-        };
-        let exponent = match (unit, default) {
-            _ if units.is_empty() => 0,
-            ("", None) => {
-                let (name, units) = (shown(&self.names[index]), units::names(units));
-                self.fault(format!("{group} in the column {name} {} no unit, must name one of: {units}", has(group)));
-                return None;
+            (several, _) => {
+                let columns = self.listed(several.iter().map(|(column, _)| column));
+                self.fault(format!("{name} {has} more than one column of a kind: {columns}"));
+                None
             }
-            ("", Some(unit)) | (unit, _) => units::exponent(units, unit)?,
-        };
-        Some(Column { index, exponent, is_in_radians: unit == RADIANS })
+        }
     }
 
-    /// The columns with one of these names and a known unit or none, with their units.
-    fn columns(&self, bases: &[&str], units: &[Unit]) -> Vec<(usize, String)> {
+    /// The columns with one of these names and a known unit or none, and whether they have one.
+    /// Columns with a unit come before those without.
+    pub(crate) fn columns<const N: usize>(&self, group: &Group<N>, bases: &[&str]) -> Vec<(Column, bool)> {
         let named = |(index, name): (usize, &String)| {
-            let unit = bases.iter().find_map(|base| unit_in(name, base))?;
-            (unit.is_empty() || units::exponent(units, &unit).is_some()).then_some((index, unit))
+            let unit = group.known_unit(name, bases)?;
+            let found = units::find(group.units, &unit);
+            let (exponent, factor) = found.map_or((0, 1.0), |unit| (unit.exponent, unit.factor));
+            Some((Column { index, exponent, factor }, found.is_some()))
         };
-        self.names.iter().enumerate().filter_map(named).collect()
+        let mut columns: Vec<(Column, bool)> = self.names.iter().enumerate().filter_map(named).collect();
+        if columns.iter().any(|(_, has_unit)| *has_unit) {
+            columns.retain(|(_, has_unit)| *has_unit);
+        }
+        columns
     }
 
     /// Adds a fault for each column of a group whose unit is not one of the known.
-    fn explain_unknown_units<const N: usize, const M: usize>(
-        &mut self,
-        group: &str,
-        wanted: &[[&str; M]; N],
-        units: &[Unit],
-    ) {
+    fn explain_unknown_units<const N: usize>(&mut self, group: &Group<N>) {
         for (index, name) in self.names.iter().enumerate() {
-            let unit = wanted.iter().flatten().find_map(|base| unit_in(name, base));
-            let is_unknown = |unit: &String| !unit.is_empty() && units::exponent(units, unit).is_none();
-            if let Some(unit) = unit.filter(is_unknown).filter(|_| !units.is_empty()) {
+            if let Some(unit) = group.unknown_unit(name) {
                 self.used[index] = true;
-                let (name, unit, known) = (shown(name), shown(&unit), units::names(units));
+                let (name, unit, known, has) = (shown(name), shown(&unit), units::names(group.units), has(group.name));
                 self.faults.push(format!(
-                    "{group} in the column {name} {} the unit {unit}, must be one of: {known}",
-                    has(group)
+                    "{} in the column {name} {has} the unit {unit}, must be one of: {known}",
+                    group.name
                 ));
             }
         }
@@ -159,11 +145,10 @@ impl<'a> Finder<'a> {
 
     /// Refuses `--unit` where a column names another unit.
     pub(crate) fn check_unit<'c>(&mut self, unit: &str, columns: impl Iterator<Item = &'c Column>) {
-        let wanted = units::exponent(&LENGTHS, unit);
-        let others: Vec<String> =
-            columns.filter(|c| Some(c.exponent) != wanted).map(|c| shown(&self.names[c.index])).collect();
+        let wanted = units::find(&LENGTHS, unit).map(|unit| unit.exponent);
+        let others: Vec<&Column> = columns.filter(|column| Some(column.exponent) != wanted).collect();
         if !others.is_empty() {
-            self.fault(format!("--unit {unit} contradicts the columns {}: rename them", others.join(", ")));
+            self.fault(format!("--unit {unit} contradicts the columns {}: rename them", self.listed(others)));
         }
     }
 }

@@ -226,6 +226,11 @@ impl CsvTable {
         &self.record[column]
     }
 
+    /// The name of a column and the text of its cell of the last row, for messages.
+    pub(crate) fn quoted(&self, column: usize) -> String {
+        format!("{} = \"{}\"", shown(&self.names[column]), shown(self.cell(column)))
+    }
+
     /// The number in a cell of the row on this line, times a power of ten, or the words for what is
     /// wrong with it.
     pub(crate) fn number(&mut self, column: usize, exponent: i32, line: u64) -> Result<f64, String> {
@@ -236,7 +241,7 @@ impl CsvTable {
             _ => None,
         };
         let written = if mark == Some(',') { text.replacen(',', ".", 1) } else { text.to_owned() };
-        let refused = |rule: &str| format!("{} = \"{}\", {rule}", shown(&self.names[column]), shown(text));
+        let refused = |rule: &str| format!("{}, {rule}", self.quoted(column));
         let Some(value) = decimal::scaled(&written, exponent) else {
             let cells = other_than(self.separator, text, 2).or_else(|| trailing(text));
             return Err(match cells {

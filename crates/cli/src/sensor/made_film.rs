@@ -7,9 +7,9 @@ use magsplice::field::Scene;
 use magsplice::magnet::{Bend, Deformation, HeightMap};
 use magsplice::prelude::DVec3;
 
-use super::reading_file;
 use crate::args::experiment::{BendAxis, ExperimentArgs};
 use crate::failure::Failure;
+use crate::inputs::readings;
 
 /// The field of the deformed film. Nothing if the film is as in the layout. Tiles with a recoil
 /// permeability keep the polarization that they have in the film of the layout; in a bent film they
@@ -42,7 +42,7 @@ pub(crate) fn deformed(args: &ExperimentArgs, film: &Film) -> Result<Option<Scen
 /// The heights of a CSV file.
 fn heights(path: &Path) -> Result<HeightMap, Failure> {
     let failed = |message: String| Failure::Points { path: path.to_owned(), message };
-    let (rows, lines) = reading_file::read_all(path, &[reading_file::positions()])?;
+    let (rows, lines) = readings::read_all(path, &[readings::POSITIONS])?;
     let points: Vec<DVec3> = rows.into_iter().map(|[point]| point).collect();
     let coordinates = |axis: usize| -> Vec<f64> {
         let mut values: Vec<f64> = points.iter().map(|point| point[axis]).collect();

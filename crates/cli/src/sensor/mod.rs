@@ -1,4 +1,4 @@
-//! Readings of a sensor: their files, and results of `read`, `calibrate`, `scan` and `diagnose`.
+//! Results of `read`, `calibrate`, `scan` and `diagnose`.
 
 /// Results of `calibrate`.
 pub(crate) mod calibration;
@@ -10,8 +10,6 @@ pub(crate) mod film_readings;
 pub(crate) mod film_resolution;
 /// The film that an experiment reads.
 pub(crate) mod made_film;
-/// Readings of a sensor from a CSV file.
-pub(crate) mod reading_file;
 /// Planes through a scan.
 #[cfg(feature = "report")]
 pub(crate) mod scan_planes;

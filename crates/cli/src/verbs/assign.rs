@@ -18,8 +18,9 @@ use crate::args::assign::AssignArgs;
 use crate::args::formats::TextOrJson;
 use crate::failure::{self, Failure};
 use crate::faults::FaultList;
+use crate::inputs::{measured_tiles, placed_tiles};
 use crate::laying::assigned_film::AssignedFilm;
-use crate::laying::{laying_plan, measured_tiles, placed_tiles};
+use crate::laying::laying_plan;
 use crate::output::destination::{Output, print};
 #[cfg(feature = "report")]
 use crate::output::figure_file;

@@ -9,19 +9,20 @@ use crate::args::bench::BenchArgs;
 use crate::args::formats::TextOrJson;
 use crate::benchmark::{self, BenchPoints};
 use crate::failure::Failure;
+use crate::inputs::points;
 use crate::output::destination::print;
 use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_points};
-use crate::{json, point_file, remarks, text};
+use crate::{json, remarks, text};
 
 pub(crate) fn run(args: &BenchArgs, quiet: bool) -> Result<(), Failure> {
-    let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.path()));
+    let progress = ProgressLine::start(!quiet && !points::are_typed(args.points.path()));
     let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
     let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
     let (points, points_of) = match args.points.path() {
         Some(path) => {
-            let (points, _) = point_file::read_all(path, args.points.unit, &remarks::teller(quiet, &progress))?;
+            let (points, _) = points::read_all(path, args.points.unit, &remarks::teller(quiet, &progress))?;
             (BenchPoints::Scattered(points), format!("points of {}", path.display()))
         }
         None => {

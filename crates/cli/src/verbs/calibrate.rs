@@ -10,13 +10,13 @@ use crate::args::formats::TextOrJson;
 use crate::args::sensor::CalibrateArgs;
 use crate::failure::{self, Failure};
 use crate::faults::FaultList;
+use crate::inputs::readings;
 use crate::json::calibrate::CalibrationJson;
 use crate::output::destination::Output;
 use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::sensor::calibration::Calibration;
 use crate::sensor::film_readings::{FilmReadings, Resting};
-use crate::sensor::reading_file;
 use crate::{json, remarks, text};
 
 pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
@@ -26,8 +26,8 @@ pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
     let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
     let inputs: Vec<&Path> = [&args.layout, &args.readings].into_iter().map(PathBuf::as_path).collect();
     let mut output = Output::open(args.result.output.as_deref(), &inputs)?;
-    let groups = [reading_file::forces(), reading_file::flux_densities(None)];
-    let (rows, lines) = reading_file::read_all(&args.readings, &groups)?;
+    let groups = [readings::FORCES, readings::flux_densities(None)];
+    let (rows, lines) = readings::read_all(&args.readings, &groups)?;
     let (forces_n, readings_t): (Vec<DVec3>, Vec<DVec3>) =
         rows.into_iter().map(|[force, reading]| (force, reading)).unzip();
     progress.show(Stage::uncounted("readings"));

@@ -5,16 +5,17 @@ use magsplice::{Film, Stage};
 use crate::args::evaluate::CompareArgs;
 use crate::args::formats::TextOrJson;
 use crate::failure::Failure;
-use crate::given_points::GivenPoints;
+use crate::inputs::points;
+use crate::inputs::points_below_film::GivenPoints;
 use crate::output::destination::print;
 use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_film};
-use crate::{json, point_file, remarks, text};
+use crate::{json, remarks, text};
 
 pub(crate) fn run(args: &CompareArgs, quiet: bool) -> Result<(), Failure> {
     // No progress line between points that a person types.
-    let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.path()));
+    let progress = ProgressLine::start(!quiet && !points::are_typed(args.points.path()));
     let show = |stage: Stage| progress.show(stage);
     let layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
     let failed = |error| film_failure(&args.layout, &layout, error);

@@ -10,13 +10,13 @@ use crate::args::evaluate::DecoupleArgs;
 use crate::args::formats::{DecoupleFormat, TableFormat};
 use crate::evaluation::Evaluation;
 use crate::failure::{self, Failure};
-use crate::given_points::GivenPoints;
+use crate::inputs::points;
+use crate::inputs::points_below_film::GivenPoints;
 use crate::json::decouple::DecoupleJson;
 use crate::json::decouple_points::DecouplePointsJson;
 use crate::output::destination::Output;
 use crate::output::{choice, table};
 use crate::point_evaluation::PointEvaluation;
-use crate::point_file;
 use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_film};
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &DecoupleArgs, quiet: bool) -> Result<(), Failure> {
         choice::accept(format, args.output.as_deref(), args.points.path().is_none())?;
     }
     // No progress line between points that a person types.
-    let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.path()));
+    let progress = ProgressLine::start(!quiet && !points::are_typed(args.points.path()));
     let show = |stage: Stage| progress.show(stage);
     let layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
     let failed = |error| film_failure(&args.layout, &layout, error);

@@ -10,6 +10,7 @@ use magsplice::{FilmError, Stage};
 use crate::args::diagnose::{DiagnoseArgs, DiagnoseFormat};
 use crate::failure::{self, Failure};
 use crate::faults::FaultList;
+use crate::inputs::readings;
 use crate::json::diagnose::DiagnoseJson;
 use crate::output::destination::Output;
 #[cfg(feature = "report")]
@@ -17,7 +18,6 @@ use crate::output::figure_file;
 use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::sensor::diagnosed_film::{self, DiagnosedFilm};
-use crate::sensor::reading_file;
 use crate::text::number::number;
 use crate::words::{film_failure, no_field};
 use crate::{json, remarks, text};
@@ -35,8 +35,8 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     #[cfg(feature = "report")]
     let figure = figure_file::open(args.figure.as_deref(), &inputs)?;
     let noise_t = noise_t(args, &layout)?;
-    let groups = [reading_file::positions(), reading_file::flux_densities(None)];
-    let (rows, lines) = reading_file::read_all(&args.scan, &groups)?;
+    let groups = [readings::POSITIONS, readings::flux_densities(None)];
+    let (rows, lines) = readings::read_all(&args.scan, &groups)?;
     let (points_mm, readings_t): (Vec<DVec3>, Vec<DVec3>) =
         rows.into_iter().map(|[point, reading]| (point, reading)).unzip();
     let element = layout.sensor.as_ref().map(|sensor| sensor.element).unwrap_or_default();

@@ -15,10 +15,10 @@ use crate::args::evaluate::{FieldArgs, QuantityArg, UnboundedArg};
 use crate::args::formats::TableFormat;
 use crate::failure::{self, Failure};
 use crate::faults::FaultList;
+use crate::inputs::points::{self, BATCH, PointFile};
 use crate::json::field::FieldJson;
 use crate::output::destination::{Output, is_standard};
 use crate::output::{choice, table};
-use crate::point_file::{self, BATCH, PointFile};
 use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::remarks;
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
     // No progress line between results on the same terminal, nor between points that a person
     // types.
     let results_on_terminal = args.output.as_deref().is_none_or(is_standard) && stdout().is_terminal();
-    let visible = !quiet && !results_on_terminal && !point_file::are_typed(args.points.path());
+    let visible = !quiet && !results_on_terminal && !points::are_typed(args.points.path());
     let progress = ProgressLine::start(visible);
     let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
     let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
@@ -58,8 +58,8 @@ fn at_points(args: &FieldArgs, film: &Film, path: &Path, progress: &ProgressLine
             (line, format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z))
         })?;
         done += points.len();
-        if writer.format != TableFormat::Csv && done > point_file::MAX_HELD_POINTS {
-            return Err(point_file::too_many_points(path));
+        if writer.format != TableFormat::Csv && done > points::MAX_HELD_POINTS {
+            return Err(points::too_many_points(path));
         }
         progress.show(Stage { name: "field", done, of: None, unit: "points" });
         if !more {

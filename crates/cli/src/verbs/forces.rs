@@ -12,6 +12,7 @@ use magsplice_report::{TileForce, forces_figure};
 use crate::args::forces::{ForcesArgs, ForcesFormat};
 use crate::failure::Failure;
 use crate::film_loads::{FilmLoads, OrderSource, OrderedLoads};
+use crate::inputs::laying_order;
 use crate::output::choice;
 use crate::output::destination::Output;
 #[cfg(feature = "report")]
@@ -19,7 +20,7 @@ use crate::output::figure_file;
 use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::words::film_failure;
-use crate::{json, order_file, remarks, text};
+use crate::{json, remarks, text};
 
 pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
@@ -27,7 +28,7 @@ pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
     let order_path = args.order.as_deref().filter(|order| !["given", "least"].contains(order)).map(PathBuf::from);
     let given: Vec<usize> = (0..layout.tiles.len()).collect();
     let order = match &order_path {
-        Some(path) => order_file::read(path, &layout)?,
+        Some(path) => laying_order::read(path, &layout)?,
         None => given.clone(),
     };
     let inputs: Vec<&Path> = std::iter::once(args.layout.as_path()).chain(order_path.as_deref()).collect();

@@ -6,16 +6,16 @@ use std::path::Path;
 use magsplice::layout::{Layout, LayoutError, LayoutFault, meant_length};
 
 use crate::args::import::ImportArgs;
-use crate::blocks::rows::{self, Blocks, SMALLEST_MAGNET_MM};
 use crate::csv_input::table::is_stdin;
 use crate::failure::{self, Failure};
 use crate::faults::FaultList;
+use crate::inputs::blocks::{self, Blocks, SMALLEST_MAGNET_MM};
 use crate::output::destination::{self, Output};
 use crate::text::number::counted;
 
 pub(crate) fn run(args: &ImportArgs, quiet: bool) -> Result<(), Failure> {
     let mut output = Output::open(args.output.as_deref(), &[&args.blocks])?;
-    let Blocks { tiles, lines, ignored, suspicious_size_mm } = rows::read(&args.blocks, args)?;
+    let Blocks { tiles, lines, ignored, suspicious_size_mm } = blocks::read(&args.blocks, args)?;
     let place = args.blocks.display().to_string();
     let source = if is_stdin(&args.blocks) { "standard input".to_owned() } else { file_name(&args.blocks) };
     let history = vec![format!("imported from {source} by magsplice {}", env!("CARGO_PKG_VERSION"))];

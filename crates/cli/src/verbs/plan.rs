@@ -9,15 +9,16 @@ use magsplice::{Film, FilmError, Stage};
 use crate::args::evaluate::PlanArgs;
 use crate::args::formats::TextOrJson;
 use crate::failure::Failure;
+use crate::inputs::points;
 use crate::output::destination::print;
 use crate::prepared_film::{prepare, recoil_estimates};
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_points};
-use crate::{json, point_file, remarks, text};
+use crate::{json, remarks, text};
 
 pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
     // No progress line between points that a person types.
-    let progress = ProgressLine::start(!quiet && !point_file::are_typed(args.points.path()));
+    let progress = ProgressLine::start(!quiet && !points::are_typed(args.points.path()));
     let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
     let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
     let show = |stage: Stage| progress.show(stage);
@@ -26,7 +27,7 @@ pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
     let planning = Stage::uncounted("planning");
     let (plan, points_of) = match args.points.path() {
         Some(path) => {
-            let (points, _) = point_file::read_all(path, args.points.unit, &remarks::teller(quiet, &progress))?;
+            let (points, _) = points::read_all(path, args.points.unit, &remarks::teller(quiet, &progress))?;
             progress.show(planning);
             check_accuracy(&film, path, points.len(), |index| points[index])?;
             (film.scene().plan_at_points(&points), format!("points of {}", path.display()))

@@ -12,6 +12,7 @@ use crate::args::formats::TableFormat;
 use crate::args::sensor::ReadArgs;
 use crate::failure::{self, Failure};
 use crate::faults::FaultList;
+use crate::inputs::readings;
 use crate::json::read::ReadJson;
 use crate::output::destination::Output;
 use crate::output::{choice, table};
@@ -19,7 +20,6 @@ use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::remarks;
 use crate::sensor::film_readings::{FilmReadings, Resting};
-use crate::sensor::reading_file;
 use crate::words::no_volume;
 
 pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
@@ -35,7 +35,7 @@ pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     choice::accept(format, None, false)?;
     let inputs: Vec<&Path> = [&args.layout, &args.readings].into_iter().map(PathBuf::as_path).collect();
     let mut output = Output::open(args.output.as_deref(), &inputs)?;
-    let (rows, lines) = reading_file::read_all(&args.readings, &[reading_file::flux_densities(args.unit)])?;
+    let (rows, lines) = readings::read_all(&args.readings, &[readings::flux_densities(args.unit)])?;
 
     let readings_t: Vec<DVec3> = rows.into_iter().map(|[reading]| reading).collect();
     progress.show(Stage::uncounted("readings"));

@@ -12,13 +12,13 @@ use crate::args::formats::{TableFormat, TextOrJson};
 use crate::args::sensor::ScanArgs;
 use crate::failure::{self, Failure};
 use crate::faults::FaultList;
+use crate::inputs::readings;
 use crate::json::field::FieldJson;
 use crate::json::scan::ScanJson;
 use crate::output::destination::Output;
 use crate::output::{choice, table};
 use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
-use crate::sensor::reading_file;
 use crate::sensor::scanned_film::ScannedFilm;
 use crate::text::number::number;
 use crate::words::{film_failure, no_field};
@@ -41,8 +41,8 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
     };
     #[cfg(feature = "report")]
     let figures = super::scan_figures::open(args, &inputs)?;
-    let groups = [reading_file::positions(), reading_file::flux_densities(None)];
-    let (rows, lines) = reading_file::read_all(&args.scan, &groups)?;
+    let groups = [readings::POSITIONS, readings::flux_densities(None)];
+    let (rows, lines) = readings::read_all(&args.scan, &groups)?;
     let (points, readings_t): (Vec<DVec3>, Vec<DVec3>) =
         rows.into_iter().map(|[point, reading]| (point, reading)).unzip();
 

@@ -1,11 +1,14 @@
-//! The columns of a rotation.
+//! The columns of a rotation, and the rotation of a row.
 
-use magsplice::layout::EulerOrder;
+use magsplice::layout::{EulerOrder, Rotation, RotationFaults};
 
-use crate::csv_input::finder::{ANGLES, Column, EULER_ANGLES, Finder, NO_UNIT};
+use crate::csv_input::finder::{Column, EULER_ANGLES, Finder};
+use crate::csv_input::quantities::Group;
+use crate::csv_input::rows::Cells;
+use crate::units::COLUMN_ANGLES;
 
 /// The columns of a rotation in one of its forms.
-pub(crate) enum RotationColumns {
+pub(super) enum RotationColumns {
     Quaternion([Column; 4]),
     /// x, y, z of the axis, then the angle.
     AxisAngle([Column; 4]),
@@ -16,22 +19,66 @@ pub(crate) enum RotationColumns {
 }
 
 impl RotationColumns {
-    pub(crate) fn columns(&self) -> Vec<Column> {
+    fn columns(&self) -> Vec<Column> {
         match self {
             RotationColumns::Quaternion(columns) | RotationColumns::AxisAngle(columns) => columns.to_vec(),
             RotationColumns::Euler(columns, _) => columns.iter().flatten().copied().collect(),
             RotationColumns::Matrix(columns) => columns.to_vec(),
         }
     }
+
+    /// The rotation of a row. `None` if its cells are empty, or after adding faults.
+    pub(super) fn of_row(&self, cells: &mut Cells) -> Option<Rotation> {
+        if cells.are_empty(&self.columns()) {
+            return None;
+        }
+        let rotation = match self {
+            RotationColumns::Quaternion(columns) => Rotation::from_quaternion(cells.numbers(columns)?),
+            RotationColumns::AxisAngle(columns) => {
+                let [x, y, z, angle_deg] = cells.numbers(columns)?;
+                Rotation::from_axis_angle([x, y, z], angle_deg)
+            }
+            RotationColumns::Euler(columns, order) => {
+                let before = cells.faults.len();
+                let angles_deg = columns.map(|column| column.map_or(0.0, |column| cells.number(column)));
+                if cells.faults.len() > before {
+                    return None;
+                }
+                Rotation::from_euler(angles_deg, *order)
+            }
+            RotationColumns::Matrix(columns) => {
+                let [a, b, c, d, e, f, g, h, i] = cells.numbers(columns)?;
+                Rotation::from_matrix([[a, b, c], [d, e, f], [g, h, i]])
+            }
+        };
+        rotation.map_err(|RotationFaults(broken)| cells.faults.extend(broken.iter().map(ToString::to_string))).ok()
+    }
 }
 
-/// Names of the components of a quaternion. Numbers such as `q0` do not say which is the scalar.
-const QUATERNION: [[&str; 5]; 4] = [
-    ["qx", "q_x", "quat_x", "quatx", "quaternion_x"],
-    ["qy", "q_y", "quat_y", "quaty", "quaternion_y"],
-    ["qz", "q_z", "quat_z", "quatz", "quaternion_z"],
-    ["qw", "q_w", "quat_w", "quatw", "quaternion_w"],
-];
+/// Numbers such as `q0` do not say which component is the scalar.
+const QUATERNION: Group<4> = plain(
+    "quaternion",
+    [
+        &["qx", "q_x", "quat_x", "quatx", "quaternion_x"],
+        &["qy", "q_y", "quat_y", "quaty", "quaternion_y"],
+        &["qz", "q_z", "quat_z", "quatz", "quaternion_z"],
+        &["qw", "q_w", "quat_w", "quatw", "quaternion_w"],
+    ],
+);
+const AXIS: Group<3> = plain("axis", [&["axis_x"], &["axis_y"], &["axis_z"]]);
+const MATRIX: Group<9> =
+    plain("matrix", [&["r11"], &["r12"], &["r13"], &["r21"], &["r22"], &["r23"], &["r31"], &["r32"], &["r33"]]);
+const ANGLE: Group<1> = angles("angle", [&["angle"]]);
+const ABOUT_AXES: Group<3> = angles(EULER_ANGLES, [&["rx"], &["ry"], &["rz"]]);
+const NUMBERED: Group<3> = angles(EULER_ANGLES, [&["euler_1"], &["euler_2"], &["euler_3"]]);
+
+const fn plain<const N: usize>(name: &'static str, columns: [&'static [&'static str]; N]) -> Group<N> {
+    Group { name, columns, units: &[] }
+}
+
+const fn angles<const N: usize>(name: &'static str, columns: [&'static [&'static str]; N]) -> Group<N> {
+    Group { name, columns, units: &COLUMN_ANGLES }
+}
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -43,13 +90,12 @@ const READ: &str = "qx, qy, qz, qw (or quat_x, ...; qw is the scalar), axis_x, a
 /// read: without it the blocks would stand unrotated.
 pub(super) fn find(finder: &mut Finder, order: Option<EulerOrder>) -> Option<RotationColumns> {
     let before = finder.faults.len();
-    let quaternion = finder.group("quaternion", QUATERNION, &NO_UNIT, None);
-    let axis = finder.group("axis", [["axis_x"], ["axis_y"], ["axis_z"]], &NO_UNIT, None);
-    let angle = finder.group("angle", [["angle"]], &ANGLES, None);
-    let about = finder.partial_group(EULER_ANGLES, [["rx"], ["ry"], ["rz"]], &ANGLES);
-    let numbered = finder.group(EULER_ANGLES, [["euler_1"], ["euler_2"], ["euler_3"]], &ANGLES, None);
-    let elements = ["r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"].map(|element| [element]);
-    let matrix = finder.group("matrix", elements, &NO_UNIT, None);
+    let quaternion = finder.group(&QUATERNION, None);
+    let axis = finder.group(&AXIS, None);
+    let angle = finder.column(&ANGLE);
+    let about = finder.partial_group(&ABOUT_AXES);
+    let numbered = finder.group(&NUMBERED, None);
+    let matrix = finder.group(&MATRIX, None);
     let unread: Vec<String> = finder.unused().into_iter().filter(|name| looks_like_rotation(name)).collect();
     if !unread.is_empty() {
         let (columns, look) = if unread.len() == 1 {
@@ -68,7 +114,7 @@ pub(super) fn find(finder: &mut Finder, order: Option<EulerOrder>) -> Option<Rot
     let mut forms = Vec::new();
     forms.extend(quaternion.map(RotationColumns::Quaternion));
     match (axis, angle) {
-        (Some([x, y, z]), Some([angle])) => forms.push(RotationColumns::AxisAngle([x, y, z, angle])),
+        (Some([x, y, z]), Some(angle)) => forms.push(RotationColumns::AxisAngle([x, y, z, angle])),
         (Some(_), None) => finder.fault("axis has no column angle_deg"),
         (None, Some(_)) => finder.fault("angle has no columns axis_x, axis_y, axis_z"),
         (None, None) => {}

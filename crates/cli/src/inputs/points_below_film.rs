@@ -10,7 +10,7 @@ use magsplice::prelude::DVec3;
 use crate::args::points::LengthUnitArg;
 use crate::failure::Failure;
 use crate::faults::FaultList;
-use crate::point_file;
+use crate::inputs::points;
 use crate::words::{film_failure, no_field};
 
 /// The points of a file, which stay below the film.
@@ -30,7 +30,7 @@ impl<'a> GivenPoints<'a> {
         within_half_wave: bool,
         tell: &dyn Fn(&str),
     ) -> Result<GivenPoints<'a>, Failure> {
-        let (points, lines) = point_file::read_all(path, unit, tell)?;
+        let (points, lines) = points::read_all(path, unit, tell)?;
         let half = 0.5 * ideal.wavelength();
         let mut faults = FaultList::default();
         for (p, line) in points.iter().zip(&lines) {

@@ -1,0 +1,167 @@
+//! The rows of a table as values, with the numbers of their lines.
+
+use std::path::{Path, PathBuf};
+
+use magsplice::prelude::DVec3;
+
+use super::finder::{Column, Finder};
+use super::table::{CsvTable, Row};
+use crate::failure::{Failure, PRINTED_FAULTS};
+use crate::faults::FaultList;
+
+/// What a table holds, for messages.
+pub(crate) struct Form {
+    /// The things of which each row is one; empty for tables that may have no row.
+    pub(crate) rows: &'static str,
+    /// Largest number of rows, and what a message says of more.
+    pub(crate) most: usize,
+    pub(crate) too_many: &'static str,
+}
+
+/// An open table with its columns.
+pub(crate) struct Rows<C> {
+    path: PathBuf,
+    form: Form,
+    table: CsvTable,
+    pub(crate) columns: C,
+    /// The first of the columns that are not read.
+    pub(crate) ignored: Vec<String>,
+    /// Number of rows that were read.
+    count: usize,
+}
+
+/// The cells of a row, and what is wrong with them.
+pub(crate) struct Cells<'a> {
+    table: &'a mut CsvTable,
+    pub(crate) line: u64,
+    pub(crate) faults: Vec<String>,
+}
+
+impl<C> Rows<C> {
+    /// Opens a file, or standard input for `-`, and finds its columns. `has_names` decides whether
+    /// a line is the line of names; `example` is one for messages.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or `find` has no columns. The failure lists its faults.
+    pub(crate) fn open(
+        path: &Path,
+        form: Form,
+        example: &str,
+        has_names: impl Fn(&[String]) -> bool,
+        find: impl FnOnce(&mut Finder) -> Option<C>,
+    ) -> Result<Rows<C>, Failure> {
+        let failed = |message: String| Failure::Points { path: path.to_owned(), message };
+        let table = CsvTable::open(path, has_names, example).map_err(failed)?;
+        let mut finder = Finder::new(&table.names);
+        let found = find(&mut finder).filter(|_| finder.faults.is_empty());
+        let mut ignored = finder.unused();
+        ignored.truncate(PRINTED_FAULTS);
+        let Some(columns) = found else {
+            let (mut faults, line) = (FaultList::default(), table.names_line);
+            finder.faults.into_iter().for_each(|fault| faults.add(line, format!("line {line}: {fault}")));
+            return Err(faults.failure(path.display().to_string()));
+        };
+        Ok(Rows { path: path.to_owned(), form, table, columns, ignored, count: 0 })
+    }
+
+    /// The names of columns, as the file has them.
+    pub(crate) fn names(&self, columns: &[Column]) -> String {
+        Finder::new(&self.table.names).listed(columns)
+    }
+
+    /// The line of the names.
+    pub(crate) fn names_line(&self) -> u64 {
+        self.table.names_line
+    }
+
+    /// The value of the next row with its line, or nothing for a row that has none. `None` at the
+    /// end. The faults that `value` leaves in the cells are added to `faults`.
+    pub(crate) fn next<T>(
+        &mut self,
+        faults: &mut FaultList,
+        value: impl FnOnce(&C, &mut Cells) -> Option<T>,
+    ) -> Result<Option<Option<(T, u64)>>, Failure> {
+        let failed = |message: String| Failure::Points { path: self.path.clone(), message };
+        let Form { rows, most, too_many } = self.form;
+        let row = self.table.next_row().map_err(failed)?;
+        self.count += usize::from(row.is_some());
+        match row {
+            Some(_) if self.count > most => Err(failed(format!("has more than {most} {rows}{too_many}"))),
+            Some(Row::Cells(line)) => {
+                let mut cells = Cells { table: &mut self.table, line, faults: Vec::new() };
+                let value = value(&self.columns, &mut cells);
+                if cells.faults.is_empty() {
+                    return Ok(Some(value.map(|value| (value, line))));
+                }
+                faults.add(line, format!("line {line}: {}", cells.faults.join("; ")));
+                Ok(Some(None))
+            }
+            Some(Row::Fault(line, fault)) => {
+                faults.add(line, fault);
+                Ok(Some(None))
+            }
+            None if self.count == 0 && !rows.is_empty() => {
+                Err(failed(format!("has no {rows} below its names of columns")))
+            }
+            None => Ok(None),
+        }
+    }
+
+    /// The values of all rows, and their lines. The failure lists all rows with faults.
+    pub(crate) fn read_all<T>(
+        mut self,
+        mut value: impl FnMut(&C, &mut Cells) -> Option<T>,
+    ) -> Result<(Vec<T>, Vec<u64>), Failure> {
+        let (mut values, mut lines, mut faults) = (Vec::new(), Vec::new(), FaultList::default());
+        while let Some(row) = self.next(&mut faults, &mut value)? {
+            if let Some((value, line)) = row {
+                values.push(value);
+                lines.push(line);
+            }
+        }
+        if faults.is_empty() { Ok((values, lines)) } else { Err(faults.failure(self.path.display().to_string())) }
+    }
+}
+
+impl Cells<'_> {
+    pub(crate) fn text(&self, column: Column) -> &str {
+        self.table.cell(column.index)
+    }
+
+    /// Whether all these cells are empty.
+    pub(crate) fn are_empty(&self, columns: &[Column]) -> bool {
+        columns.iter().all(|column| self.text(*column).is_empty())
+    }
+
+    pub(crate) fn fault(&mut self, fault: impl Into<String>) {
+        self.faults.push(fault.into());
+    }
+
+    /// The number in a cell, or 0 after adding a fault.
+    pub(crate) fn number(&mut self, Column { index, exponent, factor }: Column) -> f64 {
+        self.table.number(index, exponent, self.line).map_or_else(
+            |fault| {
+                self.faults.push(fault);
+                0.0
+            },
+            |number| number * factor,
+        )
+    }
+
+    /// The numbers in these cells, or `None` after adding faults.
+    pub(crate) fn numbers<const N: usize>(&mut self, columns: &[Column; N]) -> Option<[f64; N]> {
+        let before = self.faults.len();
+        let numbers = columns.map(|column| self.number(column));
+        (self.faults.len() == before).then_some(numbers)
+    }
+
+    /// The vector in these cells, or `None` after adding faults.
+    pub(crate) fn vector(&mut self, columns: &[Column; 3]) -> Option<DVec3> {
+        self.numbers(columns).map(DVec3::from)
+    }
+
+    /// The name of a column and the text of its cell, for messages.
+    pub(crate) fn quoted(&self, column: Column) -> String {
+        self.table.quoted(column.index)
+    }
+}

@@ -1,0 +1,69 @@
+//! Tiles that lie already, from a CSV file with the columns of a plan.
+
+use std::path::Path;
+
+use magsplice::layout::Layout;
+use magsplice::making::{Laying, LyingTile, PartlyLaid, PlaceGroup};
+
+use crate::csv_input::finder::{Column, Finder};
+use crate::csv_input::limited_lines::shown;
+use crate::csv_input::quantities::{Group, POSITION, text};
+use crate::csv_input::rows::{Cells, Form, Rows};
+use crate::failure::Failure;
+use crate::units::COLUMN_ANGLES;
+
+const FORM: Form = Form { rows: "", most: usize::MAX, too_many: "" };
+
+const PLACE: Group<1> = text("place", &["place"]);
+const TILE: Group<1> = text("tile", &["tile"]);
+/// The axis of the mark is in a column `mark`, which follows from the side that is up.
+const MARK: Group<1> = Group { name: "direction of the mark", columns: [&["mark"]], units: &COLUMN_ANGLES };
+
+struct Columns {
+    place: Column,
+    tile: Column,
+    position: Option<[Column; 3]>,
+    up: Option<Column>,
+    mark: Column,
+    laid: Option<Column>,
+}
+
+/// Reads which of the tiles of `groups` lie in the film of a layout. The failure lists all rows
+/// that break rules.
+pub(crate) fn read(path: &Path, layout: &Layout, groups: &[PlaceGroup]) -> Result<PartlyLaid, Failure> {
+    let has_names = |names: &[String]| PLACE.is_among(names) && TILE.is_among(names);
+    let rows = Rows::open(path, FORM, "place,tile,x_mm,y_mm,z_mm,up,mark_deg", has_names, columns)?;
+    let mut laying = Laying::new(layout, groups);
+    rows.read_all(|columns, cells| {
+        match columns.laid.map_or("yes".to_owned(), |column| cells.text(column).to_lowercase()).as_str() {
+            "yes" => lay(&mut laying, columns, cells),
+            "no" => {}
+            other => cells.fault(format!("laid = \"{}\", must be yes or no", shown(other))),
+        }
+        Some(())
+    })?;
+    Ok(laying.finish())
+}
+
+fn columns(finder: &mut Finder) -> Option<Columns> {
+    let (place, tile) = (finder.column(&PLACE), finder.column(&TILE));
+    let (up, laid) = (finder.column(&text("up", &["up"])), finder.column(&text("laid", &["laid"])));
+    let position = finder.group(&POSITION, None);
+    let mark = finder.column(&MARK);
+    let needed = [(place, "place: place"), (tile, "tile: tile"), (mark, "direction of the mark: mark_deg")];
+    needed.iter().filter(|(column, _)| column.is_none()).for_each(|(_, columns)| finder.missing(columns));
+    Some(Columns { place: place?, tile: tile?, position, up, mark: mark?, laid })
+}
+
+/// Lays the tile of a row, or adds what is wrong with its numbers, else with the tile.
+fn lay(laying: &mut Laying, columns: &Columns, cells: &mut Cells) {
+    let position_mm = columns.position.and_then(|columns| cells.vector(&columns));
+    let mark_deg = cells.number(columns.mark);
+    if cells.faults.is_empty() {
+        let up = columns.up.map_or("+z", |column| cells.text(column));
+        let (place, tile) = (cells.text(columns.place), cells.text(columns.tile));
+        if let Err(found) = laying.lay(&LyingTile { place, tile, position_mm, up, mark_deg }) {
+            cells.faults = found;
+        }
+    }
+}
