@@ -107,10 +107,8 @@ fn threads(criterion: &mut Criterion) {
 fn file_to_number(criterion: &mut Criterion) {
     criterion.bench_function("decoupling of the published film, file to number", |bencher| {
         bencher.iter(|| {
-            let layout = shipped_layout("published-film");
-            let film = Film::rigid(&layout);
-            let field = film.volume_field_t().expect("bounded");
-            film.decouple(&field).expect("regular").uniformity_rmse
+            let film = Film::rigid(shipped_layout("published-film"));
+            film.decouple().expect("regular").decoupling.uniformity_rmse
         });
     });
 }

@@ -27,7 +27,7 @@ fn baseline() -> Baseline {
 /// Whether a layout with this text has no findings and meets its expectations.
 fn passes(text: &str, baseline: &Baseline) -> bool {
     let Ok(layout) = Layout::parse(text, "changed") else { return false };
-    let outcomes = Film::new(&layout).unwrap().outcomes(Some(baseline));
+    let outcomes = Film::new(layout.clone()).unwrap().outcomes(Some(baseline));
     assert_eq!(outcomes.len(), 6, "all of [expect] is evaluated");
     layout.findings.is_empty() && outcomes.iter().all(|(_, outcome)| outcome.as_ref().is_ok_and(|o| o.is_met()))
 }
@@ -101,7 +101,7 @@ fn expectations_that_fail_to_evaluate_leave_the_others() {
     // The reference lies at a zero of B_z, and there is no baseline.
     let text = published().replace("reference_mm = [0.0, 0.0, -5.0]", "reference_mm = [1000.0, 1000.0, 5.0]");
     let layout = Layout::parse(&text, "changed").unwrap();
-    let outcomes = Film::new(&layout).unwrap().outcomes(None);
+    let outcomes = Film::new(layout).unwrap().outcomes(None);
     for (expectation, outcome) in outcomes {
         match expectation {
             Expectation::Figure(Figure::Uniformity(_) | Figure::Displacement(_)) => {

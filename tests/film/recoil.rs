@@ -39,7 +39,7 @@ fn errors_of_films_with_recoil_are_those_of_solved_films() {
         let (volume, ideal) = (layout.volume.as_ref().unwrap(), layout.ideal.unwrap());
         let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
 
-        let film = Film::new(&layout).unwrap();
+        let film = Film::new(layout.clone()).unwrap();
         let real = film.real_film().unwrap();
         let sampler = Sampler::new(&real, &volume, &ideal, 1).unwrap();
         let bare = RealFilm::new(&layout.bare_tiles(), &tolerance);

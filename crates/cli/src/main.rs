@@ -3,47 +3,29 @@
 //! Exit status: 0 success; 1 a check fails or has a finding, or a designed film misses a
 //! requirement; 2 the work could not be done; 130 interrupted.
 //!
-//! A verb in `verbs/` takes its arguments from `args/`, runs the library, and passes the result
-//! through `text/`, `json/`, `junit.rs` or `output/table.rs` to a destination in `output/`.
+//! A verb in `verbs/` has its arguments, runs the library on the film of a `Session`, and passes
+//! the result as text, JSON or a table to a destination in `output/`.
 
 /// The command line: verbs, options and their help texts.
 mod args;
-/// Baselines of `check`: the field of a working volume as CSV.
-mod baseline;
-/// The measurement of `bench`.
-mod benchmark;
-/// Results of `check`: a layout with the outcome of each of its expectations.
-mod checked;
 /// Tables of numbers: their lines, columns and units.
 mod csv_input;
-/// The parts of a layout, and the material that they need.
-mod cut_list;
 /// Decimal numbers with a unit.
 mod decimal;
-/// Results of `decouple`: a film with its field, comparison and decoupling.
-mod evaluation;
 /// Reasons why the program stops, and how it tells them.
 mod failure;
 /// Lists of faulty lines and points.
 mod faults;
-/// Results of `forces`: loads on tiles, and an order of laying.
-mod film_loads;
 /// Tables that users bring, each with its columns.
 mod inputs;
 /// Ctrl-C: temporary files are removed, a search ends with its best film.
 mod interrupt;
 /// JSON forms of results.
 mod json;
-/// The JUnit form of the results of `check`.
-mod junit;
 /// Laying a film from a box of measured tiles.
 mod laying;
-/// The layout files that arguments name.
-mod layout_files;
 /// Where results go: standard output, files, folders, tables.
 mod output;
-/// Results of `decouple --points`.
-mod point_evaluation;
 /// Films prepared for evaluation.
 mod prepared_film;
 /// Pages to print: bill of materials, cut list, laying plan.
@@ -57,6 +39,8 @@ mod remarks;
 mod sampling;
 /// What is found from readings of a sensor.
 mod sensor;
+/// A layout file at work.
+mod session;
 /// Results as printed tables.
 mod text;
 /// Units that people write.
@@ -68,7 +52,7 @@ mod words;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
 use args::{Args, Verb};
 use failure::Failure;
@@ -120,7 +104,7 @@ fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
         Verb::Import(args) => verbs::import::run(args, quiet),
         Verb::Init(args) => verbs::init::run(args, quiet),
         Verb::Schema => verbs::schema::run(),
-        Verb::Completions(args) => verbs::completions::run(args),
+        Verb::Completions(args) => verbs::completions::run(args, Args::command()),
     }
     .map(|()| 0)
 }

@@ -2,20 +2,20 @@
 
 use magsplice::layout::Layout;
 use magsplice::making::PlanRow;
+use magsplice::results::{BillOfMaterials, PartItem};
 use magsplice_export::twelve_digits;
 use magsplice_report::{Drawing, PrintedPage, PrintedTable};
 
-use crate::cut_list::{CutList, bar_length_mm, sheet_area_mm2};
 use crate::text::number::counted;
 
 /// The film and its bill of materials.
-pub(crate) fn bill_page(list: &CutList, figure: &Drawing) -> String {
+pub(crate) fn bill_page(list: &BillOfMaterials, figure: &Drawing) -> String {
     let layout = list.layout;
     page(layout, &layout.name, &[summary(list)], figure, &[bill(list)])
 }
 
 /// The plan by which a film is laid, and its bill of materials.
-pub(crate) fn plan_page(list: &CutList, figure: &Drawing, plan: &[PlanRow]) -> String {
+pub(crate) fn plan_page(list: &BillOfMaterials, figure: &Drawing, plan: &[PlanRow]) -> String {
     let layout = list.layout;
     let marks = "Before a tile is measured, an arrow is drawn on its upper side along its x axis, which is along the first \
                  side of its part. In the plan the column up names the side of the tile that is up at its place: +z is the \
@@ -36,12 +36,12 @@ fn page(layout: &Layout, title: &str, paragraphs: &[String], figure: &Drawing, t
     PrintedPage { title, paragraphs, figure, tables, source: &source }.html()
 }
 
-fn summary(list: &CutList) -> String {
+fn summary(list: &BillOfMaterials) -> String {
     let tiles = counted(list.layout.tiles.len(), "tile", "tiles");
     format!("{tiles} of {}.", counted(list.parts.len(), "part", "different parts"))
 }
 
-fn bill(list: &CutList) -> PrintedTable {
+fn bill(list: &BillOfMaterials) -> PrintedTable {
     let mut columns = vec!["part", "pieces", "size, mm", "J, T", "direction, deg", "tilt, deg", "tiles"];
     let mut remark = "Angles are those of J from the first side of a part towards the second, and out of the plane of \
                       both."
@@ -54,21 +54,21 @@ fn bill(list: &CutList) -> PrintedTable {
         );
     }
     let digits = |value: f64| twelve_digits(value).to_string();
-    let rows = list.parts.iter().enumerate().map(|(index, part)| {
-        let angles = part.angles_deg().map_or(["none".to_owned(), String::new()], |angles| angles.map(digits));
+    let row = |item: &PartItem| {
+        let angles = [item.direction_deg, item.tilt_deg];
         let mut row = vec![
-            (index + 1).to_string(),
-            part.count.to_string(),
-            part.size_mm.to_array().map(digits).join(" x "),
-            digits(part.strength_t),
+            item.part.to_string(),
+            item.count.to_string(),
+            item.size_mm.to_array().map(digits).join(" x "),
+            digits(item.strength_t),
+            angles[0].map_or("none".to_owned(), digits),
+            angles[1].map_or(String::new(), digits),
         ];
-        row.extend(angles);
-        if let Some(kerf_mm) = list.kerf_mm {
-            row.extend([sheet_area_mm2(part, kerf_mm), bar_length_mm(part, kerf_mm)].map(digits));
-        }
-        row.push(list.names(part).join(", "));
+        row.extend([item.sheet_area_mm2, item.bar_length_mm].into_iter().flatten().map(digits));
+        row.push(item.tiles.join(", "));
         row
-    });
+    };
+    let rows = list.parts.iter().map(row);
     PrintedTable {
         heading: "Bill of materials".to_owned(),
         remark,

@@ -8,7 +8,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use magsplice::Stage;
+use magsplice::{Progress, Stage};
 
 use crate::failure;
 
@@ -35,21 +35,23 @@ pub(crate) struct ProgressLine {
 impl ProgressLine {
     /// The line of work that begins now, with the reading of a layout. It appears only if `visible`
     /// and on a terminal.
-    pub(crate) fn start(visible: bool) -> ProgressLine {
+    pub(crate) fn start(visible: bool) -> Arc<ProgressLine> {
+        Arc::new(ProgressLine::new(visible, None))
+    }
+
+    fn new(visible: bool, log: Option<ProgressLog>) -> ProgressLine {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
         let watch = (visible && stderr().is_terminal()).then(|| watch(&bar));
-        let line = ProgressLine { bar, stage: Mutex::new(None), log: None, watch: Mutex::new(watch) };
+        let line = ProgressLine { bar, stage: Mutex::new(None), log, watch: Mutex::new(watch) };
         line.show(Stage::uncounted("reading the layout"));
         line
     }
 
     /// The line of a search. Where standard error is no terminal, a line about the search is
     /// printed every [`LOG_INTERVAL`] instead.
-    pub(crate) fn start_search(visible: bool) -> ProgressLine {
+    pub(crate) fn start_search(visible: bool) -> Arc<ProgressLine> {
         let log = (visible && !stderr().is_terminal()).then(ProgressLog::start);
-        let mut line = ProgressLine::start(visible);
-        line.log = log;
-        line
+        Arc::new(ProgressLine::new(visible, log))
     }
 
     /// Shows a stage of the work, and how much of it is done.
@@ -95,6 +97,12 @@ impl ProgressLine {
             let _ = thread.join();
             self.bar.finish_and_clear();
         }
+    }
+}
+
+impl Progress for ProgressLine {
+    fn show(&self, stage: Stage) {
+        ProgressLine::show(self, stage);
     }
 }
 

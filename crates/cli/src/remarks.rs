@@ -67,11 +67,3 @@ pub(crate) fn teller(quiet: bool, progress: &ProgressLine) -> impl Fn(&str) {
         }
     }
 }
-
-/// A best-fit amplitude below zero in words.
-pub(crate) fn about_amplitude(amplitude: f64) -> Option<&'static str> {
-    (amplitude < 0.0).then_some(
-        "the amplitude is negative: the field is opposite to that of the ideal film. The film is reversed (every J \
-         points the other way), or shifted by half a wavelength along x and y",
-    )
-}

@@ -26,15 +26,19 @@ use crate::per_parameter::PerParameter;
 /// assert!(decoupling.displacement_error(0, film.wavenumber()).unwrap().length() < 1e-12);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PointDecoupling {
-    /// The parameters at each point. `None` at singular points.
+    /// The parameters at each point. `None` at singular points. They are not serialized.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub parameters: Vec<Option<Parameters>>,
     /// The parameters at the reference point.
     pub at_reference: Parameters,
     /// Each parameter's change from the reference point minus that of the ideal film (-k dx, -k dy,
-    /// k dz). `None` at singular points.
+    /// k dz). `None` at singular points. They are not serialized.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub errors: Vec<Option<PerParameter>>,
     /// Points where B_z = 0 and the parameters do not exist. These points enter no average.
+    #[cfg_attr(feature = "serde", serde(rename = "singular_points_mm"))]
     pub singular: Vec<DVec3>,
     /// Root mean square of the errors over all points.
     pub ideal_rmse: PerParameter,

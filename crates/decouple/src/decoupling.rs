@@ -40,7 +40,7 @@ pub struct Decoupling {
     /// The parameters at the reference point.
     pub at_reference: Parameters,
     /// Points where B_z = 0 and the parameters do not exist. These points enter no average.
-    #[cfg_attr(feature = "serde", serde(rename = "singular_points"))]
+    #[cfg_attr(feature = "serde", serde(rename = "singular_points_mm"))]
     pub singular: Vec<DVec3>,
     /// Uniformity RMSE: the population standard deviation of a parameter over a plane normal to its
     /// own axis, averaged over the planes. It tells how much the parameter depends on the two

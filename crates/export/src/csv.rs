@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crate::table::{Rows, Table};
+use magsplice::results::{Rows, Table};
 
 /// Writes the table: the header, then the rows.
 ///

@@ -1,7 +1,8 @@
 //! Fields, decoupling parameters and tiles as files of other tools.
 //!
-//! A [`Table`] holds points, the quantities known at each of them, and metadata. [`csv`], [`json`],
-//! [`numpy`], [`vtk`] and, with the feature `parquet`, the module `parquet` write a table. [`vtk`],
+//! A [`Table`](magsplice::results::Table) holds points, the quantities known at each of them, and
+//! metadata. [`csv`], [`json`], [`numpy`], [`vtk`] and, with the feature `parquet`, the module
+//! `parquet` write a table. [`vtk`],
 //! [`magpylib`], [`dxf`] and [`stl`] write the tiles of a layout. Every function writes to a
 //! [`std::io::Write`] and returns the errors of that writer.
 //!
@@ -11,8 +12,8 @@
 //! # Adding a format
 //!
 //! 1. Add a file to this crate with a function
-//!    `write(table: &Table, w: &mut dyn Write) -> io::Result<()>`. [`Table::columns`] gives every
-//!    column with its name; [`Table::metadata`] says what the table was made from.
+//!    `write(table: &Table, w: &mut dyn Write) -> io::Result<()>`. `Table::columns` gives every
+//!    column with its name; `Table::metadata` says what the table was made from.
 //! 2. Add a variant to `TableFormat` in `crates/cli/src/args/formats.rs`. The compiler then names
 //!    each `match` of the program that needs a line: the extension, and the call of the function in
 //!    `crates/cli/src/output/table.rs`. `DecoupleFormat` beside it lists the formats of `decouple`.
@@ -40,10 +41,7 @@ pub mod parquet;
 mod significant;
 /// A film as STL bodies.
 pub mod stl;
-/// [`Table`]: rows, quantities and metadata, from which every format is written.
-mod table;
 /// Tables and tiles as XML files for VTK and ParaView.
 pub mod vtk;
 
 pub use significant::twelve_digits;
-pub use table::{ColumnQuantity, Metadata, MetadataValue, Points, Rows, Table, TableColumn, TableError};

@@ -7,7 +7,7 @@ use npyz::{DType, Field, TypeStr, WriteOptions, WriterBuilder};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-use crate::table::{MetadataValue, Table};
+use magsplice::results::{MetadataValue, Table};
 
 /// Writes an NPY file: one array of records, in the shape of [`Rows::shape`], with one field per
 /// column. The format has no place for metadata, so they are not written.

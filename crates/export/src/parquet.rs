@@ -11,7 +11,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use crate::table::{MetadataValue, Table};
+use magsplice::results::{MetadataValue, Table};
 
 /// Rows per row group. Readers hold one group in memory at a time.
 const ROW_GROUP: usize = 1 << 20;

@@ -55,7 +55,7 @@ pub struct PlannedPart {
     pub cost: f64,
 }
 
-/// The way in which a field is computed.
+/// The way in which a field is computed. Serialized, lengths are in millimetres, as in all files.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(tag = "model", rename_all = "snake_case"))]
 pub enum Model {
@@ -64,28 +64,34 @@ pub enum Model {
     /// Chebyshev interpolation of the field in a box (docs/physics.md, section 5.1).
     Chebyshev {
         /// Lower corner of the box.
+        #[cfg_attr(feature = "serde", serde(rename = "lower_mm"))]
         lower: DVec3,
         /// Upper corner of the box.
+        #[cfg_attr(feature = "serde", serde(rename = "upper_mm"))]
         upper: DVec3,
         /// Numbers of polynomials along x, y, z.
         terms: [usize; 3],
         /// Upper bound of the error of B, in tesla.
         error_t: f64,
         /// Distance from the box to the nearest tile.
+        #[cfg_attr(feature = "serde", serde(rename = "distance_mm"))]
         distance: f64,
     },
     /// Harmonic potentials of the cells of a box, for points that are not a grid (docs/physics.md,
     /// section 5.1).
     Cells {
         /// Lower corner of the box.
+        #[cfg_attr(feature = "serde", serde(rename = "lower_mm"))]
         lower: DVec3,
         /// Upper corner of the box.
+        #[cfg_attr(feature = "serde", serde(rename = "upper_mm"))]
         upper: DVec3,
         /// Numbers of cells along x, y, z.
         cells: [usize; 3],
         /// Upper bound of the error of B, in tesla.
         error_t: f64,
         /// Distance from the box to the nearest tile.
+        #[cfg_attr(feature = "serde", serde(rename = "distance_mm"))]
         distance: f64,
     },
     /// A tree of expansions in solid harmonics, with direct summation of near tiles

@@ -11,7 +11,8 @@ const ROUNDED_SPREAD: f64 = 1e-14;
 /// The difference of a field from a reference on the same points.
 ///
 /// # Units
-/// Fields are in tesla, points in any one unit of length.
+/// Fields are in tesla, points in any one unit of length. Serialized, the unit is the millimetre,
+/// as in all files.
 ///
 /// # Example
 /// ```
@@ -39,6 +40,7 @@ pub struct Comparison {
     /// Largest length of the difference.
     pub worst_t: f64,
     /// The first point where it occurs.
+    #[cfg_attr(feature = "serde", serde(rename = "worst_at_mm"))]
     pub worst_at: DVec3,
     /// The factor a that brings a times the reference closest to the field (least squares over all
     /// components).

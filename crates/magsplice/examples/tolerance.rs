@@ -7,7 +7,7 @@ use magsplice::prelude::*;
 fn main() -> Result<(), Box<dyn Error>> {
     let layout = Layout::parse(include_str!("film.toml"), "film.toml")?;
     let exact = Scene::new(&layout.bare_tiles());
-    let volume = Film::new(&layout)?.volume()?.grid;
+    let volume = Film::new(layout)?.volume()?.grid;
     let fine = Grid::new(volume.lower(), volume.upper(), [81, 81, 41])?;
 
     // The error of B may be a millionth of |B| at each point. A Chebyshev expansion of the volume

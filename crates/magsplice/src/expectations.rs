@@ -11,7 +11,7 @@ use crate::film::Film;
 use crate::film_error::FilmError;
 use crate::stage::Stage;
 
-impl Film<'_> {
+impl Film {
     /// The outcomes of all expectations of the layout, in the order of [`Expectation::stated_in`].
     ///
     /// Each expectation is evaluated by itself, so that one that fails does not hide the others.
@@ -34,10 +34,8 @@ impl Film<'_> {
         let expected = &self.layout().expectations;
         let all = Expectation::stated_in(expected);
         // Evaluated when the first expectation needs them.
-        let field = OnceCell::new();
-        let field = || field.get_or_init(|| self.volume_field_t()).as_deref().map_err(Clone::clone);
         let decoupling = OnceCell::new();
-        let decoupling = || decoupling.get_or_init(|| self.decouple(field()?)).as_ref().map_err(Clone::clone);
+        let decoupling = || decoupling.get_or_init(|| self.volume_decoupling()).as_ref().map_err(Clone::clone);
         let made_films = OnceCell::new();
         let made_films = || made_films.get_or_init(|| self.made_films()).as_deref().map_err(Clone::clone);
         let outcome = |expectation: Expectation| -> Result<Outcome, FilmError> {
@@ -48,15 +46,16 @@ impl Film<'_> {
                             decoupling()?.uniformity_rmse[parameter].ok_or(FilmError::OnePointPlanes(parameter))?
                         }
                         Figure::Displacement(axis) => decoupling()?.displacement_rmse_mm[axis],
-                        Figure::Amplitude => self.compare(field()?)?.amplitude,
+                        Figure::Amplitude => self.volume_comparison()?.amplitude,
                     };
                     Outcome::from_figure(&expected.bounds, figure, found)
                 }
                 Expectation::Field => {
                     let baseline = baseline.ok_or(FilmError::NoBaseline)?;
                     let points = self.volume()?.grid;
-                    let difference =
-                        baseline.difference(points.points(), field()?).map_err(FilmError::PointsMismatch)?;
+                    let difference = baseline
+                        .difference(points.points(), self.volume_field_t()?)
+                        .map_err(FilmError::PointsMismatch)?;
                     Outcome::from_field(expected, &difference)
                 }
                 Expectation::Clearance => {

@@ -15,7 +15,7 @@ pub const EXPERIMENT_STEP_MM: DVec3 = DVec3::new(0.5, 0.5, 1.0);
 /// Most steps along an axis.
 const MOST_STEPS: f64 = 1e5;
 
-impl Film<'_> {
+impl Film {
     /// What the sensor reads and tells while the film is moved along x, then y, then z, by
     /// multiples of a step. The sensor stays in the working volume.
     ///

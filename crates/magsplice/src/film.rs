@@ -1,11 +1,12 @@
 //! A film: a layout evaluated step by step, from field to comparison and decoupling.
 
+use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
-use magsplice_decouple::{Decoupling, PointDecoupling};
 use magsplice_field::Scene;
-use magsplice_ideal::{Comparison, IdealFilm};
+use magsplice_ideal::IdealFilm;
 use magsplice_layout::{Layout, WorkingVolume};
 use magsplice_magnet::{Accuracy, Grid, PointError, PointErrorCause, PointErrors, Quantity};
 use magsplice_sensor::SensedField;
@@ -13,7 +14,7 @@ use magsplice_tolerance::{EvaluationGrid, RealFilm, Weakening};
 
 use crate::film_error::FilmError;
 use crate::film_recoil::FilmRecoil;
-use crate::stage::Stage;
+use crate::stage::{Progress, Stage};
 
 /// Number of pairs of tile and point between progress callbacks: about a tenth of a second of one
 /// thread.
@@ -42,11 +43,9 @@ const PAIRS_BETWEEN_CALLS: usize = 1 << 24;
 ///     polarization_t = [0.085, 0.085, 0.0]
 ///     mirror = { axes = ["x", "y"] }
 /// "#;
-/// let layout = Layout::parse(text, "example")?;
-/// let film = Film::new(&layout)?;
-/// let field_t = film.volume_field_t()?;
-/// assert!(film.compare(&field_t)?.amplitude > 0.5);
-/// assert!(film.decouple(&field_t)?.uniformity_rmse.r_x.unwrap() < 0.2);
+/// let film = Film::new(Layout::parse(text, "example")?)?;
+/// assert!(film.compare()?.comparison.amplitude > 0.5);
+/// assert!(film.decouple()?.decoupling.uniformity_rmse.r_x.unwrap() < 0.2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -55,72 +54,90 @@ const PAIRS_BETWEEN_CALLS: usize = 1 << 24;
 /// the field of all of them. The division is refined until B is known to the stated share of what
 /// recoil changes in it, `recoil_error` of `[material]`, at points of the working volume, or around
 /// the tiles of a layout without one. [`Film::recoil`] tells what was found.
-pub struct Film<'a> {
-    layout: &'a Layout,
-    scene: Scene,
+///
+/// Clones share the layout, the prepared tiles and the field of the working volume.
+#[derive(Clone)]
+pub struct Film {
+    layout: Arc<Layout>,
+    scene: Arc<Scene>,
     recoil: Option<FilmRecoil>,
-    progress: Option<&'a (dyn Fn(Stage) + Sync)>,
+    /// B over the working volume, once it was needed.
+    volume_field_t: Arc<OnceLock<Result<Vec<DVec3>, FilmError>>>,
+    progress: Option<Arc<dyn Progress>>,
 }
 
-impl<'a> Film<'a> {
+impl fmt::Debug for Film {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Film").field("layout", &self.layout.name).finish_non_exhaustive()
+    }
+}
+
+impl Film {
     /// Prepares the tiles of a layout for evaluation.
     ///
     /// # Errors
     /// [`FilmError::Recoil`] if tiles have a recoil permeability and their polarization is not
     /// known to the stated error.
-    pub fn new(layout: &'a Layout) -> Result<Film<'a>, FilmError> {
-        Ok(Film::with_recoil(layout, FilmRecoil::new(layout, &|_| {})?))
+    pub fn new(layout: impl Into<Arc<Layout>>) -> Result<Film, FilmError> {
+        let layout = layout.into();
+        let recoil = FilmRecoil::new(&layout, &|_: Stage| {})?;
+        Ok(Film::with_recoil(layout, recoil))
     }
 
-    /// Prepares the tiles of a layout, and calls `progress` between parts of this and all later
-    /// work, see [`Film::telling`].
+    /// Prepares the tiles of a layout. `progress` receives the progress of this and all later work,
+    /// see [`Film::telling`].
     ///
     /// # Errors
     /// As [`Film::new`].
-    pub fn with_progress(layout: &'a Layout, progress: &'a (dyn Fn(Stage) + Sync)) -> Result<Film<'a>, FilmError> {
-        let recoil = FilmRecoil::new(layout, progress)?;
+    pub fn with_progress(layout: impl Into<Arc<Layout>>, progress: Arc<dyn Progress>) -> Result<Film, FilmError> {
+        let layout = layout.into();
+        let recoil = FilmRecoil::new(&layout, &*progress)?;
         Ok(Film::with_recoil(layout, recoil).telling(progress))
     }
 
     /// The film whose tiles have the polarization that an earlier film found, see [`Film::recoil`].
     /// Layouts of both must have the same tiles and material; other tables may differ. Nothing is
     /// solved again.
-    pub fn with_recoil(layout: &'a Layout, recoil: Option<FilmRecoil>) -> Film<'a> {
+    pub fn with_recoil(layout: impl Into<Arc<Layout>>, recoil: Option<FilmRecoil>) -> Film {
+        let layout = layout.into();
         let scene = match &recoil {
             Some(recoil) => Scene::of_cells(recoil.magnetization().cells(), recoil.magnetization().owners()),
             None => Scene::new(&layout.bare_tiles()),
         };
-        Film { layout, scene, recoil, progress: None }
+        Film { layout, scene: Arc::new(scene), recoil, volume_field_t: Arc::default(), progress: None }
     }
 
     /// The film whose tiles keep the polarization of the layout, whatever their recoil
     /// permeability.
-    pub fn rigid(layout: &'a Layout) -> Film<'a> {
+    pub fn rigid(layout: impl Into<Arc<Layout>>) -> Film {
         Film::with_recoil(layout, None)
     }
 
     /// The same film, whose fields of the working volume have this accuracy. A new film is exact.
-    pub fn with_accuracy(self, accuracy: Accuracy) -> Film<'a> {
-        Film { scene: self.scene.with_accuracy(accuracy), ..self }
+    pub fn with_accuracy(self, accuracy: Accuracy) -> Film {
+        if accuracy == self.scene.accuracy() {
+            return self;
+        }
+        let scene = Arc::unwrap_or_clone(self.scene).with_accuracy(accuracy);
+        Film { scene: Arc::new(scene), volume_field_t: Arc::default(), ..self }
     }
 
-    /// The same film, which calls `progress` between parts of its work, from any thread. The
-    /// callback must be short. A panic of it ends the work and reaches the caller, who can
-    /// interrupt the work so.
-    pub fn telling(self, progress: &'a (dyn Fn(Stage) + Sync)) -> Film<'a> {
+    /// The same film, which reports its progress between parts of its work, from any thread. A
+    /// panic of `progress` ends the work and reaches the caller, who can interrupt the work so.
+    pub fn telling(self, progress: Arc<dyn Progress>) -> Film {
         Film { progress: Some(progress), ..self }
     }
 
-    /// Calls the progress callback, if there is one.
+    /// Reports a stage of the work, if anything receives it.
     pub fn tell(&self, stage: Stage) {
-        if let Some(progress) = self.progress {
-            progress(stage);
+        if let Some(progress) = &self.progress {
+            progress.show(stage);
         }
     }
 
     /// The layout of the film.
-    pub fn layout(&self) -> &'a Layout {
-        self.layout
+    pub fn layout(&self) -> &Arc<Layout> {
+        &self.layout
     }
 
     /// The polarization of tiles with a recoil permeability. `None` if no tile of the layout has
@@ -138,7 +155,7 @@ impl<'a> Film<'a> {
     ///
     /// # Errors
     /// If the layout has none.
-    pub fn volume(&self) -> Result<&'a WorkingVolume, FilmError> {
+    pub fn volume(&self) -> Result<&WorkingVolume, FilmError> {
         self.layout.volume.as_ref().ok_or(FilmError::Missing("volume"))
     }
 
@@ -146,7 +163,7 @@ impl<'a> Film<'a> {
     ///
     /// # Errors
     /// If the layout has none.
-    pub fn ideal(&self) -> Result<&'a IdealFilm, FilmError> {
+    pub fn ideal(&self) -> Result<&IdealFilm, FilmError> {
         self.layout.ideal.as_ref().ok_or(FilmError::Missing("ideal"))
     }
 
@@ -184,7 +201,7 @@ impl<'a> Film<'a> {
     pub fn sensed_field(&self, volume: &Grid) -> Result<SensedField<'_>, FilmError> {
         match &self.layout.sensor {
             Some(sensor) => SensedField::new(&self.scene, sensor.element, volume).map_err(FilmError::Sensor),
-            None => Ok(SensedField::from(&self.scene)),
+            None => Ok(SensedField::from(&*self.scene)),
         }
     }
 
@@ -197,12 +214,18 @@ impl<'a> Film<'a> {
         Ok(EvaluationGrid { grid: volume.grid, reference: volume.reference_mm })
     }
 
-    /// B in tesla on the grid of the working volume, z fastest, to the film's accuracy.
+    /// B in tesla on the grid of the working volume, z fastest, to the film's accuracy. It is
+    /// computed once.
     ///
     /// # Errors
     /// [`FilmError::Missing`] if the layout has no working volume; [`FilmError::Points`] if the
     /// field does not exist at some of its points.
-    pub fn volume_field_t(&self) -> Result<Vec<DVec3>, FilmError> {
+    pub fn volume_field_t(&self) -> Result<&[DVec3], FilmError> {
+        let known = self.volume_field_t.get_or_init(|| self.field_of_volume_t());
+        known.as_deref().map_err(Clone::clone)
+    }
+
+    fn field_of_volume_t(&self) -> Result<Vec<DVec3>, FilmError> {
         let grid = &self.volume()?.grid;
         let mut field = vec![DVec3::ZERO; grid.len()];
         let evaluated = self.with_counted_points(grid.len(), |progress| {
@@ -239,63 +262,6 @@ impl<'a> Film<'a> {
         })
     }
 
-    /// The comparison of a field with the ideal film (Dai 2024, Eq. 2) over the working volume.
-    /// `field_t` is the field that [`Film::volume_field_t`] returns.
-    ///
-    /// # Errors
-    /// If the layout has no ideal film or no working volume, or the volume is not below the film.
-    pub fn compare(&self, field_t: &[DVec3]) -> Result<Comparison, FilmError> {
-        let points: Vec<DVec3> = self.volume()?.grid.points().collect();
-        self.compare_at(&points, field_t)
-    }
-
-    /// The comparison of a field with the ideal film (Dai 2024, Eq. 2) at points. `field_t` is the
-    /// field that [`Film::field_at_t`] returns.
-    ///
-    /// # Errors
-    /// If the layout has no ideal film, or a point is not below the film.
-    pub fn compare_at(&self, points: &[DVec3], field_t: &[DVec3]) -> Result<Comparison, FilmError> {
-        let ideal = self.ideal()?;
-        self.tell(Stage::uncounted("comparison with the ideal film"));
-        let reference = points
-            .iter()
-            .map(|&p| ideal.flux_density_t(p).ok_or(FilmError::NotBelow(p)))
-            .collect::<Result<Vec<DVec3>, _>>()?;
-        Comparison::new(points, field_t, &reference).map_err(FilmError::Comparison)
-    }
-
-    /// The decoupling parameters over the working volume (Dai 2024, Eq. 15). `field_t` is the field
-    /// that [`Film::volume_field_t`] returns.
-    ///
-    /// # Errors
-    /// If the layout has no ideal film or no working volume, or the parameters do not exist there.
-    pub fn decouple(&self, field_t: &[DVec3]) -> Result<Decoupling, FilmError> {
-        let (ideal, volume) = (self.ideal()?, self.volume()?);
-        let reference = volume.reference_mm;
-        if ideal.flux_density_t(reference).is_none() {
-            return Err(FilmError::NotBelow(reference));
-        }
-        self.tell(Stage::uncounted("decoupling parameters"));
-        Decoupling::from_field(&volume.grid, field_t, (reference, self.reference_field_t()?), ideal)
-            .map_err(FilmError::Decoupling)
-    }
-
-    /// The decoupling parameters at points (Dai 2024, Eq. 15). Changes are measured from the
-    /// reference point of the working volume. `field_t` is the field that [`Film::field_at_t`]
-    /// returns.
-    ///
-    /// # Errors
-    /// If the layout has no ideal film or no working volume, or the parameters do not exist there.
-    pub fn decouple_at(&self, points: &[DVec3], field_t: &[DVec3]) -> Result<PointDecoupling, FilmError> {
-        let (ideal, reference) = (self.ideal()?, self.volume()?.reference_mm);
-        if ideal.flux_density_t(reference).is_none() {
-            return Err(FilmError::NotBelow(reference));
-        }
-        self.tell(Stage::uncounted("decoupling parameters"));
-        PointDecoupling::from_field(points, field_t, (reference, self.reference_field_t()?), ideal)
-            .map_err(FilmError::Decoupling)
-    }
-
     /// B in tesla at the reference point of the working volume, exact for any accuracy of the film.
     ///
     /// # Errors
@@ -329,13 +295,13 @@ mod tests {
 
     /// The field from the film on its grid, and from its scene at the points of the grid.
     fn both(layout: &Layout, accuracy: Accuracy) -> [Result<Vec<DVec3>, FilmError>; 2] {
-        let film = Film::new(layout).unwrap().with_accuracy(accuracy);
+        let film = Film::new(layout.clone()).unwrap().with_accuracy(accuracy);
         let grid = &film.volume().unwrap().grid;
         let at_once = match accuracy {
             Accuracy::Exact => film.scene().field_at(Quantity::FluxDensity, &grid.points().collect::<Vec<DVec3>>()),
             Accuracy::Within(_) => film.scene().field_on_grid(Quantity::FluxDensity, grid),
         };
-        [film.volume_field_t(), at_once.map_err(FilmError::Points)]
+        [film.volume_field_t().map(<[DVec3]>::to_vec), at_once.map_err(FilmError::Points)]
     }
 
     #[test]
@@ -356,18 +322,18 @@ mod tests {
     fn film_with_a_known_recoil_has_its_field() {
         let mut layout = layout(-6.0);
         layout.material.permeability = Permeability::isotropic(1.2).unwrap();
-        let solved = Film::new(&layout).unwrap();
-        let known = Film::with_recoil(&layout, solved.recoil().cloned());
-        let [solved, known, rigid] = [&solved, &known, &Film::rigid(&layout)].map(|film| film.reference_field_t());
+        let solved = Film::new(layout.clone()).unwrap();
+        let known = Film::with_recoil(layout.clone(), solved.recoil().cloned());
+        let [solved, known, rigid] = [&solved, &known, &Film::rigid(layout)].map(|film| film.reference_field_t());
         assert!(solved == known && solved != rigid);
     }
 
     #[test]
     fn progress_is_told_from_time_to_time() {
-        let layout = layout(-6.0);
-        let told = Mutex::new(Vec::new());
-        let progress = |stage: Stage| told.lock().unwrap().push(stage);
-        let film = Film::with_progress(&layout, &progress).unwrap();
+        let told = Arc::new(Mutex::new(Vec::new()));
+        let heard = told.clone();
+        let progress = Arc::new(move |stage: Stage| heard.lock().unwrap().push(stage));
+        let film = Film::with_progress(layout(-6.0), progress).unwrap();
         film.volume_field_t().unwrap();
         let stage = |done, of| Stage { name: "field", done, of: Some(of), unit: "points" };
         // Its single tile is evaluated in less than a tenth of a second.

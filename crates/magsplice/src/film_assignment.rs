@@ -32,7 +32,7 @@ pub struct FilmAssignment {
     pub shims: Vec<(usize, f64)>,
 }
 
-impl<'a> Film<'a> {
+impl Film {
     /// The tiles of a box at the places that are left, so that the displacement error of the film
     /// is least. `shims` are the places of tiles whose strength is chosen. With errors of the
     /// measurements the distribution that they leave is evaluated. What recoil adds to the field is
@@ -93,7 +93,7 @@ impl<'a> Film<'a> {
     /// history.
     pub fn assigned_layout(&self, assigned: &FilmAssignment, has_sizes: bool, program: &str) -> Layout {
         let ordered = self.layout();
-        let mut layout = ordered.clone().with_made_tiles(&assigned.tiles);
+        let mut layout = Layout::clone(ordered).with_made_tiles(&assigned.tiles);
         if !layout.name.ends_with(ASSIGNED) && layout.name.len() + ASSIGNED.len() <= MAX_NAME_BYTES {
             layout.name += ASSIGNED;
         }

@@ -1,5 +1,6 @@
 //! Where the displacement error of the films that are made comes from.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use magsplice_decouple::Figures;
@@ -14,9 +15,9 @@ use crate::stage::Stage;
 
 /// The error budget of a film, and whether the first order holds.
 #[derive(Clone, Debug)]
-pub struct FilmBudget<'a> {
+pub struct FilmBudget {
     /// The layout of the film.
-    pub layout: &'a Layout,
+    pub layout: Arc<Layout>,
     /// Mean squares of the displacement error.
     pub budget: Budget,
     /// The comparison of the first order with exact samples.
@@ -36,14 +37,14 @@ pub struct BudgetPart {
     pub mean_squares_mm2: [f64; 3],
 }
 
-impl<'a> Film<'a> {
+impl Film {
     /// Where the displacement error of the films that are made from the layout comes from. So many
     /// samples, at least one, check the first order, or give the budget where it does not hold.
     ///
     /// # Errors
     /// If the layout has no ideal film, no working volume or no errors, or a sample has no
     /// displacement errors.
-    pub fn budget(&self, seed: u64, samples: u64) -> Result<FilmBudget<'a>, FilmError> {
+    pub fn budget(&self, seed: u64, samples: u64) -> Result<FilmBudget, FilmError> {
         let (real, volume, ideal) = (self.real_film()?, self.evaluation_grid()?, self.ideal()?);
         let of_sample = |(sample, error): (u64, SampleError)| FilmError::Sample { sample, error };
         let in_film = real.in_film(real.tiles()).map_err(|faults| of_sample((0, SampleError::Tile(faults))))?;
@@ -64,11 +65,11 @@ impl<'a> Film<'a> {
             let pattern = pattern.as_ref().ok();
             Budget::from_samples(&real, &volume, ideal, pattern, seed, 0..samples, counted).map_err(of_sample)?
         };
-        Ok(FilmBudget { layout: self.layout(), budget, check, is_first_order, no_pattern: pattern.err() })
+        Ok(FilmBudget { layout: self.layout().clone(), budget, check, is_first_order, no_pattern: pattern.err() })
     }
 }
 
-impl FilmBudget<'_> {
+impl FilmBudget {
     /// All parts, whose sum is the total.
     pub fn parts(&self) -> Vec<BudgetPart> {
         let axes = &self.budget.axes;
@@ -165,7 +166,7 @@ mod tests {
     fn parts_add_up_to_the_total_to_first_order_and_by_samples() {
         for (position_mm, is_first_order) in [(0.01, true), (0.8, false)] {
             let layout = layout(position_mm);
-            let found = Film::new(&layout).unwrap().budget(1, 100).unwrap();
+            let found = Film::new(layout.clone()).unwrap().budget(1, 100).unwrap();
             assert_eq!(found.is_first_order, is_first_order);
             let names: Vec<String> = found.parts().into_iter().map(|part| part.name).collect();
             assert!(names.contains(&"tile positions, z".to_owned()), "{names:?}");

@@ -13,7 +13,7 @@ use crate::film::Film;
 use crate::film_error::FilmError;
 use crate::stage::Stage;
 
-impl Film<'_> {
+impl Film {
     /// The errors of tiles that a scan tells: `readings_t` of the sensor of the layout at points in
     /// millimetres. Its plates count as points there. `noise` is that of the readings; without it,
     /// that of the sensor. Ordinary errors are those that the layout states of tiles and groups.
@@ -41,7 +41,7 @@ impl Film<'_> {
         let field_t = |reading_t: &DVec3| element.rotation * ((*reading_t - element.offset_t) / element.gain);
         let mut field_t: Vec<DVec3> = readings_t.iter().map(field_t).collect();
         if self.recoil().is_some() {
-            let [with_t, rigid_t] = [self, &Film::rigid(self.layout())]
+            let [with_t, rigid_t] = [self, &Film::rigid(self.layout().clone())]
                 .map(|film| film.scene().field_at(Quantity::FluxDensity, &points_mm).map_err(FilmError::Points));
             let added_t = with_t?.into_iter().zip(rigid_t?).map(|(with_t, rigid_t)| with_t - rigid_t);
             field_t.iter_mut().zip(added_t).for_each(|(field_t, added_t)| *field_t -= added_t);
@@ -100,15 +100,15 @@ mod tests {
         let [ordered, made] = [0.1, 0.09].map(|second_t| Layout::parse(&squares(second_t), "layout").unwrap());
         let grid = Grid::new(DVec3::new(-4.0, -2.0, -1.0), DVec3::new(4.0, 2.0, -1.0), [17, 9, 1]).unwrap();
         let points_mm: Vec<DVec3> = grid.points().collect();
-        let field_t = Film::rigid(&made).scene().field_at(Quantity::FluxDensity, &points_mm).unwrap();
+        let field_t = Film::rigid(made).scene().field_at(Quantity::FluxDensity, &points_mm).unwrap();
         let readings_t: Vec<DVec3> = field_t.iter().map(|field_t| 1.1 * *field_t).collect();
         let known = FreeParameters::NONE;
-        let found = Film::rigid(&ordered).diagnose(points_mm.clone(), &readings_t, None, known, 0.01).unwrap();
+        let found = Film::rigid(ordered.clone()).diagnose(points_mm.clone(), &readings_t, None, known, 0.01).unwrap();
         let [weak] = &found.named[..] else { panic!("{:?}", found.named) };
         assert_eq!((weak.candidate.tile, weak.candidate.kind), (1, ErrorKind::Strength));
         assert!((weak.magnitude() + 0.1).abs() < 1e-4, "{}", weak.magnitude());
         let quiet = Layout { sensor: None, ..ordered };
-        let refused = Film::rigid(&quiet).diagnose(points_mm, &readings_t, None, known, 0.01);
+        let refused = Film::rigid(quiet).diagnose(points_mm, &readings_t, None, known, 0.01);
         assert_eq!(refused.unwrap_err(), FilmError::NoNoise);
     }
 }

@@ -6,7 +6,7 @@ use std::fmt;
 use glam::DVec3;
 use magsplice_decouple::{DecouplingError, Parameter};
 use magsplice_expect::PointsMismatch;
-use magsplice_force::FilmForcesError;
+use magsplice_force::{FilmForcesError, OrderError};
 use magsplice_ideal::ComparisonError;
 use magsplice_layout::Layout;
 use magsplice_magnet::PointErrors;
@@ -14,7 +14,7 @@ use magsplice_making::AssignmentError;
 use magsplice_recoil::tolerances::{MAX_CELLS, MOST_PERMEABILITY_OF_TREE};
 use magsplice_recoil::{RecoilError, RefinementError};
 use magsplice_scan::DiagnosisError;
-use magsplice_sensor::{LocateError, SensedFieldError};
+use magsplice_sensor::{LocateError, PolynomialError, SensedFieldError};
 use magsplice_tolerance::SampleError;
 
 /// Why a film could not be evaluated.
@@ -82,6 +82,10 @@ pub enum FilmError {
         /// Names of the tiles that the error is about.
         tiles: Vec<String>,
     },
+    /// An order of laying does not have each tile once.
+    Order(OrderError),
+    /// The displacement of the sensor is no polynomial of the parameters.
+    Polynomial(PolynomialError),
     /// This number of samples cannot break any bound of the percentile with the confidence stated.
     TooFewSamples(usize),
 }
@@ -205,6 +209,8 @@ impl fmt::Display for FilmError {
                 source.tolerance
             ),
             FilmError::Forces { error, .. } => error.fmt(f),
+            FilmError::Order(error) => error.fmt(f),
+            FilmError::Polynomial(error) => error.fmt(f),
             FilmError::ExperimentStep(step) => write!(
                 f,
                 "steps of ({}, {}, {}) mm: each must be above 0 and make at most 100000 steps in the working volume",
@@ -239,6 +245,8 @@ impl Error for FilmError {
             FilmError::Assignment { error, .. } => Some(error),
             FilmError::Recoil { error, .. } => Some(error),
             FilmError::Forces { error, .. } => Some(error),
+            FilmError::Order(error) => Some(error),
+            FilmError::Polynomial(error) => Some(error),
             FilmError::Missing(_)
             | FilmError::NoNoise
             | FilmError::NotBelow(_)

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use magsplice_force::{FilmForces, FilmForcesError};
 use magsplice_recoil::{Magnetization, RefinementError};
+use serde::Serialize;
 
 use crate::film::Film;
 use crate::film_error::FilmError;
@@ -18,6 +19,9 @@ const RECOIL_LEVELS: [usize; 2] = [2, 3];
 /// from it, and the limit probably up to 2.2 times (docs/recoil.md).
 const ERROR_OF_DIFFERENCE: f64 = 3.0;
 
+/// From the unit of [`Load`](magsplice_force::Load) with lengths in mm to N, and to N mm.
+pub(crate) const PER_MM2: f64 = 1e-6;
+
 /// Forces and torques of the tiles of a film on each other, and what recoil changes in them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolvedForces {
@@ -27,20 +31,20 @@ pub struct SolvedForces {
     pub recoil: Option<ForceChange>,
 }
 
-/// What recoil changes in the forces on tiles, in the unit of [`Load`](magsplice_force::Load).
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What recoil changes in the forces on tiles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ForceChange {
     /// Number of cells.
     pub cells: usize,
     /// The level of division.
     pub level: usize,
     /// The largest change of the force on a tile by all others.
-    pub change: f64,
+    pub change_n: f64,
     /// The estimate of the largest error of such a force.
-    pub error: f64,
+    pub error_n: f64,
 }
 
-impl Film<'_> {
+impl Film {
     /// The loads of all pairs of tiles. `turned_error` is the largest relative error of the force
     /// of two tiles that are turned against each other.
     ///
@@ -50,7 +54,7 @@ impl Film<'_> {
     /// # Errors
     /// [`FilmError::Forces`] for too many tiles, and for turned tiles so close that their force
     /// does not converge; [`FilmError::Recoil`] if the polarization of the cells is not known.
-    pub fn forces(&self, turned_error: f64) -> Result<SolvedForces, FilmError> {
+    pub fn pair_forces(&self, turned_error: f64) -> Result<SolvedForces, FilmError> {
         let layout = self.layout();
         let tiles = layout.bare_tiles();
         let passes = if layout.has_recoil() { 1 + RECOIL_LEVELS.len() } else { 1 };
@@ -85,8 +89,8 @@ impl Film<'_> {
             let pairs = loads.by_all().into_iter().zip(other.by_all());
             pairs.map(|(load, other)| (load.force - other.force).length()).fold(0.0, f64::max)
         };
-        let (change, error) = (apart(&rigid), ERROR_OF_DIFFERENCE * apart(&coarse));
-        let recoil = Some(ForceChange { cells, level: RECOIL_LEVELS[1], change, error });
+        let (change_n, error_n) = (PER_MM2 * apart(&rigid), PER_MM2 * (ERROR_OF_DIFFERENCE * apart(&coarse)));
+        let recoil = Some(ForceChange { cells, level: RECOIL_LEVELS[1], change_n, error_n });
         Ok(SolvedForces { loads, recoil })
     }
 }
@@ -111,7 +115,7 @@ mod tests {
     fn recoil_weakens_the_force_of_two_cubes() {
         let force = |permeability| {
             let layout = layout(permeability, "position_mm = [1.1, 0, 0]");
-            let found = Film::rigid(&layout).forces(1e-9).unwrap();
+            let found = Film::rigid(layout.clone()).pair_forces(1e-9).unwrap();
             let finer = Magnetization::solve(&recoil_tiles(&layout, None), 6, |_| {}).unwrap();
             let finer = FilmForces::of_cells(&finer.mean_tiles(), finer.cells(), finer.owners(), 1e-9, || {}).unwrap();
             (found.loads.by_one(0, 1).force.x, finer.by_one(0, 1).force.x, found.recoil)
@@ -121,14 +125,17 @@ mod tests {
         let (with, finer, recoil) = force(1.2);
         let recoil = recoil.unwrap();
         assert!((0.8..0.98).contains(&(with / rigid)), "{with} {rigid}");
-        assert!(((rigid - with).abs() / recoil.change - 1.0).abs() < 1e-9, "{recoil:?}");
-        assert!((with - finer).abs() < recoil.error && recoil.error < recoil.change, "{with} {finer} {recoil:?}");
+        assert!((PER_MM2 * (rigid - with).abs() / recoil.change_n - 1.0).abs() < 1e-9, "{recoil:?}");
+        assert!(
+            PER_MM2 * (with - finer).abs() < recoil.error_n && recoil.error_n < recoil.change_n,
+            "{with} {finer} {recoil:?}"
+        );
     }
 
     #[test]
     fn turned_tiles_that_touch_are_named() {
         let layout = layout(1.0, "position_mm = [1, 0, 0]\nrotation = { axis = [1, 0, 0], angle_deg = 20 }");
-        let error = Film::rigid(&layout).forces(1e-13).unwrap_err();
+        let error = Film::rigid(layout.clone()).pair_forces(1e-13).unwrap_err();
         assert!(error.to_string().starts_with("tiles \"a\" and \"b\": their force is known to"), "{error}");
     }
 }

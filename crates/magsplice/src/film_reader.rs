@@ -42,7 +42,7 @@ pub struct FilmReader<'a> {
     closed_form: Option<(f64, Option<(Branch, Parameters)>)>,
 }
 
-impl Film<'_> {
+impl Film {
     /// A reader of what the sensor reads in the working volume. `noise` is that of the readings;
     /// without it, that of the sensor of the layout.
     ///
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn readings_at_rest_give_the_constant_field_or_the_origin() {
         let layout = layout();
-        let film = Film::new(&layout).unwrap();
+        let film = Film::new(layout.clone()).unwrap();
         let stray_t = DVec3::new(3e-5, -2e-5, 1e-5);
         let at = |x: f64| DVec3::new(x, 0.25, -3.5);
         let read = film.field_at_t(&[at(0.0), at(0.5)]).unwrap();
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn noise_excuses_positions_just_outside_the_volume() {
         let layout = layout();
-        let film = Film::new(&layout).unwrap();
+        let film = Film::new(layout.clone()).unwrap();
         let reading_t = film.field_at_t(&[DVec3::new(1.01, 0.0, -3.5)]).unwrap();
         let noise = |deviation_t: f64| Noise { deviation_t: DVec3::splat(deviation_t) };
         let found = |noise| film.reader(AtRest::Constant(DVec3::ZERO), noise).unwrap().locate(&reading_t).remove(0);

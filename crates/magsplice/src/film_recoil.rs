@@ -12,9 +12,10 @@ use magsplice_recoil::tolerances::MAX_CELLS;
 use magsplice_recoil::{
     DemagnetizedCell, Magnetization, RecoilTile, RefinementError, RefinementSettings, TileChange, refine,
 };
+use serde::Serialize;
 
 use crate::film_error::FilmError;
-use crate::stage::Stage;
+use crate::stage::{Progress, Stage};
 
 /// Most points of a working volume at which the effect of recoil is evaluated, once for each level.
 const MOST_POINTS: usize = 2_000;
@@ -48,10 +49,20 @@ pub struct FilmRecoil {
     change_t: f64,
     /// Largest error of B in tesla.
     error_t: f64,
-    /// Figures without recoil and with it, and their errors, over few points of a working volume
-    /// that has more than 2000. `None` if the layout has no ideal film or no working volume, or the
-    /// figures do not exist.
-    figures: Option<[Figures; 3]>,
+    /// `None` if the layout has no ideal film or no working volume, or the figures do not exist.
+    figures: Option<FiguresWithRecoil>,
+}
+
+/// Figures of a film without and with recoil over its working volume; over few points of it, if it
+/// has more than 2000.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FiguresWithRecoil {
+    /// Figures of the rigid film.
+    pub without: Figures,
+    /// Figures with recoil.
+    pub with_recoil: Figures,
+    /// Estimates of the errors of the figures with recoil.
+    pub errors: Figures,
 }
 
 /// What recoil changes in the figures of a film, to first order and with one cell for each tile.
@@ -60,19 +71,19 @@ pub struct FilmRecoil {
 /// The change of the amplitude is right to tens of percent. Where the fields of the tiles of a
 /// designed film cancel, the change of an error of the film may be wrong by a factor.
 /// [`crate::Film`] computes it with a stated error.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RecoilEstimate {
     /// The permeability of all tiles. `None` for those that the layout states.
-    pub permeability: Option<f64>,
-    /// Figures without recoil.
-    pub rigid: Figures,
-    /// Figures with it.
-    pub recoil: Figures,
+    pub recoil_permeability: Option<f64>,
+    /// Figures of the rigid film.
+    pub without: Figures,
+    /// Figures with recoil.
+    pub with_recoil: Figures,
 }
 
 impl FilmRecoil {
     /// Solves for the polarization of a layout. `None` if its tiles have no recoil.
-    pub(crate) fn new(layout: &Layout, progress: &(dyn Fn(Stage) + Sync)) -> Result<Option<FilmRecoil>, FilmError> {
+    pub(crate) fn new(layout: &Layout, progress: &dyn Progress) -> Result<Option<FilmRecoil>, FilmError> {
         if !layout.has_recoil() {
             return Ok(None);
         }
@@ -93,23 +104,26 @@ impl FilmRecoil {
             values
         };
         let first_order = Stage::uncounted("what recoil changes, to first order");
-        progress(first_order);
+        progress.show(first_order);
         let of_field = 3 * points.len();
         let bare = layout.bare_tiles();
         let rigid = quantity(&bare);
-        let first_order = Magnetization::first_order(&tiles, 1, |_| progress(first_order))
+        let first_order = Magnetization::first_order(&tiles, 1, |_| progress.show(first_order))
             .map_err(|error| failed(RefinementError::Recoil(error)))?;
         let change_t = largest_vector(&differences(&quantity(first_order.cells())[..of_field], &rigid[..of_field]));
         let mut tolerances = vec![f64::INFINITY; rigid.len()];
         tolerances[..of_field].fill(TOLERANCE_MARGIN * layout.material.recoil_error * change_t);
         let settings = RefinementSettings { tolerances, most_cells: MAX_CELLS };
-        let told = |level: usize| progress(Stage { name: "polarization, level", done: level, of: None, unit: "" });
+        let told = |level: usize| progress.show(Stage { name: "polarization, level", done: level, of: None, unit: "" });
         let refined = refine(&tiles, &settings, quantity, told).map_err(failed)?;
         let values = quantity(refined.magnetization.cells());
         // The field is that of the cells, not the extrapolated one.
         let offsets = differences(&values, &refined.values);
         let errors: Vec<f64> = refined.errors.iter().zip(offsets).map(|(error, offset)| error + offset.abs()).collect();
-        let found = figures.as_ref().map(|grid| [&rigid, &values, &errors].map(|flat| grid.unflat(&flat[of_field..])));
+        let found = figures.as_ref().map(|grid| {
+            let [without, with_recoil, errors] = [&rigid, &values, &errors].map(|flat| grid.unflat(&flat[of_field..]));
+            FiguresWithRecoil { without, with_recoil, errors }
+        });
         Ok(Some(FilmRecoil {
             level: refined.level,
             change_t: largest_vector(&differences(&values[..of_field], &rigid[..of_field])),
@@ -141,14 +155,10 @@ impl FilmRecoil {
         self.error_t
     }
 
-    /// Figures without recoil, and with it. `None` without an ideal film and a working volume.
-    pub fn figures(&self) -> Option<[Figures; 2]> {
-        self.figures.map(|[rigid, recoil, _]| [rigid, recoil])
-    }
-
-    /// Estimates of the errors of the figures.
-    pub fn figure_errors(&self) -> Option<Figures> {
-        self.figures.map(|[_, _, errors]| errors)
+    /// Figures without recoil and with it, and their errors. `None` without an ideal film and a
+    /// working volume.
+    pub fn figures(&self) -> Option<FiguresWithRecoil> {
+        self.figures
     }
 
     /// What becomes of each tile.
@@ -164,7 +174,23 @@ impl FilmRecoil {
     }
 }
 
+/// Permeabilities of a layout that states none: those of most rare-earth magnets, and of weak
+/// bonded ones.
+const TRIED_PERMEABILITIES: [f64; 2] = [1.05, 1.2];
+
 impl RecoilEstimate {
+    /// The estimates for the permeabilities of a layout, or if it states none, for those that
+    /// magnets have. Empty where [`RecoilEstimate::new`] has none.
+    ///
+    /// # Errors
+    /// As [`RecoilEstimate::new`].
+    pub fn usual(layout: &Layout) -> Result<Vec<RecoilEstimate>, FilmError> {
+        let tried = if layout.has_recoil() { &TRIED_PERMEABILITIES[..1] } else { &TRIED_PERMEABILITIES };
+        let permeability = |mu_r: &f64| Permeability::isotropic(*mu_r).expect("a permeability of magnets");
+        let found = tried.iter().map(|mu_r| RecoilEstimate::new(layout, permeability(mu_r)));
+        found.filter_map(Result::transpose).collect()
+    }
+
     /// The estimate for tiles with the permeabilities of the layout, or if it states none, all with
     /// `permeability`. `None` if the layout has no ideal film or no working volume, has more than a
     /// thousand tiles, or its figures do not exist.
@@ -180,9 +206,9 @@ impl RecoilEstimate {
         let estimate = Magnetization::first_order(&tiles, 1, |_| {})
             .map_err(|error| FilmError::from_recoil(RefinementError::Recoil(error), layout))?;
         let figures = [&layout.bare_tiles()[..], estimate.cells()].map(|tiles| grid.figures(&Scene::new(tiles)));
-        let [Some(rigid), Some(recoil)] = figures else { return Ok(None) };
-        let permeability = (!stated).then_some(permeability.along());
-        Ok(Some(RecoilEstimate { permeability, rigid, recoil }))
+        let [Some(without), Some(with_recoil)] = figures else { return Ok(None) };
+        let recoil_permeability = (!stated).then_some(permeability.along());
+        Ok(Some(RecoilEstimate { recoil_permeability, without, with_recoil }))
     }
 }
 

@@ -23,10 +23,11 @@
 //! layout files any unit of length will do, because the field depends on ratios of lengths only.
 //!
 //! # Features
-//! * `layout` (on by default): layout files, [`Film`], [`expect`], [`tolerance`] and [`making`].
+//! * `layout` (on by default): layout files, [`Film`], [`results`], [`expect`], [`tolerance`] and
+//!   [`making`].
 //!   Without it, no TOML, no SHA-2 and no random numbers are compiled.
 //! * `design` (on by default): [`design`]. Without it, no solver of quadratic programs is compiled.
-//! * `serde` (off by default): `Serialize` for results, `Serialize` and `Deserialize` for values.
+//! * `serde` (with `layout`): `Serialize` for results, `Serialize` and `Deserialize` for values.
 //!
 //! # Example
 //! ```
@@ -77,6 +78,9 @@ mod film_reader;
 /// The polarization of films with a recoil permeability.
 #[cfg(feature = "layout")]
 mod film_recoil;
+/// Results of films, serializable.
+#[cfg(feature = "layout")]
+pub mod results;
 /// Progress of an evaluation.
 #[cfg(feature = "layout")]
 mod stage;
@@ -96,7 +100,7 @@ pub use film_forces::{ForceChange, SolvedForces};
 #[cfg(feature = "layout")]
 pub use film_reader::{AtRest, FilmReader};
 #[cfg(feature = "layout")]
-pub use film_recoil::{FilmRecoil, RecoilEstimate};
+pub use film_recoil::{FiguresWithRecoil, FilmRecoil, RecoilEstimate};
 pub use magsplice_decouple as decouple;
 #[cfg(feature = "design")]
 pub use magsplice_design as design;
@@ -117,7 +121,7 @@ pub use magsplice_sensor as sensor;
 #[cfg(feature = "layout")]
 pub use magsplice_tolerance as tolerance;
 #[cfg(feature = "layout")]
-pub use stage::Stage;
+pub use stage::{Progress, Stage};
 
 /// The types that most programs need.
 pub mod prelude {

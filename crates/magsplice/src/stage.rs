@@ -2,7 +2,7 @@
 
 /// A stage of an evaluation, and how much of it is done.
 ///
-/// A film passes it to the callback of [`Film::with_progress`](crate::Film::with_progress).
+/// A film passes it to its [`Progress`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stage {
     /// Name in a few words, such as "field".
@@ -19,5 +19,17 @@ impl Stage {
     /// A stage without items to count.
     pub const fn uncounted(name: &'static str) -> Stage {
         Stage { name, done: 0, of: None, unit: "" }
+    }
+}
+
+/// Receives the progress of an evaluation, from any thread. It must be short.
+pub trait Progress: Send + Sync {
+    /// Shows how far the work is.
+    fn show(&self, stage: Stage);
+}
+
+impl<F: Fn(Stage) + Send + Sync> Progress for F {
+    fn show(&self, stage: Stage) {
+        self(stage);
     }
 }

@@ -8,9 +8,8 @@ use magsplice::making::{
 use magsplice::prelude::DVec3;
 use pyo3::prelude::*;
 
-use crate::exceptions::{failed, of_film};
+use crate::exceptions::failed;
 use crate::film::Film;
-use crate::interruption::Interruption;
 use crate::samples::StatisticsNumbers;
 use crate::vectors::Triple;
 
@@ -68,16 +67,13 @@ pub(crate) fn assign(
     let settings = AssignmentSettings { starts, seed, may_turn_over, ..AssignmentSettings::default() };
     let errors =
         errors.map(|(strength, direction_rad, size_mm)| MeasurementErrors { strength, direction_rad, size_mm });
-    let interruption = Interruption::default();
-    let progress = |_| interruption.poll();
-    let film = film.evaluated(py)?.telling(&progress);
-    let assigned = interruption.run(py, || film.assign(&partly, &shims, &settings, errors))?.map_err(of_film)?;
+    let assigned = film.run(py, |film| film.assign(&partly, &shims, &settings, errors))?;
     let row = |row: &PlanRow| {
         let PlanRow { place, tile, centre_mm, up, mark, mark_deg, is_laid } = row.clone();
         (place, tile, centre_mm.into(), up, mark, mark_deg, is_laid)
     };
     Ok(AssignmentNumbers {
-        text: film.assigned_layout(&assigned, has_sizes, PROGRAM).to_toml(),
+        text: film.evaluated(py)?.assigned_layout(&assigned, has_sizes, PROGRAM).to_toml(),
         ordered_rms_mm: assigned.ordered_rms_mm,
         in_order_rms_mm: assigned.found.in_order_rms_mm,
         rms_mm: assigned.found.rms_mm,

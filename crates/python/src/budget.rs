@@ -3,9 +3,7 @@
 use magsplice::tolerance::Estimate;
 use pyo3::prelude::*;
 
-use crate::exceptions::of_film;
-use crate::film::Film;
-use crate::interruption::Interruption;
+use crate::film::{Film, run};
 use crate::vectors::Triple;
 
 /// Names with values along x, y, z.
@@ -36,10 +34,9 @@ pub(crate) fn budget(
     samples: u64,
 ) -> PyResult<BudgetNumbers> {
     let layout = film.layout_with_errors(preset)?;
-    let interruption = Interruption::default();
-    let progress = |_| interruption.poll();
-    let film = film.with_tables(py, &layout)?.telling(&progress);
-    let found = interruption.run(py, || film.budget(seed, samples))?.map_err(of_film)?;
+    let film = film.with_tables(py, layout)?;
+    let found = run(py, film, |film| film.budget(seed, samples))?;
+    let layout = &found.layout;
     let ratio = |Estimate { value, interval: [low, high] }| (value, low, high);
     let budget = &found.budget;
     Ok(BudgetNumbers {

@@ -6,9 +6,7 @@ use magsplice::sensor::Noise;
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::exceptions::of_film;
-use crate::film::Film;
-use crate::interruption::Interruption;
+use crate::film::{Film, run};
 use crate::vectors::{Triple, vectors};
 
 /// Index and kind of an error of a tile.
@@ -65,11 +63,8 @@ pub(crate) fn diagnose<'py>(
     let [strength, offset, rotation, start] = free;
     let free = FreeParameters { strength, offset, rotation, start };
     let noise = noise_t.map(|deviation_t| Noise { deviation_t: deviation_t.into() });
-    let interruption = Interruption::default();
-    let progress = |_| interruption.poll();
-    let film = film.with_tables(py, &layout)?.telling(&progress);
-    let diagnose = || film.diagnose(points, readings_t, noise, free, false_alarm);
-    let found = interruption.run(py, diagnose)?.map_err(of_film)?;
+    let film = film.with_tables(py, layout)?;
+    let found = run(py, film, |film| film.diagnose(points, readings_t, noise, free, false_alarm))?;
     let errors = PyArray2::zeros(py, [found.errors.len(), TileError::ALL.len()], false);
     let values = found.errors.iter().flat_map(PerTileError::values);
     errors.readwrite().as_slice_mut()?.iter_mut().zip(values).for_each(|(place, value)| *place = *value);

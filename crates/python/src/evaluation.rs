@@ -1,119 +1,63 @@
 //! Numbers of a film: comparison with the ideal film, and decoupling.
 
 use magsplice::decouple::Parameters;
-use magsplice::ideal::Comparison;
 use magsplice::prelude::DVec3;
-use numpy::{PyArray2, PyReadonlyArray2};
+use magsplice::results::FilmComparison;
+use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use pythonize::pythonize;
 
 use crate::exceptions::of_film;
 use crate::film::Film;
-use crate::vectors::{OptionalTriple, Triple, rows_of, vectors};
+use crate::results::dictionary;
+use crate::scene::{Within, accuracy};
+use crate::vectors::{rows_of, vectors};
 
-/// A comparison as a dictionary with the fields of the Python class.
-#[derive(IntoPyObject)]
-pub(crate) struct ComparisonNumbers {
-    points: usize,
-    component_rmse_t: Triple,
-    rmse_t: f64,
-    relative_rmse: f64,
-    worst_t: f64,
-    worst_at_mm: Triple,
-    amplitude: f64,
-    scaled_relative_rmse: Option<f64>,
-    correlation: Triple<Option<f64>>,
-}
-
-impl From<Comparison> for ComparisonNumbers {
-    fn from(c: Comparison) -> ComparisonNumbers {
-        ComparisonNumbers {
-            points: c.points,
-            component_rmse_t: c.component_rmse_t.into(),
-            rmse_t: c.rmse_t,
-            relative_rmse: c.relative_rmse,
-            worst_t: c.worst_t,
-            worst_at_mm: c.worst_at.into(),
-            amplitude: c.amplitude,
-            scaled_relative_rmse: c.scaled_relative_rmse,
-            correlation: c.correlation.into(),
-        }
-    }
-}
-
-/// The comparison of a field with that of the ideal film, at points or on the grid of the volume.
+/// The comparison with the ideal film, at points or on the grid of the volume.
 #[pyfunction]
-#[pyo3(signature = (film, field_t, points=None))]
-pub(crate) fn compare(
-    py: Python<'_>,
+#[pyo3(signature = (film, points=None, within=None))]
+pub(crate) fn compare<'py>(
+    py: Python<'py>,
     film: &Film,
-    field_t: PyReadonlyArray2<'_, f64>,
-    points: Option<PyReadonlyArray2<'_, f64>>,
-) -> PyResult<ComparisonNumbers> {
-    let field_t = vectors(&field_t)?;
-    let points = points.as_ref().map(vectors).transpose()?;
-    let film = film.evaluated(py)?;
-    py.detach(|| {
-        let found = match points {
-            Some(points) => film.compare_at(points, field_t),
-            None => film.compare(field_t),
-        };
-        found.map(ComparisonNumbers::from).map_err(of_film)
-    })
+    points: Option<PyReadonlyArray2<'py, f64>>,
+    within: Within,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (points, accuracy) = (points.as_ref().map(vectors).transpose()?, accuracy(within)?);
+    let FilmComparison { comparison, .. } = film.run(py, |film| {
+        let film = film.with_accuracy(accuracy);
+        points.map_or_else(|| film.compare(), |points| film.compare_at(points))
+    })?;
+    Ok(pythonize(py, &comparison)?)
 }
 
-/// Decoupling parameters as a dictionary.
-#[derive(IntoPyObject)]
-pub(crate) struct DecouplingNumbers<'py> {
-    /// R_x, R_y, S_z at each point, NaN at singular ones.
-    parameters: Bound<'py, PyArray2<f64>>,
-    at_reference: Triple,
-    singular_mm: Bound<'py, PyArray2<f64>>,
-    /// Only for a grid; None where the planes have one point each.
-    uniformity_rmse: Option<OptionalTriple>,
-    ideal_rmse: Triple,
-    displacement_rmse_mm: Triple,
-    wavenumber_per_mm: f64,
-}
-
-/// The decoupling parameters of a field, at points or on the grid of the volume.
+/// The decoupling parameters at points or on the grid of the volume, with B there.
 #[pyfunction]
-#[pyo3(signature = (film, field_t, points=None))]
+#[pyo3(signature = (film, points=None, within=None))]
 pub(crate) fn decouple<'py>(
     py: Python<'py>,
     film: &Film,
-    field_t: PyReadonlyArray2<'py, f64>,
     points: Option<PyReadonlyArray2<'py, f64>>,
-) -> PyResult<DecouplingNumbers<'py>> {
-    let field_t = vectors(&field_t)?;
-    let points = points.as_ref().map(vectors).transpose()?;
-    let film = film.evaluated(py)?;
-    let evaluate = || {
-        let wavenumber = film.ideal()?.wavenumber();
-        Ok(match points {
-            Some(points) => {
-                let found = film.decouple_at(points, field_t)?;
-                let parameters = found.parameters.iter().map(vector).collect();
-                (parameters, found.at_reference, found.singular, None, found.ideal_rmse, wavenumber)
-            }
-            None => {
-                let found = film.decouple(field_t)?;
-                let uniformity = Some(found.uniformity_rmse.to_array().into());
-                let parameters: Vec<DVec3> = found.parameters.iter().map(vector).collect();
-                (parameters, found.at_reference, found.singular, uniformity, found.ideal_rmse, wavenumber)
-            }
-        })
+    within: Within,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (points, accuracy) = (points.as_ref().map(vectors).transpose()?, accuracy(within)?);
+    let (numbers, parameters, field_t) = match points {
+        Some(points) => {
+            let found = film.run(py, |film| film.with_accuracy(accuracy).decouple_at(points.to_vec()))?;
+            let parameters = found.decoupling.parameters.iter().map(vector).collect();
+            (dictionary(py, &found)?, parameters, rows_of(py, &found.field_t))
+        }
+        None => {
+            let found = film.run(py, |film| film.with_accuracy(accuracy).decouple())?;
+            let field_t = found.film.volume_field_t().map_err(of_film)?;
+            let parameters: Vec<DVec3> = found.decoupling.parameters.iter().map(vector).collect();
+            (dictionary(py, &found)?, parameters, rows_of(py, field_t))
+        }
     };
-    let (parameters, at_reference, singular, uniformity_rmse, ideal_rmse, wavenumber) =
-        py.detach(evaluate).map_err(of_film)?;
-    Ok(DecouplingNumbers {
-        parameters: rows_of(py, &parameters),
-        at_reference: vector(&Some(at_reference)).into(),
-        singular_mm: rows_of(py, &singular),
-        uniformity_rmse,
-        ideal_rmse: ideal_rmse.to_array().into(),
-        displacement_rmse_mm: ideal_rmse.as_lengths(wavenumber).into(),
-        wavenumber_per_mm: wavenumber,
-    })
+    numbers.set_item("parameters", rows_of(py, &parameters))?;
+    numbers.set_item("field_t", field_t)?;
+    numbers.set_item("wavenumber_per_mm", film.layout.ideal.map(|ideal| ideal.wavenumber()))?;
+    Ok(numbers)
 }
 
 /// R_x, R_y, S_z; NaN where they do not exist.

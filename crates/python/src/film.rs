@@ -1,11 +1,12 @@
 //! A layout with its prepared tiles.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::DVec3;
+use magsplice::FilmError;
 use magsplice::layout::{FilmTolerance, Layout, NamedTile, Preset};
 use magsplice::magnet::Tile;
-use magsplice::{FilmError, FilmRecoil};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -19,15 +20,10 @@ use crate::vectors::{Triple, rows_of, vectors, written_rows};
 /// A layout with its prepared tiles.
 #[pyclass(frozen, module = "magsplice._magsplice")]
 pub(crate) struct Film {
-    pub(crate) layout: Layout,
+    pub(crate) layout: Arc<Layout>,
     /// What the first evaluation prepared for all others.
-    prepared: PyOnceLock<Prepared>,
-}
-
-/// Tiles whose polarization agrees with their field.
-struct Prepared {
-    recoil: Option<FilmRecoil>,
-    scene: Py<Scene>,
+    prepared: PyOnceLock<magsplice::Film>,
+    scene: PyOnceLock<Py<Scene>>,
 }
 
 /// First and last point, points along x, y, z, corners as written, step and reference point of a
@@ -76,7 +72,8 @@ impl Film {
     /// The prepared tiles.
     #[getter]
     fn scene(&self, py: Python<'_>) -> PyResult<Py<Scene>> {
-        Ok(self.prepared(py)?.scene.clone_ref(py))
+        let scene = self.scene.get_or_try_init(py, || Py::new(py, Scene::from(self.evaluated(py)?.scene().clone())))?;
+        Ok(scene.clone_ref(py))
     }
 
     /// Name of the layout.
@@ -161,7 +158,7 @@ impl Film {
     /// The cells of tiles with a recoil permeability: the indices of their tiles, centres, sides,
     /// polarizations and rotations. None without.
     fn cells<'py>(&self, py: Python<'py>) -> PyResult<Option<Cells<'py>>> {
-        let Some(recoil) = self.recoil(py)? else { return Ok(None) };
+        let Some(recoil) = self.evaluated(py)?.recoil() else { return Ok(None) };
         let cells = recoil.magnetization().cells();
         let of_each = |value: &dyn Fn(&Tile) -> DVec3| rows_of(py, &cells.iter().map(value).collect::<Vec<DVec3>>());
         let owners = recoil.magnetization().owners().to_vec();
@@ -209,40 +206,38 @@ fn rotations<'a, 'py>(
 
 impl From<Layout> for Film {
     fn from(layout: Layout) -> Film {
-        Film { layout, prepared: PyOnceLock::new() }
+        Film { layout: Arc::new(layout), prepared: PyOnceLock::new(), scene: PyOnceLock::new() }
     }
 }
 
 impl Film {
-    fn prepared(&self, py: Python<'_>) -> PyResult<&Prepared> {
+    /// The film, to be evaluated.
+    pub(crate) fn evaluated(&self, py: Python<'_>) -> PyResult<&magsplice::Film> {
         self.prepared.get_or_try_init(py, || {
-            let interruption = Interruption::default();
-            let progress = |_| interruption.poll();
-            let prepare = || magsplice::Film::with_progress(&self.layout, &progress);
-            let film = interruption.run(py, prepare)?.map_err(of_film)?;
-            Ok(Prepared { recoil: film.recoil().cloned(), scene: Py::new(py, Scene::from(film.scene().clone()))? })
+            let interruption = Arc::new(Interruption::default());
+            let prepare = || magsplice::Film::with_progress(self.layout.clone(), interruption.clone());
+            interruption.run(py, prepare)?.map_err(of_film)
         })
     }
 
-    /// The polarization of tiles with a recoil permeability; None without.
-    pub(crate) fn recoil(&self, py: Python<'_>) -> PyResult<Option<&FilmRecoil>> {
-        Ok(self.prepared(py)?.recoil.as_ref())
-    }
-
-    /// The film, to be evaluated.
-    pub(crate) fn evaluated(&self, py: Python<'_>) -> PyResult<magsplice::Film<'_>> {
-        self.with_tables(py, &self.layout)
+    /// Evaluates the film in a thread. A signal ends the work.
+    pub(crate) fn run<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(magsplice::Film) -> Result<T, FilmError> + Send,
+    ) -> PyResult<T> {
+        run(py, self.evaluated(py)?.clone(), work)
     }
 
     /// A film with the tiles and the material of this one, and other tables.
-    pub(crate) fn with_tables<'a>(&self, py: Python<'_>, layout: &'a Layout) -> PyResult<magsplice::Film<'a>> {
-        let recoil = self.prepared(py)?.recoil.clone();
+    pub(crate) fn with_tables(&self, py: Python<'_>, layout: Layout) -> PyResult<magsplice::Film> {
+        let recoil = self.evaluated(py)?.recoil().cloned();
         Ok(py.detach(|| magsplice::Film::with_recoil(layout, recoil)))
     }
 
     /// The layout with the errors of a preset instead of those it states. Samples and seed stay.
     pub(crate) fn layout_with_errors(&self, preset: Option<&str>) -> PyResult<Layout> {
-        let mut layout = self.layout.clone();
+        let mut layout = Layout::clone(&self.layout);
         let errors = match preset {
             None => return Ok(layout),
             Some("by-hand") => Preset::ByHand.errors(),
@@ -259,4 +254,15 @@ impl Film {
         layout.tolerance = Some(FilmTolerance { samples, seed, ..of_tiles });
         Ok(layout)
     }
+}
+
+/// Evaluates a film in a thread. A signal ends the work.
+pub(crate) fn run<T: Send>(
+    py: Python<'_>,
+    film: magsplice::Film,
+    work: impl FnOnce(magsplice::Film) -> Result<T, FilmError> + Send,
+) -> PyResult<T> {
+    let interruption = Arc::new(Interruption::default());
+    let film = film.telling(interruption.clone());
+    interruption.run(py, || work(film))?.map_err(of_film)
 }

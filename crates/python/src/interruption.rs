@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
+use magsplice::{Progress, Stage};
 use pyo3::prelude::*;
 
 /// Time between two polls for signals.
@@ -20,6 +21,12 @@ pub(crate) struct Interruption {
 
 /// What unwinds work that is interrupted.
 struct Interrupted;
+
+impl Progress for Interruption {
+    fn show(&self, _: Stage) {
+        self.poll();
+    }
+}
 
 impl Interruption {
     /// Whether a signal has arrived, so that the work should end.

@@ -32,6 +32,8 @@ mod readings;
 mod recoil;
 /// Figures and pages.
 mod report;
+/// Results of the library as dictionaries.
+mod results;
 /// Samples of films that are made.
 mod samples;
 /// Tiles whose field is wanted.
@@ -57,7 +59,7 @@ mod _magsplice {
     #[pymodule_export]
     use crate::film::Film;
     #[pymodule_export]
-    use crate::forces::Forces;
+    use crate::forces::forces;
     #[pymodule_export]
     use crate::readings::{read, resolution};
     #[pymodule_export]

@@ -2,34 +2,31 @@
 
 use magsplice::layout::Layout;
 use magsplice_report::{FilmSamples, PrintedResults, Report, SvgText, layout_figure};
-use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::exceptions::failed;
 use crate::film::Film;
 use crate::samples::{SampledFilm, sampled};
-use crate::vectors::vectors;
+use crate::scene::{Within, accuracy};
 
 /// A figure: name, caption, SVG, PNG and CSV.
 type Figure<'py> = (&'static str, String, String, Bound<'py, PyBytes>, String);
 
-/// The figures of a film, the page that shows them, and what the report lacks. `field_t` is B on
-/// the grid of the volume, where there is one. `text` and `json` are the results that the page
-/// repeats.
+/// The figures of a film, the page that shows them, and what the report lacks. `text` and `json`
+/// are the results that the page repeats.
 #[pyfunction]
-#[pyo3(signature = (film, field_t, text, json, outlines=false))]
+#[pyo3(signature = (film, text, json, outlines=false, within=None))]
 pub(crate) fn report<'py>(
     py: Python<'py>,
     film: &Film,
-    field_t: Option<PyReadonlyArray2<'py, f64>>,
     text: &str,
     json: &str,
     outlines: bool,
+    within: Within,
 ) -> PyResult<(Vec<Figure<'py>>, String, Vec<String>)> {
-    let layout = &film.layout;
-    let field_t = field_t.as_ref().map(|field| vectors(field).map(<[_]>::to_vec)).transpose()?;
-    let evaluated = film.evaluated(py)?;
+    let layout = &*film.layout;
+    let evaluated = film.evaluated(py)?.clone().with_accuracy(accuracy(within)?);
     let samples = match layout {
         Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } => {
             let scene = SampledFilm::new(&evaluated)?;
@@ -40,7 +37,7 @@ pub(crate) fn report<'py>(
         _ => None,
     };
     let results = PrintedResults { text, json };
-    let report = py.detach(|| Report::new(&evaluated, field_t, samples, results, svg_text(outlines)));
+    let report = py.detach(|| Report::new(&evaluated, samples, results, svg_text(outlines)));
     let Report { figures, html, absent, .. } = report.map_err(failed)?;
     let figures = figures.into_iter().map(|f| (f.name, f.caption, f.svg, PyBytes::new(py, &f.png), f.csv));
     Ok((figures.collect(), html, absent))
@@ -50,10 +47,10 @@ pub(crate) fn report<'py>(
 #[pyfunction]
 pub(crate) fn view(py: Python<'_>, film: &Film) -> PyResult<String> {
     py.detach(|| {
-        let layout = Layout { volume: None, ideal: None, tolerance: None, sensor: None, ..film.layout.clone() };
-        let film = magsplice::Film::rigid(&layout);
+        let layout = Layout { volume: None, ideal: None, tolerance: None, sensor: None, ..Layout::clone(&film.layout) };
+        let film = magsplice::Film::rigid(layout);
         let results = PrintedResults { text: "", json: "{}" };
-        Report::new(&film, None, None, results, SvgText::Outlines).map(|report| report.html).map_err(failed)
+        Report::new(&film, None, results, SvgText::Outlines).map(|report| report.html).map_err(failed)
     })
 }
 

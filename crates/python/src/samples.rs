@@ -41,7 +41,7 @@ pub(crate) fn samples<'py>(
     let pool = threads.map(|count| rayon::ThreadPoolBuilder::new().num_threads(count).build()).transpose();
     let pool = pool.map_err(failed)?;
     let tell = |done: u64| progress.as_ref().map_or(Ok(()), |call| call.call1((done, count)).map(|_| ()));
-    let scene = SampledFilm::new(&film.with_tables(py, &layout)?)?;
+    let scene = SampledFilm::new(&film.with_tables(py, layout)?)?;
     let found = sampled(py, &scene, seed, first..first + count, pool.as_ref(), &tell)?;
     Ok(arrays(py, &found))
 }
@@ -80,35 +80,35 @@ pub(crate) fn sampled(
 #[pyfunction]
 pub(crate) fn nominal<'py>(py: Python<'py>, film: &Film) -> PyResult<Errors<'py>> {
     let layout = film.layout_with_errors(Some("workshop"))?;
-    let scene = SampledFilm::new(&film.with_tables(py, &layout)?)?;
+    let scene = SampledFilm::new(&film.with_tables(py, layout)?)?;
     let found = py.detach(|| scene.nominal()).map_err(failed)?;
     Ok(arrays(py, &[found]))
 }
 
 /// A film whose samples are drawn.
-pub(crate) struct SampledFilm<'a> {
+pub(crate) struct SampledFilm {
     real: RealFilm,
     volume: EvaluationGrid,
-    ideal: &'a IdealFilm,
+    ideal: IdealFilm,
     seed: u64,
 }
 
-impl<'a> SampledFilm<'a> {
-    pub(crate) fn new(film: &magsplice::Film<'a>) -> PyResult<SampledFilm<'a>> {
+impl SampledFilm {
+    pub(crate) fn new(film: &magsplice::Film) -> PyResult<SampledFilm> {
         let real = film.real_film().map_err(of_film)?;
         let volume = film.evaluation_grid().map_err(of_film)?;
-        let (ideal, seed) = (film.ideal().map_err(of_film)?, real.tolerance().seed);
+        let (ideal, seed) = (*film.ideal().map_err(of_film)?, real.tolerance().seed);
         Ok(SampledFilm { real, volume, ideal, seed })
     }
 
     fn sampler(&self, seed: Option<u64>) -> Result<Sampler<'_>, SampleError> {
-        Sampler::new(&self.real, &self.volume, self.ideal, seed.unwrap_or(self.seed))
+        Sampler::new(&self.real, &self.volume, &self.ideal, seed.unwrap_or(self.seed))
     }
 
     /// The errors of the film without errors of its tiles.
     pub(crate) fn nominal(&self) -> Result<Figures, SampleError> {
         let exact = self.real.clone().without_errors();
-        Sampler::new(&exact, &self.volume, self.ideal, self.seed)?.errors_of(0)
+        Sampler::new(&exact, &self.volume, &self.ideal, self.seed)?.errors_of(0)
     }
 }
 

@@ -14,13 +14,6 @@ pub(crate) type DrawError = Box<dyn Error + Send + Sync>;
 pub enum ReportError {
     /// The film cannot be evaluated over its working volume.
     Film(FilmError),
-    /// The given field does not have one value per point of the working volume.
-    FieldLength {
-        /// Number of values given.
-        values: usize,
-        /// Number of points of the working volume.
-        points: usize,
-    },
     /// A figure cannot be drawn.
     Drawing {
         /// Name of the figure, as in [`Drawing::name`](crate::Drawing::name).
@@ -34,9 +27,6 @@ impl fmt::Display for ReportError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ReportError::Film(error) => error.fmt(f),
-            ReportError::FieldLength { values, points } => {
-                write!(f, "the field has {values} values, must have {points}: one per point of the working volume")
-            }
             ReportError::Drawing { figure, source } => {
                 write!(f, "the figure {figure} cannot be drawn: {source}")
             }
@@ -48,7 +38,6 @@ impl Error for ReportError {
     fn source(&self) -> Option<&(dyn Error + 'static)> {
         match self {
             ReportError::Film(error) => Some(error),
-            ReportError::FieldLength { .. } => None,
             ReportError::Drawing { source, .. } => Some(source.as_ref()),
         }
     }

@@ -210,8 +210,8 @@ mod tests {
         let mut seen = 0;
         for text in shipped.into_iter().chain([rotated_tiles()]) {
             let layout = Layout::parse(&text, "layout").unwrap();
-            let film = Film::new(&layout).unwrap();
-            let survey = Survey::new(&film, None).unwrap();
+            let film = Film::new(layout.clone()).unwrap();
+            let survey = Survey::new(&film).unwrap();
             let tiles = tiles_to_draw(&layout.tiles, DVec3::ZERO);
             for FigureDraft { name, svg, .. } in
                 drafts(&film, &tiles, survey.as_ref(), &SharedRanges::default()).unwrap()
@@ -294,8 +294,8 @@ mod tests {
     fn positive_values_are_red_and_y_points_up_in_field_maps() {
         let path = format!("{}/../../layouts/published-film.toml", env!("CARGO_MANIFEST_DIR"));
         let layout = Layout::read(&path).unwrap();
-        let film = Film::new(&layout).unwrap();
-        let survey = Survey::new(&film, None).unwrap();
+        let film = Film::new(layout.clone()).unwrap();
+        let survey = Survey::new(&film).unwrap();
         let drafts = drafts(&film, &[], survey.as_ref(), &SharedRanges::default()).unwrap();
         let draft = drafts.iter().find(|draft| draft.name == "field-lowest").unwrap();
         let figure =
@@ -316,7 +316,7 @@ mod tests {
     #[test]
     fn figure_of_the_layout_shows_the_names_of_tiles_as_written() {
         let layout = Layout::parse(&rotated_tiles(), "layout").unwrap();
-        let film = Film::new(&layout).unwrap();
+        let film = Film::new(layout.clone()).unwrap();
         let tiles = tiles_to_draw(&layout.tiles, DVec3::ZERO);
         let drafts = drafts(&film, &tiles, None, &SharedRanges::default()).unwrap();
         assert_eq!(drafts.len(), 1);

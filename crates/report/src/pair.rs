@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use glam::DVec3;
 use magsplice::Film;
 
 use crate::drawing::{Drawing, SvgText};
@@ -45,20 +44,17 @@ pub struct PairReport {
 impl PairReport {
     /// Draws all figures that the layouts allow, and the page.
     ///
-    /// `labels` tell the films apart, for example the paths of their layouts. `fields_t` is as for
-    /// [`Report::new`](crate::Report::new).
+    /// `labels` tell the films apart, for example the paths of their layouts.
     ///
     /// # Errors
     /// As [`Report::new`](crate::Report::new).
     pub fn new(
         films: [&Film; 2],
         labels: [&str; 2],
-        fields_t: [Option<Vec<DVec3>>; 2],
         numbers: &[PairedNumber],
         text: SvgText,
     ) -> Result<PairReport, ReportError> {
-        let [first_t, second_t] = fields_t;
-        let surveys = [Survey::new(films[0], first_t)?, Survey::new(films[1], second_t)?];
+        let surveys = [Survey::new(films[0])?, Survey::new(films[1])?];
         let ranges = SharedRanges::default();
         let draw = |index: usize| drafts(films[index], &drawn_tiles(films[index]), surveys[index].as_ref(), &ranges);
         // The first drawings only find the ranges that both films share. The vectors need two

@@ -43,9 +43,9 @@ pub(crate) const PAGE_NAME: &str = "report.html";
 ///     "#,
 ///     "one-tile.toml",
 /// )?;
-/// let film = Film::new(&layout)?;
+/// let film = Film::new(layout)?;
 /// let results = PrintedResults { text: "one tile", json: "{}" };
-/// let report = Report::new(&film, None, None, results, SvgText::Text)?;
+/// let report = Report::new(&film, None, results, SvgText::Text)?;
 ///
 /// // The layout has no working volume, so the report has the tiles only.
 /// let names: Vec<String> = report.files().into_iter().map(|(name, _)| name).collect();
@@ -67,23 +67,20 @@ pub struct Report {
 impl Report {
     /// Draws all figures that the layout allows, and the page.
     ///
-    /// `field_t` is B in tesla on the grid of the working volume, as [`Film::volume_field_t`]
-    /// returns it. `None` computes it here. `samples` are films that are made from the layout,
+    /// `samples` are films that are made from the layout,
     /// whose errors two further figures show. The figures have the accuracy of the film. `text` is
     /// the form of text in the SVG files; on the page it is always outlines.
     ///
     /// # Errors
     /// - [`ReportError::Film`] if the film cannot be evaluated.
-    /// - [`ReportError::FieldLength`] if `field_t` does not have one value per point.
     /// - [`ReportError::Drawing`] if a figure cannot be drawn.
     pub fn new(
         film: &Film,
-        field_t: Option<Vec<DVec3>>,
         samples: Option<FilmSamples>,
         results: PrintedResults,
         text: SvgText,
     ) -> Result<Report, ReportError> {
-        let survey = Survey::new(film, field_t)?.map(|survey| Survey { samples, ..survey });
+        let survey = Survey::new(film)?.map(|survey| Survey { samples, ..survey });
         let tiles = drawn_tiles(film);
         let ranges = SharedRanges::default();
         let mut drafts = drafts(film, &tiles, survey.as_ref(), &ranges)?;
@@ -108,7 +105,7 @@ impl Report {
 }
 
 /// The tiles to draw of a film.
-pub(crate) fn drawn_tiles<'a>(film: &Film<'a>) -> Vec<&'a NamedTile> {
+pub(crate) fn drawn_tiles(film: &Film) -> Vec<&NamedTile> {
     let layout = film.layout();
     let centre_mm = layout.volume.as_ref().map_or(DVec3::ZERO, |volume| volume.reference_mm);
     tiles_to_draw(&layout.tiles, centre_mm)
@@ -144,22 +141,4 @@ pub(crate) fn absent(film: &Film) -> Vec<String> {
         );
     }
     absent
-}
-
-#[cfg(test)]
-mod tests {
-    use magsplice::layout::Layout;
-
-    use super::*;
-
-    #[test]
-    fn field_without_a_value_per_point_is_refused() {
-        let text = "format = 1\nname = \"one\"\n[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\n\
-                    polarization_t = [0, 0, 1]\n[volume]\nx_mm = [-1, 1]\ny_mm = [-1, 1]\nz_mm = [-3, -2]\nstep_mm = 1\n";
-        let layout = Layout::parse(text, "one").unwrap();
-        let results = PrintedResults { text: "", json: "{}" };
-        let error =
-            Report::new(&Film::rigid(&layout), Some(vec![DVec3::ZERO; 17]), None, results, SvgText::Text).unwrap_err();
-        assert_eq!(error.to_string(), "the field has 17 values, must have 18: one per point of the working volume");
-    }
 }

@@ -91,19 +91,14 @@ pub(crate) struct AgainstIdeal<'a> {
 }
 
 impl<'a> Survey<'a> {
-    /// The survey of a film; `None` if its layout has no working volume. `field_t` is the field of
-    /// the volume if it is known already.
-    pub(crate) fn new(film: &Film<'a>, field_t: Option<Vec<DVec3>>) -> Result<Option<Survey<'a>>, ReportError> {
+    /// The survey of a film; `None` if its layout has no working volume.
+    pub(crate) fn new(film: &'a Film) -> Result<Option<Survey<'a>>, ReportError> {
         let Ok(volume) = film.volume() else { return Ok(None) };
-        let field_t = field_t.map_or_else(|| film.volume_field_t(), Ok)?;
-        let (values, points) = (field_t.len(), volume.grid.len());
-        if values != points {
-            return Err(ReportError::FieldLength { values, points });
-        }
+        let field_t = film.volume_field_t()?;
         let against_ideal = match film.ideal() {
             Ok(ideal) => {
-                let decoupling = film.decouple(&field_t)?;
-                let amplitude = film.compare(&field_t)?.amplitude;
+                let decoupling = film.decouple()?.decoupling;
+                let amplitude = film.compare()?.comparison.amplitude;
                 let at = |p| ideal.flux_density_t(p).ok_or(FilmError::NotBelow(p));
                 let ideal_t = volume.grid.points().map(at).collect::<Result<Vec<DVec3>, FilmError>>()?;
                 // decouple() returned, so the reference point has parameters and thus a branch.
@@ -118,9 +113,9 @@ impl<'a> Survey<'a> {
             Err(_) => None,
         };
         let points: Vec<DVec3> = volume.grid.points().collect();
-        let round_off_t = round_off_t(film, &points, &field_t);
+        let round_off_t = round_off_t(film, &points, field_t);
         let most_t = round_off_t.iter().copied().filter(|b| b.is_finite()).fold(0.0, f64::max);
-        let field_t = field_t.into_iter().zip(&round_off_t).map(|(b, &bound)| without_round_off(b, bound)).collect();
+        let field_t = field_t.iter().zip(&round_off_t).map(|(&b, &bound)| without_round_off(b, bound)).collect();
         Ok(Some(Survey { volume, field_t, round_off_t: most_t, against_ideal, samples: None }))
     }
 

@@ -45,7 +45,7 @@ pub struct DisplacementPolynomial {
 }
 
 /// Why there is no polynomial.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PolynomialError {
     /// No degree has an error as small as wanted.

@@ -4,25 +4,14 @@
 pub(crate) mod accuracy;
 /// Arguments of `assign`, and errors of measurements of tiles.
 pub(crate) mod assign;
-/// Arguments of `bench`.
-pub(crate) mod bench;
 /// Arguments of `budget`.
 pub(crate) mod budget;
-/// Arguments of `check`.
-pub(crate) mod check;
 /// Arguments of the verbs that search for films: `design`, `splice`.
 pub(crate) mod design;
 /// Arguments of `diagnose`.
 pub(crate) mod diagnose;
-/// Arguments of the verbs that evaluate a film: `field`, `compare`, `decouple`, `plan`, `report`.
-pub(crate) mod evaluate;
 /// Arguments of `experiment`.
 pub(crate) mod experiment;
-/// Arguments of the verbs that list, convert or create files: `tiles`, `export`, `init`,
-/// `completions`.
-pub(crate) mod files;
-/// Arguments of `forces`.
-pub(crate) mod forces;
 /// Output formats, their names and file endings.
 pub(crate) mod formats;
 /// Arguments of `import`.
@@ -43,20 +32,26 @@ pub(crate) mod tolerance;
 use clap::{Parser, Subcommand};
 
 use self::assign::AssignArgs;
-use self::bench::BenchArgs;
 use self::budget::BudgetArgs;
-use self::check::CheckArgs;
 use self::design::{DesignArgs, SpliceArgs};
 use self::diagnose::DiagnoseArgs;
-#[cfg(feature = "report")]
-use self::evaluate::ReportArgs;
-use self::evaluate::{CompareArgs, DecoupleArgs, FieldArgs, PlanArgs};
 use self::experiment::ExperimentArgs;
-use self::files::{CompletionsArgs, ExportArgs, InitArgs, TilesArgs};
-use self::forces::ForcesArgs;
 use self::import::ImportArgs;
 use self::sensor::{CalibrateArgs, ReadArgs, ResolutionArgs, ScanArgs};
 use self::tolerance::ToleranceArgs;
+use crate::verbs::bench::BenchArgs;
+use crate::verbs::check::CheckArgs;
+use crate::verbs::compare::CompareArgs;
+use crate::verbs::completions::CompletionsArgs;
+use crate::verbs::decouple::DecoupleArgs;
+use crate::verbs::export::ExportArgs;
+use crate::verbs::field::FieldArgs;
+use crate::verbs::forces::ForcesArgs;
+use crate::verbs::init::InitArgs;
+use crate::verbs::plan::PlanArgs;
+#[cfg(feature = "report")]
+use crate::verbs::report::ReportArgs;
+use crate::verbs::tiles::TilesArgs;
 
 const FIRST_STEPS: &str = if cfg!(feature = "report") {
     "Example:\n  magsplice init film.toml\n  magsplice report film.toml -o report\n  magsplice decouple film.toml"

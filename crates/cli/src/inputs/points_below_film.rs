@@ -3,34 +3,34 @@
 use std::path::Path;
 
 use magsplice::FilmError;
-use magsplice::ideal::IdealFilm;
-use magsplice::layout::Layout;
 use magsplice::prelude::DVec3;
 
-use crate::args::points::LengthUnitArg;
+use crate::args::points::PointsArgs;
 use crate::failure::Failure;
 use crate::faults::FaultList;
 use crate::inputs::points;
-use crate::words::{film_failure, no_field};
+use crate::session::Session;
+use crate::words::no_field;
 
 /// The points of a file, which stay below the film.
 pub(crate) struct GivenPoints<'a> {
-    pub(crate) path: &'a Path,
+    session: &'a Session<'a>,
+    path: &'a Path,
     pub(crate) points: Vec<DVec3>,
     lines: Vec<u64>,
 }
 
 impl<'a> GivenPoints<'a> {
-    /// Reads the points. The failure names all that are not below the film and, `within_half_wave`,
-    /// all that are half a wavelength or more from the axis. `tell` prints a remark about the file.
+    /// Reads the points; `None` if the arguments have no file. The failure names all that are not
+    /// below the film and, `within_half_wave`, all that are half a wavelength or more from the
+    /// axis.
     pub(crate) fn read(
-        path: &'a Path,
-        unit: Option<LengthUnitArg>,
-        ideal: &IdealFilm,
+        session: &'a Session,
+        args: &'a PointsArgs,
         within_half_wave: bool,
-        tell: &dyn Fn(&str),
-    ) -> Result<GivenPoints<'a>, Failure> {
-        let (points, lines) = points::read_all(path, unit, tell)?;
+    ) -> Result<Option<GivenPoints<'a>>, Failure> {
+        let (Some(path), Some(ideal)) = (args.path(), &session.layout.ideal) else { return Ok(None) };
+        let (points, lines) = points::read_all(path, args.unit, &|remark| session.tell(remark))?;
         let half = 0.5 * ideal.wavelength();
         let mut faults = FaultList::default();
         for (p, line) in points.iter().zip(&lines) {
@@ -50,18 +50,28 @@ impl<'a> GivenPoints<'a> {
             }
         }
         if faults.is_empty() {
-            Ok(GivenPoints { path, points, lines })
+            Ok(Some(GivenPoints { session, path, points, lines }))
         } else {
             Err(faults.failure(path.display().to_string()))
         }
     }
 
+    /// The file, and the number of its points.
+    pub(crate) fn summary(&self) -> (&Path, usize) {
+        (self.path, self.points.len())
+    }
+
     /// The failure of a film at these points: points without a field with their lines.
-    pub(crate) fn failure(&self, layout_path: &Path, layout: &Layout, error: FilmError) -> Failure {
-        let FilmError::Points(errors) = error else { return film_failure(layout_path, layout, error) };
+    pub(crate) fn failure(&self, error: FilmError) -> Failure {
+        let errors = match error {
+            // The reference point is no point of the file.
+            FilmError::Points(errors) if errors.0.iter().all(|e| self.points.get(e.index) == Some(&e.point)) => errors,
+            error => return self.session.failed(error),
+        };
         let mut faults = FaultList::default();
         for error in errors.0 {
-            let (line, p, cause) = (self.lines[error.index], error.point, no_field(error.cause, layout));
+            let (line, p) = (self.lines[error.index], error.point);
+            let cause = no_field(error.cause, &self.session.layout);
             faults.add(line, format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z));
         }
         faults.failure(self.path.display().to_string())

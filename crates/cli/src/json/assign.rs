@@ -4,8 +4,8 @@ use magsplice::making::MeasurementErrors;
 use magsplice::tolerance::Statistics;
 use serde::Serialize;
 
-use super::recoil::RecoilJson;
 use crate::laying::assigned_film::AssignedFilm;
+use magsplice::results::RecoilSummary;
 
 /// The result of `assign`.
 #[derive(Serialize)]
@@ -14,7 +14,7 @@ pub(crate) struct AssignJson<'a> {
     sha256: &'a str,
     version: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    recoil: Option<RecoilJson>,
+    recoil: Option<RecoilSummary>,
     measured_tiles: usize,
     rms_mm: RmsJson<'a>,
     shims: Vec<ShimJson<'a>>,
@@ -64,7 +64,7 @@ impl<'a> AssignJson<'a> {
             layout: &film.layout.name,
             sha256: &film.layout.sha256,
             version: env!("CARGO_PKG_VERSION"),
-            recoil: film.recoil.as_ref().map(RecoilJson::new),
+            recoil: film.recoil.as_ref().map(RecoilSummary::new),
             measured_tiles: film.measured,
             rms_mm: RmsJson {
                 as_ordered: film.assignment.ordered_rms_mm,

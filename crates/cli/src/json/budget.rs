@@ -3,8 +3,8 @@
 use magsplice::tolerance::Estimate;
 use serde::Serialize;
 
-use super::recoil::RecoilJson;
 use crate::sampling::film_budget::BudgetedFilm;
+use magsplice::results::RecoilSummary;
 
 /// The result of `budget`. Mean squares are in mm^2; they add up.
 #[derive(Serialize)]
@@ -13,7 +13,7 @@ pub(crate) struct BudgetJson<'a> {
     sha256: &'a str,
     version: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    recoil: Option<RecoilJson>,
+    recoil: Option<RecoilSummary>,
     tiles: usize,
     seed: u64,
     samples: u64,
@@ -65,7 +65,7 @@ struct ImprovementJson {
 }
 
 impl<'a> BudgetJson<'a> {
-    pub(crate) fn new(film: &BudgetedFilm<'a>) -> BudgetJson<'a> {
+    pub(crate) fn new(film: &'a BudgetedFilm) -> BudgetJson<'a> {
         let totals = film.found.totals_mm2();
         let part = |part: magsplice::BudgetPart| PartJson {
             share: [0, 1, 2].map(|axis| part.mean_squares_mm2[axis] / totals[axis]).into(),
@@ -74,12 +74,12 @@ impl<'a> BudgetJson<'a> {
         };
         let ratio = |ratio: Estimate| RatioJson { ratio: ratio.value, interval_95: ratio.interval };
         let improvement = |name: String, saved: [f64; 3]| ImprovementJson { name, saved_mm2: saved.into() };
-        let layout = film.found.layout;
+        let layout = &film.found.layout;
         BudgetJson {
             layout: &layout.name,
             sha256: &layout.sha256,
             version: env!("CARGO_PKG_VERSION"),
-            recoil: film.recoil.as_ref().map(RecoilJson::new),
+            recoil: film.recoil.as_ref().map(RecoilSummary::new),
             tiles: layout.tiles.len(),
             seed: film.seed,
             samples: film.samples,

@@ -4,14 +4,14 @@ use magsplice::Film;
 use magsplice::sensor::Stiffness;
 use serde::Serialize;
 
-use super::source::SourceJson;
 use crate::sensor::calibration::Calibration;
+use magsplice::results::Source;
 
 /// The result of `calibrate`.
 #[derive(Serialize)]
-pub(crate) struct CalibrationJson<'a> {
+pub(crate) struct CalibrationJson {
     #[serde(flatten)]
-    source: SourceJson<'a>,
+    source: Source,
     readings: usize,
     /// Stiffness of [elastomer] by Hooke's law along x, y, z.
     hooke_n_per_mm: Option<[f64; 3]>,
@@ -36,10 +36,10 @@ struct StiffnessJson {
     residual_n: f64,
 }
 
-impl<'a> CalibrationJson<'a> {
-    pub(crate) fn new(film: &Film<'a>, calibration: &Calibration) -> CalibrationJson<'a> {
+impl CalibrationJson {
+    pub(crate) fn new(film: &Film, calibration: &Calibration) -> CalibrationJson {
         CalibrationJson {
-            source: SourceJson::new(film),
+            source: Source::of(film),
             readings: calibration.readings,
             hooke_n_per_mm: calibration.hooke_n_per_mm.map(|stiffness| stiffness.to_array()),
             by_field: AxesJson::from(&calibration.by_field),

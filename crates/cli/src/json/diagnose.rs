@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use magsplice::magnet::TileError;
 use serde::Serialize;
 
-use super::recoil::RecoilJson;
 use crate::sensor::diagnosed_film::{DiagnosedFilm, kind};
+use magsplice::results::RecoilSummary;
 
 /// The result of `diagnose`.
 #[derive(Serialize)]
@@ -15,7 +15,7 @@ pub(crate) struct DiagnoseJson<'a> {
     sha256: &'a str,
     version: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    recoil: Option<RecoilJson>,
+    recoil: Option<RecoilSummary>,
     tiles: usize,
     readings: usize,
     noise_t: [f64; 3],
@@ -109,7 +109,7 @@ impl<'a> DiagnoseJson<'a> {
             layout: &film.layout.name,
             sha256: &film.layout.sha256,
             version: env!("CARGO_PKG_VERSION"),
-            recoil: film.recoil.as_ref().map(RecoilJson::new),
+            recoil: film.recoil.as_ref().map(RecoilSummary::new),
             tiles: film.layout.tiles.len(),
             readings: film.readings,
             noise_t: film.noise_t.to_array(),

@@ -1,24 +1,19 @@
 //! `read`: every reading.
 
 use magsplice::Film;
-use magsplice_export::Table;
+use magsplice::results::{Source, Table};
 use serde::Serialize;
-
-use super::field::ColumnsJson;
-use super::source::SourceJson;
 
 /// The result of `read`.
 #[derive(Serialize)]
-pub(crate) struct ReadJson<'a> {
+pub(crate) struct ReadJson {
     #[serde(flatten)]
-    source: SourceJson<'a>,
+    source: Source,
     readings: usize,
-    #[serde(flatten)]
-    columns: ColumnsJson<'a>,
 }
 
-impl<'a> ReadJson<'a> {
-    pub(crate) fn new(film: &Film<'a>, table: &'a Table) -> ReadJson<'a> {
-        ReadJson { source: SourceJson::new(film), readings: table.rows().len(), columns: ColumnsJson::new(table) }
+impl ReadJson {
+    pub(crate) fn new(film: &Film, table: &Table) -> ReadJson {
+        ReadJson { source: Source::of(film), readings: table.rows().len() }
     }
 }

@@ -4,14 +4,14 @@ use magsplice::Film;
 use magsplice::scan::ScanParameters;
 use serde::Serialize;
 
-use super::source::SourceJson;
 use crate::sensor::scanned_film::ScannedFilm;
+use magsplice::results::Source;
 
 /// The result of `scan`.
 #[derive(Serialize)]
-pub(crate) struct ScanJson<'a> {
+pub(crate) struct ScanJson {
     #[serde(flatten)]
-    source: SourceJson<'a>,
+    source: Source,
     readings: usize,
     /// Counts of positions along x, y, z; null if they are no grid.
     grid: Option<[usize; 3]>,
@@ -43,8 +43,8 @@ struct UniformityJson {
     singular: usize,
 }
 
-impl<'a> ScanJson<'a> {
-    pub(crate) fn new(film: &Film<'a>, scanned: &'a ScannedFilm) -> ScanJson<'a> {
+impl ScanJson {
+    pub(crate) fn new(film: &Film, scanned: &ScannedFilm) -> ScanJson {
         let parameters = |of: &ScanParameters| ParametersJson {
             strength: of.strength,
             offset_t: of.offset_t.to_array(),
@@ -58,7 +58,7 @@ impl<'a> ScanJson<'a> {
             singular: of.singular,
         };
         ScanJson {
-            source: SourceJson::new(film),
+            source: Source::of(film),
             readings: scanned.places_mm.len(),
             grid: scanned.positions.grid,
             missing_mm: scanned.positions.missing.iter().map(|place| place.to_array()).collect(),

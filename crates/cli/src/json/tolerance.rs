@@ -5,8 +5,8 @@ use magsplice::making::Sorting;
 use magsplice::tolerance::{Estimate, Statistics};
 use serde::Serialize;
 
-use super::recoil::RecoilJson;
 use crate::sampling::sampled_film::SampledFilm;
+use magsplice::results::RecoilSummary;
 
 /// The result of `tolerance`.
 #[derive(Serialize)]
@@ -15,7 +15,7 @@ pub(crate) struct ToleranceJson<'a> {
     sha256: &'a str,
     version: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    recoil: Option<RecoilJson>,
+    recoil: Option<RecoilSummary>,
     tiles: usize,
     /// Hash of the tiles, their errors, the volume and the ideal film.
     film: &'a str,
@@ -73,7 +73,7 @@ impl<'a> ToleranceJson<'a> {
             layout: &film.layout.name,
             sha256: &film.layout.sha256,
             version: env!("CARGO_PKG_VERSION"),
-            recoil: film.recoil.as_ref().map(RecoilJson::new),
+            recoil: film.recoil.as_ref().map(RecoilSummary::new),
             tiles: film.layout.tiles.len(),
             film: &film.source.fingerprint,
             seed: film.source.seed,

@@ -9,5 +9,7 @@ pub(crate) mod destination;
 pub(crate) mod figure_file;
 /// A folder of results that appears complete or not at all.
 pub(crate) mod folder;
-/// Tables of points: their columns, their metadata, and writing them.
+/// Results as JSON.
+pub(crate) mod json;
+/// Writing tables.
 pub(crate) mod table;

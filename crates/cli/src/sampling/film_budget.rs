@@ -6,15 +6,15 @@ use super::scene::SampledScene;
 use crate::failure::Failure;
 
 /// A film with its budget.
-pub(crate) struct BudgetedFilm<'a> {
+pub(crate) struct BudgetedFilm {
     pub(crate) recoil: Option<FilmRecoil>,
     pub(crate) seed: u64,
     pub(crate) samples: u64,
-    pub(crate) found: FilmBudget<'a>,
+    pub(crate) found: FilmBudget,
 }
 
-impl<'a> BudgetedFilm<'a> {
-    pub(crate) fn new(scene: &SampledScene<'a>, seed: u64, samples: u64) -> Result<BudgetedFilm<'a>, Failure> {
+impl BudgetedFilm {
+    pub(crate) fn new(scene: &SampledScene, seed: u64, samples: u64) -> Result<BudgetedFilm, Failure> {
         let found = scene.budget(seed, samples)?;
         Ok(BudgetedFilm { recoil: scene.recoil().cloned(), seed, samples, found })
     }

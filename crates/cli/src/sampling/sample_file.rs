@@ -6,13 +6,13 @@ use std::path::Path;
 
 use magsplice::decouple::{Figure, Figures};
 use magsplice::layout::Layout;
-use magsplice_export::{ColumnQuantity, MetadataValue, Rows, Table, numpy};
+use magsplice::results::{ColumnQuantity, LayoutSource, MetadataValue, Rows, Table};
+use magsplice_export::numpy;
 
 use super::source::SampleSource;
 use crate::args::tolerance::{MAX_SAMPLES, SampleFormat};
 use crate::failure::Failure;
 use crate::output::destination::Output;
-use crate::output::table::layout_metadata;
 
 /// Names of the columns after the number of the sample, in the order of [`Figure::ALL`].
 const COLUMNS: [&str; 7] = [
@@ -76,7 +76,7 @@ fn table(source: &SampleSource, errors: &[Figures], layout: &Layout) -> Table {
         values: errors.iter().map(|errors| number(errors, figure)).collect(),
     };
     let quantities = Figure::ALL.into_iter().zip(&COLUMNS).map(column).collect();
-    let mut metadata = layout_metadata(layout);
+    let mut metadata = LayoutSource::of(layout).metadata(layout.tiles.len());
     metadata.push(("film", MetadataValue::Text(source.fingerprint.clone())));
     metadata.push(("seed", MetadataValue::Text(source.seed.to_string())));
     let rows = Rows::Numbered { name: "sample", first: source.first, count: errors.len() };

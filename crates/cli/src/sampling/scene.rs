@@ -1,23 +1,25 @@
 //! A film whose samples are drawn.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use magsplice::decouple::Figures;
 use magsplice::ideal::IdealFilm;
 use magsplice::layout::Layout;
 use magsplice::making::{PlaceGroup, SortedSampler, Sorting};
 use magsplice::tolerance::{EvaluationGrid, RealFilm, SampleError, Sampler};
-use magsplice::{Film, FilmBudget, FilmError, FilmRecoil, Stage};
+use magsplice::{Film, FilmBudget, FilmError, FilmRecoil};
 
 use crate::failure::Failure;
 use crate::prepared_film::prepare;
+use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_film};
 
 /// A film that is sampled, with its working volume and its ideal film.
 pub(crate) struct SampledScene<'a> {
     path: &'a Path,
     layout: &'a Layout,
-    film: Film<'a>,
+    film: Film,
     real: RealFilm,
     /// The same film without errors.
     exact: RealFilm,
@@ -28,10 +30,10 @@ impl<'a> SampledScene<'a> {
     pub(crate) fn new(
         path: &'a Path,
         layout: &'a Layout,
-        show: &'a (dyn Fn(Stage) + Sync),
+        progress: &Arc<ProgressLine>,
         tell: &dyn Fn(&str),
     ) -> Result<SampledScene<'a>, Failure> {
-        let film = Film::rigid(layout);
+        let film = Film::rigid(layout.clone());
         let purpose = "evaluates the films that are made from a layout";
         let missing = |error| no_film(path, error, "tolerance", purpose);
         film.ideal().map_err(missing)?;
@@ -45,7 +47,7 @@ impl<'a> SampledScene<'a> {
             },
             error => film_failure(path, layout, error),
         })?;
-        let film = prepare(path, layout, show, tell)?;
+        let film = prepare(path, layout, progress, tell)?;
         let real = film.real_film().map_err(|error| film_failure(path, layout, error))?;
         let exact = real.clone().without_errors();
         Ok(SampledScene { path, layout, film, real, exact, volume })
@@ -69,7 +71,7 @@ impl<'a> SampledScene<'a> {
         self.layout
     }
 
-    pub(crate) fn budget(&self, seed: u64, samples: u64) -> Result<FilmBudget<'a>, Failure> {
+    pub(crate) fn budget(&self, seed: u64, samples: u64) -> Result<FilmBudget, Failure> {
         self.film.budget(seed, samples).map_err(|error| film_failure(self.path, self.layout, error))
     }
 
@@ -77,7 +79,7 @@ impl<'a> SampledScene<'a> {
         self.film.recoil()
     }
 
-    pub(crate) fn ideal(&self) -> Result<&'a IdealFilm, Failure> {
+    pub(crate) fn ideal(&self) -> Result<&IdealFilm, Failure> {
         self.film.ideal().map_err(|error| film_failure(self.path, self.layout, error))
     }
 

@@ -14,7 +14,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The report of `budget`.
 pub(crate) fn budget(film: &BudgetedFilm) -> String {
-    let mut text = header::with_recoil(film.found.layout, film.recoil.as_ref());
+    let mut text = header::with_recoil(&film.found.layout, film.recoil.as_ref());
     text += "displacement error of the films that are made: RMS in mm, and share of the mean square\n\n";
     let totals = film.found.totals_mm2();
     line(&mut text, "", AXES.map(str::to_owned));

@@ -18,6 +18,18 @@ pub(crate) fn with_recoil(of: &Layout, recoil: Option<&FilmRecoil>) -> String {
     layout(of) + &recoil.map_or(String::new(), recoil::line)
 }
 
+/// A film with its working volume, or with a number of points of a file.
+pub(crate) fn of_points(of: &Film, given: Option<(&Path, usize)>) -> String {
+    match (given, of.volume()) {
+        (Some((path, points)), _) => {
+            let points = counted(points, "point", "points");
+            format!("{}at {points} of {}\n{}", layout(of.layout()), path.display(), accuracy(of))
+        }
+        (None, Ok(volume)) => film(of, volume),
+        (None, Err(_)) => layout(of.layout()) + &accuracy(of),
+    }
+}
+
 /// A layout with its working volume and the accuracy of its field.
 pub(crate) fn film(film: &Film, volume: &WorkingVolume) -> String {
     let (l, u, s) = (volume.lower_mm, volume.upper_mm, volume.step_mm);
@@ -34,12 +46,6 @@ pub(crate) fn film(film: &Film, volume: &WorkingVolume) -> String {
         volume.grid.len(),
         accuracy(film)
     )
-}
-
-/// A layout with the points of a file and the accuracy of its field.
-pub(crate) fn film_at_points(film: &Film, path: &Path, points: usize) -> String {
-    let points = counted(points, "point", "points");
-    format!("{}at {points} of {}\n{}", layout(film.layout()), path.display(), accuracy(film))
 }
 
 /// The accuracy of a film's field, and what recoil changes in it.

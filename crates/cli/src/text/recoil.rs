@@ -5,12 +5,11 @@ use std::fmt::Write;
 use magsplice::decouple::{Figure, Parameter};
 use magsplice::layout::Layout;
 use magsplice::magnet::Axis;
-use magsplice::{Film, FilmRecoil, RecoilEstimate};
+use magsplice::{FiguresWithRecoil, Film, FilmRecoil, RecoilEstimate};
 
 use super::number::{counted, uniformity_number};
 use super::rows;
-
-const MT_PER_T: f64 = 1e3;
+use super::units::{in_deg, in_mt, in_per_cent};
 
 /// The line of a header: cells, and the error of B.
 pub(crate) fn line(recoil: &FilmRecoil) -> String {
@@ -18,8 +17,8 @@ pub(crate) fn line(recoil: &FilmRecoil) -> String {
         "recoil: {} at level {}, B changes by up to {} mT, known to {} mT\n",
         counted(recoil.magnetization().cells().len(), "cell", "cells"),
         recoil.level(),
-        short(recoil.change_t() * MT_PER_T),
-        short(recoil.error_t() * MT_PER_T)
+        short(in_mt(recoil.change_t())),
+        short(in_mt(recoil.error_t()))
     )
 }
 
@@ -28,16 +27,16 @@ pub(crate) fn line(recoil: &FilmRecoil) -> String {
 pub(crate) fn section(film: &Film, recoil: &FilmRecoil) -> String {
     let mut text = String::new();
     rows::heading(&mut text, "recoil", ["without", "with", "known to"]);
-    if let (Some([rigid, with]), Some(errors)) = (recoil.figures(), recoil.figure_errors()) {
+    if let Some(FiguresWithRecoil { without, with_recoil, errors }) = recoil.figures() {
         for (label, figure) in LABELS {
-            let [without, with] = [&rigid, &with].map(|of| uniformity_number(of.get(figure).copied()));
+            let [without, with] = [&without, &with_recoil].map(|of| uniformity_number(of.get(figure).copied()));
             let error = errors.get(figure).map_or(String::new(), |error| short(*error));
             rows::cells(&mut text, &format!("  {label}"), [without, with, error]);
         }
     }
     let changes = recoil.tile_changes();
-    let weakening = || changes.iter().map(|change| 100.0 * change.weakening);
-    let turn_deg = changes.iter().map(|change| change.angle.to_degrees()).fold(0.0, f64::max);
+    let weakening = || changes.iter().map(|change| in_per_cent(change.weakening));
+    let turn_deg = changes.iter().map(|change| in_deg(change.angle)).fold(0.0, f64::max);
     let (least, most) = (weakening().fold(f64::INFINITY, f64::min), weakening().fold(f64::NEG_INFINITY, f64::max));
     let _ = writeln!(
         text,
@@ -70,12 +69,12 @@ pub(crate) fn beyond_knee(recoil: &FilmRecoil, layout: &Layout) -> Option<String
 
 /// An estimate in one line: the changes of the figures.
 pub(crate) fn estimate(estimate: &RecoilEstimate) -> String {
-    let RecoilEstimate { permeability, rigid, recoil } = estimate;
-    let of = permeability.map_or("as stated".to_owned(), |mu_r| format!("mu_r {mu_r}"));
-    let amplitude = recoil.amplitude / rigid.amplitude - 1.0;
-    let mut text = format!("{of}: amplitude {} %", signed(100.0 * amplitude));
+    let RecoilEstimate { recoil_permeability, without, with_recoil } = estimate;
+    let of = recoil_permeability.map_or("as stated".to_owned(), |mu_r| format!("mu_r {mu_r}"));
+    let amplitude = with_recoil.amplitude / without.amplitude - 1.0;
+    let mut text = format!("{of}: amplitude {} %", signed(in_per_cent(amplitude)));
     for (label, figure, unit) in CHANGES {
-        let change = recoil.get(figure).zip(rigid.get(figure)).map(|(recoil, rigid)| recoil - rigid);
+        let change = with_recoil.get(figure).zip(without.get(figure)).map(|(with, without)| with - without);
         let change = change.map_or("one point".to_owned(), |change| format!("{}{unit}", signed(change)));
         let _ = write!(text, ", {label} {change}");
     }
@@ -118,5 +117,5 @@ fn signed(value: f64) -> String {
 }
 
 fn percent(share: f64) -> String {
-    format!("{} %", short(100.0 * share))
+    format!("{} %", short(in_per_cent(share)))
 }

@@ -6,11 +6,12 @@ use magsplice::prelude::DVec3;
 
 use super::number::number;
 use super::rows;
+use super::units::in_ut;
 use crate::sensor::film_resolution::FilmResolution;
 
 /// The deviations at all points: root mean squares, least and largest.
 pub(crate) fn resolution(resolution: &FilmResolution) -> String {
-    let DVec3 { x, y, z } = resolution.noise.deviation_t * 1e6;
+    let DVec3 { x, y, z } = in_ut(resolution.noise.deviation_t);
     let axes = if x == y && y == z { micro(x) } else { format!("{}, {}, {}", micro(x), micro(y), micro(z)) };
     let mut text = format!("noise of a reading: {axes} uT (standard deviation)\n");
     if let Some(rate_hz) = resolution.rate_hz {

@@ -2,14 +2,15 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
 
 #[cfg(feature = "report")]
 use magsplice::FilmAssignment;
 use magsplice::layout::Layout;
 use magsplice::making::{AssignmentError, AssignmentSettings, PartlyLaid, PlaceGroup};
-use magsplice::{Film, FilmError, Stage};
+use magsplice::{Film, FilmError};
 #[cfg(feature = "report")]
-use magsplice::{making::PlanRow, prelude::Tile};
+use magsplice::{making::PlanRow, prelude::Tile, results::BillOfMaterials};
 #[cfg(feature = "report")]
 use magsplice_report::{LaidTile, SvgText, laying_plan_figure};
 
@@ -25,10 +26,10 @@ use crate::output::destination::{Output, print};
 #[cfg(feature = "report")]
 use crate::output::figure_file;
 use crate::prepared_film::prepare;
+#[cfg(feature = "report")]
+use crate::printed;
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_film};
-#[cfg(feature = "report")]
-use crate::{cut_list::CutList, printed};
 use crate::{json, remarks, text};
 
 pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
@@ -69,7 +70,7 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
         let rows: Vec<LaidTile> = plan.iter().zip(tiles).map(|(row, tile)| laid_tile(row, tile)).collect();
         let drawn = laying_plan_figure(&rows, SvgText::Text).map_err(|error| Failure::Format(error.to_string()))?;
         if let Some(mut page) = page {
-            let text = printed::plan_page(&CutList::new(&layout, None), &drawn, plan);
+            let text = printed::plan_page(&BillOfMaterials::new(&layout, None), &drawn, plan);
             page.write(|writer| writer.write_all(text.as_bytes()))?;
             page.finish()?;
         }
@@ -115,15 +116,14 @@ fn assigned<'a>(
     layout: &'a Layout,
     partly: &PartlyLaid,
     shims: &[usize],
-    progress: &ProgressLine,
+    progress: &Arc<ProgressLine>,
     quiet: bool,
 ) -> Result<AssignedFilm<'a>, Failure> {
     let missing = |error| no_film(&args.layout, error, "assign", "places tiles so that a film decouples best");
-    let stated = Film::rigid(layout);
+    let stated = Film::rigid(layout.clone());
     stated.ideal().map_err(missing)?;
     stated.evaluation_grid().map_err(missing)?;
-    let show = |stage: Stage| progress.show(stage);
-    let ordered = prepare(&args.layout, layout, &show, &remarks::teller(quiet, progress))?;
+    let ordered = prepare(&args.layout, layout, progress, &remarks::teller(quiet, progress))?;
     let settings = AssignmentSettings {
         starts: args.starts,
         seed: args.seed,
@@ -151,7 +151,7 @@ fn assignment_failure(args: &AssignArgs, layout: &Layout, error: FilmError) -> F
 /// layouts.
 fn layout_text(args: &AssignArgs, film: &AssignedFilm, has_sizes: bool) -> Result<String, Failure> {
     let program = format!("{PROGRAM} assign");
-    let layout = Film::rigid(film.layout).assigned_layout(&film.assignment, has_sizes, &program);
+    let layout = Film::rigid(film.layout.clone()).assigned_layout(&film.assignment, has_sizes, &program);
     let text = layout.to_compact_toml();
     Layout::parse(&text, &format!("the film of {}", args.measured.display()))?;
     Ok(text)

@@ -21,8 +21,7 @@ pub(crate) fn run(args: &BudgetArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let mut layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
     args.preset.apply(&mut layout);
-    let show = |stage: Stage| progress.show(stage);
-    let scene = SampledScene::new(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
+    let scene = SampledScene::new(&args.layout, &layout, &progress, &remarks::teller(quiet, &progress))?;
     let inputs: [&Path; 1] = [&args.layout];
     let mut output = Output::open(args.result.output.as_deref(), &inputs)?;
     #[cfg(feature = "report")]

@@ -22,8 +22,7 @@ use crate::{json, remarks, text};
 pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
-    let show = |stage: Stage| progress.show(stage);
-    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
+    let film = prepare(&args.layout, &layout, &progress, &remarks::teller(quiet, &progress))?;
     let inputs: Vec<&Path> = [&args.layout, &args.readings].into_iter().map(PathBuf::as_path).collect();
     let mut output = Output::open(args.result.output.as_deref(), &inputs)?;
     let groups = [readings::FORCES, readings::flux_densities(None)];

@@ -1,55 +1,74 @@
 //! `magsplice compare`: compares the field with the ideal film.
 
-use magsplice::{Film, Stage};
+use std::path::PathBuf;
 
-use crate::args::evaluate::CompareArgs;
+use magsplice::ideal::Comparison;
+use magsplice::results::remark_about_amplitude;
+
+use crate::args::accuracy::AccuracyArgs;
 use crate::args::formats::TextOrJson;
+use crate::args::points::PointsArgs;
 use crate::failure::Failure;
-use crate::inputs::points;
 use crate::inputs::points_below_film::GivenPoints;
-use crate::output::destination::print;
-use crate::prepared_film::prepare;
-use crate::progress::ProgressLine;
-use crate::words::{film_failure, no_film};
-use crate::{json, remarks, text};
+use crate::output::json;
+use crate::remarks;
+use crate::session::Session;
+use crate::text::number::number;
+use crate::text::units::in_mt;
+use crate::text::{header, rows};
+
+/// Compare the field with the ideal film (Eq. 2) over the working volume, or at given points.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice compare layouts/published-film.toml")]
+pub(crate) struct CompareArgs {
+    /// Layout file
+    layout: PathBuf,
+    #[command(flatten)]
+    points: PointsArgs,
+    /// Format of the result
+    #[arg(long, value_enum, default_value = "text")]
+    format: TextOrJson,
+    #[command(flatten)]
+    accuracy: AccuracyArgs,
+}
 
 pub(crate) fn run(args: &CompareArgs, quiet: bool) -> Result<(), Failure> {
-    // No progress line between points that a person types.
-    let progress = ProgressLine::start(!quiet && !points::are_typed(args.points.path()));
-    let show = |stage: Stage| progress.show(stage);
-    let layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
-    let failed = |error| film_failure(&args.layout, &layout, error);
+    let session = Session::open_with_points(&args.layout, args.points.path(), remarks::OF_COMPARISONS, quiet)?;
     // A layout without an ideal film is refused before the field is computed.
     let purpose = "compares the field with that of the ideal, sinusoidal film";
-    let no_film = |error| no_film(&args.layout, error, "compare", purpose);
-    let stated = Film::rigid(&layout);
-    let ideal = stated.ideal().map_err(no_film)?;
-    if args.points.path().is_none() {
-        stated.volume().map_err(no_film)?;
-    }
-    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?
-        .with_accuracy(args.accuracy.accuracy());
-    if let Some(path) = args.points.path() {
-        let given = GivenPoints::read(path, args.points.unit, ideal, false, &remarks::teller(quiet, &progress))?;
-        let field = film.field_at_t(&given.points).map_err(|error| given.failure(&args.layout, &layout, error))?;
-        let comparison = film.compare_at(&given.points, &field).map_err(failed)?;
-        progress.end();
-        return print(&match args.format {
-            TextOrJson::Json => json::pretty(&json::compare::CompareJson::new(&film, &comparison)),
-            TextOrJson::Text => {
-                let header = text::header::film_at_points(&film, path, given.points.len());
-                format!("{header}\n{}", text::decouple::comparison(&comparison))
-            }
-        });
-    }
-    let field = film.volume_field_t().map_err(failed)?;
-    let comparison = film.compare(&field).map_err(failed)?;
-    progress.end();
-    print(&match args.format {
-        TextOrJson::Json => json::pretty(&json::compare::CompareJson::new(&film, &comparison)),
-        TextOrJson::Text => {
-            let header = text::header::film(&film, film.volume().map_err(failed)?);
-            format!("{header}\n{}", text::decouple::comparison(&comparison))
-        }
+    session.require_film(args.points.path().is_none(), "compare", purpose)?;
+    let film = session.film()?.with_accuracy(args.accuracy.accuracy());
+    let given = GivenPoints::read(&session, &args.points, false)?;
+    let found = match &given {
+        Some(given) => film.compare_at(&given.points).map_err(|error| given.failure(error))?,
+        None => film.compare().map_err(|error| session.failed(error))?,
+    };
+    session.print(&match args.format {
+        TextOrJson::Json => json::pretty(&found),
+        TextOrJson::Text => format!(
+            "{}\n{}",
+            header::of_points(&film, given.as_ref().map(GivenPoints::summary)),
+            comparison(&found.comparison)
+        ),
     })
+}
+
+/// The difference of the field from Eq. 2.
+pub(super) fn comparison(c: &Comparison) -> String {
+    let mut text = String::new();
+    rows::heading(&mut text, "against the ideal film (Eq. 2)", ["B_x", "B_y", "B_z"]);
+    rows::vector(&mut text, "  RMSE, mT", in_mt(c.component_rmse_t));
+    let correlation = c.correlation.map(|r| r.map_or("constant".to_owned(), |r| format!("{r:.6}")));
+    rows::cells(&mut text, "  correlation", correlation);
+    rows::cell(&mut text, "  best-fit amplitude", &number(c.amplitude));
+    if let Some(remark) = remark_about_amplitude(c.amplitude) {
+        rows::prose(&mut text, remark);
+    }
+    rows::cell(&mut text, "  relative RMSE as is", &number(c.relative_rmse));
+    let scaled = c.scaled_relative_rmse.map_or("none".to_owned(), number);
+    rows::cell(&mut text, "  relative RMSE after scaling", &scaled);
+    let (worst_mt, w) = (in_mt(c.worst_t), c.worst_at);
+    let worst = format!("{worst_mt:>13.6}  at ({}, {}, {}) mm", w.x, w.y, w.z);
+    rows::cell(&mut text, "  largest difference, mT", &worst);
+    text
 }

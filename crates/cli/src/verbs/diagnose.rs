@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use magsplice::FilmError;
 use magsplice::layout::{FilmTolerance, Layout};
 use magsplice::prelude::DVec3;
 use magsplice::scan::DiagnosisError;
-use magsplice::{FilmError, Stage};
 
 use crate::args::diagnose::{DiagnoseArgs, DiagnoseFormat};
 use crate::failure::{self, Failure};
@@ -49,8 +49,7 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
 
     let ordinary = ordinary(&layout);
     let has_ordinary = ordinary != FilmTolerance::default();
-    let show = |stage: Stage| progress.show(stage);
-    let ordered = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
+    let ordered = prepare(&args.layout, &layout, &progress, &remarks::teller(quiet, &progress))?;
     let diagnosis = ordered
         .diagnose(points_mm, &readings_t, args.noise, args.free(), args.false_alarm)
         .map_err(|error| refused(args, &layout, &lines, error))?;

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use magsplice::layout::Elastomer;
 use magsplice::prelude::DVec3;
+use magsplice::results::{ColumnQuantity, Rows, Source, Table};
 use magsplice::sensor::ExperimentStep;
 use magsplice::{Film, Stage};
-use magsplice_export::{ColumnQuantity, Rows, Table};
 #[cfg(feature = "report")]
 use magsplice_report::{ExperimentCurves, SvgText, experiment_figure};
 
@@ -28,8 +28,7 @@ use crate::words::{film_failure, no_volume};
 pub(crate) fn run(args: &ExperimentArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
-    let show = |stage: Stage| progress.show(stage);
-    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
+    let film = prepare(&args.layout, &layout, &progress, &remarks::teller(quiet, &progress))?;
     film.volume().map_err(|error| no_volume(&args.layout, error))?;
     if args.seed.is_some() && layout.sensor.as_ref().is_none_or(|sensor| sensor.element.noise_t == DVec3::ZERO) {
         let message = "the layout states no noise for --seed: give noise_ut or part in [sensor]".to_owned();
@@ -53,7 +52,7 @@ pub(crate) fn run(args: &ExperimentArgs, quiet: bool) -> Result<(), Failure> {
     let steps: Vec<&ExperimentStep> = experiments.iter().flatten().collect();
     let rows = Rows::Numbered { name: "step", first: 1, count: steps.len() };
     let columns = columns(&film, &steps, layout.elastomer.as_ref());
-    let result = Table::new(rows, columns, table::film_metadata(&film)).expect("a value for each step");
+    let result = Table::new(rows, columns, Source::of(&film).metadata()).expect("a value for each step");
     table::write(&result, &ReadJson::new(&film, &result), format, &mut output)?;
     output.finish()?;
     #[cfg(feature = "report")]

@@ -1,36 +1,61 @@
 //! `magsplice export`: writes the film for another program.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use magsplice::FilmError;
-use magsplice::layout::{Layout, WorkingVolume};
-use magsplice::magnet::HallSensor;
-use magsplice::prelude::{DMat3, DVec3};
-use magsplice::sensor::{DisplacementPolynomial, PolynomialError};
-use magsplice_export::c_header::{self, DisplacementTable};
-use magsplice_export::{dxf, magpylib, magpylib_import, stl, vtk};
+use magsplice::results::{LayoutSource, SensorPolynomial};
+use magsplice::sensor::PolynomialError;
+use magsplice_export::{c_header, dxf, magpylib, magpylib_import, stl, vtk};
 
-use crate::args::files::ExportArgs;
 use crate::args::formats::{ExportFormat, FileFormat};
+use crate::args::numbers::length_mm;
 use crate::failure::Failure;
+use crate::output::choice;
 use crate::output::destination::Output;
-use crate::output::{choice, table};
-use crate::prepared_film::prepare;
-use crate::progress::ProgressLine;
 use crate::remarks;
-use crate::words::{film_failure, no_volume};
+use crate::session::Session;
+use crate::words::no_volume;
+
+/// Write the film for another program.
+///
+/// For magpylib: a Python script that rebuilds the film and prints its field. For ParaView: the
+/// faces of the tiles with their polarization. For CAD: a drawing (DXF) or bodies (STL). For
+/// firmware: the displacement of a sensor from its reading, as a function in C.
+///
+/// The other way round, --to magpylib-import writes a Python script that turns a magpylib
+/// collection into a table for `magsplice import`.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice export layouts/published-film.toml --to magpylib -o film.py\n  \
+    magsplice export layouts/published-film.toml --to c-header --error 0.005mm -o film.h")]
+pub(crate) struct ExportArgs {
+    /// Layout file; none for --to magpylib-import
+    layout: Option<PathBuf>,
+    /// Program to write for [default: by the file's ending]
+    #[arg(long, value_enum, required_unless_present = "output")]
+    to: Option<ExportFormat>,
+    /// For --to c-header: largest error of the displacement over the working volume [default:
+    /// 0.005mm]
+    #[arg(long, value_name = "LENGTH", value_parser = error_mm)]
+    error: Option<f64>,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+fn error_mm(text: &str) -> Result<f64, String> {
+    let value = length_mm(text)?;
+    if value > 0.0 { Ok(value) } else { Err("must be above 0".to_owned()) }
+}
 
 /// Error of a displacement that goes with c-header if none is given: below the noise of most
 /// sensors.
 const DEFAULT_ERROR_MM: f64 = 0.005;
 
 pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
-    let progress = ProgressLine::start(!quiet);
     let format = choice::choose(args.to, args.output.as_deref(), None)?;
     let path = match (format, &args.layout) {
         (ExportFormat::MagpylibImport, None) => {
             let mut output = Output::open(args.output.as_deref(), &[])?;
-            progress.end();
             output.write(|w| magpylib_import::script(env!("CARGO_PKG_VERSION"), w))?;
             return output.finish();
         }
@@ -41,29 +66,25 @@ pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
         (_, None) => return Err(Failure::Format(format!("--to {} needs a layout file", format.name()))),
         (_, Some(path)) => path,
     };
-    let layout = remarks::read_layout(path, remarks::OF_TILES, quiet, &progress)?;
-    let table = match format {
-        ExportFormat::CHeader => Some(polynomial(args, path, &layout, &remarks::teller(quiet, &progress))?),
+    let session = Session::open(path, remarks::OF_TILES, quiet)?;
+    let layout = &*session.layout;
+    let polynomial = match format {
+        ExportFormat::CHeader => Some(polynomial(args, &session)?),
         _ if args.error.is_some() => {
             return Err(Failure::Format(format!("--error is for --to c-header, not {}: leave it out", format.name())));
         }
         _ => None,
     };
-    let mut output = Output::open(args.output.as_deref(), &[path])?;
-    if let Output::Stdout(_) = output {
-        progress.end();
-    }
+    let mut output = session.output(args.output.as_deref(), None)?;
+    session.progress.end();
     output.write(|w| match format {
-        ExportFormat::Magpylib => magpylib::script(&layout, env!("CARGO_PKG_VERSION"), w),
+        ExportFormat::Magpylib => magpylib::script(layout, env!("CARGO_PKG_VERSION"), w),
         ExportFormat::MagpylibImport => unreachable!("refused above"),
-        ExportFormat::Vtk => vtk::film(&layout, &table::layout_metadata(&layout), w),
-        ExportFormat::Dxf => dxf::film(&layout, w),
-        ExportFormat::Stl => stl::film(&layout, w),
-        ExportFormat::CHeader => match &table {
-            Some((polynomial, volume)) => {
-                let table = displacement_table(polynomial, volume, &layout);
-                c_header::displacement(&layout, &table, env!("CARGO_PKG_VERSION"), w)
-            }
+        ExportFormat::Vtk => vtk::film(layout, &LayoutSource::of(layout).metadata(layout.tiles.len()), w),
+        ExportFormat::Dxf => dxf::film(layout, w),
+        ExportFormat::Stl => stl::film(layout, w),
+        ExportFormat::CHeader => match &polynomial {
+            Some(polynomial) => c_header::displacement(layout, polynomial, env!("CARGO_PKG_VERSION"), w),
             None => unreachable!("computed above"),
         },
     })?;
@@ -71,46 +92,16 @@ pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
 }
 
 /// The displacement in the working volume as a polynomial.
-fn polynomial(
-    args: &ExportArgs,
-    path: &Path,
-    layout: &Layout,
-    tell: &dyn Fn(&str),
-) -> Result<(DisplacementPolynomial, WorkingVolume), Failure> {
-    let film = prepare(path, layout, &|_| {}, tell)?;
-    let volume = *film.volume().map_err(|error| no_volume(path, error))?;
-    let sensed = film.sensed_field(&volume.grid).map_err(|error| film_failure(path, layout, error))?;
+fn polynomial(args: &ExportArgs, session: &Session) -> Result<SensorPolynomial, Failure> {
     let error_mm = args.error.unwrap_or(DEFAULT_ERROR_MM);
-    let found = DisplacementPolynomial::fit(sensed, &volume.grid, volume.reference_mm, error_mm);
-    let refused = |message: String| Failure::Points { path: path.to_owned(), message };
-    found.map(|polynomial| (polynomial, volume)).map_err(|error| match error {
-        PolynomialError::Points(errors) => film_failure(path, layout, FilmError::Points(errors)),
-        PolynomialError::NotReached { least } => refused(format!(
+    let refused = |message: String| Failure::Points { path: session.path.to_owned(), message };
+    session.film()?.displacement_polynomial(error_mm).map_err(|error| match error {
+        FilmError::Missing(_) => no_volume(session.path, error),
+        FilmError::Polynomial(PolynomialError::NotReached { least }) => refused(format!(
             "no polynomial reaches an error of {error_mm} mm; the least is {least:.1e} mm: give a larger --error or a \
              smaller volume"
         )),
-        other => refused(other.to_string()),
+        FilmError::Polynomial(other) => refused(other.to_string()),
+        error => session.failed(error),
     })
-}
-
-fn displacement_table<'a>(
-    found: &'a DisplacementPolynomial,
-    volume: &WorkingVolume,
-    layout: &Layout,
-) -> DisplacementTable<'a> {
-    let sensor = layout.sensor.as_ref().map_or_else(HallSensor::default, |sensor| sensor.element);
-    DisplacementTable {
-        degree: found.degree,
-        branch_sign: found.branch_sign,
-        lower: found.lower,
-        upper: found.upper,
-        coefficients: &found.coefficients,
-        largest_error_mm: found.largest_error,
-        checked: found.checked,
-        volume_lower_mm: volume.grid.lower(),
-        volume_upper_mm: volume.grid.upper(),
-        reference_mm: volume.reference_mm,
-        field_of_reading: DMat3::from_quat(sensor.rotation) * DMat3::from_diagonal(DVec3::ONE / sensor.gain),
-        offset_t: sensor.offset_t,
-    }
 }

@@ -4,56 +4,102 @@ use std::io::{IsTerminal, stdout};
 use std::mem;
 use std::path::{Path, PathBuf};
 
-use magsplice::field::Scene;
+use clap::ValueEnum;
 use magsplice::layout::Layout;
 use magsplice::magnet::{Accuracy, PointError, PointErrorCause, PointErrors, Quantity};
-use magsplice::prelude::{DMat3, DVec3};
+use magsplice::prelude::DVec3;
+use magsplice::results::{FieldAtPoints, Metadata, PointQuantity, Points, Source, Table};
 use magsplice::{Film, Stage};
-use magsplice_export::{Metadata, Points, Table, csv};
+use magsplice_export::csv;
 
-use crate::args::evaluate::{FieldArgs, QuantityArg, UnboundedArg};
+use crate::args::accuracy::AccuracyArgs;
 use crate::args::formats::TableFormat;
-use crate::failure::{self, Failure};
+use crate::args::points::PointsArgs;
+use crate::failure::Failure;
 use crate::faults::FaultList;
 use crate::inputs::points::{self, BATCH, PointFile};
-use crate::json::field::FieldJson;
 use crate::output::destination::{Output, is_standard};
 use crate::output::{choice, table};
-use crate::prepared_film::prepare;
 use crate::progress::ProgressLine;
 use crate::remarks;
+use crate::session::Session;
 use crate::words::{no_field, no_points};
 
+/// Compute the field at points and write it as CSV or another table format.
+///
+/// The points are the grid of the layout's working volume, or those of a CSV file. Results keep the
+/// order of the points. Numbers are written with enough digits to read back to the same number.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice field layouts/published-film.toml --points points.csv -o field.csv")]
+pub(crate) struct FieldArgs {
+    /// Layout file
+    layout: PathBuf,
+    #[command(flatten)]
+    points: PointsArgs,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Format of the result [default: by the file's ending, else csv]
+    #[arg(long, value_enum)]
+    format: Option<TableFormat>,
+    /// Quantity to compute
+    #[arg(long, value_enum, ignore_case = true, default_value = "b")]
+    quantity: QuantityArg,
+    /// What to do with points at which the field is unbounded, on exposed edges of tiles; for
+    /// gradients also points on shared edges
+    ///
+    /// Edges parallel to J are bounded.
+    #[arg(long, value_enum, ignore_case = true, default_value = "error")]
+    unbounded: UnboundedArg,
+    #[command(flatten)]
+    accuracy: AccuracyArgs,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum QuantityArg {
+    /// Flux density B, in T
+    B,
+    /// Field strength H, in A/m
+    H,
+    /// Polarization J, in T
+    J,
+    /// Gradient of B: nine components, in T/mm
+    Gradient,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum UnboundedArg {
+    /// Name the points and write nothing
+    Error,
+    /// Write NaN there (null in JSON) and name the points on standard error
+    Nan,
+}
+
 pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
+    let quantity = PointQuantity::from(args.quantity);
     // No progress line between results on the same terminal, nor between points that a person
     // types.
     let results_on_terminal = args.output.as_deref().is_none_or(is_standard) && stdout().is_terminal();
     let visible = !quiet && !results_on_terminal && !points::are_typed(args.points.path());
-    let progress = ProgressLine::start(visible);
     let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
-    let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
-    let accuracy = match args.quantity {
-        QuantityArg::B | QuantityArg::H => args.accuracy.accuracy(),
-        // These are always exact, and the metadata must say so.
-        QuantityArg::J | QuantityArg::Gradient => Accuracy::Exact,
-    };
-    let show = |stage: Stage| progress.show(stage);
-    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?.with_accuracy(accuracy);
+    let session = Session::begin(&args.layout, subjects, quiet, ProgressLine::start(visible))?;
+    let accuracy = if quantity.has_accuracy() { args.accuracy.accuracy() } else { Accuracy::Exact };
+    let film = session.film()?.with_accuracy(accuracy);
     match args.points.path() {
-        Some(path) => at_points(args, &film, path, &progress, quiet),
-        None => on_grid(args, &film, &progress, quiet),
+        Some(path) => at_points(args, &session, &film, path),
+        None => on_grid(args, &session, &film),
     }
 }
 
-fn at_points(args: &FieldArgs, film: &Film, path: &Path, progress: &ProgressLine, quiet: bool) -> Result<(), Failure> {
-    let mut file = PointFile::open(path, args.points.unit, &remarks::teller(quiet, progress))?;
+fn at_points(args: &FieldArgs, session: &Session, film: &Film, path: &Path) -> Result<(), Failure> {
+    let mut file = PointFile::open(path, args.points.unit, &|remark| session.tell(remark))?;
     let mut writer = FieldWriter::open(args, film, Points::Scattered(Vec::new()))?;
     let mut faults = PointFaults::new(args.unbounded);
     let (mut points, mut lines) = (Vec::new(), Vec::new());
     let mut done = 0;
     loop {
         let more = file.read(BATCH, &mut points, &mut lines, &mut faults.errors)?;
-        writer.evaluate(film.scene(), &points, &mut faults, |error, cause| {
+        writer.evaluate(&points, &mut faults, |error, cause| {
             let (line, p) = (lines[error.index], error.point);
             (line, format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z))
         })?;
@@ -61,15 +107,15 @@ fn at_points(args: &FieldArgs, film: &Film, path: &Path, progress: &ProgressLine
         if writer.format != TableFormat::Csv && done > points::MAX_HELD_POINTS {
             return Err(points::too_many_points(path));
         }
-        progress.show(Stage { name: "field", done, of: None, unit: "points" });
+        session.progress.show(Stage { name: "field", done, of: None, unit: "points" });
         if !more {
             break;
         }
     }
-    writer.finish(film, faults, path, progress, quiet)
+    writer.finish(session, faults, path)
 }
 
-fn on_grid(args: &FieldArgs, film: &Film, progress: &ProgressLine, quiet: bool) -> Result<(), Failure> {
+fn on_grid(args: &FieldArgs, session: &Session, film: &Film) -> Result<(), Failure> {
     let grid = film.volume().map_err(|error| no_points(&args.layout, error))?.grid;
     let mut writer = FieldWriter::open(args, film, Points::Grid(grid))?;
     let mut faults = PointFaults::new(args.unbounded);
@@ -77,9 +123,9 @@ fn on_grid(args: &FieldArgs, film: &Film, progress: &ProgressLine, quiet: bool) 
         let p = error.point;
         (0, format!("point ({}, {}, {}) mm of the working volume: {cause}", p.x, p.y, p.z))
     };
-    match (film.scene().accuracy(), quantity(args.quantity)) {
+    match (film.scene().accuracy(), writer.quantity) {
         // The methods that a tolerance allows need the whole grid at once.
-        (Accuracy::Within(_), Some(quantity)) => {
+        (Accuracy::Within(_), PointQuantity::Field(quantity)) => {
             let points: Vec<DVec3> = grid.points().collect();
             let mut field = vec![DVec3::ZERO; points.len()];
             let evaluated = film.with_counted_points(points.len(), |progress| {
@@ -89,13 +135,13 @@ fn on_grid(args: &FieldArgs, film: &Film, progress: &ProgressLine, quiet: bool) 
         }
         _ => {
             for start in (0..grid.len()).step_by(BATCH) {
-                progress.show(Stage { name: "field", done: start, of: Some(grid.len()), unit: "points" });
+                film.tell(Stage { name: "field", done: start, of: Some(grid.len()), unit: "points" });
                 let points: Vec<DVec3> = (start..grid.len().min(start + BATCH)).map(|i| grid.point(i)).collect();
-                writer.evaluate(film.scene(), &points, &mut faults, fault)?;
+                writer.evaluate(&points, &mut faults, fault)?;
             }
         }
     }
-    writer.finish(film, faults, &args.layout, progress, quiet)
+    writer.finish(session, faults, &args.layout)
 }
 
 /// Points and lines without a field: those that stop the program, and those written as NaN.
@@ -126,10 +172,10 @@ impl PointFaults {
 
 /// Evaluates the field and writes it: CSV batch by batch, other formats at the end.
 struct FieldWriter<'a> {
-    layout: &'a Layout,
+    film: &'a Film,
     output: Output,
     format: TableFormat,
-    quantity: QuantityArg,
+    quantity: PointQuantity,
     /// Points and values that are not written yet.
     points: Points,
     values: Vec<f64>,
@@ -138,15 +184,14 @@ struct FieldWriter<'a> {
 
 impl<'a> FieldWriter<'a> {
     /// Opens the output. `points` are all points of the result, or empty if they are not known yet.
-    fn open(args: &FieldArgs, film: &Film<'a>, points: Points) -> Result<FieldWriter<'a>, Failure> {
+    fn open(args: &FieldArgs, film: &'a Film, points: Points) -> Result<FieldWriter<'a>, Failure> {
         let format = choice::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
         choice::accept(format, args.output.as_deref(), matches!(points, Points::Grid(_)))?;
         let inputs: Vec<&Path> = std::iter::once(&args.layout).chain(&args.points.file).map(PathBuf::as_path).collect();
         // A later point may have no field, and then nothing may have been printed.
         let output = Output::open(args.output.as_deref(), &inputs)?.held_back();
-        let (values, metadata) = (Vec::new(), table::film_metadata(film));
-        let layout = film.layout();
-        let mut writer = FieldWriter { layout, output, format, quantity: args.quantity, points, values, metadata };
+        let (quantity, metadata) = (args.quantity.into(), Source::of(film).metadata());
+        let mut writer = FieldWriter { film, output, format, quantity, points, values: Vec::new(), metadata };
         if format == TableFormat::Csv {
             writer.points = Points::Scattered(Vec::new());
             let empty = writer.take_table();
@@ -158,7 +203,7 @@ impl<'a> FieldWriter<'a> {
     /// Takes the points and values that are not written yet, as a table.
     fn take_table(&mut self) -> Table {
         let points = mem::replace(&mut self.points, Points::Scattered(Vec::new()));
-        let columns = table::columns(self.quantity, mem::take(&mut self.values));
+        let columns = self.quantity.columns(mem::take(&mut self.values));
         Table::new(points, vec![columns], mem::take(&mut self.metadata)).expect("every point has its values")
     }
 
@@ -166,21 +211,12 @@ impl<'a> FieldWriter<'a> {
     /// without a field to `faults`, in the words of `fault`.
     fn evaluate(
         &mut self,
-        scene: &Scene,
         points: &[DVec3],
         faults: &mut PointFaults,
         fault: impl Fn(&PointError, &str) -> (u64, String),
     ) -> Result<(), Failure> {
-        let Some(quantity) = quantity(self.quantity) else {
-            let mut gradient = vec![DMat3::ZERO; points.len()];
-            let evaluated = scene.gradient_into(Quantity::FluxDensity, points, &mut gradient);
-            // Row by row: the derivatives of one component of B together.
-            let values = gradient.iter().flat_map(|g| g.transpose().to_cols_array());
-            return self.add(evaluated, points, values, faults, fault);
-        };
-        let mut field = vec![DVec3::ZERO; points.len()];
-        let evaluated = scene.field_into(quantity, points, &mut field);
-        self.add(evaluated, points, field.iter().flat_map(DVec3::to_array), faults, fault)
+        let (values, evaluated) = self.quantity.values(self.film.scene(), points);
+        self.add(evaluated, points, values.into_iter(), faults, fault)
     }
 
     /// Adds the rows of points that were evaluated, as [`FieldWriter::evaluate`] does.
@@ -193,7 +229,7 @@ impl<'a> FieldWriter<'a> {
         fault: impl Fn(&PointError, &str) -> (u64, String),
     ) -> Result<(), Failure> {
         if let Err(errors) = evaluated {
-            faults.add(errors, self.layout, fault);
+            faults.add(errors, self.film.layout(), fault);
         }
         // Points without a field have NaN for a value.
         if faults.errors.is_empty() {
@@ -210,36 +246,32 @@ impl<'a> FieldWriter<'a> {
     }
 
     /// Completes the result. `place` is the file that the points are from.
-    fn finish(
-        mut self,
-        film: &Film,
-        faults: PointFaults,
-        place: &Path,
-        progress: &ProgressLine,
-        quiet: bool,
-    ) -> Result<(), Failure> {
+    fn finish(mut self, session: &Session, faults: PointFaults, place: &Path) -> Result<(), Failure> {
+        let place = place.display().to_string();
         if !faults.errors.is_empty() {
-            return Err(faults.errors.failure(place.display().to_string()));
+            return Err(faults.errors.failure(place));
         }
         if self.format != TableFormat::Csv {
             let table = self.take_table();
-            table::write(&table, &FieldJson::new(film, &table), self.format, &mut self.output)?;
+            let result = FieldAtPoints { source: Source::of(self.film), points: table.rows().len() };
+            table::write(&table, &result, self.format, &mut self.output)?;
         }
         self.output.finish()?;
-        progress.end();
-        if !faults.written_as_nan.is_empty() && !quiet {
-            failure::tell(&faults.written_as_nan.remarks(&place.display().to_string()));
+        session.progress.end();
+        if !faults.written_as_nan.is_empty() {
+            session.tell(&faults.written_as_nan.remarks(&place));
         }
         Ok(())
     }
 }
 
-/// The library's quantity; `None` for the gradient.
-fn quantity(quantity: QuantityArg) -> Option<Quantity> {
-    match quantity {
-        QuantityArg::B => Some(Quantity::FluxDensity),
-        QuantityArg::H => Some(Quantity::FieldStrength),
-        QuantityArg::J => Some(Quantity::Polarization),
-        QuantityArg::Gradient => None,
+impl From<QuantityArg> for PointQuantity {
+    fn from(quantity: QuantityArg) -> PointQuantity {
+        match quantity {
+            QuantityArg::B => PointQuantity::FLUX_DENSITY,
+            QuantityArg::H => PointQuantity::Field(Quantity::FieldStrength),
+            QuantityArg::J => PointQuantity::Field(Quantity::Polarization),
+            QuantityArg::Gradient => PointQuantity::Gradient,
+        }
     }
 }

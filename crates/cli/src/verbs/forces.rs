@@ -1,117 +1,317 @@
 //! `magsplice forces`: forces and torques of the tiles on each other, and orders of laying.
 
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use magsplice::force::{LayingOrder, LeastHolding, OrderSettings};
+use clap::builder::PossibleValue;
+use clap::{Args, ValueEnum};
 use magsplice::layout::Layout;
-use magsplice::{FilmError, SolvedForces, Stage};
+use magsplice::prelude::DVec3;
+use magsplice::results::{FilmLoads, LoadN, OrderChoice, OrderedLoads, TileLoad};
+use magsplice::{FilmError, ForceChange};
 #[cfg(feature = "report")]
 use magsplice_report::{TileForce, forces_figure};
 
-use crate::args::forces::{ForcesArgs, ForcesFormat};
+use crate::args::formats::FileFormat;
 use crate::failure::Failure;
-use crate::film_loads::{FilmLoads, OrderSource, OrderedLoads};
 use crate::inputs::laying_order;
 use crate::output::choice;
-use crate::output::destination::Output;
-#[cfg(feature = "report")]
-use crate::output::figure_file;
-use crate::prepared_film::prepare;
-use crate::progress::ProgressLine;
-use crate::words::film_failure;
-use crate::{json, remarks, text};
+use crate::output::json;
+use crate::remarks;
+use crate::session::Session;
+use crate::text::number::counted;
+use crate::text::{header, rows};
 
-pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
-    let progress = ProgressLine::start(!quiet);
-    let layout = remarks::read_layout(&args.layout, remarks::OF_TILES, quiet, &progress)?;
-    let order_path = args.order.as_deref().filter(|order| !["given", "least"].contains(order)).map(PathBuf::from);
-    let given: Vec<usize> = (0..layout.tiles.len()).collect();
-    let order = match &order_path {
-        Some(path) => laying_order::read(path, &layout)?,
-        None => given.clone(),
-    };
-    let inputs: Vec<&Path> = std::iter::once(args.layout.as_path()).chain(order_path.as_deref()).collect();
-    let format = choice::choose(args.format, args.output.as_deref(), Some(ForcesFormat::Text))?;
-    let mut output = Output::open(args.output.as_deref(), &inputs)?;
+/// Tell with what force and torque the tiles of a film act on each other.
+///
+/// Each tile has the force by all others, and the torque about its own centre. Tiles with parallel
+/// edges have them in closed form, exact to round-off, also where they touch. The magnetization is
+/// rigid: a tile is not magnetized by the field of the others.
+///
+/// With --order, tiles are laid one after another, each at its place, where it is glued. The
+/// holding of a step is the magnitude of the force on the tile that is being laid, by those that
+/// are already there. The holding of an order is the largest of its steps. --order least searches
+/// the order with the least holding, and prints a bound that no order is below.
+#[derive(Args)]
+#[command(after_help = "Example:\n  magsplice forces layouts/published-film.toml\n  \
+    magsplice forces film.toml --order least --figure order.svg --format csv -o order.csv\n  \
+    magsplice forces film.toml --order order.csv")]
+pub(crate) struct ForcesArgs {
+    /// Layout file
+    layout: PathBuf,
+    /// Order of laying: given (that of the layout file), least (searched), or a CSV file whose
+    /// column tile has the names of the tiles
+    #[arg(long, value_name = "ORDER")]
+    order: Option<String>,
+    /// Seed of the random numbers of --order least
+    #[arg(long, value_name = "S", default_value = "1", requires = "order")]
+    seed: u64,
+    /// Largest relative error of the force of two tiles that are turned against each other
+    #[arg(long, value_name = "ERROR", default_value = "1e-9", value_parser = relative_error)]
+    turned_error: f64,
+    /// File for a figure of the tiles with their forces: .svg or .png
     #[cfg(feature = "report")]
-    let figure = figure_file::open(args.figure.as_deref(), &inputs)?;
-    let show = |stage: Stage| progress.show(stage);
-    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
-    let SolvedForces { loads: forces, recoil } =
-        film.forces(args.turned_error).map_err(|error| failed(args, &layout, error))?;
-    let ordered = |tiles: Vec<usize>| LayingOrder::new(&forces, tiles).expect("each tile once");
-    let given = ordered(given);
-    let order = match (args.order.as_deref(), order_path) {
-        (None, _) => None,
-        (Some("least"), None) => {
-            let settings = OrderSettings { seed: args.seed, ..OrderSettings::default() };
-            let counted = Counter { progress: &progress, name: "order of laying", of: settings.runs, unit: "runs" };
-            let found = LeastHolding::search(&forces, &settings, counted.callback());
-            Some(OrderedLoads::least(&found, args.seed, &given))
-        }
-        (Some(_), None) => Some(OrderedLoads::new(&given, OrderSource::Given, &given)),
-        (Some(_), Some(path)) => {
-            Some(OrderedLoads::new(&ordered(order), OrderSource::File(path.display().to_string()), &given))
-        }
-    };
-    let loads = FilmLoads::new(&layout, &forces, recoil, order);
-    progress.end();
-    #[cfg(feature = "report")]
-    if let Some(file) = figure {
-        file.write(forces_figure(&drawn_tiles(&loads), loads.order.is_some()))?;
-    }
-    let result = match format {
-        ForcesFormat::Text => text::forces::forces(&loads),
-        ForcesFormat::Json => json::pretty(&json::forces::ForcesJson::new(&loads)),
-        ForcesFormat::Csv => loads.csv(),
-    };
-    output.write(|w| w.write_all(result.as_bytes()))?;
-    output.finish()
+    #[arg(long, value_name = "FILE")]
+    figure: Option<PathBuf>,
+    /// Format of the result [default: by the file's ending, else text]
+    #[arg(long, value_enum)]
+    format: Option<ForcesFormat>,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
 }
 
-fn failed(args: &ForcesArgs, layout: &Layout, error: FilmError) -> Failure {
-    match error {
+/// Smallest relative error: below it, the round-off of the field decides.
+const LEAST_ERROR: f64 = 1e-13;
+
+fn relative_error(text: &str) -> Result<f64, String> {
+    let error = text.parse().ok().filter(|error| (LEAST_ERROR..=0.1).contains(error));
+    error.ok_or_else(|| format!("must be a number from {LEAST_ERROR:e} to 0.1"))
+}
+
+/// Formats of `forces`.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum ForcesFormat {
+    Text,
+    Json,
+    Csv,
+}
+
+impl ValueEnum for ForcesFormat {
+    fn value_variants<'a>() -> &'a [ForcesFormat] {
+        &[ForcesFormat::Text, ForcesFormat::Json, ForcesFormat::Csv]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(match self {
+            ForcesFormat::Text => PossibleValue::new("text").help("Printed tables"),
+            ForcesFormat::Json => PossibleValue::new("json").help("Tiles, sums, and steps of the order"),
+            ForcesFormat::Csv => PossibleValue::new("csv").help("One line per tile, in the order of laying"),
+        })
+    }
+}
+
+impl FileFormat for ForcesFormat {
+    const OPTION: &'static str = "--format";
+
+    fn endings(self) -> &'static [&'static str] {
+        match self {
+            ForcesFormat::Text => &["txt"],
+            ForcesFormat::Json => &["json"],
+            ForcesFormat::Csv => &["csv"],
+        }
+    }
+
+    fn is_binary(self) -> bool {
+        false
+    }
+
+    fn is_known_by_ending(self) -> bool {
+        false
+    }
+}
+
+pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
+    let session = Session::open(&args.layout, remarks::OF_TILES, quiet)?;
+    let order = match args.order.as_deref() {
+        None => None,
+        Some("given") => Some(OrderChoice::Given),
+        Some("least") => Some(OrderChoice::Least { seed: args.seed }),
+        Some(path) => {
+            let tiles = laying_order::read(Path::new(path), &session.layout)?;
+            Some(OrderChoice::Stated { source: path.to_owned(), tiles })
+        }
+    };
+    let order_path = match &order {
+        Some(OrderChoice::Stated { source, .. }) => Some(PathBuf::from(source)),
+        _ => None,
+    };
+    let format = choice::choose(args.format, args.output.as_deref(), Some(ForcesFormat::Text))?;
+    let output = session.output(args.output.as_deref(), order_path.as_deref())?;
+    #[cfg(feature = "report")]
+    let figure = session.figure(args.figure.as_deref(), order_path.as_deref())?;
+    let loads = session.film()?.forces(args.turned_error, order).map_err(|error| match error {
         FilmError::Forces { ref tiles, .. } if !tiles.is_empty() => {
             Failure::Points { path: args.layout.clone(), message: format!("{error} (--turned-error)") }
         }
-        error => film_failure(&args.layout, layout, error),
+        error => session.failed(error),
+    })?;
+    session.progress.end();
+    #[cfg(feature = "report")]
+    if let Some(file) = figure {
+        file.write(forces_figure(&drawn_tiles(&session.layout, &loads), loads.order.is_some()))?;
     }
-}
-
-/// Counts what is done, from any thread, for the progress line.
-struct Counter<'a> {
-    progress: &'a ProgressLine,
-    name: &'static str,
-    of: usize,
-    unit: &'static str,
-}
-
-impl Counter<'_> {
-    fn callback(&self) -> impl Fn() + Sync {
-        let done = AtomicUsize::new(0);
-        move || {
-            let done = done.fetch_add(1, Ordering::Relaxed);
-            self.progress.show(Stage { name: self.name, done, of: Some(self.of), unit: self.unit });
-        }
-    }
+    let result = match format {
+        ForcesFormat::Text => text(&session.layout, &loads),
+        ForcesFormat::Json => json::pretty(&loads),
+        ForcesFormat::Csv => csv(&loads),
+    };
+    session.write(output, &result)
 }
 
 /// The tiles with the forces to draw: those by all others, or while they are laid.
 #[cfg(feature = "report")]
-fn drawn_tiles<'a>(loads: &FilmLoads<'a>) -> Vec<TileForce<'a>> {
-    let tiles = &loads.layout.tiles;
+fn drawn_tiles<'a>(layout: &'a Layout, loads: &FilmLoads) -> Vec<TileForce<'a>> {
+    let drawn = |load: &TileLoad, step| TileForce { tile: &layout.tiles[load.tile], force_n: load.load.force_n, step };
     match &loads.order {
-        None => tiles
-            .iter()
-            .zip(&loads.tiles)
-            .map(|(tile, load)| TileForce { tile, force_n: load.force_n, step: None })
-            .collect(),
-        Some(order) => order
-            .steps
-            .iter()
-            .enumerate()
-            .map(|(step, (tile, load))| TileForce { tile: &tiles[*tile], force_n: load.force_n, step: Some(step + 1) })
-            .collect(),
+        None => loads.tiles.iter().map(|load| drawn(load, None)).collect(),
+        Some(order) => order.steps.iter().enumerate().map(|(step, load)| drawn(load, Some(step + 1))).collect(),
+    }
+}
+
+/// One line per tile; in the order of laying where there is one.
+fn csv(loads: &FilmLoads) -> String {
+    let numbers = |load: &LoadN| {
+        let numbers = load.force_n.to_array().into_iter().chain(load.torque_n_mm.to_array());
+        numbers.map(|number| format!(",{number:e}")).collect::<String>()
+    };
+    let columns = |prefix: &str| {
+        let force = ["x", "y", "z"].map(|axis| format!(",{prefix}force_{axis}_n"));
+        let torque = ["x", "y", "z"].map(|axis| format!(",{prefix}torque_{axis}_n_mm"));
+        force.concat() + &torque.concat()
+    };
+    let name = |tile: &TileLoad| format!("\"{}\"", tile.name.replace('"', "\"\""));
+    let mut csv = format!("tile{}", columns(""));
+    let Some(order) = &loads.order else {
+        csv.push('\n');
+        for tile in &loads.tiles {
+            csv += &format!("{}{}\n", name(tile), numbers(&tile.load));
+        }
+        return csv;
+    };
+    csv += &format!(",step{}\n", columns("laying_"));
+    for (step, tile) in order.steps.iter().enumerate() {
+        let by_all = &loads.tiles[tile.tile].load;
+        csv += &format!("{}{},{}{}\n", name(tile), numbers(by_all), step + 1, numbers(&tile.load));
+    }
+    csv
+}
+
+/// Units of forces with their sizes in N, from the largest.
+const UNITS: [(&str, f64); 3] = [("N", 1.0), ("mN", 1e-3), ("uN", 1e-6)];
+
+/// A unit is used down to this fraction of it.
+const SMALLEST_LARGEST: f64 = 0.1;
+
+/// The loads on tiles, and an order of laying, as tables.
+fn text(layout: &Layout, loads: &FilmLoads) -> String {
+    let mut text = header::layout(layout);
+    text += "force on each tile by all others, and torque about its centre; ";
+    text += match &loads.recoil {
+        None => "rigid magnetization\n\n",
+        Some(_) => "with recoil\n",
+    };
+    let largest_n = loads.tiles.iter().map(|tile| tile.load.force_n.length()).fold(0.0, f64::max);
+    let unit = Unit::for_forces(largest_n);
+    if let Some(ForceChange { cells, level, change_n, error_n }) = loads.recoil {
+        let _ = writeln!(
+            text,
+            "recoil: {} at level {level}, forces change by up to {}, known to {}\n",
+            counted(cells, "cell", "cells"),
+            unit.force(change_n),
+            unit.force(error_n)
+        );
+    }
+    text += &unit.table(loads.tiles.iter().map(|load| (String::new(), load)), false);
+    text.push('\n');
+    if let Some(largest) = loads.largest() {
+        let [force, torque] = largest.map(|tile| &loads.tiles[tile]);
+        let _ = writeln!(text, "largest force   {} on {}", unit.force(force.load.force_n.length()), force.name);
+        let largest = unit.torque(torque.load.torque_n_mm.length());
+        let _ = writeln!(text, "largest torque  {largest} about the centre of {}", torque.name);
+    }
+    let [force, torque] = [loads.sum.force_n.length() / unit.size_n, loads.sum.torque_n_mm.length() / unit.size_n];
+    let _ = writeln!(
+        text,
+        "sum of all      {force:.1e} {name}, and {torque:.1e} {name} mm about the origin: round-off",
+        name = unit.name
+    );
+    if let Some(order) = &loads.order {
+        ordered(&mut text, order);
+    }
+    text
+}
+
+fn ordered(text: &mut String, order: &OrderedLoads) {
+    let is_given = order.source == "given";
+    let what = match order.seed {
+        Some(seed) => format!("order with the least holding that was found, seed {seed}"),
+        None if is_given => "order of the layout file".to_owned(),
+        None => format!("order of {}", order.source),
+    };
+    let _ = writeln!(text, "\n{what}: load on each tile while it is laid, by those already there\n");
+    let unit = Unit::for_forces(order.holding_n);
+    let steps = order.steps.iter().enumerate().map(|(step, load)| ((step + 1).to_string(), load));
+    *text += &unit.table(steps, true);
+    text.push('\n');
+    let Some(hardest) = order.steps.get(order.hardest_step - 1) else { return };
+    let (holding, step) = (unit.force(order.holding_n), order.hardest_step);
+    let _ = writeln!(text, "holding         {holding} at step {step}, {}", hardest.name);
+    if let (Some(bound_n), Some(greedy_n)) = (order.bound_n, order.greedy_holding_n) {
+        let _ = writeln!(text, "bound           {}, which no order is below", unit.force(bound_n));
+        let _ = writeln!(text, "greedy order    {}", unit.force(greedy_n));
+    }
+    if !is_given {
+        let _ = writeln!(text, "given order     {}", unit.force(order.given_holding_n));
+    }
+}
+
+/// A unit in which the forces of a table have few digits.
+struct Unit {
+    name: &'static str,
+    size_n: f64,
+}
+
+impl Unit {
+    fn for_forces(largest_n: f64) -> Unit {
+        let fits = |(_, size_n): &(&str, f64)| largest_n >= SMALLEST_LARGEST * size_n;
+        let (name, size_n) = UNITS.into_iter().find(fits).unwrap_or(UNITS[0]);
+        Unit { name, size_n }
+    }
+
+    fn force(&self, force_n: f64) -> String {
+        format!("{:.4} {}", force_n / self.size_n, self.name)
+    }
+
+    fn torque(&self, torque_n_mm: f64) -> String {
+        format!("{:.4} {} mm", torque_n_mm / self.size_n, self.name)
+    }
+
+    fn number(&self, value: f64) -> String {
+        let text = format!("{:.4}", value / self.size_n);
+        // Round-off of zero.
+        if text.trim_start_matches('-').chars().all(|c| matches!(c, '0' | '.')) { "0.0000".to_owned() } else { text }
+    }
+
+    fn table<'a>(&self, loads: impl Iterator<Item = (String, &'a TileLoad)>, with_steps: bool) -> String {
+        let name = self.name;
+        let head = [
+            if with_steps { "step" } else { "" }.to_owned(),
+            "tile".to_owned(),
+            format!("Fx, {name}"),
+            "Fy".to_owned(),
+            "Fz".to_owned(),
+            "|F|".to_owned(),
+            format!("Tx, {name} mm"),
+            "Ty".to_owned(),
+            "Tz".to_owned(),
+        ];
+        let mut table = vec![head];
+        for (step, TileLoad { name, load, .. }) in loads {
+            let numbers = |vector: DVec3| vector.to_array().map(|value| self.number(value));
+            let ([fx, fy, fz], [tx, ty, tz]) = (numbers(load.force_n), numbers(load.torque_n_mm));
+            let magnitude = self.number(load.force_n.length());
+            table.push([step, name.clone(), fx, fy, fz, magnitude, tx, ty, tz]);
+        }
+        // Numbers end at the right of their columns.
+        for column in (0..9).filter(|&column| column != 1) {
+            let width = table.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+            for row in &mut table {
+                row[column] = format!("{:>width$}", row[column]);
+            }
+        }
+        let lines = rows::columns(&table);
+        let cut = if with_steps { 0 } else { 2 };
+        lines.into_iter().map(|line| format!("{}\n", &line[cut..])).collect()
     }
 }

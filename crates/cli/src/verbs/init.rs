@@ -1,12 +1,20 @@
 //! `magsplice init`: writes a commented layout to start from.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use magsplice::layout::COMMENTED_LAYOUT;
 
-use crate::args::files::InitArgs;
 use crate::failure::{self, Failure};
 use crate::output::destination;
+
+/// Write a commented layout to start from; never overwrites a file.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice init my-film.toml")]
+pub(crate) struct InitArgs {
+    /// File to write; - is standard output
+    #[arg(default_value = "film.toml")]
+    file: PathBuf,
+}
 
 pub(crate) fn run(args: &InitArgs, quiet: bool) -> Result<(), Failure> {
     if args.file == Path::new("-") {

@@ -44,15 +44,6 @@ pub(crate) mod read;
 /// Draws figures and a page.
 #[cfg(feature = "report")]
 pub(crate) mod report;
-/// The drawing of a report.
-#[cfg(feature = "report")]
-mod report_draw;
-/// The numbers of two films side by side.
-#[cfg(feature = "report")]
-mod report_pair;
-/// `report --watch`: draws anew when a layout is saved.
-#[cfg(feature = "report")]
-mod report_watch;
 /// Tells how small displacements noise lets a sensor see.
 pub(crate) mod resolution;
 /// Compares a measured scan with the layout.

@@ -1,68 +1,163 @@
 //! `magsplice plan`: shows which methods a tolerance allows.
 
-use std::path::Path;
+use std::fmt::Write;
+use std::path::PathBuf;
 
-use magsplice::magnet::{PointErrorCause, PointErrors, Quantity};
+use magsplice::field::{Model, PlannedPart};
 use magsplice::prelude::DVec3;
-use magsplice::{Film, FilmError, Stage};
+use magsplice::results::FilmPlan;
+use magsplice::{Film, FilmError};
 
-use crate::args::evaluate::PlanArgs;
+use crate::args::accuracy::AccuracyArgs;
 use crate::args::formats::TextOrJson;
+use crate::args::points::PointsArgs;
 use crate::failure::Failure;
 use crate::inputs::points;
-use crate::output::destination::print;
-use crate::prepared_film::{prepare, recoil_estimates};
-use crate::progress::ProgressLine;
+use crate::output::json;
+use crate::remarks;
+use crate::session::Session;
+use crate::text::number::number;
+use crate::text::{header, recoil, rows};
 use crate::words::{film_failure, no_points};
-use crate::{json, remarks, text};
+
+/// Show which methods a tolerance allows, and the truncation error and cost of each.
+///
+/// The points are those that `field` would take. Costs count multiply-adds, in units of the exact
+/// field of one tile at one point. The program computes an expansion to find out whether it keeps
+/// the tolerance, so a plan takes a part of the time of the evaluation. The evaluation repeats
+/// points where the field turns out too weak for the truncation error more accurately; the plan
+/// does not know these points.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice plan layouts/film-80mm.toml --within 1e-6")]
+pub(crate) struct PlanArgs {
+    /// Layout file
+    layout: PathBuf,
+    #[command(flatten)]
+    points: PointsArgs,
+    /// Format of the result
+    #[arg(long, value_enum, default_value = "text")]
+    format: TextOrJson,
+    #[command(flatten)]
+    accuracy: AccuracyArgs,
+}
 
 pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
-    // No progress line between points that a person types.
-    let progress = ProgressLine::start(!quiet && !points::are_typed(args.points.path()));
     let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
-    let layout = remarks::read_layout(&args.layout, subjects, quiet, &progress)?;
-    let show = |stage: Stage| progress.show(stage);
-    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?
-        .with_accuracy(args.accuracy.accuracy());
-    let planning = Stage::uncounted("planning");
+    let session = Session::open_with_points(&args.layout, args.points.path(), subjects, quiet)?;
+    let film = session.film()?.with_accuracy(args.accuracy.accuracy());
     let (plan, points_of) = match args.points.path() {
         Some(path) => {
-            let (points, _) = points::read_all(path, args.points.unit, &remarks::teller(quiet, &progress))?;
-            progress.show(planning);
-            check_accuracy(&film, path, points.len(), |index| points[index])?;
-            (film.scene().plan_at_points(&points), format!("points of {}", path.display()))
+            let (points, _) = points::read_all(path, args.points.unit, &|remark| session.tell(remark))?;
+            let plan = film.plan_at(&points).map_err(|error| match error {
+                FilmError::Points(_) => film_failure(path, &session.layout, error),
+                error => session.failed(error),
+            })?;
+            (plan, format!("points of {}", path.display()))
         }
         None => {
-            let volume = film.volume().map_err(|error| no_points(&args.layout, error))?;
-            progress.show(planning);
-            check_accuracy(&film, &args.layout, volume.grid.len(), |index| volume.grid.point(index))?;
-            (film.scene().plan_on_grid(&volume.grid), "points of the working volume".to_owned())
+            film.volume().map_err(|error| no_points(&args.layout, error))?;
+            (film.plan().map_err(|error| session.failed(error))?, "points of the working volume".to_owned())
         }
     };
-    let estimates = recoil_estimates(&args.layout, &layout)?;
-    progress.end();
-    print(&match args.format {
-        TextOrJson::Text => text::plan::plan(&film, &plan, &estimates, &points_of),
-        TextOrJson::Json => json::pretty(&json::plan::PlanJson::new(&film, &plan, &estimates)),
+    session.print(&match args.format {
+        TextOrJson::Text => text(&film, &plan, &points_of),
+        TextOrJson::Json => json::pretty(&plan),
     })
 }
 
-/// Number of points at which the field is evaluated to find out whether the tolerance can be kept.
-const TRIED_POINTS: usize = 64;
-
-/// Refuses a tolerance that the field does not keep at a few of the points, as `field` does.
-/// `path` is the file that the points are from.
-fn check_accuracy(film: &Film, path: &Path, points: usize, point: impl Fn(usize) -> DVec3) -> Result<(), Failure> {
-    let tried: Vec<DVec3> = (0..points).step_by(points.div_ceil(TRIED_POINTS).max(1)).map(point).collect();
-    let mut field = vec![DVec3::ZERO; tried.len()];
-    let Err(PointErrors(mut errors)) = film.scene().field_into(Quantity::FluxDensity, &tried, &mut field) else {
-        return Ok(());
-    };
-    // Points without any field are no matter of the tolerance, and have a plan like others.
-    errors.retain(|error| matches!(error.cause, PointErrorCause::TooExact { .. }));
-    if errors.is_empty() {
-        Ok(())
-    } else {
-        Err(film_failure(path, film.layout(), FilmError::Points(PointErrors(errors))))
+/// The plan; `points_of` says where the points are from.
+fn text(film: &Film, plan: &FilmPlan, points_of: &str) -> String {
+    let points: usize = plan.parts.iter().map(|part| part.points).sum();
+    let mut text = format!("{}{points} {points_of}\n{}", header::layout(film.layout()), header::accuracy(film));
+    for part in &plan.parts {
+        describe(&mut text, part, film.scene().tile_count());
     }
+    let (cost, exact) = (plan.cost, plan.exact_cost);
+    let _ = writeln!(text, "\ntotal cost: about {} exact values of one tile", digits(cost));
+    let _ = writeln!(text, "all tiles directly: {} ({} times as many)", digits(exact), ratio(exact / cost));
+    if !plan.recoil_estimates.is_empty() {
+        text += "\nwhat recoil changes, to first order\n";
+    }
+    for estimate in &plan.recoil_estimates {
+        rows::prose(&mut text, &recoil::estimate(estimate));
+    }
+    text
+}
+
+fn describe(text: &mut String, part: &PlannedPart, tiles: usize) {
+    let (method, mut rows) = match &part.model {
+        Model::Exact => (
+            "direct summation over all tiles",
+            vec![
+                ("truncation", "none".to_owned()),
+                ("why", "no expansion keeps the accuracy at these points for less".to_owned()),
+            ],
+        ),
+        Model::Chebyshev { lower, upper, terms: [x, y, z], error_t, distance } => (
+            "a Chebyshev expansion of the field in a box",
+            vec![
+                ("box", volume(*lower, *upper)),
+                ("polynomials", format!("{x} x {y} x {z}")),
+                ("error", format!("at most {error_t:.1e} T")),
+                ("why", format!("no tile is nearer to the box than {} mm", number(*distance))),
+            ],
+        ),
+        Model::Cells { lower, upper, cells: [x, y, z], error_t, distance } => (
+            "harmonic potentials in the cells of a box",
+            vec![
+                ("box", volume(*lower, *upper)),
+                ("cells", format!("{x} x {y} x {z}")),
+                ("error", format!("at most {error_t:.1e} T")),
+                ("why", format!("no tile is nearer to the box than {} mm, and it has many points", number(*distance))),
+            ],
+        ),
+        Model::Tree {
+            expansions,
+            degree,
+            expanded_tiles,
+            exact_tiles,
+            ignored_tiles,
+            truncation_error_t,
+            ignored_t,
+        } => (
+            "expansions of groups of tiles in solid harmonics (numbers are averages over the points)",
+            vec![
+                (
+                    "far tiles",
+                    format!(
+                        "{} of {tiles} by {} expansions of degree {}",
+                        digits(*expanded_tiles),
+                        digits(*expansions),
+                        digits(*degree)
+                    ),
+                ),
+                ("near tiles", format!("{}, summed directly", digits(*exact_tiles))),
+                ("ignored tiles", format!("{}, with a field of at most {ignored_t:.1e} T", digits(*ignored_tiles))),
+                ("truncation", format!("at most {truncation_error_t:.1e} T at any point, ignored tiles included")),
+                ("why", "the points are no grid in a box away from the tiles, or too few".to_owned()),
+            ],
+        ),
+    };
+    rows.push(("cost", format!("{} exact values of one tile", digits(part.cost))));
+    let _ = writeln!(text, "\n{} points: {method}", part.points);
+    for (label, value) in rows {
+        let _ = writeln!(text, "  {label:<15}{value}");
+    }
+}
+
+fn volume(l: DVec3, u: DVec3) -> String {
+    format!("x {} .. {}, y {} .. {}, z {} .. {} mm", l.x, u.x, l.y, u.y, l.z, u.z)
+}
+
+/// Three digits: enough to compare costs.
+fn digits(value: f64) -> String {
+    match value {
+        v if v < 10.0 => format!("{v:.1}"),
+        v if v < 1e5 => format!("{v:.0}"),
+        v => format!("{v:.2e}"),
+    }
+}
+
+fn ratio(value: f64) -> String {
+    if value.is_finite() { format!("{value:.1}") } else { "no".to_owned() }
 }

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use magsplice::Stage;
 use magsplice::layout::Elastomer;
 use magsplice::prelude::DVec3;
+use magsplice::results::{ColumnQuantity, Rows, Source, Table};
 use magsplice::sensor::{LocateError, Located};
-use magsplice_export::{ColumnQuantity, Rows, Table};
 
 use crate::args::formats::TableFormat;
 use crate::args::sensor::ReadArgs;
@@ -25,8 +25,7 @@ use crate::words::no_volume;
 pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
-    let show = |stage: Stage| progress.show(stage);
-    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
+    let film = prepare(&args.layout, &layout, &progress, &remarks::teller(quiet, &progress))?;
     film.volume().map_err(|error| no_volume(&args.layout, error))?;
     let format = choice::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
     if format == TableFormat::Vtk {
@@ -58,8 +57,8 @@ pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     }
     let status = found.iter().map(|found| f64::from(status(found))).collect();
     columns.push(ColumnQuantity { name: "status", components: &["status"], values: status });
-    let mut metadata = table::film_metadata(&film);
-    metadata.push(("readings", magsplice_export::MetadataValue::Text(args.readings.display().to_string())));
+    let mut metadata = Source::of(&film).metadata();
+    metadata.push(("readings", magsplice::results::MetadataValue::Text(args.readings.display().to_string())));
     let rows = Rows::Numbered { name: "reading", first: 1, count: found.len() };
     let result = Table::new(rows, columns, metadata).expect("a value for each reading");
     table::write(&result, &ReadJson::new(&film, &result), format, &mut output)?;

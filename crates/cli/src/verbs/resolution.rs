@@ -3,11 +3,10 @@
 use std::path::Path;
 
 use magsplice::prelude::DVec3;
-use magsplice_export::{ColumnQuantity, Points, Table};
+use magsplice::results::{ColumnQuantity, FieldAtPoints, Points, Source, Table};
 
 use crate::args::sensor::ResolutionArgs;
 use crate::failure::Failure;
-use crate::json::field::FieldJson;
 use crate::output::destination::{Output, print};
 use crate::output::{choice, table};
 use crate::prepared_film::prepare;
@@ -18,9 +17,8 @@ use crate::{remarks, text};
 
 pub(crate) fn run(args: &ResolutionArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
-    let show = |stage| progress.show(stage);
     let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
-    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
+    let film = prepare(&args.layout, &layout, &progress, &remarks::teller(quiet, &progress))?;
     let volume = film.volume().map_err(|error| no_volume(&args.layout, error))?;
     let file = match &args.output {
         Some(path) => {
@@ -49,9 +47,14 @@ pub(crate) fn run(args: &ResolutionArgs, quiet: bool) -> Result<(), Failure> {
                 ["closed_form_deviation_x_mm", "closed_form_deviation_y_mm", "closed_form_deviation_z_mm"];
             columns.push(column("closed_form_deviation_mm", &NAMES, closed_form_mm));
         }
-        let result = Table::new(Points::Grid(volume.grid), columns, table::film_metadata(&film));
+        let result = Table::new(Points::Grid(volume.grid), columns, Source::of(&film).metadata());
         let result = result.expect("a value for each point");
-        table::write(&result, &FieldJson::new(&film, &result), format, &mut output)?;
+        table::write(
+            &result,
+            &FieldAtPoints { source: Source::of(&film), points: result.rows().len() },
+            format,
+            &mut output,
+        )?;
         output.finish()?;
     }
     print(&(text::header::film(&film, volume) + &text::resolution::resolution(&resolution)))

@@ -4,16 +4,15 @@ use std::path::{Path, PathBuf};
 
 use magsplice::layout::Layout;
 use magsplice::prelude::{DVec3, Grid};
+use magsplice::results::{ColumnQuantity, FieldAtPoints, Points, Source, Table};
 use magsplice::scan::{ScanError, fit_scan};
 use magsplice::{Film, Stage};
-use magsplice_export::{ColumnQuantity, Points, Table};
 
 use crate::args::formats::{TableFormat, TextOrJson};
 use crate::args::sensor::ScanArgs;
 use crate::failure::{self, Failure};
 use crate::faults::FaultList;
 use crate::inputs::readings;
-use crate::json::field::FieldJson;
 use crate::json::scan::ScanJson;
 use crate::output::destination::Output;
 use crate::output::{choice, table};
@@ -27,8 +26,7 @@ use crate::{json, remarks, text};
 pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let layout = remarks::read_layout(&args.layout, remarks::OF_TILES, quiet, &progress)?;
-    let show = |stage: Stage| progress.show(stage);
-    let film = prepare(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
+    let film = prepare(&args.layout, &layout, &progress, &remarks::teller(quiet, &progress))?;
     let inputs: Vec<&Path> = [&args.layout, &args.scan].into_iter().map(PathBuf::as_path).collect();
     let mut output = Output::open(args.result.output.as_deref(), &inputs)?;
     let save = match args.save.as_deref() {
@@ -59,7 +57,12 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
     progress.end();
     if let Some((format, mut file)) = save {
         let result = table(&film, &scanned);
-        table::write(&result, &FieldJson::new(&film, &result), format, &mut file)?;
+        table::write(
+            &result,
+            &FieldAtPoints { source: Source::of(&film), points: result.rows().len() },
+            format,
+            &mut file,
+        )?;
         file.finish()?;
     }
     let result = match args.result.format {
@@ -149,7 +152,7 @@ fn table(film: &Film, scanned: &ScannedFilm) -> Table {
         ColumnQuantity { name: "outlier", components: &["outlier"], values: outliers },
     ];
     let points = Points::Scattered(scanned.places_mm.clone());
-    Table::new(points, columns, table::film_metadata(film)).expect("a value for each point")
+    Table::new(points, columns, Source::of(film).metadata()).expect("a value for each point")
 }
 
 /// Names the readings that were left out.

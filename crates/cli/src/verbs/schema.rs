@@ -3,8 +3,8 @@
 use magsplice::layout;
 
 use crate::failure::Failure;
-use crate::json;
 use crate::output::destination::print;
+use crate::output::json;
 
 pub(crate) fn run() -> Result<(), Failure> {
     print(&json::pretty(&layout::schema()))

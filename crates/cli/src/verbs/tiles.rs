@@ -1,40 +1,224 @@
 //! `magsplice tiles`: lists the tiles of a layout and its bill of materials.
 
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use magsplice::expect::NarrowGaps;
+use magsplice::layout::{NamedTile, Rotation};
+use magsplice::prelude::{DVec3, Tile};
+use magsplice::results::{BillOfMaterials, PartItem};
+use magsplice_export::twelve_digits;
 #[cfg(feature = "report")]
 use magsplice_report::{SvgText, layout_figure};
 
-use crate::args::files::TilesArgs;
 use crate::args::formats::TilesFormat;
-use crate::cut_list::CutList;
 use crate::failure::Failure;
-#[cfg(feature = "report")]
-use crate::output::destination::Output;
-use crate::output::destination::print;
+use crate::output::json;
 #[cfg(feature = "report")]
 use crate::printed;
-use crate::progress::ProgressLine;
-use crate::{json, remarks, text};
+use crate::remarks;
+use crate::session::Session;
+use crate::text::header::tile_count;
+use crate::text::rows;
+use crate::text::units::in_deg;
+
+/// List the tiles of a layout and its bill of materials.
+///
+/// The bill counts the pieces of each part. Tiles that differ only in position and orientation are
+/// the same part. Angles are those of the polarization from the first side of a part towards the
+/// second.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  magsplice tiles layouts/published-film.toml --kerf-mm 0.2\n  magsplice tiles layouts/published-film.toml --format csv > cut-list.csv"
+)]
+pub(crate) struct TilesArgs {
+    /// Layout file
+    layout: PathBuf,
+    /// Format of the result
+    #[arg(long, value_enum, default_value = "text")]
+    format: TilesFormat,
+    /// Width of material that each cut removes, in mm; adds the area of sheet and the length of bar
+    /// that the parts need
+    #[arg(long, value_name = "MM", value_parser = kerf, allow_negative_numbers = true)]
+    kerf_mm: Option<f64>,
+    /// Write the film and its bill of materials as a page to print (HTML)
+    #[cfg(feature = "report")]
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
+}
+
+/// Largest kerf. No saw removes more, and areas stay within the range of numbers.
+const MAX_KERF_MM: f64 = 100.0;
+
+fn kerf(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|kerf: &f64| (0.0..=MAX_KERF_MM).contains(kerf));
+    number.ok_or_else(|| format!("must be a number of mm from 0 to {MAX_KERF_MM}"))
+}
 
 pub(crate) fn run(args: &TilesArgs, quiet: bool) -> Result<(), Failure> {
-    let progress = ProgressLine::start(!quiet);
-    let layout = remarks::read_layout(&args.layout, remarks::OF_TILES, quiet, &progress)?;
+    let session = Session::open(&args.layout, remarks::OF_TILES, quiet)?;
     if args.kerf_mm.is_some() && args.format == TilesFormat::Json {
         return Err(Failure::Format("--kerf-mm goes with --format text or csv: json has no material".to_owned()));
     }
     #[cfg(feature = "report")]
-    let page = args.page.as_deref().map(|page| Output::open(Some(page), &[&args.layout])).transpose()?;
-    let list = CutList::new(&layout, args.kerf_mm);
+    let page = args.page.as_deref().map(|page| session.output(Some(page), None)).transpose()?;
+    let list = BillOfMaterials::new(&session.layout, args.kerf_mm);
     #[cfg(feature = "report")]
     if let Some(mut page) = page {
-        let figure = layout_figure(&layout, SvgText::Outlines).map_err(|error| Failure::Format(error.to_string()))?;
+        let figure =
+            layout_figure(&session.layout, SvgText::Outlines).map_err(|error| Failure::Format(error.to_string()))?;
         page.write(|writer| writer.write_all(printed::bill_page(&list, &figure).as_bytes()))?;
         page.finish()?;
     }
-    let said = match args.format {
-        TilesFormat::Json => json::pretty(&json::tiles::TilesJson::new(&list)),
-        TilesFormat::Text => format!("{}\n{}", text::tiles::tiles(&args.layout, &list), text::tiles::bill(&list)),
-        TilesFormat::Csv => list.csv(),
+    session.print(&match args.format {
+        TilesFormat::Json => json::pretty(&list),
+        TilesFormat::Text => format!("{}\n{}", text(&args.layout, &list), bill(&list)),
+        TilesFormat::Csv => csv(&list),
+    })
+}
+
+/// Between the names of tiles in one cell. A comma would look like the next cell.
+const BETWEEN_NAMES: &str = ";";
+
+/// The cut list as CSV, one line for each part: its number, the number of pieces, sides in mm,
+/// strength in T, angles of the polarization in degrees, the tiles made of it; with a kerf the
+/// material.
+fn csv(list: &BillOfMaterials) -> String {
+    let mut head = vec!["part", "count", "a_mm", "b_mm", "c_mm", "strength_t", "direction_deg", "tilt_deg", "tiles"];
+    if list.kerf_mm.is_some() {
+        head.extend(["sheet_area_mm2", "bar_length_mm"]);
+    }
+    let digits = |value: f64| twelve_digits(value).to_string();
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(head).expect("memory takes every row");
+    for item in &list.parts {
+        let mut row = vec![item.part.to_string(), item.count.to_string()];
+        row.extend(item.size_mm.to_array().map(digits));
+        row.push(digits(item.strength_t));
+        row.extend([item.direction_deg, item.tilt_deg].map(|angle| angle.map_or(String::new(), digits)));
+        row.push(item.tiles.join(BETWEEN_NAMES));
+        row.extend([item.sheet_area_mm2, item.bar_length_mm].into_iter().flatten().map(digits));
+        writer.write_record(row).expect("memory takes every row");
+    }
+    let bytes = writer.into_inner().expect("memory takes every row");
+    String::from_utf8(bytes).expect("text is written as text")
+}
+
+/// The tiles of a layout, one line each.
+fn text(path: &Path, list: &BillOfMaterials) -> String {
+    let layout = list.layout;
+    let head =
+        ["tile", "part", "size, mm", "centre, mm", "polarization in its own frame, T", "rotation"].map(str::to_owned);
+    let tiles = layout.tiles.iter().zip(list.part_numbers()).map(|(named, part)| tile_row(named, part));
+    let rows: Vec<[String; 6]> = std::iter::once(head).chain(tiles).collect();
+    format!("{}: {}, {}\n{}{}", path.display(), layout.name, tile_count(layout), table(&rows), narrow_gaps(list))
+}
+
+/// Gaps below this are no gaps in a made film: tiles are placed to about 0.01 mm at best, and sawn
+/// sides are no better.
+const NARROW_GAP_MM: f64 = 0.01;
+
+/// A sentence about tiles that almost touch, if there are any.
+fn narrow_gaps(list: &BillOfMaterials) -> String {
+    let tiles: Vec<Tile> = list.layout.tiles.iter().map(|named| named.tile).collect();
+    NarrowGaps::below(NARROW_GAP_MM, &tiles).map_or(String::new(), |NarrowGaps { pairs, smallest }| {
+        let [pairs, verb, not] =
+            if pairs == 1 { ["1 pair".to_owned(), "is".to_owned(), "does".to_owned()] } else { [format!("{pairs} pairs"), "are".to_owned(), "do".to_owned()] };
+        format!(
+            "{pairs} of tiles {verb} less than {NARROW_GAP_MM} mm apart and {not} not touch; the smallest gap is {} mm\n",
+            short(smallest)
+        )
+    })
+}
+
+/// The parts of a layout and how many pieces of each there are; with a kerf also the material.
+fn bill(list: &BillOfMaterials) -> String {
+    let head =
+        ["part", "pieces", "size, mm", "strength, T", "polarized from the first side", "such as"].map(str::to_owned);
+    let rows: Vec<[String; 6]> = std::iter::once(head).chain(list.parts.iter().map(part_row)).collect();
+    let mut text = format!("bill of materials\n{}", table(&rows));
+    if let Some(kerf_mm) = list.kerf_mm {
+        text += &material(&list.parts, kerf_mm);
+    }
+    text
+}
+
+/// The sheet or the bars that the parts need.
+fn material(parts: &[PartItem], kerf_mm: f64) -> String {
+    let head = ["part", "pieces", "size, mm", "sheet, mm2", "or bar, mm"].map(str::to_owned);
+    let row = |item: &PartItem| {
+        let section = size2(item.size_mm.y, item.size_mm.z);
+        let bar = format!("{} of {section}", short(item.bar_length_mm.unwrap_or_default()));
+        let sheet = short(item.sheet_area_mm2.unwrap_or_default());
+        [item.part.to_string(), item.count.to_string(), size(item.size_mm), sheet, bar]
     };
-    progress.end();
-    print(&said)
+    let rows: Vec<[String; 5]> = std::iter::once(head).chain(parts.iter().map(row)).collect();
+    let mut text = format!("\nmaterial with a kerf of {} mm\n{}", short(kerf_mm), table(&rows));
+    let mut sheets: Vec<(f64, f64)> = Vec::new();
+    for part in parts {
+        let area = part.sheet_area_mm2.unwrap_or_default();
+        match sheets.iter_mut().find(|(thickness, _)| *thickness == part.size_mm.z) {
+            Some((_, sum)) => *sum += area,
+            None => sheets.push((part.size_mm.z, area)),
+        }
+    }
+    for (thickness, area) in sheets {
+        let _ = writeln!(text, "  sheet of {} mm: {} mm2 in all", short(thickness), short(area));
+    }
+    text + "  A piece takes its first and second side of the sheet, or its first side of the bar, each with\n  one \
+            kerf. Rims of the sheet, ends of bars and the direction of magnetization are not counted.\n"
+}
+
+fn table<const N: usize>(rows: &[[String; N]]) -> String {
+    rows::columns(rows).into_iter().map(|line| line + "\n").collect()
+}
+
+fn tile_row(named: &NamedTile, part: usize) -> [String; 6] {
+    let NamedTile { name, tile, rotation, .. } = named;
+    let turn = rotation.map_or(String::new(), |rotation| {
+        // As written; the other forms are easier to read as an axis and an angle too.
+        let (axis, angle_deg) = match rotation {
+            Rotation::AxisAngle { axis, angle_deg } => (axis.into(), angle_deg),
+            other => {
+                let (axis, angle) = other.quaternion().to_axis_angle();
+                (axis, in_deg(angle))
+            }
+        };
+        format!("{} deg about {}", short(angle_deg), triple(axis))
+    });
+    let [size, centre, j] = [size(tile.size()), triple(tile.position()), triple(tile.polarization_t())];
+    [name.clone(), part.to_string(), size, centre, j, turn]
+}
+
+fn part_row(item: &PartItem) -> [String; 6] {
+    let angle = match (item.direction_deg, item.tilt_deg) {
+        (Some(direction), Some(0.0)) => format!("{} deg", short(direction)),
+        (Some(_), Some(tilt)) if tilt.abs() == 90.0 => format!("{} deg out of plane", short(tilt)),
+        (Some(direction), Some(tilt)) => format!("{} deg, {} deg out of plane", short(direction), short(tilt)),
+        _ => "not polarized".to_owned(),
+    };
+    let [number, count] = [item.part, item.count].map(|n| n.to_string());
+    [number, count, size(item.size_mm), short(item.strength_t), angle, item.tiles[0].clone()]
+}
+
+fn size2(first: f64, second: f64) -> String {
+    format!("{} x {} mm", short(first), short(second))
+}
+
+fn size(v: DVec3) -> String {
+    v.to_array().map(short).join(" x ")
+}
+
+fn triple(v: DVec3) -> String {
+    format!("({})", v.to_array().map(short).join(", "))
+}
+
+/// Six decimals without trailing zeros; very large and very small numbers with six digits.
+fn short(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e7).contains(&value.abs()) {
+        return format!("{value:.5e}");
+    }
+    let text = format!("{value:.6}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }

@@ -28,8 +28,7 @@ pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
     let progress = ProgressLine::start_search(!quiet);
     let mut layout = remarks::read_layout(path, remarks::OF_COMPARISONS, quiet, &progress)?;
     args.preset.apply(&mut layout);
-    let show = |stage: Stage| progress.show(stage);
-    let scene = SampledScene::new(path, &layout, &show, &remarks::teller(quiet, &progress))?;
+    let scene = SampledScene::new(path, &layout, &progress, &remarks::teller(quiet, &progress))?;
     let tolerance = layout.tolerance.as_ref();
     let total = args.samples.or(tolerance.map(|t| t.samples)).unwrap_or(1);
     let seed = args.seed.or(tolerance.map(|t| t.seed)).unwrap_or(1);
@@ -102,8 +101,7 @@ fn merge(args: &MergeArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start(!quiet);
     let mut layout = remarks::read_layout(&args.layout, remarks::OF_COMPARISONS, quiet, &progress)?;
     args.preset.apply(&mut layout);
-    let show = |stage: Stage| progress.show(stage);
-    let scene = SampledScene::new(&args.layout, &layout, &show, &remarks::teller(quiet, &progress))?;
+    let scene = SampledScene::new(&args.layout, &layout, &progress, &remarks::teller(quiet, &progress))?;
     let inputs: Vec<PathBuf> = args.parts.iter().chain([&args.layout]).cloned().collect();
     let outputs = Outputs::open(&args.result, &inputs)?;
     let sorting = args.sorting.sorting()?;

@@ -74,9 +74,9 @@ fn decouple_states_what_recoil_changes_and_how_well_it_is_known() {
     let recoil = &with["recoil"];
     let figures = |of: &str, key: &str| number(&recoil["figures"][of][key]);
     // The figures are those of the whole command: the volume has few points.
-    assert!((figures("with", "amplitude") - number(&with["comparison"]["amplitude"])).abs() < 1e-12, "{recoil}");
+    assert!((figures("with_recoil", "amplitude") - number(&with["comparison"]["amplitude"])).abs() < 1e-12, "{recoil}");
     assert!((figures("without", "amplitude") - number(&rigid["comparison"]["amplitude"])).abs() < 1e-12, "{recoil}");
-    let change = figures("with", "amplitude") / figures("without", "amplitude") - 1.0;
+    let change = figures("with_recoil", "amplitude") / figures("without", "amplitude") - 1.0;
     assert!(change < -0.02 && change > -0.1, "{change}");
     assert!(figures("errors", "amplitude") < 0.3 * change.abs(), "{recoil}");
     assert!(number(&recoil["error_t"]) <= 0.3 * 1.5 * number(&recoil["change_t"]), "{recoil}");
@@ -103,12 +103,12 @@ fn plan_and_check_estimate_what_recoil_changes() {
     let estimates_of_film = stated["recoil_estimates"].as_array().expect("a list");
     assert_eq!(estimates_of_film.len(), 1);
     assert!(estimates_of_film[0]["recoil_permeability"].is_null());
-    assert_eq!(estimates_of_film[0]["with"], estimates[1]["with"]);
+    assert_eq!(estimates_of_film[0]["with_recoil"], estimates[1]["with_recoil"]);
     let computed = json(&sandbox, &["decouple", "film.toml", "--format", "json"]);
     let change = |with: &Value, without: &Value| number(&with["amplitude"]) - number(&without["amplitude"]);
-    let estimated = change(&estimates[1]["with"], &estimates[1]["without"]);
+    let estimated = change(&estimates[1]["with_recoil"], &estimates[1]["without"]);
     let figures = &computed["recoil"]["figures"];
-    let computed = change(&figures["with"], &figures["without"]);
+    let computed = change(&figures["with_recoil"], &figures["without"]);
     assert!((estimated / computed - 1.0).abs() < 0.5, "{estimated} {computed}");
 
     sandbox.write("expected.toml", &film("[expect]\namplitude = { min = 0.1 }\n"));

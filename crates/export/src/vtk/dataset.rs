@@ -4,7 +4,7 @@
 
 use std::io::{self, Write};
 
-use crate::table::{Metadata, MetadataValue};
+use magsplice::results::{Metadata, MetadataValue};
 
 /// A dataset with one piece.
 pub(super) struct VtkDataset<'a> {

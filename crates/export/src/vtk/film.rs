@@ -6,7 +6,7 @@ use magsplice_layout::Layout;
 
 use super::dataset::{ArrayValues, VtkArray, VtkDataset};
 use crate::cuboid_faces::{FACES, corner_mm};
-use crate::table::Metadata;
+use magsplice::results::Metadata;
 
 /// Writes the faces of all tiles as poly data (`.vtp`), in millimetres.
 ///

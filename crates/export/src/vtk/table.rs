@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use magsplice_magnet::Grid;
 
 use super::dataset::{ArrayValues, VtkArray, VtkDataset};
-use crate::table::{ColumnQuantity, Points, Rows, Table};
+use magsplice::results::{ColumnQuantity, Points, Rows, Table};
 
 /// Writes a table: a grid as image data (`.vti`), scattered points as vertices of poly data
 /// (`.vtp`). Lengths are in millimetres.

@@ -131,13 +131,28 @@ class CheckedFilm(LayoutFilm):
                 held = _baseline(Path(self._folder or ".") / name)
             except (OSError, ValueError) as error:
                 fault = f"cannot read the baseline: {error}"
-        outcomes = [Outcome(**numbers) for numbers in _magsplice.check(self._core, held)]
+        outcomes = [_outcome(numbers) for numbers in _magsplice.check(self._core, held)]
         if fault is not None:
             outcomes = [
                 replace(found, error=fault) if found.expectation == "field" else found
                 for found in outcomes
             ]
         return Check(outcomes)
+
+
+def _outcome(numbers: dict[str, Any]) -> Outcome:
+    percentile = numbers.get("percentile")
+    return Outcome(
+        expectation=numbers["expectation"],
+        error=numbers["error"],
+        value=numbers["value"],
+        at_most=numbers.get("at_most"),
+        at_least=numbers.get("at_least"),
+        margin=numbers["margin"],
+        at_mm=numbers.get("at_mm"),
+        tile=numbers.get("tile"),
+        percentile=None if percentile is None else tuple(percentile.values()),
+    )
 
 
 def _baseline(path: Path) -> tuple[Floats, Floats]:

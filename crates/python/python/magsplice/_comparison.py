@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from magsplice import _magsplice
 from magsplice._arrow import Column, Table, split
 from magsplice._datasets import coordinates
-from magsplice._field import FieldFilm, flattened
+from magsplice._field import FieldFilm, flattened, tolerance
 from magsplice._layout import Floats, Grid, PerParameter, Vector
 from magsplice._numbers import Numbers
 
@@ -214,8 +214,8 @@ class ComparedFilm(FieldFilm):
         MagspliceError
             If the layout has no ideal film, or points are not below the film.
         """
-        field_t, flat, _ = self._evaluated(points, within, within_t)
-        return Comparison(**_magsplice.compare(self._core, field_t, flat))
+        flat = None if points is None else flattened(points)[0]
+        return Comparison(**_magsplice.compare(self._core, flat, tolerance(within, within_t)))
 
     def decouple(
         self,
@@ -243,30 +243,24 @@ class ComparedFilm(FieldFilm):
         MagspliceError
             If the layout has no ideal film or no working volume, or the parameters do not exist.
         """
-        field_t, flat, shape = self._evaluated(points, within, within_t)
-        numbers = _magsplice.decouple(self._core, field_t, flat)
-        where = self.grid if flat is None else flat.reshape(*shape, 3)
-        assert where is not None
-        assert self.reference_mm is not None
-        return Decoupling(
-            where=where,
-            field_t=field_t.reshape(*shape, 3),
-            parameters=numbers["parameters"].reshape(*shape, 3),
-            at_reference=numbers["at_reference"],
-            reference_mm=self.reference_mm,
-            singular_mm=numbers["singular_mm"],
-            uniformity_rmse=numbers["uniformity_rmse"],
-            ideal_rmse=numbers["ideal_rmse"],
-            displacement_rmse_mm=numbers["displacement_rmse_mm"],
-            wavenumber_per_mm=numbers["wavenumber_per_mm"],
-        )
-
-    def _evaluated(
-        self, points: ArrayLike | None, within: float | None, within_t: float | None
-    ) -> tuple[Floats, Floats | None, tuple[int, ...]]:
-        """B as rows, the points as rows unless they are the grid's, and the shape of the points."""
         if points is None:
             grid = self._required_grid()
-            return self.b(grid, within=within, within_t=within_t).reshape(-1, 3), None, grid.counts
-        flat, shape = flattened(points)
-        return self.b(flat, within=within, within_t=within_t), flat, shape
+            flat, shape, where = None, grid.counts, grid
+        else:
+            flat, shape = flattened(points)
+            where = flat.reshape(*shape, 3)
+        numbers = _magsplice.decouple(self._core, flat, tolerance(within, within_t))
+        uniformity = numbers.get("uniformity_rmse")
+        singular = np.array(numbers["singular_points_mm"], dtype=float)
+        return Decoupling(
+            where=where,
+            field_t=numbers["field_t"].reshape(*shape, 3),
+            parameters=numbers["parameters"].reshape(*shape, 3),
+            at_reference=tuple(numbers["at_reference"].values()),
+            reference_mm=numbers["reference_mm"],
+            singular_mm=singular.reshape(-1, 3),
+            uniformity_rmse=None if uniformity is None else tuple(uniformity.values()),
+            ideal_rmse=tuple(numbers["ideal_rmse"].values()),
+            displacement_rmse_mm=tuple(numbers["displacement_rmse_mm"].values()),
+            wavenumber_per_mm=numbers["wavenumber_per_mm"],
+        )

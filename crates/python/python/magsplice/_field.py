@@ -19,6 +19,15 @@ if TYPE_CHECKING:
 Invalid = Literal["raise", "nan"]
 
 
+def tolerance(within: float | None, within_t: float | None) -> tuple[bool, float] | None:
+    """Whether a tolerance is a fraction, and its value; None without one."""
+    if within is not None and within_t is not None:
+        raise ValueError("within and within_t are both given: give one of them")
+    if within is not None:
+        return (True, float(within))
+    return None if within_t is None else (False, float(within_t))
+
+
 def flattened(points: ArrayLike) -> tuple[Floats, tuple[int, ...]]:
     """Points as contiguous rows, and the leading shape. Contiguous doubles are not copied."""
     array: NDArray[np.float64] = np.ascontiguousarray(points, dtype=np.float64)
@@ -207,23 +216,17 @@ class FieldFilm(LayoutFilm):
         invalid: Invalid,
     ) -> Floats:
         """Field at points or on a grid."""
-        if within is not None and within_t is not None:
-            raise ValueError("within and within_t are both given: give one of them")
+        within_one = tolerance(within, within_t)
         if invalid not in ("raise", "nan"):
             raise ValueError(f'invalid = {invalid!r}, must be "raise" or "nan"')
-        tolerance = None
-        if within is not None:
-            tolerance = (True, float(within))
-        elif within_t is not None:
-            tolerance = (False, float(within_t))
         if isinstance(points, Grid):
             shape: tuple[int, ...] = points.counts
             values, error = self._core.scene.field_on_grid(
-                quantity, points.lower_mm, points.upper_mm, points.counts, tolerance
+                quantity, points.lower_mm, points.upper_mm, points.counts, within_one
             )
         else:
             flat, shape = flattened(points)
-            values, error = self._core.scene.field(quantity, flat, tolerance)
+            values, error = self._core.scene.field(quantity, flat, within_one)
         if error is not None and invalid == "raise":
             raise error
         return values.reshape(*shape, 3)

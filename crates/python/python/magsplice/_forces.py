@@ -168,22 +168,37 @@ class LaidFilm(LayoutFilm):
         seed = whole("seed", seed, 0)
         names = self.tiles.names
         steps = None if order is None or order == "least" else _steps(order, names)
-        pairs = _magsplice.Forces(self._core, turned_error)
-        force_n, torque_n_mm = pairs.by_all()
+        found = _magsplice.forces(
+            self._core, turned_error, steps, seed if order == "least" else None
+        )
         laying = None
         if order is not None:
-            numbers = pairs.least_order(seed) if steps is None else pairs.order(steps)
+            laid = found["order"]
             laying = LayingOrder(
-                [names[tile] for tile in numbers["tiles"]],
-                *numbers["loads"],
-                numbers["holding_n"],
-                numbers["given_holding_n"],
-                numbers["bound_n"],
-                numbers["greedy_holding_n"],
+                *_loads(laid["steps"]),
+                laid["holding_n"],
+                laid["given_holding_n"],
+                laid.get("bound_n"),
+                laid.get("greedy_holding_n"),
             )
-        about_origin = torque_n_mm + np.cross(self.tiles.position_mm, force_n)
-        sums = (_sum(force_n), _sum(about_origin))
-        return Forces(names, force_n, torque_n_mm, *sums, laying, *(pairs.recoil or (None, None)))
+        recoil = found.get("recoil", {"change_n": None, "error_n": None})
+        return Forces(
+            *_loads(found["tiles"]),
+            found["sum"]["force_n"],
+            found["sum"]["torque_n_mm"],
+            laying,
+            recoil["change_n"],
+            recoil["error_n"],
+        )
+
+
+def _loads(tiles: list[dict[str, Any]]) -> tuple[list[str], Floats, Floats]:
+    """Names, forces and torques of tiles."""
+    force_n, torque_n_mm = (
+        np.array([tile[key] for tile in tiles], dtype=float).reshape(-1, 3)
+        for key in ("force_n", "torque_n_mm")
+    )
+    return [tile["name"] for tile in tiles], force_n, torque_n_mm
 
 
 def _steps(order: str | Sequence[str], names: list[str]) -> list[int]:
@@ -202,8 +217,3 @@ def _steps(order: str | Sequence[str], names: list[str]) -> list[int]:
     if len(laid) < len(names):
         raise ValueError(f"order: has {len(laid)} tiles, must have all {len(names)}")
     return [index[name] for name in laid]
-
-
-def _sum(vectors: Floats) -> Vector:
-    x, y, z = vectors.sum(axis=0).tolist()
-    return (x, y, z)

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Film",
-    "Forces",
     "Scene",
     "__version__",
     "assign",
@@ -21,6 +20,7 @@ __all__ = [
     "decouple",
     "design",
     "diagnose",
+    "forces",
     "layout_svg",
     "nominal",
     "read",
@@ -42,8 +42,6 @@ _PerParameter = tuple[float | None, float | None, float | None]
 _Within = tuple[bool, float] | None
 _Quantity = Literal["b", "h", "j"]
 _Errors = tuple[_Floats, _Floats, _Floats]
-_Loads = tuple[_Floats, _Floats]
-_Figures = tuple[float, _PerParameter, _Vector]
 
 @final
 class Scene:
@@ -104,34 +102,6 @@ class Film:
     def to_json(self) -> str: ...
     def to_toml(self, compact: bool) -> str: ...
 
-@final
-class Forces:
-    def __new__(cls, film: Film, turned_error: float) -> Forces: ...
-    @property
-    def recoil(self) -> tuple[float, float] | None: ...
-    def by_all(self) -> _Loads: ...
-    def order(self, tiles: list[int]) -> _Order: ...
-    def least_order(self, seed: int) -> _Order: ...
-
-class _Order(TypedDict):
-    tiles: list[int]
-    loads: _Loads
-    holding_n: float
-    given_holding_n: float
-    bound_n: float | None
-    greedy_holding_n: float | None
-
-class _Outcome(TypedDict):
-    expectation: str
-    error: str | None
-    value: float | None
-    at_most: float | None
-    at_least: float | None
-    margin: float | None
-    at_mm: _Vector | None
-    tile: str | None
-    percentile: tuple[float, float, int] | None
-
 class _Budget(TypedDict):
     first_order: bool
     parts: list[tuple[str, _Vector]]
@@ -163,39 +133,6 @@ class _Diagnosis(TypedDict):
     rotation_rad: _Vector
     start_mm: _Vector
     errors: _Floats
-
-class _Recoil(TypedDict):
-    cells: int
-    level: int
-    change_t: float
-    error_t: float
-    without: _Figures | None
-    with_recoil: _Figures | None
-    errors: _Figures | None
-    share_beyond_knee: float | None
-    weakening: _Floats
-    angle_deg: _Floats
-    mean_polarization_t: _Floats
-
-class _Comparison(TypedDict):
-    points: int
-    component_rmse_t: _Vector
-    rmse_t: float
-    relative_rmse: float
-    worst_t: float
-    worst_at_mm: _Vector
-    amplitude: float
-    scaled_relative_rmse: float | None
-    correlation: tuple[float | None, float | None, float | None]
-
-class _Decoupling(TypedDict):
-    parameters: _Floats
-    at_reference: _Vector
-    singular_mm: _Floats
-    uniformity_rmse: _PerParameter | None
-    ideal_rmse: _Vector
-    displacement_rmse_mm: _Vector
-    wavenumber_per_mm: float
 
 class _Statistics(TypedDict):
     count: int
@@ -263,7 +200,9 @@ def assign(
     errors: tuple[float, float, float | None] | None,
 ) -> _Assignment: ...
 def baseline_file(film: Film) -> Path | None: ...
-def check(film: Film, baseline: tuple[_Floats, _Floats] | None = None) -> list[_Outcome]: ...
+def check(
+    film: Film, baseline: tuple[_Floats, _Floats] | None = None
+) -> list[dict[str, Any]]: ...
 def budget(film: Film, preset: str | None, seed: int, samples: int) -> _Budget: ...
 def diagnose(
     film: Film,
@@ -275,10 +214,17 @@ def diagnose(
     free: list[bool],
     false_alarm: float,
 ) -> _Diagnosis: ...
-def recoil(film: Film) -> _Recoil | None: ...
-def recoil_estimate(film: Film, mu_r: float) -> tuple[float | None, _Figures, _Figures] | None: ...
-def compare(film: Film, field_t: _Floats, points: _Floats | None = None) -> _Comparison: ...
-def decouple(film: Film, field_t: _Floats, points: _Floats | None = None) -> _Decoupling: ...
+def recoil(film: Film) -> dict[str, Any] | None: ...
+def recoil_estimate(film: Film, mu_r: float) -> dict[str, Any] | None: ...
+def compare(
+    film: Film, points: _Floats | None = None, within: _Within = None
+) -> dict[str, Any]: ...
+def decouple(
+    film: Film, points: _Floats | None = None, within: _Within = None
+) -> dict[str, Any]: ...
+def forces(
+    film: Film, turned_error: float, order: list[int] | None = None, seed: int | None = None
+) -> dict[str, Any]: ...
 def samples(
     film: Film,
     preset: str | None,
@@ -301,10 +247,10 @@ def read(
 def resolution(film: Film, points: _Floats, noise_t: _Vector | None = None) -> _Floats | None: ...
 def report(
     film: Film,
-    field_t: _Floats | None,
     text: str,
     json: str,
     outlines: bool = False,
+    within: _Within = None,
 ) -> tuple[list[tuple[str, str, str, bytes, str]], str, list[str]]: ...
 def view(film: Film) -> str: ...
 def layout_svg(film: Film) -> str: ...

@@ -155,14 +155,15 @@ class RecoilFilm(LayoutFilm):
         for key in ("weakening", "angle_deg", "mean_polarization_t"):
             # The result is kept.
             numbers[key].flags.writeable = False
+        figures = numbers.get("figures", {})
         return Recoil(
             cells=numbers["cells"],
             level=numbers["level"],
             change_t=numbers["change_t"],
             error_t=numbers["error_t"],
-            without=_figures(numbers["without"]),
-            with_recoil=_figures(numbers["with_recoil"]),
-            errors=_figures(numbers["errors"]),
+            without=_figures(figures.get("without")),
+            with_recoil=_figures(figures.get("with_recoil")),
+            errors=_figures(figures.get("errors")),
             share_beyond_knee=numbers["share_beyond_knee"],
             names=self.tiles.names,
             weakening=numbers["weakening"],
@@ -194,9 +195,15 @@ class RecoilFilm(LayoutFilm):
         found = _magsplice.recoil_estimate(self._core, mu_r)
         if found is None:
             return None
-        permeability, without, with_recoil = found
-        return RecoilEstimate(permeability, FilmFigures(*without), FilmFigures(*with_recoil))
+        without, with_recoil = _figures(found["without"]), _figures(found["with_recoil"])
+        assert without is not None and with_recoil is not None
+        return RecoilEstimate(found["recoil_permeability"], without, with_recoil)
 
 
-def _figures(numbers: tuple[float, PerParameter, Vector] | None) -> FilmFigures | None:
-    return None if numbers is None else FilmFigures(*numbers)
+def _figures(numbers: dict[str, Any] | None) -> FilmFigures | None:
+    if numbers is None:
+        return None
+    uniformity, displacement = (
+        tuple(numbers[key].values()) for key in ("uniformity_rmse", "displacement_rmse_mm")
+    )
+    return FilmFigures(numbers["amplitude"], uniformity, displacement)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from magsplice import _html, _magsplice
 from magsplice._comparison import ComparedFilm
+from magsplice._field import tolerance
 
 if TYPE_CHECKING:
     import os
@@ -132,17 +133,16 @@ class DrawnFilm(ComparedFilm):
         Report
             ``report.save("folder")`` writes the files; a notebook shows the page.
         """
-        field_t = None
         text, numbers = "", "{}"
-        if self.grid is not None:
-            field_t = self.b(self.grid, within=within).reshape(-1, 3)
-            if self.ideal is not None:
-                comparison, decoupling = self.compare(within=within), self.decouple(within=within)
-                text = f"{comparison}\n\n{decoupling}\n"
-                numbers = json.dumps(
-                    {"comparison": comparison.to_dict(), "decoupling": decoupling.to_dict()}
-                )
-        figures, html, absent = _magsplice.report(self._core, field_t, text, numbers, outlines)
+        if self.grid is not None and self.ideal is not None:
+            comparison, decoupling = self.compare(within=within), self.decouple(within=within)
+            text = f"{comparison}\n\n{decoupling}\n"
+            numbers = json.dumps(
+                {"comparison": comparison.to_dict(), "decoupling": decoupling.to_dict()}
+            )
+        figures, html, absent = _magsplice.report(
+            self._core, text, numbers, outlines, tolerance(within, None)
+        )
         return Report(figures, html, absent)
 
     def view(self, height_px: int = _VIEW_PX) -> Page:

@@ -1,0 +1,131 @@
+//! A layout file at work: its layout, the progress line, the film, and failures.
+
+use std::iter;
+use std::path::Path;
+use std::sync::Arc;
+
+use magsplice::layout::{FindingSubject, Layout};
+use magsplice::{Film, FilmError};
+
+use crate::failure::{self, Failure};
+use crate::inputs::points;
+use crate::output::destination::{self, Output};
+#[cfg(feature = "report")]
+use crate::output::figure_file::{self, FigureFile};
+use crate::prepared_film::tell_of_knee;
+use crate::progress::ProgressLine;
+use crate::remarks;
+use crate::words::{film_failure, no_film};
+
+/// A layout file with which a verb works.
+pub(crate) struct Session<'p> {
+    pub(crate) path: &'p Path,
+    pub(crate) layout: Arc<Layout>,
+    pub(crate) progress: Arc<ProgressLine>,
+    subjects: &'static [FindingSubject],
+    quiet: bool,
+}
+
+impl<'p> Session<'p> {
+    /// Reads a layout. Its findings about `subjects` are printed unless `quiet`.
+    pub(crate) fn open(
+        path: &'p Path,
+        subjects: &'static [FindingSubject],
+        quiet: bool,
+    ) -> Result<Session<'p>, Failure> {
+        Session::begin(path, subjects, quiet, ProgressLine::start(!quiet))
+    }
+
+    /// The same for a verb with points: no progress line appears between points that a person
+    /// types.
+    pub(crate) fn open_with_points(
+        path: &'p Path,
+        points: Option<&Path>,
+        subjects: &'static [FindingSubject],
+        quiet: bool,
+    ) -> Result<Session<'p>, Failure> {
+        Session::begin(path, subjects, quiet, ProgressLine::start(!quiet && !points::are_typed(points)))
+    }
+
+    /// The same with a progress line that has begun.
+    pub(crate) fn begin(
+        path: &'p Path,
+        subjects: &'static [FindingSubject],
+        quiet: bool,
+        progress: Arc<ProgressLine>,
+    ) -> Result<Session<'p>, Failure> {
+        let layout = Arc::new(remarks::read_layout(path, subjects, quiet, &progress)?);
+        Ok(Session { path, layout, progress, subjects, quiet })
+    }
+
+    /// The film, with the polarization of its tiles solved if they have a recoil permeability.
+    /// Warns of cells beyond the knee of the material.
+    pub(crate) fn film(&self) -> Result<Film, Failure> {
+        let film = Film::with_progress(self.layout.clone(), self.progress.clone());
+        let film = film.map_err(|error| self.failed(error))?;
+        tell_of_knee(self.path, &film, &|remark| self.tell(remark));
+        Ok(film)
+    }
+
+    /// Refuses a layout without an ideal film, or if it is needed, without a working volume.
+    /// `purpose` is what `verb` is for.
+    pub(crate) fn require_film(&self, needs_volume: bool, verb: &str, purpose: &str) -> Result<(), Failure> {
+        let missing = match (&self.layout.ideal, &self.layout.volume) {
+            (None, _) => "ideal",
+            (_, None) if needs_volume => "volume",
+            _ => return Ok(()),
+        };
+        Err(no_film(self.path, FilmError::Missing(missing), verb, purpose))
+    }
+
+    /// The failure of the film: points without a field one by one, with the names of tiles.
+    pub(crate) fn failed(&self, error: FilmError) -> Failure {
+        film_failure(self.path, &self.layout, error)
+    }
+
+    /// Prints a remark on standard error, unless remarks are unwanted.
+    pub(crate) fn tell(&self, remark: &str) {
+        if !self.quiet {
+            self.progress.suspend(|| failure::tell(&remark));
+        }
+    }
+
+    /// Opens the destination of a result, which must not replace the layout or another input.
+    pub(crate) fn output<'a>(
+        &'a self,
+        path: Option<&Path>,
+        inputs: impl IntoIterator<Item = &'a Path>,
+    ) -> Result<Output, Failure> {
+        let inputs: Vec<&Path> = iter::once(self.path).chain(inputs).collect();
+        Output::open(path, &inputs)
+    }
+
+    /// Opens the file of a figure in the same way.
+    #[cfg(feature = "report")]
+    pub(crate) fn figure<'a>(
+        &'a self,
+        path: Option<&Path>,
+        inputs: impl IntoIterator<Item = &'a Path>,
+    ) -> Result<Option<FigureFile>, Failure> {
+        let inputs: Vec<&Path> = iter::once(self.path).chain(inputs).collect();
+        figure_file::open(path, &inputs)
+    }
+
+    /// Prints a text on standard output. The work is done.
+    pub(crate) fn print(&self, text: &str) -> Result<(), Failure> {
+        self.progress.end();
+        destination::print(text)
+    }
+
+    /// Writes a text to its destination. The work is done.
+    pub(crate) fn write(&self, mut output: Output, text: &str) -> Result<(), Failure> {
+        self.progress.end();
+        output.write(|w| w.write_all(text.as_bytes()))?;
+        output.finish()
+    }
+
+    /// Prints the number of the findings that were printed before a long result.
+    pub(crate) fn recall(&self) {
+        remarks::recall(&self.layout, self.subjects, self.quiet);
+    }
+}

@@ -1,0 +1,155 @@
+//! The drawing of a report: figures and a page of one film, or of two side by side.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use magsplice::layout::Layout;
+use magsplice::magnet::Accuracy;
+use magsplice::results::{FilmEvaluation, Source};
+use magsplice::{Film, FilmError};
+use magsplice_report::{FilmSamples, PairReport, PrintedResults, Report, ReportError, SvgText};
+
+use super::pair;
+use crate::failure::Failure;
+use crate::output::folder::Folder;
+use crate::output::json;
+use crate::remarks;
+use crate::sampling::run::SamplingRun;
+use crate::sampling::sampled_film::SampledFilm;
+use crate::sampling::scene::SampledScene;
+use crate::sampling::source::SampleSource;
+use crate::sensor::film_resolution::FilmResolution;
+use crate::session::Session;
+use crate::text;
+use crate::text::number::counted;
+use crate::verbs::decouple;
+
+/// How a report is drawn.
+pub(super) struct Drawing<'a> {
+    pub(super) output: &'a Path,
+    pub(super) text: SvgText,
+    pub(super) accuracy: Accuracy,
+    pub(super) quiet: bool,
+}
+
+impl Drawing<'_> {
+    /// Draws the report of one layout, or of two.
+    pub(super) fn draw(&self, layouts: &[PathBuf]) -> Result<(), Failure> {
+        match layouts {
+            [first, second] => self.draw_pair([first, second]),
+            layouts => self.draw_one(layouts.first().map_or(Path::new(""), |layout| layout)),
+        }
+    }
+
+    fn draw_one(&self, path: &Path) -> Result<(), Failure> {
+        let session = Session::open(path, remarks::OF_COMPARISONS, self.quiet)?;
+        let film = session.film()?.with_accuracy(self.accuracy);
+        // A folder that cannot be written is refused before the field is computed.
+        let folder = Folder::open(self.output, "report", &[path])?;
+        let (mut text, json) = numbers(&film).map_err(|error| session.failed(error))?;
+        let samples = samples(&session, &mut text)?;
+        of_sensor(&film, &mut text).map_err(|error| session.failed(error))?;
+        let results = PrintedResults { text: &text, json: &json };
+        let report = Report::new(&film, samples, results, self.text).map_err(|error| failure(&session, error))?;
+        written(folder, report.files())?;
+        let page = self.output.join("report.html");
+        let mut said = format!(
+            "{}: {}, each also as SVG, PNG and CSV\n",
+            page.display(),
+            counted(report.figures.len(), "figure", "figures")
+        );
+        for absent in &report.absent {
+            let _ = writeln!(said, "absent: {absent}");
+        }
+        session.print(&said)
+    }
+
+    fn draw_pair(&self, paths: [&Path; 2]) -> Result<(), Failure> {
+        let first = Session::open(paths[0], remarks::OF_COMPARISONS, self.quiet)?;
+        let progress = first.progress.clone();
+        let sessions = [first, Session::begin(paths[1], remarks::OF_COMPARISONS, self.quiet, progress)?];
+        let film = |session: &Session| Ok::<Film, Failure>(session.film()?.with_accuracy(self.accuracy));
+        let films = [film(&sessions[0])?, film(&sessions[1])?];
+        let folder = Folder::open(self.output, "report", &paths)?;
+        let evaluated = |index: usize| evaluated(&films[index]).map_err(|error| sessions[index].failed(error));
+        let numbers = pair::numbers(&films, &[evaluated(0)?, evaluated(1)?]);
+        let labels = paths.map(|path| path.display().to_string());
+        let labels = [labels[0].as_str(), labels[1].as_str()];
+        let report = PairReport::new([&films[0], &films[1]], labels, &numbers, self.text);
+        let report = report.map_err(|error| failure(&sessions[0], error))?;
+        written(folder, report.files())?;
+        let page = self.output.join("report.html");
+        let [first, second] = report.figures.each_ref().map(Vec::len);
+        let mut said = format!(
+            "{}: {first} and {} side by side, each also as SVG, PNG and CSV\n",
+            page.display(),
+            counted(second, "figure", "figures")
+        );
+        for (label, absent) in labels.iter().zip(&report.absent) {
+            for absent in absent {
+                let _ = writeln!(said, "{label}: absent: {absent}");
+            }
+        }
+        sessions[0].print(&said)
+    }
+}
+
+/// Samples of the films that are made, if the layout states their errors. Appends their statistics
+/// to `text`.
+fn samples(session: &Session, text: &mut String) -> Result<Option<FilmSamples>, Failure> {
+    let layout = &*session.layout;
+    let Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } = layout else { return Ok(None) };
+    // What there is to say of the film has been said.
+    let scene = SampledScene::new(session.path, layout, &session.progress, &|_| {})?;
+    let source = SampleSource::new(layout, None, tolerance.seed, 0, tolerance.samples);
+    let sampler = scene.sampler(source.seed)?;
+    let mut errors = Vec::new();
+    let errors_of =
+        |samples| sampler.errors_of_range(samples).map_err(|(sample, error)| scene.sample_failure(sample, &error));
+    let run = SamplingRun { errors_of: &errors_of, source: &source };
+    run.extend(&mut errors, |_| Ok(()), &session.progress, None)?;
+    let film = SampledFilm::new(&scene, source, &errors)?;
+    let _ = write!(text, "\nfilms that are made: {}", text::tolerance::samples(&film));
+    Ok(Some(FilmSamples { nominal: film.nominal, errors }))
+}
+
+/// Appends the resolution of the sensor to `text`, if the layout states one with noise.
+fn of_sensor(film: &Film, text: &mut String) -> Result<(), FilmError> {
+    let (Ok(volume), Some(_)) = (film.volume(), &film.layout().sensor) else { return Ok(()) };
+    if let Some(resolution) = FilmResolution::new(film, volume, None)? {
+        let _ = write!(text, "\nsensor: {}", text::resolution::resolution(&resolution));
+    }
+    Ok(())
+}
+
+/// Writes all files and lets the folder appear.
+fn written(mut folder: Folder, files: Vec<(String, &[u8])>) -> Result<(), Failure> {
+    for (name, contents) in files {
+        folder.write(&name, contents)?;
+    }
+    folder.finish()
+}
+
+fn failure(session: &Session, error: ReportError) -> Failure {
+    match error {
+        ReportError::Film(error) => session.failed(error),
+        error => Failure::Report { layout: session.path.to_owned(), message: error.to_string() },
+    }
+}
+
+/// The film evaluated; `None` if its layout has no working volume or no ideal film.
+fn evaluated(film: &Film) -> Result<Option<FilmEvaluation>, FilmError> {
+    if film.ideal().is_ok() && film.volume().is_ok() { film.evaluate().map(Some) } else { Ok(None) }
+}
+
+/// The numbers of the page, as `decouple` prints them, as text and JSON: as many as the tables of
+/// the layout allow.
+fn numbers(film: &Film) -> Result<(String, String), FilmError> {
+    if let Some(found) = evaluated(film)? {
+        return Ok((decouple::text(&found), json::pretty(&found)));
+    }
+    let json = json::pretty(&Source::of(film));
+    let Ok(volume) = film.volume() else { return Ok((text::header::layout(film.layout()), json)) };
+    let field = decouple::field(film, film.reference_field_t()?, film.volume_field_t()?, "volume");
+    Ok((format!("{}\n{field}", text::header::film(film, volume)), json))
+}

@@ -1,0 +1,73 @@
+//! `magsplice report`: draws figures and a page, once or whenever a layout is saved.
+
+/// The drawing.
+mod draw;
+/// The numbers of two films side by side.
+mod pair;
+/// `--watch`: draws anew when a layout is saved.
+mod watch;
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use magsplice_report::SvgText;
+
+use crate::args::accuracy::AccuracyArgs;
+use crate::failure::Failure;
+
+/// Draw the film and its field: figures as SVG, PNG and CSV, and one page with all of them.
+///
+/// Draws the figures of Dai 2024 for any layout: the tiles from above, field vectors in three
+/// views, B beside the ideal film on planes, and the decoupling parameters through the working
+/// volume and along its axes. The page report.html needs no network and no other file; it has the
+/// numbers, a view of the tiles that turns, and maps that show the value under the pointer. The
+/// folder appears complete or not at all. An earlier report in it is replaced.
+///
+/// Two layouts give one page with the numbers of both films and their difference, and the figures
+/// side by side on the same scales.
+///
+/// With --watch the program stays, draws anew when a layout is saved, and prints the faults of a
+/// layout that is broken. The page does not reload by itself.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  magsplice report layouts/published-film.toml -o report\n  magsplice report before.toml after.toml -o comparison"
+)]
+pub(crate) struct ReportArgs {
+    /// Layout file, or two whose films are drawn side by side
+    #[arg(required = true, num_args = 1..=2, value_name = "LAYOUT")]
+    layouts: Vec<PathBuf>,
+    /// Folder to write: new, empty, or with an earlier report, which is replaced
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Draw anew whenever a layout is saved, until Ctrl-C
+    #[arg(long)]
+    watch: bool,
+    /// Text in the SVG files
+    #[arg(long, value_enum, default_value = "text")]
+    text: SvgTextArg,
+    #[command(flatten)]
+    accuracy: AccuracyArgs,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum SvgTextArg {
+    /// Text that can be searched and edited, in Roboto or a similar font
+    Text,
+    /// Outlines of Roboto, the same on every machine
+    Outlines,
+}
+
+impl From<SvgTextArg> for SvgText {
+    fn from(text: SvgTextArg) -> SvgText {
+        match text {
+            SvgTextArg::Text => SvgText::Text,
+            SvgTextArg::Outlines => SvgText::Outlines,
+        }
+    }
+}
+
+pub(crate) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
+    let drawing =
+        draw::Drawing { output: &args.output, text: args.text.into(), accuracy: args.accuracy.accuracy(), quiet };
+    if args.watch { watch::run(&args.layouts, &drawing) } else { drawing.draw(&args.layouts) }
+}

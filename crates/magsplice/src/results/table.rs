@@ -1,0 +1,328 @@
+//! A table of results, one row for each point or sample, from which every format is written.
+
+use std::fmt;
+
+use glam::DVec3;
+use magsplice_magnet::Grid;
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
+
+/// Names of the columns of the coordinates.
+const COORDINATES: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
+
+/// Rows, the quantities known in each of them, and metadata.
+///
+/// Serialized, a table is a map from the name of each column to the list of its numbers.
+///
+/// # Example
+///
+/// ```
+/// use glam::DVec3;
+/// use magsplice::results::{ColumnQuantity, Metadata, Points, Table};
+///
+/// let points = Points::Scattered(vec![DVec3::new(0.0, 0.0, -3.0), DVec3::new(0.5, 0.0, -3.0)]);
+/// let flux_density = ColumnQuantity {
+///     name: "b_t",
+///     components: &["bx_t", "by_t", "bz_t"],
+///     values: vec![0.0, 0.0, 0.008, 0.001, 0.0, 0.007],
+/// };
+/// let table = Table::new(points, vec![flux_density], Metadata::new())?;
+///
+/// let names: Vec<&str> = table.columns().iter().map(|column| column.name).collect();
+/// assert_eq!(names, ["x_mm", "y_mm", "z_mm", "bx_t", "by_t", "bz_t"]);
+/// assert_eq!(table.columns()[5].get(1), 0.007);
+/// # Ok::<(), magsplice::results::TableError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    rows: Rows,
+    quantities: Vec<ColumnQuantity>,
+    metadata: Metadata,
+}
+
+/// What the rows of a table belong to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Rows {
+    /// Points. Their coordinates are the first columns.
+    Points(Points),
+    /// Things with consecutive numbers, which are the first column.
+    Numbered {
+        /// Name of that column.
+        name: &'static str,
+        /// Number of the first row.
+        first: u64,
+        /// Number of rows.
+        count: usize,
+    },
+}
+
+/// The points of a table in the order of its rows, in millimetres.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Points {
+    /// A regular grid. z varies fastest from row to row.
+    Grid(Grid),
+    /// Any points.
+    Scattered(Vec<DVec3>),
+}
+
+/// A scalar, a vector or a tensor in every row of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColumnQuantity {
+    /// Name of the quantity with its unit, such as `b_t`. Formats with vectors use it.
+    pub name: &'static str,
+    /// Names of the columns, one per component, such as `bx_t`.
+    pub components: &'static [&'static str],
+    /// All components of the first row, then of the second, and so on.
+    pub values: Vec<f64>,
+}
+
+/// Source and maker of a table: names and values.
+pub type Metadata = Vec<(&'static str, MetadataValue)>;
+
+/// A value of the metadata.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MetadataValue {
+    /// Text.
+    Text(String),
+    /// A count.
+    Count(usize),
+    /// A list of numbers.
+    Numbers(Vec<f64>),
+}
+
+/// A column of a table: one number per row.
+#[derive(Clone, Copy)]
+pub struct TableColumn<'a> {
+    /// Name with its unit.
+    pub name: &'static str,
+    source: ColumnSource<'a>,
+    rows: usize,
+}
+
+#[derive(Clone, Copy)]
+enum ColumnSource<'a> {
+    Coordinate { points: &'a Points, axis: usize },
+    Number { first: u64 },
+    Component { values: &'a [f64], first: usize, step: usize },
+}
+
+/// Why a table cannot be built.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum TableError {
+    /// A quantity does not have one value per component and point.
+    Length {
+        /// Name of the quantity.
+        quantity: &'static str,
+        /// Number of its values.
+        values: usize,
+        /// Number of its components.
+        components: usize,
+        /// Number of rows of the table.
+        rows: usize,
+    },
+}
+
+impl Points {
+    /// The number of points.
+    pub fn len(&self) -> usize {
+        match self {
+            Points::Grid(grid) => grid.len(),
+            Points::Scattered(points) => points.len(),
+        }
+    }
+
+    /// Whether there are no points.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The point of a row, in millimetres.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn get(&self, row: usize) -> DVec3 {
+        match self {
+            Points::Grid(grid) => grid.point(row),
+            Points::Scattered(points) => points[row],
+        }
+    }
+
+    /// The shape of an array with one entry per point: the counts along x, y, z of a grid, or the
+    /// number of scattered points.
+    pub fn shape(&self) -> Vec<usize> {
+        match self {
+            Points::Grid(grid) => grid.counts().to_vec(),
+            Points::Scattered(points) => vec![points.len()],
+        }
+    }
+}
+
+impl From<Points> for Rows {
+    fn from(points: Points) -> Rows {
+        Rows::Points(points)
+    }
+}
+
+impl Rows {
+    /// The number of rows.
+    pub fn len(&self) -> usize {
+        match self {
+            Rows::Points(points) => points.len(),
+            Rows::Numbered { count, .. } => *count,
+        }
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The shape of an array with one entry per row: see [`Points::shape`].
+    pub fn shape(&self) -> Vec<usize> {
+        match self {
+            Rows::Points(points) => points.shape(),
+            Rows::Numbered { count, .. } => vec![*count],
+        }
+    }
+}
+
+impl Table {
+    /// A table of these quantities in these rows.
+    ///
+    /// # Errors
+    /// [`TableError::Length`] if a quantity does not have one value per component and row.
+    pub fn new(
+        rows: impl Into<Rows>,
+        quantities: Vec<ColumnQuantity>,
+        metadata: Metadata,
+    ) -> Result<Table, TableError> {
+        let rows = rows.into();
+        for ColumnQuantity { name, components, values } in &quantities {
+            let (values, components, rows) = (values.len(), components.len(), rows.len());
+            if values != components * rows {
+                return Err(TableError::Length { quantity: name, values, components, rows });
+            }
+        }
+        Ok(Table { rows, quantities, metadata })
+    }
+
+    /// The rows.
+    pub fn rows(&self) -> &Rows {
+        &self.rows
+    }
+
+    /// The quantities.
+    pub fn quantities(&self) -> &[ColumnQuantity] {
+        &self.quantities
+    }
+
+    /// What the table was made from and by.
+    pub fn metadata(&self) -> &Metadata {
+        &self.metadata
+    }
+
+    /// All columns: the three coordinates or the number of the row, then the components of each
+    /// quantity.
+    pub fn columns(&self) -> Vec<TableColumn<'_>> {
+        let rows = self.rows.len();
+        let first: Vec<TableColumn> = match &self.rows {
+            Rows::Points(points) => {
+                let source = |axis| ColumnSource::Coordinate { points, axis };
+                (0..3).map(|axis| TableColumn { name: COORDINATES[axis], source: source(axis), rows }).collect()
+            }
+            Rows::Numbered { name, first, .. } => {
+                vec![TableColumn { name, source: ColumnSource::Number { first: *first }, rows }]
+            }
+        };
+        let components = self.quantities.iter().flat_map(|quantity| {
+            let (values, step) = (&quantity.values[..], quantity.components.len());
+            let column = move |(first, name): (usize, &&'static str)| TableColumn {
+                name,
+                source: ColumnSource::Component { values, first, step },
+                rows,
+            };
+            quantity.components.iter().enumerate().map(column)
+        });
+        first.into_iter().chain(components).collect()
+    }
+}
+
+impl TableColumn<'_> {
+    /// The number in a row.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn get(&self, row: usize) -> f64 {
+        match self.source {
+            ColumnSource::Coordinate { points, axis } => points.get(row)[axis],
+            ColumnSource::Number { first } => (first + row as u64) as f64,
+            ColumnSource::Component { values, first, step } => values[row * step + first],
+        }
+    }
+
+    /// The numbers of all rows in order.
+    pub fn values(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
+        (0..self.rows).map(|row| self.get(row))
+    }
+}
+
+impl Serialize for Table {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let columns = self.columns();
+        let mut map = serializer.serialize_map(Some(columns.len()))?;
+        for column in &columns {
+            map.serialize_entry(column.name, column)?;
+        }
+        map.end()
+    }
+}
+
+impl Serialize for TableColumn<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.values())
+    }
+}
+
+/// A result with its columns as lists, as JSON files have them.
+#[derive(Serialize)]
+pub struct Tabled<'a, T> {
+    #[serde(flatten)]
+    result: &'a T,
+    /// Shape of each column as an array: counts along x, y, z on a grid, else the number of rows.
+    shape: Vec<usize>,
+    columns: &'a Table,
+}
+
+impl<'a, T> Tabled<'a, T> {
+    /// The result with the columns of its table.
+    pub fn new(result: &'a T, table: &'a Table) -> Tabled<'a, T> {
+        Tabled { result, shape: table.rows().shape(), columns: table }
+    }
+}
+
+impl fmt::Display for TableError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let TableError::Length { quantity, values, components, rows } = self;
+        write!(
+            f,
+            "quantity {quantity} has {values} values, must have {}: {components} per row for {rows} rows",
+            components * rows
+        )
+    }
+}
+
+impl std::error::Error for TableError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantity_without_a_value_per_component_and_point_is_refused() {
+        let points = Points::Scattered(vec![DVec3::ZERO; 2]);
+        let quantity = ColumnQuantity { name: "b_t", components: &["bx_t", "by_t", "bz_t"], values: vec![0.0; 5] };
+        let error = Table::new(points, vec![quantity], Vec::new()).unwrap_err();
+        assert_eq!(error.to_string(), "quantity b_t has 5 values, must have 6: 3 per row for 2 rows");
+    }
+}
