@@ -28,9 +28,6 @@ mod laying;
 mod output;
 /// Films prepared for evaluation.
 mod prepared_film;
-/// Pages to print: bill of materials, cut list, laying plan.
-#[cfg(feature = "report")]
-mod printed;
 /// The progress line on a terminal.
 mod progress;
 /// Remarks on standard error.

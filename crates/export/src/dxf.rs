@@ -11,7 +11,7 @@ use magsplice_layout::Layout;
 use magsplice_magnet::Tile;
 
 use crate::cuboid_faces::corner_mm;
-use crate::significant::{rounded_beside, twelve_digits};
+use magsplice::results::{rounded_beside, twelve_digits};
 
 /// Length of an arrow, as a fraction of the shortest side of its tile.
 const ARROW: f64 = 0.7;

@@ -20,7 +20,7 @@
 
 /// The displacement of a sensor as a C header.
 pub mod c_header;
-/// Tables as CSV.
+/// Tables as CSV, and loads on tiles.
 pub mod csv;
 /// Corners and faces of tiles.
 mod cuboid_faces;
@@ -28,6 +28,8 @@ mod cuboid_faces;
 pub mod dxf;
 /// Any value as JSON with one entry per line.
 pub mod json;
+/// Results of checks as JUnit, for build systems.
+pub mod junit;
 /// A film as a Python script for magpylib.
 pub mod magpylib;
 /// A Python script that writes a magpylib collection as a table of blocks.
@@ -37,11 +39,7 @@ pub mod numpy;
 /// Tables as Parquet.
 #[cfg(feature = "parquet")]
 pub mod parquet;
-/// Numbers with as many digits as a person would write.
-mod significant;
 /// A film as STL bodies.
 pub mod stl;
 /// Tables and tiles as XML files for VTK and ParaView.
 pub mod vtk;
-
-pub use significant::twelve_digits;

@@ -31,9 +31,13 @@ mod page;
 mod page_data;
 /// [`PairReport`]: two films side by side.
 mod pair;
+/// The numbers of two films side by side.
+mod paired_numbers;
 /// A rectangle with axes on a sheet, and its colour bar.
 mod panel;
-/// [`PrintedPage`]: a figure and tables to print.
+/// Pages to print: bill of materials, laying plan.
+mod printed_film;
+/// A page to print: a figure and tables.
 mod printed_page;
 /// Images made of pixels inside a figure, and data URLs.
 mod raster_image;
@@ -63,7 +67,7 @@ pub use figures::laying_plan::{LaidTile, laying_plan_figure};
 pub use figures::layout_from_above::layout_figure;
 pub use figures::scan_maps::{ScanPlane, scan_field_figure, scan_parameters_figure};
 pub use page::PrintedResults;
-pub use pair::{PairReport, PairedNumber};
-pub use printed_page::{PrintedPage, PrintedTable};
+pub use pair::PairReport;
+pub use printed_film::{bill_page, plan_page};
 pub use report::Report;
 pub use survey::FilmSamples;

@@ -3,11 +3,13 @@
 use std::fmt::Write;
 
 use magsplice::Film;
+use magsplice::results::FilmEvaluation;
 
 use crate::drawing::{Drawing, SvgText};
 use crate::error::ReportError;
 use crate::figure_drafts::drafts;
 use crate::page::{escaped, filled, head};
+use crate::paired_numbers::{PairedNumber, numbers};
 use crate::raster_image::data_url;
 use crate::report::{PAGE_NAME, absent, drawn_tiles, rendered};
 use crate::shared_ranges::SharedRanges;
@@ -19,15 +21,6 @@ const STYLE: &str = include_str!("../page/pair.css");
 
 /// Prefixes of the files of the two films.
 const PREFIXES: [&str; 2] = ["first", "second"];
-
-/// A number of both films.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PairedNumber {
-    /// What it is, with its unit.
-    pub name: String,
-    /// Its value for each film; `None` where there is none.
-    pub values: [Option<f64>; 2],
-}
 
 /// The figures of two films on the same scales, and a page that shows them side by side.
 #[derive(Clone, Debug)]
@@ -44,14 +37,15 @@ pub struct PairReport {
 impl PairReport {
     /// Draws all figures that the layouts allow, and the page.
     ///
-    /// `labels` tell the films apart, for example the paths of their layouts.
+    /// `labels` tell the films apart, for example the paths of their layouts. `evaluations` are
+    /// what [`Film::evaluate`] returns for films with an ideal film and a working volume.
     ///
     /// # Errors
     /// As [`Report::new`](crate::Report::new).
     pub fn new(
         films: [&Film; 2],
         labels: [&str; 2],
-        numbers: &[PairedNumber],
+        evaluations: &[Option<FilmEvaluation>; 2],
         text: SvgText,
     ) -> Result<PairReport, ReportError> {
         let surveys = [Survey::new(films[0])?, Survey::new(films[1])?];
@@ -66,7 +60,7 @@ impl PairReport {
         let first = draw(0)?;
         let figures = [rendered(films[0], first, text)?, rendered(films[1], second, text)?];
         let absent = films.map(absent);
-        let html = page(films, labels, &figures, &absent, numbers);
+        let html = page(films, labels, &figures, &absent, &numbers(films, evaluations));
         Ok(PairReport { figures, html, absent })
     }
 

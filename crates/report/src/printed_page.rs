@@ -11,37 +11,37 @@ const STYLE: &str = include_str!("../page/printed.css");
 
 /// A page for printing on A4.
 #[derive(Clone, Debug)]
-pub struct PrintedPage<'a> {
+pub(crate) struct PrintedPage<'a> {
     /// Heading of the page.
-    pub title: &'a str,
+    pub(crate) title: &'a str,
     /// Paragraphs below it.
-    pub paragraphs: &'a [String],
+    pub(crate) paragraphs: &'a [String],
     /// The figure, with its caption.
-    pub figure: &'a Drawing,
+    pub(crate) figure: &'a Drawing,
     /// The tables, in order.
-    pub tables: &'a [PrintedTable],
+    pub(crate) tables: &'a [PrintedTable],
     /// Where the page comes from, at its end.
-    pub source: &'a str,
+    pub(crate) source: &'a str,
 }
 
 /// A table of a page.
 #[derive(Clone, Debug)]
-pub struct PrintedTable {
+pub(crate) struct PrintedTable {
     /// Heading above it.
-    pub heading: String,
+    pub(crate) heading: String,
     /// Paragraph between heading and table; empty for none.
-    pub remark: String,
+    pub(crate) remark: String,
     /// Names of the columns.
-    pub columns: Vec<String>,
+    pub(crate) columns: Vec<String>,
     /// Cells of each row.
-    pub rows: Vec<Vec<String>>,
+    pub(crate) rows: Vec<Vec<String>>,
     /// Whether each row begins with an empty box to tick.
-    pub has_boxes: bool,
+    pub(crate) has_boxes: bool,
 }
 
 impl PrintedPage<'_> {
     /// The page as HTML.
-    pub fn html(&self) -> String {
+    pub(crate) fn html(&self) -> String {
         let title = escaped(self.title);
         let mut html = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \

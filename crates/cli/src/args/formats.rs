@@ -93,10 +93,14 @@ pub(crate) trait FileFormat: ValueEnum + Copy + PartialEq + 'static {
     fn endings(self) -> &'static [&'static str];
 
     /// Whether a terminal cannot show it.
-    fn is_binary(self) -> bool;
+    fn is_binary(self) -> bool {
+        false
+    }
 
     /// Whether other programs recognize it by the ending of the file.
-    fn is_known_by_ending(self) -> bool;
+    fn is_known_by_ending(self) -> bool {
+        false
+    }
 
     /// The name that the option takes.
     fn name(self) -> String {

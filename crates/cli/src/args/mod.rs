@@ -39,19 +39,9 @@ use self::experiment::ExperimentArgs;
 use self::import::ImportArgs;
 use self::sensor::{CalibrateArgs, ReadArgs, ResolutionArgs, ScanArgs};
 use self::tolerance::ToleranceArgs;
-use crate::verbs::bench::BenchArgs;
-use crate::verbs::check::CheckArgs;
-use crate::verbs::compare::CompareArgs;
-use crate::verbs::completions::CompletionsArgs;
-use crate::verbs::decouple::DecoupleArgs;
-use crate::verbs::export::ExportArgs;
-use crate::verbs::field::FieldArgs;
-use crate::verbs::forces::ForcesArgs;
-use crate::verbs::init::InitArgs;
-use crate::verbs::plan::PlanArgs;
 #[cfg(feature = "report")]
-use crate::verbs::report::ReportArgs;
-use crate::verbs::tiles::TilesArgs;
+use crate::verbs::report;
+use crate::verbs::{bench, check, compare, completions, decouple, export, field, forces, init, plan, tiles};
 
 const FIRST_STEPS: &str = if cfg!(feature = "report") {
     "Example:\n  magsplice init film.toml\n  magsplice report film.toml -o report\n  magsplice decouple film.toml"
@@ -97,32 +87,32 @@ fn threads(text: &str) -> Result<usize, String> {
 
 #[derive(Subcommand)]
 pub(crate) enum Verb {
-    Field(FieldArgs),
-    Compare(CompareArgs),
-    Decouple(DecoupleArgs),
-    Plan(PlanArgs),
-    Bench(BenchArgs),
+    Field(field::FieldArgs),
+    Compare(compare::CompareArgs),
+    Decouple(decouple::DecoupleArgs),
+    Plan(plan::PlanArgs),
+    Bench(bench::BenchArgs),
     #[cfg(feature = "report")]
-    Report(ReportArgs),
+    Report(report::ReportArgs),
     Tolerance(ToleranceArgs),
     Budget(BudgetArgs),
-    Forces(ForcesArgs),
+    Forces(forces::ForcesArgs),
     Read(ReadArgs),
     Resolution(ResolutionArgs),
     Experiment(ExperimentArgs),
     Calibrate(CalibrateArgs),
     Scan(ScanArgs),
     Diagnose(DiagnoseArgs),
-    Check(CheckArgs),
+    Check(check::CheckArgs),
     Design(DesignArgs),
     Splice(SpliceArgs),
     Assign(AssignArgs),
-    Tiles(TilesArgs),
-    Export(ExportArgs),
+    Tiles(tiles::TilesArgs),
+    Export(export::ExportArgs),
     Import(ImportArgs),
-    Init(InitArgs),
+    Init(init::InitArgs),
     /// Print the JSON Schema of layout files, for editors.
     #[command(after_help = "Example:\n  magsplice schema > layout.schema.json")]
     Schema,
-    Completions(CompletionsArgs),
+    Completions(completions::CompletionsArgs),
 }

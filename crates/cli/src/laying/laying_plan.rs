@@ -1,7 +1,7 @@
 //! The plan as a file.
 
 use magsplice::making::PlanRow;
-use magsplice_export::twelve_digits;
+use magsplice::results::twelve_digits;
 
 /// Names of the columns of a plan.
 const COLUMNS: [&str; 9] = ["place", "tile", "x_mm", "y_mm", "z_mm", "up", "mark", "mark_deg", "laid"];

@@ -56,7 +56,7 @@ pub(crate) fn assigned(film: &AssignedFilm, path: Option<&Path>) -> String {
 }
 
 fn row(row: &PlanRow) -> [String; 6] {
-    let centre = row.centre_mm.to_array().map(|value| magsplice_export::twelve_digits(value).to_string());
+    let centre = row.centre_mm.to_array().map(|value| magsplice::results::twelve_digits(value).to_string());
     [
         row.place.clone(),
         row.tile.clone(),

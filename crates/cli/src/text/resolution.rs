@@ -38,7 +38,7 @@ pub(crate) fn resolution(resolution: &FilmResolution) -> String {
 /// A flux density in microtesla without the rounding of its unit, or with three decimals if it has
 /// many.
 fn micro(value: f64) -> String {
-    let typed = magsplice_export::twelve_digits(value).to_string();
+    let typed = magsplice::results::twelve_digits(value).to_string();
     if typed.len() <= 6 { typed } else { format!("{value:.3}") }
 }
 

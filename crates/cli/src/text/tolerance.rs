@@ -58,7 +58,7 @@ pub(crate) fn samples(film: &SampledFilm) -> String {
 fn sorted_in_words(sorting: &Sorting) -> String {
     let measurement = &sorting.measurement;
     let [percent, degrees] =
-        [100.0 * measurement.strength, measurement.direction_rad.to_degrees()].map(magsplice_export::twelve_digits);
+        [100.0 * measurement.strength, measurement.direction_rad.to_degrees()].map(magsplice::results::twelve_digits);
     let sides = match measurement.size_mm {
         Some(size_mm) => format!("sides to {size_mm} mm"),
         None => "sides not measured".to_owned(),
@@ -169,7 +169,7 @@ fn other_errors(tolerance: &FilmTolerance) -> String {
 /// A distribution in words: a plain number is a standard deviation.
 fn distribution(distribution: &Distribution) -> String {
     // Twelve digits hide the rounding of degrees.
-    let number = |value: f64| magsplice_export::twelve_digits(value);
+    let number = |value: f64| magsplice::results::twelve_digits(value);
     match distribution {
         Distribution::Fixed(value) if *value == 0.0 => "0".to_owned(),
         Distribution::Fixed(value) => format!("always {}", number(*value)),

@@ -12,7 +12,7 @@ use magsplice::{Film, FilmError};
 #[cfg(feature = "report")]
 use magsplice::{making::PlanRow, prelude::Tile, results::BillOfMaterials};
 #[cfg(feature = "report")]
-use magsplice_report::{LaidTile, SvgText, laying_plan_figure};
+use magsplice_report::{LaidTile, SvgText, laying_plan_figure, plan_page};
 
 use super::search::PROGRAM;
 use crate::args::assign::AssignArgs;
@@ -26,8 +26,6 @@ use crate::output::destination::{Output, print};
 #[cfg(feature = "report")]
 use crate::output::figure_file;
 use crate::prepared_film::prepare;
-#[cfg(feature = "report")]
-use crate::printed;
 use crate::progress::ProgressLine;
 use crate::words::{film_failure, no_film};
 use crate::{json, remarks, text};
@@ -70,7 +68,7 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
         let rows: Vec<LaidTile> = plan.iter().zip(tiles).map(|(row, tile)| laid_tile(row, tile)).collect();
         let drawn = laying_plan_figure(&rows, SvgText::Text).map_err(|error| Failure::Format(error.to_string()))?;
         if let Some(mut page) = page {
-            let text = printed::plan_page(&BillOfMaterials::new(&layout, None), &drawn, plan);
+            let text = plan_page(&BillOfMaterials::new(&layout, None), &drawn, plan);
             page.write(|writer| writer.write_all(text.as_bytes()))?;
             page.finish()?;
         }

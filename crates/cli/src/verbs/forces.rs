@@ -3,12 +3,12 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use magsplice::layout::Layout;
 use magsplice::prelude::DVec3;
-use magsplice::results::{FilmLoads, LoadN, OrderChoice, OrderedLoads, TileLoad};
+use magsplice::results::{FilmLoads, OrderChoice, OrderedLoads, TileLoad};
 use magsplice::{FilmError, ForceChange};
+use magsplice_export::csv;
 #[cfg(feature = "report")]
 use magsplice_report::{TileForce, forces_figure};
 
@@ -70,44 +70,23 @@ fn relative_error(text: &str) -> Result<f64, String> {
 }
 
 /// Formats of `forces`.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub(crate) enum ForcesFormat {
+    /// Printed tables
     Text,
+    /// Tiles, sums, and steps of the order
     Json,
+    /// One line per tile, in the order of laying
     Csv,
 }
 
-impl ValueEnum for ForcesFormat {
-    fn value_variants<'a>() -> &'a [ForcesFormat] {
-        &[ForcesFormat::Text, ForcesFormat::Json, ForcesFormat::Csv]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(match self {
-            ForcesFormat::Text => PossibleValue::new("text").help("Printed tables"),
-            ForcesFormat::Json => PossibleValue::new("json").help("Tiles, sums, and steps of the order"),
-            ForcesFormat::Csv => PossibleValue::new("csv").help("One line per tile, in the order of laying"),
-        })
-    }
-}
-
 impl FileFormat for ForcesFormat {
-    const OPTION: &'static str = "--format";
-
     fn endings(self) -> &'static [&'static str] {
         match self {
             ForcesFormat::Text => &["txt"],
             ForcesFormat::Json => &["json"],
             ForcesFormat::Csv => &["csv"],
         }
-    }
-
-    fn is_binary(self) -> bool {
-        false
-    }
-
-    fn is_known_by_ending(self) -> bool {
-        false
     }
 }
 
@@ -144,7 +123,7 @@ pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
     let result = match format {
         ForcesFormat::Text => text(&session.layout, &loads),
         ForcesFormat::Json => json::pretty(&loads),
-        ForcesFormat::Csv => csv(&loads),
+        ForcesFormat::Csv => csv::loads(&loads),
     };
     session.write(output, &result)
 }
@@ -157,34 +136,6 @@ fn drawn_tiles<'a>(layout: &'a Layout, loads: &FilmLoads) -> Vec<TileForce<'a>> 
         None => loads.tiles.iter().map(|load| drawn(load, None)).collect(),
         Some(order) => order.steps.iter().enumerate().map(|(step, load)| drawn(load, Some(step + 1))).collect(),
     }
-}
-
-/// One line per tile; in the order of laying where there is one.
-fn csv(loads: &FilmLoads) -> String {
-    let numbers = |load: &LoadN| {
-        let numbers = load.force_n.to_array().into_iter().chain(load.torque_n_mm.to_array());
-        numbers.map(|number| format!(",{number:e}")).collect::<String>()
-    };
-    let columns = |prefix: &str| {
-        let force = ["x", "y", "z"].map(|axis| format!(",{prefix}force_{axis}_n"));
-        let torque = ["x", "y", "z"].map(|axis| format!(",{prefix}torque_{axis}_n_mm"));
-        force.concat() + &torque.concat()
-    };
-    let name = |tile: &TileLoad| format!("\"{}\"", tile.name.replace('"', "\"\""));
-    let mut csv = format!("tile{}", columns(""));
-    let Some(order) = &loads.order else {
-        csv.push('\n');
-        for tile in &loads.tiles {
-            csv += &format!("{}{}\n", name(tile), numbers(&tile.load));
-        }
-        return csv;
-    };
-    csv += &format!(",step{}\n", columns("laying_"));
-    for (step, tile) in order.steps.iter().enumerate() {
-        let by_all = &loads.tiles[tile.tile].load;
-        csv += &format!("{}{},{}{}\n", name(tile), numbers(by_all), step + 1, numbers(&tile.load));
-    }
-    csv
 }
 
 /// Units of forces with their sizes in N, from the largest.

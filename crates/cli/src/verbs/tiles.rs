@@ -6,16 +6,13 @@ use std::path::{Path, PathBuf};
 use magsplice::expect::NarrowGaps;
 use magsplice::layout::{NamedTile, Rotation};
 use magsplice::prelude::{DVec3, Tile};
-use magsplice::results::{BillOfMaterials, PartItem};
-use magsplice_export::twelve_digits;
+use magsplice::results::{BillOfMaterials, PartItem, twelve_digits};
 #[cfg(feature = "report")]
-use magsplice_report::{SvgText, layout_figure};
+use magsplice_report::{SvgText, bill_page, layout_figure};
 
 use crate::args::formats::TilesFormat;
 use crate::failure::Failure;
 use crate::output::json;
-#[cfg(feature = "report")]
-use crate::printed;
 use crate::remarks;
 use crate::session::Session;
 use crate::text::header::tile_count;
@@ -67,7 +64,7 @@ pub(crate) fn run(args: &TilesArgs, quiet: bool) -> Result<(), Failure> {
     if let Some(mut page) = page {
         let figure =
             layout_figure(&session.layout, SvgText::Outlines).map_err(|error| Failure::Format(error.to_string()))?;
-        page.write(|writer| writer.write_all(printed::bill_page(&list, &figure).as_bytes()))?;
+        page.write(|writer| writer.write_all(bill_page(&list, &figure).as_bytes()))?;
         page.finish()?;
     }
     session.print(&match args.format {

@@ -2,10 +2,6 @@
 
 /// Baselines: the field of a working volume as CSV.
 mod baseline;
-/// The result: layouts with the outcomes of their expectations.
-mod checked;
-/// The JUnit form of the result.
-mod junit;
 /// The layout files that arguments name.
 mod layout_files;
 /// The result as printed lines.
@@ -22,10 +18,10 @@ use magsplice::expect::{Baseline, BaselineDifference, Expectation};
 use magsplice::layout::Layout;
 use magsplice::magnet::Grid;
 use magsplice::prelude::DVec3;
-use magsplice::results::{CheckStatus, CheckedExpectation};
+use magsplice::results::{Check, CheckStatus, CheckedExpectation, CheckedLayout, SkippedFile};
 use magsplice::{Film, RecoilEstimate, Stage};
+use magsplice_export::junit;
 
-use self::checked::{Check, CheckedLayout, SkippedFile};
 use self::layout_files::{NO_LAYOUT, NamedFile};
 use crate::args::formats::CheckFormat;
 use crate::failure::{self, Failure};
@@ -63,7 +59,7 @@ pub(crate) fn run(args: &CheckArgs, quiet: bool) -> Result<u8, Failure> {
     // No colours in files and pipes, nor where NO_COLOR forbids them.
     let colours = AutoStream::choice(&io::stdout()) != ColorChoice::Never;
     let mut printed = Ok(());
-    let mut all = Check { version: env!("CARGO_PKG_VERSION"), layouts: Vec::new(), skipped: Vec::new() };
+    let mut all = Check::new();
     let progress = ProgressLine::start(!quiet);
     let files = layout_files::expand(&args.layouts);
     if args.update {
@@ -112,7 +108,7 @@ pub(crate) fn run(args: &CheckArgs, quiet: bool) -> Result<u8, Failure> {
     let printed = match args.format {
         CheckFormat::Text => printed.and_then(|()| print(&text::summary(&all))),
         CheckFormat::Json => print(&json::pretty(&all)),
-        CheckFormat::Junit => print(&junit::xml(&all)),
+        CheckFormat::Junit => print(&junit::xml(&all, &text::sentence)),
     };
     match printed {
         Ok(()) | Err(Failure::PipeClosed) => Ok(status as u8),

@@ -5,9 +5,8 @@ use std::fmt::Write;
 use anstyle::{AnsiColor, Style};
 use magsplice::decouple::Figure;
 use magsplice::expect::{Bound, Expectation};
-use magsplice::results::{CheckStatus, CheckedExpectation, CheckedPercentile};
+use magsplice::results::{Check, CheckStatus, CheckedExpectation, CheckedLayout, CheckedPercentile};
 
-use super::checked::{Check, CheckedLayout};
 use crate::failure::escaped;
 use crate::text::number::{counted, number};
 use crate::text::{recoil, rows};

@@ -9,7 +9,6 @@ use magsplice::results::{FilmEvaluation, Source};
 use magsplice::{Film, FilmError};
 use magsplice_report::{FilmSamples, PairReport, PrintedResults, Report, ReportError, SvgText};
 
-use super::pair;
 use crate::failure::Failure;
 use crate::output::folder::Folder;
 use crate::output::json;
@@ -72,10 +71,10 @@ impl Drawing<'_> {
         let films = [film(&sessions[0])?, film(&sessions[1])?];
         let folder = Folder::open(self.output, "report", &paths)?;
         let evaluated = |index: usize| evaluated(&films[index]).map_err(|error| sessions[index].failed(error));
-        let numbers = pair::numbers(&films, &[evaluated(0)?, evaluated(1)?]);
+        let evaluations = [evaluated(0)?, evaluated(1)?];
         let labels = paths.map(|path| path.display().to_string());
         let labels = [labels[0].as_str(), labels[1].as_str()];
-        let report = PairReport::new([&films[0], &films[1]], labels, &numbers, self.text);
+        let report = PairReport::new([&films[0], &films[1]], labels, &evaluations, self.text);
         let report = report.map_err(|error| failure(&sessions[0], error))?;
         written(folder, report.files())?;
         let page = self.output.join("report.html");

@@ -2,8 +2,6 @@
 
 /// The drawing.
 mod draw;
-/// The numbers of two films side by side.
-mod pair;
 /// `--watch`: draws anew when a layout is saved.
 mod watch;
 

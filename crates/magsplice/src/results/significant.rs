@@ -11,7 +11,7 @@ pub fn twelve_digits(value: f64) -> f64 {
 
 /// The value rounded to the last of the twelve digits of `largest`. Beside a coordinate of 10 mm,
 /// 1e-16 mm is round-off of 0.
-pub(crate) fn rounded_beside(value: f64, largest: f64) -> f64 {
+pub fn rounded_beside(value: f64, largest: f64) -> f64 {
     if largest == 0.0 || !largest.is_finite() {
         return value;
     }

@@ -1,55 +1,74 @@
-//! Results of `check`: layouts with the outcomes of their expectations.
+//! Layout files that were checked, with the outcomes of their expectations.
 
 use std::path::Path;
 use std::time::Duration;
 
-use magsplice::RecoilEstimate;
-use magsplice::layout::Layout;
-use magsplice::results::{CheckStatus, CheckedExpectation};
+use magsplice_layout::Layout;
 use serde::Serialize;
 
-/// The result of `check`.
-#[derive(Serialize)]
-pub(super) struct Check {
-    pub(super) version: &'static str,
-    pub(super) layouts: Vec<CheckedLayout>,
-    pub(super) skipped: Vec<SkippedFile>,
+use super::check::{CheckStatus, CheckedExpectation};
+use crate::film_recoil::RecoilEstimate;
+
+/// The result of checks of layout files.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Check {
+    /// Version of the library.
+    pub version: &'static str,
+    /// The layouts.
+    pub layouts: Vec<CheckedLayout>,
+    /// Files that are no layouts.
+    pub skipped: Vec<SkippedFile>,
 }
 
 /// A TOML file of a folder that is no layout.
-#[derive(Serialize)]
-pub(super) struct SkippedFile {
-    pub(super) file: String,
-    pub(super) reason: &'static str,
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SkippedFile {
+    /// Path of the file.
+    pub file: String,
+    /// Why it was skipped.
+    pub reason: &'static str,
 }
 
 /// A layout file that was checked.
-#[derive(Serialize)]
-pub(super) struct CheckedLayout {
-    pub(super) file: String,
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CheckedLayout {
+    /// Path of the file.
+    pub file: String,
     /// The worst status of the layout and its expectations.
-    pub(super) status: CheckStatus,
-    /// Why the layout cannot be used; null if it can.
-    pub(super) error: Option<String>,
-    pub(super) layout: Option<String>,
-    sha256: Option<String>,
-    pub(super) tiles: Option<usize>,
-    pub(super) findings: Vec<String>,
-    pub(super) expectations: Vec<CheckedExpectation>,
+    pub status: CheckStatus,
+    /// Why the layout cannot be used; `None` if it can.
+    pub error: Option<String>,
+    /// Name of the layout.
+    pub layout: Option<String>,
+    /// SHA-256 of its text.
+    pub sha256: Option<String>,
+    /// Number of tiles.
+    pub tiles: Option<usize>,
+    /// Properties that are allowed but rarely intended.
+    pub findings: Vec<String>,
+    /// Outcomes of the expectations.
+    pub expectations: Vec<CheckedExpectation>,
     /// What recoil changes, to first order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub(super) recoil_estimates: Vec<RecoilEstimate>,
+    pub recoil_estimates: Vec<RecoilEstimate>,
     /// How far the field moved from the earlier baseline, if the baseline was rewritten.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) moved: Option<String>,
+    pub moved: Option<String>,
     /// Time that reading and validating the file took.
     #[serde(skip)]
-    pub(super) reading: Duration,
+    pub reading: Duration,
+}
+
+impl Check {
+    /// A result to which layouts are added.
+    pub fn new() -> Check {
+        Check { version: env!("CARGO_PKG_VERSION"), ..Check::default() }
+    }
 }
 
 impl CheckedLayout {
     /// A layout without expectations, or why it cannot be used.
-    pub(super) fn new(path: &Path, layout: &Result<Layout, String>, reading: Duration) -> CheckedLayout {
+    pub fn new(path: &Path, layout: &Result<Layout, String>, reading: Duration) -> CheckedLayout {
         let (layout, error) = match layout {
             Ok(layout) => (Some(layout), None),
             Err(error) => (None, Some(error.clone())),
@@ -76,7 +95,7 @@ impl CheckedLayout {
     }
 
     /// The same layout with its expectations.
-    pub(super) fn with_expectations(self, expectations: Vec<CheckedExpectation>) -> CheckedLayout {
+    pub fn with_expectations(self, expectations: Vec<CheckedExpectation>) -> CheckedLayout {
         let status = expectations.iter().map(|expectation| expectation.status).fold(self.status, CheckStatus::max);
         CheckedLayout { status, expectations, ..self }
     }

@@ -3,16 +3,13 @@
 
 use std::time::Duration;
 
-use magsplice::results::CheckStatus;
+use magsplice::results::{Check, CheckStatus, CheckedExpectation, CheckedLayout, SkippedFile};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
-use super::checked::{Check, CheckedLayout, SkippedFile};
-use super::text::sentence;
-
-/// The results as JUnit XML.
-pub(super) fn xml(check: &Check) -> String {
+/// The results as JUnit XML. `sentence` puts an outcome into words.
+pub fn xml(check: &Check, sentence: &dyn Fn(&CheckedExpectation) -> String) -> String {
     let mut report = Report::new("magsplice check");
-    report.add_test_suites(check.layouts.iter().map(suite));
+    report.add_test_suites(check.layouts.iter().map(|checked| suite(checked, sentence)));
     report.add_test_suites(check.skipped.iter().map(skipped_suite));
     report.set_time(check.layouts.iter().map(|layout| layout.reading + evaluation(layout)).sum());
     report.to_string().expect("text can always be written as XML")
@@ -23,7 +20,7 @@ fn evaluation(checked: &CheckedLayout) -> Duration {
     checked.expectations.iter().map(|expectation| expectation.took).sum()
 }
 
-fn suite(checked: &CheckedLayout) -> TestSuite {
+fn suite(checked: &CheckedLayout, sentence: &dyn Fn(&CheckedExpectation) -> String) -> TestSuite {
     let file = xml_text(&checked.file);
     let mut suite = TestSuite::new(file.clone());
     let own = match &checked.error {

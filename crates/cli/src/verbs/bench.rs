@@ -1,17 +1,14 @@
 //! `magsplice bench`: measures how fast the field is computed.
 
-/// The measurement.
-mod measurement;
-
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use magsplice::FilmError;
 use magsplice::layout::Layout;
 use magsplice::magnet::Accuracy;
-use magsplice::{FilmError, Stage};
+use magsplice::results::{BenchCase, BenchPoints, FilmBench};
 
-use self::measurement::{BenchCase, BenchPoints, Benchmark, measure};
 use crate::args::formats::TextOrJson;
 use crate::args::points::PointsArgs;
 use crate::failure::Failure;
@@ -64,10 +61,8 @@ pub(crate) fn run(args: &BenchArgs, quiet: bool) -> Result<(), Failure> {
         (None, Some(volume)) => (BenchPoints::Grid(volume.grid), "points of the working volume".to_owned()),
         (None, None) => return Err(no_points(&args.layout, FilmError::Missing("volume"))),
     };
-    let film = session.film()?;
-    let show = |done| session.progress.show(Stage { name: "measuring", done, of: None, unit: "rounds" });
-    let measured = measure(&film, &points, Duration::from_secs_f64(args.seconds), &show)
-        .map_err(|error| Failure::Format(format!("cannot start threads: {error}")))?;
+    let measured = session.film()?.bench(&points, Duration::from_secs_f64(args.seconds));
+    let measured = measured.map_err(|error| Failure::Format(format!("cannot start threads: {error}")))?;
     session.progress.end();
     // Points without any field have none to a tolerance either.
     for case in measured.cases.iter().filter(|case| case.accuracy == Accuracy::Exact) {
@@ -82,9 +77,9 @@ pub(crate) fn run(args: &BenchArgs, quiet: bool) -> Result<(), Failure> {
 }
 
 /// The result of a measurement; `points_of` says where the points are from.
-fn text(layout: &Layout, measured: &Benchmark, points_of: &str) -> String {
+fn text(layout: &Layout, measured: &FilmBench, points_of: &str) -> String {
     let mut text = header::layout(layout);
-    let Benchmark { points, pairs, rounds, cases, .. } = measured;
+    let FilmBench { points, pairs, rounds, cases, .. } = measured;
     let _ = writeln!(text, "{points} {points_of}; pairs of a tile and a point: {pairs}");
     let _ = writeln!(
         text,

@@ -2,20 +2,19 @@
 
 use magsplice::layout::Layout;
 use magsplice::making::PlanRow;
-use magsplice::results::{BillOfMaterials, PartItem};
-use magsplice_export::twelve_digits;
-use magsplice_report::{Drawing, PrintedPage, PrintedTable};
+use magsplice::results::{BillOfMaterials, PartItem, twelve_digits};
 
-use crate::text::number::counted;
+use crate::drawing::Drawing;
+use crate::printed_page::{PrintedPage, PrintedTable};
 
-/// The film and its bill of materials.
-pub(crate) fn bill_page(list: &BillOfMaterials, figure: &Drawing) -> String {
+/// A page with a film and its bill of materials, as HTML.
+pub fn bill_page(list: &BillOfMaterials, figure: &Drawing) -> String {
     let layout = list.layout;
     page(layout, &layout.name, &[summary(list)], figure, &[bill(list)])
 }
 
-/// The plan by which a film is laid, and its bill of materials.
-pub(crate) fn plan_page(list: &BillOfMaterials, figure: &Drawing, plan: &[PlanRow]) -> String {
+/// A page with the plan by which a film is laid, and its bill of materials, as HTML.
+pub fn plan_page(list: &BillOfMaterials, figure: &Drawing, plan: &[PlanRow]) -> String {
     let layout = list.layout;
     let marks = "Before a tile is measured, an arrow is drawn on its upper side along its x axis, which is along the first \
                  side of its part. In the plan the column up names the side of the tile that is up at its place: +z is the \
@@ -37,6 +36,7 @@ fn page(layout: &Layout, title: &str, paragraphs: &[String], figure: &Drawing, t
 }
 
 fn summary(list: &BillOfMaterials) -> String {
+    let counted = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
     let tiles = counted(list.layout.tiles.len(), "tile", "tiles");
     format!("{tiles} of {}.", counted(list.parts.len(), "part", "different parts"))
 }
