@@ -1,7 +1,7 @@
 //! A layout after it has been checked: named tiles, the ideal film, the working volume and the
 //! requirements.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Grid, Permeability, Tile};
 
@@ -17,8 +17,8 @@ use crate::tolerance::FilmTolerance;
 /// with and the requirements it must meet.
 ///
 /// A layout from [`Layout::read`] or [`Layout::parse`] obeys every rule of docs/layout-format.md.
-/// The fields are public, and a layout changed in memory is not checked again. To check it, parse
-/// the text of [`Layout::to_toml`].
+/// The fields are public, and a layout made or changed in memory is not checked until
+/// [`Layout::checked`] does so.
 ///
 /// # Units
 /// All lengths are in millimetres, all polarizations in tesla.
@@ -41,7 +41,7 @@ use crate::tolerance::FilmTolerance;
 /// assert_eq!(layout.tiles[1].tile.position().x, 2.0);
 /// # Ok::<(), magsplice_layout::LayoutError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Layout {
     /// Name of the layout.
     pub name: String,
@@ -107,6 +107,16 @@ pub struct NamedTile {
     pub tile: Tile,
     /// Its recoil permeability. `None` for that of the material.
     pub permeability: Option<Permeability>,
+}
+
+impl NamedTile {
+    /// A tile of no kind with the permeability of the material. Its rotation is written as a
+    /// quaternion.
+    pub fn new(name: impl Into<String>, tile: Tile) -> NamedTile {
+        let is_turned = tile.rotation() != DQuat::IDENTITY;
+        let rotation = is_turned.then(|| Rotation::from_quaternion(tile.rotation().to_array()).ok()).flatten();
+        NamedTile { name: name.into(), kind: None, rotation, tile, permeability: None }
+    }
 }
 
 /// The region in which the sensor moves, sampled on a regular grid.

@@ -43,8 +43,8 @@ mod error_unit;
 mod expectations;
 /// Properties that are allowed but usually a mistake.
 mod finding;
-/// A layout of tiles that were not read from a layout file.
-mod from_tiles;
+/// A hash of what determines samples.
+mod fingerprint;
 /// The checked layout: tiles, ideal film, working volume.
 mod layout;
 /// The format version, and counts and lengths above which a file is refused.

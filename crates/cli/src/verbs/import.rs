@@ -20,7 +20,8 @@ pub(crate) fn run(args: &ImportArgs, quiet: bool) -> Result<(), Failure> {
     let source = if is_stdin(&args.blocks) { "standard input".to_owned() } else { file_name(&args.blocks) };
     let history = vec![format!("imported from {source} by magsplice {}", env!("CARGO_PKG_VERSION"))];
     let name = args.name.clone().unwrap_or_else(|| stem(&args.blocks));
-    let layout = Layout::from_tiles(&name, history, tiles, &place).map_err(|error| in_lines(error, &place, &lines))?;
+    let layout = Layout { name, history, tiles, ..Layout::default() };
+    let layout = layout.checked(&place).map_err(|error| in_lines(error, &place, &lines))?;
     output.write(|w| w.write_all(layout.to_toml().as_bytes()))?;
     let to_file = !output.is_standard();
     output.finish()?;

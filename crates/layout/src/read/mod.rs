@@ -9,7 +9,6 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
 use toml::Spanned;
 
 use self::entries::Entry;
@@ -21,6 +20,7 @@ use self::tolerance::WholeLayout;
 use crate::error::{LayoutError, LayoutFault};
 use crate::expectations::Expectations;
 use crate::finding::FindingSubject;
+use crate::fingerprint::sha256;
 use crate::layout::{Layout, NamedTile};
 use crate::limits::{FORMAT, MAX_FILE_BYTES, MAX_MESSAGE_LINE};
 use crate::tables::LayoutFile;
@@ -152,6 +152,28 @@ impl Layout {
     pub fn parse_beside(text: &str, origin: &str, folder: impl Into<PathBuf>) -> Result<Layout, LayoutError> {
         parse_from(text, origin, &Source { folder: folder.into(), is_neighbour: false })
     }
+
+    /// A layout that was made in memory, checked like a layout file. `origin` identifies the source of its
+    /// parts in errors.
+    ///
+    /// # Errors
+    /// [`LayoutError::Invalid`] with every broken rule. The lines of faults are those of
+    /// [`Layout::to_toml`].
+    ///
+    /// # Example
+    /// ```
+    /// use glam::DVec3;
+    /// use magsplice_layout::{Layout, NamedTile};
+    /// use magsplice_magnet::Tile;
+    ///
+    /// let tile = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::new(0.0, 0.0, 0.12))?;
+    /// let layout = Layout { name: "one cube".to_owned(), tiles: vec![NamedTile::new("cube", tile)], ..Layout::default() };
+    /// assert_eq!(layout.checked("cubes")?.tiles[0].tile, tile);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn checked(&self, origin: &str) -> Result<Layout, LayoutError> {
+        Layout::parse(&self.to_toml(), origin)
+    }
 }
 
 /// Keys that a layout has at its top and few other files have.
@@ -185,8 +207,8 @@ fn parse_from(text: &str, origin: &str, source: &Source) -> Result<Layout, Layou
         let place = shown.trim_end().strip_suffix(error.message().trim_end()).unwrap_or(&shown);
         refused(printable(&format!("{place}{message}")))
     })?;
-    let sha256 = Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
-    resolve(file, text, sha256, source).map_err(|faults| LayoutError::Invalid { origin: origin.to_owned(), faults })
+    resolve(file, text, sha256(text.as_bytes()), source)
+        .map_err(|faults| LayoutError::Invalid { origin: origin.to_owned(), faults })
 }
 
 /// The tiles of the layout file at a path relative to `folder`, without its tolerances, or why

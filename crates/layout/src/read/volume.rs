@@ -3,13 +3,37 @@
 use glam::DVec3;
 use magsplice_magnet::{Grid, MAX_LENGTH, MIN_SIZE};
 
+use crate::error::LayoutFault;
 use crate::finding::{Finding, FindingSubject};
 use crate::layout::WorkingVolume;
 use crate::limits::{BYTES_PER_POINT, MAX_POINTS, STEP_ROUNDING};
 use crate::plausible::{MAX_LENGTH_RATIO, meant_length, typed};
-use crate::read::faults::TableFaults;
+use crate::read::faults::{Faults, TableFaults};
 use crate::read::number_rules::check_positive;
 use crate::tables::volume::{Step, VolumeTable};
+
+impl WorkingVolume {
+    /// The region between two corners, in millimetres, with points at these steps from the lower
+    /// corner on.
+    ///
+    /// # Errors
+    /// Every broken rule of `[volume]`: ends that are not finite or not in ascending order, steps that are
+    /// not greater than 0 or make too many points, a reference that is not finite.
+    pub fn new(
+        lower_mm: DVec3,
+        upper_mm: DVec3,
+        step_mm: DVec3,
+        reference_mm: DVec3,
+    ) -> Result<WorkingVolume, Vec<LayoutFault>> {
+        let [x_mm, y_mm, z_mm] = [0, 1, 2].map(|axis| [lower_mm[axis], upper_mm[axis]]);
+        let (step_mm, reference_mm) = (Step::PerAxis(step_mm.to_array()), Some(reference_mm.to_array()));
+        let table = VolumeTable { x_mm, y_mm, z_mm, step_mm, reference_mm };
+        let mut faults = Faults::new("");
+        let volume = resolve(&table, &mut faults.at(&(0..0), "volume"), &mut Vec::new());
+        volume
+            .ok_or_else(|| faults.into_sorted().into_iter().map(|fault| LayoutFault { line: None, ..fault }).collect())
+    }
+}
 
 /// The working volume, or `None` after adding its faults. A step that does not divide a range is a
 /// finding.
