@@ -3,8 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::tables::exact_list::exactly;
-
 /// The table `[design]`, with its defaults filled in.
 ///
 /// The default brief varies nothing and requires nothing.
@@ -133,7 +131,7 @@ pub enum Under {
 #[serde(deny_unknown_fields)]
 pub struct StockPart {
     /// Sides in the plane of the film, in mm.
-    #[serde(deserialize_with = "exactly")]
+    #[schemars(extend("example" = "[3.3, 1.7]"))]
     pub size_mm: [f64; 2],
     /// Angle of the polarization from the first side towards the second, in degrees. Default: 0.
     #[serde(default)]

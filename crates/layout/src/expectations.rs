@@ -78,6 +78,7 @@ impl Default for MadeExpectations {
 /// A baseline of the field and the largest deviation from it.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("example" = "{ file = \"film.field.csv\", within = 1e-9 }"))]
 pub struct ExpectedField {
     /// CSV file as `magsplice field` writes it, relative to the folder of the layout. `magsplice
     /// check --update` rewrites it.

@@ -35,6 +35,8 @@ mod brief;
 mod compact;
 /// Distributions of errors.
 mod distribution;
+/// The text of a layout file, against the schema.
+mod document;
 /// Errors of reading a layout.
 mod error;
 /// Units of errors, and what no error exceeds.
@@ -84,6 +86,7 @@ mod write_tolerance;
 
 pub use brief::{Brief, Goal, StockPart, Symmetry, Under, Variables};
 pub use distribution::Distribution;
+pub use document::is_layout;
 pub use error::{LayoutError, LayoutFault};
 pub use expectations::{Expectations, ExpectedField, FigureBounds, MadeExpectations};
 pub use finding::{Finding, FindingSubject};
@@ -96,7 +99,6 @@ pub use plausible::{
     meant_polarization,
 };
 pub use presets::Preset;
-pub use read::is_layout;
 pub use rotation::{EulerOrder, InvalidEulerOrder, ORTHOGONALITY_TOLERANCE, Rotation, RotationFault, RotationFaults};
 pub use schema::schema;
 pub use sensor::{Elastomer, StatedSensor};

@@ -19,6 +19,13 @@ use crate::tables::LayoutFile;
 /// assert_eq!(schema.get("title").unwrap(), "magsplice layout");
 /// ```
 pub fn schema() -> Schema {
+    let mut schema = schema_with_examples();
+    WithoutExamples.transform(&mut schema);
+    schema
+}
+
+/// The schema with an example of many values, as TOML under the key `example`.
+pub(crate) fn schema_with_examples() -> Schema {
     SchemaSettings::draft2020_12()
         .with_transform(WithoutNull)
         .with_transform(UnwrappedDescriptions)
@@ -63,6 +70,17 @@ impl Transform for UnwrappedDescriptions {
         if let Some(Value::String(description)) = schema.get_mut("description") {
             *description = description.replace('\n', " ");
         }
+        transform_subschemas(self, schema);
+    }
+}
+
+/// Removes the examples, which are not JSON.
+#[derive(Clone)]
+struct WithoutExamples;
+
+impl Transform for WithoutExamples {
+    fn transform(&mut self, schema: &mut Schema) {
+        schema.remove("example");
         transform_subschemas(self, schema);
     }
 }

@@ -5,6 +5,29 @@ use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
 use glam::{DQuat, DVec3};
 
+/// A unit that the end of a key states.
+pub(crate) struct KeyUnit {
+    /// The end of the key.
+    pub(crate) suffix: &'static str,
+    /// Words for the unit.
+    pub(crate) words: &'static str,
+    /// Units that people write beside a number, and their factors.
+    pub(crate) others: &'static [(&'static str, f64)],
+}
+
+/// The units of keys. A unit whose name ends like another's comes before it.
+pub(crate) const KEY_UNITS: [KeyUnit; 5] = [
+    KeyUnit {
+        suffix: "_mm",
+        words: "mm",
+        others: &[("mm", 1.0), ("cm", 10.0), ("um", 1e-3), ("\u{b5}m", 1e-3), ("m", 1e3)],
+    },
+    KeyUnit { suffix: "_t", words: "tesla", others: &[("mT", 1e-3), ("kG", 1e-1), ("G", 1e-4), ("T", 1.0)] },
+    KeyUnit { suffix: "_ut", words: "microtesla", others: &[("uT", 1.0), ("\u{b5}T", 1.0), ("mT", 1e3)] },
+    KeyUnit { suffix: "_mt", words: "millitesla", others: &[("mT", 1.0), ("uT", 1e-3)] },
+    KeyUnit { suffix: "_deg", words: "degrees", others: &[("degrees", 1.0), ("deg", 1.0), ("\u{b0}", 1.0)] },
+];
+
 /// The rotation by `angle_deg` degrees, right-handed, about a unit vector.
 ///
 /// The angle is first reduced to one turn, which is exact, so that 720 degrees are the identity.

@@ -37,8 +37,8 @@ fn near_misses_of_keys_are_recognized() {
 
 #[test]
 fn missing_and_malformed_values_get_the_sentence_that_helps() {
-    hinted(&HEAD.replace("format = 1\n", ""), "begin the file with the line `format = 1`");
-    hinted("format = 1\n", "give the layout a name");
+    hinted(&HEAD.replace("format = 1\n", ""), "missing field `format`, as in `format = 1`");
+    hinted("format = 1\n", "missing field `name`, as in `name = \"my film\"`");
     let rotated = format!("{HEAD}{TILE}rotation = ");
     let hint = "`rotation = { axis = [0, 0, 1], angle_deg = 30 }`";
     for value in ["[0, 0, 30]", "30", "[\n  0, 0,\n  30]"] {

@@ -64,7 +64,7 @@ fn numbers_where_lists_are_wanted() {
     told(&with("position_mm", "true"), "position_mm is a list of three numbers in mm, not true or false, as in");
     told(&with("position_mm", "{ x = 1 }"), "position_mm is a list of three numbers in mm, not a table, as in");
     told(&with("polarization_t", "[0, 1]"), "polarization_t is a list of three numbers in tesla, not a list of 2");
-    told(&with("polarization_t", "0.12"), "strength_t is the magnitude, with a direction");
+    told(&with("polarization_t", "0.12"), "Or give its magnitude as strength_t, with a direction");
     told(
         &with("size_mm", "[1, \"2 cm\", 1]"),
         "each value of size_mm is a number in mm, without quotes and unit: write 20",
@@ -83,10 +83,10 @@ fn numbers_where_lists_are_wanted() {
     told(&format!("{HEAD}{TILE}{}", VOLUME.replace("step_mm = 1", "step_mm = \"1\"")), step);
     let lattice = "[[lattice]]\nstart_mm = [0, 0, 0]\nheight_mm = 1\nstrength_t = 0.1\nx = ";
     told(&format!("{HEAD}{lattice}[3.3]"), "each value of x is a table, not a number");
-    told(&format!("{HEAD}{lattice}3.3"), "x is a list, not a number, as in `x = [{ widths_mm = [");
+    told(&format!("{HEAD}{lattice}3.3"), "x is a list of tables, not a number, as in `x = [{ widths_mm = [");
     told(&format!("{HEAD}{lattice}[{{ widths_mm = 3.3, pattern = [1] }}]"), "write `widths_mm = [3.3]`");
     let design = format!("{HEAD}{TILE}{IDEAL}{VOLUME}[design]\nvary = ");
-    told(&format!("{design}\"size\""), "vary is a list, not a text, as in `vary = [\"size\", ");
+    told(&format!("{design}\"size\""), "vary is a list, not a text: write `vary = [\"size\"]`");
     told(&format!("{design}[3]"), "each value of vary is a word in quotes, not a number");
 }
 
@@ -96,12 +96,15 @@ fn other_values_where_numbers_are_wanted() {
     told(&strength("\"strong\""), "strength_t is a number in tesla, not a text");
     told(
         &strength("[0, 0, 1]"),
-        "strength_t is one number in tesla, not a list\nstrength_t is one number, the magnitude;",
+        "strength_t is one number in tesla, not a list, as in `strength_t = 0.12`\nMagnitude of the polarization",
     );
     told(&strength("true"), "strength_t is one number in tesla, not true or false");
     told(&format!("{HEAD}{TILE}{}", IDEAL.replace("10", "[10]")), "wavelength_mm is one number in mm, not a list");
     told(&tile("grid = { count = [1, -2, 1], pitch_mm = [1, 1, 1] }"), "an integer, at least 0");
-    told(&tile("grid = { count = [1, 2.5, 1], pitch_mm = [1, 1, 1] }"), "each value of count is an integer, not 2.5");
+    told(
+        &tile("grid = { count = [1, 2.5, 1], pitch_mm = [1, 1, 1] }"),
+        "each value of count is an integer, at least 0, not 2.5",
+    );
     told(&tile("").replace("format = 1", "format = \"1\""), "format is an integer, without quotes: write 1");
     told(&tile("name = 3"), "name is a text in quotes: write `name = \"3\"`");
     told(&tile("name = [3]"), "name is a text in quotes, not a list");
@@ -109,7 +112,10 @@ fn other_values_where_numbers_are_wanted() {
 
 #[test]
 fn other_values_where_tables_are_wanted() {
-    told(&tile("rotation = [0, 0, 30]"), "a rotation is a table, with an axis and an angle");
+    told(
+        &tile("rotation = [0, 0, 30]"),
+        "rotation is a table, not a list, as in `rotation = { axis = [0, 0, 1], angle_deg = 30 }`",
+    );
     told(&tile("mirror = \"y\""), "write `mirror = { axes = [\"y\"] }`");
     told(&tile("grid = 3"), "grid is a table, not a number, as in `grid = { count = [4, 4, 1], ");
     told(

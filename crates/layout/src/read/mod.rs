@@ -17,12 +17,13 @@ use self::files::{Source, bytes, regular_bytes};
 use self::room::Room;
 use self::tables_present::TablesPresent;
 use self::tolerance::WholeLayout;
+use crate::document;
 use crate::error::{LayoutError, LayoutFault};
 use crate::expectations::Expectations;
 use crate::finding::FindingSubject;
 use crate::fingerprint::sha256;
 use crate::layout::{Layout, NamedTile};
-use crate::limits::{FORMAT, MAX_FILE_BYTES, MAX_MESSAGE_LINE};
+use crate::limits::{FORMAT, MAX_FILE_BYTES};
 use crate::tables::LayoutFile;
 
 /// Rules and defaults of `[design]`.
@@ -46,7 +47,7 @@ mod made;
 /// Rules of `[material]` and of `recoil_permeability`.
 mod material;
 /// Rules for names.
-mod names;
+pub(crate) mod names;
 /// Rules for single numbers and vectors.
 mod number_rules;
 /// The rule that tiles do not overlap.
@@ -67,18 +68,12 @@ mod sensor;
 mod single_tile;
 /// Magnitudes of polarizations that a material has.
 mod strength_rules;
-/// Hints beside syntax errors.
-mod syntax_hints;
 /// The rule that tables come with the tables they need.
 mod tables_present;
 /// Position, size and polarization of one tile.
 mod tile_rules;
 /// Rules of `[tolerance]`.
 mod tolerance;
-/// Examples of values that are lists or tables.
-mod value_examples;
-/// Values of a wrong type, in the words of the format.
-mod value_types;
 /// Ranges and a step become a grid.
 mod volume;
 
@@ -176,37 +171,9 @@ impl Layout {
     }
 }
 
-/// Keys that a layout has at its top and few other files have.
-const KEYS_OF_LAYOUTS: [&str; 4] = ["format", "tile", "lattice", "volume"];
-
-/// Whether a TOML text is meant as a layout: it has one of the keys `format`, `tile`, `lattice` and
-/// `volume`. `None` if the text is not TOML.
-///
-/// # Example
-/// ```
-/// use magsplice_layout::{COMMENTED_LAYOUT, is_layout};
-///
-/// assert_eq!(is_layout(COMMENTED_LAYOUT), Some(true));
-/// assert_eq!(is_layout("[package]\nname = \"film\""), Some(false));
-/// ```
-pub fn is_layout(text: &str) -> Option<bool> {
-    let table: toml::Table = toml::from_str(text).ok()?;
-    Some(KEYS_OF_LAYOUTS.iter().any(|key| table.contains_key(*key)))
-}
-
 /// The checked layout of a text, or why there is none.
 fn parse_from(text: &str, origin: &str, source: &Source) -> Result<Layout, LayoutError> {
-    let refused = |message: String| LayoutError::Syntax { origin: origin.to_owned(), message };
-    if text.len() > MAX_FILE_BYTES {
-        return Err(refused(format!("has {} bytes, must have at most {MAX_FILE_BYTES}", text.len())));
-    }
-    let file: LayoutFile = toml::from_str(text).map_err(|error| {
-        let message = syntax_hints::message(text, error.message(), error.span());
-        // The parser's own text ends with its message, after the place in the file.
-        let shown = error.to_string();
-        let place = shown.trim_end().strip_suffix(error.message().trim_end()).unwrap_or(&shown);
-        refused(printable(&format!("{place}{message}")))
-    })?;
+    let file = document::read(text, origin)?;
     resolve(file, text, sha256(text.as_bytes()), source)
         .map_err(|faults| LayoutError::Invalid { origin: origin.to_owned(), faults })
 }
@@ -232,19 +199,6 @@ fn tiles_of_neighbour(folder: &Path, layout: &str) -> Result<Vec<NamedTile>, Str
             }
         }
     })
-}
-
-/// The message of the TOML parser, which cites lines of the file as they are: with escapes for
-/// control characters, and without the ends of very long lines.
-fn printable(message: &str) -> String {
-    let line = |line: &str| {
-        let mut shown: String = line.chars().take(MAX_MESSAGE_LINE).flat_map(names::escaped).collect();
-        if line.chars().nth(MAX_MESSAGE_LINE).is_some() {
-            shown += "...";
-        }
-        shown
-    };
-    message.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// The checked layout of a file, or its broken rules.

@@ -4,7 +4,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::brief::{Goal, StockPart, Symmetry, Under};
-use crate::tables::exact_list::some_exactly;
 use crate::tables::expect::LowerBound;
 
 /// What a search may change to improve the film, and its goal.
@@ -12,6 +11,7 @@ use crate::tables::expect::LowerBound;
 #[serde(deny_unknown_fields)]
 pub(crate) struct DesignTable {
     /// The properties of the tiles that may change.
+    #[schemars(extend("example" = "[\"size\", \"position\", \"direction\"]"))]
     pub(crate) vary: Vec<Variable>,
     /// The symmetry that the film has and keeps. Default: none.
     #[serde(default)]
@@ -25,12 +25,15 @@ pub(crate) struct DesignTable {
     pub(crate) under: Under,
     /// Weights of the errors of R_x, R_y and S_z. Default: 1 each.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "{ r_x = 1.0, r_y = 1.0, s_z = 1.0 }"))]
     pub(crate) weights: Option<Weights>,
     /// Lower bound of the amplitude: the best-fit factor of B against the ideal film.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "{ min = 0.8 }"))]
     pub(crate) amplitude: Option<LowerBound>,
     /// Rectangle that the tiles must stay within, in mm. Default: their own extent.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "{ x = [-10.0, 10.0], y = [-10.0, 10.0] }"))]
     pub(crate) outline_mm: Option<Outline>,
     /// Shortest side of a tile along x and y, in mm. Default: the shortest side in the layout.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -40,9 +43,11 @@ pub(crate) struct DesignTable {
     pub(crate) gap_mm: f64,
     /// Bounds of the thickness, in mm. Required if the thickness varies.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "{ min = 0.5, max = 2.0 }"))]
     pub(crate) thickness_mm: Option<MinMax>,
     /// Bounds of the magnitude of the polarization, in T. Required if the strength varies.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "{ min = 0.0, max = 0.12 }"))]
     pub(crate) strength_t: Option<MinMax>,
     /// Sizes are rounded to multiples of this, in mm; a tile centred on a mirror plane has its
     /// faces at half multiples. Default: 0.001.
@@ -61,9 +66,11 @@ pub(crate) struct DesignTable {
     pub(crate) parts: Option<usize>,
     /// Parts that are available. The search adds other parts only as far as `parts` allows.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("example" = "[{ size_mm = [3.3, 1.7], direction_deg = 0.0 }]"))]
     pub(crate) stock: Vec<StockPart>,
     /// Magnitudes of the polarization that are available, in T. Default: any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("example" = "[0.06, 0.12]"))]
     pub(crate) stock_strengths_t: Vec<f64>,
     /// Number of starting points of the search. Default: 8.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -123,11 +130,11 @@ fn one() -> f64 {
 pub(crate) struct Outline {
     /// Lower and upper end along x, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(default, deserialize_with = "some_exactly")]
+    #[schemars(extend("example" = "[-10.0, 10.0]"))]
     pub(crate) x: Option<[f64; 2]>,
     /// Lower and upper end along y, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(default, deserialize_with = "some_exactly")]
+    #[schemars(extend("example" = "[-10.0, 10.0]"))]
     pub(crate) y: Option<[f64; 2]>,
 }
 

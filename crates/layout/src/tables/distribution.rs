@@ -1,15 +1,12 @@
 //! Distributions of errors in `[tolerance]`: a plain number, or a table.
 
 use std::borrow::Cow;
-use std::fmt;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 /// The distribution of an error: the standard deviation of normal errors, or a table.
-#[derive(Clone, Debug, JsonSchema, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(untagged)]
 #[schemars(rename = "Distribution")]
 pub(crate) enum WrittenDistribution {
@@ -24,6 +21,7 @@ pub(crate) enum WrittenDistribution {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "DistributionTable")]
+#[schemars(extend("example" = "{ uniform = 0.1 }"))]
 pub(crate) struct DistributionTable {
     /// Standard deviation of normal errors of mean 0.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -50,7 +48,7 @@ pub(crate) struct DistributionTable {
 
 /// One distribution for all of `N` components, or a list of one for each. Each component has errors
 /// of its own.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(untagged)]
 pub(crate) enum Components<const N: usize> {
     /// The same distribution for each component.
@@ -64,77 +62,9 @@ impl<const N: usize> Components<N> {
     pub(crate) fn each(&self) -> [&WrittenDistribution; N] {
         match self {
             Components::Same(one) => [one; N],
-            // The length has been checked by the deserializer.
+            // The schema has the length.
             Components::Each(list) => std::array::from_fn(|i| &list[i]),
         }
-    }
-}
-
-impl<'de> Deserialize<'de> for WrittenDistribution {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct OfNumberOrTable;
-        impl<'de> Visitor<'de> for OfNumberOrTable {
-            type Value = WrittenDistribution;
-
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a number, or a table such as { uniform = 0.1 }")
-            }
-
-            fn visit_f64<E>(self, value: f64) -> Result<Self::Value, E> {
-                Ok(WrittenDistribution::Deviation(value))
-            }
-
-            fn visit_i64<E>(self, value: i64) -> Result<Self::Value, E> {
-                Ok(WrittenDistribution::Deviation(value as f64))
-            }
-
-            fn visit_u64<E>(self, value: u64) -> Result<Self::Value, E> {
-                Ok(WrittenDistribution::Deviation(value as f64))
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-                DistributionTable::deserialize(MapAccessDeserializer::new(map)).map(WrittenDistribution::Table)
-            }
-        }
-        deserializer.deserialize_any(OfNumberOrTable)
-    }
-}
-
-impl<'de, const N: usize> Deserialize<'de> for Components<N> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct OfOneOrEach<const N: usize>;
-        impl<'de, const N: usize> Visitor<'de> for OfOneOrEach<N> {
-            type Value = Components<N>;
-
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                write!(f, "a number, a table such as {{ uniform = 0.1 }}, or a list of {N} of them")
-            }
-
-            fn visit_f64<E>(self, value: f64) -> Result<Self::Value, E> {
-                Ok(Components::Same(WrittenDistribution::Deviation(value)))
-            }
-
-            fn visit_i64<E>(self, value: i64) -> Result<Self::Value, E> {
-                Ok(Components::Same(WrittenDistribution::Deviation(value as f64)))
-            }
-
-            fn visit_u64<E>(self, value: u64) -> Result<Self::Value, E> {
-                Ok(Components::Same(WrittenDistribution::Deviation(value as f64)))
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-                WrittenDistribution::deserialize(MapAccessDeserializer::new(map)).map(Components::Same)
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Self::Value, A::Error> {
-                let list = Vec::<WrittenDistribution>::deserialize(SeqAccessDeserializer::new(list))?;
-                if list.len() != N {
-                    return Err(serde::de::Error::invalid_length(list.len(), &self));
-                }
-                Ok(Components::Each(list))
-            }
-        }
-        deserializer.deserialize_any(OfOneOrEach)
     }
 }
 

@@ -18,6 +18,7 @@ pub(crate) struct ExpectTable {
     pub(crate) displacement_rmse_mm: Option<DisplacementBounds>,
     /// Lower bound of the amplitude: the best-fit factor of B against the ideal film.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "{ min = 0.8 }"))]
     pub(crate) amplitude: Option<LowerBound>,
     /// A baseline that the field must reproduce.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -25,6 +26,7 @@ pub(crate) struct ExpectTable {
     /// Lower bound of the distance between the tiles and the working volume, in mm. The distance is
     /// negative where a tile reaches into the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "{ min = 3.0 }"))]
     pub(crate) clearance_mm: Option<LowerBound>,
     /// Requirements on the films that are made with the errors of [tolerance].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,6 +50,7 @@ pub(crate) struct MadeTable {
     pub(crate) displacement_rmse_mm: Option<DisplacementBounds>,
     /// Lower bound of the amplitude at 100 minus the percentile.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "{ min = 0.8 }"))]
     pub(crate) amplitude: Option<LowerBound>,
     /// Number of films that are evaluated. Default: the samples of [tolerance].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -61,6 +64,7 @@ pub(crate) struct MadeTable {
 /// Upper bounds of the uniformity RMSE, at least one.
 #[derive(Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("example" = "{ r_x = 0.065, r_y = 0.065, s_z = 0.042 }"))]
 pub(crate) struct UniformityBounds {
     /// Upper bound for R_x, in radians.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -76,6 +80,7 @@ pub(crate) struct UniformityBounds {
 /// Upper bounds of the displacement RMSE, at least one.
 #[derive(Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("example" = "{ x = 0.25, y = 0.25, z = 0.32 }"))]
 pub(crate) struct DisplacementBounds {
     /// Upper bound along x, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -8,9 +8,12 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub(crate) struct IdealTable {
     /// Wavelength of the sinusoidal polarization, in mm.
+    #[schemars(extend("example" = "10.0"))]
     pub(crate) wavelength_mm: f64,
     /// Thickness of the film, in mm.
+    #[schemars(extend("example" = "1.0"))]
     pub(crate) thickness_mm: f64,
     /// Amplitude m0 of each component of the polarization, in T.
+    #[schemars(extend("example" = "0.12"))]
     pub(crate) amplitude_t: f64,
 }

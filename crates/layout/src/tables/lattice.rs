@@ -3,7 +3,6 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::tables::exact_list::exactly;
 use crate::tables::material::RecoilPermeability;
 
 /// A film cut along lines parallel to x and y. Each cell holds one tile, unless its pattern is zero
@@ -15,7 +14,7 @@ pub(crate) struct LatticeTable {
     /// on, numbered in the order of the file.
     pub(crate) name: Option<String>,
     /// Lower corner, in mm.
-    #[serde(deserialize_with = "exactly")]
+    #[schemars(extend("example" = "[-10.0, -10.0, 0.0]"))]
     pub(crate) start_mm: [f64; 3],
     /// Height along z, in mm.
     pub(crate) height_mm: f64,
@@ -27,8 +26,10 @@ pub(crate) struct LatticeTable {
     /// Relative recoil permeability of its tiles. Default: that of [material].
     pub(crate) recoil_permeability: Option<RecoilPermeability>,
     /// Intervals along x.
+    #[schemars(extend("example" = "[{ widths_mm = [3.3, 1.7], pattern = [1, 0] }]"))]
     pub(crate) x: Vec<LatticeSection>,
     /// Intervals along y. Default: the intervals along x.
+    #[schemars(extend("example" = "[{ widths_mm = [3.3, 1.7], pattern = [1, 0] }]"))]
     pub(crate) y: Option<Vec<LatticeSection>>,
 }
 
@@ -37,8 +38,10 @@ pub(crate) struct LatticeTable {
 #[serde(deny_unknown_fields)]
 pub(crate) struct LatticeSection {
     /// Widths of the intervals, in mm.
+    #[schemars(extend("example" = "[3.3, 1.7]"))]
     pub(crate) widths_mm: Vec<f64>,
     /// For each interval the component of the polarization's direction along this axis.
+    #[schemars(extend("example" = "[1, 0]"))]
     pub(crate) pattern: Vec<f64>,
     /// How many times the section is repeated. Default: 1.
     pub(crate) times: Option<usize>,

@@ -1,11 +1,7 @@
 //! The table `[material]`, and the key `recoil_permeability` of tiles and kinds.
 
-use std::fmt;
-
 use schemars::JsonSchema;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{MapAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 /// The material of the tiles.
 #[derive(Deserialize, JsonSchema, Serialize)]
@@ -32,7 +28,7 @@ pub(crate) struct MaterialTable {
 
 /// A relative recoil permeability: a number, or one along the direction of the polarization and one
 /// across it.
-#[derive(Clone, Copy, JsonSchema, Serialize)]
+#[derive(Clone, Copy, Deserialize, JsonSchema, Serialize)]
 #[serde(untagged)]
 pub(crate) enum RecoilPermeability {
     /// The same in all directions.
@@ -44,39 +40,10 @@ pub(crate) enum RecoilPermeability {
 /// Relative recoil permeabilities along the direction of the polarization and across it.
 #[derive(Clone, Copy, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("example" = "{ along = 1.05, across = 1.15 }"))]
 pub(crate) struct AlongAndAcross {
     /// Along the polarization, the easy axis.
     pub(crate) along: f64,
     /// Across the polarization.
     pub(crate) across: f64,
-}
-
-impl<'de> Deserialize<'de> for RecoilPermeability {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct OfNumberOrTable;
-        impl<'de> Visitor<'de> for OfNumberOrTable {
-            type Value = RecoilPermeability;
-
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a number such as 1.05, or a table such as { along = 1.05, across = 1.15 }")
-            }
-
-            fn visit_f64<E>(self, value: f64) -> Result<Self::Value, E> {
-                Ok(RecoilPermeability::Isotropic(value))
-            }
-
-            fn visit_i64<E>(self, value: i64) -> Result<Self::Value, E> {
-                Ok(RecoilPermeability::Isotropic(value as f64))
-            }
-
-            fn visit_u64<E>(self, value: u64) -> Result<Self::Value, E> {
-                Ok(RecoilPermeability::Isotropic(value as f64))
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-                AlongAndAcross::deserialize(MapAccessDeserializer::new(map)).map(RecoilPermeability::Axes)
-            }
-        }
-        deserializer.deserialize_any(OfNumberOrTable)
-    }
 }

@@ -25,8 +25,6 @@ use self::volume::VolumeTable;
 pub(crate) mod design;
 /// Distributions of errors in `[tolerance]`.
 pub(crate) mod distribution;
-/// Lists of an exact length.
-pub(crate) mod exact_list;
 /// `[expect]`: bounds and a baseline for the film.
 pub(crate) mod expect;
 /// `[ideal]`: the sinusoidal film to compare with.
@@ -53,9 +51,10 @@ pub(crate) mod volume;
 #[schemars(title = "magsplice layout")]
 pub(crate) struct LayoutFile {
     /// Version of the format: 1.
-    #[schemars(with = "i64", extend("const" = 1))]
+    #[schemars(with = "i64", extend("const" = 1, "example" = "1"))]
     pub(crate) format: Spanned<i64>,
     /// Name of the layout.
+    #[schemars(extend("example" = "\"my film\""))]
     pub(crate) name: String,
     /// Free text about the layout.
     pub(crate) description: Option<String>,
@@ -86,6 +85,7 @@ pub(crate) struct LayoutFile {
     pub(crate) material: Option<Spanned<MaterialTable>>,
     /// The steps that led to this layout, one text each.
     #[serde(default)]
+    #[schemars(extend("example" = "[\"designed by hand\"]"))]
     pub(crate) history: Vec<String>,
     /// Depth by which tiles may overlap, in mm: that of films as they were measured. Default: 0.
     pub(crate) overlap_mm: Option<f64>,

@@ -3,7 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::tables::exact_list::some_exactly;
 use crate::tables::rotation::RotationTable;
 
 /// The three-axis Hall sensor below the film. Without this table it is perfect: points without
@@ -43,10 +42,11 @@ pub(crate) struct SensorTable {
     /// Sides of the rectangle along x and y of the sensor that a plate averages over, in mm.
     /// Default: points.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(default, deserialize_with = "some_exactly")]
+    #[schemars(extend("example" = "[0.1, 0.1]"))]
     pub(crate) active_area_mm: Option<[f64; 2]>,
     /// Centres of the plates in the frame of the sensor. Default: all at its position.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "{ z = [0.0, 0.0, -0.1] }"))]
     pub(crate) plates_mm: Option<PlatesTable>,
 }
 
@@ -57,21 +57,21 @@ pub(crate) struct SensorTable {
 pub(crate) struct PlatesTable {
     /// Centre of the plate that reads B_x.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(default, deserialize_with = "some_exactly")]
+    #[schemars(extend("example" = "[0.0, 0.0, -0.1]"))]
     pub(crate) x: Option<[f64; 3]>,
     /// Centre of the plate that reads B_y.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(default, deserialize_with = "some_exactly")]
+    #[schemars(extend("example" = "[0.0, 0.0, -0.1]"))]
     pub(crate) y: Option<[f64; 3]>,
     /// Centre of the plate that reads B_z.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(default, deserialize_with = "some_exactly")]
+    #[schemars(extend("example" = "[0.0, 0.0, -0.1]"))]
     pub(crate) z: Option<[f64; 3]>,
 }
 
 /// One number for all axes, or one for each.
 #[derive(Clone, Copy, Deserialize, JsonSchema, Serialize)]
-#[serde(untagged, expecting = "a number for all axes, or a list of three, one for each")]
+#[serde(untagged)]
 pub(crate) enum PerAxis {
     /// The same for all.
     Same(f64),

@@ -3,7 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::tables::exact_list::{exactly, some_exactly};
 use crate::tables::material::RecoilPermeability;
 use crate::tables::rotation::RotationTable;
 
@@ -12,12 +11,12 @@ use crate::tables::rotation::RotationTable;
 #[serde(deny_unknown_fields)]
 pub(crate) struct KindTable {
     /// Full side lengths along the tile's own axes, in mm.
-    #[serde(deserialize_with = "exactly")]
+    #[schemars(extend("example" = "[3.3, 1.7, 1.0]"))]
     pub(crate) size_mm: [f64; 3],
     /// Magnitude of the polarization, in T. Each tile gives its direction.
     pub(crate) strength_t: Option<f64>,
     /// Polarization J = mu0 M in the tile's own frame, in T.
-    #[serde(default, deserialize_with = "some_exactly")]
+    #[schemars(extend("example" = "[0.12, 0.0, 0.0]"))]
     pub(crate) polarization_t: Option<[f64; 3]>,
     /// Relative recoil permeability. Default: that of [material].
     pub(crate) recoil_permeability: Option<RecoilPermeability>,
@@ -35,22 +34,24 @@ pub(crate) struct TileTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) kind: Option<String>,
     /// Centre, in mm.
-    #[serde(deserialize_with = "exactly")]
+    #[schemars(extend("example" = "[0.0, 0.0, 0.5]"))]
     pub(crate) position_mm: [f64; 3],
     /// Full side lengths along the tile's own axes, in mm. Required unless a kind gives them.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(default, deserialize_with = "some_exactly")]
+    #[schemars(extend("example" = "[3.3, 1.7, 1.0]"))]
     pub(crate) size_mm: Option<[f64; 3]>,
-    /// Polarization J = mu0 M in the tile's own frame, in T.
+    /// Polarization J = mu0 M in the tile's own frame, in T. Or give its magnitude as strength_t,
+    /// with a direction.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(default, deserialize_with = "some_exactly")]
+    #[schemars(extend("example" = "[0.12, 0.0, 0.0]"))]
     pub(crate) polarization_t: Option<[f64; 3]>,
     /// Magnitude of the polarization, in T. Needs a direction.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "0.12"))]
     pub(crate) strength_t: Option<f64>,
     /// Direction of the polarization in the tile's own frame, a vector of any length but zero.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(default, deserialize_with = "some_exactly")]
+    #[schemars(extend("example" = "[1.0, 1.0, 0.0]"))]
     pub(crate) direction: Option<[f64; 3]>,
     /// Angle of the polarization in the tile's own xy plane, from x towards y, in degrees. Goes
     /// with strength_t, instead of direction.
@@ -77,12 +78,13 @@ pub(crate) struct TileTable {
 /// Copies of a tile on a regular grid that begins at the tile's position.
 #[derive(Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("example" = "{ count = [4, 4, 1], pitch_mm = [5.0, 5.0, 0.0] }"))]
 pub(crate) struct GridTable {
     /// Number of copies along x, y, z, the tile itself included.
-    #[serde(deserialize_with = "exactly")]
+    #[schemars(extend("example" = "[4, 4, 1]"))]
     pub(crate) count: [usize; 3],
     /// Distance between neighbouring copies along x, y, z, in mm.
-    #[serde(deserialize_with = "exactly")]
+    #[schemars(extend("example" = "[5.0, 5.0, 0.0]"))]
     pub(crate) pitch_mm: [f64; 3],
     /// Axes along which the polarization of every other copy is reversed.
     #[serde(default)]
@@ -92,12 +94,14 @@ pub(crate) struct GridTable {
 /// Mirror images of a tile and its copies.
 #[derive(Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("example" = "{ axes = [\"x\"] }"))]
 pub(crate) struct MirrorTable {
     /// Axes normal to the mirrors, which are applied one after the other.
+    #[schemars(extend("example" = "[\"x\"]"))]
     pub(crate) axes: Vec<AxisName>,
     /// A point on the mirrors, in mm. Default: the origin.
     #[serde(default)]
-    #[serde(deserialize_with = "exactly")]
+    #[schemars(extend("example" = "[0.0, 0.0, 0.0]"))]
     pub(crate) at_mm: [f64; 3],
     /// How the polarization is mirrored. Default: reflect.
     #[serde(default)]

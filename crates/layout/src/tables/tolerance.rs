@@ -8,7 +8,6 @@ use toml::Spanned;
 
 use crate::presets::Preset;
 use crate::tables::distribution::{Components, WrittenDistribution};
-use crate::tables::exact_list::some_exactly;
 use crate::tables::rotation::RotationTable;
 use crate::tables::tile::AxisName;
 
@@ -105,6 +104,7 @@ pub(crate) struct KindErrorsTable {
 #[serde(deny_unknown_fields)]
 pub(crate) struct TileErrorsTable {
     /// Names of tiles. An asterisk stands for any letters, unless the text is the name of a tile.
+    #[schemars(extend("example" = "[\"corner*\"]"))]
     pub(crate) tiles: Vec<String>,
     /// Errors of each tile's centre along x, y, z, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -135,9 +135,11 @@ pub(crate) struct GroupTable {
     /// Names of its tiles. An asterisk stands for any letters, unless the text is the name of a
     /// tile.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "[\"corner*\"]"))]
     pub(crate) tiles: Option<Vec<String>>,
     /// Kinds of its tiles, instead of names.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "[\"square\"]"))]
     pub(crate) kinds: Option<Vec<String>>,
     /// A group for each row of tiles along this axis: tiles whose centres differ along it only.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -216,7 +218,7 @@ pub(crate) struct NeighbourTable {
     pub(crate) layout: String,
     /// Place of its origin, in mm. Required.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(default, deserialize_with = "some_exactly")]
+    #[schemars(extend("example" = "[0.0, 0.0, -12.0]"))]
     pub(crate) position_mm: Option<[f64; 3]>,
     /// Rotation about its origin. Default: none.
     #[serde(skip_serializing_if = "Option::is_none")]

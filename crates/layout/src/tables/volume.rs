@@ -3,35 +3,31 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::tables::exact_list::{exactly, some_exactly};
-
 /// The region in which the sensor moves, sampled on a regular grid.
 #[derive(Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct VolumeTable {
     /// Lower and upper end along x, in mm.
-    #[serde(deserialize_with = "exactly")]
+    #[schemars(extend("example" = "[-2.0, 2.0]"))]
     pub(crate) x_mm: [f64; 2],
     /// Lower and upper end along y, in mm.
-    #[serde(deserialize_with = "exactly")]
+    #[schemars(extend("example" = "[-2.0, 2.0]"))]
     pub(crate) y_mm: [f64; 2],
     /// Lower and upper end along z, in mm. Below the film z is negative.
-    #[serde(deserialize_with = "exactly")]
+    #[schemars(extend("example" = "[-5.0, -3.0]"))]
     pub(crate) z_mm: [f64; 2],
     /// Distance between neighbouring points, in mm: one number, or one each along x, y, z.
+    #[schemars(extend("example" = "0.5"))]
     pub(crate) step_mm: Step,
     /// The point from which changes of the field are measured, in mm, on the film's axis. Default:
     /// the middle of x and y at the lowest z.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(default, deserialize_with = "some_exactly")]
+    #[schemars(extend("example" = "[0.0, 0.0, -5.0]"))]
     pub(crate) reference_mm: Option<[f64; 3]>,
 }
 
 #[derive(Clone, Copy, Deserialize, JsonSchema, Serialize)]
-#[serde(
-    untagged,
-    expecting = "step_mm is one number in mm, or a list of three, one along each axis, as in `step_mm = 0.5`"
-)]
+#[serde(untagged)]
 pub(crate) enum Step {
     /// The same step along x, y and z.
     Same(f64),
