@@ -1,6 +1,9 @@
 //! A layout after it has been checked: named tiles, the ideal film, the working volume and the
 //! requirements.
 
+use std::path::PathBuf;
+use std::sync::Arc;
+
 use glam::{DQuat, DVec3};
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Grid, Permeability, Tile};
@@ -72,8 +75,19 @@ pub struct Layout {
     pub tiles: Vec<NamedTile>,
     /// SHA-256 of the file's bytes, in lower-case hexadecimal.
     pub sha256: String,
+    /// The file from which the layout was read. `None` if it was made in memory.
+    pub file: Option<Arc<SourceFile>>,
     /// Properties that are allowed but usually a mistake, such as a tile without polarization.
     pub findings: Vec<Finding>,
+}
+
+/// The file of a layout as it was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SourceFile {
+    /// Its text.
+    pub text: String,
+    /// The folder that paths in the text are relative to.
+    pub folder: PathBuf,
 }
 
 impl Layout {

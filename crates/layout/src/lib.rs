@@ -37,6 +37,8 @@ mod compact;
 mod distribution;
 /// The text of a layout file, against the schema.
 mod document;
+/// A layout in the text from which it was read.
+mod edit;
 /// Errors of reading a layout.
 mod error;
 /// Units of errors, and what no error exceeds.
@@ -87,10 +89,11 @@ mod write_tolerance;
 pub use brief::{Brief, Goal, StockPart, Symmetry, Under, Variables};
 pub use distribution::Distribution;
 pub use document::is_layout;
+pub use edit::TileForm;
 pub use error::{LayoutError, LayoutFault};
 pub use expectations::{Expectations, ExpectedField, FigureBounds, MadeExpectations};
 pub use finding::{Finding, FindingSubject};
-pub use layout::{Layout, NamedTile, WorkingVolume};
+pub use layout::{Layout, NamedTile, SourceFile, WorkingVolume};
 pub use limits::{MAX_NAME_BYTES, SAMPLE_COUNTS};
 pub use material::Material;
 pub use parts::Part;

@@ -97,7 +97,8 @@ pub struct PlainLayout<'a> {
     elastomer: Option<ElastomerTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
     material: Option<MaterialTable>,
-    tile: Vec<TileTable>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) tile: Vec<TileTable>,
 }
 
 pub(crate) fn volume_table(volume: &WorkingVolume) -> VolumeTable {

@@ -8,6 +8,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use toml::Spanned;
 
@@ -22,7 +23,7 @@ use crate::error::{LayoutError, LayoutFault};
 use crate::expectations::Expectations;
 use crate::finding::FindingSubject;
 use crate::fingerprint::sha256;
-use crate::layout::{Layout, NamedTile};
+use crate::layout::{Layout, NamedTile, SourceFile};
 use crate::limits::{FORMAT, MAX_FILE_BYTES};
 use crate::tables::LayoutFile;
 
@@ -148,8 +149,8 @@ impl Layout {
         parse_from(text, origin, &Source { folder: folder.into(), is_neighbour: false })
     }
 
-    /// A layout that was made in memory, checked like a layout file. `origin` identifies the source of its
-    /// parts in errors.
+    /// A layout that was made in memory, checked like a layout file. `origin` identifies it in
+    /// errors.
     ///
     /// # Errors
     /// [`LayoutError::Invalid`] with every broken rule. The lines of faults are those of
@@ -167,7 +168,7 @@ impl Layout {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn checked(&self, origin: &str) -> Result<Layout, LayoutError> {
-        Layout::parse(&self.to_toml(), origin)
+        Layout::parse(&self.to_toml(), origin).map(|layout| Layout { file: None, ..layout })
     }
 }
 
@@ -318,6 +319,7 @@ fn resolve(file: LayoutFile, text: &str, sha256: String, source: &Source) -> Res
         overlap_mm,
         tiles,
         sha256,
+        file: Some(Arc::new(SourceFile { text: text.to_owned(), folder: source.folder.clone() })),
         findings,
     })
 }

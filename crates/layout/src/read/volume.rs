@@ -17,8 +17,8 @@ impl WorkingVolume {
     /// corner on.
     ///
     /// # Errors
-    /// Every broken rule of `[volume]`: ends that are not finite or not in ascending order, steps that are
-    /// not greater than 0 or make too many points, a reference that is not finite.
+    /// Every broken rule of `[volume]`: ends that are not finite or not in ascending order, steps
+    /// that are not greater than 0 or make too many points, a reference that is not finite.
     pub fn new(
         lower_mm: DVec3,
         upper_mm: DVec3,
