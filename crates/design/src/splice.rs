@@ -139,6 +139,8 @@ impl SpliceRequest {
         let [width, depth] = self.film_mm;
         layout.name = format!("{width} x {depth} mm for a wavelength of {} mm", self.wavelength_mm);
         layout.brief = Some(self.brief());
+        // The text above is nobody's file.
+        layout.file = None;
         Ok(layout)
     }
 

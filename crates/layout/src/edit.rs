@@ -197,7 +197,8 @@ const TILE_TABLES: [&str; 3] = ["kind", "tile", "lattice"];
 /// Writes the tiles of another document in place of the own ones. Comments before the first of them
 /// that an empty line parts from it move to the end.
 fn replace_tiles(document: &mut DocumentMut, anew: &DocumentMut) {
-    let first = TILE_TABLES.iter().filter_map(|key| first_table(document.get(key)?)).min_by_key(|table| table.position());
+    let first =
+        TILE_TABLES.iter().filter_map(|key| first_table(document.get(key)?)).min_by_key(|table| table.position());
     let before = first.and_then(|table| table.decor().prefix()?.as_str()?.rsplit_once("\n\n"));
     if let Some((comments, _)) = before.filter(|(comments, _)| comments.contains('#')) {
         let trailing = format!("{comments}\n{}", document.trailing().as_str().unwrap_or_default());

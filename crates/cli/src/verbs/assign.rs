@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 #[cfg(feature = "report")]
 use magsplice::FilmAssignment;
-use magsplice::layout::Layout;
+use magsplice::layout::{Layout, TileForm};
 use magsplice::making::{AssignmentError, AssignmentSettings, PartlyLaid, PlaceGroup};
 use magsplice::{Film, FilmError};
 #[cfg(feature = "report")]
@@ -150,9 +150,9 @@ fn assignment_failure(args: &AssignArgs, layout: &Layout, error: FilmError) -> F
 fn layout_text(args: &AssignArgs, film: &AssignedFilm, has_sizes: bool) -> Result<String, Failure> {
     let program = format!("{PROGRAM} assign");
     let layout = Film::rigid(film.layout.clone()).assigned_layout(&film.assignment, has_sizes, &program);
-    let text = layout.to_compact_toml();
-    Layout::parse(&text, &format!("the film of {}", args.measured.display()))?;
-    Ok(text)
+    let folder = args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+    let origin = format!("the film of {}", args.measured.display());
+    Ok(layout.to_edited_toml(TileForm::Compact, folder, &origin)?)
 }
 
 #[cfg(feature = "report")]

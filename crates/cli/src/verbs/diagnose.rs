@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use magsplice::FilmError;
-use magsplice::layout::{FilmTolerance, Layout};
+use magsplice::layout::{FilmTolerance, Layout, TileForm};
 use magsplice::prelude::DVec3;
 use magsplice::scan::DiagnosisError;
 
@@ -66,7 +66,10 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     };
     if let Some(mut file) = found_file {
         let scan = args.scan.file_name().map_or_else(|| "a scan".into(), |name| name.to_string_lossy());
-        file.write(|w| w.write_all(film.found_layout(&original, &scan).to_toml().as_bytes()))?;
+        let folder = args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        let origin = format!("the film of {}", args.scan.display());
+        let text = film.found_layout(&original, &scan).to_edited_toml(TileForm::Plain, folder, &origin)?;
+        file.write(|w| w.write_all(text.as_bytes()))?;
         file.finish()?;
     }
     #[cfg(feature = "report")]

@@ -37,7 +37,7 @@ pub(crate) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<u8,
     };
     let mut films: Vec<FrontFilmJson> = Vec::new();
     let mut add = |file: String, film| {
-        folder.write(&file, layout_text(&problem, film, "design --front")?.as_bytes())?;
+        folder.write(&file, layout_text(&problem, film, "design --front", output)?.as_bytes())?;
         films.push(FrontFilmJson { file, film });
         Ok::<(), Failure>(())
     };

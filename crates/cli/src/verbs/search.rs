@@ -9,7 +9,7 @@ use std::time::Duration;
 use indicatif::HumanDuration;
 use magsplice::Stage;
 use magsplice::design::{DesignError, DesignProblem, ProgressUpdate, SearchEstimate, SearchResult, SearchStage};
-use magsplice::layout::Layout;
+use magsplice::layout::TileForm;
 
 use crate::args::formats::TextOrJson;
 use crate::failure::{self, Failure};
@@ -85,7 +85,8 @@ pub(crate) fn finish(
     format: TextOrJson,
     quiet: bool,
 ) -> Result<u8, Failure> {
-    let layout = layout_text(problem, result, verb)?;
+    let folder = path.and_then(Path::parent).unwrap_or(Path::new(""));
+    let layout = layout_text(problem, result, verb, folder)?;
     output.write(|writer| writer.write_all(layout.as_bytes()))?;
     let to_file = !output.is_standard();
     output.finish()?;
@@ -107,15 +108,19 @@ pub(crate) fn finish(
     Ok(u8::from(!result.short_of.is_empty()))
 }
 
-/// The layout file of a film that was found. Refuses a film that breaks a rule of layouts.
-pub(crate) fn layout_text(problem: &DesignProblem, result: &SearchResult, verb: &str) -> Result<String, Failure> {
+/// The layout file of a film that was found, to be written into `folder`. Refuses a film that breaks
+/// a rule of layouts.
+pub(crate) fn layout_text(
+    problem: &DesignProblem,
+    result: &SearchResult,
+    verb: &str,
+    folder: &Path,
+) -> Result<String, Failure> {
     let program = format!("{PROGRAM} {verb}");
     let layout = if verb == SPLICE {
         problem.spliced_layout(result, &program)
     } else {
         problem.designed_layout(result, &program)
     };
-    let text = layout.to_compact_toml();
-    Layout::parse(&text, "the film found")?;
-    Ok(text)
+    Ok(layout.to_edited_toml(TileForm::Compact, folder, "the film found")?)
 }

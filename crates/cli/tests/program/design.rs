@@ -18,7 +18,7 @@ const QUICK: &str =
 #[test]
 fn designed_film_passes_check() {
     let sandbox = Sandbox::new();
-    sandbox.write("film.toml", &film(QUICK));
+    sandbox.write("film.toml", &film(&QUICK.replace("starts = 1", "starts = 1  # quick")));
     let said = sandbox.run(&["design", "film.toml", "-o", "better.toml"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
     for part in
@@ -30,6 +30,7 @@ fn designed_film_passes_check() {
     let checked = sandbox.run(&["check", "better.toml"]);
     assert_eq!((checked.status, checked.stdout.matches("ok ").count()), (0, 7), "{}", checked.stdout);
     let better = sandbox.read("better.toml");
+    assert!(better.contains("starts = 1  # quick") && better.contains("# 56 tiles"), "comments stay: {better}");
     assert!(
         better.contains("history = [") && better.contains("magsplice 0.1.0 design: from \"published film\""),
         "{better}"
