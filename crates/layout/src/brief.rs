@@ -1,14 +1,19 @@
-//! The design brief: what a search may change, within which bounds, and its goal.
+//! `[design]`: the brief of a search: what it may change, within which bounds, and its goal.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The table `[design]`, with its defaults filled in.
-///
-/// The default brief varies nothing and requires nothing.
-///
-/// # Units
-/// Lengths are in millimetres, angles in degrees, polarizations in tesla.
+use crate::expectations::LowerBound;
+use crate::faults::TableFaults;
+use crate::limits::{MAX_DESIGN_POINTS, MAX_STARTS};
+use crate::plausible::check_material;
+use crate::tables_present::TablesPresent;
+use crate::volume::WorkingVolume;
+use crate::written_as::As;
+
+// The comments of the following types are descriptions in the JSON Schema.
+/// What a search may change to improve the film, and its goal. Without keys it varies nothing and
+/// requires nothing.
 ///
 /// # Example
 /// ```
@@ -22,48 +27,77 @@ use serde::{Deserialize, Serialize};
 /// };
 /// assert_eq!((brief.resolution_mm, brief.starts), (0.001, 8));
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(
+    rename = "DesignTable",
+    description = "What a search may change to improve the film, and its goal.",
+    extend("required" = ["vary"])
+)]
 pub struct Brief {
     /// The properties of the tiles that may change.
+    #[serde(with = "As::<Vec<Variable>>")]
+    #[schemars(with = "Vec<Variable>", extend("example" = "[\"size\", \"position\", \"direction\"]"))]
     pub vary: Variables,
-    /// The symmetry that the film has and keeps.
+    /// The symmetry that the film has and keeps. Default: none.
     pub symmetry: Symmetry,
-    /// The error that the search minimizes.
+    /// The error that the search minimizes. Default: uniformity.
     pub goal: Goal,
-    /// The films whose error counts.
+    /// The films whose error counts: the film of the layout, or those made with the errors of
+    /// [tolerance]. Default: nominal.
+    #[serde(skip_serializing_if = "is_nominal")]
     pub under: Under,
-    /// Weights of the errors of R_x, R_y and S_z, or of the displacements along x, y, z.
+    /// Weights of the errors of R_x, R_y and S_z, or of the displacements along x, y, z. Default: 1
+    /// each.
+    #[serde(with = "As::<Weights>")]
+    #[schemars(with = "Weights", extend("example" = "{ r_x = 1.0, r_y = 1.0, s_z = 1.0 }"))]
     pub weights: [f64; 3],
     /// Lower bound of the amplitude: the best-fit factor of B against the ideal film.
+    #[serde(rename = "amplitude", skip_serializing_if = "Option::is_none", with = "As::<LowerBound>")]
+    #[schemars(with = "Option<LowerBound>", extend("example" = "{ min = 0.8 }"))]
     pub least_amplitude: Option<f64>,
-    /// Lower and upper end along x and along y that the tiles must stay within. `None` stands for
-    /// the extent of the tiles.
+    /// Lower and upper ends along x and y that the tiles must stay within, in mm. Default: their
+    /// own extent.
+    #[serde(skip_serializing_if = "is_unbounded", with = "As::<Outline>")]
+    #[schemars(with = "Option<Outline>", extend("example" = "{ x = [-10.0, 10.0], y = [-10.0, 10.0] }"))]
     pub outline_mm: [Option<[f64; 2]>; 2],
-    /// Shortest side of a tile along x and y. `None` stands for the shortest side in the layout.
+    /// Shortest side of a tile along x and y, in mm. Default: the shortest side in the layout.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub smallest_cut_mm: Option<f64>,
-    /// Smallest distance between neighbouring tiles.
+    /// Smallest distance between neighbouring tiles, in mm. Default: 0.
     pub gap_mm: f64,
-    /// Lower and upper bound of the thickness, used if it varies.
-    pub thickness_mm: [f64; 2],
-    /// Lower and upper bound of the magnitude of the polarization, used if it varies.
-    pub strength_t: [f64; 2],
-    /// Sizes are rounded to multiples of this; a tile centred on a mirror plane has its faces at
-    /// half multiples.
+    /// Bounds of the thickness, in mm. Required if the thickness varies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "{ min = 0.5, max = 2.0 }"))]
+    pub thickness_mm: Option<MinMax>,
+    /// Bounds of the magnitude of the polarization, in T. Required if the strength varies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "{ min = 0.0, max = 0.12 }"))]
+    pub strength_t: Option<MinMax>,
+    /// Sizes are rounded to multiples of this, in mm; a tile centred on a mirror plane has its
+    /// faces at half multiples. Default: 0.001.
     pub resolution_mm: f64,
-    /// Directions are rounded to multiples of this.
+    /// Directions are rounded to multiples of this, in degrees. Default: 0.01.
     pub resolution_deg: f64,
-    /// Step of the points at which the search evaluates the film. `None` lets the search choose it.
+    /// Step of the points at which the search evaluates the film, in mm. Default: the step of the
+    /// volume, or a coarser one.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub step_mm: Option<f64>,
-    /// Largest number of distinct parts.
+    /// Largest number of distinct parts. A part is a size with a direction of polarization, however
+    /// it is turned.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub parts: Option<usize>,
-    /// Parts that are available.
+    /// Parts that are available. The search adds other parts only as far as `parts` allows.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("example" = "[{ size_mm = [3.3, 1.7], direction_deg = 0.0 }]"))]
     pub stock: Vec<StockPart>,
-    /// Magnitudes of the polarization that are available. Any magnitude is allowed if this is
-    /// empty.
+    /// Magnitudes of the polarization that are available, in T. Default: any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("example" = "[0.06, 0.12]"))]
     pub stock_strengths_t: Vec<f64>,
-    /// Number of starting points of the search.
+    /// Number of starting points of the search. Default: 8.
     pub starts: usize,
-    /// Seed of the random numbers that vary the starting points.
+    /// Seed of the random numbers that vary the starting points. Default: 1.
     pub seed: u64,
 }
 
@@ -87,7 +121,55 @@ pub struct Variables {
     pub strength: bool,
 }
 
-// The comments of the following types are descriptions in the JSON Schema.
+/// A property of the tiles that may change.
+#[derive(Clone, Copy, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Variable {
+    /// Sides along x and y, about the tile's centre.
+    Size,
+    /// Centres along x and y.
+    Position,
+    /// Cuts: lines parallel to x or y on which faces of tiles lie. All faces on a line move
+    /// together.
+    Cut,
+    /// Upper faces. All faces at the same height move together.
+    Thickness,
+    /// Angle of the polarization in the plane of the film.
+    Direction,
+    /// Angle of the polarization out of the plane of the film.
+    Tilt,
+    /// Magnitude of the polarization.
+    Strength,
+}
+
+impl Variable {
+    const ALL: [Variable; 7] = [
+        Variable::Size,
+        Variable::Position,
+        Variable::Cut,
+        Variable::Thickness,
+        Variable::Direction,
+        Variable::Tilt,
+        Variable::Strength,
+    ];
+}
+
+impl From<Vec<Variable>> for Variables {
+    fn from(names: Vec<Variable>) -> Variables {
+        let [size, position, cut, thickness, direction, tilt, strength] =
+            Variable::ALL.map(|variable| names.contains(&variable));
+        Variables { size, position, cut, thickness, direction, tilt, strength }
+    }
+}
+
+impl From<Variables> for Vec<Variable> {
+    fn from(vary: Variables) -> Vec<Variable> {
+        let Variables { size, position, cut, thickness, direction, tilt, strength } = vary;
+        let varies = [size, position, cut, thickness, direction, tilt, strength];
+        Variable::ALL.into_iter().zip(varies).filter(|(_, varies)| *varies).map(|(variable, _)| variable).collect()
+    }
+}
+
 /// A symmetry of the film. The polarization is mapped like arrows drawn on the tiles, as the
 /// polarization of Eq. 1 is.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Eq, JsonSchema, PartialEq, Serialize)]
@@ -138,6 +220,81 @@ pub struct StockPart {
     pub direction_deg: f64,
 }
 
+/// Weights of the errors of the decoupling parameters.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+struct Weights {
+    /// Weight of R_x.
+    #[serde(default = "one")]
+    r_x: f64,
+    /// Weight of R_y.
+    #[serde(default = "one")]
+    r_y: f64,
+    /// Weight of S_z.
+    #[serde(default = "one")]
+    s_z: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// A rectangle, unbounded along an axis that is not given.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+struct Outline {
+    /// Lower and upper end along x, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "[-10.0, 10.0]"))]
+    x: Option<[f64; 2]>,
+    /// Lower and upper end along y, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "[-10.0, 10.0]"))]
+    y: Option<[f64; 2]>,
+}
+
+/// A lower and an upper bound, both inclusive.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct MinMax {
+    /// The smallest value allowed.
+    pub min: f64,
+    /// The largest value allowed.
+    pub max: f64,
+}
+
+impl From<[f64; 3]> for Weights {
+    fn from([r_x, r_y, s_z]: [f64; 3]) -> Weights {
+        Weights { r_x, r_y, s_z }
+    }
+}
+
+impl From<Weights> for [f64; 3] {
+    fn from(Weights { r_x, r_y, s_z }: Weights) -> [f64; 3] {
+        [r_x, r_y, s_z]
+    }
+}
+
+impl From<[Option<[f64; 2]>; 2]> for Outline {
+    fn from([x, y]: [Option<[f64; 2]>; 2]) -> Outline {
+        Outline { x, y }
+    }
+}
+
+impl From<Outline> for [Option<[f64; 2]>; 2] {
+    fn from(Outline { x, y }: Outline) -> [Option<[f64; 2]>; 2] {
+        [x, y]
+    }
+}
+
+fn is_nominal(under: &Under) -> bool {
+    *under == Under::Nominal
+}
+
+fn is_unbounded(outline_mm: &[Option<[f64; 2]>; 2]) -> bool {
+    *outline_mm == [None; 2]
+}
+
 /// Default resolution of faces: machine tools are no finer.
 const RESOLUTION_MM: f64 = 0.001;
 const RESOLUTION_DEG: f64 = 0.01;
@@ -160,8 +317,8 @@ impl Default for Brief {
             outline_mm: [None; 2],
             smallest_cut_mm: None,
             gap_mm: 0.0,
-            thickness_mm: [0.0; 2],
-            strength_t: [0.0; 2],
+            thickness_mm: None,
+            strength_t: None,
             resolution_mm: RESOLUTION_MM,
             resolution_deg: RESOLUTION_DEG,
             step_mm: None,
@@ -170,6 +327,158 @@ impl Default for Brief {
             stock_strengths_t: Vec::new(),
             starts: STARTS,
             seed: SEED,
+        }
+    }
+}
+
+impl Brief {
+    /// The brief, or `None` after adding its faults.
+    pub(crate) fn checked(
+        self,
+        present: TablesPresent,
+        volume: Option<&WorkingVolume>,
+        faults: &mut TableFaults,
+    ) -> Option<Brief> {
+        let before = faults.count();
+        self.check_variables(faults);
+        present.check("", true, faults);
+        for (key, weight) in ["weights.r_x", "weights.r_y", "weights.s_z"].into_iter().zip(self.weights) {
+            faults.not_negative(key, weight);
+        }
+        if self.weights == [0.0; 3] {
+            faults.add("weights are all 0, at least one must be greater than 0");
+        }
+        self.check_lengths(faults);
+        self.check_bounds(faults);
+        self.check_parts(faults);
+        if let (Some(step), Some(volume)) = (self.step_mm.filter(|step| *step > 0.0), volume) {
+            let points = ((volume.upper_mm - volume.lower_mm) / step + 1.0).element_product();
+            if points > MAX_DESIGN_POINTS {
+                faults.add(format!(
+                    "step_mm = {step} makes {points:.3e} points in the working volume, must make at most \
+                     {MAX_DESIGN_POINTS:e}"
+                ));
+            }
+        }
+        let one_point = volume.is_some_and(|volume| (0..3).any(|axis| volume.grid.plane_len(axis) == 1));
+        if self.goal == Goal::Uniformity && self.step_mm.is_none() && one_point {
+            faults.add(
+                "goal = \"uniformity\" needs at least two points in each plane of the grid of [volume], and some planes \
+                 have one: use a smaller step_mm",
+            );
+        }
+        self.check_under(present, faults);
+        let rule = format_args!("must be from 1 to {MAX_STARTS}");
+        faults.require((1..=MAX_STARTS).contains(&self.starts), "starts", self.starts, rule);
+        (faults.count() == before).then_some(self)
+    }
+
+    /// Requires errors and a goal in millimetres if the films that are made count.
+    fn check_under(&self, present: TablesPresent, faults: &mut TableFaults) {
+        if self.under == Under::Nominal {
+            return;
+        }
+        if !present.tolerance {
+            faults.add(
+                "under = \"tolerance\" needs the table [tolerance], which the layout does not have: it states the errors of \
+                 the films that are made",
+            );
+        }
+        if self.goal != Goal::Displacement {
+            faults.add(format!(
+                "goal = {:?} with under = \"tolerance\", must be \"displacement\": the films with the smallest errors of other \
+                 kinds are those whose parameters change little with the displacement",
+                format!("{:?}", self.goal).to_lowercase()
+            ));
+        }
+    }
+
+    fn check_variables(&self, faults: &mut TableFaults) {
+        if self.vary == Variables::default() {
+            faults
+                .add("vary = [], must name at least one of size, position, cut, thickness, direction, tilt, strength");
+        }
+        if self.vary.cut && (self.vary.size || self.vary.position) {
+            faults.add(
+                "vary names cut, which moves all faces on a line together, and size or position, which move faces \
+                 separately, must name only one of the two",
+            );
+        }
+    }
+
+    fn check_lengths(&self, faults: &mut TableFaults) {
+        let positive = [
+            ("resolution_mm", Some(self.resolution_mm)),
+            ("resolution_deg", Some(self.resolution_deg)),
+            ("step_mm", self.step_mm),
+            ("smallest_cut_mm", self.smallest_cut_mm),
+            ("amplitude.min", self.least_amplitude),
+        ];
+        for (key, value) in positive {
+            value.into_iter().for_each(|value| faults.positive(key, value));
+        }
+        faults.not_negative("gap_mm", self.gap_mm);
+        for (key, range) in ["x", "y"].into_iter().zip(self.outline_mm) {
+            let Some([low, high]) = range else { continue };
+            let is_range = low.is_finite() && high.is_finite() && low < high;
+            let rule = "must be two finite numbers, the first less than the second";
+            faults.require(is_range, format_args!("outline_mm.{key}"), format_args!("[{low}, {high}]"), rule);
+        }
+    }
+
+    fn check_bounds(&self, faults: &mut TableFaults) {
+        let ranges = [
+            ("thickness_mm", "thickness", self.vary.thickness, self.thickness_mm, f64::MIN_POSITIVE, "0 < min <= max"),
+            ("strength_t", "strength", self.vary.strength, self.strength_t, 0.0, "0 <= min <= max"),
+        ];
+        for (key, variable, varies, bounds, least, rule) in ranges {
+            match bounds {
+                Some(MinMax { min, max }) if !(min >= least && min <= max && max.is_finite()) => {
+                    faults.add(format!("{key} = {{ min = {min}, max = {max} }}, must be finite with {rule}"));
+                }
+                None if varies => {
+                    faults.add(format!("vary names {variable}, so {key} = {{ min = ..., max = ... }} must be given"));
+                }
+                _ => {}
+            }
+        }
+        if let Some(MinMax { max, .. }) = self.strength_t {
+            check_material("strength_t.max", max, faults);
+        }
+    }
+
+    fn check_parts(&self, faults: &mut TableFaults) {
+        if self.parts.is_some() || !self.stock.is_empty() {
+            if !(self.vary.size && self.vary.position) {
+                faults.add("parts or stock is given, so vary must name size and position: the search exchanges sizes");
+            }
+            if self.vary.tilt {
+                faults
+                    .add("parts or stock is given, so vary must not name tilt: parts are polarized in the film plane");
+            }
+        }
+        if self.parts == Some(0) {
+            faults.add("parts = 0, must be at least 1");
+        }
+        if let Some(parts) = self.parts.filter(|parts| *parts < self.stock.len()) {
+            faults.add(format!("parts = {parts}, must not be less than the {} parts of the stock", self.stock.len()));
+        }
+        for (index, part) in self.stock.iter().enumerate() {
+            if !part.size_mm.iter().all(|side| side.is_finite() && *side > 0.0) {
+                faults.add(format!(
+                    "stock[{index}].size_mm = {:?}, must be two finite numbers greater than 0",
+                    part.size_mm
+                ));
+            }
+            faults.finite(format_args!("stock[{index}].direction_deg"), part.direction_deg);
+        }
+        for (index, strength) in self.stock_strengths_t.iter().enumerate() {
+            let key = format!("stock_strengths_t[{index}]");
+            faults.not_negative(&key, *strength);
+            check_material(&key, *strength, faults);
+        }
+        if !self.stock_strengths_t.is_empty() && !self.vary.strength {
+            faults.add("stock_strengths_t is given, so vary must name strength");
         }
     }
 }

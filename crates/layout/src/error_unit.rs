@@ -1,6 +1,5 @@
 //! Units of errors in `[tolerance]`: conversion from the file and back, and what no error exceeds.
 
-use crate::distribution::Distribution;
 use crate::plausible::{short, typed};
 
 /// Microtesla in a tesla.
@@ -51,26 +50,6 @@ impl ErrorUnit {
         let mut all = std::iter::once(typed(guess)).chain(near(f64::next_up)).chain(near(f64::next_down));
         // A number that was read has one that it was read from. Any other is written to round-off.
         all.find(|written| self.read(*written) == value).unwrap_or(guess)
-    }
-
-    /// The distribution of numbers in the file as the one of numbers in memory. Where no error is
-    /// left, it is [`Distribution::NONE`], whatever its form.
-    pub(crate) fn read_distribution(self, written: &Distribution) -> Distribution {
-        let read = |value: f64| self.read(value);
-        let found = match written {
-            Distribution::Fixed(value) => Distribution::Fixed(read(*value)),
-            Distribution::Normal { deviation } => Distribution::normal(read(*deviation)),
-            Distribution::Truncated { deviation, limit } => {
-                Distribution::Truncated { deviation: read(*deviation), limit: read(*limit) }
-            }
-            Distribution::Uniform { half_width } => Distribution::Uniform { half_width: read(*half_width) },
-            Distribution::Tabulated(values) => Distribution::Tabulated(values.iter().map(|v| read(*v)).collect()),
-        };
-        let is_none = match &found {
-            Distribution::Truncated { deviation, limit } => *deviation == 0.0 || *limit == 0.0,
-            _ => largest_magnitude(&found) == 0.0,
-        };
-        if is_none { Distribution::NONE } else { found }
     }
 
     /// The magnitude that no error exceeds, in the unit of the file. Lengths have none by
@@ -136,16 +115,6 @@ impl ErrorUnit {
     }
 }
 
-/// The largest magnitude that a distribution states: of all errors, or their standard deviation.
-pub(crate) fn largest_magnitude(distribution: &Distribution) -> f64 {
-    match distribution {
-        Distribution::Fixed(value) => value.abs(),
-        Distribution::Normal { deviation } | Distribution::Truncated { deviation, .. } => *deviation,
-        Distribution::Uniform { half_width } => *half_width,
-        Distribution::Tabulated(values) => values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs())),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -164,22 +133,5 @@ mod tests {
         assert_eq!(ErrorUnit::Degree.read(180.0), std::f64::consts::PI);
         assert_eq!(ErrorUnit::Microtesla.read(50.0), 5e-5);
         assert_eq!(ErrorUnit::Fraction.written(0.01), 0.01);
-    }
-
-    #[test]
-    fn distributions_without_errors_are_none() {
-        for none in [
-            Distribution::Fixed(-0.0),
-            Distribution::Uniform { half_width: 0.0 },
-            Distribution::Truncated { deviation: 0.0, limit: 1.0 },
-            Distribution::Tabulated([0.0, 0.0].into()),
-            // Vanishes on conversion to radians.
-            Distribution::Truncated { deviation: 1.0, limit: 5e-324 },
-        ] {
-            assert!(ErrorUnit::Degree.read_distribution(&none).is_none(), "{none:?}");
-        }
-        let kept = Distribution::Tabulated([-1.0, 2.0].into());
-        assert_eq!(ErrorUnit::Millimetre.read_distribution(&kept), kept);
-        assert_eq!(largest_magnitude(&kept), 2.0);
     }
 }

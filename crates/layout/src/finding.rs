@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::limits::MAX_LISTED;
+
 /// A property of a layout that is allowed but usually a mistake, such as a tile without
 /// polarization.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,4 +44,18 @@ impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)
     }
+}
+
+/// One finding for each item: the first [`MAX_LISTED`] by name, the others as one count.
+pub(crate) fn listed<T>(
+    mut items: impl Iterator<Item = T>,
+    subject: FindingSubject,
+    finding: impl Fn(T) -> String,
+    sort: &str,
+) -> Vec<Finding> {
+    let mut found: Vec<String> = items.by_ref().take(MAX_LISTED).map(&finding).collect();
+    if let Some(next) = items.next() {
+        found.push(format!("{} more {sort}, such as: {}", 1 + items.count(), finding(next)));
+    }
+    found.into_iter().map(|message| Finding::new(subject, message)).collect()
 }

@@ -4,9 +4,8 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::layout::Layout;
-use crate::tables::tolerance::ToleranceTable;
-use crate::write::volume_table;
-use crate::write_tolerance::tolerance_table;
+use crate::tolerance::table::ToleranceTable;
+use crate::volume::VolumeTable;
 
 /// The values that determine every sample together with its seed, in the units of the file. Tiles
 /// stand for themselves: their names do not count.
@@ -19,7 +18,7 @@ struct SampleInputs<'a, S> {
     errors: Option<ToleranceTable>,
     /// The tiles of the neighbour, of which the table has the path only.
     neighbour: Vec<TileNumbers>,
-    volume: Option<crate::tables::volume::VolumeTable>,
+    volume: Option<VolumeTable>,
     /// Wavelength, thickness and amplitude of the ideal film.
     ideal: Option<[f64; 3]>,
     settings: &'a S,
@@ -55,18 +54,16 @@ impl Layout {
         };
         let names: Vec<String> = (0..self.tiles.len()).map(|index| index.to_string()).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let errors = self.tolerance.as_ref().map(|tolerance| {
-            let table = tolerance_table(tolerance, &names).into_inner();
-            ToleranceTable { samples: None, seed: None, ..table }
-        });
-        let neighbour = self.tolerance.as_ref().and_then(|tolerance| tolerance.common.neighbour.as_ref());
+        let tolerance = self.tolerance.as_ref();
+        let errors = tolerance.map(|tolerance| ToleranceTable::of(tolerance, &names).without_samples());
+        let neighbour = tolerance.and_then(|tolerance| tolerance.common.neighbour.as_ref());
         let permeabilities = || self.permeabilities().iter().map(|mu| [mu.along(), mu.across()]).collect();
         let inputs = SampleInputs {
             tiles: self.tiles.iter().map(|named| numbers(&named.tile)).collect(),
             recoil: self.has_recoil().then(|| (permeabilities(), self.material.recoil_error)),
             errors,
             neighbour: neighbour.iter().flat_map(|neighbour| neighbour.tiles.iter().map(numbers)).collect(),
-            volume: self.volume.as_ref().map(volume_table),
+            volume: self.volume.as_ref().map(Into::into),
             ideal: self.ideal.map(|film| [film.wavelength(), film.thickness(), film.amplitude_t()]),
             settings,
         };

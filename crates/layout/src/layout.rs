@@ -4,17 +4,19 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::{DQuat, DVec3};
+use glam::DQuat;
 use magsplice_ideal::IdealFilm;
-use magsplice_magnet::{Grid, Permeability, Tile};
+use magsplice_magnet::{Permeability, Tile};
 
 use crate::brief::Brief;
+use crate::elastomer::Elastomer;
 use crate::expectations::Expectations;
 use crate::finding::Finding;
 use crate::material::Material;
 use crate::rotation::Rotation;
-use crate::sensor::{Elastomer, StatedSensor};
+use crate::sensor::StatedSensor;
 use crate::tolerance::FilmTolerance;
+use crate::volume::WorkingVolume;
 
 /// A spliced film or any other arrangement of block magnets, with the ideal film it is compared
 /// with and the requirements it must meet.
@@ -131,23 +133,4 @@ impl NamedTile {
         let rotation = is_turned.then(|| Rotation::from_quaternion(tile.rotation().to_array()).ok()).flatten();
         NamedTile { name: name.into(), kind: None, rotation, tile, permeability: None }
     }
-}
-
-/// The region in which the sensor moves, sampled on a regular grid.
-///
-/// All lengths are in millimetres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WorkingVolume {
-    /// The sample points. The grid starts at `lower_mm` and ends at `upper_mm`, or at the last step
-    /// before it.
-    pub grid: Grid,
-    /// Lower corner of the region, as written.
-    pub lower_mm: DVec3,
-    /// Upper corner of the region, as written.
-    pub upper_mm: DVec3,
-    /// Distance between neighbouring points along x, y, z.
-    pub step_mm: DVec3,
-    /// The point from which changes of the field are measured. Default: the middle of x and y at
-    /// the lowest z.
-    pub reference_mm: DVec3,
 }

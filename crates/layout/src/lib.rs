@@ -1,8 +1,9 @@
 //! Layout files of spliced magnet films: TOML to tiles and back.
 //!
-//! A file is read into `tables`, types that mirror it key by key. The rules in `read` check the
-//! tables as a whole, and only then do they become a [`Layout`]. `write` turns a layout into tables
-//! and text again. docs/layout-format.md describes every key.
+//! Each table of the file has a file of its own here, with its keys, its rules and the way back to
+//! text. `file` holds them all: it checks a document against the JSON Schema of the types, resolves
+//! its tables into a [`Layout`] only if no rule is broken, and writes a layout as text again.
+//! docs/layout-format.md describes every key.
 //!
 //! This is the only crate of magsplice that knows TOML, and the only one that fixes a unit of
 //! length: millimetres. It computes no field.
@@ -29,71 +30,75 @@
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-/// The design brief: what a search may change, and its goal.
+/// `[design]`: what a search may change, and its goal.
 mod brief;
-/// A layout to text for people: kinds, mirror images, one line for each tile.
-mod compact;
-/// Distributions of errors.
-mod distribution;
-/// The text of a layout file, against the schema.
-mod document;
-/// A layout in the text from which it was read.
-mod edit;
+/// `[elastomer]`: the elastic layer between film and sensor.
+mod elastomer;
 /// Errors of reading a layout.
 mod error;
 /// Units of errors, and what no error exceeds.
 mod error_unit;
-/// Requirements on a film.
+/// `[expect]`: requirements on a film.
 mod expectations;
+/// The list of broken rules, with lines.
+mod faults;
+/// The layout file as a whole.
+mod file;
+/// Files beside a layout.
+mod files;
 /// Properties that are allowed but usually a mistake.
 mod finding;
+/// Findings about tiles, and about lengths beside each other.
+mod findings;
 /// A hash of what determines samples.
 mod fingerprint;
+/// `[ideal]`: the sinusoidal film to compare with.
+mod ideal;
 /// The checked layout: tiles, ideal film, working volume.
 mod layout;
 /// The format version, and counts and lengths above which a file is refused.
 mod limits;
 /// Layouts of films that were made.
 mod made_tiles;
-/// The material of the tiles.
+/// `[material]`: the material of the tiles.
 mod material;
+/// Rules for names.
+mod names;
+/// One number for all axes, or three.
+mod one_or_three;
 /// The bill of materials.
 mod parts;
+/// Where the tables of a text begin.
+mod places;
 /// Magnitudes that no magnet and no film has.
 mod plausible;
-/// Usual errors of tiles.
-mod presets;
-/// Text to tables to a checked layout: every rule for files.
-mod read;
 /// Rotations in every form of the file.
 mod rotation;
-/// The JSON Schema of the layout file.
-mod schema;
-/// The sensor and the elastic layer.
+/// `[sensor]`: the sensor below the film.
 mod sensor;
-/// The TOML tables as written.
-mod tables;
-/// What a film that is made differs by from its layout.
+/// The rule that tables come with the tables they need.
+mod tables_present;
+/// `[[tile]]`, `[kind.NAME]` and `[[lattice]]`.
+mod tile;
+/// `[tolerance]`: what a film that is made differs by from its layout.
 mod tolerance;
-/// Degrees to quaternions and directions, and why lengths need no conversion.
+/// Degrees to quaternions and directions, and the units that keys state.
 mod units;
-/// A layout to tables and text.
-mod write;
-/// Material and permeabilities to their tables.
-mod write_material;
-/// Sensor and elastic layer to their tables.
-mod write_sensor;
-/// Tolerances to their table.
-mod write_tolerance;
+/// `[volume]`: the region in which the sensor moves.
+mod volume;
+/// Values that a file has in another form than memory.
+mod written_as;
 
-pub use brief::{Brief, Goal, StockPart, Symmetry, Under, Variables};
-pub use distribution::Distribution;
-pub use document::is_layout;
-pub use edit::TileForm;
+pub use brief::{Brief, Goal, MinMax, StockPart, Symmetry, Under, Variables};
+pub use elastomer::Elastomer;
 pub use error::{LayoutError, LayoutFault};
 pub use expectations::{Expectations, ExpectedField, FigureBounds, MadeExpectations};
+pub use file::LayoutFile;
+pub use file::edit::TileForm;
+pub use file::schema::schema;
+pub use file::text::is_layout;
 pub use finding::{Finding, FindingSubject};
-pub use layout::{Layout, NamedTile, SourceFile, WorkingVolume};
+pub use layout::{Layout, NamedTile, SourceFile};
 pub use limits::{MAX_NAME_BYTES, SAMPLE_COUNTS};
 pub use material::Material;
 pub use parts::Part;
@@ -101,15 +106,14 @@ pub use plausible::{
     MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, STRONGEST_MAGNET_T, STRONGEST_MATERIAL_T, meant_length,
     meant_polarization,
 };
-pub use presets::Preset;
-pub use rotation::{EulerOrder, InvalidEulerOrder, ORTHOGONALITY_TOLERANCE, Rotation, RotationFault, RotationFaults};
-pub use schema::schema;
-pub use sensor::{Elastomer, StatedSensor};
+pub use rotation::{EulerOrder, InvalidEulerOrder, ORTHOGONALITY_TOLERANCE, Rotation, RotationFaults};
+pub use sensor::StatedSensor;
 pub use tolerance::{
-    CommonErrors, ErrorGroup, FilmPose, FilmTolerance, Neighbour, SensorErrors, StrayField, Temperature, TileErrors,
+    CommonErrors, Distribution, ErrorGroup, FilmPose, FilmTolerance, Neighbour, Preset, SensorErrors, StrayField,
+    Temperature, TileErrors,
 };
 pub use units::{direction_from_degrees, ten_decimals};
-pub use write::PlainLayout;
+pub use volume::WorkingVolume;
 
 /// A layout file with a comment on every key, as `magsplice init` writes it.
 pub const COMMENTED_LAYOUT: &str = include_str!("commented.toml");

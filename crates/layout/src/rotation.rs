@@ -4,7 +4,11 @@ use std::error::Error;
 use std::fmt;
 
 use glam::{DMat3, DQuat, DVec3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
+use crate::faults::TableFaults;
+use crate::names::shown;
 use crate::units::{rotation_from_degrees, unit_vector};
 
 /// Largest deviation of a matrix from orthogonality: of any element of its product with its
@@ -66,28 +70,9 @@ pub struct EulerOrder {
     intrinsic: bool,
 }
 
-/// Why numbers are not a rotation: the value, then the rule. The names are the keys of the file.
+/// Why numbers are not a rotation: for each fault the key with its value, then the rule.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum RotationFault {
-    /// The axis is zero or not finite.
-    Axis([f64; 3]),
-    /// The angle is not finite.
-    Angle(f64),
-    /// The quaternion is zero or not finite.
-    Quaternion([f64; 4]),
-    /// An Euler angle is not finite.
-    EulerAngles([f64; 3]),
-    /// An element of the matrix is not finite.
-    MatrixElements([[f64; 3]; 3]),
-    /// The matrix is not orthogonal.
-    NotOrthogonal {
-        /// Largest deviation of its product with its transpose from the unit matrix.
-        deviation: f64,
-    },
-    /// The matrix is orthogonal and reflects.
-    Reflection,
-}
+pub struct RotationFaults(pub Vec<String>);
 
 /// A text that is no order of Euler angles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,8 +85,8 @@ impl Rotation {
     /// All faults: an axis that is zero or not finite, an angle that is not finite.
     pub fn from_axis_angle(axis: [f64; 3], angle_deg: f64) -> Result<Rotation, RotationFaults> {
         let faults = [
-            unit_vector(axis).is_none().then_some(RotationFault::Axis(axis)),
-            (!angle_deg.is_finite()).then_some(RotationFault::Angle(angle_deg)),
+            unless(unit_vector(axis).is_some(), format_args!("axis = {axis:?}, must be finite and not zero")),
+            unless(angle_deg.is_finite(), format_args!("angle_deg = {angle_deg}, must be a finite number")),
         ];
         checked(Rotation::AxisAngle { axis, angle_deg }, faults)
     }
@@ -113,7 +98,8 @@ impl Rotation {
     pub fn from_quaternion(xyzw: [f64; 4]) -> Result<Rotation, RotationFaults> {
         let largest = xyzw.iter().fold(0.0, |largest: f64, c| largest.max(c.abs()));
         let valid = xyzw.iter().all(|c| c.is_finite()) && largest > 0.0;
-        checked(Rotation::Quaternion(xyzw), [(!valid).then_some(RotationFault::Quaternion(xyzw))])
+        let fault = unless(valid, format_args!("quaternion = {xyzw:?}, must be finite and not zero"));
+        checked(Rotation::Quaternion(xyzw), [fault])
     }
 
     /// Three rotations by angles in degrees, one after the other.
@@ -122,7 +108,8 @@ impl Rotation {
     /// If an angle is not finite.
     pub fn from_euler(angles_deg: [f64; 3], order: EulerOrder) -> Result<Rotation, RotationFaults> {
         let valid = angles_deg.iter().all(|angle| angle.is_finite());
-        checked(Rotation::Euler { angles_deg, order }, [(!valid).then_some(RotationFault::EulerAngles(angles_deg))])
+        let fault = unless(valid, format_args!("euler_deg = {angles_deg:?}, must be three finite numbers"));
+        checked(Rotation::Euler { angles_deg, order }, [fault])
     }
 
     /// The rotation of a matrix, given row by row. It is replaced by the nearest rotation, because
@@ -132,18 +119,21 @@ impl Rotation {
     /// If an element is not finite, the matrix deviates by more than [`ORTHOGONALITY_TOLERANCE`]
     /// from orthogonality, or it is a reflection.
     pub fn from_matrix(rows: [[f64; 3]; 3]) -> Result<Rotation, RotationFaults> {
-        let fault = if rows.iter().flatten().all(|element| element.is_finite()) {
-            let matrix = matrix(rows);
-            let product = matrix * matrix.transpose() - DMat3::IDENTITY;
-            let deviation = product.to_cols_array().iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
-            // Written so that NaN, from elements that overflow, is a fault.
-            if !(deviation <= ORTHOGONALITY_TOLERANCE) {
-                Some(RotationFault::NotOrthogonal { deviation })
-            } else {
-                (matrix.determinant() < 0.0).then_some(RotationFault::Reflection)
-            }
+        let are_finite = rows.iter().flatten().all(|element| element.is_finite());
+        let matrix = matrix(rows);
+        let product = matrix * matrix.transpose() - DMat3::IDENTITY;
+        let deviation = product.to_cols_array().iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
+        let fault = if !are_finite {
+            Some(format!("matrix = {rows:?}, must be nine finite numbers"))
+        // Written so that NaN, from elements that overflow, is a fault.
+        } else if !(deviation <= ORTHOGONALITY_TOLERANCE) {
+            Some(format!(
+                "matrix times its transpose deviates by {deviation:.1e} from the unit matrix, must be at most \
+                 {ORTHOGONALITY_TOLERANCE:e}"
+            ))
         } else {
-            Some(RotationFault::MatrixElements(rows))
+            let rule = format_args!("matrix has the determinant -1, a reflection, must be a rotation with 1");
+            unless(matrix.determinant() >= 0.0, rule)
         };
         checked(Rotation::Matrix(rows), [fault])
     }
@@ -201,8 +191,114 @@ impl Rotation {
     }
 }
 
-fn checked<const N: usize>(rotation: Rotation, faults: [Option<RotationFault>; N]) -> Result<Rotation, RotationFaults> {
-    let faults: Vec<RotationFault> = faults.into_iter().flatten().collect();
+/// A rotation about the tile's centre, from the tile's own frame to the film's. It is given once:
+/// as axis and angle_deg, as quaternion, as euler_deg and order, or as matrix.
+#[derive(Default, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Rotation")]
+#[schemars(extend("example" = "{ axis = [0, 0, 1], angle_deg = 30 }"))]
+pub(crate) struct RotationTable {
+    /// Axis of rotation, a vector of any length but zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "[0, 0, 1]"))]
+    axis: Option<[f64; 3]>,
+    /// Angle, right-handed about the axis, in degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    angle_deg: Option<f64>,
+    /// Quaternion x, y, z, w of any norm but zero; w is the scalar part.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "[0.0, 0.0, 0.5, 0.866]"))]
+    quaternion: Option<[f64; 4]>,
+    /// Angles of three successive rotations, in degrees, in the order of their axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "[10.0, 20.0, 30.0]"))]
+    euler_deg: Option<[f64; 3]>,
+    /// Axes of these rotations: "xyz" about the film's axes (extrinsic), "XYZ" about the axes of
+    /// the turned tile (intrinsic).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    order: Option<String>,
+    /// Rows of the matrix that takes vectors from the tile's own frame to the film's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "[[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]"))]
+    matrix: Option<[[f64; 3]; 3]>,
+}
+
+impl RotationTable {
+    /// The rotation, or `None` after adding its faults.
+    pub(crate) fn resolve(&self, faults: &mut TableFaults) -> Option<Rotation> {
+        let RotationTable { axis, angle_deg, quaternion, euler_deg, order, matrix } = self;
+        let given = [
+            ("axis and angle_deg", axis.is_some() || angle_deg.is_some()),
+            ("quaternion", quaternion.is_some()),
+            ("euler_deg and order", euler_deg.is_some() || order.is_some()),
+            ("matrix", matrix.is_some()),
+        ];
+        let given: Vec<&str> = given.into_iter().filter(|(_, given)| *given).map(|(keys, _)| keys).collect();
+        if given.len() != 1 {
+            let found = if given.is_empty() { "nothing".to_owned() } else { given.join(", ") };
+            faults.add(format!(
+                "rotation gives {found}, must give one of: axis and angle_deg; quaternion; euler_deg and order; matrix"
+            ));
+            return None;
+        }
+        let rotation = match (axis, angle_deg, quaternion, euler_deg, order, matrix) {
+            (Some(axis), Some(angle_deg), ..) => Rotation::from_axis_angle(*axis, *angle_deg),
+            (_, _, Some(quaternion), ..) => Rotation::from_quaternion(*quaternion),
+            (_, _, _, Some(euler_deg), Some(order), _) => {
+                let order: EulerOrder = order
+                    .parse()
+                    .map_err(|rule: InvalidEulerOrder| {
+                        faults.add(format!("rotation.order = \"{}\", {rule}", shown(order)));
+                    })
+                    .ok()?;
+                Rotation::from_euler(*euler_deg, order)
+            }
+            (.., Some(matrix)) => Rotation::from_matrix(*matrix),
+            _ => {
+                let missing = match (axis.is_some(), angle_deg.is_some(), euler_deg.is_some()) {
+                    (true, ..) => "axis without an angle_deg",
+                    (_, true, _) => "angle_deg without an axis",
+                    (.., true) => "euler_deg without an order, such as \"xyz\"",
+                    _ => "order without euler_deg",
+                };
+                faults.add(format!("rotation has {missing}"));
+                return None;
+            }
+        };
+        rotation.map_err(|broken| broken.0.into_iter().for_each(|fault| faults.add(format!("rotation.{fault}")))).ok()
+    }
+
+    /// The keys with angles, and the angles in degrees.
+    pub(crate) fn angles_deg(&self) -> impl Iterator<Item = (String, f64)> {
+        let angle = self.angle_deg.map(|angle| ("rotation.angle_deg".to_owned(), angle));
+        let euler = self.euler_deg.into_iter().flatten().enumerate();
+        angle.into_iter().chain(euler.map(|(index, angle)| (format!("rotation.euler_deg[{index}]"), angle)))
+    }
+}
+
+impl From<Rotation> for RotationTable {
+    fn from(rotation: Rotation) -> RotationTable {
+        let none = RotationTable::default();
+        match rotation {
+            Rotation::AxisAngle { axis, angle_deg } => {
+                RotationTable { axis: Some(axis), angle_deg: Some(angle_deg), ..none }
+            }
+            Rotation::Quaternion(xyzw) => RotationTable { quaternion: Some(xyzw), ..none },
+            Rotation::Euler { angles_deg, order } => {
+                RotationTable { euler_deg: Some(angles_deg), order: Some(order.to_string()), ..none }
+            }
+            Rotation::Matrix(rows) => RotationTable { matrix: Some(rows), ..none },
+        }
+    }
+}
+
+/// A fault unless a rule is kept.
+fn unless(is_kept: bool, fault: fmt::Arguments) -> Option<String> {
+    (!is_kept).then(|| fault.to_string())
+}
+
+fn checked<const N: usize>(rotation: Rotation, faults: [Option<String>; N]) -> Result<Rotation, RotationFaults> {
+    let faults: Vec<String> = faults.into_iter().flatten().collect();
     if faults.is_empty() { Ok(rotation) } else { Err(RotationFaults(faults)) }
 }
 
@@ -254,45 +350,11 @@ impl fmt::Display for InvalidEulerOrder {
     }
 }
 
-impl fmt::Display for RotationFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            RotationFault::Axis(axis) => write!(f, "axis = {axis:?}, must be finite and not zero"),
-            RotationFault::Angle(angle) => write!(f, "angle_deg = {angle}, must be a finite number"),
-            RotationFault::Quaternion(xyzw) => write!(f, "quaternion = {xyzw:?}, must be finite and not zero"),
-            RotationFault::EulerAngles(angles) => write!(f, "euler_deg = {angles:?}, must be three finite numbers"),
-            RotationFault::MatrixElements(rows) => write!(f, "matrix = {rows:?}, must be nine finite numbers"),
-            RotationFault::NotOrthogonal { deviation } => write!(
-                f,
-                "matrix times its transpose deviates by {deviation:.1e} from the unit matrix, must be at most \
-                 {ORTHOGONALITY_TOLERANCE:e}"
-            ),
-            RotationFault::Reflection => {
-                f.write_str("matrix has the determinant -1, a reflection, must be a rotation with 1")
-            }
-        }
-    }
-}
-
-/// Everything that is wrong with one rotation.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RotationFaults(pub Vec<RotationFault>);
-
 impl fmt::Display for RotationFaults {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, fault) in self.0.iter().enumerate() {
-            let separator = if i == 0 { "" } else { "; " };
-            write!(f, "{separator}{fault}")?;
-        }
-        Ok(())
+        f.write_str(&self.0.join("; "))
     }
 }
 
 impl Error for InvalidEulerOrder {}
-impl Error for RotationFault {}
-
-impl Error for RotationFaults {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        self.0.first().map(|fault| fault as _)
-    }
-}
+impl Error for RotationFaults {}

@@ -1,9 +1,20 @@
-//! The sensor below a film, and the elastic layer between them.
+//! `[sensor]`: the three-axis Hall sensor below the film.
 
-use glam::DVec3;
+use std::collections::BTreeMap;
+
+use glam::{DQuat, DVec3};
 use magsplice_magnet::HallSensor;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-use crate::rotation::Rotation;
+use crate::error_unit::ErrorUnit;
+use crate::faults::{FINITE, NOT_NEGATIVE, POSITIVE, Rule, TableFaults};
+use crate::names::shown;
+use crate::one_or_three::OneOrThree;
+use crate::rotation::{Rotation, RotationTable};
+
+/// The numbers of the parts.
+const PARTS: &str = include_str!("sensor_parts.toml");
 
 /// The sensor that a layout states.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,40 +29,185 @@ pub struct StatedSensor {
     pub element: HallSensor,
 }
 
-/// The elastic layer between film and sensor, after Dai 2024, Eqs. 16 and 17.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Elastomer {
-    /// Contact area.
-    pub area_mm2: f64,
-    /// Thickness without load.
-    pub thickness_mm: f64,
-    /// Young's modulus. 1 MPa is 1 N/mm^2.
-    pub youngs_modulus_mpa: f64,
-    /// Poisson ratio.
-    pub poisson_ratio: f64,
-    /// Calibrated stiffness over that of Hooke's law, along each axis: a_1, a_2, a_3.
-    pub scale: DVec3,
-    /// Calibrated force without displacement: b_1, b_2, b_3.
-    pub force_at_rest_n: DVec3,
+/// The three-axis Hall sensor below the film. Without this table it is perfect: points without
+/// errors, noise or limits.
+#[derive(Default, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Sensor")]
+pub(crate) struct SensorTable {
+    /// A part with known numbers: MLX90393, TLV493D, LIS3MDL or MMC5983MA. The keys beside it
+    /// replace its numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part: Option<String>,
+    /// Standard deviation of the noise of a reading, in microtesla: one for all axes, or three.
+    /// Default: 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    noise_ut: Option<OneOrThree>,
+    /// Flux density of one count, in microtesla: one for all axes, or three. Default: 0, readings
+    /// are not rounded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    count_ut: Option<OneOrThree>,
+    /// Largest flux density that is read, in millitesla: one for all axes, or three. Default: no
+    /// limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range_mt: Option<OneOrThree>,
+    /// Readings per second. Default: not stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rate_hz: Option<f64>,
+    /// Reading over flux density: one for all axes, or three. Default: 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gain: Option<OneOrThree>,
+    /// Reading without a field, in microtesla: one for all axes, or three. Default: 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    offset_ut: Option<OneOrThree>,
+    /// Rotation of the sensor in the frame of the film. Default: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rotation: Option<RotationTable>,
+    /// Sides of the rectangle along x and y of the sensor that a plate averages over, in mm.
+    /// Default: points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "[0.1, 0.1]"))]
+    active_area_mm: Option<[f64; 2]>,
+    /// Centres of the plates in the frame of the sensor. Default: all at its position.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "{ z = [0.0, 0.0, -0.1] }"))]
+    plates_mm: Option<PlatesTable>,
 }
 
-impl Elastomer {
-    /// Force over displacement along each axis by Hooke's law, in N/mm: A G / h in shear with G = E
-    /// / (2 (1
-    /// + nu)), and A E / h normal to the layer.
-    pub fn hooke_n_per_mm(&self) -> DVec3 {
-        let normal = self.area_mm2 * self.youngs_modulus_mpa / self.thickness_mm;
-        let shear = normal / (2.0 * (1.0 + self.poisson_ratio));
-        DVec3::new(shear, shear, normal)
-    }
+/// Centres of the plates that read x, y and z, in the frame of the sensor, in mm. Default: its
+/// position.
+#[derive(Clone, Copy, Default, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PlatesTable {
+    /// Centre of the plate that reads B_x.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    x: Option<[f64; 3]>,
+    /// Centre of the plate that reads B_y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    y: Option<[f64; 3]>,
+    /// Centre of the plate that reads B_z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    z: Option<[f64; 3]>,
+}
 
-    /// Force over displacement with the calibrated scale, in N/mm.
-    pub fn stiffness_n_per_mm(&self) -> DVec3 {
-        self.scale * self.hooke_n_per_mm()
+impl SensorTable {
+    /// The sensor, or `None` after adding its faults.
+    pub(crate) fn resolve(&self, faults: &mut TableFaults) -> Option<StatedSensor> {
+        let before = faults.count();
+        let part = self.part.as_deref().map_or_else(SensorTable::default, |name| part(name, faults));
+        let mut numbers = |key: &str, value: Option<OneOrThree>, unit: ErrorUnit, rule: Rule, default: DVec3| {
+            value.map_or(default, |value| {
+                value.check(key, rule, faults);
+                DVec3::from(value).map(|value| unit.read(value))
+            })
+        };
+        let (perfect, ut) = (HallSensor::default(), ErrorUnit::Microtesla);
+        let gain_rule: Rule = |faults, key, gain| {
+            faults.require(gain.is_finite() && gain != 0.0, key, gain, "must be a finite number other than 0");
+        };
+        let (noise, count) = (self.noise_ut.or(part.noise_ut), self.count_ut.or(part.count_ut));
+        let range = self.range_mt.or(part.range_mt);
+        let mut element = HallSensor {
+            noise_t: numbers("noise_ut", noise, ut, NOT_NEGATIVE, perfect.noise_t),
+            count_t: numbers("count_ut", count, ut, NOT_NEGATIVE, perfect.count_t),
+            range_t: numbers("range_mt", range, ErrorUnit::Millitesla, POSITIVE, perfect.range_t),
+            gain: numbers("gain", self.gain, ErrorUnit::Fraction, gain_rule, perfect.gain),
+            offset_t: numbers("offset_ut", self.offset_ut, ut, FINITE, perfect.offset_t),
+            active_area: self.active_area_mm.unwrap_or(perfect.active_area),
+            ..perfect
+        };
+        let PlatesTable { x, y, z } = self.plates_mm.unwrap_or_default();
+        for (axis, place) in ["x", "y", "z"].into_iter().zip([x, y, z].map(Option::unwrap_or_default)) {
+            faults.point(format_args!("plates_mm.{axis}"), place);
+        }
+        element.plates = [x, y, z].map(|place| place.unwrap_or_default().into());
+        for (axis, side) in element.active_area.into_iter().enumerate() {
+            faults.not_negative(&format!("active_area_mm[{axis}]"), side);
+        }
+        let rate_hz = self.rate_hz.or(part.rate_hz);
+        if let Some(rate_hz) = rate_hz {
+            faults.positive("rate_hz", rate_hz);
+        }
+        let rotation = self.rotation.as_ref().and_then(|table| table.resolve(faults));
+        if faults.count() > before {
+            return None;
+        }
+        element.rotation = rotation.map_or(DQuat::IDENTITY, |rotation| rotation.quaternion());
+        let element = element.checked().map_err(|fault| faults.add(fault.to_string())).ok()?;
+        Some(StatedSensor { part: self.part.clone(), rate_hz, rotation, element })
     }
+}
 
-    /// The force that displaces the film by this much.
-    pub fn force_n(&self, displacement_mm: DVec3) -> DVec3 {
-        self.stiffness_n_per_mm() * displacement_mm + self.force_at_rest_n
+/// The table of a sensor, with all numbers written out that a perfect one does not have.
+impl From<&StatedSensor> for SensorTable {
+    fn from(sensor: &StatedSensor) -> SensorTable {
+        let (perfect, element) = (HallSensor::default(), &sensor.element);
+        // A part has numbers of its own, so a perfect value beside it must be written too.
+        let written = |value: DVec3, unit: ErrorUnit, is_given: bool| {
+            (is_given && value.is_finite()).then(|| value.map(|value| unit.written(value)).into())
+        };
+        let given = |value: DVec3, unit: ErrorUnit, default: DVec3| {
+            written(value, unit, value != default || sensor.part.is_some())
+        };
+        let [x, y, z] = element.plates.map(|place| (place != DVec3::ZERO).then(|| place.to_array()));
+        SensorTable {
+            part: sensor.part.clone(),
+            noise_ut: given(element.noise_t, ErrorUnit::Microtesla, perfect.noise_t),
+            count_ut: given(element.count_t, ErrorUnit::Microtesla, perfect.count_t),
+            range_mt: given(element.range_t, ErrorUnit::Millitesla, perfect.range_t),
+            rate_hz: sensor.rate_hz,
+            gain: written(element.gain, ErrorUnit::Fraction, element.gain != perfect.gain),
+            offset_ut: written(element.offset_t, ErrorUnit::Microtesla, element.offset_t != perfect.offset_t),
+            rotation: sensor.rotation.map(Into::into),
+            active_area_mm: (element.active_area != perfect.active_area).then_some(element.active_area),
+            plates_mm: x.or(y).or(z).map(|_| PlatesTable { x, y, z }),
+        }
+    }
+}
+
+/// A part: its numbers, where they are from, and the setting that they are for.
+#[derive(Deserialize)]
+struct Part {
+    #[expect(dead_code, reason = "the source is for people who read the file")]
+    source: String,
+    #[expect(dead_code, reason = "the setting is for people who read the file")]
+    setting: String,
+    noise_ut: OneOrThree,
+    count_ut: OneOrThree,
+    range_mt: OneOrThree,
+    rate_hz: f64,
+}
+
+/// The numbers of a part by its name, or none after adding a fault.
+fn part(name: &str, faults: &mut TableFaults) -> SensorTable {
+    let mut parts: BTreeMap<String, Part> = toml::from_str(PARTS).expect("the list of parts is TOML");
+    let Some(Part { noise_ut, count_ut, range_mt, rate_hz, .. }) = parts.remove(name) else {
+        let known: Vec<String> = parts.into_keys().collect();
+        faults.add(format!("part = \"{}\", must be one of: {}; or leave it out", shown(name), known.join(", ")));
+        return SensorTable::default();
+    };
+    SensorTable {
+        noise_ut: Some(noise_ut),
+        count_ut: Some(count_ut),
+        range_mt: Some(range_mt),
+        rate_hz: Some(rate_hz),
+        ..SensorTable::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_part_obeys_the_rules() {
+        let parts: BTreeMap<String, Part> = toml::from_str(PARTS).unwrap();
+        assert_eq!(parts.len(), 4);
+        for part in parts.values() {
+            let all = [part.noise_ut, part.count_ut, part.range_mt].map(DVec3::from);
+            assert!(all.iter().all(|values| values.cmpgt(DVec3::ZERO).all()) && part.rate_hz > 0.0);
+            // A count is finer than the range by more than ten bits.
+            assert!(all[1].cmplt(all[2]).all());
+        }
     }
 }

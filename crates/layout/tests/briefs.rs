@@ -1,6 +1,6 @@
 //! Rules of `[design]`: each value is refused just beyond its limit and accepted at it.
 
-use magsplice_layout::{Brief, Layout, Under};
+use magsplice_layout::{Brief, Layout, MinMax, Under};
 
 /// A layout of one tile with these lines of `[volume]` and `[design]`.
 fn layout(volume: &str, design: &str) -> Result<Layout, String> {
@@ -56,8 +56,11 @@ fn ranges_of_thickness_and_strength_are_given_with_the_variable() {
     let given = |variable: &str, key: &str, range: [&str; 2]| {
         format!("vary = [\"{variable}\"]\n{key} = {{ min = {}, max = {} }}", range[0], range[1])
     };
-    assert_eq!(accepted(&given("thickness", "thickness_mm", ["1", "1"])).thickness_mm, [1.0; 2]);
-    assert_eq!(accepted(&given("strength", "strength_t", ["0", "1"])).strength_t, [0.0, 1.0]);
+    assert_eq!(
+        accepted(&given("thickness", "thickness_mm", ["1", "1"])).thickness_mm,
+        Some(MinMax { min: 1.0, max: 1.0 })
+    );
+    assert_eq!(accepted(&given("strength", "strength_t", ["0", "1"])).strength_t, Some(MinMax { min: 0.0, max: 1.0 }));
     for (variable, key, least, rule) in [
         ("thickness", "thickness_mm", "0", "must be finite with 0 < min <= max"),
         ("strength", "strength_t", "-1", "must be finite with 0 <= min <= max"),

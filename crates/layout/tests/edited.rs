@@ -3,6 +3,7 @@
 use std::fs;
 
 use glam::DVec3;
+use magsplice_decouple::PerParameter;
 use magsplice_layout::{Brief, COMMENTED_LAYOUT, Goal, Layout, TileForm};
 use magsplice_magnet::Tile;
 
@@ -75,8 +76,8 @@ fn unchanged_layout_is_written_as_it_was_read() {
 fn values_are_replaced_where_they_stand() {
     let mut layout = film();
     layout.name = "pair, designed".to_owned();
-    layout.expectations.uniformity_rmse = [Some(0.01), Some(0.07), Some(0.02)];
-    layout.expectations.least_amplitude = None;
+    layout.expectations.bounds.uniformity_rmse = PerParameter { r_x: Some(0.01), r_y: Some(0.07), s_z: Some(0.02) };
+    layout.expectations.bounds.least_amplitude = None;
     layout.expectations.least_clearance_mm = Some(3.0);
     let text = FILM
         .replace("name = \"pair\"  ", "name = \"pair, designed\"  ")
@@ -189,12 +190,15 @@ fn tolerance_stays_while_it_means_the_same() {
         errors.strength = Default::default();
     }
     let without = written(&layout, TileForm::Plain);
-    assert!(!without.contains("preset") && without.contains("[tolerance]\nposition_mm = 0.5\n"), "{without}");
+    assert!(
+        !without.contains("preset") && without.contains("[tolerance]   # by hand\nposition_mm = 0.5\n"),
+        "{without}"
+    );
     assert!(without.starts_with(FILM));
     // Names that the tiles no longer have.
     let mut renamed = same;
     renamed.tiles[0].name = "other".to_owned();
-    assert!(written(&renamed, TileForm::Compact).contains("tiles = [\"other\"]"));
+    assert!(written(&renamed, TileForm::Compact).contains("[tolerance]   # by hand\nposition_mm = 0.5\n"));
 }
 
 #[test]

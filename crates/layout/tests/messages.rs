@@ -197,3 +197,23 @@ fn tables_at_the_top_begin_with_a_line_of_their_own() {
             .contains("tile is a list of tables, not a table: write [[tile]] with two brackets")
     );
 }
+
+#[test]
+fn tables_that_need_a_key_must_have_one() {
+    for (table, line, wanted) in [
+        ("[expect]\n", "uniformity_rmse = {}", "uniformity_rmse is empty, must give at least one of r_x, r_y, s_z"),
+        (
+            "[expect.made]\n",
+            "displacement_rmse_mm = {}",
+            "displacement_rmse_mm is empty, must give at least one of x, y, z",
+        ),
+        (
+            "",
+            "[expect]",
+            "expect is empty, must give at least one of amplitude, clearance_mm, displacement_rmse_mm, field, made, \
+             uniformity_rmse",
+        ),
+    ] {
+        assert_eq!(sentence(table, line), wanted);
+    }
+}

@@ -101,7 +101,7 @@ fn wrong_values_are_named_with_their_rule() {
     // A number in quotes, and a list of two.
     assert!(refused("[sensor]\nnoise_ut = \"5\"").contains("noise_ut"));
     assert!(
-        refused("[sensor]\nnoise_ut = [1, 2]").contains("one for each"),
+        refused("[sensor]\nnoise_ut = [1, 2]").contains("one along each axis"),
         "{}",
         refused("[sensor]\nnoise_ut = [1, 2]")
     );

@@ -108,8 +108,8 @@ pub(crate) fn finish(
     Ok(u8::from(!result.short_of.is_empty()))
 }
 
-/// The layout file of a film that was found, to be written into `folder`. Refuses a film that breaks
-/// a rule of layouts.
+/// The layout file of a film that was found, to be written into `folder`. Refuses a film that
+/// breaks a rule of layouts.
 pub(crate) fn layout_text(
     problem: &DesignProblem,
     result: &SearchResult,

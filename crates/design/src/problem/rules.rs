@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use magsplice_layout::{Brief, Symmetry};
+use magsplice_layout::{Brief, MinMax, Symmetry};
 use magsplice_magnet::Tile;
 
 use crate::problem::affine::Affine;
@@ -53,12 +53,15 @@ impl DesignBounds {
             }
         }
         let shortest = tiles.iter().map(|tile| tile.size().x.min(tile.size().y)).fold(f64::INFINITY, f64::min);
+        let bounds = |varies: bool, range: Option<MinMax>| {
+            varies.then(|| range.map_or([0.0; 2], |MinMax { min, max }| [min, max]))
+        };
         DesignBounds {
             outline_mm,
             smallest_cut_mm: brief.smallest_cut_mm.unwrap_or(shortest),
             gap: Gap { least_mm: brief.gap_mm, gap_mm: brief.gap_mm, resolution_mm: brief.resolution_mm },
-            thickness_mm: brief.vary.thickness.then_some(brief.thickness_mm),
-            strength_t: brief.vary.strength.then_some(brief.strength_t),
+            thickness_mm: bounds(brief.vary.thickness, brief.thickness_mm),
+            strength_t: bounds(brief.vary.strength, brief.strength_t),
         }
     }
 

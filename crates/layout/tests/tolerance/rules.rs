@@ -143,11 +143,11 @@ fn each_rule_states_value_and_place() {
     }
     // A distribution of the wrong type or with an unknown key is a syntax error with its place.
     for (tables, rule) in [
-        (strength_of("\"1 %\""), "expected a number, or a table such as { uniform = 0.1 }"),
+        (strength_of("\"1 %\""), "strength is one number, or a table such as { uniform = 0.1 }, not a text"),
         (strength_of("{ sigma = 1 }"), "unknown field `sigma`"),
         (
             with("position_mm = [1, 2]"),
-            "invalid length 2, expected a number, a table such as { uniform = 0.1 }, or a list of 3",
+            "a table such as { uniform = 0.1 }, or a list of three of them, not a list of 2",
         ),
         (with("positions_mm = 1"), "did you mean `position_mm`?"),
         (with("[tolerance.stray_field]\nfield = 1"), "did you mean `field_ut`, in microtesla?"),
@@ -294,8 +294,6 @@ fn expectations_of_made_films_are_read_and_their_limits_are_rules() {
     assert_eq!((least.percentile, least.samples, least.confidence), (95.0, None, 0.95));
     for (keys, rule) in [
         ("", "has no bound, must give at least one of uniformity_rmse, displacement_rmse_mm, amplitude"),
-        ("uniformity_rmse = {}", "uniformity_rmse is empty, must give at least one of r_x, r_y, s_z"),
-        ("displacement_rmse_mm = {}", "displacement_rmse_mm is empty, must give at least one of x, y, z"),
         ("displacement_rmse_mm = { x = -1 }", "displacement_rmse_mm.x = -1, must be a finite number of at least 0"),
         ("amplitude = { min = nan }", "amplitude.min = NaN"),
         ("amplitude = { min = 0 }\npercentile = 0", "percentile = 0, must be greater than 0 and less than 100"),

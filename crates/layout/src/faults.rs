@@ -1,0 +1,116 @@
+//! The list of broken rules, each with its line and place in the file, and rules for numbers.
+
+use std::fmt::Display;
+
+use magsplice_magnet::MAX_LENGTH;
+
+use crate::error::LayoutFault;
+use crate::limits::{MAX_LISTED, SAMPLE_COUNTS};
+
+/// The broken rules found so far in one file: the first [`MAX_LISTED`], and the number of the
+/// others.
+pub(crate) struct Faults<'t> {
+    text: &'t str,
+    listed: Vec<LayoutFault>,
+    count: usize,
+}
+
+impl<'t> Faults<'t> {
+    /// An empty list for the file with this text.
+    pub(crate) fn new(text: &'t str) -> Faults<'t> {
+        Faults { text, listed: Vec::new(), count: 0 }
+    }
+
+    /// The list for faults of one table, which begins at `start` in the text and is called `place`.
+    pub(crate) fn at(&mut self, start: usize, place: impl Into<String>) -> TableFaults<'_, 't> {
+        TableFaults { start: Some(start), place: place.into(), list: self }
+    }
+
+    /// Adds a fault of the layout as a whole, which has no line.
+    pub(crate) fn add_to_layout(&mut self, message: impl Into<String>) {
+        TableFaults { start: None, place: "layout".to_owned(), list: self }.add(message);
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Number of faults so far. A caller compares it before and after a check.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// All listed faults in the order of the file, those without a line first, and the number of
+    /// the others last.
+    pub(crate) fn into_sorted(self) -> Vec<LayoutFault> {
+        let mut faults = self.listed;
+        faults.sort_by_key(|fault| fault.line);
+        let others = self.count - faults.len();
+        if others > 0 {
+            let message = format!("and {others} more");
+            faults.push(LayoutFault { line: None, place: "layout".to_owned(), message });
+        }
+        faults
+    }
+}
+
+/// The faults of one table.
+pub(crate) struct TableFaults<'f, 't> {
+    start: Option<usize>,
+    place: String,
+    list: &'f mut Faults<'t>,
+}
+
+impl TableFaults<'_, '_> {
+    /// Adds a fault: the value, then the rule.
+    pub(crate) fn add(&mut self, message: impl Into<String>) {
+        self.list.count += 1;
+        if self.list.count <= MAX_LISTED {
+            let line = self.start.map(|start| self.list.text[..start].matches('\n').count() + 1);
+            self.list.listed.push(LayoutFault { line, place: self.place.clone(), message: message.into() });
+        }
+    }
+
+    /// Adds a fault unless a rule about the value of a key is kept.
+    pub(crate) fn require(&mut self, is_kept: bool, key: impl Display, value: impl Display, rule: impl Display) {
+        if !is_kept {
+            self.add(format!("{key} = {value}, {rule}"));
+        }
+    }
+
+    pub(crate) fn positive(&mut self, key: impl Display, value: f64) {
+        self.require(value.is_finite() && value > 0.0, key, value, "must be a finite number greater than 0");
+    }
+
+    pub(crate) fn not_negative(&mut self, key: impl Display, value: f64) {
+        self.require(value.is_finite() && value >= 0.0, key, value, "must be a finite number of at least 0");
+    }
+
+    pub(crate) fn finite(&mut self, key: impl Display, value: f64) {
+        self.require(value.is_finite(), key, value, "must be a finite number");
+    }
+
+    /// Requires the coordinates of a point.
+    pub(crate) fn point(&mut self, key: impl Display, point: [f64; 3]) {
+        let is_kept = point.iter().all(|c| c.abs() <= MAX_LENGTH);
+        self.require(is_kept, key, format_args!("{point:?}"), "must be three finite numbers");
+    }
+
+    /// Requires a number of samples that can be evaluated.
+    pub(crate) fn sample_count(&mut self, samples: u64) {
+        let rule = format_args!("must be from {} to {}", SAMPLE_COUNTS.start(), SAMPLE_COUNTS.end());
+        self.require(SAMPLE_COUNTS.contains(&samples), "samples", samples, rule);
+    }
+
+    /// Number of faults in the whole file so far. A caller compares it before and after a check.
+    pub(crate) fn count(&self) -> usize {
+        self.list.count
+    }
+}
+
+/// A rule for the value of a key.
+pub(crate) type Rule = fn(&mut TableFaults, &str, f64);
+
+pub(crate) const POSITIVE: Rule = |faults, key, value| faults.positive(key, value);
+pub(crate) const NOT_NEGATIVE: Rule = |faults, key, value| faults.not_negative(key, value);
+pub(crate) const FINITE: Rule = |faults, key, value| faults.finite(key, value);

@@ -1,0 +1,57 @@
+//! The JSON Schema of the layout file, generated from the types that read it.
+
+use schemars::Schema;
+use schemars::generate::SchemaSettings;
+use schemars::transform::{RecursiveTransform, Transform};
+use serde_json::Value;
+
+use crate::file::LayoutFile;
+
+/// The JSON Schema (draft 2020-12) of layout files, with a description of every key, for editors
+/// and other programs.
+///
+/// The schema states the keys and their types. Rules between keys are checked by
+/// [`Layout::parse`](crate::Layout::parse) only.
+///
+/// # Example
+/// ```
+/// let schema = magsplice_layout::schema();
+/// assert_eq!(schema.get("title").unwrap(), "magsplice layout");
+/// ```
+pub fn schema() -> Schema {
+    let mut schema = schema_with_examples();
+    RecursiveTransform(|schema: &mut Schema| drop(schema.remove("example"))).transform(&mut schema);
+    schema
+}
+
+/// The schema with an example of many values, as TOML under the key `example`.
+pub(crate) fn schema_with_examples() -> Schema {
+    let settings = SchemaSettings::draft2020_12().with_transform(RecursiveTransform(in_words_of_toml));
+    settings.into_generator().into_root_schema_for::<LayoutFile>()
+}
+
+/// Removes null, which TOML does not have: an optional key is left out. Joins the lines of
+/// descriptions, which the source wraps at 100 columns.
+fn in_words_of_toml(schema: &mut Schema) {
+    if let Some(Value::Array(types)) = schema.get_mut("type") {
+        types.retain(|name| name != "null");
+        if let [only] = &types[..] {
+            let only = only.clone();
+            schema.insert("type".to_owned(), only);
+        }
+    }
+    if let Some(Value::Array(choices)) = schema.get_mut("anyOf") {
+        choices.retain(|choice| choice.get("type").is_none_or(|name| name != "null"));
+        if let [Value::Object(only)] = &choices[..] {
+            let only = only.clone();
+            schema.remove("anyOf");
+            only.into_iter().for_each(|(key, value)| drop(schema.insert(key, value)));
+        }
+    }
+    if schema.get("default") == Some(&Value::Null) {
+        schema.remove("default");
+    }
+    if let Some(Value::String(description)) = schema.get_mut("description") {
+        *description = description.replace('\n', " ");
+    }
+}

@@ -1,0 +1,182 @@
+//! Findings about lengths: the tiles beside the ideal film and beside the working volume.
+
+use glam::DVec3;
+use magsplice_ideal::IdealFilm;
+use magsplice_magnet::BoundingBox;
+
+use crate::finding::{Finding, FindingSubject};
+use crate::layout::NamedTile;
+use crate::plausible::{MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, doubt, meant_length, short, typed};
+use crate::tile::AXIS_LETTERS;
+use crate::volume::WorkingVolume;
+
+/// Distance of the film from z = 0 that is accepted, as a fraction of the wavelength. It changes
+/// the field by 2 pi times as much, 0.6 %, less than errors of manufacture do.
+const STANDS_WITHIN: f64 = 1e-3;
+
+/// The film's extent as a fraction of the wavelength below which it is no film. A film has at least
+/// one wide tile, a third of the wavelength; a tenth of that is left for single tiles.
+const LEAST_FILM: f64 = 0.03;
+
+/// Largest ratio of the heights of the film and of the ideal film. A film is made thicker or
+/// thinner than the ideal one to change its amplitude, but not by so much.
+const MAX_HEIGHT_RATIO: f64 = 30.0;
+
+/// Largest ratio of the volume's longest side to that of the tiles. The sides of a film and of its
+/// volume, 20 and 4 mm, have a ratio of 200 if the film is in metres.
+const MAX_VOLUME_RATIO: f64 = 150.0;
+
+/// Distance of the volume from the film that is too small for a sensor, as a fraction of the
+/// wavelength. Half of the harmonic of order 11 reaches it: the field shows every seam, and has
+/// little in common with a sinusoid. No chip in its package comes so near to a film of 10 mm.
+const LEAST_DISTANCE: f64 = 0.01;
+
+/// Findings about the volume, and about the ideal film.
+pub(crate) fn findings(tiles: &[NamedTile], ideal: Option<&IdealFilm>, volume: Option<&WorkingVolume>) -> Vec<Finding> {
+    let near = |volume| about_distance(tiles, ideal?, volume);
+    let about_volume = volume.and_then(|volume| about_volume(tiles, volume).or_else(|| near(volume)));
+    let about_ideal = ideal.into_iter().flat_map(|ideal| about_ideal_film(tiles, ideal, volume));
+    about_volume.into_iter().chain(about_ideal).collect()
+}
+
+/// Findings about the ideal film, and about tiles and volume that it cannot be compared with.
+fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: Option<&WorkingVolume>) -> Vec<Finding> {
+    let mut found = Vec::new();
+    let mut add = |message: String| found.push(Finding::new(FindingSubject::IdealFilm, message));
+    if let Some(doubt) = doubt("ideal: an amplitude_t", ideal.amplitude_t()) {
+        add(doubt);
+    }
+    let (wavelength, thickness) = (ideal.wavelength(), ideal.thickness());
+    if wavelength < SHORTEST_WAVELENGTH_MM {
+        add(format!(
+            "ideal: wavelength_mm = {wavelength} is below {SHORTEST_WAVELENGTH_MM} mm, too short for a spliced film; {}",
+            meant_length(wavelength)
+        ));
+    }
+    let is_thin = thickness * MAX_LENGTH_RATIO < wavelength;
+    if is_thin {
+        add(format!(
+            "ideal: thickness_mm = {thickness} is less than a thousandth of the wavelength, {wavelength} mm; {}",
+            meant_length(thickness)
+        ));
+    }
+    let film = bounds(tiles);
+    let size = film.upper - film.lower;
+    let extent = size.x.max(size.y);
+    if extent < LEAST_FILM * wavelength {
+        add(format!(
+            "the film measures {} mm along {}, a small fraction of the wavelength of [ideal], {wavelength} mm: are its \
+             tiles in m, not mm?",
+            short(extent),
+            longest_axis(size.with_z(0.0))
+        ));
+    } else if !is_thin && (size.z > MAX_HEIGHT_RATIO * thickness || size.z * MAX_HEIGHT_RATIO < thickness) {
+        let height = short(size.z);
+        add(format!("the tiles are {height} mm high and the film of [ideal] {thickness} mm: is one of them in m?"));
+    } else if film.lower.z.abs() > STANDS_WITHIN * wavelength {
+        let [low, high] = [film.lower.z, film.upper.z].map(rounded);
+        add(format!(
+            "the film is at z = {low} .. {high} mm, and the ideal film fills 0 <= z <= {thickness} mm with the sensor \
+             below, at z < 0: {}",
+            if film.upper.z <= STANDS_WITHIN * wavelength && volume.is_some_and(|v| v.lower_mm.z >= 0.0) {
+                "turn the film and the volume over, so that the film stands on z = 0".to_owned()
+            } else {
+                format!("move the tiles and the volume by {} mm along z", rounded(-film.lower.z))
+            }
+        ));
+    }
+    if let Some(volume) = volume.filter(|volume| volume.upper_mm.z >= 0.0) {
+        let [low, high] = [volume.lower_mm.z, volume.upper_mm.z];
+        add(format!(
+            "volume: z_mm = [{low}, {high}] is not below the film: the ideal film fills 0 <= z <= {thickness} mm, and its \
+             field is known for z < 0 only"
+        ));
+    }
+    if let Some(volume) = volume {
+        // One point in each plane normal to an axis.
+        let axes: Vec<&str> = ["x", "y", "z"]
+            .into_iter()
+            .enumerate()
+            .filter(|(a, _)| volume.grid.plane_len(*a) == 1)
+            .map(|(_, n)| n)
+            .collect();
+        if !axes.is_empty() {
+            let [nx, ny, nz] = volume.grid.counts();
+            add(format!(
+                "volume: the grid has {nx} x {ny} x {nz} points, only one in each plane normal to {}: the uniformity \
+                 RMSE compares points of a plane, so that it has no meaning there; use a smaller step_mm",
+                axes.join(", ")
+            ));
+        }
+    }
+    found
+}
+
+/// Findings about a volume that is far too large or too small for the tiles.
+fn about_volume(tiles: &[NamedTile], volume: &WorkingVolume) -> Option<Finding> {
+    let film = bounds(tiles);
+    let (film_extents, volume_extents) = (film.upper - film.lower, volume.upper_mm - volume.lower_mm);
+    let (film_mm, volume_mm) = (film_extents.max_element(), volume_extents.max_element());
+    let longest = |extents: DVec3| format!("{} mm along {}", short(extents.max_element()), longest_axis(extents));
+    let [film, region] = [film_extents, volume_extents].map(longest);
+    let message = if film_mm * MAX_VOLUME_RATIO < volume_mm {
+        format!(
+            "the film measures {film}, and the working volume {region}, more than {MAX_VOLUME_RATIO} times as much: are the \
+             tiles in m, not mm?"
+        )
+    } else if volume_mm * MAX_LENGTH_RATIO < film_mm {
+        format!(
+            "the working volume measures {region}, and the film {film}, more than {MAX_LENGTH_RATIO} times as much: is the \
+             volume in m, not mm?"
+        )
+    } else {
+        return None;
+    };
+    Some(Finding::new(FindingSubject::Volume, message))
+}
+
+/// The finding about a volume below the film that is nearer to it than a sensor can be.
+fn about_distance(tiles: &[NamedTile], ideal: &IdealFilm, volume: &WorkingVolume) -> Option<Finding> {
+    let film = bounds(tiles);
+    let wavelength = ideal.wavelength();
+    // Along x and y the volume may be beside the film.
+    let apart = (film.lower - volume.upper_mm).max(volume.lower_mm - film.upper).max(DVec3::ZERO).length();
+    let distance = film.lower.z - volume.upper_mm.z;
+    if !(distance > 0.0 && apart < LEAST_DISTANCE * wavelength) {
+        return None;
+    }
+    let [low, high] = [volume.lower_mm.z, volume.upper_mm.z].map(typed);
+    let all_near = film.lower.z - volume.lower_mm.z < LEAST_DISTANCE * wavelength;
+    // In metres, the volume is at a distance that a sensor has.
+    let meant = (1e3 * distance >= LEAST_DISTANCE * wavelength && all_near).then(|| {
+        format!("; did you mean {} .. {} mm, which is {low} .. {high} m?", typed(1e3 * low), typed(1e3 * high))
+    });
+    Some(Finding::new(
+        FindingSubject::Volume,
+        format!(
+            "volume: z_mm = [{low}, {high}] begins {} mm from the film, nearer than a hundredth of the wavelength, \
+             {wavelength} mm{}",
+            short(distance),
+            meant.unwrap_or_default()
+        ),
+    ))
+}
+
+fn longest_axis(extents: DVec3) -> char {
+    AXIS_LETTERS[extents.max_position()]
+}
+
+/// The box around all tiles.
+fn bounds(tiles: &[NamedTile]) -> BoundingBox {
+    let empty = BoundingBox::from_points(&[]);
+    tiles.iter().map(|named| BoundingBox::from_tile(&named.tile)).fold(empty, |all, tile| BoundingBox {
+        lower: DVec3::min(all.lower, tile.lower),
+        upper: DVec3::max(all.upper, tile.upper),
+    })
+}
+
+/// Without the round-off of sums of decimal numbers.
+fn rounded(value: f64) -> f64 {
+    // Adding 0 turns -0 into 0.
+    format!("{value:.6}").parse().unwrap_or(value) + 0.0
+}

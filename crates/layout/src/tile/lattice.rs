@@ -1,0 +1,226 @@
+//! `[[lattice]]`: one tile for each cell of a cut film whose pattern is not zero.
+
+use std::iter::repeat_n;
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::faults::TableFaults;
+use crate::layout::NamedTile;
+use crate::material::RecoilPermeability;
+use crate::plausible::{check_component, check_material};
+use crate::tile::checked_tile;
+use crate::tile::room::Room;
+
+/// A film cut along lines parallel to x and y. Each cell holds one tile, unless its pattern is zero
+/// along both axes.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LatticeTable {
+    /// First part of the names of its tiles, as in NAME-x2-y1. Default: lattice-1, lattice-2 and so
+    /// on, numbered in the order of the file.
+    name: Option<String>,
+    /// Lower corner, in mm.
+    #[schemars(extend("example" = "[-10.0, -10.0, 0.0]"))]
+    start_mm: [f64; 3],
+    /// Height along z, in mm.
+    height_mm: f64,
+    /// Magnitude of every tile's polarization, in T. Give either this or component_t.
+    strength_t: Option<f64>,
+    /// Factor of the pattern, in T: the polarization is this times the pattern. Give either this or
+    /// strength_t.
+    component_t: Option<f64>,
+    /// Relative recoil permeability of its tiles. Default: that of [material].
+    recoil_permeability: Option<RecoilPermeability>,
+    /// Intervals along x.
+    #[schemars(extend("example" = "[{ widths_mm = [3.3, 1.7], pattern = [1, 0] }]"))]
+    x: Vec<LatticeSection>,
+    /// Intervals along y. Default: the intervals along x.
+    #[schemars(extend("example" = "[{ widths_mm = [3.3, 1.7], pattern = [1, 0] }]"))]
+    y: Option<Vec<LatticeSection>>,
+}
+
+/// Consecutive intervals along one axis of a lattice.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct LatticeSection {
+    /// Widths of the intervals, in mm.
+    #[schemars(extend("example" = "[3.3, 1.7]"))]
+    widths_mm: Vec<f64>,
+    /// For each interval the component of the polarization's direction along this axis.
+    #[schemars(extend("example" = "[1, 0]"))]
+    pattern: Vec<f64>,
+    /// How many times the section is repeated. Default: 1.
+    times: Option<usize>,
+}
+
+impl LatticeTable {
+    /// Its name, or the default one.
+    pub(crate) fn name_or(&self, index: usize) -> String {
+        self.name.clone().unwrap_or_else(|| format!("lattice-{}", index + 1))
+    }
+
+    /// The tiles of a lattice, or `None` after adding its faults.
+    pub(crate) fn resolve(&self, name: &str, room: &mut Room, faults: &mut TableFaults) -> Option<Vec<NamedTile>> {
+        let (sections_x, sections_y) = (&self.x, self.y.as_ref().unwrap_or(&self.x));
+        let before = faults.count();
+        let magnitude = self.magnitude(faults)?;
+        check_sections("x", &self.x, faults);
+        if let Some(y) = &self.y {
+            check_sections("y", y, faults);
+        }
+        let permeability = self.recoil_permeability.and_then(|written| written.resolve(faults));
+        for axis in 0..2 {
+            faults.finite(format_args!("start_mm[{axis}]"), self.start_mm[axis]);
+        }
+        faults.require(self.height_mm > 0.0, "height_mm", self.height_mm, "must be greater than 0");
+        if faults.count() > before {
+            return None;
+        }
+        let [columns, rows] = [sections_x, sections_y].map(|sections| count(sections));
+        // Every cell counts, so that a lattice with few tiles in many cells takes no time either.
+        if !room.take(columns.saturating_mul(rows), name.len(), format!("has {columns} x {rows} cells"), faults) {
+            return None;
+        }
+        let columns = intervals(sections_x, self.start_mm[0]);
+        let rows = intervals(sections_y, self.start_mm[1]);
+        if columns.iter().chain(&rows).all(|interval| interval.pattern == 0.0) {
+            faults.add("has no tiles: pattern is zero everywhere");
+            return None;
+        }
+        let z = self.start_mm[2] + 0.5 * self.height_mm;
+        let mut tiles = Vec::new();
+        for (i, column) in columns.iter().enumerate() {
+            for (j, row) in rows.iter().enumerate() {
+                let pattern = DVec3::new(column.pattern, row.pattern, 0.0);
+                if pattern == DVec3::ZERO {
+                    continue;
+                }
+                let polarization = match magnitude {
+                    Magnitude::Strength(strength) => (pattern / pattern.abs().max_element()).normalize() * strength,
+                    Magnitude::Component(component) => pattern * component,
+                };
+                let position = DVec3::new(column.centre, row.centre, z);
+                let size = DVec3::new(column.width, row.width, self.height_mm);
+                let tile = checked_tile(position, size, polarization, faults)?;
+                tiles.push(NamedTile {
+                    name: format!("{name}-x{}-y{}", i + 1, j + 1),
+                    kind: None,
+                    rotation: None,
+                    tile,
+                    permeability,
+                });
+            }
+        }
+        Some(tiles)
+    }
+
+    fn magnitude(&self, faults: &mut TableFaults) -> Option<Magnitude> {
+        match (self.strength_t, self.component_t) {
+            (Some(strength), None) => {
+                faults.not_negative("strength_t", strength);
+                check_material("strength_t", strength, faults);
+                Some(Magnitude::Strength(strength))
+            }
+            (None, Some(component)) => {
+                faults.not_negative("component_t", component);
+                let [x, y] = [&self.x, self.y.as_ref().unwrap_or(&self.x)].map(|sections| largest_pattern(sections));
+                check_component(component, x.hypot(y), faults);
+                Some(Magnitude::Component(component))
+            }
+            _ => {
+                faults.add("must give one of strength_t (|J| of every tile) and component_t (factor of the pattern)");
+                None
+            }
+        }
+    }
+}
+
+/// How the pattern of a cell becomes its polarization, in tesla.
+#[derive(Clone, Copy)]
+enum Magnitude {
+    /// |J|, the same in every tile. The pattern gives the direction only.
+    Strength(f64),
+    /// Factor of the pattern.
+    Component(f64),
+}
+
+/// The largest absolute value in the patterns of an axis.
+fn largest_pattern(sections: &[LatticeSection]) -> f64 {
+    sections.iter().flat_map(|section| &section.pattern).fold(0.0, |largest: f64, value| largest.max(value.abs()))
+}
+
+fn check_sections(axis: &str, sections: &[LatticeSection], faults: &mut TableFaults) {
+    for (index, section) in sections.iter().enumerate() {
+        let key = format!("{axis}[{index}]");
+        let (widths, pattern) = (section.widths_mm.len(), section.pattern.len());
+        if widths != pattern {
+            faults.add(format!(
+                "{key} has {widths} widths_mm and {pattern} pattern entries, must have the same number of both"
+            ));
+        }
+        for (n, width) in section.widths_mm.iter().enumerate() {
+            faults.positive(format_args!("{key}.widths_mm[{n}]"), *width);
+        }
+        for (n, pattern) in section.pattern.iter().enumerate() {
+            faults.finite(format_args!("{key}.pattern[{n}]"), *pattern);
+        }
+        if widths == 0 {
+            faults.add(format!("{key} has no widths_mm, must have at least one interval"));
+        }
+        if section.times == Some(0) {
+            faults.add(format!("{key}.times = 0, must be at least 1"));
+        }
+    }
+    if sections.is_empty() {
+        faults.add(format!("{axis} has no sections, must have at least one interval"));
+    }
+}
+
+/// One interval of a lattice along one axis, in millimetres.
+struct Interval {
+    centre: f64,
+    width: f64,
+    pattern: f64,
+}
+
+/// Number of intervals along one axis, sections repeated.
+fn count(sections: &[LatticeSection]) -> usize {
+    let intervals = sections.iter().map(|section| section.widths_mm.len().saturating_mul(section.times.unwrap_or(1)));
+    intervals.fold(0, usize::saturating_add)
+}
+
+/// All intervals along one axis, sections repeated, from `start` on.
+fn intervals(sections: &[LatticeSection], start: f64) -> Vec<Interval> {
+    let mut cut = CutLine { at: start, carry: 0.0 };
+    let repeated = sections.iter().flat_map(|section| repeat_n(section, section.times.unwrap_or(1)));
+    let entries = repeated.flat_map(|section| section.widths_mm.iter().zip(&section.pattern));
+    entries
+        .map(|(&width, &pattern)| {
+            let low = cut.value();
+            cut.advance(width);
+            Interval { centre: 0.5 * (low + cut.value()), width, pattern }
+        })
+        .collect()
+}
+
+/// A cut line reached by adding widths. The sum is compensated (Neumaier 1974), so that decimal
+/// widths add up to the decimal cut.
+struct CutLine {
+    at: f64,
+    carry: f64,
+}
+
+impl CutLine {
+    fn value(&self) -> f64 {
+        self.at + self.carry
+    }
+
+    fn advance(&mut self, width: f64) {
+        let next = self.at + width;
+        let width_part = next - self.at;
+        self.carry += (self.at - (next - width_part)) + (width - width_part);
+        self.at = next;
+    }
+}

@@ -1,0 +1,163 @@
+//! One `[[tile]]` before it is repeated, and `[kind.NAME]`.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use magsplice_magnet::Tile;
+
+use crate::faults::TableFaults;
+use crate::layout::NamedTile;
+use crate::limits::MAX_LISTED;
+use crate::names::shown;
+use crate::plausible::{check_polarization, check_strength};
+use crate::tile::checked_tile;
+use crate::tile::{KindTable, TileTable};
+use crate::units::{direction_from_degrees, unit_vector};
+
+impl KindTable {
+    /// Checks a kind by itself, so that its faults are not repeated for every tile that names it.
+    pub(crate) fn check(&self, faults: &mut TableFaults) {
+        if self.strength_t.is_some() && self.polarization_t.is_some() {
+            faults.add("gives both strength_t and polarization_t, must give only one of them");
+        }
+        check_strength(self.strength_t, faults);
+        check_polarization(self.polarization_t, faults);
+        if let Some(written) = self.recoil_permeability {
+            written.resolve(faults);
+        }
+        checked_tile(DVec3::ZERO, self.size_mm.into(), self.polarization_t.unwrap_or_default().into(), faults);
+    }
+}
+
+/// The tile of one table with its kind resolved, or `None` after adding its faults.
+pub(crate) fn resolve(
+    table: &TileTable,
+    name: String,
+    kinds: &BTreeMap<String, KindTable>,
+    faults: &mut TableFaults,
+) -> Option<NamedTile> {
+    let before = faults.count();
+    let kind = match &table.kind {
+        None => None,
+        Some(wanted) => Some(declared_kind(wanted, kinds, faults)?),
+    };
+    let size = size(table, kind, faults);
+    let polarization = polarization(table, kind, faults).unwrap_or(DVec3::ZERO);
+    let rotation = table.rotation.as_ref().map(|table| table.resolve(faults));
+    // The size of a kind has been checked with the kind.
+    let own_size = if table.size_mm.is_some() { size? } else { [1.0; 3] };
+    checked_tile(table.position_mm.into(), own_size.into(), polarization, faults)?;
+    let own_permeability = table.recoil_permeability.and_then(|written| written.resolve(faults));
+    if faults.count() > before {
+        return None;
+    }
+    let mut tile = Tile::new(table.position_mm.into(), size?.into(), polarization).ok()?;
+    let rotation = match rotation {
+        Some(rotation) => Some(rotation?),
+        None => None,
+    };
+    if let Some(rotation) = rotation {
+        tile = tile.rotated(rotation.quaternion()).ok()?;
+    }
+    // Faults of a kind have been added with the kind.
+    let of_kind = || kind?.recoil_permeability?.resolve(faults);
+    let permeability = own_permeability.or_else(of_kind);
+    Some(NamedTile { name, kind: table.kind.clone(), rotation, tile, permeability })
+}
+
+fn declared_kind<'k>(
+    wanted: &str,
+    kinds: &'k BTreeMap<String, KindTable>,
+    faults: &mut TableFaults,
+) -> Option<&'k KindTable> {
+    let kind = kinds.get(wanted);
+    if kind.is_none() {
+        let mut declared: Vec<String> = kinds.keys().take(MAX_LISTED).map(|name| shown(name)).collect();
+        match kinds.len() {
+            0 => declared.push("none".to_owned()),
+            n if n > MAX_LISTED => declared.push(format!("and {} more", n - MAX_LISTED)),
+            _ => {}
+        }
+        let (wanted, declared) = (shown(wanted), declared.join(", "));
+        faults.add(format!("kind = \"{wanted}\", must be declared as [kind.{wanted}] (declared: {declared})"));
+    }
+    kind
+}
+
+fn size(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableFaults) -> Option<[f64; 3]> {
+    match (table.size_mm, kind.map(|k| k.size_mm)) {
+        (Some(size), None) | (None, Some(size)) => Some(size),
+        (Some(_), Some(_)) => {
+            faults.add("gives size_mm, which its kind already gives");
+            None
+        }
+        (None, None) => {
+            faults.add("has no size_mm and no kind that gives it");
+            None
+        }
+    }
+}
+
+fn polarization(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableFaults) -> Option<DVec3> {
+    let kind_strength = kind.and_then(|k| k.strength_t);
+    let kind_polarization = kind.and_then(|k| k.polarization_t);
+    let given = [
+        table.polarization_t.is_some(),
+        table.strength_t.is_some(),
+        kind_polarization.is_some(),
+        kind_strength.is_some(),
+    ];
+    if given.into_iter().filter(|given| *given).count() > 1 {
+        faults.add(
+            "gives its polarization twice, must give one of polarization_t and strength_t, in the tile or in its kind",
+        );
+        return None;
+    }
+    check_strength(table.strength_t, faults);
+    check_polarization(table.polarization_t, faults);
+    let direction = direction(table, faults)?;
+    match (table.polarization_t.or(kind_polarization), table.strength_t.or(kind_strength), direction) {
+        (Some(polarization), _, None) => Some(polarization.into()),
+        (Some(_), _, Some(_)) => {
+            faults.add("gives a direction, which goes with strength_t and not with polarization_t");
+            None
+        }
+        (None, Some(strength), Some(unit)) => Some(unit * strength),
+        (None, Some(_), None) => {
+            faults.add("has a strength_t and no direction or direction_deg");
+            None
+        }
+        (None, None, _) => {
+            faults.add("has no polarization: give polarization_t, or strength_t and direction");
+            None
+        }
+    }
+}
+
+/// The direction as a unit vector. The outer option is `None` after adding a fault, the inner one
+/// where the tile gives no direction.
+fn direction(table: &TileTable, faults: &mut TableFaults) -> Option<Option<DVec3>> {
+    if table.direction.is_some() && table.direction_deg.is_some() {
+        faults.add("gives both direction and direction_deg, must give only one of them");
+        return None;
+    }
+    if table.tilt_deg.is_some() && table.direction_deg.is_none() {
+        faults.add("gives a tilt_deg, which goes with direction_deg");
+        return None;
+    }
+    if let Some(direction) = table.direction {
+        let unit = unit_vector(direction);
+        if unit.is_none() {
+            faults.add(format!("direction = {direction:?}, must be finite and not zero"));
+        }
+        return unit.map(Some);
+    }
+    let Some(direction_deg) = table.direction_deg else { return Some(None) };
+    let angles = [("direction_deg", direction_deg), ("tilt_deg", table.tilt_deg.unwrap_or(0.0))];
+    let wrong = angles.iter().find(|(_, angle)| !angle.is_finite());
+    if let Some((key, angle)) = wrong {
+        faults.add(format!("{key} = {angle}, must be a finite number"));
+        return None;
+    }
+    Some(Some(direction_from_degrees(angles.map(|(_, angle)| angle))))
+}

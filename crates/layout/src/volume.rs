@@ -1,0 +1,189 @@
+//! `[volume]`: the region in which the sensor moves, and its grid.
+
+use glam::DVec3;
+use magsplice_magnet::{Grid, MAX_LENGTH, MIN_SIZE};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::error::LayoutFault;
+use crate::faults::{Faults, POSITIVE, TableFaults};
+use crate::finding::{Finding, FindingSubject};
+use crate::limits::{BYTES_PER_POINT, MAX_POINTS, STEP_ROUNDING};
+use crate::one_or_three::OneOrThree;
+use crate::plausible::{MAX_LENGTH_RATIO, meant_length, typed};
+
+/// The region in which the sensor moves, sampled on a regular grid.
+///
+/// All lengths are in millimetres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorkingVolume {
+    /// The sample points. The grid starts at `lower_mm` and ends at `upper_mm`, or at the last step
+    /// before it.
+    pub grid: Grid,
+    /// Lower corner of the region, as written.
+    pub lower_mm: DVec3,
+    /// Upper corner of the region, as written.
+    pub upper_mm: DVec3,
+    /// Distance between neighbouring points along x, y, z.
+    pub step_mm: DVec3,
+    /// The point from which changes of the field are measured. Default: the middle of x and y at
+    /// the lowest z.
+    pub reference_mm: DVec3,
+}
+
+/// The region in which the sensor moves, sampled on a regular grid.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct VolumeTable {
+    /// Lower and upper end along x, in mm.
+    #[schemars(extend("example" = "[-2.0, 2.0]"))]
+    x_mm: [f64; 2],
+    /// Lower and upper end along y, in mm.
+    #[schemars(extend("example" = "[-2.0, 2.0]"))]
+    y_mm: [f64; 2],
+    /// Lower and upper end along z, in mm. Below the film z is negative.
+    #[schemars(extend("example" = "[-5.0, -3.0]"))]
+    z_mm: [f64; 2],
+    /// Distance between neighbouring points, in mm: one number, or one each along x, y, z.
+    #[schemars(extend("example" = "0.5"))]
+    step_mm: OneOrThree,
+    /// The point from which changes of the field are measured, in mm, on the film's axis. Default:
+    /// the middle of x and y at the lowest z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("example" = "[0.0, 0.0, -5.0]"))]
+    reference_mm: Option<[f64; 3]>,
+}
+
+impl WorkingVolume {
+    /// The region between two corners, in millimetres, with points at these steps from the lower
+    /// corner on.
+    ///
+    /// # Errors
+    /// Every broken rule of `[volume]`: ends that are not finite or not in ascending order, steps
+    /// that are not greater than 0 or make too many points, a reference that is not finite.
+    pub fn new(
+        lower_mm: DVec3,
+        upper_mm: DVec3,
+        step_mm: DVec3,
+        reference_mm: DVec3,
+    ) -> Result<WorkingVolume, Vec<LayoutFault>> {
+        let mut faults = Faults::new("");
+        let table = VolumeTable::of(lower_mm, upper_mm, OneOrThree::Each(step_mm.into()), reference_mm);
+        let volume = table.resolve(&mut faults.at(0, "volume"), &mut Vec::new());
+        volume
+            .ok_or_else(|| faults.into_sorted().into_iter().map(|fault| LayoutFault { line: None, ..fault }).collect())
+    }
+}
+
+impl From<&WorkingVolume> for VolumeTable {
+    fn from(volume: &WorkingVolume) -> VolumeTable {
+        VolumeTable::of(volume.lower_mm, volume.upper_mm, volume.step_mm.into(), volume.reference_mm)
+    }
+}
+
+impl VolumeTable {
+    fn of(lower_mm: DVec3, upper_mm: DVec3, step_mm: OneOrThree, reference_mm: DVec3) -> VolumeTable {
+        let [x_mm, y_mm, z_mm] = [0, 1, 2].map(|axis| [lower_mm[axis], upper_mm[axis]]);
+        VolumeTable { x_mm, y_mm, z_mm, step_mm, reference_mm: Some(reference_mm.into()) }
+    }
+
+    /// The working volume, or `None` after adding its faults. A step that does not divide a range
+    /// is a finding.
+    pub(crate) fn resolve(&self, faults: &mut TableFaults, findings: &mut Vec<Finding>) -> Option<WorkingVolume> {
+        let before = faults.count();
+        let ranges = [("x_mm", self.x_mm), ("y_mm", self.y_mm), ("z_mm", self.z_mm)];
+        for (key, range) in ranges {
+            check_range(key, range, faults);
+        }
+        self.step_mm.check("step_mm", POSITIVE, faults);
+        if let Some(reference) = self.reference_mm {
+            faults.point("reference_mm", reference);
+        }
+        if faults.count() > before {
+            return None;
+        }
+
+        let steps = DVec3::from(self.step_mm);
+        let lower = DVec3::from(ranges.map(|(_, [low, _])| low));
+        let end = DVec3::from(ranges.map(|(_, [_, high])| high));
+        let intervals = ((end - lower) / steps + STEP_ROUNDING).floor();
+        let points = (intervals + 1.0).element_product();
+        if points > MAX_POINTS {
+            faults.add(format!(
+                "step_mm = {} makes {points:.3e} points ({:.3e} GB), must make at most {MAX_POINTS:e}: \
+                 use a step of at least {} mm along each axis{}",
+                self.step_mm,
+                points * BYTES_PER_POINT * 1e-9,
+                least_step(end - lower),
+                meant_step(steps, end - lower).map_or(String::new(), |meant| format!("; {meant}"))
+            ));
+            return None;
+        }
+        let mut upper = lower;
+        for axis in 0..3 {
+            let reached = lower[axis] + intervals[axis] * steps[axis];
+            let reaches_end = (end[axis] - reached).abs() <= STEP_ROUNDING * steps[axis];
+            upper[axis] = if reaches_end { end[axis] } else { reached };
+            if !reaches_end {
+                let message = format!(
+                    "volume: a step of {} mm does not divide {} = [{}, {}]; the last points are at {}",
+                    steps[axis],
+                    ranges[axis].0,
+                    lower[axis],
+                    end[axis],
+                    typed(reached)
+                );
+                findings.push(Finding::new(FindingSubject::Volume, message));
+            }
+        }
+        let counts = intervals.to_array().map(|n| n as usize + 1);
+        let middle = 0.5 * (lower + end);
+        Some(WorkingVolume {
+            grid: Grid::new(lower, upper, counts).expect("ranges and steps have been checked"),
+            lower_mm: lower,
+            upper_mm: end,
+            step_mm: steps,
+            reference_mm: self.reference_mm.map_or(DVec3::new(middle.x, middle.y, lower.z), DVec3::from),
+        })
+    }
+}
+
+fn check_range(key: &str, [low, high]: [f64; 2], faults: &mut TableFaults) {
+    if !(low.abs() <= MAX_LENGTH && high.abs() <= MAX_LENGTH) {
+        faults.add(format!("{key} = [{low}, {high}], must be two finite numbers"));
+    } else if low >= high {
+        let how = if low == high { "empty" } else { "inverted" };
+        faults.add(format!("{key} = [{low}, {high}] is {how}, the first must be less than the second"));
+    } else if high - low < MIN_SIZE {
+        faults.add(format!(
+            "{key} = [{low:e}, {high:e}] is {:e} long, must be at least {MIN_SIZE:e} long",
+            typed(high - low)
+        ));
+    }
+}
+
+/// Ratio of the steps tried as the smallest. The ends of at most 400 steps are that near.
+const FINER: f64 = 1.05;
+
+/// The smallest step, rounded up to two digits, with which a region of these extents has at most
+/// [`MAX_POINTS`] points.
+fn least_step(extents: DVec3) -> f64 {
+    // By ratios, because products of extents may be too small for a number.
+    let points = |step: f64| (extents / step + 1.0).element_product();
+    let mut step = extents.max_element();
+    while points(step / FINER) <= MAX_POINTS {
+        step /= FINER;
+    }
+    let digit = 10_f64.powf(step.log10().floor() - 1.0);
+    // Through decimal text, which removes the round-off of the product.
+    format!("{:.1e}", (step / digit).ceil() * digit).parse().unwrap_or(step)
+}
+
+/// What steps in metres were meant to be: a step below a thousandth of the shortest extent, if a
+/// thousand times the steps make a grid.
+fn meant_step(steps: DVec3, extents: DVec3) -> Option<String> {
+    let shortest = steps.min_element();
+    let points = (extents / (MAX_LENGTH_RATIO * steps) + 1.0).element_product();
+    let is_likely = shortest * MAX_LENGTH_RATIO < extents.min_element() && points <= MAX_POINTS;
+    is_likely.then(|| meant_length(shortest))
+}
