@@ -5,7 +5,6 @@ use std::mem;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use magsplice::layout::Layout;
 use magsplice::magnet::{Accuracy, PointError, PointErrorCause, PointErrors, Quantity};
 use magsplice::prelude::DVec3;
 use magsplice::results::{FieldAtPoints, Metadata, PointQuantity, Points, Source, Table};
@@ -94,12 +93,12 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
 fn at_points(args: &FieldArgs, session: &Session, film: &Film, path: &Path) -> Result<(), Failure> {
     let mut file = PointFile::open(path, args.points.unit, &|remark| session.tell(remark))?;
     let mut writer = FieldWriter::open(args, film, Points::Scattered(Vec::new()))?;
-    let mut faults = PointFaults::new(args.unbounded);
     let (mut points, mut lines) = (Vec::new(), Vec::new());
     let mut done = 0;
     loop {
-        let more = file.read(BATCH, &mut points, &mut lines, &mut faults.errors)?;
-        writer.evaluate(&points, &mut faults, |error, cause| {
+        let more = file.read(BATCH, &mut points, &mut lines, &mut writer.errors)?;
+        let (values, evaluated) = writer.quantity.values(film.scene(), &points);
+        writer.add(&points, values, evaluated, |error, cause| {
             let (line, p) = (lines[error.index], error.point);
             (line, format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z))
         })?;
@@ -107,79 +106,54 @@ fn at_points(args: &FieldArgs, session: &Session, film: &Film, path: &Path) -> R
         if writer.format != TableFormat::Csv && done > points::MAX_HELD_POINTS {
             return Err(points::too_many_points(path));
         }
-        session.progress.show(Stage { name: "field", done, of: None, unit: "points" });
+        film.tell(Stage { name: "field", done, of: None, unit: "points" });
         if !more {
-            break;
+            return writer.finish(session, path);
         }
     }
-    writer.finish(session, faults, path)
 }
 
 fn on_grid(args: &FieldArgs, session: &Session, film: &Film) -> Result<(), Failure> {
     let grid = film.volume().map_err(|error| no_points(&args.layout, error))?.grid;
     let mut writer = FieldWriter::open(args, film, Points::Grid(grid))?;
-    let mut faults = PointFaults::new(args.unbounded);
     let fault = |error: &PointError, cause: &str| {
         let p = error.point;
         (0, format!("point ({}, {}, {}) mm of the working volume: {cause}", p.x, p.y, p.z))
     };
-    match (film.scene().accuracy(), writer.quantity) {
+    if let (Accuracy::Within(_), PointQuantity::Field(quantity)) = (film.scene().accuracy(), writer.quantity) {
         // The methods that a tolerance allows need the whole grid at once.
-        (Accuracy::Within(_), PointQuantity::Field(quantity)) => {
-            let points: Vec<DVec3> = grid.points().collect();
-            let mut field = vec![DVec3::ZERO; points.len()];
-            let evaluated = film.with_counted_points(points.len(), |progress| {
-                film.scene().field_on_grid_with_progress(quantity, &grid, &mut field, progress)
-            });
-            writer.add(evaluated, &points, field.iter().flat_map(DVec3::to_array), &mut faults, fault)?;
-        }
-        _ => {
-            for start in (0..grid.len()).step_by(BATCH) {
-                film.tell(Stage { name: "field", done: start, of: Some(grid.len()), unit: "points" });
-                let points: Vec<DVec3> = (start..grid.len().min(start + BATCH)).map(|i| grid.point(i)).collect();
-                writer.evaluate(&points, &mut faults, fault)?;
-            }
-        }
+        let points: Vec<DVec3> = grid.points().collect();
+        let mut field = vec![DVec3::ZERO; points.len()];
+        let evaluated = film.with_counted_points(points.len(), |progress| {
+            film.scene().field_on_grid_with_progress(quantity, &grid, &mut field, progress)
+        });
+        writer.add(&points, field.iter().flat_map(DVec3::to_array).collect(), evaluated, fault)?;
+        return writer.finish(session, &args.layout);
     }
-    writer.finish(session, faults, &args.layout)
+    for start in (0..grid.len()).step_by(BATCH) {
+        film.tell(Stage { name: "field", done: start, of: Some(grid.len()), unit: "points" });
+        let points: Vec<DVec3> = (start..grid.len().min(start + BATCH)).map(|i| grid.point(i)).collect();
+        let (values, evaluated) = writer.quantity.values(film.scene(), &points);
+        writer.add(&points, values, evaluated, fault)?;
+    }
+    writer.finish(session, &args.layout)
 }
 
-/// Points and lines without a field: those that stop the program, and those written as NaN.
-struct PointFaults {
-    unbounded: UnboundedArg,
-    errors: FaultList,
-    written_as_nan: FaultList,
-}
-
-impl PointFaults {
-    fn new(unbounded: UnboundedArg) -> PointFaults {
-        PointFaults { unbounded, errors: FaultList::default(), written_as_nan: FaultList::default() }
-    }
-
-    /// Adds the points without a field. `fault` gives the line of a point and the words for it.
-    fn add(&mut self, errors: PointErrors, layout: &Layout, fault: impl Fn(&PointError, &str) -> (u64, String)) {
-        for error in errors.0 {
-            let (line, words) = fault(&error, &no_field(error.cause, layout));
-            let on_edge = matches!(error.cause, PointErrorCause::Unbounded { .. } | PointErrorCause::Unresolved { .. });
-            if on_edge && self.unbounded == UnboundedArg::Nan {
-                self.written_as_nan.add(line, format!("{words}; written as NaN"));
-            } else {
-                self.errors.add(line, words);
-            }
-        }
-    }
-}
-
-/// Evaluates the field and writes it: CSV batch by batch, other formats at the end.
+/// Writes a field: CSV batch by batch, other formats at the end.
 struct FieldWriter<'a> {
     film: &'a Film,
     output: Output,
     format: TableFormat,
     quantity: PointQuantity,
+    unbounded: UnboundedArg,
     /// Points and values that are not written yet.
     points: Points,
     values: Vec<f64>,
     metadata: Metadata,
+    /// Points and lines without a field that stop the program.
+    errors: FaultList,
+    /// Points without a field that are written as NaN.
+    written_as_nan: FaultList,
 }
 
 impl<'a> FieldWriter<'a> {
@@ -188,10 +162,19 @@ impl<'a> FieldWriter<'a> {
         let format = choice::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
         choice::accept(format, args.output.as_deref(), matches!(points, Points::Grid(_)))?;
         let inputs: Vec<&Path> = std::iter::once(&args.layout).chain(&args.points.file).map(PathBuf::as_path).collect();
-        // A later point may have no field, and then nothing may have been printed.
-        let output = Output::open(args.output.as_deref(), &inputs)?.held_back();
-        let (quantity, metadata) = (args.quantity.into(), Source::of(film).metadata());
-        let mut writer = FieldWriter { film, output, format, quantity, points, values: Vec::new(), metadata };
+        let mut writer = FieldWriter {
+            film,
+            // A later point may have no field, and then nothing may have been printed.
+            output: Output::open(args.output.as_deref(), &inputs)?.held_back(),
+            format,
+            quantity: args.quantity.into(),
+            unbounded: args.unbounded,
+            points,
+            values: Vec::new(),
+            metadata: Source::of(film).metadata(),
+            errors: FaultList::default(),
+            written_as_nan: FaultList::default(),
+        };
         if format == TableFormat::Csv {
             writer.points = Points::Scattered(Vec::new());
             let empty = writer.take_table();
@@ -207,49 +190,43 @@ impl<'a> FieldWriter<'a> {
         Table::new(points, vec![columns], mem::take(&mut self.metadata)).expect("every point has its values")
     }
 
-    /// Evaluates further points, and adds their rows if no point before is an error. Adds points
-    /// without a field to `faults`, in the words of `fault`.
-    fn evaluate(
-        &mut self,
-        points: &[DVec3],
-        faults: &mut PointFaults,
-        fault: impl Fn(&PointError, &str) -> (u64, String),
-    ) -> Result<(), Failure> {
-        let (values, evaluated) = self.quantity.values(self.film.scene(), points);
-        self.add(evaluated, points, values.into_iter(), faults, fault)
-    }
-
-    /// Adds the rows of points that were evaluated, as [`FieldWriter::evaluate`] does.
+    /// Adds the rows of further points if no point before is an error. `fault` gives the line of a
+    /// point without a field, which has NaN for a value, and the words for it.
     fn add(
         &mut self,
-        evaluated: Result<(), PointErrors>,
         points: &[DVec3],
-        values: impl Iterator<Item = f64>,
-        faults: &mut PointFaults,
+        values: Vec<f64>,
+        evaluated: Result<(), PointErrors>,
         fault: impl Fn(&PointError, &str) -> (u64, String),
     ) -> Result<(), Failure> {
-        if let Err(errors) = evaluated {
-            faults.add(errors, self.film.layout(), fault);
+        for error in evaluated.err().into_iter().flat_map(|errors| errors.0) {
+            let (line, words) = fault(&error, &no_field(error.cause, self.film.layout()));
+            let on_edge = matches!(error.cause, PointErrorCause::Unbounded { .. } | PointErrorCause::Unresolved { .. });
+            if on_edge && self.unbounded == UnboundedArg::Nan {
+                self.written_as_nan.add(line, format!("{words}; written as NaN"));
+            } else {
+                self.errors.add(line, words);
+            }
         }
-        // Points without a field have NaN for a value.
-        if faults.errors.is_empty() {
-            if let Points::Scattered(known) = &mut self.points {
-                known.extend(points);
-            }
-            self.values.extend(values);
-            if self.format == TableFormat::Csv {
-                let table = self.take_table();
-                self.output.write(|w| csv::rows(&table, w))?;
-            }
+        if !self.errors.is_empty() {
+            return Ok(());
+        }
+        if let Points::Scattered(known) = &mut self.points {
+            known.extend(points);
+        }
+        self.values.extend(values);
+        if self.format == TableFormat::Csv {
+            let table = self.take_table();
+            self.output.write(|w| csv::rows(&table, w))?;
         }
         Ok(())
     }
 
     /// Completes the result. `place` is the file that the points are from.
-    fn finish(mut self, session: &Session, faults: PointFaults, place: &Path) -> Result<(), Failure> {
+    fn finish(mut self, session: &Session, place: &Path) -> Result<(), Failure> {
         let place = place.display().to_string();
-        if !faults.errors.is_empty() {
-            return Err(faults.errors.failure(place));
+        if !self.errors.is_empty() {
+            return Err(self.errors.failure(place));
         }
         if self.format != TableFormat::Csv {
             let table = self.take_table();
@@ -258,8 +235,8 @@ impl<'a> FieldWriter<'a> {
         }
         self.output.finish()?;
         session.progress.end();
-        if !faults.written_as_nan.is_empty() {
-            session.tell(&faults.written_as_nan.remarks(&place));
+        if !self.written_as_nan.is_empty() {
+            session.tell(&self.written_as_nan.remarks(&place));
         }
         Ok(())
     }

@@ -163,7 +163,7 @@ fn text(layout: &Layout, loads: &FilmLoads) -> String {
             unit.force(error_n)
         );
     }
-    text += &unit.table(loads.tiles.iter().map(|load| (String::new(), load)), false);
+    text += &unit.table(&loads.tiles, false);
     text.push('\n');
     if let Some(largest) = loads.largest() {
         let [force, torque] = largest.map(|tile| &loads.tiles[tile]);
@@ -192,8 +192,7 @@ fn ordered(text: &mut String, order: &OrderedLoads) {
     };
     let _ = writeln!(text, "\n{what}: load on each tile while it is laid, by those already there\n");
     let unit = Unit::for_forces(order.holding_n);
-    let steps = order.steps.iter().enumerate().map(|(step, load)| ((step + 1).to_string(), load));
-    *text += &unit.table(steps, true);
+    *text += &unit.table(&order.steps, true);
     text.push('\n');
     let Some(hardest) = order.steps.get(order.hardest_step - 1) else { return };
     let (holding, step) = (unit.force(order.holding_n), order.hardest_step);
@@ -234,35 +233,23 @@ impl Unit {
         if text.trim_start_matches('-').chars().all(|c| matches!(c, '0' | '.')) { "0.0000".to_owned() } else { text }
     }
 
-    fn table<'a>(&self, loads: impl Iterator<Item = (String, &'a TileLoad)>, with_steps: bool) -> String {
+    fn table(&self, loads: &[TileLoad], with_steps: bool) -> String {
         let name = self.name;
-        let head = [
-            if with_steps { "step" } else { "" }.to_owned(),
-            "tile".to_owned(),
-            format!("Fx, {name}"),
-            "Fy".to_owned(),
-            "Fz".to_owned(),
-            "|F|".to_owned(),
-            format!("Tx, {name} mm"),
-            "Ty".to_owned(),
-            "Tz".to_owned(),
-        ];
-        let mut table = vec![head];
-        for (step, TileLoad { name, load, .. }) in loads {
+        let number = rows::right(0).growing().after(2);
+        let columns: [_; 9] = std::array::from_fn(|column| match column {
+            0 if !with_steps => rows::right(0),
+            1 => rows::left(0).growing().after(2),
+            _ => number,
+        });
+        let (step, force, torque) =
+            (if with_steps { "step" } else { "" }, format!("Fx, {name}"), format!("Tx, {name} mm"));
+        let mut table = vec![[step, "tile", &force, "Fy", "Fz", "|F|", &torque, "Ty", "Tz"].map(str::to_owned)];
+        for (index, TileLoad { name, load, .. }) in loads.iter().enumerate() {
             let numbers = |vector: DVec3| vector.to_array().map(|value| self.number(value));
             let ([fx, fy, fz], [tx, ty, tz]) = (numbers(load.force_n), numbers(load.torque_n_mm));
-            let magnitude = self.number(load.force_n.length());
-            table.push([step, name.clone(), fx, fy, fz, magnitude, tx, ty, tz]);
+            let step = if with_steps { (index + 1).to_string() } else { String::new() };
+            table.push([step, name.clone(), fx, fy, fz, self.number(load.force_n.length()), tx, ty, tz]);
         }
-        // Numbers end at the right of their columns.
-        for column in (0..9).filter(|&column| column != 1) {
-            let width = table.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-            for row in &mut table {
-                row[column] = format!("{:>width$}", row[column]);
-            }
-        }
-        let lines = rows::columns(&table);
-        let cut = if with_steps { 0 } else { 2 };
-        lines.into_iter().map(|line| format!("{}\n", &line[cut..])).collect()
+        rows::table(&columns, &table)
     }
 }

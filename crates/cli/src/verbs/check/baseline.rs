@@ -7,6 +7,7 @@ use std::path::Path;
 use magsplice::expect::Baseline;
 use magsplice::magnet::Grid;
 use magsplice::prelude::DVec3;
+use magsplice::results::{Metadata, PointQuantity, Points, Table};
 
 use crate::csv_input::limited_lines::{LimitedLines, read_error, shown};
 use crate::failure::Failure;
@@ -88,12 +89,8 @@ pub(super) fn check_replaceable(path: &Path) -> Result<(), Failure> {
 pub(super) fn write(path: &Path, layout: &Path, grid: &Grid, field_t: &[DVec3]) -> Result<(), Failure> {
     check_replaceable(path)?;
     let mut output = Output::open(Some(path), &[layout])?;
-    output.write(|w| {
-        writeln!(w, "{}", COLUMNS.join(","))?;
-        // `{:?}` prints the shortest digits that read back to the same number.
-        grid.points()
-            .zip(field_t)
-            .try_for_each(|(p, b)| writeln!(w, "{:?},{:?},{:?},{:?},{:?},{:?}", p.x, p.y, p.z, b.x, b.y, b.z))
-    })?;
+    let columns = PointQuantity::FLUX_DENSITY.columns(field_t.iter().flat_map(DVec3::to_array).collect());
+    let table = Table::new(Points::Grid(*grid), vec![columns], Metadata::new()).expect("B at every point");
+    output.write(|w| magsplice_export::csv::write(&table, w))?;
     output.finish()
 }
