@@ -114,7 +114,7 @@ impl FilmDecoupling {
             ("singular_points", MetadataValue::Count(self.decoupling.singular.len())),
         ]);
         let mut quantities = vec![PointQuantity::FLUX_DENSITY.columns(components(field_t))];
-        quantities.extend(parameter_columns(self.decoupling.parameters.iter()));
+        quantities.extend(parameter_columns(&self.decoupling.parameters));
         let points = Points::Grid(self.film.volume()?.grid);
         Ok(Table::new(points, quantities, metadata).expect("every point has a value"))
     }
@@ -127,10 +127,10 @@ pub(super) fn components(vectors: &[DVec3]) -> Vec<f64> {
 
 /// Columns of R_x, R_y and S_z; NaN at singular points.
 pub(super) fn parameter_columns<'a>(
-    parameters: impl Iterator<Item = &'a Option<Parameters>> + Clone,
+    parameters: impl IntoIterator<Item = &'a Option<Parameters>> + Copy,
 ) -> [ColumnQuantity; 3] {
     let column = |components: &'static [&'static str; 1], of: fn(&Parameters) -> f64| {
-        let values = parameters.clone().map(|p| p.as_ref().map_or(f64::NAN, of)).collect();
+        let values = parameters.into_iter().map(|p| p.as_ref().map_or(f64::NAN, of)).collect();
         ColumnQuantity { name: components[0], components, values }
     };
     [column(&["r_x_rad"], |p| p.r_x), column(&["r_y_rad"], |p| p.r_y), column(&["s_z"], |p| p.s_z)]

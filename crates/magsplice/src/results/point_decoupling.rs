@@ -136,7 +136,7 @@ impl FilmPointDecoupling {
             ("singular_points", MetadataValue::Count(self.decoupling.singular.len())),
         ]);
         let mut quantities = vec![PointQuantity::FLUX_DENSITY.columns(components(&self.field_t))];
-        quantities.extend(parameter_columns(self.decoupling.parameters.iter()));
+        quantities.extend(parameter_columns(&self.decoupling.parameters));
         quantities.extend([
             error(&["r_x_error_rad"], |e| e.r_x),
             error(&["r_y_error_rad"], |e| e.r_y),
