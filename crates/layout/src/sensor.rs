@@ -122,7 +122,7 @@ impl SensorTable {
         }
         element.plates = [x, y, z].map(|place| place.unwrap_or_default().into());
         for (axis, side) in element.active_area.into_iter().enumerate() {
-            faults.not_negative(&format!("active_area_mm[{axis}]"), side);
+            faults.not_negative(format!("active_area_mm[{axis}]"), side);
         }
         let rate_hz = self.rate_hz.or(part.rate_hz);
         if let Some(rate_hz) = rate_hz {
