@@ -82,8 +82,8 @@ class Decoupling(Numbers, Table):
         Points with B_z = 0, where no parameters exist, shape (n, 3). They enter no average.
     uniformity_rmse : (float | None, float | None, float | None) | None
         Uniformity RMSE of R_x, R_y, S_z: the standard deviation over the planes normal to the
-        own axis of a parameter, averaged over the planes. None where the planes have one point each, and for points
-        that are no grid.
+        own axis of a parameter, averaged over the planes. None where the planes have one point
+        each, and for points that are no grid.
     ideal_rmse : (float, float, float)
         RMSE of the parameters' changes from the reference point against those of the ideal
         film.
@@ -243,9 +243,12 @@ class ComparedFilm(FieldFilm):
         MagspliceError
             If the layout has no ideal film or no working volume, or the parameters do not exist.
         """
+        where: Grid | Floats
+        shape: tuple[int, ...]
         if points is None:
             grid = self._required_grid()
-            flat, shape, where = None, grid.counts, grid
+            shape = grid.counts
+            flat, where = None, grid
         else:
             flat, shape = flattened(points)
             where = flat.reshape(*shape, 3)

@@ -196,7 +196,8 @@ class RecoilFilm(LayoutFilm):
         if found is None:
             return None
         without, with_recoil = _figures(found["without"]), _figures(found["with_recoil"])
-        assert without is not None and with_recoil is not None
+        assert without is not None
+        assert with_recoil is not None
         return RecoilEstimate(found["recoil_permeability"], without, with_recoil)
 
 
