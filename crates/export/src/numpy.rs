@@ -12,7 +12,7 @@ use magsplice::results::{MetadataValue, Table};
 /// Writes an NPY file: one array of records, in the shape of [`Rows::shape`], with one field per
 /// column. The format has no place for metadata, so they are not written.
 ///
-/// [`Rows::shape`]: crate::Rows::shape
+/// [`Rows::shape`]: magsplice::results::Rows::shape
 ///
 /// # Errors
 /// Errors of the writer.
@@ -26,7 +26,7 @@ pub fn npy(table: &Table, w: &mut dyn Write) -> io::Result<()> {
 /// Writes an NPZ archive: one array per column, in the shape of [`Rows::shape`], and one array
 /// per entry of the metadata.
 ///
-/// [`Rows::shape`]: crate::Rows::shape
+/// [`Rows::shape`]: magsplice::results::Rows::shape
 ///
 /// # Errors
 /// Errors of the writer.

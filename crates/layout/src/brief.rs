@@ -1,5 +1,8 @@
 //! `[design]`: the brief of a search: what it may change, within which bounds, and its goal.
 
+// Descriptions of the JSON Schema, which are no links, write tables in brackets.
+#![allow(rustdoc::broken_intra_doc_links)]
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,5 +1,8 @@
 //! `[expect]`: requirements on a film: upper and lower bounds, and a baseline of its field.
 
+// Descriptions of the JSON Schema, which are no links, write tables in brackets.
+#![allow(rustdoc::broken_intra_doc_links)]
+
 use std::f64::consts::PI;
 use std::path::PathBuf;
 

@@ -1,5 +1,8 @@
 //! `[material]`: the material of the tiles, and the key `recoil_permeability` of tiles and kinds.
 
+// Descriptions of the JSON Schema, which are no links, write tables in brackets.
+#![allow(rustdoc::broken_intra_doc_links)]
+
 use magsplice_magnet::{MAX_PERMEABILITY, Permeability};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

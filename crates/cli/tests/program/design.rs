@@ -30,7 +30,10 @@ fn designed_film_passes_check() {
     let checked = sandbox.run(&["check", "better.toml"]);
     assert_eq!((checked.status, checked.stdout.matches("ok ").count()), (0, 7), "{}", checked.stdout);
     let better = sandbox.read("better.toml");
-    assert!(better.contains("starts = 1  # quick") && better.contains("# The film of Dai et al."), "comments stay: {better}");
+    assert!(
+        better.contains("starts = 1  # quick") && better.contains("# The film of Dai et al."),
+        "comments stay: {better}"
+    );
     assert!(
         better.contains("history = [") && better.contains("magsplice 0.1.0 design: from \"published film\""),
         "{better}"

@@ -1,5 +1,8 @@
 //! `[[lattice]]`: one tile for each cell of a cut film whose pattern is not zero.
 
+// Descriptions of the JSON Schema, which are no links, write tables in brackets.
+#![allow(rustdoc::broken_intra_doc_links)]
+
 use std::iter::repeat_n;
 
 use glam::DVec3;

@@ -1,5 +1,8 @@
 //! `[[tile]]` with its tables `grid` and `mirror`, `[kind.NAME]`, and `[[lattice]]`.
 
+// Descriptions of the JSON Schema, which are no links, write tables in brackets.
+#![allow(rustdoc::broken_intra_doc_links)]
+
 use glam::DVec3;
 use magsplice_magnet::{Tile, TileFault};
 use schemars::JsonSchema;

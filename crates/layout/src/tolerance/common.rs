@@ -1,5 +1,8 @@
 //! Errors that all tiles share, and those of the surroundings and of the sensor.
 
+// Descriptions of the JSON Schema, which are no links, write tables in brackets.
+#![allow(rustdoc::broken_intra_doc_links)]
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

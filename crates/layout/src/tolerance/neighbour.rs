@@ -1,5 +1,8 @@
 //! `[tolerance.neighbour]`: another film nearby, from a layout file of its own.
 
+// Descriptions of the JSON Schema, which are no links, write tables in brackets.
+#![allow(rustdoc::broken_intra_doc_links)]
+
 use glam::{DQuat, DVec3};
 use magsplice_magnet::{MAX_LENGTH, Tile};
 use schemars::JsonSchema;
