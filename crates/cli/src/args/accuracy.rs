@@ -4,6 +4,7 @@ use magsplice::magnet::{Accuracy, Tolerance};
 
 use super::numbers;
 use crate::decimal;
+use crate::text::units::in_per_cent;
 
 #[derive(clap::Args)]
 pub(crate) struct AccuracyArgs {
@@ -48,7 +49,7 @@ fn tolerance(text: &str) -> Result<Tolerance, String> {
             if fraction >= LARGEST_FRACTION {
                 return Err(format!(
                     "{fraction} is {} % of |B|, must be a fraction below {LARGEST_FRACTION}; a field has a unit, as in {}nT",
-                    100.0 * fraction,
+                    in_per_cent(fraction),
                     text.trim()
                 ));
             }
