@@ -1,7 +1,6 @@
 //! Progress of a search, and the way to stop it.
 
 use std::ops::ControlFlow;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How far a search is, in one of its stages.
@@ -90,39 +89,5 @@ impl<'a> Watch<'a> {
 
     pub(crate) fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
-    }
-}
-
-/// Combined progress of starts that run in parallel.
-pub(crate) struct SharedProgress<'a> {
-    watch: &'a Watch<'a>,
-    of: usize,
-    /// Number of finished starts, and the least error so far.
-    state: Mutex<(usize, Option<f64>)>,
-}
-
-impl<'a> SharedProgress<'a> {
-    pub(crate) fn new(watch: &'a Watch<'a>, of: usize) -> SharedProgress<'a> {
-        SharedProgress { watch, of, state: Mutex::new((0, None)) }
-    }
-
-    /// Shows a film with this error. `counts` says whether the film keeps every bound, so that it
-    /// may be the best.
-    pub(crate) fn show(&self, error: f64, counts: bool) -> ControlFlow<()> {
-        if self.watch.is_stopped() {
-            return ControlFlow::Break(());
-        }
-        let Ok(mut state) = self.state.lock() else { return ControlFlow::Break(()) };
-        if counts && state.1.is_none_or(|best| error < best) {
-            state.1 = Some(error);
-        }
-        self.watch.show(ProgressUpdate { stage: SearchStage::Starts, done: state.0, of: self.of, best: state.1 })
-    }
-
-    /// Counts one start as finished.
-    pub(crate) fn finish_one(&self) {
-        if let Ok(mut state) = self.state.lock() {
-            state.0 += 1;
-        }
     }
 }

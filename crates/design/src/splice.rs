@@ -1,13 +1,12 @@
 //! A film to begin with: the pattern of Dai 2024, Fig. 5, for any wavelength and outline.
 
 use std::f64::consts::TAU;
-use std::fmt::Write;
 
 use glam::DVec3;
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::{
-    Brief, Goal, Layout, LayoutError, LayoutFault, MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, STRONGEST_MAGNET_T,
-    Symmetry, Variables,
+    Brief, Goal, Layout, LayoutError, LayoutFault, MAX_LENGTH_RATIO, NamedTile, SHORTEST_WAVELENGTH_MM,
+    STRONGEST_MAGNET_T, Symmetry, Variables, WorkingVolume,
 };
 use magsplice_magnet::Tile;
 
@@ -98,50 +97,57 @@ impl SpliceRequest {
     /// vanishes.
     pub fn layout(&self) -> Result<Layout, DesignError> {
         self.validate()?;
-        let cuts = [0, 1].map(|axis| self.intervals(axis));
-        let mut tiles = String::new();
-        let (height, j) = (self.thickness_mm, self.remanence_t);
-        for (i, (x, along_x)) in cuts[0].iter().enumerate() {
-            for (k, (y, along_y)) in cuts[1].iter().enumerate() {
+        let refused =
+            |faults: Vec<LayoutFault>| DesignError::Request(faults.into_iter().map(SpliceFault::Layout).collect());
+        let [width, depth] = self.film_mm;
+        let unchecked = Layout {
+            name: format!("{width} x {depth} mm for a wavelength of {} mm", self.wavelength_mm),
+            ideal: IdealFilm::new(self.wavelength_mm, self.thickness_mm, self.remanence_t).ok(),
+            volume: Some(self.volume().map_err(refused)?),
+            tiles: self.tiles().map_err(|fault| refused(vec![fault]))?,
+            ..Layout::default()
+        };
+        let layout = unchecked.checked("spliced film").map_err(|error| {
+            refused(match error {
+                LayoutError::Invalid { faults, .. } => faults,
+                other => vec![LayoutFault { line: None, place: "layout".to_owned(), message: other.to_string() }],
+            })
+        })?;
+        Ok(Layout { brief: Some(self.brief()), ..layout })
+    }
+
+    fn tiles(&self) -> Result<Vec<NamedTile>, LayoutFault> {
+        let (height, j_t) = (self.thickness_mm, self.remanence_t);
+        let [columns, rows] = [0, 1].map(|axis| self.intervals(axis));
+        let mut tiles = Vec::new();
+        for (i, ([left, right], along_x)) in columns.iter().enumerate() {
+            for (k, ([front, back], along_y)) in rows.iter().enumerate() {
                 let direction = DVec3::new(*along_x, *along_y, 0.0);
                 if direction == DVec3::ZERO {
                     continue;
                 }
-                let centre = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]), 0.5 * height];
-                let size = [x[1] - x[0], y[1] - y[0], height];
-                let _ = write!(
-                    tiles,
-                    "[[tile]]\nname = \"x{}-y{}\"\nposition_mm = {centre:?}\nsize_mm = {size:?}\nstrength_t = {j:?}\ndirection = {:?}\n\n",
-                    i + 1,
-                    k + 1,
-                    direction.to_array()
-                );
+                let name = format!("x{}-y{}", i + 1, k + 1);
+                let centre = DVec3::new(0.5 * (left + right), 0.5 * (front + back), 0.5 * height);
+                let tile =
+                    Tile::new(centre, DVec3::new(right - left, back - front, height), j_t * direction.normalize());
+                let tile = tile.map_err(|faults| LayoutFault {
+                    line: None,
+                    place: format!("tile \"{name}\""),
+                    message: faults.to_string(),
+                })?;
+                tiles.push(NamedTile::new(name, tile));
             }
         }
+        Ok(tiles)
+    }
+
+    fn volume(&self) -> Result<WorkingVolume, Vec<LayoutFault>> {
         let [x, y] = self.range_mm.map(|range| 0.5 * range);
         let [near, far] = self.distance_mm;
-        let extents = [2.0 * x, 2.0 * y, far - near];
-        let steps = [0, 1, 2].map(|axis| extents[axis] / (POINTS[axis] - 1) as f64);
-        let text = format!(
-            "format = 1\nname = \"spliced film\"\n\n[ideal]\nwavelength_mm = {:?}\nthickness_mm = {height:?}\namplitude_t = {j:?}\n\n[volume]\n\
-             x_mm = [{:?}, {x:?}]\ny_mm = [{:?}, {y:?}]\nz_mm = [{:?}, {:?}]\nstep_mm = {steps:?}\nreference_mm = [0.0, 0.0, {:?}]\n\n{tiles}",
-            self.wavelength_mm, -x, -y, -far, -near, -far
-        );
-        let mut layout = Layout::parse(&text, "spliced film").map_err(|error| {
-            DesignError::Request(match error {
-                LayoutError::Invalid { faults, .. } => faults.into_iter().map(SpliceFault::Layout).collect(),
-                other => {
-                    let (place, message) = ("the pattern".to_owned(), other.to_string());
-                    vec![SpliceFault::Layout(LayoutFault { line: None, place, message })]
-                }
-            })
-        })?;
-        let [width, depth] = self.film_mm;
-        layout.name = format!("{width} x {depth} mm for a wavelength of {} mm", self.wavelength_mm);
-        layout.brief = Some(self.brief());
-        // The text above is nobody's file.
-        layout.file = None;
-        Ok(layout)
+        let steps = [2.0 * x, 2.0 * y, far - near];
+        let steps = [0, 1, 2].map(|axis| steps[axis] / (POINTS[axis] - 1) as f64);
+        let (lower, upper) = (DVec3::new(-x, -y, -far), DVec3::new(x, y, -near));
+        WorkingVolume::new(lower, upper, steps.into(), DVec3::new(0.0, 0.0, -far))
     }
 
     fn brief(&self) -> Brief {

@@ -35,10 +35,8 @@ pub struct MadeFilms {
 pub struct MadeErrors {
     /// RMSE of the displacement along x, y, z, in millimetres; see
     /// [`Figures::displacement_rmse_mm`].
-    #[cfg_attr(feature = "serde", serde(serialize_with = "by_axis"))]
     pub displacement_rmse_mm: PerAxis<Statistics>,
     /// Best-fit amplitude against the ideal film.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "of_amplitude"))]
     pub amplitude: Statistics,
 }
 
@@ -90,48 +88,5 @@ impl MadeErrors {
     fn new(errors: &[Figures]) -> Option<MadeErrors> {
         let Figures { displacement_rmse_mm, amplitude, .. } = statistics(errors)?;
         Some(MadeErrors { displacement_rmse_mm, amplitude })
-    }
-}
-
-#[cfg(feature = "serde")]
-use serialized::{by_axis, of_amplitude};
-
-/// Statistics without intervals, as `magsplice tolerance` names them.
-#[cfg(feature = "serde")]
-mod serialized {
-    use magsplice_decouple::PerAxis;
-    use magsplice_tolerance::Statistics;
-    use serde::{Serialize, Serializer};
-
-    #[derive(Serialize)]
-    struct Percentiles {
-        mean: f64,
-        p50: f64,
-        p95: f64,
-        p99: f64,
-    }
-
-    /// An amplitude is small in bad films, so its percentiles are those of the weakest.
-    #[derive(Serialize)]
-    struct LowPercentiles {
-        mean: f64,
-        p50: f64,
-        p5: f64,
-        p1: f64,
-    }
-
-    pub(super) fn by_axis<S: Serializer>(errors: &PerAxis<Statistics>, serializer: S) -> Result<S::Ok, S::Error> {
-        let percentiles = errors.map(|Statistics { mean, p50, p95, p99, .. }| Percentiles {
-            mean: mean.value,
-            p50: p50.value,
-            p95: p95.value,
-            p99: p99.value,
-        });
-        percentiles.serialize(serializer)
-    }
-
-    pub(super) fn of_amplitude<S: Serializer>(amplitude: &Statistics, serializer: S) -> Result<S::Ok, S::Error> {
-        let Statistics { mean, p50, p5, p1, .. } = amplitude;
-        LowPercentiles { mean: mean.value, p50: p50.value, p5: p5.value, p1: p1.value }.serialize(serializer)
     }
 }

@@ -1,5 +1,8 @@
 //! The search for a film: several starts, strengths in stock, fewer parts if asked for, rounding.
 
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+
 use magsplice_layout::Brief;
 use magsplice_magnet::{Overlap, Tile, overlaps};
 use rand::{Rng, SeedableRng};
@@ -11,7 +14,7 @@ use crate::parts::merging;
 use crate::problem::design_problem::DesignProblem;
 use crate::problem::least_squares::Candidate;
 use crate::problem::pattern::Pattern;
-use crate::progress::{Progress, ProgressUpdate, SearchStage, SharedProgress, Watch};
+use crate::progress::{Progress, ProgressUpdate, SearchStage, Watch};
 use crate::rule::{Demand, Rule};
 use crate::search::metrics::Metrics;
 use crate::search::rounding;
@@ -147,7 +150,17 @@ impl DesignProblem<'_> {
     pub(crate) fn best_of_starts(&self, watch: &Watch) -> Result<BestOfStarts, DesignError> {
         let first = self.least_squares.nearest(&self.pattern, &self.pattern.start);
         let first = first.map_err(|rules| self.contradiction(rules))?;
-        let shared = SharedProgress::new(watch, self.brief.starts);
+        // Number of finished starts, and the least error so far of a film that keeps every bound.
+        let state: Mutex<(usize, Option<f64>)> = Mutex::new((0, None));
+        let show = |found: &Candidate| {
+            let Ok(mut state) = state.lock() else { return ControlFlow::Break(()) };
+            let error = found.root_mean_square();
+            if found.lack == 0.0 && state.1.is_none_or(|best| error < best) {
+                state.1 = Some(error);
+            }
+            let (done, best) = *state;
+            watch.show(ProgressUpdate { stage: SearchStage::Starts, done, of: self.brief.starts, best })
+        };
         let all: Vec<Option<Candidate>> = (0..self.brief.starts)
             .into_par_iter()
             .map(|index| {
@@ -157,11 +170,11 @@ impl DesignProblem<'_> {
                 }
                 let start = if index == 0 { Some(first.clone()) } else { self.start(&first, index) };
                 let candidate = start.and_then(|start| {
-                    self.least_squares.descend(&self.pattern, start, MOST_STEPS, &mut |found| {
-                        shared.show(found.root_mean_square(), found.lack == 0.0)
-                    })
+                    self.least_squares.descend(&self.pattern, start, MOST_STEPS, &mut |found| show(found))
                 });
-                shared.finish_one();
+                if let Ok(mut state) = state.lock() {
+                    state.0 += 1;
+                }
                 candidate
             })
             .collect();
