@@ -26,9 +26,9 @@ pub struct ParetoFront {
 
 impl ParetoFront {
     /// The front without dominated films. A film that misses a demand stays, and dominates none.
-    fn without_dominated(self, error: impl Fn(&SearchResult) -> f64) -> ParetoFront {
+    fn without_dominated(self) -> ParetoFront {
         let ParetoFront { by_amplitude, by_parts } = self;
-        let merits = |film: &SearchResult| (error(film), film.after.figures.amplitude, film.parts);
+        let merits = |film: &SearchResult| (film.error, film.after.figures.amplitude, film.parts);
         let all = by_amplitude.iter().map(|(_, film)| film).chain(&by_parts);
         let rivals: Vec<Merits> = all.filter(|film| film.short_of.is_empty()).map(merits).collect();
         let stays = |film: &SearchResult| {
@@ -98,25 +98,7 @@ impl DesignProblem<'_> {
             }
         }
         let by_parts = self.front_of_parts(&watch)?;
-        Ok(ParetoFront { by_amplitude, by_parts }.without_dominated(|film| self.error(film)))
-    }
-
-    /// The error that the brief asks to minimize.
-    fn error(&self, film: &SearchResult) -> f64 {
-        let weighted = |errors: [f64; 3]| {
-            let squares = self.brief.weights.iter().zip(errors).map(|(weight, error)| weight * error * error);
-            squares.sum::<f64>().sqrt()
-        };
-        if let Some(made) = &film.made {
-            return weighted(made.after.displacement_rmse_mm.map(|axis| axis.p95.value).to_array());
-        }
-        let metrics = &film.after;
-        match self.brief.goal {
-            // An undefined uniformity is no error.
-            Goal::Uniformity => weighted(metrics.figures.uniformity_rmse.map(Option::unwrap_or_default).to_array()),
-            Goal::Displacement => weighted(metrics.figures.displacement_rmse_mm.to_array()),
-            Goal::Field => metrics.scaled_relative_rmse.unwrap_or(f64::INFINITY),
-        }
+        Ok(ParetoFront { by_amplitude, by_parts }.without_dominated())
     }
 
     fn front_of_parts(&self, watch: &Watch) -> Result<Vec<SearchResult>, DesignError> {

@@ -83,6 +83,7 @@ pub(crate) struct DesignNumbers {
     after: MetricsNumbers,
     five_times_finer: MetricsNumbers,
     made: Option<MadeNumbers>,
+    error: f64,
     stages: Vec<(&'static str, OptionalTriple)>,
     parts: usize,
     starts_that_agree: usize,
@@ -123,13 +124,14 @@ pub(crate) fn design(
     };
     let result = interruption.run_and_tell(py, search, tell)?.map_err(failed)?;
     let text = problem.designed_layout(&result, PROGRAM).to_compact_toml();
-    let SearchResult { before, after, finer, made, stages, parts, agreeing_starts, short_of, .. } = result;
+    let SearchResult { before, after, finer, made, error, stages, parts, agreeing_starts, short_of, .. } = result;
     Ok(DesignNumbers {
         text,
         before: before.into(),
         after: after.into(),
         five_times_finer: finer.into(),
         made: made.map(MadeNumbers::from),
+        error,
         stages: stages
             .into_iter()
             .map(|StageMetrics { stage, uniformity_rmse }| (stage.name(), uniformity_rmse.to_array().into()))

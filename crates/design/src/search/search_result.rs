@@ -27,6 +27,11 @@ pub struct SearchResult {
     /// Errors of the films that are made, if the brief counts them and every sample has errors.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub made: Option<MadeFilms>,
+    /// The error that the search minimizes: the root of the weighted sum of squares of the three
+    /// uniformity or displacement RMSE, the latter in millimetres, by the goal of the brief; 95th
+    /// percentiles where the brief counts films that are made; the scaled relative RMSE of B for
+    /// the goal `field`.
+    pub error: f64,
     /// Metrics after each stage, in the order of the stages.
     pub stages: Vec<StageMetrics>,
     /// Number of distinct parts: sizes with a direction of polarization.

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
-use magsplice_layout::Brief;
+use magsplice_layout::{Brief, Goal};
 use magsplice_magnet::{Overlap, Tile, overlaps};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -16,6 +16,7 @@ use crate::problem::least_squares::Candidate;
 use crate::problem::pattern::Pattern;
 use crate::progress::{Progress, ProgressUpdate, SearchStage, Watch};
 use crate::rule::{Demand, Rule};
+use crate::search::made_films::MadeFilms;
 use crate::search::metrics::Metrics;
 use crate::search::rounding;
 use crate::search::search_result::{SearchResult, StageMetrics};
@@ -97,8 +98,26 @@ impl DesignProblem<'_> {
             short_of.push(missed);
             None
         });
+        let error = sampled_by.error(&after, made.as_ref());
         let interrupted = watch.is_stopped();
-        Ok(SearchResult { tiles, before, after, finer, made, stages, parts, agreeing_starts, short_of, interrupted })
+        Ok(SearchResult { tiles, before, after, finer, made, error, stages, parts, agreeing_starts, short_of, interrupted })
+    }
+
+    /// The error that the brief asks to minimize.
+    fn error(&self, after: &Metrics, made: Option<&MadeFilms>) -> f64 {
+        let weighted = |errors: [f64; 3]| {
+            let squares = self.brief.weights.iter().zip(errors).map(|(weight, error)| weight * error * error);
+            squares.sum::<f64>().sqrt()
+        };
+        if let Some(made) = made {
+            return weighted(made.after.displacement_rmse_mm.map(|axis| axis.p95.value).to_array());
+        }
+        match self.brief.goal {
+            // An undefined uniformity is no error.
+            Goal::Uniformity => weighted(after.figures.uniformity_rmse.map(Option::unwrap_or_default).to_array()),
+            Goal::Displacement => weighted(after.figures.displacement_rmse_mm.to_array()),
+            Goal::Field => after.scaled_relative_rmse.unwrap_or(f64::INFINITY),
+        }
     }
 
     /// Rounds a film. While its amplitude, over more points than the design grid has, is short of

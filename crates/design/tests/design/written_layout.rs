@@ -36,6 +36,7 @@ fn expectations_are_the_errors_reached() {
         after: metrics,
         finer: metrics,
         made: None,
+        error: 0.0,
         stages: Vec::new(),
         parts: 1,
         agreeing_starts: 1,

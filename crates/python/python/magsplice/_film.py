@@ -158,7 +158,7 @@ class Film(
             raise ValueError(f"least_amplitude = {least_amplitude}, must be above 0 and finite")
         numbers = _magsplice.design(self._core, least_amplitude, progress)
         film = Film._parsed(numbers["text"], "the film found", self._folder)
-        return Design.from_numbers(film, numbers, self.to_dict()["design"])
+        return Design.from_numbers(film, numbers)
 
     def front(
         self,
@@ -247,10 +247,9 @@ class Design(Numbers):
     error: float
 
     @classmethod
-    def from_numbers(cls, film: Film, numbers: Any, brief: dict[str, Any]) -> Design:
-        """Result with the numbers of the library, of a search with this table ``[design]``."""
+    def from_numbers(cls, film: Film, numbers: Any) -> Design:
+        """Result with the numbers of the library."""
         made = numbers["made"]
-        after = Metrics(**numbers["after"])
 
         def along(key: str) -> tuple[Statistics, Statistics, Statistics] | None:
             if made is None:
@@ -258,29 +257,18 @@ class Design(Numbers):
             x, y, z = (Statistics._of(axis) for axis in made[key])
             return x, y, z
 
-        made_after = along("after_displacement_rmse_mm")
-        # An undefined uniformity is no error.
-        errors: Sequence[float] = [error or 0.0 for error in after.uniformity_rmse]
-        if made_after is not None:
-            errors = [axis.p95.value for axis in made_after]
-        elif brief.get("goal") == "displacement":
-            errors = after.displacement_rmse_mm
-        weights = [brief.get("weights", {}).get(key, 1.0) for key in ("r_x", "r_y", "s_z")]
-        error = float(np.sqrt(np.dot(weights, np.square(errors))))
-        if brief.get("goal") == "field":
-            error = np.inf if after.scaled_relative_rmse is None else after.scaled_relative_rmse
         return cls(
             film,
             Metrics(**numbers["before"]),
-            after,
+            Metrics(**numbers["after"]),
             Metrics(**numbers["five_times_finer"]),
             numbers["stages"],
             numbers["parts"],
             numbers["starts_that_agree"],
             numbers["short_of"],
             along("before_displacement_rmse_mm"),
-            made_after,
-            error,
+            along("after_displacement_rmse_mm"),
+            numbers["error"],
         )
 
     def to_dict(self) -> dict[str, Any]:

@@ -173,6 +173,7 @@ class _Design(TypedDict):
     after: _Metrics
     five_times_finer: _Metrics
     made: _Made | None
+    error: float
     stages: list[tuple[str, _PerParameter]]
     parts: int
     starts_that_agree: int
