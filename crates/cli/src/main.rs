@@ -20,22 +20,12 @@ mod faults;
 mod inputs;
 /// Ctrl-C: temporary files are removed, a search ends with its best film.
 mod interrupt;
-/// JSON forms of results.
-mod json;
-/// Laying a film from a box of measured tiles.
-mod laying;
 /// Where results go: standard output, files, folders, tables.
 mod output;
-/// Films prepared for evaluation.
-mod prepared_film;
 /// The progress line on a terminal.
 mod progress;
 /// Remarks on standard error.
 mod remarks;
-/// Samples of real films: what they are samples of, their files, and runs that can be continued.
-mod sampling;
-/// What is found from readings of a sensor.
-mod sensor;
 /// A layout file at work.
 mod session;
 /// Results as printed tables.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 use std::io::{IsTerminal, stderr};
-use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -25,33 +25,42 @@ const LOG_INTERVAL: Duration = Duration::from_secs(10);
 pub(crate) struct ProgressLine {
     bar: ProgressBar,
     stage: Mutex<Option<Stage>>,
-    /// The thread that prints lines, and the line it prints next. Only for searches without a
-    /// terminal.
-    log: Option<ProgressLog>,
-    /// The thread that makes the line appear after [`DELAY`], unless the sender is dropped before.
-    watch: Mutex<Option<(Sender<()>, JoinHandle<()>)>>,
+    /// The next line that is printed. Only for searches without a terminal.
+    log: Option<Arc<Mutex<String>>>,
+    /// The thread that makes the line appear or prints lines, until the sender is dropped.
+    thread: Mutex<Option<(Sender<()>, JoinHandle<()>)>>,
 }
 
 impl ProgressLine {
     /// The line of work that begins now, with the reading of a layout. It appears only if `visible`
     /// and on a terminal.
     pub(crate) fn start(visible: bool) -> Arc<ProgressLine> {
-        Arc::new(ProgressLine::new(visible, None))
-    }
-
-    fn new(visible: bool, log: Option<ProgressLog>) -> ProgressLine {
-        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        let watch = (visible && stderr().is_terminal()).then(|| watch(&bar));
-        let line = ProgressLine { bar, stage: Mutex::new(None), log, watch: Mutex::new(watch) };
-        line.show(Stage::uncounted("reading the layout"));
-        line
+        ProgressLine::begin(visible && stderr().is_terminal(), false)
     }
 
     /// The line of a search. Where standard error is no terminal, a line about the search is
     /// printed every [`LOG_INTERVAL`] instead.
     pub(crate) fn start_search(visible: bool) -> Arc<ProgressLine> {
-        let log = (visible && !stderr().is_terminal()).then(ProgressLog::start);
-        Arc::new(ProgressLine::new(visible, log))
+        let is_terminal = stderr().is_terminal();
+        ProgressLine::begin(visible && is_terminal, visible && !is_terminal)
+    }
+
+    fn begin(drawn: bool, logged: bool) -> Arc<ProgressLine> {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+        let log = logged.then(|| Arc::new(Mutex::new(String::new())));
+        let (sender, end) = mpsc::channel();
+        let thread = match log.clone() {
+            Some(log) => Some(thread::spawn(move || print_lines(&end, &log))),
+            None if drawn => {
+                let bar = bar.clone();
+                Some(thread::spawn(move || draw(&end, &bar)))
+            }
+            None => None,
+        };
+        let thread = Mutex::new(thread.map(|thread| (sender, thread)));
+        let line = ProgressLine { bar, stage: Mutex::new(None), log, thread };
+        line.show(Stage::uncounted("reading the layout"));
+        Arc::new(line)
     }
 
     /// Shows a stage of the work, and how much of it is done.
@@ -68,8 +77,8 @@ impl ProgressLine {
             state.set_pos(stage.done as u64);
             state.set_len(stage.of.unwrap_or(0) as u64);
         });
-        if let Some(log) = &self.log {
-            log.set(format!("{}{}", self.bar.prefix(), in_words(&stage)));
+        if let Some(Ok(mut next)) = self.log.as_ref().map(|log| log.lock()) {
+            *next = format!("{}{}", self.bar.prefix(), in_words(&stage));
         }
         *last = Some(stage);
     }
@@ -86,13 +95,10 @@ impl ProgressLine {
 
     /// Removes the line for good, before results are written to the same terminal.
     pub(crate) fn end(&self) {
-        if let Some(log) = &self.log {
-            log.end();
-        }
-        if let Ok(mut watch) = self.watch.lock()
-            && let Some((ended, thread)) = watch.take()
+        if let Ok(mut running) = self.thread.lock()
+            && let Some((sender, thread)) = running.take()
         {
-            drop(ended);
+            drop(sender);
             // The thread returns nothing, and panics only where drawing does.
             let _ = thread.join();
             self.bar.finish_and_clear();
@@ -131,60 +137,26 @@ fn style(stage: &Stage) -> ProgressStyle {
     })
 }
 
-/// Starts a thread that draws the line, also while the work reports nothing.
-fn watch(bar: &ProgressBar) -> (Sender<()>, JoinHandle<()>) {
-    let (ended, end) = mpsc::channel();
-    let bar = bar.clone();
-    let thread = thread::spawn(move || {
-        if end.recv_timeout(DELAY) == Err(RecvTimeoutError::Timeout) {
-            bar.set_draw_target(ProgressDrawTarget::stderr());
-            bar.tick();
-            bar.enable_steady_tick(TICK);
-        }
-    });
-    (ended, thread)
+/// Draws the line after [`DELAY`], also while the work reports nothing.
+fn draw(end: &Receiver<()>, bar: &ProgressBar) {
+    if end.recv_timeout(DELAY) == Err(RecvTimeoutError::Timeout) {
+        bar.set_draw_target(ProgressDrawTarget::stderr());
+        bar.tick();
+        bar.enable_steady_tick(TICK);
+    }
+}
+
+/// Prints lines about a search on standard error that is no terminal, such as the log of a build.
+fn print_lines(end: &Receiver<()>, log: &Mutex<String>) {
+    let begun = Instant::now();
+    while end.recv_timeout(LOG_INTERVAL) == Err(RecvTimeoutError::Timeout) {
+        let Ok(text) = log.lock().map(|text| text.clone()) else { return };
+        failure::tell(&format_args!("{} s: {text}", begun.elapsed().as_secs()));
+    }
 }
 
 impl Drop for ProgressLine {
     fn drop(&mut self) {
         self.end();
-    }
-}
-
-/// Lines about a search on standard error that is no terminal, such as the log of a build.
-struct ProgressLog {
-    /// The text of the next line.
-    next: Arc<Mutex<String>>,
-    /// The thread that prints, until the sender is dropped.
-    thread: Mutex<Option<(Sender<()>, JoinHandle<()>)>>,
-}
-
-impl ProgressLog {
-    fn start() -> ProgressLog {
-        let next = Arc::new(Mutex::new(String::new()));
-        let (ended, end) = mpsc::channel();
-        let (text, begun) = (next.clone(), Instant::now());
-        let thread = thread::spawn(move || {
-            while end.recv_timeout(LOG_INTERVAL) == Err(RecvTimeoutError::Timeout) {
-                let Ok(text) = text.lock().map(|text| text.clone()) else { return };
-                failure::tell(&format_args!("{} s: {text}", begun.elapsed().as_secs()));
-            }
-        });
-        ProgressLog { next, thread: Mutex::new(Some((ended, thread))) }
-    }
-
-    fn set(&self, text: String) {
-        if let Ok(mut next) = self.next.lock() {
-            *next = text;
-        }
-    }
-
-    fn end(&self) {
-        if let Ok(mut thread) = self.thread.lock()
-            && let Some((ended, thread)) = thread.take()
-        {
-            drop(ended);
-            let _ = thread.join();
-        }
     }
 }

@@ -12,9 +12,9 @@ use crate::inputs::points;
 use crate::output::destination::{self, Output};
 #[cfg(feature = "report")]
 use crate::output::figure_file::{self, FigureFile};
-use crate::prepared_film::tell_of_knee;
 use crate::progress::ProgressLine;
 use crate::remarks;
+use crate::text::recoil::beyond_knee;
 use crate::words::{film_failure, no_film};
 
 /// A layout file with which a verb works.
@@ -34,6 +34,15 @@ impl<'p> Session<'p> {
         quiet: bool,
     ) -> Result<Session<'p>, Failure> {
         Session::begin(path, subjects, quiet, ProgressLine::start(!quiet))
+    }
+
+    /// The same for a long search, whose progress is also printed where there is no terminal.
+    pub(crate) fn open_search(
+        path: &'p Path,
+        subjects: &'static [FindingSubject],
+        quiet: bool,
+    ) -> Result<Session<'p>, Failure> {
+        Session::begin(path, subjects, quiet, ProgressLine::start_search(!quiet))
     }
 
     /// The same for a verb with points: no progress line appears between points that a person
@@ -63,7 +72,9 @@ impl<'p> Session<'p> {
     pub(crate) fn film(&self) -> Result<Film, Failure> {
         let film = Film::with_progress(self.layout.clone(), self.progress.clone());
         let film = film.map_err(|error| self.failed(error))?;
-        tell_of_knee(self.path, &film, &|remark| self.tell(remark));
+        if let Some(remark) = knee_remark(self.path, &film) {
+            self.tell(&remark);
+        }
         Ok(film)
     }
 
@@ -81,6 +92,12 @@ impl<'p> Session<'p> {
     /// The failure of the film: points without a field one by one, with the names of tiles.
     pub(crate) fn failed(&self, error: FilmError) -> Failure {
         film_failure(self.path, &self.layout, error)
+    }
+
+    /// The failure of a verb that needs the noise of readings. `option` would give it.
+    pub(crate) fn no_noise(&self, option: &str) -> Failure {
+        let message = format!("the layout has no noise: give {option}, or noise_ut or part in [sensor]");
+        Failure::Points { path: self.path.to_owned(), message }
     }
 
     /// Prints a remark on standard error, unless remarks are unwanted.
@@ -128,4 +145,10 @@ impl<'p> Session<'p> {
     pub(crate) fn recall(&self) {
         remarks::recall(&self.layout, self.subjects, self.quiet);
     }
+}
+
+/// A warning of the part of a film that is beyond the knee of the material.
+pub(crate) fn knee_remark(path: &Path, film: &Film) -> Option<String> {
+    let found = film.recoil().and_then(|recoil| beyond_knee(recoil, film.layout()))?;
+    Some(format!("warning: {}: {found}", path.display()))
 }

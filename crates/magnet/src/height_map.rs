@@ -3,6 +3,8 @@
 use std::error::Error;
 use std::fmt;
 
+use glam::DVec3;
+
 /// Heights z(x, y), given on a grid, and between its points by cubic polynomials with continuous
 /// slopes (Catmull-Rom).
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +20,57 @@ pub struct HeightMap {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InvalidHeightMap;
 
+/// Why points are no height map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum HeightMapError {
+    /// There are not as many points as pairs of coordinates.
+    NoGrid {
+        /// Number of points.
+        points: usize,
+        /// Number of coordinates along x.
+        x: usize,
+        /// Number of coordinates along y.
+        y: usize,
+    },
+    /// A point has the x and y of an earlier one.
+    Repeated {
+        /// Its index.
+        point: usize,
+    },
+    /// The numbers are no height map.
+    Invalid(InvalidHeightMap),
+}
+
 impl HeightMap {
+    /// The map of points on a full grid, in any order. Their z are the heights.
+    ///
+    /// # Errors
+    /// See [`HeightMapError`].
+    pub fn from_points(points: &[DVec3]) -> Result<HeightMap, HeightMapError> {
+        let coordinates = |axis: usize| -> Vec<f64> {
+            let mut values: Vec<f64> = points.iter().map(|point| point[axis]).collect();
+            values.sort_by(f64::total_cmp);
+            values.dedup();
+            values
+        };
+        let (x, y) = (coordinates(0), coordinates(1));
+        let index = |values: &[f64], value: f64| values.partition_point(|known| *known < value);
+        // A full grid has as many points as pairs of coordinates, each once.
+        if x.len().checked_mul(y.len()) != Some(points.len()) {
+            return Err(HeightMapError::NoGrid { points: points.len(), x: x.len(), y: y.len() });
+        }
+        let mut heights = vec![f64::NAN; points.len()];
+        for (number, point) in points.iter().enumerate() {
+            let height = &mut heights[index(&x, point.x) * y.len() + index(&y, point.y)];
+            if !height.is_nan() {
+                return Err(HeightMapError::Repeated { point: number });
+            }
+            *height = point.z;
+        }
+        HeightMap::new(x, y, heights).map_err(HeightMapError::Invalid)
+    }
+
     /// The map with these coordinates and heights, y fastest.
     ///
     /// # Errors
@@ -97,6 +149,20 @@ fn derivative(at: &[f64], index: usize) -> Vec<(usize, f64)> {
         (index + 1, before / (after * both)),
     ]
 }
+
+impl fmt::Display for HeightMapError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            HeightMapError::NoGrid { points, x, y } => {
+                write!(f, "has {points} heights at {x} x and {y} y, must have one for each pair of them")
+            }
+            HeightMapError::Repeated { point } => write!(f, "point {point} has the x and y of an earlier one"),
+            HeightMapError::Invalid(error) => error.fmt(f),
+        }
+    }
+}
+
+impl Error for HeightMapError {}
 
 impl fmt::Display for InvalidHeightMap {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {

@@ -64,7 +64,7 @@ pub use bounding_box::BoundingBox;
 pub use deformation::{Bend, Deformation, DeformationError};
 pub use grid::{Grid, GridFault};
 pub use hall_sensor::{HallSensor, HallSensorFault};
-pub use height_map::{HeightMap, InvalidHeightMap};
+pub use height_map::{HeightMap, HeightMapError, InvalidHeightMap};
 pub use overlap::{Overlap, TooManyPairs, overlap, overlaps, overlaps_among};
 pub use permeability::{InvalidPermeability, MAX_PERMEABILITY, Permeability};
 pub use point_error::{PointError, PointErrorCause, PointErrors, is_in_range};

@@ -9,12 +9,12 @@ use magsplice_expect::PointsMismatch;
 use magsplice_force::{FilmForcesError, OrderError};
 use magsplice_ideal::ComparisonError;
 use magsplice_layout::Layout;
-use magsplice_magnet::PointErrors;
+use magsplice_magnet::{Axis, PointErrors};
 use magsplice_making::AssignmentError;
 use magsplice_recoil::tolerances::{MAX_CELLS, MOST_PERMEABILITY_OF_TREE};
 use magsplice_recoil::{RecoilError, RefinementError};
-use magsplice_scan::DiagnosisError;
-use magsplice_sensor::{LocateError, PolynomialError, SensedFieldError};
+use magsplice_scan::{DiagnosisError, ScanError};
+use magsplice_sensor::{LocateError, PolynomialError, SensedFieldError, StiffnessError};
 use magsplice_tolerance::SampleError;
 
 /// Why a film could not be evaluated.
@@ -52,8 +52,22 @@ pub enum FilmError {
     Sensor(SensedFieldError),
     /// The mean of the readings of the sensor at rest has no position.
     AtRest(LocateError),
+    /// This reading, counted from 0, has two positions or none.
+    NoPosition {
+        /// Its index.
+        reading: usize,
+    },
+    /// Forces and displacements along an axis give no stiffness.
+    Stiffness {
+        /// The axis.
+        axis: Axis,
+        /// Why.
+        error: StiffnessError,
+    },
     /// The noise of readings, which a diagnosis needs, is not known.
     NoNoise,
+    /// A scan cannot be fitted.
+    Scan(ScanError),
     /// A scan cannot be diagnosed.
     Diagnosis(DiagnosisError),
     /// Measured tiles cannot be assigned.
@@ -65,6 +79,8 @@ pub enum FilmError {
         /// Sides in millimetres of each part, and the number of its places that are free.
         groups: Vec<(DVec3, usize)>,
     },
+    /// Tiles of samples cannot be sorted.
+    Sorting(AssignmentError),
     /// Steps of an experiment in millimetres that are not above 0, or too small for the working
     /// volume.
     ExperimentStep(DVec3),
@@ -196,7 +212,11 @@ impl fmt::Display for FilmError {
             FilmError::NoNoise => {
                 f.write_str("the layout has no noise: give that of the readings, or noise_ut or part in [sensor]")
             }
+            FilmError::NoPosition { reading } => write!(f, "reading {reading} has two positions or none"),
+            FilmError::Stiffness { axis, error } => write!(f, "along {axis}: {error}"),
+            FilmError::Scan(error) => error.fmt(f),
             FilmError::Diagnosis(error) => error.fmt(f),
+            FilmError::Sorting(error) => error.fmt(f),
             FilmError::Assignment { error, tile, groups } => assignment_words(error, tile, groups, f),
             FilmError::AtRest(error) => write!(f, "the mean of the readings at rest: {error}"),
             FilmError::Recoil { error, tiles } => recoil_words(error, tiles, f),
@@ -241,13 +261,17 @@ impl Error for FilmError {
             FilmError::Sample { error, .. } => Some(error),
             FilmError::Sensor(error) => Some(error),
             FilmError::AtRest(error) => Some(error),
+            FilmError::Stiffness { error, .. } => Some(error),
+            FilmError::Scan(error) => Some(error),
             FilmError::Diagnosis(error) => Some(error),
+            FilmError::Sorting(error) => Some(error),
             FilmError::Assignment { error, .. } => Some(error),
             FilmError::Recoil { error, .. } => Some(error),
             FilmError::Forces { error, .. } => Some(error),
             FilmError::Order(error) => Some(error),
             FilmError::Polynomial(error) => Some(error),
             FilmError::Missing(_)
+            | FilmError::NoPosition { .. }
             | FilmError::NoNoise
             | FilmError::NotBelow(_)
             | FilmError::NoBaseline

@@ -51,21 +51,9 @@
 /// Outcomes of the expectations of a film.
 #[cfg(feature = "layout")]
 mod expectations;
-/// Experiments in which the film is moved.
-#[cfg(feature = "layout")]
-mod experiments;
 /// A layout evaluated step by step.
 #[cfg(feature = "layout")]
 mod film;
-/// Which measured tile goes to which place of a film.
-#[cfg(feature = "layout")]
-mod film_assignment;
-/// Where the displacement error of the films that are made comes from.
-#[cfg(feature = "layout")]
-mod film_budget;
-/// Which tiles of a film that was made are wrong.
-#[cfg(feature = "layout")]
-mod film_diagnosis;
 /// Why a film could not be evaluated.
 #[cfg(feature = "layout")]
 mod film_error;
@@ -86,13 +74,7 @@ pub mod results;
 mod stage;
 
 #[cfg(feature = "layout")]
-pub use experiments::EXPERIMENT_STEP_MM;
-#[cfg(feature = "layout")]
 pub use film::Film;
-#[cfg(feature = "layout")]
-pub use film_assignment::FilmAssignment;
-#[cfg(feature = "layout")]
-pub use film_budget::{BudgetPart, FilmBudget};
 #[cfg(feature = "layout")]
 pub use film_error::FilmError;
 #[cfg(feature = "layout")]

@@ -3,15 +3,15 @@
 use magsplice::layout::Layout;
 use magsplice::making::{
     AssignmentSettings, Laying, LyingTile, MeasuredBox, MeasuredMagnet, MeasuredTile, MeasurementErrors, PartlyLaid,
-    PlaceGroup, PlanRow,
+    PlaceGroup,
 };
 use magsplice::prelude::DVec3;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::exceptions::failed;
 use crate::film::Film;
-use crate::samples::StatisticsNumbers;
-use crate::vectors::Triple;
+use crate::results::dictionary;
 
 /// Name and version in the history of layouts.
 const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " assign");
@@ -25,30 +25,12 @@ type Measured = (String, Option<String>, Option<[f64; 3]>, Vec<f64>);
 /// Place, tile, centre, upper side, and direction of the mark in degrees.
 type Lying = (String, String, Option<[f64; 3]>, String, f64);
 
-/// An assignment, with the fields of the Python class.
-#[derive(IntoPyObject)]
-pub(crate) struct AssignmentNumbers {
-    /// The layout of the film as TOML, with its tiles in their order.
-    text: String,
-    ordered_rms_mm: f64,
-    in_order_rms_mm: f64,
-    rms_mm: f64,
-    starts_rms_mm: Vec<f64>,
-    measured_rms_mm: Option<StatisticsNumbers>,
-    spares: usize,
-    shims: Vec<(String, f64)>,
-    plan: Vec<Row>,
-}
-
-/// Place, tile, centre, upper side, mark and its direction in degrees, whether the tile lies.
-type Row = (String, String, Triple, &'static str, &'static str, f64, bool);
-
-/// The tiles of a box at the places of a film. `errors` are those of strength, direction in radians
-/// and sides in millimetres.
+/// The tiles of a box at the places of a film, with the layout of the film as TOML. `errors` are
+/// those of strength, direction in radians and sides in millimetres.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "Python passes them by name")]
-pub(crate) fn assign(
-    py: Python<'_>,
+pub(crate) fn assign<'py>(
+    py: Python<'py>,
     film: &Film,
     measured: Vec<Measured>,
     placed: Vec<Lying>,
@@ -57,32 +39,21 @@ pub(crate) fn assign(
     starts: usize,
     seed: u64,
     errors: Option<(f64, f64, Option<f64>)>,
-) -> PyResult<AssignmentNumbers> {
+) -> PyResult<Bound<'py, PyDict>> {
     let layout = &film.layout;
     let mut tiles = MeasuredBox::new(layout);
     refused("measured", measured.iter().map(|tile| added(&mut tiles, tile)))?;
-    let (count, has_sizes, mut groups) = (tiles.tile_count(), tiles.has_sizes(), tiles.into_groups());
+    let (has_sizes, mut groups) = (tiles.has_sizes(), tiles.into_groups());
     let shims = taken_out(layout, &shims, &mut groups)?;
     let partly = partly_laid(layout, &groups, &placed)?;
     let settings = AssignmentSettings { starts, seed, may_turn_over, ..AssignmentSettings::default() };
     let errors =
         errors.map(|(strength, direction_rad, size_mm)| MeasurementErrors { strength, direction_rad, size_mm });
     let assigned = film.run(py, |film| film.assign(&partly, &shims, &settings, errors))?;
-    let row = |row: &PlanRow| {
-        let PlanRow { place, tile, centre_mm, up, mark, mark_deg, is_laid } = row.clone();
-        (place, tile, centre_mm.into(), up, mark, mark_deg, is_laid)
-    };
-    Ok(AssignmentNumbers {
-        text: film.evaluated(py)?.assigned_layout(&assigned, has_sizes, PROGRAM).to_toml(),
-        ordered_rms_mm: assigned.ordered_rms_mm,
-        in_order_rms_mm: assigned.found.in_order_rms_mm,
-        rms_mm: assigned.found.rms_mm,
-        starts_rms_mm: assigned.found.starts_rms_mm,
-        measured_rms_mm: assigned.measurement.map(|(_, rms)| rms.into()),
-        spares: (count + shims.len()).saturating_sub(assigned.plan.len()),
-        shims: assigned.shims.iter().map(|(shim, t)| (layout.tiles[*shim].name.clone(), *t)).collect(),
-        plan: assigned.plan.iter().map(row).collect(),
-    })
+    let text = film.evaluated(py)?.assigned_layout(&assigned, has_sizes, PROGRAM).to_toml();
+    let numbers = dictionary(py, &assigned)?;
+    numbers.set_item("text", text)?;
+    Ok(numbers)
 }
 
 fn added(tiles: &mut MeasuredBox, (name, part, size_mm, j_t): &Measured) -> Result<(), Vec<String>> {

@@ -5,9 +5,9 @@ use magsplice_report::{FilmSamples, PrintedResults, Report, SvgText, layout_figu
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::exceptions::failed;
+use crate::exceptions::{failed, of_film};
 use crate::film::Film;
-use crate::samples::{SampledFilm, sampled};
+use crate::samples::sampled;
 use crate::scene::{Within, accuracy};
 
 /// A figure: name, caption, SVG, PNG and CSV.
@@ -29,9 +29,9 @@ pub(crate) fn report<'py>(
     let evaluated = film.evaluated(py)?.clone().with_accuracy(accuracy(within)?);
     let samples = match layout {
         Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } => {
-            let scene = SampledFilm::new(&evaluated)?;
-            let errors = sampled(py, &scene, None, 0..tolerance.samples, None, &|_| Ok(()))?;
-            let nominal = py.detach(|| scene.nominal()).map_err(failed)?;
+            let sampling = evaluated.sampling().map_err(of_film)?;
+            let errors = sampled(py, &sampling, tolerance.seed, 0..tolerance.samples, None, &|_| Ok(()))?;
+            let nominal = py.detach(|| sampling.nominal()).map_err(of_film)?;
             Some(FilmSamples { nominal, errors })
         }
         _ => None,

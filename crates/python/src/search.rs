@@ -3,103 +3,30 @@
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
-use magsplice::design::{
-    DesignProblem, MadeErrors, MadeFilms, Metrics, ProgressUpdate, SearchResult, SpliceRequest, StageMetrics,
-};
+use magsplice::design::{DesignProblem, ProgressUpdate, SpliceRequest};
 use magsplice::layout::{Brief, Goal, Layout};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::exceptions::{failed, of_layout};
 use crate::film::Film;
 use crate::interruption::Interruption;
-use crate::samples::StatisticsNumbers;
-use crate::vectors::{OptionalTriple, Triple};
+use crate::results::dictionary;
 
 /// Name and version in the history of layouts.
 const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " design");
-
-/// Errors of a film as a dictionary.
-#[derive(IntoPyObject)]
-pub(crate) struct MetricsNumbers {
-    points: usize,
-    uniformity_rmse: OptionalTriple,
-    ideal_rmse: Triple,
-    displacement_rmse_mm: Triple,
-    amplitude: f64,
-    scaled_relative_rmse: Option<f64>,
-}
-
-impl From<Metrics> for MetricsNumbers {
-    fn from(metrics: Metrics) -> MetricsNumbers {
-        MetricsNumbers {
-            points: metrics.points,
-            uniformity_rmse: metrics.figures.uniformity_rmse.to_array().into(),
-            ideal_rmse: metrics.ideal_rmse.to_array().into(),
-            displacement_rmse_mm: metrics.figures.displacement_rmse_mm.to_array().into(),
-            amplitude: metrics.figures.amplitude,
-            scaled_relative_rmse: metrics.scaled_relative_rmse,
-        }
-    }
-}
-
-/// Errors of the films that are made, as a dictionary.
-#[derive(IntoPyObject)]
-pub(crate) struct MadeNumbers {
-    samples: u64,
-    seed: u64,
-    before_displacement_rmse_mm: [StatisticsNumbers; 3],
-    before_amplitude: StatisticsNumbers,
-    after_displacement_rmse_mm: [StatisticsNumbers; 3],
-    after_amplitude: StatisticsNumbers,
-}
-
-impl From<MadeFilms> for MadeNumbers {
-    fn from(made: MadeFilms) -> MadeNumbers {
-        let numbers = |errors: MadeErrors| {
-            (
-                errors.displacement_rmse_mm.map(StatisticsNumbers::from).to_array(),
-                StatisticsNumbers::from(errors.amplitude),
-            )
-        };
-        let (before_displacement_rmse_mm, before_amplitude) = numbers(made.before);
-        let (after_displacement_rmse_mm, after_amplitude) = numbers(made.after);
-        MadeNumbers {
-            samples: made.samples,
-            seed: made.seed,
-            before_displacement_rmse_mm,
-            before_amplitude,
-            after_displacement_rmse_mm,
-            after_amplitude,
-        }
-    }
-}
-
-/// The result of a search as a dictionary.
-#[derive(IntoPyObject)]
-pub(crate) struct DesignNumbers {
-    text: String,
-    before: MetricsNumbers,
-    after: MetricsNumbers,
-    five_times_finer: MetricsNumbers,
-    made: Option<MadeNumbers>,
-    error: f64,
-    stages: Vec<(&'static str, OptionalTriple)>,
-    parts: usize,
-    starts_that_agree: usize,
-    short_of: Vec<String>,
-}
 
 /// Searches for a better film, as the table [design] of the layout asks, or with another least
 /// amplitude. `progress` is called with stage, finished items, number of items and best error.
 #[pyfunction]
 #[pyo3(signature = (film, least_amplitude=None, progress=None))]
-pub(crate) fn design(
-    py: Python<'_>,
+pub(crate) fn design<'py>(
+    py: Python<'py>,
     film: &Film,
     least_amplitude: Option<f64>,
-    progress: Option<Bound<'_, PyAny>>,
-) -> PyResult<DesignNumbers> {
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
     let layout = &film.layout;
     let problem = py
         .detach(|| match (least_amplitude, &layout.brief) {
@@ -123,23 +50,9 @@ pub(crate) fn design(
         _ => Ok(()),
     };
     let result = interruption.run_and_tell(py, search, tell)?.map_err(failed)?;
-    let text = problem.designed_layout(&result, PROGRAM).to_compact_toml();
-    let SearchResult { before, after, finer, made, error, stages, parts, agreeing_starts, short_of, .. } = result;
-    Ok(DesignNumbers {
-        text,
-        before: before.into(),
-        after: after.into(),
-        five_times_finer: finer.into(),
-        made: made.map(MadeNumbers::from),
-        error,
-        stages: stages
-            .into_iter()
-            .map(|StageMetrics { stage, uniformity_rmse }| (stage.name(), uniformity_rmse.to_array().into()))
-            .collect(),
-        parts,
-        starts_that_agree: agreeing_starts,
-        short_of: short_of.iter().map(ToString::to_string).collect(),
-    })
+    let numbers = dictionary(py, &result)?;
+    numbers.set_item("text", problem.designed_layout(&result, PROGRAM).to_compact_toml())?;
+    Ok(numbers)
 }
 
 /// A layout to begin a search with, as TOML. Lengths in millimetres.

@@ -8,9 +8,6 @@ use pyo3::prelude::*;
 /// Three values, which are a tuple in Python. Arrays are lists there.
 pub(crate) type Triple<T = f64> = (T, T, T);
 
-/// Three values of which some may be undefined.
-pub(crate) type OptionalTriple = Triple<Option<f64>>;
-
 /// The rows of a contiguous array of shape (n, 3), without a copy.
 ///
 /// # Errors

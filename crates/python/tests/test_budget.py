@@ -13,7 +13,7 @@ from magsplice import Estimate
 def test_first_order_budgets_are_those_of_the_program():
     # magsplice budget layouts/robust-in-plane.toml --format json
     found = magsplice.load(LAYOUTS / "robust-in-plane.toml").budget()
-    assert found.first_order
+    assert found.is_first_order
     assert (found.seed, found.samples) == (1, 200)
     assert [part.name for part in found.parts] == [
         "film as ordered",
@@ -38,7 +38,7 @@ def test_first_order_budgets_are_those_of_the_program():
 def test_large_errors_are_divided_by_samples(published):
     # magsplice budget layouts/published-film.toml --preset by-hand --format json
     found = published.budget(preset="by-hand")
-    assert not found.first_order
+    assert not found.is_first_order
     assert found.parts[-1].name == "causes together"
     np.testing.assert_allclose(found.parts[-1].mean_square_mm2[2], 0.006958948126617265, rtol=1e-8)
     assert found.tiles_worth_halving == []

@@ -23,10 +23,10 @@ def scan(published):
     return points, b + 5e-6 * np.sin(np.arange(b.size) ** 2).reshape(b.shape)
 
 
-def test_wrong_tiles_are_those_of_the_program(published, scan):
+def test_faulty_tiles_are_those_of_the_program(published, scan):
     # magsplice diagnose layouts/published-film.toml --scan scan.csv --noise 5uT --fit=offset
     found = published.diagnose(*scan, noise_t=5e-6, fit=["offset"])
-    weak, displaced = found.wrong
+    weak, displaced = found.faulty
     assert (weak.tile, weak.kind) == ("film-x2-y7", "strength")
     assert weak.magnitude == pytest.approx(-0.09994561293204043, rel=1e-6)
     assert weak.deviations == (pytest.approx(0.00022930707713539663, rel=1e-6),)
@@ -37,7 +37,7 @@ def test_wrong_tiles_are_those_of_the_program(published, scan):
     assert found.is_complete
     assert not found.is_residual_too_large
     assert found.residual_t == pytest.approx(3.538336916363658e-06, rel=1e-6)
-    assert found.freedom == 1316
+    assert found.degrees_of_freedom == 1316
     assert found.scan_offset_t[0] == pytest.approx(2.00492711802867e-05, rel=1e-6)
     assert found.strength[10] == pytest.approx(-0.1, abs=1e-3)
     assert np.flatnonzero(found.position_mm[:, 0]).tolist() == [30]
@@ -52,18 +52,18 @@ def test_turns_are_in_degrees():
     angle = np.radians(2.0)
     turned = tile._replace(rotation=(0, 0, np.sin(angle / 2), np.cos(angle / 2)))
     readings = magsplice.Film([turned], name="made").b(points)
-    (wrong,) = magsplice.Film([tile], name="ordered").diagnose(points, readings, noise_t=1e-6).wrong
-    assert wrong.kind == "turn"
-    assert wrong.components[2] == pytest.approx(2.0, abs=0.01)
+    (faulty,) = magsplice.Film([tile], name="ordered").diagnose(points, readings, noise_t=1e-6).faulty
+    assert faulty.kind == "turn"
+    assert faulty.components[2] == pytest.approx(2.0, abs=0.01)
 
 
 def test_ordinary_errors_are_not_named(published, scan):
     points, readings = scan
     found = published.diagnose(points, readings, noise_t=2e-5, preset="by-hand", fit=["offset"])
-    assert len(found.wrong) < 2
+    assert len(found.faulty) < 2
     film = published.replace(tolerance={"preset": "by-hand"})
     as_ordered = film.diagnose(points, readings, noise_t=2e-5, as_ordered=True)
-    assert [wrong.tile for wrong in as_ordered.wrong[:2]] == ["film-x2-y7", "film-x6-y1"]
+    assert [tile.tile for tile in as_ordered.faulty[:2]] == ["film-x2-y7", "film-x6-y1"]
 
 
 def test_weak_tile_among_tiles_with_recoil_is_named_alone(published):
@@ -73,10 +73,10 @@ def test_weak_tile_among_tiles_with_recoil_is_named_alone(published):
     x = np.linspace(-10, 10, 21)
     points = np.stack(np.meshgrid(x, x, [-2.0], indexing="ij"), axis=-1)
     readings = ordered.replace(tile=tiles).b(points)
-    (weak,) = ordered.diagnose(points, readings, noise_t=1e-5).wrong
+    (weak,) = ordered.diagnose(points, readings, noise_t=1e-5).faulty
     assert (weak.tile, weak.kind) == ("film-x2-y7", "strength")
     rigid = published.diagnose(points, readings, noise_t=1e-5)
-    assert len(rigid.wrong) > 1
+    assert len(rigid.faulty) > 1
 
 
 def test_scans_that_cannot_be_diagnosed_are_refused(published, scan):

@@ -43,6 +43,8 @@ mod printed_page;
 mod raster_image;
 /// [`Report`].
 mod report;
+/// Planes through a scan, measured beside simulated.
+mod scan_planes;
 /// The figures of the sensor in order, with their captions.
 mod sensor_drafts;
 /// Ranges of axes and colours that two films share.
@@ -58,16 +60,16 @@ mod typeset;
 
 pub use drawing::{Drawing, SvgText};
 pub use error::ReportError;
-pub use figures::budget::{BudgetBar, budget_figure};
-pub use figures::diagnosis::{DiagnosedTile, DrawnFault, diagnosis_figure};
-pub use figures::experiment::{ExperimentCurves, experiment_figure};
+pub use figures::budget::budget_figure;
+pub use figures::diagnosis::diagnosis_figure;
+pub use figures::experiment::experiment_figure;
 pub use figures::forces::{TileForce, forces_figure};
 pub use figures::front::{FrontAxis, FrontFigure, FrontFilm};
-pub use figures::laying_plan::{LaidTile, laying_plan_figure};
+pub use figures::laying_plan::laying_plan_figure;
 pub use figures::layout_from_above::layout_figure;
-pub use figures::scan_maps::{ScanPlane, scan_field_figure, scan_parameters_figure};
 pub use page::PrintedResults;
 pub use pair::PairReport;
 pub use printed_film::{bill_page, plan_page};
 pub use report::Report;
+pub use scan_planes::scan_figures;
 pub use survey::FilmSamples;

@@ -1,10 +1,11 @@
 //! The figures of the sensor of a film, with their captions.
 
-use magsplice::{EXPERIMENT_STEP_MM, Film, Stage};
+use magsplice::results::EXPERIMENT_STEP_MM;
+use magsplice::{Film, Stage};
 
 use crate::error::{DrawError, ReportError};
 use crate::figure_drafts::FigureDraft;
-use crate::figures::experiment::{self, ExperimentCurves};
+use crate::figures::experiment;
 use crate::figures::resolution::ResolutionMaps;
 use crate::shared_ranges::SharedRanges;
 use crate::survey::Survey;
@@ -35,9 +36,8 @@ pub(crate) fn sensor_drafts(
             .to_owned();
         add("resolution", caption, maps.draw(ranges).map(|svg| (svg, maps.csv())))?;
     }
-    let [along_x, along_y, along_z] = film.experiments(EXPERIMENT_STEP_MM, None, None)?;
-    let curves = ExperimentCurves { axes: [&along_x, &along_y, &along_z], elastomer: layout.elastomer.as_ref() };
-    let drawn = experiment::draw(&curves).map(|svg| (svg, experiment::csv(&curves)));
-    add("experiment", experiment::caption(&curves), drawn)?;
+    let experiments = film.experiments(EXPERIMENT_STEP_MM, None, None)?;
+    let drawn = experiment::draw(&experiments).map(|svg| (svg, experiment::csv(&experiments)));
+    add("experiment", experiment::caption(&experiments), drawn)?;
     Ok(drafts)
 }

@@ -6,7 +6,7 @@ use std::fmt;
 use magsplice_magnet::PointErrors;
 
 /// Why a scan cannot be fitted.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ScanError {
     /// There are too few readings for the parameters.

@@ -18,14 +18,19 @@ const LEAST_EXTENT: f64 = 1e-9;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stiffness {
     /// Force per displacement.
+    #[cfg_attr(feature = "serde", serde(rename = "stiffness_n_per_mm"))]
     pub stiffness: f64,
-    /// Force without displacement.
-    pub force_at_rest: f64,
     /// Half the width of the interval of 95 % confidence of the stiffness.
+    #[cfg_attr(feature = "serde", serde(rename = "stiffness_n_per_mm_95"))]
     pub stiffness_95: f64,
-    /// Half the width of that of the force at rest.
+    /// Force without displacement.
+    #[cfg_attr(feature = "serde", serde(rename = "force_at_rest_n"))]
+    pub force_at_rest: f64,
+    /// Half the width of the interval of 95 % confidence of the force at rest.
+    #[cfg_attr(feature = "serde", serde(rename = "force_at_rest_n_95"))]
     pub force_at_rest_95: f64,
     /// Standard deviation of the residuals, as a force.
+    #[cfg_attr(feature = "serde", serde(rename = "residual_n"))]
     pub residual: f64,
 }
 

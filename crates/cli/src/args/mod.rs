@@ -2,46 +2,31 @@
 
 /// `--within`: the accuracy of a field.
 pub(crate) mod accuracy;
-/// Arguments of `assign`, and errors of measurements of tiles.
-pub(crate) mod assign;
-/// Arguments of `budget`.
-pub(crate) mod budget;
-/// Arguments of the verbs that search for films: `design`, `splice`.
-pub(crate) mod design;
-/// Arguments of `diagnose`.
-pub(crate) mod diagnose;
-/// Arguments of `experiment`.
-pub(crate) mod experiment;
+/// What is fitted of a scan.
+pub(crate) mod fit;
 /// Output formats, their names and file endings.
 pub(crate) mod formats;
-/// Arguments of `import`.
-pub(crate) mod import;
+/// Errors of measurements of tiles.
+pub(crate) mod measurement;
 /// Numbers with units as a person types them.
 pub(crate) mod numbers;
 /// `--points` and `--unit`: points from a file.
 pub(crate) mod points;
 /// `--preset`: usual errors of tiles.
 pub(crate) mod preset;
-/// Arguments of the verbs about sensors.
-pub(crate) mod sensor;
+/// The noise and the unit of readings.
+pub(crate) mod readings;
 /// `--sorted`: tiles that are measured and sorted.
 pub(crate) mod sorting;
-/// Arguments of `tolerance`.
-pub(crate) mod tolerance;
 
 use clap::{Parser, Subcommand};
 
-use self::assign::AssignArgs;
-use self::budget::BudgetArgs;
-use self::design::{DesignArgs, SpliceArgs};
-use self::diagnose::DiagnoseArgs;
-use self::experiment::ExperimentArgs;
-use self::import::ImportArgs;
-use self::sensor::{CalibrateArgs, ReadArgs, ResolutionArgs, ScanArgs};
-use self::tolerance::ToleranceArgs;
 #[cfg(feature = "report")]
 use crate::verbs::report;
-use crate::verbs::{bench, check, compare, completions, decouple, export, field, forces, init, plan, tiles};
+use crate::verbs::{
+    assign, bench, budget, calibrate, check, compare, completions, decouple, design, diagnose, experiment, export,
+    field, forces, import, init, plan, read, resolution, scan, splice, tiles, tolerance,
+};
 
 const FIRST_STEPS: &str = if cfg!(feature = "report") {
     "Example:\n  magsplice init film.toml\n  magsplice report film.toml -o report\n  magsplice decouple film.toml"
@@ -94,22 +79,22 @@ pub(crate) enum Verb {
     Bench(bench::BenchArgs),
     #[cfg(feature = "report")]
     Report(report::ReportArgs),
-    Tolerance(ToleranceArgs),
-    Budget(BudgetArgs),
+    Tolerance(tolerance::ToleranceArgs),
+    Budget(budget::BudgetArgs),
     Forces(forces::ForcesArgs),
-    Read(ReadArgs),
-    Resolution(ResolutionArgs),
-    Experiment(ExperimentArgs),
-    Calibrate(CalibrateArgs),
-    Scan(ScanArgs),
-    Diagnose(DiagnoseArgs),
+    Read(read::ReadArgs),
+    Resolution(resolution::ResolutionArgs),
+    Experiment(experiment::ExperimentArgs),
+    Calibrate(calibrate::CalibrateArgs),
+    Scan(scan::ScanArgs),
+    Diagnose(diagnose::DiagnoseArgs),
     Check(check::CheckArgs),
-    Design(DesignArgs),
-    Splice(SpliceArgs),
-    Assign(AssignArgs),
+    Design(design::DesignArgs),
+    Splice(splice::SpliceArgs),
+    Assign(assign::AssignArgs),
     Tiles(tiles::TilesArgs),
     Export(export::ExportArgs),
-    Import(ImportArgs),
+    Import(import::ImportArgs),
     Init(init::InitArgs),
     /// Print the JSON Schema of layout files, for editors.
     #[command(after_help = "Example:\n  magsplice schema > layout.schema.json")]

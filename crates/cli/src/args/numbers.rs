@@ -38,6 +38,12 @@ pub(crate) fn fraction(text: &str) -> Result<f64, String> {
     decimal::scaled(number, exponent).ok_or_else(|| "must be a fraction such as 0.005 or 0.5%".to_owned())
 }
 
+/// A number above 0.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|value: &f64| *value > 0.0 && value.is_finite());
+    number.ok_or_else(|| "must be a number greater than 0".to_owned())
+}
+
 /// A flux density or polarization in T.
 pub(crate) fn flux_density_t(text: &str) -> Result<f64, String> {
     let (number, unit) = split(text);

@@ -3,7 +3,7 @@
 use clap::Args;
 use magsplice::making::{AssignmentSettings, MeasurementErrors, Sorting};
 
-use super::assign::MeasurementArgs;
+use super::measurement::MeasurementArgs;
 use crate::failure::Failure;
 
 /// Starts and disturbances of the search for each sample. With 16 and 200, as `assign` has, the P95

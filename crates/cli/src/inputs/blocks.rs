@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use magsplice::layout::NamedTile;
+use magsplice::layout::{EulerOrder, NamedTile};
 use magsplice::magnet::TileFault;
 use magsplice::prelude::{DQuat, DVec3, Tile};
 
 use super::rotation::{self, RotationColumns};
-use crate::args::import::ImportArgs;
+use crate::args::points::LengthUnitArg;
 use crate::csv_input::finder::{Column, Finder};
 use crate::csv_input::quantities::{MAGNETIZATION, POLARIZATION, POSITION, SIZE, text};
 use crate::csv_input::rows::{Cells, Form, Rows};
@@ -46,8 +46,9 @@ struct Columns {
 }
 
 /// Reads all blocks of a file. The failure lists all rows that break rules.
-pub(crate) fn read(path: &Path, args: &ImportArgs) -> Result<Blocks, Failure> {
-    let rows = Rows::open(path, FORM, EXAMPLE, |names| POSITION.is_among(names), |finder| columns(finder, args))?;
+pub(crate) fn read(path: &Path, unit: Option<LengthUnitArg>, euler: Option<EulerOrder>) -> Result<Blocks, Failure> {
+    let rows =
+        Rows::open(path, FORM, EXAMPLE, |names| POSITION.is_among(names), |finder| columns(finder, unit, euler))?;
     let (ignored, in_mm) = (rows.ignored.clone(), rows.columns.size.iter().all(|column| column.exponent == 0));
     let mut count = 0;
     let (tiles, lines) = rows.read_all(|columns, cells| {
@@ -64,14 +65,14 @@ pub(crate) fn read(path: &Path, args: &ImportArgs) -> Result<Blocks, Failure> {
 }
 
 /// Finds the columns, or adds all that is wrong with the names.
-fn columns(finder: &mut Finder, args: &ImportArgs) -> Option<Columns> {
-    let default = args.unit.map(|unit| unit.name());
+fn columns(finder: &mut Finder, unit: Option<LengthUnitArg>, euler: Option<EulerOrder>) -> Option<Columns> {
+    let default = unit.map(|unit| unit.name());
     let name = finder.column(&text("name", &["name", "label"]));
     let position = finder.group(&POSITION, default);
     let size = finder.group(&SIZE, default);
     let polarization = finder.group(&POLARIZATION, None);
     let magnetization = finder.group(&MAGNETIZATION, None);
-    let rotation = rotation::find(finder, args.euler);
+    let rotation = rotation::find(finder, euler);
     if let Some(unit) = default {
         finder.check_unit(unit, position.iter().chain(&size).flatten());
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use magsplice::prelude::DVec3;
 
-use crate::args::sensor::FluxUnitArg;
+use crate::args::readings::FluxUnitArg;
 use crate::csv_input::finder::{Column, Finder};
 use crate::csv_input::limited_lines::shown;
 use crate::csv_input::names::unit_in;
@@ -34,7 +34,22 @@ pub(crate) const FORCES: Vector = Vector { group: &FORCE, default: None, example
 pub(crate) const POSITIONS: Vector = Vector { group: &POSITION, default: None, examples: ["_mm", " (mm)"] };
 
 /// Largest number of readings held in memory: with their positions they take 3 GB.
-pub(crate) const MAX_READINGS: usize = 10_000_000;
+const MAX_READINGS: usize = 10_000_000;
+
+/// Readings at positions, and their lines in the file.
+pub(crate) struct Scan {
+    pub(crate) points_mm: Vec<DVec3>,
+    pub(crate) readings_t: Vec<DVec3>,
+    pub(crate) lines: Vec<u64>,
+}
+
+impl Scan {
+    pub(crate) fn read(path: &Path) -> Result<Scan, Failure> {
+        let (rows, lines) = read_all(path, &[POSITIONS, flux_densities(None)])?;
+        let (points_mm, readings_t) = rows.into_iter().map(|[point, reading]| (point, reading)).unzip();
+        Ok(Scan { points_mm, readings_t, lines })
+    }
+}
 
 /// The vectors of each row of a file, and its line.
 pub(crate) fn read_all<const N: usize>(

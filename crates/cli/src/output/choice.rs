@@ -74,6 +74,20 @@ pub(crate) fn choose<F: FileFormat>(asked: Option<F>, output: Option<&Path>, def
     Ok(format)
 }
 
+/// The format of a table whose rows are no points, but `things`.
+pub(crate) fn choose_rows(
+    asked: Option<TableFormat>,
+    output: Option<&Path>,
+    things: &str,
+) -> Result<TableFormat, Failure> {
+    let format = choose(asked, output, Some(TableFormat::Csv))?;
+    if format == TableFormat::Vtk {
+        return Err(Failure::Format(format!("{things} have no place in VTK: give another --format")));
+    }
+    accept(format, None, false)?;
+    Ok(format)
+}
+
 /// Refuses a format that is not built in, and a VTK file whose ending belongs to another kind of
 /// points.
 pub(crate) fn accept(format: TableFormat, output: Option<&Path>, on_grid: bool) -> Result<(), Failure> {

@@ -40,7 +40,7 @@ impl Column {
 }
 
 /// As wide as its widest cell, two blanks after the column before.
-const COMPACT: Column = left(0).growing().after(2);
+pub(crate) const COMPACT: Column = left(0).growing().after(2);
 
 /// Label and three numbers.
 const LABELLED: [Column; 4] = [left(38), right(13), right(13), right(13)];

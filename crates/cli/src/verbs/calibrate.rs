@@ -1,73 +1,108 @@
 //! `magsplice calibrate`: the stiffness of the elastic layer from forces and readings.
 
-use std::path::{Path, PathBuf};
+use std::fmt::Write;
+use std::path::PathBuf;
 
-use magsplice::Stage;
+use magsplice::decouple::PerAxis;
 use magsplice::prelude::DVec3;
+use magsplice::results::FilmCalibration;
 use magsplice::sensor::Stiffness;
+use magsplice::{Film, FilmError};
 
-use crate::args::formats::TextOrJson;
-use crate::args::sensor::CalibrateArgs;
-use crate::failure::{self, Failure};
-use crate::faults::FaultList;
+use super::read::{located, unlocated};
+use crate::args::formats::{ResultArgs, TextOrJson};
+use crate::failure::Failure;
 use crate::inputs::readings;
-use crate::json::calibrate::CalibrationJson;
-use crate::output::destination::Output;
-use crate::prepared_film::prepare;
-use crate::progress::ProgressLine;
-use crate::sensor::calibration::Calibration;
-use crate::sensor::film_readings::{FilmReadings, Resting};
-use crate::{json, remarks, text};
+use crate::output::json;
+use crate::remarks;
+use crate::session::Session;
+use crate::text::number::{counted, number};
+use crate::text::{header, rows};
+
+/// Fit the stiffness of the elastic layer: forces against displacements.
+///
+/// Each row has a force on the film and what the sensor read. The displacement of the film is found
+/// from the reading, by the exact field of the layout and, with [ideal], by the closed form of the
+/// ideal film. For each axis and each way, a line F = stiffness x displacement + force at rest is
+/// fitted by least squares (Dai 2024, Eqs. 16 and 17): six coefficients, with intervals of 95 %
+/// confidence.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice calibrate forces.csv --layout film.toml --zero 20")]
+pub(crate) struct CalibrateArgs {
+    /// CSV file with columns fx_n, fy_n, fz_n and bx_mt, by_mt, bz_mt, or in other units, such as
+    /// Fx (mN) and Bx (uT); - is standard input
+    readings: PathBuf,
+    /// Layout file of the film
+    #[arg(long, value_name = "LAYOUT")]
+    layout: PathBuf,
+    /// The first N readings are of the film at rest: their mean, less the field of the film at the
+    /// reference point, is subtracted from all
+    #[arg(long, value_name = "N", default_value = "0")]
+    zero: usize,
+    /// The first N readings are of the film at rest: displacements count from the position of their
+    /// mean, not from the reference point
+    #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero")]
+    rest: usize,
+    #[command(flatten)]
+    result: ResultArgs,
+}
 
 pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
-    let progress = ProgressLine::start(!quiet);
-    let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
-    let film = prepare(&args.layout, &layout, &progress, &remarks::teller(quiet, &progress))?;
-    let inputs: Vec<&Path> = [&args.layout, &args.readings].into_iter().map(PathBuf::as_path).collect();
-    let mut output = Output::open(args.result.output.as_deref(), &inputs)?;
-    let groups = [readings::FORCES, readings::flux_densities(None)];
-    let (rows, lines) = readings::read_all(&args.readings, &groups)?;
+    let session = Session::open(&args.layout, remarks::OF_FIELDS, quiet)?;
+    let film = session.film()?;
+    let output = session.output(args.result.output.as_deref(), [&*args.readings])?;
+    let (rows, lines) = readings::read_all(&args.readings, &[readings::FORCES, readings::flux_densities(None)])?;
     let (forces_n, readings_t): (Vec<DVec3>, Vec<DVec3>) =
         rows.into_iter().map(|[force, reading]| (force, reading)).unzip();
-    progress.show(Stage::uncounted("readings"));
-    let readings =
-        FilmReadings::new(&film, &args.layout, &args.readings, &readings_t, Resting::new(args.zero, args.rest), None)?;
-    let place = args.readings.display().to_string();
-    let mut faults = FaultList::default();
-    readings.unlocated(&lines).for_each(|(line, fault)| faults.add(line, fault));
-    // The film moves by the opposite of the sensor's displacement.
-    let by_field: Option<Vec<DVec3>> =
-        readings.positions().map(|located| located.map(|located| readings.origin_mm - located.position)).collect();
-    let Some(by_field) = by_field else { return Err(faults.failure(place)) };
-    // A reading at the border of the volume may be outside by its noise.
-    if !faults.is_empty() && !quiet {
-        failure::tell(&faults.remarks(&place));
-    }
-    let by_closed_form: Option<Vec<DVec3>> =
-        readings.closed_form_mm.as_ref().map(|moved| moved.iter().map(|moved| -*moved).collect());
-    let fit = |displacements_mm: &[DVec3]| -> Result<[Stiffness; 3], Failure> {
-        let mut axes = Vec::new();
-        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            let [displacements, forces] =
-                [displacements_mm, &forces_n].map(|of| -> Vec<f64> { of.iter().map(|v| v[axis]).collect() });
-            axes.push(Stiffness::fit(&displacements, &forces).map_err(|error| Failure::Points {
-                path: args.readings.clone(),
-                message: format!("along {name}: {error}"),
-            })?);
+    let readings = located(&session, &film, &args.readings, &readings_t, [args.zero, args.rest], None)?;
+    let (place, faults) = (args.readings.display().to_string(), unlocated(&readings, &lines));
+    let found = match readings.calibrate(&forces_n) {
+        Err(FilmError::NoPosition { .. }) => return Err(faults.failure(place)),
+        // A reading at the border of the volume may be outside by its noise.
+        found => {
+            if !faults.is_empty() {
+                session.tell(&faults.remarks(&place));
+            }
+            found.map_err(|error| Failure::Points { path: args.readings.clone(), message: error.to_string() })?
         }
-        Ok(axes.try_into().expect("three axes"))
     };
-    let calibration = Calibration {
-        readings: forces_n.len(),
-        hooke_n_per_mm: layout.elastomer.map(|layer| layer.hooke_n_per_mm()),
-        by_field: fit(&by_field)?,
-        by_closed_form: by_closed_form.as_deref().map(fit).transpose()?,
-    };
-    progress.end();
     let result = match args.result.format {
-        TextOrJson::Text => text::calibrate::calibration(&film, args, &calibration),
-        TextOrJson::Json => json::pretty(&CalibrationJson::new(&film, &calibration)),
+        TextOrJson::Text => text(&film, args, &found),
+        TextOrJson::Json => json::pretty(&found),
     };
-    output.write(|w| w.write_all(result.as_bytes()))?;
-    output.finish()
+    session.write(output, &result)
+}
+
+fn text(film: &Film, args: &CalibrateArgs, found: &FilmCalibration) -> String {
+    let mut text = header::with_recoil(film.layout(), film.recoil());
+    let readings = counted(found.readings, "reading", "readings");
+    let _ = writeln!(
+        text,
+        "{}: {readings}; force = stiffness x displacement of the film + force at rest\n",
+        args.readings.display()
+    );
+    rows::heading(&mut text, "displacements by the field of the layout", ["x", "y", "z"]);
+    axes(&mut text, &found.by_field, found.hooke_n_per_mm);
+    if let Some(by_closed_form) = &found.by_closed_form {
+        rows::heading(&mut text, "displacements by the closed form", ["x", "y", "z"]);
+        axes(&mut text, by_closed_form, found.hooke_n_per_mm);
+    }
+    text += "intervals hold with 95 % confidence\n";
+    text
+}
+
+fn axes(text: &mut String, axes: &PerAxis<Stiffness>, hooke_n_per_mm: Option<DVec3>) {
+    let axes = [axes.x, axes.y, axes.z];
+    let row = |text: &mut String, name: &str, of: &dyn Fn(&Stiffness) -> f64| {
+        rows::cells(text, name, axes.each_ref().map(|axis| number(of(axis))));
+    };
+    row(text, "  stiffness, N/mm", &|axis| axis.stiffness);
+    row(text, "    +-", &|axis| axis.stiffness_95);
+    if let Some(hooke) = hooke_n_per_mm {
+        let scale = [0, 1, 2].map(|axis| number(axes[axis].stiffness / hooke[axis]));
+        rows::cells(text, "    over Hooke's law of [elastomer]", scale);
+    }
+    row(text, "  force at rest, N", &|axis| axis.force_at_rest);
+    row(text, "    +-", &|axis| axis.force_at_rest_95);
+    row(text, "  residual, N", &|axis| axis.residual);
 }

@@ -1,145 +1,185 @@
-//! `magsplice experiment`: moves the film and tells what its sensor reads.
+//! `magsplice experiment`: moves the film and prints what its sensor reads.
 
 use std::path::{Path, PathBuf};
 
-use magsplice::layout::Elastomer;
+use clap::ValueEnum;
+use magsplice::magnet::{Bend, Deformation, HeightMap, HeightMapError};
 use magsplice::prelude::DVec3;
-use magsplice::results::{ColumnQuantity, Rows, Source, Table};
+use magsplice::results::{EXPERIMENT_STEP_MM, FilmExperiments};
 use magsplice::sensor::ExperimentStep;
-use magsplice::{Film, Stage};
 #[cfg(feature = "report")]
-use magsplice_report::{ExperimentCurves, SvgText, experiment_figure};
+use magsplice_report::{SvgText, experiment_figure};
 
-use crate::args::experiment::ExperimentArgs;
 use crate::args::formats::TableFormat;
-use crate::failure::{self, Failure};
-use crate::json::read::ReadJson;
-use crate::output::destination::Output;
-#[cfg(feature = "report")]
-use crate::output::figure_file;
+use crate::args::numbers::{angle_rad, length_mm};
+use crate::failure::Failure;
+use crate::inputs::readings;
 use crate::output::{choice, table};
-use crate::prepared_film::prepare;
-use crate::progress::ProgressLine;
 use crate::remarks;
-use crate::sensor::made_film;
+use crate::session::Session;
 use crate::text::number::counted;
-use crate::words::{film_failure, no_volume};
+use crate::words::no_volume;
+
+/// Move the film along x, y and z, and tell what its sensor reads.
+///
+/// The film moves by multiples of a step as far as the sensor stays in the working volume: in shear
+/// along x and y, and towards the sensor along z (Dai 2024, Fig. 9). The table has the displacement
+/// of the film, the readings, R_x, R_y and S_z, and the displacement that the readings tell: by the
+/// field of the layout and, with [ideal], by the closed form. With [elastomer] it also has the
+/// forces (Eqs. 16 and 17), so that `magsplice calibrate` reads it. With [sensor] the readings are
+/// those of this sensor.
+///
+/// The film that is read may differ from the layout: it is bent, then turned about its centre, then
+/// shifted. Its tiles follow as rigid blocks. Displacements count from where it seems to be at
+/// rest, as with `read --rest`.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  magsplice experiment layouts/published-film.toml -o moved.csv --figure moved.png\n  \
+    magsplice experiment film.toml --seed 1 --rotate 0,0.5deg,0 --bend-radius 200mm --bend-along x"
+)]
+pub(crate) struct ExperimentArgs {
+    /// Layout file
+    layout: PathBuf,
+    /// Step of the film, or steps along x, y and z, in mm
+    #[arg(long, value_name = "LENGTHS", default_value = "0.5mm,0.5mm,1mm", value_parser = steps_mm)]
+    step: DVec3,
+    /// Add the noise of [sensor] to the readings, with this seed
+    #[arg(long, value_name = "SEED")]
+    seed: Option<u64>,
+    /// Shift of the film that is read along x, y and z, such as 0.1mm,0,0
+    #[arg(long, value_name = "LENGTHS", value_parser = lengths_mm, allow_hyphen_values = true)]
+    shift: Option<DVec3>,
+    /// Rotation vector of the film that is read: angles about axes parallel to x, y and z, such as
+    /// 0,0.5deg,0
+    #[arg(long, value_name = "ANGLES", value_parser = angles_rad, allow_hyphen_values = true)]
+    rotate: Option<DVec3>,
+    /// Radius to which the film is bent; its ends rise from the sensor if it is positive
+    #[arg(long, value_name = "LENGTH", value_parser = length_mm, allow_hyphen_values = true)]
+    bend_radius: Option<f64>,
+    /// Axis along which the film is bent
+    #[arg(long, value_enum, value_name = "AXIS", default_value = "x", requires = "bend_radius")]
+    bend_along: BendAxis,
+    /// CSV file with the heights of the film over its flat shape: columns x_mm, y_mm, z_mm, on a
+    /// full grid
+    #[arg(long, value_name = "FILE", conflicts_with = "bend_radius")]
+    heights: Option<PathBuf>,
+    /// Draw the curves of Dai 2024, Fig. 9, into this file, .svg or .png
+    #[cfg(feature = "report")]
+    #[arg(long, value_name = "FILE")]
+    figure: Option<PathBuf>,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Format of the result [default: by the file's ending, else csv]
+    #[arg(long, value_enum)]
+    format: Option<TableFormat>,
+}
+
+/// An axis of the film.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum BendAxis {
+    /// The ends of x rise or fall
+    X,
+    /// The ends of y rise or fall
+    Y,
+}
 
 pub(crate) fn run(args: &ExperimentArgs, quiet: bool) -> Result<(), Failure> {
-    let progress = ProgressLine::start(!quiet);
-    let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
-    let film = prepare(&args.layout, &layout, &progress, &remarks::teller(quiet, &progress))?;
+    let session = Session::open(&args.layout, remarks::OF_FIELDS, quiet)?;
+    let film = session.film()?;
     film.volume().map_err(|error| no_volume(&args.layout, error))?;
-    if args.seed.is_some() && layout.sensor.as_ref().is_none_or(|sensor| sensor.element.noise_t == DVec3::ZERO) {
+    let has_noise = film.layout().sensor.as_ref().is_some_and(|sensor| sensor.element.noise_t != DVec3::ZERO);
+    if args.seed.is_some() && !has_noise {
         let message = "the layout states no noise for --seed: give noise_ut or part in [sensor]".to_owned();
         return Err(Failure::Points { path: args.layout.clone(), message });
     }
-    let format = choice::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
-    if format == TableFormat::Vtk {
-        return Err(Failure::Format("steps have no place in VTK: give another --format".to_owned()));
-    }
-    choice::accept(format, None, false)?;
-    let inputs: Vec<&Path> =
-        [Some(&args.layout), args.heights.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();
-    let mut output = Output::open(args.output.as_deref(), &inputs)?;
+    let format = choice::choose_rows(args.format, args.output.as_deref(), "steps")?;
+    let mut output = session.output(args.output.as_deref(), args.heights.as_deref())?;
     #[cfg(feature = "report")]
-    let figure = figure_file::open(args.figure.as_deref(), &inputs)?;
-    let made = made_film::deformed(args, &film)?;
-    progress.show(Stage::uncounted("experiments"));
-    let experiments = film
-        .experiments(args.step, args.seed, made.as_ref())
-        .map_err(|error| film_failure(&args.layout, &layout, error))?;
-    let steps: Vec<&ExperimentStep> = experiments.iter().flatten().collect();
-    let rows = Rows::Numbered { name: "step", first: 1, count: steps.len() };
-    let columns = columns(&film, &steps, layout.elastomer.as_ref());
-    let result = Table::new(rows, columns, Source::of(&film).metadata()).expect("a value for each step");
-    table::write(&result, &ReadJson::new(&film, &result), format, &mut output)?;
+    let figure = session.figure(args.figure.as_deref(), args.heights.as_deref())?;
+    let deformation = deformation(args)?;
+    let made = (deformation != Deformation::default()).then(|| film.deformed(&deformation)).transpose();
+    let made = made.map_err(|error| Failure::Points {
+        path: args.layout.clone(),
+        message: format!("the film cannot be bent or moved so (lengths in mm): {error}"),
+    })?;
+    let found = film.experiments(args.step, args.seed, made.as_ref()).map_err(|error| session.failed(error))?;
+    table::write(&found.table(), &found, format, &mut output)?;
     output.finish()?;
     #[cfg(feature = "report")]
     if let Some(file) = figure {
-        let [along_x, along_y, along_z] = &experiments;
-        let curves = ExperimentCurves { axes: [along_x, along_y, along_z], elastomer: layout.elastomer.as_ref() };
-        file.write(experiment_figure(&curves, SvgText::Text))?;
+        file.write(experiment_figure(&found, SvgText::Text))?;
     }
-    progress.end();
-    if !quiet {
-        remark(args, &steps);
-    }
+    session.progress.end();
+    remark(&session, &found);
     Ok(())
 }
 
-/// Names what is wrong with readings on standard error.
-fn remark(args: &ExperimentArgs, steps: &[&ExperimentStep]) {
-    let layout = args.layout.display();
-    let count = |is_so: &dyn Fn(&&&ExperimentStep) -> bool| steps.iter().filter(is_so).count();
+/// The deformation of the film that is read.
+fn deformation(args: &ExperimentArgs) -> Result<Deformation, Failure> {
+    let along = if args.bend_along == BendAxis::X { 0 } else { 1 };
+    let bend = match (args.bend_radius, &args.heights) {
+        (Some(radius), _) => Some(Bend::Cylinder { along, radius }),
+        (None, Some(path)) => Some(Bend::Heights(heights(path)?)),
+        (None, None) => None,
+    };
+    Ok(Deformation { bend, rotation_rad: args.rotate.unwrap_or_default(), shift: args.shift.unwrap_or_default() })
+}
+
+/// The heights of a CSV file.
+fn heights(path: &Path) -> Result<HeightMap, Failure> {
+    let (rows, lines) = readings::read_all(path, &[readings::POSITIONS])?;
+    let points: Vec<DVec3> = rows.into_iter().map(|[point]| point).collect();
+    HeightMap::from_points(&points).map_err(|error| {
+        let message = match error {
+            HeightMapError::Repeated { point } => {
+                format!("line {}: has the x and y of an earlier line", lines[point])
+            }
+            error => error.to_string(),
+        };
+        Failure::Points { path: path.to_owned(), message }
+    })
+}
+
+/// Prints on standard error at how many steps a reading gives nothing.
+fn remark(session: &Session, found: &FilmExperiments) {
+    let layout = session.path.display();
+    let count = |is_so: &dyn Fn(&ExperimentStep) -> bool| found.all_steps().filter(|step| is_so(step)).count();
     let saturated = count(&|step| step.is_saturated);
     if saturated > 0 {
         let steps = counted(saturated, "step", "steps");
-        failure::tell(&format!("{layout}: at {steps} the flux density exceeds the range of the sensor\n"));
+        session.tell(&format!("{layout}: at {steps} the flux density exceeds the range of the sensor\n"));
     }
     let lost = count(&|step| step.by_field.is_none() && !step.is_saturated);
     if lost > 0 {
         let steps = counted(lost, "step", "steps");
-        failure::tell(&format!(
-            "{layout}: at {steps} the reading has no position in the field of the layout, or two\n"
-        ));
+        session.tell(&format!("{layout}: at {steps} the reading has no position in the field of the layout, or two\n"));
     }
 }
 
-fn columns(film: &Film, steps: &[&ExperimentStep], layer: Option<&Elastomer>) -> Vec<ColumnQuantity> {
-    let of_each = |value: &dyn Fn(&ExperimentStep) -> Option<DVec3>| -> Vec<f64> {
-        steps.iter().flat_map(|step| value(step).unwrap_or(DVec3::NAN).to_array()).collect()
+fn steps_mm(text: &str) -> Result<DVec3, String> {
+    let steps = match text.split(',').count() {
+        1 => DVec3::splat(length_mm(text)?),
+        _ => lengths_mm(text)?,
     };
-    let mut columns = vec![
-        ColumnQuantity {
-            name: "film_mm",
-            components: &["film_dx_mm", "film_dy_mm", "film_dz_mm"],
-            values: of_each(&|step| Some(step.displacement)),
-        },
-        ColumnQuantity {
-            name: "reading_t",
-            components: &["bx_t", "by_t", "bz_t"],
-            values: of_each(&|step| Some(step.reading_t)),
-        },
-        ColumnQuantity {
-            name: "found_mm",
-            components: &["found_dx_mm", "found_dy_mm", "found_dz_mm"],
-            values: of_each(&|step| step.by_field),
-        },
-    ];
-    if film.ideal().is_ok() {
-        columns.push(ColumnQuantity {
-            name: "parameters",
-            components: &["r_x_rad", "r_y_rad", "s_z_ln_t"],
-            values: of_each(&|step| step.parameters.map(|p| DVec3::new(p.r_x, p.r_y, p.s_z))),
-        });
-        columns.push(ColumnQuantity {
-            name: "closed_form_mm",
-            components: &["closed_form_dx_mm", "closed_form_dy_mm", "closed_form_dz_mm"],
-            values: of_each(&|step| step.by_closed_form),
-        });
+    let example = EXPERIMENT_STEP_MM;
+    if steps.cmpgt(DVec3::ZERO).all() {
+        Ok(steps)
+    } else {
+        Err(format!("each step must be above 0, such as {}mm,{}mm,{}mm", example.x, example.y, example.z))
     }
-    if let Some(layer) = layer {
-        let force = |moved: Option<DVec3>| moved.map(|moved| layer.force_n(moved));
-        columns.push(ColumnQuantity {
-            name: "force_n",
-            components: &["fx_n", "fy_n", "fz_n"],
-            values: of_each(&|step| force(Some(step.displacement))),
-        });
-        columns.push(ColumnQuantity {
-            name: "found_force_n",
-            components: &["found_fx_n", "found_fy_n", "found_fz_n"],
-            values: of_each(&|step| force(step.by_field)),
-        });
-        if film.ideal().is_ok() {
-            columns.push(ColumnQuantity {
-                name: "closed_form_force_n",
-                components: &["closed_form_fx_n", "closed_form_fy_n", "closed_form_fz_n"],
-                values: of_each(&|step| force(step.by_closed_form)),
-            });
-        }
-    }
-    let saturated = steps.iter().map(|step| f64::from(u8::from(step.is_saturated))).collect();
-    columns.push(ColumnQuantity { name: "saturated", components: &["saturated"], values: saturated });
-    columns
+}
+
+fn lengths_mm(text: &str) -> Result<DVec3, String> {
+    vector(text, length_mm, "must be three lengths, such as 0.1mm,0,0")
+}
+
+fn angles_rad(text: &str) -> Result<DVec3, String> {
+    vector(text, angle_rad, "must be three angles, such as 0,0.5deg,0")
+}
+
+fn vector(text: &str, value: fn(&str) -> Result<f64, String>, rule: &str) -> Result<DVec3, String> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let [x, y, z] = parts[..] else { return Err(rule.to_owned()) };
+    Ok(DVec3::new(value(x)?, value(y)?, value(z)?))
 }

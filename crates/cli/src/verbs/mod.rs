@@ -20,9 +20,6 @@ pub(crate) mod decouple;
 pub(crate) mod design;
 /// Tells which tiles of a film that was made are wrong.
 pub(crate) mod diagnose;
-/// `diagnose --figure`: wrong tiles, and how much the scan tells of each.
-#[cfg(feature = "report")]
-mod diagnose_figure;
 /// Moves the film and tells what its sensor reads.
 pub(crate) mod experiment;
 /// Writes the film for another program.
@@ -31,8 +28,6 @@ pub(crate) mod export;
 pub(crate) mod field;
 /// Computes the forces of the tiles on each other.
 pub(crate) mod forces;
-/// `design --front`: searches the films of a trade-off.
-pub(crate) mod front;
 /// Makes a layout from a table of blocks.
 pub(crate) mod import;
 /// Writes a commented layout to start from.
@@ -48,16 +43,14 @@ pub(crate) mod report;
 pub(crate) mod resolution;
 /// Compares a measured scan with the layout.
 pub(crate) mod scan;
-/// `scan --figures`: measured planes beside the field of the layout.
-#[cfg(feature = "report")]
-mod scan_figures;
 /// Prints the JSON Schema of layout files.
 pub(crate) mod schema;
-/// Shared parts of `design`, `design --front` and `splice`: the search, its progress, its result.
-pub(crate) mod search;
 /// Designs a film from nothing.
 pub(crate) mod splice;
 /// Lists the tiles of a layout and its bill of materials.
 pub(crate) mod tiles;
 /// Samples the films that are made from a layout.
 pub(crate) mod tolerance;
+
+/// Name and version of the program in the history of layouts.
+const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"));

@@ -2,124 +2,126 @@
 
 use std::path::{Path, PathBuf};
 
-use magsplice::Stage;
-use magsplice::layout::Elastomer;
 use magsplice::prelude::DVec3;
-use magsplice::results::{ColumnQuantity, Rows, Source, Table};
-use magsplice::sensor::{LocateError, Located};
+use magsplice::results::FilmReadings;
+use magsplice::sensor::Noise;
+use magsplice::{AtRest, Film, FilmError};
 
 use crate::args::formats::TableFormat;
-use crate::args::sensor::ReadArgs;
-use crate::failure::{self, Failure};
+use crate::args::readings::{FluxUnitArg, noise};
+use crate::failure::Failure;
 use crate::faults::FaultList;
 use crate::inputs::readings;
-use crate::json::read::ReadJson;
-use crate::output::destination::Output;
 use crate::output::{choice, table};
-use crate::prepared_film::prepare;
-use crate::progress::ProgressLine;
 use crate::remarks;
-use crate::sensor::film_readings::{FilmReadings, Resting};
+use crate::session::Session;
 use crate::words::no_volume;
 
-pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
-    let progress = ProgressLine::start(!quiet);
-    let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
-    let film = prepare(&args.layout, &layout, &progress, &remarks::teller(quiet, &progress))?;
-    film.volume().map_err(|error| no_volume(&args.layout, error))?;
-    let format = choice::choose(args.format, args.output.as_deref(), Some(TableFormat::Csv))?;
-    if format == TableFormat::Vtk {
-        return Err(Failure::Format("readings have no place in VTK: give another --format".to_owned()));
-    }
-    choice::accept(format, None, false)?;
-    let inputs: Vec<&Path> = [&args.layout, &args.readings].into_iter().map(PathBuf::as_path).collect();
-    let mut output = Output::open(args.output.as_deref(), &inputs)?;
-    let (rows, lines) = readings::read_all(&args.readings, &[readings::flux_densities(args.unit)])?;
+/// Find where the sensor was when it read given flux densities.
+///
+/// The result is the displacement of the sensor from the reference point of the working volume, in
+/// the frame of the film. The film has moved by the opposite. The exact field of the layout gives
+/// it, so that it does not contain the error of the splicing pattern and of the end of the film.
+/// With [ideal] the result also has the displacement by the closed form of the ideal film (Dai
+/// 2024, Eqs. 14 and 15), and with --noise the standard deviations that noise causes.
+///
+/// Readings without a position in the working volume, or with two, are named on standard error. The
+/// displacement is NaN where there are two positions or none. The column `status` is 0 for a
+/// position in the volume, 1 for one outside by more than four deviations of the noise, 2 for two
+/// positions, 3 for none, and 4 for a reading at the limit of the sensor's range.
+///
+/// With [sensor] in the layout, the readings are those of this sensor, with its plates, gains,
+/// offsets and rotation, and its noise is that of --noise. With [elastomer], the result has the
+/// force on the film.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice read readings.csv --layout film.toml --noise 5uT -o moved.csv")]
+pub(crate) struct ReadArgs {
+    /// CSV file with columns bx_t, by_t, bz_t, or bx (mT), ...; - is standard input
+    readings: PathBuf,
+    /// Layout file of the film
+    #[arg(long, value_name = "LAYOUT")]
+    layout: PathBuf,
+    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT [default:
+    /// that of [sensor] in the layout]
+    #[arg(long, value_name = "NOISE", value_parser = noise)]
+    noise: Option<Noise>,
+    /// The first N readings are of the sensor at rest at the reference point: their mean, less the
+    /// field of the film there, is subtracted from all
+    ///
+    /// A constant stray field and the offset of the sensor are then without effect.
+    #[arg(long, value_name = "N", default_value = "0")]
+    zero: usize,
+    /// The first N readings are of the sensor at rest: displacements count from the position of
+    /// their mean, not from the reference point
+    ///
+    /// The film may then lie elsewhere than in the layout. A constant field moves all positions.
+    #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero")]
+    rest: usize,
+    /// Unit of columns bx, by, bz without a unit in their names; the names are still needed
+    #[arg(long, value_enum, ignore_case = true, value_name = "UNIT")]
+    unit: Option<FluxUnitArg>,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Format of the result [default: by the file's ending, else csv]
+    #[arg(long, value_enum)]
+    format: Option<TableFormat>,
+}
 
+pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
+    let session = Session::open(&args.layout, remarks::OF_FIELDS, quiet)?;
+    let film = session.film()?;
+    film.volume().map_err(|error| no_volume(&args.layout, error))?;
+    let format = choice::choose_rows(args.format, args.output.as_deref(), "readings")?;
+    let mut output = session.output(args.output.as_deref(), [&*args.readings])?;
+    let (rows, lines) = readings::read_all(&args.readings, &[readings::flux_densities(args.unit)])?;
     let readings_t: Vec<DVec3> = rows.into_iter().map(|[reading]| reading).collect();
-    progress.show(Stage::uncounted("readings"));
-    let readings = FilmReadings::new(
-        &film,
-        &args.layout,
-        &args.readings,
-        &readings_t,
-        Resting::new(args.zero, args.rest),
-        args.noise,
-    )?;
-    let found = &readings.found;
-    let mut columns = columns(&readings, layout.elastomer.as_ref());
-    if let Some(closed_form_mm) = &readings.closed_form_mm {
-        columns.push(ColumnQuantity {
-            name: "closed_form_mm",
-            components: &["closed_form_dx_mm", "closed_form_dy_mm", "closed_form_dz_mm"],
-            values: closed_form_mm.iter().flat_map(DVec3::to_array).collect(),
-        });
-    }
-    let status = found.iter().map(|found| f64::from(status(found))).collect();
-    columns.push(ColumnQuantity { name: "status", components: &["status"], values: status });
-    let mut metadata = Source::of(&film).metadata();
-    metadata.push(("readings", magsplice::results::MetadataValue::Text(args.readings.display().to_string())));
-    let rows = Rows::Numbered { name: "reading", first: 1, count: found.len() };
-    let result = Table::new(rows, columns, metadata).expect("a value for each reading");
-    table::write(&result, &ReadJson::new(&film, &result), format, &mut output)?;
+    let found = located(&session, &film, &args.readings, &readings_t, [args.zero, args.rest], args.noise)?;
+    table::write(&found.table(&args.readings.display().to_string()), &found, format, &mut output)?;
     output.finish()?;
-    progress.end();
-    if !quiet {
-        let mut faults = FaultList::default();
-        readings.unlocated(&lines).for_each(|(line, fault)| faults.add(line, fault));
-        if !faults.is_empty() {
-            failure::tell(&faults.remarks(&args.readings.display().to_string()));
-        }
+    session.progress.end();
+    let faults = unlocated(&found, &lines);
+    if !faults.is_empty() {
+        session.tell(&faults.remarks(&args.readings.display().to_string()));
     }
     Ok(())
 }
 
-/// The displacement of each reading, its standard deviations if there is noise, and the force if
-/// there is an elastic layer.
-fn columns(readings: &FilmReadings, layer: Option<&Elastomer>) -> Vec<ColumnQuantity> {
-    let of_each = |value: &dyn Fn(Located) -> Option<DVec3>| -> Vec<f64> {
-        let values = readings.positions().map(|located| located.and_then(value).unwrap_or(DVec3::NAN));
-        values.flat_map(|value| value.to_array()).collect()
+/// The positions of the readings in `file`. At its beginning are readings at rest: those of
+/// `--zero` and `--rest`, one of which is 0.
+pub(super) fn located(
+    session: &Session,
+    film: &Film,
+    file: &Path,
+    readings_t: &[DVec3],
+    [zero, rest]: [usize; 2],
+    noise: Option<Noise>,
+) -> Result<FilmReadings, Failure> {
+    let refused = |message: String| Failure::Points { path: file.to_owned(), message };
+    let option = if rest > 0 { "--rest" } else { "--zero" };
+    let first = |count: usize| {
+        let too_few = || refused(format!("has {} readings, fewer than the {count} of {option}", readings_t.len()));
+        readings_t.get(..count).ok_or_else(too_few)
     };
-    let mut columns = vec![ColumnQuantity {
-        name: "displacement_mm",
-        components: &["dx_mm", "dy_mm", "dz_mm"],
-        values: of_each(&|located| Some(located.position - readings.origin_mm)),
-    }];
-    let noise = readings.noise;
-    if let Some(noise) = noise {
-        columns.push(ColumnQuantity {
-            name: "deviation_mm",
-            components: &["deviation_x_mm", "deviation_y_mm", "deviation_z_mm"],
-            values: of_each(&|located| noise.of_position(located.gradient)),
-        });
-    }
-    if let Some(layer) = layer {
-        // The film moves by the opposite of the sensor's displacement.
-        columns.push(ColumnQuantity {
-            name: "force_n",
-            components: &["fx_n", "fy_n", "fz_n"],
-            values: of_each(&|located| Some(layer.force_n(readings.origin_mm - located.position))),
-        });
-        if let Some(noise) = noise {
-            let stiffness = layer.stiffness_n_per_mm();
-            columns.push(ColumnQuantity {
-                name: "deviation_n",
-                components: &["deviation_fx_n", "deviation_fy_n", "deviation_fz_n"],
-                values: of_each(&|located| Some(stiffness * noise.of_position(located.gradient)?)),
-            });
-        }
-    }
-    columns
+    let at_rest = match (zero, rest) {
+        (0, 0) => AtRest::Constant(DVec3::ZERO),
+        (zero, 0) => AtRest::Zero(first(zero)?),
+        (_, rest) => AtRest::Rest(first(rest)?),
+    };
+    film.read(readings_t, at_rest, noise).map_err(|error| match error {
+        FilmError::AtRest(error) => refused(format!("the mean of the readings of {option}: {error}")),
+        FilmError::Missing(_) => no_volume(session.path, error),
+        error => session.failed(error),
+    })
 }
 
-/// The number in the column `status`.
-fn status(found: &Result<Located, LocateError>) -> u8 {
-    match found {
-        Ok(_) => 0,
-        Err(LocateError::Outside(_)) => 1,
-        Err(LocateError::Ambiguous(_)) => 2,
-        Err(LocateError::Saturated) => 4,
-        Err(_) => 3,
+/// The readings without a position in the volume, with their lines.
+pub(super) fn unlocated(readings: &FilmReadings, lines: &[u64]) -> FaultList {
+    let mut faults = FaultList::default();
+    for (found, line) in readings.found.iter().zip(lines) {
+        if let Err(error) = found {
+            faults.add(*line, format!("line {line}: {error}"));
+        }
     }
+    faults
 }

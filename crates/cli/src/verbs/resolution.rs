@@ -1,61 +1,113 @@
 //! `magsplice resolution`: the displacements that noise lets a sensor see.
 
-use std::path::Path;
+use std::fmt::Write;
+use std::path::PathBuf;
 
+use magsplice::FilmError;
 use magsplice::prelude::DVec3;
-use magsplice::results::{ColumnQuantity, FieldAtPoints, Points, Source, Table};
+use magsplice::results::{FilmResolution, ResolutionSummary, twelve_digits};
+use magsplice::sensor::Noise;
 
-use crate::args::sensor::ResolutionArgs;
+use crate::args::formats::TableFormat;
+use crate::args::readings::noise;
 use crate::failure::Failure;
-use crate::output::destination::{Output, print};
 use crate::output::{choice, table};
-use crate::prepared_film::prepare;
-use crate::progress::ProgressLine;
-use crate::sensor::film_resolution::FilmResolution;
-use crate::words::{film_failure, no_volume};
-use crate::{remarks, text};
+use crate::remarks;
+use crate::session::Session;
+use crate::text::number::number;
+use crate::text::units::in_ut;
+use crate::text::{header, rows};
+use crate::words::no_volume;
+
+/// Tell how small displacements the noise of a sensor lets it see, over the working volume.
+///
+/// The standard deviations of the displacement along x, y and z that normal noise of the readings
+/// causes: by the exact field (no estimate from one reading has smaller ones: the bound of Cramér
+/// and Rao), and, with [ideal], by the closed form of the ideal film (Dai 2024, Eqs. 14 and 15).
+/// The text has their root mean squares over the volume, and the largest. With -o, a table of every
+/// point is written.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice resolution layouts/published-film.toml --noise 5uT\n  \
+    magsplice resolution film.toml --noise 5uT,5uT,8uT -o resolution.vti")]
+pub(crate) struct ResolutionArgs {
+    /// Layout file
+    layout: PathBuf,
+    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT [default:
+    /// that of [sensor] in the layout]
+    #[arg(long, value_name = "NOISE", value_parser = noise)]
+    noise: Option<Noise>,
+    /// File for a table of all points, complete or not at all
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Format of the table [default: by the file's ending]
+    #[arg(long, value_enum, requires = "output")]
+    format: Option<TableFormat>,
+}
 
 pub(crate) fn run(args: &ResolutionArgs, quiet: bool) -> Result<(), Failure> {
-    let progress = ProgressLine::start(!quiet);
-    let layout = remarks::read_layout(&args.layout, remarks::OF_FIELDS, quiet, &progress)?;
-    let film = prepare(&args.layout, &layout, &progress, &remarks::teller(quiet, &progress))?;
+    let session = Session::open(&args.layout, remarks::OF_FIELDS, quiet)?;
+    let film = session.film()?;
     let volume = film.volume().map_err(|error| no_volume(&args.layout, error))?;
     let file = match &args.output {
         Some(path) => {
             let format = choice::choose(args.format, Some(path), None)?;
             choice::accept(format, Some(path), true)?;
-            Some((format, Output::open(Some(path), &[args.layout.as_path() as &Path])?))
+            Some((format, session.output(Some(path), [])?))
         }
         None => None,
     };
-    let found = FilmResolution::new(&film, volume, args.noise);
-    let Some(resolution) = found.map_err(|error| film_failure(&args.layout, &layout, error))? else {
-        let message = "the layout has no noise: give --noise, such as 5uT, or noise_ut or part in [sensor]".to_owned();
-        return Err(Failure::Points { path: args.layout.clone(), message });
-    };
-    progress.end();
+    let resolution = film.resolution(args.noise).map_err(|error| match error {
+        FilmError::NoNoise => session.no_noise("--noise, such as 5uT"),
+        error => session.failed(error),
+    })?;
     if let Some((format, mut output)) = file {
-        let column = |name, components, values: &[DVec3]| ColumnQuantity {
-            name,
-            components,
-            values: values.iter().flat_map(DVec3::to_array).collect(),
-        };
-        const NAMES: [&str; 3] = ["deviation_x_mm", "deviation_y_mm", "deviation_z_mm"];
-        let mut columns = vec![column("deviation_mm", &NAMES, &resolution.by_field_mm)];
-        if let Some(closed_form_mm) = &resolution.by_closed_form_mm {
-            const NAMES: [&str; 3] =
-                ["closed_form_deviation_x_mm", "closed_form_deviation_y_mm", "closed_form_deviation_z_mm"];
-            columns.push(column("closed_form_deviation_mm", &NAMES, closed_form_mm));
-        }
-        let result = Table::new(Points::Grid(volume.grid), columns, Source::of(&film).metadata());
-        let result = result.expect("a value for each point");
-        table::write(
-            &result,
-            &FieldAtPoints { source: Source::of(&film), points: result.rows().len() },
-            format,
-            &mut output,
-        )?;
+        table::write(&resolution.table(), &resolution, format, &mut output)?;
         output.finish()?;
     }
-    print(&(text::header::film(&film, volume) + &text::resolution::resolution(&resolution)))
+    session.print(&(header::film(&film, volume) + &text(&resolution)))
+}
+
+/// The deviations at all points: root mean squares, least and largest.
+pub(super) fn text(resolution: &FilmResolution) -> String {
+    let DVec3 { x, y, z } = in_ut(resolution.noise.deviation_t);
+    let axes = if x == y && y == z { micro(x) } else { format!("{}, {}, {}", micro(x), micro(y), micro(z)) };
+    let mut text = format!("noise of a reading: {axes} uT (standard deviation)\n");
+    if let Some(rate_hz) = resolution.rate_hz {
+        let _ = writeln!(text, "readings a second: {rate_hz}; the mean of n has 1/sqrt(n) of the deviations below");
+    }
+    let saturated = resolution.saturated.iter().filter(|is_saturated| **is_saturated).count();
+    if saturated > 0 {
+        let all = resolution.points;
+        let _ = writeln!(
+            text,
+            "out of range: the flux density exceeds the range of the sensor at {saturated} of {all} points, which are \
+             left out below"
+        );
+    }
+    text += "\n";
+    rows::heading(&mut text, "standard deviation, mm", ["x", "y", "z"]);
+    summary(&mut text, "by the field of the layout", resolution.summary(&resolution.by_field_mm));
+    if let Some(closed) = &resolution.by_closed_form_mm {
+        summary(&mut text, "by the closed form (Eq. 14)", resolution.summary(closed));
+    }
+    text
+}
+
+/// A flux density in microtesla without the rounding of its unit, or with three decimals if it has
+/// many.
+fn micro(value: f64) -> String {
+    let typed = twelve_digits(value).to_string();
+    if typed.len() <= 6 { typed } else { format!("{value:.3}") }
+}
+
+fn summary(text: &mut String, title: &str, summary: Option<ResolutionSummary>) {
+    let _ = writeln!(text, "{title}");
+    let Some(ResolutionSummary { rms_mm, least_mm, largest_mm, worst_at_mm: DVec3 { x, y, z } }) = summary else {
+        let _ = writeln!(text, "  nothing is seen");
+        return;
+    };
+    for (name, value) in [("RMS over the volume", rms_mm), ("least", least_mm), ("largest", largest_mm)] {
+        rows::cells(text, &format!("  {name}"), value.to_array().map(number));
+    }
+    let _ = writeln!(text, "  largest in all axes together at ({x}, {y}, {z}) mm");
 }

@@ -1,11 +1,126 @@
 //! `magsplice splice`: designs a film from nothing.
 
-use magsplice::design::DesignProblem;
+use std::path::PathBuf;
 
-use super::search;
-use crate::args::design::SpliceArgs;
+use clap::ValueEnum;
+use magsplice::design::{DesignProblem, SpliceRequest};
+use magsplice::layout::Goal;
+
+use super::design::search;
+use crate::args::formats::TextOrJson;
+use crate::args::numbers::{extents_mm, flux_density_t, interval_mm, length_mm, positive};
 use crate::failure::Failure;
 use crate::output::destination::Output;
+
+/// Design a film from nothing, for an ideal film of this wavelength.
+///
+/// Starts from the pattern of Dai 2024, Fig. 5: intervals one third of the wavelength wide about
+/// the crests of the ideal polarization, and one sixth wide about its zeros. Then searches as
+/// `design` does, with sizes, positions and directions free.
+///
+/// Lengths scale with the wavelength: by default the thickness is 0.1, the range 0.4 and the
+/// distance 0.3 to 0.5 of it, and a film of two wavelengths is as large as the published one. The
+/// film must hold the crests about its middle: it is at least 5/6 of the wavelength long and wide.
+///
+/// Lengths may have a unit (mm, cm, um, m) and polarizations too (T, mT, uT, nT), such as 0.8cm,
+/// 20mmx20mm, 120mT.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice splice --wavelength 10 --film 20x20 --parts 3 -o film.toml")]
+pub(crate) struct SpliceArgs {
+    /// Wavelength of the ideal film, in mm
+    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true)]
+    wavelength: f64,
+    /// Extent of the film along x and y, in mm, such as 20x20
+    #[arg(long, value_name = "XxY", value_parser = extents_mm, allow_hyphen_values = true)]
+    film: [f64; 2],
+    /// Largest number of distinct parts [default: no limit]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    parts: Option<u32>,
+    /// Thickness of the film, in mm [default: 0.1 of the wavelength]
+    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true)]
+    thickness: Option<f64>,
+    /// Polarization of every tile, in T
+    #[arg(long, value_name = "T", value_parser = flux_density_t, allow_hyphen_values = true, default_value_t = 0.12)]
+    remanence: f64,
+    /// Extent of the working volume along x and y, in mm, such as 4x4: the region under the middle
+    /// of the film in which the sensor moves [default: 0.4 of the wavelength each]
+    #[arg(long, visible_alias = "under", value_name = "XxY", value_parser = extents_mm, allow_hyphen_values = true)]
+    range: Option<[f64; 2]>,
+    /// Least and greatest distance of the sensor below the film, in mm, such as 3..5, or its z,
+    /// such as -5..-3 [default: 0.3 and 0.5 of the wavelength]
+    #[arg(long, value_name = "A..B", value_parser = distance_mm, allow_hyphen_values = true)]
+    distance: Option<[f64; 2]>,
+    /// Shortest side of a tile, in mm, at most a quarter of the wavelength [default: 0.08 of the
+    /// wavelength]
+    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true)]
+    smallest_cut: Option<f64>,
+    /// Least distance between neighbouring tiles, in mm
+    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true, default_value_t = 0.0)]
+    gap: f64,
+    /// Sides of tiles are rounded to multiples of this, in mm. A tile centred on a mirror plane has
+    /// its faces at half multiples
+    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true, default_value_t = 0.001)]
+    resolution: f64,
+    /// Directions of polarization are rounded to multiples of this, in degrees
+    #[arg(long, value_name = "DEG", default_value_t = 0.01, allow_negative_numbers = true)]
+    resolution_deg: f64,
+    /// Least amplitude of the field, as a fraction of the field of an ideal film with the
+    /// polarization of the tiles
+    #[arg(long, value_name = "FRACTION", value_parser = positive, allow_hyphen_values = true, default_value_t = 0.65)]
+    amplitude: f64,
+    /// Error to minimize
+    #[arg(long, value_enum, default_value = "displacement")]
+    goal: GoalArg,
+    /// Number of points from which the search starts
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    starts: u32,
+    /// Seed of the random numbers that vary the starting points
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Format of the summary
+    #[arg(long, value_enum, default_value = "text")]
+    format: TextOrJson,
+}
+
+impl SpliceArgs {
+    /// The film asked for.
+    fn request(&self) -> SpliceRequest {
+        let default = SpliceRequest::new(self.wavelength, self.film);
+        SpliceRequest {
+            thickness_mm: self.thickness.unwrap_or(default.thickness_mm),
+            remanence_t: self.remanence,
+            range_mm: self.range.unwrap_or(default.range_mm),
+            distance_mm: self.distance.unwrap_or(default.distance_mm),
+            smallest_cut_mm: self.smallest_cut.unwrap_or(default.smallest_cut_mm),
+            gap_mm: self.gap,
+            resolution_mm: self.resolution,
+            resolution_deg: self.resolution_deg,
+            least_amplitude: self.amplitude,
+            parts: self.parts.map(|parts| parts as usize),
+            goal: match self.goal {
+                GoalArg::Uniformity => Goal::Uniformity,
+                GoalArg::Displacement => Goal::Displacement,
+                GoalArg::Field => Goal::Field,
+            },
+            starts: self.starts as usize,
+            seed: self.seed,
+            ..default
+        }
+    }
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum GoalArg {
+    /// Uniformity RMSE of R_x, R_y, S_z
+    Uniformity,
+    /// RMSE of the measured displacement against the true one
+    Displacement,
+    /// RMSE of B against the field of the ideal film times the amplitude
+    Field,
+}
 
 pub(crate) fn run(args: &SpliceArgs, quiet: bool) -> Result<u8, Failure> {
     let failed = |error| Failure::Design { place: "splice".to_owned(), error };
@@ -14,4 +129,11 @@ pub(crate) fn run(args: &SpliceArgs, quiet: bool) -> Result<u8, Failure> {
     let output = Output::open(args.output.as_deref(), &[])?;
     let result = search::search(&problem, quiet).map_err(failed)?;
     search::finish(&problem, &result, search::SPLICE, output, args.output.as_deref(), args.format, quiet)
+}
+
+/// The distances of an interval of distances or, where both are negative, of z.
+fn distance_mm(text: &str) -> Result<[f64; 2], String> {
+    let interval = interval_mm(text)?;
+    let [one, other] = interval.map(|z| -z);
+    Ok(if one > 0.0 && other > 0.0 { [one.min(other), one.max(other)] } else { interval })
 }

@@ -89,7 +89,7 @@ fn wrong_tiles_are_named_with_their_errors() {
     let said = run(&sandbox, &["--format", "json", "--quiet"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     let found: Value = serde_json::from_str(&said.stdout).expect("JSON");
-    let named = found["named"].as_array().expect("a list");
+    let named = found["faulty"].as_array().expect("a list");
     let mut names: Vec<(&str, &str)> =
         named.iter().map(|of| (of["tile"].as_str().unwrap(), of["kind"].as_str().unwrap())).collect();
     names.sort_unstable();
@@ -103,7 +103,7 @@ fn wrong_tiles_are_named_with_their_errors() {
         let [found, deviation] = [0, 1].map(|n| of_tile["components"][component][n].as_f64().expect("a number"));
         assert!((found - value).abs() < 5.0 * deviation && deviation < 0.1 * f64::abs(value), "{found} +- {deviation}");
     }
-    assert_eq!(found["residual_too_large"], false);
+    assert_eq!(found["is_residual_too_large"], false);
     let text = run(&sandbox, &[]).stdout;
     assert!(text.contains("3 errors:") && text.contains("  left-high: ") && text.contains("% too weak"), "{text}");
     let csv = run(&sandbox, &["--format", "csv"]).stdout;
@@ -118,7 +118,7 @@ fn weak_tile_among_tiles_with_recoil_is_named_alone() {
     let said = run(&sandbox, &["--format", "json", "--quiet"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     let found: Value = serde_json::from_str(&said.stdout).expect("JSON");
-    let named = found["named"].as_array().expect("a list");
+    let named = found["faulty"].as_array().expect("a list");
     assert!(named.len() == 1 && named[0]["tile"] == "left-high" && named[0]["kind"] == "strength", "{found}");
     let strength = named[0]["components"]["strength_percent"][0].as_f64().expect("a number");
     // What the weak tile changes in itself and in others is neglected: 2 % of its change.
@@ -127,7 +127,7 @@ fn weak_tile_among_tiles_with_recoil_is_named_alone() {
     // The same scan of rigid tiles is of another film.
     sandbox.write("film.toml", &layout(&[]).replacen("overlap_mm = 1.0\n", "", 1));
     let rigid: Value = serde_json::from_str(&run(&sandbox, &["--format", "json", "-q"]).stdout).expect("JSON");
-    assert!(rigid["named"].as_array().is_some_and(|named| named.len() > 1), "{rigid}");
+    assert!(rigid["faulty"].as_array().is_some_and(|named| named.len() > 1), "{rigid}");
 }
 
 /// The film that was found has no requirements, allows the overlap of its tiles, and is taken by

@@ -60,8 +60,9 @@ fn known_parameters_of_a_scan_are_recovered() {
         let turned = if axis == 2 { 2.0 } else { 0.0 };
         assert!((number(&found["rotation_deg"][axis]) - turned).abs() < 1e-9, "{found}");
         // The readings without offset and rotation, and the field of the layout, decouple alike.
+        let parameter = ["r_x", "r_y", "s_z"][axis];
         let [corrected, simulated] =
-            ["corrected", "simulated"].map(|name| number(&result["uniformity_rmse"][name][axis]));
+            ["corrected", "simulated"].map(|name| number(&result["uniformity_rmse"][name][parameter]));
         assert!((corrected - simulated).abs() < 1e-9, "{result}");
     }
     assert_eq!((&result["left_out"], &result["repeated"]), (&Value::Array(vec![]), &Value::Array(vec![])));
@@ -82,9 +83,9 @@ fn perfect_scan_has_the_uniformity_of_the_film() {
     let decoupled = sandbox.run(&["decouple", &shipped("published-film"), "--format", "json"]).stdout;
     let decoupled: Value = serde_json::from_str(&decoupled).expect("JSON");
     let result = fitted(&sandbox, &["--fit", "strength"]);
-    for (axis, name) in ["r_x", "r_y", "s_z"].into_iter().enumerate() {
+    for name in ["r_x", "r_y", "s_z"] {
         let (found, expected) =
-            (number(&result["uniformity_rmse"]["readings"][axis]), number(&decoupled["uniformity_rmse"][name]));
+            (number(&result["uniformity_rmse"]["readings"][name]), number(&decoupled["uniformity_rmse"][name]));
         assert!((found - expected).abs() < 1e-12, "{name}: {found}, not {expected}");
     }
     assert_eq!(result["deviation"]["offset_t"], serde_json::json!([0.0, 0.0, 0.0]));

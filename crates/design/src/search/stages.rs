@@ -100,7 +100,19 @@ impl DesignProblem<'_> {
         });
         let error = sampled_by.error(&after, made.as_ref());
         let interrupted = watch.is_stopped();
-        Ok(SearchResult { tiles, before, after, finer, made, error, stages, parts, agreeing_starts, short_of, interrupted })
+        Ok(SearchResult {
+            tiles,
+            before,
+            after,
+            finer,
+            made,
+            error,
+            stages,
+            parts,
+            agreeing_starts,
+            short_of,
+            interrupted,
+        })
     }
 
     /// The error that the brief asks to minimize.

@@ -2,8 +2,14 @@
 //!
 //! Names of fields carry their units; they are the keys of JSON files and of Python dictionaries.
 
+/// Which measured tile goes to which place.
+mod assignment;
 /// How fast the field is computed.
 mod bench;
+/// Where the displacement error of films that are made comes from.
+mod budget;
+/// The stiffness of the elastic layer.
+mod calibration;
 /// The outcome of an expectation.
 mod check;
 /// Layout files with the outcomes of their expectations.
@@ -12,10 +18,17 @@ mod checked_layout;
 mod comparison;
 /// Decoupling parameters over the working volume.
 mod decoupling;
+/// Which tiles of a film that was made are faulty.
+mod diagnosis;
+/// Experiments in which the film is moved.
+mod experiment;
 /// The field at points.
 mod field;
 /// Loads on tiles, and an order of laying.
 mod forces;
+/// The films of a trade-off.
+#[cfg(feature = "design")]
+mod front;
 /// The parts of a layout.
 mod parts;
 /// The methods that a tolerance allows.
@@ -24,8 +37,16 @@ mod plan;
 mod point_decoupling;
 /// The displacement of a sensor as a polynomial.
 mod polynomial;
+/// Positions and forces from readings of a sensor.
+mod readings;
 /// What recoil changes in a film.
 mod recoil;
+/// The displacements that noise lets a sensor see.
+mod resolution;
+/// Samples of the films that are made, and their statistics.
+mod samples;
+/// A measured scan, fitted.
+mod scan;
 /// Numbers with as many digits as a person would write.
 mod significant;
 /// Layout, program and accuracy of a result.
@@ -33,18 +54,29 @@ mod source;
 /// [`Table`]: rows, quantities and metadata, from which every format is written.
 mod table;
 
+pub use assignment::{FilmAssignment, Shim};
 pub use bench::{BenchCase, BenchPoints, FilmBench};
+pub use budget::{BudgetPart, FilmBudget, Improvement};
+pub use calibration::FilmCalibration;
 pub use check::{CheckStatus, CheckedExpectation, CheckedPercentile};
 pub use checked_layout::{Check, CheckedLayout, SkippedFile};
 pub use comparison::{FilmComparison, remark_about_amplitude};
 pub use decoupling::{FilmDecoupling, FilmEvaluation};
+pub use diagnosis::{FaultyTile, FilmDiagnosis, SimilarPair, Suspect, UnresolvedError};
+pub use experiment::{EXPERIMENT_STEP_MM, FilmExperiments};
 pub use field::{FieldAtPoints, PointQuantity};
 pub use forces::{FilmLoads, LoadN, OrderChoice, OrderedLoads, TileLoad};
+#[cfg(feature = "design")]
+pub use front::{FilmFront, FrontFilm};
 pub use parts::{BillOfMaterials, PartItem};
 pub use plan::FilmPlan;
 pub use point_decoupling::{FilmPointDecoupling, FilmPointEvaluation, LeftOut};
 pub use polynomial::SensorPolynomial;
+pub use readings::FilmReadings;
 pub use recoil::RecoilSummary;
+pub use resolution::{FilmResolution, ResolutionSummary};
+pub use samples::{FilmSampling, SampleRun, SampledFigure, SampledFilm, in_stretches};
+pub use scan::{FilmScan, FittedScan, ScanUniformity};
 pub use significant::{rounded_beside, twelve_digits};
 pub use source::{LayoutSource, Source};
 pub use table::{ColumnQuantity, Metadata, MetadataValue, Points, Rows, Table, TableColumn, TableError, Tabled};

@@ -148,6 +148,11 @@ impl Points {
         }
     }
 
+    /// All points in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = DVec3> + '_ {
+        (0..self.len()).map(|row| self.get(row))
+    }
+
     /// The shape of an array with one entry per point: the counts along x, y, z of a grid, or the
     /// number of scattered points.
     pub fn shape(&self) -> Vec<usize> {
@@ -161,6 +166,13 @@ impl Points {
 impl From<Points> for Rows {
     fn from(points: Points) -> Rows {
         Rows::Points(points)
+    }
+}
+
+impl ColumnQuantity {
+    /// A vector in every row.
+    pub fn of_vectors(name: &'static str, components: &'static [&'static str; 3], vectors: &[DVec3]) -> ColumnQuantity {
+        ColumnQuantity { name, components, values: vectors.iter().flat_map(DVec3::to_array).collect() }
     }
 }
 

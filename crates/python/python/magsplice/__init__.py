@@ -40,7 +40,7 @@ Film.read, Film.resolution
 Film.assign
     Which measured tile goes to which place, and which way round.
 Film.diagnose
-    Wrong tiles of a film that was made, from a scan of its field.
+    Faulty tiles of a film that was made, from a scan of its field.
 Film.design, Film.front
     Better films.
 Film.report, Film.view, magsplice.plot
@@ -57,7 +57,7 @@ from magsplice._assignment import Assignment, MeasuredTile, PlacedTile
 from magsplice._budget import Budget, BudgetPart
 from magsplice._check import Check, Outcome
 from magsplice._comparison import Comparison, Decoupling
-from magsplice._diagnosis import Diagnosis, WrongTile
+from magsplice._diagnosis import Diagnosis, FaultyTile
 from magsplice._film import Design, Film, Front
 from magsplice._forces import Forces, LayingOrder
 from magsplice._layout import Grid, Ideal, Tile, Tiles, Volume
@@ -81,6 +81,7 @@ __all__ = [
     "Design",
     "Diagnosis",
     "Estimate",
+    "FaultyTile",
     "Figure",
     "Film",
     "FilmFigures",
@@ -108,7 +109,6 @@ __all__ = [
     "Tile",
     "Tiles",
     "Volume",
-    "WrongTile",
     "__version__",
     "errors",
     "from_magpylib",

@@ -24,6 +24,10 @@ _MOST_STARTS = 10_000
 _MOST_STRENGTH, _MOST_DIRECTION_DEG, _MOST_SIZE_MM = 0.5, 45.0, 10.0
 
 
+#: Keys of a row of the plan, in the order of `PlacedTile`.
+_PLACED = ("place", "tile", "up", "mark_deg", "centre_mm")
+
+
 class MeasuredTile(NamedTuple):
     """A tile that was cut and measured.
 
@@ -221,20 +225,19 @@ class AssignedFilm(LayoutFilm):
             seed,
             errors if known else None,
         )
-        rows = numbers["plan"]
-        statistics = numbers["measured_rms_mm"]
+        plan, statistics = numbers["plan"], numbers.get("measured_rms_mm")
         return Assignment(
             film=self._parsed(numbers["text"], "the assigned film", self._folder),
-            plan=[PlacedTile(place, tile, up, deg, at) for place, tile, at, up, _, deg, _ in rows],
-            marks=[row[4] for row in rows],
-            laid=[row[6] for row in rows],
+            plan=[PlacedTile(*(row[key] for key in _PLACED)) for row in plan],
+            marks=[row["mark"] for row in plan],
+            laid=[row["is_laid"] for row in plan],
             rms_mm=numbers["rms_mm"],
             in_order_rms_mm=numbers["in_order_rms_mm"],
             ordered_rms_mm=numbers["ordered_rms_mm"],
             starts_rms_mm=numbers["starts_rms_mm"],
             measured_rms_mm=None if statistics is None else Statistics._of(statistics),
             spares=numbers["spares"],
-            shims=dict(numbers["shims"]),
+            shims={shim["place"]: shim["strength_t"] for shim in numbers["shims"]},
         )
 
 

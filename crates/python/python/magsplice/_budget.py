@@ -44,7 +44,7 @@ class Budget(Numbers, Table):
         Seed of the samples.
     samples : int
         Number of samples that checked the division, or divided.
-    first_order : bool
+    is_first_order : bool
         Whether the parts are to first order, by exact derivatives; otherwise each is by samples of
         its cause alone, because exact samples differ from the first order by more than 5 %.
     parts : list[BudgetPart]
@@ -60,14 +60,14 @@ class Budget(Numbers, Table):
     worth_halving : list[BudgetPart]
         What halving each cause saves, the most first.
     tiles_worth_halving : list[BudgetPart]
-        What halving all errors of a tile saves, the most first; empty unless `first_order`.
+        What halving all errors of a tile saves, the most first; empty unless `is_first_order`.
     no_pattern : str | None
         Why the error of the splicing pattern is not known; None if it is.
     """
 
     seed: int
     samples: int
-    first_order: bool
+    is_first_order: bool
     parts: list[BudgetPart]
     endless_pattern_mm2: Vector | None
     total_mm2: Vector
@@ -83,7 +83,7 @@ class Budget(Numbers, Table):
             **{part.name: part.mean_square_mm2 for part in self.parts},
             "total_mm2": self.total_mm2,
             "sampled_mm2": self.sampled_mm2,
-            "first_order": self.first_order,
+            "is_first_order": self.is_first_order,
         }
 
     def columns(self) -> dict[str, Column]:
@@ -123,23 +123,22 @@ class BudgetedFilm(LayoutFilm):
         samples = whole("samples", samples, 20, 1_000_000)
         seed = (self._core.sampling or (0, 1))[1] if seed is None else whole("seed", seed, 0)
         numbers = _magsplice.budget(self._core, preset, seed, samples)
-        ratios = (
-            None if ratio is None else Estimate(*ratio) for ratio in numbers["mean_square_ratio"]
-        )
+        pattern = numbers["endless_pattern_mm2"]
+        ratios = numbers["mean_square_ratio"].values()
         return Budget(
             seed=seed,
             samples=samples,
-            first_order=numbers["first_order"],
-            parts=_parts(numbers["parts"]),
-            endless_pattern_mm2=numbers["endless_pattern_mm2"],
-            total_mm2=numbers["total_mm2"],
-            sampled_mm2=numbers["sampled_mm2"],
-            mean_square_ratio=tuple(ratios),
-            worth_halving=_parts(numbers["worth_halving"]),
-            tiles_worth_halving=_parts(numbers["tiles_worth_halving"]),
-            no_pattern=numbers["no_pattern"],
+            is_first_order=numbers["is_first_order"],
+            parts=_parts(numbers["parts"], "mean_square_mm2"),
+            endless_pattern_mm2=None if pattern is None else tuple(pattern.values()),
+            total_mm2=tuple(numbers["total_mm2"].values()),
+            sampled_mm2=tuple(numbers["sampled_mm2"].values()),
+            mean_square_ratio=tuple(None if r is None else Estimate.of(r) for r in ratios),
+            worth_halving=_parts(numbers["worth_halving"], "saved_mm2"),
+            tiles_worth_halving=_parts(numbers["tiles_worth_halving"], "saved_mm2"),
+            no_pattern=numbers.get("no_pattern"),
         )
 
 
-def _parts(named: list[tuple[str, Vector]]) -> list[BudgetPart]:
-    return [BudgetPart(*part) for part in named]
+def _parts(named: list[dict[str, Any]], key: str) -> list[BudgetPart]:
+    return [BudgetPart(part["name"], tuple(part[key].values())) for part in named]

@@ -1,4 +1,4 @@
-"""Which tiles of a film that was made are wrong, from a scan of its field."""
+"""Which tiles of a film that was made are faulty, from a scan of its field."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Unknown = Literal["strength", "offset", "rotation", "start"]
 _UNKNOWNS = ("strength", "offset", "rotation", "start")
 
 
-class WrongTile(NamedTuple):
+class FaultyTile(NamedTuple):
     """An error of a tile that neither noise nor ordinary errors explain.
 
     Attributes
@@ -65,7 +65,7 @@ class Diagnosis(Numbers, Table):
 
     Attributes
     ----------
-    wrong : list[WrongTile]
+    faulty : list[FaultyTile]
         Errors that are named, the surest first.
     is_complete : bool
         Whether all significant errors are named.
@@ -76,7 +76,7 @@ class Diagnosis(Numbers, Table):
     chi_squared : float
         Sum of the squares of residuals over those of the noise, and of ordinary errors over their
         deviations.
-    freedom : int
+    degrees_of_freedom : int
         Expectation of `chi_squared`.
     scan_strength : float
         Strength of all tiles over that of the layout.
@@ -96,12 +96,12 @@ class Diagnosis(Numbers, Table):
         Turns of J in the plane of the film and out of it, in degrees, shape (n, 2).
     """
 
-    wrong: list[WrongTile]
+    faulty: list[FaultyTile]
     is_complete: bool
     is_residual_too_large: bool
     residual_t: float
     chi_squared: float
-    freedom: int
+    degrees_of_freedom: int
     scan_strength: float
     scan_offset_t: Vector
     scan_rotation_deg: Vector
@@ -114,14 +114,14 @@ class Diagnosis(Numbers, Table):
     direction_deg: Floats
 
     def to_dict(self) -> dict[str, Any]:
-        """Wrong tiles by name, then the numbers of the scan; for JSON."""
+        """Faulty tiles by name, then the numbers of the scan; for JSON."""
         return {
-            **{f"{found.tile} {found.kind}": found.magnitude for found in self.wrong},
-            "complete": self.is_complete,
+            **{f"{found.tile} {found.kind}": found.magnitude for found in self.faulty},
+            "is_complete": self.is_complete,
             "residual_t": self.residual_t,
-            "residual_too_large": self.is_residual_too_large,
+            "is_residual_too_large": self.is_residual_too_large,
             "chi_squared": self.chi_squared,
-            "degrees_of_freedom": self.freedom,
+            "degrees_of_freedom": self.degrees_of_freedom,
         }
 
     def columns(self) -> dict[str, Column]:
@@ -137,7 +137,7 @@ class Diagnosis(Numbers, Table):
 
 
 class DiagnosedFilm(LayoutFilm):
-    """A film whose wrong tiles are found."""
+    """A film whose faulty tiles are found."""
 
     def diagnose(
         self,
@@ -173,7 +173,7 @@ class DiagnosedFilm(LayoutFilm):
             What is not known of the scan and fitted: the strength of all tiles, a constant reading,
             the rotation of the sensor, its position at the origin of the scan.
         false_alarm : float
-            Probability that a tile of a film without wrong tiles is named.
+            Probability that a tile of a film without faulty tiles is named.
 
         Raises
         ------
@@ -196,20 +196,19 @@ class DiagnosedFilm(LayoutFilm):
         found = _magsplice.diagnose(
             self._core, points, readings, three_of(noise_t), preset, as_ordered, free, false_alarm
         )
-        names, errors = self.tiles.names, found["errors"]
-        x, y, z = np.degrees(found["rotation_rad"]).tolist()
+        scan, errors = found["scan"], found["errors"]
         return Diagnosis(
-            wrong=[_wrong(named, names) for named in found["named"]],
+            faulty=[_faulty(tile) for tile in found["faulty"]],
             is_complete=found["is_complete"],
             is_residual_too_large=found["is_residual_too_large"],
             residual_t=found["residual_t"],
             chi_squared=found["chi_squared"],
-            freedom=found["freedom"],
-            scan_strength=found["strength"],
-            scan_offset_t=found["offset_t"],
-            scan_rotation_deg=(x, y, z),
-            scan_start_mm=found["start_mm"],
-            names=names,
+            degrees_of_freedom=found["degrees_of_freedom"],
+            scan_strength=scan["strength"],
+            scan_offset_t=scan["offset_t"],
+            scan_rotation_deg=scan["rotation_deg"],
+            scan_start_mm=scan["start_mm"],
+            names=self.tiles.names,
             position_mm=errors[:, :3],
             rotation_deg=np.degrees(errors[:, 3:6]),
             size_mm=errors[:, 6:9],
@@ -218,18 +217,17 @@ class DiagnosedFilm(LayoutFilm):
         )
 
 
-def _wrong(named: Any, names: list[str]) -> WrongTile:
-    tile, kind = named["of"]
-    scale = np.degrees(1.0) if kind in ("turn", "direction") else 1.0
-    values, deviations = (scale * np.array(named["components"])).T.tolist()
-    alternatives = [(names[other], of) for other, of in named["alternatives"]]
-    return WrongTile(
-        names[tile],
-        kind,
-        scale * named["magnitude"],
-        tuple(values),
-        tuple(deviations),
-        named["chi_squared"],
-        named["ln_probability"],
-        alternatives,
+def _faulty(tile: dict[str, Any]) -> FaultyTile:
+    # The library states strengths in per cent.
+    scale = 0.01 if tile["kind"] == "strength" else 1.0
+    values, deviations = zip(*tile["components"].values(), strict=True)
+    return FaultyTile(
+        tile["tile"],
+        tile["kind"],
+        scale * tile["magnitude"],
+        tuple(scale * value for value in values),
+        tuple(scale * deviation for deviation in deviations),
+        tile["chi_squared"],
+        tile["ln_probability"],
+        [(other["tile"], other["kind"]) for other in tile["alternatives"]],
     )

@@ -249,26 +249,28 @@ class Design(Numbers):
     @classmethod
     def from_numbers(cls, film: Film, numbers: Any) -> Design:
         """Result with the numbers of the library."""
-        made = numbers["made"]
+        made = numbers.get("made")
 
-        def along(key: str) -> tuple[Statistics, Statistics, Statistics] | None:
+        def along(films: str) -> tuple[Statistics, Statistics, Statistics] | None:
             if made is None:
                 return None
-            x, y, z = (Statistics._of(axis) for axis in made[key])
+            x, y, z = map(Statistics._of, made[films]["displacement_rmse_mm"].values())
             return x, y, z
 
         return cls(
-            film,
-            Metrics(**numbers["before"]),
-            Metrics(**numbers["after"]),
-            Metrics(**numbers["five_times_finer"]),
-            numbers["stages"],
-            numbers["parts"],
-            numbers["starts_that_agree"],
-            numbers["short_of"],
-            along("before_displacement_rmse_mm"),
-            along("after_displacement_rmse_mm"),
-            numbers["error"],
+            film=film,
+            before=Metrics.of(numbers["before"]),
+            after=Metrics.of(numbers["after"]),
+            five_times_finer=Metrics.of(numbers["five_times_finer"]),
+            stages=[
+                (of["stage"], tuple(of["uniformity_rmse"].values())) for of in numbers["stages"]
+            ],
+            parts=numbers["parts"],
+            starts_that_agree=numbers["starts_that_agree"],
+            short_of=numbers["short_of"],
+            made_before=along("before"),
+            made_after=along("after"),
+            error=numbers["error"],
         )
 
     def to_dict(self) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Literal, TypedDict, final
+from typing import Any, Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,6 @@ __version__: str
 
 _Floats = NDArray[np.float64]
 _Vector = tuple[float, float, float]
-_PerParameter = tuple[float | None, float | None, float | None]
 _Within = tuple[bool, float] | None
 _Quantity = Literal["b", "h", "j"]
 _Errors = tuple[_Floats, _Floats, _Floats]
@@ -102,94 +101,6 @@ class Film:
     def to_json(self) -> str: ...
     def to_toml(self, compact: bool) -> str: ...
 
-class _Budget(TypedDict):
-    first_order: bool
-    parts: list[tuple[str, _Vector]]
-    endless_pattern_mm2: _Vector | None
-    total_mm2: _Vector
-    sampled_mm2: _Vector
-    mean_square_ratio: tuple[_Vector | None, _Vector | None, _Vector | None]
-    worth_halving: list[tuple[str, _Vector]]
-    tiles_worth_halving: list[tuple[str, _Vector]]
-    no_pattern: str | None
-
-class _Named(TypedDict):
-    of: tuple[int, str]
-    magnitude: float
-    components: list[tuple[float, float]]
-    chi_squared: float
-    ln_probability: float
-    alternatives: list[tuple[int, str]]
-
-class _Diagnosis(TypedDict):
-    named: list[_Named]
-    is_complete: bool
-    is_residual_too_large: bool
-    residual_t: float
-    chi_squared: float
-    freedom: int
-    strength: float
-    offset_t: _Vector
-    rotation_rad: _Vector
-    start_mm: _Vector
-    errors: _Floats
-
-class _Statistics(TypedDict):
-    count: int
-    mean: _Vector
-    p1: _Vector
-    p5: _Vector
-    p50: _Vector
-    p95: _Vector
-    p99: _Vector
-
-class _Readings(TypedDict):
-    displacement_mm: _Floats
-    deviation_mm: _Floats | None
-    force_n: _Floats | None
-    closed_form_mm: _Floats | None
-    status: NDArray[np.uint8]
-    messages: list[str]
-
-class _Metrics(TypedDict):
-    points: int
-    uniformity_rmse: _PerParameter
-    ideal_rmse: _Vector
-    displacement_rmse_mm: _Vector
-    amplitude: float
-    scaled_relative_rmse: float | None
-
-class _Made(TypedDict):
-    samples: int
-    seed: int
-    before_displacement_rmse_mm: list[_Statistics]
-    before_amplitude: _Statistics
-    after_displacement_rmse_mm: list[_Statistics]
-    after_amplitude: _Statistics
-
-class _Design(TypedDict):
-    text: str
-    before: _Metrics
-    after: _Metrics
-    five_times_finer: _Metrics
-    made: _Made | None
-    error: float
-    stages: list[tuple[str, _PerParameter]]
-    parts: int
-    starts_that_agree: int
-    short_of: list[str]
-
-class _Assignment(TypedDict):
-    text: str
-    ordered_rms_mm: float
-    in_order_rms_mm: float
-    rms_mm: float
-    starts_rms_mm: list[float]
-    measured_rms_mm: _Statistics | None
-    spares: int
-    shims: list[tuple[str, float]]
-    plan: list[tuple[str, str, _Vector, str, str, float, bool]]
-
 def assign(
     film: Film,
     measured: list[tuple[str, str | None, _Vector | None, list[float]]],
@@ -199,10 +110,10 @@ def assign(
     starts: int,
     seed: int,
     errors: tuple[float, float, float | None] | None,
-) -> _Assignment: ...
+) -> dict[str, Any]: ...
 def baseline_file(film: Film) -> Path | None: ...
 def check(film: Film, baseline: tuple[_Floats, _Floats] | None = None) -> list[dict[str, Any]]: ...
-def budget(film: Film, preset: str | None, seed: int, samples: int) -> _Budget: ...
+def budget(film: Film, preset: str | None, seed: int, samples: int) -> dict[str, Any]: ...
 def diagnose(
     film: Film,
     points: _Floats,
@@ -212,7 +123,7 @@ def diagnose(
     as_ordered: bool,
     free: list[bool],
     false_alarm: float,
-) -> _Diagnosis: ...
+) -> dict[str, Any]: ...
 def recoil(film: Film) -> dict[str, Any] | None: ...
 def recoil_estimate(film: Film, mu_r: float) -> dict[str, Any] | None: ...
 def compare(
@@ -227,14 +138,14 @@ def forces(
 def samples(
     film: Film,
     preset: str | None,
-    seed: int | None,
+    seed: int,
     first: int,
     count: int,
     threads: int | None = None,
     progress: Callable[[int, int], Any] | None = None,
 ) -> _Errors: ...
 def nominal(film: Film) -> _Errors: ...
-def statistics(values: _Floats) -> _Statistics | None: ...
+def statistics(values: _Floats) -> dict[str, Any] | None: ...
 def read(
     film: Film,
     readings_t: _Floats,
@@ -242,7 +153,7 @@ def read(
     constant_t: _Vector = ...,
     zero_t: _Floats | None = None,
     rest_t: _Floats | None = None,
-) -> _Readings: ...
+) -> dict[str, Any]: ...
 def resolution(film: Film, points: _Floats, noise_t: _Vector | None = None) -> _Floats | None: ...
 def report(
     film: Film,
@@ -257,7 +168,7 @@ def design(
     film: Film,
     least_amplitude: float | None = None,
     progress: Callable[[str, int, int, float | None], Any] | None = None,
-) -> _Design: ...
+) -> dict[str, Any]: ...
 def splice(
     wavelength_mm: float,
     film_mm: tuple[float, float],

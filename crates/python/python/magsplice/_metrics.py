@@ -36,6 +36,12 @@ class Metrics(Numbers):
     amplitude: float
     scaled_relative_rmse: float | None
 
+    @classmethod
+    def of(cls, numbers: Any) -> Metrics:
+        """The errors with the numbers of the library."""
+        triples = ("uniformity_rmse", "ideal_rmse", "displacement_rmse_mm")
+        return cls(**{**numbers, **{key: tuple(numbers[key].values()) for key in triples}})
+
     def to_dict(self) -> dict[str, Any]:
         """Numbers by name; for JSON."""
         return dict(vars(self))

@@ -49,6 +49,11 @@ class Estimate(NamedTuple):
     low: float
     high: float
 
+    @classmethod
+    def of(cls, numbers: Any) -> Estimate:
+        """The estimate with the numbers of the library."""
+        return cls(numbers["value"], *numbers["interval"])
+
 
 @dataclass(frozen=True, repr=False)
 class Statistics(Numbers):
@@ -82,7 +87,7 @@ class Statistics(Numbers):
 
     @classmethod
     def _of(cls, numbers: Any) -> Statistics:
-        estimates = {key: Estimate(*value) for key, value in numbers.items() if key != "count"}
+        estimates = {key: Estimate.of(value) for key, value in numbers.items() if key != "count"}
         return cls(numbers["count"], **estimates)
 
     def to_dict(self) -> dict[str, Any]:

@@ -1,5 +1,7 @@
 //! The error budget of a film as bars.
 
+use magsplice::decouple::PerAxis;
+use magsplice::results::{BudgetPart, FilmBudget};
 use plotters::prelude::RGBColor;
 use plotters::style::text_anchor::HPos;
 
@@ -24,50 +26,42 @@ const NUMBER_ROOM: f64 = 0.34;
 /// Room at the left of the bars, as a fraction of the axis.
 const MARGIN: f64 = 0.03;
 
-/// A part of the budget of a film.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BudgetBar {
-    /// What it is.
-    pub name: String,
-    /// Its mean squares along x, y, z, in mm^2; negative where it compensates other parts.
-    pub mean_squares_mm2: [f64; 3],
-}
-
 /// The budget of a film as bars: for each axis, the share of each part in the mean square of the
 /// displacement error.
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.
-pub fn budget_figure(bars: &[BudgetBar], totals_mm2: [f64; 3]) -> Result<Drawing, ReportError> {
+pub fn budget_figure(budget: &FilmBudget) -> Result<Drawing, ReportError> {
     let caption = "Shares of all causes in the mean square of the displacement error of the films that are made. \
                    Parts below zero compensate others."
         .to_owned();
-    let drawn = svg(bars, totals_mm2)
-        .and_then(|svg| Drawing::new(NAME, caption, &svg, csv(bars), SvgText::Text, &typeset::options()));
+    let drawn = svg(&budget.parts, budget.total_mm2.to_array())
+        .and_then(|svg| Drawing::new(NAME, caption, &svg, csv(&budget.parts), SvgText::Text, &typeset::options()));
     drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
 }
 
-fn svg(bars: &[BudgetBar], totals_mm2: [f64; 3]) -> Result<String, DrawError> {
-    let share = |bar: &BudgetBar, axis: usize| {
-        if totals_mm2[axis] > 0.0 { 100.0 * bar.mean_squares_mm2[axis] / totals_mm2[axis] } else { 0.0 }
+fn svg(parts: &[BudgetPart], totals_mm2: [f64; 3]) -> Result<String, DrawError> {
+    let square_mm2 = |part: &BudgetPart, axis: usize| part.mean_square_mm2.to_array()[axis];
+    let share = |part: &BudgetPart, axis: usize| {
+        if totals_mm2[axis] > 0.0 { 100.0 * square_mm2(part, axis) / totals_mm2[axis] } else { 0.0 }
     };
-    let all = || bars.iter().flat_map(|bar| (0..3).map(move |axis| share(bar, axis)));
+    let all = || parts.iter().flat_map(|part| (0..3).map(move |axis| share(part, axis)));
     let most = all().fold(10.0, f64::max);
     let least = all().fold(0.0, f64::min);
     let x = [least - MARGIN * (most - least), most + NUMBER_ROOM * (most - least)];
-    let height = ROW_PX * bars.len() as f64 + 8.0;
+    let height = ROW_PX * parts.len() as f64 + 8.0;
     let width = NAMES_PX + 3.0 * (WIDTH_PX + BETWEEN_PX);
     sheet([width, TOP_PX + height + BELOW_PX + 6.0], |sheet| {
         for axis in 0..3 {
             let left = NAMES_PX + axis as f64 * (WIDTH_PX + BETWEEN_PX);
             let panel = Panel { left, top: TOP_PX, width: WIDTH_PX, height, x, y: [0.0, height] };
-            for (row, bar) in bars.iter().enumerate() {
+            for (row, part) in parts.iter().enumerate() {
                 let middle = height - 4.0 - ROW_PX * (row as f64 + 0.5);
-                of_part(sheet, &panel, middle, share(bar, axis), bar.mean_squares_mm2[axis])?;
+                of_part(sheet, &panel, middle, share(part, axis), square_mm2(part, axis))?;
                 if axis == 0 {
                     let [x, y] = panel.at(panel.x[0], middle);
                     let letters = Lettering { across: HPos::Right, ..LETTERS.sized(12.0) };
-                    sheet.text([x - 10.0, y], &bar.name, letters)?;
+                    sheet.text([x - 10.0, y], &part.name, letters)?;
                 }
             }
             frame(sheet, &panel)?;
@@ -100,9 +94,9 @@ fn frame(sheet: &Sheet, panel: &Panel) -> DrawResult {
     scale.axes(sheet, AxisLabel::Named("share of the mean square (%)"), AxisLabel::Bare)
 }
 
-fn csv(bars: &[BudgetBar]) -> String {
+fn csv(parts: &[BudgetPart]) -> String {
     let mut csv = "part,x_mm2,y_mm2,z_mm2\n".to_owned();
-    for BudgetBar { name, mean_squares_mm2: [x, y, z] } in bars {
+    for BudgetPart { name, mean_square_mm2: PerAxis { x, y, z }, .. } in parts {
         csv += &format!("\"{}\",{x},{y},{z}\n", name.replace('"', "\"\""));
     }
     csv

@@ -3,7 +3,9 @@
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
-use magsplice::layout::NamedTile;
+use magsplice::layout::{Layout, NamedTile};
+use magsplice::results::FilmDiagnosis;
+use magsplice::scan::{ErrorKind, FittedError, NamedError};
 use plotters::prelude::RGBColor;
 
 use crate::colours::{BLUE, ColourScale, GREEN, Palette, VERMILION, plotters_colour};
@@ -39,7 +41,7 @@ const OUTLINE: RGBColor = RGBColor(150, 150, 150);
 
 /// What is wrong with a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum DrawnFault {
+enum DrawnFault {
     /// Error of |J|, as a fraction.
     Strength(f64),
     /// Rotation vector in degrees.
@@ -52,14 +54,28 @@ pub enum DrawnFault {
 
 /// A tile as a scan tells it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DiagnosedTile<'a> {
+struct DiagnosedTile<'a> {
     /// The tile as ordered.
-    pub tile: &'a NamedTile,
+    tile: &'a NamedTile,
     /// What is wrong with it.
-    pub faults: Vec<DrawnFault>,
+    faults: Vec<DrawnFault>,
     /// The largest standard deviation of its errors after the scan, over that before it, but for
     /// turns about J.
-    pub unresolved: f64,
+    unresolved: f64,
+}
+
+impl From<&NamedError> for DrawnFault {
+    fn from(named: &NamedError) -> DrawnFault {
+        let is_noise = |of: &FittedError| !of.is_significant() && named.components.len() > 1;
+        let value = |of: &FittedError| if is_noise(of) { 0.0 } else { of.value };
+        let values: Vec<f64> = named.components.iter().map(value).collect();
+        match (named.candidate.kind, &values[..]) {
+            (ErrorKind::Turn, [x, y, z]) => DrawnFault::Turn(DVec3::new(*x, *y, *z).map(f64::to_degrees)),
+            (ErrorKind::Direction, [a, b]) => DrawnFault::Direction([*a, *b].map(f64::to_degrees)),
+            (ErrorKind::Displacement, [x, y, z]) => DrawnFault::Displacement(DVec3::new(*x, *y, *z)),
+            (_, values) => DrawnFault::Strength(values.first().copied().unwrap_or_default()),
+        }
+    }
 }
 
 impl DrawnFault {
@@ -90,13 +106,19 @@ impl DrawnFault {
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.
-pub fn diagnosis_figure(tiles: &[DiagnosedTile]) -> Result<Drawing, ReportError> {
+pub fn diagnosis_figure(layout: &Layout, found: &FilmDiagnosis) -> Result<Drawing, ReportError> {
     let caption = "The tiles from above. Left: tiles that are wrong, with an arrow for a displacement, an arc for a \
                    turn, and a percentage for the strength. Right: the largest standard deviation of the errors of each \
                    tile after the scan, over that before it, but for turns about J; of 1 the scan tells nothing."
         .to_owned();
+    let tile = |(index, tile)| DiagnosedTile {
+        tile,
+        faults: found.diagnosis.named.iter().filter(|of| of.candidate.tile == index).map(DrawnFault::from).collect(),
+        unresolved: found.unresolved_share(layout, index),
+    };
+    let tiles: Vec<DiagnosedTile> = layout.tiles.iter().enumerate().map(tile).collect();
     let drawn =
-        svg(tiles).and_then(|svg| Drawing::new(NAME, caption, &svg, csv(tiles), SvgText::Text, &typeset::options()));
+        svg(&tiles).and_then(|svg| Drawing::new(NAME, caption, &svg, csv(&tiles), SvgText::Text, &typeset::options()));
     drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
 }
 

@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 use magsplice::layout::Elastomer;
+use magsplice::results::FilmExperiments;
 use magsplice::sensor::ExperimentStep;
 use plotters::prelude::RGBColor;
 
@@ -34,14 +35,6 @@ const TRUE: RGBColor = RGBColor(200, 200, 200);
 const MARK_PX: f64 = 16.0;
 const COLOURS: [RGBColor; 3] = [BLUE, VERMILION, GREEN];
 
-/// The steps of the experiments along x, y and z.
-pub struct ExperimentCurves<'a> {
-    /// Steps along x, y, z, in ascending order of the displacement, in millimetres.
-    pub axes: [&'a [ExperimentStep]; 3],
-    /// The elastic layer, which turns displacements into forces.
-    pub elastomer: Option<&'a Elastomer>,
-}
-
 /// One of the lines of a panel.
 struct Line<'a> {
     name: String,
@@ -62,29 +55,29 @@ impl Line<'_> {
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.
-pub fn experiment_figure(curves: &ExperimentCurves, text: SvgText) -> Result<Drawing, ReportError> {
-    let drawn =
-        draw(curves).and_then(|svg| Drawing::new(NAME, caption(curves), &svg, csv(curves), text, &typeset::options()));
+pub fn experiment_figure(experiments: &FilmExperiments, text: SvgText) -> Result<Drawing, ReportError> {
+    let drawn = draw(experiments)
+        .and_then(|svg| Drawing::new(NAME, caption(experiments), &svg, csv(experiments), text, &typeset::options()));
     drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
 }
 
-pub(crate) fn caption(curves: &ExperimentCurves) -> String {
-    let told = if curves.elastomer.is_some() { "force" } else { "displacement" };
+pub(crate) fn caption(experiments: &FilmExperiments) -> String {
+    let told = if experiments.elastomer.is_some() { "force" } else { "displacement" };
     format!(
         "The film is moved along x, y and z: what the sensor reads, the decoupling parameters of its readings, and the \
          {told} along the axis of motion, as it is and as the closed form (Eq. 14) and the field of the layout tell it."
     )
 }
 
-pub(crate) fn draw(curves: &ExperimentCurves) -> Result<String, DrawError> {
+pub(crate) fn draw(experiments: &FilmExperiments) -> Result<String, DrawError> {
     let left = |column: usize| LEFT_PX + 12.0 + column as f64 * (WIDTH_PX + LEFT_PX + ASIDE_PX);
     let top = |row: usize| TOP_PX + row as f64 * (HEIGHT_PX + BETWEEN_PX);
-    let readings = || curves.axes.iter().flat_map(|steps| steps.iter().map(|step| step.reading_t));
+    let readings = || experiments.steps.iter().flat_map(|steps| steps.iter().map(|step| step.reading_t));
     let unit = flux_unit(readings().map(|b| b.abs().max_element()).fold(0.0, f64::max));
     sheet([left(2) + WIDTH_PX + 14.0, top(2) + HEIGHT_PX + BELOW_PX + 6.0], |sheet| {
-        for (axis, steps) in curves.axes.iter().enumerate() {
+        for (axis, steps) in experiments.steps.iter().enumerate() {
             let at: Vec<f64> = steps.iter().map(|step| step.displacement[axis]).collect();
-            let (told, unit_told) = told(curves.elastomer, axis, steps, &at);
+            let (told, unit_told) = told(experiments.elastomer.as_ref(), axis, steps, &at);
             let rows = [
                 (fields(steps, &at, &unit), format!("{} ({})", variable("B"), unit.name)),
                 (
@@ -208,11 +201,11 @@ fn legend(sheet: &Sheet, panel: &Panel, lines: &[Line]) -> DrawResult {
     Ok(())
 }
 
-pub(crate) fn csv(curves: &ExperimentCurves) -> String {
+pub(crate) fn csv(experiments: &FilmExperiments) -> String {
     let mut csv = "film_dx_mm,film_dy_mm,film_dz_mm,b_x_t,b_y_t,b_z_t,r_x_rad,r_y_rad,s_z_ln_t,closed_form_dx_mm,\
                    closed_form_dy_mm,closed_form_dz_mm,found_dx_mm,found_dy_mm,found_dz_mm\n"
         .to_owned();
-    for step in curves.axes.iter().copied().flatten() {
+    for step in experiments.all_steps() {
         let parameters = step.parameters.map_or([f64::NAN; 3], |p| [p.r_x, p.r_y, p.s_z]);
         let vectors = [step.displacement, step.reading_t, parameters.into()];
         let told = [step.by_closed_form, step.by_field].map(|moved| moved.unwrap_or(DVec3::NAN));

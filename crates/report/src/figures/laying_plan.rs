@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use magsplice::prelude::Tile;
+use magsplice::results::FilmAssignment;
 use plotters::prelude::RGBColor;
 
 use crate::drawing::{Drawing, SvgText};
@@ -34,34 +35,42 @@ const TURNED_OVER: RGBColor = RGBColor(198, 219, 239);
 const LAID: RGBColor = RGBColor(215, 215, 215);
 
 /// A tile of a plan.
-#[derive(Clone, Copy, Debug)]
-pub struct LaidTile<'a> {
+struct DrawnTile<'a> {
     /// Name of the tile that lies or will lie there.
-    pub name: &'a str,
+    name: &'a str,
     /// The tile in its place, in millimetres.
-    pub tile: &'a Tile,
+    tile: &'a Tile,
     /// Direction of the mark on the tile, from x towards y, in radians.
-    pub mark_rad: f64,
+    mark_rad: f64,
     /// Whether the side with the mark is up.
-    pub is_upright: bool,
+    is_upright: bool,
     /// Whether the tile lies already.
-    pub is_laid: bool,
+    is_laid: bool,
 }
 
 /// The plan of a film from above.
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if the figure cannot be drawn.
-pub fn laying_plan_figure(tiles: &[LaidTile], text: SvgText) -> Result<Drawing, ReportError> {
+pub fn laying_plan_figure(assigned: &FilmAssignment, text: SvgText) -> Result<Drawing, ReportError> {
     let caption =
         "Where each measured tile goes, from above. The arrow is the mark on the tile. A hollow arrow is a mark \
                    that is not on the upper side."
             .to_owned();
-    let drawn = draw(tiles).and_then(|svg| Drawing::new(NAME, caption, &svg, csv(tiles), text, &typeset::options()));
+    let rows = assigned.plan.iter().zip(&assigned.tiles);
+    let drawn = rows.map(|(row, tile)| DrawnTile {
+        name: &row.tile,
+        tile,
+        mark_rad: row.mark_deg.to_radians(),
+        is_upright: row.is_upright(),
+        is_laid: row.is_laid,
+    });
+    let tiles: Vec<DrawnTile> = drawn.collect();
+    let drawn = draw(&tiles).and_then(|svg| Drawing::new(NAME, caption, &svg, csv(&tiles), text, &typeset::options()));
     drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
 }
 
-fn draw(tiles: &[LaidTile]) -> Result<String, DrawError> {
+fn draw(tiles: &[DrawnTile]) -> Result<String, DrawError> {
     let [low, high] = bounds(tiles.iter().map(|laid| laid.tile)).unwrap_or([DVec3::ZERO, DVec3::ONE]);
     let longest = (high - low).truncate().max_element();
     let (low, high) = (low - MARGIN * longest, high + MARGIN * longest);
@@ -77,8 +86,8 @@ fn draw(tiles: &[LaidTile]) -> Result<String, DrawError> {
     let size = [panel.right() + LEGEND_PX, (panel.bottom() + BELOW_PX + 6.0).max(300.0)];
     sheet(size, |sheet| {
         // From the lowest to the highest, so that upper tiles cover lower ones.
-        let mut order: Vec<&LaidTile> = tiles.iter().collect();
-        let top = |laid: &&LaidTile| bounds(std::iter::once(laid.tile)).map_or(0.0, |[_, high]| high.z);
+        let mut order: Vec<&DrawnTile> = tiles.iter().collect();
+        let top = |laid: &&DrawnTile| bounds(std::iter::once(laid.tile)).map_or(0.0, |[_, high]| high.z);
         order.sort_by(|a, b| top(a).total_cmp(&top(b)));
         let on_sheet: Vec<TileOnSheet> = order.iter().map(|laid| on_sheet(&panel, laid)).collect();
         let Annotations { of_tiles, arrow_px } = annotations(&on_sheet, &[]);
@@ -98,7 +107,7 @@ fn draw(tiles: &[LaidTile]) -> Result<String, DrawError> {
     })
 }
 
-fn on_sheet(panel: &Panel, laid: &LaidTile) -> TileOnSheet {
+fn on_sheet(panel: &Panel, laid: &DrawnTile) -> TileOnSheet {
     let outline = from_above(laid.tile).into_iter().map(|p| DVec2::from(panel.at(p.x, p.y))).collect();
     let (sine, cosine) = laid.mark_rad.sin_cos();
     // y grows upwards in the film and downwards on the sheet.
@@ -106,7 +115,7 @@ fn on_sheet(panel: &Panel, laid: &LaidTile) -> TileOnSheet {
     TileOnSheet { outline, in_plane, mark: 0.0, letters: laid.name.chars().count() }
 }
 
-fn colour(laid: &LaidTile) -> RGBColor {
+fn colour(laid: &DrawnTile) -> RGBColor {
     match (laid.is_laid, laid.is_upright) {
         (true, _) => LAID,
         (_, true) => TO_LAY,
@@ -119,7 +128,7 @@ fn mark(sheet: &Sheet, place: &Annotation, width: f64, is_upright: bool) -> Draw
     if is_upright { arrow(sheet, tail, tip, width, INK) } else { hollow_arrow(sheet, tail, tip, width, INK) }
 }
 
-fn legend(sheet: &Sheet, tiles: &[LaidTile], left: f64, nameless: usize) -> DrawResult {
+fn legend(sheet: &Sheet, tiles: &[DrawnTile], left: f64, nameless: usize) -> DrawResult {
     let mut y = TOP_PX + 12.0;
     let count = if tiles.len() == 1 { "1 tile".to_owned() } else { format!("{} tiles", tiles.len()) };
     sheet.text([left, y], &count, LETTERS)?;
@@ -156,7 +165,7 @@ fn legend(sheet: &Sheet, tiles: &[LaidTile], left: f64, nameless: usize) -> Draw
 }
 
 /// The plan as CSV.
-fn csv(tiles: &[LaidTile]) -> String {
+fn csv(tiles: &[DrawnTile]) -> String {
     let mut csv = "tile,x_mm,y_mm,z_mm,mark_deg,upright\n".to_owned();
     for laid in tiles {
         csv += &format!("\"{}\",", laid.name.replace('"', "\"\""));

@@ -22,20 +22,20 @@ const SHARP_PX: usize = 400;
 
 /// Readings on a plane of a scan, and the field of the layout at the same points.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ScanPlane {
+pub(crate) struct ScanPlane {
     /// The two axes that span the plane: 0, 1, 2 for x, y, z.
-    pub axes: [usize; 2],
+    pub(crate) axes: [usize; 2],
     /// Coordinate of the plane along the third axis, in millimetres.
-    pub at_mm: f64,
+    pub(crate) at_mm: f64,
     /// Coordinates of the points along both axes, in millimetres, ascending in equal steps.
-    pub coordinates_mm: [Vec<f64>; 2],
+    pub(crate) coordinates_mm: [Vec<f64>; 2],
     /// Readings in tesla without the errors of the sensor, second axis fastest; NaN where there is
     /// none.
-    pub measured_t: Vec<DVec3>,
+    pub(crate) measured_t: Vec<DVec3>,
     /// The field of the layout at the same points.
-    pub simulated_t: Vec<DVec3>,
+    pub(crate) simulated_t: Vec<DVec3>,
     /// R_x, R_y, S_z of both; NaN where there are none. `None` without an ideal film.
-    pub parameters: Option<[Vec<DVec3>; 2]>,
+    pub(crate) parameters: Option<[Vec<DVec3>; 2]>,
 }
 
 /// A row of maps of one component.
@@ -49,10 +49,7 @@ struct Row {
 }
 
 /// The figure of B on a plane, named `name` in files.
-///
-/// # Errors
-/// [`ReportError::Drawing`] if it cannot be drawn.
-pub fn scan_field_figure(plane: &ScanPlane, name: &'static str, text: SvgText) -> Result<Drawing, ReportError> {
+pub(crate) fn scan_field_figure(plane: &ScanPlane, name: &'static str, text: SvgText) -> Result<Drawing, ReportError> {
     let both = || plane.measured_t.iter().chain(&plane.simulated_t).filter(|b| b.is_finite());
     let unit = flux_unit(both().map(|b| b.abs().max_element()).fold(0.0, f64::max));
     let differences_t: Vec<DVec3> = plane.measured_t.iter().zip(&plane.simulated_t).map(|(m, s)| *m - *s).collect();
@@ -71,10 +68,7 @@ pub fn scan_field_figure(plane: &ScanPlane, name: &'static str, text: SvgText) -
 }
 
 /// The figure of R_x, R_y, S_z on a plane, named `name` in files. `None` without parameters.
-///
-/// # Errors
-/// [`ReportError::Drawing`] if it cannot be drawn.
-pub fn scan_parameters_figure(
+pub(crate) fn scan_parameters_figure(
     plane: &ScanPlane,
     name: &'static str,
     text: SvgText,

@@ -22,6 +22,16 @@ impl ErrorKind {
     pub const ALL: [ErrorKind; 4] =
         [ErrorKind::Strength, ErrorKind::Turn, ErrorKind::Direction, ErrorKind::Displacement];
 
+    /// The kind in one word.
+    pub const fn name(self) -> &'static str {
+        match self {
+            ErrorKind::Strength => "strength",
+            ErrorKind::Turn => "turn",
+            ErrorKind::Direction => "direction",
+            ErrorKind::Displacement => "displacement",
+        }
+    }
+
     /// Its components: x, y, z; for the direction of J the turns in the plane of the film and out
     /// of it.
     pub fn components(self) -> impl Iterator<Item = TileError> {

@@ -83,7 +83,7 @@ pub struct Diagnosis {
     /// deviations.
     pub chi_squared: f64,
     /// Its expectation: the number of readings less that of the free numbers.
-    pub freedom: usize,
+    pub degrees_of_freedom: usize,
     /// The natural logarithm of the probability of a larger one.
     pub ln_probability: f64,
     /// Standard deviations of all errors of tiles before and after the scan.

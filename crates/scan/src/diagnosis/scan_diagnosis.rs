@@ -133,7 +133,7 @@ impl ScanDiagnosis {
             scan: found.at.state.scan_parameters(),
             residuals_t: found.compared.residuals_t,
             chi_squared,
-            freedom,
+            degrees_of_freedom: freedom,
             ln_probability: ln_probability_above(chi_squared, freedom),
             narrowed: narrowed(&found.at, unknowns, &prior)?,
             similar: similar(&found.at, unknowns),

@@ -129,7 +129,7 @@ fn named_errors_have_their_values() {
         (turned.magnitude() - 3_f64.to_radians()).abs() < 5.0 * component(12, TileError::Rotation(Axis::Z)).deviation,
         "{turned:?}"
     );
-    assert!(!found.is_residual_too_large(), "{}", found.chi_squared / found.freedom as f64);
+    assert!(!found.is_residual_too_large(), "{}", found.chi_squared / found.degrees_of_freedom as f64);
     // The film that was found is the one that was made.
     for (found, made) in found.tiles.iter().zip(&tiles) {
         assert!(found.position().distance(made.position()) < 0.01);
@@ -146,8 +146,8 @@ fn right_films_have_no_faulty_tile() {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let found = diagnosis.diagnose(&readings(&film(), &points(), NOISE_T, &mut random), |_| {}).unwrap();
         assert_eq!(candidates(&found), []);
-        let freedom = found.freedom as f64;
-        assert_eq!(found.freedom, 3 * 441);
+        let freedom = found.degrees_of_freedom as f64;
+        assert_eq!(found.degrees_of_freedom, 3 * 441);
         assert!((found.chi_squared - freedom).abs() < 5.0 * (2.0 * freedom).sqrt(), "{}", found.chi_squared);
     }
 }
@@ -175,7 +175,7 @@ fn residual_beyond_the_noise_is_told() {
     let found = model(DiagnosisSettings::default())
         .diagnose(&readings(&film(), &points(), 2.0 * NOISE_T, &mut random), |_| {})
         .unwrap();
-    assert!(found.is_residual_too_large(), "{}", found.chi_squared / found.freedom as f64);
+    assert!(found.is_residual_too_large(), "{}", found.chi_squared / found.degrees_of_freedom as f64);
 }
 
 /// The scan has another strength, an offset, a turn and an origin; the faulty tile is the same.

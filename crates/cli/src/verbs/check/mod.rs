@@ -27,9 +27,9 @@ use crate::args::formats::CheckFormat;
 use crate::failure::{self, Failure};
 use crate::output::destination::print;
 use crate::output::json;
-use crate::prepared_film::tell_of_knee;
 use crate::progress::ProgressLine;
 use crate::remarks;
+use crate::session::knee_remark;
 use crate::words::film_failure;
 
 /// Validate layouts, and check their films against what their [expect] tables state.
@@ -135,7 +135,7 @@ fn check(path: &Path, update: bool, quiet: bool, progress: &Arc<ProgressLine>) -
             return checked.with_expectations(stated.map(unusable).collect());
         }
     };
-    tell_of_knee(path, &film, &remarks::teller(quiet, progress));
+    knee_remark(path, &film).into_iter().for_each(|remark| remarks::teller(quiet, progress)(&remark));
     let mut started = Instant::now();
     let baseline = baseline(path, &film, update, |file, points, how_far| {
         if !quiet {

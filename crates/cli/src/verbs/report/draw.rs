@@ -1,6 +1,7 @@
 //! The drawing of a report: figures and a page of one film, or of two side by side.
 
 use std::fmt::Write;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use magsplice::layout::Layout;
@@ -13,15 +14,10 @@ use crate::failure::Failure;
 use crate::output::folder::Folder;
 use crate::output::json;
 use crate::remarks;
-use crate::sampling::run::SamplingRun;
-use crate::sampling::sampled_film::SampledFilm;
-use crate::sampling::scene::SampledScene;
-use crate::sampling::source::SampleSource;
-use crate::sensor::film_resolution::FilmResolution;
 use crate::session::Session;
 use crate::text;
 use crate::text::number::counted;
-use crate::verbs::decouple;
+use crate::verbs::{decouple, resolution, tolerance};
 
 /// How a report is drawn.
 pub(super) struct Drawing<'a> {
@@ -46,7 +42,7 @@ impl Drawing<'_> {
         // A folder that cannot be written is refused before the field is computed.
         let folder = Folder::open(self.output, "report", &[path])?;
         let (mut text, json) = numbers(&film).map_err(|error| session.failed(error))?;
-        let samples = samples(&session, &mut text)?;
+        let samples = samples(&session, &film, &mut text)?;
         of_sensor(&film, &mut text).map_err(|error| session.failed(error))?;
         let results = PrintedResults { text: &text, json: &json };
         let report = Report::new(&film, samples, results, self.text).map_err(|error| failure(&session, error))?;
@@ -95,28 +91,28 @@ impl Drawing<'_> {
 
 /// Samples of the films that are made, if the layout states their errors. Appends their statistics
 /// to `text`.
-fn samples(session: &Session, text: &mut String) -> Result<Option<FilmSamples>, Failure> {
+fn samples(session: &Session, film: &Film, text: &mut String) -> Result<Option<FilmSamples>, Failure> {
     let layout = &*session.layout;
-    let Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } = layout else { return Ok(None) };
-    // What there is to say of the film has been said.
-    let scene = SampledScene::new(session.path, layout, &session.progress, &|_| {})?;
-    let source = SampleSource::new(layout, None, tolerance.seed, 0, tolerance.samples);
-    let sampler = scene.sampler(source.seed)?;
+    let Layout { tolerance: Some(stated), ideal: Some(_), volume: Some(_), .. } = layout else { return Ok(None) };
+    let failed = |error| tolerance::sampling_failure(session, error);
+    let sampling = film.sampling().map_err(failed)?;
+    let run = tolerance::sample_run(layout, None, stated.seed, 0, stated.samples);
     let mut errors = Vec::new();
-    let errors_of =
-        |samples| sampler.errors_of_range(samples).map_err(|(sample, error)| scene.sample_failure(sample, &error));
-    let run = SamplingRun { errors_of: &errors_of, source: &source };
-    run.extend(&mut errors, |_| Ok(()), &session.progress, None)?;
-    let film = SampledFilm::new(&scene, source, &errors)?;
-    let _ = write!(text, "\nfilms that are made: {}", text::tolerance::samples(&film));
-    Ok(Some(FilmSamples { nominal: film.nominal, errors }))
+    tolerance::draw(session, &sampling, &run, None, &mut errors, |_| Ok(ControlFlow::Continue(())))?;
+    let found = sampling.statistics(run, None, &errors).map_err(failed)?;
+    let _ = write!(text, "\nfilms that are made: {}", tolerance::text::samples(film, &found));
+    Ok(Some(FilmSamples { nominal: found.figures.map(|figure| figure.nominal), errors }))
 }
 
 /// Appends the resolution of the sensor to `text`, if the layout states one with noise.
 fn of_sensor(film: &Film, text: &mut String) -> Result<(), FilmError> {
-    let (Ok(volume), Some(_)) = (film.volume(), &film.layout().sensor) else { return Ok(()) };
-    if let Some(resolution) = FilmResolution::new(film, volume, None)? {
-        let _ = write!(text, "\nsensor: {}", text::resolution::resolution(&resolution));
+    if film.volume().is_err() || film.layout().sensor.is_none() {
+        return Ok(());
+    }
+    match film.resolution(None) {
+        Ok(found) => *text += &format!("\nsensor: {}", resolution::text(&found)),
+        Err(FilmError::NoNoise) => {}
+        Err(error) => return Err(error),
     }
     Ok(())
 }

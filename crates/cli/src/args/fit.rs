@@ -1,0 +1,29 @@
+//! What is fitted of a scan.
+
+use clap::ValueEnum;
+use magsplice::scan::FreeParameters;
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub(crate) enum FitArg {
+    /// The strength of all tiles over that of the layout
+    Strength,
+    /// Offset of the sensor and uniform stray field together
+    Offset,
+    /// Rotation of the sensor
+    Rotation,
+    /// Position of the sensor where the scan has its origin
+    Start,
+}
+
+impl FitArg {
+    /// The parameters that are fitted.
+    pub(crate) fn free(fitted: &[FitArg]) -> FreeParameters {
+        let is_free = |what: FitArg| fitted.contains(&what);
+        FreeParameters {
+            strength: is_free(FitArg::Strength),
+            offset: is_free(FitArg::Offset),
+            rotation: is_free(FitArg::Rotation),
+            start: is_free(FitArg::Start),
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! The noise and the unit of readings.
+
+use clap::ValueEnum;
+use magsplice::prelude::DVec3;
+use magsplice::sensor::Noise;
+
+use super::numbers::flux_density_t;
+
+/// Units of columns of flux densities.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub(crate) enum FluxUnitArg {
+    /// Tesla
+    T,
+    /// Millitesla
+    #[value(name = "mT")]
+    Mt,
+    /// Microtesla
+    #[value(name = "uT")]
+    Ut,
+}
+
+impl FluxUnitArg {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            FluxUnitArg::T => "T",
+            FluxUnitArg::Mt => "mT",
+            FluxUnitArg::Ut => "uT",
+        }
+    }
+}
+
+/// Largest noise: that of a sensor which sees nothing of any permanent magnet.
+const MAX_NOISE_T: f64 = 1.0;
+
+pub(crate) fn noise(text: &str) -> Result<Noise, String> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let axes = match parts[..] {
+        [all] => [all; 3],
+        [x, y, z] => [x, y, z],
+        _ => return Err("must be one flux density, or one for each of x, y, z, such as 5uT,5uT,8uT".to_owned()),
+    };
+    let mut deviation_t = DVec3::ZERO;
+    for (axis, text) in axes.into_iter().enumerate() {
+        let value = flux_density_t(text)?;
+        if !(value > 0.0 && value <= MAX_NOISE_T) {
+            return Err(format!("{text}: must be above 0 and at most {MAX_NOISE_T} T"));
+        }
+        deviation_t[axis] = value;
+    }
+    Ok(Noise { deviation_t })
+}

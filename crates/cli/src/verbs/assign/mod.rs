@@ -1,0 +1,203 @@
+//! `magsplice assign`: places measured tiles.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use magsplice::layout::{Layout, TileForm};
+use magsplice::making::{AssignmentError, AssignmentSettings, PartlyLaid, PlaceGroup};
+#[cfg(feature = "report")]
+use magsplice::results::BillOfMaterials;
+use magsplice::results::FilmAssignment;
+use magsplice::{Film, FilmError};
+#[cfg(feature = "report")]
+use magsplice_report::{SvgText, laying_plan_figure, plan_page};
+
+use super::PROGRAM;
+use crate::args::formats::TextOrJson;
+use crate::args::measurement::MeasurementArgs;
+use crate::failure::Failure;
+use crate::faults::FaultList;
+use crate::inputs::{measured_tiles, placed_tiles};
+use crate::output::destination::print;
+use crate::output::json;
+use crate::remarks;
+use crate::session::Session;
+
+/// The summary and the plan as text.
+mod text;
+
+/// Choose which measured tile goes to which place of a film, and which way round.
+///
+/// Each row of the table is a tile that was cut: its name in the column tile; its part, by its
+/// number in `magsplice tiles` or the name of a tile or kind of the layout, in the column part; and
+/// its polarization (jx_t, jy_t, jz_t), magnetization (mx_a_per_m, ...), moment (moment_x_a_m2,
+/// ...) or strength (strength_t, with or without direction_deg and tilt_deg). Axes are those of the
+/// part: x along its first side, y along its second, z up. Sides that were measured are in
+/// size_x_mm, size_y_mm, size_z_mm. Tiles beyond the places are spares.
+///
+/// The tiles are placed so that the displacement error of the film is least: local searches from
+/// many starts, by the exact derivatives and then the exact field. The result is a layout with the
+/// measured tiles, and a plan: for each place the tile, the side that is up, and where its mark
+/// points. The mark is drawn on a tile along +x of its part when it is measured.
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  magsplice assign layouts/designed-stock.toml --measured tiles.csv -o assigned.toml \
+    --plan plan.csv --figure plan.png\n  \
+    magsplice assign film.toml --measured tiles.csv --placed plan.csv -o assigned.toml --shim rim-1"
+)]
+pub(crate) struct AssignArgs {
+    /// Layout file
+    layout: PathBuf,
+    /// CSV file with the measured tiles
+    #[arg(long, value_name = "FILE")]
+    measured: PathBuf,
+    /// CSV file with the tiles that lie already, with the columns of --plan: they stay, and the
+    /// others make up for them. Positions are as measured; rows whose cell in the column laid is no
+    /// are left out
+    #[arg(long, value_name = "FILE")]
+    placed: Option<PathBuf>,
+    /// Place of a shim tile, whose strength is chosen; may be given again
+    #[arg(long, value_name = "PLACE")]
+    shim: Vec<String>,
+    /// Turn no tile over: the side that was up when it was measured stays up
+    #[arg(long)]
+    keep_side_up: bool,
+    /// Number of random starts
+    #[arg(long, value_name = "N", default_value = "16", value_parser = starts)]
+    starts: usize,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "S", default_value = "1")]
+    seed: u64,
+    /// Layout file to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// CSV file for the plan
+    #[arg(long, value_name = "FILE")]
+    plan: Option<PathBuf>,
+    /// Draw the plan into this file, .svg or .png
+    #[cfg(feature = "report")]
+    #[arg(long, value_name = "FILE")]
+    figure: Option<PathBuf>,
+    /// Write the plan and the bill of materials as a page to print (HTML)
+    #[cfg(feature = "report")]
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
+    /// Format of the summary
+    #[arg(long, value_enum, default_value = "text")]
+    format: TextOrJson,
+    #[command(flatten)]
+    errors: MeasurementArgs,
+}
+
+pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
+    let session = Session::open(&args.layout, remarks::OF_COMPARISONS, quiet)?;
+    let inputs = || [Some(&args.measured), args.placed.as_ref()].into_iter().flatten().map(PathBuf::as_path);
+    let mut output = session.output(args.output.as_deref(), inputs())?;
+    let plan = args.plan.as_deref().map(|plan| session.output(Some(plan), inputs())).transpose()?;
+    #[cfg(feature = "report")]
+    let figure = session.figure(args.figure.as_deref(), inputs())?;
+    #[cfg(feature = "report")]
+    let page = args.page.as_deref().map(|page| session.output(Some(page), inputs())).transpose()?;
+
+    let measured = measured_tiles::read(&args.measured, &session.layout)?;
+    let mut groups = measured.groups;
+    let shims = shims(args, &session.layout, &mut groups)?;
+    let partly = match &args.placed {
+        Some(path) => placed_tiles::read(path, &session.layout, &groups)?,
+        None => PartlyLaid { film: session.layout.bare_tiles(), groups, plan: Vec::new() },
+    };
+    session.require_film(true, "assign", "places tiles so that a film decouples best")?;
+    let film = session.film()?;
+    let settings = AssignmentSettings {
+        starts: args.starts,
+        seed: args.seed,
+        may_turn_over: !args.keep_side_up,
+        ..AssignmentSettings::default()
+    };
+    let found = film.assign(&partly, &shims, &settings, args.errors.errors());
+    let found = found.map_err(|error| assignment_failure(args, &session, error))?;
+    let assigned = layout_text(args, &film, &found, measured.has_sizes)?;
+    session.progress.end();
+
+    output.write(|writer| writer.write_all(assigned.as_bytes()))?;
+    let to_file = !output.is_standard();
+    output.finish()?;
+    if let Some(mut plan) = plan {
+        plan.write(|writer| writer.write_all(text::plan_csv(&found.plan).as_bytes()))?;
+        plan.finish()?;
+    }
+    #[cfg(feature = "report")]
+    if figure.is_some() || page.is_some() {
+        let drawn = laying_plan_figure(&found, SvgText::Text).map_err(|error| Failure::Format(error.to_string()))?;
+        if let Some(mut page) = page {
+            let text = plan_page(&BillOfMaterials::new(&session.layout, None), &drawn, &found.plan);
+            page.write(|writer| writer.write_all(text.as_bytes()))?;
+            page.finish()?;
+        }
+        if let Some(file) = figure {
+            file.write(Ok(drawn))?;
+        }
+    }
+    if !measured.ignored.is_empty() {
+        let ignored = measured.ignored.join(", ");
+        session.tell(&format!("{}: columns that were not read: {ignored}", args.measured.display()));
+    }
+    let summary = match args.format {
+        TextOrJson::Json => json::pretty(&found),
+        TextOrJson::Text => text::summary(&film, &found, args.output.as_deref()),
+    };
+    if to_file {
+        print(&summary)?;
+    } else if !quiet {
+        let _ = std::io::stderr().write_all(summary.as_bytes());
+    }
+    Ok(())
+}
+
+/// The indices of the shims, whose places are taken out of the groups.
+fn shims(args: &AssignArgs, layout: &Layout, groups: &mut [PlaceGroup]) -> Result<Vec<usize>, Failure> {
+    let (mut shims, mut faults) = (Vec::new(), FaultList::default());
+    for name in &args.shim {
+        match layout.tiles.iter().position(|named| named.name == *name) {
+            None => faults.add(0, format!("--shim {name}: must be the name of a tile of the layout")),
+            Some(tile) if shims.contains(&tile) => faults.add(0, format!("--shim {name} is given twice")),
+            Some(tile) => shims.push(tile),
+        }
+    }
+    if !faults.is_empty() {
+        return Err(faults.failure(args.layout.display().to_string()));
+    }
+    groups.iter_mut().for_each(|group| group.places.retain(|place| !shims.contains(place)));
+    Ok(shims)
+}
+
+/// The failure with the file and the option that it is about.
+fn assignment_failure(args: &AssignArgs, session: &Session, error: FilmError) -> Failure {
+    let FilmError::Assignment { error: found, .. } = &error else { return session.failed(error) };
+    let (path, option) = match found {
+        AssignmentError::TooFew { .. } => (&args.measured, " (--placed)"),
+        AssignmentError::NoOrientation { .. } => (&args.layout, " (leave out --keep-side-up)"),
+        AssignmentError::Shim { .. } => (&args.layout, " (--shim)"),
+        _ => (&args.layout, ""),
+    };
+    Failure::Points { path: path.clone(), message: format!("{error}{option}") }
+}
+
+/// The layout file of the film with its measured tiles. Refuses a film that breaks a rule of
+/// layouts.
+fn layout_text(args: &AssignArgs, film: &Film, found: &FilmAssignment, has_sizes: bool) -> Result<String, Failure> {
+    let program = format!("{PROGRAM} assign");
+    let layout = film.assigned_layout(found, has_sizes, &program);
+    let folder = args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+    let origin = format!("the film of {}", args.measured.display());
+    Ok(layout.to_edited_toml(TileForm::Compact, folder, &origin)?)
+}
+
+/// Largest number of starts.
+const MAX_STARTS: usize = 10_000;
+
+fn starts(text: &str) -> Result<usize, String> {
+    let starts = text.parse().ok().filter(|n| (1..=MAX_STARTS).contains(n));
+    starts.ok_or_else(|| format!("must be a whole number from 1 to {MAX_STARTS}"))
+}

@@ -1,0 +1,85 @@
+//! The summary of `assign`, and the plan.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use magsplice::Film;
+use magsplice::making::PlanRow;
+use magsplice::results::{FilmAssignment, twelve_digits};
+
+use crate::text::number::{counted, number};
+use crate::text::{header, rows};
+
+/// The errors of the film, and the plan. `path` is that of the layout that was written.
+pub(super) fn summary(film: &Film, found: &FilmAssignment, path: Option<&Path>) -> String {
+    let mut text = header::with_recoil(film.layout(), film.recoil());
+    let _ = write!(
+        text,
+        "{} measured, {}",
+        counted(found.measured_tiles, "tile", "tiles"),
+        counted(found.spares, "spare", "spares")
+    );
+    let placed = found.plan.iter().filter(|row| row.is_laid).count();
+    if placed > 0 {
+        let _ = write!(text, ", {placed} laid already");
+    }
+    text += "\n\n";
+
+    text += "RMS displacement error over the working volume and its three axes, mm\n";
+    rows::cell(&mut text, "  film as ordered", &number(found.ordered_rms_mm));
+    rows::cell(&mut text, "  tiles in the order of the list", &number(found.in_order_rms_mm));
+    rows::cell(&mut text, "  tiles as assigned", &number(found.rms_mm));
+    if let Some(with_errors) = &found.measured_rms_mm {
+        rows::cell(&mut text, "  with errors of measurement, mean", &number(with_errors.mean.value));
+        rows::cell(&mut text, "    95 % of films are below", &number(with_errors.p95.value));
+    }
+    let (median, near) = found.agreement();
+    let starts = counted(found.starts_rms_mm.len(), "start", "starts");
+    let sentence =
+        format!("{near} of {starts} ended within 10 % of the best; their median is {median:.2} times the best");
+    rows::prose(&mut text, &sentence);
+    for shim in &found.shims {
+        rows::cell(&mut text, &format!("  strength of the shim {}, T", shim.place), &number(shim.strength_t));
+    }
+
+    text += "\nplan: the side of each tile that is up, and where its mark points in the film\n";
+    let head = ["place", "tile", "centre, mm", "up", "mark", "laid"].map(str::to_owned);
+    let lines: Vec<[String; 6]> = std::iter::once(head).chain(found.plan.iter().map(row)).collect();
+    text += &rows::table(&[rows::COMPACT; 6], &lines);
+    if let Some(path) = path {
+        let path = path.display();
+        let _ = writeln!(text, "\nwrote {path}; evaluate it with `magsplice decouple {path}`");
+    }
+    text
+}
+
+fn row(row: &PlanRow) -> [String; 6] {
+    let centre = row.centre_mm.to_array().map(|value| twelve_digits(value).to_string());
+    [
+        row.place.clone(),
+        row.tile.clone(),
+        format!("({})", centre.join(", ")),
+        row.up.to_owned(),
+        format!("{} at {} deg", row.mark, (row.mark_deg * 10.0).round() / 10.0),
+        if row.is_laid { "yes" } else { "" }.to_owned(),
+    ]
+}
+
+/// Names of the columns of a plan.
+const COLUMNS: [&str; 9] = ["place", "tile", "x_mm", "y_mm", "z_mm", "up", "mark", "mark_deg", "laid"];
+
+/// The plan as CSV, which `--placed` reads.
+pub(super) fn plan_csv(rows: &[PlanRow]) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut write = |row: &[String]| writer.write_record(row).expect("memory takes every row");
+    write(&COLUMNS.map(str::to_owned));
+    for row in rows {
+        let mut cells = vec![row.place.clone(), row.tile.clone()];
+        cells.extend(row.centre_mm.to_array().map(|value| twelve_digits(value).to_string()));
+        cells.extend([row.up.to_owned(), row.mark.to_owned(), row.mark_deg.to_string()]);
+        cells.push(if row.is_laid { "yes" } else { "no" }.to_owned());
+        write(&cells);
+    }
+    let bytes = writer.into_inner().expect("memory takes every row");
+    String::from_utf8(bytes).expect("text is written as text")
+}

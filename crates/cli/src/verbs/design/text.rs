@@ -1,0 +1,135 @@
+//! `design` and `splice`: a film that was found, and the films of a front.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use magsplice::decouple::Figures;
+use magsplice::design::{DesignProblem, MadeFilms, Metrics, ParetoFront, SearchResult};
+use magsplice::layout::Symmetry;
+use magsplice::prelude::DVec3;
+use magsplice::tolerance::Statistics;
+
+use crate::text::number::{counted, number, uniformity_number};
+use crate::text::rows;
+
+/// The film before and after the search, side by side. The film before is a pattern if
+/// `from_pattern`.
+pub(super) fn search_result(
+    problem: &DesignProblem,
+    result: &SearchResult,
+    path: Option<&Path>,
+    from_pattern: bool,
+) -> String {
+    let [nx, ny, nz] = problem.grid().counts();
+    let mut text = format!(
+        "{} in {}, designed on {nx} x {ny} x {nz} points; {}\n\n",
+        counted(problem.variable_count(), "free number", "free numbers"),
+        match (problem.orbit_count(), result.tiles.len()) {
+            (orbits, tiles) if orbits == tiles => counted(tiles, "tile", "tiles"),
+            (orbits, tiles) => {
+                let symmetry = if problem.symmetry() == Symmetry::FourFold { "four-fold" } else { "mirror" };
+                format!("{orbits} tiles, from which the {symmetry} symmetry makes all {tiles}")
+            }
+        },
+        format_args!(
+            "{} of {} found this film or one as good",
+            result.agreeing_starts,
+            counted(problem.starts(), "start", "starts")
+        ),
+    );
+    let columns = [&result.before, &result.after, &result.finer];
+    let before = if from_pattern { "start pattern" } else { "before" };
+    rows::heading(&mut text, "", [before, "after", "5 x finer"]);
+    let mut errors = |title: &str, of: &dyn Fn(&Figures) -> [String; 3], names: [&str; 3]| {
+        let _ = writeln!(text, "{title}");
+        for (index, name) in names.into_iter().enumerate() {
+            rows::cells(&mut text, &format!("  {name}"), columns.map(|metrics| of(&metrics.figures)[index].clone()));
+        }
+    };
+    let uniformity = |figures: &Figures| figures.uniformity_rmse.map(uniformity_number).to_array();
+    errors("uniformity RMSE", &uniformity, ["R_x", "R_y", "S_z"]);
+    let displacement = |figures: &Figures| figures.displacement_rmse_mm.map(number).to_array();
+    errors("RMSE of displacement, mm", &displacement, ["x", "y", "z"]);
+    let _ = writeln!(text, "against the ideal film");
+    rows::cells(&mut text, "  amplitude", columns.map(|metrics| number(metrics.figures.amplitude)));
+    let scaled = |metrics: &Metrics| metrics.scaled_relative_rmse.map_or("none".to_owned(), number);
+    rows::cells(&mut text, "  relative RMSE after scaling", columns.map(scaled));
+
+    if let Some(made) = &result.made {
+        films_made(&mut text, made, before);
+    }
+    let _ = writeln!(text, "\nuniformity RMSE after each stage");
+    rows::heading(&mut text, "", ["R_x", "R_y", "S_z"]);
+    for stage in &result.stages {
+        rows::cells(
+            &mut text,
+            &format!("  {}", stage.stage.name()),
+            stage.uniformity_rmse.to_array().map(uniformity_number),
+        );
+    }
+    let magnetized = result.tiles.iter().filter(|tile| tile.polarization_t() != DVec3::ZERO).count();
+    let tiles = counted(magnetized, "tile", "tiles");
+    let _ = writeln!(text, "\n{tiles} of {}", counted(result.parts, "part", "distinct parts"));
+    for short in &result.short_of {
+        let _ = writeln!(text, "not reached: {short}");
+    }
+    if let Some(path) = path {
+        let path = path.display();
+        let _ = writeln!(text, "wrote {path}; look at it with `magsplice report {path} -o report`");
+    }
+    text
+}
+
+/// The errors of the films that are made, before and after the search.
+fn films_made(text: &mut String, made: &MadeFilms, before: &str) {
+    let samples = counted(made.samples as usize, "sample", "samples");
+    let _ = writeln!(text, "\nRMSE of displacement of the films that are made, mm; {samples}, seed {}", made.seed);
+    rows::heading(text, "", ["x", "y", "z"]);
+    for (film, errors) in [(before, &made.before), ("after", &made.after)] {
+        let mut percentile = |name: &str, of: &dyn Fn(&Statistics) -> f64| {
+            let cells = errors.displacement_rmse_mm.map(|axis| number(of(&axis)));
+            rows::cells(text, &format!("  {film}, {name}"), cells.to_array());
+        };
+        percentile("mean", &|errors| errors.mean.value);
+        percentile("P50", &|errors| errors.p50.value);
+        percentile("P95", &|errors| errors.p95.value);
+        percentile("P99", &|errors| errors.p99.value);
+    }
+}
+
+/// The films of a front, one line each.
+pub(super) fn front(front: &ParetoFront) -> String {
+    let mut text = String::new();
+    let films = || front.by_amplitude.iter().map(|(_, film)| film).chain(&front.by_parts);
+    let are_made = films().next().is_some() && films().all(|film| film.made.is_some());
+    let (parameters, titles) = if are_made {
+        (["x, mm", "y, mm", "z, mm"], ["films made: displacement, P95", "as ordered: displacement"])
+    } else {
+        (["R_x", "R_y", "S_z"], ["uniformity RMSE", "RMSE of displacement"])
+    };
+    let head = parameters.into_iter().chain(["x, mm", "y, mm", "z, mm", "amplitude", "parts"]);
+    let head: String = head.map(|name| format!("{name:>13}")).collect();
+    let mut table = |title: &str, rows: Vec<(String, &SearchResult)>| {
+        let _ = writeln!(text, "{title}");
+        let _ = write!(text, "{:<24}{:^39}{:^39}", "", titles[0], titles[1]);
+        let _ = writeln!(text, "\n{:<24}{head}", "");
+        for (name, result) in rows {
+            let metrics = &result.after;
+            let made = result.made.as_ref().filter(|_| are_made);
+            let first = match made {
+                Some(made) => made.after.displacement_rmse_mm.map(|axis| number(axis.p95.value)).to_array(),
+                None => metrics.figures.uniformity_rmse.map(uniformity_number).to_array(),
+            };
+            let numbers = first.into_iter().chain(metrics.figures.displacement_rmse_mm.map(number).to_array());
+            let numbers: String = numbers.map(|number| format!("{number:>13}")).collect();
+            let _ = writeln!(text, "  {name:<22}{numbers}{:>13.4}{:>13}", metrics.figures.amplitude, result.parts);
+        }
+    };
+    let by_amplitude = front.by_amplitude.iter().map(|(least, film)| (format!("at least {least}"), film));
+    table("error against amplitude", by_amplitude.collect());
+    if !front.by_parts.is_empty() {
+        let by_parts = front.by_parts.iter().map(|film| (counted(film.parts, "part", "parts"), film));
+        table("\nerror against the number of distinct parts", by_parts.collect());
+    }
+    text
+}

@@ -1,0 +1,179 @@
+//! `magsplice diagnose`: which tiles of a film that was made are faulty.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::{Args, ValueEnum};
+use magsplice::Film;
+use magsplice::layout::TileForm;
+use magsplice::prelude::DVec3;
+use magsplice::results::FilmDiagnosis;
+use magsplice::sensor::Noise;
+#[cfg(feature = "report")]
+use magsplice_report::diagnosis_figure;
+
+use super::PROGRAM;
+use super::scan::refused;
+use crate::args::fit::FitArg;
+use crate::args::preset::PresetArgs;
+use crate::args::readings::noise;
+use crate::failure::Failure;
+use crate::inputs::readings::Scan;
+use crate::output::destination::print;
+use crate::output::json;
+use crate::remarks;
+use crate::session::Session;
+use crate::text::number::number;
+
+/// The faulty tiles, and what the scan does not resolve, as text.
+mod text;
+
+/// Tell which tiles of a film that was made are weak, turned or displaced, from a scan of its
+/// field.
+///
+/// The scan is of the field near the film, for example in steps of 1 mm, 1 mm below it. Each tile
+/// may be weaker or stronger, turned, magnetized in another direction, or displaced. An error is
+/// named if neither the noise nor the ordinary errors of tiles explain it. Ordinary errors are
+/// those of [tolerance] or of --preset. Without either, or with --as-ordered, tiles that are not
+/// named count as ordered. The result has each error with its standard deviation, errors that would
+/// explain the scan nearly as well, and what the scan cannot tell.
+///
+/// With -o the film that was found is written as a layout, which `tolerance`, `decouple` and `read`
+/// take.
+#[derive(Args)]
+#[command(after_help = "Example:\n  magsplice diagnose film.toml --scan scan.csv --noise 10uT\n  \
+    magsplice diagnose film.toml --scan scan.csv --fit --preset workshop -o found.toml --figure wrong.svg")]
+pub(crate) struct DiagnoseArgs {
+    /// Layout file of the film as ordered
+    layout: PathBuf,
+    /// CSV file with columns x_mm, y_mm, z_mm and bx_mt, by_mt, bz_mt, or in other units, such as
+    /// bx (uT); - is standard input
+    #[arg(long, value_name = "FILE")]
+    scan: PathBuf,
+    /// Standard deviation of a reading, such as 10uT, or of its x, y and z: 5uT,5uT,8uT [default:
+    /// that of [sensor] in the layout]
+    #[arg(long, value_name = "NOISE", value_parser = noise)]
+    noise: Option<Noise>,
+    #[command(flatten)]
+    preset: PresetArgs,
+    /// Tiles that are not named count as exactly as ordered, whatever [tolerance] states
+    ///
+    /// Smaller errors are then named. Ordinary errors of several tiles are all named, too.
+    #[arg(long, conflicts_with = "preset")]
+    as_ordered: bool,
+    /// Fit what is not known of the scan beside the errors of tiles, such as --fit=offset,start;
+    /// --fit alone fits everything
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "WHAT",
+        num_args = 0..,
+        require_equals = true,
+        default_missing_value = "strength,offset,rotation,start"
+    )]
+    fit: Vec<FitArg>,
+    /// Probability that a tile of a film without wrong tiles is named
+    #[arg(long, value_name = "P", default_value = "0.01", value_parser = probability)]
+    false_alarm: f64,
+    /// Layout file to write, with the tiles that were found
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// File for a figure of the wrong tiles and of what the scan cannot tell: .svg or .png
+    #[cfg(feature = "report")]
+    #[arg(long, value_name = "FILE")]
+    figure: Option<PathBuf>,
+    /// Format of the result
+    #[arg(long, value_enum, default_value = "text")]
+    format: DiagnoseFormat,
+}
+
+/// Formats of `diagnose`.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub(crate) enum DiagnoseFormat {
+    Text,
+    Json,
+    /// One line for each component of each error
+    Csv,
+}
+
+pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
+    let mut session = Session::open(&args.layout, remarks::OF_TILES, quiet)?;
+    let original = session.layout.clone();
+    let layout = Arc::make_mut(&mut session.layout);
+    args.preset.apply(layout);
+    if args.as_ordered {
+        layout.tolerance = None;
+    }
+    let found_file = args.output.as_deref().map(|path| session.output(Some(path), [&*args.scan])).transpose()?;
+    #[cfg(feature = "report")]
+    let figure = session.figure(args.figure.as_deref(), [&*args.scan])?;
+    // A scan without noise is refused before its file is read.
+    let known = Film::rigid(session.layout.clone()).scan_noise_t(args.noise);
+    known.map_err(|_| session.no_noise("--noise, such as 10uT"))?;
+    let Scan { points_mm, readings_t, lines } = Scan::read(&args.scan)?;
+    let element = session.layout.sensor.as_ref().map(|sensor| sensor.element).unwrap_or_default();
+    if element.plates != [DVec3::ZERO; 3] || element.active_area != [0.0; 2] {
+        let layout = args.layout.display();
+        session.tell(&format!("{layout}: the plates of [sensor] count as points at the positions of the scan"));
+    }
+    let film = session.film()?;
+    let found = film
+        .diagnose(points_mm, &readings_t, args.noise, FitArg::free(&args.fit), args.false_alarm)
+        .map_err(|error| refused(&session, &args.scan, &lines, error))?;
+    session.progress.end();
+    if let Some(mut file) = found_file {
+        let scan = args.scan.file_name().map_or_else(|| "a scan".into(), |name| name.to_string_lossy());
+        let layout = found.found_layout(&original, &scan, &format!("{PROGRAM} diagnose"));
+        let folder = args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        let origin = format!("the film of {}", args.scan.display());
+        let text = layout.to_edited_toml(TileForm::Plain, folder, &origin)?;
+        file.write(|w| w.write_all(text.as_bytes()))?;
+        file.finish()?;
+    }
+    #[cfg(feature = "report")]
+    if let Some(file) = figure {
+        file.write(diagnosis_figure(&session.layout, &found))?;
+    }
+    let result = match args.format {
+        DiagnoseFormat::Text => text::diagnosis(&film, args, &found),
+        DiagnoseFormat::Json => json::pretty(&found),
+        DiagnoseFormat::Csv => csv(&found),
+    };
+    // A layout on standard output leaves no room for anything else.
+    if args.output.as_deref() != Some(Path::new("-")) {
+        print(&result)?;
+    }
+    if found.is_residual_too_large {
+        session.tell(&format!(
+            "{}: chi squared of the residual is {} times its expectation: the noise is larger than stated, the film has \
+             errors of another kind, or the positions are not those stated{}",
+            args.scan.display(),
+            number(found.reduced_chi_squared()),
+            if args.fit.is_empty() { " (--fit fits them)" } else { "" }
+        ));
+    }
+    Ok(())
+}
+
+/// One line for each component of each error.
+fn csv(found: &FilmDiagnosis) -> String {
+    let mut csv = "tile,kind,component,value,deviation,chi_squared\n".to_owned();
+    for faulty in &found.faulty {
+        for (error, [value, deviation]) in &faulty.components {
+            csv += &format!(
+                "\"{}\",{},{},{value:?},{deviation:?},{:?}\n",
+                faulty.tile.replace('"', "\"\""),
+                faulty.kind.name(),
+                error.key(),
+                faulty.chi_squared
+            );
+        }
+    }
+    csv
+}
+
+fn probability(text: &str) -> Result<f64, String> {
+    let value: Option<f64> = text.parse().ok().filter(|value| *value > 0.0 && *value < 1.0);
+    value.ok_or_else(|| "must be a number greater than 0 and less than 1, such as 0.01".to_owned())
+}

@@ -1,0 +1,112 @@
+//! The faulty tiles, and what the scan does not resolve.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use magsplice::Film;
+use magsplice::magnet::TileError;
+use magsplice::results::{FilmDiagnosis, Suspect};
+
+use super::DiagnoseArgs;
+use crate::text::number::{counted, number};
+use crate::text::units::{in_per_cent, in_ut};
+use crate::text::{header, rows};
+use crate::verbs::scan::text::fitted;
+
+/// Tiles, errors and pairs that are listed.
+const LISTED: usize = 6;
+
+/// The report of `diagnose`.
+pub(super) fn diagnosis(film: &Film, args: &DiagnoseArgs, found: &FilmDiagnosis) -> String {
+    let mut text = header::with_recoil(film.layout(), film.recoil());
+    let noise = in_ut(found.noise_t);
+    let readings = counted(found.readings, "reading", "readings");
+    let _ = writeln!(text, "scan {}: {readings}, noise {}, {}, {} uT", args.scan.display(), noise.x, noise.y, noise.z);
+    let _ = writeln!(
+        text,
+        "{}, false alarms in {} % of right films",
+        if found.has_expected_errors {
+            "tiles are named beyond their ordinary errors"
+        } else {
+            "tiles that are not named count as ordered"
+        },
+        in_per_cent(found.false_alarm)
+    );
+    text.push('\n');
+    faulty_tiles(&mut text, found);
+    if !found.is_complete {
+        rows::prose(
+            &mut text,
+            "and more: the film is another one, or give the ordinary errors of its tiles, as by --preset",
+        );
+    }
+    if !args.fit.is_empty() {
+        text.push('\n');
+        rows::heading(&mut text, "fitted", ["x", "y", "z"]);
+        fitted(&mut text, &args.fit, &found.scan, None);
+    }
+    text.push('\n');
+    rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
+    rows::cell(&mut text, "chi squared over its expectation", &number(found.reduced_chi_squared()));
+    if found.is_residual_too_large {
+        rows::prose(&mut text, "The residual is too large for the noise: errors that are named may be others.");
+    }
+    unresolved(&mut text, found);
+    text
+}
+
+/// The faulty tiles with their errors.
+fn faulty_tiles(text: &mut String, found: &FilmDiagnosis) {
+    if found.faulty.is_empty() {
+        text.push_str("no tile is wrong\n");
+        return;
+    }
+    let _ = writeln!(text, "{}:", counted(found.faulty.len(), "error", "errors"));
+    for faulty in &found.faulty {
+        let _ = writeln!(text, "  {}: {}", faulty.tile, faulty.words);
+        for (error, [value, deviation]) in &faulty.components {
+            let label = format!("    {}, {}", error.name(), error.unit());
+            let _ = writeln!(text, "{label:<42}{value:>11.4} +- {deviation:.4}");
+        }
+        if !faulty.alternatives.is_empty() {
+            let other = |Suspect { tile, kind }: &Suspect| format!("{} of {tile}", kind.name());
+            let others: Vec<String> = faulty.alternatives.iter().take(LISTED).map(other).collect();
+            rows::prose(text, &format!("or, nearly as well: {}", others.join(", ")));
+        }
+    }
+}
+
+/// What the scan does not resolve.
+fn unresolved(text: &mut String, found: &FilmDiagnosis) {
+    let assumed = if found.has_expected_errors { "ordinary errors" } else { "errors of films made by hand" };
+    let mut by_error: BTreeMap<TileError, Vec<&str>> = BTreeMap::new();
+    for of in found.unresolved.iter().filter(|of| !of.is_about_j) {
+        by_error.entry(of.error).or_default().push(&of.tile);
+    }
+    let about_j = found.unresolved.iter().filter(|of| of.is_about_j).count();
+    let _ = writeln!(text, "\nwhat the scan cannot tell, if all tiles have {assumed}:");
+    if by_error.is_empty() && about_j == 0 && found.similar.is_empty() {
+        text.push_str("  nothing: it narrows every error to less than half\n");
+    }
+    for (error, tiles) in &by_error {
+        let _ = writeln!(text, "  {} of {}", error.name(), counted(tiles.len(), "tile", "tiles"));
+        rows::prose(text, &listed(tiles));
+    }
+    if about_j > 0 {
+        let tiles = counted(about_j, "tile", "tiles");
+        let _ = writeln!(text, "  rotation about its J of {tiles}, which hardly changes the field");
+    }
+    if !found.similar.is_empty() {
+        let pairs = counted(found.similar.len(), "pair of errors", "pairs of errors");
+        let _ = writeln!(text, "  {pairs} that look alike");
+        for pair in found.similar.iter().take(LISTED) {
+            let [first, second] = [0, 1].map(|n| format!("{} of {}", pair.errors[n].name(), pair.tiles[n]));
+            rows::prose(text, &format!("{first} and {second}: correlation {:.4}", pair.correlation));
+        }
+    }
+}
+
+fn listed(names: &[&str]) -> String {
+    let more = if names.len() > LISTED { ", ..." } else { "" };
+    names.iter().take(LISTED).copied().collect::<Vec<_>>().join(", ") + more
+}

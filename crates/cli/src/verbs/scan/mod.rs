@@ -1,0 +1,177 @@
+//! `magsplice scan`: compares a measured scan with the layout.
+
+use std::path::{Path, PathBuf};
+
+#[cfg(feature = "report")]
+use magsplice::Film;
+use magsplice::FilmError;
+use magsplice::prelude::DVec3;
+use magsplice::results::FilmScan;
+use magsplice::scan::DiagnosisError;
+#[cfg(feature = "report")]
+use magsplice_report::scan_figures;
+
+use crate::args::fit::FitArg;
+use crate::args::formats::{ResultArgs, TableFormat, TextOrJson};
+use crate::failure::Failure;
+use crate::faults::FaultList;
+use crate::inputs::readings::Scan;
+#[cfg(feature = "report")]
+use crate::output::folder::Folder;
+use crate::output::{choice, json, table};
+use crate::remarks;
+use crate::session::Session;
+use crate::text::number::number;
+use crate::text::units::in_ut;
+use crate::words::no_field;
+
+/// What was fitted, and the uniformity of the readings, as text.
+pub(super) mod text;
+
+/// Compare a measured scan of the field with the layout, and fit what cannot be known beforehand.
+///
+/// Fits the strength of the tiles, the offset (that of the sensor and a uniform stray field
+/// together), the rotation of the sensor, and where in the frame of the film the scan began, with
+/// standard deviations from the residuals. Readings farther from the fit than six standard
+/// deviations are left out and named, and so are missing and repeated positions. With [ideal], the
+/// uniformity RMSE of the readings stands beside that of the layout at the same places.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  magsplice scan scan.csv --layout film.toml\n  \
+    magsplice scan scan.csv --layout film.toml --fit strength,offset --save corrected.csv")]
+pub(crate) struct ScanArgs {
+    /// CSV file with columns x_mm, y_mm, z_mm and bx_mt, by_mt, bz_mt, or in other units, such as
+    /// bx (uT); - is standard input
+    scan: PathBuf,
+    /// Layout file of the film
+    #[arg(long, value_name = "LAYOUT")]
+    layout: PathBuf,
+    /// What is fitted
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "WHAT",
+        default_value = "strength,offset,rotation,start"
+    )]
+    fit: Vec<FitArg>,
+    /// File for a table of the readings, corrected for offset and rotation, with the field of the
+    /// layout and the residuals
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
+    /// Folder for figures of planes of the scan, measured beside simulated: B, and R_x, R_y, S_z
+    /// (Dai 2024, Figs. 6 to 8)
+    #[cfg(feature = "report")]
+    #[arg(long, value_name = "FOLDER")]
+    figures: Option<PathBuf>,
+    #[command(flatten)]
+    result: ResultArgs,
+}
+
+pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
+    let session = Session::open(&args.layout, remarks::OF_TILES, quiet)?;
+    let film = session.film()?;
+    let output = session.output(args.result.output.as_deref(), [&*args.scan])?;
+    let save = match args.save.as_deref() {
+        Some(path) => {
+            let format: TableFormat = choice::choose(None, Some(path), None)?;
+            choice::accept(format, Some(path), false)?;
+            Some((format, session.output(Some(path), [&*args.scan])?))
+        }
+        None => None,
+    };
+    #[cfg(feature = "report")]
+    let figures =
+        args.figures.as_deref().map(|path| Folder::open(path, "scan", &[&args.layout, &args.scan])).transpose()?;
+    let Scan { points_mm, readings_t, lines } = Scan::read(&args.scan)?;
+    let found = film
+        .scan(&points_mm, &readings_t, &lines, FitArg::free(&args.fit))
+        .map_err(|error| refused(&session, &args.scan, &lines, error))?;
+    #[cfg(feature = "report")]
+    if let Some(mut folder) = figures {
+        draw(args, &film, &found, &mut folder)?;
+        folder.finish()?;
+    }
+    session.progress.end();
+    if let Some((format, mut file)) = save {
+        table::write(&found.table(), &found, format, &mut file)?;
+        file.finish()?;
+    }
+    let result = match args.result.format {
+        TextOrJson::Text => text::scan(&film, args, &found),
+        TextOrJson::Json => json::pretty(&found),
+    };
+    session.write(output, &result)?;
+    tell_outliers(&session, args, &found);
+    tell_implausible(&session, args, &found);
+    Ok(())
+}
+
+/// The failure of a scan: points without a field with their lines.
+pub(super) fn refused(session: &Session, scan: &Path, lines: &[u64], error: FilmError) -> Failure {
+    let message = match error {
+        FilmError::Points(errors) => {
+            let mut faults = FaultList::default();
+            for error in errors.0 {
+                let (line, cause) = (lines[error.index], no_field(error.cause, &session.layout));
+                faults.add(line, format!("line {line}: {cause}"));
+            }
+            return faults.failure(scan.display().to_string());
+        }
+        FilmError::Scan(error) => error.to_string(),
+        FilmError::Diagnosis(DiagnosisError::NoDerivative { tile, point: DVec3 { x, y, z } }) => format!(
+            "the field of tile \"{}\" has no derivatives at ({x}, {y}, {z}) mm, must be away from its edges",
+            session.layout.tiles[tile].name
+        ),
+        FilmError::Diagnosis(error) => error.to_string(),
+        error => return session.failed(error),
+    };
+    Failure::Points { path: scan.to_owned(), message }
+}
+
+/// Draws planes of the scan into the folder.
+#[cfg(feature = "report")]
+fn draw(args: &ScanArgs, film: &Film, found: &FilmScan, folder: &mut Folder) -> Result<(), Failure> {
+    let drawn = scan_figures(film, found).map_err(|error| Failure::Format(error.to_string()))?;
+    if drawn.is_empty() {
+        let message =
+            "--figures needs positions on a grid with equal steps, and two at least along two axes".to_owned();
+        return Err(Failure::Points { path: args.scan.clone(), message });
+    }
+    for figure in &drawn {
+        for (name, contents) in figure.files() {
+            folder.write(&name, contents)?;
+        }
+    }
+    Ok(())
+}
+
+/// Prints on standard error if the fit is hardly that of this film.
+fn tell_implausible(session: &Session, args: &ScanArgs, found: &FilmScan) {
+    let scan = args.scan.display();
+    if found.has_implausible_strength() {
+        session.tell(&format!(
+            "{scan}: the fitted strength is {} times that of the layout: the scan is of another film, or its unit is \
+             not the one of its columns, or it is far from where it is said to be\n",
+            number(found.fitted.strength)
+        ));
+    }
+    if let Some(ratio) = found.excessive_residual() {
+        session.tell(&format!(
+            "{scan}: the residual is {} times the noise of the sensor: the film differs from the layout, or the \
+             positions from those stated\n",
+            number(ratio)
+        ));
+    }
+}
+
+/// Prints the readings that were left out on standard error.
+fn tell_outliers(session: &Session, args: &ScanArgs, found: &FilmScan) {
+    let mut faults = FaultList::default();
+    for (index, line) in found.outliers.iter().zip(&found.left_out) {
+        let DVec3 { x, y, z } = in_ut(found.residuals_t[*index]);
+        faults.add(*line, format!("line {line}: left out, because it is off by ({x:.1}, {y:.1}, {z:.1}) uT"));
+    }
+    if !faults.is_empty() {
+        session.tell(&faults.remarks(&args.scan.display().to_string()));
+    }
+}

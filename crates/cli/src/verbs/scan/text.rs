@@ -1,0 +1,85 @@
+//! What was fitted, and the uniformity of the readings.
+
+use std::fmt::Write;
+
+use magsplice::Film;
+use magsplice::prelude::DVec3;
+use magsplice::results::{FilmScan, FittedScan};
+
+use super::ScanArgs;
+use crate::args::fit::FitArg;
+use crate::text::number::{counted, number};
+use crate::text::units::in_ut;
+use crate::text::{header, rows};
+
+/// Positions that are listed.
+const LISTED: usize = 3;
+
+/// The report of `scan`.
+pub(super) fn scan(film: &Film, args: &ScanArgs, found: &FilmScan) -> String {
+    let mut text = header::with_recoil(film.layout(), film.recoil());
+    let readings = counted(found.readings, "reading", "readings");
+    let _ = writeln!(text, "scan {}: {readings}{}", args.scan.display(), positions(found));
+    text.push('\n');
+    rows::heading(&mut text, "fitted, with standard deviations", ["x", "y", "z"]);
+    fitted(&mut text, &args.fit, &found.fitted, Some(&found.deviation));
+    rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
+    rows::cell(&mut text, "readings left out", &found.left_out.len().to_string());
+    if let Some(uniformity) = &found.uniformity_rmse {
+        text.push('\n');
+        rows::heading(&mut text, "uniformity RMSE (Eq. 15)", ["R_x", "R_y", "S_z"]);
+        for (name, values) in [
+            ("  readings", uniformity.readings),
+            ("  without offset and rotation", uniformity.corrected),
+            ("  layout at the same places", uniformity.simulated),
+        ] {
+            rows::cells(&mut text, name, values.to_array().map(|value| value.map_or("none".to_owned(), number)));
+        }
+        if uniformity.singular > 0 {
+            let _ = writeln!(text, "  without parameters, as B_z = 0: {}", uniformity.singular);
+        }
+    }
+    text
+}
+
+/// Appends the parameters of a scan that were fitted, with their deviations if they are known.
+pub(crate) fn fitted(text: &mut String, fit: &[FitArg], found: &FittedScan, deviation: Option<&FittedScan>) {
+    if fit.contains(&FitArg::Strength) {
+        rows::cell(text, "  strength over that of the layout", &number(found.strength));
+        if let Some(deviation) = deviation {
+            rows::cell(text, "    +-", &number(deviation.strength));
+        }
+    }
+    let vectors = |of: &FittedScan| [in_ut(of.offset_t), of.rotation_deg, of.start_mm];
+    let names = [
+        (FitArg::Offset, "  offset and stray field, uT"),
+        (FitArg::Rotation, "  rotation of the sensor, deg"),
+        (FitArg::Start, "  start of the scan, mm"),
+    ];
+    for (index, (_, name)) in names.into_iter().enumerate().filter(|(_, (what, _))| fit.contains(what)) {
+        rows::cells(text, name, vectors(found)[index].to_array().map(number));
+        if let Some(deviation) = deviation {
+            rows::cells(text, "    +-", vectors(deviation)[index].to_array().map(number));
+        }
+    }
+}
+
+/// What is remarkable about the positions.
+fn positions(found: &FilmScan) -> String {
+    let mut text = match found.grid {
+        Some([x, y, z]) => format!(" on a grid of {x} x {y} x {z}"),
+        None => " at positions that are no grid".to_owned(),
+    };
+    if !found.missing_mm.is_empty() {
+        let listed: Vec<String> =
+            found.missing_mm.iter().take(LISTED).map(|DVec3 { x, y, z }| format!("({x}, {y}, {z})")).collect();
+        let _ = write!(text, "; {} missing: {}", found.missing_mm.len(), listed.join(", "));
+        text += if found.missing_mm.len() > LISTED { ", ... mm" } else { " mm" };
+    }
+    if !found.repeated.is_empty() {
+        let listed: Vec<String> = found.repeated.iter().take(LISTED).map(u64::to_string).collect();
+        let more = if found.repeated.len() > LISTED { ", ..." } else { "" };
+        let _ = write!(text, "; {} repeated: line {}{more}", found.repeated.len(), listed.join(", "));
+    }
+    text
+}

@@ -1,0 +1,322 @@
+//! Which tiles of a film that was made are faulty, from a scan of its field.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use magsplice_field::Scene;
+use magsplice_layout::{FilmTolerance, Layout};
+use magsplice_magnet::{Quantity, TileError};
+use magsplice_scan::{
+    Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, FreeParameters, NamedError,
+    NarrowedError, ScanDiagnosis, ScanParameters, fit_scan,
+};
+use magsplice_sensor::Noise;
+use serde::Serialize;
+
+use super::scan::FittedScan;
+use super::source::Source;
+use crate::film::Film;
+use crate::film_error::FilmError;
+use crate::stage::Stage;
+
+/// Cosine of the angle between J and an axis of rotation from which on a turn is about J.
+const ABOUT_J: f64 = 0.99;
+
+/// The errors of tiles that a scan shows. Values are in the units of [`TileError::unit`].
+#[derive(Clone, Debug, Serialize)]
+pub struct FilmDiagnosis {
+    /// The film as ordered.
+    #[serde(flatten)]
+    pub source: Source,
+    /// Number of readings.
+    pub readings: usize,
+    /// Noise of a reading along x, y, z.
+    pub noise_t: DVec3,
+    /// Probability that a tile of a film without faulty tiles is reported.
+    pub false_alarm: f64,
+    /// Whether other tiles have the errors that the layout expects; otherwise they count as ordered.
+    pub has_expected_errors: bool,
+    /// The tiles that neither noise nor expected errors explain, the surest first.
+    pub faulty: Vec<FaultyTile>,
+    /// Whether these are all significant errors.
+    pub is_complete: bool,
+    /// What was fitted of the scan.
+    pub scan: FittedScan,
+    /// Root mean square of the residual of a component.
+    pub residual_t: f64,
+    /// Sum of the squares of the residuals over the noise, and of expected errors over their
+    /// deviations.
+    pub chi_squared: f64,
+    /// Expectation of `chi_squared`.
+    pub degrees_of_freedom: usize,
+    /// Whether the residual is too large for the noise.
+    pub is_residual_too_large: bool,
+    /// Errors that the scan hardly narrows.
+    pub unresolved: Vec<UnresolvedError>,
+    /// Pairs of errors that change the readings alike, the most alike first.
+    pub similar: Vec<SimilarPair>,
+    /// The diagnosis by indices of tiles.
+    #[serde(skip)]
+    pub diagnosis: Diagnosis,
+}
+
+/// A tile with an error.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FaultyTile {
+    /// The tile.
+    pub tile: String,
+    /// The kind of the error.
+    pub kind: ErrorKind,
+    /// Change of the strength, or length of the vector of all components that are more than noise.
+    pub magnitude: f64,
+    /// Value and standard deviation of each component.
+    pub components: BTreeMap<TileError, [f64; 2]>,
+    /// Rise of `chi_squared` without it.
+    pub chi_squared: f64,
+    /// Natural logarithm of the probability that chance gives as much for one error.
+    pub ln_probability: f64,
+    /// Errors that explain the readings nearly as well in its place, the best first.
+    pub alternatives: Vec<Suspect>,
+    /// The magnitude in words.
+    #[serde(skip)]
+    pub words: String,
+}
+
+/// A tile that may have an error.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Suspect {
+    /// The tile.
+    pub tile: String,
+    /// The kind of the error.
+    pub kind: ErrorKind,
+}
+
+/// An error that the scan hardly narrows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct UnresolvedError {
+    /// The tile.
+    pub tile: String,
+    /// The error.
+    pub error: TileError,
+    /// Standard deviation before the scan.
+    pub before: f64,
+    /// Standard deviation after it.
+    pub after: f64,
+    /// Whether the error turns the tile about its J, which hardly changes the field.
+    #[serde(skip)]
+    pub is_about_j: bool,
+}
+
+/// Two errors that change the readings alike.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SimilarPair {
+    /// The tiles.
+    pub tiles: [String; 2],
+    /// The errors.
+    pub errors: [TileError; 2],
+    /// Correlation of what both change in the readings, over the noise.
+    pub correlation: f64,
+}
+
+impl Film {
+    /// The noise of a flux density along each axis of the film: of the readings, or without it of
+    /// the sensor of the layout.
+    ///
+    /// # Errors
+    /// [`FilmError::NoNoise`].
+    pub fn scan_noise_t(&self, noise: Option<Noise>) -> Result<DVec3, FilmError> {
+        let of_sensor = self.layout().sensor.as_ref().map(|of| of.element.deviation_t() / of.element.gain.abs());
+        let of_sensor = of_sensor.filter(|noise_t| noise_t.min_element() > 0.0);
+        noise.map(|noise| noise.deviation_t).or(of_sensor).ok_or(FilmError::NoNoise)
+    }
+
+    /// The errors of tiles that a scan shows: `readings_t` of the sensor of the layout at points in
+    /// millimetres. Its plates count as points there. `noise` is that of the readings; without it,
+    /// that of the sensor. Expected errors are those that the layout states of tiles and groups.
+    /// Recoil adds to the field what it adds to the film as ordered: what it changes with a faulty
+    /// tile is neglected.
+    ///
+    /// # Errors
+    /// [`FilmError::NoNoise`] if the noise is not known; [`FilmError::Points`] for points without a
+    /// field; otherwise [`FilmError::Diagnosis`].
+    ///
+    /// # Panics
+    /// If there are not as many readings as points.
+    pub fn diagnose(
+        &self,
+        points_mm: Vec<DVec3>,
+        readings_t: &[DVec3],
+        noise: Option<Noise>,
+        free: FreeParameters,
+        false_alarm: f64,
+    ) -> Result<FilmDiagnosis, FilmError> {
+        let element = self.layout().sensor.as_ref().map(|sensor| sensor.element).unwrap_or_default();
+        let noise_t = self.scan_noise_t(noise)?;
+        let field_t = |reading_t: &DVec3| element.rotation * ((*reading_t - element.offset_t) / element.gain);
+        let mut field_t: Vec<DVec3> = readings_t.iter().map(field_t).collect();
+        if self.recoil().is_some() {
+            let [with_t, rigid_t] = [self, &Film::rigid(self.layout().clone())]
+                .map(|film| film.scene().field_at(Quantity::FluxDensity, &points_mm).map_err(FilmError::Points));
+            let added_t = with_t?.into_iter().zip(rigid_t?).map(|(with_t, rigid_t)| with_t - rigid_t);
+            field_t.iter_mut().zip(added_t).for_each(|(field_t, added_t)| *field_t -= added_t);
+        }
+        let tiles = self.layout().bare_tiles();
+        let expected = self.layout().tolerance.as_ref().map(|stated| FilmTolerance {
+            tiles: stated.tiles.clone(),
+            groups: stated.groups.clone(),
+            ..FilmTolerance::default()
+        });
+        let expected = expected.unwrap_or_default();
+        let has_expected_errors = expected != FilmTolerance::default();
+        // The parameters of the nominal film, or of a perfect scan where faulty tiles do not let it
+        // be fitted.
+        let start = if free != FreeParameters::NONE {
+            let fit = fit_scan(&Scene::new(&tiles), &points_mm, &field_t, free);
+            fit.map_or(ScanParameters::PERFECT, |fit| fit.parameters)
+        } else {
+            ScanParameters::PERFECT
+        };
+        let settings = DiagnosisSettings { expected, free, false_alarm, ..DiagnosisSettings::default() };
+        let failed = |error: DiagnosisError| match error {
+            DiagnosisError::Points(errors) => FilmError::Points(errors),
+            error => FilmError::Diagnosis(error),
+        };
+        self.tell(Stage::uncounted("preparing the diagnosis"));
+        let scan = FieldScan { points_mm, noise_t };
+        let model = ScanDiagnosis::new(&tiles, scan, settings, start).map_err(failed)?;
+        let show = |named: usize| {
+            self.tell(Stage::uncounted(if named == 0 { "looking for wrong tiles" } else { "naming wrong tiles" }));
+        };
+        let diagnosis = model.diagnose(&field_t, show).map_err(failed)?;
+        let name = |tile: usize| self.layout().tiles[tile].name.clone();
+        let suspect = |of: &Candidate| Suspect { tile: name(of.tile), kind: of.kind };
+        let faulty = |named: &NamedError| FaultyTile {
+            tile: name(named.candidate.tile),
+            kind: named.candidate.kind,
+            magnitude: named.components[0].error.shown(named.magnitude()),
+            components: named
+                .components
+                .iter()
+                .map(|of| (of.error, [of.value, of.deviation].map(|value| of.error.shown(value))))
+                .collect(),
+            chi_squared: named.chi_squared,
+            ln_probability: named.ln_probability,
+            alternatives: named.alternatives.iter().map(suspect).collect(),
+            words: in_words(named),
+        };
+        let unresolved = |of: &NarrowedError| UnresolvedError {
+            tile: name(of.tile),
+            error: of.error,
+            before: of.error.shown(of.before),
+            after: of.error.shown(of.after),
+            is_about_j: is_about_j(self.layout(), of),
+        };
+        let similar = diagnosis.similar.iter().map(|of| SimilarPair {
+            tiles: [of.first.0, of.second.0].map(name),
+            errors: [of.first.1, of.second.1],
+            correlation: of.correlation,
+        });
+        Ok(FilmDiagnosis {
+            source: Source::of(self),
+            readings: readings_t.len(),
+            noise_t,
+            false_alarm,
+            has_expected_errors,
+            faulty: diagnosis.named.iter().map(faulty).collect(),
+            is_complete: diagnosis.is_complete,
+            scan: FittedScan::from(&diagnosis.scan),
+            residual_t: diagnosis.residual_t(),
+            chi_squared: diagnosis.chi_squared,
+            degrees_of_freedom: diagnosis.degrees_of_freedom,
+            is_residual_too_large: diagnosis.is_residual_too_large(),
+            unresolved: diagnosis.narrowed.iter().filter(|of| of.is_unresolved()).map(unresolved).collect(),
+            similar: similar.collect(),
+            diagnosis,
+        })
+    }
+}
+
+impl FilmDiagnosis {
+    /// `chi_squared` over its expectation.
+    pub fn reduced_chi_squared(&self) -> f64 {
+        self.chi_squared / self.degrees_of_freedom as f64
+    }
+
+    /// The largest standard deviation of the errors of a tile after the scan over the one before
+    /// it, but for turns about J.
+    pub fn unresolved_share(&self, layout: &Layout, tile: usize) -> f64 {
+        let of_tile = self.diagnosis.narrowed.iter().filter(|of| of.tile == tile && !is_about_j(layout, of));
+        of_tile.map(NarrowedError::ratio).fold(0.0, f64::max)
+    }
+
+    /// The film that was found, as a layout. Requirements and the brief are those of the film as
+    /// ordered, and are left out; so are the errors of its tiles, which are now known. `scan` is
+    /// the name of the scan, and `program` who diagnosed, in the history.
+    pub fn found_layout(&self, original: &Layout, scan: &str, program: &str) -> Layout {
+        let mut layout = original.clone().with_made_tiles(&self.diagnosis.tiles);
+        layout.tolerance =
+            layout.tolerance.map(|tolerance| FilmTolerance { tiles: Vec::new(), groups: Vec::new(), ..tolerance });
+        layout.tolerance = layout.tolerance.filter(|tolerance| *tolerance != FilmTolerance::default());
+        let faulty: Vec<String> = self.faulty.iter().map(|of| format!("{} {}", of.tile, of.words)).collect();
+        layout.history.push(format!(
+            "{program}: from \"{}\" (sha256 {}) by {scan}: {}",
+            original.name,
+            &original.sha256[..12],
+            if faulty.is_empty() { "no tile is wrong".to_owned() } else { faulty.join(", ") }
+        ));
+        layout
+    }
+}
+
+/// An error in words, with its magnitude.
+fn in_words(named: &NamedError) -> String {
+    let magnitude = named.magnitude();
+    match named.candidate.kind {
+        ErrorKind::Strength if magnitude < 0.0 => format!("{:.2} % too weak", -100.0 * magnitude),
+        ErrorKind::Strength => format!("{:.2} % too strong", 100.0 * magnitude),
+        ErrorKind::Turn => format!("turned by {:.2} deg", magnitude.to_degrees()),
+        ErrorKind::Direction => format!("J turned by {:.2} deg", magnitude.to_degrees()),
+        _ => format!("displaced by {magnitude:.3} mm"),
+    }
+}
+
+/// Whether an error turns a tile about its J, which hardly changes the field.
+fn is_about_j(layout: &Layout, of: &NarrowedError) -> bool {
+    let along = layout.tiles[of.tile].tile.scene_polarization_t().normalize_or_zero();
+    matches!(of.error, TileError::Rotation(axis) if along.dot(axis.unit()).abs() > ABOUT_J)
+}
+
+#[cfg(test)]
+mod tests {
+    use magsplice_layout::Layout;
+    use magsplice_magnet::{Grid, Quantity};
+    use magsplice_scan::ErrorKind;
+
+    use super::*;
+
+    #[test]
+    fn weak_tile_is_named_by_readings_of_a_sensor_with_a_gain() {
+        let squares = |second_t: f64| {
+            format!(
+                "format = 1\nname = \"two\"\n[sensor]\ngain = 1.1\nnoise_ut = 1\n\
+                 [[tile]]\nposition_mm = [2, 0, 0.5]\nsize_mm = [3, 3, 1]\npolarization_t = [0, 0, 0.1]\n\
+                 [[tile]]\nposition_mm = [-2, 0, 0.5]\nsize_mm = [3, 3, 1]\npolarization_t = [0, 0, {second_t}]\n"
+            )
+        };
+        let [ordered, made] = [0.1, 0.09].map(|second_t| Layout::parse(&squares(second_t), "layout").unwrap());
+        let grid = Grid::new(DVec3::new(-4.0, -2.0, -1.0), DVec3::new(4.0, 2.0, -1.0), [17, 9, 1]).unwrap();
+        let points_mm: Vec<DVec3> = grid.points().collect();
+        let field_t = Film::rigid(made).scene().field_at(Quantity::FluxDensity, &points_mm).unwrap();
+        let readings_t: Vec<DVec3> = field_t.iter().map(|field_t| 1.1 * *field_t).collect();
+        let known = FreeParameters { strength: false, offset: false, rotation: false, start: false };
+        let found = Film::rigid(ordered.clone()).diagnose(points_mm.clone(), &readings_t, None, known, 0.01).unwrap();
+        let [weak] = &found.faulty[..] else { panic!("{:?}", found.faulty) };
+        assert_eq!((weak.tile.as_str(), weak.kind), ("tile-2", ErrorKind::Strength));
+        let [percent, _] = weak.components[&TileError::Strength];
+        assert!((percent + 10.0).abs() < 0.01, "{percent}");
+        assert_eq!(weak.words, "10.00 % too weak");
+        let quiet = Layout { sensor: None, ..ordered };
+        let refused = Film::rigid(quiet).diagnose(points_mm, &readings_t, None, known, 0.01);
+        assert_eq!(refused.unwrap_err(), FilmError::NoNoise);
+    }
+}

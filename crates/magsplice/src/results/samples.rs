@@ -1,0 +1,193 @@
+//! Samples of the films that are made from a layout, and their statistics.
+
+use std::ops::{ControlFlow, Range};
+use std::time::{Duration, Instant};
+
+use magsplice_decouple::Figures;
+use magsplice_expect::keeps_bounds;
+use magsplice_layout::FigureBounds;
+use magsplice_making::{PlaceGroup, SortedSampler, Sorting};
+use magsplice_tolerance::{Estimate, EvaluationGrid, RealFilm, SampleError, Sampler, Statistics, share, statistics};
+use serde::Serialize;
+
+use super::source::Source;
+use crate::film::Film;
+use crate::film_error::FilmError;
+
+/// Time that a stretch of samples should take: often enough for progress and interruptions.
+const STRETCH: Duration = Duration::from_millis(200);
+
+/// Largest number of samples of a stretch.
+const LONGEST_STRETCH: u64 = 1 << 16;
+
+/// A run of samples: what they are samples of, and their numbers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SampleRun {
+    /// Hash of all that determines a sample besides the seed; see
+    /// [`Layout::sample_fingerprint`](magsplice_layout::Layout::sample_fingerprint).
+    pub film: String,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Number of the first sample.
+    pub first: u64,
+    /// Number of samples.
+    pub count: u64,
+}
+
+/// Statistics of the samples of a film.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SampledFilm {
+    /// The film.
+    #[serde(flatten)]
+    pub source: Source,
+    /// What they are samples of.
+    #[serde(flatten)]
+    pub run: SampleRun,
+    /// How the tiles of each sample are sorted. `None` if they are not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sorting: Option<Sorting>,
+    /// Nominal values and statistics.
+    #[serde(flatten)]
+    pub figures: Figures<SampledFigure>,
+    /// The share of the samples that keep the bounds of `[expect]`. `None` without bounds.
+    #[serde(rename = "yield")]
+    pub yield_share: Option<Estimate>,
+    /// The share of the samples that keep all bounds of `[expect.made]`. `None` without bounds.
+    pub yield_made: Option<Estimate>,
+}
+
+/// A figure of the samples of a film.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SampledFigure {
+    /// The figure of the film as ordered.
+    pub nominal: f64,
+    /// Statistics of the samples.
+    #[serde(flatten)]
+    pub statistics: Statistics,
+}
+
+/// A film whose samples are drawn, with its working volume and its ideal film.
+#[derive(Clone, Debug)]
+pub struct FilmSampling {
+    film: Film,
+    real: RealFilm,
+    exact: RealFilm,
+    volume: EvaluationGrid,
+}
+
+impl SampleRun {
+    /// The numbers of the samples.
+    pub fn range(&self) -> Range<u64> {
+        self.first..self.first + self.count
+    }
+}
+
+impl Film {
+    /// The samples of the films that are made from the layout.
+    ///
+    /// # Errors
+    /// If the layout has no ideal film, no working volume or no errors.
+    pub fn sampling(&self) -> Result<FilmSampling, FilmError> {
+        self.ideal()?;
+        let (volume, real) = (self.evaluation_grid()?, self.real_film()?);
+        Ok(FilmSampling { film: self.clone(), exact: real.clone().without_errors(), real, volume })
+    }
+}
+
+impl FilmSampling {
+    /// A sampler of the films that are made.
+    ///
+    /// # Errors
+    /// [`FilmError::Sample`] if the figures of the film do not exist.
+    pub fn sampler(&self, seed: u64) -> Result<Sampler<'_>, FilmError> {
+        self.sampler_of(&self.real, seed)
+    }
+
+    /// A sampler of films whose tiles are sorted: tiles of one part of the layout may be exchanged.
+    ///
+    /// # Errors
+    /// [`FilmError::Sorting`] if a part does not fit its places.
+    pub fn sorted_sampler<'s>(
+        &self,
+        sampler: &'s Sampler<'s>,
+        sorting: Sorting,
+    ) -> Result<SortedSampler<'s>, FilmError> {
+        let parts = PlaceGroup::from_layout(self.film.layout());
+        SortedSampler::new(sampler, parts, &self.volume, self.film.ideal()?, sorting).map_err(FilmError::Sorting)
+    }
+
+    /// The figures of the film as it was ordered.
+    ///
+    /// # Errors
+    /// [`FilmError::Sample`] if they do not exist.
+    pub fn nominal(&self) -> Result<Figures, FilmError> {
+        self.sampler_of(&self.exact, 1)?.errors_of(0).map_err(of_sample(0))
+    }
+
+    /// Statistics of samples.
+    ///
+    /// # Errors
+    /// As [`FilmSampling::nominal`].
+    ///
+    /// # Panics
+    /// Without samples.
+    pub fn statistics(
+        &self,
+        run: SampleRun,
+        sorting: Option<Sorting>,
+        samples: &[Figures],
+    ) -> Result<SampledFilm, FilmError> {
+        let (nominal, statistics) = (self.nominal()?, statistics(samples).expect("at least one sample"));
+        let sampled =
+            |figure| Some(SampledFigure { nominal: *nominal.get(figure)?, statistics: *statistics.get(figure)? });
+        let expectations = &self.film.layout().expectations;
+        Ok(SampledFilm {
+            source: Source::of(&self.film),
+            run,
+            sorting,
+            figures: Figures::from_fn(sampled).expect("only a uniformity is undefined"),
+            yield_share: keeping(&expectations.bounds, samples),
+            yield_made: expectations.made.as_ref().and_then(|made| keeping(&made.bounds, samples)),
+        })
+    }
+
+    fn sampler_of<'s>(&'s self, film: &'s RealFilm, seed: u64) -> Result<Sampler<'s>, FilmError> {
+        Sampler::new(film, &self.volume, self.film.ideal()?, seed).map_err(of_sample(0))
+    }
+}
+
+/// Evaluates samples in stretches of a fifth of a second. The first has one sample for each of so
+/// many threads. `keep` takes each stretch, and may end the run.
+///
+/// # Errors
+/// Those of `evaluate` and of `keep`.
+pub fn in_stretches<T, E>(
+    samples: Range<u64>,
+    threads: usize,
+    mut evaluate: impl FnMut(Range<u64>) -> Result<Vec<T>, E>,
+    mut keep: impl FnMut(Vec<T>) -> Result<ControlFlow<()>, E>,
+) -> Result<(), E> {
+    let (mut next, mut stretch) = (samples.start, threads as u64);
+    while next < samples.end {
+        let part = next..samples.end.min(next + stretch);
+        next = part.end;
+        let begun = Instant::now();
+        if keep(evaluate(part)?)?.is_break() {
+            break;
+        }
+        if begun.elapsed() < STRETCH / 2 {
+            stretch = (2 * stretch).min(LONGEST_STRETCH);
+        }
+    }
+    Ok(())
+}
+
+/// The share of the samples that keep all bounds; nothing if there are none.
+fn keeping(bounds: &FigureBounds, samples: &[Figures]) -> Option<Estimate> {
+    let kept: Vec<bool> = samples.iter().map(|figures| keeps_bounds(bounds, figures)).collect::<Option<_>>()?;
+    share(kept.iter().filter(|kept| **kept).count(), kept.len())
+}
+
+fn of_sample(sample: u64) -> impl Fn(SampleError) -> FilmError {
+    move |error| FilmError::Sample { sample, error }
+}
