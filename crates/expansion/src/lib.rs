@@ -3,6 +3,7 @@
 //! * [`moments`]: moments of sources (P2M), translated and added (M2M).
 //! * [`multipole`]: the field outside a sphere around the sources (M2P).
 //! * [`m2l`]: multipole expansions translated to local ones (M2L).
+//! * [`matrices`]: translations of one low degree as matrices (M2M, M2L, L2L).
 //! * [`local`]: the field around a point away from the sources (L2P).
 //!
 //! The equations are in docs/physics.md, sections 2.8 and 5.2. The operators are named as by
@@ -18,6 +19,8 @@ pub mod local;
 pub mod m2l;
 /// Constant factors of the M2L operator.
 mod m2l_factors;
+/// Translations of expansions of one low degree as matrices (M2M, M2L, L2L).
+pub mod matrices;
 /// Moments of sources (P2M), translated and added (M2M).
 pub mod moments;
 /// The field outside a sphere around the sources (M2P).

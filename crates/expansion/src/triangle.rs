@@ -4,6 +4,7 @@
 use std::ops::{Add, Mul, Sub};
 
 use fearless_simd::prelude::*;
+use glam::DVec3;
 use magsplice_simd::lanes::{LONGEST_VECTOR, Lanes};
 
 /// A number that harmonics are computed with: one double, or a vector with one for each source.
@@ -177,6 +178,49 @@ impl<N: HarmonicNumber> HarmonicTriangle<N> {
 }
 
 impl HarmonicTriangle<f64> {
+    /// The regular harmonics R_lm at a point up to `degree` (Eq. P21).
+    pub fn regular(at: DVec3, degree: usize) -> HarmonicTriangle<f64> {
+        let mut harmonics = HarmonicTriangle::new(degree, 0.0);
+        harmonics.set_harmonics(at.to_array(), 0.0, 1.0);
+        harmonics
+    }
+
+    /// The irregular harmonics I_lm at a point up to `degree` (Eq. P21).
+    pub fn irregular(at: DVec3, degree: usize) -> HarmonicTriangle<f64> {
+        let mut harmonics = HarmonicTriangle::new(degree, 0.0);
+        let over = 1.0 / at.length_squared();
+        harmonics.set(0, 0, [over.sqrt(), 0.0]);
+        for l in 1..=degree {
+            // r^2 I_l = (2l - 1) z I_(l-1) - ((l - 1)^2 - m^2) I_(l-2)
+            for m in 0..l {
+                let along = at.z * (2 * l - 1) as f64 * over;
+                let [re, im] = harmonics.at(l - 1, m);
+                let back = if m + 2 <= l { harmonics.at(l - 2, m) } else { [0.0; 2] };
+                let back_along = ((l - 1) * (l - 1) - m * m) as f64 * over;
+                harmonics.set(l, m, [along * re - back_along * back[0], along * im - back_along * back[1]]);
+            }
+            // r^2 I_ll = (2l - 1) (x + i y) I_(l-1)(l-1)
+            let ([re, im], factor) = (harmonics.at(l - 1, l - 1), (2 * l - 1) as f64 * over);
+            harmonics.set(l, l, [(at.x * re - at.y * im) * factor, (at.x * im + at.y * re) * factor]);
+        }
+        harmonics
+    }
+
+    /// Real and imaginary part of the coefficient of any order, of harmonics; zero beyond the
+    /// degree.
+    pub(crate) fn at_order(&self, l: usize, m: isize) -> [f64; 2] {
+        let order = m.unsigned_abs();
+        if order > l {
+            return [0.0; 2];
+        }
+        let [re, im] = self.at(l, order);
+        match (m < 0, order.is_multiple_of(2)) {
+            (false, _) => [re, im],
+            (true, true) => [re, -im],
+            (true, false) => [-re, im],
+        }
+    }
+
     /// Adds one lane of each coefficient.
     #[inline(always)]
     pub(crate) fn add_lane<S: Simd>(&mut self, lanes: &HarmonicTriangle<Lanes<S>>, lane: usize) {

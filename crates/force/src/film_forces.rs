@@ -4,11 +4,8 @@ use std::error::Error;
 use std::fmt;
 
 use magsplice_magnet::Tile;
+use magsplice_pair::{Load, NotConverged, load_in_f64, pair_loads};
 use rayon::prelude::*;
-
-use crate::load::Load;
-use crate::pair::{load, pair_loads};
-use crate::turned::NotConverged;
 
 /// Most tiles: their pairs take 800 MB.
 const MOST_TILES: usize = 4_000;
@@ -91,14 +88,14 @@ impl FilmForces {
         FilmForces::of_pairs(tiles.len(), progress, |first, second| {
             let offset = tiles[first].position() - tiles[second].position();
             if offset.length() > FAR * 0.5 * (tiles[first].size().length() + tiles[second].size().length()) {
-                let on_first = load::<f64>(&tiles[first], &tiles[second], tolerance)?;
+                let on_first = load_in_f64(&tiles[first], &tiles[second], tolerance)?;
                 return Ok([on_first, on_first.reaction(offset)]);
             }
             let mut on_first = Load::ZERO;
             for of in &of_tiles[first] {
                 let lever = of.position() - tiles[first].position();
                 for by in &of_tiles[second] {
-                    let Load { force, torque } = load::<f64>(of, by, tolerance)?;
+                    let Load { force, torque } = load_in_f64(of, by, tolerance)?;
                     on_first += Load { force, torque: torque + lever.cross(force) };
                 }
             }

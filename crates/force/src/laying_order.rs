@@ -9,7 +9,7 @@ use std::error::Error;
 use std::fmt;
 
 use crate::film_forces::FilmForces;
-use crate::load::Load;
+use magsplice_pair::Load;
 
 /// An order of laying, with the load on each tile while it is being laid.
 #[derive(Clone, Debug, PartialEq)]

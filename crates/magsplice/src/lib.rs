@@ -5,6 +5,7 @@
 //! * [`magnet`]: tiles, grids, quantities, accuracy.
 //! * [`ideal`]: the ideal film, and the comparison of two fields.
 //! * [`field`]: the field of tiles, exact or to a tolerance.
+//! * [`pair`]: the mean field of one tile in another, and their force and torque.
 //! * [`force`]: force and torque of tiles on each other, and the order in which to lay them.
 //! * [`recoil`]: tiles that weaken and turn each other.
 //! * [`decouple`]: decoupling parameters and their errors.
@@ -96,6 +97,7 @@ pub use magsplice_layout as layout;
 pub use magsplice_magnet as magnet;
 #[cfg(feature = "layout")]
 pub use magsplice_making as making;
+pub use magsplice_pair as pair;
 pub use magsplice_recoil as recoil;
 #[cfg(feature = "layout")]
 pub use magsplice_scan as scan;

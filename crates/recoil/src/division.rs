@@ -1,6 +1,7 @@
 //! A set of tiles divided into cells.
 
 use magsplice_magnet::{Tile, overlaps};
+use magsplice_pair::NotConverged;
 
 use crate::cells::{cell_count, cells};
 use crate::error::RecoilError;
@@ -37,5 +38,11 @@ impl Division {
             division.cells.extend(parts);
         }
         Ok(division)
+    }
+
+    /// Why the mean field of the cell `source` in the cell `receiver` is not known.
+    pub(crate) fn turned(&self, receiver: usize, source: usize, error: NotConverged) -> RecoilError {
+        let [receiver, source_tile] = [receiver, source].map(|cell| self.owners[cell]);
+        RecoilError::Turned { receiver, source_tile, source: error }
     }
 }

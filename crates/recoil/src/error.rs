@@ -4,9 +4,9 @@ use std::error::Error;
 use std::fmt;
 
 use magsplice_magnet::TileFaults;
+use magsplice_pair::NotConverged;
 
 use crate::tolerances::{MAX_CELLS, MOST_BYTES, MOST_CELLS_OF_TENSORS, MOST_PERMEABILITY_OF_TREE};
-use crate::turned::TurnedNotConverged;
 
 /// Bytes of a GiB.
 const GIBIBYTE: f64 = 1_073_741_824.0;
@@ -58,7 +58,7 @@ pub enum RecoilError {
         /// Index of the tile whose field it is.
         source_tile: usize,
         /// The reason.
-        source: TurnedNotConverged,
+        source: NotConverged,
     },
     /// The iteration for the polarization does not converge.
     NotSolved {

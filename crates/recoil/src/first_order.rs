@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 use magsplice_magnet::Tile;
+use magsplice_pair::mean_tensor;
 use rayon::prelude::*;
 
 use crate::division::Division;
 use crate::error::RecoilError;
-use crate::interaction::mean_tensor;
 use crate::magnetization::Magnetization;
 use crate::material::RecoilTile;
 use crate::pair_sums::PairSums;
@@ -48,18 +48,16 @@ fn mean_fields_t(
     if rigid.len() > MOST_CELLS_OF_TENSORS {
         return Ok(PairSums::by_tree(division, progress)?.mean_fields_t(rigid));
     }
-    let field =
-        |i: usize| {
-            progress(1);
-            let mut sum = DVec3::ZERO;
-            for (j, j_t) in rigid.iter().enumerate() {
-                let tensor = mean_tensor(&division.cells[i], &division.cells[j]).map_err(|source| {
-                    RecoilError::Turned { receiver: division.owners[i], source_tile: division.owners[j], source }
-                })?;
-                sum += tensor.apply(*j_t);
-            }
-            Ok(-sum)
-        };
+    let field = |i: usize| {
+        progress(1);
+        let mut sum = DVec3::ZERO;
+        for (j, j_t) in rigid.iter().enumerate() {
+            let tensor =
+                mean_tensor(&division.cells[i], &division.cells[j]).map_err(|error| division.turned(i, j, error))?;
+            sum += tensor.apply(*j_t);
+        }
+        Ok(-sum)
+    };
     (0..rigid.len()).into_par_iter().map(field).collect()
 }
 

@@ -8,10 +8,10 @@
 //! * [`DemagnetizedCell`]: a cell beyond the knee of the demagnetization curve.
 //! * [`TileChange`]: the mean polarization of a tile, its weakening and its turn.
 //! * [`refine`]: finer divisions until a quantity is known to a tolerance.
-//! * [`mean_tensor`]: the mean over one tile of the field of another.
 //!
 //! # Accuracy
-//! Few cells have the tensors of all their pairs, right to [`tolerances::TENSOR_ERROR`], and their
+//! Few cells have the tensors of all their pairs, right to
+//! [`TENSOR_ERROR`](magsplice_pair::tolerances::TENSOR_ERROR), and their
 //! equations are solved to round-off. For many, pairs of distant cells interact by multipole
 //! expansions, right to [`tolerances::TREE_ERROR`]. What remains is the division into cells.
 //! [`refine`] estimates its error for the quantity that is asked for. The estimate is no bound: its
@@ -51,10 +51,6 @@
 
 /// Tiles divided into cells.
 mod cells;
-/// The mean tensor of two boxes in closed form.
-mod corner_sum;
-/// The mean tensor of two distant boxes.
-mod distant;
 /// A set of tiles divided into cells.
 mod division;
 /// Why the polarization is not known.
@@ -63,8 +59,6 @@ mod error;
 mod fast_sum;
 /// The polarization to first order in the susceptibility.
 mod first_order;
-/// The mean tensor of two tiles.
-mod interaction;
 /// Cells beyond the knee of the demagnetization curve.
 mod knee;
 /// Cells with their polarization.
@@ -79,22 +73,15 @@ mod pair_tensors;
 mod refinement;
 /// The polarization of cells that agrees with their field.
 mod solver;
-/// Symmetric tensors of the second rank.
-mod symmetric_tensor;
 /// Mirror planes of tiles.
 mod symmetry;
 /// Tolerances and tuning constants.
 pub mod tolerances;
-/// The mean tensor of two boxes that are turned against each other.
-mod turned;
 
 pub use cells::{cell_count, cell_counts, cells};
 pub use error::RecoilError;
-pub use interaction::mean_tensor;
 pub use knee::DemagnetizedCell;
 pub use magnetization::{Magnetization, TileChange};
 pub use magsplice_magnet::{InvalidPermeability, MAX_PERMEABILITY, Permeability};
 pub use material::RecoilTile;
 pub use refinement::{Refined, RefinementError, RefinementSettings, extrapolated_at, highest_level, refine};
-pub use symmetric_tensor::SymmetricTensor;
-pub use turned::TurnedNotConverged;

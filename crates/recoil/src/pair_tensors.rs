@@ -1,11 +1,11 @@
 //! The mean tensors of all pairs of cells.
 
 use glam::{DMat3, DVec3};
+use magsplice_pair::mean_tensor;
 use rayon::prelude::*;
 
 use crate::division::Division;
 use crate::error::RecoilError;
-use crate::interaction::mean_tensor;
 use crate::symmetry::Orbits;
 
 /// The tensors T_ij of all pairs of representatives of orbits, the transposes of those for i and j
@@ -36,11 +36,8 @@ impl PairTensors {
                 let j = orbits.representatives[column];
                 let mut sum = DMat3::ZERO;
                 for (images, signs) in &orbits.images {
-                    let tensor = mean_tensor(&cells[i], &cells[images[j]]).map_err(|source| RecoilError::Turned {
-                        receiver: division.owners[i],
-                        source_tile: division.owners[images[j]],
-                        source,
-                    })?;
+                    let tensor = mean_tensor(&cells[i], &cells[images[j]])
+                        .map_err(|error| division.turned(i, images[j], error))?;
                     sum += tensor.to_matrix() * DMat3::from_diagonal(*signs);
                 }
                 Ok(sum * (volume(i) / (volume(j) * stabilizers[row] * stabilizers[column])).sqrt())

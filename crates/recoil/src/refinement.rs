@@ -280,6 +280,3 @@ impl Error for RefinementError {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -33,7 +33,7 @@ impl Magnetization {
     ///
     /// # Accuracy
     /// The equations of few cells are solved to about
-    /// [`TENSOR_ERROR`](crate::tolerances::TENSOR_ERROR), those of many to
+    /// [`TENSOR_ERROR`](magsplice_pair::tolerances::TENSOR_ERROR), those of many to
     /// [`TREE_ERROR`](crate::tolerances::TREE_ERROR) of what the permeability changes in B outside.
     /// The division itself has larger errors: see [`crate::refine`].
     ///
@@ -118,7 +118,5 @@ fn conjugate_gradients(
     Err(RecoilError::NotSolved { residual: (square / start).sqrt() })
 }
 
-#[cfg(test)]
-mod peer_fields;
 #[cfg(test)]
 mod tests;

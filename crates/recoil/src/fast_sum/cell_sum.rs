@@ -7,16 +7,18 @@ use std::ops::Range;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::{DMat3, DVec3};
+use magsplice_expansion::matrices::{COEFFICIENTS, Coefficients, MATRIX_DEGREE, Translation, coefficients};
+use magsplice_expansion::moments::Moments;
+use magsplice_expansion::source::CuboidSource;
 use magsplice_magnet::Tile;
+use magsplice_pair::SymmetricTensor;
 use rayon::prelude::*;
 
-use super::harmonics::{COEFFICIENTS, Coefficients, DEGREE, Translation, gradients};
 use super::interactions::{Interactions, Offset};
-use super::octree::Octree;
+use super::octree::{Node, Octree};
 use super::tensor_cache::TensorCache;
 use crate::division::Division;
 use crate::error::RecoilError;
-use crate::symmetric_tensor::SymmetricTensor;
 use crate::tolerances::MOST_BYTES;
 
 /// Groups of receivers whose translations are sorted by their matrix. Fewer groups read each matrix
@@ -26,15 +28,8 @@ const RECEIVER_GROUPS: usize = 16;
 /// Translations by one matrix that are made at the same time.
 const TOGETHER: usize = 4;
 
-/// Gauss-Legendre rule of four nodes on [-1, 1], exact for the gradients of coefficients of
-/// degree 8.
-const RULE: [(f64, f64); 4] = [
-    (-0.861_136_311_594_052_6, 0.173_927_422_568_726_93),
-    (-0.339_981_043_584_856_26, 0.326_072_577_431_273_07),
-    (0.339_981_043_584_856_26, 0.326_072_577_431_273_07),
-    (0.861_136_311_594_052_6, 0.173_927_422_568_726_93),
-];
-const _: () = assert!(DEGREE <= 8);
+/// Cells whose moments are computed at a time.
+const CELLS_AT_ONCE: usize = 64;
 
 /// The tensors T_ij = sqrt(V_i / V_j) N_ij of near pairs, and expansions in place of those of far
 /// pairs.
@@ -125,11 +120,8 @@ impl CellSum {
                         tensors.push(tensors[column * columns.len() + row]);
                         continue;
                     }
-                    let tensor = cache.mean_tensor(&cells[i], &cells[j]).map_err(|source| RecoilError::Turned {
-                        receiver: division.owners[i],
-                        source_tile: division.owners[j],
-                        source,
-                    })?;
+                    let tensor =
+                        cache.mean_tensor(&cells[i], &cells[j]).map_err(|error| division.turned(i, j, error))?;
                     tensors.push(tensor * (roots_of_volume[i] / roots_of_volume[j]));
                 }
             }
@@ -274,34 +266,27 @@ fn far_groups(tree: &Octree, far: &[[usize; 2]]) -> (Vec<FarGroup>, Vec<Translat
     (groups, matrices)
 }
 
-/// The moments of each cell: the means of the gradients over it times the root of its volume, in
-/// sides of its leaf.
+/// The moments of each cell for each direction of its polarization: the means of the gradients of
+/// the harmonics over it times the root of its volume, in sides of its leaf.
 fn moments(tree: &Octree, cells: &[Tile]) -> Vec<[Coefficients; 3]> {
-    let leaves: Vec<usize> = (0..tree.nodes.len()).filter(|node| tree.is_leaf(*node)).collect();
-    let mut of_cells = vec![(0, DVec3::ZERO, 0.0); cells.len()];
-    for node in leaves {
-        let node = &tree.nodes[node];
-        for at in node.cells.clone() {
-            of_cells[at] = (tree.order[at], tree.centre(node), tree.side(node.level));
+    let mut sources = Vec::with_capacity(3 * cells.len());
+    let mut leaves: Vec<&Node> = tree.nodes.iter().filter(|node| node.children.is_empty()).collect();
+    leaves.sort_by_key(|leaf| leaf.cells.start);
+    for leaf in leaves {
+        let (centre, side) = (tree.centre(leaf), tree.side(leaf.level));
+        for cell in tree.order[leaf.cells.clone()].iter().map(|index| &cells[*index]) {
+            let (at, rotation) = ((cell.position() - centre) / side, DMat3::from_quat(cell.rotation()));
+            // Moments are 1 / 4 pi of integrals over the volume.
+            let strength = 4.0 * PI * side * side / cell.size().element_product().sqrt();
+            let source = |axis: DVec3| CuboidSource::new(at, cell.size() / side, Some(&rotation), strength * axis);
+            sources.extend(DVec3::AXES.map(source));
         }
     }
-    let of_cell = |(index, centre, side): &(usize, DVec3, f64)| {
-        let cell = &cells[*index];
-        let half = DMat3::from_quat(cell.rotation()) * DMat3::from_diagonal(0.5 * cell.size());
-        let factor = cell.size().element_product().sqrt() / side;
-        let mut sums = [[0.0; COEFFICIENTS]; 3];
-        for (x, weight_x) in RULE {
-            for (y, weight_y) in RULE {
-                for (z, weight_z) in RULE {
-                    let point = (cell.position() - *centre + half * DVec3::new(x, y, z)) / *side;
-                    let weight = factor * weight_x * weight_y * weight_z;
-                    for (at, gradient) in gradients(point).into_iter().enumerate() {
-                        sums.iter_mut().zip(gradient.to_array()).for_each(|(sum, part)| sum[at] += weight * part);
-                    }
-                }
-            }
-        }
-        sums
+    let level = Level::new();
+    let of_cells = |sources: &[CuboidSource]| {
+        let groups: Vec<&[CuboidSource]> = sources.chunks(1).collect();
+        let moments = Moments::from_groups(level, &groups, MATRIX_DEGREE);
+        moments.chunks(3).map(|axes| [0, 1, 2].map(|axis: usize| coefficients(&axes[axis]))).collect::<Vec<_>>()
     };
-    of_cells.par_iter().map(of_cell).collect()
+    sources.par_chunks(3 * CELLS_AT_ONCE).flat_map_iter(of_cells).collect()
 }

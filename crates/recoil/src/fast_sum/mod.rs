@@ -7,8 +7,6 @@
 
 /// The tree, its expansions and the tensors of near pairs.
 pub(crate) mod cell_sum;
-/// Solid harmonics and the matrices that translate expansions.
-mod harmonics;
 /// Pairs of nodes that interact by expansions, and pairs of leaves whose cells have tensors.
 mod interactions;
 /// Cells in cubes that are halved.

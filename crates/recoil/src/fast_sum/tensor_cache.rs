@@ -7,11 +7,9 @@ use std::collections::HashMap;
 
 use glam::{DQuat, DVec3, I64Vec3};
 use magsplice_magnet::Tile;
+use magsplice_pair::{NotConverged, SymmetricTensor, mean_tensor_of_boxes, mean_tensor_within};
 
-use crate::interaction::{mean_tensor_within, of_boxes};
-use crate::symmetric_tensor::SymmetricTensor;
 use crate::tolerances::{CACHED_LENGTH, CACHED_TENSORS, NEAR_TENSOR_ERROR};
-use crate::turned::TurnedNotConverged;
 
 /// Sizes of receiver and source, and the magnitude of the offset, in units of length.
 type Key = [I64Vec3; 3];
@@ -29,11 +27,7 @@ impl TensorCache {
     }
 
     /// The mean tensor, to [`NEAR_TENSOR_ERROR`].
-    pub(super) fn mean_tensor(
-        &mut self,
-        receiver: &Tile,
-        source: &Tile,
-    ) -> Result<SymmetricTensor, TurnedNotConverged> {
+    pub(super) fn mean_tensor(&mut self, receiver: &Tile, source: &Tile) -> Result<SymmetricTensor, NotConverged> {
         if [receiver, source].iter().any(|tile| tile.rotation() != DQuat::IDENTITY) {
             return mean_tensor_within(receiver, source, NEAR_TENSOR_ERROR);
         }
@@ -46,7 +40,7 @@ impl TensorCache {
         let unit = self.unit;
         let tensor = *self.tensors.entry(key).or_insert_with(|| {
             let [receiver, source, offset] = key.map(|lengths| lengths.as_dvec3() * unit);
-            of_boxes(receiver, source, offset, NEAR_TENSOR_ERROR)
+            mean_tensor_of_boxes(receiver, source, offset, NEAR_TENSOR_ERROR)
         });
         let s = offset.signum();
         let signs = DVec3::new(s.y * s.z, s.z * s.x, s.x * s.y);

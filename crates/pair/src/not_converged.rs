@@ -1,0 +1,45 @@
+//! Why an integral over turned cuboids is not known.
+
+use std::error::Error;
+use std::fmt;
+
+/// What is integrated over two tiles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PairIntegral {
+    /// The field of one tile, over the volume of the other.
+    MeanField,
+    /// Force and torque of the charges of one tile in the field of the other.
+    Load,
+}
+
+/// An integral over two tiles that are turned against each other does not converge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NotConverged {
+    /// What is integrated.
+    pub integral: PairIntegral,
+    /// Error that was reached: relative to the norm of the tensor, or to the integral of
+    /// magnitudes.
+    pub reached: f64,
+    /// Error that was asked for.
+    pub tolerance: f64,
+}
+
+impl fmt::Display for NotConverged {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let NotConverged { integral, reached, tolerance } = self;
+        match integral {
+            PairIntegral::MeanField => write!(
+                f,
+                "the mean field of a tile in another one that is turned against it is known to {reached:.1e} only, not \
+                 to {tolerance:.1e}; tiles must not overlap, leave a gap between them"
+            ),
+            PairIntegral::Load => write!(
+                f,
+                "the force of two tiles that are turned against each other is known to {reached:.1e} only, not to \
+                 {tolerance:.1e}; leave a gap between them or accept a larger tolerance"
+            ),
+        }
+    }
+}
+
+impl Error for NotConverged {}
