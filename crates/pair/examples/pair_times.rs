@@ -27,9 +27,9 @@ fn main() {
             1e6 * start.elapsed().as_secs_f64() / f64::from(repeats)
         };
         let (first, second) = (black_box(&first), black_box(&second));
-        let loads = time(&|| drop(black_box(pair_loads(first, second, 1e-9))));
-        let in_f64 = time(&|| drop(black_box(load_in_f64(first, second, 1e-9))));
-        let tensor = time(&|| drop(black_box(mean_tensor(first, second))));
+        let loads = time(&|| _ = black_box(pair_loads(first, second, 1e-9)));
+        let in_f64 = time(&|| _ = black_box(load_in_f64(first, second, 1e-9)));
+        let tensor = time(&|| _ = black_box(mean_tensor(first, second)));
         println!("{name:14} {loads:10.2} us, in f64 {in_f64:10.2} us, mean tensor {tensor:10.2} us");
     }
 }
