@@ -41,6 +41,11 @@ pub(crate) const ANGLES: [Unit; 1] = [DEGREES];
 pub(crate) const COLUMN_ANGLES: [Unit; 3] =
     [DEGREES, Unit { name: "°", ..DEGREES }, Unit { name: "rad", factor: 180.0 / PI, ..DEGREES }];
 
+/// Degrees in radians.
+pub(crate) fn in_rad(angle_deg: f64) -> f64 {
+    angle_deg.to_radians()
+}
+
 /// Forces in newton.
 pub(crate) const FORCES: [Unit; 2] = units([("mN", -3), ("N", 0)], 1.0);
 

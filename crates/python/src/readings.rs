@@ -51,8 +51,8 @@ fn noise_of(deviation_t: [f64; 3]) -> Noise {
 }
 
 /// Standard deviations of the position that one reading gives, at points, in millimetres; infinite
-/// where a displacement leaves the reading unchanged, or the reading is at the limit of the sensor's
-/// range. None without noise.
+/// where a displacement leaves the reading unchanged, or the reading is at the limit of the
+/// sensor's range. None without noise.
 #[pyfunction]
 #[pyo3(signature = (film, points, noise_t=None))]
 pub(crate) fn resolution<'py>(

@@ -1,5 +1,7 @@
 //! Errors of measurements of tiles.
 
+use std::f64::consts::FRAC_PI_4;
+
 use clap::Args;
 use magsplice::making::MeasurementErrors;
 
@@ -34,7 +36,7 @@ impl MeasurementArgs {
 
 /// Errors beyond which nothing was measured.
 const MOST_STRENGTH: f64 = 0.5;
-const MOST_DIRECTION_DEG: f64 = 45.0;
+const MOST_DIRECTION_RAD: f64 = FRAC_PI_4;
 const MOST_SIZE_MM: f64 = 10.0;
 
 fn strength(text: &str) -> Result<f64, String> {
@@ -42,7 +44,7 @@ fn strength(text: &str) -> Result<f64, String> {
 }
 
 fn direction_rad(text: &str) -> Result<f64, String> {
-    within(angle_rad(text)?, MOST_DIRECTION_DEG.to_radians(), "0 to 45 deg")
+    within(angle_rad(text)?, MOST_DIRECTION_RAD, "0 to 45 deg")
 }
 
 fn size_mm(text: &str) -> Result<f64, String> {

@@ -1,7 +1,7 @@
 //! Numbers with units as a person types them: `8mm`, `20mmx20mm`, `-3.9..-2.4`, `0.1µT`.
 
 use crate::decimal;
-use crate::units::{self, ANGLES, FLUX_DENSITIES, LENGTHS, Unit};
+use crate::units::{self, ANGLES, FLUX_DENSITIES, LENGTHS, Unit, in_rad};
 
 /// What an option takes.
 struct Kind {
@@ -28,7 +28,7 @@ pub(crate) fn length_mm(text: &str) -> Result<f64, String> {
 /// An angle in radians.
 pub(crate) fn angle_rad(text: &str) -> Result<f64, String> {
     let (number, unit) = split(text);
-    ANGLE.value(number, unit).map(f64::to_radians)
+    ANGLE.value(number, unit).map(in_rad)
 }
 
 /// A fraction: a number, or a percentage such as 0.5%.

@@ -34,7 +34,8 @@ pub struct FilmDiagnosis {
     pub noise_t: DVec3,
     /// Probability that a tile of a film without faulty tiles is reported.
     pub false_alarm: f64,
-    /// Whether other tiles have the errors that the layout expects; otherwise they count as ordered.
+    /// Whether other tiles have the errors that the layout expects; otherwise they count as
+    /// ordered.
     pub has_expected_errors: bool,
     /// The tiles that neither noise nor expected errors explain, the surest first.
     pub faulty: Vec<FaultyTile>,

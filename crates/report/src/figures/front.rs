@@ -1,5 +1,7 @@
 //! Errors of the films of a Pareto front against what better films cost.
 
+use magsplice::decouple::{Figures, PerAxis};
+use magsplice::ideal::IdealFilm;
 use plotters::coord::ranged1d::Ranged;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::RGBColor;
@@ -59,6 +61,19 @@ pub struct FrontFilm {
     pub uniformity_rmse_mm: [f64; 3],
     /// 95th percentile of the displacement RMSE of the films that are made, in millimetres.
     pub made_p95_mm: Option<[f64; 3]>,
+}
+
+impl FrontFilm {
+    /// A film with these figures; an undefined uniformity counts as no error.
+    pub fn new(at: f64, figures: &Figures, made_p95_mm: Option<PerAxis>, ideal: &IdealFilm) -> FrontFilm {
+        let uniformity = figures.uniformity_rmse.map(Option::unwrap_or_default);
+        FrontFilm {
+            at,
+            displacement_rmse_mm: figures.displacement_rmse_mm.to_array(),
+            uniformity_rmse_mm: uniformity.as_lengths(ideal.wavenumber()).to_array(),
+            made_p95_mm: made_p95_mm.map(PerAxis::to_array),
+        }
+    }
 }
 
 impl FrontFigure {

@@ -1,13 +1,13 @@
 //! `magsplice design --front`: searches the films of a trade-off.
 
+use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use magsplice::design::{DesignProblem, ParetoFront};
-use magsplice::layout::Layout;
 use magsplice::results::{FilmFront, FrontFilm};
 
 use super::search::{layout_text, show};
-use super::{DesignArgs, text};
+use super::text;
 use crate::args::formats::TextOrJson;
 use crate::failure::{self, Failure};
 use crate::interrupt;
@@ -15,19 +15,25 @@ use crate::output::destination::print;
 use crate::output::folder::Folder;
 use crate::output::json;
 use crate::progress::ProgressLine;
+use crate::session::Session;
 
-pub(super) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<u8, Failure> {
-    let failed = |error| Failure::Design { place: args.layout.display().to_string(), error };
+/// Searches films with these amplitudes at least, and writes them into the folder `output`.
+pub(super) fn run(
+    session: &Session,
+    amplitudes: &[f64],
+    output: Option<&Path>,
+    format: TextOrJson,
+    quiet: bool,
+) -> Result<u8, Failure> {
+    let failed = |error| Failure::Design { place: session.path.display().to_string(), error };
+    let layout = &session.layout;
     let problem = DesignProblem::new(layout).map_err(failed)?;
-    let output = args
-        .output
-        .as_deref()
-        .ok_or_else(|| Failure::Format("--front writes a folder: name one with -o DIR".to_owned()))?;
-    let mut folder = Folder::open(output, "design --front", &[&args.layout])?;
+    let output = output.ok_or_else(|| Failure::Format("--front writes a folder: name one with -o DIR".to_owned()))?;
+    let mut folder = Folder::open(output, "design --front", &[session.path])?;
     let stop = interrupt::defer();
     let front = {
         let progress = ProgressLine::start_search(!quiet);
-        problem.pareto_front(&args.amplitudes, &|update| show(&progress, stop, update)).map_err(failed)?
+        problem.pareto_front(amplitudes, &|update| show(&progress, stop, update)).map_err(failed)?
     };
     // A film that misses its amplitude is not on the front.
     let missed: Vec<f64> =
@@ -44,7 +50,7 @@ pub(super) fn run(args: &DesignArgs, layout: &Layout, quiet: bool) -> Result<u8,
     folder.write("front.json", json.as_bytes())?;
     write_figures(&problem, &front, &mut folder)?;
     folder.finish()?;
-    match args.format {
+    match format {
         TextOrJson::Json => print(&json)?,
         TextOrJson::Text => print(&text::front(&front))?,
     }
@@ -72,17 +78,9 @@ fn write_figures(problem: &DesignProblem, front: &ParetoFront, folder: &mut Fold
     use magsplice::design::{MadeErrors, Metrics, SearchResult};
     use magsplice_report::{FrontAxis, FrontFigure, FrontFilm};
 
-    let film = |at: f64, metrics: &Metrics, made: Option<&MadeErrors>| FrontFilm {
-        at,
-        displacement_rmse_mm: metrics.figures.displacement_rmse_mm.to_array(),
-        // An undefined uniformity is no error.
-        uniformity_rmse_mm: metrics
-            .figures
-            .uniformity_rmse
-            .map(Option::unwrap_or_default)
-            .as_lengths(problem.ideal().wavenumber())
-            .to_array(),
-        made_p95_mm: made.map(|made| made.displacement_rmse_mm.map(|axis| axis.p95.value).to_array()),
+    let film = |at: f64, metrics: &Metrics, made: Option<&MadeErrors>| {
+        let made_p95_mm = made.map(|made| made.displacement_rmse_mm.map(|axis| axis.p95.value));
+        FrontFilm::new(at, &metrics.figures, made_p95_mm, problem.ideal())
     };
     let after = |at: f64, result: &SearchResult| film(at, &result.after, result.made.as_ref().map(|made| &made.after));
     let before = front.by_amplitude.first().map(|(_, result)| {

@@ -51,7 +51,7 @@ pub(crate) fn run(args: &DesignArgs, quiet: bool) -> Result<u8, Failure> {
     let session = Session::open(&args.layout, remarks::OF_DESIGNS, quiet)?;
     session.progress.end();
     if args.front {
-        return front::run(args, &session.layout, quiet);
+        return front::run(&session, &args.amplitudes, args.output.as_deref(), args.format, quiet);
     }
     let failed = |error| Failure::Design { place: args.layout.display().to_string(), error };
     let problem = DesignProblem::new(&session.layout).map_err(failed)?;

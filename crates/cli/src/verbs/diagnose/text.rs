@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::path::Path;
 
 use magsplice::Film;
 use magsplice::magnet::TileError;
 use magsplice::results::{FilmDiagnosis, Suspect};
 
-use super::DiagnoseArgs;
+use crate::args::fit::FitArg;
 use crate::text::number::{counted, number};
 use crate::text::units::{in_per_cent, in_ut};
 use crate::text::{header, rows};
@@ -16,12 +17,12 @@ use crate::verbs::scan::text::fitted;
 /// Tiles, errors and pairs that are listed.
 const LISTED: usize = 6;
 
-/// The report of `diagnose`.
-pub(super) fn diagnosis(film: &Film, args: &DiagnoseArgs, found: &FilmDiagnosis) -> String {
+/// The report of `diagnose` about the file `scan`, of which `fit` was fitted.
+pub(super) fn diagnosis(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmDiagnosis) -> String {
     let mut text = header::with_recoil(film.layout(), film.recoil());
     let noise = in_ut(found.noise_t);
     let readings = counted(found.readings, "reading", "readings");
-    let _ = writeln!(text, "scan {}: {readings}, noise {}, {}, {} uT", args.scan.display(), noise.x, noise.y, noise.z);
+    let _ = writeln!(text, "scan {}: {readings}, noise {}, {}, {} uT", scan.display(), noise.x, noise.y, noise.z);
     let _ = writeln!(
         text,
         "{}, false alarms in {} % of right films",
@@ -40,10 +41,10 @@ pub(super) fn diagnosis(film: &Film, args: &DiagnoseArgs, found: &FilmDiagnosis)
             "and more: the film is another one, or give the ordinary errors of its tiles, as by --preset",
         );
     }
-    if !args.fit.is_empty() {
+    if !fit.is_empty() {
         text.push('\n');
         rows::heading(&mut text, "fitted", ["x", "y", "z"]);
-        fitted(&mut text, &args.fit, &found.scan, None);
+        fitted(&mut text, fit, &found.scan, None);
     }
     text.push('\n');
     rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));

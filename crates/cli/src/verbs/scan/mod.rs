@@ -97,7 +97,7 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
         file.finish()?;
     }
     let result = match args.result.format {
-        TextOrJson::Text => text::scan(&film, args, &found),
+        TextOrJson::Text => text::scan(&film, &args.scan, &args.fit, &found),
         TextOrJson::Json => json::pretty(&found),
     };
     session.write(output, &result)?;

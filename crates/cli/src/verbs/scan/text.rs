@@ -1,12 +1,12 @@
 //! What was fitted, and the uniformity of the readings.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use magsplice::Film;
 use magsplice::prelude::DVec3;
 use magsplice::results::{FilmScan, FittedScan};
 
-use super::ScanArgs;
 use crate::args::fit::FitArg;
 use crate::text::number::{counted, number};
 use crate::text::units::in_ut;
@@ -15,14 +15,14 @@ use crate::text::{header, rows};
 /// Positions that are listed.
 const LISTED: usize = 3;
 
-/// The report of `scan`.
-pub(super) fn scan(film: &Film, args: &ScanArgs, found: &FilmScan) -> String {
+/// The report of `scan` about the file `scan`, of which `fit` was fitted.
+pub(super) fn scan(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmScan) -> String {
     let mut text = header::with_recoil(film.layout(), film.recoil());
     let readings = counted(found.readings, "reading", "readings");
-    let _ = writeln!(text, "scan {}: {readings}{}", args.scan.display(), positions(found));
+    let _ = writeln!(text, "scan {}: {readings}{}", scan.display(), positions(found));
     text.push('\n');
     rows::heading(&mut text, "fitted, with standard deviations", ["x", "y", "z"]);
-    fitted(&mut text, &args.fit, &found.fitted, Some(&found.deviation));
+    fitted(&mut text, fit, &found.fitted, Some(&found.deviation));
     rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
     rows::cell(&mut text, "readings left out", &found.left_out.len().to_string());
     if let Some(uniformity) = &found.uniformity_rmse {

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use magsplice::decouple::Figures;
 use magsplice::layout::Layout;
 use magsplice::making::Sorting;
 use magsplice::results::{FilmSampling, SampleRun, SampledFilm, in_stretches};
 use magsplice::{Film, FilmError, Stage};
 
-use crate::args::formats::{FileFormat, ResultArgs, TextOrJson};
+use crate::args::formats::{ResultArgs, TextOrJson};
 use crate::args::preset::PresetArgs;
 use crate::args::sorting::SortingArgs;
 use crate::failure::Failure;
@@ -30,9 +30,7 @@ mod sample_file;
 pub(super) mod text;
 
 use journal::Journal;
-
-/// Largest number of samples.
-pub(super) const MAX_SAMPLES: u64 = *magsplice::layout::SAMPLE_COUNTS.end();
+use sample_file::{MAX_SAMPLES, SampleFormat};
 
 /// Evaluate the films that are made from a layout: samples with the errors of its [tolerance].
 ///
@@ -116,37 +114,6 @@ struct MergeArgs {
     sorting: SortingArgs,
 }
 
-/// Formats of the figures of samples.
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-pub(super) enum SampleFormat {
-    /// Text with one line per sample, after a line that tells what they are samples of
-    Csv,
-    /// NumPy: one array per figure
-    Npz,
-    /// Parquet, if the program was built with the feature `parquet`
-    Parquet,
-}
-
-impl FileFormat for SampleFormat {
-    const OPTION: &'static str = "--save";
-
-    fn endings(self) -> &'static [&'static str] {
-        match self {
-            SampleFormat::Csv => &["csv"],
-            SampleFormat::Npz => &["npz"],
-            SampleFormat::Parquet => &["parquet"],
-        }
-    }
-
-    fn is_binary(self) -> bool {
-        self != SampleFormat::Csv
-    }
-
-    fn is_known_by_ending(self) -> bool {
-        true
-    }
-}
-
 pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
     if let Some(ToleranceVerb::Merge(args)) = &args.merge {
         return merge(args, quiet).map(|()| 0);
@@ -197,8 +164,8 @@ pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
     Ok(0)
 }
 
-/// Appends the samples of a run that are not among `samples` yet. `keep` takes each stretch of them,
-/// and may end the run.
+/// Appends the samples of a run that are not among `samples` yet. `keep` takes each stretch of
+/// them, and may end the run.
 pub(super) fn draw(
     session: &Session,
     sampling: &FilmSampling,

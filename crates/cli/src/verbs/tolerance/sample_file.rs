@@ -4,13 +4,48 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
+use clap::ValueEnum;
 use magsplice::decouple::{Figure, Figures};
 use magsplice::results::{ColumnQuantity, MetadataValue, Rows, SampleRun, SampledFilm, Table};
 use magsplice_export::numpy;
 
-use super::{MAX_SAMPLES, SampleFormat};
+use crate::args::formats::FileFormat;
 use crate::failure::Failure;
 use crate::output::destination::Output;
+
+/// Largest number of samples.
+pub(super) const MAX_SAMPLES: u64 = *magsplice::layout::SAMPLE_COUNTS.end();
+
+/// Formats of the figures of samples.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub(super) enum SampleFormat {
+    /// Text with one line per sample, after a line that tells what they are samples of
+    Csv,
+    /// NumPy: one array per figure
+    Npz,
+    /// Parquet, if the program was built with the feature `parquet`
+    Parquet,
+}
+
+impl FileFormat for SampleFormat {
+    const OPTION: &'static str = "--save";
+
+    fn endings(self) -> &'static [&'static str] {
+        match self {
+            SampleFormat::Csv => &["csv"],
+            SampleFormat::Npz => &["npz"],
+            SampleFormat::Parquet => &["parquet"],
+        }
+    }
+
+    fn is_binary(self) -> bool {
+        self != SampleFormat::Csv
+    }
+
+    fn is_known_by_ending(self) -> bool {
+        true
+    }
+}
 
 /// Names of the columns after the number of the sample, in the order of [`Figure::ALL`].
 const COLUMNS: [&str; 7] = [
