@@ -43,7 +43,7 @@ fn errors_of_films_with_recoil_are_those_of_solved_films() {
         let real = film.real_film().unwrap();
         let sampler = Sampler::new(&real, &volume, &ideal, 1).unwrap();
         let bare = RealFilm::new(&layout.bare_tiles(), &tolerance);
-        let level = film.recoil().expect("it has a permeability").level();
+        let level = film.recoil().expect("it has a permeability").summary.level;
         for sample in 0..4 {
             let tiles: Vec<RecoilTile> = bare
                 .sample_tiles(1, sample)

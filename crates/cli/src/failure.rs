@@ -2,9 +2,8 @@
 
 use std::fmt;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::Path;
 
-use magsplice::FilmError;
 use magsplice::design::DesignError;
 use magsplice::layout::LayoutError;
 
@@ -35,57 +34,50 @@ pub(crate) fn escaped(message: &impl fmt::Display) -> String {
 /// Why the program stops.
 #[derive(Debug)]
 pub(crate) enum Failure {
-    /// The layout file cannot be read or breaks a rule.
-    Layout(LayoutError),
-    /// The film of a layout cannot be evaluated.
-    Film { layout: PathBuf, error: Box<FilmError> },
-    /// There is no film to design. `place` is the layout file or the verb.
-    Design { place: String, error: DesignError },
-    /// A file of points or a baseline cannot be used.
-    Points { path: PathBuf, message: String },
-    /// The report cannot be drawn.
-    #[cfg(feature = "report")]
-    Report { layout: PathBuf, message: String },
-    /// Lines of a file that cannot be read, or points without a field.
-    Faults { place: String, faults: Vec<String>, more: usize },
-    /// The result cannot be written in the format or to the place asked for.
-    Format(String),
+    /// The work cannot be done. The text has the place of each fault.
+    Refused(String),
     /// Writing failed.
     Write { target: String, error: io::Error },
     /// The reader of standard output closed it.
     PipeClosed,
 }
 
+impl Failure {
+    /// What is wrong in a file.
+    pub(crate) fn at(path: &Path, message: impl fmt::Display) -> Failure {
+        Failure::Refused(format!("{}: {message}", path.display()))
+    }
+
+    /// A file that cannot be written.
+    pub(crate) fn write(path: &Path, error: io::Error) -> Failure {
+        Failure::Write { target: path.display().to_string(), error }
+    }
+
+    /// There is no film to design. `place` is the layout file or the verb.
+    pub(crate) fn design(place: &Path, error: DesignError) -> Failure {
+        let DesignError::Request(problems) = error else { return Failure::at(place, error) };
+        let lines: Vec<String> = problems.iter().map(|problem| format!("{}: {problem}", place.display())).collect();
+        Failure::Refused(lines.join("\n"))
+    }
+}
+
 impl From<LayoutError> for Failure {
     fn from(error: LayoutError) -> Failure {
-        Failure::Layout(error)
+        Failure::Refused(error.to_string())
+    }
+}
+
+#[cfg(feature = "report")]
+impl From<magsplice_report::ReportError> for Failure {
+    fn from(error: magsplice_report::ReportError) -> Failure {
+        Failure::Refused(error.to_string())
     }
 }
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Failure::Layout(error) => error.fmt(f),
-            Failure::Film { layout, error } => write!(f, "{}: {error}", layout.display()),
-            Failure::Design { place, error: DesignError::Request(problems) } => {
-                let lines: Vec<String> = problems.iter().map(|problem| format!("{place}: {problem}")).collect();
-                f.write_str(&lines.join("\n"))
-            }
-            Failure::Design { place, error } => write!(f, "{place}: {error}"),
-            #[cfg(feature = "report")]
-            Failure::Report { layout, message } => write!(f, "{}: {message}", layout.display()),
-            Failure::Points { path, message } => write!(f, "{}: {message}", path.display()),
-            Failure::Faults { place, faults, more } => {
-                for (i, fault) in faults.iter().enumerate() {
-                    let separator = if i == 0 { "" } else { "\n" };
-                    write!(f, "{separator}{place}: {fault}")?;
-                }
-                if *more > 0 {
-                    write!(f, "\n{place}: and {more} more")?;
-                }
-                Ok(())
-            }
-            Failure::Format(message) => f.write_str(message),
+            Failure::Refused(message) => f.write_str(message),
             Failure::Write { target, error } => write!(f, "cannot write {target}: {error}"),
             Failure::PipeClosed => f.write_str("the reader of standard output closed it"),
         }

@@ -1,5 +1,7 @@
 //! Lists of faulty lines and points.
 
+use std::fmt;
+
 use crate::failure::{Failure, PRINTED_FAULTS};
 
 /// Faults to print: the first few with their messages, the rest as a number.
@@ -23,14 +25,16 @@ impl FaultList {
         self.named.is_empty()
     }
 
-    /// The faults as remarks about a place, in the order of their lines.
-    pub(crate) fn remarks(self, place: &str) -> String {
-        self.failure(place.to_owned()).to_string()
+    /// The faults of a place as lines, in the order of their lines in the file.
+    pub(crate) fn remarks(mut self, place: impl fmt::Display) -> String {
+        self.named.sort_by_key(|(line, _)| *line);
+        let named = self.named.into_iter().map(|(_, fault)| format!("{place}: {fault}"));
+        let more = (self.more > 0).then(|| format!("{place}: and {} more", self.more));
+        named.chain(more).collect::<Vec<_>>().join("\n")
     }
 
-    /// The faults as the reason why the program stops, in the order of their lines.
-    pub(crate) fn failure(mut self, place: String) -> Failure {
-        self.named.sort_by_key(|(line, _)| *line);
-        Failure::Faults { place, faults: self.named.into_iter().map(|(_, fault)| fault).collect(), more: self.more }
+    /// The same as the reason why the program stops.
+    pub(crate) fn failure(self, place: impl fmt::Display) -> Failure {
+        Failure::Refused(self.remarks(place))
     }
 }

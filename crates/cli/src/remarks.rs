@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use magsplice::layout::{FindingSubject, Layout, LayoutError};
+use magsplice::layout::{FindingSubject, Layout};
 
 use crate::failure;
-use crate::progress::ProgressLine;
 use crate::text::number::counted;
 
 /// Largest number of findings that a verb other than `check` prints.
@@ -25,20 +24,6 @@ pub(crate) const OF_COMPARISONS: &[FindingSubject] =
 pub(crate) const OF_DESIGNS: &[FindingSubject] =
     &[FindingSubject::Tiles, FindingSubject::Volume, FindingSubject::IdealFilm, FindingSubject::Design];
 
-/// The layout at `path`. Its findings about `subjects` are printed unless `quiet`.
-pub(crate) fn read_layout(
-    path: &Path,
-    subjects: &[FindingSubject],
-    quiet: bool,
-    progress: &ProgressLine,
-) -> Result<Layout, LayoutError> {
-    let layout = Layout::read(path)?;
-    if !quiet {
-        progress.suspend(|| tell(path, &layout, subjects));
-    }
-    Ok(layout)
-}
-
 /// Says after a long result how many warnings were printed before it, unless `quiet`.
 pub(crate) fn recall(layout: &Layout, subjects: &[FindingSubject], quiet: bool) {
     let told = layout.findings.iter().filter(|finding| subjects.contains(&finding.subject)).count();
@@ -47,7 +32,8 @@ pub(crate) fn recall(layout: &Layout, subjects: &[FindingSubject], quiet: bool) 
     }
 }
 
-fn tell(path: &Path, layout: &Layout, subjects: &[FindingSubject]) {
+/// Prints the findings of a layout about `subjects`.
+pub(crate) fn tell(path: &Path, layout: &Layout, subjects: &[FindingSubject]) {
     let path = path.display();
     let mut findings = layout.findings.iter().filter(|finding| subjects.contains(&finding.subject));
     for finding in findings.by_ref().take(PRINTED_FINDINGS) {
@@ -56,14 +42,5 @@ fn tell(path: &Path, layout: &Layout, subjects: &[FindingSubject]) {
     let more = findings.count();
     if more > 0 {
         failure::tell(&format_args!("warning: {path}: and {more} more, listed by `magsplice check {path}`"));
-    }
-}
-
-/// Prints remarks that come up while work is under way. Prints nothing if `quiet`.
-pub(crate) fn teller(quiet: bool, progress: &ProgressLine) -> impl Fn(&str) {
-    move |remark| {
-        if !quiet {
-            progress.suspend(|| failure::tell(&remark));
-        }
     }
 }

@@ -4,18 +4,23 @@ use std::iter;
 use std::path::Path;
 use std::sync::Arc;
 
-use magsplice::layout::{FindingSubject, Layout};
+use magsplice::layout::{FindingSubject, Layout, WorkingVolume};
 use magsplice::{Film, FilmError};
 
+use crate::csv_input::table::are_typed;
 use crate::failure::{self, Failure};
-use crate::inputs::points;
 use crate::output::destination::{self, Output};
 #[cfg(feature = "report")]
 use crate::output::figure_file::{self, FigureFile};
 use crate::progress::ProgressLine;
 use crate::remarks;
 use crate::text::recoil::beyond_knee;
-use crate::words::{film_failure, no_film};
+use crate::words::film_failure;
+
+/// A working volume that is missing for a verb about sensors.
+pub(crate) const OF_SENSORS: &str = ", which says where the sensor may be: add one; docs/layout-format.md describes it";
+/// A working volume that is missing for a verb that takes points from it.
+pub(crate) const OF_POINTS: &str = " to take points from: add one, or give --points";
 
 /// A layout file with which a verb works.
 pub(crate) struct Session<'p> {
@@ -36,15 +41,6 @@ impl<'p> Session<'p> {
         Session::begin(path, subjects, quiet, ProgressLine::start(!quiet))
     }
 
-    /// The same for a long search, whose progress is also printed where there is no terminal.
-    pub(crate) fn open_search(
-        path: &'p Path,
-        subjects: &'static [FindingSubject],
-        quiet: bool,
-    ) -> Result<Session<'p>, Failure> {
-        Session::begin(path, subjects, quiet, ProgressLine::start_search(!quiet))
-    }
-
     /// The same for a verb with points: no progress line appears between points that a person
     /// types.
     pub(crate) fn open_with_points(
@@ -53,7 +49,7 @@ impl<'p> Session<'p> {
         subjects: &'static [FindingSubject],
         quiet: bool,
     ) -> Result<Session<'p>, Failure> {
-        Session::begin(path, subjects, quiet, ProgressLine::start(!quiet && !points::are_typed(points)))
+        Session::begin(path, subjects, quiet, ProgressLine::start(!quiet && !are_typed(points)))
     }
 
     /// The same with a progress line that has begun.
@@ -63,7 +59,10 @@ impl<'p> Session<'p> {
         quiet: bool,
         progress: Arc<ProgressLine>,
     ) -> Result<Session<'p>, Failure> {
-        let layout = Arc::new(remarks::read_layout(path, subjects, quiet, &progress)?);
+        let layout = Arc::new(Layout::read(path)?);
+        if !quiet {
+            progress.suspend(|| remarks::tell(path, &layout, subjects));
+        }
         Ok(Session { path, layout, progress, subjects, quiet })
     }
 
@@ -86,7 +85,21 @@ impl<'p> Session<'p> {
             (_, None) if needs_volume => "volume",
             _ => return Ok(()),
         };
-        Err(no_film(self.path, FilmError::Missing(missing), verb, purpose))
+        let path = self.path.display();
+        Err(Failure::at(
+            self.path,
+            format_args!(
+                "the layout has no [{missing}] table, which this needs: `magsplice {verb}` {purpose}. For the field of \
+                 any arrangement of magnets use `magsplice field {path}`. For a film, add [{missing}]; \
+                 docs/layout-format.md describes it"
+            ),
+        ))
+    }
+
+    /// The working volume. `use_of_volume` is one of the constants of this file.
+    pub(crate) fn volume(&self, use_of_volume: &str) -> Result<&WorkingVolume, Failure> {
+        let missing = || Failure::at(self.path, format_args!("the layout has no [volume] table{use_of_volume}"));
+        self.layout.volume.as_ref().ok_or_else(missing)
     }
 
     /// The failure of the film: points without a field one by one, with the names of tiles.
@@ -96,8 +109,8 @@ impl<'p> Session<'p> {
 
     /// The failure of a verb that needs the noise of readings. `option` would give it.
     pub(crate) fn no_noise(&self, option: &str) -> Failure {
-        let message = format!("the layout has no noise: give {option}, or noise_ut or part in [sensor]");
-        Failure::Points { path: self.path.to_owned(), message }
+        let message = format_args!("the layout has no noise: give {option}, or noise_ut or part in [sensor]");
+        Failure::at(self.path, message)
     }
 
     /// Prints a remark on standard error, unless remarks are unwanted.
@@ -135,10 +148,9 @@ impl<'p> Session<'p> {
     }
 
     /// Writes a text to its destination. The work is done.
-    pub(crate) fn write(&self, mut output: Output, text: &str) -> Result<(), Failure> {
+    pub(crate) fn write(&self, output: Output, text: &str) -> Result<(), Failure> {
         self.progress.end();
-        output.write(|w| w.write_all(text.as_bytes()))?;
-        output.finish()
+        output.complete(text)
     }
 
     /// Prints the number of the findings that were printed before a long result.

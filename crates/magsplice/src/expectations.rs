@@ -1,15 +1,12 @@
 //! Outcomes of the expectations of a film.
 
 use std::cell::OnceCell;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use magsplice_decouple::{Figure, Figures};
 use magsplice_expect::{Baseline, Clearance, Expectation, Outcome};
-use magsplice_tolerance::Sampler;
 
 use crate::film::Film;
 use crate::film_error::FilmError;
-use crate::stage::Stage;
 
 impl Film {
     /// The outcomes of all expectations of the layout, in the order of [`Expectation::stated_in`].
@@ -83,20 +80,12 @@ impl Film {
 
     /// The errors of the films that are made, of as many samples as the layout states.
     fn made_films(&self) -> Result<Vec<Figures>, FilmError> {
-        let film = self.real_film()?;
-        let tolerance = film.tolerance();
-        let stated = self.layout().expectations.made.as_ref().and_then(|made| made.samples);
-        let count = stated.unwrap_or(tolerance.samples);
-        let volume = self.evaluation_grid()?;
-        let no_sample = |sample, error| FilmError::Sample { sample, error };
-        let sampler =
-            Sampler::new(&film, &volume, self.ideal()?, tolerance.seed).map_err(|error| no_sample(0, error))?;
-        let (done, of) = (AtomicUsize::new(0), Some(count as usize));
-        let counted = || {
-            let done = done.fetch_add(1, Ordering::Relaxed);
-            self.tell(Stage { name: "films", done, of, unit: "samples" });
-        };
-        let errors = sampler.errors_of_range_with_progress(0..count, counted);
-        errors.map_err(|(sample, error)| no_sample(sample, error))
+        let sampling = self.sampling()?;
+        let (seed, stated) = self.layout().tolerance.as_ref().map_or((1, 1), |stated| (stated.seed, stated.samples));
+        let made = self.layout().expectations.made.as_ref();
+        let count = made.and_then(|made| made.samples).unwrap_or(stated);
+        let counted = self.counting("films", Some(count as usize), "samples");
+        let errors = sampling.sampler(seed)?.errors_of_range_with_progress(0..count, counted);
+        errors.map_err(|(sample, error)| FilmError::Sample { sample, error })
     }
 }

@@ -101,7 +101,7 @@ impl Film {
     pub fn with_recoil(layout: impl Into<Arc<Layout>>, recoil: Option<FilmRecoil>) -> Film {
         let layout = layout.into();
         let scene = match &recoil {
-            Some(recoil) => Scene::of_cells(recoil.magnetization().cells(), recoil.magnetization().owners()),
+            Some(recoil) => Scene::of_cells(recoil.magnetization.cells(), recoil.magnetization.owners()),
             None => Scene::new(&layout.bare_tiles()),
         };
         Film { layout, scene: Arc::new(scene), recoil, volume_field_t: Arc::default(), progress: None }
@@ -188,7 +188,7 @@ impl Film {
     /// If it does not have as many tiles.
     pub fn weakened(&self, film: RealFilm) -> RealFilm {
         let Some(recoil) = &self.recoil else { return film };
-        let solution = recoil.magnetization();
+        let solution = &recoil.magnetization;
         let remainder = Scene::new(&solution.deviations());
         film.with_weakening(Weakening::new(&self.layout.bare_tiles(), &solution.mean_tiles(), remainder))
     }
@@ -244,6 +244,13 @@ impl Film {
             self.scene.field_with_progress(Quantity::FluxDensity, points, &mut field, progress)
         });
         evaluated.map(|()| field).map_err(FilmError::Points)
+    }
+
+    /// A callback that is called, from any thread, as often as something begins, and reports how
+    /// many have begun as progress of a stage.
+    pub(crate) fn counting(&self, name: &'static str, of: Option<usize>, unit: &'static str) -> impl Fn() + Sync {
+        let done = AtomicUsize::new(0);
+        move || self.tell(Stage { name, done: done.fetch_add(1, Ordering::Relaxed), of, unit })
     }
 
     /// Evaluates `of` points with a callback that is told, from any thread, how many more begin.

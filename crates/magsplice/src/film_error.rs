@@ -115,9 +115,21 @@ impl FilmError {
             RefinementError::Recoil(RecoilError::Turned { receiver, source_tile, .. }) => vec![*receiver, *source_tile],
             _ => Vec::new(),
         };
-        let tiles = indices.into_iter().map(|index| layout.tiles[index].name.clone()).collect();
-        FilmError::Recoil { error, tiles }
+        FilmError::Recoil { error, tiles: names(layout, &indices) }
     }
+
+    /// The failure of forces, with the names of the tiles that it is about.
+    pub(crate) fn from_forces(error: FilmForcesError, layout: &Layout) -> FilmError {
+        let indices = match &error {
+            FilmForcesError::Pair { first, second, .. } => vec![*first, *second],
+            _ => Vec::new(),
+        };
+        FilmError::Forces { error, tiles: names(layout, &indices) }
+    }
+}
+
+fn names(layout: &Layout, tiles: &[usize]) -> Vec<String> {
+    tiles.iter().map(|&tile| layout.tiles[tile].name.clone()).collect()
 }
 
 /// A failure of a refinement in the words of a layout.
@@ -270,15 +282,7 @@ impl Error for FilmError {
             FilmError::Forces { error, .. } => Some(error),
             FilmError::Order(error) => Some(error),
             FilmError::Polynomial(error) => Some(error),
-            FilmError::Missing(_)
-            | FilmError::NoPosition { .. }
-            | FilmError::NoNoise
-            | FilmError::NotBelow(_)
-            | FilmError::NoBaseline
-            | FilmError::NoTiles
-            | FilmError::TooFewSamples(_)
-            | FilmError::ExperimentStep(_)
-            | FilmError::OnePointPlanes(_) => None,
+            _ => None,
         }
     }
 }

@@ -43,14 +43,32 @@ const MOST_ESTIMATED_TILES: usize = 1_000;
 /// Clones share the cells.
 #[derive(Clone, Debug)]
 pub struct FilmRecoil {
-    magnetization: Arc<Magnetization>,
-    level: usize,
-    /// Largest change of B in tesla.
-    change_t: f64,
-    /// Largest error of B in tesla.
-    error_t: f64,
-    /// `None` if the layout has no ideal film or no working volume, or the figures do not exist.
-    figures: Option<FiguresWithRecoil>,
+    /// The cells with their polarization.
+    pub magnetization: Arc<Magnetization>,
+    /// What recoil changes.
+    pub summary: RecoilSummary,
+}
+
+/// What recoil changes in a film, with estimates of the errors.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RecoilSummary {
+    /// Number of cells.
+    pub cells: usize,
+    /// Level of division.
+    pub level: usize,
+    /// Largest change of B, at points of the working volume. Without one at points of a box around
+    /// all tiles, away from them by its shortest side; nearer to them B changes more.
+    pub change_t: f64,
+    /// Estimate of the largest error of B at the same points.
+    pub error_t: f64,
+    /// Figures over a few points of the working volume. `None` without an ideal film and a working
+    /// volume, or if they do not exist.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub figures: Option<FiguresWithRecoil>,
+    /// Largest lost fraction of the magnitude of the polarization of a tile.
+    pub largest_weakening: f64,
+    /// Largest angle by which the mean polarization of a tile turns.
+    pub largest_turn_deg: f64,
 }
 
 /// Figures of a film without and with recoil over its working volume; over few points of it, if it
@@ -124,41 +142,18 @@ impl FilmRecoil {
             let [without, with_recoil, errors] = [&rigid, &values, &errors].map(|flat| grid.unflat(&flat[of_field..]));
             FiguresWithRecoil { without, with_recoil, errors }
         });
-        Ok(Some(FilmRecoil {
+        let tile_changes = refined.magnetization.tile_changes();
+        let largest = |of: fn(&TileChange) -> f64| tile_changes.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+        let summary = RecoilSummary {
+            cells: refined.magnetization.cells().len(),
             level: refined.level,
             change_t: largest_vector(&differences(&values[..of_field], &rigid[..of_field])),
             error_t: largest_vector(&errors[..of_field]),
             figures: found.filter(|_| values[of_field..].iter().all(|value| value.is_finite())),
-            magnetization: Arc::new(refined.magnetization),
-        }))
-    }
-
-    /// The cells with their polarization.
-    pub fn magnetization(&self) -> &Magnetization {
-        &self.magnetization
-    }
-
-    /// The level of division.
-    pub fn level(&self) -> usize {
-        self.level
-    }
-
-    /// The largest change of B by recoil in tesla, at points of the working volume. Without one at
-    /// points of a box around all tiles, away from them by its shortest side; nearer to them B
-    /// changes more.
-    pub fn change_t(&self) -> f64 {
-        self.change_t
-    }
-
-    /// The estimate of the largest error of B in tesla at the same points.
-    pub fn error_t(&self) -> f64 {
-        self.error_t
-    }
-
-    /// Figures without recoil and with it, and their errors. `None` without an ideal film and a
-    /// working volume.
-    pub fn figures(&self) -> Option<FiguresWithRecoil> {
-        self.figures
+            largest_weakening: largest(|change| change.weakening),
+            largest_turn_deg: largest(|change| change.angle.to_degrees()),
+        };
+        Ok(Some(FilmRecoil { magnetization: Arc::new(refined.magnetization), summary }))
     }
 
     /// What becomes of each tile.

@@ -58,12 +58,6 @@ mod film;
 /// Why a film could not be evaluated.
 #[cfg(feature = "layout")]
 mod film_error;
-/// Forces and torques of the tiles of a film on each other.
-#[cfg(feature = "layout")]
-mod film_forces;
-/// Positions of the sensor below a film, from its readings.
-#[cfg(feature = "layout")]
-mod film_reader;
 /// The polarization of films with a recoil permeability.
 #[cfg(feature = "layout")]
 mod film_recoil;
@@ -79,11 +73,7 @@ pub use film::Film;
 #[cfg(feature = "layout")]
 pub use film_error::FilmError;
 #[cfg(feature = "layout")]
-pub use film_forces::{ForceChange, SolvedForces};
-#[cfg(feature = "layout")]
-pub use film_reader::{AtRest, FilmReader};
-#[cfg(feature = "layout")]
-pub use film_recoil::{FiguresWithRecoil, FilmRecoil, RecoilEstimate};
+pub use film_recoil::{FiguresWithRecoil, FilmRecoil, RecoilEstimate, RecoilSummary};
 pub use magsplice_decouple as decouple;
 #[cfg(feature = "design")]
 pub use magsplice_design as design;

@@ -159,9 +159,9 @@ impl Film {
     /// polarizations and rotations. None without.
     fn cells<'py>(&self, py: Python<'py>) -> PyResult<Option<Cells<'py>>> {
         let Some(recoil) = self.evaluated(py)?.recoil() else { return Ok(None) };
-        let cells = recoil.magnetization().cells();
+        let cells = recoil.magnetization.cells();
         let of_each = |value: &dyn Fn(&Tile) -> DVec3| rows_of(py, &cells.iter().map(value).collect::<Vec<DVec3>>());
-        let owners = recoil.magnetization().owners().to_vec();
+        let owners = recoil.magnetization.owners().to_vec();
         let (position, size) = (of_each(&Tile::position), of_each(&Tile::size));
         Ok(Some((owners, position, size, of_each(&Tile::polarization_t), rotations(py, cells.iter())?)))
     }

@@ -1,8 +1,9 @@
 //! Positions and forces from readings of a sensor.
 
 use glam::DVec3;
+use magsplice::FilmError;
+use magsplice::results::AtRest;
 use magsplice::sensor::{LocateError, Located, Noise};
-use magsplice::{AtRest, FilmError};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -2,7 +2,6 @@
 
 use magsplice::RecoilEstimate;
 use magsplice::magnet::Permeability;
-use magsplice::results::RecoilSummary;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -15,9 +14,9 @@ use crate::vectors::{numbers, rows_of};
 #[pyfunction]
 pub(crate) fn recoil<'py>(py: Python<'py>, film: &Film) -> PyResult<Option<Bound<'py, PyDict>>> {
     let Some(found) = film.evaluated(py)?.recoil() else { return Ok(None) };
-    let (summary, changes) = py.detach(|| (RecoilSummary::new(found), found.tile_changes()));
+    let changes = py.detach(|| found.tile_changes());
     let polarization_t: Vec<_> = changes.iter().map(|change| change.mean_polarization_t).collect();
-    let result = dictionary(py, &summary)?;
+    let result = dictionary(py, &found.summary)?;
     result.set_item("share_beyond_knee", found.beyond_knee(&film.layout).map(|(_, share)| share))?;
     result.set_item("weakening", numbers(py, changes.iter().map(|change| change.weakening).collect()))?;
     result.set_item("angle_deg", numbers(py, changes.iter().map(|change| change.angle.to_degrees()).collect()))?;

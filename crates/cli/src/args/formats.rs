@@ -4,12 +4,25 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
+use serde::Serialize;
+
+use crate::output::json;
 
 /// Formats of results that are never tables of points.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub(crate) enum TextOrJson {
     Text,
     Json,
+}
+
+impl TextOrJson {
+    /// The result as JSON, or as `text` has it.
+    pub(crate) fn shown(self, result: &impl Serialize, text: impl FnOnce() -> String) -> String {
+        match self {
+            TextOrJson::Text => text(),
+            TextOrJson::Json => json::pretty(result),
+        }
+    }
 }
 
 /// Where a result that is never a table of points goes.
@@ -84,23 +97,41 @@ pub(crate) enum ExportFormat {
     CHeader,
 }
 
+/// The files of a format.
+#[derive(Clone, Copy)]
+pub(crate) struct FileKind {
+    /// Endings of their names.
+    pub(crate) endings: &'static [&'static str],
+    /// Whether a terminal cannot show them.
+    pub(crate) is_binary: bool,
+    /// Whether other programs recognize them by the ending.
+    pub(crate) is_known_by_ending: bool,
+}
+
+impl FileKind {
+    /// Text, which is read whatever its file is called.
+    pub(crate) const fn text(endings: &'static [&'static str]) -> FileKind {
+        FileKind { endings, is_binary: false, is_known_by_ending: false }
+    }
+
+    /// Binary data, which is read whatever its file is called.
+    pub(crate) const fn binary(endings: &'static [&'static str]) -> FileKind {
+        FileKind { is_binary: true, ..FileKind::text(endings) }
+    }
+
+    /// The same, recognized by the ending.
+    pub(crate) const fn known_by_ending(self) -> FileKind {
+        FileKind { is_known_by_ending: true, ..self }
+    }
+}
+
 /// A format that an option or the ending of a file chooses.
 pub(crate) trait FileFormat: ValueEnum + Copy + PartialEq + 'static {
     /// The option that chooses it.
     const OPTION: &'static str = "--format";
 
-    /// Endings of its files.
-    fn endings(self) -> &'static [&'static str];
-
-    /// Whether a terminal cannot show it.
-    fn is_binary(self) -> bool {
-        false
-    }
-
-    /// Whether other programs recognize it by the ending of the file.
-    fn is_known_by_ending(self) -> bool {
-        false
-    }
+    /// Its files.
+    fn file(self) -> FileKind;
 
     /// The name that the option takes.
     fn name(self) -> String {
@@ -109,45 +140,30 @@ pub(crate) trait FileFormat: ValueEnum + Copy + PartialEq + 'static {
 }
 
 impl FileFormat for TableFormat {
-    fn endings(self) -> &'static [&'static str] {
+    fn file(self) -> FileKind {
         match self {
-            TableFormat::Csv => &["csv"],
-            TableFormat::Json => &["json"],
-            TableFormat::Npy => &["npy"],
-            TableFormat::Npz => &["npz"],
-            TableFormat::Vtk => &["vti", "vtp"],
-            TableFormat::Parquet => &["parquet"],
+            TableFormat::Csv => FileKind::text(&["csv"]),
+            TableFormat::Json => FileKind::text(&["json"]),
+            TableFormat::Npy => FileKind::binary(&["npy"]),
+            TableFormat::Npz => FileKind::binary(&["npz"]),
+            TableFormat::Vtk => FileKind::binary(&["vti", "vtp"]).known_by_ending(),
+            TableFormat::Parquet => FileKind::binary(&["parquet"]),
         }
-    }
-
-    fn is_binary(self) -> bool {
-        !matches!(self, TableFormat::Csv | TableFormat::Json)
-    }
-
-    fn is_known_by_ending(self) -> bool {
-        self == TableFormat::Vtk
     }
 }
 
 impl FileFormat for ExportFormat {
     const OPTION: &'static str = "--to";
 
-    fn endings(self) -> &'static [&'static str] {
+    fn file(self) -> FileKind {
         match self {
-            ExportFormat::Magpylib | ExportFormat::MagpylibImport => &["py"],
-            ExportFormat::Vtk => &["vtp"],
-            ExportFormat::Dxf => &["dxf"],
-            ExportFormat::Stl => &["stl"],
-            ExportFormat::CHeader => &["h"],
+            ExportFormat::Magpylib => FileKind::text(&["py"]),
+            ExportFormat::MagpylibImport => FileKind::text(&["py"]).known_by_ending(),
+            ExportFormat::Vtk => FileKind::binary(&["vtp"]).known_by_ending(),
+            ExportFormat::Dxf => FileKind::text(&["dxf"]).known_by_ending(),
+            ExportFormat::Stl => FileKind::binary(&["stl"]).known_by_ending(),
+            ExportFormat::CHeader => FileKind::text(&["h"]).known_by_ending(),
         }
-    }
-
-    fn is_binary(self) -> bool {
-        matches!(self, ExportFormat::Vtk | ExportFormat::Stl)
-    }
-
-    fn is_known_by_ending(self) -> bool {
-        self != ExportFormat::Magpylib
     }
 }
 
@@ -178,18 +194,10 @@ impl ValueEnum for DecoupleFormat {
 }
 
 impl FileFormat for DecoupleFormat {
-    fn endings(self) -> &'static [&'static str] {
+    fn file(self) -> FileKind {
         match self {
-            DecoupleFormat::Text => &["txt"],
-            DecoupleFormat::Table(format) => format.endings(),
+            DecoupleFormat::Text => FileKind::text(&["txt"]),
+            DecoupleFormat::Table(format) => format.file(),
         }
-    }
-
-    fn is_binary(self) -> bool {
-        matches!(self, DecoupleFormat::Table(format) if format.is_binary())
-    }
-
-    fn is_known_by_ending(self) -> bool {
-        matches!(self, DecoupleFormat::Table(format) if format.is_known_by_ending())
     }
 }

@@ -20,6 +20,7 @@ pub(crate) mod readings;
 pub(crate) mod sorting;
 
 use clap::{Parser, Subcommand};
+use numbers::whole;
 
 #[cfg(feature = "report")]
 use crate::verbs::report;
@@ -54,7 +55,7 @@ pub(crate) struct Args {
 #[command(next_help_heading = "Options of every command")]
 pub(crate) struct CommonArgs {
     /// Number of threads that compute [default: one per processor]; results do not depend on it
-    #[arg(long, global = true, value_name = "N", value_parser = threads)]
+    #[arg(long, global = true, value_name = "N", value_parser = |text: &str| whole(text, 1..=MAX_THREADS))]
     pub(crate) threads: Option<usize>,
     /// Print results and errors only: no progress and no remarks; check prints only what fails
     #[arg(short, long, global = true)]
@@ -64,11 +65,6 @@ pub(crate) struct CommonArgs {
 /// Largest number of threads: above the number of processors of any machine the program is meant
 /// for.
 const MAX_THREADS: usize = 1024;
-
-fn threads(text: &str) -> Result<usize, String> {
-    let number = text.parse().ok().filter(|n| (1..=MAX_THREADS).contains(n));
-    number.ok_or_else(|| format!("must be a whole number from 1 to {MAX_THREADS}"))
-}
 
 #[derive(Subcommand)]
 pub(crate) enum Verb {

@@ -1,5 +1,9 @@
 //! Numbers with units as a person types them: `8mm`, `20mmx20mm`, `-3.9..-2.4`, `0.1µT`.
 
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
 use crate::decimal;
 use crate::units::{self, ANGLES, FLUX_DENSITIES, LENGTHS, Unit, in_rad};
 
@@ -36,6 +40,12 @@ pub(crate) fn fraction(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let (number, exponent) = text.strip_suffix('%').map_or((text, 0), |percent| (percent.trim(), -2));
     decimal::scaled(number, exponent).ok_or_else(|| "must be a fraction such as 0.005 or 0.5%".to_owned())
+}
+
+/// A whole number in a range.
+pub(crate) fn whole<T: FromStr + PartialOrd + Display>(text: &str, range: RangeInclusive<T>) -> Result<T, String> {
+    let number = text.parse().ok().filter(|number| range.contains(number));
+    number.ok_or_else(|| format!("must be a whole number from {} to {}", range.start(), range.end()))
 }
 
 /// A number above 0.

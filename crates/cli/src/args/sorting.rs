@@ -4,6 +4,7 @@ use clap::Args;
 use magsplice::making::{AssignmentSettings, MeasurementErrors, Sorting};
 
 use super::measurement::MeasurementArgs;
+use super::numbers::whole;
 use crate::failure::Failure;
 
 /// Starts and disturbances of the search for each sample. With 16 and 200, as `assign` has, the P95
@@ -18,7 +19,7 @@ pub(crate) struct SortingArgs {
     #[arg(long)]
     pub(crate) sorted: bool,
     /// Number of tiles that are cut beyond those of the film, in proportion to its parts
-    #[arg(long, value_name = "N", requires = "sorted", value_parser = spares)]
+    #[arg(long, value_name = "N", requires = "sorted", value_parser = |text: &str| whole(text, 0..=MAX_SPARES))]
     pub(crate) spares: Option<usize>,
     /// Turn no tile over: the side that was up when it was measured stays up
     #[arg(long, requires = "sorted")]
@@ -32,12 +33,8 @@ impl SortingArgs {
     pub(crate) fn sorting(&self) -> Result<Option<Sorting>, Failure> {
         let errors = self.errors.errors();
         if !self.sorted {
-            return match errors {
-                Some(_) => Err(Failure::Format(
-                    "errors of measurements are those of tiles that are sorted: give --sorted".to_owned(),
-                )),
-                None => Ok(None),
-            };
+            let refused = "errors of measurements are those of tiles that are sorted: give --sorted";
+            return errors.map_or(Ok(None), |_| Err(Failure::Refused(refused.to_owned())));
         }
         let settings = AssignmentSettings { starts: STARTS, kicks: KICKS, seed: 1, may_turn_over: !self.keep_side_up };
         let measurement: MeasurementErrors = errors.unwrap_or_default();
@@ -47,8 +44,3 @@ impl SortingArgs {
 
 /// Largest number of spare tiles.
 const MAX_SPARES: usize = 100_000;
-
-fn spares(text: &str) -> Result<usize, String> {
-    let spares = text.parse().ok().filter(|n| *n <= MAX_SPARES);
-    spares.ok_or_else(|| format!("must be a whole number from 0 to {MAX_SPARES}"))
-}

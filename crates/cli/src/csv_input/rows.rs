@@ -50,7 +50,7 @@ impl<C> Rows<C> {
         has_names: impl Fn(&[String]) -> bool,
         find: impl FnOnce(&mut Finder) -> Option<C>,
     ) -> Result<Rows<C>, Failure> {
-        let failed = |message: String| Failure::Points { path: path.to_owned(), message };
+        let failed = |message: String| Failure::at(path, message);
         let table = CsvTable::open(path, has_names, example).map_err(failed)?;
         let mut finder = Finder::new(&table.names);
         let found = find(&mut finder).filter(|_| finder.faults.is_empty());
@@ -59,7 +59,7 @@ impl<C> Rows<C> {
         let Some(columns) = found else {
             let (mut faults, line) = (FaultList::default(), table.names_line);
             finder.faults.into_iter().for_each(|fault| faults.add(line, format!("line {line}: {fault}")));
-            return Err(faults.failure(path.display().to_string()));
+            return Err(faults.failure(path.display()));
         };
         Ok(Rows { path: path.to_owned(), form, table, columns, ignored, count: 0 })
     }
@@ -81,7 +81,7 @@ impl<C> Rows<C> {
         faults: &mut FaultList,
         value: impl FnOnce(&C, &mut Cells) -> Option<T>,
     ) -> Result<Option<Option<(T, u64)>>, Failure> {
-        let failed = |message: String| Failure::Points { path: self.path.clone(), message };
+        let failed = |message: String| Failure::at(&self.path, message);
         let Form { rows, most, too_many } = self.form;
         let row = self.table.next_row().map_err(failed)?;
         self.count += usize::from(row.is_some());
@@ -119,7 +119,7 @@ impl<C> Rows<C> {
                 lines.push(line);
             }
         }
-        if faults.is_empty() { Ok((values, lines)) } else { Err(faults.failure(self.path.display().to_string())) }
+        if faults.is_empty() { Ok((values, lines)) } else { Err(faults.failure(self.path.display())) }
     }
 }
 

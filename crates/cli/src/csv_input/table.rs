@@ -5,7 +5,7 @@
 //! `numpy.savetxt` writes them.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::io::{self, BufRead, BufReader, Cursor, IsTerminal, Read};
 use std::path::Path;
 
 use csv::StringRecord;
@@ -43,6 +43,11 @@ pub(crate) enum Row {
 /// Whether this path names standard input.
 pub(crate) fn is_stdin(path: &Path) -> bool {
     path == Path::new("-")
+}
+
+/// Whether points are read from standard input on a terminal, where a person types them.
+pub(crate) fn are_typed(path: Option<&Path>) -> bool {
+    path.is_some_and(is_stdin) && io::stdin().is_terminal()
 }
 
 impl CsvTable {

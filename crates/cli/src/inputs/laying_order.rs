@@ -50,7 +50,7 @@ pub(crate) fn read(path: &Path, layout: &Layout) -> Result<Vec<usize>, Failure> 
             counted(count, "tile of the layout is", "tiles of the layout are"),
             layout.tiles[missing].name
         );
-        return Err(Failure::Points { path: path.to_owned(), message });
+        return Err(Failure::at(path, message));
     }
     Ok(order)
 }

@@ -1,17 +1,17 @@
 //! Points from a CSV file, read in batches or all.
 
-use std::io::{self, IsTerminal};
 use std::path::Path;
 
 use magsplice::prelude::DVec3;
+use magsplice::results::Points;
 
-use crate::args::points::LengthUnitArg;
+use crate::args::points::{LengthUnitArg, PointsArgs};
 use crate::csv_input::finder::{Column, Finder};
 use crate::csv_input::quantities::POSITION;
 use crate::csv_input::rows::{Form, Rows};
-use crate::csv_input::table::is_stdin;
 use crate::failure::Failure;
 use crate::faults::FaultList;
+use crate::session::{OF_POINTS, Session};
 use crate::units;
 
 /// Points read at a time, and in `field` evaluated and written at a time. Bounds the memory, and is
@@ -32,11 +32,6 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// An open point file.
 pub(crate) struct PointFile(Rows<[Column; 3]>);
 
-/// Whether points are read from standard input on a terminal, where a person types them.
-pub(crate) fn are_typed(path: Option<&Path>) -> bool {
-    path.is_some_and(is_stdin) && io::stdin().is_terminal()
-}
-
 /// All points of a file, and the line of each.
 ///
 /// `tell` prints a remark about the file.
@@ -46,6 +41,15 @@ pub(crate) fn read_all(
     tell: &dyn Fn(&str),
 ) -> Result<(Vec<DVec3>, Vec<u64>), Failure> {
     open(path, unit, MAX_HELD_POINTS, tell)?.read_all(|columns, cells| cells.vector(columns))
+}
+
+/// The points of a file, or without one the working volume, and words for where they are from.
+pub(crate) fn given(session: &Session, args: &PointsArgs) -> Result<(Points, String), Failure> {
+    let Some(path) = args.path() else {
+        return Ok((Points::Grid(session.volume(OF_POINTS)?.grid), "points of the working volume".to_owned()));
+    };
+    let (points, _) = read_all(path, args.unit, &|remark| session.tell(remark))?;
+    Ok((Points::Scattered(points), format!("points of {}", path.display())))
 }
 
 impl PointFile {
@@ -99,7 +103,7 @@ fn open(
 
 /// The failure of a file with more than [`MAX_HELD_POINTS`].
 pub(crate) fn too_many_points(path: &Path) -> Failure {
-    Failure::Points { path: path.to_owned(), message: format!("has more than {MAX_HELD_POINTS} points{TOO_MANY}") }
+    Failure::at(path, format!("has more than {MAX_HELD_POINTS} points{TOO_MANY}"))
 }
 
 /// The columns of x, y, z, or `None` after adding a fault.

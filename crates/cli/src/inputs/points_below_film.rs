@@ -52,7 +52,7 @@ impl<'a> GivenPoints<'a> {
         if faults.is_empty() {
             Ok(Some(GivenPoints { session, path, points, lines }))
         } else {
-            Err(faults.failure(path.display().to_string()))
+            Err(faults.failure(path.display()))
         }
     }
 
@@ -74,6 +74,6 @@ impl<'a> GivenPoints<'a> {
             let cause = no_field(error.cause, &self.session.layout);
             faults.add(line, format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z));
         }
-        faults.failure(self.path.display().to_string())
+        faults.failure(self.path.display())
     }
 }

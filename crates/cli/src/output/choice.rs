@@ -24,16 +24,16 @@ pub(crate) fn choose<F: FileFormat>(asked: Option<F>, output: Option<&Path>, def
     let formats = F::value_variants();
     let ending = output.and_then(|path| path.extension()).map(|ending| ending.to_string_lossy().to_lowercase());
     // Formats may share an ending, which then stands for the first of them.
-    let has_ending = |format: &F| ending.as_ref().is_some_and(|e| format.endings().contains(&e.as_str()));
+    let has_ending = |format: &F| ending.as_ref().is_some_and(|e| format.file().endings.contains(&e.as_str()));
     let meant = asked.filter(has_ending).or_else(|| formats.iter().copied().find(has_ending));
     let path = || output.unwrap_or(Path::new("-")).display();
     let endings = |formats: &[F]| {
         let mut all: Vec<String> =
-            formats.iter().flat_map(|f| f.endings()).map(|ending| format!(".{ending}")).collect();
+            formats.iter().flat_map(|f| f.file().endings).map(|ending| format!(".{ending}")).collect();
         all.dedup();
         all.join(", ")
     };
-    let refused = |why: String| Err(Failure::Format(format!("{}: {why}", path())));
+    let refused = |why: String| Err(Failure::Refused(format!("{}: {why}", path())));
     let format = match (asked, meant, &ending) {
         (Some(asked), Some(meant), _) if asked != meant => {
             let (option, asked, meant) = (F::OPTION, asked.name(), meant.name());
@@ -41,15 +41,17 @@ pub(crate) fn choose<F: FileFormat>(asked: Option<F>, output: Option<&Path>, def
                 "the ending means {meant}, which contradicts {option} {asked}: change one of them"
             ));
         }
-        (asked, None, Some(ending)) if ending == LEGACY_VTK && asked.is_none_or(FileFormat::is_known_by_ending) => {
-            let others = formats.iter().flat_map(|format| format.endings());
+        (asked, None, Some(ending))
+            if ending == LEGACY_VTK && asked.is_none_or(|asked| asked.file().is_known_by_ending) =>
+        {
+            let others = formats.iter().flat_map(|format| format.file().endings);
             let words = match others.filter(|ending| VTK.contains(ending)).count() {
                 1 => "write .vtp",
                 _ => "write .vti (grid) or .vtp (points)",
             };
             return refused(format!("the legacy format of VTK is not written: {words}"));
         }
-        (Some(asked), None, Some(ending)) if asked.is_known_by_ending() => {
+        (Some(asked), None, Some(ending)) if asked.file().is_known_by_ending => {
             let (name, endings) = (asked.name(), endings(&[asked]));
             return refused(format!(
                 "programs recognize {name} by the ending, and .{ending} is another format: use {endings}"
@@ -65,8 +67,8 @@ pub(crate) fn choose<F: FileFormat>(asked: Option<F>, output: Option<&Path>, def
         },
         (Some(format), _, _) | (None, Some(format), _) => format,
     };
-    if format.is_binary() && output.is_none_or(is_standard) && io::stdout().is_terminal() {
-        return Err(Failure::Format(format!(
+    if format.file().is_binary && output.is_none_or(is_standard) && io::stdout().is_terminal() {
+        return Err(Failure::Refused(format!(
             "{} is binary and would go to the terminal: give a file with -o, or redirect standard output",
             format.name()
         )));
@@ -82,7 +84,7 @@ pub(crate) fn choose_rows(
 ) -> Result<TableFormat, Failure> {
     let format = choose(asked, output, Some(TableFormat::Csv))?;
     if format == TableFormat::Vtk {
-        return Err(Failure::Format(format!("{things} have no place in VTK: give another --format")));
+        return Err(Failure::Refused(format!("{things} have no place in VTK: give another --format")));
     }
     accept(format, None, false)?;
     Ok(format)
@@ -92,13 +94,13 @@ pub(crate) fn choose_rows(
 /// points.
 pub(crate) fn accept(format: TableFormat, output: Option<&Path>, on_grid: bool) -> Result<(), Failure> {
     if format == TableFormat::Parquet && cfg!(not(feature = "parquet")) {
-        return Err(Failure::Format(WITHOUT_PARQUET.to_owned()));
+        return Err(Failure::Refused(WITHOUT_PARQUET.to_owned()));
     }
     let (kind, ending) =
         if on_grid { ("the working volume is image data", "vti") } else { ("points of a file are poly data", "vtp") };
     let has_ending = |path: &Path| path.extension().is_none_or(|e| e.eq_ignore_ascii_case(ending));
     if let Some(path) = output.filter(|path| format == TableFormat::Vtk && !has_ending(path)) {
-        return Err(Failure::Format(format!(
+        return Err(Failure::Refused(format!(
             "{}: {kind}, which programs recognize by the ending: use .{ending}",
             path.display()
         )));

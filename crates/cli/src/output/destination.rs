@@ -45,7 +45,7 @@ impl Output {
         let Some(path) = path.filter(|path| !is_standard(path)) else {
             return Ok(Output::Stdout(BufWriter::new(io::stdout().lock())));
         };
-        let failed = |error: io::Error| Failure::Write { target: path.display().to_string(), error };
+        let failed = |error: io::Error| Failure::write(path, error);
         let refused = |why: &str| failed(io::Error::other(why.to_owned()));
         let destination = followed(path).map_err(failed)?;
         if destination.is_dir() {
@@ -107,20 +107,22 @@ impl Output {
             return output.finish();
         }
         if let Output::File { temporary, destination, named, .. } = self {
-            temporary
-                .persist(&destination)
-                .map_err(|e| Failure::Write { target: named.display().to_string(), error: e.error })?;
+            temporary.persist(&destination).map_err(|e| Failure::write(&named, e.error))?;
         }
         Ok(())
+    }
+
+    /// Writes a text, which is the whole output.
+    pub(crate) fn complete(mut self, text: &str) -> Result<(), Failure> {
+        self.write(|writer| writer.write_all(text.as_bytes()))?;
+        self.finish()
     }
 
     fn failure(&self, error: io::Error) -> Failure {
         match self {
             _ if error.kind() == io::ErrorKind::BrokenPipe => Failure::PipeClosed,
             Output::Stdout(_) => Failure::Write { target: "standard output".to_owned(), error },
-            Output::File { named, .. } | Output::Special { named, .. } => {
-                Failure::Write { target: named.display().to_string(), error }
-            }
+            Output::File { named, .. } | Output::Special { named, .. } => Failure::write(named, error),
             Output::HeldBack { .. } => {
                 Failure::Write { target: format!("to the folder {}", std::env::temp_dir().display()), error }
             }
@@ -199,7 +201,7 @@ pub(crate) fn create(path: &Path, text: &str) -> Result<(), Failure> {
             io::ErrorKind::AlreadyExists => io::Error::other("it exists already, and was not changed"),
             _ => error,
         };
-        Failure::Write { target: path.display().to_string(), error }
+        Failure::write(path, error)
     })
 }
 
@@ -242,7 +244,5 @@ fn new_file_permissions() -> Option<fs::Permissions> {
 
 /// Writes a text to standard output.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
-    let mut output = Output::open(None, &[])?;
-    output.write(|writer| writer.write_all(text.as_bytes()))?;
-    output.finish()
+    Output::open(None, &[])?.complete(text)
 }

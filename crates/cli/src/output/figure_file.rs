@@ -7,7 +7,7 @@ use magsplice_report::{Drawing, ReportError};
 
 use super::choice;
 use super::destination::Output;
-use crate::args::formats::FileFormat;
+use crate::args::formats::{FileFormat, FileKind};
 use crate::failure::Failure;
 
 /// Formats of a figure.
@@ -22,19 +22,11 @@ pub(crate) enum FigureFormat {
 impl FileFormat for FigureFormat {
     const OPTION: &'static str = "--figure";
 
-    fn endings(self) -> &'static [&'static str] {
+    fn file(self) -> FileKind {
         match self {
-            FigureFormat::Svg => &["svg"],
-            FigureFormat::Png => &["png"],
+            FigureFormat::Svg => FileKind::text(&["svg"]).known_by_ending(),
+            FigureFormat::Png => FileKind::binary(&["png"]).known_by_ending(),
         }
-    }
-
-    fn is_binary(self) -> bool {
-        self == FigureFormat::Png
-    }
-
-    fn is_known_by_ending(self) -> bool {
-        true
     }
 }
 
@@ -54,7 +46,7 @@ pub(crate) fn open(path: Option<&Path>, inputs: &[&Path]) -> Result<Option<Figur
 impl FigureFile {
     /// Writes the figure that was drawn.
     pub(crate) fn write(mut self, drawn: Result<Drawing, ReportError>) -> Result<(), Failure> {
-        let figure = drawn.map_err(|error| Failure::Format(error.to_string()))?;
+        let figure = drawn?;
         self.output.write(|w| match self.format {
             FigureFormat::Svg => w.write_all(figure.svg.as_bytes()),
             FigureFormat::Png => w.write_all(&figure.png),

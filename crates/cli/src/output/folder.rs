@@ -30,7 +30,7 @@ impl Folder {
     /// of the same command. Such a folder is replaced if its files are as they were written and
     /// none of them is one of the `inputs`.
     pub(crate) fn open(path: &Path, command: &str, inputs: &[&Path]) -> Result<Folder, Failure> {
-        let failed = |error: io::Error| Failure::Write { target: path.display().to_string(), error };
+        let failed = |error: io::Error| Failure::write(path, error);
         // A link stays a link: the folder it leads to is replaced.
         let destination = followed(path).map_err(failed)?;
         let list = format!("# magsplice {command}\n");
@@ -69,18 +69,22 @@ impl Folder {
         self.write_unlisted(name, contents)
     }
 
+    /// Writes files with their names.
+    pub(crate) fn write_all<'f>(&mut self, files: impl IntoIterator<Item = (String, &'f [u8])>) -> Result<(), Failure> {
+        files.into_iter().try_for_each(|(name, contents)| self.write(&name, contents))
+    }
+
     fn write_unlisted(&self, name: &str, contents: &[u8]) -> Result<(), Failure> {
-        let target = || self.named.join(name).display().to_string();
         // An interruption that removes the folder waits until the file is written.
         let written = interrupt::uninterrupted(|| fs::write(self.filled.path().join(name), contents));
-        written.map_err(|error| Failure::Write { target: target(), error })
+        written.map_err(|error| Failure::write(&self.named.join(name), error))
     }
 
     /// Moves the folder to its destination. Without this call it never appears.
     pub(crate) fn finish(self) -> Result<(), Failure> {
         self.write_unlisted(LIST, self.list.as_bytes())?;
         let Folder { filled, destination, named, list } = self;
-        let failed = |error| Failure::Write { target: named.display().to_string(), error };
+        let failed = |error| Failure::write(&named, error);
         interrupt::uninterrupted(|| {
             if !destination.exists() {
                 fs::rename(filled.path(), &destination)?;

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use magsplice::Film;
 use magsplice::layout::{Layout, WorkingVolume};
-use magsplice::{Film, FilmRecoil};
 
 use super::number::counted;
 use super::recoil;
@@ -14,8 +14,8 @@ pub(crate) fn layout(layout: &Layout) -> String {
 }
 
 /// A layout, and what recoil changes in its field.
-pub(crate) fn with_recoil(of: &Layout, recoil: Option<&FilmRecoil>) -> String {
-    layout(of) + &recoil.map_or(String::new(), recoil::line)
+pub(crate) fn with_recoil(film: &Film) -> String {
+    layout(film.layout()) + &recoil(film)
 }
 
 /// A film with its working volume, or with a number of points of a file.
@@ -50,8 +50,11 @@ pub(crate) fn film(film: &Film, volume: &WorkingVolume) -> String {
 
 /// The accuracy of a film's field, and what recoil changes in it.
 pub(crate) fn accuracy(film: &Film) -> String {
-    let recoil = film.recoil().map_or(String::new(), recoil::line);
-    format!("accuracy: {}\n{recoil}", film.scene().accuracy())
+    format!("accuracy: {}\n{}", film.scene().accuracy(), recoil(film))
+}
+
+fn recoil(film: &Film) -> String {
+    film.recoil().map_or(String::new(), recoil::line)
 }
 
 pub(crate) fn tile_count(layout: &Layout) -> String {

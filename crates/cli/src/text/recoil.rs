@@ -5,20 +5,20 @@ use std::fmt::Write;
 use magsplice::decouple::{Figure, Parameter};
 use magsplice::layout::Layout;
 use magsplice::magnet::Axis;
-use magsplice::{FiguresWithRecoil, Film, FilmRecoil, RecoilEstimate};
+use magsplice::{FiguresWithRecoil, Film, FilmRecoil, RecoilEstimate, RecoilSummary};
 
 use super::number::{counted, uniformity_number};
 use super::rows;
-use super::units::{in_deg, in_mt, in_per_cent};
+use super::units::{in_mt, in_per_cent};
 
 /// The line of a header: cells, and the error of B.
 pub(crate) fn line(recoil: &FilmRecoil) -> String {
+    let RecoilSummary { cells, level, change_t, error_t, .. } = recoil.summary;
     format!(
-        "recoil: {} at level {}, B changes by up to {} mT, known to {} mT\n",
-        counted(recoil.magnetization().cells().len(), "cell", "cells"),
-        recoil.level(),
-        short(in_mt(recoil.change_t())),
-        short(in_mt(recoil.error_t()))
+        "recoil: {} at level {level}, B changes by up to {} mT, known to {} mT\n",
+        counted(cells, "cell", "cells"),
+        short(in_mt(change_t)),
+        short(in_mt(error_t))
     )
 }
 
@@ -27,7 +27,7 @@ pub(crate) fn line(recoil: &FilmRecoil) -> String {
 pub(crate) fn section(film: &Film, recoil: &FilmRecoil) -> String {
     let mut text = String::new();
     rows::heading(&mut text, "recoil", ["without", "with", "known to"]);
-    if let Some(FiguresWithRecoil { without, with_recoil, errors }) = recoil.figures() {
+    if let Some(FiguresWithRecoil { without, with_recoil, errors }) = recoil.summary.figures {
         for (label, figure) in LABELS {
             let [without, with] = [&without, &with_recoil].map(|of| uniformity_number(of.get(figure).copied()));
             let error = errors.get(figure).map_or(String::new(), |error| short(*error));
@@ -35,15 +35,13 @@ pub(crate) fn section(film: &Film, recoil: &FilmRecoil) -> String {
         }
     }
     let changes = recoil.tile_changes();
-    let weakening = || changes.iter().map(|change| in_per_cent(change.weakening));
-    let turn_deg = changes.iter().map(|change| in_deg(change.angle)).fold(0.0, f64::max);
-    let (least, most) = (weakening().fold(f64::INFINITY, f64::min), weakening().fold(f64::NEG_INFINITY, f64::max));
+    let least = changes.iter().map(|change| in_per_cent(change.weakening)).fold(f64::INFINITY, f64::min);
     let _ = writeln!(
         text,
         "  tiles weaken by {} to {} %, and turn by up to {} degrees",
         short(least),
-        short(most),
-        short(turn_deg)
+        short(in_per_cent(recoil.summary.largest_weakening)),
+        short(recoil.summary.largest_turn_deg.max(0.0))
     );
     if let Some(knee_t) = film.layout().material.knee_field_t {
         let none = || format!("no cell is beyond the knee at mu0 H = -{knee_t} T");

@@ -1,6 +1,7 @@
 //! Rows of tables.
 
 use std::fmt::Write;
+use std::iter;
 
 use magsplice::prelude::DVec3;
 
@@ -68,6 +69,20 @@ pub(crate) fn lines<const N: usize>(columns: &[Column; N], rows: &[[String; N]])
 /// The rows of a table as text.
 pub(crate) fn table<const N: usize>(columns: &[Column; N], rows: &[[String; N]]) -> String {
     lines(columns, rows).into_iter().map(|line| line + "\n").collect()
+}
+
+/// A table with a head, whose columns are as wide as their widest cell and separated by two spaces.
+pub(crate) fn headed<const N: usize>(head: [&str; N], rows: impl IntoIterator<Item = [String; N]>) -> String {
+    let rows: Vec<[String; N]> = iter::once(head.map(str::to_owned)).chain(rows).collect();
+    table(&[COMPACT; N], &rows)
+}
+
+/// Rows of text as CSV.
+pub(crate) fn csv(rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    rows.into_iter().for_each(|row| writer.write_record(row).expect("memory takes every row"));
+    let bytes = writer.into_inner().expect("memory takes every row");
+    String::from_utf8(bytes).expect("text is written as text")
 }
 
 /// Lines of cells in columns that are as wide as their widest cell, separated by two spaces.

@@ -7,19 +7,17 @@ use std::time::Duration;
 use magsplice::FilmError;
 use magsplice::layout::Layout;
 use magsplice::magnet::Accuracy;
-use magsplice::results::{BenchCase, BenchPoints, FilmBench};
+use magsplice::results::{BenchCase, FilmBench};
 
 use crate::args::formats::TextOrJson;
 use crate::args::points::PointsArgs;
 use crate::failure::Failure;
 use crate::inputs::points;
-use crate::output::json;
 use crate::remarks;
 use crate::session::Session;
 use crate::text::header;
 use crate::text::number::counted;
 use crate::text::units::in_ms;
-use crate::words::no_points;
 
 /// Measure how fast the field of a layout is computed on this machine.
 ///
@@ -53,16 +51,9 @@ fn seconds(text: &str) -> Result<f64, String> {
 pub(crate) fn run(args: &BenchArgs, quiet: bool) -> Result<(), Failure> {
     let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
     let session = Session::open_with_points(&args.layout, args.points.path(), subjects, quiet)?;
-    let (points, points_of) = match (args.points.path(), &session.layout.volume) {
-        (Some(path), _) => {
-            let (points, _) = points::read_all(path, args.points.unit, &|remark| session.tell(remark))?;
-            (BenchPoints::Scattered(points), format!("points of {}", path.display()))
-        }
-        (None, Some(volume)) => (BenchPoints::Grid(volume.grid), "points of the working volume".to_owned()),
-        (None, None) => return Err(no_points(&args.layout, FilmError::Missing("volume"))),
-    };
+    let (points, points_of) = points::given(&session, &args.points)?;
     let measured = session.film()?.bench(&points, Duration::from_secs_f64(args.seconds));
-    let measured = measured.map_err(|error| Failure::Format(format!("cannot start threads: {error}")))?;
+    let measured = measured.map_err(|error| Failure::Refused(format!("cannot start threads: {error}")))?;
     session.progress.end();
     // Points without any field have none to a tolerance either.
     for case in measured.cases.iter().filter(|case| case.accuracy == Accuracy::Exact) {
@@ -70,10 +61,7 @@ pub(crate) fn run(args: &BenchArgs, quiet: bool) -> Result<(), Failure> {
             return Err(session.failed(FilmError::Points(errors.clone())));
         }
     }
-    session.print(&match args.format {
-        TextOrJson::Text => text(&session.layout, &measured, &points_of),
-        TextOrJson::Json => json::pretty(&measured),
-    })
+    session.print(&args.format.shown(&measured, || text(&session.layout, &measured, &points_of)))
 }
 
 /// The result of a measurement; `points_of` says where the points are from.

@@ -12,10 +12,9 @@ use magsplice::tolerance::Estimate;
 use magsplice_report::budget_figure;
 
 use super::tolerance::require_errors;
-use crate::args::formats::{ResultArgs, TextOrJson};
+use crate::args::formats::ResultArgs;
 use crate::args::preset::PresetArgs;
 use crate::failure::Failure;
-use crate::output::json;
 use crate::remarks;
 use crate::session::Session;
 use crate::text::number::counted;
@@ -67,10 +66,7 @@ pub(crate) fn run(args: &BudgetArgs, quiet: bool) -> Result<(), Failure> {
         session.progress.end();
         file.write(budget_figure(&found))?;
     }
-    let result = match args.result.format {
-        TextOrJson::Text => text(&film, &found),
-        TextOrJson::Json => json::pretty(&found),
-    };
+    let result = args.result.format.shown(&found, || text(&film, &found));
     session.write(output, &result)
 }
 
@@ -78,7 +74,7 @@ pub(crate) fn run(args: &BudgetArgs, quiet: bool) -> Result<(), Failure> {
 const LISTED: usize = 3;
 
 fn text(film: &Film, found: &FilmBudget) -> String {
-    let mut text = header::with_recoil(film.layout(), film.recoil());
+    let mut text = header::with_recoil(film);
     text += "displacement error of the films that are made: RMS in mm, and share of the mean square\n\n";
     let mut table = vec![row("", ["x", "y", "z"].map(str::to_owned))];
     for part in &found.parts {

@@ -10,10 +10,9 @@ use magsplice::sensor::Stiffness;
 use magsplice::{Film, FilmError};
 
 use super::read::{located, unlocated};
-use crate::args::formats::{ResultArgs, TextOrJson};
+use crate::args::formats::ResultArgs;
 use crate::failure::Failure;
 use crate::inputs::readings;
-use crate::output::json;
 use crate::remarks;
 use crate::session::Session;
 use crate::text::number::{counted, number};
@@ -63,18 +62,15 @@ pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
             if !faults.is_empty() {
                 session.tell(&faults.remarks(&place));
             }
-            found.map_err(|error| Failure::Points { path: args.readings.clone(), message: error.to_string() })?
+            found.map_err(|error| Failure::at(&args.readings, error.to_string()))?
         }
     };
-    let result = match args.result.format {
-        TextOrJson::Text => text(&film, args, &found),
-        TextOrJson::Json => json::pretty(&found),
-    };
+    let result = args.result.format.shown(&found, || text(&film, args, &found));
     session.write(output, &result)
 }
 
 fn text(film: &Film, args: &CalibrateArgs, found: &FilmCalibration) -> String {
-    let mut text = header::with_recoil(film.layout(), film.recoil());
+    let mut text = header::with_recoil(film);
     let readings = counted(found.readings, "reading", "readings");
     let _ = writeln!(
         text,

@@ -10,7 +10,6 @@ use crate::args::formats::TextOrJson;
 use crate::args::points::PointsArgs;
 use crate::failure::Failure;
 use crate::inputs::points_below_film::GivenPoints;
-use crate::output::json;
 use crate::remarks;
 use crate::session::Session;
 use crate::text::number::number;
@@ -43,14 +42,13 @@ pub(crate) fn run(args: &CompareArgs, quiet: bool) -> Result<(), Failure> {
         Some(given) => film.compare_at(&given.points).map_err(|error| given.failure(error))?,
         None => film.compare().map_err(|error| session.failed(error))?,
     };
-    session.print(&match args.format {
-        TextOrJson::Json => json::pretty(&found),
-        TextOrJson::Text => format!(
+    session.print(&args.format.shown(&found, || {
+        format!(
             "{}\n{}",
             header::of_points(&film, given.as_ref().map(GivenPoints::summary)),
             comparison(&found.comparison)
-        ),
-    })
+        )
+    }))
 }
 
 /// The difference of the field from Eq. 2.

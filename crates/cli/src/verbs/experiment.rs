@@ -16,9 +16,8 @@ use crate::failure::Failure;
 use crate::inputs::readings;
 use crate::output::{choice, table};
 use crate::remarks;
-use crate::session::Session;
+use crate::session::{OF_SENSORS, Session};
 use crate::text::number::counted;
-use crate::words::no_volume;
 
 /// Move the film along x, y and z, and tell what its sensor reads.
 ///
@@ -87,11 +86,11 @@ enum BendAxis {
 pub(crate) fn run(args: &ExperimentArgs, quiet: bool) -> Result<(), Failure> {
     let session = Session::open(&args.layout, remarks::OF_FIELDS, quiet)?;
     let film = session.film()?;
-    film.volume().map_err(|error| no_volume(&args.layout, error))?;
+    session.volume(OF_SENSORS)?;
     let has_noise = film.layout().sensor.as_ref().is_some_and(|sensor| sensor.element.noise_t != DVec3::ZERO);
     if args.seed.is_some() && !has_noise {
-        let message = "the layout states no noise for --seed: give noise_ut or part in [sensor]".to_owned();
-        return Err(Failure::Points { path: args.layout.clone(), message });
+        let message = "the layout states no noise for --seed: give noise_ut or part in [sensor]";
+        return Err(Failure::at(&args.layout, message));
     }
     let format = choice::choose_rows(args.format, args.output.as_deref(), "steps")?;
     let mut output = session.output(args.output.as_deref(), args.heights.as_deref())?;
@@ -99,9 +98,8 @@ pub(crate) fn run(args: &ExperimentArgs, quiet: bool) -> Result<(), Failure> {
     let figure = session.figure(args.figure.as_deref(), args.heights.as_deref())?;
     let deformation = deformation(args)?;
     let made = (deformation != Deformation::default()).then(|| film.deformed(&deformation)).transpose();
-    let made = made.map_err(|error| Failure::Points {
-        path: args.layout.clone(),
-        message: format!("the film cannot be bent or moved so (lengths in mm): {error}"),
+    let made = made.map_err(|error| {
+        Failure::at(&args.layout, format_args!("the film cannot be bent or moved so (lengths in mm): {error}"))
     })?;
     let found = film.experiments(args.step, args.seed, made.as_ref()).map_err(|error| session.failed(error))?;
     table::write(&found.table(), &found, format, &mut output)?;
@@ -137,7 +135,7 @@ fn heights(path: &Path) -> Result<HeightMap, Failure> {
             }
             error => error.to_string(),
         };
-        Failure::Points { path: path.to_owned(), message }
+        Failure::at(path, message)
     })
 }
 

@@ -13,8 +13,7 @@ use crate::failure::Failure;
 use crate::output::choice;
 use crate::output::destination::Output;
 use crate::remarks;
-use crate::session::Session;
-use crate::words::no_volume;
+use crate::session::{OF_SENSORS, Session};
 
 /// Write the film for another program.
 ///
@@ -61,9 +60,9 @@ pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
         }
         (ExportFormat::MagpylibImport, Some(path)) => {
             let why = "--to magpylib-import writes a script that reads a magpylib collection, and takes no layout";
-            return Err(Failure::Format(format!("{}: {why}", path.display())));
+            return Err(Failure::Refused(format!("{}: {why}", path.display())));
         }
-        (_, None) => return Err(Failure::Format(format!("--to {} needs a layout file", format.name()))),
+        (_, None) => return Err(Failure::Refused(format!("--to {} needs a layout file", format.name()))),
         (_, Some(path)) => path,
     };
     let session = Session::open(path, remarks::OF_TILES, quiet)?;
@@ -71,7 +70,7 @@ pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
     let polynomial = match format {
         ExportFormat::CHeader => Some(polynomial(args, &session)?),
         _ if args.error.is_some() => {
-            return Err(Failure::Format(format!("--error is for --to c-header, not {}: leave it out", format.name())));
+            return Err(Failure::Refused(format!("--error is for --to c-header, not {}: leave it out", format.name())));
         }
         _ => None,
     };
@@ -94,14 +93,13 @@ pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
 /// The displacement in the working volume as a polynomial.
 fn polynomial(args: &ExportArgs, session: &Session) -> Result<SensorPolynomial, Failure> {
     let error_mm = args.error.unwrap_or(DEFAULT_ERROR_MM);
-    let refused = |message: String| Failure::Points { path: session.path.to_owned(), message };
+    session.volume(OF_SENSORS)?;
     session.film()?.displacement_polynomial(error_mm).map_err(|error| match error {
-        FilmError::Missing(_) => no_volume(session.path, error),
-        FilmError::Polynomial(PolynomialError::NotReached { least }) => refused(format!(
+        FilmError::Polynomial(PolynomialError::NotReached { least }) => Failure::at(session.path, format_args!(
             "no polynomial reaches an error of {error_mm} mm; the least is {least:.1e} mm: give a larger --error or a \
              smaller volume"
         )),
-        FilmError::Polynomial(other) => refused(other.to_string()),
+        FilmError::Polynomial(other) => Failure::at(session.path, other),
         error => session.failed(error),
     })
 }

@@ -14,6 +14,7 @@ use magsplice_export::csv;
 use crate::args::accuracy::AccuracyArgs;
 use crate::args::formats::TableFormat;
 use crate::args::points::PointsArgs;
+use crate::csv_input::table::are_typed;
 use crate::failure::Failure;
 use crate::faults::FaultList;
 use crate::inputs::points::{self, BATCH, PointFile};
@@ -21,8 +22,8 @@ use crate::output::destination::{Output, is_standard};
 use crate::output::{choice, table};
 use crate::progress::ProgressLine;
 use crate::remarks;
-use crate::session::Session;
-use crate::words::{no_field, no_points};
+use crate::session::{OF_POINTS, Session};
+use crate::words::no_field;
 
 /// Compute the field at points and write it as CSV or another table format.
 ///
@@ -79,7 +80,7 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
     // No progress line between results on the same terminal, nor between points that a person
     // types.
     let results_on_terminal = args.output.as_deref().is_none_or(is_standard) && stdout().is_terminal();
-    let visible = !quiet && !results_on_terminal && !points::are_typed(args.points.path());
+    let visible = !quiet && !results_on_terminal && !are_typed(args.points.path());
     let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
     let session = Session::begin(&args.layout, subjects, quiet, ProgressLine::start(visible))?;
     let accuracy = if quantity.has_accuracy() { args.accuracy.accuracy() } else { Accuracy::Exact };
@@ -114,7 +115,7 @@ fn at_points(args: &FieldArgs, session: &Session, film: &Film, path: &Path) -> R
 }
 
 fn on_grid(args: &FieldArgs, session: &Session, film: &Film) -> Result<(), Failure> {
-    let grid = film.volume().map_err(|error| no_points(&args.layout, error))?.grid;
+    let grid = session.volume(OF_POINTS)?.grid;
     let mut writer = FieldWriter::open(args, film, Points::Grid(grid))?;
     let fault = |error: &PointError, cause: &str| {
         let p = error.point;
@@ -187,7 +188,7 @@ impl<'a> FieldWriter<'a> {
     fn take_table(&mut self) -> Table {
         let points = mem::replace(&mut self.points, Points::Scattered(Vec::new()));
         let columns = self.quantity.columns(mem::take(&mut self.values));
-        Table::new(points, vec![columns], mem::take(&mut self.metadata)).expect("every point has its values")
+        Table::new(points, vec![columns], mem::take(&mut self.metadata))
     }
 
     /// Adds the rows of further points if no point before is an error. `fault` gives the line of a
@@ -224,7 +225,7 @@ impl<'a> FieldWriter<'a> {
 
     /// Completes the result. `place` is the file that the points are from.
     fn finish(mut self, session: &Session, place: &Path) -> Result<(), Failure> {
-        let place = place.display().to_string();
+        let place = place.display();
         if !self.errors.is_empty() {
             return Err(self.errors.failure(place));
         }
@@ -236,7 +237,7 @@ impl<'a> FieldWriter<'a> {
         self.output.finish()?;
         session.progress.end();
         if !self.written_as_nan.is_empty() {
-            session.tell(&self.written_as_nan.remarks(&place));
+            session.tell(&self.written_as_nan.remarks(place));
         }
         Ok(())
     }

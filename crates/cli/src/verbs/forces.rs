@@ -4,15 +4,15 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use magsplice::FilmError;
 use magsplice::layout::Layout;
 use magsplice::prelude::DVec3;
-use magsplice::results::{FilmLoads, OrderChoice, OrderedLoads, TileLoad};
-use magsplice::{FilmError, ForceChange};
+use magsplice::results::{FilmLoads, ForceChange, OrderChoice, OrderedLoads, TileLoad};
 use magsplice_export::csv;
 #[cfg(feature = "report")]
 use magsplice_report::{TileForce, forces_figure};
 
-use crate::args::formats::FileFormat;
+use crate::args::formats::{FileFormat, FileKind};
 use crate::failure::Failure;
 use crate::inputs::laying_order;
 use crate::output::choice;
@@ -81,11 +81,11 @@ pub(crate) enum ForcesFormat {
 }
 
 impl FileFormat for ForcesFormat {
-    fn endings(self) -> &'static [&'static str] {
+    fn file(self) -> FileKind {
         match self {
-            ForcesFormat::Text => &["txt"],
-            ForcesFormat::Json => &["json"],
-            ForcesFormat::Csv => &["csv"],
+            ForcesFormat::Text => FileKind::text(&["txt"]),
+            ForcesFormat::Json => FileKind::text(&["json"]),
+            ForcesFormat::Csv => FileKind::text(&["csv"]),
         }
     }
 }
@@ -111,7 +111,7 @@ pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
     let figure = session.figure(args.figure.as_deref(), order_path.as_deref())?;
     let loads = session.film()?.forces(args.turned_error, order).map_err(|error| match error {
         FilmError::Forces { ref tiles, .. } if !tiles.is_empty() => {
-            Failure::Points { path: args.layout.clone(), message: format!("{error} (--turned-error)") }
+            Failure::at(&args.layout, format!("{error} (--turned-error)"))
         }
         error => session.failed(error),
     })?;

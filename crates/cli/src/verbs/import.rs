@@ -60,7 +60,7 @@ pub(crate) struct ImportArgs {
 }
 
 pub(crate) fn run(args: &ImportArgs, quiet: bool) -> Result<(), Failure> {
-    let mut output = Output::open(args.output.as_deref(), &[&args.blocks])?;
+    let output = Output::open(args.output.as_deref(), &[&args.blocks])?;
     let Blocks { tiles, lines, ignored, suspicious_size_mm } = blocks::read(&args.blocks, args.unit, args.euler)?;
     let place = args.blocks.display().to_string();
     let source = if is_stdin(&args.blocks) { "standard input".to_owned() } else { file_name(&args.blocks) };
@@ -68,9 +68,8 @@ pub(crate) fn run(args: &ImportArgs, quiet: bool) -> Result<(), Failure> {
     let name = args.name.clone().unwrap_or_else(|| stem(&args.blocks));
     let layout = Layout { name, history, tiles, ..Layout::default() };
     let layout = layout.checked(&place).map_err(|error| in_lines(error, &place, &lines))?;
-    output.write(|w| w.write_all(layout.to_toml().as_bytes()))?;
     let to_file = !output.is_standard();
-    output.finish()?;
+    output.complete(&layout.to_toml())?;
     if quiet {
         return Ok(());
     }
@@ -108,7 +107,7 @@ fn stem(path: &Path) -> String {
 
 /// Broken rules of a layout with the lines of the blocks, which the places name.
 fn in_lines(error: LayoutError, place: &str, lines: &HashMap<String, u64>) -> Failure {
-    let LayoutError::Invalid { faults, .. } = error else { return Failure::Layout(error) };
+    let LayoutError::Invalid { faults, .. } = error else { return error.into() };
     let mut listed = FaultList::default();
     for LayoutFault { place, message, .. } in faults {
         let named = place.split('"').skip(1).step_by(2).filter_map(|name| lines.get(name));
@@ -120,7 +119,7 @@ fn in_lines(error: LayoutError, place: &str, lines: &HashMap<String, u64>) -> Fa
         };
         listed.add(0, format!("{at}{place}: {message}"));
     }
-    listed.failure(place.to_owned())
+    listed.failure(place)
 }
 
 fn order(text: &str) -> Result<EulerOrder, String> {

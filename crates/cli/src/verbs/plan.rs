@@ -13,12 +13,11 @@ use crate::args::formats::TextOrJson;
 use crate::args::points::PointsArgs;
 use crate::failure::Failure;
 use crate::inputs::points;
-use crate::output::json;
 use crate::remarks;
 use crate::session::Session;
 use crate::text::number::number;
 use crate::text::{header, recoil, rows};
-use crate::words::{film_failure, no_points};
+use crate::words::film_failure;
 
 /// Show which methods a tolerance allows, and the truncation error and cost of each.
 ///
@@ -45,24 +44,12 @@ pub(crate) fn run(args: &PlanArgs, quiet: bool) -> Result<(), Failure> {
     let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
     let session = Session::open_with_points(&args.layout, args.points.path(), subjects, quiet)?;
     let film = session.film()?.with_accuracy(args.accuracy.accuracy());
-    let (plan, points_of) = match args.points.path() {
-        Some(path) => {
-            let (points, _) = points::read_all(path, args.points.unit, &|remark| session.tell(remark))?;
-            let plan = film.plan_at(&points).map_err(|error| match error {
-                FilmError::Points(_) => film_failure(path, &session.layout, error),
-                error => session.failed(error),
-            })?;
-            (plan, format!("points of {}", path.display()))
-        }
-        None => {
-            film.volume().map_err(|error| no_points(&args.layout, error))?;
-            (film.plan().map_err(|error| session.failed(error))?, "points of the working volume".to_owned())
-        }
-    };
-    session.print(&match args.format {
-        TextOrJson::Text => text(&film, &plan, &points_of),
-        TextOrJson::Json => json::pretty(&plan),
-    })
+    let (points, points_of) = points::given(&session, &args.points)?;
+    let plan = film.plan(&points).map_err(|error| match (error, args.points.path()) {
+        (error @ FilmError::Points(_), Some(path)) => film_failure(path, &session.layout, error),
+        (error, _) => session.failed(error),
+    })?;
+    session.print(&args.format.shown(&plan, || text(&film, &plan, &points_of)))
 }
 
 /// The plan; `points_of` says where the points are from.

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use magsplice::prelude::DVec3;
-use magsplice::results::FilmReadings;
+use magsplice::results::{AtRest, FilmReadings};
 use magsplice::sensor::Noise;
-use magsplice::{AtRest, Film, FilmError};
+use magsplice::{Film, FilmError};
 
 use crate::args::formats::TableFormat;
 use crate::args::readings::{FluxUnitArg, noise};
@@ -14,8 +14,7 @@ use crate::faults::FaultList;
 use crate::inputs::readings;
 use crate::output::{choice, table};
 use crate::remarks;
-use crate::session::Session;
-use crate::words::no_volume;
+use crate::session::{OF_SENSORS, Session};
 
 /// Find where the sensor was when it read given flux densities.
 ///
@@ -71,7 +70,7 @@ pub(crate) struct ReadArgs {
 pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     let session = Session::open(&args.layout, remarks::OF_FIELDS, quiet)?;
     let film = session.film()?;
-    film.volume().map_err(|error| no_volume(&args.layout, error))?;
+    session.volume(OF_SENSORS)?;
     let format = choice::choose_rows(args.format, args.output.as_deref(), "readings")?;
     let mut output = session.output(args.output.as_deref(), [&*args.readings])?;
     let (rows, lines) = readings::read_all(&args.readings, &[readings::flux_densities(args.unit)])?;
@@ -82,7 +81,7 @@ pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     session.progress.end();
     let faults = unlocated(&found, &lines);
     if !faults.is_empty() {
-        session.tell(&faults.remarks(&args.readings.display().to_string()));
+        session.tell(&faults.remarks(args.readings.display()));
     }
     Ok(())
 }
@@ -97,7 +96,7 @@ pub(super) fn located(
     [zero, rest]: [usize; 2],
     noise: Option<Noise>,
 ) -> Result<FilmReadings, Failure> {
-    let refused = |message: String| Failure::Points { path: file.to_owned(), message };
+    let refused = |message: String| Failure::at(file, message);
     let option = if rest > 0 { "--rest" } else { "--zero" };
     let first = |count: usize| {
         let too_few = || refused(format!("has {} readings, fewer than the {count} of {option}", readings_t.len()));
@@ -108,9 +107,9 @@ pub(super) fn located(
         (zero, 0) => AtRest::Zero(first(zero)?),
         (_, rest) => AtRest::Rest(first(rest)?),
     };
+    session.volume(OF_SENSORS)?;
     film.read(readings_t, at_rest, noise).map_err(|error| match error {
         FilmError::AtRest(error) => refused(format!("the mean of the readings of {option}: {error}")),
-        FilmError::Missing(_) => no_volume(session.path, error),
         error => session.failed(error),
     })
 }

@@ -13,11 +13,10 @@ use crate::args::readings::noise;
 use crate::failure::Failure;
 use crate::output::{choice, table};
 use crate::remarks;
-use crate::session::Session;
+use crate::session::{OF_SENSORS, Session};
 use crate::text::number::number;
 use crate::text::units::in_ut;
 use crate::text::{header, rows};
-use crate::words::no_volume;
 
 /// Tell how small displacements the noise of a sensor lets it see, over the working volume.
 ///
@@ -47,7 +46,7 @@ pub(crate) struct ResolutionArgs {
 pub(crate) fn run(args: &ResolutionArgs, quiet: bool) -> Result<(), Failure> {
     let session = Session::open(&args.layout, remarks::OF_FIELDS, quiet)?;
     let film = session.film()?;
-    let volume = film.volume().map_err(|error| no_volume(&args.layout, error))?;
+    let volume = session.volume(OF_SENSORS)?;
     let file = match &args.output {
         Some(path) => {
             let format = choice::choose(args.format, Some(path), None)?;

@@ -1,6 +1,6 @@
 //! `magsplice splice`: designs a film from nothing.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use magsplice::design::{DesignProblem, SpliceRequest};
@@ -123,7 +123,7 @@ enum GoalArg {
 }
 
 pub(crate) fn run(args: &SpliceArgs, quiet: bool) -> Result<u8, Failure> {
-    let failed = |error| Failure::Design { place: "splice".to_owned(), error };
+    let failed = |error| Failure::design(Path::new("splice"), error);
     let layout = args.request().layout().map_err(failed)?;
     let problem = DesignProblem::new(&layout).map_err(failed)?;
     let output = Output::open(args.output.as_deref(), &[])?;

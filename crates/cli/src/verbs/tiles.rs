@@ -1,6 +1,7 @@
 //! `magsplice tiles`: lists the tiles of a layout and its bill of materials.
 
 use std::fmt::Write;
+use std::iter;
 use std::path::{Path, PathBuf};
 
 use magsplice::expect::NarrowGaps;
@@ -55,17 +56,15 @@ fn kerf(text: &str) -> Result<f64, String> {
 pub(crate) fn run(args: &TilesArgs, quiet: bool) -> Result<(), Failure> {
     let session = Session::open(&args.layout, remarks::OF_TILES, quiet)?;
     if args.kerf_mm.is_some() && args.format == TilesFormat::Json {
-        return Err(Failure::Format("--kerf-mm goes with --format text or csv: json has no material".to_owned()));
+        return Err(Failure::Refused("--kerf-mm goes with --format text or csv: json has no material".to_owned()));
     }
     #[cfg(feature = "report")]
     let page = args.page.as_deref().map(|page| session.output(Some(page), None)).transpose()?;
     let list = BillOfMaterials::new(&session.layout, args.kerf_mm);
     #[cfg(feature = "report")]
-    if let Some(mut page) = page {
-        let figure =
-            layout_figure(&session.layout, SvgText::Outlines).map_err(|error| Failure::Format(error.to_string()))?;
-        page.write(|writer| writer.write_all(bill_page(&list, &figure).as_bytes()))?;
-        page.finish()?;
+    if let Some(page) = page {
+        let figure = layout_figure(&session.layout, SvgText::Outlines)?;
+        page.complete(&bill_page(&list, &figure))?;
     }
     session.print(&match args.format {
         TilesFormat::Json => json::pretty(&list),
@@ -86,29 +85,25 @@ fn csv(list: &BillOfMaterials) -> String {
         head.extend(["sheet_area_mm2", "bar_length_mm"]);
     }
     let digits = |value: f64| twelve_digits(value).to_string();
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(head).expect("memory takes every row");
-    for item in &list.parts {
+    let row = |item: &PartItem| {
         let mut row = vec![item.part.to_string(), item.count.to_string()];
         row.extend(item.size_mm.to_array().map(digits));
         row.push(digits(item.strength_t));
         row.extend([item.direction_deg, item.tilt_deg].map(|angle| angle.map_or(String::new(), digits)));
         row.push(item.tiles.join(BETWEEN_NAMES));
         row.extend([item.sheet_area_mm2, item.bar_length_mm].into_iter().flatten().map(digits));
-        writer.write_record(row).expect("memory takes every row");
-    }
-    let bytes = writer.into_inner().expect("memory takes every row");
-    String::from_utf8(bytes).expect("text is written as text")
+        row
+    };
+    rows::csv(iter::once(head.into_iter().map(str::to_owned).collect()).chain(list.parts.iter().map(row)))
 }
 
 /// The tiles of a layout, one line each.
 fn text(path: &Path, list: &BillOfMaterials) -> String {
     let layout = list.layout;
-    let head =
-        ["tile", "part", "size, mm", "centre, mm", "polarization in its own frame, T", "rotation"].map(str::to_owned);
+    let head = ["tile", "part", "size, mm", "centre, mm", "polarization in its own frame, T", "rotation"];
     let tiles = layout.tiles.iter().zip(list.part_numbers()).map(|(named, part)| tile_row(named, part));
-    let rows: Vec<[String; 6]> = std::iter::once(head).chain(tiles).collect();
-    format!("{}: {}, {}\n{}{}", path.display(), layout.name, tile_count(layout), table(&rows), narrow_gaps(list))
+    let table = rows::headed(head, tiles);
+    format!("{}: {}, {}\n{table}{}", path.display(), layout.name, tile_count(layout), narrow_gaps(list))
 }
 
 /// Gaps below this are no gaps in a made film: tiles are placed to about 0.01 mm at best, and sawn
@@ -130,10 +125,8 @@ fn narrow_gaps(list: &BillOfMaterials) -> String {
 
 /// The parts of a layout and how many pieces of each there are; with a kerf also the material.
 fn bill(list: &BillOfMaterials) -> String {
-    let head =
-        ["part", "pieces", "size, mm", "strength, T", "polarized from the first side", "such as"].map(str::to_owned);
-    let rows: Vec<[String; 6]> = std::iter::once(head).chain(list.parts.iter().map(part_row)).collect();
-    let mut text = format!("bill of materials\n{}", table(&rows));
+    let head = ["part", "pieces", "size, mm", "strength, T", "polarized from the first side", "such as"];
+    let mut text = format!("bill of materials\n{}", rows::headed(head, list.parts.iter().map(part_row)));
     if let Some(kerf_mm) = list.kerf_mm {
         text += &material(&list.parts, kerf_mm);
     }
@@ -142,15 +135,15 @@ fn bill(list: &BillOfMaterials) -> String {
 
 /// The sheet or the bars that the parts need.
 fn material(parts: &[PartItem], kerf_mm: f64) -> String {
-    let head = ["part", "pieces", "size, mm", "sheet, mm2", "or bar, mm"].map(str::to_owned);
+    let head = ["part", "pieces", "size, mm", "sheet, mm2", "or bar, mm"];
     let row = |item: &PartItem| {
         let section = size2(item.size_mm.y, item.size_mm.z);
         let bar = format!("{} of {section}", short(item.bar_length_mm.unwrap_or_default()));
         let sheet = short(item.sheet_area_mm2.unwrap_or_default());
         [item.part.to_string(), item.count.to_string(), size(item.size_mm), sheet, bar]
     };
-    let rows: Vec<[String; 5]> = std::iter::once(head).chain(parts.iter().map(row)).collect();
-    let mut text = format!("\nmaterial with a kerf of {} mm\n{}", short(kerf_mm), table(&rows));
+    let table = rows::headed(head, parts.iter().map(row));
+    let mut text = format!("\nmaterial with a kerf of {} mm\n{table}", short(kerf_mm));
     let mut sheets: Vec<(f64, f64)> = Vec::new();
     for part in parts {
         let area = part.sheet_area_mm2.unwrap_or_default();
@@ -164,10 +157,6 @@ fn material(parts: &[PartItem], kerf_mm: f64) -> String {
     }
     text + "  A piece takes its first and second side of the sheet, or its first side of the bar, each with\n  one \
             kerf. Rims of the sheet, ends of bars and the direction of magnetization are not counted.\n"
-}
-
-fn table<const N: usize>(rows: &[[String; N]]) -> String {
-    rows::columns(rows).into_iter().map(|line| line + "\n").collect()
 }
 
 fn tile_row(named: &NamedTile, part: usize) -> [String; 6] {

@@ -6,11 +6,12 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use magsplice_field::Scene;
-use magsplice_magnet::{Accuracy, Grid, PointErrors, Quantity, Tolerance};
+use magsplice_magnet::{Accuracy, PointErrors, Quantity, Tolerance};
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use serde::Serialize;
 
 use super::source::LayoutSource;
+use super::table::Points;
 use crate::film::Film;
 use crate::stage::Stage;
 
@@ -26,24 +27,6 @@ const MAX_REPEATS: f64 = 1e4;
 
 /// Numbers of rounds: the fewest of which a median says something, and the most that improve it.
 const ROUNDS: [usize; 2] = [3, 201];
-
-/// The points of a measurement.
-#[derive(Clone, Debug, PartialEq)]
-pub enum BenchPoints {
-    /// A grid.
-    Grid(Grid),
-    /// Any points.
-    Scattered(Vec<DVec3>),
-}
-
-impl BenchPoints {
-    fn len(&self) -> usize {
-        match self {
-            BenchPoints::Grid(grid) => grid.len(),
-            BenchPoints::Scattered(points) => points.len(),
-        }
-    }
-}
 
 /// Times of the field of a film.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -99,7 +82,7 @@ impl Film {
     ///
     /// # Errors
     /// If a thread cannot be started.
-    pub fn bench(&self, points: &BenchPoints, budget: Duration) -> Result<FilmBench, ThreadPoolBuildError> {
+    pub fn bench(&self, points: &Points, budget: Duration) -> Result<FilmBench, ThreadPoolBuildError> {
         let (scene, layout) = (self.scene(), self.layout());
         let tolerances = FRACTIONS.map(|fraction| Tolerance::relative(fraction).expect("greater than 0"));
         let accuracies: Vec<Accuracy> =
@@ -113,8 +96,8 @@ impl Film {
         let mut evaluate = |scene: &Scene, pool: &ThreadPool| -> Result<Duration, PointErrors> {
             let started = Instant::now();
             pool.install(|| match points {
-                BenchPoints::Grid(grid) => scene.field_on_grid_into(Quantity::FluxDensity, grid, &mut field),
-                BenchPoints::Scattered(points) => scene.field_into(Quantity::FluxDensity, points, &mut field),
+                Points::Grid(grid) => scene.field_on_grid_into(Quantity::FluxDensity, grid, &mut field),
+                Points::Scattered(points) => scene.field_into(Quantity::FluxDensity, points, &mut field),
             })?;
             black_box(&mut field);
             Ok(started.elapsed())

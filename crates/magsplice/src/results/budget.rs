@@ -1,7 +1,5 @@
 //! Where the displacement error of the films that are made comes from.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use magsplice_decouple::{Figures, PerAxis};
 use magsplice_layout::Layout;
 use magsplice_tolerance::{
@@ -12,7 +10,6 @@ use serde::Serialize;
 use super::source::Source;
 use crate::film::Film;
 use crate::film_error::FilmError;
-use crate::stage::Stage;
 
 /// The error budget of a film: mean squares of the displacement error, which add up.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -84,18 +81,14 @@ impl Film {
             EndlessPattern::new(&in_film, ideal).and_then(|pattern| pattern.errors(&volume));
         let model = FirstOrder::new(&real, &volume, ideal).map_err(|error| of_sample((0, error)))?;
         let sampler = Sampler::new(&real, &volume, ideal, seed).map_err(|error| of_sample((0, error)))?;
-        let done = AtomicUsize::new(0);
-        let counted = || {
-            let done = done.fetch_add(1, Ordering::Relaxed);
-            self.tell(Stage { name: "budget", done, of: None, unit: "samples" });
-        };
-        let check = model.check(&sampler, 0..samples, counted).map_err(of_sample)?;
+        let counted = self.counting("budget", None, "samples");
+        let check = model.check(&sampler, 0..samples, &counted).map_err(of_sample)?;
         let is_first_order = check.axes.iter().all(|axis| axis.mean_square_is_valid());
         let budget = if is_first_order {
             Budget::new(&model, pattern.as_ref().ok())
         } else {
             let pattern = pattern.as_ref().ok();
-            Budget::from_samples(&real, &volume, ideal, pattern, seed, 0..samples, counted).map_err(of_sample)?
+            Budget::from_samples(&real, &volume, ideal, pattern, seed, 0..samples, &counted).map_err(of_sample)?
         };
         let layout = self.layout();
         let [x, y, z] = budget.axes.each_ref().map(|axis| axis.pattern_mm2);

@@ -1,12 +1,11 @@
 //! Decoupling parameters over the working volume.
 
 use glam::DVec3;
-use magsplice_decouple::{Decoupling, Parameters, PerAxis, PerParameter};
+use magsplice_decouple::{Decoupling, Parameters, PerAxis};
 use magsplice_ideal::Comparison;
 use serde::Serialize;
 
 use super::comparison::remark_about_amplitude;
-use super::field::PointQuantity;
 use super::source::Source;
 use super::table::{ColumnQuantity, MetadataValue, Points, Table};
 use crate::film::Film;
@@ -105,33 +104,26 @@ impl FilmDecoupling {
     /// None after [`Film::decouple`].
     pub fn table(&self) -> Result<Table, FilmError> {
         let field_t = self.film.volume_field_t()?;
-        let all = |p: PerParameter| MetadataValue::Numbers(vec![p.r_x, p.r_y, p.s_z]);
         let mut metadata = self.source.metadata();
         metadata.extend([
-            ("reference_mm", MetadataValue::Numbers(self.reference_mm.to_array().to_vec())),
-            ("uniformity_rmse", all(self.decoupling.uniformity_rmse.map(|rmse| rmse.unwrap_or(f64::NAN)))),
-            ("ideal_rmse", all(self.decoupling.ideal_rmse)),
+            ("reference_mm", self.reference_mm.to_array().into()),
+            ("uniformity_rmse", self.decoupling.uniformity_rmse.map(|rmse| rmse.unwrap_or(f64::NAN)).to_array().into()),
+            ("ideal_rmse", self.decoupling.ideal_rmse.to_array().into()),
             ("singular_points", MetadataValue::Count(self.decoupling.singular.len())),
         ]);
-        let mut quantities = vec![PointQuantity::FLUX_DENSITY.columns(components(field_t))];
+        let mut quantities = vec![ColumnQuantity::flux_density(field_t)];
         quantities.extend(parameter_columns(&self.decoupling.parameters));
         let points = Points::Grid(self.film.volume()?.grid);
-        Ok(Table::new(points, quantities, metadata).expect("every point has a value"))
+        Ok(Table::new(points, quantities, metadata))
     }
-}
-
-/// All components of vectors.
-pub(super) fn components(vectors: &[DVec3]) -> Vec<f64> {
-    vectors.iter().flat_map(DVec3::to_array).collect()
 }
 
 /// Columns of R_x, R_y and S_z; NaN at singular points.
 pub(super) fn parameter_columns<'a>(
     parameters: impl IntoIterator<Item = &'a Option<Parameters>> + Copy,
 ) -> [ColumnQuantity; 3] {
-    let column = |components: &'static [&'static str; 1], of: fn(&Parameters) -> f64| {
-        let values = parameters.into_iter().map(|p| p.as_ref().map_or(f64::NAN, of)).collect();
-        ColumnQuantity { name: components[0], components, values }
+    let column = |name, of: fn(&Parameters) -> f64| {
+        ColumnQuantity::of_numbers(name, parameters.into_iter().map(|p| p.as_ref().map_or(f64::NAN, of)))
     };
     [column(&["r_x_rad"], |p| p.r_x), column(&["r_y_rad"], |p| p.r_y), column(&["s_z"], |p| p.s_z)]
 }

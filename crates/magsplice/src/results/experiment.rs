@@ -93,8 +93,8 @@ impl Film {
     pub fn deformed(&self, deformation: &Deformation) -> Result<Scene, DeformationError> {
         let tiles: Vec<Tile> = match self.recoil() {
             // Cells of a bent film would bend each tile, which is stiff.
-            Some(recoil) if deformation.bend.is_some() => recoil.magnetization().mean_tiles(),
-            Some(recoil) => recoil.magnetization().cells().to_vec(),
+            Some(recoil) if deformation.bend.is_some() => recoil.magnetization.mean_tiles(),
+            Some(recoil) => recoil.magnetization.cells().to_vec(),
             None => self.layout().bare_tiles(),
         };
         Ok(Scene::new(&deformation.apply(&tiles)?))
@@ -135,9 +135,9 @@ impl FilmExperiments {
                 columns.push(column("closed_form_force_n", names, &|step| force(step.by_closed_form)));
             }
         }
-        let saturated = self.all_steps().map(|step| f64::from(u8::from(step.is_saturated))).collect();
-        columns.push(ColumnQuantity { name: "saturated", components: &["saturated"], values: saturated });
+        let saturated = self.all_steps().map(|step| f64::from(u8::from(step.is_saturated)));
+        columns.push(ColumnQuantity::of_numbers(&["saturated"], saturated));
         let rows = Rows::Numbered { name: "step", first: 1, count: self.readings };
-        Table::new(rows, columns, self.source.metadata()).expect("a value for each step")
+        Table::new(rows, columns, self.source.metadata())
     }
 }

@@ -39,8 +39,6 @@ mod point_decoupling;
 mod polynomial;
 /// Positions and forces from readings of a sensor.
 mod readings;
-/// What recoil changes in a film.
-mod recoil;
 /// The displacements that noise lets a sensor see.
 mod resolution;
 /// Samples of the films that are made, and their statistics.
@@ -55,7 +53,7 @@ mod source;
 mod table;
 
 pub use assignment::{FilmAssignment, Shim};
-pub use bench::{BenchCase, BenchPoints, FilmBench};
+pub use bench::{BenchCase, FilmBench};
 pub use budget::{BudgetPart, FilmBudget, Improvement};
 pub use calibration::FilmCalibration;
 pub use check::{CheckStatus, CheckedExpectation, CheckedPercentile};
@@ -65,18 +63,17 @@ pub use decoupling::{FilmDecoupling, FilmEvaluation};
 pub use diagnosis::{FaultyTile, FilmDiagnosis, SimilarPair, Suspect, UnresolvedError};
 pub use experiment::{EXPERIMENT_STEP_MM, FilmExperiments};
 pub use field::{FieldAtPoints, PointQuantity};
-pub use forces::{FilmLoads, LoadN, OrderChoice, OrderedLoads, TileLoad};
+pub use forces::{FilmLoads, ForceChange, LoadN, OrderChoice, OrderedLoads, TileLoad};
 #[cfg(feature = "design")]
 pub use front::{FilmFront, FrontFilm};
 pub use parts::{BillOfMaterials, PartItem};
 pub use plan::FilmPlan;
 pub use point_decoupling::{FilmPointDecoupling, FilmPointEvaluation, LeftOut};
 pub use polynomial::SensorPolynomial;
-pub use readings::FilmReadings;
-pub use recoil::RecoilSummary;
+pub use readings::{AtRest, FilmReadings};
 pub use resolution::{FilmResolution, ResolutionSummary};
 pub use samples::{FilmSampling, SampleRun, SampledFigure, SampledFilm, in_stretches};
 pub use scan::{FilmScan, FittedScan, ScanUniformity};
 pub use significant::{rounded_beside, twelve_digits};
 pub use source::{LayoutSource, Source};
-pub use table::{ColumnQuantity, Metadata, MetadataValue, Points, Rows, Table, TableColumn, TableError, Tabled};
+pub use table::{ColumnQuantity, Metadata, MetadataValue, Points, Rows, Table, TableColumn, Tabled};

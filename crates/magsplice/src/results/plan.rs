@@ -1,11 +1,12 @@
 //! The methods that a tolerance allows for the field of a film.
 
 use glam::DVec3;
-use magsplice_field::{Plan, PlannedPart};
+use magsplice_field::PlannedPart;
 use magsplice_magnet::{PointErrorCause, PointErrors, Quantity};
 use serde::Serialize;
 
 use super::source::Source;
+use super::table::Points;
 use crate::film::Film;
 use crate::film_error::FilmError;
 use crate::film_recoil::RecoilEstimate;
@@ -31,32 +32,14 @@ pub struct FilmPlan {
 }
 
 impl Film {
-    /// The plan for the grid of the working volume.
+    /// The plan for points.
     ///
     /// # Errors
-    /// [`FilmError::Missing`] without a working volume; [`FilmError::Points`] if the field does not
-    /// keep the tolerance at a few of the points; [`FilmError::Recoil`] if tiles overlap.
-    pub fn plan(&self) -> Result<FilmPlan, FilmError> {
-        let grid = self.volume()?.grid;
-        self.checked_plan(grid.len(), |index| grid.point(index), || self.scene().plan_on_grid(&grid))
-    }
-
-    /// The plan for points in millimetres.
-    ///
-    /// # Errors
-    /// As [`Film::plan`].
-    pub fn plan_at(&self, points_mm: &[DVec3]) -> Result<FilmPlan, FilmError> {
-        self.checked_plan(points_mm.len(), |index| points_mm[index], || self.scene().plan_at_points(points_mm))
-    }
-
-    fn checked_plan(
-        &self,
-        points: usize,
-        point: impl Fn(usize) -> DVec3,
-        plan: impl Fn() -> Plan,
-    ) -> Result<FilmPlan, FilmError> {
+    /// [`FilmError::Points`] if the field does not keep the tolerance at a few of the points;
+    /// [`FilmError::Recoil`] if tiles overlap.
+    pub fn plan(&self, points: &Points) -> Result<FilmPlan, FilmError> {
         self.tell(Stage::uncounted("planning"));
-        let tried: Vec<DVec3> = (0..points).step_by(points.div_ceil(TRIED_POINTS).max(1)).map(point).collect();
+        let tried: Vec<DVec3> = points.iter().step_by(points.len().div_ceil(TRIED_POINTS).max(1)).collect();
         if let Err(PointErrors(mut errors)) = self.scene().field_at(Quantity::FluxDensity, &tried) {
             // Points without any field are no matter of the tolerance, and have a plan like others.
             errors.retain(|error| matches!(error.cause, PointErrorCause::TooExact { .. }));
@@ -64,7 +47,10 @@ impl Film {
                 return Err(FilmError::Points(PointErrors(errors)));
             }
         }
-        let plan = plan();
+        let plan = match points {
+            Points::Grid(grid) => self.scene().plan_on_grid(grid),
+            Points::Scattered(points_mm) => self.scene().plan_at_points(points_mm),
+        };
         Ok(FilmPlan {
             source: Source::of(self),
             cost: plan.cost(),

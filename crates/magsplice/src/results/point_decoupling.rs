@@ -5,8 +5,7 @@ use magsplice_decouple::{PerAxis, PerParameter, PointDecoupling};
 use magsplice_ideal::Comparison;
 use serde::Serialize;
 
-use super::decoupling::{components, parameter_columns};
-use super::field::PointQuantity;
+use super::decoupling::parameter_columns;
 use super::source::Source;
 use super::table::{ColumnQuantity, MetadataValue, Points, Table};
 use crate::film::Film;
@@ -118,24 +117,20 @@ impl FilmPointDecoupling {
     /// B, R_x, R_y, S_z, their errors and that of the displacement at every point; NaN at singular
     /// points.
     pub fn table(&self) -> Table {
-        let error = |components: &'static [&'static str; 1], of: fn(&PerParameter) -> f64| ColumnQuantity {
-            name: components[0],
-            components,
-            values: self.decoupling.errors.iter().map(|e| e.as_ref().map_or(f64::NAN, of)).collect(),
+        let error = |name, of: fn(&PerParameter) -> f64| {
+            ColumnQuantity::of_numbers(name, self.decoupling.errors.iter().map(|e| e.as_ref().map_or(f64::NAN, of)))
         };
-        let displacement = self.displacement_errors_mm.iter().map(|error| error.unwrap_or(DVec3::NAN));
-        let displacement = ColumnQuantity {
-            name: "displacement_error_mm",
-            components: &["displacement_error_x_mm", "displacement_error_y_mm", "displacement_error_z_mm"],
-            values: components(&displacement.collect::<Vec<DVec3>>()),
-        };
+        let displacement: Vec<DVec3> =
+            self.displacement_errors_mm.iter().map(|error| error.unwrap_or(DVec3::NAN)).collect();
+        let axes = &["displacement_error_x_mm", "displacement_error_y_mm", "displacement_error_z_mm"];
+        let displacement = ColumnQuantity::of_vectors("displacement_error_mm", axes, &displacement);
         let mut metadata = self.source.metadata();
         metadata.extend([
-            ("reference_mm", MetadataValue::Numbers(self.reference_mm.to_array().to_vec())),
-            ("ideal_rmse", MetadataValue::Numbers(self.decoupling.ideal_rmse.to_array().to_vec())),
+            ("reference_mm", self.reference_mm.to_array().into()),
+            ("ideal_rmse", self.decoupling.ideal_rmse.to_array().into()),
             ("singular_points", MetadataValue::Count(self.decoupling.singular.len())),
         ]);
-        let mut quantities = vec![PointQuantity::FLUX_DENSITY.columns(components(&self.field_t))];
+        let mut quantities = vec![ColumnQuantity::flux_density(&self.field_t)];
         quantities.extend(parameter_columns(&self.decoupling.parameters));
         quantities.extend([
             error(&["r_x_error_rad"], |e| e.r_x),
@@ -143,6 +138,6 @@ impl FilmPointDecoupling {
             error(&["s_z_error"], |e| e.s_z),
             displacement,
         ]);
-        Table::new(Points::Scattered(self.points_mm.clone()), quantities, metadata).expect("every point has a value")
+        Table::new(Points::Scattered(self.points_mm.clone()), quantities, metadata)
     }
 }

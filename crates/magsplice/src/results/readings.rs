@@ -1,19 +1,37 @@
 //! Positions of the sensor below a film and forces on it, from readings.
 
 use glam::DVec3;
+use magsplice_decouple::{Branch, Parameters};
 use magsplice_layout::Elastomer;
-use magsplice_sensor::{LocateError, Located, Noise};
+use magsplice_sensor::{LocateError, Located, Locator, Noise, SensedField};
 use serde::Serialize;
 
 use super::source::Source;
 use super::table::{ColumnQuantity, MetadataValue, Rows, Table};
 use crate::film::Film;
 use crate::film_error::FilmError;
-use crate::film_reader::AtRest;
 use crate::stage::Stage;
 
 /// Readings between two reports of progress.
 const STRETCH: usize = 1 << 12;
+
+/// Standard deviations by which a position may be outside the volume because of noise: of normal
+/// errors, one of 30 000 is larger.
+const MOST_DEVIATIONS: f64 = 4.0;
+
+/// What is known of the sensor at rest, where displacements begin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AtRest<'r> {
+    /// It is at the reference point. Its readings contain this besides the field of the film, in
+    /// tesla.
+    Constant(DVec3),
+    /// It is at the reference point, where it had these readings, one at least, in tesla. What
+    /// their mean has beyond the field of the film is in all readings.
+    Zero(&'r [DVec3]),
+    /// It is where it had these readings, one at least, in tesla. Nothing is added to the field of
+    /// the film.
+    Rest(&'r [DVec3]),
+}
 
 /// The positions that readings of a film give. Values by reading are in [`FilmReadings::table`].
 #[derive(Clone, Debug, Serialize)]
@@ -42,28 +60,72 @@ pub struct FilmReadings {
 }
 
 impl Film {
-    /// The position of the sensor for each reading in tesla. `noise` is that of the readings;
-    /// without it, that of the sensor of the layout.
+    /// The position of the sensor for each reading in tesla. A position that noise may have moved
+    /// out of the volume counts as inside. `noise` is that of the readings; without it, that of the
+    /// sensor of the layout.
     ///
     /// # Errors
     /// If the layout has no working volume, the sensor cannot read the field, or the mean of
     /// [`AtRest::Rest`] has no position.
     pub fn read(&self, readings_t: &[DVec3], at_rest: AtRest, noise: Option<Noise>) -> Result<FilmReadings, FilmError> {
-        let reader = self.reader(at_rest, noise)?;
+        let (volume, of) = (self.volume()?, Some(readings_t.len()));
+        let sensed = self.sensed_field(&volume.grid)?;
+        let at_reference_t = sensed.readings_t(&[volume.reference_mm]).map_err(FilmError::Points)?[0];
+        let mean = |readings_t: &[DVec3]| readings_t.iter().sum::<DVec3>() / readings_t.len() as f64;
+        let (constant_t, at_rest_t) = match at_rest {
+            AtRest::Constant(constant_t) => (constant_t, at_reference_t),
+            AtRest::Zero(readings_t) => (mean(readings_t) - at_reference_t, at_reference_t),
+            AtRest::Rest(readings_t) => (DVec3::ZERO, mean(readings_t)),
+        };
+        let locator =
+            Locator::new(sensed.clone(), volume.grid).map_err(FilmError::Points)?.with_constant_reading(constant_t);
+        let origin_mm = match at_rest {
+            AtRest::Rest(_) => match locator.locate(&[at_rest_t]).remove(0) {
+                Ok(located) | Err(LocateError::Outside(located)) => located.position,
+                Err(error) => return Err(FilmError::AtRest(error)),
+            },
+            AtRest::Constant(_) | AtRest::Zero(_) => volume.reference_mm,
+        };
+        let noise = noise.or(Noise::of_sensor(sensed.sensor()));
+        let is_excused = |located: &Located| {
+            let outside = (volume.grid.lower() - located.position).max(located.position - volume.grid.upper());
+            let deviation = noise.and_then(|noise| noise.of_position(located.gradient));
+            deviation.is_some_and(|deviation| outside.cmple(MOST_DEVIATIONS * deviation).all())
+        };
         let mut found = Vec::with_capacity(readings_t.len());
         for stretch in readings_t.chunks(STRETCH) {
-            self.tell(Stage { name: "readings", done: found.len(), of: Some(readings_t.len()), unit: "readings" });
-            found.extend(reader.locate(stretch));
+            self.tell(Stage { name: "readings", done: found.len(), of, unit: "readings" });
+            found.extend(locator.locate(stretch).into_iter().map(|found| match found {
+                Err(LocateError::Outside(located)) if is_excused(&located) => Ok(located),
+                found => found,
+            }));
         }
         Ok(FilmReadings {
             source: Source::of(self),
             readings: readings_t.len(),
             found,
-            closed_form_mm: reader.closed_form_mm(readings_t),
-            origin_mm: reader.origin_mm,
-            noise: reader.noise,
+            closed_form_mm: self.closed_form_mm(&sensed, at_rest_t, readings_t.iter().map(|of| *of - constant_t)),
+            origin_mm,
+            noise,
             elastomer: self.layout().elastomer,
         })
+    }
+
+    /// The displacement of the sensor from where it had a reading at rest, by the closed form of
+    /// the ideal film; NaN where a reading has none. `None` without an ideal film.
+    fn closed_form_mm(
+        &self,
+        sensed: &SensedField,
+        at_rest_t: DVec3,
+        readings_t: impl Iterator<Item = DVec3>,
+    ) -> Option<Vec<DVec3>> {
+        let wavenumber = self.ideal().ok()?.wavenumber();
+        let at_rest_t = sensed.field_of_reading_t(at_rest_t);
+        let branch = Branch::from_axis_field(at_rest_t);
+        let of = |reading_t| Parameters::from_field(reading_t, branch?);
+        let before = of(at_rest_t);
+        let moved = |reading_t| Some(of(sensed.field_of_reading_t(reading_t))?.displacement_from(&before?, wavenumber));
+        Some(readings_t.map(|reading_t| moved(reading_t).unwrap_or(DVec3::NAN)).collect())
     }
 }
 
@@ -130,15 +192,59 @@ impl FilmReadings {
         let columns = vectors
             .into_iter()
             .filter_map(|(name, components, values)| Some(ColumnQuantity::of_vectors(name, components, &values?)));
-        let status = self.status().map(f64::from).collect();
-        let status = ColumnQuantity { name: "status", components: &["status"], values: status };
+        let status = ColumnQuantity::of_numbers(&["status"], self.status().map(f64::from));
         let mut metadata = self.source.metadata();
         metadata.push(("readings", MetadataValue::Text(file.to_owned())));
         let rows = Rows::Numbered { name: "reading", first: 1, count: self.found.len() };
-        Table::new(rows, columns.chain([status]).collect(), metadata).expect("a value for each reading")
+        Table::new(rows, columns.chain([status]).collect(), metadata)
     }
 
     fn of_each(&self, value: impl Fn(Located) -> Option<DVec3>) -> Vec<DVec3> {
         self.positions().map(|located| located.and_then(&value).unwrap_or(DVec3::NAN)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use magsplice_layout::Layout;
+
+    use super::*;
+
+    fn layout() -> Layout {
+        let text = "format = 1\nname = \"four squares\"\n\
+             [volume]\nx_mm = [-1, 1]\ny_mm = [-1, 1]\nz_mm = [-4, -3]\nstep_mm = 0.25\n\
+             [[tile]]\nposition_mm = [2.5, 2.5, 0.5]\nsize_mm = [3.3, 3.3, 1.0]\npolarization_t = [0.08, 0.08, 0.0]\n\
+             mirror = { axes = [\"x\", \"y\"] }\n";
+        Layout::parse(text, "layout").unwrap()
+    }
+
+    #[test]
+    fn readings_at_rest_give_the_constant_field_or_the_origin() {
+        let layout = layout();
+        let film = Film::new(layout.clone()).unwrap();
+        let stray_t = DVec3::new(3e-5, -2e-5, 1e-5);
+        let at = |x: f64| DVec3::new(x, 0.25, -3.5);
+        let read = film.field_at_t(&[at(0.0), at(0.5)]).unwrap();
+        let position = |found: &FilmReadings| found.found[0].clone().unwrap().position;
+        let resting_t = film.reference_field_t().unwrap() + stray_t;
+        let zero = film.read(&[read[1] + stray_t], AtRest::Zero(&[resting_t]), None).unwrap();
+        assert!((position(&zero) - at(0.5)).length() < 1e-9 && zero.origin_mm == DVec3::new(0.0, 0.0, -4.0));
+        let rest = film.read(&read[1..], AtRest::Rest(&read[..1]), None).unwrap();
+        assert!((rest.origin_mm - at(0.0)).length() < 1e-9);
+        assert!((position(&rest) - at(0.5)).length() < 1e-9);
+        let refused = film.read(&read, AtRest::Rest(&[DVec3::ONE]), None).unwrap_err();
+        assert_eq!(refused, FilmError::AtRest(LocateError::NoPosition));
+    }
+
+    #[test]
+    fn noise_excuses_positions_just_outside_the_volume() {
+        let layout = layout();
+        let film = Film::new(layout.clone()).unwrap();
+        let reading_t = film.field_at_t(&[DVec3::new(1.01, 0.0, -3.5)]).unwrap();
+        let noise = |deviation_t: f64| Noise { deviation_t: DVec3::splat(deviation_t) };
+        let found = |noise| film.read(&reading_t, AtRest::Constant(DVec3::ZERO), noise).unwrap().found.remove(0);
+        assert!(matches!(found(None), Err(LocateError::Outside(_))));
+        assert!(matches!(found(Some(noise(1e-9))), Err(LocateError::Outside(_))));
+        assert!(found(Some(noise(1e-4))).is_ok());
     }
 }

@@ -123,7 +123,7 @@ impl FilmResolution {
                 .as_ref()
                 .map(|deviations| ColumnQuantity::of_vectors("closed_form_deviation_mm", by_closed_form, deviations)),
         );
-        Table::new(self.places.clone(), columns, self.source.metadata()).expect("a value for each point")
+        Table::new(self.places.clone(), columns, self.source.metadata())
     }
 
     /// Summary of deviations at the points. `None` if nothing is seen.

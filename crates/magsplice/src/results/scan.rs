@@ -195,19 +195,19 @@ impl FilmScan {
             .map(|(corrected, simulated)| *corrected - *simulated)
             .collect();
         let is_outlier = |index: usize| self.outliers.binary_search(&index).is_ok();
-        let outliers = (0..self.readings).map(|index| f64::from(u8::from(is_outlier(index)))).collect();
+        let outliers = (0..self.readings).map(|index| f64::from(u8::from(is_outlier(index))));
         let columns = vec![
-            ColumnQuantity::of_vectors("b_t", &["bx_t", "by_t", "bz_t"], &self.corrected_t),
+            ColumnQuantity::flux_density(&self.corrected_t),
             ColumnQuantity::of_vectors(
                 "simulated_b_t",
                 &["simulated_bx_t", "simulated_by_t", "simulated_bz_t"],
                 &self.simulated_t,
             ),
             ColumnQuantity::of_vectors("residual_b_t", &["residual_bx_t", "residual_by_t", "residual_bz_t"], &residual),
-            ColumnQuantity { name: "outlier", components: &["outlier"], values: outliers },
+            ColumnQuantity::of_numbers(&["outlier"], outliers),
         ];
         let points = Points::Scattered(self.places_mm.clone());
-        Table::new(points, columns, self.source.metadata()).expect("a value for each point")
+        Table::new(points, columns, self.source.metadata())
     }
 }
 

@@ -4,9 +4,9 @@ use magsplice_layout::Layout;
 use magsplice_magnet::Accuracy;
 use serde::Serialize;
 
-use super::recoil::RecoilSummary;
 use super::table::{Metadata, MetadataValue};
 use crate::film::Film;
+use crate::film_recoil::RecoilSummary;
 
 /// The layout of a result, and the version of the library that computed it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -58,7 +58,7 @@ impl Source {
             layout: LayoutSource::of(film.layout()),
             tiles: film.layout().tiles.len(),
             accuracy: film.scene().accuracy(),
-            recoil: film.recoil().map(RecoilSummary::new),
+            recoil: film.recoil().map(|recoil| recoil.summary.clone()),
         }
     }
 

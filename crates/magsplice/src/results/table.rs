@@ -1,7 +1,5 @@
 //! A table of results, one row for each point or sample, from which every format is written.
 
-use std::fmt;
-
 use glam::DVec3;
 use magsplice_magnet::Grid;
 use serde::Serialize;
@@ -26,12 +24,11 @@ const COORDINATES: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 ///     components: &["bx_t", "by_t", "bz_t"],
 ///     values: vec![0.0, 0.0, 0.008, 0.001, 0.0, 0.007],
 /// };
-/// let table = Table::new(points, vec![flux_density], Metadata::new())?;
+/// let table = Table::new(points, vec![flux_density], Metadata::new());
 ///
 /// let names: Vec<&str> = table.columns().iter().map(|column| column.name).collect();
 /// assert_eq!(names, ["x_mm", "y_mm", "z_mm", "bx_t", "by_t", "bz_t"]);
 /// assert_eq!(table.columns()[5].get(1), 0.007);
-/// # Ok::<(), magsplice::results::TableError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
@@ -95,32 +92,11 @@ pub enum MetadataValue {
 pub struct TableColumn<'a> {
     /// Name with its unit.
     pub name: &'static str,
-    source: ColumnSource<'a>,
-    rows: usize,
-}
-
-#[derive(Clone, Copy)]
-enum ColumnSource<'a> {
-    Coordinate { points: &'a Points, axis: usize },
-    Number { first: u64 },
-    Component { values: &'a [f64], first: usize, step: usize },
-}
-
-/// Why a table cannot be built.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum TableError {
-    /// A quantity does not have one value per component and point.
-    Length {
-        /// Name of the quantity.
-        quantity: &'static str,
-        /// Number of its values.
-        values: usize,
-        /// Number of its components.
-        components: usize,
-        /// Number of rows of the table.
-        rows: usize,
-    },
+    rows: &'a Rows,
+    /// The quantity; `None` for coordinates and numbers of rows.
+    quantity: Option<&'a ColumnQuantity>,
+    /// Index of the component or the coordinate.
+    index: usize,
 }
 
 impl Points {
@@ -170,9 +146,25 @@ impl From<Points> for Rows {
 }
 
 impl ColumnQuantity {
+    /// A number in every row.
+    pub fn of_numbers(name: &'static [&'static str; 1], numbers: impl IntoIterator<Item = f64>) -> ColumnQuantity {
+        ColumnQuantity { name: name[0], components: name, values: numbers.into_iter().collect() }
+    }
+
+    /// B in every row.
+    pub fn flux_density(field_t: &[DVec3]) -> ColumnQuantity {
+        ColumnQuantity::of_vectors("b_t", &["bx_t", "by_t", "bz_t"], field_t)
+    }
+
     /// A vector in every row.
     pub fn of_vectors(name: &'static str, components: &'static [&'static str; 3], vectors: &[DVec3]) -> ColumnQuantity {
         ColumnQuantity { name, components, values: vectors.iter().flat_map(DVec3::to_array).collect() }
+    }
+}
+
+impl From<[f64; 3]> for MetadataValue {
+    fn from(numbers: [f64; 3]) -> MetadataValue {
+        MetadataValue::Numbers(numbers.to_vec())
     }
 }
 
@@ -202,21 +194,14 @@ impl Rows {
 impl Table {
     /// A table of these quantities in these rows.
     ///
-    /// # Errors
-    /// [`TableError::Length`] if a quantity does not have one value per component and row.
-    pub fn new(
-        rows: impl Into<Rows>,
-        quantities: Vec<ColumnQuantity>,
-        metadata: Metadata,
-    ) -> Result<Table, TableError> {
+    /// # Panics
+    /// If a quantity does not have one value per component and row.
+    pub fn new(rows: impl Into<Rows>, quantities: Vec<ColumnQuantity>, metadata: Metadata) -> Table {
         let rows = rows.into();
         for ColumnQuantity { name, components, values } in &quantities {
-            let (values, components, rows) = (values.len(), components.len(), rows.len());
-            if values != components * rows {
-                return Err(TableError::Length { quantity: name, values, components, rows });
-            }
+            assert_eq!(values.len(), components.len() * rows.len(), "values of the quantity {name}");
         }
-        Ok(Table { rows, quantities, metadata })
+        Table { rows, quantities, metadata }
     }
 
     /// The rows.
@@ -237,26 +222,17 @@ impl Table {
     /// All columns: the three coordinates or the number of the row, then the components of each
     /// quantity.
     pub fn columns(&self) -> Vec<TableColumn<'_>> {
-        let rows = self.rows.len();
-        let first: Vec<TableColumn> = match &self.rows {
-            Rows::Points(points) => {
-                let source = |axis| ColumnSource::Coordinate { points, axis };
-                (0..3).map(|axis| TableColumn { name: COORDINATES[axis], source: source(axis), rows }).collect()
-            }
-            Rows::Numbered { name, first, .. } => {
-                vec![TableColumn { name, source: ColumnSource::Number { first: *first }, rows }]
-            }
+        let rows = &self.rows;
+        let coordinates = match rows {
+            Rows::Points(_) => &COORDINATES[..],
+            Rows::Numbered { name, .. } => std::slice::from_ref(name),
         };
-        let components = self.quantities.iter().flat_map(|quantity| {
-            let (values, step) = (&quantity.values[..], quantity.components.len());
-            let column = move |(first, name): (usize, &&'static str)| TableColumn {
-                name,
-                source: ColumnSource::Component { values, first, step },
-                rows,
-            };
-            quantity.components.iter().enumerate().map(column)
-        });
-        first.into_iter().chain(components).collect()
+        let named = |names: &'_ [&'static str], quantity| -> Vec<TableColumn<'_>> {
+            names.iter().enumerate().map(|(index, name)| TableColumn { name, rows, quantity, index }).collect()
+        };
+        let mut columns = named(coordinates, None);
+        columns.extend(self.quantities.iter().flat_map(|quantity| named(quantity.components, Some(quantity))));
+        columns
     }
 }
 
@@ -266,16 +242,16 @@ impl TableColumn<'_> {
     /// # Panics
     /// If there is no such row.
     pub fn get(&self, row: usize) -> f64 {
-        match self.source {
-            ColumnSource::Coordinate { points, axis } => points.get(row)[axis],
-            ColumnSource::Number { first } => (first + row as u64) as f64,
-            ColumnSource::Component { values, first, step } => values[row * step + first],
+        match (self.quantity, self.rows) {
+            (Some(ColumnQuantity { components, values, .. }), _) => values[row * components.len() + self.index],
+            (None, Rows::Points(points)) => points.get(row)[self.index],
+            (None, Rows::Numbered { first, .. }) => (first + row as u64) as f64,
         }
     }
 
     /// The numbers of all rows in order.
     pub fn values(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
-        (0..self.rows).map(|row| self.get(row))
+        (0..self.rows.len()).map(|row| self.get(row))
     }
 }
 
@@ -313,28 +289,15 @@ impl<'a, T> Tabled<'a, T> {
     }
 }
 
-impl fmt::Display for TableError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let TableError::Length { quantity, values, components, rows } = self;
-        write!(
-            f,
-            "quantity {quantity} has {values} values, must have {}: {components} per row for {rows} rows",
-            components * rows
-        )
-    }
-}
-
-impl std::error::Error for TableError {}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
+    #[should_panic = "values of the quantity b_t"]
     fn quantity_without_a_value_per_component_and_point_is_refused() {
         let points = Points::Scattered(vec![DVec3::ZERO; 2]);
         let quantity = ColumnQuantity { name: "b_t", components: &["bx_t", "by_t", "bz_t"], values: vec![0.0; 5] };
-        let error = Table::new(points, vec![quantity], Vec::new()).unwrap_err();
-        assert_eq!(error.to_string(), "quantity b_t has 5 values, must have 6: 3 per row for 2 rows");
+        Table::new(points, vec![quantity], Vec::new());
     }
 }

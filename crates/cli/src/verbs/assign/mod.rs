@@ -16,11 +16,11 @@ use magsplice_report::{SvgText, laying_plan_figure, plan_page};
 use super::PROGRAM;
 use crate::args::formats::TextOrJson;
 use crate::args::measurement::MeasurementArgs;
+use crate::args::numbers::whole;
 use crate::failure::Failure;
 use crate::faults::FaultList;
 use crate::inputs::{measured_tiles, placed_tiles};
 use crate::output::destination::print;
-use crate::output::json;
 use crate::remarks;
 use crate::session::Session;
 
@@ -64,7 +64,7 @@ pub(crate) struct AssignArgs {
     #[arg(long)]
     keep_side_up: bool,
     /// Number of random starts
-    #[arg(long, value_name = "N", default_value = "16", value_parser = starts)]
+    #[arg(long, value_name = "N", default_value = "16", value_parser = |text: &str| whole(text, 1..=MAX_STARTS))]
     starts: usize,
     /// Seed of the random numbers
     #[arg(long, value_name = "S", default_value = "1")]
@@ -93,7 +93,7 @@ pub(crate) struct AssignArgs {
 pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
     let session = Session::open(&args.layout, remarks::OF_COMPARISONS, quiet)?;
     let inputs = || [Some(&args.measured), args.placed.as_ref()].into_iter().flatten().map(PathBuf::as_path);
-    let mut output = session.output(args.output.as_deref(), inputs())?;
+    let output = session.output(args.output.as_deref(), inputs())?;
     let plan = args.plan.as_deref().map(|plan| session.output(Some(plan), inputs())).transpose()?;
     #[cfg(feature = "report")]
     let figure = session.figure(args.figure.as_deref(), inputs())?;
@@ -120,20 +120,14 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
     let assigned = layout_text(args, &film, &found, measured.has_sizes)?;
     session.progress.end();
 
-    output.write(|writer| writer.write_all(assigned.as_bytes()))?;
     let to_file = !output.is_standard();
-    output.finish()?;
-    if let Some(mut plan) = plan {
-        plan.write(|writer| writer.write_all(text::plan_csv(&found.plan).as_bytes()))?;
-        plan.finish()?;
-    }
+    output.complete(&assigned)?;
+    plan.map_or(Ok(()), |plan| plan.complete(&text::plan_csv(&found.plan)))?;
     #[cfg(feature = "report")]
     if figure.is_some() || page.is_some() {
-        let drawn = laying_plan_figure(&found, SvgText::Text).map_err(|error| Failure::Format(error.to_string()))?;
-        if let Some(mut page) = page {
-            let text = plan_page(&BillOfMaterials::new(&session.layout, None), &drawn, &found.plan);
-            page.write(|writer| writer.write_all(text.as_bytes()))?;
-            page.finish()?;
+        let drawn = laying_plan_figure(&found, SvgText::Text)?;
+        if let Some(page) = page {
+            page.complete(&plan_page(&BillOfMaterials::new(&session.layout, None), &drawn, &found.plan))?;
         }
         if let Some(file) = figure {
             file.write(Ok(drawn))?;
@@ -143,10 +137,7 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
         let ignored = measured.ignored.join(", ");
         session.tell(&format!("{}: columns that were not read: {ignored}", args.measured.display()));
     }
-    let summary = match args.format {
-        TextOrJson::Json => json::pretty(&found),
-        TextOrJson::Text => text::summary(&film, &found, args.output.as_deref()),
-    };
+    let summary = args.format.shown(&found, || text::summary(&film, &found, args.output.as_deref()));
     if to_file {
         print(&summary)?;
     } else if !quiet {
@@ -166,7 +157,7 @@ fn shims(args: &AssignArgs, layout: &Layout, groups: &mut [PlaceGroup]) -> Resul
         }
     }
     if !faults.is_empty() {
-        return Err(faults.failure(args.layout.display().to_string()));
+        return Err(faults.failure(args.layout.display()));
     }
     groups.iter_mut().for_each(|group| group.places.retain(|place| !shims.contains(place)));
     Ok(shims)
@@ -181,7 +172,7 @@ fn assignment_failure(args: &AssignArgs, session: &Session, error: FilmError) ->
         AssignmentError::Shim { .. } => (&args.layout, " (--shim)"),
         _ => (&args.layout, ""),
     };
-    Failure::Points { path: path.clone(), message: format!("{error}{option}") }
+    Failure::at(path, format!("{error}{option}"))
 }
 
 /// The layout file of the film with its measured tiles. Refuses a film that breaks a rule of
@@ -196,8 +187,3 @@ fn layout_text(args: &AssignArgs, film: &Film, found: &FilmAssignment, has_sizes
 
 /// Largest number of starts.
 const MAX_STARTS: usize = 10_000;
-
-fn starts(text: &str) -> Result<usize, String> {
-    let starts = text.parse().ok().filter(|n| (1..=MAX_STARTS).contains(n));
-    starts.ok_or_else(|| format!("must be a whole number from 1 to {MAX_STARTS}"))
-}

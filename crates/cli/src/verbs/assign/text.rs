@@ -1,6 +1,7 @@
 //! The summary of `assign`, and the plan.
 
 use std::fmt::Write;
+use std::iter;
 use std::path::Path;
 
 use magsplice::Film;
@@ -12,7 +13,7 @@ use crate::text::{header, rows};
 
 /// The errors of the film, and the plan. `path` is that of the layout that was written.
 pub(super) fn summary(film: &Film, found: &FilmAssignment, path: Option<&Path>) -> String {
-    let mut text = header::with_recoil(film.layout(), film.recoil());
+    let mut text = header::with_recoil(film);
     let _ = write!(
         text,
         "{} measured, {}",
@@ -43,9 +44,7 @@ pub(super) fn summary(film: &Film, found: &FilmAssignment, path: Option<&Path>) 
     }
 
     text += "\nplan: the side of each tile that is up, and where its mark points in the film\n";
-    let head = ["place", "tile", "centre, mm", "up", "mark", "laid"].map(str::to_owned);
-    let lines: Vec<[String; 6]> = std::iter::once(head).chain(found.plan.iter().map(row)).collect();
-    text += &rows::table(&[rows::COMPACT; 6], &lines);
+    text += &rows::headed(["place", "tile", "centre, mm", "up", "mark", "laid"], found.plan.iter().map(row));
     if let Some(path) = path {
         let path = path.display();
         let _ = writeln!(text, "\nwrote {path}; evaluate it with `magsplice decouple {path}`");
@@ -70,16 +69,12 @@ const COLUMNS: [&str; 9] = ["place", "tile", "x_mm", "y_mm", "z_mm", "up", "mark
 
 /// The plan as CSV, which `--placed` reads.
 pub(super) fn plan_csv(rows: &[PlanRow]) -> String {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut write = |row: &[String]| writer.write_record(row).expect("memory takes every row");
-    write(&COLUMNS.map(str::to_owned));
-    for row in rows {
+    let cells = |row: &PlanRow| {
         let mut cells = vec![row.place.clone(), row.tile.clone()];
         cells.extend(row.centre_mm.to_array().map(|value| twelve_digits(value).to_string()));
         cells.extend([row.up.to_owned(), row.mark.to_owned(), row.mark_deg.to_string()]);
         cells.push(if row.is_laid { "yes" } else { "no" }.to_owned());
-        write(&cells);
-    }
-    let bytes = writer.into_inner().expect("memory takes every row");
-    String::from_utf8(bytes).expect("text is written as text")
+        cells
+    };
+    rows::csv(iter::once(COLUMNS.map(str::to_owned).to_vec()).chain(rows.iter().map(cells)))
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use magsplice::expect::Baseline;
 use magsplice::magnet::Grid;
 use magsplice::prelude::DVec3;
-use magsplice::results::{Metadata, PointQuantity, Points, Table};
+use magsplice::results::{ColumnQuantity, Metadata, Points, Table};
 
 use crate::csv_input::limited_lines::{LimitedLines, read_error, shown};
 use crate::failure::Failure;
@@ -19,7 +19,7 @@ const COLUMNS: [&str; 6] = ["x_mm", "y_mm", "z_mm", "bx_t", "by_t", "bz_t"];
 
 /// Reads a baseline. The failure lists all faulty lines.
 pub(super) fn read(path: &Path) -> Result<Baseline, Failure> {
-    let failed = |message: String| Failure::Points { path: path.to_owned(), message };
+    let failed = |message: String| Failure::at(path, message);
     let file = regular_file(path)
         .map_err(|e| failed(format!("cannot read this baseline: {e} (`magsplice check --update` writes it)")))?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(LimitedLines::new(file));
@@ -55,7 +55,7 @@ pub(super) fn read(path: &Path) -> Result<Baseline, Failure> {
         let wrong: Vec<String> = wrong.map(|i| format!("{} = \"{}\"", COLUMNS[i], shown(&record[places[i]]))).collect();
         faults.add(line, format!("line {line}: {}, must be a finite number", wrong.join(", ")));
     }
-    if faults.is_empty() { Ok(baseline) } else { Err(faults.failure(path.display().to_string())) }
+    if faults.is_empty() { Ok(baseline) } else { Err(faults.failure(path.display())) }
 }
 
 /// Opens a file. A device or a pipe may have no end, so it is an error.
@@ -68,7 +68,7 @@ fn regular_file(path: &Path) -> io::Result<File> {
 
 /// Refuses a place for a baseline where there is anything but an earlier baseline.
 pub(super) fn check_replaceable(path: &Path) -> Result<(), Failure> {
-    let failed = |error| Failure::Write { target: path.display().to_string(), error };
+    let failed = |error| Failure::write(path, error);
     let file = match regular_file(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
         file => file.map_err(failed)?,
@@ -89,8 +89,7 @@ pub(super) fn check_replaceable(path: &Path) -> Result<(), Failure> {
 pub(super) fn write(path: &Path, layout: &Path, grid: &Grid, field_t: &[DVec3]) -> Result<(), Failure> {
     check_replaceable(path)?;
     let mut output = Output::open(Some(path), &[layout])?;
-    let columns = PointQuantity::FLUX_DENSITY.columns(field_t.iter().flat_map(DVec3::to_array).collect());
-    let table = Table::new(Points::Grid(*grid), vec![columns], Metadata::new()).expect("B at every point");
+    let table = Table::new(Points::Grid(*grid), vec![ColumnQuantity::flux_density(field_t)], Metadata::new());
     output.write(|w| magsplice_export::csv::write(&table, w))?;
     output.finish()
 }

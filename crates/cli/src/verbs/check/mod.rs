@@ -28,7 +28,6 @@ use crate::failure::{self, Failure};
 use crate::output::destination::print;
 use crate::output::json;
 use crate::progress::ProgressLine;
-use crate::remarks;
 use crate::session::knee_remark;
 use crate::words::film_failure;
 
@@ -135,7 +134,9 @@ fn check(path: &Path, update: bool, quiet: bool, progress: &Arc<ProgressLine>) -
             return checked.with_expectations(stated.map(unusable).collect());
         }
     };
-    knee_remark(path, &film).into_iter().for_each(|remark| remarks::teller(quiet, progress)(&remark));
+    if let Some(remark) = knee_remark(path, &film).filter(|_| !quiet) {
+        progress.suspend(|| failure::tell(&remark));
+    }
     let mut started = Instant::now();
     let baseline = baseline(path, &film, update, |file, points, how_far| {
         if !quiet {
@@ -177,7 +178,7 @@ fn refuse_shared_baselines(files: &[NamedFile]) -> Result<(), Failure> {
                 owner.display(),
                 path.display()
             );
-            return Err(Failure::Points { path: baseline, message });
+            return Err(Failure::at(&baseline, message));
         }
     }
     Ok(())

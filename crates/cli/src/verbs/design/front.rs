@@ -25,10 +25,10 @@ pub(super) fn run(
     format: TextOrJson,
     quiet: bool,
 ) -> Result<u8, Failure> {
-    let failed = |error| Failure::Design { place: session.path.display().to_string(), error };
+    let failed = |error| Failure::design(session.path, error);
     let layout = &session.layout;
     let problem = DesignProblem::new(layout).map_err(failed)?;
-    let output = output.ok_or_else(|| Failure::Format("--front writes a folder: name one with -o DIR".to_owned()))?;
+    let output = output.ok_or_else(|| Failure::Refused("--front writes a folder: name one with -o DIR".to_owned()))?;
     let mut folder = Folder::open(output, "design --front", &[session.path])?;
     let stop = interrupt::defer();
     let front = {
@@ -94,10 +94,7 @@ fn write_figures(problem: &DesignProblem, front: &ParetoFront, folder: &mut Fold
         FrontFigure { axis: FrontAxis::Parts, films: by_parts, before: None },
     ];
     for figure in figures.into_iter().filter(|figure| !figure.films.is_empty()) {
-        let figure = figure.draw().map_err(|error| Failure::Format(error.to_string()))?;
-        for (name, contents) in figure.files() {
-            folder.write(&name, contents)?;
-        }
+        folder.write_all(figure.draw()?.files())?;
     }
     Ok(())
 }

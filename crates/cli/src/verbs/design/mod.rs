@@ -53,7 +53,7 @@ pub(crate) fn run(args: &DesignArgs, quiet: bool) -> Result<u8, Failure> {
     if args.front {
         return front::run(&session, &args.amplitudes, args.output.as_deref(), args.format, quiet);
     }
-    let failed = |error| Failure::Design { place: args.layout.display().to_string(), error };
+    let failed = |error| Failure::design(&args.layout, error);
     let problem = DesignProblem::new(&session.layout).map_err(failed)?;
     let output = Output::open(args.output.as_deref(), &[&args.layout])?;
     let result = search::search(&problem, quiet).map_err(failed)?;

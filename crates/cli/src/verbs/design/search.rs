@@ -17,7 +17,6 @@ use crate::args::formats::TextOrJson;
 use crate::failure::{self, Failure};
 use crate::interrupt::{self, INTERRUPTED};
 use crate::output::destination::{Output, print};
-use crate::output::json;
 use crate::progress::ProgressLine;
 use crate::text::number::counted;
 
@@ -79,20 +78,16 @@ pub(crate) fn finish(
     problem: &DesignProblem,
     result: &SearchResult,
     verb: &str,
-    mut output: Output,
+    output: Output,
     path: Option<&Path>,
     format: TextOrJson,
     quiet: bool,
 ) -> Result<u8, Failure> {
     let folder = path.and_then(Path::parent).unwrap_or(Path::new(""));
     let layout = layout_text(problem, result, verb, folder)?;
-    output.write(|writer| writer.write_all(layout.as_bytes()))?;
     let to_file = !output.is_standard();
-    output.finish()?;
-    let summary = match format {
-        TextOrJson::Json => json::pretty(result),
-        TextOrJson::Text => text::search_result(problem, result, path, verb == SPLICE),
-    };
+    output.complete(&layout)?;
+    let summary = format.shown(result, || text::search_result(problem, result, path, verb == SPLICE));
     if to_file {
         print(&summary)?;
     } else if !quiet {

@@ -122,14 +122,13 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
         .diagnose(points_mm, &readings_t, args.noise, FitArg::free(&args.fit), args.false_alarm)
         .map_err(|error| refused(&session, &args.scan, &lines, error))?;
     session.progress.end();
-    if let Some(mut file) = found_file {
+    if let Some(file) = found_file {
         let scan = args.scan.file_name().map_or_else(|| "a scan".into(), |name| name.to_string_lossy());
         let layout = found.found_layout(&original, &scan, &format!("{PROGRAM} diagnose"));
         let folder = args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
         let origin = format!("the film of {}", args.scan.display());
         let text = layout.to_edited_toml(TileForm::Plain, folder, &origin)?;
-        file.write(|w| w.write_all(text.as_bytes()))?;
-        file.finish()?;
+        file.complete(&text)?;
     }
     #[cfg(feature = "report")]
     if let Some(file) = figure {

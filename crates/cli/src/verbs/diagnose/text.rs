@@ -19,7 +19,7 @@ const LISTED: usize = 6;
 
 /// The report of `diagnose` about the file `scan`, of which `fit` was fitted.
 pub(super) fn diagnosis(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmDiagnosis) -> String {
-    let mut text = header::with_recoil(film.layout(), film.recoil());
+    let mut text = header::with_recoil(film);
     let noise = in_ut(found.noise_t);
     let readings = counted(found.readings, "reading", "readings");
     let _ = writeln!(text, "scan {}: {readings}, noise {}, {}, {} uT", scan.display(), noise.x, noise.y, noise.z);

@@ -119,16 +119,14 @@ fn of_sensor(film: &Film, text: &mut String) -> Result<(), FilmError> {
 
 /// Writes all files and lets the folder appear.
 fn written(mut folder: Folder, files: Vec<(String, &[u8])>) -> Result<(), Failure> {
-    for (name, contents) in files {
-        folder.write(&name, contents)?;
-    }
+    folder.write_all(files)?;
     folder.finish()
 }
 
 fn failure(session: &Session, error: ReportError) -> Failure {
     match error {
         ReportError::Film(error) => session.failed(error),
-        error => Failure::Report { layout: session.path.to_owned(), message: error.to_string() },
+        error => Failure::at(session.path, error),
     }
 }
 

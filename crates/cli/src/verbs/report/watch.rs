@@ -73,7 +73,7 @@ fn wait(changes: &Receiver<notify::Result<Event>>, names: &[OsString], layout: &
         }
         Err(error) => Err(unwatched(layout, &error)),
     };
-    let ended = || Failure::Format("the watch of the layout ended".to_owned());
+    let ended = || Failure::Refused("the watch of the layout ended".to_owned());
     while !concerns(changes.recv().map_err(|_| ended())?)? {}
     loop {
         match changes.recv_timeout(SETTLED) {
@@ -85,5 +85,5 @@ fn wait(changes: &Receiver<notify::Result<Event>>, names: &[OsString], layout: &
 }
 
 fn unwatched(layout: &Path, error: &notify::Error) -> Failure {
-    Failure::Format(format!("cannot watch {}: {error}", layout.display()))
+    Failure::Refused(format!("cannot watch {}: {error}", layout.display()))
 }

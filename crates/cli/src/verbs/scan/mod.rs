@@ -12,13 +12,13 @@ use magsplice::scan::DiagnosisError;
 use magsplice_report::scan_figures;
 
 use crate::args::fit::FitArg;
-use crate::args::formats::{ResultArgs, TableFormat, TextOrJson};
+use crate::args::formats::{ResultArgs, TableFormat};
 use crate::failure::Failure;
 use crate::faults::FaultList;
 use crate::inputs::readings::Scan;
 #[cfg(feature = "report")]
 use crate::output::folder::Folder;
-use crate::output::{choice, json, table};
+use crate::output::{choice, table};
 use crate::remarks;
 use crate::session::Session;
 use crate::text::number::number;
@@ -96,10 +96,7 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
         table::write(&found.table(), &found, format, &mut file)?;
         file.finish()?;
     }
-    let result = match args.result.format {
-        TextOrJson::Text => text::scan(&film, &args.scan, &args.fit, &found),
-        TextOrJson::Json => json::pretty(&found),
-    };
+    let result = args.result.format.shown(&found, || text::scan(&film, &args.scan, &args.fit, &found));
     session.write(output, &result)?;
     tell_outliers(&session, args, &found);
     tell_implausible(&session, args, &found);
@@ -115,7 +112,7 @@ pub(super) fn refused(session: &Session, scan: &Path, lines: &[u64], error: Film
                 let (line, cause) = (lines[error.index], no_field(error.cause, &session.layout));
                 faults.add(line, format!("line {line}: {cause}"));
             }
-            return faults.failure(scan.display().to_string());
+            return faults.failure(scan.display());
         }
         FilmError::Scan(error) => error.to_string(),
         FilmError::Diagnosis(DiagnosisError::NoDerivative { tile, point: DVec3 { x, y, z } }) => format!(
@@ -125,17 +122,17 @@ pub(super) fn refused(session: &Session, scan: &Path, lines: &[u64], error: Film
         FilmError::Diagnosis(error) => error.to_string(),
         error => return session.failed(error),
     };
-    Failure::Points { path: scan.to_owned(), message }
+    Failure::at(scan, message)
 }
 
 /// Draws planes of the scan into the folder.
 #[cfg(feature = "report")]
 fn draw(args: &ScanArgs, film: &Film, found: &FilmScan, folder: &mut Folder) -> Result<(), Failure> {
-    let drawn = scan_figures(film, found).map_err(|error| Failure::Format(error.to_string()))?;
+    let drawn = scan_figures(film, found)?;
     if drawn.is_empty() {
         let message =
             "--figures needs positions on a grid with equal steps, and two at least along two axes".to_owned();
-        return Err(Failure::Points { path: args.scan.clone(), message });
+        return Err(Failure::at(&args.scan, message));
     }
     for figure in &drawn {
         for (name, contents) in figure.files() {
@@ -172,6 +169,6 @@ fn tell_outliers(session: &Session, args: &ScanArgs, found: &FilmScan) {
         faults.add(*line, format!("line {line}: left out, because it is off by ({x:.1}, {y:.1}, {z:.1}) uT"));
     }
     if !faults.is_empty() {
-        session.tell(&faults.remarks(&args.scan.display().to_string()));
+        session.tell(&faults.remarks(args.scan.display()));
     }
 }

@@ -17,7 +17,7 @@ const LISTED: usize = 3;
 
 /// The report of `scan` about the file `scan`, of which `fit` was fitted.
 pub(super) fn scan(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmScan) -> String {
-    let mut text = header::with_recoil(film.layout(), film.recoil());
+    let mut text = header::with_recoil(film);
     let readings = counted(found.readings, "reading", "readings");
     let _ = writeln!(text, "scan {}: {readings}{}", scan.display(), positions(found));
     text.push('\n');

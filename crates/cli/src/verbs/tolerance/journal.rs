@@ -35,7 +35,7 @@ impl Journal {
     /// `resume`, and is refused otherwise, so that no samples are lost.
     pub(super) fn open(save: &Path, run: &SampleRun, resume: bool) -> Result<(Journal, Vec<Figures>), Failure> {
         let path = Journal::path_beside(save);
-        let failed = |error: io::Error| Failure::Write { target: path.display().to_string(), error };
+        let failed = |error: io::Error| Failure::write(&path, error);
         // A run that was killed before the names of the figures were written has no samples.
         let has_samples = match fs::metadata(&path) {
             Ok(there) => !there.is_file() || has_heading(&path).map_err(failed)?,
@@ -44,7 +44,7 @@ impl Journal {
         };
         if has_samples {
             let earlier = sample_file::read(&path)?;
-            let refused = |message: String| Failure::Points { path: path.clone(), message };
+            let refused = |message: String| Failure::at(&path, message);
             if !resume {
                 return Err(refused(format!(
                     "holds {} of an earlier run: give --resume to continue it, or remove the file",
@@ -77,14 +77,14 @@ impl Journal {
             (self.next..).zip(samples).map(|(sample, figures)| sample_file::line(sample, figures) + "\n").collect();
         self.next += samples.len() as u64;
         let written = self.file.write_all(lines.as_bytes());
-        written.map_err(|error| Failure::Write { target: self.path.display().to_string(), error })
+        written.map_err(|error| Failure::write(&self.path, error))
     }
 
     /// Removes the file, after its samples are written elsewhere.
     pub(super) fn remove(self) -> Result<(), Failure> {
         let Journal { file, path, .. } = self;
         drop(file);
-        fs::remove_file(&path).map_err(|error| Failure::Write { target: path.display().to_string(), error })
+        fs::remove_file(&path).map_err(|error| Failure::write(&path, error))
     }
 }
 

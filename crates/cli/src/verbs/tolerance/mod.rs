@@ -1,5 +1,6 @@
 //! `magsplice tolerance`: samples of the films that are made from a layout.
 
+use std::error::Error;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,13 +13,15 @@ use magsplice::making::Sorting;
 use magsplice::results::{FilmSampling, SampleRun, SampledFilm, in_stretches};
 use magsplice::{Film, FilmError, Stage};
 
-use crate::args::formats::{ResultArgs, TextOrJson};
+use crate::args::formats::ResultArgs;
+use crate::args::numbers::whole;
 use crate::args::preset::PresetArgs;
 use crate::args::sorting::SortingArgs;
 use crate::failure::Failure;
 use crate::interrupt::{self, INTERRUPTED};
+use crate::output::choice;
 use crate::output::destination::Output;
-use crate::output::{choice, json};
+use crate::progress::ProgressLine;
 use crate::remarks;
 use crate::session::Session;
 
@@ -63,7 +66,7 @@ pub(crate) struct ToleranceArgs {
     #[command(flatten)]
     preset: PresetArgs,
     /// Number of samples [default: that of [tolerance], else 1000]
-    #[arg(long, value_name = "N", value_parser = samples)]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1..=MAX_SAMPLES))]
     samples: Option<u64>,
     /// Seed of the random numbers [default: that of [tolerance], else 1]
     #[arg(long, value_name = "S")]
@@ -72,7 +75,7 @@ pub(crate) struct ToleranceArgs {
     #[arg(long, value_name = "K", default_value = "0", value_parser = number)]
     first: u64,
     /// Number of samples of the part [default: all from the first on]
-    #[arg(long, value_name = "M", value_parser = samples)]
+    #[arg(long, value_name = "M", value_parser = |text: &str| whole(text, 1..=MAX_SAMPLES))]
     count: Option<u64>,
     /// Continue a run that was interrupted or killed, from its file FILE.partial beside --save
     #[arg(long, requires = "save")]
@@ -119,7 +122,7 @@ pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
         return merge(args, quiet).map(|()| 0);
     }
     let path = args.layout.as_deref().unwrap_or(Path::new(""));
-    let mut session = Session::open_search(path, remarks::OF_COMPARISONS, quiet)?;
+    let mut session = Session::begin(path, remarks::OF_COMPARISONS, quiet, ProgressLine::start_search(!quiet))?;
     args.preset.apply(Arc::make_mut(&mut session.layout));
     require_errors(&session)?;
     let film = session.film()?;
@@ -177,13 +180,10 @@ pub(super) fn draw(
     let failed = |error| sampling_failure(session, error);
     let sampler = sampling.sampler(run.seed).map_err(failed)?;
     let sorted = sorting.map(|sorting| sampling.sorted_sampler(&sampler, sorting)).transpose().map_err(failed)?;
-    let of_sample = |(sample, error): (u64, &dyn std::error::Error)| Failure::Points {
-        path: session.path.to_owned(),
-        message: format!("sample {sample}: {error}"),
-    };
+    let of_sample = |sample, error: &dyn Error| Failure::at(session.path, format_args!("sample {sample}: {error}"));
     let evaluate = |numbers| match &sorted {
-        Some(sorted) => sorted.errors_of_range(numbers).map_err(|(sample, error)| of_sample((sample, &error))),
-        None => sampler.errors_of_range(numbers).map_err(|(sample, error)| of_sample((sample, &error))),
+        Some(sorted) => sorted.errors_of_range(numbers).map_err(|(sample, error)| of_sample(sample, &error)),
+        None => sampler.errors_of_range(numbers).map_err(|(sample, error)| of_sample(sample, &error)),
     };
     let of = Some(run.count as usize);
     let show = |done| session.progress.show(Stage { name: "films", done, of, unit: "samples" });
@@ -204,7 +204,7 @@ pub(super) fn sampling_failure(session: &Session, error: FilmError) -> Failure {
         FilmError::Sorting(error) => error.to_string(),
         error => return session.failed(error),
     };
-    Failure::Points { path: session.path.to_owned(), message }
+    Failure::at(session.path, message)
 }
 
 /// Refuses a layout without what films that are made need.
@@ -215,7 +215,7 @@ pub(super) fn require_errors(session: &Session) -> Result<(), Failure> {
     }
     let message = "the layout has no [tolerance] table, which states the errors of the films that are made: give --preset \
                    workshop to begin with, or add the table that docs/layout-format.md describes";
-    Err(Failure::Points { path: session.path.to_owned(), message: message.to_owned() })
+    Err(Failure::at(session.path, message.to_owned()))
 }
 
 pub(super) fn sample_run(layout: &Layout, sorting: Option<&Sorting>, seed: u64, first: u64, count: u64) -> SampleRun {
@@ -225,7 +225,7 @@ pub(super) fn sample_run(layout: &Layout, sorting: Option<&Sorting>, seed: u64, 
 /// The number of samples to compute from the first on.
 fn part(args: &ToleranceArgs, total: u64) -> Result<u64, Failure> {
     let first = args.first;
-    let beyond = |what: String| Failure::Format(format!("{what}, of {total} samples: give a larger --samples"));
+    let beyond = |what: String| Failure::Refused(format!("{what}, of {total} samples: give a larger --samples"));
     if first >= total {
         return Err(beyond(format!("--first {first} is beyond the last sample")));
     }
@@ -250,7 +250,7 @@ fn merge(args: &MergeArgs, quiet: bool) -> Result<(), Failure> {
     let mut parts = Vec::new();
     for path in &args.parts {
         let part = sample_file::read(path)?;
-        let refused = |message: String| Err(Failure::Points { path: path.clone(), message });
+        let refused = |message: String| Err(Failure::at(path, message));
         if part.run.film != sample_run(film.layout(), sorting.as_ref(), 0, 0, 0).film {
             return refused(format!(
                 "its samples are of another film or other errors than {} has now, or of other options of --sorted",
@@ -267,7 +267,7 @@ fn merge(args: &MergeArgs, quiet: bool) -> Result<(), Failure> {
     let mut samples: Vec<Figures> = Vec::new();
     let run = parts.first().map(|(_, part)| part.run.clone()).expect("at least one part is required");
     for (path, part) in parts {
-        let refused = |message: String| Err(Failure::Points { path: path.clone(), message });
+        let refused = |message: String| Err(Failure::at(path, message));
         if part.run.seed != run.seed {
             return refused(format!("has seed {}, another part has seed {}", part.run.seed, run.seed));
         }
@@ -305,7 +305,7 @@ impl<'a> Outputs<'a> {
             Some(save) => {
                 let format = choice::choose(None, Some(save), None)?;
                 if format == SampleFormat::Parquet && cfg!(not(feature = "parquet")) {
-                    return Err(Failure::Format(choice::WITHOUT_PARQUET.to_owned()));
+                    return Err(Failure::Refused(choice::WITHOUT_PARQUET.to_owned()));
                 }
                 Some((format, session.output(Some(save), inputs())?))
             }
@@ -323,19 +323,10 @@ impl<'a> Outputs<'a> {
     }
 
     /// Writes the result alone.
-    fn finish_result(mut self, film: &Film, result: &SampledFilm) -> Result<(), Failure> {
-        let text = match self.args.text.format {
-            TextOrJson::Text => text::sampled(film, result),
-            TextOrJson::Json => json::pretty(result),
-        };
-        self.result.write(|w| w.write_all(text.as_bytes()))?;
-        self.result.finish()
+    fn finish_result(self, film: &Film, result: &SampledFilm) -> Result<(), Failure> {
+        let text = self.args.text.format.shown(result, || text::sampled(film, result));
+        self.result.complete(&text)
     }
-}
-
-fn samples(text: &str) -> Result<u64, String> {
-    let samples = text.parse().ok().filter(|n| (1..=MAX_SAMPLES).contains(n));
-    samples.ok_or_else(|| format!("must be a whole number from 1 to {MAX_SAMPLES}"))
 }
 
 fn number(text: &str) -> Result<u64, String> {

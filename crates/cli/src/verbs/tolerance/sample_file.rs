@@ -9,7 +9,7 @@ use magsplice::decouple::{Figure, Figures};
 use magsplice::results::{ColumnQuantity, MetadataValue, Rows, SampleRun, SampledFilm, Table};
 use magsplice_export::numpy;
 
-use crate::args::formats::FileFormat;
+use crate::args::formats::{FileFormat, FileKind};
 use crate::failure::Failure;
 use crate::output::destination::Output;
 
@@ -30,20 +30,13 @@ pub(super) enum SampleFormat {
 impl FileFormat for SampleFormat {
     const OPTION: &'static str = "--save";
 
-    fn endings(self) -> &'static [&'static str] {
-        match self {
-            SampleFormat::Csv => &["csv"],
-            SampleFormat::Npz => &["npz"],
-            SampleFormat::Parquet => &["parquet"],
-        }
-    }
-
-    fn is_binary(self) -> bool {
-        self != SampleFormat::Csv
-    }
-
-    fn is_known_by_ending(self) -> bool {
-        true
+    fn file(self) -> FileKind {
+        let kind = match self {
+            SampleFormat::Csv => FileKind::text(&["csv"]),
+            SampleFormat::Npz => FileKind::binary(&["npz"]),
+            SampleFormat::Parquet => FileKind::binary(&["parquet"]),
+        };
+        kind.known_by_ending()
     }
 }
 
@@ -132,7 +125,7 @@ fn table(result: &SampledFilm, samples: &[Figures]) -> Table {
     metadata.push(("film", MetadataValue::Text(result.run.film.clone())));
     metadata.push(("seed", MetadataValue::Text(result.run.seed.to_string())));
     let rows = Rows::Numbered { name: "sample", first: result.run.first, count: samples.len() };
-    Table::new(rows, quantities, metadata).expect("a value for each sample")
+    Table::new(rows, quantities, metadata)
 }
 
 /// The samples of a file that [`write`] wrote as CSV, or the complete ones at the beginning of a
@@ -146,7 +139,7 @@ pub(super) struct SampleFile {
 /// Reads a file of samples. An incomplete last line, which a run that was killed leaves, ends the
 /// samples.
 pub(super) fn read(path: &Path) -> Result<SampleFile, Failure> {
-    let refused = |message: String| Failure::Points { path: path.to_owned(), message };
+    let refused = |message: String| Failure::at(path, message);
     let failed = |error: std::io::Error| refused(format!("cannot be read: {error}"));
     let mut reader = BufReader::new(File::open(path).map_err(failed)?);
     let mut bytes = 0;

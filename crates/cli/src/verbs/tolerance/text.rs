@@ -17,7 +17,7 @@ use crate::text::{header, rows};
 
 /// The report of `tolerance`.
 pub(super) fn sampled(film: &Film, result: &SampledFilm) -> String {
-    header::with_recoil(film.layout(), film.recoil()) + &samples(film, result)
+    header::with_recoil(film) + &samples(film, result)
 }
 
 /// The statistics of the samples of a film, without the layout.
