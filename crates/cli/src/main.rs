@@ -41,7 +41,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
 
-use args::{Args, Verb};
+use args::Args;
 use failure::Failure;
 
 fn main() -> ExitCode {
@@ -52,7 +52,7 @@ fn main() -> ExitCode {
         failure::tell(&format_args!("cannot start {count} threads: {error}"));
         return ExitCode::from(2);
     }
-    match run(&verb, common.quiet) {
+    match verb.run(common.quiet, Args::command) {
         Ok(status) => ExitCode::from(status),
         // A reader that closes the pipe early, such as `head`, has what it wanted.
         Err(Failure::PipeClosed) => ExitCode::SUCCESS,
@@ -61,37 +61,4 @@ fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
-}
-
-/// The exit status of a verb that could do its work.
-fn run(verb: &Verb, quiet: bool) -> Result<u8, Failure> {
-    match verb {
-        Verb::Check(args) => return verbs::check::run(args, quiet),
-        Verb::Design(args) => return verbs::design::run(args, quiet),
-        Verb::Splice(args) => return verbs::splice::run(args, quiet),
-        Verb::Tolerance(args) => return verbs::tolerance::run(args, quiet),
-        Verb::Field(args) => verbs::field::run(args, quiet),
-        Verb::Compare(args) => verbs::compare::run(args, quiet),
-        Verb::Decouple(args) => verbs::decouple::run(args, quiet),
-        Verb::Plan(args) => verbs::plan::run(args, quiet),
-        Verb::Bench(args) => verbs::bench::run(args, quiet),
-        Verb::Budget(args) => verbs::budget::run(args, quiet),
-        Verb::Forces(args) => verbs::forces::run(args, quiet),
-        Verb::Read(args) => verbs::read::run(args, quiet),
-        Verb::Experiment(args) => verbs::experiment::run(args, quiet),
-        Verb::Calibrate(args) => verbs::calibrate::run(args, quiet),
-        Verb::Scan(args) => verbs::scan::run(args, quiet),
-        Verb::Diagnose(args) => verbs::diagnose::run(args, quiet),
-        Verb::Resolution(args) => verbs::resolution::run(args, quiet),
-        #[cfg(feature = "report")]
-        Verb::Report(args) => verbs::report::run(args, quiet),
-        Verb::Assign(args) => verbs::assign::run(args, quiet),
-        Verb::Tiles(args) => verbs::tiles::run(args, quiet),
-        Verb::Export(args) => verbs::export::run(args, quiet),
-        Verb::Import(args) => verbs::import::run(args, quiet),
-        Verb::Init(args) => verbs::init::run(args, quiet),
-        Verb::Schema => verbs::schema::run(),
-        Verb::Completions(args) => verbs::completions::run(args, Args::command()),
-    }
-    .map(|()| 0)
 }

@@ -19,15 +19,10 @@ pub(crate) mod readings;
 /// `--sorted`: tiles that are measured and sorted.
 pub(crate) mod sorting;
 
-use clap::{Parser, Subcommand};
+use clap::Parser;
 use numbers::whole;
 
-#[cfg(feature = "report")]
-use crate::verbs::report;
-use crate::verbs::{
-    assign, bench, budget, calibrate, check, compare, completions, decouple, design, diagnose, experiment, export,
-    field, forces, import, init, plan, read, resolution, scan, splice, tiles, tolerance,
-};
+use crate::verbs::Verb;
 
 const FIRST_STEPS: &str = if cfg!(feature = "report") {
     "Example:\n  magsplice init film.toml\n  magsplice report film.toml -o report\n  magsplice decouple film.toml"
@@ -65,35 +60,3 @@ pub(crate) struct CommonArgs {
 /// Largest number of threads: above the number of processors of any machine the program is meant
 /// for.
 const MAX_THREADS: usize = 1024;
-
-#[derive(Subcommand)]
-pub(crate) enum Verb {
-    Field(field::FieldArgs),
-    Compare(compare::CompareArgs),
-    Decouple(decouple::DecoupleArgs),
-    Plan(plan::PlanArgs),
-    Bench(bench::BenchArgs),
-    #[cfg(feature = "report")]
-    Report(report::ReportArgs),
-    Tolerance(tolerance::ToleranceArgs),
-    Budget(budget::BudgetArgs),
-    Forces(forces::ForcesArgs),
-    Read(read::ReadArgs),
-    Resolution(resolution::ResolutionArgs),
-    Experiment(experiment::ExperimentArgs),
-    Calibrate(calibrate::CalibrateArgs),
-    Scan(scan::ScanArgs),
-    Diagnose(diagnose::DiagnoseArgs),
-    Check(check::CheckArgs),
-    Design(design::DesignArgs),
-    Splice(splice::SpliceArgs),
-    Assign(assign::AssignArgs),
-    Tiles(tiles::TilesArgs),
-    Export(export::ExportArgs),
-    Import(import::ImportArgs),
-    Init(init::InitArgs),
-    /// Print the JSON Schema of layout files, for editors.
-    #[command(after_help = "Example:\n  magsplice schema > layout.schema.json")]
-    Schema,
-    Completions(completions::CompletionsArgs),
-}

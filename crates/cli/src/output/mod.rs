@@ -1,5 +1,8 @@
 //! Where results go.
 
+/// Name and version of the program in the history of layouts.
+pub(crate) const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"));
+
 /// The format that an option or the ending of a file chooses.
 pub(crate) mod choice;
 /// Standard output, or a file that appears complete or not at all.

@@ -52,5 +52,74 @@ pub(crate) mod tiles;
 /// Samples the films that are made from a layout.
 pub(crate) mod tolerance;
 
-/// Name and version of the program in the history of layouts.
-const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"));
+use clap::{Command, Subcommand};
+
+use crate::failure::Failure;
+
+/// The commands, in the order of the help.
+#[derive(Subcommand)]
+pub(crate) enum Verb {
+    Field(field::FieldArgs),
+    Compare(compare::CompareArgs),
+    Decouple(decouple::DecoupleArgs),
+    Plan(plan::PlanArgs),
+    Bench(bench::BenchArgs),
+    #[cfg(feature = "report")]
+    Report(report::ReportArgs),
+    Tolerance(tolerance::ToleranceArgs),
+    Budget(budget::BudgetArgs),
+    Forces(forces::ForcesArgs),
+    Read(read::ReadArgs),
+    Resolution(resolution::ResolutionArgs),
+    Experiment(experiment::ExperimentArgs),
+    Calibrate(calibrate::CalibrateArgs),
+    Scan(scan::ScanArgs),
+    Diagnose(diagnose::DiagnoseArgs),
+    Check(check::CheckArgs),
+    Design(design::DesignArgs),
+    Splice(splice::SpliceArgs),
+    Assign(assign::AssignArgs),
+    Tiles(tiles::TilesArgs),
+    Export(export::ExportArgs),
+    Import(import::ImportArgs),
+    Init(init::InitArgs),
+    /// Print the JSON Schema of layout files, for editors.
+    #[command(after_help = "Example:\n  magsplice schema > layout.schema.json")]
+    Schema,
+    Completions(completions::CompletionsArgs),
+}
+
+impl Verb {
+    /// Runs the verb, and returns its exit status. `program` is the whole command line.
+    pub(crate) fn run(&self, quiet: bool, program: fn() -> Command) -> Result<u8, Failure> {
+        match self {
+            Verb::Check(args) => return check::run(args, quiet),
+            Verb::Design(args) => return design::run(args, quiet),
+            Verb::Splice(args) => return splice::run(args, quiet),
+            Verb::Tolerance(args) => return tolerance::run(args, quiet),
+            Verb::Field(args) => field::run(args, quiet),
+            Verb::Compare(args) => compare::run(args, quiet),
+            Verb::Decouple(args) => decouple::run(args, quiet),
+            Verb::Plan(args) => plan::run(args, quiet),
+            Verb::Bench(args) => bench::run(args, quiet),
+            Verb::Budget(args) => budget::run(args, quiet),
+            Verb::Forces(args) => forces::run(args, quiet),
+            Verb::Read(args) => read::run(args, quiet),
+            Verb::Experiment(args) => experiment::run(args, quiet),
+            Verb::Calibrate(args) => calibrate::run(args, quiet),
+            Verb::Scan(args) => scan::run(args, quiet),
+            Verb::Diagnose(args) => diagnose::run(args, quiet),
+            Verb::Resolution(args) => resolution::run(args, quiet),
+            #[cfg(feature = "report")]
+            Verb::Report(args) => report::run(args, quiet),
+            Verb::Assign(args) => assign::run(args, quiet),
+            Verb::Tiles(args) => tiles::run(args, quiet),
+            Verb::Export(args) => export::run(args, quiet),
+            Verb::Import(args) => import::run(args, quiet),
+            Verb::Init(args) => init::run(args, quiet),
+            Verb::Schema => schema::run(),
+            Verb::Completions(args) => completions::run(args, program()),
+        }
+        .map(|()| 0)
+    }
+}

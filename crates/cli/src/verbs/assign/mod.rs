@@ -13,13 +13,13 @@ use magsplice::{Film, FilmError};
 #[cfg(feature = "report")]
 use magsplice_report::{SvgText, laying_plan_figure, plan_page};
 
-use super::PROGRAM;
 use crate::args::formats::TextOrJson;
 use crate::args::measurement::MeasurementArgs;
 use crate::args::numbers::whole;
 use crate::failure::Failure;
 use crate::faults::FaultList;
 use crate::inputs::{measured_tiles, placed_tiles};
+use crate::output::PROGRAM;
 use crate::output::destination::print;
 use crate::remarks;
 use crate::session::Session;

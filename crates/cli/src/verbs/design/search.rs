@@ -11,11 +11,11 @@ use magsplice::Stage;
 use magsplice::design::{DesignError, DesignProblem, ProgressUpdate, SearchEstimate, SearchResult, SearchStage};
 use magsplice::layout::TileForm;
 
-use super::super::PROGRAM;
 use super::text;
 use crate::args::formats::TextOrJson;
 use crate::failure::{self, Failure};
 use crate::interrupt::{self, INTERRUPTED};
+use crate::output::PROGRAM;
 use crate::output::destination::{Output, print};
 use crate::progress::ProgressLine;
 use crate::text::number::counted;

@@ -12,7 +12,6 @@ use magsplice::sensor::Noise;
 #[cfg(feature = "report")]
 use magsplice_report::diagnosis_figure;
 
-use super::PROGRAM;
 use super::scan::refused;
 use crate::args::fit::FitArg;
 use crate::args::preset::PresetArgs;
@@ -20,7 +19,7 @@ use crate::args::readings::noise;
 use crate::failure::Failure;
 use crate::inputs::readings::Scan;
 use crate::output::destination::print;
-use crate::output::json;
+use crate::output::{PROGRAM, json};
 use crate::remarks;
 use crate::session::Session;
 use crate::text::number::number;
