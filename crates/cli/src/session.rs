@@ -66,13 +66,18 @@ impl<'p> Session<'p> {
         Ok(Session { path, layout, progress, subjects, quiet })
     }
 
+    /// A layout that was read, and of which no finding is printed.
+    pub(crate) fn of(path: &'p Path, layout: Layout, progress: Arc<ProgressLine>, quiet: bool) -> Session<'p> {
+        Session { path, layout: Arc::new(layout), progress, subjects: &[], quiet }
+    }
+
     /// The film, with the polarization of its tiles solved if they have a recoil permeability.
     /// Warns of cells beyond the knee of the material.
     pub(crate) fn film(&self) -> Result<Film, Failure> {
         let film = Film::with_progress(self.layout.clone(), self.progress.clone());
         let film = film.map_err(|error| self.failed(error))?;
-        if let Some(remark) = knee_remark(self.path, &film) {
-            self.tell(&remark);
+        if let Some(found) = film.recoil().and_then(|recoil| beyond_knee(recoil, &self.layout)) {
+            self.tell(&format!("warning: {}: {found}", self.path.display()));
         }
         Ok(film)
     }
@@ -157,10 +162,4 @@ impl<'p> Session<'p> {
     pub(crate) fn recall(&self) {
         remarks::recall(&self.layout, self.subjects, self.quiet);
     }
-}
-
-/// A warning of the part of a film that is beyond the knee of the material.
-pub(crate) fn knee_remark(path: &Path, film: &Film) -> Option<String> {
-    let found = film.recoil().and_then(|recoil| beyond_knee(recoil, film.layout()))?;
-    Some(format!("warning: {}: {found}", path.display()))
 }

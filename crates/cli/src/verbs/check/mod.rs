@@ -28,8 +28,7 @@ use crate::failure::{self, Failure};
 use crate::output::destination::print;
 use crate::output::json;
 use crate::progress::ProgressLine;
-use crate::session::knee_remark;
-use crate::words::film_failure;
+use crate::session::Session;
 
 /// Validate layouts, and check their films against what their [expect] tables state.
 ///
@@ -123,39 +122,33 @@ fn check(path: &Path, update: bool, quiet: bool, progress: &Arc<ProgressLine>) -
     if layout.expectations.is_empty() {
         return checked;
     }
-    let layout = Arc::new(layout);
-    let film = match Film::with_progress(layout.clone(), progress.clone()) {
+    let session = Session::of(path, layout, progress.clone(), quiet);
+    let layout = &*session.layout;
+    let film = match session.film() {
         Ok(film) => film,
-        Err(error) => {
-            let reason = film_failure(path, &layout, error).to_string();
+        Err(failure) => {
             let stated = Expectation::stated_in(&layout.expectations).into_iter();
             let unusable =
-                |expectation| CheckedExpectation::new(expectation, Err(reason.clone()), &layout, started.elapsed());
+                |expectation| CheckedExpectation::new(expectation, Err(failure.to_string()), layout, started.elapsed());
             return checked.with_expectations(stated.map(unusable).collect());
         }
     };
-    if let Some(remark) = knee_remark(path, &film).filter(|_| !quiet) {
-        progress.suspend(|| failure::tell(&remark));
-    }
     let mut started = Instant::now();
-    let baseline = baseline(path, &film, update, |file, points, how_far| {
-        if !quiet {
-            let wrote = format_args!("wrote {}, {points} points: {how_far}", file.display());
-            progress.suspend(|| failure::tell(&wrote));
-        }
+    let baseline = baseline(&session, &film, update, |file, points, how_far| {
+        session.tell(&format!("wrote {}, {points} points: {how_far}", file.display()));
         checked.moved = Some(how_far);
     });
     let mut expectations = Vec::new();
     film.each_outcome(baseline.as_ref().and_then(|b| b.as_ref().ok()), |expectation, outcome| {
         let outcome = match (&baseline, expectation) {
             (Some(Err(failure)), Expectation::Field) => Err(failure.to_string()),
-            _ => outcome.map_err(|error| film_failure(path, &layout, error).to_string()),
+            _ => outcome.map_err(|error| session.failed(error).to_string()),
         };
-        expectations.push(CheckedExpectation::new(expectation, outcome, &layout, started.elapsed()));
+        expectations.push(CheckedExpectation::new(expectation, outcome, layout, started.elapsed()));
         started = Instant::now();
     });
     // Where a film has no estimate, its figures say so.
-    checked.recoil_estimates = RecoilEstimate::usual(&layout).unwrap_or_default();
+    checked.recoil_estimates = RecoilEstimate::usual(layout).unwrap_or_default();
     checked.with_expectations(expectations)
 }
 
@@ -200,20 +193,20 @@ fn baseline_path(layout: &Path, name: &(impl AsRef<Path> + ?Sized)) -> PathBuf {
 
 /// The baseline of the layout, if it names one; with `update` it is rewritten first.
 fn baseline(
-    path: &Path,
+    session: &Session,
     film: &Film,
     update: bool,
     wrote: impl FnOnce(&Path, usize, String),
 ) -> Option<Result<Baseline, Failure>> {
-    let expected = film.layout().expectations.field.as_ref()?;
-    let file = baseline_path(path, &expected.file);
+    let expected = session.layout.expectations.field.as_ref()?;
+    let file = baseline_path(session.path, &expected.file);
     let rewrite = || -> Result<(), Failure> {
-        let failed = |error| film_failure(path, film.layout(), error);
+        let failed = |error| session.failed(error);
         baseline::check_replaceable(&file)?;
         let field_t = film.volume_field_t().map_err(failed)?;
         let grid = &film.volume().map_err(failed)?.grid;
         let moved = moved(&file, grid, field_t);
-        baseline::write(&file, path, grid, field_t)?;
+        baseline::write(&file, session.path, grid, field_t)?;
         wrote(&file, grid.len(), moved);
         Ok(())
     };
