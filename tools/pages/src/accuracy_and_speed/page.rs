@@ -239,21 +239,13 @@ far from each other, it would take several times longer. Errors are the largest 
             error(film.worst)
         );
     }
-    page.push_str(
-        "\n| from | to |
-exponent, everything | exponent, again |\n|---|---|---|---|\n",
-    );
+    page.push_str("\n| from | to | exponent, everything | exponent, again |\n|---|---|---|---|\n");
     let mut exponents = Vec::new();
     let ends = films.iter().zip(&films[1..]).chain(films.first().zip(films.last()));
     for (smaller, larger) in ends {
         let [everything, again] =
             [Growth::everything_s, |f: &Growth| f.again_s].map(|time| smaller.exponent_to(larger, time));
-        let _ = writeln!(
-            page,
-            "| {} | {} |
-{everything:.2} | {again:.2} |",
-            smaller.tiles, larger.tiles
-        );
+        let _ = writeln!(page, "| {} | {} | {everything:.2} | {again:.2} |", smaller.tiles, larger.tiles);
         exponents = vec![("everything", everything), ("again", again)];
     }
     page.push('\n');
@@ -261,9 +253,8 @@ exponent, everything | exponent, again |\n|---|---|---|---|\n",
         let verdict = if exponent <= LARGEST_EXPONENT { "kept" } else { "**missed**" };
         let _ = writeln!(
             page,
-            "From
-the smallest to the largest film, the exponent of *{what}* is {exponent:.2}. The goal of at most\n\
-{LARGEST_EXPONENT} is {verdict}."
+            "From the smallest to the largest film, the exponent of *{what}* is {exponent:.2}. The goal of at most\n\
+             {LARGEST_EXPONENT} is {verdict}."
         );
     }
 }
