@@ -105,8 +105,8 @@ as unbounded; the peers return a number.
 const SEAMS: &str = "
 ## Seams
 
-Two unit cubes of one polarization touch. Their field is compared with that of the block of 2 x 1 x
-1 that they form.
+Two unit cubes of one polarization touch. The table compares their field with the field of one block
+of 2 x 1 x 1.
 
 ";
 
@@ -134,27 +134,27 @@ For one unrotated tile, these bounds hold at every point that is not on an expos
 * Nearer to the tile than 0.08 of its largest side, B and H are right to 4e-15 of that sum.
 * The largest component of dB/dr is right to 2e-14.
 
-For a scene, the same fractions hold of the sum over its tiles. The tests in `tests/field/` check
+For a scene, the same fractions apply to the sum over its tiles. The tests in `tests/field/` check
 these bounds on the tables, on ten thousand random tiles and points, and on scenes of many tiles,
 with every instruction set of the processor. `cargo test` runs a share of the slowest cases, and
 `cargo test -p magsplice-tests --all-features` all of them.
 
 The bounds are weaker in these cases:
 
-* Rotated tiles. A point is rotated into the frame of the tile. This moves it by up to four units
-  of round-off of its distance from the tiles with that orientation, and onto a face if it lies
-  that close to one. Near an edge, the error is this displacement times the gradient.
+* Rotated tiles. A point is rotated into the frame of the tile. The rotation moves it by up to four
+  units of round-off of its distance from the tiles with that orientation. A point this close to a
+  face moves onto the face. Near an edge, the error is this displacement times the gradient.
 * Seams of tiles that share an edge but do not form a cuboid. The logarithms of the tiles cancel
-  there. Each is up to 166 times J / 2 pi, so an error of 2e-14 of |J| is left. The gradient beside
-  such a seam is right to 2e-14 of the sum over tiles, which grows as one over the distance. On the
-  common edge itself the gradient is reported as unresolved. Tiles of one polarization that form a
-  cuboid are merged and have no seam.
-* Points closer to a face than 2^-120 of the smallest size in the scene. Their distance counts as
-  this limit, on their own side of the face. The tile is thereby moved by far less than a unit in
-  the last place of its coordinates. But the logarithm beside an edge at a distance of 1e-60, say,
-  is that at 2^-120.
+  there. Each logarithm is up to 166 times J / 2 pi, so an error of 2e-14 of |J| remains. The
+  gradient beside such a seam is right to 2e-14 of the sum over tiles, which grows as one over the
+  distance. On the common edge itself the gradient is reported as unresolved. Tiles of one
+  polarization that form a cuboid are merged and have no seam.
+* Points closer to a face than 2^-120 of the smallest size in the scene. They are evaluated at this
+  distance, on their own side of the face. The displacement is far less than a unit in the last
+  place of the coordinates of the tile. But a point at a distance of 1e-60 from an edge, for
+  example, has the logarithm of the distance 2^-120.
 * Points farther away than 1e100 sizes. The elements of the tensor fall below the smallest normal
-  number and lose digits. Where B itself does, it rounds to zero.
+  number and lose digits. Where B itself falls below this number, B rounds to zero.
 * Faces. Inputs are binary numbers, and a face at `position + size / 2` lies at the exact sum of
   the two binary numbers. If it lies within eight units of round-off of another face (thirty-two
   with rotations), the two faces are one.

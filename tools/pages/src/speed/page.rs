@@ -51,7 +51,7 @@ pub(crate) fn text(
         "
 ## The limit of the processor
 
-The best instruction set of this processor is {set:?}, with {lanes} doubles in a vector. Where no
+The best instruction set of this processor is {set:?}, with {lanes} doubles in a vector. If no
 operation waits for another, the square root of a vector takes {root_ns:.2} ns, a division
 {division_ns:.2} ns and a multiply-add {multiply_add_ns:.3} ns.
 
@@ -120,9 +120,9 @@ const GROWTH: &str = "
 ## Growth
 
 The first table gives the time of sheets of unit cubes of different J, at points 2 to 4 below them.
-The second gives the time of the published film at points of its working volume. The third gives
-the speedup of the published film with threads. Beside it stands the speedup of as many independent
-scenes evaluated at the same time, which is the most that the machine gives.
+The second table gives the time of the published film at points of its working volume. The third
+table gives the speedup of the published film with threads. Its last column is the speedup of as
+many independent scenes evaluated at the same time, the most that the machine allows.
 
 ![Time for a tile and a point against their numbers](pictures/growth.svg)
 ";
