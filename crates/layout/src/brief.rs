@@ -65,16 +65,13 @@ pub struct Brief {
     #[schemars(with = "Option<Outline>", extend("example" = "{ x = [-10.0, 10.0], y = [-10.0, 10.0] }"))]
     pub outline_mm: [Option<[f64; 2]>; 2],
     /// Shortest side of a tile along x and y, in mm. Default: the shortest side in the layout.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub smallest_cut_mm: Option<f64>,
     /// Smallest distance between neighbouring tiles, in mm. Default: 0.
     pub gap_mm: f64,
     /// Bounds of the thickness, in mm. Required if the thickness varies.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "{ min = 0.5, max = 2.0 }"))]
     pub thickness_mm: Option<MinMax>,
     /// Bounds of the magnitude of the polarization, in T. Required if the strength varies.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "{ min = 0.0, max = 0.12 }"))]
     pub strength_t: Option<MinMax>,
     /// Sizes are rounded to multiples of this, in mm; a tile centred on a mirror plane has its
@@ -84,11 +81,9 @@ pub struct Brief {
     pub resolution_deg: f64,
     /// Step of the points at which the search evaluates the film, in mm. Default: the step of the
     /// volume, or a coarser one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub step_mm: Option<f64>,
     /// Largest number of distinct parts. A part is a size with a direction of polarization, however
     /// it is turned.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub parts: Option<usize>,
     /// Parts that are available. The search adds other parts only as far as `parts` allows.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -247,11 +242,9 @@ fn one() -> f64 {
 #[serde(deny_unknown_fields)]
 struct Outline {
     /// Lower and upper end along x, in mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[-10.0, 10.0]"))]
     x: Option<[f64; 2]>,
     /// Lower and upper end along y, in mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[-10.0, 10.0]"))]
     y: Option<[f64; 2]>,
 }

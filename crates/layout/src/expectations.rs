@@ -37,7 +37,6 @@ pub struct Expectations {
     #[serde(flatten)]
     pub bounds: FigureBounds,
     /// A baseline that the field must reproduce.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub field: Option<ExpectedField>,
     /// Lower bound of the distance between the tiles and the working volume, in mm. The distance is
     /// negative where a tile reaches into the volume.
@@ -45,7 +44,6 @@ pub struct Expectations {
     #[schemars(with = "Option<LowerBound>", extend("example" = "{ min = 3.0 }"))]
     pub least_clearance_mm: Option<f64>,
     /// Requirements on the films that are made with the errors of [tolerance].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub made: Option<MadeExpectations>,
 }
 
@@ -53,12 +51,12 @@ pub struct Expectations {
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 pub struct FigureBounds {
     /// Upper bounds of the uniformity RMSE.
-    #[serde(default, skip_serializing_if = "is_unbounded", with = "As::<UniformityBounds>")]
-    #[schemars(with = "Option<UniformityBounds>")]
+    #[serde(default, skip_serializing_if = "is_unbounded")]
+    #[schemars(extend("example" = "{ r_x = 0.065, r_y = 0.065, s_z = 0.042 }", "minProperties" = 1))]
     pub uniformity_rmse: PerParameter<Option<f64>>,
     /// Upper bounds of the RMSE of the displacement, in mm.
-    #[serde(default, skip_serializing_if = "is_unbounded_along", with = "As::<DisplacementBounds>")]
-    #[schemars(with = "Option<DisplacementBounds>")]
+    #[serde(default, skip_serializing_if = "is_unbounded_along")]
+    #[schemars(extend("example" = "{ x = 0.25, y = 0.25, z = 0.32 }", "minProperties" = 1))]
     pub displacement_rmse_mm: PerAxis<Option<f64>>,
     /// Lower bound of the amplitude: the best-fit factor of B against the ideal film.
     #[serde(rename = "amplitude", default, skip_serializing_if = "Option::is_none", with = "As::<LowerBound>")]
@@ -80,7 +78,6 @@ pub struct MadeExpectations {
     #[serde(flatten)]
     pub bounds: FigureBounds,
     /// Number of films that are evaluated. Default: the samples of [tolerance].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<u64>,
     /// Confidence with which the films that were evaluated must exclude that the bound is kept,
     /// before it counts as broken: a fraction. Default: 0.95.
@@ -100,68 +97,12 @@ pub struct ExpectedField {
     pub within: f64,
 }
 
-/// Upper bounds of the uniformity RMSE, at least one.
-#[derive(Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
-#[schemars(extend("example" = "{ r_x = 0.065, r_y = 0.065, s_z = 0.042 }", "minProperties" = 1))]
-struct UniformityBounds {
-    /// Upper bound for R_x, in radians.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    r_x: Option<f64>,
-    /// Upper bound for R_y, in radians.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    r_y: Option<f64>,
-    /// Upper bound for S_z, dimensionless.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    s_z: Option<f64>,
-}
-
-/// Upper bounds of the displacement RMSE, at least one.
-#[derive(Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
-#[schemars(extend("example" = "{ x = 0.25, y = 0.25, z = 0.32 }", "minProperties" = 1))]
-struct DisplacementBounds {
-    /// Upper bound along x, in mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    x: Option<f64>,
-    /// Upper bound along y, in mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    y: Option<f64>,
-    /// Upper bound along z, in mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    z: Option<f64>,
-}
-
 /// A lower bound.
 #[derive(Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LowerBound {
     /// The smallest value allowed.
     min: f64,
-}
-
-impl From<PerParameter<Option<f64>>> for UniformityBounds {
-    fn from(PerParameter { r_x, r_y, s_z }: PerParameter<Option<f64>>) -> UniformityBounds {
-        UniformityBounds { r_x, r_y, s_z }
-    }
-}
-
-impl From<UniformityBounds> for PerParameter<Option<f64>> {
-    fn from(UniformityBounds { r_x, r_y, s_z }: UniformityBounds) -> PerParameter<Option<f64>> {
-        PerParameter { r_x, r_y, s_z }
-    }
-}
-
-impl From<PerAxis<Option<f64>>> for DisplacementBounds {
-    fn from(PerAxis { x, y, z }: PerAxis<Option<f64>>) -> DisplacementBounds {
-        DisplacementBounds { x, y, z }
-    }
-}
-
-impl From<DisplacementBounds> for PerAxis<Option<f64>> {
-    fn from(DisplacementBounds { x, y, z }: DisplacementBounds) -> PerAxis<Option<f64>> {
-        PerAxis { x, y, z }
-    }
 }
 
 impl From<LowerBound> for Option<f64> {

@@ -61,19 +61,15 @@ impl Default for Material {
 pub(crate) struct MaterialTable {
     /// Relative recoil permeability of tiles that have none of their own. Default: 1, no field
     /// changes the polarization.
-    #[serde(skip_serializing_if = "Option::is_none")]
     recoil_permeability: Option<RecoilPermeability>,
     /// Largest error of what recoil changes in B, as a share of its largest change. Smaller errors
     /// need more cells. Default: 0.3.
-    #[serde(skip_serializing_if = "Option::is_none")]
     recoil_error: Option<f64>,
     /// mu0 times the magnitude of H at the knee of the demagnetization curve, in T. Tiles beyond it
     /// are reported. Default: not known.
-    #[serde(skip_serializing_if = "Option::is_none")]
     knee_field_t: Option<f64>,
     /// Relative change of the strength of all tiles per kelvin, a fraction: -0.0012 is -0.12 % per
     /// kelvin. [tolerance.temperature] takes it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     strength_per_k: Option<f64>,
 }
 

@@ -199,26 +199,20 @@ impl Rotation {
 #[schemars(extend("example" = "{ axis = [0, 0, 1], angle_deg = 30 }"))]
 pub(crate) struct RotationTable {
     /// Axis of rotation, a vector of any length but zero.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[0, 0, 1]"))]
     axis: Option<[f64; 3]>,
     /// Angle, right-handed about the axis, in degrees.
-    #[serde(skip_serializing_if = "Option::is_none")]
     angle_deg: Option<f64>,
     /// Quaternion x, y, z, w of any norm but zero; w is the scalar part.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[0.0, 0.0, 0.5, 0.866]"))]
     quaternion: Option<[f64; 4]>,
     /// Angles of three successive rotations, in degrees, in the order of their axes.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[10.0, 20.0, 30.0]"))]
     euler_deg: Option<[f64; 3]>,
     /// Axes of these rotations: "xyz" about the film's axes (extrinsic), "XYZ" about the axes of
     /// the turned tile (intrinsic).
-    #[serde(skip_serializing_if = "Option::is_none")]
     order: Option<String>,
     /// Rows of the matrix that takes vectors from the tile's own frame to the film's.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]"))]
     matrix: Option<[[f64; 3]; 3]>,
 }

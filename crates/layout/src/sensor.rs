@@ -37,39 +37,29 @@ pub struct StatedSensor {
 pub(crate) struct SensorTable {
     /// A part with known numbers: MLX90393, TLV493D, LIS3MDL or MMC5983MA. The keys beside it
     /// replace its numbers.
-    #[serde(skip_serializing_if = "Option::is_none")]
     part: Option<String>,
     /// Standard deviation of the noise of a reading, in microtesla: one for all axes, or three.
     /// Default: 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     noise_ut: Option<OneOrThree>,
     /// Flux density of one count, in microtesla: one for all axes, or three. Default: 0, readings
     /// are not rounded.
-    #[serde(skip_serializing_if = "Option::is_none")]
     count_ut: Option<OneOrThree>,
     /// Largest flux density that is read, in millitesla: one for all axes, or three. Default: no
     /// limit.
-    #[serde(skip_serializing_if = "Option::is_none")]
     range_mt: Option<OneOrThree>,
     /// Readings per second. Default: not stated.
-    #[serde(skip_serializing_if = "Option::is_none")]
     rate_hz: Option<f64>,
     /// Reading over flux density: one for all axes, or three. Default: 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
     gain: Option<OneOrThree>,
     /// Reading without a field, in microtesla: one for all axes, or three. Default: 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     offset_ut: Option<OneOrThree>,
     /// Rotation of the sensor in the frame of the film. Default: none.
-    #[serde(skip_serializing_if = "Option::is_none")]
     rotation: Option<RotationTable>,
     /// Sides of the rectangle along x and y of the sensor that a plate averages over, in mm.
     /// Default: points.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[0.1, 0.1]"))]
     active_area_mm: Option<[f64; 2]>,
     /// Centres of the plates in the frame of the sensor. Default: all at its position.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "{ z = [0.0, 0.0, -0.1] }"))]
     plates_mm: Option<PlatesTable>,
 }
@@ -80,13 +70,10 @@ pub(crate) struct SensorTable {
 #[serde(deny_unknown_fields)]
 pub(crate) struct PlatesTable {
     /// Centre of the plate that reads B_x.
-    #[serde(skip_serializing_if = "Option::is_none")]
     x: Option<[f64; 3]>,
     /// Centre of the plate that reads B_y.
-    #[serde(skip_serializing_if = "Option::is_none")]
     y: Option<[f64; 3]>,
     /// Centre of the plate that reads B_z.
-    #[serde(skip_serializing_if = "Option::is_none")]
     z: Option<[f64; 3]>,
 }
 

@@ -49,7 +49,6 @@ pub(crate) struct VolumeTable {
     step_mm: OneOrThree,
     /// The point from which changes of the field are measured, in mm, on the film's axis. Default:
     /// the middle of x and y at the lowest z.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[0.0, 0.0, -5.0]"))]
     reference_mm: Option<[f64; 3]>,
 }

@@ -82,7 +82,7 @@ impl<'s> Form<'s> {
 
     /// Whether a table must have keys, whichever they are.
     pub(crate) fn must_have_keys(self) -> bool {
-        self.node["minProperties"].is_number()
+        [self.site, self.node].iter().any(|node| node["minProperties"].is_number())
     }
 
     /// What the key is, in a sentence.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::brief::Brief;
 use crate::elastomer::Elastomer;
 use crate::expectations::Expectations;
+use crate::file::plain::PlainLayout;
 use crate::ideal::IdealTable;
 use crate::layout::Layout;
 use crate::limits::FORMAT;
@@ -26,6 +27,8 @@ mod compact;
 pub(crate) mod edit;
 /// What the schema requires of a value.
 mod form;
+/// A layout for any format of serde.
+pub(crate) mod plain;
 /// From the tables of a file to a checked layout.
 mod read;
 /// The JSON Schema of the layout file.
@@ -41,7 +44,7 @@ pub(crate) mod text;
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "magsplice layout")]
-pub struct LayoutFile {
+pub(crate) struct LayoutFile {
     /// Version of the format: 1.
     #[schemars(extend("const" = 1, "example" = "1"))]
     format: i64,
@@ -49,39 +52,29 @@ pub struct LayoutFile {
     #[schemars(extend("example" = "\"my film\""))]
     name: String,
     /// Free text about the layout.
-    #[serde(skip_serializing_if = "Option::is_none")]
     description: Option<String>,
     /// The steps that led to this layout, one text each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(extend("example" = "[\"designed by hand\"]"))]
     history: Vec<String>,
     /// Depth by which tiles may overlap, in mm: that of films as they were measured. Default: 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     overlap_mm: Option<f64>,
     /// The sinusoidal film to compare with (Dai 2024, Eq. 1). `compare` and `decouple` need it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     ideal: Option<IdealTable>,
     /// The region in which the field is evaluated. `compare` and `decouple` need it, and so does
     /// `field` without `--points`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     volume: Option<VolumeTable>,
     /// Requirements on the film, evaluated by `check`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     expect: Option<Expectations>,
     /// What `design` may change to improve the film, and its goal.
-    #[serde(skip_serializing_if = "Option::is_none")]
     design: Option<Brief>,
     /// The errors of the films that are made from the layout.
-    #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<ToleranceTable>,
     /// The sensor below the film.
-    #[serde(skip_serializing_if = "Option::is_none")]
     sensor: Option<SensorTable>,
     /// The elastic layer between film and sensor.
-    #[serde(skip_serializing_if = "Option::is_none")]
     elastomer: Option<Elastomer>,
     /// The material of the tiles.
-    #[serde(skip_serializing_if = "Option::is_none")]
     material: Option<MaterialTable>,
     /// Sizes and strengths by name, shared by all tiles that give this name as their kind.
     #[serde(default, skip_serializing)]
@@ -111,12 +104,15 @@ impl Layout {
     /// # Ok::<(), magsplice_layout::LayoutError>(())
     /// ```
     pub fn to_toml(&self) -> String {
-        self.plain().to_toml()
+        self.file().to_toml()
     }
 
-    /// The layout in the plain form, to be serialized in any format: an object with the keys of a
-    /// layout file, and one `tile` for each tile.
-    pub fn plain(&self) -> LayoutFile {
+    /// The layout in the plain form, to be serialized in any format.
+    pub fn plain(&self) -> PlainLayout {
+        PlainLayout::from(&self.file())
+    }
+
+    fn file(&self) -> LayoutFile {
         let names: Vec<&str> = self.tiles.iter().map(|named| named.name.as_str()).collect();
         LayoutFile { tile: self.tiles.iter().map(Into::into).collect(), ..self.without_tiles(&names) }
     }

@@ -2,12 +2,11 @@
 
 use glam::DVec3;
 use magsplice_ideal::IdealFilm;
-use magsplice_magnet::BoundingBox;
+use magsplice_magnet::{Axis, BoundingBox};
 
 use crate::finding::{Finding, FindingSubject};
 use crate::layout::NamedTile;
 use crate::plausible::{MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, doubt, meant_length, short, typed};
-use crate::tile::AXIS_LETTERS;
 use crate::volume::WorkingVolume;
 
 /// Distance of the film from z = 0 that is accepted, as a fraction of the wavelength. It changes
@@ -162,8 +161,8 @@ fn about_distance(tiles: &[NamedTile], ideal: &IdealFilm, volume: &WorkingVolume
     ))
 }
 
-fn longest_axis(extents: DVec3) -> char {
-    AXIS_LETTERS[extents.max_position()]
+fn longest_axis(extents: DVec3) -> Axis {
+    Axis::ALL[extents.max_position()]
 }
 
 /// The box around all tiles.

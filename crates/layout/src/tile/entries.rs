@@ -60,12 +60,13 @@ pub(crate) fn origin(index: usize, entries: &[Entry], count: usize) -> Origin {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tile::{AxisName, Reflection};
+    use magsplice_magnet::Axis;
+
+    use crate::tile::Reflection;
 
     #[test]
     fn images_know_their_original_and_their_mirrors() {
-        let mirror =
-            MirrorTable { axes: vec![AxisName::Y, AxisName::X], at_mm: [0.0; 3], polarization: Reflection::Reflect };
+        let mirror = MirrorTable { axes: vec![Axis::Y, Axis::X], at_mm: [0.0; 3], polarization: Reflection::Reflect };
         let entry = |first, mirror| Entry { start: 0, first, mirror };
         // Three tiles, two copies with their images, three copies.
         let entries = [entry(0, None), entry(3, Some(&mirror)), entry(11, None)];

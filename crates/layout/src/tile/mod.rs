@@ -4,7 +4,7 @@
 #![allow(rustdoc::broken_intra_doc_links)]
 
 use glam::DVec3;
-use magsplice_magnet::{Tile, TileFault};
+use magsplice_magnet::{Axis, Tile, TileFault};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -54,50 +54,38 @@ pub(crate) struct KindTable {
 #[serde(deny_unknown_fields)]
 pub(crate) struct TileTable {
     /// Unique name. Default: tile-1, tile-2 and so on, numbered in the order of the file.
-    #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<String>,
     /// Name of the kind that gives the size.
-    #[serde(skip_serializing_if = "Option::is_none")]
     kind: Option<String>,
     /// Centre, in mm.
     #[schemars(extend("example" = "[0.0, 0.0, 0.5]"))]
     position_mm: [f64; 3],
     /// Full side lengths along the tile's own axes, in mm. Required unless a kind gives them.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[3.3, 1.7, 1.0]"))]
     size_mm: Option<[f64; 3]>,
     /// Polarization J = mu0 M in the tile's own frame, in T. Or give its magnitude as strength_t,
     /// with a direction.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[0.12, 0.0, 0.0]"))]
     polarization_t: Option<[f64; 3]>,
     /// Magnitude of the polarization, in T. Needs a direction.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "0.12"))]
     strength_t: Option<f64>,
     /// Direction of the polarization in the tile's own frame, a vector of any length but zero.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[1.0, 1.0, 0.0]"))]
     direction: Option<[f64; 3]>,
     /// Angle of the polarization in the tile's own xy plane, from x towards y, in degrees. Goes
     /// with strength_t, instead of direction.
-    #[serde(skip_serializing_if = "Option::is_none")]
     direction_deg: Option<f64>,
     /// Angle of the polarization out of the tile's own xy plane towards z, in degrees. Goes with
     /// direction_deg. Default: 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     tilt_deg: Option<f64>,
     /// Relative recoil permeability. Default: that of its kind or of [material].
-    #[serde(skip_serializing_if = "Option::is_none")]
     recoil_permeability: Option<RecoilPermeability>,
     /// Rotation about the tile's centre.
-    #[serde(skip_serializing_if = "Option::is_none")]
     rotation: Option<RotationTable>,
     /// Copies on a regular grid.
-    #[serde(skip_serializing_if = "Option::is_none")]
     grid: Option<GridTable>,
     /// Mirror images of the tile and of all its copies on the grid.
-    #[serde(skip_serializing_if = "Option::is_none")]
     mirror: Option<MirrorTable>,
 }
 
@@ -114,7 +102,7 @@ pub(crate) struct GridTable {
     pitch_mm: [f64; 3],
     /// Axes along which the polarization of every other copy is reversed.
     #[serde(default)]
-    alternate: Vec<AxisName>,
+    alternate: Vec<Axis>,
 }
 
 /// Mirror images of a tile and its copies.
@@ -124,7 +112,7 @@ pub(crate) struct GridTable {
 pub(crate) struct MirrorTable {
     /// Axes normal to the mirrors, which are applied one after the other.
     #[schemars(extend("example" = "[\"x\"]"))]
-    axes: Vec<AxisName>,
+    axes: Vec<Axis>,
     /// A point on the mirrors, in mm. Default: the origin.
     #[serde(default)]
     #[schemars(extend("example" = "[0.0, 0.0, 0.0]"))]
@@ -146,28 +134,6 @@ pub(crate) enum Reflection {
     /// Not changed.
     Keep,
 }
-
-#[derive(Clone, Copy, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum AxisName {
-    X,
-    Y,
-    Z,
-}
-
-impl AxisName {
-    /// 0, 1, 2 for x, y, z.
-    pub(crate) fn index(self) -> usize {
-        self as usize
-    }
-
-    fn letter(self) -> char {
-        AXIS_LETTERS[self.index()]
-    }
-}
-
-/// The letters of axes 0, 1, 2, in names of tiles and in keys.
-pub(crate) const AXIS_LETTERS: [char; 3] = ['x', 'y', 'z'];
 
 impl From<&NamedTile> for TileTable {
     /// A tile without its kind, which writes its polarization in components.

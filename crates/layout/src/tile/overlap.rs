@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use magsplice_magnet::{BoundingBox, Overlap, Tile, TooManyPairs, overlaps_among};
+use magsplice_magnet::{Axis, BoundingBox, Overlap, Tile, TooManyPairs, overlaps_among};
 
 use crate::faults::Faults;
 use crate::layout::NamedTile;
 use crate::limits::{MAX_LISTED, MAX_OVERLAPS, PAIRS_PER_TILE, SPARE_PAIRS};
-use crate::tile::AXIS_LETTERS;
 use crate::tile::entries::{Entry, Origin, origin};
 
 /// Two entries of the file whose tiles overlap, by index. An entry that overlaps its own images is
@@ -77,7 +76,7 @@ fn between(first: Origin, second: Origin) -> Between {
 /// A tile that reaches over its mirror normal to `axis`. It must leave this mirror, along the axis:
 /// its image moves with it along all others.
 fn of_own_image(named: &NamedTile, axis: usize, entry: &Entry, pair: &Overlap, rule: &str) -> String {
-    let (name, letter) = (&named.name, AXIS_LETTERS[axis]);
+    let (name, letter) = (&named.name, Axis::ALL[axis]);
     let mirror_mm = entry.mirror.map_or(0.0, |mirror| mirror.at_mm[axis]);
     let bounds = BoundingBox::from_tile(&named.tile);
     let distance = named.tile.position()[axis] - mirror_mm;
@@ -117,8 +116,7 @@ fn of_two(tiles: &[NamedTile], first: Origin, second: Origin, pair: &Overlap, ru
 
 /// The axes that an image mirrors, such as " mirrored along x and y".
 fn mirrors(origin: Origin) -> String {
-    let axes: Vec<String> =
-        (0..3).filter(|&axis| origin.mirrored[axis]).map(|axis| AXIS_LETTERS[axis].to_string()).collect();
+    let axes: Vec<&str> = (0..3).filter(|&axis| origin.mirrored[axis]).map(|axis| Axis::ALL[axis].name()).collect();
     format!(" mirrored along {}", axes.join(" and "))
 }
 

@@ -1,12 +1,13 @@
 //! Repetition of one tile: copies on a grid, and mirror images.
 
 use glam::DVec3;
+use magsplice_magnet::Axis;
 
 use crate::faults::TableFaults;
 use crate::layout::NamedTile;
 use crate::tile::checked_tile;
 use crate::tile::room::Room;
-use crate::tile::{AXIS_LETTERS, AxisName, GridTable, MirrorTable, Reflection};
+use crate::tile::{GridTable, MirrorTable, Reflection};
 
 /// The tile, its copies on the grid, and the mirror images of all of them. `None` after adding a
 /// fault.
@@ -67,9 +68,9 @@ fn check_grid(grid: &GridTable, faults: &mut TableFaults) {
     faults.point("grid.pitch_mm", grid.pitch_mm);
 }
 
-fn check_axes_differ(key: &str, axes: &[AxisName], faults: &mut TableFaults) {
+fn check_axes_differ(key: &str, axes: &[Axis], faults: &mut TableFaults) {
     if let Some((_, axis)) = axes.iter().enumerate().find(|(i, axis)| axes[..*i].contains(axis)) {
-        faults.add(format!("{key} names \"{}\" twice, must name an axis once", axis.letter()));
+        faults.add(format!("{key} names \"{}\" twice, must name an axis once", axis));
     }
 }
 
@@ -84,7 +85,7 @@ fn copies_on_grid(tile: &NamedTile, grid: &GridTable, faults: &mut TableFaults) 
                 let polarization = tile.tile.polarization_t() * if reversed { -1.0 } else { 1.0 };
                 let suffix: String = (0..3)
                     .filter(|&axis| grid.count[axis] > 1)
-                    .map(|axis| format!("-{}{}", AXIS_LETTERS[axis], steps[axis] + 1))
+                    .map(|axis| format!("-{}{}", Axis::ALL[axis], steps[axis] + 1))
                     .collect();
                 let moved = checked_tile(tile.tile.position() + shift, tile.tile.size(), polarization, faults)?;
                 copies.push(NamedTile {
@@ -102,12 +103,7 @@ fn copies_on_grid(tile: &NamedTile, grid: &GridTable, faults: &mut TableFaults) 
 ///
 /// With M the mirror, a tile rotated by R becomes one rotated by M R M. In its own frame a cuboid
 /// is its own mirror image, and M reflects the arrow of its polarization.
-fn mirror_image(
-    named: &NamedTile,
-    axis: AxisName,
-    mirror: &MirrorTable,
-    faults: &mut TableFaults,
-) -> Option<NamedTile> {
+fn mirror_image(named: &NamedTile, axis: Axis, mirror: &MirrorTable, faults: &mut TableFaults) -> Option<NamedTile> {
     let flip = |mut v: DVec3| {
         v[axis.index()] = -v[axis.index()];
         v
@@ -129,7 +125,7 @@ fn mirror_image(
         Reflection::Keep => own,
     };
     Some(NamedTile {
-        name: format!("{}-m{}", named.name, axis.letter()),
+        name: format!("{}-m{}", named.name, axis),
         kind: named.kind.clone(),
         rotation: written,
         tile: checked_tile(position, tile.size(), polarization, faults)?.rotated(rotation).ok()?,

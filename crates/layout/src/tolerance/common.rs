@@ -24,10 +24,8 @@ const LEAST_FIELD_UT: f64 = 1e-3;
 #[serde(deny_unknown_fields)]
 pub(crate) struct FilmTable {
     /// Errors of position along x, y, z, in mm: one for all axes, or three.
-    #[serde(skip_serializing_if = "Option::is_none")]
     position_mm: Option<Components<3>>,
     /// Angles about axes parallel to x, y, z, in degrees: one for all axes, or three.
-    #[serde(skip_serializing_if = "Option::is_none")]
     rotation_deg: Option<Components<3>>,
 }
 
@@ -36,10 +34,8 @@ pub(crate) struct FilmTable {
 #[serde(deny_unknown_fields)]
 pub(crate) struct StrayFieldTable {
     /// Components along x, y, z, in microtesla: one for all axes, or three.
-    #[serde(skip_serializing_if = "Option::is_none")]
     field_ut: Option<Components<3>>,
     /// Magnitude of a field of any direction of space with equal probability, in microtesla.
-    #[serde(skip_serializing_if = "Option::is_none")]
     any_direction_ut: Option<WrittenDistribution>,
     /// Whether the field is there when the sensor is read at the reference point. Default: before.
     #[serde(default)]
@@ -54,7 +50,6 @@ pub(crate) struct TemperatureTable {
     change_k: WrittenDistribution,
     /// Relative change of the strength of all tiles per kelvin, a fraction: -0.0012 is -0.12 % per
     /// kelvin. Default: that of [material].
-    #[serde(skip_serializing_if = "Option::is_none")]
     strength_per_k: Option<f64>,
 }
 
@@ -63,16 +58,12 @@ pub(crate) struct TemperatureTable {
 #[serde(deny_unknown_fields)]
 pub(crate) struct SensorTable {
     /// Offsets, in microtesla.
-    #[serde(skip_serializing_if = "Option::is_none")]
     offset_ut: Option<Components<3>>,
     /// Angles by which its axes are turned, in degrees.
-    #[serde(skip_serializing_if = "Option::is_none")]
     rotation_deg: Option<Components<3>>,
     /// Errors of the gain, as fractions: 0.01 is 1 %.
-    #[serde(skip_serializing_if = "Option::is_none")]
     gain: Option<Components<3>>,
     /// Noise, independent in every reading, in microtesla.
-    #[serde(skip_serializing_if = "Option::is_none")]
     noise_ut: Option<Components<3>>,
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use magsplice_magnet::Axis;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +10,6 @@ use crate::faults::{Faults, TableFaults};
 use crate::limits::{MAX_GROUP_MEMBERS, MAX_NAME_BYTES};
 use crate::names::{check_name, shown};
 use crate::places::Place;
-use crate::tile::AxisName;
 use crate::tolerance::selection::Selection;
 use crate::tolerance::tabulated::{ErrorTable, Tabulated};
 use crate::tolerance::tile_errors::{ErrorKeys, replace};
@@ -23,22 +23,17 @@ use crate::tolerance::{ErrorGroup, TileErrors};
 pub(crate) struct GroupTable {
     /// Unique name. Default: group-1, group-2 and so on, numbered in the order of the file. Groups
     /// for rows are named NAME-1, NAME-2, and groups for kinds NAME-KIND.
-    #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<String>,
     /// Names of its tiles. An asterisk stands for any letters, unless the text is the name of a
     /// tile.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[\"corner*\"]"))]
     tiles: Option<Vec<String>>,
     /// Kinds of its tiles, instead of names.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[\"square\"]"))]
     kinds: Option<Vec<String>>,
     /// A group for each row of tiles along this axis: tiles whose centres differ along it only.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    rows_along: Option<AxisName>,
+    rows_along: Option<Axis>,
     /// A group for each kind.
-    #[serde(skip_serializing_if = "Option::is_none")]
     each: Option<Each>,
     #[serde(flatten)]
     errors: ErrorKeys,

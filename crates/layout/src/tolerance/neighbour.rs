@@ -23,11 +23,9 @@ pub(crate) struct NeighbourTable {
     /// Layout file, relative to the folder of this one. Its own [tolerance] does not count.
     layout: String,
     /// Place of its origin, in mm. Required.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("example" = "[0.0, 0.0, -12.0]"))]
     position_mm: Option<[f64; 3]>,
     /// Rotation about its origin. Default: none.
-    #[serde(skip_serializing_if = "Option::is_none")]
     rotation: Option<RotationTable>,
     /// Whether it is there when the sensor is read at the reference point. Default: before.
     #[serde(default)]

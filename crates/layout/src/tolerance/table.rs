@@ -31,31 +31,23 @@ use crate::tolerance::{CommonErrors, ErrorGroup, FilmTolerance, TileErrors};
 #[serde(deny_unknown_fields)]
 pub(crate) struct ToleranceTable {
     /// Usual errors of a way to make films. The keys beside it replace its numbers.
-    #[serde(skip_serializing_if = "Option::is_none")]
     preset: Option<Preset>,
     /// Errors of each tile.
     #[serde(flatten)]
     errors: ErrorKeys,
     /// Number of films that `check` and `tolerance` evaluate. Default: 1000.
-    #[serde(skip_serializing_if = "Option::is_none")]
     samples: Option<u64>,
     /// Seed of the random numbers. Default: 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
     seed: Option<u64>,
     /// Pose of the film against the sensor.
-    #[serde(skip_serializing_if = "Option::is_none")]
     film: Option<FilmTable>,
     /// A uniform field from elsewhere, such as that of the earth.
-    #[serde(skip_serializing_if = "Option::is_none")]
     stray_field: Option<StrayFieldTable>,
     /// Another film nearby.
-    #[serde(skip_serializing_if = "Option::is_none")]
     neighbour: Option<NeighbourTable>,
     /// A change of temperature after the reading at the reference point.
-    #[serde(skip_serializing_if = "Option::is_none")]
     temperature: Option<TemperatureTable>,
     /// Errors of the sensor.
-    #[serde(skip_serializing_if = "Option::is_none")]
     sensor: Option<SensorTable>,
     /// Errors of the tiles of a kind, by its name. They replace those above, key by key.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]

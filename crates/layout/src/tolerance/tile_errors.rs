@@ -20,22 +20,17 @@ use crate::tolerance::written::{Components, DistributionKey, WrittenDistribution
 pub(crate) struct ErrorKeys {
     /// Errors of the centre along x, y, z, in mm: one for all axes, or three. A group is shifted as
     /// a whole.
-    #[serde(skip_serializing_if = "Option::is_none")]
     position_mm: Option<Components<3>>,
     /// Angles about axes parallel to x, y, z, in degrees: one for all axes, or three. A tile turns
     /// about its centre, and a group about the mean of the centres of its tiles.
-    #[serde(skip_serializing_if = "Option::is_none")]
     rotation_deg: Option<Components<3>>,
     /// Errors of each side, along the tile's own axes, in mm: one for all sides, or three. They are
     /// the same for all tiles of a group.
-    #[serde(skip_serializing_if = "Option::is_none")]
     size_mm: Option<Components<3>>,
     /// Error of |J|, as a fraction of it: 0.01 is 1 %. It is the same for all tiles of a group.
-    #[serde(skip_serializing_if = "Option::is_none")]
     strength: Option<WrittenDistribution>,
     /// Angles by which J is turned within the tile, in degrees: one for both directions, or two, in
     /// the plane of the film and out of it. They are the same for all tiles of a group.
-    #[serde(skip_serializing_if = "Option::is_none")]
     direction_deg: Option<Components<2>>,
 }
 

@@ -33,25 +33,18 @@ pub(crate) enum WrittenDistribution {
 #[schemars(extend("example" = "{ uniform = 0.1 }"))]
 pub(crate) struct DistributionTable {
     /// Standard deviation of normal errors of mean 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     normal: Option<f64>,
     /// Largest magnitude of normal errors: parts beyond it are sorted out. Goes with normal.
-    #[serde(skip_serializing_if = "Option::is_none")]
     within: Option<f64>,
     /// Largest magnitude of errors of equal probability.
-    #[serde(skip_serializing_if = "Option::is_none")]
     uniform: Option<f64>,
     /// The error, the same in every film that is made.
-    #[serde(skip_serializing_if = "Option::is_none")]
     fixed: Option<f64>,
     /// CSV file of measured errors, relative to the folder of the layout.
-    #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<String>,
     /// Name of the column of the file. Default: its only column.
-    #[serde(skip_serializing_if = "Option::is_none")]
     column: Option<String>,
     /// Measured errors.
-    #[serde(skip_serializing_if = "Option::is_none")]
     values: Option<Vec<f64>>,
 }
 

@@ -1,7 +1,7 @@
 //! The parts of a layout, and the material that they need.
 
 use glam::DVec3;
-use magsplice_layout::{Layout, LayoutFile, Part};
+use magsplice_layout::{Layout, Part, PlainLayout};
 use serde::Serialize;
 
 /// A layout with one `tile` for each tile, and `parts` beside the keys of the layout file.
@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct BillOfMaterials<'a> {
     /// The layout.
     #[serde(flatten)]
-    pub plain: LayoutFile,
+    pub plain: PlainLayout,
     /// The parts, largest first.
     pub parts: Vec<PartItem>,
     /// The layout.
