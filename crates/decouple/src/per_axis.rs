@@ -8,7 +8,7 @@ use magsplice_magnet::Axis;
 /// One value for each axis, such as an error of the displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "schemars", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
+#[cfg_attr(feature = "schemars", derive(schemars::JsonSchema))]
 pub struct PerAxis<T = f64> {
     /// The value along x.
     pub x: T,

@@ -37,7 +37,7 @@ impl Parameter {
 /// One value for each decoupling parameter, such as an error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "schemars", derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
+#[cfg_attr(feature = "schemars", derive(schemars::JsonSchema))]
 pub struct PerParameter<T = f64> {
     /// The value for R_x; numbers are in radians.
     pub r_x: T,

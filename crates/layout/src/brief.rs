@@ -31,7 +31,7 @@ use crate::written_as::As;
 /// assert_eq!((brief.resolution_mm, brief.starts), (0.001, 8));
 /// ```
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
 #[schemars(
     rename = "DesignTable",
     description = "What a search may change to improve the film, and its goal.",
@@ -140,31 +140,31 @@ enum Variable {
     Strength,
 }
 
-impl Variable {
-    const ALL: [Variable; 7] = [
-        Variable::Size,
-        Variable::Position,
-        Variable::Cut,
-        Variable::Thickness,
-        Variable::Direction,
-        Variable::Tilt,
-        Variable::Strength,
-    ];
+impl Variables {
+    fn each(&mut self) -> [(Variable, &mut bool); 7] {
+        [
+            (Variable::Size, &mut self.size),
+            (Variable::Position, &mut self.position),
+            (Variable::Cut, &mut self.cut),
+            (Variable::Thickness, &mut self.thickness),
+            (Variable::Direction, &mut self.direction),
+            (Variable::Tilt, &mut self.tilt),
+            (Variable::Strength, &mut self.strength),
+        ]
+    }
 }
 
 impl From<Vec<Variable>> for Variables {
     fn from(names: Vec<Variable>) -> Variables {
-        let [size, position, cut, thickness, direction, tilt, strength] =
-            Variable::ALL.map(|variable| names.contains(&variable));
-        Variables { size, position, cut, thickness, direction, tilt, strength }
+        let mut vary = Variables::default();
+        vary.each().into_iter().for_each(|(variable, varies)| *varies = names.contains(&variable));
+        vary
     }
 }
 
 impl From<Variables> for Vec<Variable> {
-    fn from(vary: Variables) -> Vec<Variable> {
-        let Variables { size, position, cut, thickness, direction, tilt, strength } = vary;
-        let varies = [size, position, cut, thickness, direction, tilt, strength];
-        Variable::ALL.into_iter().zip(varies).filter(|(_, varies)| *varies).map(|(variable, _)| variable).collect()
+    fn from(mut vary: Variables) -> Vec<Variable> {
+        vary.each().into_iter().filter(|(_, varies)| **varies).map(|(variable, _)| variable).collect()
     }
 }
 
@@ -208,7 +208,6 @@ pub enum Under {
 
 /// A part that is available, as thick as the film.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
 pub struct StockPart {
     /// Sides in the plane of the film, in mm.
     #[schemars(extend("example" = "[3.3, 1.7]"))]
@@ -220,26 +219,18 @@ pub struct StockPart {
 
 /// Weights of the errors of the decoupling parameters.
 #[derive(Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default)]
 struct Weights {
     /// Weight of R_x.
-    #[serde(default = "one")]
     r_x: f64,
     /// Weight of R_y.
-    #[serde(default = "one")]
     r_y: f64,
     /// Weight of S_z.
-    #[serde(default = "one")]
     s_z: f64,
-}
-
-fn one() -> f64 {
-    1.0
 }
 
 /// A rectangle, unbounded along an axis that is not given.
 #[derive(Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 struct Outline {
     /// Lower and upper end along x, in mm.
     #[schemars(extend("example" = "[-10.0, 10.0]"))]
@@ -251,12 +242,17 @@ struct Outline {
 
 /// A lower and an upper bound, both inclusive.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
 pub struct MinMax {
     /// The smallest value allowed.
     pub min: f64,
     /// The largest value allowed.
     pub max: f64,
+}
+
+impl Default for Weights {
+    fn default() -> Weights {
+        Weights::from([1.0; 3])
+    }
 }
 
 impl From<[f64; 3]> for Weights {

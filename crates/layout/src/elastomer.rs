@@ -16,7 +16,6 @@ const MOST_POISSON_RATIO: f64 = 0.5;
 
 /// The elastic layer between film and sensor (Dai 2024, Eqs. 16 and 17).
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
 #[schemars(rename = "ElastomerTable")]
 pub struct Elastomer {
     /// Contact area, in mm^2.

@@ -30,7 +30,7 @@ const LARGEST_AMPLITUDE: f64 = 10.0;
 // The comments of the following types are descriptions in the JSON Schema.
 /// Requirements on the film over its working volume.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default)]
 #[schemars(rename = "ExpectTable", extend("minProperties" = 1))]
 pub struct Expectations {
     /// Bounds of the figures of the film over the working volume.
@@ -40,7 +40,7 @@ pub struct Expectations {
     pub field: Option<ExpectedField>,
     /// Lower bound of the distance between the tiles and the working volume, in mm. The distance is
     /// negative where a tile reaches into the volume.
-    #[serde(rename = "clearance_mm", default, skip_serializing_if = "Option::is_none", with = "As::<LowerBound>")]
+    #[serde(rename = "clearance_mm", skip_serializing_if = "Option::is_none", with = "As::<LowerBound>")]
     #[schemars(with = "Option<LowerBound>", extend("example" = "{ min = 3.0 }"))]
     pub least_clearance_mm: Option<f64>,
     /// Requirements on the films that are made with the errors of [tolerance].
@@ -49,17 +49,18 @@ pub struct Expectations {
 
 /// Bounds of the figures of a film. `None` where nothing is required. All bounds are inclusive.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(default)]
 pub struct FigureBounds {
     /// Upper bounds of the uniformity RMSE.
-    #[serde(default, skip_serializing_if = "is_unbounded")]
+    #[serde(skip_serializing_if = "is_unbounded")]
     #[schemars(extend("example" = "{ r_x = 0.065, r_y = 0.065, s_z = 0.042 }", "minProperties" = 1))]
     pub uniformity_rmse: PerParameter<Option<f64>>,
     /// Upper bounds of the RMSE of the displacement, in mm.
-    #[serde(default, skip_serializing_if = "is_unbounded_along")]
+    #[serde(skip_serializing_if = "is_unbounded_along")]
     #[schemars(extend("example" = "{ x = 0.25, y = 0.25, z = 0.32 }", "minProperties" = 1))]
     pub displacement_rmse_mm: PerAxis<Option<f64>>,
     /// Lower bound of the amplitude: the best-fit factor of B against the ideal film.
-    #[serde(rename = "amplitude", default, skip_serializing_if = "Option::is_none", with = "As::<LowerBound>")]
+    #[serde(rename = "amplitude", skip_serializing_if = "Option::is_none", with = "As::<LowerBound>")]
     #[schemars(with = "Option<LowerBound>", extend("example" = "{ min = 0.8 }"))]
     pub least_amplitude: Option<f64>,
 }
@@ -68,11 +69,10 @@ pub struct FigureBounds {
 /// one: upper bounds at the percentile, and a lower bound of the amplitude at 100 minus it. A bound
 /// counts as broken only if samples exclude with the confidence that it is kept.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default)]
 #[schemars(rename = "MadeTable")]
 pub struct MadeExpectations {
     /// Per cent of the films that must keep each bound. Default: 95.
-    #[serde(default = "MadeExpectations::default_percentile")]
     pub percentile: f64,
     /// The bounds at the percentile.
     #[serde(flatten)]
@@ -81,13 +81,11 @@ pub struct MadeExpectations {
     pub samples: Option<u64>,
     /// Confidence with which the films that were evaluated must exclude that the bound is kept,
     /// before it counts as broken: a fraction. Default: 0.95.
-    #[serde(default = "MadeExpectations::default_confidence")]
     pub confidence: f64,
 }
 
 /// A baseline of the field and the largest deviation from it.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
 #[schemars(extend("example" = "{ file = \"film.field.csv\", within = 1e-9 }"))]
 pub struct ExpectedField {
     /// CSV file as `magsplice field` writes it, relative to the folder of the layout. `magsplice
@@ -99,7 +97,6 @@ pub struct ExpectedField {
 
 /// A lower bound.
 #[derive(Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct LowerBound {
     /// The smallest value allowed.
     min: f64,
@@ -124,16 +121,6 @@ fn is_unbounded(bounds: &PerParameter<Option<f64>>) -> bool {
 
 fn is_unbounded_along(bounds: &PerAxis<Option<f64>>) -> bool {
     *bounds == PerAxis::default()
-}
-
-impl MadeExpectations {
-    fn default_percentile() -> f64 {
-        MadeExpectations::default().percentile
-    }
-
-    fn default_confidence() -> f64 {
-        MadeExpectations::default().confidence
-    }
 }
 
 impl Default for MadeExpectations {

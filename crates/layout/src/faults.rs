@@ -96,6 +96,18 @@ impl TableFaults<'_, '_> {
         self.require(is_kept, key, format_args!("{point:?}"), "must be three finite numbers");
     }
 
+    /// The one of these forms that a value gives, or `None` after adding a fault.
+    pub(crate) fn only_one<'k>(&mut self, key: &str, forms: &[(&'k str, bool)]) -> Option<&'k str> {
+        let given: Vec<&str> = forms.iter().filter(|(_, is_given)| *is_given).map(|(form, _)| *form).collect();
+        let [only] = given[..] else {
+            let found = if given.is_empty() { "nothing".to_owned() } else { given.join(", ") };
+            let all: Vec<&str> = forms.iter().map(|(form, _)| *form).collect();
+            self.add(format!("{key} gives {found}, must give one of: {}", all.join("; ")));
+            return None;
+        };
+        Some(only)
+    }
+
     /// Requires a number of samples that can be evaluated.
     pub(crate) fn sample_count(&mut self, samples: u64) {
         let rule = format_args!("must be from {} to {}", SAMPLE_COUNTS.start(), SAMPLE_COUNTS.end());

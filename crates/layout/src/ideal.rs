@@ -9,7 +9,6 @@ use crate::plausible::check_material;
 
 /// The sinusoidal film of Dai 2024, Eq. 1, to compare with.
 #[derive(Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct IdealTable {
     /// Wavelength of the sinusoidal polarization, in mm.
     #[schemars(extend("example" = "10.0"))]

@@ -56,7 +56,6 @@ impl Default for Material {
 
 /// The material of the tiles.
 #[derive(Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 #[schemars(rename = "Material")]
 pub(crate) struct MaterialTable {
     /// Relative recoil permeability of tiles that have none of their own. Default: 1, no field
@@ -86,7 +85,6 @@ pub(crate) enum RecoilPermeability {
 
 /// Relative recoil permeabilities along the direction of the polarization and across it.
 #[derive(Clone, Copy, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 #[schemars(extend("example" = "{ along = 1.05, across = 1.15 }"))]
 pub(crate) struct AlongAndAcross {
     /// Along the polarization, the easy axis.

@@ -194,7 +194,6 @@ impl Rotation {
 /// A rotation about the tile's centre, from the tile's own frame to the film's. It is given once:
 /// as axis and angle_deg, as quaternion, as euler_deg and order, or as matrix.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 #[schemars(rename = "Rotation")]
 #[schemars(extend("example" = "{ axis = [0, 0, 1], angle_deg = 30 }"))]
 pub(crate) struct RotationTable {
@@ -221,20 +220,13 @@ impl RotationTable {
     /// The rotation, or `None` after adding its faults.
     pub(crate) fn resolve(&self, faults: &mut TableFaults) -> Option<Rotation> {
         let RotationTable { axis, angle_deg, quaternion, euler_deg, order, matrix } = self;
-        let given = [
+        let forms = [
             ("axis and angle_deg", axis.is_some() || angle_deg.is_some()),
             ("quaternion", quaternion.is_some()),
             ("euler_deg and order", euler_deg.is_some() || order.is_some()),
             ("matrix", matrix.is_some()),
         ];
-        let given: Vec<&str> = given.into_iter().filter(|(_, given)| *given).map(|(keys, _)| keys).collect();
-        if given.len() != 1 {
-            let found = if given.is_empty() { "nothing".to_owned() } else { given.join(", ") };
-            faults.add(format!(
-                "rotation gives {found}, must give one of: axis and angle_deg; quaternion; euler_deg and order; matrix"
-            ));
-            return None;
-        }
+        faults.only_one("rotation", &forms)?;
         let rotation = match (axis, angle_deg, quaternion, euler_deg, order, matrix) {
             (Some(axis), Some(angle_deg), ..) => Rotation::from_axis_angle(*axis, *angle_deg),
             (_, _, Some(quaternion), ..) => Rotation::from_quaternion(*quaternion),

@@ -32,7 +32,6 @@ pub struct StatedSensor {
 /// The three-axis Hall sensor below the film. Without this table it is perfect: points without
 /// errors, noise or limits.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 #[schemars(rename = "Sensor")]
 pub(crate) struct SensorTable {
     /// A part with known numbers: MLX90393, TLV493D, LIS3MDL or MMC5983MA. The keys beside it
@@ -67,7 +66,6 @@ pub(crate) struct SensorTable {
 /// Centres of the plates that read x, y and z, in the frame of the sensor, in mm. Default: its
 /// position.
 #[derive(Clone, Copy, Default, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct PlatesTable {
     /// Centre of the plate that reads B_x.
     x: Option<[f64; 3]>,
@@ -152,34 +150,14 @@ impl From<&StatedSensor> for SensorTable {
     }
 }
 
-/// A part: its numbers, where they are from, and the setting that they are for.
-#[derive(Deserialize)]
-struct Part {
-    #[expect(dead_code, reason = "the source is for people who read the file")]
-    source: String,
-    #[expect(dead_code, reason = "the setting is for people who read the file")]
-    setting: String,
-    noise_ut: OneOrThree,
-    count_ut: OneOrThree,
-    range_mt: OneOrThree,
-    rate_hz: f64,
-}
-
 /// The numbers of a part by its name, or none after adding a fault.
 fn part(name: &str, faults: &mut TableFaults) -> SensorTable {
-    let mut parts: BTreeMap<String, Part> = toml::from_str(PARTS).expect("the list of parts is TOML");
-    let Some(Part { noise_ut, count_ut, range_mt, rate_hz, .. }) = parts.remove(name) else {
+    let mut parts: BTreeMap<String, SensorTable> = toml::from_str(PARTS).expect("the list of parts is TOML");
+    parts.remove(name).unwrap_or_else(|| {
         let known: Vec<String> = parts.into_keys().collect();
         faults.add(format!("part = \"{}\", must be one of: {}; or leave it out", shown(name), known.join(", ")));
-        return SensorTable::default();
-    };
-    SensorTable {
-        noise_ut: Some(noise_ut),
-        count_ut: Some(count_ut),
-        range_mt: Some(range_mt),
-        rate_hz: Some(rate_hz),
-        ..SensorTable::default()
-    }
+        SensorTable::default()
+    })
 }
 
 #[cfg(test)]
@@ -188,11 +166,11 @@ mod tests {
 
     #[test]
     fn every_part_obeys_the_rules() {
-        let parts: BTreeMap<String, Part> = toml::from_str(PARTS).unwrap();
+        let parts: BTreeMap<String, SensorTable> = toml::from_str(PARTS).unwrap();
         assert_eq!(parts.len(), 4);
         for part in parts.values() {
-            let all = [part.noise_ut, part.count_ut, part.range_mt].map(DVec3::from);
-            assert!(all.iter().all(|values| values.cmpgt(DVec3::ZERO).all()) && part.rate_hz > 0.0);
+            let all = [part.noise_ut, part.count_ut, part.range_mt].map(|numbers| DVec3::from(numbers.unwrap()));
+            assert!(all.iter().all(|values| values.cmpgt(DVec3::ZERO).all()) && part.rate_hz > Some(0.0));
             // A count is finer than the range by more than ten bits.
             assert!(all[1].cmplt(all[2]).all());
         }

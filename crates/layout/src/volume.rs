@@ -33,7 +33,6 @@ pub struct WorkingVolume {
 
 /// The region in which the sensor moves, sampled on a regular grid.
 #[derive(Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct VolumeTable {
     /// Lower and upper end along x, in mm.
     #[schemars(extend("example" = "[-2.0, 2.0]"))]

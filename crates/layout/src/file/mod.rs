@@ -42,7 +42,6 @@ pub(crate) mod text;
 /// A spliced magnet film or any other arrangement of block magnets. Lengths are in mm, polarization
 /// is in T.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 #[schemars(title = "magsplice layout")]
 pub(crate) struct LayoutFile {
     /// Version of the format: 1.
@@ -77,13 +76,13 @@ pub(crate) struct LayoutFile {
     /// The material of the tiles.
     material: Option<MaterialTable>,
     /// Sizes and strengths by name, shared by all tiles that give this name as their kind.
-    #[serde(default, skip_serializing)]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     kind: BTreeMap<String, KindTable>,
     /// Tiles, each single or repeated.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     tile: Vec<TileTable>,
     /// Films cut along lines parallel to x and y.
-    #[serde(default, skip_serializing)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     lattice: Vec<LatticeTable>,
 }
 

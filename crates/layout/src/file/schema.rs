@@ -30,8 +30,8 @@ pub(crate) fn schema_with_examples() -> Schema {
     settings.into_generator().into_root_schema_for::<LayoutFile>()
 }
 
-/// Removes null, which TOML does not have: an optional key is left out. Joins the lines of
-/// descriptions, which the source wraps at 100 columns.
+/// Refuses unknown keys. Removes null, which TOML does not have: an optional key is left out. Joins
+/// the lines of descriptions, which the source wraps at 100 columns.
 fn in_words_of_toml(schema: &mut Schema) {
     if let Some(Value::Array(types)) = schema.get_mut("type") {
         types.retain(|name| name != "null");
@@ -47,6 +47,9 @@ fn in_words_of_toml(schema: &mut Schema) {
             schema.remove("anyOf");
             only.into_iter().for_each(|(key, value)| drop(schema.insert(key, value)));
         }
+    }
+    if schema.get("properties").is_some() {
+        schema.insert("additionalProperties".to_owned(), Value::Bool(false));
     }
     if schema.get("default") == Some(&Value::Null) {
         schema.remove("default");

@@ -7,7 +7,7 @@ use std::iter::repeat_n;
 
 use glam::DVec3;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::faults::TableFaults;
 use crate::layout::NamedTile;
@@ -18,8 +18,7 @@ use crate::tile::room::Room;
 
 /// A film cut along lines parallel to x and y. Each cell holds one tile, unless its pattern is zero
 /// along both axes.
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Deserialize, JsonSchema, Serialize)]
 pub(crate) struct LatticeTable {
     /// First part of the names of its tiles, as in NAME-x2-y1. Default: lattice-1, lattice-2 and so
     /// on, numbered in the order of the file.
@@ -45,8 +44,7 @@ pub(crate) struct LatticeTable {
 }
 
 /// Consecutive intervals along one axis of a lattice.
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Deserialize, JsonSchema, Serialize)]
 struct LatticeSection {
     /// Widths of the intervals, in mm.
     #[schemars(extend("example" = "[3.3, 1.7]"))]

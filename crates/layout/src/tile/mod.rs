@@ -33,8 +33,7 @@ mod single;
 pub(crate) use self::file_tiles::FileTiles;
 
 /// The properties that tiles of one kind have in common.
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Deserialize, JsonSchema, Serialize)]
 pub(crate) struct KindTable {
     /// Full side lengths along the tile's own axes, in mm.
     #[schemars(extend("example" = "[3.3, 1.7, 1.0]"))]
@@ -51,7 +50,6 @@ pub(crate) struct KindTable {
 /// A tile, single or repeated. Its polarization is given once: as polarization_t, as strength_t and
 /// direction, or by its kind.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct TileTable {
     /// Unique name. Default: tile-1, tile-2 and so on, numbered in the order of the file.
     name: Option<String>,
@@ -81,7 +79,8 @@ pub(crate) struct TileTable {
     tilt_deg: Option<f64>,
     /// Relative recoil permeability. Default: that of its kind or of [material].
     recoil_permeability: Option<RecoilPermeability>,
-    /// Rotation about the tile's centre.
+    /// Rotation about the tile's centre, given once: as axis and angle_deg, as quaternion, as
+    /// euler_deg and order, or as matrix.
     rotation: Option<RotationTable>,
     /// Copies on a regular grid.
     grid: Option<GridTable>,
@@ -91,7 +90,6 @@ pub(crate) struct TileTable {
 
 /// Copies of a tile on a regular grid that begins at the tile's position.
 #[derive(Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 #[schemars(extend("example" = "{ count = [4, 4, 1], pitch_mm = [5.0, 5.0, 0.0] }"))]
 pub(crate) struct GridTable {
     /// Number of copies along x, y, z, the tile itself included.
@@ -107,7 +105,6 @@ pub(crate) struct GridTable {
 
 /// Mirror images of a tile and its copies.
 #[derive(Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 #[schemars(extend("example" = "{ axes = [\"x\"] }"))]
 pub(crate) struct MirrorTable {
     /// Axes normal to the mirrors, which are applied one after the other.

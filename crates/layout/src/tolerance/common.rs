@@ -21,7 +21,6 @@ const LEAST_FIELD_UT: f64 = 1e-3;
 
 /// Pose of the film against the sensor. The film turns about the centre of its bounding box.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct FilmTable {
     /// Errors of position along x, y, z, in mm: one for all axes, or three.
     position_mm: Option<Components<3>>,
@@ -31,7 +30,6 @@ pub(crate) struct FilmTable {
 
 /// A uniform field: the sum of one with given components and one of any direction.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct StrayFieldTable {
     /// Components along x, y, z, in microtesla: one for all axes, or three.
     field_ut: Option<Components<3>>,
@@ -44,7 +42,6 @@ pub(crate) struct StrayFieldTable {
 
 /// A change of temperature after the reading at the reference point.
 #[derive(Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct TemperatureTable {
     /// The change, in kelvin.
     change_k: WrittenDistribution,
@@ -55,7 +52,6 @@ pub(crate) struct TemperatureTable {
 
 /// Errors of the sensor, along or about its three axes: one for all, or three.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct SensorTable {
     /// Offsets, in microtesla.
     offset_ut: Option<Components<3>>,

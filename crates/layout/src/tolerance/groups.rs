@@ -19,7 +19,6 @@ use crate::tolerance::{ErrorGroup, TileErrors};
 /// Tiles that move or change together: all tiles, or those of `tiles` or `kinds`, as one group or
 /// as one for each row or kind.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct GroupTable {
     /// Unique name. Default: group-1, group-2 and so on, numbered in the order of the file. Groups
     /// for rows are named NAME-1, NAME-2, and groups for kinds NAME-KIND.

@@ -18,7 +18,6 @@ use crate::tolerance::common::When;
 
 /// Another film nearby, such as that of the opposing jaw of a gripper.
 #[derive(Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct NeighbourTable {
     /// Layout file, relative to the folder of this one. Its own [tolerance] does not count.
     layout: String,

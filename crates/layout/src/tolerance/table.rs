@@ -28,7 +28,6 @@ use crate::tolerance::{CommonErrors, ErrorGroup, FilmTolerance, TileErrors};
 /// of normal errors of mean 0; a table gives another distribution. Errors of different tiles, axes
 /// and keys are independent.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct ToleranceTable {
     /// Usual errors of a way to make films. The keys beside it replace its numbers.
     preset: Option<Preset>,
@@ -51,7 +50,7 @@ pub(crate) struct ToleranceTable {
     sensor: Option<SensorTable>,
     /// Errors of the tiles of a kind, by its name. They replace those above, key by key.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    kind: BTreeMap<String, KindErrors>,
+    kind: BTreeMap<String, ErrorKeys>,
     /// Errors of tiles by name. They replace those of kinds, and later entries replace earlier
     /// ones, key by key.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -61,18 +60,8 @@ pub(crate) struct ToleranceTable {
     group: Vec<GroupTable>,
 }
 
-/// Errors of the tiles of one kind.
-#[derive(Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
-#[schemars(rename = "KindErrorsTable")]
-pub(crate) struct KindErrors {
-    #[serde(flatten)]
-    errors: ErrorKeys,
-}
-
 /// Errors of tiles by name.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct TileErrorsTable {
     /// Names of tiles. An asterisk stands for any letters, unless the text is the name of a tile.
     #[schemars(extend("example" = "[\"corner*\"]"))]
@@ -148,14 +137,14 @@ impl ToleranceTable {
         let given = self.errors.resolve(shortest, &mut at);
         replace(&given, &mut base);
         let mut tiles = vec![base; count];
-        for (kind, table) in &self.kind {
+        for (kind, errors) in &self.kind {
             let start = place.key("kind").key(kind).start;
             let faults = faults.at(start, format!("tolerance.kind \"{}\"", shown(kind)));
             let mut at = ErrorTable { tabulated, faults };
             selection.check_kind("[tolerance.kind]", kind, &mut at.faults);
             let chosen = selection.by_kind().get(kind.as_str()).map_or(&[][..], Vec::as_slice);
             let shortest = selection.shortest_side(chosen.iter().copied());
-            let given = table.errors.resolve_some(shortest, &mut at);
+            let given = errors.resolve_some(shortest, &mut at);
             chosen.iter().for_each(|&index| replace(&given, &mut tiles[index]));
         }
         for (index, entry) in self.tile.iter().enumerate() {

@@ -29,7 +29,6 @@ pub(crate) enum WrittenDistribution {
 /// A distribution, given once: as normal, uniform, fixed, file or values. Numbers have the unit of
 /// the key.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
 #[schemars(extend("example" = "{ uniform = 0.1 }"))]
 pub(crate) struct DistributionTable {
     /// Standard deviation of normal errors of mean 0.
@@ -158,23 +157,18 @@ impl DistributionTable {
     /// fault.
     fn resolve(&self, key: &str, unit: ErrorUnit, at: &mut ErrorTable) -> Option<Distribution> {
         let DistributionTable { normal, within, uniform, fixed, file, column, values } = self;
-        let given = [
+        let forms = [
             ("normal", normal.is_some()),
             ("uniform", uniform.is_some()),
             ("fixed", fixed.is_some()),
             ("file", file.is_some()),
             ("values", values.is_some()),
         ];
-        let given: Vec<&str> = given.into_iter().filter(|(_, given)| *given).map(|(key, _)| key).collect();
-        if given.len() != 1 {
-            let found = if given.is_empty() { "nothing".to_owned() } else { given.join(", ") };
-            at.faults.add(format!("{key} gives {found}, must give one of: normal; uniform; fixed; file; values"));
-            return None;
-        }
+        let given = at.faults.only_one(key, &forms)?;
         for (goes_with, is_given, wanted) in
             [("within", within.is_some(), "normal"), ("column", column.is_some(), "file")]
         {
-            if is_given && given != [wanted] {
+            if is_given && given != wanted {
                 at.faults.add(format!("{key} gives {goes_with}, which goes with {wanted}"));
             }
         }
