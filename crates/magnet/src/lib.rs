@@ -44,6 +44,8 @@ mod height_map;
 mod overlap;
 /// The recoil permeability of magnets.
 mod permeability;
+/// Identical pieces among tiles.
+mod pieces;
 /// Points without a field, and the reason.
 mod point_error;
 /// Field quantities and the vacuum permeability.
@@ -67,6 +69,7 @@ pub use hall_sensor::{HallSensor, HallSensorFault};
 pub use height_map::{HeightMap, HeightMapError, InvalidHeightMap};
 pub use overlap::{Overlap, TooManyPairs, overlap, overlaps, overlaps_among};
 pub use permeability::{InvalidPermeability, MAX_PERMEABILITY, Permeability};
+pub use pieces::{Piece, pieces};
 pub use point_error::{PointError, PointErrorCause, PointErrors, is_in_range};
 pub use quantity::{MU_0, Quantity};
 pub use tile::{Tile, TileFault, TileFaults};
