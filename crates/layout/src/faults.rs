@@ -71,6 +71,12 @@ impl TableFaults<'_, '_> {
         }
     }
 
+    /// Adds a fault without which there would be a value.
+    pub(crate) fn refuse<T>(&mut self, message: impl Into<String>) -> Option<T> {
+        self.add(message);
+        None
+    }
+
     /// Adds a fault unless a rule about the value of a key is kept.
     pub(crate) fn require(&mut self, is_kept: bool, key: impl Display, value: impl Display, rule: impl Display) {
         if !is_kept {

@@ -6,6 +6,7 @@
 //! shows the mistake.
 
 use glam::DVec3;
+use magsplice_magnet::MU_0;
 
 use crate::faults::TableFaults;
 
@@ -31,9 +32,6 @@ const GAUSS_FROM: f64 = 2500.0;
 /// Polarizations above this many T were probably meant as magnetizations in A/m: no magnet has
 /// 25000 G.
 const AMPERES_PER_METRE_FROM: f64 = 25_000.0;
-
-/// Vacuum permeability in T m/A.
-const MU_0: f64 = 1.256_637_061_27e-6;
 
 /// The polarization that a number in T that no material has was probably meant to be, as a
 /// question.
@@ -137,22 +135,4 @@ pub(crate) fn short(value: f64) -> f64 {
 /// decimal numbers.
 pub(crate) fn typed(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn unit_is_guessed_from_the_magnitude() {
-        for (value, meant) in [
-            (2.6, "did you mean 0.0026 T, which is 2.6 mT?"),
-            (-1200.0, "did you mean 1.2 T, which is 1200 mT?"),
-            (2501.0, "did you mean 0.25 T, which is 2501 G?"),
-            (950_000.0, "did you mean J = mu0 M = 1.19 T, for M = 950000 A/m?"),
-            (1e9, "give the polarization J = mu0 M in T"),
-        ] {
-            assert_eq!(meant_polarization(value), meant);
-        }
-    }
 }

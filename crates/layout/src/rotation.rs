@@ -247,8 +247,7 @@ impl RotationTable {
                     (.., true) => "euler_deg without an order, such as \"xyz\"",
                     _ => "order without euler_deg",
                 };
-                faults.add(format!("rotation has {missing}"));
-                return None;
+                return faults.refuse(format!("rotation has {missing}"));
             }
         };
         rotation.map_err(|broken| broken.0.into_iter().for_each(|fault| faults.add(format!("rotation.{fault}")))).ok()

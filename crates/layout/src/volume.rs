@@ -107,7 +107,7 @@ impl VolumeTable {
         let intervals = ((end - lower) / steps + STEP_ROUNDING).floor();
         let points = (intervals + 1.0).element_product();
         if points > MAX_POINTS {
-            faults.add(format!(
+            return faults.refuse(format!(
                 "step_mm = {} makes {points:.3e} points ({:.3e} GB), must make at most {MAX_POINTS:e}: \
                  use a step of at least {} mm along each axis{}",
                 self.step_mm,
@@ -115,7 +115,6 @@ impl VolumeTable {
                 least_step(end - lower),
                 meant_step(steps, end - lower).map_or(String::new(), |meant| format!("; {meant}"))
             ));
-            return None;
         }
         let mut upper = lower;
         for axis in 0..3 {

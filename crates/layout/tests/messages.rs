@@ -1,6 +1,6 @@
 //! Messages about documents that do not fit the schema: unknown and missing keys, wrong types.
 
-use magsplice_layout::Layout;
+use magsplice_layout::{Layout, meant_polarization};
 
 const HEAD: &str = "format = 1\nname = \"t\"\n";
 const TILE: &str = "[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
@@ -215,5 +215,18 @@ fn tables_that_need_a_key_must_have_one() {
         ),
     ] {
         assert_eq!(sentence(table, line), wanted);
+    }
+}
+
+#[test]
+fn unit_is_guessed_from_the_magnitude() {
+    for (value, meant) in [
+        (2.6, "did you mean 0.0026 T, which is 2.6 mT?"),
+        (-1200.0, "did you mean 1.2 T, which is 1200 mT?"),
+        (2501.0, "did you mean 0.25 T, which is 2501 G?"),
+        (950_000.0, "did you mean J = mu0 M = 1.19 T, for M = 950000 A/m?"),
+        (1e9, "give the polarization J = mu0 M in T"),
+    ] {
+        assert_eq!(meant_polarization(value), meant);
     }
 }

@@ -146,20 +146,15 @@ fn set(own: &mut dyn TableLike, key: &str, mut item: Item) {
 
 /// Lets tables stand where they are inserted, after an empty line.
 fn unplace(item: &mut Item) {
-    match item {
-        Item::Table(table) if !table.is_dotted() => {
-            table.set_position(None);
-            table.decor_mut().clear();
-            table.iter_mut().for_each(|(_, item)| unplace(item));
-        }
-        Item::ArrayOfTables(tables) => {
-            for table in tables.iter_mut() {
-                table.set_position(None);
-                table.decor_mut().clear();
-                table.iter_mut().for_each(|(_, item)| unplace(item));
-            }
-        }
-        _ => {}
+    let tables: Vec<&mut toml_edit::Table> = match item {
+        Item::Table(table) if !table.is_dotted() => vec![table],
+        Item::ArrayOfTables(tables) => tables.iter_mut().collect(),
+        _ => return,
+    };
+    for table in tables {
+        table.set_position(None);
+        table.decor_mut().clear();
+        table.iter_mut().for_each(|(_, item)| unplace(item));
     }
 }
 

@@ -87,8 +87,7 @@ impl LatticeTable {
         let columns = intervals(sections_x, self.start_mm[0]);
         let rows = intervals(sections_y, self.start_mm[1]);
         if columns.iter().chain(&rows).all(|interval| interval.pattern == 0.0) {
-            faults.add("has no tiles: pattern is zero everywhere");
-            return None;
+            return faults.refuse("has no tiles: pattern is zero everywhere");
         }
         let z = self.start_mm[2] + 0.5 * self.height_mm;
         let mut tiles = Vec::new();
@@ -131,8 +130,7 @@ impl LatticeTable {
                 Some(Magnitude::Component(component))
             }
             _ => {
-                faults.add("must give one of strength_t (|J| of every tile) and component_t (factor of the pattern)");
-                None
+                faults.refuse("must give one of strength_t (|J| of every tile) and component_t (factor of the pattern)")
             }
         }
     }

@@ -87,14 +87,8 @@ fn declared_kind<'k>(
 fn size(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableFaults) -> Option<[f64; 3]> {
     match (table.size_mm, kind.map(|k| k.size_mm)) {
         (Some(size), None) | (None, Some(size)) => Some(size),
-        (Some(_), Some(_)) => {
-            faults.add("gives size_mm, which its kind already gives");
-            None
-        }
-        (None, None) => {
-            faults.add("has no size_mm and no kind that gives it");
-            None
-        }
+        (Some(_), Some(_)) => faults.refuse("gives size_mm, which its kind already gives"),
+        (None, None) => faults.refuse("has no size_mm and no kind that gives it"),
     }
 }
 
@@ -108,10 +102,9 @@ fn polarization(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableF
         kind_strength.is_some(),
     ];
     if given.into_iter().filter(|given| *given).count() > 1 {
-        faults.add(
+        return faults.refuse(
             "gives its polarization twice, must give one of polarization_t and strength_t, in the tile or in its kind",
         );
-        return None;
     }
     check_strength(table.strength_t, faults);
     check_polarization(table.polarization_t, faults);
@@ -119,18 +112,11 @@ fn polarization(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableF
     match (table.polarization_t.or(kind_polarization), table.strength_t.or(kind_strength), direction) {
         (Some(polarization), _, None) => Some(polarization.into()),
         (Some(_), _, Some(_)) => {
-            faults.add("gives a direction, which goes with strength_t and not with polarization_t");
-            None
+            faults.refuse("gives a direction, which goes with strength_t and not with polarization_t")
         }
         (None, Some(strength), Some(unit)) => Some(unit * strength),
-        (None, Some(_), None) => {
-            faults.add("has a strength_t and no direction or direction_deg");
-            None
-        }
-        (None, None, _) => {
-            faults.add("has no polarization: give polarization_t, or strength_t and direction");
-            None
-        }
+        (None, Some(_), None) => faults.refuse("has a strength_t and no direction or direction_deg"),
+        (None, None, _) => faults.refuse("has no polarization: give polarization_t, or strength_t and direction"),
     }
 }
 
@@ -138,12 +124,10 @@ fn polarization(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableF
 /// where the tile gives no direction.
 fn direction(table: &TileTable, faults: &mut TableFaults) -> Option<Option<DVec3>> {
     if table.direction.is_some() && table.direction_deg.is_some() {
-        faults.add("gives both direction and direction_deg, must give only one of them");
-        return None;
+        return faults.refuse("gives both direction and direction_deg, must give only one of them");
     }
     if table.tilt_deg.is_some() && table.direction_deg.is_none() {
-        faults.add("gives a tilt_deg, which goes with direction_deg");
-        return None;
+        return faults.refuse("gives a tilt_deg, which goes with direction_deg");
     }
     if let Some(direction) = table.direction {
         let unit = unit_vector(direction);
@@ -156,8 +140,7 @@ fn direction(table: &TileTable, faults: &mut TableFaults) -> Option<Option<DVec3
     let angles = [("direction_deg", direction_deg), ("tilt_deg", table.tilt_deg.unwrap_or(0.0))];
     let wrong = angles.iter().find(|(_, angle)| !angle.is_finite());
     if let Some((key, angle)) = wrong {
-        faults.add(format!("{key} = {angle}, must be a finite number"));
-        return None;
+        return faults.refuse(format!("{key} = {angle}, must be a finite number"));
     }
     Some(Some(direction_from_degrees(angles.map(|(_, angle)| angle))))
 }

@@ -49,13 +49,13 @@ impl NeighbourTable {
         let named = match read(&self.layout) {
             Ok(named) if named.len() > MAX_TOLERANCE_TILES => {
                 let (count, layout) = (named.len(), shown(&self.layout));
-                faults.add(format!("layout = \"{layout}\" has {count} tiles, must have at most {MAX_TOLERANCE_TILES}"));
-                return None;
+                return faults.refuse(format!(
+                    "layout = \"{layout}\" has {count} tiles, must have at most {MAX_TOLERANCE_TILES}"
+                ));
             }
             Ok(named) => named,
             Err(why) => {
-                faults.add(format!("layout = \"{}\": {why}", shown(&self.layout)));
-                return None;
+                return faults.refuse(format!("layout = \"{}\": {why}", shown(&self.layout)));
             }
         };
         if faults.count() > before {
@@ -68,8 +68,9 @@ impl NeighbourTable {
                 Some(tile) => tiles.push(tile),
                 None => {
                     let name = shown(name);
-                    faults.add(format!("its tile \"{name}\" would be too far away, must be within {MAX_LENGTH:e} mm"));
-                    return None;
+                    return faults.refuse(format!(
+                        "its tile \"{name}\" would be too far away, must be within {MAX_LENGTH:e} mm"
+                    ));
                 }
             }
         }
