@@ -84,11 +84,7 @@ impl Rotation {
     /// # Errors
     /// All faults: an axis that is zero or not finite, an angle that is not finite.
     pub fn from_axis_angle(axis: [f64; 3], angle_deg: f64) -> Result<Rotation, RotationFaults> {
-        let faults = [
-            unless(unit_vector(axis).is_some(), format_args!("axis = {axis:?}, must be finite and not zero")),
-            unless(angle_deg.is_finite(), format_args!("angle_deg = {angle_deg}, must be a finite number")),
-        ];
-        checked(Rotation::AxisAngle { axis, angle_deg }, faults)
+        Rotation::AxisAngle { axis, angle_deg }.checked()
     }
 
     /// The rotation of a quaternion x, y, z, w. Its norm does not matter.
@@ -96,10 +92,7 @@ impl Rotation {
     /// # Errors
     /// If the quaternion is zero or not finite.
     pub fn from_quaternion(xyzw: [f64; 4]) -> Result<Rotation, RotationFaults> {
-        let largest = xyzw.iter().fold(0.0, |largest: f64, c| largest.max(c.abs()));
-        let valid = xyzw.iter().all(|c| c.is_finite()) && largest > 0.0;
-        let fault = unless(valid, format_args!("quaternion = {xyzw:?}, must be finite and not zero"));
-        checked(Rotation::Quaternion(xyzw), [fault])
+        Rotation::Quaternion(xyzw).checked()
     }
 
     /// Three rotations by angles in degrees, one after the other.
@@ -107,9 +100,7 @@ impl Rotation {
     /// # Errors
     /// If an angle is not finite.
     pub fn from_euler(angles_deg: [f64; 3], order: EulerOrder) -> Result<Rotation, RotationFaults> {
-        let valid = angles_deg.iter().all(|angle| angle.is_finite());
-        let fault = unless(valid, format_args!("euler_deg = {angles_deg:?}, must be three finite numbers"));
-        checked(Rotation::Euler { angles_deg, order }, [fault])
+        Rotation::Euler { angles_deg, order }.checked()
     }
 
     /// The rotation of a matrix, given row by row. It is replaced by the nearest rotation, because
@@ -119,23 +110,43 @@ impl Rotation {
     /// If an element is not finite, the matrix deviates by more than [`ORTHOGONALITY_TOLERANCE`]
     /// from orthogonality, or it is a reflection.
     pub fn from_matrix(rows: [[f64; 3]; 3]) -> Result<Rotation, RotationFaults> {
-        let are_finite = rows.iter().flatten().all(|element| element.is_finite());
-        let matrix = matrix(rows);
-        let product = matrix * matrix.transpose() - DMat3::IDENTITY;
-        let deviation = product.to_cols_array().iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
-        let fault = if !are_finite {
-            Some(format!("matrix = {rows:?}, must be nine finite numbers"))
-        // Written so that NaN, from elements that overflow, is a fault.
-        } else if !(deviation <= ORTHOGONALITY_TOLERANCE) {
-            Some(format!(
-                "matrix times its transpose deviates by {deviation:.1e} from the unit matrix, must be at most \
-                 {ORTHOGONALITY_TOLERANCE:e}"
-            ))
-        } else {
-            let rule = format_args!("matrix has the determinant -1, a reflection, must be a rotation with 1");
-            unless(matrix.determinant() >= 0.0, rule)
+        Rotation::Matrix(rows).checked()
+    }
+
+    fn checked(self) -> Result<Rotation, RotationFaults> {
+        let rules = match self {
+            Rotation::AxisAngle { axis, angle_deg } => vec![
+                (unit_vector(axis).is_some(), format!("axis = {axis:?}, must be finite and not zero")),
+                (angle_deg.is_finite(), format!("angle_deg = {angle_deg}, must be a finite number")),
+            ],
+            Rotation::Quaternion(xyzw) => {
+                let is_kept = xyzw.iter().all(|c| c.is_finite()) && xyzw != [0.0; 4];
+                vec![(is_kept, format!("quaternion = {xyzw:?}, must be finite and not zero"))]
+            }
+            Rotation::Euler { angles_deg, .. } => {
+                let is_kept = angles_deg.iter().all(|angle| angle.is_finite());
+                vec![(is_kept, format!("euler_deg = {angles_deg:?}, must be three finite numbers"))]
+            }
+            Rotation::Matrix(rows) => {
+                let (are_finite, matrix) = (rows.iter().flatten().all(|element| element.is_finite()), matrix(rows));
+                let product = matrix * matrix.transpose() - DMat3::IDENTITY;
+                let deviation = product.to_cols_array().iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
+                // False for NaN, from elements that overflow.
+                let is_orthogonal = are_finite && deviation <= ORTHOGONALITY_TOLERANCE;
+                let deviates = format!(
+                    "matrix times its transpose deviates by {deviation:.1e} from the unit matrix, must be at most \
+                     {ORTHOGONALITY_TOLERANCE:e}"
+                );
+                let reflects = "matrix has the determinant -1, a reflection, must be a rotation with 1".to_owned();
+                vec![
+                    (are_finite, format!("matrix = {rows:?}, must be nine finite numbers")),
+                    (is_orthogonal || !are_finite, deviates),
+                    (matrix.determinant() >= 0.0 || !is_orthogonal, reflects),
+                ]
+            }
         };
-        checked(Rotation::Matrix(rows), [fault])
+        let broken: Vec<String> = rules.into_iter().filter(|(is_kept, _)| !is_kept).map(|(_, rule)| rule).collect();
+        if broken.is_empty() { Ok(self) } else { Err(RotationFaults(broken)) }
     }
 
     /// The unit quaternion of the rotation. Angles are first reduced to one turn, which is exact.
@@ -230,25 +241,19 @@ impl RotationTable {
         let rotation = match (axis, angle_deg, quaternion, euler_deg, order, matrix) {
             (Some(axis), Some(angle_deg), ..) => Rotation::from_axis_angle(*axis, *angle_deg),
             (_, _, Some(quaternion), ..) => Rotation::from_quaternion(*quaternion),
-            (_, _, _, Some(euler_deg), Some(order), _) => {
-                let order: EulerOrder = order
-                    .parse()
-                    .map_err(|rule: InvalidEulerOrder| {
-                        faults.add(format!("rotation.order = \"{}\", {rule}", shown(order)));
-                    })
-                    .ok()?;
-                Rotation::from_euler(*euler_deg, order)
-            }
+            (_, _, _, Some(euler_deg), Some(order), _) => match order.parse() {
+                Ok(order) => Rotation::from_euler(*euler_deg, order),
+                Err(InvalidEulerOrder) => {
+                    return faults.refuse(format!("rotation.order = \"{}\", {InvalidEulerOrder}", shown(order)));
+                }
+            },
             (.., Some(matrix)) => Rotation::from_matrix(*matrix),
-            _ => {
-                let missing = match (axis.is_some(), angle_deg.is_some(), euler_deg.is_some()) {
-                    (true, ..) => "axis without an angle_deg",
-                    (_, true, _) => "angle_deg without an axis",
-                    (.., true) => "euler_deg without an order, such as \"xyz\"",
-                    _ => "order without euler_deg",
-                };
-                return faults.refuse(format!("rotation has {missing}"));
+            (Some(_), ..) => return faults.refuse("rotation has axis without an angle_deg"),
+            (_, Some(_), ..) => return faults.refuse("rotation has angle_deg without an axis"),
+            (_, _, _, Some(_), ..) => {
+                return faults.refuse("rotation has euler_deg without an order, such as \"xyz\"");
             }
+            _ => return faults.refuse("rotation has order without euler_deg"),
         };
         rotation.map_err(|broken| broken.0.into_iter().for_each(|fault| faults.add(format!("rotation.{fault}")))).ok()
     }
@@ -275,16 +280,6 @@ impl From<Rotation> for RotationTable {
             Rotation::Matrix(rows) => RotationTable { matrix: Some(rows), ..none },
         }
     }
-}
-
-/// A fault unless a rule is kept.
-fn unless(is_kept: bool, fault: fmt::Arguments) -> Option<String> {
-    (!is_kept).then(|| fault.to_string())
-}
-
-fn checked<const N: usize>(rotation: Rotation, faults: [Option<String>; N]) -> Result<Rotation, RotationFaults> {
-    let faults: Vec<String> = faults.into_iter().flatten().collect();
-    if faults.is_empty() { Ok(rotation) } else { Err(RotationFaults(faults)) }
 }
 
 fn matrix(rows: [[f64; 3]; 3]) -> DMat3 {
