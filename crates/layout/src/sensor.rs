@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DQuat, DVec3};
-use magsplice_magnet::HallSensor;
+use magsplice_magnet::{Axis, HallSensor};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -75,37 +75,48 @@ pub(crate) struct PlatesTable {
     z: Option<[f64; 3]>,
 }
 
+/// A key with a number for each axis: its name, unit and rule, as it is written, and in memory.
+type AxisKey<'k> = (&'static str, ErrorUnit, Rule, &'k mut Option<OneOrThree>, &'k mut DVec3);
+
+/// Number of the first keys for which parts have numbers of their own.
+const OF_PARTS: usize = 3;
+
+const NOT_ZERO: Rule = |faults, key, gain| {
+    faults.require(gain.is_finite() && gain != 0.0, key, gain, "must be a finite number other than 0");
+};
+
 impl SensorTable {
+    fn keys<'k>(&'k mut self, element: &'k mut HallSensor) -> [AxisKey<'k>; 5] {
+        let (ut, mt) = (ErrorUnit::Microtesla, ErrorUnit::Millitesla);
+        [
+            ("noise_ut", ut, NOT_NEGATIVE, &mut self.noise_ut, &mut element.noise_t),
+            ("count_ut", ut, NOT_NEGATIVE, &mut self.count_ut, &mut element.count_t),
+            ("range_mt", mt, POSITIVE, &mut self.range_mt, &mut element.range_t),
+            ("gain", ErrorUnit::Fraction, NOT_ZERO, &mut self.gain, &mut element.gain),
+            ("offset_ut", ut, FINITE, &mut self.offset_ut, &mut element.offset_t),
+        ]
+    }
+
     /// The sensor, or `None` after adding its faults.
-    pub(crate) fn resolve(&self, faults: &mut TableFaults) -> Option<StatedSensor> {
+    pub(crate) fn resolve(mut self, faults: &mut TableFaults) -> Option<StatedSensor> {
         let before = faults.count();
         let part = self.part.as_deref().map_or_else(SensorTable::default, |name| part(name, faults));
-        let mut numbers = |key: &str, value: Option<OneOrThree>, unit: ErrorUnit, rule: Rule, default: DVec3| {
-            value.map_or(default, |value| {
-                value.check(key, rule, faults);
-                DVec3::from(value).map(|value| unit.read(value))
-            })
-        };
-        let (perfect, ut) = (HallSensor::default(), ErrorUnit::Microtesla);
-        let gain_rule: Rule = |faults, key, gain| {
-            faults.require(gain.is_finite() && gain != 0.0, key, gain, "must be a finite number other than 0");
-        };
-        let (noise, count) = (self.noise_ut.or(part.noise_ut), self.count_ut.or(part.count_ut));
-        let range = self.range_mt.or(part.range_mt);
-        let mut element = HallSensor {
-            noise_t: numbers("noise_ut", noise, ut, NOT_NEGATIVE, perfect.noise_t),
-            count_t: numbers("count_ut", count, ut, NOT_NEGATIVE, perfect.count_t),
-            range_t: numbers("range_mt", range, ErrorUnit::Millitesla, POSITIVE, perfect.range_t),
-            gain: numbers("gain", self.gain, ErrorUnit::Fraction, gain_rule, perfect.gain),
-            offset_t: numbers("offset_ut", self.offset_ut, ut, FINITE, perfect.offset_t),
-            active_area: self.active_area_mm.unwrap_or(perfect.active_area),
-            ..perfect
-        };
+        self.noise_ut = self.noise_ut.or(part.noise_ut);
+        self.count_ut = self.count_ut.or(part.count_ut);
+        self.range_mt = self.range_mt.or(part.range_mt);
+        let mut element = HallSensor::default();
+        for (name, unit, rule, written, value) in self.keys(&mut element) {
+            let Some(written) = *written else { continue };
+            written.check(name, rule, faults);
+            *value = DVec3::from(written).map(|value| unit.read(value));
+        }
         let PlatesTable { x, y, z } = self.plates_mm.unwrap_or_default();
-        for (axis, place) in ["x", "y", "z"].into_iter().zip([x, y, z].map(Option::unwrap_or_default)) {
+        let plates = [x, y, z].map(Option::unwrap_or_default);
+        for (axis, place) in Axis::ALL.into_iter().zip(plates) {
             faults.point(format_args!("plates_mm.{axis}"), place);
         }
-        element.plates = [x, y, z].map(|place| place.unwrap_or_default().into());
+        element.plates = plates.map(DVec3::from);
+        element.active_area = self.active_area_mm.unwrap_or(element.active_area);
         for (axis, side) in element.active_area.into_iter().enumerate() {
             faults.not_negative(format!("active_area_mm[{axis}]"), side);
         }
@@ -113,40 +124,36 @@ impl SensorTable {
         if let Some(rate_hz) = rate_hz {
             faults.positive("rate_hz", rate_hz);
         }
-        let rotation = self.rotation.as_ref().and_then(|table| table.resolve(faults));
+        let rotation = self.rotation.and_then(|table| table.resolve(faults));
         if faults.count() > before {
             return None;
         }
         element.rotation = rotation.map_or(DQuat::IDENTITY, |rotation| rotation.quaternion());
         let element = element.checked().map_err(|fault| faults.add(fault.to_string())).ok()?;
-        Some(StatedSensor { part: self.part.clone(), rate_hz, rotation, element })
+        Some(StatedSensor { part: self.part, rate_hz, rotation, element })
     }
 }
 
 /// The table of a sensor, with all numbers written out that a perfect one does not have.
 impl From<&StatedSensor> for SensorTable {
-    fn from(sensor: &StatedSensor) -> SensorTable {
-        let (perfect, element) = (HallSensor::default(), &sensor.element);
-        // A part has numbers of its own, so a perfect value beside it must be written too.
-        let written = |value: DVec3, unit: ErrorUnit, is_given: bool| {
-            (is_given && value.is_finite()).then(|| value.map(|value| unit.written(value)).into())
-        };
-        let given = |value: DVec3, unit: ErrorUnit, default: DVec3| {
-            written(value, unit, value != default || sensor.part.is_some())
-        };
+    fn from(StatedSensor { part, rate_hz, rotation, element }: &StatedSensor) -> SensorTable {
+        let mut perfect = HallSensor::default();
         let [x, y, z] = element.plates.map(|place| (place != DVec3::ZERO).then(|| place.to_array()));
-        SensorTable {
-            part: sensor.part.clone(),
-            noise_ut: given(element.noise_t, ErrorUnit::Microtesla, perfect.noise_t),
-            count_ut: given(element.count_t, ErrorUnit::Microtesla, perfect.count_t),
-            range_mt: given(element.range_t, ErrorUnit::Millitesla, perfect.range_t),
-            rate_hz: sensor.rate_hz,
-            gain: written(element.gain, ErrorUnit::Fraction, element.gain != perfect.gain),
-            offset_ut: written(element.offset_t, ErrorUnit::Microtesla, element.offset_t != perfect.offset_t),
-            rotation: sensor.rotation.map(Into::into),
+        let mut table = SensorTable {
+            part: part.clone(),
+            rate_hz: *rate_hz,
+            rotation: rotation.map(Into::into),
             active_area_mm: (element.active_area != perfect.active_area).then_some(element.active_area),
             plates_mm: x.or(y).or(z).map(|_| PlatesTable { x, y, z }),
+            ..SensorTable::default()
+        };
+        let defaults = SensorTable::default().keys(&mut perfect).map(|(.., value)| *value);
+        for (index, (_, unit, _, written, value)) in table.keys(&mut element.clone()).into_iter().enumerate() {
+            // A part has numbers of its own, so a perfect value beside it must be written too.
+            let is_given = *value != defaults[index] || (index < OF_PARTS && part.is_some());
+            *written = (is_given && value.is_finite()).then(|| value.map(|value| unit.written(value)).into());
         }
+        table
     }
 }
 
