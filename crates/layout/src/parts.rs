@@ -4,6 +4,7 @@ use glam::DVec3;
 use magsplice_magnet::{Piece, pieces};
 
 use crate::layout::Layout;
+use crate::units::decimals;
 
 /// One sort of identical pieces: tiles that differ only in position and orientation.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,15 +56,10 @@ impl Part {
     /// The angles have six decimals, because directions of parts have nine digits.
     pub fn angles_deg(&self) -> Option<[f64; 2]> {
         let DVec3 { x, y, z } = self.direction;
-        let in_degrees = |angle: f64| rounded(angle.to_degrees());
+        let in_degrees = |angle: f64| decimals(angle.to_degrees(), ANGLE_DECIMALS);
         (self.direction != DVec3::ZERO).then(|| [in_degrees(y.atan2(x)), in_degrees(z.atan2(x.hypot(y)))])
     }
 }
 
 /// Decimals of angles of parts, in degrees.
 const ANGLE_DECIMALS: usize = 6;
-
-/// Without -0.
-fn rounded(angle_deg: f64) -> f64 {
-    format!("{angle_deg:.ANGLE_DECIMALS$}").parse().unwrap_or(angle_deg) + 0.0
-}

@@ -78,7 +78,12 @@ fn cos_sin(angle_deg: f64) -> (f64, f64) {
 /// The number rounded to ten decimals, which removes round-off: 0.1 + 0.2 becomes 0.3. Negative
 /// zero becomes zero.
 pub fn ten_decimals(value: f64) -> f64 {
-    format!("{value:.10}").parse::<f64>().unwrap_or(value) + 0.0
+    decimals(value, 10)
+}
+
+/// The number rounded to so many decimals. Negative zero becomes zero.
+pub(crate) fn decimals(value: f64, count: usize) -> f64 {
+    format!("{value:.count$}").parse::<f64>().unwrap_or(value) + 0.0
 }
 
 #[cfg(test)]

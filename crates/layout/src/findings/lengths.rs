@@ -7,6 +7,7 @@ use magsplice_magnet::{Axis, BoundingBox};
 use crate::finding::{Finding, FindingSubject};
 use crate::layout::NamedTile;
 use crate::plausible::{MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, doubt, meant_length, short, typed};
+use crate::units::decimals;
 use crate::volume::WorkingVolume;
 
 /// Distance of the film from z = 0 that is accepted, as a fraction of the wavelength. It changes
@@ -73,14 +74,14 @@ fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: Option<&Work
         let height = short(size.z);
         add(format!("the tiles are {height} mm high and the film of [ideal] {thickness} mm: is one of them in m?"));
     } else if film.lower.z.abs() > STANDS_WITHIN * wavelength {
-        let [low, high] = [film.lower.z, film.upper.z].map(rounded);
+        let [low, high] = [film.lower.z, film.upper.z].map(|z| decimals(z, 6));
         add(format!(
             "the film is at z = {low} .. {high} mm, and the ideal film fills 0 <= z <= {thickness} mm with the sensor \
              below, at z < 0: {}",
             if film.upper.z <= STANDS_WITHIN * wavelength && volume.is_some_and(|v| v.lower_mm.z >= 0.0) {
                 "turn the film and the volume over, so that the film stands on z = 0".to_owned()
             } else {
-                format!("move the tiles and the volume by {} mm along z", rounded(-film.lower.z))
+                format!("move the tiles and the volume by {} mm along z", decimals(-film.lower.z, 6))
             }
         ));
     }
@@ -93,12 +94,8 @@ fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: Option<&Work
     }
     if let Some(volume) = volume {
         // One point in each plane normal to an axis.
-        let axes: Vec<&str> = ["x", "y", "z"]
-            .into_iter()
-            .enumerate()
-            .filter(|(a, _)| volume.grid.plane_len(*a) == 1)
-            .map(|(_, n)| n)
-            .collect();
+        let thin = Axis::ALL.into_iter().filter(|axis| volume.grid.plane_len(axis.index()) == 1);
+        let axes: Vec<&str> = thin.map(Axis::name).collect();
         if !axes.is_empty() {
             let [nx, ny, nz] = volume.grid.counts();
             add(format!(
@@ -172,10 +169,4 @@ fn bounds(tiles: &[NamedTile]) -> BoundingBox {
         lower: DVec3::min(all.lower, tile.lower),
         upper: DVec3::max(all.upper, tile.upper),
     })
-}
-
-/// Without the round-off of sums of decimal numbers.
-fn rounded(value: f64) -> f64 {
-    // Adding 0 turns -0 into 0.
-    format!("{value:.6}").parse().unwrap_or(value) + 0.0
 }
