@@ -29,31 +29,27 @@ impl Source {
     }
 }
 
-/// The contents of a file. One byte more than the limit is enough to see that it is too large, and
-/// ends the reading of a device that has no end.
+/// The contents of a file with at most 64 MiB.
 pub(crate) fn bytes(path: &Path) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    File::open(path)?.take(MAX_FILE_BYTES as u64 + 1).read_to_end(&mut bytes)?;
-    if bytes.len() > MAX_FILE_BYTES {
-        return Err(io::Error::other(format!("it has more than {MAX_FILE_BYTES} bytes, too many for a layout")));
-    }
-    Ok(bytes)
+    let too_large = || io::Error::other(format!("it has more than {MAX_FILE_BYTES} bytes, too many for a layout"));
+    up_to(path, MAX_FILE_BYTES)?.ok_or_else(too_large)
 }
 
 /// The contents of a regular file with at most `most` bytes. Pipes and devices are refused before
 /// they are opened, because opening a pipe waits for its other end.
 pub(crate) fn regular_bytes(path: &Path, most: usize) -> io::Result<Vec<u8>> {
-    let about = fs::metadata(path)?;
-    if !about.is_file() {
+    if !fs::metadata(path)?.is_file() {
         return Err(io::Error::other("it is not a regular file"));
     }
-    let too_large = || io::Error::other(format!("it has more than {most} bytes, too many"));
-    if about.len() > most as u64 {
-        return Err(too_large());
-    }
+    up_to(path, most)?.ok_or_else(|| io::Error::other(format!("it has more than {most} bytes, too many")))
+}
+
+/// The contents of a file, or `None` if it is too large. One byte more than the limit is enough to
+/// see that, and ends the reading of a device that has no end.
+fn up_to(path: &Path, most: usize) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(most as u64 + 1).read_to_end(&mut bytes)?;
-    if bytes.len() > most { Err(too_large()) } else { Ok(bytes) }
+    Ok((bytes.len() <= most).then_some(bytes))
 }
 
 #[cfg(test)]

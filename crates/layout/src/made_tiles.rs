@@ -1,11 +1,9 @@
 //! The layout of a film that was made: its tiles as they are instead of as ordered.
 
-use glam::DQuat;
 use magsplice_magnet::{Tile, overlaps};
 
 use crate::expectations::Expectations;
 use crate::layout::{Layout, NamedTile};
-use crate::rotation::Rotation;
 
 impl Layout {
     /// The layout of a film that was made: with its tiles as they are, in the same order, and the
@@ -30,8 +28,7 @@ fn as_written(named: &NamedTile, tile: &Tile) -> NamedTile {
     if tile.rotation() == named.tile.rotation() {
         return NamedTile { tile: *tile, kind: None, ..named.clone() };
     }
-    let DQuat { x, y, z, w } = tile.rotation();
-    let rotation = Rotation::from_quaternion([x, y, z, w]).ok().filter(|_| tile.rotation() != DQuat::IDENTITY);
+    let rotation = NamedTile::new("", *tile).rotation;
     // The quaternion that is read back from the file.
     let turned = rotation.and_then(|rotation| tile.rotated(rotation.quaternion()).ok());
     NamedTile { rotation, tile: turned.unwrap_or(*tile), kind: None, ..named.clone() }
