@@ -12,7 +12,7 @@ use crate::limits::{MAX_DESIGN_POINTS, MAX_STARTS};
 use crate::plausible::check_material;
 use crate::tables_present::TablesPresent;
 use crate::volume::WorkingVolume;
-use crate::written_as::As;
+use crate::written_as::{As, is_default};
 
 // The comments of the following types are descriptions in the JSON Schema.
 /// What a search may change to improve the film, and its goal. Without keys it varies nothing and
@@ -48,7 +48,7 @@ pub struct Brief {
     pub goal: Goal,
     /// The films whose error counts: the film of the layout, or those made with the errors of
     /// [tolerance]. Default: nominal.
-    #[serde(skip_serializing_if = "is_nominal")]
+    #[serde(skip_serializing_if = "is_default")]
     pub under: Under,
     /// Weights of the errors of R_x, R_y and S_z, or of the displacements along x, y, z. Default: 1
     /// each.
@@ -61,7 +61,7 @@ pub struct Brief {
     pub least_amplitude: Option<f64>,
     /// Lower and upper ends along x and y that the tiles must stay within, in mm. Default: their
     /// own extent.
-    #[serde(skip_serializing_if = "is_unbounded", with = "As::<Outline>")]
+    #[serde(skip_serializing_if = "is_default", with = "As::<Outline>")]
     #[schemars(with = "Option<Outline>", extend("example" = "{ x = [-10.0, 10.0], y = [-10.0, 10.0] }"))]
     pub outline_mm: [Option<[f64; 2]>; 2],
     /// Shortest side of a tile along x and y, in mm. Default: the shortest side in the layout.
@@ -277,14 +277,6 @@ impl From<Outline> for [Option<[f64; 2]>; 2] {
     fn from(Outline { x, y }: Outline) -> [Option<[f64; 2]>; 2] {
         [x, y]
     }
-}
-
-fn is_nominal(under: &Under) -> bool {
-    *under == Under::Nominal
-}
-
-fn is_unbounded(outline_mm: &[Option<[f64; 2]>; 2]) -> bool {
-    *outline_mm == [None; 2]
 }
 
 /// Default resolution of faces: machine tools are no finer.

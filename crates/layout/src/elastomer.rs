@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::faults::{FINITE, POSITIVE, TableFaults};
 use crate::one_or_three::OneOrThree;
-use crate::written_as::As;
+use crate::written_as::{As, is_default};
 
 /// Smallest Poisson ratio of a stable material.
 const LEAST_POISSON_RATIO: f64 = -1.0;
@@ -33,7 +33,7 @@ pub struct Elastomer {
     pub scale: DVec3,
     /// Calibrated force without displacement along x, y, z, in N: the coefficients b_1 to b_3.
     /// Default: 0.
-    #[serde(default, skip_serializing_if = "is_zero", with = "As::<OneOrThree>")]
+    #[serde(default, skip_serializing_if = "is_default", with = "As::<OneOrThree>")]
     #[schemars(with = "Option<OneOrThree>")]
     pub force_at_rest_n: DVec3,
 }
@@ -44,10 +44,6 @@ fn one() -> DVec3 {
 
 fn is_one(scale: &DVec3) -> bool {
     *scale == DVec3::ONE
-}
-
-fn is_zero(force: &DVec3) -> bool {
-    *force == DVec3::ZERO
 }
 
 impl Elastomer {

@@ -15,7 +15,7 @@ use crate::faults::TableFaults;
 use crate::finding::{Finding, FindingSubject};
 use crate::plausible::typed;
 use crate::tables_present::TablesPresent;
-use crate::written_as::As;
+use crate::written_as::{As, is_default};
 
 /// The relative difference of opposite fields, the largest that there is.
 const MOST_DIFFERENT: f64 = 2.0;
@@ -52,11 +52,11 @@ pub struct Expectations {
 #[serde(default)]
 pub struct FigureBounds {
     /// Upper bounds of the uniformity RMSE.
-    #[serde(skip_serializing_if = "is_unbounded")]
+    #[serde(skip_serializing_if = "is_default")]
     #[schemars(extend("example" = "{ r_x = 0.065, r_y = 0.065, s_z = 0.042 }", "minProperties" = 1))]
     pub uniformity_rmse: PerParameter<Option<f64>>,
     /// Upper bounds of the RMSE of the displacement, in mm.
-    #[serde(skip_serializing_if = "is_unbounded_along")]
+    #[serde(skip_serializing_if = "is_default")]
     #[schemars(extend("example" = "{ x = 0.25, y = 0.25, z = 0.32 }", "minProperties" = 1))]
     pub displacement_rmse_mm: PerAxis<Option<f64>>,
     /// Lower bound of the amplitude: the best-fit factor of B against the ideal film.
@@ -115,14 +115,6 @@ impl From<Option<f64>> for LowerBound {
     }
 }
 
-fn is_unbounded(bounds: &PerParameter<Option<f64>>) -> bool {
-    *bounds == PerParameter::default()
-}
-
-fn is_unbounded_along(bounds: &PerAxis<Option<f64>>) -> bool {
-    *bounds == PerAxis::default()
-}
-
 impl Default for MadeExpectations {
     /// No bounds, the 95th percentile, and a confidence of 95 %.
     fn default() -> MadeExpectations {
@@ -133,15 +125,15 @@ impl Default for MadeExpectations {
 impl Expectations {
     /// Whether nothing is required.
     pub fn is_empty(&self) -> bool {
-        *self == Expectations::default()
+        is_default(self)
     }
 
     /// Adds the faults of the bounds, but those of [`MadeExpectations`].
     pub(crate) fn check(&self, present: TablesPresent, faults: &mut TableFaults) {
         let FigureBounds { uniformity_rmse, displacement_rmse_mm, least_amplitude } = self.bounds;
         for (key, is_given, needs_ideal) in [
-            ("uniformity_rmse ", !is_unbounded(&uniformity_rmse), true),
-            ("displacement_rmse_mm ", !is_unbounded_along(&displacement_rmse_mm), true),
+            ("uniformity_rmse ", !is_default(&uniformity_rmse), true),
+            ("displacement_rmse_mm ", !is_default(&displacement_rmse_mm), true),
             ("amplitude ", least_amplitude.is_some(), true),
             ("field ", self.field.is_some(), false),
             ("clearance_mm ", self.least_clearance_mm.is_some(), false),

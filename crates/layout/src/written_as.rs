@@ -4,6 +4,11 @@ use std::marker::PhantomData;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+/// Whether a value is the default, which is not written.
+pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 /// Writes and reads a value as a `W`, for the attribute `serde(with = "As::<W>")`.
 pub(crate) struct As<W>(PhantomData<W>);
 
