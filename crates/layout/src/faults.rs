@@ -5,20 +5,22 @@ use std::fmt::Display;
 use magsplice_magnet::MAX_LENGTH;
 
 use crate::error::LayoutFault;
+use crate::finding::{Finding, FindingSubject};
 use crate::limits::{MAX_LISTED, SAMPLE_COUNTS};
 
 /// The broken rules found so far in one file: the first [`MAX_LISTED`], and the number of the
-/// others.
+/// others. Beside them the findings about what is allowed.
 pub(crate) struct Faults<'t> {
     text: &'t str,
     listed: Vec<LayoutFault>,
     count: usize,
+    pub(crate) findings: Vec<Finding>,
 }
 
 impl<'t> Faults<'t> {
     /// An empty list for the file with this text.
     pub(crate) fn new(text: &'t str) -> Faults<'t> {
-        Faults { text, listed: Vec::new(), count: 0 }
+        Faults { text, listed: Vec::new(), count: 0, findings: Vec::new() }
     }
 
     /// The list for faults of one table, which begins at `start` in the text and is called `place`.
@@ -75,6 +77,16 @@ impl TableFaults<'_, '_> {
     pub(crate) fn refuse<T>(&mut self, message: impl Into<String>) -> Option<T> {
         self.add(message);
         None
+    }
+
+    /// Adds a finding.
+    pub(crate) fn remark(&mut self, subject: FindingSubject, message: impl Into<String>) {
+        self.list.findings.push(Finding::new(subject, message));
+    }
+
+    /// The table in words, such as `tolerance.film`.
+    pub(crate) fn place(&self) -> &str {
+        &self.place
     }
 
     /// Adds a fault unless a rule about the value of a key is kept.

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::faults::TableFaults;
-use crate::finding::{Finding, FindingSubject};
+use crate::finding::FindingSubject;
 use crate::plausible::short;
 
 /// Default share of the largest change of B by recoil that its error may have. The estimate of the
@@ -95,19 +95,17 @@ pub(crate) struct AlongAndAcross {
 
 impl MaterialTable {
     /// The material. Faults are added.
-    pub(crate) fn resolve(&self, faults: &mut TableFaults, findings: &mut Vec<Finding>) -> Material {
+    pub(crate) fn resolve(&self, faults: &mut TableFaults) -> Material {
         let defaults = Material::default();
         let stated = self.recoil_permeability.and_then(|written| written.resolve(faults));
         let permeability = stated.unwrap_or(defaults.permeability);
         let largest = permeability.along().max(permeability.across());
         if largest > MOST_OF_MAGNETS {
-            findings.push(Finding::new(
-                FindingSubject::Tiles,
-                format!(
-                    "material: recoil_permeability = {largest} is above {MOST_OF_MAGNETS}, and magnets have 1.03 to 1.2, \
-                     Alnico up to 5"
-                ),
-            ));
+            let message = format!(
+                "material: recoil_permeability = {largest} is above {MOST_OF_MAGNETS}, and magnets have 1.03 to 1.2, \
+                 Alnico up to 5"
+            );
+            faults.remark(FindingSubject::Tiles, message);
         }
         let recoil_error = self.recoil_error.unwrap_or(defaults.recoil_error);
         let is_kept = (LEAST_RECOIL_ERROR..1.0).contains(&recoil_error);

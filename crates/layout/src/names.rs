@@ -1,5 +1,7 @@
 //! Rules for names: their length and characters.
 
+use strsim::jaro_winkler;
+
 use crate::faults::TableFaults;
 use crate::limits::{MAX_NAME_BYTES, MAX_SHOWN};
 
@@ -15,6 +17,12 @@ pub(crate) fn check_name(key: &str, name: &str, faults: &mut TableFaults) {
             u32::from(forbidden)
         ));
     }
+}
+
+/// The known name most like an unknown one, as a question.
+pub(crate) fn did_you_mean<'n>(unknown: &str, known: impl Iterator<Item = &'n str>) -> String {
+    let nearest = known.map(|name| (jaro_winkler(unknown, name), name)).max_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map_or(String::new(), |(_, name)| format!(" (did you mean \"{}\"?)", shown(name)))
 }
 
 /// Control characters, ends of lines and paragraphs, and marks that reverse the direction of text.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::LayoutFault;
 use crate::faults::{Faults, POSITIVE, TableFaults};
-use crate::finding::{Finding, FindingSubject};
+use crate::finding::FindingSubject;
 use crate::limits::{BYTES_PER_POINT, MAX_POINTS, STEP_ROUNDING};
 use crate::one_or_three::OneOrThree;
 use crate::plausible::{MAX_LENGTH_RATIO, meant_length, typed};
@@ -67,7 +67,7 @@ impl WorkingVolume {
     ) -> Result<WorkingVolume, Vec<LayoutFault>> {
         let mut faults = Faults::new("");
         let table = VolumeTable::of(lower_mm, upper_mm, OneOrThree::Each(step_mm.into()), reference_mm);
-        let volume = table.resolve(&mut faults.at(0, "volume"), &mut Vec::new());
+        let volume = table.resolve(&mut faults.at(0, "volume"));
         volume
             .ok_or_else(|| faults.into_sorted().into_iter().map(|fault| LayoutFault { line: None, ..fault }).collect())
     }
@@ -87,7 +87,7 @@ impl VolumeTable {
 
     /// The working volume, or `None` after adding its faults. A step that does not divide a range
     /// is a finding.
-    pub(crate) fn resolve(&self, faults: &mut TableFaults, findings: &mut Vec<Finding>) -> Option<WorkingVolume> {
+    pub(crate) fn resolve(&self, faults: &mut TableFaults) -> Option<WorkingVolume> {
         let before = faults.count();
         let ranges = [("x_mm", self.x_mm), ("y_mm", self.y_mm), ("z_mm", self.z_mm)];
         for (key, range) in ranges {
@@ -130,7 +130,7 @@ impl VolumeTable {
                     end[axis],
                     typed(reached)
                 );
-                findings.push(Finding::new(FindingSubject::Volume, message));
+                faults.remark(FindingSubject::Volume, message);
             }
         }
         let counts = intervals.to_array().map(|n| n as usize + 1);

@@ -15,7 +15,7 @@ use crate::limits::FORMAT;
 use crate::material::MaterialTable;
 use crate::sensor::SensorTable;
 use crate::tile::lattice::LatticeTable;
-use crate::tile::{KindTable, TileTable};
+use crate::tile::single::{KindTable, TileTable};
 use crate::tolerance::table::ToleranceTable;
 use crate::volume::VolumeTable;
 

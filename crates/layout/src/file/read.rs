@@ -155,7 +155,7 @@ fn tiles_of_neighbour(folder: &Path, layout: &str) -> Result<Vec<NamedTile>, Str
 fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Result<Layout, Vec<LayoutFault>> {
     let mut faults = Faults::new(text);
     let stock = file.design.as_ref().map_or(&[][..], |design| &design.stock);
-    let mut findings = angles::findings(&file.tile, stock);
+    faults.findings = angles::findings(&file.tile, stock);
     let at = |key: &str| place.key(key).start;
     let rule = format_args!("must be {FORMAT}, the only version supported");
     faults.at(at("format"), "layout").require(file.format == FORMAT, "format", file.format, rule);
@@ -168,7 +168,7 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
         tolerance: file.tolerance.is_some(),
     };
     let ideal = file.ideal.and_then(|table| table.resolve(&mut faults.at(at("ideal"), "ideal")));
-    let volume = file.volume.and_then(|table| table.resolve(&mut faults.at(at("volume"), "volume"), &mut findings));
+    let volume = file.volume.and_then(|table| table.resolve(&mut faults.at(at("volume"), "volume")));
     let expectations = file.expect.unwrap_or_default();
     if let Some(made) = &expectations.made {
         made.check(present, &mut faults.at(place.key("expect").key("made").start, "expect.made"));
@@ -178,18 +178,16 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
         file.design.and_then(|brief| brief.checked(present, volume.as_ref(), &mut faults.at(at("design"), "design")));
     let sensor = file.sensor.and_then(|table| table.resolve(&mut faults.at(at("sensor"), "sensor")));
     let elastomer = file.elastomer.and_then(|layer| layer.checked(&mut faults.at(at("elastomer"), "elastomer")));
-    let material = file.material.map_or_else(Default::default, |table| {
-        table.resolve(&mut faults.at(at("material"), "material"), &mut findings)
-    });
+    let material = file.material.map(|table| table.resolve(&mut faults.at(at("material"), "material")));
+    let material = material.unwrap_or_default();
     let before_tiles = faults.count();
-    let FileTiles { tiles, entries } =
-        FileTiles::resolve(&file.kind, &file.tile, &file.lattice, place, &mut faults, &mut findings);
+    let FileTiles { tiles, entries } = FileTiles::resolve(&file.kind, &file.tile, &file.lattice, place, &mut faults);
     let tolerance = file.tolerance.filter(|_| !source.is_neighbour).and_then(|table| {
         let is_complete = faults.count() == before_tiles;
         let kinds = file.kind.keys().collect();
         let whole = WholeLayout { tiles: &tiles, kinds, strength_per_k: material.strength_per_k, is_complete, present };
         let read_neighbour = |layout: &str| tiles_of_neighbour(&source.folder, layout);
-        table.resolve(whole, &source.folder, &read_neighbour, place.key("tolerance"), &mut faults, &mut findings)
+        table.resolve(whole, &source.folder, &read_neighbour, place.key("tolerance"), &mut faults)
     });
     if faults.is_empty() {
         overlap::check(&tiles, &entries, overlap_mm, &mut faults);
@@ -197,6 +195,7 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
     if !faults.is_empty() {
         return Err(faults.into_sorted());
     }
+    let mut findings = faults.findings;
     findings.extend(findings::about_tiles(&tiles, volume.as_ref()));
     findings.extend(findings::lengths::findings(&tiles, ideal.as_ref(), volume.as_ref()));
     findings.extend(expectations.findings(ideal.as_ref()));

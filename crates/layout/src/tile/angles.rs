@@ -6,7 +6,7 @@ use crate::brief::StockPart;
 use crate::finding::{Finding, FindingSubject, listed};
 use crate::names::shown;
 use crate::rotation::RotationTable;
-use crate::tile::TileTable;
+use crate::tile::single::TileTable;
 
 /// Angles in radians that people write are multiples of pi / 12, which is 15 degrees.
 const PARTS_OF_PI: f64 = 12.0;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::tile::MirrorTable;
+use crate::tile::repeat::MirrorTable;
 
 /// One `[[tile]]` or `[[lattice]]`.
 pub(crate) struct Entry<'t> {
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
     use magsplice_magnet::Axis;
 
-    use crate::tile::Reflection;
+    use crate::tile::repeat::Reflection;
 
     #[test]
     fn images_know_their_original_and_their_mirrors() {

@@ -3,15 +3,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::faults::Faults;
-use crate::finding::{Finding, FindingSubject, listed};
+use crate::finding::{FindingSubject, listed};
 use crate::layout::NamedTile;
 use crate::limits::MAX_NAME_BYTES;
 use crate::names::{check_name, shown};
 use crate::places::Place;
 use crate::tile::entries::{Entry, entry_of};
 use crate::tile::lattice::LatticeTable;
+use crate::tile::repeat::{self, MirrorTable};
 use crate::tile::room::Room;
-use crate::tile::{KindTable, MirrorTable, TileTable, repeat, single};
+use crate::tile::single::{self, KindTable, TileTable};
 
 /// The tiles of a file, and the entries that make them.
 #[derive(Default)]
@@ -28,7 +29,6 @@ impl<'t> FileTiles<'t> {
         lattices: &[LatticeTable],
         place: &Place,
         faults: &mut Faults,
-        findings: &mut Vec<Finding>,
     ) -> FileTiles<'t> {
         for (name, kind) in kinds {
             let at = place.key("kind").key(name).start;
@@ -39,7 +39,7 @@ impl<'t> FileTiles<'t> {
         let used: BTreeSet<&String> = singles.iter().filter_map(|tile| tile.kind.as_ref()).collect();
         let idle = kinds.keys().filter(|name| !used.contains(name));
         let is_idle = |name: &String| format!("kind \"{name}\" is declared but no tile uses it");
-        findings.extend(listed(idle, FindingSubject::Tiles, is_idle, "kinds"));
+        faults.findings.extend(listed(idle, FindingSubject::Tiles, is_idle, "kinds"));
         if singles.is_empty() && lattices.is_empty() {
             faults.add_to_layout("has no tiles: add at least one [[tile]] or [[lattice]]");
         }
@@ -56,7 +56,7 @@ impl<'t> FileTiles<'t> {
         }
         for (index, table) in lattices.iter().enumerate() {
             let start = place.key("lattice").item(index).start;
-            let name = table.name_or(index);
+            let name = table.name.clone().unwrap_or_else(|| format!("lattice-{}", index + 1));
             let mut faults = faults.at(start, format!("lattice \"{}\"", shown(&name)));
             check_name("name", &name, &mut faults);
             all.add(start, None, table.resolve(&name, &mut room, &mut faults));

@@ -22,7 +22,7 @@ use crate::tile::room::Room;
 pub(crate) struct LatticeTable {
     /// First part of the names of its tiles, as in NAME-x2-y1. Default: lattice-1, lattice-2 and so
     /// on, numbered in the order of the file.
-    name: Option<String>,
+    pub(crate) name: Option<String>,
     /// Lower corner, in mm.
     #[schemars(extend("example" = "[-10.0, -10.0, 0.0]"))]
     start_mm: [f64; 3],
@@ -57,11 +57,6 @@ struct LatticeSection {
 }
 
 impl LatticeTable {
-    /// Its name, or the default one.
-    pub(crate) fn name_or(&self, index: usize) -> String {
-        self.name.clone().unwrap_or_else(|| format!("lattice-{}", index + 1))
-    }
-
     /// The tiles of a lattice, or `None` after adding its faults.
     pub(crate) fn resolve(&self, name: &str, room: &mut Room, faults: &mut TableFaults) -> Option<Vec<NamedTile>> {
         let (sections_x, sections_y) = (&self.x, self.y.as_ref().unwrap_or(&self.x));

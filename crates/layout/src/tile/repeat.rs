@@ -2,12 +2,57 @@
 
 use glam::DVec3;
 use magsplice_magnet::Axis;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::faults::TableFaults;
 use crate::layout::NamedTile;
 use crate::tile::checked_tile;
 use crate::tile::room::Room;
-use crate::tile::{GridTable, MirrorTable, Reflection};
+
+/// Copies of a tile on a regular grid that begins at the tile's position.
+#[derive(Deserialize, JsonSchema, Serialize)]
+#[schemars(extend("example" = "{ count = [4, 4, 1], pitch_mm = [5.0, 5.0, 0.0] }"))]
+pub(crate) struct GridTable {
+    /// Number of copies along x, y, z, the tile itself included.
+    #[schemars(extend("example" = "[4, 4, 1]"))]
+    count: [usize; 3],
+    /// Distance between neighbouring copies along x, y, z, in mm.
+    #[schemars(extend("example" = "[5.0, 5.0, 0.0]"))]
+    pitch_mm: [f64; 3],
+    /// Axes along which the polarization of every other copy is reversed.
+    #[serde(default)]
+    alternate: Vec<Axis>,
+}
+
+/// Mirror images of a tile and its copies.
+#[derive(Default, Deserialize, JsonSchema, Serialize)]
+#[schemars(extend("example" = "{ axes = [\"x\"] }"))]
+pub(crate) struct MirrorTable {
+    /// Axes normal to the mirrors, which are applied one after the other.
+    #[schemars(extend("example" = "[\"x\"]"))]
+    pub(crate) axes: Vec<Axis>,
+    /// A point on the mirrors, in mm. Default: the origin.
+    #[serde(default)]
+    #[schemars(extend("example" = "[0.0, 0.0, 0.0]"))]
+    pub(crate) at_mm: [f64; 3],
+    /// How the polarization is mirrored. Default: reflect.
+    #[serde(default)]
+    pub(crate) polarization: Reflection,
+}
+
+#[derive(Clone, Copy, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Reflection {
+    /// Like an arrow drawn on the tile: the component normal to the mirror changes sign.
+    #[default]
+    Reflect,
+    /// Like a magnetization, which is a pseudovector: the components in the mirror plane change
+    /// sign.
+    Axial,
+    /// Not changed.
+    Keep,
+}
 
 /// The tile, its copies on the grid, and the mirror images of all of them. `None` after adding a
 /// fault.

@@ -1,18 +1,96 @@
 //! One `[[tile]]` before it is repeated, and `[kind.NAME]`.
 
+// Descriptions of the JSON Schema, which are no links, write tables in brackets.
+#![allow(rustdoc::broken_intra_doc_links)]
+
 use std::collections::BTreeMap;
 
 use glam::DVec3;
 use magsplice_magnet::Tile;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::faults::TableFaults;
 use crate::layout::NamedTile;
 use crate::limits::MAX_LISTED;
+use crate::material::RecoilPermeability;
 use crate::names::shown;
 use crate::plausible::{check_polarization, check_strength};
+use crate::rotation::RotationTable;
 use crate::tile::checked_tile;
-use crate::tile::{KindTable, TileTable};
+use crate::tile::repeat::{GridTable, MirrorTable};
 use crate::units::{direction_from_degrees, unit_vector};
+
+/// The properties that tiles of one kind have in common.
+#[derive(Deserialize, JsonSchema, Serialize)]
+pub(crate) struct KindTable {
+    /// Full side lengths along the tile's own axes, in mm.
+    #[schemars(extend("example" = "[3.3, 1.7, 1.0]"))]
+    size_mm: [f64; 3],
+    /// Magnitude of the polarization, in T. Each tile gives its direction.
+    strength_t: Option<f64>,
+    /// Polarization J = mu0 M in the tile's own frame, in T.
+    #[schemars(extend("example" = "[0.12, 0.0, 0.0]"))]
+    polarization_t: Option<[f64; 3]>,
+    /// Relative recoil permeability. Default: that of [material].
+    recoil_permeability: Option<RecoilPermeability>,
+}
+
+/// A tile, single or repeated. Its polarization is given once: as polarization_t, as strength_t and
+/// direction, or by its kind.
+#[derive(Default, Deserialize, JsonSchema, Serialize)]
+pub(crate) struct TileTable {
+    /// Unique name. Default: tile-1, tile-2 and so on, numbered in the order of the file.
+    pub(crate) name: Option<String>,
+    /// Name of the kind that gives the size.
+    pub(crate) kind: Option<String>,
+    /// Centre, in mm.
+    #[schemars(extend("example" = "[0.0, 0.0, 0.5]"))]
+    position_mm: [f64; 3],
+    /// Full side lengths along the tile's own axes, in mm. Required unless a kind gives them.
+    #[schemars(extend("example" = "[3.3, 1.7, 1.0]"))]
+    size_mm: Option<[f64; 3]>,
+    /// Polarization J = mu0 M in the tile's own frame, in T. Or give its magnitude as strength_t,
+    /// with a direction.
+    #[schemars(extend("example" = "[0.12, 0.0, 0.0]"))]
+    polarization_t: Option<[f64; 3]>,
+    /// Magnitude of the polarization, in T. Needs a direction.
+    #[schemars(extend("example" = "0.12"))]
+    strength_t: Option<f64>,
+    /// Direction of the polarization in the tile's own frame, a vector of any length but zero.
+    #[schemars(extend("example" = "[1.0, 1.0, 0.0]"))]
+    direction: Option<[f64; 3]>,
+    /// Angle of the polarization in the tile's own xy plane, from x towards y, in degrees. Goes
+    /// with strength_t, instead of direction.
+    pub(crate) direction_deg: Option<f64>,
+    /// Angle of the polarization out of the tile's own xy plane towards z, in degrees. Goes with
+    /// direction_deg. Default: 0.
+    pub(crate) tilt_deg: Option<f64>,
+    /// Relative recoil permeability. Default: that of its kind or of [material].
+    recoil_permeability: Option<RecoilPermeability>,
+    /// Rotation about the tile's centre, given once: as axis and angle_deg, as quaternion, as
+    /// euler_deg and order, or as matrix.
+    pub(crate) rotation: Option<RotationTable>,
+    /// Copies on a regular grid.
+    pub(crate) grid: Option<GridTable>,
+    /// Mirror images of the tile and of all its copies on the grid.
+    pub(crate) mirror: Option<MirrorTable>,
+}
+
+impl From<&NamedTile> for TileTable {
+    /// A tile without its kind, which writes its polarization in components.
+    fn from(named: &NamedTile) -> TileTable {
+        TileTable {
+            name: Some(named.name.clone()),
+            position_mm: named.tile.position().to_array(),
+            size_mm: Some(named.tile.size().to_array()),
+            polarization_t: Some(named.tile.polarization_t().to_array()),
+            recoil_permeability: named.permeability.map(Into::into),
+            rotation: named.rotation.map(Into::into),
+            ..TileTable::default()
+        }
+    }
+}
 
 impl KindTable {
     /// Checks a kind by itself, so that its faults are not repeated for every tile that names it.
@@ -43,7 +121,7 @@ pub(crate) fn resolve(
     };
     let size = size(table, kind, faults);
     let polarization = polarization(table, kind, faults).unwrap_or(DVec3::ZERO);
-    let rotation = table.rotation.as_ref().map(|table| table.resolve(faults));
+    let rotation = table.rotation.as_ref().and_then(|table| table.resolve(faults));
     // The size of a kind has been checked with the kind.
     let own_size = if table.size_mm.is_some() { size? } else { [1.0; 3] };
     checked_tile(table.position_mm.into(), own_size.into(), polarization, faults)?;
@@ -52,10 +130,6 @@ pub(crate) fn resolve(
         return None;
     }
     let mut tile = Tile::new(table.position_mm.into(), size?.into(), polarization).ok()?;
-    let rotation = match rotation {
-        Some(rotation) => Some(rotation?),
-        None => None,
-    };
     if let Some(rotation) = rotation {
         tile = tile.rotated(rotation.quaternion()).ok()?;
     }

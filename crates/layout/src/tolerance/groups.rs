@@ -6,12 +6,11 @@ use magsplice_magnet::Axis;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::faults::{Faults, TableFaults};
+use crate::faults::TableFaults;
 use crate::limits::{MAX_GROUP_MEMBERS, MAX_NAME_BYTES};
 use crate::names::{check_name, shown};
-use crate::places::Place;
 use crate::tolerance::selection::Selection;
-use crate::tolerance::tabulated::{ErrorTable, Tabulated};
+use crate::tolerance::tabulated::ErrorTables;
 use crate::tolerance::tile_errors::{ErrorKeys, replace};
 use crate::tolerance::written::too_many_values;
 use crate::tolerance::{ErrorGroup, TileErrors};
@@ -54,36 +53,29 @@ const ROW_ROUNDING_MM: f64 = 1e-6;
 type NamedGroup = (String, Vec<usize>);
 
 /// The groups of all tables. Faults are added.
-pub(crate) fn resolve(
-    tables: &[GroupTable],
-    place: &Place,
-    selection: &mut Selection,
-    tabulated: &mut Tabulated,
-    faults: &mut Faults,
-) -> Vec<ErrorGroup> {
-    let mut groups: Vec<ErrorGroup> = Vec::new();
+pub(crate) fn resolve(groups: Vec<GroupTable>, selection: &mut Selection, tables: &mut ErrorTables) -> Vec<ErrorGroup> {
+    let mut found: Vec<ErrorGroup> = Vec::new();
     let mut names: BTreeSet<String> = BTreeSet::new();
     let mut members = 0;
-    for (index, table) in tables.iter().enumerate() {
+    for (index, mut table) in groups.into_iter().enumerate() {
         let name = table.name.clone().unwrap_or_else(|| format!("group-{}", index + 1));
-        let faults = faults.at(place.item(index).start, format!("tolerance.group \"{}\"", shown(&name)));
-        let mut at = ErrorTable { tabulated, faults };
+        let place = tables.place.key("group").item(index);
+        let mut at = tables.at(place, format!("tolerance.group \"{}\"", shown(&name)));
         check_name("name", &name, &mut at.faults);
-        let chosen = chosen(table, selection, &mut at.faults);
+        let chosen = chosen(&table, selection, &mut at.faults);
         let mut errors = TileErrors::default();
-        let shortest = selection.shortest_side(chosen.iter().copied());
-        replace(&table.errors.resolve_some(shortest, &mut at), &mut errors);
+        replace(&table.errors.read_some(selection.shortest_side(&chosen), &mut at), &mut errors);
         let is_divided = table.rows_along.is_some() || table.each.is_some();
-        let parts = parts(table, name, chosen, selection);
+        let parts = parts(&table, name, chosen, selection);
         members += parts.iter().map(|(_, tiles)| tiles.len()).sum::<usize>();
         if members > MAX_GROUP_MEMBERS {
             at.faults.add(format!("makes {members} tiles in all groups, must be at most {MAX_GROUP_MEMBERS}"));
-            return groups;
+            break;
         }
         if parts.len() > 1 && !at.tabulated.count(errors.values(), parts.len() - 1) {
             at.faults.add(too_many_values("this group"));
         }
-        // The names of rows and kinds, of which one is told. That of the table has been checked.
+        // One of the names of rows and kinds. That of the table has been checked.
         let is_long = |(name, _): &&NamedGroup| name.len() > MAX_NAME_BYTES;
         if is_divided && let Some((name, _)) = parts.iter().find(is_long) {
             check_name("name", name, &mut at.faults);
@@ -92,10 +84,10 @@ pub(crate) fn resolve(
             if !names.insert(name.clone()) {
                 at.faults.add(format!("several groups are named \"{}\", names must be unique", shown(&name)));
             }
-            groups.push(ErrorGroup { name, tiles, errors: errors.clone() });
+            found.push(ErrorGroup { name, tiles, errors: errors.clone() });
         }
     }
-    groups
+    found
 }
 
 /// The tiles of all groups of a table, in ascending order.
@@ -124,10 +116,10 @@ fn chosen(table: &GroupTable, selection: &mut Selection, faults: &mut TableFault
         faults.add("gives both rows_along and each, must give only one of them");
     } else if chosen.is_empty() && has_named_none {
         faults.add("has no tiles, must have at least one");
-    } else if chosen.is_empty() && table.kinds.is_some() && faults.count() == faults_before && selection.is_complete() {
+    } else if chosen.is_empty() && table.kinds.is_some() && faults.count() == faults_before && selection.is_complete {
         faults.add("has no tiles: no tile is of these kinds");
     } else if table.each.is_some()
-        && selection.is_complete()
+        && selection.is_complete
         && let Some(&without) = chosen.iter().find(|&&index| selection.tiles[index].kind.is_none())
         && (table.tiles.is_some() || chosen.iter().all(|&index| selection.tiles[index].kind.is_none()))
     {

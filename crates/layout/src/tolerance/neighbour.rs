@@ -46,17 +46,14 @@ impl NeighbourTable {
         });
         faults.point("position_mm", position_mm);
         let rotation = self.rotation.as_ref().and_then(|table| table.resolve(faults));
+        let layout = shown(&self.layout);
         let named = match read(&self.layout) {
             Ok(named) if named.len() > MAX_TOLERANCE_TILES => {
-                let (count, layout) = (named.len(), shown(&self.layout));
-                return faults.refuse(format!(
-                    "layout = \"{layout}\" has {count} tiles, must have at most {MAX_TOLERANCE_TILES}"
-                ));
+                let rule = format_args!("must have at most {MAX_TOLERANCE_TILES}");
+                return faults.refuse(format!("layout = \"{layout}\" has {} tiles, {rule}", named.len()));
             }
             Ok(named) => named,
-            Err(why) => {
-                return faults.refuse(format!("layout = \"{}\": {why}", shown(&self.layout)));
-            }
+            Err(why) => return faults.refuse(format!("layout = \"{layout}\": {why}")),
         };
         if faults.count() > before {
             return None;
@@ -64,15 +61,11 @@ impl NeighbourTable {
         let turn = rotation.map(|rotation| rotation.quaternion());
         let mut tiles = Vec::with_capacity(named.len());
         for NamedTile { name, tile, .. } in &named {
-            match placed(tile, position_mm.into(), turn) {
-                Some(tile) => tiles.push(tile),
-                None => {
-                    let name = shown(name);
-                    return faults.refuse(format!(
-                        "its tile \"{name}\" would be too far away, must be within {MAX_LENGTH:e} mm"
-                    ));
-                }
-            }
+            let rule = format_args!("would be too far away, must be within {MAX_LENGTH:e} mm");
+            let Some(tile) = placed(tile, position_mm.into(), turn) else {
+                return faults.refuse(format!("its tile \"{}\" {rule}", shown(name)));
+            };
+            tiles.push(tile);
         }
         let (layout, later) = (self.layout.clone(), self.when == When::After);
         Some(Neighbour { tiles, layout, position_mm, rotation, later })
@@ -92,10 +85,9 @@ impl From<&Neighbour> for NeighbourTable {
 
 /// A tile of the neighbour at its place beside the film.
 fn placed(tile: &Tile, position_mm: DVec3, turn: Option<DQuat>) -> Option<Tile> {
-    let Some(turn) = turn else {
-        let moved = Tile::new(tile.position() + position_mm, tile.size(), tile.polarization_t()).ok()?;
-        return moved.rotated(tile.rotation()).ok();
+    let (centre, rotation) = match turn {
+        Some(turn) => (turn * tile.position(), (turn * tile.rotation()).normalize()),
+        None => (tile.position(), tile.rotation()),
     };
-    let moved = Tile::new(turn * tile.position() + position_mm, tile.size(), tile.polarization_t()).ok()?;
-    moved.rotated((turn * tile.rotation()).normalize()).ok()
+    Tile::new(centre + position_mm, tile.size(), tile.polarization_t()).ok()?.rotated(rotation).ok()
 }

@@ -2,12 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use strsim::jaro_winkler;
-
 use crate::faults::TableFaults;
 use crate::layout::NamedTile;
 use crate::limits::{MAX_LISTED, MAX_NAME_TRIALS};
-use crate::names::shown;
+use crate::names::{did_you_mean, shown};
 
 /// Names among which the one that was probably meant is searched: comparing names takes long.
 const COMPARED_NAMES: usize = 2000;
@@ -16,12 +14,13 @@ const COMPARED_NAMES: usize = 2000;
 pub(crate) struct Selection<'t> {
     pub(crate) tiles: &'t [NamedTile],
     by_name: HashMap<&'t str, usize>,
-    by_kind: BTreeMap<&'t str, Vec<usize>>,
+    /// Kinds that tiles have, with the indices of these in ascending order.
+    pub(crate) by_kind: BTreeMap<&'t str, Vec<usize>>,
     /// Names of declared kinds, also of those without tiles.
     kinds: BTreeSet<&'t str>,
     /// Whether all tiles of the file are there. If some are missing because of other faults, names
     /// that do not exist are no faults.
-    is_complete: bool,
+    pub(crate) is_complete: bool,
     /// Comparisons of names that are left.
     trials_left: usize,
 }
@@ -48,11 +47,6 @@ impl<'t> Selection<'t> {
         }
     }
 
-    /// Kinds that tiles have, with the indices of these in ascending order.
-    pub(crate) fn by_kind(&self) -> &BTreeMap<&'t str, Vec<usize>> {
-        &self.by_kind
-    }
-
     /// The indices of tiles with these names, in the order of the names. An asterisk stands for any
     /// letters, unless a tile has exactly this name. Faults of names are added.
     pub(crate) fn of_names(&mut self, key: &str, names: &[String], faults: &mut TableFaults) -> Vec<usize> {
@@ -74,8 +68,7 @@ impl<'t> Selection<'t> {
             }
             if found.len() == before && self.is_complete {
                 let rule = if name.contains('*') { "no tile has a name like this" } else { "no tile has this name" };
-                let meant = self.tiles.iter().take(COMPARED_NAMES).map(|tile| tile.name.as_str());
-                let meant = did_you_mean(name, meant, faults);
+                let meant = meant(name, self.tiles.iter().map(|tile| tile.name.as_str()), faults);
                 faults.add(format!("{key} names \"{}\", {rule}{meant}", shown(name)));
             }
         }
@@ -100,35 +93,24 @@ impl<'t> Selection<'t> {
     pub(crate) fn check_kind(&self, key: &str, kind: &str, faults: &mut TableFaults) -> bool {
         let is_known = self.kinds.contains(kind);
         if !is_known {
-            let meant = did_you_mean(kind, self.kinds.iter().take(COMPARED_NAMES).copied(), faults);
+            let meant = meant(kind, self.kinds.iter().copied(), faults);
             faults.add(format!("{key} names \"{}\", no kind has this name{meant}", shown(kind)));
         }
         is_known
     }
 
-    /// Whether all tiles of the file are there.
-    pub(crate) fn is_complete(&self) -> bool {
-        self.is_complete
-    }
-
     /// The shortest side of these tiles in mm, with its tile.
-    pub(crate) fn shortest_side(&self, tiles: impl IntoIterator<Item = usize>) -> Option<(f64, &'t str)> {
-        let sides = tiles.into_iter().map(|index| {
-            let named = &self.tiles[index];
-            (named.tile.size().min_element(), named.name.as_str())
-        });
+    pub(crate) fn shortest_side<'i>(&self, tiles: impl IntoIterator<Item = &'i usize>) -> Option<(f64, &'t str)> {
+        let named = tiles.into_iter().map(|index| &self.tiles[*index]);
+        let sides = named.map(|named| (named.tile.size().min_element(), named.name.as_str()));
         sides.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
 
 /// The known name most like an unknown one, as a question. Not searched for faults that are not
 /// listed.
-fn did_you_mean<'n>(unknown: &str, known: impl Iterator<Item = &'n str>, faults: &TableFaults) -> String {
-    if faults.count() >= MAX_LISTED {
-        return String::new();
-    }
-    let nearest = known.map(|name| (jaro_winkler(unknown, name), name)).max_by(|a, b| a.0.total_cmp(&b.0));
-    nearest.map_or(String::new(), |(_, name)| format!(" (did you mean \"{}\"?)", shown(name)))
+fn meant<'n>(unknown: &str, known: impl Iterator<Item = &'n str>, faults: &TableFaults) -> String {
+    if faults.count() < MAX_LISTED { did_you_mean(unknown, known.take(COMPARED_NAMES)) } else { String::new() }
 }
 
 /// Whether a name is like a pattern, in which asterisks stand for any letters.

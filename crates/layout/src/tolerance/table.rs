@@ -20,9 +20,9 @@ use crate::tolerance::groups::{self, GroupTable};
 use crate::tolerance::neighbour::NeighbourTable;
 use crate::tolerance::presets::Preset;
 use crate::tolerance::selection::Selection;
-use crate::tolerance::tabulated::{ErrorTable, Tabulated};
-use crate::tolerance::tile_errors::{ErrorKeys, replace};
-use crate::tolerance::{CommonErrors, ErrorGroup, FilmTolerance, TileErrors};
+use crate::tolerance::tabulated::{ErrorTables, Tabulated};
+use crate::tolerance::tile_errors::{ErrorKeys, GivenErrors, replace};
+use crate::tolerance::{CommonErrors, ErrorGroup, FilmPose, FilmTolerance, SensorErrors, TileErrors};
 
 /// The errors of the films that are made from the layout. A plain number is the standard deviation
 /// of normal errors of mean 0; a table gives another distribution. Errors of different tiles, axes
@@ -88,116 +88,69 @@ pub(crate) struct WholeLayout<'t> {
 impl ToleranceTable {
     /// The errors of films, or `None` after adding faults. Paths are relative to `folder`.
     pub(crate) fn resolve(
-        &self,
+        mut self,
         layout: WholeLayout,
         folder: &Path,
         read_neighbour: ReadTiles,
         place: &Place,
         faults: &mut Faults,
-        findings: &mut Vec<Finding>,
     ) -> Option<FilmTolerance> {
         let WholeLayout { tiles, kinds, strength_per_k, is_complete, present } = layout;
-        let before = faults.count();
-        if tiles.len() > MAX_TOLERANCE_TILES {
-            let count = tiles.len();
-            faults
-                .at(place.start, "tolerance")
-                .add(format!("the layout has {count} tiles, must have at most {MAX_TOLERANCE_TILES} with [tolerance]"));
-            return None;
+        let (before, count) = (faults.count(), tiles.len());
+        let mut own = faults.at(place.start, "tolerance");
+        if count > MAX_TOLERANCE_TILES {
+            let rule = format_args!("must have at most {MAX_TOLERANCE_TILES} with [tolerance]");
+            return own.refuse(format!("the layout has {count} tiles, {rule}"));
         }
         let defaults = FilmTolerance::default();
         let samples = self.samples.unwrap_or(defaults.samples);
-        faults.at(place.start, "tolerance").sample_count(samples);
-        let mut tabulated = Tabulated::new(folder.to_owned());
+        own.sample_count(samples);
+        let mut tables = ErrorTables { place, tabulated: Tabulated::new(folder.to_owned()), faults };
         let mut selection = Selection::new(tiles, kinds.into_iter(), is_complete);
-        let of_tiles = self.tile_errors(place, &mut selection, &mut tabulated, faults);
-        let groups = groups::resolve(&self.group, place.key("group"), &mut selection, &mut tabulated, faults);
-        let common = self.common_errors(tiles, strength_per_k, read_neighbour, place, &mut tabulated, faults, findings);
+        let of_tiles = self.tile_errors(&mut selection, &mut tables);
+        let groups = groups::resolve(self.group, &mut selection, &mut tables);
+        let film = self.film.map(|film| film.resolve(longest_side(tiles), &mut tables.key("film")));
+        let stray_field = self.stray_field.map(|field| field.resolve(&mut tables.key("stray_field")));
+        let temperature = self.temperature.map(|change| change.resolve(strength_per_k, &mut tables.key("temperature")));
+        let sensor = self.sensor.map(|sensor| sensor.resolve(&mut tables.key("sensor")));
+        let mut neighbour_faults = tables.key("neighbour").faults;
+        let neighbour = self.neighbour.and_then(|film| film.resolve(read_neighbour, &mut neighbour_faults));
         if faults.count() > before {
             return None;
         }
+        let (film, sensor) = (film.unwrap_or_default(), sensor.unwrap_or_default());
+        let common = CommonErrors { film, stray_field, neighbour, temperature, sensor };
         let seed = self.seed.unwrap_or(defaults.seed);
         let found = FilmTolerance { tiles: of_tiles, groups, common, samples, seed };
-        remark(&found, present, findings);
+        remark(&found, present, faults);
         Some(found)
     }
 
     /// The errors of each tile, or nothing if no tile has errors. Faults are added.
-    fn tile_errors(
-        &self,
-        place: &Place,
-        selection: &mut Selection,
-        tabulated: &mut Tabulated,
-        faults: &mut Faults,
-    ) -> Vec<TileErrors> {
-        let count = selection.tiles.len();
-        let mut base = self.preset.map_or_else(TileErrors::default, Preset::errors);
-        let shortest = selection.shortest_side(0..count);
-        let mut at = ErrorTable { tabulated, faults: faults.at(place.start, "tolerance") };
-        let given = self.errors.resolve(shortest, &mut at);
-        replace(&given, &mut base);
-        let mut tiles = vec![base; count];
-        for (kind, errors) in &self.kind {
-            let start = place.key("kind").key(kind).start;
-            let faults = faults.at(start, format!("tolerance.kind \"{}\"", shown(kind)));
-            let mut at = ErrorTable { tabulated, faults };
-            selection.check_kind("[tolerance.kind]", kind, &mut at.faults);
-            let chosen = selection.by_kind().get(kind.as_str()).map_or(&[][..], Vec::as_slice);
-            let shortest = selection.shortest_side(chosen.iter().copied());
-            let given = errors.resolve_some(shortest, &mut at);
+    fn tile_errors(&mut self, selection: &mut Selection, tables: &mut ErrorTables) -> Vec<TileErrors> {
+        let all: Vec<usize> = (0..selection.tiles.len()).collect();
+        let mut tiles = vec![self.preset.map_or_else(TileErrors::default, Preset::errors); all.len()];
+        let mut set = |chosen: &[usize], given: GivenErrors| {
             chosen.iter().for_each(|&index| replace(&given, &mut tiles[index]));
+        };
+        let (place, mut at) = (tables.place, tables.at(tables.place, "tolerance"));
+        set(&all, self.errors.read(selection.shortest_side(&all), &mut at));
+        for (kind, errors) in &mut self.kind {
+            let mut at = tables.at(place.key("kind").key(kind), format!("tolerance.kind \"{}\"", shown(kind)));
+            selection.check_kind("[tolerance.kind]", kind, &mut at.faults);
+            let chosen = selection.by_kind.get(kind.as_str()).map_or(&[][..], Vec::as_slice);
+            set(chosen, errors.read_some(selection.shortest_side(chosen), &mut at));
         }
-        for (index, entry) in self.tile.iter().enumerate() {
-            let faults = faults.at(place.key("tile").item(index).start, "tolerance.tile");
-            let mut at = ErrorTable { tabulated, faults };
+        for (index, entry) in self.tile.iter_mut().enumerate() {
+            let mut at = tables.at(place.key("tile").item(index), "tolerance.tile");
             let chosen = selection.of_names("tiles", &entry.tiles, &mut at.faults);
             if entry.tiles.is_empty() {
                 at.faults.add("tiles is empty, must name at least one tile");
             }
-            let shortest = selection.shortest_side(chosen.iter().copied());
-            let given = entry.errors.resolve_some(shortest, &mut at);
-            chosen.into_iter().for_each(|index| replace(&given, &mut tiles[index]));
+            set(&chosen, entry.errors.read_some(selection.shortest_side(&chosen), &mut at));
         }
         let has_errors = |errors: &TileErrors| errors.values().any(|error| !error.is_none());
         if tiles.iter().any(has_errors) { tiles } else { Vec::new() }
-    }
-
-    /// The errors of all tables but those of tiles. Faults are added.
-    #[expect(clippy::too_many_arguments, reason = "what the tables refer to")]
-    fn common_errors(
-        &self,
-        tiles: &[NamedTile],
-        strength_per_k: Option<f64>,
-        read_neighbour: ReadTiles,
-        place: &Place,
-        tabulated: &mut Tabulated,
-        faults: &mut Faults,
-        findings: &mut Vec<Finding>,
-    ) -> CommonErrors {
-        let mut common = CommonErrors::default();
-        if let Some(film) = &self.film {
-            common.film =
-                film.resolve(longest_side(tiles), &mut ErrorTable::at("film", place, tabulated, faults), findings);
-        }
-        if let Some(field) = &self.stray_field {
-            common.stray_field =
-                Some(field.resolve(&mut ErrorTable::at("stray_field", place, tabulated, faults), findings));
-        }
-        if let Some(change) = &self.temperature {
-            common.temperature = Some(change.resolve(
-                strength_per_k,
-                &mut ErrorTable::at("temperature", place, tabulated, faults),
-                findings,
-            ));
-        }
-        if let Some(sensor) = &self.sensor {
-            common.sensor = sensor.resolve(&mut ErrorTable::at("sensor", place, tabulated, faults), findings);
-        }
-        if let Some(neighbour) = &self.neighbour {
-            common.neighbour =
-                neighbour.resolve(read_neighbour, &mut ErrorTable::at("neighbour", place, tabulated, faults).faults);
-        }
-        common
     }
 
     /// The table of tolerances. `names` are those of the tiles, in the order of the errors.
@@ -210,11 +163,11 @@ impl ToleranceTable {
             errors,
             samples: Some(*samples),
             seed: Some(*seed),
-            film: FilmTable::some(&common.film),
+            film: (common.film != FilmPose::default()).then(|| (&common.film).into()),
             stray_field: common.stray_field.as_ref().map(Into::into),
             neighbour: common.neighbour.as_ref().map(Into::into),
             temperature: common.temperature.as_ref().map(Into::into),
-            sensor: SensorTable::some(&common.sensor),
+            sensor: (common.sensor != SensorErrors::default()).then(|| (&common.sensor).into()),
             kind: BTreeMap::new(),
             tile: others.into_iter().map(|(tiles, errors)| TileErrorsTable { tiles: named(&tiles), errors }).collect(),
             group: groups.iter().map(|group| GroupTable::of(group, named(&group.tiles))).collect(),
@@ -234,18 +187,15 @@ fn longest_side(tiles: &[NamedTile]) -> Option<f64> {
 }
 
 /// Findings about tolerances without effect, and about those that nothing evaluates.
-fn remark(found: &FilmTolerance, present: TablesPresent, findings: &mut Vec<Finding>) {
-    let mut add = |message: String| findings.push(Finding::new(FindingSubject::Tolerance, message));
+fn remark(found: &FilmTolerance, present: TablesPresent, faults: &mut Faults) {
+    let mut add = |message: String| faults.findings.push(Finding::new(FindingSubject::Tolerance, message));
     if found.tiles.is_empty() && found.groups.is_empty() && found.common == CommonErrors::default() {
         add("tolerance: states no errors, so that every film is as in the layout: give a preset, such as \"workshop\", \
              or errors"
             .to_owned());
     }
-    let missing: Vec<&str> = [("[ideal]", present.ideal), ("[volume]", present.volume)]
-        .into_iter()
-        .filter(|(_, is_there)| !is_there)
-        .map(|(table, _)| table)
-        .collect();
+    let needed = [("[ideal]", present.ideal), ("[volume]", present.volume)];
+    let missing: Vec<&str> = needed.into_iter().filter(|(_, is_there)| !is_there).map(|(table, _)| table).collect();
     if !missing.is_empty() {
         add(format!(
             "tolerance: its effect is evaluated only beside {}, which the layout does not have",
@@ -255,5 +205,5 @@ fn remark(found: &FilmTolerance, present: TablesPresent, findings: &mut Vec<Find
     let idle = found.groups.iter().filter(|group| group.errors.values().all(Distribution::is_none));
     let is_idle =
         |group: &ErrorGroup| format!("tolerance.group \"{}\": all errors are 0, so that it has no effect", group.name);
-    findings.extend(listed(idle, FindingSubject::Tolerance, is_idle, "groups"));
+    faults.findings.extend(listed(idle, FindingSubject::Tolerance, is_idle, "groups"));
 }

@@ -1,37 +1,53 @@
 //! Tabulated distributions: measured errors in a CSV file or in the layout.
 
 use std::collections::HashMap;
+use std::fmt::Display;
 use std::path::PathBuf;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
-use strsim::jaro_winkler;
 
 use crate::error_unit::ErrorUnit;
 use crate::faults::{Faults, TableFaults};
 use crate::files::regular_bytes;
+use crate::finding::FindingSubject;
 use crate::limits::{MAX_FILE_BYTES, MAX_LISTED, MAX_TABULATED, MAX_TABULATED_IN_ALL};
-use crate::names::shown;
+use crate::names::{did_you_mean, shown};
 use crate::places::Place;
 use crate::tolerance::distribution::Distribution;
 
 /// A file with its column and unit.
 type ColumnKey = (String, Option<String>, ErrorUnit);
 
+/// The tables of `[tolerance]`, with their measured errors.
+pub(crate) struct ErrorTables<'f, 't> {
+    pub(crate) place: &'f Place,
+    pub(crate) tabulated: Tabulated,
+    pub(crate) faults: &'f mut Faults<'t>,
+}
+
 /// One table of errors: its faults, and the measured errors of the layout.
-pub(crate) struct ErrorTable<'r, 'f, 't> {
-    pub(crate) tabulated: &'r mut Tabulated,
+pub(crate) struct ErrorTable<'f, 't> {
+    pub(crate) tabulated: &'f mut Tabulated,
     pub(crate) faults: TableFaults<'f, 't>,
 }
 
-impl<'r, 'f, 't> ErrorTable<'r, 'f, 't> {
-    /// The table of this key in `[tolerance]`, which has its place.
-    pub(crate) fn at(
-        key: &str,
-        tolerance: &Place,
-        tabulated: &'r mut Tabulated,
-        faults: &'f mut Faults<'t>,
-    ) -> ErrorTable<'r, 'f, 't> {
-        ErrorTable { tabulated, faults: faults.at(tolerance.key(key).start, format!("tolerance.{key}")) }
+impl<'t> ErrorTables<'_, 't> {
+    /// The table at this place.
+    pub(crate) fn at(&mut self, place: &Place, name: impl Into<String>) -> ErrorTable<'_, 't> {
+        ErrorTable { tabulated: &mut self.tabulated, faults: self.faults.at(place.start, name) }
+    }
+
+    /// The table of a key in `[tolerance]`.
+    pub(crate) fn key(&mut self, key: &str) -> ErrorTable<'_, 't> {
+        self.at(self.place.key(key), format!("tolerance.{key}"))
+    }
+}
+
+impl ErrorTable<'_, '_> {
+    /// Adds a finding about the table, or about one of its keys.
+    pub(crate) fn remark(&mut self, about: impl Display) {
+        let message = format!("{}{about}", self.faults.place());
+        self.faults.remark(FindingSubject::Tolerance, message);
     }
 }
 
@@ -61,15 +77,10 @@ impl Tabulated {
         if let Some(known) = self.read.get(&key) {
             return known.clone();
         }
-        let found = self.read_column(file, column, unit).and_then(|values| distribution(values, unit));
+        let found = self.read_column(file, column, unit).and_then(|values| tabulated(values, unit));
         let found = found.map_err(|rule| format!("file \"{}\": {rule}", shown(file)));
         self.read.insert(key, found.clone());
         found
-    }
-
-    /// The distribution of values in the layout, or why there is none.
-    pub(crate) fn of_values(&self, values: &[f64], unit: ErrorUnit) -> Result<Distribution, String> {
-        distribution(values.to_vec(), unit)
     }
 
     /// Counts `times` uses of distributions. Returns whether the limit on all values is kept.
@@ -94,8 +105,8 @@ impl Tabulated {
     }
 }
 
-/// The distribution of values in the unit of the file.
-fn distribution(mut values: Vec<f64>, unit: ErrorUnit) -> Result<Distribution, String> {
+/// The distribution of values in the unit of the file, or why there is none.
+pub(crate) fn tabulated(mut values: Vec<f64>, unit: ErrorUnit) -> Result<Distribution, String> {
     if values.is_empty() {
         return Err("has no values".to_owned());
     }
@@ -140,9 +151,8 @@ fn column_values(text: &str, column: Option<&str>, unit: ErrorUnit) -> Result<Ve
             Some(place) => place,
             None => {
                 let header = record.iter().any(|field| field.parse::<f64>().is_err());
-                let place =
-                    chosen_column(&record, header, column, unit).map_err(|rule| format!("line {line}: {rule}"))?;
-                chosen = Some(place);
+                let found = chosen_column(&record, header, column, unit);
+                let place = *chosen.insert(found.map_err(|rule| format!("line {line}: {rule}"))?);
                 if header {
                     continue;
                 }
@@ -180,17 +190,10 @@ fn chosen_column(
         Some(name) if !is_header => {
             return Err(format!("has no header, which names the column \"{}\"", shown(name)));
         }
-        Some(name) => match first.iter().position(|field| field == name) {
-            Some(place) => place,
-            None => {
-                let near = first
-                    .iter()
-                    .take(MAX_LISTED)
-                    .max_by(|a, b| jaro_winkler(name, a).total_cmp(&jaro_winkler(name, b)));
-                let meant = near.map_or(String::new(), |near| format!(" (did you mean \"{}\"?)", shown(near)));
-                return Err(format!("has no column \"{}\"{meant}, its columns are {}", shown(name), names()));
-            }
-        },
+        Some(name) => first.iter().position(|field| field == name).ok_or_else(|| {
+            let meant = did_you_mean(name, first.iter().take(MAX_LISTED));
+            format!("has no column \"{}\"{meant}, its columns are {}", shown(name), names())
+        })?,
     };
     let name = first.get(place).unwrap_or_default();
     match ErrorUnit::of_column(name).filter(|stated| is_header && *stated != unit.words()) {

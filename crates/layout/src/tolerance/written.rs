@@ -9,14 +9,14 @@ use crate::error_unit::ErrorUnit;
 use crate::faults::TableFaults;
 use crate::limits::MAX_TABULATED_IN_ALL;
 use crate::tolerance::distribution::Distribution;
-use crate::tolerance::tabulated::ErrorTable;
+use crate::tolerance::tabulated::{ErrorTable, tabulated};
 
 /// Fraction of its standard deviation below which the limit of a truncated normal distribution
 /// makes it uniform, to 1e-4 of its density.
 const LEAST_LIMIT: f64 = 0.01;
 
 /// The distribution of an error: the standard deviation of normal errors, or a table.
-#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[derive(Deserialize, JsonSchema, Serialize)]
 #[serde(untagged)]
 #[schemars(rename = "Distribution")]
 pub(crate) enum WrittenDistribution {
@@ -28,7 +28,7 @@ pub(crate) enum WrittenDistribution {
 
 /// A distribution, given once: as normal, uniform, fixed, file or values. Numbers have the unit of
 /// the key.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
+#[derive(Default, Deserialize, JsonSchema, Serialize)]
 #[schemars(extend("example" = "{ uniform = 0.1 }"))]
 pub(crate) struct DistributionTable {
     /// Standard deviation of normal errors of mean 0.
@@ -47,24 +47,36 @@ pub(crate) struct DistributionTable {
     values: Option<Vec<f64>>,
 }
 
-/// One distribution for all of `N` components, or a list of one for each. Each component has errors
-/// of its own.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+/// One distribution for all components, or a list of one for each. Each component has errors of its
+/// own.
+#[derive(Deserialize, Serialize)]
 #[serde(untagged)]
-pub(crate) enum Components<const N: usize> {
+enum WrittenErrors {
     /// The same distribution for each component.
     Same(WrittenDistribution),
-    /// A list of `N` distributions, which the schema counts.
+    /// A list of distributions, which the schema counts.
     Each(Vec<WrittenDistribution>),
 }
 
+/// The errors of `N` components. Nothing if the key is not given.
+#[derive(Default, Deserialize, Serialize)]
+#[serde(transparent)]
+pub(crate) struct Components<const N: usize>(Option<WrittenErrors>);
+
 impl<const N: usize> JsonSchema for Components<N> {
+    fn inline_schema() -> bool {
+        N == 1
+    }
+
     fn schema_name() -> Cow<'static, str> {
         format!("{N}Distributions").into()
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let one = generator.subschema_for::<WrittenDistribution>();
+        if N == 1 {
+            return one;
+        }
         json_schema!({
             "description": format!("One distribution for all components, or a list of {N}."),
             "anyOf": [&one, { "type": "array", "items": &one, "minItems": N, "maxItems": N }],
@@ -72,30 +84,66 @@ impl<const N: usize> JsonSchema for Components<N> {
     }
 }
 
-impl<const N: usize> Components<N> {
-    /// The distributions of the components of a key. A component is none after adding its faults.
-    pub(crate) fn resolve(&self, key: &str, unit: ErrorUnit, at: &mut ErrorTable) -> [Distribution; N] {
-        match self {
-            Components::Same(one) => {
-                let one = one.resolve(key, unit, at);
-                std::array::from_fn(|_| one.clone())
+/// A key of a table of errors: its errors as they are written, and in memory.
+pub(crate) struct ErrorKey<'k> {
+    pub(crate) name: &'static str,
+    pub(crate) unit: ErrorUnit,
+    written: &'k mut Option<WrittenErrors>,
+    pub(crate) errors: &'k mut [Distribution],
+}
+
+impl<'k> ErrorKey<'k> {
+    /// The key of this name with errors of `N` components.
+    pub(crate) fn new<const N: usize>(
+        name: &'static str,
+        unit: ErrorUnit,
+        written: &'k mut Components<N>,
+        errors: &'k mut [Distribution],
+    ) -> ErrorKey<'k> {
+        ErrorKey { name, unit, written: &mut written.0, errors }
+    }
+
+    pub(crate) fn is_given(&self) -> bool {
+        self.written.is_some()
+    }
+
+    pub(crate) fn has_errors(&self) -> bool {
+        !self.errors.iter().all(Distribution::is_none)
+    }
+
+    /// Takes the errors from the table if it gives the key. An error is none after adding its
+    /// faults.
+    pub(crate) fn read(&mut self, at: &mut ErrorTable) {
+        match self.written {
+            None => {}
+            Some(WrittenErrors::Same(one)) => self.errors.fill(one.resolve(self.name, self.unit, at)),
+            Some(WrittenErrors::Each(all)) => {
+                for (i, (error, one)) in self.errors.iter_mut().zip(all).enumerate() {
+                    *error = one.resolve(&format!("{}[{i}]", self.name), self.unit, at);
+                }
             }
-            Components::Each(all) => std::array::from_fn(|i| all[i].resolve(&format!("{key}[{i}]"), unit, at)),
         }
     }
 
-    /// One distribution if all are the same.
-    pub(crate) fn of(errors: &[Distribution; N], unit: ErrorUnit) -> Components<N> {
-        let key = |error| DistributionKey::from(error);
-        if errors.iter().all(|error| key(error) == key(&errors[0])) {
-            return Components::Same(WrittenDistribution::of(&errors[0], unit));
-        }
-        Components::Each(errors.iter().map(|error| WrittenDistribution::of(error, unit)).collect())
+    /// Gives the key in the table: one distribution if all are the same.
+    pub(crate) fn write(self) {
+        let of = |error: &Distribution| WrittenDistribution::of(error, self.unit);
+        let are_same = self.errors.iter().all(|error| DistributionKey::from(error) == (&self.errors[0]).into());
+        *self.written = Some(match are_same {
+            true => WrittenErrors::Same(of(&self.errors[0])),
+            false => WrittenErrors::Each(self.errors.iter().map(of).collect()),
+        });
     }
 
-    /// Nothing if there are no errors.
-    pub(crate) fn some(errors: &[Distribution; N], unit: ErrorUnit) -> Option<Components<N>> {
-        (!errors.iter().all(Distribution::is_none)).then(|| Components::of(errors, unit))
+    /// The largest magnitude of each error with its key, once where one distribution is given for
+    /// all.
+    pub(crate) fn largest(&self) -> impl Iterator<Item = (String, f64)> {
+        let is_list = matches!(self.written, Some(WrittenErrors::Each(_)));
+        let count = if is_list { self.errors.len() } else { 1 };
+        self.errors.iter().take(count).enumerate().map(move |(i, error)| {
+            let place = if is_list { format!("[{i}]") } else { String::new() };
+            (format!("{}{place}", self.name), error.largest())
+        })
     }
 }
 
@@ -130,25 +178,20 @@ impl WrittenDistribution {
     }
 
     pub(crate) fn of(error: &Distribution, unit: ErrorUnit) -> WrittenDistribution {
-        let number = |value: f64| Some(unit.written(value));
+        let number = |value: &f64| Some(unit.written(*value));
         let table = DistributionTable::default();
         WrittenDistribution::Table(match error {
             Distribution::Fixed(0.0) => return WrittenDistribution::Deviation(0.0),
             Distribution::Normal { deviation } => return WrittenDistribution::Deviation(unit.written(*deviation)),
-            Distribution::Fixed(value) => DistributionTable { fixed: number(*value), ..table },
+            Distribution::Fixed(value) => DistributionTable { fixed: number(value), ..table },
             Distribution::Truncated { deviation, limit } => {
-                DistributionTable { normal: number(*deviation), within: number(*limit), ..table }
+                DistributionTable { normal: number(deviation), within: number(limit), ..table }
             }
-            Distribution::Uniform { half_width } => DistributionTable { uniform: number(*half_width), ..table },
+            Distribution::Uniform { half_width } => DistributionTable { uniform: number(half_width), ..table },
             Distribution::Tabulated(values) => {
-                DistributionTable { values: Some(values.iter().map(|value| unit.written(*value)).collect()), ..table }
+                DistributionTable { values: values.iter().map(number).collect(), ..table }
             }
         })
-    }
-
-    /// Nothing if there are no errors.
-    pub(crate) fn some(error: &Distribution, unit: ErrorUnit) -> Option<WrittenDistribution> {
-        (!error.is_none()).then(|| WrittenDistribution::of(error, unit))
     }
 }
 
@@ -199,7 +242,7 @@ impl DistributionTable {
                 found.map_err(|rule| at.faults.add(format!("{key}: {rule}"))).ok()
             }
             (.., Some(values)) => {
-                let found = at.tabulated.of_values(values, unit);
+                let found = tabulated(values.clone(), unit);
                 found.map_err(|rule| at.faults.add(format!("{key}.values: {rule}"))).ok()
             }
             _ => None,
