@@ -1,21 +1,21 @@
 //! Writing a layout compactly: kinds, mirror images, angles in degrees, one line for each tile.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
 use glam::DVec3;
-use magsplice_magnet::Tile;
+use magsplice_magnet::Axis;
 use serde::Serialize;
 
+use crate::faults::Faults;
 use crate::file::LayoutFile;
 use crate::layout::{Layout, NamedTile};
 use crate::limits::MAX_NAME_BYTES;
 use crate::material::RecoilPermeability;
 use crate::rotation::RotationTable;
+use crate::tile::repeat::{self, MirrorTable};
+use crate::tile::room::Room;
 use crate::units::{direction_from_degrees, ten_decimals};
-
-/// Largest number of letters that the suffixes of mirror images add to a name.
-const SUFFIXES: usize = "-mx-my".len();
 
 impl Layout {
     /// The layout as TOML for people: one line for each tile, without its mirror images at x = 0
@@ -40,8 +40,7 @@ impl Layout {
     /// # Ok::<(), magsplice_layout::LayoutError>(())
     /// ```
     pub fn to_compact_toml(&self) -> String {
-        let lines = lines(&self.tiles);
-        let names = written_names(&lines, self.tiles.len());
+        let (lines, names) = lines(&self.tiles);
         let file = self.without_tiles(&names.iter().map(String::as_str).collect::<Vec<_>>());
         let rest = file.to_toml();
         let LayoutFile { format, name, description, history, overlap_mm, .. } = file;
@@ -69,10 +68,7 @@ impl Layout {
 /// A tile and the axes along which it is mirrored.
 struct Line<'a> {
     named: &'a NamedTile,
-    index: usize,
-    axes: &'static [usize],
-    /// Indices of its images, in the order of [`suffixes`].
-    images: Vec<usize>,
+    axes: &'static [Axis],
     /// Strength and the angles in the plane and out of it, in degrees, if they give the
     /// polarization exactly.
     angles: Option<(f64, [f64; 2])>,
@@ -106,11 +102,9 @@ impl Line<'_> {
         if let Some(rotation) = rotation {
             keys.push(format!("rotation = {}", inline(&RotationTable::from(*rotation))));
         }
-        match self.axes {
-            [] => {}
-            [0] => keys.push("mirror = { axes = [\"x\"] }".to_owned()),
-            [1] => keys.push("mirror = { axes = [\"y\"] }".to_owned()),
-            _ => keys.push("mirror = { axes = [\"x\", \"y\"] }".to_owned()),
+        if !self.axes.is_empty() {
+            let axes: Vec<String> = self.axes.iter().map(|axis| format!("\"{axis}\"")).collect();
+            keys.push(format!("mirror = {{ axes = [{}] }}", axes.join(", ")));
         }
         keys.join(", ")
     }
@@ -128,27 +122,25 @@ fn inline(value: &impl Serialize) -> String {
     text
 }
 
-/// The tiles without those that are mirror images of others.
-fn lines(tiles: &[NamedTile]) -> Vec<Line<'_>> {
+/// The tiles without those that are mirror images of others, and the names of all tiles in the
+/// text.
+fn lines(tiles: &[NamedTile]) -> (Vec<Line<'_>>, Vec<String>) {
     let mut written = vec![false; tiles.len()];
     // By position, so that images are found without a search among all tiles.
     let mut by_x: Vec<usize> = (0..tiles.len()).collect();
     let x = |index: usize| tiles[index].tile.position().x;
     by_x.sort_by(|&a, &b| x(a).total_cmp(&x(b)));
-    let found = |image: &Tile| {
-        let at = image.position().x;
+    let found = |image: &NamedTile| {
+        let at = image.tile.position().x;
         let first = by_x.partition_point(|&index| x(index) < at);
-        by_x[first..].iter().copied().take_while(|&index| x(index) == at).find(|&index| tiles[index].tile == *image)
+        let beside = by_x[first..].iter().copied().take_while(|&index| x(index) == at);
+        beside.into_iter().find(|&index| tiles[index].tile == image.tile)
     };
-    let names: HashMap<&str, usize> =
-        tiles.iter().enumerate().map(|(index, named)| (named.name.as_str(), index)).collect();
+    let mut names: Vec<String> = tiles.iter().map(|named| named.name.clone()).collect();
+    let holders: HashMap<&str, usize> = tiles.iter().enumerate().map(|(i, named)| (named.name.as_str(), i)).collect();
     // Tiles at positive coordinates stand for their images.
     let mut order: Vec<usize> = (0..tiles.len()).collect();
-    let negative = |index: usize| {
-        let p = tiles[index].tile.position();
-        p.x < 0.0 || p.y < 0.0
-    };
-    order.sort_by_key(|&index| negative(index));
+    order.sort_by_key(|&index| tiles[index].tile.position().truncate().min_element() < 0.0);
     let mut lines = Vec::new();
     for index in order {
         if written[index] {
@@ -156,67 +148,39 @@ fn lines(tiles: &[NamedTile]) -> Vec<Line<'_>> {
         }
         written[index] = true;
         let named = &tiles[index];
-        let mut axes: &'static [usize] = &[];
-        let mut its_images = Vec::new();
-        for candidate in [&[0, 1][..], &[0], &[1]] {
-            let images =
-                images(&named.tile, candidate).into_iter().map(|image| found(&image?)).collect::<Option<Vec<_>>>();
-            let Some(images) = images else { continue };
-            let mut all = images.clone();
-            all.push(index);
-            all.sort_unstable();
-            all.dedup();
+        let mut axes: &'static [Axis] = &[];
+        for candidate in [&[Axis::X, Axis::Y][..], &[Axis::X], &[Axis::Y]] {
+            let images = images(named, candidate);
+            let Some(places) = images.iter().map(found).collect::<Option<Vec<usize>>>() else { continue };
             // An image takes its name from no other tile.
-            let is_free = |suffix: &&str| {
-                names.get(format!("{}{suffix}", named.name).as_str()).is_none_or(|holder| images.contains(holder))
+            let fits = |(image, place): (&NamedTile, &usize)| {
+                let holder = holders.get(image.name.as_str());
+                !written[*place]
+                    && tiles[*place].permeability == named.permeability
+                    && image.name.len() <= MAX_NAME_BYTES
+                    && holder.is_none_or(|holder| places.contains(holder))
             };
-            let is_alike = |&image: &usize| tiles[image].permeability == named.permeability;
-            let fits = images.iter().all(is_alike)
-                && named.name.len() + SUFFIXES <= MAX_NAME_BYTES
-                && suffixes(candidate).iter().all(is_free);
-            // Each image is a tile of its own that has not been written.
-            if named.rotation.is_none() && fits && all.len() == images.len() + 1 && images.iter().all(|&i| !written[i])
-            {
-                images.iter().for_each(|&image| written[image] = true);
-                (axes, its_images) = (candidate, images);
+            let differ = places.iter().collect::<HashSet<_>>().len() == places.len();
+            if named.rotation.is_none() && differ && !places.is_empty() && images.iter().zip(&places).all(fits) {
+                axes = candidate;
+                for (image, place) in images.into_iter().zip(places) {
+                    (written[place], names[place]) = (true, image.name);
+                }
                 break;
             }
         }
-        lines.push(Line { named, index, axes, images: its_images, angles: angles(named.tile.polarization_t()) });
+        lines.push(Line { named, axes, angles: angles(named.tile.polarization_t()) });
     }
-    lines
+    (lines, names)
 }
 
-/// The names that tiles have in the text, by their indices.
-fn written_names(lines: &[Line], count: usize) -> Vec<String> {
-    let mut names = vec![String::new(); count];
-    for line in lines {
-        names[line.index].clone_from(&line.named.name);
-        for (&image, suffix) in line.images.iter().zip(suffixes(line.axes)) {
-            names[image] = format!("{}{suffix}", line.named.name);
-        }
-    }
-    names
-}
-
-/// Endings of the names of the images.
-fn suffixes(axes: &[usize]) -> &'static [&'static str] {
-    match axes {
-        [0] => &["-mx"],
-        [1] => &["-my"],
-        _ => &["-mx", "-my", "-mx-my"],
-    }
-}
-
-/// The mirror images of a tile that is not rotated, with the polarization mirrored like an arrow.
-fn images(tile: &Tile, axes: &[usize]) -> Vec<Option<Tile>> {
-    let image = |signs: DVec3| Tile::new(tile.position() * signs, tile.size(), tile.polarization_t() * signs).ok();
-    let (x, y) = (DVec3::new(-1.0, 1.0, 1.0), DVec3::new(1.0, -1.0, 1.0));
-    match axes {
-        [0] => vec![image(x)],
-        [1] => vec![image(y)],
-        _ => vec![image(x), image(y), image(x * y)],
-    }
+/// The mirror images of a tile at x = 0 and y = 0 as they are read from a file. Empty if there are
+/// none.
+fn images(named: &NamedTile, axes: &[Axis]) -> Vec<NamedTile> {
+    let mirror = MirrorTable { axes: axes.to_vec(), ..MirrorTable::default() };
+    let mut faults = Faults::new("");
+    let tiles = repeat::resolve(named.clone(), None, Some(&mirror), &mut Room::default(), &mut faults.at(0, ""));
+    tiles.into_iter().flatten().skip(1).collect()
 }
 
 /// Strength and angles in degrees with at most ten decimals that give the polarization exactly.
