@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use toml::Table;
 
 use crate::brief::Brief;
 use crate::elastomer::Elastomer;
 use crate::expectations::Expectations;
-use crate::file::plain::PlainLayout;
 use crate::ideal::IdealTable;
 use crate::layout::Layout;
 use crate::limits::FORMAT;
@@ -27,8 +27,6 @@ mod compact;
 pub(crate) mod edit;
 /// What the schema requires of a value.
 mod form;
-/// A layout for any format of serde.
-pub(crate) mod plain;
 /// From the tables of a file to a checked layout.
 mod read;
 /// The JSON Schema of the layout file.
@@ -86,6 +84,13 @@ pub(crate) struct LayoutFile {
     lattice: Vec<LatticeTable>,
 }
 
+/// A layout in the plain form: repetitions written out as one `tile` each. It only serializes, as
+/// an object with the keys of a layout file, in their order and without those that are not given;
+/// see [`Layout::plain`].
+#[derive(Serialize)]
+#[serde(transparent)]
+pub struct PlainLayout(Table);
+
 impl Layout {
     /// The layout as TOML in the plain form: one `[[tile]]` for each tile. Parsing the text gives
     /// the same tiles, bit for bit.
@@ -108,7 +113,7 @@ impl Layout {
 
     /// The layout in the plain form, to be serialized in any format.
     pub fn plain(&self) -> PlainLayout {
-        PlainLayout::from(&self.file())
+        PlainLayout(Table::try_from(self.file()).expect("numbers and strings can always be written as TOML"))
     }
 
     fn file(&self) -> LayoutFile {
