@@ -21,11 +21,11 @@ use crate::tolerance::distribution::Distribution;
 #[derive(Clone, Copy, Debug, Deserialize, Eq, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// Magnets from a shop, laid by hand along a line.
+    /// Magnets from a shop, laid along a drawn line.
     ByHand,
-    /// Magnets ground to size and laid into a milled frame.
+    /// Ground magnets of one batch in a milled frame.
     Jig,
-    /// Tiles cut and laid with care, on a printed grid.
+    /// Sorted magnets, laid with care against stops.
     Workshop,
 }
 
