@@ -11,7 +11,6 @@ use crate::faults::{Rule, TableFaults};
 /// One number for all axes, or one for each.
 #[derive(Clone, Copy, Deserialize, JsonSchema, Serialize)]
 #[serde(untagged)]
-#[schemars(rename = "PerAxis")]
 pub(crate) enum OneOrThree {
     /// The same for all.
     Same(f64),
