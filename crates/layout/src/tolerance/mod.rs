@@ -1,6 +1,8 @@
 //! What a film that is made differs by from its layout: errors of tiles, of groups of tiles, and of
 //! the surroundings.
 
+use std::collections::HashMap;
+
 use magsplice_magnet::{PerTileError, Tile};
 
 pub use self::distribution::Distribution;
@@ -64,17 +66,11 @@ impl FilmTolerance {
             index += 1;
             is_kept(index - 1)
         });
-        let last = self.groups.iter().flat_map(|group| &group.tiles).max().copied();
-        let mut kept = 0;
-        let new_index: Vec<Option<usize>> = (0..last.map_or(0, |last| last + 1))
-            .map(|index| {
-                let new = is_kept(index).then_some(kept);
-                kept += usize::from(new.is_some());
-                new
-            })
-            .collect();
+        let count = self.groups.iter().flat_map(|group| &group.tiles).max().map_or(0, |last| last + 1);
+        let kept = (0..count).filter(|&index| is_kept(index));
+        let new_index: HashMap<usize, usize> = kept.enumerate().map(|(new, old)| (old, new)).collect();
         for group in &mut self.groups {
-            group.tiles = group.tiles.iter().filter_map(|&tile| new_index[tile]).collect();
+            group.tiles = group.tiles.iter().filter_map(|tile| new_index.get(tile).copied()).collect();
         }
         self.groups.retain(|group| !group.tiles.is_empty());
     }
