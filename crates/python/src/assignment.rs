@@ -16,9 +16,6 @@ use crate::results::dictionary;
 /// Name and version in the history of layouts.
 const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " assign");
 
-/// Most faults that an exception lists.
-const MOST_FAULTS: usize = 20;
-
 /// Name, part, sides, and J along the sides, or |J| alone.
 type Measured = (String, Option<String>, Option<[f64; 3]>, Vec<f64>);
 
@@ -26,7 +23,7 @@ type Measured = (String, Option<String>, Option<[f64; 3]>, Vec<f64>);
 type Lying = (String, String, Option<[f64; 3]>, String, f64);
 
 /// The tiles of a box at the places of a film, with the layout of the film as TOML. `errors` are
-/// those of strength, direction in radians and sides in millimetres.
+/// those of strength, direction in degrees and sides in millimetres.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "Python passes them by name")]
 pub(crate) fn assign<'py>(
@@ -39,7 +36,7 @@ pub(crate) fn assign<'py>(
     starts: usize,
     seed: u64,
     errors: Option<(f64, f64, Option<f64>)>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<(Bound<'py, PyDict>, String)> {
     let layout = &film.layout;
     let mut tiles = MeasuredBox::new(layout);
     refused("measured", measured.iter().map(|tile| added(&mut tiles, tile)))?;
@@ -47,13 +44,14 @@ pub(crate) fn assign<'py>(
     let shims = taken_out(layout, &shims, &mut groups)?;
     let partly = partly_laid(layout, &groups, &placed)?;
     let settings = AssignmentSettings { starts, seed, may_turn_over, ..AssignmentSettings::default() };
-    let errors =
-        errors.map(|(strength, direction_rad, size_mm)| MeasurementErrors { strength, direction_rad, size_mm });
+    let errors = errors.map(|(strength, direction_deg, size_mm)| MeasurementErrors {
+        strength,
+        direction_rad: direction_deg.to_radians(),
+        size_mm,
+    });
     let assigned = film.run(py, |film| film.assign(&partly, &shims, &settings, errors))?;
     let text = film.evaluated(py)?.assigned_layout(&assigned, has_sizes, PROGRAM).to_toml();
-    let numbers = dictionary(py, &assigned)?;
-    numbers.set_item("text", text)?;
-    Ok(numbers)
+    Ok((dictionary(py, &assigned)?, text))
 }
 
 fn added(tiles: &mut MeasuredBox, (name, part, size_mm, j_t): &Measured) -> Result<(), Vec<String>> {
@@ -100,11 +98,6 @@ fn refused(list: &str, items: impl Iterator<Item = Result<(), Vec<String>>>) -> 
     if faults.is_empty() {
         return Ok(());
     }
-    let lines =
-        faults.iter().take(MOST_FAULTS).map(|(index, faults)| format!("{list}[{index}]: {}", faults.join("; ")));
-    let mut lines: Vec<String> = lines.collect();
-    if faults.len() > MOST_FAULTS {
-        lines.push(format!("and {} more", faults.len() - MOST_FAULTS));
-    }
-    Err(failed(lines.join("\n")))
+    let lines = faults.iter().map(|(index, faults)| format!("{list}[{index}]: {}", faults.join("; ")));
+    Err(failed(lines.collect::<Vec<String>>().join("\n")))
 }

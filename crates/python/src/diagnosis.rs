@@ -1,18 +1,17 @@
 //! Which tiles of a film that was made are faulty.
 
-use magsplice::magnet::{PerTileError, TileError};
+use magsplice::magnet::TileError;
 use magsplice::scan::FreeParameters;
 use magsplice::sensor::Noise;
-use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
+use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::film::{Film, run};
-use crate::results::dictionary;
-use crate::vectors::vectors;
+use crate::results::{WithArrays, with_arrays};
+use crate::vectors::{numbers, vectors};
 
-/// The errors of tiles that a scan tells. `free` says whether strength, offset, rotation and start
-/// are fitted.
+/// The errors of tiles that a scan tells, with those of each tile by their keys. `fit` has what is
+/// fitted of the scan.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "Python passes them by name")]
 pub(crate) fn diagnose<'py>(
@@ -23,25 +22,28 @@ pub(crate) fn diagnose<'py>(
     noise_t: Option<[f64; 3]>,
     preset: Option<&str>,
     as_ordered: bool,
-    free: [bool; 4],
+    fit: Vec<String>,
     false_alarm: f64,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<WithArrays<'py>> {
     let (points, readings_t) = (vectors(&points)?.to_vec(), vectors(&readings_t)?);
     let mut layout = film.layout_with_errors(preset)?;
     if as_ordered {
         layout.tolerance = None;
     }
-    let [strength, offset, rotation, start] = free;
-    let free = FreeParameters { strength, offset, rotation, start };
+    let fitted = |name: &str| fit.iter().any(|word| word == name);
+    let free = FreeParameters {
+        strength: fitted("strength"),
+        offset: fitted("offset"),
+        rotation: fitted("rotation"),
+        start: fitted("start"),
+    };
     let noise = noise_t.map(|deviation_t| Noise { deviation_t: deviation_t.into() });
     let film = film.with_tables(py, layout)?;
     let found = run(py, film, |film| film.diagnose(points, readings_t, noise, free, false_alarm))?;
     let tiles = &found.diagnosis.errors;
-    let errors = PyArray2::zeros(py, [tiles.len(), TileError::ALL.len()], false);
-    let values = tiles.iter().flat_map(PerTileError::values);
-    errors.readwrite().as_slice_mut()?.iter_mut().zip(values).for_each(|(place, value)| *place = *value);
-    let numbers = dictionary(py, &found)?;
-    // Errors of each tile, in mm, radians, or as a fraction.
-    numbers.set_item("errors", errors)?;
-    Ok(numbers)
+    let errors = TileError::ALL.map(|error| {
+        let of_tiles = tiles.iter().map(|of_tile| error.shown(of_tile[error])).collect();
+        (error.key(), numbers(py, of_tiles).into_any())
+    });
+    with_arrays(py, &found, errors)
 }

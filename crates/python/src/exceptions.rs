@@ -3,9 +3,11 @@
 use magsplice::FilmError;
 use magsplice::layout::LayoutError;
 use magsplice::magnet::{PointError, PointErrorCause, PointErrors};
-use pyo3::PyErr;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::import_exception;
+use pyo3::{PyErr, PyResult};
+use serde::Deserialize;
+use serde::de::value::{BorrowedStrDeserializer, Error};
 
 import_exception!(magsplice.errors, MagspliceError);
 mod python {
@@ -51,6 +53,12 @@ pub(crate) fn of_film(error: FilmError) -> PyErr {
 /// Any other error of the library, as `MagspliceError`.
 pub(crate) fn failed(error: impl std::fmt::Display) -> PyErr {
     MagspliceError::new_err(error.to_string())
+}
+
+/// The value that a word stands for in a layout file.
+pub(crate) fn one_of<'a, T: Deserialize<'a>>(name: &str, word: &'a str, known: &str) -> PyResult<T> {
+    let value = T::deserialize(BorrowedStrDeserializer::<Error>::new(word));
+    value.map_err(|_| bad_value(format_args!("{name} = {word:?}, must be {known}")))
 }
 
 /// A value that an argument may not have.

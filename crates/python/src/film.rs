@@ -3,75 +3,72 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use magsplice::FilmError;
-use magsplice::layout::{FilmTolerance, Layout, NamedTile, Preset};
+use magsplice::layout::{FilmTolerance, Layout, LayoutError, NamedTile, Preset};
 use magsplice::magnet::Tile;
-use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
+use magsplice_report::tile_outline;
+use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-use crate::exceptions::{failed, of_film, of_layout};
+use crate::exceptions::{failed, of_film, of_layout, one_of};
 use crate::interruption::Interruption;
 use crate::scene::Scene;
-use crate::vectors::{Triple, rows_of, vectors, written_rows};
+use crate::vectors::{Triple, rows, rows_of, vectors};
 
-/// A layout with its prepared tiles.
-#[pyclass(frozen, module = "magsplice._magsplice")]
+/// A layout with its prepared tiles. The class `magsplice.Film` inherits from it.
+#[pyclass(frozen, subclass, module = "magsplice._magsplice")]
 pub(crate) struct Film {
     pub(crate) layout: Arc<Layout>,
+    /// Text, name of the text, and folder of files that it names: a copy of the film has the same.
+    #[pyo3(get, name = "_source")]
+    pub(crate) source: (String, String, Option<String>),
     /// What the first evaluation prepared for all others.
     prepared: PyOnceLock<magsplice::Film>,
     scene: PyOnceLock<Py<Scene>>,
 }
+
+/// Rows of three or four numbers.
+type Rows<'py> = Bound<'py, PyArray2<f64>>;
 
 /// First and last point, points along x, y, z, corners as written, step and reference point of a
 /// working volume.
 type Volume = (Triple, Triple, Triple<usize>, Triple, Triple, Triple, Triple);
 
 /// Names, kinds, centres, sides, polarizations, rotations, and own recoil permeabilities of tiles.
-type Tiles<'py> = (
-    Vec<String>,
-    Vec<Option<String>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-);
+type Tiles<'py> = (Vec<String>, Vec<Option<String>>, Rows<'py>, Rows<'py>, Rows<'py>, Rows<'py>, Rows<'py>);
 
-/// Indices of the tiles, then centres, sides, polarizations and rotations of cells.
-type Cells<'py> = (
-    Vec<usize>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-);
+/// Names of tiles, then centres, sides, polarizations and rotations of cuboids.
+type Blocks<'py> = (Vec<String>, Rows<'py>, Rows<'py>, Rows<'py>, Rows<'py>);
+
+/// The text of a layout file.
+#[pyfunction]
+pub(crate) fn layout_text(path: PathBuf) -> PyResult<String> {
+    let origin = path.display().to_string();
+    let bytes = std::fs::read(&path).map_err(|error| of_layout(LayoutError::Read { path, error }))?;
+    String::from_utf8(bytes)
+        .map_err(|error| of_layout(LayoutError::Syntax { origin, message: format!("not UTF-8 text: {error}") }))
+}
 
 #[pymethods]
 impl Film {
-    /// The film in a layout file.
-    #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Film> {
-        py.detach(|| Layout::read(&path)).map(Film::from).map_err(of_layout)
-    }
-
     /// The film in the text of a layout file. Paths in it are relative to `folder`.
-    #[staticmethod]
+    #[new]
     #[pyo3(signature = (text, origin, folder=None))]
-    fn parse(py: Python<'_>, text: &str, origin: &str, folder: Option<PathBuf>) -> PyResult<Film> {
-        let layout = py.detach(|| match folder {
-            Some(folder) => Layout::parse_beside(text, origin, folder),
-            None => Layout::parse(text, origin),
+    fn new(py: Python<'_>, text: String, origin: String, folder: Option<PathBuf>) -> PyResult<Film> {
+        let layout = py.detach(|| match &folder {
+            Some(folder) => Layout::parse_beside(&text, &origin, folder),
+            None => Layout::parse(&text, &origin),
         });
-        layout.map(Film::from).map_err(of_layout)
+        let layout = Arc::new(layout.map_err(of_layout)?);
+        let source = (text, origin, folder.map(|folder| folder.display().to_string()));
+        Ok(Film { layout, source, prepared: PyOnceLock::new(), scene: PyOnceLock::new() })
     }
 
     /// The prepared tiles.
     #[getter]
-    fn scene(&self, py: Python<'_>) -> PyResult<Py<Scene>> {
+    fn _scene(&self, py: Python<'_>) -> PyResult<Py<Scene>> {
         let scene = self.scene.get_or_try_init(py, || Py::new(py, Scene::from(self.evaluated(py)?.scene().clone())))?;
         Ok(scene.clone_ref(py))
     }
@@ -82,39 +79,56 @@ impl Film {
         &self.layout.name
     }
 
-    /// The author's text about the layout.
+    /// Text of the author about the layout.
     #[getter]
     fn description(&self) -> Option<&str> {
         self.layout.description.as_deref()
     }
 
-    /// The steps that led to the layout.
+    /// Steps that led to the layout, one text each.
     #[getter]
     fn history(&self) -> Vec<String> {
         self.layout.history.clone()
     }
 
-    /// SHA-256 of the text of the layout.
+    /// SHA-256 of the text of the layout, in hexadecimal.
     #[getter]
     fn sha256(&self) -> &str {
         &self.layout.sha256
     }
 
-    /// Properties that are allowed but usually a mistake.
+    /// Properties that are allowed but usually a mistake, one sentence each.
     #[getter]
     fn findings(&self) -> Vec<String> {
         self.layout.findings.iter().map(ToString::to_string).collect()
     }
 
+    /// Layout as TOML, which the program and `loads` read.
+    ///
+    /// Parameters
+    /// ----------
+    /// compact : bool
+    ///     Whether tiles that are mirror images of others are left out. Otherwise there is one
+    ///     ``[[tile]]`` for each tile.
+    #[pyo3(signature = (*, compact=true))]
+    fn to_toml(&self, compact: bool) -> String {
+        if compact { self.layout.to_compact_toml() } else { self.layout.to_toml() }
+    }
+
+    /// The layout in the plain form as JSON.
+    fn _to_json(&self) -> PyResult<String> {
+        serde_json::to_string(&self.layout.plain()).map_err(failed)
+    }
+
     /// Wavelength, thickness and amplitude of the ideal film.
     #[getter]
-    fn ideal(&self) -> Option<(f64, f64, f64)> {
+    fn _ideal(&self) -> Option<Triple> {
         self.layout.ideal.map(|ideal| (ideal.wavelength(), ideal.thickness(), ideal.amplitude_t()))
     }
 
     /// The working volume.
     #[getter]
-    fn volume(&self) -> Option<Volume> {
+    fn _volume(&self) -> Option<Volume> {
         self.layout.volume.map(|volume| {
             let grid = volume.grid;
             let [lower, upper] = [volume.lower_mm, volume.upper_mm].map(DVec3::into);
@@ -125,8 +139,16 @@ impl Film {
 
     /// Number of samples and seed of the films that are made.
     #[getter]
-    fn sampling(&self) -> Option<(u64, u64)> {
-        self.layout.tolerance.as_ref().map(|tolerance| (tolerance.samples, tolerance.seed))
+    fn _sampling(&self) -> (u64, u64) {
+        let default = FilmTolerance::default();
+        let tolerance = self.layout.tolerance.as_ref().unwrap_or(&default);
+        (tolerance.samples, tolerance.seed)
+    }
+
+    /// File of the baseline that the layout names, relative to the layout.
+    #[getter]
+    fn _baseline_file(&self) -> Option<PathBuf> {
+        self.layout.expectations.field.as_ref().map(|field| field.file.clone())
     }
 
     /// Number of tiles.
@@ -136,78 +158,56 @@ impl Film {
 
     /// The tiles as arrays; rotations are quaternions (x, y, z, w). Permeabilities are along and
     /// across the polarization, NaN for tiles that have that of the material.
-    fn tiles<'py>(&self, py: Python<'py>) -> PyResult<Tiles<'py>> {
+    fn _tiles<'py>(&self, py: Python<'py>) -> PyResult<Tiles<'py>> {
         let tiles = &self.layout.tiles;
-        let of_each =
-            |value: &dyn Fn(&NamedTile) -> DVec3| rows_of(py, &tiles.iter().map(value).collect::<Vec<DVec3>>());
-        let permeability = PyArray2::zeros(py, [tiles.len(), 2], false);
-        for (row, named) in permeability.readwrite().as_slice_mut()?.as_chunks_mut::<2>().0.iter_mut().zip(tiles) {
-            *row = named.permeability.map_or([f64::NAN; 2], |own| [own.along(), own.across()]);
-        }
-        Ok((
-            tiles.iter().map(|named| named.name.clone()).collect(),
-            tiles.iter().map(|named| named.kind.clone()).collect(),
-            of_each(&|named| named.tile.position()),
-            of_each(&|named| named.tile.size()),
-            of_each(&|named| named.tile.polarization_t()),
-            rotations(py, tiles.iter().map(|named| &named.tile))?,
-            permeability,
-        ))
+        let names = tiles.iter().map(|named| named.name.clone()).collect();
+        let kinds = tiles.iter().map(|named| named.kind.clone()).collect();
+        let own = |named: &NamedTile| named.permeability.map_or([f64::NAN; 2], |own| [own.along(), own.across()]);
+        let permeability = rows(py, tiles.iter().map(own))?;
+        let [position, size, polarization_t, rotation] = cuboids(py, &self.layout.bare_tiles())?;
+        Ok((names, kinds, position, size, polarization_t, rotation, permeability))
     }
 
-    /// The cells of tiles with a recoil permeability: the indices of their tiles, centres, sides,
-    /// polarizations and rotations. None without.
-    fn cells<'py>(&self, py: Python<'py>) -> PyResult<Option<Cells<'py>>> {
-        let Some(recoil) = self.evaluated(py)?.recoil() else { return Ok(None) };
-        let cells = recoil.magnetization.cells();
-        let of_each = |value: &dyn Fn(&Tile) -> DVec3| rows_of(py, &cells.iter().map(value).collect::<Vec<DVec3>>());
-        let owners = recoil.magnetization.owners().to_vec();
-        let (position, size) = (of_each(&Tile::position), of_each(&Tile::size));
-        Ok(Some((owners, position, size, of_each(&Tile::polarization_t), rotations(py, cells.iter())?)))
+    /// The cuboids whose fields are added: the tiles, or their cells if they have a recoil
+    /// permeability.
+    fn _blocks<'py>(&self, py: Python<'py>) -> PyResult<Blocks<'py>> {
+        let tiles = self.layout.bare_tiles();
+        let film = self.evaluated(py)?;
+        let magnetization = film.recoil().map(|recoil| &*recoil.magnetization);
+        let blocks = magnetization.map_or(&tiles[..], |of| of.cells());
+        let owner = |block: usize| magnetization.map_or(block, |of| of.owners()[block]);
+        let names = (0..blocks.len()).map(|block| self.layout.tiles[owner(block)].name.clone()).collect();
+        let [position, size, polarization_t, rotation] = cuboids(py, blocks)?;
+        Ok((names, position, size, polarization_t, rotation))
+    }
+
+    /// The outline of each tile from above in millimetres, and J of the tiles in the frame of the
+    /// film in tesla.
+    fn _outlines<'py>(&self, py: Python<'py>) -> PyResult<(Vec<Rows<'py>>, Rows<'py>)> {
+        let tiles = self.layout.bare_tiles();
+        let outline = |tile| rows(py, tile_outline(tile).iter().map(DVec2::to_array));
+        let polarization_t = rows(py, tiles.iter().map(|tile| tile.scene_polarization_t().to_array()))?;
+        Ok((tiles.iter().map(outline).collect::<PyResult<_>>()?, polarization_t))
     }
 
     /// B of the ideal film at points, in tesla; NaN where they are not below the film.
-    fn ideal_b<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn _ideal_b<'py>(&self, points: PyReadonlyArray2<'py, f64>) -> PyResult<Rows<'py>> {
         let ideal = self.layout.ideal.ok_or(FilmError::Missing("ideal")).map_err(of_film)?;
-        let points = vectors(&points)?;
-        let (field_t, ()) = written_rows(py, points.len(), |field_t| {
-            py.detach(|| {
-                for (field_t, point) in field_t.iter_mut().zip(points) {
-                    *field_t = ideal.flux_density_t(*point).unwrap_or(DVec3::NAN);
-                }
-            });
-            Ok(())
-        })?;
-        Ok(field_t)
-    }
-
-    /// The layout in the plain form as JSON.
-    fn to_json(&self) -> PyResult<String> {
-        serde_json::to_string(&self.layout.plain()).map_err(failed)
-    }
-
-    /// The layout as TOML, in the plain form or with mirror images left out.
-    fn to_toml(&self, compact: bool) -> String {
-        if compact { self.layout.to_compact_toml() } else { self.layout.to_toml() }
+        let (py, points) = (points.py(), vectors(&points)?);
+        let at = |point: &DVec3| ideal.flux_density_t(*point).unwrap_or(DVec3::NAN);
+        let field_t: Vec<DVec3> = py.detach(|| points.iter().map(at).collect());
+        Ok(rows_of(py, &field_t))
     }
 }
 
-/// The rotations of tiles, as quaternions (x, y, z, w).
-fn rotations<'a, 'py>(
-    py: Python<'py>,
-    tiles: impl ExactSizeIterator<Item = &'a Tile>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let rotation = PyArray2::zeros(py, [tiles.len(), 4], false);
-    for (row, tile) in rotation.readwrite().as_slice_mut()?.as_chunks_mut::<4>().0.iter_mut().zip(tiles) {
-        *row = tile.rotation().to_array();
-    }
-    Ok(rotation)
-}
-
-impl From<Layout> for Film {
-    fn from(layout: Layout) -> Film {
-        Film { layout: Arc::new(layout), prepared: PyOnceLock::new(), scene: PyOnceLock::new() }
-    }
+/// Centres, sides, polarizations and rotations of cuboids; rotations are quaternions (x, y, z, w).
+fn cuboids<'py>(py: Python<'py>, tiles: &[Tile]) -> PyResult<[Rows<'py>; 4]> {
+    Ok([
+        rows(py, tiles.iter().map(|tile| tile.position().to_array()))?,
+        rows(py, tiles.iter().map(|tile| tile.size().to_array()))?,
+        rows(py, tiles.iter().map(|tile| tile.polarization_t().to_array()))?,
+        rows(py, tiles.iter().map(|tile| tile.rotation().to_array()))?,
+    ])
 }
 
 impl Film {
@@ -240,14 +240,7 @@ impl Film {
         let mut layout = Layout::clone(&self.layout);
         let errors = match preset {
             None => return Ok(layout),
-            Some("by-hand") => Preset::ByHand.errors(),
-            Some("workshop") => Preset::Workshop.errors(),
-            Some("jig") => Preset::Jig.errors(),
-            Some(other) => {
-                return Err(PyValueError::new_err(format!(
-                    "preset = {other:?}, must be \"by-hand\", \"workshop\" or \"jig\""
-                )));
-            }
+            Some(name) => one_of::<Preset>("preset", name, "\"by-hand\", \"workshop\" or \"jig\"")?.errors(),
         };
         let FilmTolerance { samples, seed, .. } = layout.tolerance.take().unwrap_or_default();
         let of_tiles = FilmTolerance::of_tiles(&errors, layout.tiles.len());

@@ -7,21 +7,29 @@ use pyo3::types::PyDict;
 use crate::film::Film;
 use crate::results::dictionary;
 
-/// The forces of the tiles on each other, and while they are laid: in an order of indices, or with
-/// a seed in the order with the least holding that is found.
+/// An order of laying.
+#[derive(FromPyObject)]
+pub(crate) enum Order {
+    /// `given`, or `least`.
+    Named(String),
+    /// The tile of each step.
+    Tiles(Vec<usize>),
+}
+
+/// The forces of the tiles on each other, and while they are laid in an order. `seed` is that of
+/// the search for the order with the least holding.
 #[pyfunction]
-#[pyo3(signature = (film, turned_error, order=None, seed=None))]
 pub(crate) fn forces<'py>(
     py: Python<'py>,
     film: &Film,
     turned_error: f64,
-    order: Option<Vec<usize>>,
-    seed: Option<u64>,
+    order: Option<Order>,
+    seed: u64,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let order = match (order, seed) {
-        (Some(tiles), _) => Some(OrderChoice::Stated { source: "stated".to_owned(), tiles }),
-        (None, Some(seed)) => Some(OrderChoice::Least { seed }),
-        (None, None) => None,
-    };
+    let order = order.map(|order| match order {
+        Order::Named(name) if name == "least" => OrderChoice::Least { seed },
+        Order::Named(_) => OrderChoice::Given,
+        Order::Tiles(tiles) => OrderChoice::Stated { source: "stated".to_owned(), tiles },
+    });
     dictionary(py, &film.run(py, |film| film.forces(turned_error, order))?)
 }

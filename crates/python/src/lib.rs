@@ -14,7 +14,7 @@ mod assignment;
 mod budget;
 /// Expectations of a film.
 mod check;
-/// Which tiles of a film that was made are wrong.
+/// Which tiles of a film that was made are faulty.
 mod diagnosis;
 /// Numbers of a film: comparison and decoupling.
 mod evaluation;
@@ -51,13 +51,13 @@ mod _magsplice {
     #[pymodule_export]
     use crate::budget::budget;
     #[pymodule_export]
-    use crate::check::{baseline_file, check};
+    use crate::check::check;
     #[pymodule_export]
     use crate::diagnosis::diagnose;
     #[pymodule_export]
     use crate::evaluation::{compare, decouple};
     #[pymodule_export]
-    use crate::film::Film;
+    use crate::film::{Film, layout_text};
     #[pymodule_export]
     use crate::forces::forces;
     #[pymodule_export]
@@ -67,9 +67,9 @@ mod _magsplice {
     #[pymodule_export]
     use crate::report::{layout_svg, report, view};
     #[pymodule_export]
-    use crate::samples::{nominal, samples, statistics};
+    use crate::samples::{sampled, samples, statistics};
     #[pymodule_export]
-    use crate::scene::Scene;
+    use crate::scene::{Scene, grid_axes};
     #[pymodule_export]
     use crate::search::{design, splice};
 

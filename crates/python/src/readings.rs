@@ -5,18 +5,17 @@ use magsplice::FilmError;
 use magsplice::results::AtRest;
 use magsplice::sensor::{LocateError, Located, Noise};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::film::Film;
-use crate::results::dictionary;
+use crate::results::{WithArrays, with_arrays};
 use crate::vectors::{rows_of, vectors};
 
 /// The displacement of the sensor for each reading, in millimetres: from the reference point, or
 /// from where it had the readings `rest`. What the mean of the readings `zero` has beyond the field
 /// of the reference point is in all readings, else `constant_t` is.
 #[pyfunction]
-#[pyo3(signature = (film, readings_t, noise_t=None, constant_t=[0.0; 3], zero_t=None, rest_t=None))]
 pub(crate) fn read<'py>(
     py: Python<'py>,
     film: &Film,
@@ -25,7 +24,7 @@ pub(crate) fn read<'py>(
     constant_t: [f64; 3],
     zero_t: Option<PyReadonlyArray2<'py, f64>>,
     rest_t: Option<PyReadonlyArray2<'py, f64>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<WithArrays<'py>> {
     let readings_t = vectors(&readings_t)?;
     let at_rest = match (zero_t.as_ref().map(vectors).transpose()?, rest_t.as_ref().map(vectors).transpose()?) {
         (_, Some(rest_t)) => AtRest::Rest(rest_t),
@@ -34,17 +33,19 @@ pub(crate) fn read<'py>(
     };
     let noise = noise_t.map(noise_of);
     let read = film.run(py, |film| film.read(readings_t, at_rest, noise))?;
-    let rows = |vectors: Option<Vec<DVec3>>| vectors.map(|vectors| rows_of(py, &vectors));
+    let rows = |vectors: Option<Vec<DVec3>>| vectors.map(|vectors| rows_of(py, &vectors)).into_bound_py_any(py);
     let message =
         |found: &Result<Located, LocateError>| found.as_ref().err().map_or(String::new(), ToString::to_string);
-    let numbers = dictionary(py, &read)?;
-    numbers.set_item("displacement_mm", rows_of(py, &read.displacement_mm()))?;
-    numbers.set_item("deviation_mm", rows(read.deviation_mm()))?;
-    numbers.set_item("force_n", rows(read.force_n()))?;
-    numbers.set_item("status", PyArray1::from_iter(py, read.status()))?;
-    numbers.set_item("messages", read.found.iter().map(message).collect::<Vec<String>>())?;
-    numbers.set_item("closed_form_mm", rows(read.closed_form_mm))?;
-    Ok(numbers)
+    let messages: Vec<String> = read.found.iter().map(message).collect();
+    let more = [
+        ("displacement_mm", rows(Some(read.displacement_mm()))?),
+        ("deviation_mm", rows(read.deviation_mm())?),
+        ("force_n", rows(read.force_n())?),
+        ("closed_form_mm", rows(read.closed_form_mm.clone())?),
+        ("status", PyArray1::from_iter(py, read.status()).into_any()),
+        ("messages", messages.into_bound_py_any(py)?),
+    ];
+    with_arrays(py, &read, more)
 }
 
 fn noise_of(deviation_t: [f64; 3]) -> Noise {
@@ -55,7 +56,6 @@ fn noise_of(deviation_t: [f64; 3]) -> Noise {
 /// where a displacement leaves the reading unchanged, or the reading is at the limit of the
 /// sensor's range. None without noise.
 #[pyfunction]
-#[pyo3(signature = (film, points, noise_t=None))]
 pub(crate) fn resolution<'py>(
     py: Python<'py>,
     film: &Film,

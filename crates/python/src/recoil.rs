@@ -2,26 +2,29 @@
 
 use magsplice::RecoilEstimate;
 use magsplice::magnet::Permeability;
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::exceptions::{bad_value, of_film};
 use crate::film::Film;
-use crate::results::dictionary;
+use crate::results::{WithArrays, dictionary, with_arrays};
 use crate::vectors::{numbers, rows_of};
 
 /// What recoil changes in the film, and in each tile; None without it.
 #[pyfunction]
-pub(crate) fn recoil<'py>(py: Python<'py>, film: &Film) -> PyResult<Option<Bound<'py, PyDict>>> {
+pub(crate) fn recoil<'py>(py: Python<'py>, film: &Film) -> PyResult<Option<WithArrays<'py>>> {
     let Some(found) = film.evaluated(py)?.recoil() else { return Ok(None) };
     let changes = py.detach(|| found.tile_changes());
     let polarization_t: Vec<_> = changes.iter().map(|change| change.mean_polarization_t).collect();
-    let result = dictionary(py, &found.summary)?;
-    result.set_item("share_beyond_knee", found.beyond_knee(&film.layout).map(|(_, share)| share))?;
-    result.set_item("weakening", numbers(py, changes.iter().map(|change| change.weakening).collect()))?;
-    result.set_item("angle_deg", numbers(py, changes.iter().map(|change| change.angle.to_degrees()).collect()))?;
-    result.set_item("mean_polarization_t", rows_of(py, &polarization_t))?;
-    Ok(Some(result))
+    let beyond_knee = found.beyond_knee(&film.layout).map(|(_, share)| share);
+    let more = [
+        ("share_beyond_knee", beyond_knee.into_bound_py_any(py)?),
+        ("weakening", numbers(py, changes.iter().map(|change| change.weakening).collect()).into_any()),
+        ("angle_deg", numbers(py, changes.iter().map(|change| change.angle.to_degrees()).collect()).into_any()),
+        ("mean_polarization_t", rows_of(py, &polarization_t).into_any()),
+    ];
+    with_arrays(py, &found.summary, more).map(Some)
 }
 
 /// What recoil changes to first order. None if there are no figures.

@@ -7,7 +7,7 @@ use pyo3::types::PyBytes;
 
 use crate::exceptions::{failed, of_film};
 use crate::film::Film;
-use crate::samples::sampled;
+use crate::samples::errors_of;
 use crate::scene::{Within, accuracy};
 
 /// A figure: name, caption, SVG, PNG and CSV.
@@ -16,7 +16,6 @@ type Figure<'py> = (&'static str, String, String, Bound<'py, PyBytes>, String);
 /// The figures of a film, the page that shows them, and what the report lacks. `text` and `json`
 /// are the results that the page repeats.
 #[pyfunction]
-#[pyo3(signature = (film, text, json, outlines=false, within=None))]
 pub(crate) fn report<'py>(
     py: Python<'py>,
     film: &Film,
@@ -30,7 +29,7 @@ pub(crate) fn report<'py>(
     let samples = match layout {
         Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } => {
             let sampling = evaluated.sampling().map_err(of_film)?;
-            let errors = sampled(py, &sampling, tolerance.seed, 0..tolerance.samples, None, &|_| Ok(()))?;
+            let errors = errors_of(py, &sampling, tolerance.seed, 0..tolerance.samples, None, &|_| Ok(()))?;
             let nominal = py.detach(|| sampling.nominal()).map_err(of_film)?;
             Some(FilmSamples { nominal, errors })
         }

@@ -3,24 +3,21 @@
 use std::ops::{ControlFlow, Range};
 
 use magsplice::FilmError;
-use magsplice::decouple::Figures;
-use magsplice::results::{FilmSampling, in_stretches};
+use magsplice::decouple::{Figure, Figures};
+use magsplice::making::Sorting;
+use magsplice::results::{FilmSampling, SampleRun, in_stretches};
 use magsplice::tolerance::Statistics;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
+use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::exceptions::{failed, of_film};
 use crate::film::Film;
 use crate::results::dictionary;
-use crate::vectors::{numbers, rows_of};
+use crate::vectors::rows;
 
-/// Errors of samples: uniformity RMSE and displacement RMSE of shape (n, 3), amplitude of shape
-/// (n,).
-type Errors<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
-
-/// The errors of samples `first` to `first + count` of the films that are made from a layout, on so
-/// many threads.
+/// The figures of samples `first` to `first + count` of the films that are made from a layout, on
+/// so many threads.
 #[pyfunction]
 #[pyo3(signature = (film, preset, seed, first, count, threads=None, progress=None))]
 #[expect(clippy::too_many_arguments, reason = "Python passes them by name")]
@@ -33,18 +30,18 @@ pub(crate) fn samples<'py>(
     count: u64,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<Errors<'py>> {
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let film = film.with_tables(py, film.layout_with_errors(preset)?)?;
     let pool = threads.map(|count| rayon::ThreadPoolBuilder::new().num_threads(count).build()).transpose();
     let pool = pool.map_err(failed)?;
     let tell = |done: u64| progress.as_ref().map_or(Ok(()), |call| call.call1((done, count)).map(|_| ()));
     let sampling = film.sampling().map_err(of_film)?;
-    let found = sampled(py, &sampling, seed, first..first + count, pool.as_ref(), &tell)?;
-    Ok(arrays(py, &found))
+    let found = errors_of(py, &sampling, seed, first..first + count, pool.as_ref(), &tell)?;
+    rows(py, found.iter().map(numbers_of))
 }
 
 /// The errors of samples of a film. Signals are polled between stretches.
-pub(crate) fn sampled(
+pub(crate) fn errors_of(
     py: Python<'_>,
     sampling: &FilmSampling,
     seed: u64,
@@ -71,20 +68,33 @@ pub(crate) fn sampled(
     Ok(found)
 }
 
-/// The errors of the film as it is ordered.
+/// The statistics of samples from `first` on, of which these are the errors.
 #[pyfunction]
-pub(crate) fn nominal<'py>(py: Python<'py>, film: &Film) -> PyResult<Errors<'py>> {
-    let film = film.with_tables(py, film.layout_with_errors(Some("workshop"))?)?;
-    let found = py.detach(|| film.sampling()?.nominal()).map_err(of_film)?;
-    Ok(arrays(py, &[found]))
+pub(crate) fn sampled<'py>(
+    py: Python<'py>,
+    film: &Film,
+    preset: Option<&str>,
+    seed: u64,
+    first: u64,
+    errors: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let film = film.with_tables(py, film.layout_with_errors(preset)?)?;
+    let errors: Vec<Figures> = errors.as_slice()?.as_chunks().0.iter().map(figures_of).collect();
+    let run =
+        SampleRun { film: film.layout().sample_fingerprint(&None::<Sorting>), seed, first, count: errors.len() as u64 };
+    let found = py.detach(|| film.sampling()?.statistics(run, None, &errors)).map_err(of_film)?;
+    dictionary(py, &found)
 }
 
-fn arrays<'py>(py: Python<'py>, errors: &[Figures]) -> Errors<'py> {
-    let undefined = |rmse: Option<f64>| rmse.unwrap_or(f64::NAN);
-    let uniformity: Vec<_> = errors.iter().map(|e| e.uniformity_rmse.to_array().map(undefined).into()).collect();
-    let displacement: Vec<_> = errors.iter().map(|e| e.displacement_rmse_mm.into()).collect();
-    let amplitude = errors.iter().map(|e| e.amplitude).collect();
-    (rows_of(py, &uniformity), rows_of(py, &displacement), numbers(py, amplitude))
+/// The figures of a sample in the order of [`Figure::ALL`]; NaN where a uniformity is undefined.
+fn numbers_of(figures: &Figures) -> [f64; Figure::ALL.len()] {
+    Figure::ALL.map(|figure| figures.get(figure).copied().unwrap_or(f64::NAN))
+}
+
+/// The inverse of [`numbers_of`].
+fn figures_of(numbers: &[f64; Figure::ALL.len()]) -> Figures {
+    let defined = |figure: Figure| Some(numbers[figure.index()]).filter(|number| !number.is_nan());
+    Figures::from_fn(defined).expect("only a uniformity is undefined")
 }
 
 /// Mean and percentiles of samples, each with the ends of its interval of 95 %; None without

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 use crate::exceptions::{bad_value, of_points};
 use crate::interruption::Interruption;
-use crate::vectors::{numbers, vectors, written_gradients, written_rows};
+use crate::vectors::{Triple, numbers, vectors, written_gradients, written_rows};
 
 /// Number of pairs of tile and point between two polls for signals: about a tenth of a second.
 const STRETCH_PAIRS: usize = 1 << 24;
@@ -161,6 +161,19 @@ impl Scene {
     fn exact_stretch(&self) -> usize {
         exact_stretch(&self.exact)
     }
+}
+
+/// The coordinates of a grid along x, y and z.
+#[pyfunction]
+pub(crate) fn grid_axes<'py>(
+    py: Python<'py>,
+    lower: [f64; 3],
+    upper: [f64; 3],
+    counts: [usize; 3],
+) -> PyResult<Triple<Bound<'py, PyArray1<f64>>>> {
+    let grid = Grid::new(lower.into(), upper.into(), counts).map_err(bad_value)?;
+    let [x, y, z] = [0, 1, 2].map(|axis| (0..counts[axis]).map(|i| grid.coordinate(axis, i)).collect());
+    Ok((numbers(py, x), numbers(py, y), numbers(py, z)))
 }
 
 /// The accuracy that Python asks for.

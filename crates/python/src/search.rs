@@ -5,11 +5,10 @@ use std::sync::{Mutex, PoisonError};
 
 use magsplice::design::{DesignProblem, ProgressUpdate, SpliceRequest};
 use magsplice::layout::{Brief, Goal, Layout};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::exceptions::{failed, of_layout};
+use crate::exceptions::{failed, of_layout, one_of};
 use crate::film::Film;
 use crate::interruption::Interruption;
 use crate::results::dictionary;
@@ -20,13 +19,12 @@ const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " design"
 /// Searches for a better film, as the table [design] of the layout asks, or with another least
 /// amplitude. `progress` is called with stage, finished items, number of items and best error.
 #[pyfunction]
-#[pyo3(signature = (film, least_amplitude=None, progress=None))]
 pub(crate) fn design<'py>(
     py: Python<'py>,
     film: &Film,
     least_amplitude: Option<f64>,
     progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<(Bound<'py, PyDict>, String)> {
     let layout = &film.layout;
     let problem = py
         .detach(|| match (least_amplitude, &layout.brief) {
@@ -50,9 +48,7 @@ pub(crate) fn design<'py>(
         _ => Ok(()),
     };
     let result = interruption.run_and_tell(py, search, tell)?.map_err(failed)?;
-    let numbers = dictionary(py, &result)?;
-    numbers.set_item("text", problem.designed_layout(&result, PROGRAM).to_compact_toml())?;
-    Ok(numbers)
+    Ok((dictionary(py, &result)?, problem.designed_layout(&result, PROGRAM).to_compact_toml()))
 }
 
 /// A layout to begin a search with, as TOML. Lengths in millimetres.
@@ -75,15 +71,7 @@ pub(crate) fn splice(
     starts: usize,
     seed: u64,
 ) -> PyResult<String> {
-    let goal = match goal {
-        "uniformity" => Goal::Uniformity,
-        "displacement" => Goal::Displacement,
-        "field" => Goal::Field,
-        _ => {
-            let message = format!("goal = {goal:?}, must be \"uniformity\", \"displacement\" or \"field\"");
-            return Err(PyValueError::new_err(message));
-        }
-    };
+    let goal: Goal = one_of("goal", goal, "\"uniformity\", \"displacement\" or \"field\"")?;
     let default = SpliceRequest::new(wavelength_mm, film_mm);
     let request = SpliceRequest {
         thickness_mm: thickness_mm.unwrap_or(default.thickness_mm),

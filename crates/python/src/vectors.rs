@@ -19,11 +19,18 @@ pub(crate) fn vectors<'a>(rows: &'a PyReadonlyArray2<'_, f64>) -> PyResult<&'a [
     Ok(bytemuck::cast_slice(rows.as_slice()?))
 }
 
+/// A new array with one row for each item.
+pub(crate) fn rows<'py, const N: usize>(
+    py: Python<'py>,
+    values: impl ExactSizeIterator<Item = [f64; N]>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let count = values.len();
+    values.flatten().collect::<Vec<f64>>().into_pyarray(py).reshape([count, N])
+}
+
 /// A new array of shape (n, 3).
 pub(crate) fn rows_of<'py>(py: Python<'py>, vectors: &[DVec3]) -> Bound<'py, PyArray2<f64>> {
-    let array = PyArray2::zeros(py, [vectors.len(), 3], false);
-    array.readwrite().as_slice_mut().expect("a new array is contiguous").copy_from_slice(bytemuck::cast_slice(vectors));
-    array
+    rows(py, vectors.iter().map(DVec3::to_array)).expect("each vector has three numbers")
 }
 
 /// An array of shape (n, 3), written by `write` without a copy.

@@ -59,11 +59,11 @@ def test_assigned_film_has_the_stated_error(film, measured):
 def test_tiles_that_lie_stay(film, measured):
     first = film.assign(measured)
     lying = [first.plan[7], first.plan[20]]
-    x, y, z = lying[0].position_mm
-    lying[0] = lying[0]._replace(position_mm=(x + 0.05, y, z), mark_deg=lying[0].mark_deg + 1)
+    x, y, z = lying[0].centre_mm
+    lying[0] = lying[0]._replace(centre_mm=(x + 0.05, y, z), mark_deg=lying[0].mark_deg + 1)
     found = film.assign(measured, placed=lying, starts=4)
     assert [found.plan[place].tile for place in (7, 20)] == [tile.tile for tile in lying]
-    assert np.flatnonzero(found.laid).tolist() == [7, 20]
+    assert np.flatnonzero([row.is_laid for row in found.plan]).tolist() == [7, 20]
     assert found.film.tiles[7].position_mm[0] == pytest.approx(x + 0.05)
     assert found.rms_mm > first.rms_mm
 
@@ -74,7 +74,8 @@ def test_shims_are_chosen(film, measured):
     assert found.plan[3].tile == "shim"
     assert found.spares == 1
     j_t = np.linalg.norm(found.film.tiles[3].polarization_t)
-    assert abs(found.shims[shim]) == pytest.approx(j_t)
+    assert found.shims[0].place == shim
+    assert abs(found.shims[0].strength_t) == pytest.approx(j_t)
 
 
 def test_tiles_that_break_rules_are_named(film, measured):

@@ -7,7 +7,6 @@ import pytest
 from conftest import LAYOUTS
 
 import magsplice
-from magsplice import Estimate
 
 
 def test_first_order_budgets_are_those_of_the_program():
@@ -27,8 +26,10 @@ def test_first_order_budgets_are_those_of_the_program():
     np.testing.assert_allclose(found.total_mm2[2], 8.578031742527313e-05, rtol=1e-9)
     np.testing.assert_allclose(found.sampled_mm2[1], 0.0002055867437692648, rtol=1e-9)
     np.testing.assert_allclose(found.endless_pattern_mm2[0], 0.005830566642696583, rtol=1e-9)
-    ratio = Estimate(0.9973522272710253, 0.9908513386354624, 1.0038531159065884)
-    np.testing.assert_allclose(found.mean_square_ratio[0], ratio, rtol=1e-9)
+    ratio = found.mean_square_ratio.x
+    interval = (0.9908513386354624, 1.0038531159065884)
+    np.testing.assert_allclose(ratio.value, 0.9973522272710253, rtol=1e-9)
+    np.testing.assert_allclose((ratio.low, ratio.high), interval, rtol=1e-9)
     assert found.worth_halving[0].name == "tile positions, x and y"
     assert found.tiles_worth_halving[0].name.startswith("film-x6-y6")
     np.testing.assert_allclose(sum(found.columns()["x_mm2"]), found.total_mm2[0], rtol=1e-12)

@@ -28,18 +28,21 @@ def test_faulty_tiles_are_those_of_the_program(published, scan):
     found = published.diagnose(*scan, noise_t=5e-6, fit=["offset"])
     weak, displaced = found.faulty
     assert (weak.tile, weak.kind) == ("film-x2-y7", "strength")
-    assert weak.magnitude == pytest.approx(-0.09994561293204043, rel=1e-6)
-    assert weak.deviations == (pytest.approx(0.00022930707713539663, rel=1e-6),)
+    assert weak.magnitude == pytest.approx(-9.994561293204043, rel=1e-6)
+    percent, deviation = weak.components["strength_percent"]
+    assert percent == weak.magnitude
+    assert deviation == pytest.approx(0.022930707713539663, rel=1e-6)
     assert (displaced.tile, displaced.kind) == ("film-x6-y1", "displacement")
     moved = (0.19977536976448923, -0.0008291549997181556, 0.0002874744556107673)
-    np.testing.assert_allclose(displaced.components, moved, rtol=1e-4)
+    components = [displaced.components[f"position_{axis}_mm"][0] for axis in "xyz"]
+    np.testing.assert_allclose(components, moved, rtol=1e-4)
     assert displaced.chi_squared == pytest.approx(120725.42759350337, rel=1e-6)
     assert found.is_complete
     assert not found.is_residual_too_large
     assert found.residual_t == pytest.approx(3.538336916363658e-06, rel=1e-6)
     assert found.degrees_of_freedom == 1316
-    assert found.scan_offset_t[0] == pytest.approx(2.00492711802867e-05, rel=1e-6)
-    assert found.strength[10] == pytest.approx(-0.1, abs=1e-3)
+    assert found.scan.offset_t[0] == pytest.approx(2.00492711802867e-05, rel=1e-6)
+    assert found.errors["strength_percent"][10] == pytest.approx(-10, abs=0.1)
     assert np.flatnonzero(found.position_mm[:, 0]).tolist() == [30]
     assert found.columns()["name"] == published.tiles.names
     json.dumps(found.to_dict())
@@ -52,12 +55,14 @@ def test_turns_are_in_degrees():
     angle = np.radians(2.0)
     turned = tile._replace(rotation=(0, 0, np.sin(angle / 2), np.cos(angle / 2)))
     readings = magsplice.Film([turned], name="made").b(points)
-    (faulty,) = magsplice.Film([tile], name="ordered").diagnose(points, readings, noise_t=1e-6).faulty
+    (faulty,) = (
+        magsplice.Film([tile], name="ordered").diagnose(points, readings, noise_t=1e-6).faulty
+    )
     assert faulty.kind == "turn"
-    assert faulty.components[2] == pytest.approx(2.0, abs=0.01)
+    assert faulty.components["rotation_z_deg"][0] == pytest.approx(2.0, abs=0.01)
 
 
-def test_ordinary_errors_are_not_named(published, scan):
+def test_expected_errors_are_not_named(published, scan):
     points, readings = scan
     found = published.diagnose(points, readings, noise_t=2e-5, preset="by-hand", fit=["offset"])
     assert len(found.faulty) < 2
@@ -87,7 +92,7 @@ def test_scans_that_cannot_be_diagnosed_are_refused(published, scan):
         published.diagnose(points, readings, noise_t=-1)
     with pytest.raises(ValueError, match="440 readings for 441 points"):
         published.diagnose(points, readings[1:], noise_t=1e-6)
-    with pytest.raises(ValueError, match="must be a list of words of strength"):
+    with pytest.raises(ValueError, match='must be one of "strength", "offset"'):
         published.diagnose(points, readings, noise_t=1e-6, fit=["everything"])
     with pytest.raises(ValueError, match="preset and as_ordered are both given"):
         published.diagnose(points, readings, noise_t=1e-6, preset="jig", as_ordered=True)

@@ -10,7 +10,7 @@ from conftest import LAYOUTS
 
 import magsplice
 from magsplice import Film, Grid, Ideal, Tile, Volume
-from magsplice._field import flattened
+from magsplice._points import flattened
 
 MU_0 = 1.25663706127e-6
 ONE = Tile((0, 0, 0.5), (3, 2, 1), (0.05, 0.0, 0.12))

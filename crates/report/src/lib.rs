@@ -73,3 +73,4 @@ pub use printed_film::{bill_page, plan_page};
 pub use report::Report;
 pub use scan_planes::scan_figures;
 pub use survey::FilmSamples;
+pub use tile_shapes::from_above as tile_outline;

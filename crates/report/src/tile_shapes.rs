@@ -17,8 +17,8 @@ pub(crate) fn bounds<'a>(tiles: impl Iterator<Item = &'a Tile>) -> Option<[DVec3
     tiles.flat_map(corners).map(|c| [c, c]).reduce(|[low, high], [c, _]| [low.min(c), high.max(c)])
 }
 
-/// The outline from above, counter-clockwise.
-pub(crate) fn from_above(tile: &Tile) -> Vec<DVec2> {
+/// The outline of a tile from above, counter-clockwise, in the unit of its lengths.
+pub fn from_above(tile: &Tile) -> Vec<DVec2> {
     hull(corners(tile).iter().map(|c| c.truncate()).collect())
 }
 

@@ -16,6 +16,7 @@ pub struct FilmComparison {
     #[serde(flatten)]
     pub source: Source,
     /// The difference of the fields; points in millimetres.
+    #[serde(flatten)]
     pub comparison: Comparison,
     /// What an unusual result means.
     #[serde(skip_serializing_if = "Option::is_none")]

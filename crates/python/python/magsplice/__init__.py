@@ -53,21 +53,23 @@ Self-Decoupled Magnetic Tactile Sensor", Magnetochemistry 2024, 10(1), 6, here "
 """
 
 from magsplice import errors, plot
-from magsplice._assignment import Assignment, MeasuredTile, PlacedTile
-from magsplice._budget import Budget, BudgetPart
+from magsplice._assignment import MeasuredTile, PlacedTile, Shim
+from magsplice._budget import Budget, BudgetPart, Improvement
 from magsplice._check import Check, Outcome
 from magsplice._comparison import Comparison, Decoupling
 from magsplice._diagnosis import Diagnosis, FaultyTile
-from magsplice._film import Design, Film, Front
+from magsplice._figures import Estimate, Figures, Statistics
+from magsplice._film import Assignment, Design, Film, Front
 from magsplice._forces import Forces, LayingOrder
 from magsplice._layout import Grid, Ideal, Tile, Tiles, Volume
 from magsplice._load import from_magpylib, load, loads, splice
 from magsplice._magpylib.fields import getB, getH
 from magsplice._magsplice import __version__
-from magsplice._metrics import Metrics
-from magsplice._recoil import FilmFigures, Recoil, RecoilEstimate
+from magsplice._recoil import Recoil, RecoilEstimate
 from magsplice._report import Figure, Page, Report
-from magsplice._samples import Estimate, Samples, Statistics, statistics
+from magsplice._results import PerAxis, PerParameter, Result
+from magsplice._samples import SampledFilm, Samples, statistics
+from magsplice._search import Metrics
 from magsplice._sensor import Readings
 from magsplice.errors import LayoutError, LayoutFault, MagspliceError, PointFault, PointsError
 
@@ -83,12 +85,13 @@ __all__ = [
     "Estimate",
     "FaultyTile",
     "Figure",
+    "Figures",
     "Film",
-    "FilmFigures",
     "Forces",
     "Front",
     "Grid",
     "Ideal",
+    "Improvement",
     "LayingOrder",
     "LayoutError",
     "LayoutFault",
@@ -97,6 +100,8 @@ __all__ = [
     "Metrics",
     "Outcome",
     "Page",
+    "PerAxis",
+    "PerParameter",
     "PlacedTile",
     "PointFault",
     "PointsError",
@@ -104,7 +109,10 @@ __all__ = [
     "Recoil",
     "RecoilEstimate",
     "Report",
+    "Result",
+    "SampledFilm",
     "Samples",
+    "Shim",
     "Statistics",
     "Tile",
     "Tiles",

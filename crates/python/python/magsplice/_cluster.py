@@ -9,7 +9,6 @@ import numpy as np
 
 from magsplice._layout import Floats
 
-Arg = TypeVar("Arg")
 Result = TypeVar("Result")
 
 #: Tasks for each thread of the workers, so that all end at about the same time.
@@ -20,12 +19,12 @@ _MOST_PER_TASK = 10_000
 
 def samples(
     client: Any,
-    draw: Callable[[int, int], tuple[Floats, Floats, Floats]],
+    draw: Callable[[int, int], Floats],
     first: int,
     count: int,
     partition: int | None,
     progress: Callable[[int, int], Any] | None,
-) -> tuple[Floats, Floats, Floats]:
+) -> Floats:
     """Errors of samples in the order of their numbers, computed in tasks of `partition` samples.
 
     `draw` takes the number of the first sample of a task and their count.
@@ -48,19 +47,16 @@ def samples(
             for future in as_completed(futures):
                 done += counts[future]
                 progress(done, count)
-        parts = client.gather(futures)
+        parts: list[Floats] = client.gather(futures)
     except BaseException:
         client.cancel(futures)
         raise
-    if not parts:
-        return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0)
-    uniformity, displacement, amplitude = zip(*parts, strict=True)
-    return np.concatenate(uniformity), np.concatenate(displacement), np.concatenate(amplitude)
+    return np.concatenate(parts)
 
 
-def gathered(client: Any, call: Callable[[Arg], Result], arguments: Iterable[Arg]) -> list[Result]:
-    """Results of a call for each argument, one task each."""
-    futures = [client.submit(call, argument, pure=False) for argument in arguments]
+def gathered(client: Any, calls: Iterable[Callable[[], Result]]) -> list[Result]:
+    """Results of calls, one task each."""
+    futures = [client.submit(call, pure=False) for call in calls]
     try:
         found: list[Result] = client.gather(futures)
     except BaseException:

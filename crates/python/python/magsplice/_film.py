@@ -1,42 +1,70 @@
-"""Films, and the films that searches find."""
+"""Films, and the films that searches and assignments find."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
-from typing import Any
+import json
+import os
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from magsplice import _cluster, _html, _magsplice
+from magsplice import _cluster, _html, _magsplice, _toml
+from magsplice._arguments import LARGEST_SEED, one_of, whole
 from magsplice._arrow import Column, Table, split
-from magsplice._assignment import AssignedFilm
-from magsplice._budget import BudgetedFilm
-from magsplice._check import CheckedFilm
-from magsplice._diagnosis import DiagnosedFilm
-from magsplice._forces import LaidFilm
-from magsplice._layout import Ideal, PerParameter, Tile, Volume
+from magsplice._assignment import (
+    MOST_STARTS,
+    MeasuredTile,
+    PlacedTile,
+    Shim,
+    measured_row,
+    measurement_errors,
+    placed_row,
+)
+from magsplice._budget import Budget
+from magsplice._check import Check, read_baseline
+from magsplice._comparison import Comparison, Decoupling
+from magsplice._diagnosis import Diagnosis, Unknown
+from magsplice._figures import Statistics
+from magsplice._forces import Forces, steps_of
+from magsplice._layout import (
+    KEYS,
+    Floats,
+    Grid,
+    Ideal,
+    Tile,
+    Tiles,
+    Vector,
+    Volume,
+    table_of,
+    three_of,
+)
 from magsplice._magpylib.collection import to_magpylib
-from magsplice._metrics import Metrics
-from magsplice._numbers import Numbers
-from magsplice._recoil import RecoilFilm
-from magsplice._report import DrawnFilm
-from magsplice._samples import MadeFilm, Statistics
-from magsplice._sensor import SensedFilm
+from magsplice._points import coordinates, flattened, shaped, tolerance_of
+from magsplice._recoil import Recoil, RecoilEstimate
+from magsplice._report import VIEW_PX, Page, Report, film_html, view_html
+from magsplice._results import Result, key
+from magsplice._samples import Preset, Samples
+from magsplice._search import MadeFilms, Metrics, SearchStage
+from magsplice._sensor import Readings, at_rest, noise_of
+from magsplice._source import OfFilm
+from magsplice.errors import MagspliceError
+
+if TYPE_CHECKING:
+    import xarray
+
+Invalid = Literal["raise", "nan"]
+
+#: Most samples of one call, as of a run of the program.
+_MOST_SAMPLES = 10_000_000
+#: Most threads, which rayon allows.
+_MOST_THREADS = 65_535
 
 
-class Film(
-    MadeFilm,
-    BudgetedFilm,
-    SensedFilm,
-    RecoilFilm,
-    LaidFilm,
-    AssignedFilm,
-    DiagnosedFilm,
-    CheckedFilm,
-    DrawnFilm,
-):
+class Film(_magsplice.Film):
     """A spliced film, or any other arrangement of block magnets, with its exact field.
 
     Lengths are in millimetres, flux density B and polarization J in tesla, field strength H in
@@ -75,7 +103,8 @@ class Film(
     The error of a field is at most 2e-14 of the sum, over all tiles, of the magnitudes of the
     fields that the three components of J make alone. All processors are used; the environment
     variable RAYON_NUM_THREADS limits them. The interpreter is free for other threads during work,
-    and Ctrl-C interrupts it.
+    and Ctrl-C interrupts it. A method raises MagspliceError if the layout lacks a table that it
+    needs, and names it.
 
     Source: Dai et al., Magnetochemistry 2024, 10(1), 6, is "Dai 2024".
 
@@ -88,8 +117,8 @@ class Film(
     (2, 3)
     """
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         tiles: Iterable[Tile],
         *,
         name: str,
@@ -102,8 +131,8 @@ class Film(
         tolerance: Mapping[str, Any] | None = None,
         sensor: Mapping[str, Any] | None = None,
         elastomer: Mapping[str, Any] | None = None,
-    ) -> None:
-        made = Film.from_dict(
+    ) -> Film:
+        return cls.from_dict(
             {
                 "name": name,
                 "description": description,
@@ -118,7 +147,759 @@ class Film(
                 "tile": tiles,
             }
         )
-        self.__dict__.update(made.__dict__)
+
+    @classmethod
+    def from_dict(
+        cls, layout: Mapping[str, Any], *, folder: str | os.PathLike[str] | None = None
+    ) -> Film:
+        """Film of a layout file given as a dictionary; `to_dict` is the inverse.
+
+        Parameters
+        ----------
+        layout : mapping
+            The keys and tables of a layout file, such as ``{"name": "one", "tile": [...]}``. Tables
+            may also be `Tile`, `Ideal` and `Volume`, and arrays stand for lists. ``format`` may be
+            left out, and keys with the value None count as left out.
+        folder : str or path, optional
+            Folder of files that the layout names. Default: the working folder.
+
+        Raises
+        ------
+        LayoutError
+            If it is no layout.
+        """
+        tables = {"format": 1, **{key: table_of(part) for key, part in layout.items()}}
+        origin = str(tables.get("name") or "layout")
+        return film_of_text(_toml.text_of(tables), origin, folder)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Layout in the plain form: one entry of ``tile`` for each tile, all keys as in a file."""
+        layout: dict[str, Any] = json.loads(self._to_json())
+        return layout
+
+    def replace(self, **tables: Any) -> Film:
+        """Film with other tables or keys.
+
+        Parameters
+        ----------
+        **tables
+            Keys of a layout file with their new values: ``name``, ``description``, ``ideal``,
+            ``volume``, ``material``, ``tolerance``, ``design``, ``sensor``, ``elastomer``,
+            ``expect``, and ``tile`` with the tiles. None removes a table.
+
+        Examples
+        --------
+        >>> volume = film.to_dict()["volume"]  # doctest: +SKIP
+        >>> finer = film.replace(volume={**volume, "step_mm": 0.25})  # doctest: +SKIP
+        """
+        unknown = [key for key, table in tables.items() if table is None and key not in KEYS]
+        if unknown:
+            raise TypeError(f"{unknown[0]} is no key of a layout, must be one of {', '.join(KEYS)}")
+        return self.from_dict({**self.to_dict(), **tables}, folder=self._source[-1])
+
+    def save(self, path: str | os.PathLike[str], *, compact: bool = True) -> None:
+        """Writes the layout as TOML; see `to_toml`. An existing file is replaced."""
+        Path(path).write_text(self.to_toml(compact=compact), encoding="utf-8")
+
+    def __reduce__(self) -> tuple[Callable[..., Film], tuple[str, str, str | None]]:
+        # The text makes the same film bit for bit. Files that it names must be in reach.
+        return film_of_text, self._source
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the layouts have the same text, and their files the same folder."""
+        if not isinstance(other, Film):
+            return NotImplemented
+        return self._source[::2] == other._source[::2]
+
+    def __hash__(self) -> int:
+        return hash(self._source[::2])
+
+    def __repr__(self) -> str:
+        return f"<magsplice.Film {self.name!r}: {len(self)} tiles, sha256 {self.sha256[:12]}>"
+
+    def _repr_html_(self) -> str:
+        rows: list[tuple[str, Any]] = []
+        if self.ideal is not None:
+            ideal = self.ideal
+            text = f"wavelength {ideal.wavelength_mm:g} mm, thickness {ideal.thickness_mm:g} mm, "
+            rows.append(("ideal film", f"{text}amplitude {ideal.amplitude_t:g} T"))
+        if self.volume is not None and self.grid is not None:
+            ranges = zip("xyz", (self.volume.x_mm, self.volume.y_mm, self.volume.z_mm), strict=True)
+            x, y, z = (f"{axis} {low:g} .. {high:g}" for axis, (low, high) in ranges)
+            rows.append(("working volume", f"{x}, {y}, {z} mm, {len(self.grid)} points"))
+        return film_html(self, rows)
+
+    @cached_property
+    def tiles(self) -> Tiles:
+        """All tiles, repetitions written out."""
+        return Tiles(*self._tiles())
+
+    @property
+    def ideal(self) -> Ideal | None:
+        """The ideal film; None if the layout has none."""
+        ideal = self._ideal
+        return None if ideal is None else Ideal(*ideal)
+
+    @property
+    def volume(self) -> Volume | None:
+        """The working volume; None if the layout has none."""
+        volume = self._volume
+        if volume is None:
+            return None
+        *_, lower, upper, step, reference = volume
+        x, y, z = zip(lower, upper, strict=True)
+        return Volume(x, y, z, step[0] if len(set(step)) == 1 else step, reference)
+
+    @property
+    def grid(self) -> Grid | None:
+        """The grid of the working volume; None if the layout has none."""
+        return None if self._volume is None else Grid(*self._volume[:3])
+
+    @property
+    def reference_mm(self) -> Vector | None:
+        """Point of the working volume from which displacements count, in millimetres."""
+        return None if self._volume is None else self._volume[-1]
+
+    def b(
+        self,
+        points: ArrayLike | Grid,
+        *,
+        within: float | None = None,
+        within_t: float | None = None,
+        invalid: Invalid = "raise",
+    ) -> Floats:
+        """Flux density B in tesla.
+
+        Parameters
+        ----------
+        points : array_like of shape (..., 3), or Grid
+            Points in millimetres. An array of contiguous doubles is not copied.
+        within : float, optional
+            Accepted length of the error as a fraction of |B| at each point, such as 1e-6. Default:
+            exact.
+        within_t : float, optional
+            Accepted length of the error in tesla. Excludes `within`.
+        invalid : {"raise", "nan"}
+            What happens at points without a field, such as those on exposed edges.
+
+        Returns
+        -------
+        ndarray of shape (..., 3)
+            B at each point; for a grid of shape (nx, ny, nz, 3). Exact values depend on no other
+            point and on no number of threads.
+
+        Raises
+        ------
+        PointsError
+            If points have no field, or a tolerance cannot be kept there.
+        ValueError
+            If the points have another shape.
+
+        Notes
+        -----
+        Error of the exact field: at most 2e-14 of the sum over tiles (see `error_bound`). On a face
+        B is that of the side of larger x, y or z. A tolerance saves time on grids and with many
+        tiles: docs/accuracy-and-speed.md.
+        """
+        return self._field("b", points, within, within_t, invalid)
+
+    def h(
+        self,
+        points: ArrayLike | Grid,
+        *,
+        within: float | None = None,
+        within_t: float | None = None,
+        invalid: Invalid = "raise",
+    ) -> Floats:
+        """Field strength H in ampere per metre: (B - J) / mu0.
+
+        See `b` for the parameters. A tolerance is that of B.
+        """
+        return self._field("h", points, within, within_t, invalid)
+
+    def j(self, points: ArrayLike | Grid) -> Floats:
+        """Polarization J in tesla of the tile at each point, shape (..., 3); 0 outside tiles."""
+        return self._field("j", points, None, None, "raise")
+
+    def gradient(
+        self,
+        points: ArrayLike | Grid,
+        *,
+        quantity: Literal["b", "h"] = "b",
+        invalid: Invalid = "raise",
+    ) -> Floats:
+        """Gradient of B in tesla per millimetre, or of H in ampere per metre and millimetre.
+
+        Parameters
+        ----------
+        points : array_like of shape (..., 3), or Grid
+            Points in millimetres.
+        quantity : {"b", "h"}
+            Which field is differentiated.
+        invalid : {"raise", "nan"}
+            What happens at points without a gradient, such as those on edges.
+
+        Returns
+        -------
+        ndarray of shape (..., 3, 3)
+            Element (..., i, j) is the derivative of component i along coordinate j. The gradient of
+            B is mu0 times that of H inside a tile too, so it is symmetric and has no trace.
+
+        Raises
+        ------
+        PointsError
+            If points have no gradient.
+        """
+        one_of("quantity", quantity, ("b", "h"))
+        flat, shape = flattened(points)
+        values, error = self._scene.gradient(quantity, flat)
+        if error is not None and invalid == "raise":
+            raise error
+        return values.reshape(*shape, 3, 3)
+
+    def error_bound(self, points: ArrayLike | Grid) -> Floats:
+        """Upper bound in tesla of the error of the exact B, shape (...).
+
+        It is 2e-14 of an upper bound of the sum over tiles of the fields that the three components
+        of J make alone. A component of B below it may be rounding alone.
+        """
+        flat, shape = flattened(points)
+        return self._scene.error_bounds_t(flat).reshape(shape)
+
+    def ideal_b(self, points: ArrayLike | Grid) -> Floats:
+        """Flux density of the ideal film in tesla (Dai 2024, Eq. 2), shape (..., 3).
+
+        NaN at points that are not below the film, at z >= 0.
+        """
+        flat, shape = flattened(points)
+        return self._ideal_b(flat).reshape(*shape, 3)
+
+    def to_xarray(
+        self,
+        grid: Grid | None = None,
+        *,
+        within: float | None = None,
+        within_t: float | None = None,
+    ) -> xarray.Dataset:
+        """B on a grid as an xarray dataset with the dimensions x, y, z and component.
+
+        The variable ``b`` is B in tesla, and ``ideal_b`` that of the ideal film, if there is one.
+
+        Parameters
+        ----------
+        grid : Grid, optional
+            Default: the grid of the working volume.
+        within, within_t : float, optional
+            Tolerance of the field; see `b`.
+        """
+        import xarray
+
+        grid = self._required_grid() if grid is None else grid
+        dims, tesla = ("x", "y", "z", "component"), {"units": "T"}
+        fields = {"b": (dims, self.b(grid, within=within, within_t=within_t), tesla)}
+        if self.ideal is not None:
+            fields["ideal_b"] = (dims, self.ideal_b(grid), tesla)
+        coords = coordinates("xyz", (grid.x_mm, grid.y_mm, grid.z_mm))
+        return xarray.Dataset(fields, coords, {"film": self.name, "sha256": self.sha256})
+
+    def _required_grid(self) -> Grid:
+        if self.grid is None:
+            raise MagspliceError(
+                "the layout has no [volume] table, which this needs: add one, such as "
+                'film.replace(volume={"x_mm": [-2, 2], "y_mm": [-2, 2], "z_mm": [-5, -3], '
+                '"step_mm": 0.5})'
+            )
+        return self.grid
+
+    def _field(
+        self,
+        quantity: Literal["b", "h", "j"],
+        points: ArrayLike | Grid,
+        within: float | None,
+        within_t: float | None,
+        invalid: Invalid,
+    ) -> Floats:
+        """Field at points or on a grid."""
+        accepted = tolerance_of(within, within_t)
+        one_of("invalid", invalid, ("raise", "nan"))
+        if isinstance(points, Grid):
+            shape: tuple[int, ...] = points.counts
+            values, error = self._scene.field_on_grid(
+                quantity, points.lower_mm, points.upper_mm, points.counts, accepted
+            )
+        else:
+            flat, shape = flattened(points)
+            values, error = self._scene.field(quantity, flat, accepted)
+        if error is not None and invalid == "raise":
+            raise error
+        return values.reshape(*shape, 3)
+
+    def compare(
+        self,
+        points: ArrayLike | None = None,
+        *,
+        within: float | None = None,
+        within_t: float | None = None,
+    ) -> Comparison:
+        """Comparison of B with that of the ideal film (Dai 2024, Eq. 2).
+
+        Parameters
+        ----------
+        points : array_like of shape (..., 3), optional
+            Points below the film, in millimetres. Default: the grid of the working volume.
+        within, within_t : float, optional
+            Tolerance of the field; see `b`.
+
+        Raises
+        ------
+        MagspliceError
+            If points are not below the film.
+        """
+        flat = None if points is None else flattened(points)[0]
+        return Comparison(_magsplice.compare(self, flat, tolerance_of(within, within_t)))
+
+    def decouple(
+        self,
+        points: ArrayLike | None = None,
+        *,
+        within: float | None = None,
+        within_t: float | None = None,
+    ) -> Decoupling:
+        """Decoupling parameters R_x, R_y, S_z and their errors (Dai 2024, Eqs. 13 to 15).
+
+        Parameters
+        ----------
+        points : array_like of shape (..., 3), optional
+            Points in millimetres. Default: the grid of the working volume, of which alone there is
+            a uniformity RMSE.
+        within, within_t : float, optional
+            See `b`.
+
+        Raises
+        ------
+        MagspliceError
+            If the parameters do not exist.
+        """
+        flat, shape = (None, ()) if points is None else flattened(points)
+        where: Grid | Floats
+        if flat is None:
+            where = self._required_grid()
+            shape = where.counts
+        else:
+            where = flat.reshape(*shape, 3)
+        numbers, more = _magsplice.decouple(self, flat, tolerance_of(within, within_t))
+        return Decoupling(numbers, where=where, **shaped(more, shape))
+
+    def check(self) -> Check:
+        """Values of everything that ``[expect]`` bounds, as ``magsplice check`` compares them.
+
+        Each expectation is evaluated by itself, so that one that cannot be does not hide the
+        others. ``film.check().status`` is ``"ok"`` if the film meets all. Nothing is written: a
+        baseline is read, and never replaced.
+        """
+        name = self._baseline_file
+        held = None if name is None else read_baseline(Path(self._source[-1] or ".") / name)
+        return Check(_magsplice.check(self, held))
+
+    @cached_property
+    def recoil(self) -> Recoil | None:
+        """What recoil changes; None if no tile has a recoil permeability above 1.
+
+        It is solved when the film is first evaluated, and once. Every field and result of the film
+        is that of the cells.
+
+        Raises
+        ------
+        MagspliceError
+            If tiles overlap, or B is not known to the stated error with 120 000 cells.
+        """
+        found = _magsplice.recoil(self)
+        if found is None:
+            return None
+        numbers, more = found
+        for value in more.values():
+            if isinstance(value, np.ndarray):
+                # The result is kept.
+                value.flags.writeable = False
+        return Recoil(numbers, names=self.tiles.names, **more)
+
+    def recoil_estimate(self, mu_r: float = 1.05) -> RecoilEstimate | None:
+        """What recoil would change, to first order, as ``magsplice plan`` and ``check`` print it.
+
+        Parameters
+        ----------
+        mu_r : float
+            Relative recoil permeability of all tiles. Without effect if the layout states its own.
+
+        Returns
+        -------
+        RecoilEstimate | None
+            None if the layout has no ideal film, no working volume or more than 1000 tiles, or its
+            figures do not exist.
+
+        Raises
+        ------
+        ValueError
+            If `mu_r` is not a permeability.
+        MagspliceError
+            If tiles overlap.
+        """
+        found = _magsplice.recoil_estimate(self, mu_r)
+        return None if found is None else RecoilEstimate(found)
+
+    def tolerance(
+        self,
+        samples: int | None = None,
+        *,
+        preset: Preset | None = None,
+        seed: int | None = None,
+        first: int = 0,
+        threads: int | None = None,
+        client: Any = None,
+        partition: int | None = None,
+        progress: Callable[[int, int], Any] | None = None,
+    ) -> Samples:
+        """Decoupling errors of films that are made, with the errors of ``[tolerance]``.
+
+        Sample number i depends on the seed and on i alone. Any division of the samples into calls,
+        threads or workers gives the same bits.
+
+        Parameters
+        ----------
+        samples : int, optional
+            Number of films, up to 10 million. Default: that of the layout, 1000 if it states none.
+        preset : {"by-hand", "workshop", "jig"}, optional
+            Errors of every tile to assume instead of those of the layout.
+        seed : int, optional
+            Seed. Default: that of the layout, 1 if it states none.
+        first : int
+            Number of the first sample.
+        threads : int, optional
+            Number of threads. Default: all processors, and 1 in a task of a client.
+        client : distributed.Client, optional
+            Dask client on whose workers the samples are computed. A worker that is lost costs time
+            and no sample. docs/python-cluster.md describes clusters.
+        partition : int, optional
+            Number of samples of a task of the client. Default: so many that there are 8 tasks for
+            each thread of the workers, and at most 10 000.
+        progress : callable, optional
+            Called with the number of finished samples and the number of all.
+
+        Raises
+        ------
+        MagspliceError
+            If a sample has no errors.
+        """
+        stated = self._sampling
+        count = stated[0] if samples is None else whole("samples", samples, 1, _MOST_SAMPLES)
+        seed = stated[1] if seed is None else whole("seed", seed, 0)
+        first = whole("first", first, 0, LARGEST_SEED - count)
+        threads = None if threads is None else whole("threads", threads, 1, _MOST_THREADS)
+        partition = None if partition is None else whole("partition", partition, 1, _MOST_SAMPLES)
+        if client is not None:
+            draw = partial(_drawn, self, preset, seed, threads or 1)
+            errors = _cluster.samples(client, draw, first, count, partition, progress)
+        else:
+            errors = _magsplice.samples(self, preset, seed, first, count, threads, progress)
+        return Samples(errors, _magsplice.sampled(self, preset, seed, first, errors), preset)
+
+    def budget(
+        self, samples: int = 200, *, preset: Preset | None = None, seed: int | None = None
+    ) -> Budget:
+        """Where the displacement error of films that are made comes from.
+
+        Its mean square is divided into the splicing pattern, the end of the film, and each cause of
+        ``[tolerance]``, as ``magsplice budget`` does.
+
+        Parameters
+        ----------
+        samples : int
+            Number of samples that check the division, or divide, from 20 to 1 000 000.
+        preset : {"by-hand", "workshop", "jig"}, optional
+            Errors of every tile to assume instead of those of the layout.
+        seed : int, optional
+            Seed. Default: that of the layout, 1 if it states none.
+
+        Raises
+        ------
+        ValueError
+            If `samples` is out of range.
+        MagspliceError
+            If a sample has no errors.
+        """
+        samples = whole("samples", samples, 20, 1_000_000)
+        seed = self._sampling[1] if seed is None else whole("seed", seed, 0)
+        return Budget(_magsplice.budget(self, preset, seed, samples))
+
+    def forces(
+        self,
+        order: Literal["given", "least"] | Sequence[str] | None = None,
+        *,
+        seed: int = 1,
+        turned_error: float = 1e-9,
+    ) -> Forces:
+        """Forces and torques of the tiles on each other, as ``magsplice forces`` prints them.
+
+        Tiles with parallel edges have them in closed form, exact to round-off, also where they
+        touch. Tiles with a recoil permeability are divided into 27 cells or more, with the
+        polarization that they have in the whole film.
+
+        Parameters
+        ----------
+        order : {"given", "least"} or sequence of str, optional
+            Order of laying: that of the layout, the one with the least holding that is found, or
+            the names of all tiles. Default: none.
+        seed : int
+            Seed of the random numbers of the search for the least holding.
+        turned_error : float
+            Largest relative error of the force of two tiles that are turned against each other,
+            from 1e-13 to 0.1.
+
+        Raises
+        ------
+        ValueError
+            If the order has not each tile once, or `turned_error` is out of range.
+        MagspliceError
+            If there are more than 4000 tiles or cells, or the force of turned tiles is not known to
+            `turned_error`.
+        """
+        if not 1e-13 <= turned_error <= 0.1:
+            raise ValueError(f"turned_error = {turned_error}, must be from 1e-13 to 0.1")
+        seed = whole("seed", seed, 0)
+        chosen: str | list[int] | None = None
+        if order is not None:
+            chosen = order if order in ("given", "least") else steps_of(order, self.tiles.names)
+        return Forces(_magsplice.forces(self, turned_error, chosen, seed))
+
+    def read(
+        self,
+        readings_t: ArrayLike,
+        *,
+        noise_t: float | Sequence[float] | None = None,
+        constant_t: Sequence[float] = (0.0, 0.0, 0.0),
+        zero: ArrayLike | None = None,
+        rest: ArrayLike | None = None,
+    ) -> Readings:
+        """Displacements, and forces, from what a Hall sensor reads below the film.
+
+        Positions are found by the exact field and its gradient. Errors of the positions are those
+        of the field, 2e-14 of the sum over tiles, over its gradient.
+
+        Parameters
+        ----------
+        readings_t : array_like of shape (..., 3)
+            Readings in tesla, as the sensor of ``[sensor]`` gives them; without this table it is a
+            point that reads B.
+        noise_t : float or sequence of 3 floats, optional
+            Standard deviation of a reading along each axis, in tesla. Default: that of
+            ``[sensor]``.
+        constant_t : sequence of 3 floats
+            What every reading contains besides the film's field, in tesla, such as a stray field.
+        zero : array_like of shape (..., 3), optional
+            Readings of the sensor at rest at the reference point, in tesla. What their mean has
+            beyond the field there is subtracted from all readings. Excludes `constant_t`.
+        rest : array_like of shape (..., 3), optional
+            Readings of the sensor at rest, in tesla, in no field but that of the film.
+            Displacements count from its position. Excludes `constant_t` and `zero`.
+
+        Returns
+        -------
+        Readings
+            Displacements from the reference point, with standard deviations if there is noise, and
+            forces if the layout has an ``[elastomer]``.
+
+        Raises
+        ------
+        MagspliceError
+            If the sensor cannot read the field, or the mean of `rest` has no position.
+        ValueError
+            If more than one of `constant_t`, `zero` and `rest` is given, one has no readings or
+            none that are finite numbers, or a noise is not above 0.
+        """
+        flat, shape = flattened(readings_t)
+        x, y, z = (float(value) for value in constant_t)
+        if not np.isfinite((x, y, z)).all():
+            raise ValueError(f"constant_t = {constant_t}, must be finite numbers")
+        if sum([any((x, y, z)), zero is not None, rest is not None]) > 1:
+            raise ValueError("more than one of constant_t, zero and rest is given: give one")
+        numbers, more = _magsplice.read(
+            self,
+            flat,
+            noise_of(noise_t),
+            (x, y, z),
+            None if zero is None else at_rest("zero", zero),
+            None if rest is None else at_rest("rest", rest),
+        )
+        return Readings(numbers, **shaped(more, shape))
+
+    def resolution(
+        self,
+        points: ArrayLike | Grid | None = None,
+        *,
+        noise_t: float | Sequence[float] | None = None,
+    ) -> Floats:
+        """Standard deviations of the position that one reading gives, in millimetres.
+
+        The shape is (..., 3). No unbiased estimate from one reading has smaller ones (the bound of
+        Cramér and Rao).
+
+        Parameters
+        ----------
+        points : array_like of shape (..., 3), or Grid, optional
+            Points in millimetres. Default: the grid of the working volume.
+        noise_t : float or sequence of 3 floats, optional
+            Standard deviation of a reading along each axis, in tesla. Default: that of
+            ``[sensor]``.
+
+        Raises
+        ------
+        ValueError
+            If neither `noise_t` nor the layout states a noise, or a noise is not above 0.
+        MagspliceError
+            If the sensor cannot read the field.
+        """
+        flat, shape = flattened(self._required_grid() if points is None else points)
+        found = _magsplice.resolution(self, flat, noise_of(noise_t))
+        if found is None:
+            raise ValueError(
+                "noise_t is missing and the layout has no [sensor] with noise: "
+                "give noise_t in tesla, such as 5e-6"
+            )
+        return found.reshape(*shape, 3)
+
+    def assign(
+        self,
+        measured: Iterable[MeasuredTile],
+        *,
+        placed: Iterable[PlacedTile] = (),
+        shims: Iterable[str] = (),
+        may_turn_over: bool = True,
+        starts: int = 16,
+        seed: int = 1,
+        strength_error: float | None = None,
+        direction_error_deg: float | None = None,
+        size_error_mm: float | None = None,
+    ) -> Assignment:
+        """The measured tiles at the places where the displacement error of the film is least.
+
+        As ``magsplice assign`` does: local searches from many starts, by the exact derivatives and
+        then the exact field. What recoil adds to the field is that of the film as ordered.
+
+        Parameters
+        ----------
+        measured : iterable of MeasuredTile
+            The tiles in the box, spares included.
+        placed : iterable of PlacedTile
+            Tiles of the box that lie already. They stay, and the others make up for them.
+        shims : iterable of str
+            Places of tiles whose strength is chosen.
+        may_turn_over : bool
+            Whether the side that was up when a tile was measured may be down.
+        starts : int
+            Number of random starts, from 1 to 10 000.
+        seed : int
+            Seed of the random numbers.
+        strength_error, direction_error_deg, size_error_mm : float, optional
+            Standard deviations of the errors of the measurements: of the strength as a fraction up
+            to 0.5, of the direction of J about each axis normal to it up to 45 degrees, and of each
+            side up to 10 mm. With any of them `Assignment.measured_rms_mm` is known.
+
+        Raises
+        ------
+        ValueError
+            If `starts` or an error is out of range.
+        MagspliceError
+            If a tile breaks a rule, or the tiles cannot be assigned. All tiles that break rules
+            are named.
+
+        Examples
+        --------
+        >>> import magsplice
+        >>> squares = [(x, y, 0.5) for x in (-2.5, 2.5) for y in (-2.5, 2.5)]
+        >>> film = magsplice.Film(
+        ...     [magsplice.Tile(at, (3, 3, 1), (0, 0, 0.12)) for at in squares],
+        ...     name="four squares",
+        ...     ideal={"wavelength_mm": 10, "thickness_mm": 1, "amplitude_t": 0.12},
+        ...     volume={"x_mm": [-1, 1], "y_mm": [-1, 1], "z_mm": [-4, -3], "step_mm": 0.5},
+        ... )
+        >>> strengths_t = [0.121, 0.118, 0.12, 0.119, 0.122]
+        >>> tiles = [magsplice.MeasuredTile(f"cut-{n}", t) for n, t in enumerate(strengths_t)]
+        >>> found = film.assign(tiles)
+        >>> found.spares, found.rms_mm <= found.in_order_rms_mm
+        (1, True)
+        """
+        starts, seed = whole("starts", starts, 1, MOST_STARTS), whole("seed", seed, 0)
+        errors = measurement_errors(strength_error, direction_error_deg, size_error_mm)
+        numbers, text = _magsplice.assign(
+            self,
+            [measured_row(MeasuredTile(*tile)) for tile in measured],
+            [placed_row(PlacedTile(*tile)) for tile in placed],
+            list(shims),
+            may_turn_over,
+            starts,
+            seed,
+            errors,
+        )
+        film = film_of_text(text, "the assigned film", self._source[-1])
+        return Assignment(numbers, film=film)
+
+    def diagnose(
+        self,
+        points_mm: ArrayLike,
+        readings_t: ArrayLike,
+        *,
+        noise_t: float | Sequence[float] | None = None,
+        preset: Preset | None = None,
+        as_ordered: bool = False,
+        fit: Collection[Unknown] = (),
+        false_alarm: float = 0.01,
+    ) -> Diagnosis:
+        """Tiles that are weak, turned or displaced, from a scan of the field near the film.
+
+        An error is named if neither the noise nor the expected errors of tiles explain it, as
+        ``magsplice diagnose`` does. What recoil adds to the field is that of the film as ordered.
+
+        Parameters
+        ----------
+        points_mm : array_like of shape (..., 3)
+            Positions of the scan in the frame of the film, in millimetres.
+        readings_t : array_like of shape (..., 3)
+            Readings of the sensor of ``[sensor]`` there, in tesla; without this table B.
+        noise_t : float or sequence of 3 floats, optional
+            Standard deviation of a reading along each axis, in tesla. Default: that of
+            ``[sensor]``.
+        preset : {"by-hand", "workshop", "jig"}, optional
+            Expected errors of every tile instead of those of ``[tolerance]``.
+        as_ordered : bool
+            Whether tiles that are not named count as exactly as ordered, whatever ``[tolerance]``
+            states.
+        fit : collection of {"strength", "offset", "rotation", "start"}
+            What is not known of the scan and fitted: the strength of all tiles, a constant reading,
+            the rotation of the sensor, its position at the origin of the scan.
+        false_alarm : float
+            Probability that a tile of a film without faulty tiles is named.
+
+        Raises
+        ------
+        ValueError
+            If there are not as many readings as points, `fit` has another word, or `preset` and
+            `as_ordered` are both given.
+        MagspliceError
+            If the noise is not known, or the scan cannot be diagnosed.
+        """
+        points, _ = flattened(points_mm)
+        readings, _ = flattened(readings_t)
+        if len(points) != len(readings):
+            raise ValueError(f"{len(readings)} readings for {len(points)} points, must be as many")
+        if isinstance(fit, str):
+            raise ValueError(f"fit = {fit!r}, must be a list of words")
+        words = [one_of("fit", word, ("strength", "offset", "rotation", "start")) for word in fit]
+        if preset is not None and as_ordered:
+            raise ValueError("preset and as_ordered are both given: give one of them")
+        numbers, errors = _magsplice.diagnose(
+            self, points, readings, three_of(noise_t), preset, as_ordered, words, false_alarm
+        )
+        return Diagnosis(numbers, names=self.tiles.names, errors=errors)
 
     def design(
         self,
@@ -136,17 +917,12 @@ class Film(
             Called with the stage, the finished items, their number (0 if it is not known), and the
             best error so far (None before the first film).
 
-        Returns
-        -------
-        Design
-            The film found, and its errors before and after.
-
         Raises
         ------
         ValueError
             If `least_amplitude` is not above 0.
         MagspliceError
-            If the layout has no ``[design]``, or there is no film that keeps its rules.
+            If there is no film that keeps the rules of ``[design]``.
 
         Examples
         --------
@@ -156,9 +932,8 @@ class Film(
         """
         if least_amplitude is not None and not 0 < least_amplitude < np.inf:
             raise ValueError(f"least_amplitude = {least_amplitude}, must be above 0 and finite")
-        numbers = _magsplice.design(self._core, least_amplitude, progress)
-        film = Film._parsed(numbers["text"], "the film found", self._folder)
-        return Design.from_numbers(film, numbers)
+        numbers, text = _magsplice.design(self, least_amplitude, progress)
+        return Design(numbers, film=film_of_text(text, "the film found", self._source[-1]))
 
     def front(
         self,
@@ -183,11 +958,45 @@ class Film(
         Front
             The films that no other film beats in error and in amplitude.
         """
-        if client is not None:
-            designs = _cluster.gathered(client, partial(_designed, self), least_amplitudes)
-        else:
-            designs = [self.design(least_amplitude=least) for least in least_amplitudes]
-        return front_of(list(least_amplitudes), designs)
+        searches = [partial(self.design, least_amplitude=least) for least in least_amplitudes]
+        if client is None:
+            return front_of(least_amplitudes, [search() for search in searches])
+        return front_of(least_amplitudes, _cluster.gathered(client, searches))
+
+    def report(self, *, outlines: bool = False, within: float | None = None) -> Report:
+        """Figures of the film and one HTML page, as ``magsplice report`` draws them.
+
+        Parameters
+        ----------
+        outlines : bool
+            Whether text of SVG files becomes outlines, which look the same on every machine.
+        within : float, optional
+            Tolerance of the field of the working volume; see `b`.
+
+        Returns
+        -------
+        Report
+            ``report.save("folder")`` writes the files; a notebook shows the page.
+        """
+        text, numbers = "", "{}"
+        if self.grid is not None and self.ideal is not None:
+            comparison, decoupling = self.compare(within=within), self.decouple(within=within)
+            text = f"{comparison}\n\n{decoupling}\n"
+            numbers = json.dumps(
+                {"comparison": comparison.to_dict(), "decoupling": decoupling.to_dict()}
+            )
+        accepted = tolerance_of(within, None)
+        return Report(*_magsplice.report(self, text, numbers, outlines, accepted))
+
+    def view(self, height_px: int = VIEW_PX) -> Page:
+        """View of the tiles that can be turned, for a notebook.
+
+        Parameters
+        ----------
+        height_px : int
+            Height in pixels.
+        """
+        return Page(view_html(self), height_px)
 
     def to_magpylib(self) -> Any:
         """Film as a `magpylib.Collection` of cuboids, in metres and tesla.
@@ -200,97 +1009,82 @@ class Film(
         return to_magpylib(self)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Design(Numbers):
-    """A film that a search found, with its errors before and after.
+def film_of_text(text: str, origin: str, folder: str | os.PathLike[str] | None) -> Film:
+    """Film in the text of a layout file."""
+    film: Film = _magsplice.Film.__new__(Film, text, origin, folder)
+    return film
 
-    Attributes
-    ----------
-    film : Film
-        The film found; ``film.save("better.toml")`` writes it.
-    before : Metrics
-        Errors of the film before the search, over its working volume.
-    after : Metrics
-        Errors of the film found, over the working volume.
-    five_times_finer : Metrics
-        Errors of the film found, over the design grid refined five times.
-    stages : list[tuple[str, (float, float, float)]]
-        Stages of the search, and the uniformity RMSE after each.
-    parts : int
-        Number of distinct parts.
-    starts_that_agree : int
-        Number of starts whose error is within a tenth of the best.
-    short_of : list[str]
-        Demands that the film misses. Empty if it meets all.
-    made_before : tuple[Statistics, Statistics, Statistics] | None
-        Displacement RMSE along x, y, z of films that are made from the film before, in
-        millimetres; None unless the design counts them (``under = "tolerance"``).
-    made_after : tuple[Statistics, Statistics, Statistics] | None
-        The same of the film found.
-    error : float
-        What the search minimizes: the root of the weighted sum of squares of the three
-        uniformity or displacement RMSE (in millimetres), by the goal of ``[design]``; 95th
-        percentiles where the design counts films that are made; the scaled relative RMSE of B
-        for the goal ``field``.
+
+class Assignment(OfFilm, Table):
+    """A film with the tile of each place. A table of the plan, one row for each place.
+
+    RMS displacement errors are over the working volume and its three axes, in millimetres.
     """
 
-    film: Film
-    before: Metrics
-    after: Metrics
-    five_times_finer: Metrics
-    stages: list[tuple[str, PerParameter]]
-    parts: int
-    starts_that_agree: int
-    short_of: list[str]
-    made_before: tuple[Statistics, Statistics, Statistics] | None
-    made_after: tuple[Statistics, Statistics, Statistics] | None
-    error: float
+    film: Film = key(
+        """The film with its measured tiles. Its ``[tolerance]`` has the errors of laying, and those
+        of the measurements."""
+    )
+    measured_tiles: int = key("Number of tiles that were measured.")
+    spares: int = key("Number of the tiles that are left.")
+    ordered_rms_mm: float = key("RMS displacement error of the film as ordered.")
+    in_order_rms_mm: float = key("The same of the tiles in the order in which they were given.")
+    rms_mm: float = key("The same of the tiles as assigned.")
+    starts_rms_mm: list[float] = key("The same by the linear model at the end of each search.")
+    measurement_errors: dict[str, float | None] | None = key(
+        "Standard deviations ``strength``, ``direction_rad`` and ``size_mm``, if they are given."
+    )
+    measured_rms_mm: Statistics | None = key(
+        "The distribution of the RMS with the errors of the measurements, if they are given.",
+        Statistics,
+    )
+    shims: list[Shim] = key("Tiles whose strength is chosen.", Shim)
+    plan: list[PlacedTile] = key(
+        "The tile of each place, in the order of the places. The tile of a shim is ``shim``.",
+        lambda row: PlacedTile(**row),
+    )
 
-    @classmethod
-    def from_numbers(cls, film: Film, numbers: Any) -> Design:
-        """Result with the numbers of the library."""
-        made = numbers.get("made")
-
-        def along(films: str) -> tuple[Statistics, Statistics, Statistics] | None:
-            if made is None:
-                return None
-            x, y, z = map(Statistics._of, made[films]["displacement_rmse_mm"].values())
-            return x, y, z
-
-        return cls(
-            film=film,
-            before=Metrics.of(numbers["before"]),
-            after=Metrics.of(numbers["after"]),
-            five_times_finer=Metrics.of(numbers["five_times_finer"]),
-            stages=[
-                (of["stage"], tuple(of["uniformity_rmse"].values())) for of in numbers["stages"]
-            ],
-            parts=numbers["parts"],
-            starts_that_agree=numbers["starts_that_agree"],
-            short_of=numbers["short_of"],
-            made_before=along("before"),
-            made_after=along("after"),
-            error=numbers["error"],
-        )
-
-    def to_dict(self) -> dict[str, Any]:
-        """Numbers by name; for JSON."""
+    def columns(self) -> dict[str, Column]:
+        """Columns place, tile, x_mm, y_mm, z_mm, up, mark, mark_deg, laid, as in a plan file."""
+        centres = np.array([row.centre_mm for row in self.plan], dtype=float)
         return {
-            "tiles": len(self.film),
-            "error": self.error,
-            "parts": self.parts,
-            "before_displacement_rmse_mm": self.before.displacement_rmse_mm,
-            "after_displacement_rmse_mm": self.after.displacement_rmse_mm,
-            "before_uniformity_rmse": self.before.uniformity_rmse,
-            "after_uniformity_rmse": self.after.uniformity_rmse,
-            "before_amplitude": self.before.amplitude,
-            "after_amplitude": self.after.amplitude,
-            "starts_that_agree": self.starts_that_agree,
-            "short_of": self.short_of,
+            "place": [row.place for row in self.plan],
+            "tile": [row.tile for row in self.plan],
+            **split(("x_mm", "y_mm", "z_mm"), centres),
+            "up": [row.up for row in self.plan],
+            "mark": [row.mark for row in self.plan],
+            "mark_deg": np.array([row.mark_deg for row in self.plan]),
+            "laid": ["yes" if row.is_laid else "no" for row in self.plan],
         }
 
 
-@dataclass(frozen=True, eq=False)
+class Design(Result):
+    """A film that a search found, with its errors before and after."""
+
+    film: Film = key('The film found; ``film.save("better.toml")`` writes it.')
+    before: Metrics = key("Errors of the film before the search, over its working volume.", Metrics)
+    after: Metrics = key("Errors of the film found, over the working volume.", Metrics)
+    five_times_finer: Metrics = key(
+        "Errors of the film found, over the design grid refined five times.", Metrics
+    )
+    made: MadeFilms | None = key(
+        """Errors of films that are made from both; None unless the design counts them
+        (``under = "tolerance"``).""",
+        MadeFilms,
+    )
+    error: float = key(
+        """What the search minimizes: the root of the weighted sum of squares of the three
+        uniformity or displacement RMSE (in millimetres), by the goal of ``[design]``; 95th
+        percentiles where the design counts films that are made; the scaled relative RMSE of B
+        for the goal ``field``."""
+    )
+    stages: list[SearchStage] = key("Stages of the search.", SearchStage)
+    parts: int = key("Number of distinct parts.")
+    starts_that_agree: int = key("Number of starts whose error is within a tenth of the best.")
+    short_of: list[str] = key("Demands that the film misses. Empty if it meets all.")
+    interrupted: bool = key("False: an interrupted search raises its exception.")
+
+
 class Front(Table):
     """The films of a trade-off of error against amplitude, in ascending order of the amplitude.
 
@@ -305,8 +1099,9 @@ class Front(Table):
         The films.
     """
 
-    least_amplitudes: list[float]
-    designs: list[Design]
+    def __init__(self, least_amplitudes: list[float], designs: list[Design]) -> None:
+        self.least_amplitudes = least_amplitudes
+        self.designs = designs
 
     def __len__(self) -> int:
         return len(self.designs)
@@ -327,23 +1122,20 @@ class Front(Table):
         return _html.rows_table(self.columns())
 
 
-def front_of(least_amplitudes: Sequence[float], designs: Sequence[Design]) -> Front:
+def front_of(least_amplitudes: Iterable[float], designs: Iterable[Design]) -> Front:
     """Films that keep their amplitude and that no other film beats."""
     pairs = zip(least_amplitudes, designs, strict=True)
-    kept = sorted(
-        ((d.after.amplitude, -d.error, least, d) for least, d in pairs if not d.short_of),
-        key=lambda entry: entry[:2],
-    )
+    kept = [pair for pair in pairs if not pair[1].short_of]
+    kept.sort(key=lambda pair: (pair[1].after.amplitude, -pair[1].error))
     front: list[tuple[float, Design]] = []
-    best = np.inf
     # From the largest amplitude on, each film must have a smaller error than all stronger ones.
-    for _, minus_error, least, design in reversed(kept):
-        if -minus_error < best:
-            best = -minus_error
-            front.append((least, design))
-    front.reverse()
+    for least, design in reversed(kept):
+        if not front or design.error < front[0][1].error:
+            front.insert(0, (least, design))
     return Front([least for least, _ in front], [design for _, design in front])
 
 
-def _designed(film: Film, least_amplitude: float) -> Design:
-    return film.design(least_amplitude=least_amplitude)
+def _drawn(
+    film: Film, preset: Preset | None, seed: int, threads: int, first: int, count: int
+) -> Floats:
+    return _magsplice.samples(film, preset, seed, first, count, threads)

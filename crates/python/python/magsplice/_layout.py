@@ -10,13 +10,30 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from magsplice import _magsplice
 from magsplice._arguments import whole
 from magsplice._arrow import Column, Table, split
 
 Floats = NDArray[np.float64]
 Vector = tuple[float, float, float]
-# Values of R_x, R_y, S_z. None where the planes of a grid have one point each.
-PerParameter = tuple[float | None, float | None, float | None]
+
+#: Keys of a layout file that may be left out.
+KEYS = (
+    "description",
+    "history",
+    "overlap_mm",
+    "ideal",
+    "volume",
+    "material",
+    "expect",
+    "design",
+    "tolerance",
+    "sensor",
+    "elastomer",
+    "kind",
+    "tile",
+    "lattice",
+)
 
 
 class Tile(NamedTuple):
@@ -95,6 +112,7 @@ def _permeability(stated: float | Sequence[float] | None) -> Any:
     return {"along": along, "across": across}
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Tiles(Table):
     """Tiles of a film, as a sequence of `Tile` and as arrays with one row for each tile.
 
@@ -125,25 +143,10 @@ class Tiles(Table):
     rotation: Floats
     recoil_permeability: Floats
 
-    def __init__(
-        self,
-        names: list[str],
-        kinds: list[str | None],
-        position_mm: Floats,
-        size_mm: Floats,
-        polarization_t: Floats,
-        rotation: Floats,
-        recoil_permeability: Floats,
-    ) -> None:
-        self.names = names
-        self.kinds = kinds
-        self.position_mm = position_mm
-        self.size_mm = size_mm
-        self.polarization_t = polarization_t
-        self.rotation = rotation
-        self.recoil_permeability = recoil_permeability
-        for array in (position_mm, size_mm, polarization_t, rotation, recoil_permeability):
-            array.flags.writeable = False
+    def __post_init__(self) -> None:
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
 
     def __len__(self) -> int:
         return len(self.names)
@@ -223,36 +226,29 @@ class Grid:
         nx, ny, nz = (whole("counts", count, 1) for count in self.counts)
         object.__setattr__(self, "counts", (nx, ny, nz))
 
-    def _axis(self, axis: int) -> Floats:
-        # Rounded once, as the library rounds, so that a grid symmetric about 0 contains 0.
-        last = self.counts[axis] - 1
-        lower, upper = self.lower_mm[axis], self.upper_mm[axis]
-        if last == 0:
-            return np.array([lower])
-        steps = np.arange(last + 1)
-        values: Floats = (lower * (last - steps) + upper * steps) / last
-        values[0], values[-1] = lower, upper
-        return values
-
     @cached_property
+    def _axes(self) -> tuple[Floats, Floats, Floats]:
+        return _magsplice.grid_axes(self.lower_mm, self.upper_mm, self.counts)
+
+    @property
     def x_mm(self) -> Floats:
         """Coordinates along x, in millimetres, shape (nx,)."""
-        return self._axis(0)
+        return self._axes[0]
 
-    @cached_property
+    @property
     def y_mm(self) -> Floats:
         """Coordinates along y, in millimetres, shape (ny,)."""
-        return self._axis(1)
+        return self._axes[1]
 
-    @cached_property
+    @property
     def z_mm(self) -> Floats:
         """Coordinates along z, in millimetres, shape (nz,)."""
-        return self._axis(2)
+        return self._axes[2]
 
     @property
     def points_mm(self) -> Floats:
         """Points, in millimetres, shape (nx, ny, nz, 3)."""
-        return np.stack(np.meshgrid(self.x_mm, self.y_mm, self.z_mm, indexing="ij"), axis=-1)
+        return np.stack(np.meshgrid(*self._axes, indexing="ij"), axis=-1)
 
     def __len__(self) -> int:
         nx, ny, nz = self.counts

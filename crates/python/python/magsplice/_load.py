@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from pathlib import Path
 from typing import Any, Literal
@@ -11,10 +10,9 @@ import numpy as np
 
 from magsplice import _magsplice
 from magsplice._arguments import whole
-from magsplice._film import Film
+from magsplice._film import Film, film_of_text
 from magsplice._layout import Tile
 from magsplice._magpylib.cuboids import MILLI, Track, cuboids_of, shifted
-from magsplice.errors import LayoutError
 
 
 def load(path: str | os.PathLike[str]) -> Film:
@@ -40,14 +38,9 @@ def load(path: str | os.PathLike[str]) -> Film:
     Examples
     --------
     >>> film = magsplice.load("layouts/published-film.toml")  # doctest: +SKIP
-    >>> film.b([0.0, 0.0, -5.0])  # doctest: +SKIP
     """
-    core = _magsplice.Film.read(path)
-    # The text is kept, so that copies of the film in other processes have the same bits.
-    data = Path(path).read_bytes()
-    if hashlib.sha256(data).hexdigest() != core.sha256:
-        raise LayoutError(f"{os.fspath(path)}: changed while it was read: load it again")
-    return Film._made(core, data.decode(), os.fspath(path), str(Path(path).absolute().parent))
+    path = Path(path)
+    return film_of_text(_magsplice.layout_text(path), str(path), path.absolute().parent)
 
 
 def loads(
@@ -64,17 +57,12 @@ def loads(
     folder : str or path, optional
         Folder of files that the text names, such as measured errors. Default: the working folder.
 
-    Returns
-    -------
-    Film
-
     Raises
     ------
     LayoutError
         If the text is no layout. All broken rules are in ``error.faults``.
     """
-    folder = None if folder is None else os.fspath(folder)
-    return Film._parsed(text, origin, folder)
+    return film_of_text(text, origin, folder)
 
 
 def splice(
@@ -127,10 +115,6 @@ def splice(
         Error that the design minimizes.
     starts, seed : int
         Number of starts of the search, and the seed of the random numbers that vary them.
-
-    Returns
-    -------
-    Film
 
     Raises
     ------

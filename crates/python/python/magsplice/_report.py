@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import json
 import re
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from magsplice import _html, _magsplice
-from magsplice._comparison import ComparedFilm
-from magsplice._field import tolerance
 
 if TYPE_CHECKING:
     import os
 
 #: Height of the view of the tiles, in pixels.
-_VIEW_PX = 720
+VIEW_PX = 720
 #: Most tiles with which a notebook shows the view that can be turned, which it keeps in its file.
 _MOST_TILES_IN_VIEW = 2000
 #: Style that hides all of a report but the view of the tiles.
@@ -115,76 +112,19 @@ class Report(Page):
         return page
 
 
-class DrawnFilm(ComparedFilm):
-    """A film with its pictures."""
+def film_html(film: _magsplice.Film, rows: list[tuple[str, Any]]) -> str:
+    """Numbers of a film, its findings, its picture, and for few tiles a view that can be turned."""
+    rows = [("tiles", len(film)), ("sha256", film.sha256[:12]), *rows]
+    rows += [("finding", finding) for finding in film.findings]
+    view = ""
+    if len(film) <= _MOST_TILES_IN_VIEW:
+        turned = _html.frame(view_html(film), VIEW_PX)
+        view = f"<details><summary>Turn the tiles</summary>{turned}</details>"
+    picture = _html.picture(_magsplice.layout_svg(film))
+    return f"<h4>{escape(film.name)}</h4>{_html.number_table(rows)}{picture}{view}"
 
-    def report(self, *, outlines: bool = False, within: float | None = None) -> Report:
-        """Figures of the film and one HTML page, as ``magsplice report`` draws them.
 
-        Parameters
-        ----------
-        outlines : bool
-            Whether text of SVG files becomes outlines, which look the same on every machine.
-        within : float, optional
-            Tolerance of the field of the working volume; see `b`.
-
-        Returns
-        -------
-        Report
-            ``report.save("folder")`` writes the files; a notebook shows the page.
-        """
-        text, numbers = "", "{}"
-        if self.grid is not None and self.ideal is not None:
-            comparison, decoupling = self.compare(within=within), self.decouple(within=within)
-            text = f"{comparison}\n\n{decoupling}\n"
-            numbers = json.dumps(
-                {"comparison": comparison.to_dict(), "decoupling": decoupling.to_dict()}
-            )
-        figures, html, absent = _magsplice.report(
-            self._core, text, numbers, outlines, tolerance(within, None)
-        )
-        return Report(figures, html, absent)
-
-    def view(self, height_px: int = _VIEW_PX) -> Page:
-        """View of the tiles that can be turned, for a notebook.
-
-        Parameters
-        ----------
-        height_px : int
-            Height in pixels.
-        """
-        return Page(self._view(), height_px)
-
-    def _repr_html_(self) -> str:
-        rows: list[tuple[str, Any]] = [("tiles", len(self)), ("sha256", self.sha256[:12])]
-        if self.ideal is not None:
-            ideal = self.ideal
-            rows.append(
-                (
-                    "ideal film",
-                    f"wavelength {ideal.wavelength_mm:g} mm, thickness {ideal.thickness_mm:g} mm, "
-                    f"amplitude {ideal.amplitude_t:g} T",
-                )
-            )
-        if self.volume is not None and self.grid is not None:
-            x, y, z = (
-                f"{axis} {low:g} .. {high:g}"
-                for axis, (low, high) in zip(
-                    "xyz", (self.volume.x_mm, self.volume.y_mm, self.volume.z_mm), strict=True
-                )
-            )
-            rows.append(("working volume", f"{x}, {y}, {z} mm, {len(self.grid)} points"))
-        rows += [("finding", finding) for finding in self.findings]
-        view = ""
-        if len(self) <= _MOST_TILES_IN_VIEW:
-            turned = _html.frame(self._view(), _VIEW_PX)
-            view = f"<details><summary>Turn the tiles</summary>{turned}</details>"
-        return (
-            f"<h4>{escape(self.name)}</h4>{_html.number_table(rows)}"
-            f"{_html.picture(_magsplice.layout_svg(self._core))}{view}"
-        )
-
-    def _view(self) -> str:
-        """Page with the view of the tiles alone."""
-        page = re.sub("<figure.*?</figure>", "", _magsplice.view(self._core), flags=re.DOTALL)
-        return page.replace("</head>", f"<style>{_ONLY_VIEW}</style></head>", 1)
+def view_html(film: _magsplice.Film) -> str:
+    """Page with the view of the tiles alone."""
+    page = re.sub("<figure.*?</figure>", "", _magsplice.view(film), flags=re.DOTALL)
+    return page.replace("</head>", f"<style>{_ONLY_VIEW}</style></head>", 1)

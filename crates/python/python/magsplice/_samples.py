@@ -2,101 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, fields
-from functools import partial
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
-from magsplice import _cluster, _magsplice
-from magsplice._arguments import LARGEST_SEED, one_of, whole
+from magsplice import _magsplice
+from magsplice._arguments import one_of
 from magsplice._arrow import Column, Table, split
+from magsplice._figures import Estimate, Figures, SampledFigure, Statistics
 from magsplice._layout import Floats
-from magsplice._layout_film import LayoutFilm
-from magsplice._numbers import Numbers
+from magsplice._results import key
+from magsplice._source import OfFilm
 
 if TYPE_CHECKING:
     import xarray
 
 Preset = Literal["by-hand", "workshop", "jig"]
 
-#: Number of samples and seed of layouts that state none.
-_SAMPLING = (1000, 1)
 
-#: Most samples of one call, as of a run of the program.
-_MOST_SAMPLES = 10_000_000
+class SampledFilm(OfFilm, Figures[SampledFigure]):
+    """Statistics of films that are made from one layout."""
 
-#: Most threads, which rayon allows.
-_MOST_THREADS = 65_535
-
-
-class Estimate(NamedTuple):
-    """A value estimated from samples, with an interval that holds the true one with 95 %.
-
-    Attributes
-    ----------
-    value : float
-        The estimate.
-    low : float
-        Lower end of the interval; minus infinity where there are too few samples.
-    high : float
-        Upper end of the interval; infinity where there are too few samples.
-    """
-
-    value: float
-    low: float
-    high: float
-
-    @classmethod
-    def of(cls, numbers: Any) -> Estimate:
-        """The estimate with the numbers of the library."""
-        return cls(numbers["value"], *numbers["interval"])
+    film: str = key("Hash of all that determines a sample besides the seed.")
+    seed: int = key("Seed of the samples.")
+    first: int = key("Number of the first sample.")
+    count: int = key("Number of samples.")
+    yield_: Estimate | None = key("Share that keeps ``[expect]``; None without bounds.", Estimate)
+    yield_made: Estimate | None = key("The same of ``[expect.made]``.", Estimate)
 
 
-@dataclass(frozen=True, repr=False)
-class Statistics(Numbers):
-    """Mean and percentiles of samples, with intervals of 95 %.
-
-    Attributes
-    ----------
-    count : int
-        Number of samples.
-    mean : Estimate
-        Mean.
-    p1 : Estimate
-        1st percentile.
-    p5 : Estimate
-        5th percentile.
-    p50 : Estimate
-        Median.
-    p95 : Estimate
-        95th percentile.
-    p99 : Estimate
-        99th percentile.
-    """
-
-    count: int
-    mean: Estimate
-    p1: Estimate
-    p5: Estimate
-    p50: Estimate
-    p95: Estimate
-    p99: Estimate
-
-    @classmethod
-    def _of(cls, numbers: Any) -> Statistics:
-        estimates = {key: Estimate.of(value) for key, value in numbers.items() if key != "count"}
-        return cls(numbers["count"], **estimates)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Numbers by name; estimates as value and ends of the interval."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Samples(Numbers, Table):
+class Samples(Table):
     """Errors of films that are made from one layout: one row for each film.
 
     The percentiles tell what nineteen of twenty films keep: ``samples.displacement_mm("x").p95``.
@@ -107,8 +43,6 @@ class Samples(Numbers, Table):
         Name of the film.
     preset : str | None
         Errors that were assumed; None for those of the layout.
-    seed : int
-        Seed of the samples.
     first : int
         Number of the first sample.
     uniformity_rmse : ndarray
@@ -117,50 +51,43 @@ class Samples(Numbers, Table):
         RMSE of the displacement along x, y, z of each film, in millimetres, shape (n, 3).
     amplitude : ndarray
         Best-fit amplitude of each film against the ideal film, shape (n,).
-    ordered : tuple of 3 ndarrays
-        The same three numbers of the film without errors, each with one row.
+    statistics : SampledFilm
+        Statistics of the films, and the figures of the film without errors.
     """
 
-    name: str
-    preset: str | None
-    seed: int
-    first: int
-    uniformity_rmse: Floats
-    displacement_rmse_mm: Floats
-    amplitude: Floats
-    ordered: tuple[Floats, Floats, Floats]
+    def __init__(
+        self, errors: Floats, statistics: dict[str, Any], preset: str | None = None
+    ) -> None:
+        self.uniformity_rmse, self.displacement_rmse_mm = errors[:, :3], errors[:, 3:6]
+        self.amplitude = np.ascontiguousarray(errors[:, 6])
+        self.statistics = SampledFilm(statistics)
+        self.name, self.first, self.preset = self.statistics.layout, self.statistics.first, preset
 
     def __len__(self) -> int:
         return len(self.amplitude)
 
-    def displacement_mm(self, axis: str) -> Statistics:
+    def displacement_mm(self, axis: str) -> SampledFigure:
         """Statistics of the displacement RMSE along ``"x"``, ``"y"`` or ``"z"``, in millimetres."""
-        return statistics(self.displacement_rmse_mm[:, "xyz".index(one_of("axis", axis, "xyz"))])
-
-    def uniformity(self, parameter: str) -> Statistics:
-        """Statistics of the uniformity RMSE of ``"r_x"``, ``"r_y"`` or ``"s_z"``."""
-        names = ("r_x", "r_y", "s_z")
-        return statistics(
-            self.uniformity_rmse[:, names.index(one_of("parameter", parameter, names))]
+        along: SampledFigure = getattr(
+            self.statistics.displacement_rmse_mm, one_of("axis", axis, "xyz")
         )
+        return along
+
+    def uniformity(self, parameter: str) -> SampledFigure | None:
+        """Statistics of the uniformity RMSE of ``"r_x"``, ``"r_y"`` or ``"s_z"``."""
+        name = one_of("parameter", parameter, ("r_x", "r_y", "s_z"))
+        of: SampledFigure | None = getattr(self.statistics.uniformity_rmse, name)
+        return of
 
     def to_dict(self) -> dict[str, Any]:
-        """Medians and 95th percentiles by name; for JSON."""
-        uniformity, displacement, amplitude = self.ordered
-        along = [self.displacement_mm(axis) for axis in "xyz"]
-        return {
-            "samples": len(self),
-            "seed": self.seed,
-            "ordered_displacement_rmse_mm": tuple(displacement[0].tolist()),
-            "p50_displacement_rmse_mm": tuple(axis.p50.value for axis in along),
-            "p95_displacement_rmse_mm": tuple(axis.p95.value for axis in along),
-            "ordered_uniformity_rmse": tuple(uniformity[0].tolist()),
-            "p95_uniformity_rmse": tuple(
-                self.uniformity(name).p95.value for name in ("r_x", "r_y", "s_z")
-            ),
-            "ordered_amplitude": float(amplitude[0]),
-            "p5_amplitude": statistics(self.amplitude).p5.value,
-        }
+        """The statistics, with the keys of the program's JSON."""
+        return self.statistics.to_dict()
+
+    def __repr__(self) -> str:
+        return f"<magsplice.Samples>\n{self.statistics}"
+
+    def _repr_html_(self) -> str:
+        return self.statistics._repr_html_()
 
     def columns(self) -> dict[str, Column]:
         """Columns sample, uniformity_r_x, ..., displacement_x_mm, ..., amplitude."""
@@ -189,7 +116,7 @@ class Samples(Numbers, Table):
         )
 
 
-def statistics(values: NDArray[np.float64]) -> Statistics:
+def statistics(values: ArrayLike) -> Statistics:
     """Mean and percentiles of an array of samples, with intervals of 95 %.
 
     The interval of the mean is that of normal errors. Those of percentiles lie between order
@@ -203,75 +130,4 @@ def statistics(values: NDArray[np.float64]) -> Statistics:
     numbers = _magsplice.statistics(np.ascontiguousarray(values, dtype=np.float64).ravel())
     if numbers is None:
         raise ValueError("there are no samples")
-    return Statistics._of(numbers)
-
-
-class MadeFilm(LayoutFilm):
-    """A film with the films that are made from it."""
-
-    def tolerance(
-        self,
-        samples: int | None = None,
-        *,
-        preset: Preset | None = None,
-        seed: int | None = None,
-        first: int = 0,
-        threads: int | None = None,
-        client: Any = None,
-        partition: int | None = None,
-        progress: Callable[[int, int], Any] | None = None,
-    ) -> Samples:
-        """Decoupling errors of films that are made, with the errors of ``[tolerance]``.
-
-        Sample number i depends on the seed and on i alone. Any division of the samples into calls,
-        threads or workers gives the same bits.
-
-        Parameters
-        ----------
-        samples : int, optional
-            Number of films, up to 10 million. Default: that of the layout, 1000 if it states none.
-        preset : {"by-hand", "workshop", "jig"}, optional
-            Errors of every tile to assume instead of those of the layout.
-        seed : int, optional
-            Seed. Default: that of the layout, 1 if it states none.
-        first : int
-            Number of the first sample.
-        threads : int, optional
-            Number of threads. Default: all processors, and 1 in a task of a client.
-        client : distributed.Client, optional
-            Dask client on whose workers the samples are computed. A worker that is lost costs time
-            and no sample. docs/python-cluster.md describes clusters.
-        partition : int, optional
-            Number of samples of a task of the client. Default: so many that there are 8 tasks for
-            each thread of the workers, and at most 10 000.
-        progress : callable, optional
-            Called with the number of finished samples and the number of all.
-
-        Returns
-        -------
-        Samples
-            Errors of each film, and the percentiles over all.
-
-        Raises
-        ------
-        MagspliceError
-            If the layout has no errors, ideal film or working volume, or a sample has no errors.
-        """
-        stated = self._core.sampling or _SAMPLING
-        count = stated[0] if samples is None else whole("samples", samples, 1, _MOST_SAMPLES)
-        seed = stated[1] if seed is None else whole("seed", seed, 0)
-        first = whole("first", first, 0, LARGEST_SEED - count)
-        threads = None if threads is None else whole("threads", threads, 1, _MOST_THREADS)
-        partition = None if partition is None else whole("partition", partition, 1, _MOST_SAMPLES)
-        if client is not None:
-            draw = partial(_drawn, self, preset, seed, threads or 1)
-            arrays = _cluster.samples(client, draw, first, count, partition, progress)
-        else:
-            arrays = _magsplice.samples(self._core, preset, seed, first, count, threads, progress)
-        return Samples(self.name, preset, seed, first, *arrays, _magsplice.nominal(self._core))
-
-
-def _drawn(
-    film: LayoutFilm, preset: str | None, seed: int, threads: int, first: int, count: int
-) -> tuple[Floats, Floats, Floats]:
-    return _magsplice.samples(film._core, preset, seed, first, count, threads)
+    return Statistics(numbers)

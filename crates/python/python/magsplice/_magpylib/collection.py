@@ -4,20 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from magsplice._layout_film import LayoutFilm
-from magsplice._magpylib.blocks import blocks_of
+from magsplice import _magsplice
 from magsplice._magpylib.cuboids import MILLI, imported, shifted
 
 
-def to_magpylib(film: LayoutFilm) -> Any:
-    """Film as a `magpylib.Collection` of cuboids, in metres and tesla.
-
-    Parameters
-    ----------
-    film : LayoutFilm
-        The film. Each cuboid has the name of its tile as its label. Tiles with a recoil
-        permeability become their cells, with the polarization that agrees with the field.
-    """
+def to_magpylib(film: _magsplice.Film) -> Any:
+    """Film as a `magpylib.Collection` of cuboids, whose labels are the names of their tiles."""
     magpylib = imported()
     from scipy.spatial.transform import Rotation
 
@@ -31,7 +23,7 @@ def to_magpylib(film: LayoutFilm) -> Any:
                 orientation=Rotation.from_quat(rotation),
                 style_label=name,
             )
-            for name, position, size, polarization_t, rotation in zip(*blocks_of(film), strict=True)
+            for name, position, size, polarization_t, rotation in zip(*film._blocks(), strict=True)
         )
     )
     return collection

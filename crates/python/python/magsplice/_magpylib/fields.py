@@ -12,8 +12,6 @@ import numpy as np
 
 from magsplice import _magsplice
 from magsplice._layout import Floats
-from magsplice._layout_film import LayoutFilm
-from magsplice._magpylib.blocks import blocks_of
 from magsplice._magpylib.cuboids import MILLI, Track, cuboids_of, label_of, shifted
 from magsplice._magpylib.observers import Sensor, sensors_of
 
@@ -29,7 +27,7 @@ class _Source:
     """One entry of the sources: cuboids whose fields are added."""
 
     def __init__(self, entry: Any) -> None:
-        self.film = entry if isinstance(entry, LayoutFilm) else None
+        self.film = entry if isinstance(entry, _magsplice.Film) else None
         self.tracks = [] if self.film is not None else [Track(c) for c in cuboids_of(entry)]
         self.label = label_of(entry) if self.film is None else self.film.name
         self.length = max((track.length for track in self.tracks), default=1)
@@ -37,7 +35,7 @@ class _Source:
     def arrays(self, step: int) -> tuple[Floats, ...]:
         """Positions, sizes, polarizations and rotations of the cuboids at a step of the path."""
         if self.film is not None:
-            _, position_mm, size_mm, polarization_t, rotation = blocks_of(self.film)
+            _, position_mm, size_mm, polarization_t, rotation = self.film._blocks()
             metres = [
                 np.array([shifted(row, -MILLI) for row in rows]) for rows in (position_mm, size_mm)
             ]

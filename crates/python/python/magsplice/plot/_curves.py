@@ -24,12 +24,6 @@ def parameters(film: Film, ax: Axes | None = None) -> Axes:
     ----------
     film : Film
         A film with an ideal film and a working volume.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw on. Default: new ones.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     ax = axes_or_new(ax)
     grid, reference = grid_of(film), film.reference_mm
@@ -60,24 +54,18 @@ def samples(
         Result of `Film.tolerance`.
     axis : {"x", "y", "z"}
         Axis of the displacement.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw on. Default: new ones.
     bins : int
         Number of bins.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     ax = axes_or_new(ax)
     index = "xyz".index(axis)
-    p95 = made.displacement_mm(axis).p95
+    found = made.displacement_mm(axis)
+    p95, nominal = found.p95, found.nominal
     ax.hist(made.displacement_rmse_mm[:, index], bins=bins, color="0.7")
     ax.axvline(p95.value, color="tab:red", label=f"95th percentile, {p95.value:.3g} mm")
     if np.isfinite((p95.low, p95.high)).all():
         ax.axvspan(p95.low, p95.high, color="tab:red", alpha=0.2, lw=0)
-    ordered = made.ordered[1][0, index]
-    ax.axvline(ordered, color="tab:blue", ls="--", label=f"as ordered, {ordered:.3g} mm")
+    ax.axvline(nominal, color="tab:blue", ls="--", label=f"as ordered, {nominal:.3g} mm")
     ax.set(xlabel=f"displacement RMSE along {axis}, mm", ylabel="films", title=made.name)
     ax.legend()
     return ax
@@ -90,12 +78,6 @@ def front(found: Front, ax: Axes | None = None) -> Axes:
     ----------
     found : Front
         Result of `Film.front`.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw on. Default: new ones.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     ax = axes_or_new(ax)
     columns = found.columns()

@@ -37,18 +37,12 @@ def field_map(
         A film with a working volume.
     component : {"bx", "by", "bz", "magnitude"}
         What the map shows.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw on. Default: new ones.
     z_mm : float, optional
         Height of the plane. Default: the lowest of the volume.
     of : {"film", "ideal", "difference"}
         B of the film, of the ideal film, or film minus ideal film.
     **options
         Passed to ``pcolormesh``.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     one_of("component", component, ("bx", "by", "bz", "magnitude"))
     one_of("of", of, ("film", "ideal", "difference"))
@@ -81,16 +75,10 @@ def arrows(
     ----------
     film : Film
         A film with a working volume.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw on. Default: new ones.
     normal : {"x", "y", "z"}
         Axis normal to the plane.
     at_mm : float
         Coordinate of the plane along this axis.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     ax = axes_or_new(ax)
     volume = grid_of(film)
@@ -137,12 +125,8 @@ def parameter_map(
         A film with an ideal film and a working volume.
     parameter : {"r_x", "r_y", "s_z"}
         The parameter.
-    ax, z_mm, **options
+    z_mm, **options
         See `field_map`.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     ax = axes_or_new(ax)
     grid, z = _plane(film, z_mm)
@@ -171,12 +155,8 @@ def resolution_map(
         Axis of the position.
     noise_t : float, optional
         Standard deviation of a reading, in tesla. Default: that of ``[sensor]``.
-    ax, z_mm, **options
+    z_mm, **options
         See `field_map`.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     ax = axes_or_new(ax)
     grid, z = _plane(film, z_mm)

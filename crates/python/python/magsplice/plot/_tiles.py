@@ -8,15 +8,11 @@ import numpy as np
 
 from magsplice._arguments import one_of
 from magsplice._film import Film
-from magsplice._layout import Floats, Tiles
 from magsplice.errors import MagspliceError
 from magsplice.plot._axes import axes_or_new
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-#: Corners of a box, by their signs.
-_CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
 
 
 def layout(film: Film, ax: Axes | None = None, *, names: bool = False) -> Axes:
@@ -26,24 +22,17 @@ def layout(film: Film, ax: Axes | None = None, *, names: bool = False) -> Axes:
     ----------
     film : Film
         The film.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw on. Default: new ones.
     names : bool
         Whether tiles have their names.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     ax = axes_or_new(ax)
     from matplotlib import colormaps
     from matplotlib.patches import Polygon, Rectangle
 
     tiles = film.tiles
-    j_t = _turned(tiles.polarization_t, tiles.rotation)
+    outlines, j_t = film._outlines()
     strongest = float(np.linalg.norm(j_t, axis=1).max(initial=0.0)) or 1.0
     colours = colormaps["twilight"]
-    outlines = _outlines(tiles)
     for index in np.argsort(tiles.position_mm[:, 2]):
         angle = np.arctan2(j_t[index, 1], j_t[index, 0]) / (2 * np.pi) % 1.0
         colour = colours(angle) if np.hypot(*j_t[index, :2]) > 1e-9 * strongest else "lightgray"
@@ -77,12 +66,6 @@ def recoil(
         A film whose tiles have a recoil permeability.
     quantity : {"weakening", "turn"}
         Lost magnitude of the mean polarization in percent, or its turn in degrees.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw on. Default: new ones.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Raises
     ------
@@ -102,7 +85,7 @@ def recoil(
     values = 100 * found.weakening if quantity == "weakening" else found.angle_deg
     label = {"weakening": "weakening, %", "turn": "turn, degrees"}[quantity]
     order = np.argsort(film.tiles.position_mm[:, 2])
-    outlines = _outlines(film.tiles)
+    outlines, _ = film._outlines()
     drawn = PolyCollection([outlines[index] for index in order], edgecolors="0.3")
     drawn.set_array(values[order])
     drawn.set_clim(min(0.0, values.min()), values.max())
@@ -111,40 +94,3 @@ def recoil(
     ax.autoscale_view()
     ax.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=film.name)
     return ax
-
-
-def _outlines(tiles: Tiles) -> list[Floats]:
-    """Outline of each tile from above, in millimetres."""
-    found = []
-    for position, size, rotation in zip(
-        tiles.position_mm, tiles.size_mm, tiles.rotation, strict=True
-    ):
-        corners = _turned(0.5 * _CORNERS * size, np.broadcast_to(rotation, (len(_CORNERS), 4)))
-        found.append(_hull((corners + position)[:, :2]))
-    return found
-
-
-def _turned(vectors: Floats, quaternions: Floats) -> Floats:
-    """Vectors turned by quaternions (x, y, z, w), row by row."""
-    axis, w = quaternions[..., :3], quaternions[..., 3:]
-    cross = 2 * np.cross(axis, vectors)
-    turned: Floats = vectors + w * cross + np.cross(axis, cross)
-    return turned
-
-
-def _hull(points: Floats) -> Floats:
-    """Convex hull of points in a plane, in order."""
-
-    def half(ordered: list[tuple[float, float]]) -> list[tuple[float, float]]:
-        kept: list[tuple[float, float]] = []
-        for x, y in ordered:
-            while len(kept) > 1:
-                (x0, y0), (x1, y1) = kept[-2], kept[-1]
-                if (x1 - x0) * (y - y0) > (y1 - y0) * (x - x0):
-                    break
-                kept.pop()
-            kept.append((x, y))
-        return kept[:-1]
-
-    ordered = sorted({(float(x), float(y)) for x, y in points})
-    return np.array(half(ordered) + half(ordered[::-1]))

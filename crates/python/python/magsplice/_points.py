@@ -1,0 +1,44 @@
+"""Points of calls, and the shapes of what is found there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from magsplice._layout import Floats, Grid
+
+
+def tolerance_of(within: float | None, within_t: float | None) -> tuple[bool, float] | None:
+    """Whether a tolerance is a fraction, and its value; None without one."""
+    if within is not None and within_t is not None:
+        raise ValueError("within and within_t are both given: give one of them")
+    if within is not None:
+        return (True, float(within))
+    return None if within_t is None else (False, float(within_t))
+
+
+def flattened(points: ArrayLike | Grid) -> tuple[Floats, tuple[int, ...]]:
+    """Points as contiguous rows, and the leading shape. Contiguous doubles are not copied."""
+    points = points.points_mm if isinstance(points, Grid) else points
+    array: NDArray[np.float64] = np.ascontiguousarray(points, dtype=np.float64)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(
+            f"points have the shape {array.shape}, must have (..., 3): x, y, z along the last axis"
+        )
+    return array.reshape(-1, 3), array.shape[:-1]
+
+
+def shaped(values: Mapping[str, Any], shape: tuple[int, ...]) -> dict[str, Any]:
+    """Values, whose arrays have rows for points of this leading shape."""
+    arrays = {name: of for name, of in values.items() if isinstance(of, np.ndarray)}
+    return {**values, **{name: of.reshape(shape + of.shape[1:]) for name, of in arrays.items()}}
+
+
+def coordinates(dims: Iterable[str], axes: Iterable[Floats]) -> dict[str, Any]:
+    """Coordinates in millimetres along dimensions, and components of vectors, for xarray."""
+    named = zip("xyz", dims, axes, strict=True)
+    found: dict[str, Any] = {name: (dim, values, {"units": "mm"}) for name, dim, values in named}
+    return {**found, "component": ("component", ["x", "y", "z"])}

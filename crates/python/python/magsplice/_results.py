@@ -1,0 +1,148 @@
+"""Results of the library. Their attributes are the keys of JSON files of the program."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, TypeVar
+
+import numpy as np
+
+from magsplice import _html
+
+T = TypeVar("T")
+
+
+class PerAxis(tuple[T, ...]):
+    """Values along x, y, z."""
+
+    @property
+    def x(self) -> T:
+        """Value along x."""
+        return self[0]
+
+    @property
+    def y(self) -> T:
+        """Value along y."""
+        return self[1]
+
+    @property
+    def z(self) -> T:
+        """Value along z."""
+        return self[2]
+
+
+class PerParameter(tuple[T, ...]):
+    """Values of the decoupling parameters R_x, R_y, S_z."""
+
+    @property
+    def r_x(self) -> T:
+        """Value of R_x."""
+        return self[0]
+
+    @property
+    def r_y(self) -> T:
+        """Value of R_y."""
+        return self[1]
+
+    @property
+    def s_z(self) -> T:
+        """Value of S_z."""
+        return self[2]
+
+
+#: Tuples that stand for dictionaries with these keys.
+_TUPLES: dict[tuple[str, ...], Callable[[Any], Any]] = {
+    ("x", "y", "z"): PerAxis,
+    ("r_x", "r_y", "s_z"): PerParameter,
+}
+
+
+def _value(found: Any, of: Callable[[Any], Any]) -> Any:
+    """Value of the library with its parts made by `of`: of a list, a dictionary or a tuple."""
+    if isinstance(found, list):
+        return [_value(item, of) for item in found]
+    if not isinstance(found, dict):
+        return found
+    parts = _TUPLES.get(tuple(found))
+    return of(found) if parts is None else parts(_value(item, of) for item in found.values())
+
+
+class _Key(property):
+    """Attribute of a result, which has the name of its key."""
+
+    def __init__(self, doc: str, of: Callable[[Any], Any]) -> None:
+        super().__init__(lambda result: result.__dict__[self.name], doc=doc)
+        self.of = of
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+
+def key(doc: str, of: Callable[[Any], Any] = dict) -> Any:
+    """Attribute of a result with the value of the key of its name, or None without the key.
+
+    `of` makes the value of a dictionary, or those of a list of dictionaries. A name that is a
+    keyword of Python ends with an underscore, which the key has not.
+    """
+    return _Key(doc, of)
+
+
+class Result:
+    """A result. It does not change, and prints as lines of names and numbers."""
+
+    def __init__(self, numbers: Mapping[str, Any], **more: Any) -> None:
+        json = {name: value for name, value in numbers.items() if not isinstance(value, np.ndarray)}
+        found = {**numbers, **more}
+        kinds = reversed(type(self).__mro__)
+        declared = (item for kind in kinds for item in vars(kind).items())
+        keys = {name: of for name, of in declared if isinstance(of, _Key)}
+        values = {name: _value(found.get(name.rstrip("_")), of.of) for name, of in keys.items()}
+        self.__dict__.update(values, _json=json)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Numbers with the keys of the program's JSON, without arrays of points."""
+        return copy.deepcopy(self.__dict__["_json"])
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{type(self).__name__}.{name}: a result does not change")
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        return all(
+            np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b
+            for a, b in pairs
+        )
+
+    def __hash__(self) -> int:
+        return hash(str(self.__dict__["_json"]))
+
+    def __str__(self) -> str:
+        return "\n".join(f"{name:<28} {_html.digits(value)}" for name, value in self._shown())
+
+    def __repr__(self) -> str:
+        return f"<magsplice.{type(self).__name__}>\n{self}"
+
+    def _repr_html_(self) -> str:
+        return _html.number_table(self._shown())
+
+    def _shown(self) -> Iterator[tuple[str, Any]]:
+        return _lines(self.__dict__["_json"])
+
+
+def _lines(numbers: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, Any]]:
+    """Names and numbers, those of inner dictionaries with the names of both."""
+    for name, value in numbers.items():
+        if isinstance(value, dict) and tuple(value) in _TUPLES:
+            inner = list(value.values())
+            if not any(isinstance(item, dict) for item in inner):
+                yield place + name, inner
+                continue
+        if isinstance(value, dict):
+            yield from _lines(value, f"{place}{name}.")
+        elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
+            yield place + name, f"{len(value)} entries"
+        else:
+            yield place + name, value

@@ -1,0 +1,30 @@
+"""Numbers of searches for films."""
+
+from __future__ import annotations
+
+from magsplice._figures import Figures, Statistics
+from magsplice._results import PerParameter, Result, key
+
+
+class Metrics(Figures[float]):
+    """Errors of a film over a grid, from its exact field."""
+
+    points: int = key("Number of points of the grid.")
+    ideal_rmse: PerParameter[float] = key("RMSE of the parameters' changes against the ideal film.")
+    scaled_relative_rmse: float | None = key("RMSE of B against the scaled ideal B over it.")
+
+
+class MadeFilms(Result):
+    """Errors of films that are made from the film before a search and from the film found."""
+
+    samples: int = key("Number of samples of each film.")
+    seed: int = key("Seed of the samples. Both films have the same errors.")
+    before: Figures[Statistics] = key("Errors of the film before the search.", Figures)
+    after: Figures[Statistics] = key("Errors of the film found.", Figures)
+
+
+class SearchStage(Result):
+    """A stage of a search."""
+
+    stage: str = key("Name of the stage.")
+    uniformity_rmse: PerParameter[float | None] = key("Uniformity RMSE over the volume at its end.")

@@ -1,0 +1,52 @@
+"""Where results are from: the layout, the accuracy of the field, and recoil."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from magsplice._figures import Figures
+from magsplice._results import Result, key
+
+
+class RecoilFigures(Result):
+    """Figures of a film without and with recoil, over at most 2000 points of its volume."""
+
+    without: Figures[float] = key("Figures without recoil.", Figures)
+    with_recoil: Figures[float] = key("Figures with recoil.", Figures)
+    errors: Figures[float] = key("Estimates of the errors of `with_recoil`.", Figures)
+
+
+class RecoilSummary(Result):
+    """What recoil changes in a film.
+
+    Tiles are divided into cells, and the division is refined until B is known to the share of its
+    change that ``recoil_error`` of ``[material]`` states. docs/recoil.md describes it.
+    """
+
+    cells: int = key("Number of cells.")
+    level: int = key("Level of division.")
+    change_t: float = key(
+        """Largest change of B by recoil, in tesla, at points of the working volume. Without one at
+        points of a box around all tiles, away from them by the shortest side of the tiles
+        together; nearer to them B changes more."""
+    )
+    error_t: float = key("Estimate of the largest error of B at the same points, in tesla.")
+    figures: RecoilFigures | None = key("Figures, if they exist.", RecoilFigures)
+    largest_weakening: float = key("Largest lost fraction of the polarization of a tile.")
+    largest_turn_deg: float = key("Largest turn of the mean polarization of a tile, in degrees.")
+
+
+class OfLayout(Result):
+    """A result of a layout."""
+
+    layout: str = key("Name of the layout.")
+    sha256: str = key("SHA-256 of the text of the layout.")
+    version: str = key("Version of the library.")
+
+
+class OfFilm(OfLayout):
+    """A result that depends on the field of a film."""
+
+    tiles: int = key("Number of tiles.")
+    accuracy: Any = key("``exact``, or the tolerance of the field.")
+    recoil: RecoilSummary | None = key("What recoil changes; None without it.", RecoilSummary)
