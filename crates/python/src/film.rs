@@ -185,7 +185,7 @@ impl Film {
     /// film in tesla.
     fn _outlines<'py>(&self, py: Python<'py>) -> PyResult<(Vec<Rows<'py>>, Rows<'py>)> {
         let tiles = self.layout.bare_tiles();
-        let outline = |tile| rows(py, tile_outline(tile).iter().map(DVec2::to_array));
+        let outline = |tile: &Tile| rows(py, tile_outline(tile).iter().map(DVec2::to_array));
         let polarization_t = rows(py, tiles.iter().map(|tile| tile.scene_polarization_t().to_array()))?;
         Ok((tiles.iter().map(outline).collect::<PyResult<_>>()?, polarization_t))
     }

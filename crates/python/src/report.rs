@@ -36,7 +36,8 @@ pub(crate) fn report<'py>(
         _ => None,
     };
     let results = PrintedResults { text, json };
-    let report = py.detach(|| Report::new(&evaluated, samples, results, svg_text(outlines)));
+    let svg = if outlines { SvgText::Outlines } else { SvgText::Text };
+    let report = py.detach(|| Report::new(&evaluated, samples, results, svg));
     let Report { figures, html, absent, .. } = report.map_err(failed)?;
     let figures = figures.into_iter().map(|f| (f.name, f.caption, f.svg, PyBytes::new(py, &f.png), f.csv));
     Ok((figures.collect(), html, absent))
@@ -57,8 +58,4 @@ pub(crate) fn view(py: Python<'_>, film: &Film) -> PyResult<String> {
 #[pyfunction]
 pub(crate) fn layout_svg(py: Python<'_>, film: &Film) -> PyResult<String> {
     py.detach(|| layout_figure(&film.layout, SvgText::Outlines).map(|figure| figure.svg).map_err(failed))
-}
-
-fn svg_text(outlines: bool) -> SvgText {
-    if outlines { SvgText::Outlines } else { SvgText::Text }
 }

@@ -25,6 +25,9 @@ class Estimate(Result):
         """Upper end of the interval."""
         return self.interval[1]
 
+    def __repr__(self) -> str:
+        return f"{self.value:.6g} ({self.low:.6g} .. {self.high:.6g})"
+
 
 class Statistics(Result):
     """Mean and percentiles of samples, with intervals of 95 %."""

@@ -93,11 +93,6 @@ class Film(_magsplice.Film):
     LayoutError
         If the film breaks rules of layouts. All broken rules are in ``error.faults``.
 
-    See Also
-    --------
-    load : The film in a layout file.
-    from_magpylib : The film of a magpylib collection.
-
     Notes
     -----
     The error of a field is at most 2e-14 of the sum, over all tiles, of the magnitudes of the
@@ -163,10 +158,7 @@ class Film(_magsplice.Film):
         folder : str or path, optional
             Folder of files that the layout names. Default: the working folder.
 
-        Raises
-        ------
-        LayoutError
-            If it is no layout.
+        Raises LayoutError if it is no layout.
         """
         tables = {"format": 1, **{key: table_of(part) for key, part in layout.items()}}
         origin = str(tables.get("name") or "layout")
@@ -597,7 +589,7 @@ class Film(_magsplice.Film):
         threads = None if threads is None else whole("threads", threads, 1, _MOST_THREADS)
         partition = None if partition is None else whole("partition", partition, 1, _MOST_SAMPLES)
         if client is not None:
-            draw = partial(_drawn, self, preset, seed, threads or 1)
+            draw = partial(_magsplice.samples, self, preset, seed, threads=threads or 1)
             errors = _cluster.samples(client, draw, first, count, partition, progress)
         else:
             errors = _magsplice.samples(self, preset, seed, first, count, threads, progress)
@@ -1133,9 +1125,3 @@ def front_of(least_amplitudes: Iterable[float], designs: Iterable[Design]) -> Fr
         if not front or design.error < front[0][1].error:
             front.insert(0, (least, design))
     return Front([least for least, _ in front], [design for _, design in front])
-
-
-def _drawn(
-    film: Film, preset: Preset | None, seed: int, threads: int, first: int, count: int
-) -> Floats:
-    return _magsplice.samples(film, preset, seed, first, count, threads)

@@ -29,24 +29,28 @@ class Load(Result):
 class _Loads(Table):
     """Forces and torques, one row for each tile."""
 
+    #: Key of the rows.
+    _rows: str
+
     @property
-    def _rows(self) -> list[Load]:
-        raise NotImplementedError
+    def _loads(self) -> list[Load]:
+        loads: list[Load] = getattr(self, self._rows)
+        return loads
 
     @property
     def names(self) -> list[str]:
         """Names of the tiles."""
-        return [load.name or "" for load in self._rows]
+        return [load.name or "" for load in self._loads]
 
     @property
     def force_n(self) -> Floats:
         """Force on each tile in newton, shape (n, 3)."""
-        return np.array([load.force_n for load in self._rows], dtype=float).reshape(-1, 3)
+        return np.array([load.force_n for load in self._loads], dtype=float).reshape(-1, 3)
 
     @property
     def torque_n_mm(self) -> Floats:
         """Torque about the centre of each tile in newton millimetres, shape (n, 3)."""
-        return np.array([load.torque_n_mm for load in self._rows], dtype=float).reshape(-1, 3)
+        return np.array([load.torque_n_mm for load in self._loads], dtype=float).reshape(-1, 3)
 
     def columns(self) -> dict[str, Column]:
         """Columns name, force_x_n, ..., torque_x_n_mm, ..."""
@@ -70,9 +74,7 @@ class LayingOrder(Result, _Loads):
     seed: int | None = key("Seed of the search.")
     steps: list[Load] = key("Load on the tile of each step by those laid before.", Load)
 
-    @property
-    def _rows(self) -> list[Load]:
-        return self.steps
+    _rows = "steps"
 
 
 class Forces(OfLayout, _Loads):
@@ -87,9 +89,7 @@ class Forces(OfLayout, _Loads):
     sum: Load = key("Sum of all loads: zero but for round-off.", Load)
     order: LayingOrder | None = key("Loads in an order of laying, if asked for.", LayingOrder)
 
-    @property
-    def _rows(self) -> list[Load]:
-        return self.tiles
+    _rows = "tiles"
 
 
 def steps_of(order: str | Sequence[str], names: list[str]) -> list[int]:

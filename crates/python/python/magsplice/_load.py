@@ -23,11 +23,6 @@ def load(path: str | os.PathLike[str]) -> Film:
     path : str or path
         TOML file, as docs/layout-format.md describes it and ``magsplice init`` writes it.
 
-    Returns
-    -------
-    Film
-        Lengths in millimetres, flux density and polarization in tesla.
-
     Raises
     ------
     OSError

@@ -12,9 +12,7 @@ from magsplice._source import RecoilSummary
 class Recoil(RecoilSummary, Table):
     """The polarization that agrees with the field, for tiles with a recoil permeability.
 
-    Tiles are divided into cells, and the division is refined until B is known to the share of its
-    change that ``recoil_error`` of ``[material]`` states. docs/recoil.md describes it. A table of
-    the tiles: ``polars.DataFrame(film.recoil)``.
+    A table of the tiles: ``polars.DataFrame(film.recoil)``.
     """
 
     share_beyond_knee: float | None = key(

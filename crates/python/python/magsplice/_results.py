@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator, Mapping
+from operator import itemgetter
 from typing import Any, TypeVar
 
 import numpy as np
@@ -13,42 +14,24 @@ from magsplice import _html
 T = TypeVar("T")
 
 
+def _item(index: int, doc: str) -> Any:
+    return property(itemgetter(index), doc=doc)
+
+
 class PerAxis(tuple[T, ...]):
     """Values along x, y, z."""
 
-    @property
-    def x(self) -> T:
-        """Value along x."""
-        return self[0]
-
-    @property
-    def y(self) -> T:
-        """Value along y."""
-        return self[1]
-
-    @property
-    def z(self) -> T:
-        """Value along z."""
-        return self[2]
+    x: T = _item(0, "Value along x.")
+    y: T = _item(1, "Value along y.")
+    z: T = _item(2, "Value along z.")
 
 
 class PerParameter(tuple[T, ...]):
     """Values of the decoupling parameters R_x, R_y, S_z."""
 
-    @property
-    def r_x(self) -> T:
-        """Value of R_x."""
-        return self[0]
-
-    @property
-    def r_y(self) -> T:
-        """Value of R_y."""
-        return self[1]
-
-    @property
-    def s_z(self) -> T:
-        """Value of S_z."""
-        return self[2]
+    r_x: T = _item(0, "Value of R_x.")
+    r_y: T = _item(1, "Value of R_y.")
+    s_z: T = _item(2, "Value of S_z.")
 
 
 #: Tuples that stand for dictionaries with these keys.
@@ -72,7 +55,8 @@ class _Key(property):
     """Attribute of a result, which has the name of its key."""
 
     def __init__(self, doc: str, of: Callable[[Any], Any]) -> None:
-        super().__init__(lambda result: result.__dict__[self.name], doc=doc)
+        super().__init__(lambda result: result.__dict__[self.name])
+        self.__doc__ = doc
         self.of = of
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -135,13 +119,12 @@ class Result:
 def _lines(numbers: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, Any]]:
     """Names and numbers, those of inner dictionaries with the names of both."""
     for name, value in numbers.items():
-        if isinstance(value, dict) and tuple(value) in _TUPLES:
-            inner = list(value.values())
-            if not any(isinstance(item, dict) for item in inner):
-                yield place + name, inner
-                continue
         if isinstance(value, dict):
-            yield from _lines(value, f"{place}{name}.")
+            inner = list(value.values())
+            if tuple(value) in _TUPLES and not any(isinstance(item, dict) for item in inner):
+                yield place + name, inner
+            else:
+                yield from _lines(value, f"{place}{name}.")
         elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
             yield place + name, f"{len(value)} entries"
         else:

@@ -1,12 +1,8 @@
-"""Axes of figures, and what they need of a film."""
+"""Axes of figures."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
-
-from magsplice._film import Film
-from magsplice._layout import Grid
-from magsplice.errors import MagspliceError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,10 +19,3 @@ def axes_or_new(ax: Axes | None) -> Axes:
             'figures need the package matplotlib: pip install "magsplice[plot]"'
         ) from error
     return pyplot.subplots(layout="constrained")[1]
-
-
-def grid_of(film: Film) -> Grid:
-    """Grid of the working volume, which a figure needs."""
-    if film.grid is None:
-        raise MagspliceError("the layout has no [volume] table, which this figure needs: add one")
-    return film.grid

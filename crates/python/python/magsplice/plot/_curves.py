@@ -8,7 +8,7 @@ import numpy as np
 
 from magsplice._film import Film, Front
 from magsplice._samples import Samples
-from magsplice.plot._axes import axes_or_new, grid_of
+from magsplice.plot._axes import axes_or_new
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +26,7 @@ def parameters(film: Film, ax: Axes | None = None) -> Axes:
         A film with an ideal film and a working volume.
     """
     ax = axes_or_new(ax)
-    grid, reference = grid_of(film), film.reference_mm
+    grid, reference = film._required_grid(), film.reference_mm
     assert reference is not None
     sign = (-1.0, -1.0, 1.0)
     for axis, symbol in enumerate(("$R_x$", "$R_y$", "$S_z$")):

@@ -9,7 +9,7 @@ import numpy as np
 from magsplice._arguments import one_of
 from magsplice._film import Film
 from magsplice._layout import Floats, Grid
-from magsplice.plot._axes import axes_or_new, grid_of
+from magsplice.plot._axes import axes_or_new
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,7 +81,7 @@ def arrows(
         Coordinate of the plane along this axis.
     """
     ax = axes_or_new(ax)
-    volume = grid_of(film)
+    volume = film._required_grid()
     across = "xyz".index(normal)
     i, j = (axis for axis in range(3) if axis != across)
     lower, upper, counts = list(volume.lower_mm), list(volume.upper_mm), [_ARROWS] * 3
@@ -165,7 +165,7 @@ def resolution_map(
 
 
 def _plane(film: Film, z_mm: float | None) -> tuple[Grid, float]:
-    grid = grid_of(film)
+    grid = film._required_grid()
     z = grid.lower_mm[2] if z_mm is None else float(z_mm)
     (x0, y0, _), (x1, y1, _) = grid.lower_mm, grid.upper_mm
     longest = max(x1 - x0, y1 - y0) or 1.0
