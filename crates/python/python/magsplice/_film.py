@@ -303,10 +303,7 @@ class Film(_magsplice.Film):
         within_t: float | None = None,
         invalid: Invalid = "raise",
     ) -> Floats:
-        """Field strength H in ampere per metre: (B - J) / mu0.
-
-        See `b` for the parameters. A tolerance is that of B.
-        """
+        """Field strength H in ampere per metre: (B - J) / mu0; see `b`, also for the tolerance."""
         return self._field("h", points, within, within_t, invalid)
 
     def j(self, points: ArrayLike | Grid) -> Floats:

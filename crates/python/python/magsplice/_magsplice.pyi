@@ -7,7 +7,7 @@ from typing import Any, Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import Self
+from typing_extensions import Self, disjoint_base
 
 __all__ = [
     "Film",
@@ -67,6 +67,7 @@ class Scene:
     ) -> tuple[_Floats, Exception | None]: ...
     def error_bounds_t(self, points: _Floats) -> _Floats: ...
 
+@disjoint_base
 class Film:
     def __new__(
         cls, text: str, origin: str, folder: str | os.PathLike[str] | None = None

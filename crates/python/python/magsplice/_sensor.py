@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -56,12 +57,10 @@ class Readings(OfFilm, Table):
                 columns |= split(components, array)
         return {**columns, "status": self.status.ravel()}
 
-    def __repr__(self) -> str:
+    def _shown(self) -> Iterator[tuple[str, Any]]:
         counts = np.bincount(self.status.ravel(), minlength=len(STATUS))
-        told = ", ".join(
-            f"{count} {text}" for count, text in zip(counts, STATUS, strict=True) if count
-        )
-        return f"<magsplice.Readings: {told or 'none'}>"
+        yield from super()._shown()
+        yield from ((text, count) for text, count in zip(STATUS, counts, strict=True) if count)
 
 
 def at_rest(name: str, readings_t: ArrayLike) -> Floats:
