@@ -15,16 +15,12 @@
 // Rules are written as `!(x <= limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-/// Direct summation: every tile at every point, to the last digits.
-mod direct;
 /// Interpolation of the field in boxes without tiles.
 mod interpolation;
 /// The models that a tolerance uses.
 mod plan;
 /// B at fixed points as a linear map of polarizations.
 mod polarization_map;
-/// Tiles brought into frames and clusters.
-mod prepare;
 /// The scalar product of long rows.
 mod scalar_product;
 /// The facade over direct summation, tree and interpolation.

@@ -4,7 +4,6 @@ use glam::DVec3;
 use magsplice_cuboid::tolerances::CLOSED_FORM_COST;
 use magsplice_magnet::{Accuracy, BoundingBox, Grid, Tolerance, is_in_range};
 
-use crate::direct::direct_sum::DirectSum;
 use crate::interpolation::fit::ChebyshevFit;
 use crate::interpolation::harmonic_potential::LOOK_UP_COST;
 use crate::interpolation::on_grid::{GridFits, GridPart};
@@ -13,6 +12,7 @@ use crate::tree::interaction_list::InteractionList;
 use crate::tree::lazy_tree::LazyTree;
 use crate::tree::rounds::interaction_lists;
 use crate::within::{fitted, tree_pays};
+use magsplice_direct::direct_sum::DirectSum;
 
 /// The models that a [`Scene`](crate::Scene) uses for points, at its [`Accuracy`].
 ///

@@ -5,13 +5,13 @@ use glam::{DMat3, DVec3};
 use magsplice_magnet::{Accuracy, Grid, MU_0, PointError, PointErrorCause, PointErrors, Quantity, Tile, Tolerance};
 use magsplice_simd::{InstructionSet, MissingInstructions};
 
-use crate::direct::batches::none_or;
-use crate::direct::direct_sum::DirectSum;
 use crate::interpolation::fitted_field::{FittedField, FittedFieldError};
 use crate::plan::{Plan, plan_at_points, plan_on_grid};
 use crate::tolerances::GRID_POINTS_AT_ONCE;
 use crate::tree::lazy_tree::LazyTree;
 use crate::within::{at_points, on_grid};
+use magsplice_direct::batches::none_or;
+use magsplice_direct::direct_sum::DirectSum;
 
 /// Tiles prepared for evaluation. Their fields add up; tiles do not influence each other.
 ///

@@ -9,20 +9,21 @@
 //! | direct summation | points at which no other model keeps the tolerance | [`crate::direct`] |
 
 use glam::DVec3;
+use magsplice_direct::tolerances::STRETCHED_BOUND;
 use magsplice_magnet::{BoundingBox, Grid, MU_0, PointError, Quantity, Tolerance, is_in_range};
 use rayon::prelude::*;
 
-use crate::direct::batches::Progress;
-use crate::direct::direct_sum::DirectSum;
 use crate::interpolation::fitted_field::FittedField;
 use crate::interpolation::on_grid::GridFits;
 use crate::interpolation::outlook::is_promising;
 use crate::tolerances::{
     LOOK_UP_POINTS_PER_NODE, MAX_SORTED_POINTS, MIN_LOOK_UP_POINTS, MIN_LOOK_UP_TILES, MIN_TREE_POINTS, MIN_TREE_TILES,
-    POINTS_PER_EXPECTED_NODE, ROUNDING_POINTS, STRETCHED_BOUND,
+    POINTS_PER_EXPECTED_NODE, ROUNDING_POINTS,
 };
 use crate::tree::lazy_tree::LazyTree;
 use crate::tree::rounds::sum_over_tree;
+use magsplice_direct::batches::Progress;
+use magsplice_direct::direct_sum::DirectSum;
 
 /// Writes B or H at all points. Returns the points without a field, where `field` is NaN.
 pub(crate) fn at_points(

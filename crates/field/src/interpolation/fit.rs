@@ -11,10 +11,10 @@ use super::chebyshev::{nodes, transform};
 use super::mirror::Mirrors;
 use super::truncation_bound::{NodeCounts, Sources, lebesgue_bound, slowest_decays};
 use super::weighted_sums::{padded, weighted_sum};
-use crate::direct::direct_sum::DirectSum;
 use crate::tolerances::{
     LARGER_ROUNDING, MIN_FIELD_SHARE, MIN_TRUNCATION_SHARE, NODE_ROUNDING, RANGE_POINTS, TRUNCATION_SHARE,
 };
+use magsplice_direct::direct_sum::DirectSum;
 
 /// B in a box as a sum of products of Chebyshev polynomials (Eq. P25).
 #[derive(Clone, Debug)]

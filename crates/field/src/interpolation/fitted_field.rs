@@ -10,10 +10,10 @@ use rayon::prelude::*;
 use super::cells::HarmonicCells;
 use super::fit::{ChebyshevFit, FitFailure};
 use super::harmonic_potential::{CELL_COEFFICIENTS, field as harmonic_field, gradient};
-use crate::direct::direct_sum::DirectSum;
 use crate::tolerances::{
     CELL_DEGREE, CELL_ERROR_EXPONENT, MAX_CELL_ROUNDS, MAX_CELLS, MAX_FITTED_FIELD_NODES, POINTS_PER_LOOK_UP,
 };
+use magsplice_direct::direct_sum::DirectSum;
 
 /// B in a box without tiles, prepared for repeated look-ups within a tolerance.
 ///

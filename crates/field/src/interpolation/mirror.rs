@@ -5,8 +5,8 @@ use glam::DQuat;
 use magsplice_cuboid::field_bound::tile_field_bound_t;
 use magsplice_magnet::{BoundingBox, Tile};
 
-use crate::direct::direct_sum::DirectSum;
 use crate::tolerances::{MAX_MIRRORED_TILES, MIRROR_ROUNDING};
+use magsplice_direct::direct_sum::DirectSum;
 
 /// Symmetry of the field about the three middle planes of a box.
 #[derive(Clone, Copy, Debug)]

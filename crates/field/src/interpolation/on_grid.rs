@@ -11,12 +11,12 @@ use super::chebyshev::polynomials;
 use super::fit::{ChebyshevFit, FitFailure};
 use super::outlook::is_promising;
 use super::weighted_sums::{PADDING, padded, weighted_sum};
-use crate::direct::batches::Progress;
-use crate::direct::direct_sum::DirectSum;
 use crate::tolerances::{
     GRID_POINTS_PER_NODE, MIN_FIT_PAIRS, MIN_FIT_POINTS, MIN_LOOK_UP_TILES, NODE_TRANSFORM_TILES,
     POINTS_PER_EXPECTED_NODE,
 };
+use magsplice_direct::batches::Progress;
+use magsplice_direct::direct_sum::DirectSum;
 
 /// A part of a grid: first indices along x, y, z, and the indices after the last.
 #[derive(Clone, Copy, Debug)]

@@ -8,8 +8,8 @@ use magsplice_cuboid::field_bound::tile_field_bound_t;
 use magsplice_cuboid::tolerances::EXACT_BOUND;
 use magsplice_magnet::{BoundingBox, Quantity, Tolerance};
 
-use crate::direct::direct_sum::DirectSum;
 use crate::tolerances::{MIN_FIELD_SHARE, MIN_FIT_FRACTION};
+use magsplice_direct::direct_sum::DirectSum;
 
 /// Whether the distances of tiles suggest at most `max_nodes` nodes for a fit of the field in a
 /// box. Sampling a box whose fit then fails costs time, and distances cost nearly none.

@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use glam::{DQuat, DVec3};
 use magsplice_magnet::{BoundingBox, Tile};
 
-use crate::direct::direct_sum::DirectSum;
 use crate::tolerances::{DIPOLE_DEGREE, MAX_DECAY, MAX_FIT_NODES, PATCHES, PATCHES_PER_DISTANCE};
+use magsplice_direct::direct_sum::DirectSum;
 
 /// Numbers of nodes, and an upper bound of the truncation error with them.
 #[derive(Clone, Copy, Debug)]

@@ -9,8 +9,8 @@ use glam::{DMat3, DVec3};
 use magsplice_cuboid::tolerances::{CLOSED_FORM_COST, SINGLE_TILE_COST};
 use magsplice_magnet::BoundingBox;
 
-use crate::prepare::clusters::Cluster;
-use crate::prepare::frames::Frame;
+use magsplice_direct::prepare::clusters::Cluster;
+use magsplice_direct::prepare::frames::Frame;
 
 /// A block in the frame of the scene.
 #[derive(Clone, Debug)]

@@ -11,9 +11,9 @@ use magsplice_simd::power_of_two::power_of_two_reciprocal;
 
 use super::blocks::{ClusterSource, TreeBlock, TreeItem, bounding_box, expansion_centre, items_of_frame};
 use super::nodes::{Tree, TreeNode};
-use crate::direct::direct_sum::DirectSum;
-use crate::prepare::frames::Frames;
 use crate::tolerances::{FLAT_NODE_COST, LEAVES_PER_GROUP, NODE_COST};
+use magsplice_direct::direct_sum::DirectSum;
+use magsplice_direct::prepare::frames::Frames;
 
 impl Tree {
     /// A tree over prepared tiles, with expansions up to `degree` where they cost less than direct

@@ -2,13 +2,12 @@
 
 use glam::DVec3;
 use magsplice_cuboid::tolerances::CLOSED_FORM_COST;
+use magsplice_direct::tolerances::STRETCHED_BOUND;
 use magsplice_magnet::BoundingBox;
 
 use super::interaction::{DirectItem, ExpandedNode, Interaction, TranslatedNode};
 use super::nodes::Tree;
-use crate::tolerances::{
-    LARGEST_LIST_COST, LOCAL_ERROR_SHARE, MIN_TRANSLATION_POINTS, NODE_COST, ROUNDING_SHARE, STRETCHED_BOUND,
-};
+use crate::tolerances::{LARGEST_LIST_COST, LOCAL_ERROR_SHARE, MIN_TRANSLATION_POINTS, NODE_COST, ROUNDING_SHARE};
 
 /// Numbers of tiles by interaction.
 #[derive(Clone, Copy, Debug, Default)]

@@ -6,8 +6,8 @@ use magsplice_expansion::tolerances::HIGHEST_DEGREE;
 use magsplice_magnet::{Accuracy, Tolerance};
 
 use super::nodes::Tree;
-use crate::direct::direct_sum::DirectSum;
 use crate::tolerances::{EXTRA_DEGREES, MIN_TREE_DEGREE};
+use magsplice_direct::direct_sum::DirectSum;
 
 /// A tree over the tiles of a scene, for one accuracy.
 #[derive(Clone, Debug)]

@@ -2,6 +2,7 @@
 //! 5.2).
 
 use glam::DVec3;
+use magsplice_direct::tolerances::STRETCHED_BOUND;
 use magsplice_expansion::tolerances::POINTS_PER_DEGREE;
 use magsplice_magnet::{BoundingBox, MU_0, PointError, PointErrorCause, Quantity, Tolerance};
 use rayon::prelude::*;
@@ -9,13 +10,13 @@ use rayon::prelude::*;
 use super::interaction_list::InteractionList;
 use super::nodes::Tree;
 use super::sum::field_of_list;
-use crate::direct::batches::{Progress, neighbours_together};
-use crate::direct::direct_sum::DirectSum;
 use crate::tolerances::{
     ADDED_NODE_ERRORS, ERROR_OVER_MEAN, ESTIMATE_POINTS, ESTIMATE_STEP, FIELD_OVER_ERROR, FIRST_ERROR_OVER_J,
     FIRST_NODE_COUNT, MAX_REFINEMENT_ROUNDS, POINTS_PER_LIST, POINTS_PER_TREE_BATCH, POINTS_PER_WEAK_FIELD,
-    SAFETY_FACTOR, STRETCHED_BOUND, TREE_BATCHES, USED_ERROR_SHARE,
+    SAFETY_FACTOR, TREE_BATCHES, USED_ERROR_SHARE,
 };
+use magsplice_direct::batches::{Progress, neighbours_together};
+use magsplice_direct::direct_sum::DirectSum;
 
 /// Writes B or H at the `usable` points to `field`. Returns the points without a field, and the
 /// indices of points at which the tolerance is not kept.

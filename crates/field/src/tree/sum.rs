@@ -11,10 +11,10 @@ use magsplice_simd::power_of_two::power_of_two_reciprocal;
 use super::interaction::{DirectItem, ExpandedNode};
 use super::interaction_list::InteractionList;
 use super::nodes::Tree;
-use crate::direct::direct_sum::DirectSum;
-use crate::direct::far_field::{BeyondSphere, DegreesByPoints, FarField};
-use crate::direct::sum::{FrameClusters, Sum};
-use crate::prepare::frames::Frames;
+use magsplice_direct::direct_sum::DirectSum;
+use magsplice_direct::far_field::{BeyondSphere, DegreesByPoints, FarField};
+use magsplice_direct::prepare::frames::Frames;
+use magsplice_direct::sum::{FrameClusters, Sum};
 
 /// Writes B or H at a batch of points, and an upper bound of the truncation error at each, in
 /// tesla. Points without a field are passed to `failed`, and their field is NaN.

@@ -8,6 +8,7 @@ use magsplice_expansion::local::LocalExpansion;
 use magsplice_expansion::moments::Parity;
 use magsplice_expansion::multipole::MultipoleExpansion;
 use magsplice_magnet::{BoundingBox, Quantity, Tile};
+use magsplice_simd::InstructionSet;
 use magsplice_simd::lanes::{Lanes, Number};
 use magsplice_simd::pairwise::Pairwise;
 
@@ -15,11 +16,20 @@ use super::interaction::{DirectItem, ExpandedNode, TranslatedNode};
 use super::interaction_list::InteractionList;
 use super::nodes::Tree;
 use super::sum::{local_expansion, sum_list};
-use crate::direct::direct_sum::DirectSum;
-use crate::direct::far_field::DegreesByPoints;
-use crate::direct::sum::Sum;
-use crate::prepare::tests::{expanded, levels};
 use crate::scene::Scene;
+use magsplice_direct::direct_sum::DirectSum;
+use magsplice_direct::far_field::DegreesByPoints;
+use magsplice_direct::sum::Sum;
+
+fn levels() -> Vec<Level> {
+    InstructionSet::available().into_iter().map(|set| set.detected().expect("available")).collect()
+}
+
+#[inline(always)]
+fn expanded<S: Simd>(simd: S, expansion: &MultipoleExpansion, degree: usize, point: DVec3) -> DVec3 {
+    let lanes = point.to_array().map(|c| Lanes::<S>::splat(simd, c));
+    DVec3::from(expansion.fields_of_pair(simd, degree, [lanes, lanes])[0].map(|component| component.lane(0)))
+}
 
 #[inline(always)]
 fn one<S: Simd>(simd: S, field: &impl Pairwise<S>, point: DVec3) -> DVec3 {

@@ -12,8 +12,8 @@ use magsplice_simd::lanes::LONGEST_VECTOR;
 use super::blocks::TreeBlock;
 use super::interaction::{ExpandedNode, TranslatedNode};
 use super::nodes::{Tree, TreeNode};
-use crate::direct::far_field::DegreesByPoints;
 use crate::tolerances::{CORNER_MEAN_TILES, DISTANCE_BISECTIONS, MIN_NODE_DISTANCE, SPHERE_GAPS};
+use magsplice_direct::far_field::DegreesByPoints;
 
 /// By degree P of a local expansion: (P + 2)^1/2, the factor of the next degree in Eq. P37, and the
 /// largest ratio of two such factors that follow it.

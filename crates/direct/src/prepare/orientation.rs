@@ -15,14 +15,14 @@ use crate::tolerances::DIRECTION_CELL;
 /// A rotation that maps axes onto axes: own axis `c` points along `sign[c]` times frame axis
 /// `axis[c]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct QuarterTurn {
+pub struct QuarterTurn {
     axis: [usize; 3],
     sign: [f64; 3],
 }
 
 impl QuarterTurn {
     /// A vector of the tile's own frame in the shared frame, without rounding.
-    pub(crate) fn vector(&self, own: DVec3) -> DVec3 {
+    pub fn vector(&self, own: DVec3) -> DVec3 {
         let mut turned = DVec3::ZERO;
         for c in 0..3 {
             turned[self.axis[c]] = self.sign[c] * own[c];
@@ -31,24 +31,25 @@ impl QuarterTurn {
     }
 
     /// Side lengths of the tile along the axes of the shared frame.
-    pub(crate) fn size(&self, own: DVec3) -> DVec3 {
+    pub fn size(&self, own: DVec3) -> DVec3 {
         self.vector(own).abs()
     }
 }
 
 /// The directions and frames of a scene.
-pub(crate) struct Orientations {
+pub struct Orientations {
     /// Directions of all axes, each towards +x, or +y if its x component is zero, or +z. The first
     /// three are x, y, z.
-    pub(crate) directions: Vec<DVec3>,
+    pub directions: Vec<DVec3>,
     /// Indices of the three directions of each frame. The first frame is that of the scene.
-    pub(crate) frames: Vec<[usize; 3]>,
+    pub frames: Vec<[usize; 3]>,
     /// Frame of each rotation, and its quarter turn within the frame.
-    pub(crate) members: Vec<(usize, QuarterTurn)>,
+    pub members: Vec<(usize, QuarterTurn)>,
 }
 
 impl Orientations {
-    pub(crate) fn new(rotations: &[DQuat]) -> Orientations {
+    /// Finds the frames of rotations.
+    pub fn new(rotations: &[DQuat]) -> Orientations {
         let mut directions = Directions::default();
         for axis in DVec3::AXES {
             directions.index_and_sign(axis);
@@ -73,7 +74,7 @@ impl Orientations {
     }
 
     /// Matrix from the frame to the scene. Its columns need not be right-handed.
-    pub(crate) fn matrix(&self, frame: usize) -> DMat3 {
+    pub fn matrix(&self, frame: usize) -> DMat3 {
         let [x, y, z] = self.frames[frame].map(|axis| self.directions[axis]);
         DMat3::from_cols(x, y, z)
     }
@@ -111,58 +112,4 @@ impl Directions {
 
 fn cell(direction: DVec3) -> [i64; 3] {
     direction.to_array().map(|c| (c / DIRECTION_CELL).floor() as i64)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn equal_rotations_share_a_frame_up_to_quarter_turns() {
-        let oblique = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
-        let other = DQuat::from_rotation_z(1e-6);
-        let half = DQuat::from_rotation_x(std::f64::consts::PI);
-        let eighth = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_4);
-        let rotations = [half, oblique, other, oblique * half, eighth, eighth.inverse(), oblique * other];
-        let found = Orientations::new(&rotations);
-        let frame = |i: usize| found.members[i].0;
-        assert_eq!(frame(0), 0);
-        assert_eq!(frame(1), frame(3));
-        assert_eq!(frame(4), frame(5));
-        assert_eq!(found.frames.len(), 5);
-        assert_eq!(found.members[0].1.vector(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(1.0, -2.0, -3.0));
-        assert_eq!(found.frames[0], [0, 1, 2]);
-    }
-
-    /// Rotations closer than, about, and further than what counts as one.
-    #[test]
-    fn nearly_equal_rotations() {
-        let axis = DVec3::new(1.0, 2.0, 3.0).normalize();
-        let mut rotations = Vec::new();
-        for n in 0..400 {
-            rotations.push(DQuat::from_axis_angle(axis, 0.5 + 1e-16 * f64::from(n)));
-        }
-        let step = DQuat::from_axis_angle(axis, 10_f64.to_radians());
-        let mut turned = DQuat::IDENTITY;
-        for _ in 0..360 {
-            turned = (turned * step).normalize();
-            rotations.push(turned);
-        }
-        let found = Orientations::new(&rotations);
-        for (rotation, (frame, turn)) in rotations.iter().zip(&found.members) {
-            let own = DVec3::new(0.3, -0.4, 0.5);
-            let error = found.matrix(*frame) * turn.vector(own) - *rotation * own;
-            assert!(error.abs().max_element() <= 2.0 * SAME_ROTATION);
-        }
-    }
-
-    #[test]
-    fn frames_turned_about_one_axis_share_it() {
-        let about_z = [0.3, -1.9, 2.5].map(DQuat::from_rotation_z);
-        let upside_down = DQuat::from_rotation_z(0.8) * DQuat::from_rotation_x(std::f64::consts::PI);
-        let found = Orientations::new(&[about_z[0], about_z[1], about_z[2], upside_down]);
-        assert!(found.members.iter().all(|(frame, _)| found.frames[*frame].contains(&2)));
-        assert_eq!(found.directions.len(), 3 + 4 * 2);
-        assert!(found.directions.iter().all(|d| d.x > 0.0 || (d.x == 0.0 && (d.y > 0.0 || (d.y == 0.0 && d.z > 0.0)))));
-    }
 }

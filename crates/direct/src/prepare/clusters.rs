@@ -27,27 +27,33 @@ use crate::tolerances::{HALVED_RADIUS, KEPT_SERIES, MOST_PLANES, TILES_PER_CLUST
 
 /// The clusters and tiles of a frame, and the multipole series of their shapes.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct ClusterTable {
-    pub(crate) clusters: Vec<Cluster>,
-    pub(crate) tiles: Vec<PreparedTile>,
+pub struct ClusterTable {
+    /// Blocks that are evaluated together.
+    pub clusters: Vec<Cluster>,
+    /// Each block on its own.
+    pub tiles: Vec<PreparedTile>,
     series: Vec<Series>,
 }
 
 /// Precomputed data for evaluating one tile on its own.
 #[derive(Clone, Debug)]
-pub(crate) struct PreparedTile {
-    pub(crate) ranges: MethodRanges,
-    pub(crate) distant: Distant,
+pub struct PreparedTile {
+    /// The distances from which each method holds.
+    pub ranges: MethodRanges,
+    /// The far field of the tile.
+    pub distant: Distant,
     shape: u32,
 }
 
 /// Consecutive blocks of a frame that share a method at many points.
 #[derive(Clone, Debug)]
-pub(crate) struct Cluster {
-    pub(crate) blocks: Span<usize>,
-    pub(crate) ranges: MethodRanges,
+pub struct Cluster {
+    /// Its blocks, in the order of the frame.
+    pub blocks: Span<usize>,
+    /// The distances from which each method holds.
+    pub ranges: MethodRanges,
     /// Shared corners and planes; `None` for a single tile.
-    pub(crate) corners: Option<CornerTables>,
+    pub corners: Option<CornerTables>,
     /// Built when first needed.
     expansion: OnceLock<MultipoleExpansion>,
 }
@@ -73,7 +79,7 @@ impl Cluster {
 
     /// The two halves of a long cluster, if they are much smaller and their tables fit. `blocks`
     /// are those of the frame.
-    pub(crate) fn halves(&self, blocks: &[Block]) -> Option<[Span<usize>; 2]> {
+    pub fn halves(&self, blocks: &[Block]) -> Option<[Span<usize>; 2]> {
         let Span { start, end } = self.blocks;
         let middle = start + (end - start) / 2;
         let halves = [start..middle, middle..end];
@@ -86,14 +92,14 @@ impl Cluster {
     }
 
     /// One of the [`Cluster::halves`].
-    pub(crate) fn half(blocks: &[Block], half: Span<usize>) -> Cluster {
+    pub fn half(blocks: &[Block], half: Span<usize>) -> Cluster {
         // The tables of so few tiles always fit: 32 tiles have 256 corners and 192 elements, and
         // bars have fewer elements, with 8 corners for each 3 of them.
         Cluster::new(&blocks[half.clone()], half.start).expect("halves that fit")
     }
 
     /// The multipole expansion of the cluster. `blocks` are those of the frame.
-    pub(crate) fn expansion(&self, level: Level, blocks: &[Block]) -> &MultipoleExpansion {
+    pub fn expansion(&self, level: Level, blocks: &[Block]) -> &MultipoleExpansion {
         let own = || &blocks[self.blocks.clone()];
         self.expansion.get_or_init(|| expansion_of(level, own(), self.ranges.centre, self.ranges.scale))
     }
@@ -101,7 +107,7 @@ impl Cluster {
 
 impl ClusterTable {
     /// Sorts `blocks` so that neighbours follow each other, and divides them into clusters.
-    pub(crate) fn new(blocks: &mut [Block]) -> ClusterTable {
+    pub fn new(blocks: &mut [Block]) -> ClusterTable {
         let mut table = ClusterTable::default();
         let mut places: Vec<BlockCentre> =
             blocks.iter().enumerate().map(|(index, block)| BlockCentre::new(index, block)).collect();
@@ -127,24 +133,19 @@ impl ClusterTable {
     }
 
     /// Number of clusters, including single tiles.
-    pub(crate) fn parts(&self) -> usize {
+    pub fn parts(&self) -> usize {
         self.clusters.len()
     }
 
     /// The series of the shape of block `index`; it is `made` here if it is not kept.
-    pub(crate) fn series<'a>(&'a self, blocks: &[Block], index: usize, made: &'a mut Option<Series>) -> &'a Series {
+    pub fn series<'a>(&'a self, blocks: &[Block], index: usize, made: &'a mut Option<Series>) -> &'a Series {
         let tile = &self.tiles[index];
         let kept = self.series.get(tile.shape as usize);
         kept.unwrap_or_else(|| made.insert(Series::new(blocks[index].size, tile.ranges.highest_order())))
     }
 
     /// The evaluator of block `index` on its own; its series is `made` here if it is not kept.
-    pub(crate) fn evaluator<'a>(
-        &'a self,
-        blocks: &[Block],
-        index: usize,
-        made: &'a mut Option<Series>,
-    ) -> Evaluator<'a> {
+    pub fn evaluator<'a>(&'a self, blocks: &[Block], index: usize, made: &'a mut Option<Series>) -> Evaluator<'a> {
         let tile = &self.tiles[index];
         Evaluator::new(&blocks[index], &tile.ranges, &tile.distant, self.series(blocks, index, made))
     }
@@ -188,7 +189,7 @@ impl ClusterTable {
 }
 
 /// The expansion of blocks of one frame around `centre`; lengths are multiplied by `scale`.
-pub(super) fn expansion_of(level: Level, blocks: &[Block], centre: [f64; 3], scale: f64) -> MultipoleExpansion {
+pub fn expansion_of(level: Level, blocks: &[Block], centre: [f64; 3], scale: f64) -> MultipoleExpansion {
     let source = |block: &Block| {
         let middle = [0, 1, 2].map(|axis: usize| {
             let [low, high] = block.faces[axis].map(|face| face.minus(TwoSum::exact(centre[axis])).value());

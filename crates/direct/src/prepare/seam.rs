@@ -8,12 +8,12 @@
 use magsplice_simd::compensated_sum::TwoSum;
 
 /// A face, given by its coordinate along its normal.
-pub(crate) struct Plane {
-    pub(crate) coordinate: TwoSum,
+pub(super) struct Plane {
+    pub coordinate: TwoSum,
     /// Largest distance of the coordinate from the intended one.
-    pub(crate) tolerance: f64,
+    pub tolerance: f64,
     /// Frame, block, axis of the frame, and 0 for the lower or 1 for the upper face.
-    pub(crate) place: [usize; 4],
+    pub place: [usize; 4],
 }
 
 impl Plane {
@@ -23,7 +23,7 @@ impl Plane {
 }
 
 /// The faces that move, with their new coordinates.
-pub(crate) fn joined(mut planes: Vec<Plane>) -> Vec<(TwoSum, [usize; 4])> {
+pub(super) fn joined(mut planes: Vec<Plane>) -> Vec<(TwoSum, [usize; 4])> {
     planes.sort_by(|a, b| a.coordinate.value().total_cmp(&b.coordinate.value()));
     let apart = |a: &Plane, b: &Plane| b.coordinate.minus(a.coordinate).value() > a.tolerance.max(b.tolerance);
     let mut moves = Vec::new();

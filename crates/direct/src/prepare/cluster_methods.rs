@@ -113,7 +113,7 @@ fn cheapest(candidates: &[(f64, Method)], tiles: usize, closed_form_to: f64) -> 
 }
 
 /// Distance of the farthest corner of the blocks from `centre`.
-pub(super) fn farthest_corner(blocks: &[Block], centre: [f64; 3]) -> f64 {
+pub fn farthest_corner(blocks: &[Block], centre: [f64; 3]) -> f64 {
     let corner = |block: &Block| {
         let reach = |axis: usize| {
             let [low, high] = block.faces[axis];

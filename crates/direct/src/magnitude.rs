@@ -16,7 +16,7 @@ use crate::tolerances::{GROUP_BOUND_FROM, TILES_PER_GROUP_BOUND};
 
 /// Tiles prepared for upper bounds of the sum of their magnitudes.
 #[derive(Clone, Debug)]
-pub(super) struct MagnitudeBounds {
+pub struct MagnitudeBounds {
     groups: Vec<GroupBound>,
     /// Index of each tile, in the order of the groups.
     order: Vec<u32>,
@@ -41,7 +41,7 @@ struct GroupBound {
 
 impl MagnitudeBounds {
     /// Prepares tiles.
-    pub(super) fn new(tiles: &[Tile]) -> MagnitudeBounds {
+    pub fn new(tiles: &[Tile]) -> MagnitudeBounds {
         let reach = |tile: &Tile| tile.position().abs().max_element().max(tile.size().max_element());
         let extent = tiles.iter().map(reach).fold(0.0, f64::max);
         let roundoff = 2.0 * ROTATED_SEAM_ROUNDINGS * UNIT_ROUNDOFF * extent;
@@ -57,18 +57,23 @@ impl MagnitudeBounds {
     }
 
     /// Upper bound at every point, in tesla.
-    pub(super) fn largest_t(&self) -> f64 {
+    pub fn largest_t(&self) -> f64 {
         self.largest_t
     }
 
+    /// Whether single precision bounds each group of neighbouring tiles far away.
+    pub fn in_single_precision(&self) -> impl Iterator<Item = bool> {
+        self.groups.iter().map(|group| group.in_single_precision.is_some())
+    }
+
     /// Upper bound in a box, in tesla, from the distances of `tiles`, the boxes around the tiles.
-    pub(super) fn in_box_t(&self, tiles: &[BoundingBox], points: &BoundingBox) -> f64 {
+    pub fn in_box_t(&self, tiles: &[BoundingBox], points: &BoundingBox) -> f64 {
         let bounds = self.groups.iter().flat_map(|group| &group.tiles).zip(&self.order);
         bounds.map(|(bound, &tile)| bound.beyond_t(tiles[tile as usize].gap(points).length())).sum()
     }
 
     /// Writes an upper bound at each point, in tesla. Points must be finite.
-    pub(super) fn write(&self, level: Level, points: impl ExactSizeIterator<Item = DVec3>, bounds: &mut Column) {
+    pub fn write(&self, level: Level, points: impl ExactSizeIterator<Item = DVec3>, bounds: &mut Column) {
         let whole = points.len().next_multiple_of(PAIR);
         let mut axes: [Column; 3] = Default::default();
         axes.iter_mut().for_each(|axis| axis.fill_with(0.0, whole));
@@ -111,7 +116,7 @@ impl MagnitudeBounds {
 
 /// The smallest field at which an error keeps a tolerance.
 #[derive(Clone, Copy)]
-pub(super) struct LeastField {
+pub struct LeastField {
     /// The field over the error.
     per_error: f64,
     /// The error that any field allows, in tesla.
@@ -119,7 +124,8 @@ pub(super) struct LeastField {
 }
 
 impl LeastField {
-    pub(super) fn new(tolerance: Tolerance) -> LeastField {
+    /// The field that a tolerance asks for.
+    pub fn new(tolerance: Tolerance) -> LeastField {
         // Far above round-off of the fields that are compared.
         const MARGIN: f64 = 1.0 + 1e-9;
         match tolerance {
@@ -132,7 +138,7 @@ impl LeastField {
 
     /// The smallest |B| in tesla at an error; infinite if no field allows it.
     #[inline(always)]
-    pub(super) fn at_t(self, error_t: f64) -> f64 {
+    pub fn at_t(self, error_t: f64) -> f64 {
         if error_t <= self.allowed_t { 0.0 } else { self.per_error * error_t }
     }
 }
@@ -222,44 +228,5 @@ impl GroupBound {
         }
         let far_sums = far_sum.widen();
         [Lanes(far_sums.0).scale_add(self.strength_t, sums[0]), Lanes(far_sums.1).scale_add(self.strength_t, sums[1])]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use magsplice_simd::InstructionSet;
-
-    use super::*;
-
-    /// Three groups: cubes, cubes too small for single precision, and one cube alone.
-    fn tiles() -> Vec<Tile> {
-        let mut tiles = Vec::new();
-        for (count, x, size) in [(16, 0.0, 1.0), (16, 40.0, 0.01), (1, 80.0, 1.0)] {
-            for number in 0..count {
-                let position = DVec3::new(x + f64::from(number % 4), f64::from(number / 4), 0.0);
-                tiles.push(Tile::new(position, DVec3::splat(size), DVec3::new(0.1, -0.5, 1.0)).expect("valid"));
-            }
-        }
-        tiles
-    }
-
-    #[test]
-    fn the_bound_at_a_point_depends_on_no_other_point() {
-        let bounds = MagnitudeBounds::new(&tiles());
-        assert!(bounds.groups.iter().any(|group| group.in_single_precision.is_none()));
-        let points: Vec<DVec3> =
-            (0..400).map(|i| DVec3::new(0.3 * f64::from(i), 1.1, 0.2 * f64::from(i % 7))).collect();
-        for set in InstructionSet::available() {
-            let level = set.detected().expect("available");
-            let at = |points: &[DVec3]| {
-                let mut written = Column::default();
-                bounds.write(level, points.iter().copied(), &mut written);
-                written[..points.len()].to_vec()
-            };
-            let together = at(&points);
-            for (&point, bound) in points.iter().zip(together) {
-                assert_eq!(at(&[point]), [bound], "{point} with {set:?}");
-            }
-        }
     }
 }

@@ -3,21 +3,18 @@
 /// Tiles in a row with one component of J, as fewer and longer cuboids.
 mod bars;
 /// The distances at which each method of a cluster reaches the error bound.
-mod cluster_methods;
+pub mod cluster_methods;
 /// Neighbouring tiles of a frame, prepared for many points.
-pub(crate) mod clusters;
+pub mod clusters;
 /// Corners and planes that the tiles of a cluster share.
-pub(crate) mod corner_tables;
+pub mod corner_tables;
 /// Tiles with a common orientation.
-pub(crate) mod frames;
+pub mod frames;
 /// Tiles of one polarization that form a cuboid.
-mod merge;
+pub mod merge;
 /// Rotations that share a frame or an axis.
-mod orientation;
+pub mod orientation;
 /// Faces that differ by round-off.
 mod seam;
 /// The elements of a tile in the tables of its cluster.
-pub(crate) mod tile_terms;
-
-#[cfg(test)]
-pub(crate) mod tests;
+pub mod tile_terms;

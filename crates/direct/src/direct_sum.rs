@@ -29,7 +29,7 @@ const POINTS_COMPARED: usize = 64;
 
 /// Tiles prepared for direct summation.
 #[derive(Clone, Debug)]
-pub(crate) struct DirectSum {
+pub struct DirectSum {
     frames: Frames,
     tiles: Vec<Tile>,
     /// The index in errors for each tile, if it is not the position of the tile.
@@ -43,7 +43,7 @@ pub(crate) struct DirectSum {
 
 impl DirectSum {
     /// Prepares tiles.
-    pub(crate) fn new(tiles: &[Tile], level: Level) -> DirectSum {
+    pub fn new(tiles: &[Tile], level: Level) -> DirectSum {
         DirectSum {
             frames: Frames::new(tiles),
             tiles: tiles.to_vec(),
@@ -55,28 +55,32 @@ impl DirectSum {
     }
 
     /// The same tiles with other indices in errors.
-    pub(crate) fn with_owners(self, owners: Arc<[usize]>) -> DirectSum {
+    pub fn with_owners(self, owners: Arc<[usize]>) -> DirectSum {
         DirectSum { owners: Some(owners), ..self }
     }
 
     /// The same tiles with other vector instructions.
-    pub(crate) fn with_level(self, level: Level) -> DirectSum {
+    pub fn with_level(self, level: Level) -> DirectSum {
         DirectSum { level, ..self }
     }
 
-    pub(crate) fn frames(&self) -> &Frames {
+    /// The tiles by orientation.
+    pub fn frames(&self) -> &Frames {
         &self.frames
     }
 
-    pub(crate) fn tiles(&self) -> &[Tile] {
+    /// The tiles, as they were given.
+    pub fn tiles(&self) -> &[Tile] {
         &self.tiles
     }
 
-    pub(crate) fn boxes(&self) -> &[BoundingBox] {
+    /// The bounding box of each tile.
+    pub fn boxes(&self) -> &[BoundingBox] {
         &self.boxes
     }
 
-    pub(crate) fn level(&self) -> Level {
+    /// The vector instructions in use.
+    pub fn level(&self) -> Level {
         self.level
     }
 
@@ -95,7 +99,7 @@ impl DirectSum {
 
     /// The field at each point of a batch. Points without one are passed to `failed`, and their
     /// field is NaN.
-    pub(crate) fn field_of_batch(
+    pub fn field_of_batch(
         &self,
         quantity: Quantity,
         points: &[DVec3],
@@ -134,7 +138,7 @@ impl DirectSum {
     }
 
     /// [`DirectSum::field_of_batch`] with B or mu0 H in tesla written by `evaluate`.
-    pub(crate) fn field_of_batch_by(
+    pub fn field_of_batch_by(
         &self,
         kind: FieldKind,
         points: &[DVec3],
@@ -171,7 +175,7 @@ impl DirectSum {
     /// # Errors
     /// All points without a field at once; their entries of `field` are NaN and all others are
     /// valid.
-    pub(crate) fn exact_field_into(
+    pub fn exact_field_into(
         &self,
         quantity: Quantity,
         points: &[DVec3],
@@ -181,7 +185,7 @@ impl DirectSum {
     }
 
     /// [`DirectSum::exact_field_into`] with progress.
-    pub(crate) fn exact_field_with_progress(
+    pub fn exact_field_with_progress(
         &self,
         quantity: Quantity,
         points: &[DVec3],
@@ -195,7 +199,7 @@ impl DirectSum {
 
     /// Writes the exact field at every point where it keeps the tolerance; returns the other
     /// points, where `field` is NaN.
-    pub(crate) fn field_within_into(
+    pub fn field_within_into(
         &self,
         tolerance: Tolerance,
         quantity: Quantity,
@@ -298,7 +302,7 @@ impl DirectSum {
 
     /// Upper bounds, in tesla, of the sum over tiles of the magnitudes of the fields that the
     /// components of J make alone. Points must be in range.
-    pub(crate) fn magnitudes_t(&self, points: &[DVec3]) -> Vec<f64> {
+    pub fn magnitudes_t(&self, points: &[DVec3]) -> Vec<f64> {
         let mut magnitudes_t = Column::default();
         self.magnitudes().write(self.level, points.iter().copied(), &mut magnitudes_t);
         magnitudes_t[..points.len()].to_vec()
@@ -306,7 +310,7 @@ impl DirectSum {
 
     /// The gradient of B at each point of a batch: column j is dB/dx_j, in tesla per unit of
     /// length. Points without one are passed to `failed`, and their gradient is NaN.
-    pub(crate) fn flux_density_gradient_of_batch(
+    pub fn flux_density_gradient_of_batch(
         &self,
         points: &[DVec3],
         gradient: &mut [DMat3],
@@ -344,11 +348,7 @@ impl DirectSum {
     ///
     /// # Panics
     /// If the two slices differ in length.
-    pub(crate) fn flux_density_gradient_into(
-        &self,
-        points: &[DVec3],
-        gradient: &mut [DMat3],
-    ) -> Result<(), PointErrors> {
+    pub fn flux_density_gradient_into(&self, points: &[DVec3], gradient: &mut [DMat3]) -> Result<(), PointErrors> {
         for_each_batch(points, gradient, self.batches(), &|_| {}, |points, gradient, failed| {
             self.flux_density_gradient_of_batch(points, gradient, failed);
         })

@@ -32,7 +32,7 @@ use crate::prepare::frames::{Frame, Frames};
 
 /// Buffers for a batch of points; none of them grows with the number of tiles.
 #[derive(Default)]
-pub(crate) struct Sum {
+pub struct Sum {
     points: Coordinates,
     /// The points in the current frame.
     local: Coordinates,
@@ -61,7 +61,7 @@ pub(crate) struct Sum {
 }
 
 /// Clusters of one frame, each with the sphere outside which a far field replaces it, if any.
-pub(crate) type FrameClusters<'a> = (&'a Frame, Vec<(&'a Cluster, Option<BeyondSphere<'a>>)>);
+pub type FrameClusters<'a> = (&'a Frame, Vec<(&'a Cluster, Option<BeyondSphere<'a>>)>);
 
 /// The arguments that are the same for all clusters of a frame.
 #[derive(Clone, Copy)]
@@ -78,7 +78,7 @@ struct FrameSum<'a> {
 
 impl Sum {
     /// Calls `work` with the buffers of the calling thread.
-    pub(crate) fn with_buffers<R>(work: impl FnOnce(&mut Sum) -> R) -> R {
+    pub fn with_buffers<R>(work: impl FnOnce(&mut Sum) -> R) -> R {
         thread_local! {
             static BUFFERS: RefCell<Sum> = RefCell::default();
         }
@@ -88,7 +88,7 @@ impl Sum {
     /// Writes the sum over all tiles at `points` to `field`; NaN where a point is out of range.
     /// `magnitudes_t` is left empty, or becomes a bound of the magnitude of a single tile for each
     /// point.
-    pub(crate) fn sum_all(
+    pub fn sum_all(
         &mut self,
         level: Level,
         frames: &Frames,
@@ -113,7 +113,7 @@ impl Sum {
     }
 
     /// Begins a sum at `points`, whose truncation error is `truncation_error_t` so far.
-    pub(crate) fn start(&mut self, level: Level, points: &[DVec3], truncation_error_t: f64) {
+    pub fn start(&mut self, level: Level, points: &[DVec3], truncation_error_t: f64) {
         self.edges.clear();
         self.finite = false;
         dispatch!(level, simd => self.points.set(simd, points));
@@ -123,7 +123,7 @@ impl Sum {
     }
 
     /// Writes the sum; NaN where a point is out of range.
-    pub(crate) fn finish(&self, field: &mut [DVec3]) {
+    pub fn finish(&self, field: &mut [DVec3]) {
         self.totals.write(field);
         for &index in self.points.out_of_range() {
             field[index] = DVec3::NAN;
@@ -131,28 +131,28 @@ impl Sum {
     }
 
     /// The points on edge lines, in order, and the edges they lie on.
-    pub(crate) fn edges(&self) -> impl Iterator<Item = (usize, &EdgesAtPoint)> {
+    pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgesAtPoint)> {
         self.edges.iter().map(|(index, edges)| (*index, edges))
     }
 
     /// Whether all values are known to be finite.
-    pub(crate) fn is_finite(&self) -> bool {
+    pub fn is_finite(&self) -> bool {
         self.finite
     }
 
     /// Whether the field is unbounded at a point.
-    pub(crate) fn is_exposed(&self, index: usize) -> bool {
+    pub fn is_exposed(&self, index: usize) -> bool {
         self.edges.get(&index).is_some_and(EdgesAtPoint::exposed)
     }
 
     /// The coordinates of the points, and the upper bound of the truncation error at each, in
     /// tesla.
-    pub(crate) fn points_and_truncation_error_t(&mut self) -> ([&[f64]; 3], &mut Vec<f64>) {
+    pub fn points_and_truncation_error_t(&mut self) -> ([&[f64]; 3], &mut Vec<f64>) {
         (views(&self.points.axes), &mut self.truncation_error_t)
     }
 
     /// Adds a far field at all points.
-    pub(crate) fn add_far_field(&mut self, level: Level, far_field: &dyn FarField) {
+    pub fn add_far_field(&mut self, level: Level, far_field: &dyn FarField) {
         let points = &self.points.axes;
         self.degrees.clear();
         let fields = room(&mut self.fields, points[0].len());
@@ -165,7 +165,7 @@ impl Sum {
     }
 
     /// Adds a local expansion at all points.
-    pub(crate) fn add_local_expansion(&mut self, level: Level, local: &LocalExpansion) {
+    pub fn add_local_expansion(&mut self, level: Level, local: &LocalExpansion) {
         let points = &self.points.axes;
         let fields = room(&mut self.fields, points[0].len());
         dispatch!(level, simd => fields_of(simd, local, views(points), fields, &mut Prefetch::nothing()));
@@ -174,7 +174,7 @@ impl Sum {
 
     /// Adds clusters at all points; `stretched` lets the closed form reach farther, for a
     /// tolerance.
-    pub(crate) fn add_clusters(
+    pub fn add_clusters(
         &mut self,
         level: Level,
         frames: &Frames,

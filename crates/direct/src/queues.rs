@@ -4,12 +4,12 @@ use magsplice_cuboid::method::{FIRST_FAR, MethodIndex};
 use magsplice_cuboid::tolerances::MULTIPOLE_ORDERS;
 use magsplice_simd::lanes::{LONGEST_VECTOR, PAIR};
 
-use crate::tolerances::STREAMED_POINTS;
+pub use crate::tolerances::STREAMED_POINTS;
 
 /// Number of methods of a single tile.
-const METHODS: usize = FIRST_FAR as usize + MULTIPOLE_ORDERS.len();
+pub const METHODS: usize = FIRST_FAR as usize + MULTIPOLE_ORDERS.len();
 /// Index of a queue for one further method, which the caller defines.
-pub(super) const OWN_QUEUE: MethodIndex = METHODS as MethodIndex;
+pub const OWN_QUEUE: MethodIndex = METHODS as MethodIndex;
 const QUEUES: usize = METHODS + 1;
 
 /// Capacity of a queue: the points that an evaluation leaves, one block of points, and padding. One
@@ -28,7 +28,7 @@ const _: () = assert!(METHODS * DIGITS <= u64::BITS as usize);
 
 /// The queues of all methods, one after the other.
 #[derive(Debug)]
-pub(super) struct Queues {
+pub struct Queues {
     /// Positions in the list of all points.
     places: Box<[u32; ROOM]>,
     axes: Box<Axes>,
@@ -54,18 +54,20 @@ impl Default for Queues {
 }
 
 impl Queues {
-    pub(super) fn clear(&mut self) {
+    /// Empties all queues.
+    pub fn clear(&mut self) {
         self.counts = [0; QUEUES];
     }
 
-    pub(super) fn count(&self, queue: MethodIndex) -> usize {
+    /// The number of points in a queue.
+    pub fn count(&self, queue: MethodIndex) -> usize {
         self.counts[usize::from(queue)]
     }
 
     /// Appends points with these methods to their queues; at most [`STREAMED_POINTS`]. Points are
     /// given by axis, and the first is at `place` in the list.
     #[inline(always)]
-    pub(super) fn join_all(&mut self, mut place: usize, methods: &[f64], axes: [&[f64]; 3]) {
+    pub fn join_all(&mut self, mut place: usize, methods: &[f64], axes: [&[f64]; 3]) {
         /// Adding this number moves an integer into the low bits.
         const LAST_DIGITS: f64 = 4_503_599_627_370_496.0;
         for (shift, method) in self.shifts.iter_mut().zip(methods) {
@@ -96,7 +98,8 @@ impl Queues {
         }
     }
 
-    pub(super) fn join(&mut self, queue: MethodIndex, place: usize, coordinates: [f64; 3]) {
+    /// Adds one point to a queue.
+    pub fn join(&mut self, queue: MethodIndex, place: usize, coordinates: [f64; 3]) {
         let queue = usize::from(queue);
         let slot = queue * LENGTH + self.counts[queue];
         self.places[slot] = place as u32;
@@ -107,27 +110,27 @@ impl Queues {
     }
 
     /// Position in the list and coordinates of a waiting point.
-    pub(super) fn at(&self, queue: MethodIndex, index: usize) -> (usize, [f64; 3]) {
+    pub fn at(&self, queue: MethodIndex, index: usize) -> (usize, [f64; 3]) {
         let slot = usize::from(queue) * LENGTH + index;
         (self.places[slot] as usize, self.axes.0.each_ref().map(|axis| axis[slot]))
     }
 
     /// Coordinates of all waiting points by axis, padded to whole pairs of vectors.
     #[inline(always)]
-    pub(super) fn points(&self, queue: MethodIndex) -> [&[f64]; 3] {
+    pub fn points(&self, queue: MethodIndex) -> [&[f64]; 3] {
         let (start, count) = (usize::from(queue) * LENGTH, self.count(queue).next_multiple_of(PAIR));
         self.axes.0.each_ref().map(|axis| &axis[start..start + count])
     }
 
     /// Positions in the list.
     #[inline(always)]
-    pub(super) fn places(&self, queue: MethodIndex) -> &[u32] {
+    pub fn places(&self, queue: MethodIndex) -> &[u32] {
         let start = usize::from(queue) * LENGTH;
         &self.places[start..start + self.count(queue)]
     }
 
     /// Repeats the last point up to whole pairs of vectors.
-    pub(super) fn fill_up(&mut self, queue: MethodIndex) {
+    pub fn fill_up(&mut self, queue: MethodIndex) {
         let (start, count) = (usize::from(queue) * LENGTH, self.count(queue));
         for axis in &mut self.axes.0 {
             let last = axis[start + count - 1];
@@ -137,7 +140,7 @@ impl Queues {
 
     /// Removes the first `count` points; fewer than a [`PAIR`] may be left.
     #[inline(always)]
-    pub(super) fn remove(&mut self, queue: MethodIndex, count: usize) {
+    pub fn remove(&mut self, queue: MethodIndex, count: usize) {
         let start = usize::from(queue) * LENGTH;
         // A fixed number of points is moved, which needs no call.
         let rest = start + count..start + count + PAIR;
@@ -146,63 +149,8 @@ impl Queues {
         self.counts[usize::from(queue)] -= count;
     }
 
-    pub(super) fn empty(&mut self, queue: MethodIndex) {
+    /// Empties a queue.
+    pub fn empty(&mut self, queue: MethodIndex) {
         self.counts[usize::from(queue)] = 0;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Coordinates that identify their point.
-    fn coordinates(place: usize) -> [f64; 3] {
-        [place as f64, 0.5 + place as f64, -(place as f64)]
-    }
-
-    /// A method for each point: runs as long as a block, and methods that change with each point.
-    fn method(place: usize) -> MethodIndex {
-        let (stretch, within) = (place / STREAMED_POINTS, place % STREAMED_POINTS);
-        match stretch % 3 {
-            0 => (stretch % METHODS) as MethodIndex,
-            1 => (within % METHODS) as MethodIndex,
-            _ => (within * within % METHODS) as MethodIndex,
-        }
-    }
-
-    #[test]
-    fn points_wait_in_the_order_in_which_they_came_and_what_is_removed_makes_room() {
-        let mut queues = Queues::default();
-        let mut left = vec![Vec::new(); METHODS];
-        let mut seen = 0;
-        // The last block is shorter.
-        for start in (0..8 * STREAMED_POINTS + 37).step_by(STREAMED_POINTS) {
-            let places = start..(start + STREAMED_POINTS).min(8 * STREAMED_POINTS + 37);
-            let methods: Vec<f64> = places.clone().map(|place| f64::from(method(place))).collect();
-            let axes = [0, 1, 2].map(|axis| places.clone().map(|place| coordinates(place)[axis]).collect::<Vec<_>>());
-            queues.join_all(start, &methods, axes.each_ref().map(|axis| &axis[..]));
-            places.for_each(|place| left[usize::from(method(place))].push(place));
-            for (queue, expected) in (0..).zip(&mut left) {
-                assert_eq!(queues.count(queue), expected.len());
-                for (index, (&place, expected)) in queues.places(queue).iter().zip(&*expected).enumerate() {
-                    assert_eq!(place as usize, *expected, "place {index} of queue {queue}");
-                    assert_eq!(queues.at(queue, index), (*expected, coordinates(*expected)));
-                    assert_eq!(queues.points(queue).map(|axis| axis[index]), coordinates(*expected));
-                }
-                let served = expected.len() / PAIR * PAIR;
-                queues.remove(queue, served);
-                expected.drain(..served);
-                seen += served;
-            }
-        }
-        for (queue, expected) in (0..).zip(&left).filter(|(_, expected)| !expected.is_empty()) {
-            queues.fill_up(queue);
-            let [x, ..] = queues.points(queue);
-            assert_eq!(x.len(), PAIR);
-            let last = *expected.last().expect("not empty") as f64;
-            assert!(x[expected.len()..].iter().all(|x| *x == last));
-            seen += expected.len();
-        }
-        assert_eq!(seen, 8 * STREAMED_POINTS + 37);
     }
 }

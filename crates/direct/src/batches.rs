@@ -7,20 +7,20 @@ use rayon::prelude::*;
 use crate::tolerances::{BATCHES_PER_THREAD, POINTS_PER_BATCH, REGROUPED_POINTS};
 
 /// A callback that is told, from any thread, how many more points begin.
-pub(crate) type Progress<'a> = &'a (dyn Fn(usize) + Sync);
+pub type Progress<'a> = &'a (dyn Fn(usize) + Sync);
 
 /// The division of points into batches.
 #[derive(Clone, Copy)]
-pub(crate) struct Batches {
+pub struct Batches {
     /// Largest number of points in a batch.
-    pub(crate) most: usize,
+    pub most: usize,
     /// Whether a batch holds neighbours rather than consecutive points.
-    pub(crate) regroup: bool,
+    pub regroup: bool,
 }
 
 /// Calls `evaluate` for every batch, in parallel. `evaluate` writes the values of the batch and
 /// names the points that have none.
-pub(crate) fn for_each_batch<T: Send + Copy + Default>(
+pub fn for_each_batch<T: Send + Copy + Default>(
     points: &[DVec3],
     values: &mut [T],
     batches: Batches,
@@ -59,7 +59,8 @@ pub(crate) fn for_each_batch<T: Send + Copy + Default>(
     none_or(errors)
 }
 
-pub(crate) fn none_or(errors: Vec<PointError>) -> Result<(), PointErrors> {
+/// The errors, if there are any.
+pub fn none_or(errors: Vec<PointError>) -> Result<(), PointErrors> {
     if errors.is_empty() { Ok(()) } else { Err(PointErrors(errors)) }
 }
 
@@ -91,7 +92,7 @@ fn in_batches<T: Send>(
 
 /// Indices of points in an order in which consecutive points are neighbours: groups of the first of
 /// `sizes`, each divided into groups of the next size, and so on.
-pub(crate) fn neighbours_together(points: &[DVec3], order: impl IntoIterator<Item = u32>, sizes: &[usize]) -> Vec<u32> {
+pub fn neighbours_together(points: &[DVec3], order: impl IntoIterator<Item = u32>, sizes: &[usize]) -> Vec<u32> {
     // Contiguous in memory, since points are compared many times.
     let mut placed: Vec<IndexedPoint> =
         order.into_iter().map(|index| IndexedPoint { point: points[index as usize].to_array(), index }).collect();

@@ -23,7 +23,7 @@ use crate::prepare::frames::{Frame, Frames};
 
 /// Buffers for a batch of points; none of them grows with the number of tiles.
 #[derive(Default)]
-pub(crate) struct GradientSum {
+pub struct GradientSum {
     points: Coordinates,
     /// The points in the current frame.
     local: Coordinates,
@@ -63,7 +63,7 @@ impl FrameSum<'_> {
 
 impl GradientSum {
     /// Calls `work` with the buffers of the calling thread.
-    pub(crate) fn with_buffers<R>(work: impl FnOnce(&mut GradientSum) -> R) -> R {
+    pub fn with_buffers<R>(work: impl FnOnce(&mut GradientSum) -> R) -> R {
         thread_local! {
             static BUFFERS: RefCell<GradientSum> = RefCell::default();
         }
@@ -71,7 +71,7 @@ impl GradientSum {
     }
 
     /// Writes the sum over all tiles at `points`; NaN where a point is out of range.
-    pub(crate) fn sum_all(&mut self, level: Level, frames: &Frames, points: &[DVec3], gradient: &mut [DMat3]) {
+    pub fn sum_all(&mut self, level: Level, frames: &Frames, points: &[DVec3], gradient: &mut [DMat3]) {
         self.edges.clear();
         self.sums.clear();
         self.sums.resize(points.len(), Default::default());
@@ -97,12 +97,12 @@ impl GradientSum {
     }
 
     /// The points on edge lines, in order, and the edges they lie on.
-    pub(crate) fn edges(&self) -> impl Iterator<Item = (usize, &EdgesAtPoint)> {
+    pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgesAtPoint)> {
         self.edges.iter().map(|(index, edges)| (*index, edges))
     }
 
     /// Whether terms of edges at a point are unbounded.
-    pub(crate) fn is_singular(&self, index: usize) -> bool {
+    pub fn is_singular(&self, index: usize) -> bool {
         self.edges.get(&index).is_some_and(EdgesAtPoint::singular)
     }
 

@@ -13,7 +13,7 @@ const POINTS_TOGETHER: usize = 1024;
 impl DirectSum {
     /// Upper bound of the error of the exact B at each point, in tesla. It is infinite at points
     /// that are not finite.
-    pub(crate) fn error_bounds_t(&self, points: &[DVec3]) -> Vec<f64> {
+    pub fn error_bounds_t(&self, points: &[DVec3]) -> Vec<f64> {
         let bounds = |points: &[DVec3]| {
             let mut magnitudes_t = Column::default();
             // Bounds are computed of finite points only.

@@ -15,23 +15,25 @@ use crate::tolerances::{
 
 /// The tables of a cluster for the closed form in vectors.
 #[derive(Clone, Debug)]
-pub(crate) struct CornerTables {
+pub struct CornerTables {
     /// Power of two that takes lengths to order one.
-    pub(crate) scale: f64,
+    pub scale: f64,
     /// Axis and coordinate of each plane.
-    pub(crate) planes: Vec<(usize, TwoSum)>,
+    pub planes: Vec<(usize, TwoSum)>,
     /// The three planes that meet in each corner, two corners at a time.
-    pub(crate) corners: Vec<[[u16; 3]; 2]>,
+    pub corners: Vec<[[u16; 3]; 2]>,
     /// Number of such pairs for half a tile, rounded up.
-    pub(crate) corner_pairs_per_step: usize,
-    pub(crate) tiles: Vec<TileTerms>,
-    pub(crate) groups: Vec<Group>,
+    pub corner_pairs_per_step: usize,
+    /// The terms of each tile.
+    pub tiles: Vec<TileTerms>,
+    /// Tiles that share a product.
+    pub groups: Vec<Group>,
     /// Largest volume of the tiles of one group, or of one tile, scaled.
-    pub(crate) largest_group_volume: f64,
+    pub largest_group_volume: f64,
     /// Largest number of tiles in one group.
-    pub(crate) largest_group: usize,
+    pub largest_group: usize,
     /// Whether some of the tiles are rods.
-    pub(crate) has_rods: bool,
+    pub has_rods: bool,
 }
 
 impl CornerTables {
@@ -75,12 +77,12 @@ impl CornerTables {
 
 impl CornerTables {
     /// Whether the closed form of the gradient keeps its bound for all tiles.
-    pub(crate) fn has_gradient(&self) -> bool {
+    pub fn has_gradient(&self) -> bool {
         self.tiles.iter().all(|tile| has_gradient(tile.squares.map(f64::sqrt)))
     }
 
     /// The terms of the gradient of a tile in these tables.
-    pub(crate) fn gradient_terms(&self, tile: &TileTerms) -> GradientTerms {
+    pub fn gradient_terms(&self, tile: &TileTerms) -> GradientTerms {
         let axes = [0, 2, 4].map(|plane: usize| self.planes[usize::from(tile.planes[plane])].0);
         // A coefficient has the sign of the factor of its element. T_cc is an element, or minus the
         // sum of the others.

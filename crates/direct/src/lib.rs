@@ -1,7 +1,19 @@
-//! Direct summation: every tile at every point, to the last digits.
+//! The exact field of many uniformly magnetized cuboids: every tile at every point, to the last
+//! digits.
+//!
+//! [`DirectSum`](direct_sum::DirectSum) prepares tiles once: tiles of one orientation share a
+//! frame, and neighbouring tiles share tables of corners. It then sums B, H or the gradient over
+//! batches of points in vectors. `magsplice-field` builds trees and interpolation on it.
+//!
+//! The error of a field is at most
+//! [`EXACT_BOUND`](magsplice_cuboid::tolerances::EXACT_BOUND) of the sum of magnitudes over tiles.
+//! Lengths are in any one unit, polarization and B in tesla, H in ampere per metre.
+
+// Rules are written as `!(x <= limit)` so that NaN breaks them.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 /// Points divided into batches for threads.
-pub(crate) mod batches;
+pub mod batches;
 /// The gradient of the tiles of a cluster, in vectors.
 mod cluster_gradient;
 /// The closed form of the tiles of a cluster, in vectors.
@@ -9,21 +21,23 @@ mod cluster_kernel;
 /// Coordinates of a batch of points, by axis.
 mod coordinates;
 /// Prepared tiles with the vector instructions: the exact field.
-pub(crate) mod direct_sum;
+pub mod direct_sum;
 /// Edges on which the field is unbounded.
 mod edges;
 /// The stated error of the exact field.
 mod error_bounds;
 /// The far field of a cluster, as a tree provides it.
-pub(crate) mod far_field;
+pub mod far_field;
 /// The gradient summed over tiles at a batch of points.
-pub(crate) mod gradient_sum;
+pub mod gradient_sum;
 /// Upper bounds of the sum of magnitudes over tiles.
-mod magnitude;
+pub mod magnitude;
 /// The scalar kernel at points in and close to a tile.
 mod near_field;
+/// Tiles brought into frames and clusters.
+pub mod prepare;
 /// Points that wait for vectors of one method.
-mod queues;
+pub mod queues;
 /// Points in their order, in runs of one method.
 mod runs;
 /// The only tile of a scene.
@@ -31,6 +45,8 @@ mod single_tile;
 /// Indices of points sorted by method.
 mod sorted_points;
 /// The sum over tiles at a batch of points.
-pub(crate) mod sum;
+pub mod sum;
+/// Tolerances and tuning constants.
+pub mod tolerances;
 /// Compensated sums at a batch of points.
 mod totals;

@@ -5,29 +5,30 @@ use magsplice_cuboid::closed_form::terms::{Form, Terms};
 
 /// The corners, planes and groups of a tile in the tables of its cluster.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TileTerms {
-    pub(crate) form: Form,
+pub struct TileTerms {
+    /// The closed form in use.
+    pub form: Form,
     /// Corners; bits 2, 1, 0 are set for the high side along a, b, c.
-    pub(crate) corners: [u16; 8],
+    pub corners: [u16; 8],
     /// Low and high plane along a, b, c.
-    pub(crate) planes: [u16; 6],
+    pub planes: [u16; 6],
     /// Group of each element; [`NO_GROUP`] if the element is not needed, [`OWN`] if no other tile
     /// has the same strength.
-    pub(crate) groups: [u16; 6],
+    pub groups: [u16; 6],
     /// Whether any of the groups is [`OWN`].
-    pub(crate) has_own: bool,
+    pub has_own: bool,
     /// Contribution of one unit of half of 4 pi T to mu0 H, in tesla, by element.
-    pub(crate) coefficients: [[f64; 3]; 6],
+    pub coefficients: [[f64; 3]; 6],
     /// See [`Terms::factors`].
-    pub(crate) factors: [f64; 6],
+    pub factors: [f64; 6],
     /// Squares of the sizes along a, b, c, scaled.
-    pub(crate) squares: [f64; 3],
+    pub squares: [f64; 3],
 }
 
 /// See [`TileTerms::groups`].
-pub(crate) const NO_GROUP: u16 = u16::MAX;
+pub const NO_GROUP: u16 = u16::MAX;
 /// See [`TileTerms::groups`].
-pub(crate) const OWN: u16 = u16::MAX - 1;
+pub const OWN: u16 = u16::MAX - 1;
 
 impl TileTerms {
     /// The terms of a tile with these planes (low and high along x, y, z) and corners (bits 2, 1, 0

@@ -14,7 +14,7 @@ use crate::tolerances::POINT_ROUNDINGS;
 
 /// All tiles of a scene, in frames.
 #[derive(Clone, Debug)]
-pub(crate) struct Frames {
+pub struct Frames {
     axes: Vec<Axis>,
     frames: Vec<Frame>,
 }
@@ -32,31 +32,35 @@ struct Axis {
 
 /// Blocks with a common orientation.
 #[derive(Clone, Debug)]
-pub(crate) struct Frame {
+pub struct Frame {
     axes: [usize; 3],
-    pub(crate) to_scene: ToScene,
+    /// The rotation to the scene.
+    pub to_scene: ToScene,
     /// The blocks to evaluate: tiles that form a cuboid of one polarization are merged.
-    pub(crate) blocks: Vec<Block>,
+    pub blocks: Vec<Block>,
     /// One block for each tile, to name the tile at an edge.
-    pub(crate) unmerged: Vec<Block>,
+    pub unmerged: Vec<Block>,
     /// The blocks in clusters, prepared for many points.
-    pub(crate) clusters: ClusterTable,
+    pub clusters: ClusterTable,
 }
 
 /// Rotation from a frame to the scene; `None` for the scene's own frame, where nothing is rounded.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ToScene(Option<DMat3>);
+pub struct ToScene(Option<DMat3>);
 
 impl ToScene {
-    pub(crate) fn vector(&self, own: DVec3) -> DVec3 {
+    /// A vector of the frame in the scene.
+    pub fn vector(&self, own: DVec3) -> DVec3 {
         self.0.map_or(own, |rotation| rotation * own)
     }
 
-    pub(crate) fn rotation(&self) -> Option<&DMat3> {
+    /// The rotation, or `None` for the frame of the scene.
+    pub fn rotation(&self) -> Option<&DMat3> {
         self.0.as_ref()
     }
 
-    pub(crate) fn tensor(&self, own: DMat3) -> DMat3 {
+    /// A tensor of the frame in the scene.
+    pub fn tensor(&self, own: DMat3) -> DMat3 {
         self.0.map_or(own, |rotation| rotation * own * rotation.transpose())
     }
 }
@@ -74,7 +78,8 @@ impl Axis {
 }
 
 impl Frames {
-    pub(crate) fn new(tiles: &[Tile]) -> Frames {
+    /// Sorts tiles by orientation, merges those that form a cuboid, and divides them into clusters.
+    pub fn new(tiles: &[Tile]) -> Frames {
         let rotations: Vec<_> = tiles.iter().map(Tile::rotation).collect();
         let orientations = Orientations::new(&rotations);
         let frames_of_axes = orientations.frames.iter();
@@ -106,25 +111,26 @@ impl Frames {
         prepared
     }
 
-    pub(crate) fn frames(&self) -> &[Frame] {
+    /// One frame for each orientation.
+    pub fn frames(&self) -> &[Frame] {
         &self.frames
     }
 
     /// The frame of the only tile, if the scene has one tile.
-    pub(crate) fn only_tile(&self) -> Option<&Frame> {
+    pub fn only_tile(&self) -> Option<&Frame> {
         let [frame] = &self.frames[..] else { return None };
         (frame.blocks.len() == 1).then_some(frame)
     }
 
     /// The axis of the scene that is axis `axis` of `frame`, or else its direction and origin.
-    pub(crate) fn axis(&self, frame: &Frame, axis: usize) -> Result<usize, (DVec3, DVec3)> {
+    pub fn axis(&self, frame: &Frame, axis: usize) -> Result<usize, (DVec3, DVec3)> {
         let axis = &self.axes[frame.axes[axis]];
         axis.scene.ok_or((axis.direction, axis.origin))
     }
 
     /// Centre of a block in the scene. It is computed from `tile`, which is in the block, so that
     /// little is rounded.
-    pub(crate) fn centre_in_scene(&self, frame: &Frame, block: &Block, tile: &Tile) -> DVec3 {
+    pub fn centre_in_scene(&self, frame: &Frame, block: &Block, tile: &Tile) -> DVec3 {
         let offset = [0, 1, 2].map(|axis: usize| {
             let from = TwoSum::exact(self.axes[frame.axes[axis]].coordinate(tile.position()));
             let [low, high] = block.faces[axis].map(|face| face.minus(from).value());
@@ -134,12 +140,12 @@ impl Frames {
     }
 
     /// Bound of the error of each coordinate of `point` in `frame`.
-    pub(crate) fn roundoff(&self, frame: &Frame, point: DVec3) -> [f64; 3] {
+    pub fn roundoff(&self, frame: &Frame, point: DVec3) -> [f64; 3] {
         frame.axes.map(|axis| self.axes[axis].roundoff(point))
     }
 
     /// Each frame with the coordinates of `point` in it.
-    pub(crate) fn locals(&self, point: DVec3) -> impl Iterator<Item = (&Frame, LocalPoint)> {
+    pub fn locals(&self, point: DVec3) -> impl Iterator<Item = (&Frame, LocalPoint)> {
         self.frames.iter().map(move |frame| {
             let axes = frame.axes.map(|axis| &self.axes[axis]);
             let local = LocalPoint {

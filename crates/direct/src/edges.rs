@@ -15,7 +15,7 @@ use crate::tolerances::{EDGE_CANCELLATION, SAME_RAY};
 
 /// The edges that start at a point, with the sums of the coefficients of their tiles.
 #[derive(Default)]
-pub(crate) struct EdgesAtPoint {
+pub struct EdgesAtPoint {
     rays: Vec<Ray>,
 }
 
@@ -28,7 +28,7 @@ struct Ray {
 
 impl EdgesAtPoint {
     /// Adds the edges of `block` that the point lies on.
-    pub(crate) fn add(&mut self, block: &Block, placed: &PlacedPoint, to_scene: &ToScene) {
+    pub fn add(&mut self, block: &Block, placed: &PlacedPoint, to_scene: &ToScene) {
         let (j, offsets) = (block.polarization_t, &placed.offsets);
         for edges in 0..3 {
             let (a, b) = ((edges + 1) % 3, (edges + 2) % 3);
@@ -70,17 +70,17 @@ impl EdgesAtPoint {
 
     /// Whether the singular term of an edge is not cancelled, so that field and gradient are
     /// unbounded.
-    pub(crate) fn exposed(&self) -> bool {
+    pub fn exposed(&self) -> bool {
         self.rays.iter().any(Ray::exposed)
     }
 
     /// Whether there are singular terms; if none is exposed, those of several blocks cancel.
-    pub(crate) fn singular(&self) -> bool {
+    pub fn singular(&self) -> bool {
         !self.rays.is_empty()
     }
 
     /// Index of a tile with a singular edge at the point, an exposed one if there is any.
-    pub(crate) fn tile(&self) -> Option<usize> {
+    pub fn tile(&self) -> Option<usize> {
         self.rays.iter().find(|ray| ray.exposed()).or(self.rays.first()).map(|ray| ray.tile)
     }
 }

@@ -4,20 +4,19 @@ use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 use magsplice_cuboid::block::{Block, LocalPoint};
 use magsplice_cuboid::scalar::kernel::{FieldKind, cuboid_field};
+use magsplice_direct::prepare::cluster_methods::farthest_corner;
+use magsplice_direct::prepare::clusters::expansion_of;
 use magsplice_expansion::multipole::MultipoleExpansion;
 use magsplice_expansion::tolerances::EXPANSION_DEGREES;
 use magsplice_simd::InstructionSet;
 use magsplice_simd::lanes::{Lanes, Number};
 
-use super::cluster_methods::farthest_corner;
-use super::clusters::expansion_of;
-
-pub(crate) fn levels() -> Vec<Level> {
+fn levels() -> Vec<Level> {
     InstructionSet::available().into_iter().map(|set| set.detected().expect("available")).collect()
 }
 
 #[inline(always)]
-pub(crate) fn expanded<S: Simd>(simd: S, expansion: &MultipoleExpansion, degree: usize, point: DVec3) -> DVec3 {
+fn expanded<S: Simd>(simd: S, expansion: &MultipoleExpansion, degree: usize, point: DVec3) -> DVec3 {
     let lanes = point.to_array().map(|c| Lanes::<S>::splat(simd, c));
     let [first, second] = expansion.fields_of_pair(simd, degree, [lanes, lanes]);
     for axis in 0..3 {

@@ -1,0 +1,7 @@
+//! Tests of the exact field of many cuboids, in one program: each program links all kernels.
+
+mod expansions;
+mod magnitude;
+mod merge;
+mod orientation;
+mod queues;
