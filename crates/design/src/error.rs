@@ -1,6 +1,5 @@
 //! Why a film cannot be designed.
 
-use std::error::Error;
 use std::fmt;
 
 use glam::DVec3;
@@ -8,31 +7,44 @@ use magsplice_decouple::DecouplingError;
 use magsplice_ideal::ComparisonError;
 use magsplice_recoil::RecoilError;
 use magsplice_tolerance::SampleError;
+use thiserror::Error;
 
 use crate::rule::Rule;
 use crate::splice_fault::SpliceFault;
 use crate::tolerances::MAX_LISTED;
 
 /// A table of a layout that a design needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum Table {
     /// `[design]`, the brief.
+    #[error(
+        "the layout has no [design] table, which design needs: add one, at the least the line `design = {{ vary = \
+         [\"size\", \"position\", \"direction\"] }}` below the name"
+    )]
     Design,
     /// `[ideal]`.
+    #[error("the layout has no [ideal] table, which design needs: add one")]
     Ideal,
     /// `[volume]`.
+    #[error("the layout has no [volume] table, which design needs: add one")]
     Volume,
     /// `[tolerance]`.
+    #[error("the layout has no [tolerance] table, which design needs: add one")]
     Tolerance,
 }
 
 /// Why a film cannot be designed. Messages name tiles and give lengths in millimetres.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum DesignError {
     /// The layout lacks this table.
+    #[error("{0}")]
     Missing(Table),
     /// Some tiles have no image under the symmetry of the brief.
+    #[error(
+        "{}tiles without an image under the symmetry of [design]: {}; add the images (arrows are mirrored like drawn \
+         ones), or ask for less symmetry", shown_spans(*off_centre_mm), listed(tiles, ", ")
+    )]
     NotSymmetric {
         /// Names of these tiles.
         tiles: Vec<String>,
@@ -41,14 +53,28 @@ pub enum DesignError {
         off_centre_mm: [Option<[f64; 2]>; 2],
     },
     /// The brief counts the films that are made, and its goal is not the displacement.
+    #[error(
+        "under = \"tolerance\" of [design] needs goal = \"displacement\": the films with the smallest errors of other \
+         kinds are those whose parameters change little with the displacement"
+    )]
     NotDisplacement,
     /// These tiles are rotated, and the brief lets sizes or positions vary or has a symmetry.
+    #[error(
+        "rotated tiles: {}; sizes, positions and symmetries are for tiles along x and y: give these unrotated, or let \
+         only directions and strengths vary", listed(.0, ", ")
+    )]
     Rotated(Vec<String>),
     /// The brief and the symmetry leave no number free.
+    #[error("0 free numbers in this film under the vary and symmetry of [design], must be at least 1")]
     NothingFree,
     /// No film near the layout's keeps these rules together.
+    #[error("these rules of [design] cannot be kept together by a film like this one:\n  {}", listed(.0, "\n  "))]
     Contradiction(Vec<Rule>),
     /// The film found, rounded to the resolution of the brief, is no film.
+    #[error(
+        "rounding to resolution_mm = {resolution_mm} and resolution_deg = {resolution_deg} of [design] leaves no film: \
+         {fault}; choose a finer resolution"
+    )]
     Resolution {
         /// The resolution of lengths, in millimetres.
         resolution_mm: f64,
@@ -58,29 +84,45 @@ pub enum DesignError {
         fault: RoundingFault,
     },
     /// This point of the working volume, in millimetres, is not below the film.
+    #[error(
+        "the point ({}, {}, {}) mm of the working volume is not below the film: lower z_mm or reference_mm of [volume]",
+        .0.x, .0.y, .0.z
+    )]
     NotBelow(DVec3),
     /// The film to start from has no field at some point, which lies on an edge of a tile.
+    #[error("a point of the working volume lies on an edge of a tile: lower z_mm of [volume]")]
     NoField,
     /// The film to start from has no decoupling parameters.
-    Decoupling(DecouplingError),
+    #[error("{0}")]
+    Decoupling(#[source] DecouplingError),
     /// The field of a film cannot be compared with the ideal one.
-    Comparison(ComparisonError),
+    #[error("{0}")]
+    Comparison(#[source] ComparisonError),
     /// The polarization of tiles with a recoil permeability is not known.
-    Recoil(RecoilError),
+    #[error("recoil: {0}")]
+    Recoil(#[source] RecoilError),
     /// A film with random errors has no decoupling errors.
-    Sample(SampleError),
+    #[error("{0}")]
+    Sample(#[source] SampleError),
     /// B_z vanishes at a point of the design grid.
+    #[error(
+        "B_z vanishes at a point of the working volume, so its decoupling parameters do not exist: start from a film \
+         nearer to the ideal one, or design for goal = \"field\" first"
+    )]
     Singular,
     /// Numbers of a [`SpliceRequest`](crate::SpliceRequest) are out of range.
+    #[error("{}", joined(.0, "\n"))]
     Request(Vec<SpliceFault>),
 }
 
 /// Why a film rounded to the resolution is no film.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 pub enum RoundingFault {
     /// This tile has a side of 0 mm.
+    #[error("tile \"{0}\" has a side of 0 mm")]
     NoSide(String),
     /// Two tiles overlap.
+    #[error("tiles \"{}\" and \"{}\" overlap by {depth_mm} mm", tiles[0], tiles[1])]
     Overlap {
         /// Their names.
         tiles: [String; 2],
@@ -88,97 +130,17 @@ pub enum RoundingFault {
         depth_mm: f64,
     },
     /// Its errors do not exist.
+    #[error("{0}")]
     NoMetrics(Box<DesignError>),
 }
 
-impl fmt::Display for RoundingFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            RoundingFault::NoSide(tile) => write!(f, "tile \"{tile}\" has a side of 0 mm"),
-            RoundingFault::Overlap { tiles: [first, second], depth_mm } => {
-                write!(f, "tiles \"{first}\" and \"{second}\" overlap by {depth_mm} mm")
-            }
-            RoundingFault::NoMetrics(error) => error.fmt(f),
-        }
-    }
-}
-
-impl Table {
-    fn name(self) -> &'static str {
-        match self {
-            Table::Design => "design",
-            Table::Ideal => "ideal",
-            Table::Volume => "volume",
-            Table::Tolerance => "tolerance",
-        }
-    }
-}
-
-impl fmt::Display for DesignError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            DesignError::Missing(Table::Design) => f.write_str(
-                "the layout has no [design] table, which design needs: add one, at the least the line \
-                 `design = { vary = [\"size\", \"position\", \"direction\"] }` below the name",
-            ),
-            DesignError::Missing(table) => {
-                write!(f, "the layout has no [{}] table, which design needs: add one", table.name())
-            }
-            DesignError::NotSymmetric { tiles, off_centre_mm } => {
-                let spans = ["x", "y"].into_iter().zip(off_centre_mm).filter_map(|(axis, span)| Some((axis, (*span)?)));
-                let spans: Vec<String> =
-                    spans.map(|(axis, [low, high])| format!("{axis} = {low} .. {high}")).collect();
-                if !spans.is_empty() {
-                    write!(f, "the film spans {} mm, which is not centred on 0: ", spans.join(" and "))?;
-                }
-                write!(
-                    f,
-                    "tiles without an image under the symmetry of [design]: {}; add the images (arrows are mirrored like \
-                     drawn ones), or ask for less symmetry",
-                    listed(tiles, ", ")
-                )
-            }
-            DesignError::NotDisplacement => f.write_str(
-                "under = \"tolerance\" of [design] needs goal = \"displacement\": the films with the smallest errors of \
-                 other kinds are those whose parameters change little with the displacement",
-            ),
-            DesignError::Rotated(tiles) => write!(
-                f,
-                "rotated tiles: {}; sizes, positions and symmetries are for tiles along x and y: give these unrotated, \
-                 or let only directions and strengths vary",
-                listed(tiles, ", ")
-            ),
-            DesignError::NothingFree => {
-                f.write_str("0 free numbers in this film under the vary and symmetry of [design], must be at least 1")
-            }
-            DesignError::Contradiction(rules) => {
-                let rules = listed(rules, "\n  ");
-                write!(f, "these rules of [design] cannot be kept together by a film like this one:\n  {rules}")
-            }
-            DesignError::Resolution { resolution_mm, resolution_deg, fault } => write!(
-                f,
-                "rounding to resolution_mm = {resolution_mm} and resolution_deg = {resolution_deg} of [design] leaves no \
-                 film: {fault}; choose a finer resolution"
-            ),
-            DesignError::NotBelow(p) => write!(
-                f,
-                "the point ({}, {}, {}) mm of the working volume is not below the film: lower z_mm or reference_mm of \
-                 [volume]",
-                p.x, p.y, p.z
-            ),
-            DesignError::NoField => {
-                f.write_str("a point of the working volume lies on an edge of a tile: lower z_mm of [volume]")
-            }
-            DesignError::Decoupling(error) => error.fmt(f),
-            DesignError::Comparison(error) => error.fmt(f),
-            DesignError::Recoil(error) => write!(f, "recoil: {error}"),
-            DesignError::Sample(error) => error.fmt(f),
-            DesignError::Singular => f.write_str(
-                "B_z vanishes at a point of the working volume, so its decoupling parameters do not exist: start from \
-                 a film nearer to the ideal one, or design for goal = \"field\" first",
-            ),
-            DesignError::Request(faults) => f.write_str(&joined(faults, "\n")),
-        }
+/// Where a film that is not centred on 0 lies, as the beginning of a message.
+fn shown_spans(off_centre_mm: [Option<[f64; 2]>; 2]) -> String {
+    let spans = ["x", "y"].into_iter().zip(off_centre_mm).filter_map(|(axis, span)| Some((axis, span?)));
+    let spans: Vec<String> = spans.map(|(axis, [low, high])| format!("{axis} = {low} .. {high}")).collect();
+    match spans.is_empty() {
+        true => String::new(),
+        false => format!("the film spans {} mm, which is not centred on 0: ", spans.join(" and ")),
     }
 }
 
@@ -193,16 +155,4 @@ fn listed(items: &[impl fmt::Display], separator: &str) -> String {
 
 fn joined(items: &[impl fmt::Display], separator: &str) -> String {
     items.iter().map(ToString::to_string).collect::<Vec<_>>().join(separator)
-}
-
-impl Error for DesignError {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        match self {
-            DesignError::Decoupling(error) => Some(error),
-            DesignError::Comparison(error) => Some(error),
-            DesignError::Recoil(error) => Some(error),
-            DesignError::Sample(error) => Some(error),
-            _ => None,
-        }
-    }
 }

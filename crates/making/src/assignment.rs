@@ -1,11 +1,9 @@
 //! Tiles that were cut and measured, the places of a film, and the tile of each place.
 
-use std::error::Error;
-use std::fmt;
-
 use glam::DVec3;
 use magsplice_magnet::TileFaults;
 use magsplice_tolerance::SampleError;
+use thiserror::Error;
 
 use crate::orientation::Orientation;
 
@@ -87,10 +85,11 @@ impl Default for AssignmentSettings {
 }
 
 /// Why tiles cannot be assigned.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum AssignmentError {
     /// A group has fewer tiles than places.
+    #[error("has {tiles} tiles for {places} places")]
     TooFew {
         /// Index of the group.
         group: usize,
@@ -100,55 +99,32 @@ pub enum AssignmentError {
         tiles: usize,
     },
     /// The part of a group fits one of its places in no orientation that is allowed.
+    #[error("its part fits place number {} in no orientation that is allowed", place + 1)]
     NoOrientation {
         /// Index of the place.
         place: usize,
     },
     /// A tile cannot exist.
+    #[error("tile {name}: {faults}")]
     Tile {
         /// Its name.
         name: String,
         /// The rules that it breaks.
         faults: TileFaults,
     },
-    /// The film has no displacement errors.
-    Film(SampleError),
+    /// The film has no displacement errors, or a tile of a sample cannot exist.
+    #[error("{0}")]
+    Film(#[source] SampleError),
     /// There are too many combinations of tiles and places.
+    #[error("there are more than {most} combinations of tiles and places")]
     TooLarge {
         /// Number of combinations up to which a problem is solved.
         most: usize,
     },
     /// What a shim tile does cannot be told from what the others do.
+    #[error("what the shim tile number {} does cannot be told from the other shim tiles", tile + 1)]
     Shim {
         /// Its index in the film.
         tile: usize,
     },
-}
-
-impl fmt::Display for AssignmentError {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            AssignmentError::TooFew { places, tiles, .. } => write!(f, "has {tiles} tiles for {places} places"),
-            AssignmentError::NoOrientation { place } => {
-                write!(f, "its part fits place number {} in no orientation that is allowed", place + 1)
-            }
-            AssignmentError::Tile { name, faults } => write!(f, "tile {name}: {faults}"),
-            AssignmentError::Film(error) => error.fmt(f),
-            AssignmentError::TooLarge { most } => {
-                write!(f, "there are more than {most} combinations of tiles and places")
-            }
-            AssignmentError::Shim { tile } => {
-                write!(f, "what the shim tile number {} does cannot be told from the other shim tiles", tile + 1)
-            }
-        }
-    }
-}
-
-impl Error for AssignmentError {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        match self {
-            AssignmentError::Film(error) => Some(error),
-            _ => None,
-        }
-    }
 }

@@ -1,15 +1,14 @@
 //! Why a scan cannot be fitted.
 
-use std::error::Error;
-use std::fmt;
-
 use magsplice_magnet::PointErrors;
+use thiserror::Error;
 
 /// Why a scan cannot be fitted.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum ScanError {
     /// There are too few readings for the parameters.
+    #[error("too few readings for the parameters: {readings}, must be at least {needed}")]
     TooFew {
         /// Number of readings.
         readings: usize,
@@ -17,38 +16,21 @@ pub enum ScanError {
         needed: usize,
     },
     /// The scan does not tell these parameters apart, or has no information about them.
+    #[error("the scan does not determine {}: fit fewer parameters", .0.join(", "))]
     Undetermined(Vec<&'static str>),
     /// More readings than can be outliers are far from every fit.
+    #[error(
+        "readings farther from the fit than noise allows: {outliers}; the scan is of another film, or its positions \
+         are off by more than a quarter of a wavelength"
+    )]
     AnotherFilm {
         /// Number of readings far from the fit.
         outliers: usize,
     },
     /// The steps did not converge.
+    #[error("the fit does not converge: the positions may be off by more than a quarter of a wavelength")]
     NoConvergence,
     /// Points without a field.
+    #[error("points of the scan have no field: {0}")]
     Points(PointErrors),
 }
-
-impl fmt::Display for ScanError {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            ScanError::TooFew { readings, needed } => {
-                write!(f, "too few readings for the parameters: {readings}, must be at least {needed}")
-            }
-            ScanError::Undetermined(names) => {
-                write!(f, "the scan does not determine {}: fit fewer parameters", names.join(", "))
-            }
-            ScanError::AnotherFilm { outliers } => write!(
-                f,
-                "readings farther from the fit than noise allows: {outliers}; the scan is of another film, or its \
-                 positions are off by more than a quarter of a wavelength"
-            ),
-            ScanError::NoConvergence => {
-                write!(f, "the fit does not converge: the positions may be off by more than a quarter of a wavelength")
-            }
-            ScanError::Points(errors) => write!(f, "points of the scan have no field: {errors}"),
-        }
-    }
-}
-
-impl Error for ScanError {}

@@ -1,14 +1,15 @@
 //! Demands of the layout that the film found misses.
 
-use std::fmt;
+use thiserror::Error;
 
 use crate::error::DesignError;
 
 /// A demand of the layout that the film found misses.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum Shortfall {
     /// The best-fit amplitude is below its least value.
+    #[error("amplitude {reached:.4}, must be at least {least}")]
     Amplitude {
         /// The amplitude reached.
         reached: f64,
@@ -16,6 +17,7 @@ pub enum Shortfall {
         least: f64,
     },
     /// The film has too many distinct parts.
+    #[error("{reached} distinct parts, must be at most {most}")]
     Parts {
         /// Number of its parts.
         reached: usize,
@@ -23,6 +25,11 @@ pub enum Shortfall {
         most: usize,
     },
     /// The films that are made have no errors.
+    #[error(
+        "samples of the film {}: {}{error}",
+        if *found { "found" } else { "before the search" },
+        sample.map_or(String::new(), |sample| format!("number {sample}: "))
+    )]
     Samples {
         /// Whether they are of the film found, not of the film before the search.
         found: bool,
@@ -31,22 +38,6 @@ pub enum Shortfall {
         /// Why.
         error: DesignError,
     },
-}
-
-impl fmt::Display for Shortfall {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Shortfall::Amplitude { reached, least } => write!(f, "amplitude {reached:.4}, must be at least {least}"),
-            Shortfall::Parts { reached, most } => write!(f, "{reached} distinct parts, must be at most {most}"),
-            Shortfall::Samples { found, sample, error } => {
-                write!(f, "samples of the film {}: ", if *found { "found" } else { "before the search" })?;
-                if let Some(sample) = sample {
-                    write!(f, "number {sample}: ")?;
-                }
-                error.fmt(f)
-            }
-        }
-    }
 }
 
 /// A shortfall is serialized as its text.

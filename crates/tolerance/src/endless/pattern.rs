@@ -1,13 +1,11 @@
 //! The field of the endless pattern by its Fourier series (docs/physics.md, section 7.2).
 
-use std::error::Error;
-use std::fmt;
-
 use glam::{DVec2, DVec3};
 use magsplice_decouple::Figures;
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::Tile;
 use rayon::prelude::*;
+use thiserror::Error;
 
 use super::footprint::Footprint;
 use crate::evaluation_grid::{EvaluationGrid, SampleError};
@@ -57,19 +55,32 @@ pub struct EndlessPattern {
 }
 
 /// Why the endless pattern of a film, or its field, does not exist.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum EndlessPatternError {
     /// Tiles have no face parallel to the film, by their indices.
+    #[error(
+        "{} tiles are tilted against the film, so that their pattern has no Fourier series: tile {}{}; \
+         a rotation must be about the normal of the film",
+        .0.len(),
+        .0.iter().take(NAMED_TILES).map(usize::to_string).collect::<Vec<_>>().join(", "),
+        if .0.len() > NAMED_TILES { ", ..." } else { "" }
+    )]
     Tilted(Vec<usize>),
     /// No tile lies within half a wavelength of the axis.
+    #[error("no magnetized tile lies within half a wavelength of the axis x = y = 0 of the film")]
     Empty,
     /// A point is not below the film.
+    #[error("the point ({}, {}, {}) mm is not below the film", point.x, point.y, point.z)]
     NotBelow {
         /// The point.
         point: DVec3,
     },
     /// A point is so near to the film that too many harmonics are needed.
+    #[error(
+        "a point is {height_mm} mm below the film, must be at least {least_mm:.3} mm for the Fourier series of the \
+         pattern"
+    )]
     TooNear {
         /// Its distance from the lowest face.
         height_mm: f64,
@@ -77,7 +88,8 @@ pub enum EndlessPatternError {
         least_mm: f64,
     },
     /// The field of the pattern has no decoupling errors.
-    NoErrors(SampleError),
+    #[error("the endless pattern: {0}")]
+    NoErrors(#[source] SampleError),
 }
 
 impl EndlessPattern {
@@ -215,44 +227,5 @@ fn half_plane(most: usize) -> impl Iterator<Item = (i32, i32)> {
     on_axis.chain((1..=most).flat_map(move |m| (-most..=most).map(move |n| (m, n))))
 }
 
-impl fmt::Display for EndlessPatternError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            EndlessPatternError::Tilted(tiles) => {
-                let named: Vec<String> = tiles.iter().take(NAMED_TILES).map(usize::to_string).collect();
-                let more = if tiles.len() > NAMED_TILES { ", ..." } else { "" };
-                write!(
-                    f,
-                    "{} tiles are tilted against the film, so that their pattern has no Fourier series: tile {}{more}; \
-                     a rotation must be about the normal of the film",
-                    tiles.len(),
-                    named.join(", ")
-                )
-            }
-            EndlessPatternError::Empty => {
-                f.write_str("no magnetized tile lies within half a wavelength of the axis x = y = 0 of the film")
-            }
-            EndlessPatternError::NotBelow { point } => {
-                write!(f, "the point ({}, {}, {}) mm is not below the film", point.x, point.y, point.z)
-            }
-            EndlessPatternError::TooNear { height_mm, least_mm } => write!(
-                f,
-                "a point is {height_mm} mm below the film, must be at least {least_mm:.3} mm for the Fourier series of \
-                 the pattern"
-            ),
-            EndlessPatternError::NoErrors(error) => write!(f, "the endless pattern: {error}"),
-        }
-    }
-}
-
 /// Number of tiles that a message names.
 const NAMED_TILES: usize = 10;
-
-impl Error for EndlessPatternError {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        match self {
-            EndlessPatternError::NoErrors(error) => Some(error),
-            _ => None,
-        }
-    }
-}
