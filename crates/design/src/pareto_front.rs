@@ -13,8 +13,7 @@ use crate::search::search_result::SearchResult;
 use crate::tolerances::MOST_STEPS;
 
 /// The best films found for a series of demands.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Debug, serde::Serialize)]
 pub struct ParetoFront {
     /// The film found for each least amplitude, in ascending order of the amplitude, with any
     /// number of parts.

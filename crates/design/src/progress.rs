@@ -51,7 +51,6 @@ impl SearchStage {
 }
 
 /// A stage is serialized as its name.
-#[cfg(feature = "serde")]
 impl serde::Serialize for SearchStage {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())

@@ -32,8 +32,7 @@ pub struct PlaceGroup {
 }
 
 /// Where a tile goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct PlacedTile {
     /// Index of the place.
     pub place: usize,
@@ -46,8 +45,7 @@ pub struct PlacedTile {
 }
 
 /// The tile of each place.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Assignment {
     /// In the order of the places.
     pub placed: Vec<PlacedTile>,
@@ -65,8 +63,7 @@ pub struct Assignment {
 }
 
 /// How an assignment is searched.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct AssignmentSettings {
     /// Number of starts.
     pub starts: usize,

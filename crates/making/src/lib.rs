@@ -11,9 +11,6 @@
 //! * [`SortedSampler`]: samples of films whose tiles are cut with spares, measured and sorted.
 //!
 //! Lengths in millimetres, polarizations in tesla. This crate reads no files and prints nothing.
-//!
-//! # Features
-//! `serde` (off by default): `Serialize` for values and results.
 
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]

@@ -14,8 +14,7 @@ use crate::problem::AssignmentProblem;
 const SAMPLES: u64 = 4000;
 
 /// Standard deviations of the errors of a measurement. The errors are normal and independent.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct MeasurementErrors {
     /// Error of |J|, as a fraction of it.
     pub strength: f64,

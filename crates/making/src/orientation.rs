@@ -5,8 +5,7 @@ use magsplice_magnet::Tile;
 
 /// A rotation that maps axes onto axes: one of 24. It turns vectors of a tile as it was measured
 /// into the frame of its place.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Orientation {
     /// The axis of the measured tile that lies along each axis of the place.
     order: [u8; 3],

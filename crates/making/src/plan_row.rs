@@ -9,8 +9,7 @@ use crate::orientation::Orientation;
 const ANGLE_DECIMALS: f64 = 1e6;
 
 /// A line of a plan: the tile of a place, and how it lies there.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct PlanRow {
     /// Name of the place: of the tile of the layout.
     pub place: String,

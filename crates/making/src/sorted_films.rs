@@ -22,8 +22,7 @@ use crate::problem::AssignmentProblem;
 const SEED_OF_MEASUREMENTS: u64 = 0x6d65_6173_7572_6564;
 
 /// How tiles are cut, measured and sorted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Sorting {
     /// Number of tiles that are cut beyond those of the film. Parts have spares in proportion to
     /// their places.

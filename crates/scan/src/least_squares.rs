@@ -45,8 +45,7 @@ pub(crate) struct Scan<'a> {
 }
 
 /// A fitted scan.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ScanFit {
     /// The parameters.
     pub parameters: ScanParameters,

@@ -12,9 +12,6 @@
 //! Flux densities in tesla. Lengths of a diagnosis are millimetres; a fit takes any one unit, that
 //! of the tiles. The equations are in docs/physics.md, section 8. This crate reads no files and
 //! prints nothing.
-//!
-//! # Features
-//! `serde` (off by default): `Serialize` for values and results, `Deserialize` for values.
 
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]

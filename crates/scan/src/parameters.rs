@@ -96,8 +96,7 @@ impl FreeParameters {
 }
 
 /// How a scan was taken: a sensor at p reads R^-1 (strength B(p + start)) + offset.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ScanParameters {
     /// Strength of all tiles over that of the layout.
     pub strength: f64,

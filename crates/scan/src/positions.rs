@@ -12,8 +12,7 @@ const SAME_COORDINATE: f64 = 1e-6;
 const LEAST_FILLED: f64 = 0.5;
 
 /// The positions of a scan.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ScanPositions {
     /// Number of positions along x, y, z, if they are a grid but for gaps.
     pub grid: Option<[usize; 3]>,

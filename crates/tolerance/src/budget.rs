@@ -41,8 +41,7 @@ use crate::sampler::Sampler;
 /// assert!((parts - along_x.total_mm2).abs() < 1e-12 * along_x.total_mm2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Budget {
     /// The budgets along x, y, z.
     pub axes: [AxisBudget; 3],
@@ -53,8 +52,7 @@ pub struct Budget {
 }
 
 /// The budget of the displacement errors along one axis, as mean squares in mm^2.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AxisBudget {
     /// The film without errors.
     pub nominal_mm2: f64,
@@ -84,8 +82,7 @@ impl AxisBudget {
 }
 
 /// What is saved if all errors of one tile are halved.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TileImprovement {
     /// Index of the tile.
     pub tile: usize,
@@ -94,8 +91,7 @@ pub struct TileImprovement {
 }
 
 /// What is saved if one cause is halved, for all tiles where it is theirs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CauseImprovement {
     /// The cause.
     pub cause: Cause,

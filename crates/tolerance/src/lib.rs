@@ -16,9 +16,6 @@
 //! The errors themselves, such as [`magsplice_layout::FilmTolerance`], are values of a layout:
 //! lengths in millimetres, flux densities in tesla, angles in radians. This crate reads no files
 //! and prints nothing.
-//!
-//! # Features
-//! `serde` (off by default): `Serialize` for values and results, `Deserialize` for values.
 
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]

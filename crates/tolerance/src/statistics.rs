@@ -6,8 +6,7 @@ use statrs::function::beta::beta_reg;
 pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// A value estimated from samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Estimate {
     /// The estimate.
     pub value: f64,
@@ -17,8 +16,7 @@ pub struct Estimate {
 }
 
 /// Mean and percentiles of samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Statistics {
     /// Number of samples.
     pub count: usize,

@@ -15,8 +15,7 @@ const BATCH: u64 = 100;
 
 /// Errors of the films that are made with the errors of `[tolerance]`, from exact samples over the
 /// working volume.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct MadeFilms {
     /// Number of samples of each film: those of `[tolerance]`, or fewer if the search was
     /// interrupted.
@@ -30,8 +29,7 @@ pub struct MadeFilms {
 }
 
 /// Errors of the films that are made from one film.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct MadeErrors {
     /// RMSE of the displacement along x, y, z, in millimetres; see
     /// [`Figures::displacement_rmse_mm`].

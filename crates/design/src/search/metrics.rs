@@ -9,13 +9,12 @@ use magsplice_magnet::{Grid, Quantity, Tile};
 use crate::error::DesignError;
 
 /// Errors of a film over a grid, from its exact field.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Metrics {
     /// Number of points of the grid.
     pub points: usize,
     /// The figures of the film.
-    #[cfg_attr(feature = "serde", serde(flatten))]
+    #[serde(flatten)]
     pub figures: Figures,
     /// RMSE of each parameter's change from the reference point against the ideal film; see
     /// [`Decoupling::ideal_rmse`].

@@ -10,22 +10,21 @@ use crate::search::shortfall::Shortfall;
 
 /// A film that a search found, with its errors before and after. Lengths in millimetres,
 /// polarization in tesla.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Debug, serde::Serialize)]
 pub struct SearchResult {
     /// The tiles, in the order of the layout. They are not serialized, because
     /// [`DesignProblem::designed_layout`](crate::DesignProblem::designed_layout) writes them.
-    #[cfg_attr(feature = "serde", serde(skip))]
+    #[serde(skip)]
     pub tiles: Vec<Tile>,
     /// Errors of the layout's film over its working volume.
     pub before: Metrics,
     /// Errors of the designed film over the working volume.
     pub after: Metrics,
     /// Errors of the designed film over the design grid refined five times.
-    #[cfg_attr(feature = "serde", serde(rename = "five_times_finer"))]
+    #[serde(rename = "five_times_finer")]
     pub finer: Metrics,
     /// Errors of the films that are made, if the brief counts them and every sample has errors.
-    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub made: Option<MadeFilms>,
     /// The error that the search minimizes: the root of the weighted sum of squares of the three
     /// uniformity or displacement RMSE, the latter in millimetres, by the goal of the brief; 95th
@@ -37,7 +36,7 @@ pub struct SearchResult {
     /// Number of distinct parts: sizes with a direction of polarization.
     pub parts: usize,
     /// Number of starts whose error is within a tenth of the best.
-    #[cfg_attr(feature = "serde", serde(rename = "starts_that_agree"))]
+    #[serde(rename = "starts_that_agree")]
     pub agreeing_starts: usize,
     /// Demands of the layout that the film misses. Empty if it meets all.
     pub short_of: Vec<Shortfall>,
@@ -46,8 +45,7 @@ pub struct SearchResult {
 }
 
 /// Metrics of the film at the end of a stage.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct StageMetrics {
     /// The stage that ended.
     pub stage: SearchStage,
@@ -55,7 +53,7 @@ pub struct StageMetrics {
     pub uniformity_rmse: PerParameter<Option<f64>>,
 }
 
-#[cfg(all(test, feature = "serde"))]
+#[cfg(test)]
 mod tests {
     use magsplice_decouple::Figures;
 

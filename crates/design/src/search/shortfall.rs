@@ -41,7 +41,6 @@ pub enum Shortfall {
 }
 
 /// A shortfall is serialized as its text.
-#[cfg(feature = "serde")]
 impl serde::Serialize for Shortfall {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)

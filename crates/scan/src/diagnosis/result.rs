@@ -8,8 +8,7 @@ use crate::diagnosis::unresolved::{NarrowedError, SimilarErrors};
 use crate::parameters::ScanParameters;
 
 /// An error with its standard deviation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct FittedError {
     /// The error.
     pub error: TileError,
@@ -20,11 +19,10 @@ pub struct FittedError {
 }
 
 /// An error that neither noise nor expected errors explain.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct NamedError {
     /// The tile and what is wrong with it.
-    #[cfg_attr(feature = "serde", serde(flatten))]
+    #[serde(flatten)]
     pub candidate: Candidate,
     /// Its components.
     pub components: Vec<FittedError>,

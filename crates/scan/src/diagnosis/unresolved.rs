@@ -15,8 +15,7 @@ const HARDLY_NARROWED: f64 = 0.5;
 const ALIKE: f64 = 0.995;
 
 /// An error of a tile, with its standard deviations before and after the scan.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct NarrowedError {
     /// Index of the tile.
     pub tile: usize,
@@ -29,8 +28,7 @@ pub struct NarrowedError {
 }
 
 /// Two errors that change the readings alike.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct SimilarErrors {
     /// Index of the first tile, and its error.
     pub first: (usize, TileError),

@@ -6,8 +6,7 @@ use crate::low_rank::{add, dot};
 
 /// The expected mean square of the displacement errors along one axis over the working volume, in
 /// mm^2 (docs/physics.md, Eqs. P56 to P58).
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AxisErrors {
     /// Mean square of the film without errors.
     pub nominal_mm2: f64,
@@ -25,19 +24,17 @@ pub struct AxisErrors {
 }
 
 /// What one cause contributes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Share {
     /// The cause.
     pub cause: Cause,
     /// Its contribution.
-    #[cfg_attr(feature = "serde", serde(flatten))]
+    #[serde(flatten)]
     pub contribution: Contribution,
 }
 
 /// A contribution to the expected mean square of the displacement errors.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Contribution {
     /// The part by errors that are the same in each film: twice the product with the nominal
     /// errors, and the product with all fixed errors. It is negative where they compensate others.

@@ -22,8 +22,7 @@ const ALLOWED: f64 = 0.05;
 const SAMPLES_AT_ONCE: u64 = 64;
 
 /// How far exact samples agree with the model.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FirstOrderCheck {
     /// Number of samples.
     pub samples: u64,
@@ -32,8 +31,7 @@ pub struct FirstOrderCheck {
 }
 
 /// How far the displacement errors along one axis agree with the model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AxisCheck {
     /// Mean square of the displacement error of the exact samples over the volume, in mm^2.
     pub sampled_mm2: f64,

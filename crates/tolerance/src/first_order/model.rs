@@ -18,8 +18,7 @@ use crate::sampler::Sampler;
 const LARGEST_BYTES: usize = 1 << 31;
 
 /// One error of a film to first order.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ErrorTerm {
     /// The error.
     pub source: ErrorSource,

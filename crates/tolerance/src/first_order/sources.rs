@@ -13,8 +13,8 @@ use crate::real_film::RealFilm;
 /// # Units
 /// Lengths in millimetres, angles in radians, flux densities in tesla; strengths, gains and the
 /// change by temperature are fractions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum ErrorSource {
     /// An error of one tile.
@@ -50,8 +50,8 @@ pub enum ErrorSource {
 }
 
 /// What errors come from: one number of a tolerance, for all tiles where it is theirs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Cause {
     /// Positions of tiles along x and y.
