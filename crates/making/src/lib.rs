@@ -43,4 +43,4 @@ pub use orientation::Orientation;
 pub use partly_laid::{Laying, LyingTile, PartlyLaid};
 pub use plan_row::PlanRow;
 pub use problem::AssignmentProblem;
-pub use sorted_films::{SortedSampleError, SortedSampler, Sorting};
+pub use sorted_films::{SortedSampler, Sorting};

@@ -102,7 +102,11 @@ impl<'a> AssignmentProblem<'a> {
         let in_order_rms_mm = self.rms_mm(&in_order, &self.shims.unchanged())?;
         let mut nominal = self.model.nominal().to_vec();
         self.shims.take_out(&mut nominal);
-        let mut ends = self.searched(&nominal, settings);
+        let mut ends: Vec<LocalSearch> = (0..settings.starts.max(1) as u64)
+            .into_par_iter()
+            .map(|start| LocalSearch::run(&nominal, &self.contributions, settings.seed, start, settings.kicks))
+            .collect();
+        self.sort(&mut ends, &nominal);
         for _ in 0..CORRECTIONS {
             // What the linear model leaves out at the best assignment.
             let best = &ends[0];
@@ -119,7 +123,7 @@ impl<'a> AssignmentProblem<'a> {
         let placed = self.placed(&ends[0]);
         let shim_factors = self.shims.factors(|factors| self.exact(&placed, factors))?;
         let rms_mm = self.rms_mm(&placed, &shim_factors)?;
-        let starts_rms_mm = ends.iter().map(|end| self.model.rms_mm(&end.sum(&nominal, &self.contributions))).collect();
+        let starts_rms_mm = ends.iter().map(|end| self.linear_rms_mm(end, &nominal)).collect();
         Ok(Assignment { placed, shim_factors, rms_mm, in_order_rms_mm, starts_rms_mm })
     }
 
@@ -163,18 +167,13 @@ impl<'a> AssignmentProblem<'a> {
         self.model.exact(&self.film(placed, shim_factors)?).map_err(AssignmentError::Film)
     }
 
-    /// Where the searches from all starts end, the best first.
-    fn searched(&self, nominal: &[f64], settings: &AssignmentSettings) -> Vec<LocalSearch> {
-        let mut ends: Vec<LocalSearch> = (0..settings.starts.max(1) as u64)
-            .into_par_iter()
-            .map(|start| LocalSearch::run(nominal, &self.contributions, settings.seed, start, settings.kicks))
-            .collect();
-        self.sort(&mut ends, nominal);
-        ends
+    /// The rms of the displacement errors by the linear model.
+    fn linear_rms_mm(&self, search: &LocalSearch, nominal: &[f64]) -> f64 {
+        self.model.rms_mm(&search.sum(nominal, &self.contributions))
     }
 
     fn sort(&self, ends: &mut [LocalSearch], nominal: &[f64]) {
-        ends.sort_by_cached_key(|end| OrderedRms(self.model.rms_mm(&end.sum(nominal, &self.contributions))));
+        ends.sort_by(|a, b| self.linear_rms_mm(a, nominal).total_cmp(&self.linear_rms_mm(b, nominal)));
     }
 
     fn placed(&self, search: &LocalSearch) -> Vec<PlacedTile> {
@@ -214,23 +213,5 @@ impl CutTile {
         Tile::new(place.position(), orientation.sides(self.size_mm), orientation.apply(self.polarization_t))
             .and_then(|tile| tile.rotated(place.rotation()))
             .map_err(|faults| AssignmentError::Tile { name: self.name.clone(), faults })
-    }
-}
-
-/// A number with a total order.
-#[derive(PartialEq)]
-struct OrderedRms(f64);
-
-impl Eq for OrderedRms {}
-
-impl PartialOrd for OrderedRms {
-    fn partial_cmp(&self, other: &OrderedRms) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for OrderedRms {
-    fn cmp(&self, other: &OrderedRms) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
     }
 }

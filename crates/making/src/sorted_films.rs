@@ -1,7 +1,5 @@
 //! Samples of films whose tiles are cut with spares, measured and sorted before they are laid.
 
-use std::error::Error;
-use std::fmt;
 use std::ops::Range;
 
 use magsplice_decouple::Figures;
@@ -48,16 +46,6 @@ pub struct SortedSampler<'a> {
     spares: Vec<usize>,
 }
 
-/// Why a sample of sorted tiles has no errors.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum SortedSampleError {
-    /// The tiles cannot be assigned to places.
-    Assignment(AssignmentError),
-    /// The film that was laid has no errors of decoupling, or one of its tiles cannot exist.
-    Sample(SampleError),
-}
-
 impl<'a> SortedSampler<'a> {
     /// Prepares what all samples share. `parts` are groups of places without tiles: tiles of one
     /// group may be exchanged. Tiles in no group are laid where they are cut for.
@@ -90,9 +78,9 @@ impl<'a> SortedSampler<'a> {
     ///
     /// # Errors
     /// If a tile of the sample cannot exist, or the parameters do not exist in the volume.
-    pub fn errors_of(&self, sample: u64) -> Result<Figures, SortedSampleError> {
+    pub fn errors_of(&self, sample: u64) -> Result<Figures, AssignmentError> {
         let (film, seed) = (self.sampler.film(), self.sampler.seed());
-        let faulty = |faults| SortedSampleError::Sample(SampleError::Tile(faults));
+        let faulty = |faults| AssignmentError::Film(SampleError::Tile(faults));
         let mut laid = film.cut_tiles(seed, sample).map_err(faulty)?;
         let cut = self.cut(&laid, sample).map_err(faulty)?;
         let mut random = ChaCha8Rng::seed_from_u64(seed ^ SEED_OF_MEASUREMENTS);
@@ -105,16 +93,14 @@ impl<'a> SortedSampler<'a> {
             })
             .collect();
         let settings = &self.sorting.settings;
-        let problem = AssignmentProblem::new(&self.model, film.tiles(), &measured, &[], settings)
-            .map_err(SortedSampleError::Assignment)?;
-        let found = problem.solve(settings).map_err(SortedSampleError::Assignment)?;
+        let problem = AssignmentProblem::new(&self.model, film.tiles(), &measured, &[], settings)?;
+        let found = problem.solve(settings)?;
         for placed in &found.placed {
             let tile = &cut[placed.group].tiles[placed.tile];
-            laid[placed.place] =
-                tile.at(&film.tiles()[placed.place], placed.orientation).map_err(SortedSampleError::Assignment)?;
+            laid[placed.place] = tile.at(&film.tiles()[placed.place], placed.orientation)?;
         }
         let laid = film.laid_tiles(&laid, seed, sample).map_err(faulty)?;
-        self.sampler.errors_of_tiles(sample, &laid).map_err(SortedSampleError::Sample)
+        self.sampler.errors_of_tiles(sample, &laid).map_err(AssignmentError::Film)
     }
 
     /// The errors of samples with these numbers, computed in parallel. They do not depend on the
@@ -122,7 +108,7 @@ impl<'a> SortedSampler<'a> {
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
-    pub fn errors_of_range(&self, samples: Range<u64>) -> Result<Vec<Figures>, (u64, SortedSampleError)> {
+    pub fn errors_of_range(&self, samples: Range<u64>) -> Result<Vec<Figures>, (u64, AssignmentError)> {
         let of_sample = |sample| self.errors_of(sample).map_err(|error| (sample, error));
         let results: Vec<Result<Figures, _>> = samples.into_par_iter().map(of_sample).collect();
         results.into_iter().collect()
@@ -164,24 +150,6 @@ fn shared_out(spares: usize, places: &[usize]) -> Vec<usize> {
     let left = spares - shares.iter().sum::<usize>();
     order.into_iter().take(left).for_each(|part| shares[part] += 1);
     shares
-}
-
-impl fmt::Display for SortedSampleError {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            SortedSampleError::Assignment(error) => error.fmt(f),
-            SortedSampleError::Sample(error) => error.fmt(f),
-        }
-    }
-}
-
-impl Error for SortedSampleError {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        match self {
-            SortedSampleError::Assignment(error) => Some(error),
-            SortedSampleError::Sample(error) => Some(error),
-        }
-    }
 }
 
 #[cfg(test)]
