@@ -5,6 +5,7 @@ use std::ops::Range;
 use magsplice_decouple::Figures;
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::FilmTolerance;
+use magsplice_magnet::Axis;
 
 use crate::evaluation_grid::{EvaluationGrid, SampleError};
 use crate::first_order::{AxisErrors, Cause, Contribution, FirstOrder, Share};
@@ -104,27 +105,32 @@ impl Budget {
     /// see [`EndlessPattern::errors`](crate::EndlessPattern::errors), in the same volume.
     pub fn new(model: &FirstOrder, pattern: Option<&Figures>) -> Budget {
         let errors = [0, 1, 2].map(|axis| model.axis_errors(axis));
-        let saved_by = |of: &dyn Fn(&AxisErrors) -> f64| errors.each_ref().map(of);
-        let tiles = (0..errors[0].tiles.len())
-            .map(|tile| TileImprovement { tile, saved_mm2: saved_by(&|axis| axis.tiles[tile].saved_by_halving_mm2) });
-        // The causes are the same along each axis.
-        let causes = errors[0].shares.iter().enumerate().map(|(number, share)| CauseImprovement {
-            cause: share.cause,
-            saved_mm2: saved_by(&|axis| axis.shares[number].contribution.saved_by_halving_mm2),
-        });
+        let saved_mm2 = |tile: usize| errors.each_ref().map(|axis| axis.tiles[tile].saved_by_halving_mm2);
+        let tiles = (0..errors[0].tiles.len()).map(|tile| TileImprovement { tile, saved_mm2: saved_mm2(tile) });
         let tiles = most_saving(tiles.collect(), |tile| tile.saved_mm2);
-        let causes = most_saving(causes.collect(), |cause| cause.saved_mm2);
-        let mut axis = 0;
-        let axes = errors.map(|AxisErrors { nominal_mm2, expected_mm2, shares, .. }| {
-            let pattern_mm2 = pattern.map(|pattern| pattern.displacement_rmse_mm.to_array()[axis].powi(2));
-            axis += 1;
-            AxisBudget { nominal_mm2, pattern_mm2, causes: shares, total_mm2: expected_mm2 }
-        });
-        Budget { axes, tiles, causes }
+        let axis_budget = |AxisErrors { nominal_mm2, expected_mm2, shares, .. }| (nominal_mm2, shares, expected_mm2);
+        Budget { tiles, ..Budget::of_axes(errors.map(axis_budget), pattern) }
     }
-}
 
-impl Budget {
+    /// A budget without tiles, from the nominal mean square, the shares and the total along each
+    /// axis.
+    fn of_axes(axes: [(f64, Vec<Share>, f64); 3], pattern: Option<&Figures>) -> Budget {
+        let patterns_mm2 = pattern.map(|pattern| pattern.displacement_rmse_mm.to_array().map(|rmse| rmse.powi(2)));
+        let mut axis = 0..3;
+        let axes = axes.map(|(nominal_mm2, causes, total_mm2)| {
+            let pattern_mm2 = patterns_mm2.zip(axis.next()).map(|(patterns_mm2, axis)| patterns_mm2[axis]);
+            AxisBudget { nominal_mm2, pattern_mm2, causes, total_mm2 }
+        });
+        // The causes are the same along each axis.
+        let saved_mm2 =
+            |number: usize| axes.each_ref().map(|axis| axis.causes[number].contribution.saved_by_halving_mm2);
+        let causes = axes[0].causes.iter().enumerate();
+        let causes =
+            causes.map(|(number, share)| CauseImprovement { cause: share.cause, saved_mm2: saved_mm2(number) });
+        let causes = most_saving(causes.collect(), |cause| cause.saved_mm2);
+        Budget { axes, tiles: Vec::new(), causes }
+    }
+
     /// The budget by exact samples, for films whose errors are too large for the first order. Each
     /// cause contributes what it adds to the nominal mean square alone;
     /// [`AxisBudget::together_mm2`] is what all of them add beyond that. What halving saves is that
@@ -148,31 +154,22 @@ impl Budget {
             let film = film.clone().with_tolerance(tolerance);
             let sampler = Sampler::new(&film, volume, ideal, seed).map_err(|error| (first, error))?;
             let errors = sampler.errors_of_range_with_progress(samples, &progress)?;
-            let square = |e: &Figures, axis: usize| e.displacement_rmse_mm.to_array()[axis].powi(2);
-            let mean = |axis: usize| errors.iter().map(|e| square(e, axis)).sum::<f64>() / count;
-            Ok([0, 1, 2].map(mean))
+            let squares = |axis| errors.iter().map(move |errors| errors.displacement_rmse_mm[axis].powi(2));
+            Ok(Axis::ALL.map(|axis| squares(axis).sum::<f64>() / count))
         };
         let nominal = mean_squares(&FilmTolerance::default(), first..first + 1)?;
         let total = mean_squares(film.tolerance(), samples.clone())?;
-        let mut shares: [Vec<Share>; 3] = Default::default();
-        let mut causes = Vec::new();
+        let mut axes = [0, 1, 2].map(|axis| (nominal[axis], Vec::new(), total[axis]));
         for (cause, alone) in each_alone(film.tolerance()) {
             let with = mean_squares(&alone, samples.clone())?;
-            let added = [0, 1, 2].map(|axis| with[axis] - nominal[axis]);
-            for (shares, added) in shares.iter_mut().zip(added) {
-                let saved_by_halving_mm2 = SAVED_OF_A_SQUARE * added;
-                let contribution = Contribution { fixed_mm2: 0.0, variance_mm2: added, saved_by_halving_mm2 };
+            for ((nominal_mm2, shares, _), with_mm2) in axes.iter_mut().zip(with) {
+                let variance_mm2 = with_mm2 - *nominal_mm2;
+                let saved_by_halving_mm2 = SAVED_OF_A_SQUARE * variance_mm2;
+                let contribution = Contribution { fixed_mm2: 0.0, variance_mm2, saved_by_halving_mm2 };
                 shares.push(Share { cause, contribution });
             }
-            causes.push(CauseImprovement { cause, saved_mm2: added.map(|added| SAVED_OF_A_SQUARE * added) });
         }
-        let mut axis = 0;
-        let axes = shares.map(|causes| {
-            let pattern_mm2 = pattern.map(|pattern| pattern.displacement_rmse_mm.to_array()[axis].powi(2));
-            axis += 1;
-            AxisBudget { nominal_mm2: nominal[axis - 1], pattern_mm2, causes, total_mm2: total[axis - 1] }
-        });
-        Ok(Budget { axes, tiles: Vec::new(), causes: most_saving(causes, |cause| cause.saved_mm2) })
+        Ok(Budget::of_axes(axes, pattern))
     }
 }
 
