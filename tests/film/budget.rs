@@ -48,7 +48,7 @@ fn parts_add_up_to_the_simulated_total() {
         let layout = layout(name);
         with_budget(&layout, &tolerance(layout.tiles.len()), |budget, model, sampler| {
             let check = model.check(sampler, 0..200, || {}).expect("samples");
-            let samples = sampler.errors_of_range(0..200).expect("samples");
+            let samples = sampler.errors_of_range(0..200, || {}).expect("samples");
             for (axis, of_axis) in budget.axes.iter().enumerate() {
                 let causes: f64 = of_axis.causes.iter().map(|share| share.contribution.total_mm2()).sum();
                 let parts = of_axis.pattern_mm2.expect("known") + of_axis.finite_film_mm2().expect("known") + causes;

@@ -72,8 +72,9 @@ fn shares_of_causes_are_those_of_exact_samples_of_one_cause() {
     ];
     let shares = with_model("designed-displacement", &all, |model, _| model.axis_errors(0).shares);
     for (share, errors) in shares.iter().zip(&alone) {
-        let samples =
-            with_model("designed-displacement", errors, |_, sampler| sampler.errors_of_range(0..150).expect("samples"));
+        let samples = with_model("designed-displacement", errors, |_, sampler| {
+            sampler.errors_of_range(0..150, || {}).expect("samples")
+        });
         let squares: Vec<f64> = samples.iter().map(|sample| sample.displacement_rmse_mm.x.powi(2)).collect();
         let n = squares.len() as f64;
         let mean = squares.iter().sum::<f64>() / n;
@@ -131,7 +132,7 @@ fn model_is_not_valid_for_errors_twenty_times_larger() {
 #[test]
 fn percentiles_of_the_model_are_those_of_exact_samples() {
     with_model("designed-displacement", &errors(1.0), |model, sampler| {
-        let exact = sampler.errors_of_range(0..300).expect("samples");
+        let exact = sampler.errors_of_range(0..300, || {}).expect("samples");
         let linear = model.linear_errors_of_range(1, 0..300);
         let [exact, linear] = [&exact, &linear].map(|errors| statistics(errors).expect("samples"));
         for figure in Figure::ALL {

@@ -22,7 +22,7 @@ fn sampled(name: &str, tolerance: impl Fn(usize) -> FilmTolerance, samples: Rang
     let tiles = layout.bare_tiles();
     let film = RealFilm::new(&tiles, &tolerance(tiles.len()));
     let sampler = Sampler::new(&film, &volume, &ideal, 1).expect("no neighbour");
-    sampler.errors_of_range(samples).expect("every sample has its parameters")
+    sampler.errors_of_range(samples, || {}).expect("every sample has its parameters")
 }
 
 fn normal(deviations: [f64; 3]) -> [Distribution; 3] {

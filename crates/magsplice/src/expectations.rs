@@ -85,7 +85,7 @@ impl Film {
         let made = self.layout().expectations.made.as_ref();
         let count = made.and_then(|made| made.samples).unwrap_or(stated);
         let counted = self.counting("films", Some(count as usize), "samples");
-        let errors = sampling.sampler(seed)?.errors_of_range_with_progress(0..count, counted);
+        let errors = sampling.sampler(seed)?.errors_of_range(0..count, counted);
         errors.map_err(|(sample, error)| FilmError::Sample { sample, error })
     }
 }

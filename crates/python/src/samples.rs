@@ -54,8 +54,8 @@ pub(crate) fn errors_of(
     let mut found = Vec::new();
     let evaluate = |part: Range<u64>| {
         let errors = py.detach(|| match pool {
-            Some(pool) => pool.install(|| sampler.errors_of_range(part)),
-            None => sampler.errors_of_range(part),
+            Some(pool) => pool.install(|| sampler.errors_of_range(part, || {})),
+            None => sampler.errors_of_range(part, || {}),
         });
         errors.map_err(|(sample, error)| of_film(FilmError::Sample { sample, error }))
     };

@@ -153,7 +153,7 @@ impl Budget {
             let count = (samples.end - samples.start) as f64;
             let film = film.clone().with_tolerance(tolerance);
             let sampler = Sampler::new(&film, volume, ideal, seed).map_err(|error| (first, error))?;
-            let errors = sampler.errors_of_range_with_progress(samples, &progress)?;
+            let errors = sampler.errors_of_range(samples, &progress)?;
             let squares = |axis| errors.iter().map(move |errors| errors.displacement_rmse_mm[axis].powi(2));
             Ok(Axis::ALL.map(|axis| squares(axis).sum::<f64>() / count))
         };

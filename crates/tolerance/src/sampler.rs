@@ -140,20 +140,12 @@ impl<'a> Sampler<'a> {
     }
 
     /// The errors of samples with these numbers, computed in parallel. They do not depend on the
-    /// number of threads, and samples of several ranges are those of the joined range.
+    /// number of threads, and samples of several ranges are those of the joined range. `progress` is
+    /// called, from any thread, when a sample begins.
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
-    pub fn errors_of_range(&self, samples: Range<u64>) -> Result<Vec<Figures>, (u64, SampleError)> {
-        self.errors_of_range_with_progress(samples, || {})
-    }
-
-    /// The same as [`Sampler::errors_of_range`]. `progress` is told, from any thread, when a sample
-    /// begins.
-    ///
-    /// # Errors
-    /// As [`Sampler::errors_of_range`].
-    pub fn errors_of_range_with_progress(
+    pub fn errors_of_range(
         &self,
         samples: Range<u64>,
         progress: impl Fn() + Sync,

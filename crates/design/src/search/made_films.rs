@@ -65,7 +65,7 @@ impl DesignProblem<'_> {
         while done < tolerance.samples {
             let end = (done + BATCH).min(tolerance.samples);
             for (film, sampler) in samplers.iter().enumerate() {
-                let of_batch = sampler.errors_of_range(done..end);
+                let of_batch = sampler.errors_of_range(done..end, || {});
                 errors[film].extend(
                     of_batch.map_err(|(sample, error)| missed(film, Some(sample), DesignError::Sample(error)))?,
                 );

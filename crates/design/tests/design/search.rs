@@ -67,7 +67,8 @@ fn films_that_are_made_become_ten_times_better() {
     let of_nominal = RealFilm::new(&nominal.tiles, layout.tolerance.as_ref().unwrap());
     let volume = layout.volume.unwrap();
     let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
-    let errors = Sampler::new(&of_nominal, &volume, layout.ideal.as_ref().unwrap(), 1).unwrap().errors_of_range(0..400);
+    let errors =
+        Sampler::new(&of_nominal, &volume, layout.ideal.as_ref().unwrap(), 1).unwrap().errors_of_range(0..400, || {});
     let of_nominal = magsplice_tolerance::statistics(&errors.unwrap()).unwrap().displacement_rmse_mm.x.p95.value;
     assert!(after[0] < 0.9 * of_nominal, "{} and {of_nominal}", after[0]);
     assert!(nominal.after.figures.displacement_rmse_mm.x < 0.5 * result.after.figures.displacement_rmse_mm.x);

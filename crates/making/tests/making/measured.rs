@@ -133,7 +133,7 @@ fn samples_of_sorted_films() {
         let real = RealFilm::new(&tiles, &FilmTolerance::of_tiles(errors, tiles.len()));
         let sampler = Sampler::new(&real, &film.volume, &ideal, 4).unwrap();
         let Some((spares, measurement)) = sorted else {
-            return percentile_95(&sampler.errors_of_range(0..20).unwrap());
+            return percentile_95(&sampler.errors_of_range(0..20, || {}).unwrap());
         };
         let parts = film.parts(0).into_iter().map(|part| PlaceGroup { tiles: Vec::new(), ..part }).collect();
         let sorting = Sorting { spares, measurement, settings: QUICK };

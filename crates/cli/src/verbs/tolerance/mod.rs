@@ -183,7 +183,7 @@ pub(super) fn draw(
     let of_sample = |sample, error: &dyn Error| Failure::at(session.path, format_args!("sample {sample}: {error}"));
     let evaluate = |numbers| match &sorted {
         Some(sorted) => sorted.errors_of_range(numbers).map_err(|(sample, error)| of_sample(sample, &error)),
-        None => sampler.errors_of_range(numbers).map_err(|(sample, error)| of_sample(sample, &error)),
+        None => sampler.errors_of_range(numbers, || {}).map_err(|(sample, error)| of_sample(sample, &error)),
     };
     let of = Some(run.count as usize);
     let show = |done| session.progress.show(Stage { name: "films", done, of, unit: "samples" });
