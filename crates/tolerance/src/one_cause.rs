@@ -1,9 +1,12 @@
 //! The errors of one cause alone.
 
-use magsplice_layout::{CommonErrors, Distribution, FilmTolerance, SensorErrors, TileErrors};
+use magsplice_layout::{CommonErrors, Distribution, FilmTolerance, TileErrors};
 use magsplice_magnet::TileError;
 
 use crate::first_order::Cause;
+
+/// Copies the errors of one cause.
+type CopyOne = fn(&CommonErrors, &mut CommonErrors);
 
 /// Each cause that has errors, with a tolerance of these alone.
 pub(crate) fn each_alone(all: &FilmTolerance) -> Vec<(Cause, FilmTolerance)> {
@@ -25,26 +28,21 @@ pub(crate) fn each_alone(all: &FilmTolerance) -> Vec<(Cause, FilmTolerance)> {
     for (index, group) in all.groups.iter().enumerate() {
         found.push((Cause::Group(index), FilmTolerance { groups: vec![group.clone()], ..FilmTolerance::default() }));
     }
-    let CommonErrors { film, stray_field, neighbour, temperature, sensor } = &all.common;
-    let none = CommonErrors::default();
-    let no_sensor = SensorErrors::default();
-    let of_sensor = |sensor: SensorErrors| CommonErrors { sensor, ..CommonErrors::default() };
-    let common = [
-        (Cause::FilmPose, CommonErrors { film: film.clone(), ..none.clone() }),
-        (Cause::StrayField, CommonErrors { stray_field: stray_field.clone(), ..none.clone() }),
-        (Cause::Neighbour, CommonErrors { neighbour: neighbour.clone(), ..none.clone() }),
-        (Cause::Temperature, CommonErrors { temperature: temperature.clone(), ..none.clone() }),
-        (Cause::SensorOffset, of_sensor(SensorErrors { offset_t: sensor.offset_t.clone(), ..no_sensor.clone() })),
-        (
-            Cause::SensorRotation,
-            of_sensor(SensorErrors { rotation_rad: sensor.rotation_rad.clone(), ..no_sensor.clone() }),
-        ),
-        (Cause::SensorGain, of_sensor(SensorErrors { gain: sensor.gain.clone(), ..no_sensor.clone() })),
-        (Cause::SensorNoise, of_sensor(SensorErrors { noise_t: sensor.noise_t.clone(), ..no_sensor })),
+    let common: [(Cause, CopyOne); 8] = [
+        (Cause::FilmPose, |all, alone| alone.film = all.film.clone()),
+        (Cause::StrayField, |all, alone| alone.stray_field = all.stray_field.clone()),
+        (Cause::Neighbour, |all, alone| alone.neighbour = all.neighbour.clone()),
+        (Cause::Temperature, |all, alone| alone.temperature = all.temperature.clone()),
+        (Cause::SensorOffset, |all, alone| alone.sensor.offset_t = all.sensor.offset_t.clone()),
+        (Cause::SensorRotation, |all, alone| alone.sensor.rotation_rad = all.sensor.rotation_rad.clone()),
+        (Cause::SensorGain, |all, alone| alone.sensor.gain = all.sensor.gain.clone()),
+        (Cause::SensorNoise, |all, alone| alone.sensor.noise_t = all.sensor.noise_t.clone()),
     ];
-    for (cause, common) in common {
-        if common != none {
-            found.push((cause, FilmTolerance { common, ..FilmTolerance::default() }));
+    for (cause, take) in common {
+        let mut alone = FilmTolerance::default();
+        take(&all.common, &mut alone.common);
+        if alone.common != CommonErrors::default() {
+            found.push((cause, alone));
         }
     }
     found
