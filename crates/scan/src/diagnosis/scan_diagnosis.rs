@@ -8,8 +8,8 @@ use crate::diagnosis::candidate::{Candidate, ErrorKind};
 use crate::diagnosis::error::DiagnosisError;
 use crate::diagnosis::model::{Linearized, ScanModel};
 use crate::diagnosis::prior_fit::PriorFit;
-use crate::diagnosis::result::{Diagnosis, FittedError, NamedError};
-use crate::diagnosis::search::{NamedCandidate, Search};
+use crate::diagnosis::result::{Diagnosis, FittedError};
+use crate::diagnosis::search::Search;
 use crate::diagnosis::settings::{DiagnosisSettings, FieldScan};
 use crate::diagnosis::significance::ln_probability_above;
 use crate::diagnosis::unknowns::{State, Unknown, Unknowns};
@@ -99,15 +99,10 @@ impl ScanDiagnosis {
             Unknown::Tile { error, .. } => Some(FittedError { error, value: values[index], deviation: after[index] }),
             _ => None,
         };
-        let named: Vec<NamedError> = (found.named.into_iter())
-            .map(|NamedCandidate { candidate, score, alternatives }| NamedError {
-                candidate,
-                components: unknowns.of_error(candidate).into_iter().filter_map(fitted).collect(),
-                chi_squared: score.chi_squared,
-                ln_probability: score.ln_probability,
-                alternatives,
-            })
-            .collect();
+        let mut named = found.named;
+        for error in &mut named {
+            error.components = unknowns.of_error(error.candidate).into_iter().filter_map(fitted).collect();
+        }
         let is_part = |index: usize| errors.iter().any(|error| unknowns.of_error(*error).contains(&index));
         let expected = values.iter().zip(&unknowns.expected).enumerate().filter(|(index, (_, deviation))| {
             **deviation > 0.0 && !matches!(unknowns.list[*index], Unknown::Scan(_)) && !is_part(*index)
@@ -117,13 +112,13 @@ impl ScanDiagnosis {
         let free = unknowns.of_scan() + named.iter().map(|named| named.components.len()).sum::<usize>();
         let freedom = (3 * readings_t.len()).saturating_sub(free).max(1);
         // Components that are noise are expected errors, or none, in the film that was found.
-        let mut told = deviations.clone();
-        for (index, told) in told.iter_mut().enumerate().filter(|(index, _)| is_part(*index)) {
+        let mut resolved = deviations.clone();
+        for (index, resolved) in resolved.iter_mut().enumerate().filter(|(index, _)| is_part(*index)) {
             if fitted(index).is_some_and(|error| !error.is_significant()) {
-                *told = unknowns.expected[index];
+                *resolved = unknowns.expected[index];
             }
         }
-        let (film, _) = search.converged(found.at.clone(), &told)?;
+        let (film, _) = search.converged(found.at.clone(), &resolved)?;
         let prior = self.prior();
         Ok(Diagnosis {
             named,

@@ -7,6 +7,7 @@ use crate::diagnosis::candidate::Candidate;
 use crate::diagnosis::error::DiagnosisError;
 use crate::diagnosis::model::{Compared, Linearized, ScanModel};
 use crate::diagnosis::prior_fit::{PriorFit, Score};
+use crate::diagnosis::result::NamedError;
 
 /// Fall of the sum of squares, in units of the variance of the noise, below which Gauss-Newton
 /// steps end. Errors then change by a thirtieth of their standard deviation.
@@ -39,17 +40,10 @@ pub(crate) struct Search<'a> {
 pub(crate) struct Found {
     pub(crate) at: Linearized,
     pub(crate) compared: Compared,
-    pub(crate) named: Vec<NamedCandidate>,
+    /// Without their components.
+    pub(crate) named: Vec<NamedError>,
     /// Whether no further error is significant.
     pub(crate) is_complete: bool,
-}
-
-/// An error that is named, with its test and the errors that explain the readings nearly as well.
-#[derive(Clone, Debug)]
-pub(crate) struct NamedCandidate {
-    pub(crate) candidate: Candidate,
-    pub(crate) score: Score,
-    pub(crate) alternatives: Vec<Candidate>,
 }
 
 impl Search<'_> {
@@ -83,10 +77,11 @@ impl Search<'_> {
                 let mut alike: Vec<(Candidate, Score)> = scores.into_iter().filter(is_alike).collect();
                 alike.sort_by(|a, b| a.1.ln_probability.total_cmp(&b.1.ln_probability));
                 let alternatives = alike.into_iter().map(|(other, _)| other).collect();
-                Ok(NamedCandidate { candidate: *error, score: own, alternatives })
+                let Score { chi_squared, ln_probability } = own;
+                Ok(NamedError { candidate: *error, components: Vec::new(), chi_squared, ln_probability, alternatives })
             })
-            .collect::<Result<Vec<NamedCandidate>, DiagnosisError>>()?;
-        tested.sort_by(|a, b| a.score.ln_probability.total_cmp(&b.score.ln_probability));
+            .collect::<Result<Vec<NamedError>, DiagnosisError>>()?;
+        tested.sort_by(|a, b| a.ln_probability.total_cmp(&b.ln_probability));
         Ok(Found { at, compared, named: tested, is_complete })
     }
 
@@ -104,7 +99,6 @@ impl Search<'_> {
             sorted.sort_unstable();
             !visited.contains(&sorted)
         };
-        let rest = |error: Candidate| named.iter().copied().filter(|other| *other != error).collect::<Vec<_>>();
         let mut weakest: Option<(Candidate, f64)> = None;
         let mut exchange: Option<(Vec<Candidate>, f64)> = None;
         for error in named {
@@ -116,14 +110,14 @@ impl Search<'_> {
             for (other, score) in scores.iter().filter(|(other, _)| other != error) {
                 let gain = own - score.ln_probability;
                 if gain > 0.0 && exchange.as_ref().is_none_or(|(_, most)| gain > *most) {
-                    let exchanged: Vec<Candidate> = rest(*error).into_iter().chain([*other]).collect();
+                    let exchanged: Vec<Candidate> = rest(named, *error).into_iter().chain([*other]).collect();
                     if is_new(&exchanged) {
                         exchange = Some((exchanged, gain));
                     }
                 }
             }
         }
-        if let Some(fewer) = weakest.map(|(error, _)| rest(error)) {
+        if let Some(fewer) = weakest.map(|(error, _)| rest(named, error)) {
             return Ok(Some(fewer).filter(|fewer| is_new(fewer)));
         }
         if let Some((exchanged, _)) = exchange {
@@ -146,7 +140,7 @@ impl Search<'_> {
         named: &[Candidate],
         error: Candidate,
     ) -> Result<Vec<(Candidate, Score)>, DiagnosisError> {
-        let rest: Vec<Candidate> = named.iter().copied().filter(|other| *other != error).collect();
+        let rest = rest(named, error);
         let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_named(&rest))?;
         Ok(self.scores(&fit, &rest))
     }
@@ -196,4 +190,9 @@ impl Search<'_> {
         }
         Ok((at, compared))
     }
+}
+
+/// The named errors without one of them.
+fn rest(named: &[Candidate], error: Candidate) -> Vec<Candidate> {
+    named.iter().copied().filter(|other| *other != error).collect()
 }
