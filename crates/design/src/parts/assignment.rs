@@ -8,7 +8,7 @@ use magsplice_layout::{Brief, StockPart, Variables, direction_from_degrees};
 
 use crate::problem::affine::Affine;
 use crate::problem::least_squares::Candidate;
-use crate::problem::pattern::{Pattern, VariableKind, VariableTile};
+use crate::problem::pattern::{Pattern, PatternBuilder, VariableKind, VariableTile};
 use crate::problem::symmetry::{Orbit, SymmetryOperation};
 use crate::tolerances::SAME_TILE;
 
@@ -232,22 +232,14 @@ impl PartAssignment {
     /// The pattern whose variables are the free numbers of the parts and the positions of the
     /// tiles.
     pub(crate) fn pattern(&self, vary: Variables, like: &Pattern) -> Pattern {
-        let mut pattern =
-            Pattern { tiles: Vec::new(), kinds: Vec::new(), start: Vec::new(), tile_count: like.tile_count };
-        let mut free = |kind: VariableKind, start: f64| {
-            pattern.kinds.push(kind);
-            pattern.start.push(start);
-            Affine::variable(pattern.start.len() - 1)
-        };
+        let (mut builder, mut tiles) = (PatternBuilder::default(), Vec::new());
         // Strengths that were fixed before stay fixed.
         let scales = vary.strength && like.kinds.contains(&VariableKind::Strength);
         let used = self.used();
         let numbers: Vec<[Affine; 4]> = (self.parts.iter().enumerate())
             .map(|(index, part)| {
                 let constant = part.in_stock || !used.contains(&index);
-                let mut number = |kind: VariableKind, start: f64, varies: bool| {
-                    if varies && !constant { free(kind, start) } else { Affine::constant(start) }
-                };
+                let mut number = |kind, start, varies| builder.number(kind, start, varies && !constant);
                 let first = number(VariableKind::Length, part.size[0], vary.size);
                 let second = match part.class {
                     SymmetryClass::Diagonal => first.clone(),
@@ -266,17 +258,16 @@ impl PartAssignment {
             let orbit = &variable_tile.orbit;
             let [first, second, angle, strength] = &numbers[placed.part];
             let sizes = if placed.orientation.exchange { [second, first] } else { [first, second] };
-            let mut centre = |axis: usize| match (orbit.on_mirror[axis], vary.position) {
-                (true, _) => Affine::constant(0.0),
-                (false, true) => free(VariableKind::Length, placed.centre[axis]),
-                (false, false) => Affine::constant(placed.centre[axis]),
+            let mut centre = |axis: usize| match orbit.on_mirror[axis] {
+                true => Affine::constant(0.0),
+                false => builder.number(VariableKind::Length, placed.centre[axis], vary.position),
             };
             let x = centre(0);
             let y = if orbit.on_diagonal { x.clone() } else { centre(1) };
             let along =
                 |centre: &Affine, size: &Affine| [centre.minus(&size.times(0.5)), centre.plus(&size.times(0.5))];
             let in_degrees = angle.constant.to_degrees();
-            pattern.tiles.push(VariableTile {
+            tiles.push(VariableTile {
                 orbit: orbit.clone(),
                 faces: [along(&x, sizes[0]), along(&y, sizes[1]), variable_tile.faces[2].clone()],
                 direction: placed.orientation.apply_to_angle(angle),
@@ -286,7 +277,7 @@ impl PartAssignment {
                 original: variable_tile.original,
             });
         }
-        pattern
+        builder.pattern(tiles, like.tile_count)
     }
 }
 

@@ -112,19 +112,25 @@ impl Pattern {
     /// The pattern in which each number that the brief lets vary is a variable, unless symmetry
     /// determines it.
     pub(crate) fn new(tiles: &[Tile], orbits: &[Orbit], brief: &Brief) -> Pattern {
-        let mut builder = PatternBuilder { kinds: Vec::new(), start: Vec::new(), lines: Vec::new(), tops: Vec::new() };
+        let mut builder = PatternBuilder::default();
         let representatives =
             orbits.iter().map(|orbit| builder.variable_tile(&tiles[orbit.tile], orbit, brief)).collect();
-        Pattern { tiles: representatives, kinds: builder.kinds, start: builder.start, tile_count: tiles.len() }
+        builder.pattern(representatives, tiles.len())
     }
 
     /// All tiles, in the order of the layout.
     pub(crate) fn all_tiles(&self, variables: &[f64]) -> Option<Vec<Tile>> {
-        let mut tiles = vec![None; self.tile_count];
+        self.images_of(|variable_tile| variable_tile.tile(variables)).ok()
+    }
+
+    /// All tiles, as the images of tiles that a function gives. The error is the index of the first
+    /// tile that cannot exist.
+    pub(crate) fn images_of(&self, tile: impl Fn(&VariableTile) -> Option<Tile>) -> Result<Vec<Tile>, usize> {
+        let mut tiles = vec![Err(0); self.tile_count];
         for variable_tile in &self.tiles {
-            let tile = variable_tile.tile(variables)?;
+            let tile = tile(variable_tile).ok_or(variable_tile.orbit.tile)?;
             for &(operation, index) in &variable_tile.orbit.images {
-                tiles[index] = Some(image(&tile, operation)?);
+                tiles[index] = image(&tile, operation).ok_or(index);
             }
         }
         tiles.into_iter().collect()
@@ -147,16 +153,20 @@ pub(crate) fn angles(polarization_t: DVec3) -> [f64; 2] {
 }
 
 /// A pattern under construction, with the variables that several tiles share.
-struct PatternBuilder {
+#[derive(Default)]
+pub(crate) struct PatternBuilder {
     kinds: Vec<VariableKind>,
     start: Vec<f64>,
-    /// Cut lines with axis, coordinate and variable.
-    lines: Vec<(usize, f64, usize)>,
-    /// Heights of upper faces and their variables.
-    tops: Vec<(f64, usize)>,
+    /// Coordinates that faces share: cut lines along x and y, upper faces along z. Each with its axis
+    /// and its variable.
+    shared: Vec<(usize, f64, Affine)>,
 }
 
 impl PatternBuilder {
+    pub(crate) fn pattern(self, tiles: Vec<VariableTile>, tile_count: usize) -> Pattern {
+        Pattern { tiles, kinds: self.kinds, start: self.start, tile_count }
+    }
+
     fn variable(&mut self, kind: VariableKind, start: f64) -> Affine {
         self.kinds.push(kind);
         self.start.push(start);
@@ -164,7 +174,7 @@ impl PatternBuilder {
     }
 
     /// A variable, or a constant if it is not free.
-    fn number(&mut self, kind: VariableKind, start: f64, is_free: bool) -> Affine {
+    pub(crate) fn number(&mut self, kind: VariableKind, start: f64, is_free: bool) -> Affine {
         if is_free { self.variable(kind, start) } else { Affine::constant(start) }
     }
 
@@ -222,16 +232,18 @@ impl PatternBuilder {
         let (key, sign) =
             if symmetry == Symmetry::None { (coordinate, 1.0) } else { (coordinate.abs(), coordinate.signum()) };
         let axis = if symmetry == Symmetry::FourFold { 0 } else { axis };
-        let known = self.lines.iter().find(|(along, line, _)| *along == axis && (line - key).abs() <= slack);
-        let variable = match known {
-            Some(&(_, _, variable)) => Affine::variable(variable),
-            None => {
-                let made = self.variable(VariableKind::Length, key);
-                self.lines.push((axis, key, self.start.len() - 1));
-                made
-            }
-        };
-        variable.times(sign)
+        self.shared(axis, key, slack).times(sign)
+    }
+
+    /// The variable of a coordinate along an axis, a new one unless it is known already.
+    fn shared(&mut self, axis: usize, key: f64, slack: f64) -> Affine {
+        let known = self.shared.iter().find(|(along, known, _)| *along == axis && (known - key).abs() <= slack);
+        if let Some((.., variable)) = known {
+            return variable.clone();
+        }
+        let variable = self.variable(VariableKind::Length, key);
+        self.shared.push((axis, key, variable.clone()));
+        variable
     }
 
     fn faces_in_height(&mut self, tile: &Tile, brief: &Brief) -> [Affine; 2] {
@@ -240,16 +252,7 @@ impl PatternBuilder {
         if !brief.vary.thickness {
             return [lower, upper].map(Affine::constant);
         }
-        let known = self.tops.iter().find(|(top, _)| (top - upper).abs() <= SAME_TILE * half);
-        let top = match known {
-            Some(&(_, variable)) => Affine::variable(variable),
-            None => {
-                let made = self.variable(VariableKind::Length, upper);
-                self.tops.push((upper, self.start.len() - 1));
-                made
-            }
-        };
-        [Affine::constant(lower), top]
+        [Affine::constant(lower), self.shared(2, upper, SAME_TILE * half)]
     }
 }
 

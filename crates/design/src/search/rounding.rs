@@ -9,7 +9,7 @@ use magsplice_magnet::Tile;
 use crate::descent::curvature;
 use crate::problem::design_problem::DesignProblem;
 use crate::problem::least_squares::LeastSquares;
-use crate::problem::pattern::{Pattern, VariableKind, VariableTile, angles, image};
+use crate::problem::pattern::{Pattern, VariableKind, VariableTile, angles};
 use crate::problem::rules::LinearRule;
 use crate::tolerances::{KEPT_MM, ROUNDINGS};
 
@@ -186,23 +186,7 @@ fn order(a: &[f64; 3], b: &[f64; 3]) -> Ordering {
     a[2].total_cmp(&b[2])
 }
 
-/// All tiles at rounded variables, in the order of the layout. Their numbers are the nearest to
-/// short decimals.
-///
-/// # Errors
-/// The index of a tile that has lost its extent.
-pub(crate) fn tiles(pattern: &Pattern, variables: &[f64]) -> Result<Vec<Tile>, usize> {
-    let mut tiles = vec![Err(0); pattern.tile_count];
-    for variable_tile in &pattern.tiles {
-        let tile = tile(variable_tile, variables).ok_or(variable_tile.orbit.tile)?;
-        for &(operation, index) in &variable_tile.orbit.images {
-            tiles[index] = image(&tile, operation).ok_or(index);
-        }
-    }
-    tiles.into_iter().collect()
-}
-
-fn tile(variable_tile: &VariableTile, variables: &[f64]) -> Option<Tile> {
+pub(crate) fn tile(variable_tile: &VariableTile, variables: &[f64]) -> Option<Tile> {
     let (mut position, mut size) = (DVec3::ZERO, DVec3::ZERO);
     for axis in 0..3 {
         let [lower, upper] = &variable_tile.faces[axis];

@@ -144,7 +144,8 @@ impl DesignProblem<'_> {
         loop {
             let variables = rounding::rounded(&self, pattern, &candidate.variables);
             let name = |index: usize| self.layout.tiles[index].name.clone();
-            let tiles = rounding::tiles(pattern, &variables)
+            let tiles = pattern
+                .images_of(|variable_tile| rounding::tile(variable_tile, &variables))
                 .map_err(|index| self.too_coarse(RoundingFault::NoSide(name(index))))?;
             if let Some(Overlap { first, second, depth, .. }) = overlaps(&tiles).next() {
                 let fault = RoundingFault::Overlap { tiles: [first, second].map(name), depth_mm: depth };
