@@ -8,8 +8,9 @@ use magsplice_magnet::{PerTileError, Quantity};
 use magsplice_tolerance::mean_square;
 
 use crate::error::DesignError;
-use crate::problem::pattern::VariableTile;
-use crate::problem::sampling::Sampling;
+use crate::problem::objective::Objective;
+use crate::problem::pattern::{Pattern, VariableTile};
+use crate::problem::sampling::{SampledField, Sampling};
 use crate::problem::symmetry::SymmetryOperation;
 
 /// Mean squares of the errors of a tile.
@@ -78,6 +79,23 @@ impl CommonError {
 pub(crate) struct ErrorImage {
     pub(crate) operation: SymmetryOperation,
     pub(crate) mean_squares: MeanSquares,
+}
+
+/// The film at which the expected square is taken.
+#[derive(Clone, Copy)]
+pub(crate) struct RobustFilm<'a> {
+    pub(crate) sampling: &'a Sampling,
+    pub(crate) objective: &'a Objective,
+    pub(crate) pattern: &'a Pattern,
+    pub(crate) variables: &'a [f64],
+    /// Its field, with derivatives if those of the square are wanted.
+    pub(crate) field: &'a SampledField,
+}
+
+impl RobustFilm<'_> {
+    pub(crate) fn with_derivatives(&self) -> bool {
+        self.field.variable_count > 0
+    }
 }
 
 impl ErrorModel {

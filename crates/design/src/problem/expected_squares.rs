@@ -17,11 +17,10 @@ use magsplice_decouple::{Branch, ParameterDerivatives, ParameterSecondDerivative
 use magsplice_magnet::TileError;
 use rayon::prelude::*;
 
-use crate::problem::error_model::{ErrorImage, ErrorModel};
+use crate::problem::error_model::{ErrorImage, ErrorModel, RobustFilm};
 use crate::problem::joint_response::joint_responses;
 use crate::problem::objective::ExpectedSquares;
 use crate::problem::pattern::VariableTile;
-use crate::problem::robust_film::RobustFilm;
 use crate::problem::symmetry::SymmetryOperation;
 use crate::problem::tile_response::{RespondingTile, TileResponse, numbers};
 
@@ -263,7 +262,7 @@ impl Rows<'_> {
 
     /// The square and its derivatives from sums over rows.
     fn assembled(&self, sums: &Sums, tiles: &[TileSums]) -> ExpectedSquares {
-        let n = self.film.variable_count();
+        let n = self.film.field.variable_count;
         let (mut gradient, mut curvature) = (vec![0.0; n], vec![0.0; n * n]);
         let field = self.film.field;
         let reference_index = field.flux_density_t.len() - 1;
@@ -311,7 +310,7 @@ impl Rows<'_> {
     /// Adds the rows of errors that several tiles share.
     fn add_joint(&self, model: &ErrorModel, squares: &mut ExpectedSquares) -> Option<()> {
         let film = self.film;
-        let (n, reference_index) = (film.variable_count(), film.field.flux_density_t.len() - 1);
+        let (n, reference_index) = (film.field.variable_count, film.field.flux_density_t.len() - 1);
         for errors in &model.joint {
             // Change of B and its derivatives at the points of the grid, then at the reference
             // point.

@@ -3,9 +3,8 @@
 use glam::DVec3;
 use magsplice_magnet::{Axis, BoundingBox, DirectionError, PerTileError, TileError};
 
-use crate::problem::error_model::{Centre, JointErrors};
+use crate::problem::error_model::{Centre, JointErrors, RobustFilm};
 use crate::problem::pattern::{VariableTile, image};
-use crate::problem::robust_film::RobustFilm;
 use crate::problem::symmetry::SymmetryOperation;
 use crate::problem::tile_response::{RespondingTile, TileResponse, numbers};
 

@@ -1,9 +1,8 @@
 //! The least-squares problem of a design, and the films that are compared in it.
 
-use crate::problem::error_model::ErrorModel;
+use crate::problem::error_model::{ErrorModel, RobustFilm};
 use crate::problem::objective::{Objective, Residuals};
 use crate::problem::pattern::{Pattern, VariableKind};
-use crate::problem::robust_film::RobustFilm;
 use crate::problem::rules::{DesignBounds, LinearRule};
 use crate::problem::sampling::Sampling;
 use crate::tolerances::{LONGEST_STEP, PRICE_OF_AMPLITUDE, STRONGEST_STEP, WIDEST_STEP};

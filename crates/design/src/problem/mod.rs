@@ -16,8 +16,6 @@ pub(crate) mod least_squares;
 pub(crate) mod objective;
 /// Tiles as functions of the variables.
 pub(crate) mod pattern;
-/// The film at which the expected square is taken.
-mod robust_film;
 /// Tests of the expected square of errors.
 #[cfg(test)]
 mod robust_tests;
