@@ -123,14 +123,9 @@ impl<'a> DesignProblem<'a> {
         self.pattern.kinds.len()
     }
 
-    /// The number of starts of the search.
-    pub fn starts(&self) -> usize {
-        self.brief.starts
-    }
-
-    /// The symmetry that the search keeps.
-    pub fn symmetry(&self) -> Symmetry {
-        self.brief.symmetry
+    /// What the search is asked for.
+    pub fn brief(&self) -> &Brief {
+        &self.brief
     }
 
     /// Number of tiles that determine all others by symmetry.
@@ -152,11 +147,6 @@ impl<'a> DesignProblem<'a> {
     /// The ideal film of the layout.
     pub fn ideal(&self) -> &IdealFilm {
         &self.ideal
-    }
-
-    /// The least best-fit amplitude that the brief asks for.
-    pub fn least_amplitude(&self) -> Option<f64> {
-        self.brief.least_amplitude
     }
 
     /// The error of rules that no film keeps together.
@@ -204,6 +194,6 @@ mod tests {
         let problem = DesignProblem::new(&layout).unwrap();
         let aim = problem.least_squares.least_amplitude.unwrap();
         assert!((0.5 * (1.0 + 1e-6)..0.5 * (1.0 + 1e-4)).contains(&aim), "{aim}");
-        assert_eq!(problem.least_amplitude(), Some(0.5));
+        assert_eq!(problem.brief().least_amplitude, Some(0.5));
     }
 }

@@ -27,14 +27,14 @@ pub(super) fn search_result(
         match (problem.orbit_count(), result.tiles.len()) {
             (orbits, tiles) if orbits == tiles => counted(tiles, "tile", "tiles"),
             (orbits, tiles) => {
-                let symmetry = if problem.symmetry() == Symmetry::FourFold { "four-fold" } else { "mirror" };
+                let symmetry = if problem.brief().symmetry == Symmetry::FourFold { "four-fold" } else { "mirror" };
                 format!("{orbits} tiles, from which the {symmetry} symmetry makes all {tiles}")
             }
         },
         format_args!(
             "{} of {} found this film or one as good",
             result.agreeing_starts,
-            counted(problem.starts(), "start", "starts")
+            counted(problem.brief().starts, "start", "starts")
         ),
     );
     let columns = [&result.before, &result.after, &result.finer];
