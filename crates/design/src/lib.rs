@@ -89,7 +89,7 @@ pub use problem::design_problem::DesignProblem;
 pub use progress::{Progress, ProgressUpdate, SearchStage, ignore_progress};
 pub use rule::{Demand, Gap, Rule};
 pub use search::estimate::SearchEstimate;
-pub use search::made_films::{MadeErrors, MadeFilms};
+pub use search::made_films::MadeFilms;
 pub use search::metrics::Metrics;
 pub use search::search_result::{SearchResult, StageMetrics};
 pub use search::shortfall::Shortfall;

@@ -1,7 +1,7 @@
 //! The errors of the films that are made, by samples: of the film before a search, and of the one
 //! found.
 
-use magsplice_decouple::{Figures, PerAxis};
+use magsplice_decouple::Figures;
 use magsplice_magnet::Tile;
 use magsplice_tolerance::{EvaluationGrid, Sampler, Statistics, statistics};
 
@@ -23,19 +23,9 @@ pub struct MadeFilms {
     /// Seed of the samples. Both films have the same errors.
     pub seed: u64,
     /// Errors of the layout's film.
-    pub before: MadeErrors,
+    pub before: Figures<Statistics>,
     /// Errors of the designed film.
-    pub after: MadeErrors,
-}
-
-/// Errors of the films that are made from one film.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct MadeErrors {
-    /// RMSE of the displacement along x, y, z, in millimetres; see
-    /// [`Figures::displacement_rmse_mm`].
-    pub displacement_rmse_mm: PerAxis<Statistics>,
-    /// Best-fit amplitude against the ideal film.
-    pub amplitude: Statistics,
+    pub after: Figures<Statistics>,
 }
 
 impl DesignProblem<'_> {
@@ -77,14 +67,7 @@ impl DesignProblem<'_> {
                 break;
             }
         }
-        let [before, after] = errors.map(|errors| MadeErrors::new(&errors));
+        let [before, after] = errors.map(|errors| statistics(&errors));
         Ok(before.zip(after).map(|(before, after)| MadeFilms { samples: done, seed: tolerance.seed, before, after }))
-    }
-}
-
-impl MadeErrors {
-    fn new(errors: &[Figures]) -> Option<MadeErrors> {
-        let Figures { displacement_rmse_mm, amplitude, .. } = statistics(errors)?;
-        Some(MadeErrors { displacement_rmse_mm, amplitude })
     }
 }

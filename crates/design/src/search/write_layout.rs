@@ -6,7 +6,6 @@ use magsplice_layout::{Expectations, FigureBounds, Layout, MAX_NAME_BYTES, MadeE
 use magsplice_tolerance::Statistics;
 
 use crate::problem::design_problem::DesignProblem;
-use crate::search::made_films::MadeErrors;
 use crate::search::metrics::Metrics;
 use crate::search::search_result::SearchResult;
 
@@ -91,7 +90,7 @@ impl DesignProblem<'_> {
     }
 
     fn history_line(&self, start: &str, result: &SearchResult, program: &str) -> String {
-        let errors = |metrics: &Metrics, made: Option<&MadeErrors>| {
+        let errors = |metrics: &Metrics, made: Option<&Figures<Statistics>>| {
             let Figures { uniformity_rmse, displacement_rmse_mm, amplitude } = metrics.figures;
             let in_words = |value: Option<f64>| value.map_or("one point".to_owned(), |value| format!("{value:.3e}"));
             let PerParameter { r_x, r_y, s_z } = uniformity_rmse.map(in_words);

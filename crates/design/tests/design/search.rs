@@ -3,13 +3,13 @@
 
 use std::ops::ControlFlow;
 
+use magsplice_decouple::Figures;
 use magsplice_design::{
-    DesignError, DesignProblem, MadeErrors, ProgressUpdate, SearchResult, SearchStage, Shortfall, Table,
-    ignore_progress,
+    DesignError, DesignProblem, ProgressUpdate, SearchResult, SearchStage, Shortfall, Table, ignore_progress,
 };
 use magsplice_layout::{FilmTolerance, Goal, Layout, Under};
 use magsplice_magnet::{Tile, overlaps};
-use magsplice_tolerance::{EvaluationGrid, RealFilm, Sampler};
+use magsplice_tolerance::{EvaluationGrid, RealFilm, Sampler, Statistics};
 
 const TABLES: &str = "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n[volume]\nx_mm = [-2.0, 2.0]\n\
                       y_mm = [-2.0, 2.0]\nz_mm = [-5.0, -3.0]\nstep_mm = 1.0\n";
@@ -58,7 +58,7 @@ fn films_that_are_made_become_ten_times_better() {
     assert!(result.short_of.is_empty() && result.after.figures.amplitude >= 0.8, "{:?}", result.short_of);
     let made = result.made.as_ref().expect("samples");
     assert_eq!((made.samples, made.seed), (400, 1));
-    let p95 = |errors: &MadeErrors| errors.displacement_rmse_mm.map(|axis| axis.p95.value).to_array();
+    let p95 = |errors: &Figures<Statistics>| errors.displacement_rmse_mm.map(|axis| axis.p95.value).to_array();
     let (before, after) = (p95(&made.before), p95(&made.after));
     for axis in 0..3 {
         assert!(after[axis] < 0.1 * before[axis], "axis {axis}: {before:?}, {after:?}");

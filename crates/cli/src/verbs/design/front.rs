@@ -75,10 +75,12 @@ fn write_figures(_: &DesignProblem, _: &ParetoFront, _: &mut Folder) -> Result<(
 
 #[cfg(feature = "report")]
 fn write_figures(problem: &DesignProblem, front: &ParetoFront, folder: &mut Folder) -> Result<(), Failure> {
-    use magsplice::design::{MadeErrors, Metrics, SearchResult};
+    use magsplice::decouple::Figures;
+    use magsplice::design::{Metrics, SearchResult};
+    use magsplice::tolerance::Statistics;
     use magsplice_report::{FrontAxis, FrontFigure, FrontFilm};
 
-    let film = |at: f64, metrics: &Metrics, made: Option<&MadeErrors>| {
+    let film = |at: f64, metrics: &Metrics, made: Option<&Figures<Statistics>>| {
         let made_p95_mm = made.map(|made| made.displacement_rmse_mm.map(|axis| axis.p95.value));
         FrontFilm::new(at, &metrics.figures, made_p95_mm, problem.ideal())
     };
