@@ -19,7 +19,8 @@ use crate::splice_fault::{MAX_AMPLITUDE, SpliceFault, WIDE, least_extent};
 /// ```
 /// use magsplice_design::SpliceRequest;
 ///
-/// let request = SpliceRequest { parts: Some(4), ..SpliceRequest::new(10.0, [20.0, 20.0]) };
+/// let mut request = SpliceRequest::new(10.0, [20.0, 20.0]);
+/// request.brief.parts = Some(4);
 /// let layout = request.layout()?;
 /// assert_eq!(layout.tiles.len(), 56);
 /// # Ok::<(), magsplice_design::DesignError>(())
@@ -41,23 +42,9 @@ pub struct SpliceRequest {
     pub distance_mm: [f64; 2],
     /// Shortest side of a tile. Default: 0.08 of the wavelength.
     pub smallest_cut_mm: f64,
-    /// Least distance of neighbouring tiles. Default: 0.
-    pub gap_mm: f64,
-    /// Sizes are rounded to multiples of this; a tile centred on a mirror plane has its faces at
-    /// half multiples. Default: 0.001.
-    pub resolution_mm: f64,
-    /// Directions are rounded to multiples of this, in degrees. Default: 0.01.
-    pub resolution_deg: f64,
-    /// Least best-fit amplitude against the ideal film. Default: 0.65.
-    pub least_amplitude: f64,
-    /// Maximum number of distinct parts. Default: no bound.
-    pub parts: Option<usize>,
-    /// The error that the design minimizes. Default: the displacement.
-    pub goal: Goal,
-    /// Number of starts of the search. Default: 8.
-    pub starts: usize,
-    /// Seed of the random numbers that vary the starts. Default: 1.
-    pub seed: u64,
+    /// What the search is asked for; the pattern gives it what varies, the symmetry, the outline and
+    /// the shortest side. Default: the displacement, with an amplitude of at least 0.65.
+    pub brief: Brief,
 }
 
 /// Points of the working volume along each axis.
@@ -76,14 +63,7 @@ impl SpliceRequest {
             range_mm: [fraction(0.4); 2],
             distance_mm: [fraction(0.3), fraction(0.5)],
             smallest_cut_mm: fraction(0.08),
-            gap_mm: 0.0,
-            resolution_mm: 0.001,
-            resolution_deg: 0.01,
-            least_amplitude: 0.65,
-            parts: None,
-            goal: Goal::Displacement,
-            starts: 8,
-            seed: 1,
+            brief: Brief { goal: Goal::Displacement, least_amplitude: Some(0.65), ..Brief::default() },
         }
     }
 
@@ -155,17 +135,9 @@ impl SpliceRequest {
         Brief {
             vary: Variables { size: true, position: true, direction: true, ..Variables::default() },
             symmetry: if square { Symmetry::FourFold } else { Symmetry::Mirror },
-            goal: self.goal,
-            least_amplitude: Some(self.least_amplitude),
             outline_mm: self.film_mm.map(|extent| Some([-0.5 * extent, 0.5 * extent])),
             smallest_cut_mm: Some(self.smallest_cut_mm),
-            gap_mm: self.gap_mm,
-            resolution_mm: self.resolution_mm,
-            resolution_deg: self.resolution_deg,
-            parts: self.parts,
-            starts: self.starts,
-            seed: self.seed,
-            ..Brief::default()
+            ..self.brief.clone()
         }
     }
 
@@ -215,14 +187,14 @@ impl SpliceRequest {
         ];
         // The default lengths follow the wavelength, so that its faults are theirs, too.
         let is_wave = not_positive("wavelength", wave, "mm").is_none();
-        let all = lengths.into_iter().chain([("resolution", self.resolution_mm)]);
+        let all = lengths.into_iter().chain([("resolution", self.brief.resolution_mm)]);
         let all = all.take(if is_wave { lengths.len() + 1 } else { 1 });
         faults.extend(all.filter_map(|(name, mm)| not_positive(name, mm, "mm")));
         let j = self.remanence_t;
         faults.extend(not_positive("remanence", j, "T"));
         faults.extend((j.is_finite() && j > STRONGEST_MAGNET_T).then_some(SpliceFault::TooStrong(j)));
-        let amplitude = self.least_amplitude;
-        faults.extend((amplitude > MAX_AMPLITUDE).then_some(SpliceFault::UnreachableAmplitude(amplitude)));
+        let unreachable = self.brief.least_amplitude.filter(|least| *least > MAX_AMPLITUDE);
+        faults.extend(unreachable.map(SpliceFault::UnreachableAmplitude));
         // In metres all lengths agree with each other; one of them in metres does not.
         if wave > 0.0 && wave < SHORTEST_WAVELENGTH_MM {
             faults.push(SpliceFault::ShortWavelength(wave));
@@ -235,9 +207,9 @@ impl SpliceRequest {
                 }
             }
         }
-        let is_gap = self.gap_mm >= 0.0 && self.gap_mm.is_finite();
-        faults.extend((!is_gap).then_some(SpliceFault::Gap(self.gap_mm)));
-        faults.extend(not_positive("resolution of directions", self.resolution_deg, "deg"));
+        let is_gap = self.brief.gap_mm >= 0.0 && self.brief.gap_mm.is_finite();
+        faults.extend((!is_gap).then_some(SpliceFault::Gap(self.brief.gap_mm)));
+        faults.extend(not_positive("resolution of directions", self.brief.resolution_deg, "deg"));
         let [near, far] = self.distance_mm;
         faults.extend((is_wave && !(near < far)).then_some(SpliceFault::Distances(near, far)));
         if faults.is_empty() {

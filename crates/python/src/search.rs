@@ -79,14 +79,17 @@ pub(crate) fn splice(
         range_mm: range_mm.unwrap_or(default.range_mm),
         distance_mm: distance_mm.unwrap_or(default.distance_mm),
         smallest_cut_mm: smallest_cut_mm.unwrap_or(default.smallest_cut_mm),
-        gap_mm,
-        resolution_mm,
-        resolution_deg,
-        least_amplitude,
-        parts,
-        goal,
-        starts,
-        seed,
+        brief: Brief {
+            gap_mm,
+            resolution_mm,
+            resolution_deg,
+            least_amplitude: Some(least_amplitude),
+            parts,
+            goal,
+            starts,
+            seed,
+            ..default.brief
+        },
         ..default
     };
     Ok(request.layout().map_err(failed)?.to_compact_toml())

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use magsplice::design::{DesignProblem, SpliceRequest};
-use magsplice::layout::Goal;
+use magsplice::layout::{Brief, Goal};
 
 use super::design::search;
 use crate::args::formats::TextOrJson;
@@ -95,18 +95,21 @@ impl SpliceArgs {
             range_mm: self.range.unwrap_or(default.range_mm),
             distance_mm: self.distance.unwrap_or(default.distance_mm),
             smallest_cut_mm: self.smallest_cut.unwrap_or(default.smallest_cut_mm),
-            gap_mm: self.gap,
-            resolution_mm: self.resolution,
-            resolution_deg: self.resolution_deg,
-            least_amplitude: self.amplitude,
-            parts: self.parts.map(|parts| parts as usize),
-            goal: match self.goal {
-                GoalArg::Uniformity => Goal::Uniformity,
-                GoalArg::Displacement => Goal::Displacement,
-                GoalArg::Field => Goal::Field,
+            brief: Brief {
+                gap_mm: self.gap,
+                resolution_mm: self.resolution,
+                resolution_deg: self.resolution_deg,
+                least_amplitude: Some(self.amplitude),
+                parts: self.parts.map(|parts| parts as usize),
+                goal: match self.goal {
+                    GoalArg::Uniformity => Goal::Uniformity,
+                    GoalArg::Displacement => Goal::Displacement,
+                    GoalArg::Field => Goal::Field,
+                },
+                starts: self.starts as usize,
+                seed: self.seed,
+                ..default.brief
             },
-            starts: self.starts as usize,
-            seed: self.seed,
             ..default
         }
     }

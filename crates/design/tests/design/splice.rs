@@ -14,14 +14,17 @@ fn request() -> SpliceRequest {
         range_mm: [4.0, 3.0],
         distance_mm: [3.0, 5.0],
         smallest_cut_mm: 0.9,
-        gap_mm: 0.05,
-        resolution_mm: 0.02,
-        resolution_deg: 0.5,
-        least_amplitude: 0.6,
-        parts: Some(7),
-        goal: Goal::Displacement,
-        starts: 17,
-        seed: 23,
+        brief: Brief {
+            gap_mm: 0.05,
+            resolution_mm: 0.02,
+            resolution_deg: 0.5,
+            least_amplitude: Some(0.6),
+            parts: Some(7),
+            goal: Goal::Displacement,
+            starts: 17,
+            seed: 23,
+            ..Default::default()
+        },
     }
 }
 
@@ -77,7 +80,8 @@ fn square_films_over_square_ranges_are_four_fold() {
 
 #[test]
 fn splice_request_has_the_published_pattern() {
-    let request = SpliceRequest { starts: 1, ..SpliceRequest::new(10.0, [20.0, 20.0]) };
+    let mut request = SpliceRequest::new(10.0, [20.0, 20.0]);
+    request.brief.starts = 1;
     let layout = request.layout().unwrap();
     assert_eq!(layout.tiles.len(), 56);
     // Intervals are 10 / 3 and 10 / 6 mm wide, where the paper has 3.3 and 1.7.
