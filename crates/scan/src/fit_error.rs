@@ -3,6 +3,8 @@
 use magsplice_magnet::PointErrors;
 use thiserror::Error;
 
+use crate::parameters::ScanParameter;
+
 /// Why a scan cannot be fitted.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
@@ -16,8 +18,14 @@ pub enum ScanError {
         needed: usize,
     },
     /// The scan does not tell these parameters apart, or has no information about them.
-    #[error("the scan does not determine {}: fit fewer parameters", .0.join(", "))]
-    Undetermined(Vec<&'static str>),
+    #[error(
+        "the scan does not determine {}: fit fewer parameters",
+        .0.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+    )]
+    Undetermined(Vec<ScanParameter>),
+    /// The film has no field at the points of the scan.
+    #[error("the scan does not determine every parameter: the film has no field there: fit fewer parameters")]
+    NoField,
     /// More readings than can be outliers are far from every fit.
     #[error(
         "readings farther from the fit than noise allows: {outliers}; the scan is of another film, or its positions \

@@ -86,7 +86,7 @@ impl<'a> Scan<'a> {
         let gradient_scale = (gradient.iter().map(square).sum::<f64>() / count).sqrt();
         let length = field_scale_t / gradient_scale;
         if !(field_scale_t > 0.0 && length.is_finite()) {
-            return Err(ScanError::Undetermined(vec!["every parameter: the film has no field there"]));
+            return Err(ScanError::NoField);
         }
         let scales = Vector::from_fn(|index, _| match ScanParameter::ALL[index] {
             ScanParameter::Strength | ScanParameter::Rotation(_) => 1.0,
@@ -189,8 +189,8 @@ impl<'a> Scan<'a> {
         }
         if undetermined.contains(&true) {
             let all = ScanParameter::ALL.into_iter().zip(undetermined);
-            let names = all.filter(|(_, is_undetermined)| *is_undetermined).map(|(parameter, _)| parameter.name());
-            return Err(ScanError::Undetermined(names.collect()));
+            let undetermined = all.filter(|(_, is_undetermined)| *is_undetermined).map(|(parameter, _)| parameter);
+            return Err(ScanError::Undetermined(undetermined.collect()));
         }
         for i in (0..PARAMETERS).filter(|i| !is_free(*i)) {
             inverse.fill_row(i, 0.0);

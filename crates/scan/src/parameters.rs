@@ -1,5 +1,7 @@
 //! How a scan was taken, and what is fitted.
 
+use std::fmt;
+
 use glam::{DQuat, DVec3};
 use magsplice_magnet::Axis;
 
@@ -40,22 +42,16 @@ impl ScanParameter {
             ScanParameter::Start(axis) => 7 + axis.index(),
         }
     }
+}
 
-    /// The parameter in words.
-    pub const fn name(self) -> &'static str {
-        const NAMES: [&str; ScanParameter::ALL.len()] = [
-            "strength",
-            "offset along x",
-            "offset along y",
-            "offset along z",
-            "rotation about x",
-            "rotation about y",
-            "rotation about z",
-            "start along x",
-            "start along y",
-            "start along z",
-        ];
-        NAMES[self.index()]
+impl fmt::Display for ScanParameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ScanParameter::Strength => f.write_str("strength"),
+            ScanParameter::Offset(axis) => write!(f, "offset along {}", axis.name()),
+            ScanParameter::Rotation(axis) => write!(f, "rotation about {}", axis.name()),
+            ScanParameter::Start(axis) => write!(f, "start along {}", axis.name()),
+        }
     }
 }
 
