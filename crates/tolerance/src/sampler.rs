@@ -116,12 +116,7 @@ impl<'a> Sampler<'a> {
 
     /// The field of the film without errors at each point.
     pub(crate) fn film_t(&self) -> Result<Vec<DVec3>, SampleError> {
-        let tiles = self.film.in_film(self.film.tiles()).map_err(SampleError::Tile)?;
-        let mut film_t = exact_field_t(&Scene::new(&tiles), &self.points)?;
-        for (b_t, (remainder_t, _)) in film_t.iter_mut().zip(&self.remainder_t) {
-            *b_t += *remainder_t;
-        }
-        Ok(film_t)
+        film_field_t(self.film, self.film.tiles(), &self.points, self.remainder_t.iter().map(|(b_t, _)| b_t))
     }
 
     /// The field of the neighbour at each point.
@@ -162,6 +157,19 @@ impl<'a> Sampler<'a> {
 /// Statistics of the figures of samples. `None` without samples.
 pub fn statistics(samples: &[Figures]) -> Option<Figures<Statistics>> {
     Figures::from_fn(|figure| Statistics::new(samples.iter().filter_map(|sample| sample.get(figure).copied())))
+}
+
+/// The exact field of a film with these tiles, with the remainder that its weakening leaves out.
+pub(crate) fn film_field_t<'r>(
+    film: &RealFilm,
+    tiles: &[Tile],
+    points: &[DVec3],
+    remainder_t: impl IntoIterator<Item = &'r DVec3>,
+) -> Result<Vec<DVec3>, SampleError> {
+    let in_film = film.in_film(tiles).map_err(SampleError::Tile)?;
+    let mut film_t = exact_field_t(&Scene::new(&in_film), points)?;
+    film_t.iter_mut().zip(remainder_t).for_each(|(b_t, remainder_t)| *b_t += *remainder_t);
+    Ok(film_t)
 }
 
 /// The exact field of tiles at points.

@@ -37,15 +37,15 @@ impl FigureModel {
     /// All figures of displacement errors: x at all points, then y, then z.
     pub(crate) fn of_errors(&self, errors_mm: &[f64], amplitude: f64) -> Figures {
         let count = self.points();
-        let along = |axis: Axis| &errors_mm[axis.index() * count..][..count];
         let uniformity = |parameter: Parameter| {
             let axis = parameter.axis();
-            let planes = self.planes(along(axis), axis);
+            let planes = self.planes(self.along(errors_mm, axis), axis);
             let deviations: f64 = planes.iter().map(|(_, deviation)| deviation).sum();
             (planes.len() < count).then(|| self.wavenumber * deviations / planes.len() as f64)
         };
-        let displacement =
-            |axis: Axis| (along(axis).iter().map(|error| error * error).sum::<f64>() / count as f64).sqrt();
+        let displacement = |axis: Axis| {
+            (self.along(errors_mm, axis).iter().map(|error| error * error).sum::<f64>() / count as f64).sqrt()
+        };
         Figures {
             uniformity_rmse: Parameter::ALL.map(uniformity).into(),
             displacement_rmse_mm: Axis::ALL.map(displacement).into(),
@@ -59,14 +59,14 @@ impl FigureModel {
         let count = self.points();
         match figure {
             Figure::Displacement(axis) => {
-                let along = &errors_mm[axis.index() * count..][..count];
+                let along = self.along(errors_mm, axis);
                 let squares = along.iter().map(|error| error * error).sum::<f64>();
                 let factor = 1.0 / (squares * count as f64).sqrt();
                 factor.is_finite().then(|| along.iter().map(|error| error * factor).collect())
             }
             Figure::Uniformity(parameter) => {
                 let axis = parameter.axis();
-                let along = &errors_mm[axis.index() * count..][..count];
+                let along = self.along(errors_mm, axis);
                 let planes = self.planes(along, axis);
                 let in_plane = (count / planes.len()) as f64;
                 let slope = |(index, error): (usize, &f64)| {
@@ -78,6 +78,10 @@ impl FigureModel {
             }
             Figure::Amplitude => None,
         }
+    }
+
+    fn along<'a>(&self, errors_mm: &'a [f64], axis: Axis) -> &'a [f64] {
+        &errors_mm[axis.index() * self.points()..][..self.points()]
     }
 
     fn points(&self) -> usize {

@@ -1,7 +1,6 @@
 //! Displacement errors as linear functions of J and of the sides of each tile.
 
 use glam::DVec3;
-use magsplice_field::Scene;
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Axis, Tile, TileError};
 use rayon::prelude::*;
@@ -11,7 +10,7 @@ use super::tile_response::TileResponse;
 use crate::evaluation_grid::{EvaluationGrid, SampleError};
 use crate::low_rank::{LowRank, dot};
 use crate::real_film::RealFilm;
-use crate::sampler::exact_field_t;
+use crate::sampler::{exact_field_t, film_field_t};
 
 /// Change of J, as a fraction of it, for which few coordinates suffice: that of magnets from a
 /// shop.
@@ -142,19 +141,6 @@ impl TileChanges {
         let errors = 3 * (self.points.len() - 1);
         (dot(coordinates, coordinates) / errors as f64).sqrt()
     }
-}
-
-/// The field of tiles at the places of a film.
-fn film_field_t(
-    film: &RealFilm,
-    tiles: &[Tile],
-    points: &[DVec3],
-    remainder_t: &[DVec3],
-) -> Result<Vec<DVec3>, SampleError> {
-    let in_film = film.in_film(tiles).map_err(SampleError::Tile)?;
-    let mut film_t = exact_field_t(&Scene::new(&in_film), points)?;
-    film_t.iter_mut().zip(remainder_t).for_each(|(b_t, remainder_t)| *b_t += *remainder_t);
-    Ok(film_t)
 }
 
 /// Usual changes of a component of J and of a side.
