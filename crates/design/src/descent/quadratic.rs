@@ -68,27 +68,26 @@ impl QuadraticProgram {
             return None;
         }
         let mut gradient: Vec<f64> = self.gradient.iter().map(|g| g / scale).collect();
-        let mut curvature = Triplets::default();
-        let mut matrix = Triplets::default();
-        let mut limits = Vec::new();
-        let mut cones = Vec::new();
+        // Entries of matrices, with rows and columns.
+        let (mut curvature, mut matrix) = (Vec::new(), Vec::new());
+        let (mut limits, mut cones) = (Vec::new(), Vec::new());
         match &self.curvature {
             Curvature::Dense(all) => {
                 for column in 0..n {
                     for row in 0..=column {
-                        curvature.push(row, column, all[row * n + column] / scale);
+                        curvature.push((row, column, all[row * n + column] / scale));
                     }
                 }
             }
             Curvature::Factored { diagonal, rows } => {
                 let factors = rows.len() / n;
-                diagonal.iter().enumerate().for_each(|(i, value)| curvature.push(i, i, value / scale));
+                diagonal.iter().enumerate().for_each(|(i, value)| curvature.push((i, i, value / scale)));
                 // Further variables, each equal to a row of R times the variables.
                 let root = scale.sqrt();
                 for (factor, row) in rows.chunks_exact(n).enumerate() {
-                    curvature.push(n + factor, n + factor, 1.0);
-                    row.iter().enumerate().for_each(|(i, value)| matrix.push(factor, i, value / root));
-                    matrix.push(factor, n + factor, -1.0);
+                    curvature.push((n + factor, n + factor, 1.0));
+                    row.iter().enumerate().for_each(|(i, value)| matrix.push((factor, i, value / root)));
+                    matrix.push((factor, n + factor, -1.0));
                 }
                 gradient.resize(n + factors, 0.0);
                 limits.resize(factors, 0.0);
@@ -97,12 +96,12 @@ impl QuadraticProgram {
         }
         let first = limits.len();
         for (rule, (terms, least)) in self.rules.iter().enumerate() {
-            terms.iter().for_each(|&(column, factor)| matrix.push(first + rule, column, -factor));
+            terms.iter().for_each(|&(column, factor)| matrix.push((first + rule, column, -factor)));
             limits.push(-least);
         }
         cones.push(SupportedConeT::NonnegativeConeT(self.rules.len()));
-        let curvature = curvature.into_matrix(gradient.len(), gradient.len());
-        let matrix = matrix.into_matrix(limits.len(), gradient.len());
+        let curvature = matrix_of(gradient.len(), gradient.len(), curvature);
+        let matrix = matrix_of(limits.len(), gradient.len(), matrix);
         let settings = DefaultSettings {
             verbose: false,
             // Only factorizations that this crate does not build in have threads. A program that
@@ -122,24 +121,10 @@ impl QuadraticProgram {
     }
 }
 
-/// A sparse matrix under construction.
-#[derive(Default)]
-struct Triplets {
-    rows: Vec<usize>,
-    columns: Vec<usize>,
-    values: Vec<f64>,
-}
-
-impl Triplets {
-    fn push(&mut self, row: usize, column: usize, value: f64) {
-        self.rows.push(row);
-        self.columns.push(column);
-        self.values.push(value);
-    }
-
-    fn into_matrix(self, rows: usize, columns: usize) -> CscMatrix<f64> {
-        CscMatrix::new_from_triplets(rows, columns, self.rows, self.columns, self.values)
-    }
+/// A sparse matrix from rows, columns and values of its entries.
+fn matrix_of(rows: usize, columns: usize, entries: Vec<(usize, usize, f64)>) -> CscMatrix<f64> {
+    let (of_rows, of_columns, values) = entries.into_iter().collect();
+    CscMatrix::new_from_triplets(rows, columns, of_rows, of_columns, values)
 }
 
 #[cfg(test)]

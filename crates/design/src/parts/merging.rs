@@ -8,7 +8,7 @@
 use std::ops::ControlFlow;
 
 use glam::DVec3;
-use magsplice_layout::Layout;
+use magsplice_layout::{Brief, Layout};
 use magsplice_magnet::Tile;
 use rayon::prelude::*;
 
@@ -54,7 +54,8 @@ pub(crate) fn fewest(
     candidate: &Candidate,
     watch: &Watch,
 ) -> Option<FilmOfParts> {
-    levels(problem, pattern, candidate, problem.free_parts(), watch).pop()
+    let Brief { parts, stock, .. } = &problem.brief;
+    levels(problem, pattern, candidate, parts.map_or(0, |parts| parts.saturating_sub(stock.len())), watch).pop()
 }
 
 /// The best films found with fewer and fewer parts, until at most `free_parts` of them are not in
@@ -67,7 +68,10 @@ pub(crate) fn levels(
     watch: &Watch,
 ) -> Vec<FilmOfParts> {
     let assignment = PartAssignment::new(&problem.brief, pattern, candidate);
-    let Some(mut film) = designed(assignment, problem, pattern, MOST_STEPS, &|| watch.show(unmerged(candidate))) else {
+    // The film whose parts are not counted yet.
+    let best = Some(candidate.root_mean_square());
+    let unmerged = ProgressUpdate { stage: SearchStage::Parts(0), done: 0, of: 0, best };
+    let Some(mut film) = designed(assignment, problem, pattern, MOST_STEPS, &|| watch.show(unmerged)) else {
         return Vec::new();
     };
     let from = film.assignment.free();
@@ -118,11 +122,6 @@ fn with_nearest_merged(mut assignment: PartAssignment, aim: usize, turns: bool) 
         }
     }
     assignment
-}
-
-/// The progress before the first merger.
-fn unmerged(candidate: &Candidate) -> ProgressUpdate {
-    ProgressUpdate { stage: SearchStage::Parts(0), done: 0, of: 0, best: Some(candidate.root_mean_square()) }
 }
 
 /// Asked in the course of a descent whether to go on.
@@ -185,11 +184,4 @@ fn designed(
     let start = problem.least_squares.nearest(&pattern, &pattern.start).ok()?;
     let candidate = problem.least_squares.descend(&pattern, start, steps, &mut |_| still())?;
     Some(FilmOfParts { assignment: assignment.updated(&pattern, &candidate), pattern, candidate })
-}
-
-impl DesignProblem<'_> {
-    /// How many parts that are not in stock the film may have.
-    fn free_parts(&self) -> usize {
-        self.brief.parts.map_or(0, |parts| parts.saturating_sub(self.brief.stock.len()))
-    }
 }

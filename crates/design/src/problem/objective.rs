@@ -116,8 +116,9 @@ impl Objective {
 
     /// Differences of each parameter from its mean over each plane normal to its axis.
     fn uniformity_residuals(&self, sampling: &Sampling, field: &SampledField) -> Option<(Vec<f64>, Vec<f64>)> {
-        let (parameters, derivatives, _) = self.parameters(sampling, field)?;
         let (grid, n) = (&sampling.grid, field.variable_count);
+        let (parameters, derivatives) = self.parameters(sampling, field)?;
+        let (parameters, derivatives) = (&parameters[3..], &derivatives[3 * n..]);
         let mut values = vec![0.0; parameters.len()];
         let mut errors = vec![0.0; derivatives.len()];
         for axis in 0..3 {
@@ -147,9 +148,10 @@ impl Objective {
     /// Changes of the parameters from the reference point minus those of the ideal film, divided by
     /// k (Dai 2024, Eq. 14).
     fn displacement_residuals(&self, sampling: &Sampling, field: &SampledField) -> Option<(Vec<f64>, Vec<f64>)> {
-        let (parameters, derivatives, reference) = self.parameters(sampling, field)?;
         let (grid, n, k) = (&sampling.grid, field.variable_count, self.ideal.wavenumber());
-        let (at_reference, reference_derivatives) = reference;
+        let (parameters, derivatives) = self.parameters(sampling, field)?;
+        let (at_reference, parameters) = parameters.split_at(3);
+        let (reference_derivatives, derivatives) = derivatives.split_at(3 * n);
         let mut values = vec![0.0; parameters.len()];
         let mut errors = vec![0.0; derivatives.len()];
         for (index, point) in grid.points().enumerate() {
@@ -167,15 +169,9 @@ impl Objective {
         Some((values, errors))
     }
 
-    /// R_x, R_y, S_z at the points of the grid, parameter fastest, with derivatives; then the same
-    /// at the reference point.
-    #[allow(clippy::type_complexity)]
-    fn parameters(
-        &self,
-        sampling: &Sampling,
-        field: &SampledField,
-    ) -> Option<(Vec<f64>, Vec<f64>, ([f64; 3], Vec<f64>))> {
-        let n = field.variable_count;
+    /// R_x, R_y, S_z at the reference point, then at the points of the grid, parameter fastest, with
+    /// derivatives.
+    fn parameters(&self, sampling: &Sampling, field: &SampledField) -> Option<(Vec<f64>, Vec<f64>)> {
         let last = field.flux_density_t.len() - 1;
         let branch = Branch::from_axis_field(field.flux_density_t[last])?;
         let (mut values, mut derivatives) = (Vec::new(), Vec::new());
@@ -193,11 +189,7 @@ impl Objective {
         for &(index, operation) in sampling.images() {
             append(index, operation)?;
         }
-        let reference = [values[0], values[1], values[2]];
-        let reference_derivatives = derivatives[..3 * n].to_vec();
-        values.drain(..3);
-        derivatives.drain(..3 * n);
-        Some((values, derivatives, (reference, reference_derivatives)))
+        Some((values, derivatives))
     }
 }
 
