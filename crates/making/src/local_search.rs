@@ -82,25 +82,17 @@ impl LocalSearch {
 
     /// Exchanges random tiles.
     fn kick(&mut self, contributions: &Contributions, random: &mut ChaCha8Rng) {
-        let places: Vec<usize> = self.chosen.iter().map(Vec::len).collect();
-        let all: usize = places.iter().sum();
+        let of_group = |(group, chosen): (usize, &Vec<_>)| (0..chosen.len()).map(move |place| (group, place));
+        let places: Vec<(usize, usize)> = self.chosen.iter().enumerate().flat_map(of_group).collect();
         for _ in 0..EXCHANGES_OF_A_KICK {
-            let mut number = random.random_range(0..all);
-            let group = places.iter().position(|count| {
-                let is_here = number < *count;
-                if !is_here {
-                    number -= count;
-                }
-                is_here
-            });
-            let Some(group) = group else { continue };
-            let spares = self.spare[group].len();
-            let other = random.random_range(0..places[group] + spares);
+            let (group, number) = places[random.random_range(0..places.len())];
+            let count = self.chosen[group].len();
+            let other = random.random_range(0..count + self.spare[group].len());
             let orientation = |place: usize, tile: usize, random: &mut ChaCha8Rng| {
                 random.random_range(0..contributions[group][place][tile].of_orientations.len())
             };
             let (own, _) = self.chosen[group][number];
-            let taken = match other.checked_sub(places[group]) {
+            let taken = match other.checked_sub(count) {
                 Some(spare) => std::mem::replace(&mut self.spare[group][spare], own),
                 None => {
                     let (tile, _) = self.chosen[group][other];
