@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use magsplice_layout::{Layout, NamedTile};
 use magsplice_magnet::Tile;
 
-use crate::assignment::{CutTile, PlaceGroup};
+use crate::assignment::PlaceGroup;
 use crate::measured_box::beginning;
 use crate::orientation::Orientation;
 use crate::plan_row::PlanRow;
@@ -128,7 +128,10 @@ impl<'a> Laying<'a> {
         let (orientation, turn_deg) =
             self.orientation(group, place, lying.up, lying.mark_deg).map_err(|fault| vec![fault])?;
         let cut = &self.groups[group].tiles[index];
-        let lies = lying_tile(cut, &self.film[place], orientation, position, turn_deg).map_err(|fault| vec![fault])?;
+        let as_ordered = self.film[place].rotation();
+        let turned = DQuat::from_rotation_z(turn_deg.to_radians()) * as_ordered;
+        let rotation = if turn_deg == 0.0 { as_ordered } else { turned };
+        let lies = cut.turned(position, rotation, orientation).map_err(|faults| vec![faults.to_string()])?;
         self.filled.insert(place);
         self.used.insert((group, index));
         self.film[place] = lies;
@@ -177,18 +180,4 @@ impl<'a> Laying<'a> {
         }
         PartlyLaid { film: self.film, groups, plan: self.plan }
     }
-}
-
-/// A tile at a measured position, turned about z beyond its orientation.
-fn lying_tile(
-    cut: &CutTile,
-    place: &Tile,
-    orientation: Orientation,
-    position: DVec3,
-    turn_deg: f64,
-) -> Result<Tile, String> {
-    let rotation = DQuat::from_rotation_z(turn_deg.to_radians()) * place.rotation();
-    Tile::new(position, orientation.sides(cut.size_mm), orientation.apply(cut.polarization_t))
-        .and_then(|tile| if turn_deg == 0.0 { tile.rotated(place.rotation()) } else { tile.rotated(rotation) })
-        .map_err(|faults| faults.to_string())
 }

@@ -1,7 +1,7 @@
 //! What each tile does at each place, and the search for the tile of each place.
 
-use glam::DVec3;
-use magsplice_magnet::Tile;
+use glam::{DQuat, DVec3};
+use magsplice_magnet::{Tile, TileFaults};
 use magsplice_tolerance::TileChanges;
 use rayon::prelude::*;
 
@@ -55,14 +55,7 @@ impl<'a> AssignmentProblem<'a> {
             if tiles < places {
                 return Err(AssignmentError::TooFew { group: index, places, tiles });
             }
-            let of_places = group
-                .places
-                .iter()
-                .map(|&place| {
-                    let found = group.orientations_at(&film[place], settings.may_turn_over);
-                    if found.is_empty() { Err(AssignmentError::NoOrientation { place }) } else { Ok(found) }
-                })
-                .collect::<Result<Vec<_>, _>>()?;
+            let of_places = group.orientations_in(film, settings.may_turn_over)?;
             count = of_places.iter().map(|of| of.len() * tiles).sum::<usize>().saturating_add(count);
             orientations.push(of_places);
         }
@@ -202,16 +195,42 @@ impl PlaceGroup {
         };
         Orientation::all().into_iter().filter(fits).collect()
     }
+
+    /// The same for each of its places in a film.
+    ///
+    /// # Errors
+    /// The first place that the part fits in no orientation.
+    pub(crate) fn orientations_in(
+        &self,
+        film: &[Tile],
+        may_turn_over: bool,
+    ) -> Result<Vec<Vec<Orientation>>, AssignmentError> {
+        let at_place =
+            |&place: &usize| Some(self.orientations_at(&film[place], may_turn_over)).filter(|of| !of.is_empty());
+        self.places
+            .iter()
+            .map(|place| at_place(place).ok_or(AssignmentError::NoOrientation { place: *place }))
+            .collect()
+    }
 }
 
 impl CutTile {
+    /// The tile in the film, turned by `rotation` from upright.
+    pub(crate) fn turned(
+        &self,
+        position: DVec3,
+        rotation: DQuat,
+        orientation: Orientation,
+    ) -> Result<Tile, TileFaults> {
+        Tile::new(position, orientation.sides(self.size_mm), orientation.apply(self.polarization_t))?.rotated(rotation)
+    }
+
     /// The tile at a place of the film.
     ///
     /// # Errors
     /// If it cannot exist.
     pub fn at(&self, place: &Tile, orientation: Orientation) -> Result<Tile, AssignmentError> {
-        Tile::new(place.position(), orientation.sides(self.size_mm), orientation.apply(self.polarization_t))
-            .and_then(|tile| tile.rotated(place.rotation()))
+        self.turned(place.position(), place.rotation(), orientation)
             .map_err(|faults| AssignmentError::Tile { name: self.name.clone(), faults })
     }
 }

@@ -61,14 +61,11 @@ impl<'a> SortedSampler<'a> {
     ) -> Result<SortedSampler<'a>, AssignmentError> {
         let tiles = sampler.film().tiles();
         let model = TileChanges::new(sampler.film(), volume, ideal).map_err(AssignmentError::Film)?;
-        let fitting = |part: &PlaceGroup, place: usize| {
-            let found = part.orientations_at(&tiles[place], sorting.settings.may_turn_over);
-            found.first().copied().ok_or(AssignmentError::NoOrientation { place })
+        let first = |part: &PlaceGroup| -> Result<Vec<Orientation>, AssignmentError> {
+            let all = part.orientations_in(tiles, sorting.settings.may_turn_over)?;
+            Ok(all.iter().map(|of_place| of_place[0]).collect())
         };
-        let in_order = parts
-            .iter()
-            .map(|part| part.places.iter().map(|&place| fitting(part, place)).collect())
-            .collect::<Result<_, _>>()?;
+        let in_order = parts.iter().map(first).collect::<Result<_, _>>()?;
         let places: Vec<usize> = parts.iter().map(|part| part.places.len()).collect();
         Ok(SortedSampler { sampler, model, sorting, in_order, spares: shared_out(sorting.spares, &places), parts })
     }
