@@ -1,4 +1,4 @@
-//! Samples of films whose tiles are cut with spares, measured and sorted before they are laid.
+//! Samples of films whose tiles are cut with spares, measured and sorted before they are placed.
 
 use std::ops::Range;
 
@@ -48,7 +48,7 @@ pub struct SortedSampler<'a> {
 
 impl<'a> SortedSampler<'a> {
     /// Prepares what all samples share. `parts` are groups of places without tiles: tiles of one
-    /// group may be exchanged. Tiles in no group are laid where they are cut for.
+    /// group may be exchanged. Tiles in no group go to the places they are cut for.
     ///
     /// # Errors
     /// If the film has no displacement errors, or a part does not fit its places.
@@ -78,8 +78,8 @@ impl<'a> SortedSampler<'a> {
     pub fn errors_of(&self, sample: u64) -> Result<Figures, AssignmentError> {
         let (film, seed) = (self.sampler.film(), self.sampler.seed());
         let faulty = |faults| AssignmentError::Film(SampleError::Tile(faults));
-        let mut laid = film.cut_tiles(seed, sample).map_err(faulty)?;
-        let cut = self.cut(&laid, sample).map_err(faulty)?;
+        let mut placed_tiles = film.cut_tiles(seed, sample).map_err(faulty)?;
+        let cut = self.cut(&placed_tiles, sample).map_err(faulty)?;
         let mut random = ChaCha8Rng::seed_from_u64(seed ^ SEED_OF_MEASUREMENTS);
         random.set_stream(sample);
         let measured: Vec<PlaceGroup> = cut
@@ -94,10 +94,10 @@ impl<'a> SortedSampler<'a> {
         let found = problem.solve(settings)?;
         for placed in &found.placed {
             let tile = &cut[placed.group].tiles[placed.tile];
-            laid[placed.place] = tile.at(&film.tiles()[placed.place], placed.orientation)?;
+            placed_tiles[placed.place] = tile.at(&film.tiles()[placed.place], placed.orientation)?;
         }
-        let laid = film.laid_tiles(&laid, seed, sample).map_err(faulty)?;
-        self.sampler.errors_of_tiles(sample, &laid).map_err(AssignmentError::Film)
+        let placed_tiles = film.placed_tiles(&placed_tiles, seed, sample).map_err(faulty)?;
+        self.sampler.errors_of_tiles(sample, &placed_tiles).map_err(AssignmentError::Film)
     }
 
     /// The errors of samples with these numbers, computed in parallel. They do not depend on the

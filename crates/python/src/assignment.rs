@@ -2,7 +2,7 @@
 
 use magsplice::layout::Layout;
 use magsplice::making::{
-    AssignmentSettings, Laying, LyingTile, MeasuredBox, MeasuredMagnet, MeasuredTile, MeasurementErrors, PartlyLaid,
+    AssignmentSettings, Laying, LyingTile, MeasuredBox, MeasuredMagnet, MeasuredTile, MeasurementErrors, PartlyPlaced,
     PlaceGroup,
 };
 use magsplice::prelude::DVec3;
@@ -42,7 +42,7 @@ pub(crate) fn assign<'py>(
     refused("measured", measured.iter().map(|tile| added(&mut tiles, tile)))?;
     let (has_sizes, mut groups) = (tiles.has_sizes(), tiles.into_groups());
     let shims = taken_out(layout, &shims, &mut groups)?;
-    let partly = partly_laid(layout, &groups, &placed)?;
+    let partly = partly_placed(layout, &groups, &placed)?;
     let settings = AssignmentSettings { starts, seed, may_turn_over, ..AssignmentSettings::default() };
     let errors = errors.map(|(strength, direction_deg, size_mm)| MeasurementErrors {
         strength,
@@ -81,7 +81,7 @@ fn taken_out(layout: &Layout, shims: &[String], groups: &mut [PlaceGroup]) -> Py
     Ok(found)
 }
 
-fn partly_laid(layout: &Layout, groups: &[PlaceGroup], placed: &[Lying]) -> PyResult<PartlyLaid> {
+fn partly_placed(layout: &Layout, groups: &[PlaceGroup], placed: &[Lying]) -> PyResult<PartlyPlaced> {
     let mut laying = Laying::new(layout, groups);
     let lay = |(place, tile, position_mm, up, mark_deg): &Lying| {
         let position_mm = position_mm.map(DVec3::from);

@@ -86,7 +86,7 @@ impl RealFilm {
         &self.tiles
     }
 
-    /// Tiles that are laid, one for each place, with the polarization that they have in the film.
+    /// Tiles that are placed, one for each place, with the polarization that they have in the film.
     ///
     /// # Errors
     /// The faults of the first tile that cannot exist.
@@ -148,7 +148,7 @@ impl RealFilm {
         with_errors(&self.tiles[tile], &cut, self.tiles[tile].position())
     }
 
-    /// The tiles of sample number `sample` if these tiles are laid: `cut`, one for each place, with
+    /// The tiles of sample number `sample` if these tiles are placed: `cut`, one for each place, with
     /// the errors of position and rotation of the places and the errors of groups. Of
     /// [`cut_tiles`](RealFilm::cut_tiles) it makes [`sample_tiles`](RealFilm::sample_tiles), but
     /// for round-off.
@@ -158,14 +158,14 @@ impl RealFilm {
     ///
     /// # Panics
     /// If there is not one tile for each place.
-    pub fn laid_tiles(&self, cut: &[Tile], seed: u64, sample: u64) -> Result<Vec<Tile>, TileFaults> {
+    pub fn placed_tiles(&self, cut: &[Tile], seed: u64, sample: u64) -> Result<Vec<Tile>, TileFaults> {
         assert_eq!(cut.len(), self.tiles.len(), "one tile for each place");
         let mut draws = Draws::new(seed, sample);
         let mut tiles = cut.to_vec();
         for (index, (tile, errors)) in tiles.iter_mut().zip(&self.tolerance.tiles).enumerate() {
             let drawn = draws.of_tile(index, errors);
-            let laid = PerTileError { size: [0.0; 3], strength: 0.0, direction: [0.0; 2], ..drawn };
-            *tile = with_errors(tile, &laid, tile.position())?;
+            let placed = PerTileError { size: [0.0; 3], strength: 0.0, direction: [0.0; 2], ..drawn };
+            *tile = with_errors(tile, &placed, tile.position())?;
         }
         self.draw_groups(&mut draws, &mut tiles)?;
         Ok(tiles)

@@ -91,8 +91,8 @@ impl<'a> Sampler<'a> {
     fn readings_of_tiles_t(&self, draws: &mut Draws, tiles: &[Tile]) -> Result<Vec<DVec3>, SampleError> {
         let surroundings = self.film.draw_surroundings(draws);
         let in_film: Vec<DVec3> = self.points.iter().map(|point| surroundings.in_film(*point)).collect();
-        let laid = self.film.in_film(tiles).map_err(SampleError::Tile)?;
-        let mut read_t = exact_field_t(&Scene::new(&laid), &in_film)?;
+        let in_place = self.film.in_film(tiles).map_err(SampleError::Tile)?;
+        let mut read_t = exact_field_t(&Scene::new(&in_place), &in_film)?;
         // The remainder is small, and moves by less than it varies.
         for (reading, (b_t, gradient)) in self.remainder_t.iter().enumerate() {
             read_t[reading] += *b_t + *gradient * (in_film[reading] - self.points[reading]);

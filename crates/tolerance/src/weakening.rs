@@ -6,7 +6,7 @@ use magsplice_magnet::{Tile, TileFaults};
 
 /// How the tiles of a film with a recoil permeability weaken and turn, each at its place.
 ///
-/// A tile that is laid at a place is weakened and turned like the one that was ordered for it: by a
+/// A tile that is placed is weakened and turned like the one that was ordered for it: by a
 /// factor and a rotation. How it changes other tiles is neglected; of its change the share that is
 /// neglected is of the order of the susceptibility.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use magsplice::layout::Layout;
-use magsplice::making::{Laying, LyingTile, PartlyLaid, PlaceGroup};
+use magsplice::making::{Laying, LyingTile, PartlyPlaced, PlaceGroup};
 
 use crate::csv_input::finder::{Column, Finder};
 use crate::csv_input::limited_lines::shown;
@@ -30,7 +30,7 @@ struct Columns {
 
 /// Reads which of the tiles of `groups` lie in the film of a layout. The failure lists all rows
 /// that break rules.
-pub(crate) fn read(path: &Path, layout: &Layout, groups: &[PlaceGroup]) -> Result<PartlyLaid, Failure> {
+pub(crate) fn read(path: &Path, layout: &Layout, groups: &[PlaceGroup]) -> Result<PartlyPlaced, Failure> {
     let has_names = |names: &[String]| PLACE.is_among(names) && TILE.is_among(names);
     let rows = Rows::open(path, FORM, "place,tile,x_mm,y_mm,z_mm,up,mark_deg", has_names, columns)?;
     let mut laying = Laying::new(layout, groups);

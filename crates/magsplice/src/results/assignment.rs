@@ -3,7 +3,7 @@
 use magsplice_layout::{Distribution, FilmTolerance, Layout, MAX_NAME_BYTES};
 use magsplice_magnet::Tile;
 use magsplice_making::{
-    AssignmentError, AssignmentProblem, AssignmentSettings, MeasurementErrors, Orientation, PartlyLaid, PlanRow,
+    AssignmentError, AssignmentProblem, AssignmentSettings, MeasurementErrors, Orientation, PartlyPlaced, PlanRow,
 };
 use magsplice_tolerance::{RealFilm, Statistics, TileChanges};
 use serde::Serialize;
@@ -73,7 +73,7 @@ impl Film {
     /// if the tiles cannot be assigned.
     pub fn assign(
         &self,
-        partly: &PartlyLaid,
+        partly: &PartlyPlaced,
         shims: &[usize],
         settings: &AssignmentSettings,
         errors: Option<MeasurementErrors>,

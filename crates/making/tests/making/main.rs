@@ -3,4 +3,4 @@
 mod assignment;
 mod measured;
 mod measured_box;
-mod partly_laid;
+mod partly_placed;

@@ -76,7 +76,7 @@ fn a_further_error_changes_no_other() {
     }
 }
 
-/// Tiles that are cut, then laid, are those of the sample. A spare tile has errors of its own.
+/// Tiles that are cut, then placed, are those of the sample. A spare tile has errors of its own.
 #[test]
 fn tiles_are_cut_then_laid() {
     let [position, rotation, size] = [normal([0.1; 3]), normal([0.05; 3]), normal([0.02; 3])];
@@ -88,12 +88,12 @@ fn tiles_are_cut_then_laid() {
     let tolerance = FilmTolerance { groups: vec![group], ..film.tolerance().clone() };
     let film = RealFilm::new(film.tiles(), &tolerance);
     let cut = film.cut_tiles(2, 9).expect("valid");
-    let (laid, sample) = (film.laid_tiles(&cut, 2, 9).expect("valid"), film.sample_tiles(2, 9).expect("valid"));
-    for (laid, sample) in laid.iter().zip(&sample) {
-        assert!(laid.position().distance(sample.position()) < 1e-14);
-        assert!(laid.size().distance(sample.size()) < 1e-14);
-        assert!(laid.polarization_t().distance(sample.polarization_t()) < 1e-14);
-        assert!(laid.rotation().dot(sample.rotation()).abs() > 1.0 - 1e-14);
+    let (placed, sample) = (film.placed_tiles(&cut, 2, 9).expect("valid"), film.sample_tiles(2, 9).expect("valid"));
+    for (placed, sample) in placed.iter().zip(&sample) {
+        assert!(placed.position().distance(sample.position()) < 1e-14);
+        assert!(placed.size().distance(sample.size()) < 1e-14);
+        assert!(placed.polarization_t().distance(sample.polarization_t()) < 1e-14);
+        assert!(placed.rotation().dot(sample.rotation()).abs() > 1.0 - 1e-14);
     }
     let spare = film.spare_tile(1, 0, 2, 9).expect("valid");
     assert_eq!(spare.position(), film.tiles()[1].position());

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use magsplice::layout::{Layout, TileForm};
-use magsplice::making::{AssignmentError, AssignmentSettings, PartlyLaid, PlaceGroup};
+use magsplice::making::{AssignmentError, AssignmentSettings, PartlyPlaced, PlaceGroup};
 #[cfg(feature = "report")]
 use magsplice::results::BillOfMaterials;
 use magsplice::results::FilmAssignment;
@@ -105,7 +105,7 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
     let shims = shims(args, &session.layout, &mut groups)?;
     let partly = match &args.placed {
         Some(path) => placed_tiles::read(path, &session.layout, &groups)?,
-        None => PartlyLaid { film: session.layout.bare_tiles(), groups, plan: Vec::new() },
+        None => PartlyPlaced { film: session.layout.bare_tiles(), groups, plan: Vec::new() },
     };
     session.require_film(true, "assign", "places tiles so that a film decouples best")?;
     let film = session.film()?;

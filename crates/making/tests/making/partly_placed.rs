@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use magsplice_layout::Layout;
 use magsplice_magnet::Tile;
-use magsplice_making::{CutTile, Laying, LyingTile, PartlyLaid, PlaceGroup};
+use magsplice_making::{CutTile, Laying, LyingTile, PartlyPlaced, PlaceGroup};
 
 const LAYOUT: &str = r#"
 format = 1
@@ -45,7 +45,7 @@ fn lying<'a>(place: &'a str, tile: &'a str, up: &'a str, mark_deg: f64) -> Lying
     LyingTile { place, tile, position_mm: None, up, mark_deg }
 }
 
-fn laid(tiles: &[LyingTile]) -> PartlyLaid {
+fn laid(tiles: &[LyingTile]) -> PartlyPlaced {
     let (layout, groups) = measured();
     let mut laying = Laying::new(&layout, &groups);
     tiles.iter().for_each(|tile| laying.lay(tile).unwrap_or_else(|faults| panic!("{faults:?}")));
@@ -62,7 +62,7 @@ fn assert_lies(tile: &Tile, polarization_t: DVec3) {
 fn film_without_a_tile_is_the_film_as_ordered() {
     let (layout, groups) = measured();
     let empty = laid(&[]);
-    assert_eq!(empty, PartlyLaid { film: layout.bare_tiles(), groups, plan: Vec::new() });
+    assert_eq!(empty, PartlyPlaced { film: layout.bare_tiles(), groups, plan: Vec::new() });
 }
 
 /// J follows the tile: as measured, turned over, turned about the upright axis, and both.

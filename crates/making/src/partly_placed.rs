@@ -17,7 +17,7 @@ const MOST_TURN_DEG: f64 = 45.0;
 
 /// A film of which some tiles lie, and what is left to do.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PartlyLaid {
+pub struct PartlyPlaced {
     /// The film, with the tiles that lie as they lie.
     pub film: Vec<Tile>,
     /// Places and tiles that are left.
@@ -41,7 +41,7 @@ pub struct LyingTile<'a> {
     pub mark_deg: f64,
 }
 
-/// A film while its tiles are laid.
+/// A film while its tiles are placed.
 #[derive(Clone, Debug)]
 pub struct Laying<'a> {
     layout: &'a Layout,
@@ -168,7 +168,7 @@ impl<'a> Laying<'a> {
     }
 
     /// What is left to do.
-    pub fn finish(self) -> PartlyLaid {
+    pub fn finish(self) -> PartlyPlaced {
         let mut groups = self.groups.to_vec();
         for (number, group) in groups.iter_mut().enumerate() {
             group.places.retain(|place| !self.filled.contains(place));
@@ -178,6 +178,6 @@ impl<'a> Laying<'a> {
                 !self.used.contains(&(number, index - 1))
             });
         }
-        PartlyLaid { film: self.film, groups, plan: self.plan }
+        PartlyPlaced { film: self.film, groups, plan: self.plan }
     }
 }
