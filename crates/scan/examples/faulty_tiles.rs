@@ -11,9 +11,8 @@ use std::f64::consts::TAU;
 use std::time::Instant;
 
 use glam::DVec3;
-use magsplice_field::Scene;
 use magsplice_layout::{FilmTolerance, Layout, Preset, TileErrors};
-use magsplice_magnet::{BoundingBox, PerTileError, Quantity, Tile};
+use magsplice_magnet::{BoundingBox, PerTileError, Tile};
 use magsplice_scan::{Diagnosis, DiagnosisSettings, ErrorKind, FieldScan, ScanDiagnosis, ScanParameters};
 use magsplice_tolerance::RealFilm;
 use rand::{Rng, SeedableRng};
@@ -23,10 +22,10 @@ const HEIGHTS_MM: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
 const NOISES_T: [f64; 3] = [1e-6, 1e-5, 5e-5];
 const STEP_MM: f64 = 1.0;
 
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    let (radius, turn) = (1.0 - random.random::<f64>(), random.random::<f64>());
-    (-2.0 * radius.ln()).sqrt() * (TAU * turn).cos()
-}
+#[path = "../tests/scan/noisy.rs"]
+mod noisy;
+
+use noisy::readings;
 
 /// Points below the whole film, at this distance.
 fn scan_points(tiles: &[Tile], height_mm: f64) -> Vec<DVec3> {
@@ -84,10 +83,7 @@ fn measure(layout: &Layout, films: u64, expected: Option<&TileErrors>, height_mm
     let scan = FieldScan { points_mm: points_mm.clone(), noise_t: DVec3::splat(noise_t) };
     let diagnosis = ScanDiagnosis::new(&tiles, scan, settings, ScanParameters::PERFECT).expect("a scan outside tiles");
     let population = RealFilm::new(&tiles, &tolerance);
-    let read = |tiles: &[Tile], random: &mut ChaCha8Rng| -> Vec<DVec3> {
-        let field_t = Scene::new(tiles).field_at(Quantity::FluxDensity, &points_mm).expect("a field");
-        field_t.into_iter().map(|b| b + noise_t * DVec3::from([(); 3].map(|()| normal(random)))).collect()
-    };
+    let read = |tiles: &[Tile], random: &mut ChaCha8Rng| readings(tiles, &points_mm, noise_t, random);
     let mut counts = [0; 3];
     for film in 0..films {
         let mut random = ChaCha8Rng::seed_from_u64(film);

@@ -1,6 +1,7 @@
 //! Tests of the public interface: boxes of tiles, and films that are laid from them.
 
 mod assignment;
+mod boxed;
 mod measured;
 mod measured_box;
 mod partly_placed;

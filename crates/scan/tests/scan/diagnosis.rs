@@ -14,6 +14,8 @@ use magsplice_tolerance::RealFilm;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::noisy::{normal, readings};
+
 const NOISE_T: f64 = 1e-5;
 
 fn film() -> Vec<Tile> {
@@ -23,16 +25,6 @@ fn film() -> Vec<Tile> {
 /// Every millimetre over the film of 20 mm, 1 mm below it.
 fn points() -> Vec<DVec3> {
     (0..441).map(|n| DVec3::new(f64::from(n % 21) - 10.0, f64::from(n / 21) - 10.0, -1.0)).collect()
-}
-
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    let (radius, turn) = (1.0 - random.random::<f64>(), random.random::<f64>());
-    (-2.0 * radius.ln()).sqrt() * (TAU * turn).cos()
-}
-
-fn readings(tiles: &[Tile], points: &[DVec3], noise_t: f64, random: &mut ChaCha8Rng) -> Vec<DVec3> {
-    let field_t = Scene::new(tiles).field_at(Quantity::FluxDensity, points).unwrap();
-    field_t.into_iter().map(|b| b + noise_t * DVec3::from([(); 3].map(|()| normal(random)))).collect()
 }
 
 fn model(settings: DiagnosisSettings) -> ScanDiagnosis {

@@ -6,8 +6,10 @@ use magsplice_layout::Layout;
 use magsplice_magnet::{HallSensor, Quantity};
 use magsplice_scan::{FreeParameters, ScanError, ScanParameter, ScanParameters, fit_scan};
 use magsplice_sensor::SensedField;
-use rand::{Rng, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+
+use crate::noisy::normal;
 
 fn film() -> (Scene, Vec<DVec3>) {
     let layout = Layout::read("../../layouts/published-film.toml").unwrap_or_else(|e| panic!("{e}"));
@@ -20,11 +22,6 @@ const TRUTH: ScanParameters = ScanParameters {
     rotation_rad: DVec3::new(0.02, -0.03, 0.05),
     start: DVec3::new(0.4, -0.3, 0.25),
 };
-
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    let (radius, turn) = (1.0 - random.random::<f64>(), random.random::<f64>());
-    (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
-}
 
 /// A scan with these parameters and this noise.
 fn scan(scene: &Scene, points: &[DVec3], noise_t: f64, seed: u64) -> Vec<DVec3> {

@@ -2,3 +2,4 @@
 
 mod diagnosis;
 mod fit;
+mod noisy;
