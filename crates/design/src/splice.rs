@@ -42,8 +42,9 @@ pub struct SpliceRequest {
     pub distance_mm: [f64; 2],
     /// Shortest side of a tile. Default: 0.08 of the wavelength.
     pub smallest_cut_mm: f64,
-    /// What the search is asked for; the pattern gives it what varies, the symmetry, the outline and
-    /// the shortest side. Default: the displacement, with an amplitude of at least 0.65.
+    /// Goal and demands of the search. The request itself gives what varies, the symmetry, the
+    /// outline and the shortest side. Default: the displacement, with an amplitude of at least
+    /// 0.65.
     pub brief: Brief,
 }
 

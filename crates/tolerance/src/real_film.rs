@@ -148,8 +148,8 @@ impl RealFilm {
         with_errors(&self.tiles[tile], &cut, self.tiles[tile].position())
     }
 
-    /// The tiles of sample number `sample` if these tiles are placed: `cut`, one for each place, with
-    /// the errors of position and rotation of the places and the errors of groups. Of
+    /// The tiles of sample number `sample` if these tiles are placed: `cut`, one for each place,
+    /// with the errors of position and rotation of the places and the errors of groups. Of
     /// [`cut_tiles`](RealFilm::cut_tiles) it makes [`sample_tiles`](RealFilm::sample_tiles), but
     /// for round-off.
     ///

@@ -135,8 +135,8 @@ impl<'a> Sampler<'a> {
     }
 
     /// The errors of samples with these numbers, computed in parallel. They do not depend on the
-    /// number of threads, and samples of several ranges are those of the joined range. `progress` is
-    /// called, from any thread, when a sample begins.
+    /// number of threads, and samples of several ranges are those of the joined range. `progress`
+    /// is called, from any thread, when a sample begins.
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
