@@ -174,7 +174,5 @@ pub(crate) fn film_field_t<'r>(
 
 /// The exact field of tiles at points.
 pub(crate) fn exact_field_t(scene: &Scene, points: &[DVec3]) -> Result<Vec<DVec3>, SampleError> {
-    let mut field_t = vec![DVec3::ZERO; points.len()];
-    scene.field_into(Quantity::FluxDensity, points, &mut field_t).map_err(SampleError::Field)?;
-    Ok(field_t)
+    scene.field_at(Quantity::FluxDensity, points).map_err(SampleError::Field)
 }

@@ -189,11 +189,8 @@ fn common_errors(common: &CommonErrors, sampling: &Sampling) -> Result<Vec<Commo
     }
     if let Some(neighbour) = &common.neighbour {
         let points: Vec<DVec3> = sampling.grid.points().chain([sampling.reference]).collect();
-        let mut field_t = vec![DVec3::ZERO; points.len()];
-        Scene::new(&neighbour.tiles)
-            .field_into(Quantity::FluxDensity, &points, &mut field_t)
-            .map_err(|_| DesignError::NoField)?;
-        add(field_t, DMat3::ZERO, neighbour.later);
+        let field_t = Scene::new(&neighbour.tiles).field_at(Quantity::FluxDensity, &points);
+        add(field_t.map_err(|_| DesignError::NoField)?, DMat3::ZERO, neighbour.later);
     }
     if let Some(temperature) = &common.temperature {
         let change = mean_square(&temperature.change_k).sqrt() * temperature.strength_per_k;

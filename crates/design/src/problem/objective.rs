@@ -169,8 +169,8 @@ impl Objective {
         Some((values, errors))
     }
 
-    /// R_x, R_y, S_z at the reference point, then at the points of the grid, parameter fastest, with
-    /// derivatives.
+    /// R_x, R_y, S_z at the reference point, then at the points of the grid, parameter fastest,
+    /// with derivatives.
     fn parameters(&self, sampling: &Sampling, field: &SampledField) -> Option<(Vec<f64>, Vec<f64>)> {
         let last = field.flux_density_t.len() - 1;
         let branch = Branch::from_axis_field(field.flux_density_t[last])?;

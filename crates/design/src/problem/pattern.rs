@@ -58,9 +58,8 @@ impl VariableTile {
         if self.direction.terms.is_empty() && self.tilt.terms.is_empty() {
             return self.strength.eval(variables) * self.unit;
         }
-        let (direction, tilt) = (self.direction.eval(variables), self.tilt.eval(variables));
-        self.strength.eval(variables)
-            * DVec3::new(tilt.cos() * direction.cos(), tilt.cos() * direction.sin(), tilt.sin())
+        let [.., unit] = self.polarization_derivatives(variables);
+        self.strength.eval(variables) * unit
     }
 
     /// Derivatives of the polarization with respect to direction, tilt and strength.
@@ -157,8 +156,8 @@ pub(crate) fn angles(polarization_t: DVec3) -> [f64; 2] {
 pub(crate) struct PatternBuilder {
     kinds: Vec<VariableKind>,
     start: Vec<f64>,
-    /// Coordinates that faces share: cut lines along x and y, upper faces along z. Each with its axis
-    /// and its variable.
+    /// Coordinates that faces share, with axis and variable: cut lines along x and y, upper faces
+    /// along z.
     shared: Vec<(usize, f64, Affine)>,
 }
 

@@ -44,8 +44,7 @@ impl Metrics {
         let of_ideal = |p: &DVec3| ideal.flux_density_t(*p).ok_or(DesignError::NotBelow(*p));
         let ideal_field = points.iter().map(of_ideal).collect::<Result<Vec<DVec3>, _>>()?;
         let scene = Scene::new(tiles);
-        let mut field = vec![DVec3::ZERO; points.len()];
-        scene.field_into(Quantity::FluxDensity, &points, &mut field).map_err(|_| DesignError::NoField)?;
+        let field = scene.field_at(Quantity::FluxDensity, &points).map_err(|_| DesignError::NoField)?;
         let at_reference = scene.field(Quantity::FluxDensity, reference).map_err(|_| DesignError::NoField)?;
         let decoupling =
             Decoupling::from_field(grid, &field, (reference, at_reference), ideal).map_err(DesignError::Decoupling)?;
