@@ -54,28 +54,24 @@ pub fn rows(table: &Table, w: &mut dyn Write) -> io::Result<()> {
 /// The loads on tiles: one line per tile, in the order of laying where there is one. Forces are in
 /// N, torques in N mm.
 pub fn loads(loads: &FilmLoads) -> String {
-    let numbers = |load: &LoadN| {
-        let numbers = load.force_n.to_array().into_iter().chain(load.torque_n_mm.to_array());
-        numbers.map(|number| format!(",{number:e}")).collect::<String>()
-    };
     let columns = |prefix: &str| {
-        let force = ["x", "y", "z"].map(|axis| format!(",{prefix}force_{axis}_n"));
-        let torque = ["x", "y", "z"].map(|axis| format!(",{prefix}torque_{axis}_n_mm"));
-        force.concat() + &torque.concat()
+        ["force_x_n", "force_y_n", "force_z_n", "torque_x_n_mm", "torque_y_n_mm", "torque_z_n_mm"]
+            .map(|name| format!(",{prefix}{name}"))
+            .concat()
     };
-    let name = |tile: &TileLoad| format!("\"{}\"", tile.name.replace('"', "\"\""));
-    let mut csv = format!("tile{}", columns(""));
+    let numbers = |LoadN { force_n, torque_n_mm }: &LoadN| {
+        [force_n, torque_n_mm].map(|of| of.to_array().map(|number| format!(",{number:e}")).concat()).concat()
+    };
+    // The tile, the load by all others, and the step with the load by those laid before.
+    let line = |tile: &TileLoad, by_all: &LoadN, laying: String| {
+        format!("\"{}\"{}{laying}\n", tile.name.replace('"', "\"\""), numbers(by_all))
+    };
     let Some(order) = &loads.order else {
-        csv.push('\n');
-        for tile in &loads.tiles {
-            csv += &format!("{}{}\n", name(tile), numbers(&tile.load));
-        }
-        return csv;
+        let lines = loads.tiles.iter().map(|tile| line(tile, &tile.load, String::new()));
+        return format!("tile{}\n{}", columns(""), lines.collect::<String>());
     };
-    csv += &format!(",step{}\n", columns("laying_"));
-    for (step, tile) in order.steps.iter().enumerate() {
-        let by_all = &loads.tiles[tile.tile].load;
-        csv += &format!("{}{},{}{}\n", name(tile), numbers(by_all), step + 1, numbers(&tile.load));
-    }
-    csv
+    let lines = order.steps.iter().enumerate().map(|(step, tile)| {
+        line(tile, &loads.tiles[tile.tile].load, format!(",{}{}", step + 1, numbers(&tile.load)))
+    });
+    format!("tile{},step{}\n{}", columns(""), columns("laying_"), lines.collect::<String>())
 }

@@ -8,10 +8,14 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 use magsplice_layout::Layout;
-use magsplice_magnet::Tile;
+use magsplice_magnet::{Tile, convex_hull};
 
-use crate::cuboid_faces::corner_mm;
 use magsplice::results::{rounded_beside, twelve_digits};
+
+/// The parts of the drawing before its entities: millimetres, metric hatches and line types, a
+/// continuous line, the layers, and upright characters of any height in the font that every CAD
+/// program has.
+const BEGINNING: &str = include_str!("dxf_head.dxf");
 
 /// Length of an arrow, as a fraction of the shortest side of its tile.
 const ARROW: f64 = 0.7;
@@ -45,48 +49,14 @@ const CHARACTER: f64 = 1.0;
 /// Errors of the writer.
 pub fn film(layout: &Layout, w: &mut dyn Write) -> io::Result<()> {
     let parts = layout.parts();
-    let corners = layout.tiles.iter().flat_map(|named| (0..8).map(|corner| corner_mm(&named.tile, corner)));
+    let corners = layout.tiles.iter().flat_map(|named| named.tile.corners_mm());
     let largest_mm = corners.map(|corner| corner.truncate().abs().max_element()).fold(0.0, f64::max);
+    let layers = (0..parts.len()).map(|index| (layer(index), 1 + index % COLOURS));
+    let layers = std::iter::once(("0".to_owned(), 7)).chain(layers);
+    let layers = layers.map(|(name, colour)| format!("0\nLAYER\n2\n{name}\n70\n0\n62\n{colour}\n6\nCONTINUOUS\n"));
+    let layers = format!("{}\n{}", parts.len() + 1, layers.collect::<String>());
+    w.write_all(BEGINNING.replace("{layers}\n", &layers).as_bytes())?;
     let mut drawing = Drawing { w, layer: String::new(), largest_mm };
-    drawing.section("HEADER")?;
-    drawing.pair(9, "$ACADVER")?;
-    drawing.pair(1, "AC1009")?;
-    // Millimetres, and metric hatches and line types.
-    drawing.pair(9, "$INSUNITS")?;
-    drawing.pair(70, 4)?;
-    drawing.pair(9, "$MEASUREMENT")?;
-    drawing.pair(70, 1)?;
-    drawing.pair(0, "ENDSEC")?;
-    drawing.section("TABLES")?;
-    drawing.pair(0, "TABLE")?;
-    drawing.pair(2, "LTYPE")?;
-    drawing.pair(70, 1)?;
-    drawing.pair(0, "LTYPE")?;
-    for (code, value) in [(2, "CONTINUOUS"), (70, "0"), (3, "Solid line"), (72, "65"), (73, "0"), (40, "0.0")] {
-        drawing.pair(code, value)?;
-    }
-    drawing.pair(0, "ENDTAB")?;
-    drawing.pair(0, "TABLE")?;
-    drawing.pair(2, "LAYER")?;
-    drawing.pair(70, parts.len() + 1)?;
-    drawing.add_layer("0", 7)?;
-    for index in 0..parts.len() {
-        drawing.add_layer(&layer(index), 1 + index % COLOURS)?;
-    }
-    drawing.pair(0, "ENDTAB")?;
-    drawing.pair(0, "TABLE")?;
-    drawing.pair(2, "STYLE")?;
-    drawing.pair(70, 1)?;
-    drawing.pair(0, "STYLE")?;
-    // Upright characters of any height, in the font that every CAD program has.
-    for (code, value) in
-        [(2, "STANDARD"), (70, "0"), (40, "0.0"), (41, "1.0"), (50, "0.0"), (71, "0"), (42, "1.0"), (3, "txt"), (4, "")]
-    {
-        drawing.pair(code, value)?;
-    }
-    drawing.pair(0, "ENDTAB")?;
-    drawing.pair(0, "ENDSEC")?;
-    drawing.section("ENTITIES")?;
     for (index, part) in parts.iter().enumerate() {
         drawing.layer = layer(index);
         for &tile in &part.tiles {
@@ -105,28 +75,10 @@ fn layer(part: usize) -> String {
     format!("PART-{}", part + 1)
 }
 
-/// The corners of the outline from above, counter-clockwise: the convex hull of the corners.
+/// The corners of the outline from above, counter-clockwise.
 fn outline(tile: &Tile) -> Vec<DVec2> {
     let slack = 1e-9 * tile.size().max_element() * tile.size().max_element();
-    let mut corners: Vec<DVec2> = (0..8).map(|corner| corner_mm(tile, corner).truncate()).collect();
-    corners.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    let half = |corners: &mut dyn Iterator<Item = DVec2>| {
-        let mut hull: Vec<DVec2> = Vec::new();
-        for corner in corners {
-            while let [.., a, b] = hull[..]
-                && (b - a).perp_dot(corner - b) <= slack
-            {
-                hull.pop();
-            }
-            hull.push(corner);
-        }
-        // The last corner is the first of the other half.
-        hull.pop();
-        hull
-    };
-    let mut hull = half(&mut corners.iter().copied());
-    hull.extend(half(&mut corners.iter().rev().copied()));
-    hull
+    convex_hull(tile.corners_mm().map(|corner| corner.truncate()).to_vec(), slack)
 }
 
 /// A text as DXF R12 has it: other characters than ASCII by their number, and percent signs that
@@ -152,19 +104,6 @@ struct Drawing<'w> {
 impl Drawing<'_> {
     fn pair(&mut self, code: u32, value: impl Display) -> io::Result<()> {
         writeln!(self.w, "{code}\n{value}")
-    }
-
-    fn section(&mut self, name: &str) -> io::Result<()> {
-        self.pair(0, "SECTION")?;
-        self.pair(2, name)
-    }
-
-    fn add_layer(&mut self, name: &str, colour: usize) -> io::Result<()> {
-        self.pair(0, "LAYER")?;
-        self.pair(2, name)?;
-        self.pair(70, 0)?;
-        self.pair(62, colour)?;
-        self.pair(6, "CONTINUOUS")
     }
 
     fn entity(&mut self, name: &str) -> io::Result<()> {

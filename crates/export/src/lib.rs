@@ -22,7 +22,7 @@
 pub mod c_header;
 /// Tables as CSV, and loads on tiles.
 pub mod csv;
-/// Corners and faces of tiles.
+/// Faces of tiles.
 mod cuboid_faces;
 /// A film as a DXF drawing, seen from above.
 pub mod dxf;

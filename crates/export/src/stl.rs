@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use magsplice_layout::Layout;
 
-use crate::cuboid_faces::{FACES, corner_mm};
+use crate::cuboid_faces::FACES;
 
 /// Triangles of a tile.
 const TRIANGLES: usize = 2 * FACES.len();
@@ -26,7 +26,7 @@ pub fn film(layout: &Layout, w: &mut dyn Write) -> io::Result<()> {
     let count = u32::try_from(TRIANGLES * layout.tiles.len()).map_err(io::Error::other)?;
     w.write_all(&count.to_le_bytes())?;
     for named in &layout.tiles {
-        let corners: [_; 8] = std::array::from_fn(|corner| corner_mm(&named.tile, corner));
+        let corners = named.tile.corners_mm();
         for [a, b, c, d] in FACES.map(|face| face.map(|corner| corners[corner])) {
             let normal = (b - a).cross(c - a).normalize_or_zero();
             for triangle in [[a, b, c], [a, c, d]] {

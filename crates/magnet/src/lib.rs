@@ -40,6 +40,8 @@ mod grid;
 mod hall_sensor;
 /// Heights over a plane.
 mod height_map;
+/// Corners and outlines of tiles.
+mod outline;
 /// Pairs of tiles that share volume.
 mod overlap;
 /// The recoil permeability of magnets.
@@ -67,6 +69,7 @@ pub use deformation::{Bend, Deformation, DeformationError};
 pub use grid::{Grid, GridFault};
 pub use hall_sensor::{HallSensor, HallSensorFault};
 pub use height_map::{HeightMap, HeightMapError, InvalidHeightMap};
+pub use outline::convex_hull;
 pub use overlap::{Overlap, TooManyPairs, overlap, overlaps, overlaps_among};
 pub use permeability::{InvalidPermeability, MAX_PERMEABILITY, Permeability};
 pub use pieces::{Piece, pieces};

@@ -1,31 +1,22 @@
 //! Outlines of tiles: from above, and in the section by a plane.
 
 use glam::{DVec2, DVec3};
-use magsplice::prelude::Tile;
-
-/// The eight corners in the film's frame. Bits 0, 1 and 2 of the index choose the upper end along
-/// the x, y and z axis of the tile.
-pub(crate) fn corners(tile: &Tile) -> [DVec3; 8] {
-    std::array::from_fn(|i| {
-        let side = DVec3::from([0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 0.5 } else { -0.5 }));
-        tile.position() + tile.rotation() * (side * tile.size())
-    })
-}
+use magsplice::magnet::{Tile, convex_hull};
 
 /// The axis-aligned bounding box of all tiles: lower and upper corner. `None` without tiles.
 pub(crate) fn bounds<'a>(tiles: impl Iterator<Item = &'a Tile>) -> Option<[DVec3; 2]> {
-    tiles.flat_map(corners).map(|c| [c, c]).reduce(|[low, high], [c, _]| [low.min(c), high.max(c)])
+    tiles.flat_map(Tile::corners_mm).map(|c| [c, c]).reduce(|[low, high], [c, _]| [low.min(c), high.max(c)])
 }
 
 /// The outline of a tile from above, counter-clockwise, in the unit of its lengths.
 pub fn from_above(tile: &Tile) -> Vec<DVec2> {
-    hull(corners(tile).iter().map(|c| c.truncate()).collect())
+    convex_hull(tile.corners_mm().map(|corner| corner.truncate()).to_vec(), 0.0)
 }
 
 /// The section by the plane where coordinate `normal` is `at`, in the two other coordinates,
 /// counter-clockwise. It has fewer than three corners if the plane misses the tile.
 pub(crate) fn section(tile: &Tile, normal: usize, at: f64) -> Vec<DVec2> {
-    let corners = corners(tile);
+    let corners = tile.corners_mm();
     let [u, v] = in_plane(normal);
     let mut points = Vec::new();
     for from in 0..8 {
@@ -43,38 +34,12 @@ pub(crate) fn section(tile: &Tile, normal: usize, at: f64) -> Vec<DVec2> {
             }
         }
     }
-    hull(points)
+    convex_hull(points, 0.0)
 }
 
 /// The two axes other than `normal`, in ascending order.
 pub(crate) fn in_plane(normal: usize) -> [usize; 2] {
     [[1, 2], [0, 2], [0, 1]][normal]
-}
-
-/// The convex hull, counter-clockwise (Andrew's monotone chain).
-fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
-    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    points.dedup();
-    if points.len() < 3 {
-        return points;
-    }
-    let half = |points: &mut dyn Iterator<Item = DVec2>| {
-        let mut chain: Vec<DVec2> = Vec::new();
-        for p in points {
-            while let [.., a, b] = chain[..] {
-                if (b - a).perp_dot(p - b) > 0.0 {
-                    break;
-                }
-                chain.pop();
-            }
-            chain.push(p);
-        }
-        chain.pop();
-        chain
-    };
-    let mut outline = half(&mut points.iter().copied());
-    outline.extend(half(&mut points.iter().rev().copied()));
-    outline
 }
 
 #[cfg(test)]

@@ -27,9 +27,8 @@ pub(super) struct VtkArray<'a> {
 
 /// The values of an array, computed while they are written.
 pub(super) enum ArrayValues<'a> {
-    /// This many numbers.
-    Float64(usize, Box<dyn Iterator<Item = f64> + 'a>),
-    Int64(usize, Box<dyn Iterator<Item = usize> + 'a>),
+    /// The type of the numbers, how many there are, and their bytes.
+    Numbers(&'static str, usize, Box<dyn Iterator<Item = [u8; 8]> + 'a>),
     Texts(Vec<&'a str>),
 }
 
@@ -60,17 +59,30 @@ impl VtkDataset<'_> {
     }
 }
 
-impl VtkArray<'_> {
+impl<'a> VtkArray<'a> {
+    /// An array of this many numbers.
+    pub(super) fn floats(
+        name: &'a str,
+        components: &'static [&'static str],
+        count: usize,
+        values: impl Iterator<Item = f64> + 'a,
+    ) -> VtkArray<'a> {
+        let values = ArrayValues::Numbers("Float64", count, Box::new(values.map(f64::to_le_bytes)));
+        VtkArray { name, components, values }
+    }
+
+    /// An array of this many integers, one in each tuple.
+    pub(super) fn integers(name: &'a str, count: usize, values: impl Iterator<Item = usize> + 'a) -> VtkArray<'a> {
+        let bytes = values.map(|value| (value as u64).to_le_bytes());
+        VtkArray { name, components: &[], values: ArrayValues::Numbers("Int64", count, Box::new(bytes)) }
+    }
+
     /// Writes the element of the array, and returns how many bytes `append` will write for it.
     fn head(&self, offset: usize, w: &mut dyn Write) -> io::Result<usize> {
         let name = self.name;
         let (kind, count) = match &self.values {
-            ArrayValues::Texts(texts) => {
-                strings(name, texts, w)?;
-                return Ok(0);
-            }
-            ArrayValues::Float64(count, _) => ("Float64", *count),
-            ArrayValues::Int64(count, _) => ("Int64", *count),
+            ArrayValues::Texts(texts) => return strings(name, texts, w).map(|()| 0),
+            ArrayValues::Numbers(kind, count, _) => (kind, count),
         };
         write!(
             w,
@@ -88,18 +100,9 @@ impl VtkArray<'_> {
 impl ArrayValues<'_> {
     /// Writes the size in bytes, then the numbers.
     fn append(self, w: &mut dyn Write) -> io::Result<()> {
-        let mut append = |number: [u8; 8]| w.write_all(&number);
-        match self {
-            ArrayValues::Texts(_) => Ok(()),
-            ArrayValues::Float64(count, mut values) => {
-                append((8 * count as u64).to_le_bytes())?;
-                values.try_for_each(|value| append(value.to_le_bytes()))
-            }
-            ArrayValues::Int64(count, mut values) => {
-                append((8 * count as u64).to_le_bytes())?;
-                values.try_for_each(|value| append((value as u64).to_le_bytes()))
-            }
-        }
+        let ArrayValues::Numbers(_, count, mut numbers) = self else { return Ok(()) };
+        w.write_all(&(8 * count as u64).to_le_bytes())?;
+        numbers.try_for_each(|number| w.write_all(&number))
     }
 }
 

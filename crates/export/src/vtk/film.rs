@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use magsplice_layout::Layout;
 
 use super::dataset::{ArrayValues, VtkArray, VtkDataset};
-use crate::cuboid_faces::{FACES, corner_mm};
+use crate::cuboid_faces::FACES;
 use magsplice::results::Metadata;
 
 /// Writes the faces of all tiles as poly data (`.vtp`), in millimetres.
@@ -18,12 +18,9 @@ use magsplice::results::Metadata;
 pub fn film(layout: &Layout, metadata: &Metadata, w: &mut dyn Write) -> io::Result<()> {
     let tiles = &layout.tiles;
     let (corners, faces) = (8 * tiles.len(), 6 * tiles.len());
-    let points = tiles.iter().flat_map(|t| (0..8).flat_map(move |corner| corner_mm(&t.tile, corner).to_array()));
+    let points = tiles.iter().flat_map(|t| t.tile.corners_mm()).flat_map(|corner| corner.to_array());
     let polarization = tiles.iter().flat_map(|t| [t.tile.scene_polarization_t().to_array(); 6].concat());
     let connectivity = (0..tiles.len()).flat_map(|tile| FACES.into_iter().flatten().map(move |c| 8 * tile + c));
-    let scalar = |name, values| VtkArray { name, components: &[], values };
-    let vector =
-        |name, components, count, values| VtkArray { name, components, values: ArrayValues::Float64(count, values) };
     VtkDataset {
         kind: "PolyData",
         attributes: [String::new(), format!("NumberOfPoints=\"{corners}\" NumberOfPolys=\"{faces}\"")],
@@ -31,17 +28,21 @@ pub fn film(layout: &Layout, metadata: &Metadata, w: &mut dyn Write) -> io::Resu
             (
                 "CellData",
                 vec![
-                    vector("polarization_t", &["jx_t", "jy_t", "jz_t"], 3 * faces, Box::new(polarization)),
-                    scalar("tile_index", ArrayValues::Int64(faces, Box::new((0..faces).map(|face| face / 6)))),
-                    scalar("tile", ArrayValues::Texts(tiles.iter().flat_map(|t| [&t.name[..]; 6]).collect())),
+                    VtkArray::floats("polarization_t", &["jx_t", "jy_t", "jz_t"], 3 * faces, polarization),
+                    VtkArray::integers("tile_index", faces, (0..faces).map(|face| face / 6)),
+                    VtkArray {
+                        name: "tile",
+                        components: &[],
+                        values: ArrayValues::Texts(tiles.iter().flat_map(|t| [&t.name[..]; 6]).collect()),
+                    },
                 ],
             ),
-            ("Points", vec![vector("Points", &["x_mm", "y_mm", "z_mm"], 3 * corners, Box::new(points))]),
+            ("Points", vec![VtkArray::floats("Points", &["x_mm", "y_mm", "z_mm"], 3 * corners, points)]),
             (
                 "Polys",
                 vec![
-                    scalar("connectivity", ArrayValues::Int64(4 * faces, Box::new(connectivity))),
-                    scalar("offsets", ArrayValues::Int64(faces, Box::new((1..=faces).map(|face| 4 * face)))),
+                    VtkArray::integers("connectivity", 4 * faces, connectivity),
+                    VtkArray::integers("offsets", faces, (1..=faces).map(|face| 4 * face)),
                 ],
             ),
         ],

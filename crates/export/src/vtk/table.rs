@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use magsplice_magnet::Grid;
 
-use super::dataset::{ArrayValues, VtkArray, VtkDataset};
+use super::dataset::{VtkArray, VtkDataset};
 use magsplice::results::{ColumnQuantity, Points, Rows, Table};
 
 /// Writes a table: a grid as image data (`.vti`), scattered points as vertices of poly data
@@ -46,19 +46,14 @@ fn image_data(table: &Table, grid: &Grid, w: &mut dyn Write) -> io::Result<()> {
 
 fn vertices(table: &Table, points: &Points, w: &mut dyn Write) -> io::Result<()> {
     let count = points.len();
-    let coordinates = (0..count).flat_map(|row| points.get(row).to_array());
-    let points = ArrayValues::Float64(3 * count, Box::new(coordinates));
-    let index = |name, first: usize| VtkArray {
-        name,
-        components: &[],
-        values: ArrayValues::Int64(count, Box::new((0..count).map(move |i| i + first))),
-    };
+    let coordinates = points.iter().flat_map(|point| point.to_array());
+    let index = |name, first: usize| VtkArray::integers(name, count, (0..count).map(move |i| i + first));
     VtkDataset {
         kind: "PolyData",
         attributes: [String::new(), format!("NumberOfPoints=\"{count}\" NumberOfVerts=\"{count}\"")],
         sections: vec![
             ("PointData", quantities(table, |index| index)),
-            ("Points", vec![VtkArray { name: "Points", components: &["x_mm", "y_mm", "z_mm"], values: points }]),
+            ("Points", vec![VtkArray::floats("Points", &["x_mm", "y_mm", "z_mm"], 3 * count, coordinates)]),
             ("Verts", vec![index("connectivity", 0), index("offsets", 1)]),
         ],
         metadata: table.metadata(),
@@ -72,11 +67,8 @@ fn quantities<'a>(table: &'a Table, row: impl Fn(usize) -> usize + Copy + 'a) ->
         let (values, step) = (&quantity.values, quantity.components.len());
         let in_order =
             (0..table.rows().len()).map(row).flat_map(move |row| values[row * step..][..step].iter().copied());
-        VtkArray {
-            name: quantity.name,
-            components: if step == 1 { &[] } else { quantity.components },
-            values: ArrayValues::Float64(values.len(), Box::new(in_order)),
-        }
+        let components = if step == 1 { &[] } else { quantity.components };
+        VtkArray::floats(quantity.name, components, values.len(), in_order)
     };
     table.quantities().iter().map(array).collect()
 }
