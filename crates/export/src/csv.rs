@@ -70,8 +70,9 @@ pub fn loads(loads: &FilmLoads) -> String {
         let lines = loads.tiles.iter().map(|tile| line(tile, &tile.load, String::new()));
         return format!("tile{}\n{}", columns(""), lines.collect::<String>());
     };
-    let lines = order.steps.iter().enumerate().map(|(step, tile)| {
-        line(tile, &loads.tiles[tile.tile].load, format!(",{}{}", step + 1, numbers(&tile.load)))
-    });
+    let lines =
+        order.steps.iter().enumerate().map(|(step, tile)| {
+            line(tile, &loads.tiles[tile.tile].load, format!(",{}{}", step + 1, numbers(&tile.load)))
+        });
     format!("tile{},step{}\n{}", columns(""), columns("laying_"), lines.collect::<String>())
 }

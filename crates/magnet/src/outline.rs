@@ -48,7 +48,8 @@ mod tests {
     #[test]
     fn hull_of_the_corners_from_above_is_the_outline() {
         let tile = Tile::new(DVec3::new(1.0, 2.0, 0.5), DVec3::new(3.0, 2.0, 1.0), DVec3::X).unwrap();
-        let from_above = |tile: Tile, slack| convex_hull(tile.corners_mm().map(|corner| corner.truncate()).to_vec(), slack);
+        let from_above =
+            |tile: Tile, slack| convex_hull(tile.corners_mm().map(|corner| corner.truncate()).to_vec(), slack);
         let corners = [(-0.5, 1.0), (2.5, 1.0), (2.5, 3.0), (-0.5, 3.0)].map(|(x, y)| DVec2::new(x, y));
         assert_eq!(from_above(tile, 0.0), corners);
         let turned = from_above(tile.rotated(DQuat::from_rotation_z(0.5)).unwrap(), 1e-9);

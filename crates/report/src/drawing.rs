@@ -1,11 +1,11 @@
 //! A finished figure.
 
 use resvg::tiny_skia::{Color, Pixmap, Transform};
-use resvg::usvg::{Indent, Options, Tree, WriteOptions};
+use resvg::usvg::{Indent, Tree, WriteOptions};
 
-use crate::error::DrawError;
+use crate::error::{DrawError, ReportError};
 use crate::sheet::millimetres;
-use crate::typeset::FAMILY;
+use crate::typeset::{FAMILY, OPTIONS};
 
 /// Resolution of PNG files.
 const DOTS_PER_INCH: f64 = 300.0;
@@ -43,17 +43,37 @@ pub struct Drawing {
     pub(crate) outlined: String,
 }
 
-impl Drawing {
-    /// A figure from SVG whose text is still text.
+/// A figure before its text becomes outlines.
+pub(crate) struct FigureDraft {
+    pub(crate) name: &'static str,
+    pub(crate) caption: String,
+    pub(crate) svg: String,
+    /// The data behind the figure.
+    pub(crate) csv: String,
+}
+
+impl FigureDraft {
+    /// The figure of which this SVG was drawn.
     pub(crate) fn new(
         name: &'static str,
-        caption: String,
-        svg: &str,
+        caption: impl Into<String>,
+        svg: Result<String, DrawError>,
         csv: String,
-        text: SvgText,
-        options: &Options,
-    ) -> Result<Drawing, DrawError> {
-        let tree = Tree::from_str(svg, options)?;
+    ) -> Result<FigureDraft, ReportError> {
+        let svg = svg.map_err(|source| ReportError::Drawing { figure: name, source })?;
+        Ok(FigureDraft { name, caption: caption.into(), svg, csv })
+    }
+
+    /// The figure as SVG and PNG.
+    pub(crate) fn rendered(self, text: SvgText) -> Result<Drawing, ReportError> {
+        let figure = self.name;
+        Drawing::new(self, text).map_err(|source| ReportError::Drawing { figure, source })
+    }
+}
+
+impl Drawing {
+    fn new(FigureDraft { name, caption, svg, csv }: FigureDraft, text: SvgText) -> Result<Drawing, DrawError> {
+        let tree = Tree::from_str(&svg, &OPTIONS)?;
         let written = WriteOptions {
             coordinates_precision: DECIMALS,
             transforms_precision: DECIMALS + 2,
@@ -69,7 +89,7 @@ impl Drawing {
         resvg::render(&tree, Transform::from_scale(scale as f32, scale as f32), &mut pixels.as_mut());
         let outlined = sized(&tree.to_string(&written), size);
         let svg = match text {
-            SvgText::Text => with_fallbacks(svg),
+            SvgText::Text => with_fallbacks(&svg),
             SvgText::Outlines => outlined.clone(),
         };
         Ok(Drawing { name, caption, svg, png: encoded(&pixels)?, csv, outlined })

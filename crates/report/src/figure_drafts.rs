@@ -1,32 +1,21 @@
-//! The figures of a report in order, with their captions, as SVG whose text is still text.
+//! The figures of a report in order, as SVG whose text is still text.
 
 use magsplice::layout::NamedTile;
+use magsplice::results::EXPERIMENT_STEP_MM;
 use magsplice::{Film, FilmRecoil, Stage};
 
-use crate::error::{DrawError, ReportError};
-use crate::figures::along_axes::AlongAxes;
-use crate::figures::distributions::{Distributions, ErrorKind};
-use crate::figures::parameter_maps::NormalMap;
-use crate::figures::{field_maps, layout_from_above, parameter_maps, recoil_map, vectors};
+use crate::drawing::FigureDraft;
+use crate::error::ReportError;
+use crate::figures::distributions::ErrorKind;
+use crate::figures::parameter_maps::MappedPlanes;
+use crate::figures::{
+    along_axes, distributions, experiment, field_maps, layout_from_above, parameter_maps, recoil_map, resolution,
+    vectors,
+};
 use crate::shared_ranges::SharedRanges;
 use crate::survey::{FieldSlice, Survey};
-use crate::typeset::{AXIS_NAMES, number, variable};
-
-/// Maximum width and height of a parameter map on a plane of constant z, in pixels.
-const LEVEL_PX: [f64; 2] = [220.0, 220.0];
-/// The same on a vertical plane.
-const UPRIGHT_PX: [f64; 2] = [340.0, 200.0];
 
 const FIELD_NAMES: [&str; 3] = ["field-lowest", "field-middle", "field-highest"];
-
-/// A figure before its text becomes outlines.
-pub(crate) struct FigureDraft {
-    pub(crate) name: &'static str,
-    pub(crate) caption: String,
-    pub(crate) svg: String,
-    /// The data behind the figure.
-    pub(crate) csv: String,
-}
 
 /// The number of figures.
 fn figure_count(film: &Film, survey: Option<&Survey>) -> usize {
@@ -36,7 +25,7 @@ fn figure_count(film: &Film, survey: Option<&Survey>) -> usize {
     of_tiles
         + survey.map_or(0, |survey| {
             let against_ideal = survey.against_ideal.as_ref().map_or(0, |_| 3);
-            1 + survey.z_planes().len() + against_ideal + survey.samples.as_ref().map_or(0, |_| 2)
+            1 + survey.heights_mm().len() + against_ideal + survey.samples.as_ref().map_or(0, |_| 2)
         })
 }
 
@@ -51,113 +40,66 @@ pub(crate) fn drafts(
     let count = figure_count(film, survey);
     let tell = |done: usize| film.tell(Stage { name: "drawing", done, of: Some(count), unit: "figures" });
     tell(0);
-    let mut add = |name: &'static str, caption: String, drawn: Result<(String, String), DrawError>| {
-        let (svg, csv) = drawn.map_err(|source| ReportError::Drawing { figure: name, source })?;
-        drafts.push(FigureDraft { name, caption, svg, csv });
+    let mut add = |draft: FigureDraft| {
+        drafts.push(draft);
         tell(drafts.len());
-        Ok::<(), ReportError>(())
     };
-    let layout = film.layout();
-    let volume = layout.volume.as_ref();
-    let drawn = layout_from_above::draw(tiles, layout.tiles.len(), volume, ranges);
-    add(
-        layout_from_above::NAME,
-        layout_from_above::CAPTION.to_owned(),
-        drawn.map(|svg| (svg, layout_from_above::csv(tiles))),
-    )?;
+    add(layout_from_above::draft(film.layout(), tiles, ranges)?);
     // A layout of more tiles than are drawn has too many cells for recoil.
     if let Some(changes) = film.recoil().map(FilmRecoil::tile_changes).filter(|changes| changes.len() == tiles.len()) {
-        let drawn = recoil_map::draw(tiles, &changes);
-        let csv = |svg| (svg, recoil_map::csv(tiles, &changes));
-        add(recoil_map::NAME, recoil_map::CAPTION.to_owned(), drawn.map(csv))?;
+        add(recoil_map::draft(tiles, &changes)?);
     }
     let Some(survey) = survey else { return Ok(drafts) };
-
-    let caption = "B in three planes. The length and the colour of an arrow show the logarithm of the \
-                   magnitude of B in the plane. The dashed rectangle is the working volume."
-        .to_owned();
-    add("vectors", caption, vectors::draw(film, tiles, survey.volume, ranges))?;
-
     let volume = survey.volume;
+    add(vectors::draft(film, tiles, volume, ranges)?);
+
     let slice = |normal: usize, at_mm: f64| FieldSlice::new(film, volume, normal, at_mm);
-    let planes = survey.z_planes();
-    let mut level = Vec::new();
-    for &k in &planes {
-        let z_mm = volume.grid.coordinate(2, k);
-        level.push((slice(2, z_mm)?, z_mm));
-    }
+    let level: Vec<FieldSlice> =
+        survey.heights_mm().into_iter().map(|z_mm| slice(2, z_mm)).collect::<Result<_, _>>()?;
     let [first, .., last] = FIELD_NAMES;
     let names = if level.len() == 2 { vec![first, last] } else { FIELD_NAMES.to_vec() };
-    for (name, (slice, z_mm)) in names.into_iter().zip(&level) {
-        let what = if survey.against_ideal.is_some() {
-            "the spliced film, B of the ideal film (Eq. 2) on the same colour scale, and the spliced film minus the \
-             ideal film times the best-fit amplitude"
-        } else {
-            "the film"
-        };
-        let caption = format!("B of {what}, at z = {} mm.", number(*z_mm));
-        let drawn = field_maps::draw(survey, slice, *z_mm, name, ranges);
-        add(name, caption, drawn.map(|svg| (svg, field_maps::csv(survey, slice))))?;
+    for (name, slice) in names.into_iter().zip(&level) {
+        add(field_maps::draft(survey, slice, name, ranges)?);
     }
     let Some(against) = &survey.against_ideal else { return Ok(drafts) };
 
-    let titled = |(slice, z_mm): (FieldSlice, f64)| (slice, format!("{} = {} mm", variable("z"), number(z_mm)));
-    let level: Vec<(FieldSlice, String)> = level.into_iter().map(titled).collect();
-    let caption = "The decoupling parameters on planes of constant z. R_x should depend on x only, R_y on y only, \
-         and S_z on z only. Of S_z the maps show the residual: S_z minus its mean over the plane, divided by the \
-         wavenumber k. This is the displacement along z, in um, that the film shows on the plane where there is none. \
-         The mean stands above each map."
-        .to_owned();
-    let drawn = parameter_maps::draw(against, &level, LEVEL_PX, NormalMap::Residual, "parameters-level", ranges);
-    let csv = |svg| (svg, parameter_maps::csv(against, &level, NormalMap::Residual));
-    add("parameters-level", caption, drawn.map(csv))?;
-
+    add(parameter_maps::draft(against, &level, MappedPlanes::Level, ranges)?);
     let middle = 0.5 * (volume.lower_mm + volume.upper_mm);
-    let mut upright = Vec::new();
-    for normal in [1, 0] {
-        let title = format!("{} = {} mm", variable(AXIS_NAMES[normal]), number(middle[normal]));
-        upright.push((slice(normal, middle[normal])?, title));
-    }
-    let caption =
-        "The decoupling parameters on the two vertical planes through the centre of the working volume.".to_owned();
-    let drawn = parameter_maps::draw(against, &upright, UPRIGHT_PX, NormalMap::Whole, "parameters-upright", ranges);
-    let csv = |svg| (svg, parameter_maps::csv(against, &upright, NormalMap::Whole));
-    add("parameters-upright", caption, drawn.map(csv))?;
-
-    if let Some(along) = AlongAxes::new(survey) {
-        let caption = "Each decoupling parameter along its own axis, the straight line of the ideal film, and the \
-                       spread of the parameter over the two other axes, on which it should not depend. Below: the \
-                       displacement from the reference point that the parameter shows, minus the true one."
-            .to_owned();
-        add("parameters-along-axes", caption, along.draw(ranges).map(|svg| (svg, along.csv())))?;
-    }
+    let upright = [slice(1, middle.y)?, slice(0, middle.x)?];
+    add(parameter_maps::draft(against, &upright, MappedPlanes::Upright, ranges)?);
+    add(along_axes::draft(survey, against, ranges)?);
     if let Some(samples) = survey.samples.as_ref().filter(|samples| !samples.errors.is_empty()) {
-        let kinds = [
-            ("made-displacement", ErrorKind::Displacement, "displacement RMSE"),
-            ("made-uniformity", ErrorKind::Uniformity, "uniformity RMSE"),
-        ];
-        for (name, kind, error) in kinds {
-            let caption = format!(
-                "The {error} of the films that are made, with the errors of [tolerance]. Above: the number of films in \
-                 ranges of equal width. Below: the share of the films with a smaller error."
-            );
-            let distributions = Distributions::new(kind, &samples.nominal, &samples.errors);
-            add(name, caption, distributions.draw().map(|svg| (svg, distributions.csv())))?;
-        }
+        add(distributions::draft(ErrorKind::Displacement, samples)?);
+        add(distributions::draft(ErrorKind::Uniformity, samples)?);
     }
     Ok(drafts)
 }
 
+/// The figures of the sensor: none if the layout states neither a sensor nor an elastic layer.
+pub(crate) fn sensor_drafts(
+    film: &Film,
+    survey: &Survey,
+    ranges: &SharedRanges,
+) -> Result<Vec<FigureDraft>, ReportError> {
+    let layout = film.layout();
+    if layout.sensor.is_none() && layout.elastomer.is_none() {
+        return Ok(Vec::new());
+    }
+    film.tell(Stage::uncounted("drawing the sensor"));
+    let resolution = resolution::draft(film, survey.volume, &survey.heights_mm(), ranges)?;
+    let experiment = experiment::draft(&film.experiments(EXPERIMENT_STEP_MM, None, None)?)?;
+    Ok(resolution.into_iter().chain([experiment]).collect())
+}
+
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
     use magsplice::layout::Layout;
     use resvg::usvg::{Group, Node, Paint, Rect, Tree};
 
     use super::*;
-    use crate::drawing::{Drawing, SvgText};
+    use crate::drawing::SvgText;
     use crate::survey::tiles_to_draw;
-    use crate::typeset;
+    use crate::typeset::OPTIONS;
 
     /// Appends each text of the group with its bounding box.
     fn texts(group: &Group, found: &mut Vec<(String, Rect)>) {
@@ -206,17 +148,16 @@ mod tests {
             let path = format!("{}/../../layouts/{name}.toml", env!("CARGO_MANIFEST_DIR"));
             std::fs::read_to_string(path).unwrap()
         });
-        let options = typeset::options();
         let mut seen = 0;
         for text in shipped.into_iter().chain([rotated_tiles()]) {
             let layout = Layout::parse(&text, "layout").unwrap();
             let film = Film::new(layout.clone()).unwrap();
             let survey = Survey::new(&film).unwrap();
-            let tiles = tiles_to_draw(&layout.tiles, DVec3::ZERO);
+            let tiles = tiles_to_draw(&layout);
             for FigureDraft { name, svg, .. } in
                 drafts(&film, &tiles, survey.as_ref(), &SharedRanges::default()).unwrap()
             {
-                let tree = Tree::from_str(&svg, &options).unwrap();
+                let tree = Tree::from_str(&svg, &OPTIONS).unwrap();
                 let mut found = Vec::new();
                 texts(tree.root(), &mut found);
                 let sheet = tree.size();
@@ -271,9 +212,8 @@ mod tests {
         for text in shipped.into_iter().chain([rotated_tiles()]) {
             let layout = Layout::parse(&text, "layout").unwrap();
             let tiles: Vec<&NamedTile> = layout.tiles.iter().collect();
-            let volume = layout.volume.as_ref();
-            let svg = layout_from_above::draw(&tiles, tiles.len(), volume, &SharedRanges::default()).unwrap();
-            let tree = Tree::from_str(&svg, &typeset::options()).unwrap();
+            let draft = layout_from_above::draft(&layout, &tiles, &SharedRanges::default()).unwrap();
+            let tree = Tree::from_str(&draft.svg, &OPTIONS).unwrap();
             let (mut names, mut shapes) = (Vec::new(), Vec::new());
             texts(tree.root(), &mut names);
             marks(tree.root(), &mut shapes);
@@ -297,10 +237,8 @@ mod tests {
         let film = Film::new(layout.clone()).unwrap();
         let survey = Survey::new(&film).unwrap();
         let drafts = drafts(&film, &[], survey.as_ref(), &SharedRanges::default()).unwrap();
-        let draft = drafts.iter().find(|draft| draft.name == "field-lowest").unwrap();
-        let figure =
-            Drawing::new(draft.name, String::new(), &draft.svg, String::new(), SvgText::Text, &typeset::options())
-                .unwrap();
+        let draft = drafts.into_iter().find(|draft| draft.name == "field-lowest").unwrap();
+        let figure = draft.rendered(SvgText::Text).unwrap();
         let png = resvg::tiny_skia::Pixmap::decode_png(&figure.png).unwrap();
         // The first column of maps starts at (64, 52) in pixels of the SVG, of which the PNG has
         // 3.125 each. A map is 220 wide and high; the next one is 246 below.
@@ -317,7 +255,7 @@ mod tests {
     fn figure_of_the_layout_shows_the_names_of_tiles_as_written() {
         let layout = Layout::parse(&rotated_tiles(), "layout").unwrap();
         let film = Film::new(layout.clone()).unwrap();
-        let tiles = tiles_to_draw(&layout.tiles, DVec3::ZERO);
+        let tiles = tiles_to_draw(&layout);
         let drafts = drafts(&film, &tiles, None, &SharedRanges::default()).unwrap();
         assert_eq!(drafts.len(), 1);
         for name in ["north &lt;&amp;&gt; &apos;ß&apos;", "up", "none", "diagonal"] {

@@ -1,5 +1,7 @@
 //! Units of flux density in which numbers have few digits.
 
+use glam::DVec3;
+
 /// A unit of flux density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FluxUnit {
@@ -14,6 +16,11 @@ const UNITS: [FluxUnit; 4] = [
     FluxUnit { name: "\u{b5}T", per_t: 1e6 },
     FluxUnit { name: "nT", per_t: 1e9 },
 ];
+
+/// The largest component of the finite ones of these fields, in tesla.
+pub(crate) fn largest_component_t(fields_t: impl Iterator<Item = DVec3>) -> f64 {
+    fields_t.filter(|b| b.is_finite()).map(|b| b.abs().max_element()).fold(0.0, f64::max)
+}
 
 /// The largest unit in which `most_t` is at least 0.5, or nT.
 pub(crate) fn flux_unit(most_t: f64) -> FluxUnit {

@@ -2,7 +2,7 @@
 //!
 //! [`Report::new`] takes a prepared [`Film`](magsplice::Film) and its results as printed text. It
 //! returns the figures of Dai 2024 for this film as SVG and PNG, and one HTML page that contains
-//! everything. [`FrontFigure`] draws the trade-offs that a design search found.
+//! everything. [`front_figures`] draws the trade-offs that a design search found.
 //!
 //! plotters draws the figures. Their colours are readable in print and by colour-blind readers.
 //! Text of SVG files is text or outlines ([`SvgText`]). In PNG files and on the page it is drawn
@@ -13,11 +13,13 @@
 
 /// Colour scales for values, and colours for directions.
 mod colours;
+/// The data behind figures as CSV.
+mod csv;
 /// [`Drawing`]: SVG, PNG and CSV.
 mod drawing;
 /// [`ReportError`].
 mod error;
-/// All figures of a report in order, with their captions, before text becomes outlines.
+/// All figures of a report in order, before text becomes outlines.
 mod figure_drafts;
 /// One file per kind of figure.
 mod figures;
@@ -45,8 +47,6 @@ mod raster_image;
 mod report;
 /// Planes through a scan, measured beside simulated.
 mod scan_planes;
-/// The figures of the sensor in order, with their captions.
-mod sensor_drafts;
 /// Ranges of axes and colours that two films share.
 mod shared_ranges;
 /// A drawing area in pixels with lines, polygons and text, written as SVG.
@@ -63,14 +63,14 @@ pub use error::ReportError;
 pub use figures::budget::budget_figure;
 pub use figures::diagnosis::diagnosis_figure;
 pub use figures::experiment::experiment_figure;
-pub use figures::forces::{TileForce, forces_figure};
-pub use figures::front::{FrontAxis, FrontFigure, FrontFilm};
+pub use figures::forces::forces_figure;
+pub use figures::front::front_figures;
 pub use figures::laying_plan::laying_plan_figure;
 pub use figures::layout_from_above::layout_figure;
+pub use figures::scan_maps::scan_figures;
 pub use page::PrintedResults;
 pub use pair::PairReport;
 pub use printed_film::{bill_page, plan_page};
 pub use report::Report;
-pub use scan_planes::scan_figures;
 pub use survey::FilmSamples;
 pub use tile_shapes::from_above as tile_outline;

@@ -2,13 +2,14 @@
 
 use std::fmt::Write;
 
-use magsplice::decouple::Parameters;
+use magsplice::decouple::Parameter;
 use magsplice::layout::NamedTile;
 use magsplice::prelude::DVec3;
 use serde::Serialize;
 
 use crate::colours::{DirectionColours, Palette, Rgb, colour_table};
 use crate::survey::Survey;
+use crate::typeset::PARAMETER_NAMES;
 
 /// Maximum number of grid points on the page. With nine numbers per point, they take 5 MB. Of a
 /// finer grid the page has every second, third, ... point along an axis.
@@ -26,19 +27,19 @@ struct PageData<'a> {
 #[derive(Serialize)]
 struct TileData<'a> {
     name: &'a str,
-    centre_mm: [f64; 3],
-    size_mm: [f64; 3],
+    centre_mm: DVec3,
+    size_mm: DVec3,
     /// Unit vectors along the sides, in the film's frame.
-    axes: [[f64; 3]; 3],
+    axes: [DVec3; 3],
     /// In the film's frame.
-    polarization_t: [f64; 3],
+    polarization_t: DVec3,
     colour: String,
 }
 
 #[derive(Serialize)]
 struct VolumePoints {
-    lower_mm: [f64; 3],
-    upper_mm: [f64; 3],
+    lower_mm: DVec3,
+    upper_mm: DVec3,
     x_mm: Vec<f64>,
     y_mm: Vec<f64>,
     z_mm: Vec<f64>,
@@ -70,14 +71,10 @@ struct ColourTables {
 
 /// The data as JSON.
 pub(crate) fn page_data_json(tiles: &[&NamedTile], survey: Option<&Survey>) -> String {
-    let (volume, maps) = match survey {
-        Some(survey) => (Some(volume_points(survey)), volume_maps(survey)),
-        None => (None, Vec::new()),
-    };
     let data = PageData {
         tiles: tiles.iter().map(|named| tile_data(named)).collect(),
-        volume,
-        maps,
+        volume: survey.map(volume_points),
+        maps: survey.map_or(Vec::new(), volume_maps),
         colours: ColourTables {
             signed: hex(&colour_table(Palette::Diverging)),
             one_signed: hex(&colour_table(Palette::Sequential)),
@@ -91,10 +88,10 @@ fn tile_data(named: &NamedTile) -> TileData<'_> {
     let polarization = tile.scene_polarization_t();
     TileData {
         name: &named.name,
-        centre_mm: tile.position().to_array(),
-        size_mm: tile.size().to_array(),
-        axes: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| (tile.rotation() * axis).to_array()),
-        polarization_t: polarization.to_array(),
+        centre_mm: tile.position(),
+        size_mm: tile.size(),
+        axes: DVec3::AXES.map(|axis| tile.rotation() * axis),
+        polarization_t: polarization,
         colour: format!("#{}", hex(&[DirectionColours::new().colour(polarization)])),
     }
 }
@@ -117,18 +114,13 @@ fn volume_points(survey: &Survey) -> VolumePoints {
         (0..grid.counts()[axis]).step_by(strides[axis]).map(|i| grid.coordinate(axis, i)).collect()
     };
     VolumePoints {
-        lower_mm: survey.volume.lower_mm.to_array(),
-        upper_mm: survey.volume.upper_mm.to_array(),
+        lower_mm: survey.volume.lower_mm,
+        upper_mm: survey.volume.upper_mm,
         x_mm: along(0),
         y_mm: along(1),
         z_mm: along(2),
     }
 }
-
-type ParameterOf = fn(&Parameters) -> f64;
-
-const PARAMETERS: [(&str, &str, ParameterOf); 3] =
-    [("R_x", "rad", |p| p.r_x), ("R_y", "rad", |p| p.r_y), ("S_z", "ln of T", |p| p.s_z)];
 
 /// The maps in the order of the page's menu.
 fn volume_maps(survey: &Survey) -> Vec<MapData> {
@@ -137,41 +129,32 @@ fn volume_maps(survey: &Survey) -> Vec<MapData> {
     let shown: Vec<usize> = (0..grid.len())
         .filter(|&index| grid.indices(index).iter().zip(strides).all(|(i, stride)| i.is_multiple_of(stride)))
         .collect();
-    let values =
-        |field_t: &[DVec3], component: fn(DVec3) -> f64| shown.iter().map(|&i| Some(component(field_t[i]))).collect();
-    let components: [fn(DVec3) -> f64; 4] = [|b| b.x, |b| b.y, |b| b.z, DVec3::length];
-    let mut maps = Vec::new();
-    for (name, component) in ["B_x", "B_y", "B_z", "|B|"].into_iter().zip(components) {
-        let values = values(&survey.field_t, component);
-        let signed = name != "|B|";
-        let map = MapData { group: "this film", name, unit: "T", signed, round_off: None, difference_of: None, values };
-        maps.push(map);
-    }
+    let map = |group, name, unit, value: &dyn Fn(usize) -> Option<f64>| {
+        let values = shown.iter().map(|&index| value(index)).collect();
+        MapData { group, name, unit, signed: true, round_off: None, difference_of: None, values }
+    };
+    let field = |group, name, fields_t: &[DVec3], axis: usize| map(group, name, "T", &|i| Some(fields_t[i][axis]));
+    let b = ["B_x", "B_y", "B_z"];
+    let mut maps: Vec<MapData> = (0..3).map(|axis| field("this film", b[axis], &survey.field_t, axis)).collect();
+    let magnitude = map("this film", "|B|", "T", &|index| Some(survey.field_t[index].length()));
+    maps.push(MapData { signed: false, ..magnitude });
     let Some(against) = &survey.against_ideal else { return maps };
     let ideal = ["ideal B_x", "ideal B_y", "ideal B_z"];
-    for (name, component) in ideal.into_iter().zip(components) {
-        let values = values(&against.field_t, component);
-        let group = "ideal film";
-        maps.push(MapData { group, name, unit: "T", signed: true, round_off: None, difference_of: None, values });
-    }
+    maps.extend((0..3).map(|axis| field("ideal film", ideal[axis], &against.field_t, axis)));
     let differences = ["B_x \u{2212} ideal", "B_y \u{2212} ideal", "B_z \u{2212} ideal"];
-    for ((name, of), ideal) in differences.into_iter().zip(["B_x", "B_y", "B_z"]).zip(ideal) {
-        let values = Vec::new();
-        maps.push(MapData {
-            group: "difference",
-            name,
-            unit: "T",
-            signed: true,
-            round_off: Some(survey.round_off_t),
-            difference_of: Some([of, ideal]),
-            values,
-        });
-    }
+    maps.extend((0..3).map(|axis| MapData {
+        group: "difference",
+        name: differences[axis],
+        unit: "T",
+        signed: true,
+        round_off: Some(survey.round_off_t),
+        difference_of: Some([b[axis], ideal[axis]]),
+        values: Vec::new(),
+    }));
     let parameters: Vec<_> = against.decoupling.parameters.iter().collect();
-    for (name, unit, parameter) in PARAMETERS {
-        let values = shown.iter().map(|&i| parameters[i].as_ref().map(parameter)).collect();
-        let signed = name != "S_z";
-        maps.push(MapData { group: "decoupling", name, unit, signed, round_off: None, difference_of: None, values });
+    for ((parameter, name), unit) in Parameter::ALL.into_iter().zip(PARAMETER_NAMES).zip(["rad", "rad", "ln of T"]) {
+        let map = map("decoupling", name, unit, &|index| parameters[index].as_ref().map(|p| p.get(parameter)));
+        maps.push(MapData { signed: parameter != Parameter::Sz, ..map });
     }
     maps
 }

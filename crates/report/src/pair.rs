@@ -11,9 +11,9 @@ use crate::figure_drafts::drafts;
 use crate::page::{escaped, filled, head};
 use crate::paired_numbers::{PairedNumber, numbers};
 use crate::raster_image::data_url;
-use crate::report::{PAGE_NAME, absent, drawn_tiles, rendered};
+use crate::report::{PAGE_NAME, absent, rendered};
 use crate::shared_ranges::SharedRanges;
-use crate::survey::Survey;
+use crate::survey::{Survey, tiles_to_draw};
 use crate::typeset::number;
 
 const PAGE: &str = include_str!("../page/pair.html");
@@ -50,7 +50,10 @@ impl PairReport {
     ) -> Result<PairReport, ReportError> {
         let surveys = [Survey::new(films[0])?, Survey::new(films[1])?];
         let ranges = SharedRanges::default();
-        let draw = |index: usize| drafts(films[index], &drawn_tiles(films[index]), surveys[index].as_ref(), &ranges);
+        let draw = |film: usize| {
+            let tiles = tiles_to_draw(films[film].layout());
+            drafts(films[film], &tiles, surveys[film].as_ref(), &ranges)
+        };
         // The first drawings only find the ranges that both films share. The vectors need two
         // rounds: their arrows fill the window, and the window is shared.
         for index in [0, 1, 0] {
@@ -120,7 +123,7 @@ fn title(names: &[String; 2], labels: &[String; 2]) -> String {
 }
 
 /// A row of the table: both values, and the second minus the first.
-fn row(PairedNumber { name, values }: &PairedNumber) -> String {
+fn row((name, values): &PairedNumber) -> String {
     let text = |value: Option<f64>| value.map_or("none".to_owned(), number);
     let difference = match values {
         [Some(a), Some(b)] => Some(b - a),

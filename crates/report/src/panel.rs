@@ -7,7 +7,8 @@ use plotters::style::text_anchor::VPos;
 
 use crate::colours::ColourScale;
 use crate::raster_image::RasterImage;
-use crate::sheet::{DrawResult, FRAME_PX, INK, LETTERS, Lettering, Sheet, units};
+use crate::shared_ranges::range_of;
+use crate::sheet::{DrawResult, FRAME_PX, INK, LETTERS, Lettering, Sheet, rectangle, units};
 use crate::typeset::{self, AxisNumbers};
 
 /// Room for numbers and a name at the left of a panel, in pixels.
@@ -18,9 +19,9 @@ pub(crate) const BELOW_PX: f64 = 40.0;
 pub(crate) const BAR_PX: f64 = 90.0;
 
 const BAR_WIDTH_PX: f64 = 13.0;
-const TICK_PX: f64 = 4.0;
+pub(crate) const TICK_PX: f64 = 4.0;
 /// Font size of numbers on axes, in pixels.
-const NUMBERS_PX: f64 = 12.0;
+pub(crate) const NUMBERS_PX: f64 = 12.0;
 /// Minimum distance of the numbers on an axis, in pixels.
 const PX_PER_NUMBER: f64 = 34.0;
 /// Largest count of numbers along an axis.
@@ -60,6 +61,15 @@ pub(crate) enum AxisLabel<'a> {
 }
 
 impl AxisLabel<'_> {
+    fn has_numbers(self) -> bool {
+        matches!(self, AxisLabel::Named(_) | AxisLabel::Coordinate(_))
+    }
+
+    /// Room beside a panel for an axis whose numbers and name need `named` pixels.
+    fn room(self, named: f64) -> f64 {
+        if self.has_numbers() { named } else { 2.0 * TICK_PX }
+    }
+
     fn name(self) -> Option<String> {
         match self {
             AxisLabel::Bare | AxisLabel::TicksOnly => None,
@@ -70,6 +80,10 @@ impl AxisLabel<'_> {
 }
 
 impl Panel {
+    pub(crate) fn new([left, top]: [f64; 2], [width, height]: [f64; 2], x: [f64; 2], y: [f64; 2]) -> Panel {
+        Panel { left, top, width, height, x, y }
+    }
+
     /// The position of a pair of values on the sheet, in pixels.
     pub(crate) fn at(&self, x: f64, y: f64) -> [f64; 2] {
         let across = (x - self.x[0]) / (self.x[1] - self.x[0]);
@@ -105,22 +119,20 @@ impl Panel {
     /// Draws a remark on a white plate in the middle of the panel.
     pub(crate) fn remark(&self, sheet: &Sheet, lines: &[&str]) -> DrawResult {
         let longest = lines.iter().map(|line| line.chars().count()).max().unwrap_or(0);
-        let middle = [self.left + 0.5 * self.width, self.top + 0.5 * self.height];
-        let [x, y] = middle;
+        let [x, y] = [self.left + 0.5 * self.width, self.top + 0.5 * self.height];
         let right = 0.5 * (REMARK_LETTER_PX * longest as f64 + 12.0);
         let down = 0.5 * (REMARK_LINE_PX * lines.len() as f64 + 6.0);
-        let plate = [[x - right, y - down], [x + right, y - down], [x + right, y + down], [x - right, y + down]];
-        sheet.fill(&plate, WHITE)?;
+        sheet.fill(&rectangle([x - right, y - down], [x + right, y + down]), WHITE)?;
         for (n, line) in lines.iter().enumerate() {
-            let y = middle[1] + REMARK_LINE_PX * (n as f64 - 0.5 * (lines.len() as f64 - 1.0));
-            sheet.text([middle[0], y], line, LETTERS.centred())?;
+            let y = y + REMARK_LINE_PX * (n as f64 - 0.5 * (lines.len() as f64 - 1.0));
+            sheet.text([x, y], line, LETTERS.centred())?;
         }
         Ok(())
     }
 
     /// Draws the frame with ticks, numbers and names.
     pub(crate) fn axes(&self, sheet: &Sheet, x: AxisLabel, y: AxisLabel) -> DrawResult {
-        let (left, below) = (room(y, LEFT_PX), room(x, BELOW_PX));
+        let (left, below) = (y.room(LEFT_PX), x.room(BELOW_PX));
         let whole = sheet
             .area
             .clone()
@@ -133,9 +145,8 @@ impl Panel {
         let (along_x, along_y) = [(self.x, self.width), (self.y, self.height)]
             .map(|(range, px)| AxisNumbers::new(&numbers_in(range, px)))
             .into();
-        let number = |named: AxisLabel, value: f64, along: &AxisNumbers| match named {
-            AxisLabel::Bare | AxisLabel::TicksOnly => String::new(),
-            AxisLabel::Named(_) | AxisLabel::Coordinate(_) => along.text(value),
+        let number = |label: AxisLabel, value: f64, along: &AxisNumbers| {
+            if label.has_numbers() { along.text(value) } else { String::new() }
         };
         let (number_x, number_y) = (|v: &f64| number(x, *v, &along_x), |v: &f64| number(y, *v, &along_y));
         let mut mesh = chart.configure_mesh();
@@ -161,9 +172,12 @@ impl Panel {
             mesh.y_desc(name);
         }
         mesh.draw()?;
-        let (right, bottom) = (self.right(), self.bottom());
-        let frame = [[self.left, self.top], [right, self.top], [right, bottom], [self.left, bottom]];
-        sheet.outline(&frame, INK, FRAME_PX)
+        self.frame(sheet)
+    }
+
+    /// Draws the frame.
+    pub(crate) fn frame(&self, sheet: &Sheet) -> DrawResult {
+        sheet.outline(&rectangle([self.left, self.top], [self.right(), self.bottom()]), INK, FRAME_PX)
     }
 
     /// Fills the panel with `columns` times `rows` coloured cells. Row 0 is the lowest.
@@ -218,13 +232,8 @@ impl Panel {
 
     /// Draws the colours of a colour bar, and returns its panel.
     fn bar(&self, sheet: &mut Sheet, away: f64, scale: ColourScale) -> Panel {
-        let bar = Panel {
-            left: self.right() + away,
-            width: BAR_WIDTH_PX,
-            x: [0.0, 1.0],
-            y: [scale.low, scale.high],
-            ..*self
-        };
+        let (at, size) = ([self.right() + away, self.top], [BAR_WIDTH_PX, self.height]);
+        let bar = Panel::new(at, size, [0.0, 1.0], [scale.low, scale.high]);
         let rows = 256;
         let value = |row: usize| scale.low + (row as f64 + 0.5) / rows as f64 * (scale.high - scale.low);
         bar.cells(sheet, [1, rows], scale, |_, row| value(row));
@@ -233,12 +242,7 @@ impl Panel {
 
     /// Draws the frame of a colour bar, and its name upwards at the right of its numbers.
     fn named(&self, sheet: &Sheet, name: &str) -> DrawResult {
-        let (right, bottom) = (self.right(), self.bottom());
-        sheet.outline(
-            &[[self.left, self.top], [right, self.top], [right, bottom], [self.left, bottom]],
-            INK,
-            FRAME_PX,
-        )?;
+        self.frame(sheet)?;
         let letters = Lettering { upright: true, ..LETTERS.centred() };
         sheet.text([self.left + BAR_PX - 14.0, self.top + 0.5 * self.height], name, letters)
     }
@@ -250,13 +254,6 @@ fn steps(low: f64, high: f64) -> Vec<f64> {
     let decades = low.floor() as i32..=high.ceil() as i32;
     let all = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| digit * 10_f64.powi(decade)));
     all.filter(|value| (low..=high).contains(&value.log10())).collect()
-}
-
-fn room(beside: AxisLabel, named: f64) -> f64 {
-    match beside {
-        AxisLabel::Bare | AxisLabel::TicksOnly => 2.0 * TICK_PX,
-        AxisLabel::Named(_) | AxisLabel::Coordinate(_) => named,
-    }
 }
 
 /// Numbers along an axis, at least two where plotters finds so many.
@@ -282,8 +279,7 @@ pub(crate) fn equal_scale(room_px: [f64; 2], extents_mm: [f64; 2]) -> [f64; 2] {
 
 /// The range of the finite values with a margin. It is never empty.
 pub(crate) fn padded(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let finite = values.filter(|value| value.is_finite());
-    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    let [low, high] = range_of(values);
     if low > high {
         return [0.0, 1.0];
     }

@@ -5,7 +5,7 @@ use magsplice::making::PlanRow;
 use magsplice::results::{BillOfMaterials, PartItem, twelve_digits};
 
 use crate::drawing::Drawing;
-use crate::printed_page::{PrintedPage, PrintedTable};
+use crate::printed_page::{PrintedTable, printed_page};
 
 /// A page with a film and its bill of materials, as HTML.
 pub fn bill_page(list: &BillOfMaterials, figure: &Drawing) -> String {
@@ -32,7 +32,7 @@ fn page(layout: &Layout, title: &str, paragraphs: &[String], figure: &Drawing, t
         layout.sha256,
         env!("CARGO_PKG_VERSION")
     );
-    PrintedPage { title, paragraphs, figure, tables, source: &source }.html()
+    printed_page(title, paragraphs, figure, tables, &source)
 }
 
 fn summary(list: &BillOfMaterials) -> String {
@@ -41,7 +41,7 @@ fn summary(list: &BillOfMaterials) -> String {
     format!("{tiles} of {}.", counted(list.parts.len(), "part", "different parts"))
 }
 
-fn bill(list: &BillOfMaterials) -> PrintedTable {
+fn bill(list: &BillOfMaterials) -> PrintedTable<'static> {
     let mut columns = vec!["part", "pieces", "size, mm", "J, T", "direction, deg", "tilt, deg", "tiles"];
     let mut remark = "Angles are those of J from the first side of a part towards the second, and out of the plane of \
                       both."
@@ -68,37 +68,20 @@ fn bill(list: &BillOfMaterials) -> PrintedTable {
         row.push(item.tiles.join(", "));
         row
     };
-    let rows = list.parts.iter().map(row);
-    PrintedTable {
-        heading: "Bill of materials".to_owned(),
-        remark,
-        rows: rows.collect(),
-        columns: columns.into_iter().map(str::to_owned).collect(),
-        has_boxes: false,
-    }
+    let rows = list.parts.iter().map(row).collect();
+    PrintedTable { heading: "Bill of materials", remark, columns, rows, has_boxes: false }
 }
 
-fn plan_table(plan: &[PlanRow]) -> PrintedTable {
-    let columns = ["place", "tile", "x", "y", "z", "up", "mark", "angle, deg", "laid"].map(str::to_owned).to_vec();
+fn plan_table(plan: &[PlanRow]) -> PrintedTable<'static> {
     let row = |row: &PlanRow| {
         let [x, y, z] = row.centre_mm.to_array().map(|value| twelve_digits(value).to_string());
-        let laid = if row.is_laid { "yes" } else { "" }.to_owned();
-        vec![
-            row.place.clone(),
-            row.tile.clone(),
-            x,
-            y,
-            z,
-            row.up.to_owned(),
-            row.mark.to_owned(),
-            row.mark_deg.to_string(),
-            laid,
-        ]
+        let (angle, laid) = (row.mark_deg.to_string(), if row.is_laid { "yes" } else { "" });
+        [&row.place, &row.tile, &x, &y, &z, row.up, row.mark, &angle, laid].map(str::to_owned).to_vec()
     };
     PrintedTable {
-        heading: "Plan".to_owned(),
+        heading: "Plan",
         remark: "Centres of the tiles in mm.".to_owned(),
-        columns,
+        columns: vec!["place", "tile", "x", "y", "z", "up", "mark", "angle, deg", "laid"],
         rows: plan.iter().map(row).collect(),
         has_boxes: true,
     }

@@ -2,19 +2,15 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use glam::DVec3;
-use magsplice::layout::NamedTile;
 use magsplice::{Film, Stage};
 use rayon::prelude::*;
 
-use crate::drawing::{Drawing, SvgText};
+use crate::drawing::{Drawing, FigureDraft, SvgText};
 use crate::error::ReportError;
-use crate::figure_drafts::{FigureDraft, drafts};
+use crate::figure_drafts::{drafts, sensor_drafts};
 use crate::page::{PrintedResults, page};
-use crate::sensor_drafts::sensor_drafts;
 use crate::shared_ranges::SharedRanges;
 use crate::survey::{FilmSamples, Survey, tiles_to_draw};
-use crate::typeset;
 
 /// File name of the page.
 pub(crate) const PAGE_NAME: &str = "report.html";
@@ -81,7 +77,7 @@ impl Report {
         text: SvgText,
     ) -> Result<Report, ReportError> {
         let survey = Survey::new(film)?.map(|survey| Survey { samples, ..survey });
-        let tiles = drawn_tiles(film);
+        let tiles = tiles_to_draw(film.layout());
         let ranges = SharedRanges::default();
         let mut drafts = drafts(film, &tiles, survey.as_ref(), &ranges)?;
         if let Some(survey) = &survey {
@@ -104,41 +100,27 @@ impl Report {
     }
 }
 
-/// The tiles to draw of a film.
-pub(crate) fn drawn_tiles(film: &Film) -> Vec<&NamedTile> {
-    let layout = film.layout();
-    let centre_mm = layout.volume.as_ref().map_or(DVec3::ZERO, |volume| volume.reference_mm);
-    tiles_to_draw(&layout.tiles, centre_mm)
-}
-
 /// The figures as SVG and PNG, drawn in parallel.
 pub(crate) fn rendered(film: &Film, drafts: Vec<FigureDraft>, text: SvgText) -> Result<Vec<Drawing>, ReportError> {
-    let options = typeset::options();
     let (rendered, all) = (AtomicUsize::new(0), drafts.len());
     let tell = |done: usize| film.tell(Stage { name: "rendering", done, of: Some(all), unit: "figures" });
     tell(0);
     drafts
         .into_par_iter()
-        .map(|FigureDraft { name, caption, svg, csv }| {
-            let figure = Drawing::new(name, caption, &svg, csv, text, &options);
+        .map(|draft| {
+            let figure = draft.rendered(text);
             tell(rendered.fetch_add(1, Ordering::Relaxed) + 1);
-            figure.map_err(|source| ReportError::Drawing { figure: name, source })
+            figure
         })
         .collect()
 }
 
 /// What the report of a film lacks, and why.
 pub(crate) fn absent(film: &Film) -> Vec<String> {
-    let mut absent = Vec::new();
-    if film.volume().is_err() {
-        absent.push(
-            "no field and no decoupling: the layout has no [volume] table that says where the film is used".to_owned(),
-        );
-    }
-    if film.ideal().is_err() {
-        absent.push(
-            "no comparison and no decoupling: the layout has no [ideal] table that describes the ideal film".to_owned(),
-        );
-    }
-    absent
+    let without_volume =
+        "no field and no decoupling: the layout has no [volume] table that says where the film is used";
+    let without_ideal =
+        "no comparison and no decoupling: the layout has no [ideal] table that describes the ideal film";
+    let absent = [(film.volume().is_err(), without_volume), (film.ideal().is_err(), without_ideal)];
+    absent.into_iter().filter(|(is_absent, _)| *is_absent).map(|(_, what)| what.to_owned()).collect()
 }

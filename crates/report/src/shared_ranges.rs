@@ -20,10 +20,14 @@ impl SharedRanges {
     /// The range of these values, without those that are not finite, and of the values that were
     /// given for `key` before. It is empty without any.
     pub(crate) fn of_values(&self, key: &str, values: impl Iterator<Item = f64>) -> [f64; 2] {
-        let finite = values.filter(|v| v.is_finite());
-        let own = finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
-        self.widened(key, own)
+        self.widened(key, range_of(values))
     }
+}
+
+/// The range of these values, without those that are not finite. It is empty without any.
+pub(crate) fn range_of(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let finite = values.filter(|v| v.is_finite());
+    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
 }
 
 #[cfg(test)]

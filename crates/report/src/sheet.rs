@@ -138,6 +138,12 @@ impl Sheet<'_> {
         self.line(&closed, colour, width)
     }
 
+    /// Fills a polygon and draws its outline.
+    pub(crate) fn shape(&self, corners: &[[f64; 2]], fill: RGBColor, line: RGBColor, width: f64) -> DrawResult {
+        self.fill(corners, fill)?;
+        self.outline(corners, line, width)
+    }
+
     /// Draws the closed outline of a polygon in dashes.
     pub(crate) fn dashed_outline(&self, corners: &[[f64; 2]], colour: RGBColor, width: f64) -> DrawResult {
         const DASH_PX: f64 = 5.0;
@@ -166,6 +172,11 @@ impl Sheet<'_> {
     pub(crate) fn ring(&self, centre: [f64; 2], radius: f64, colour: RGBColor, width: f64) -> DrawResult {
         self.area.draw(&Circle::new(whole(centre), units(radius), colour.stroke_width(units(width) as u32)))
     }
+}
+
+/// The corners of the rectangle between two opposite corners.
+pub(crate) fn rectangle([left, top]: [f64; 2], [right, bottom]: [f64; 2]) -> [[f64; 2]; 4] {
+    [[left, top], [right, top], [right, bottom], [left, bottom]]
 }
 
 fn whole([x, y]: [f64; 2]) -> (i32, i32) {

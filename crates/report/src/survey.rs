@@ -2,9 +2,9 @@
 //! decoupling parameters, and the tiles that are drawn.
 
 use glam::DVec3;
-use magsplice::decouple::{Branch, Decoupling, Figures, Parameters};
+use magsplice::decouple::{Branch, Decoupling, Figures, Parameter, Parameters};
 use magsplice::field::{PointErrorCause, PointErrors};
-use magsplice::layout::{NamedTile, WorkingVolume};
+use magsplice::layout::{Layout, NamedTile, WorkingVolume};
 use magsplice::prelude::{Accuracy, Grid, IdealFilm, Quantity, Tolerance};
 use magsplice::{Film, FilmError};
 
@@ -15,12 +15,14 @@ use crate::tile_shapes::in_plane;
 const MAP_CELLS: usize = 128;
 
 /// Maximum number of tiles drawn. A viewer needs minutes for a figure of more.
-pub(crate) const MAX_TILES: usize = 20_000;
+const MAX_TILES: usize = 20_000;
 
-/// The tiles to draw: all, or if they are too many the ones nearest to `centre_mm` seen from above.
-pub(crate) fn tiles_to_draw(tiles: &[NamedTile], centre_mm: DVec3) -> Vec<&NamedTile> {
-    let mut drawn: Vec<&NamedTile> = tiles.iter().collect();
+/// The tiles to draw: all, or if they are too many the ones nearest to the reference point of the
+/// working volume, or to the origin, seen from above.
+pub(crate) fn tiles_to_draw(layout: &Layout) -> Vec<&NamedTile> {
+    let mut drawn: Vec<&NamedTile> = layout.tiles.iter().collect();
     if drawn.len() > MAX_TILES {
+        let centre_mm = layout.volume.as_ref().map_or(DVec3::ZERO, |volume| volume.reference_mm);
         let distance = |named: &&NamedTile| named.tile.position().truncate().distance_squared(centre_mm.truncate());
         drawn.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
         drawn.truncate(MAX_TILES);
@@ -34,7 +36,7 @@ const IDEAL_ROUND_OFF: f64 = 1e-14;
 
 /// Error bounds by which a component of B must exceed zero. Two, because the stated bound does not
 /// count the displacement of points in the frames of rotated tiles.
-const BOUNDS_OF_ZERO: f64 = 2.0;
+pub(crate) const BOUNDS_OF_ZERO: f64 = 2.0;
 
 /// Error bounds, over the magnitude of B, by which a parameter must differ from zero.
 const BOUNDS_PER_PARAMETER: f64 = 4.0;
@@ -119,13 +121,13 @@ impl<'a> Survey<'a> {
         Ok(Some(Survey { volume, field_t, round_off_t: most_t, against_ideal, samples: None }))
     }
 
-    /// Indices along z of the lowest, the middle and the highest plane of the grid, without
-    /// repetition.
-    pub(crate) fn z_planes(&self) -> Vec<usize> {
-        let last = self.volume.grid.counts()[2] - 1;
+    /// Heights of the lowest, the middle and the highest plane of the grid, without repetition.
+    pub(crate) fn heights_mm(&self) -> Vec<f64> {
+        let grid = &self.volume.grid;
+        let last = grid.counts()[2] - 1;
         let mut planes = vec![0, last / 2, last];
         planes.dedup();
-        planes
+        planes.into_iter().map(|plane| grid.coordinate(2, plane)).collect()
     }
 }
 
@@ -140,14 +142,25 @@ impl AgainstIdeal<'_> {
     }
 }
 
-/// The field on a plane through the working volume, in cells.
+/// R_x, R_y and S_z; NaN where they do not exist.
+pub(crate) fn as_vector(parameters: Option<Parameters>) -> DVec3 {
+    parameters.map_or(DVec3::NAN, |p| DVec3::from(Parameter::ALL.map(|parameter| p.get(parameter))))
+}
+
+/// The field on a plane through the working volume, in cells. Values of cells are in the order of
+/// the grid: the second axis runs fastest.
 pub(crate) struct FieldSlice {
+    /// The axis normal to the plane, and the coordinate of the plane along it.
+    pub(crate) normal: usize,
+    pub(crate) at_mm: f64,
     /// The two axes that span the plane.
     pub(crate) axes: [usize; 2],
     /// Lower and upper end along these axes, in millimetres.
     pub(crate) ranges_mm: [[f64; 2]; 2],
-    grid: Grid,
-    field_t: Vec<DVec3>,
+    /// The centres of the cells.
+    pub(crate) grid: Grid,
+    /// B in the cells, in tesla.
+    pub(crate) field_t: Vec<DVec3>,
     /// Components of B up to this are round-off, in tesla.
     round_off_t: Vec<f64>,
 }
@@ -156,26 +169,15 @@ impl FieldSlice {
     /// The slice of the working volume where coordinate `normal` is `at_mm`, with B at the centre
     /// of each cell. B is NaN where it is unbounded.
     pub(crate) fn new(film: &Film, volume: &WorkingVolume, normal: usize, at_mm: f64) -> Result<FieldSlice, FilmError> {
-        let axes = in_plane(normal);
-        let (mut lower, mut upper, mut counts) = (volume.lower_mm, volume.upper_mm, [1; 3]);
-        for axis in axes {
-            let half_cell = 0.5 * (upper[axis] - lower[axis]) / MAP_CELLS as f64;
-            lower[axis] += half_cell;
-            upper[axis] -= half_cell;
-            counts[axis] = MAP_CELLS;
-        }
-        (lower[normal], upper[normal]) = (at_mm, at_mm);
-        let grid = Grid::new(lower, upper, counts).expect("a slice of a valid volume is a valid grid");
+        let (axes, grid) = (in_plane(normal), cells_of_plane(volume, normal, at_mm, MAP_CELLS));
         let ranges_mm = axes.map(|axis| [volume.lower_mm[axis], volume.upper_mm[axis]]);
         let mut field_t = vec![DVec3::ZERO; grid.len()];
-        if let Err(errors) = film.scene().field_on_grid_into(Quantity::FluxDensity, &grid, &mut field_t) {
-            let other: Vec<_> = errors
-                .0
-                .into_iter()
-                .filter(|error| !matches!(error.cause, PointErrorCause::Unbounded { .. }))
-                .collect();
-            if !other.is_empty() {
-                return Err(FilmError::Points(PointErrors(other)));
+        if let Err(PointErrors(mut errors)) =
+            film.scene().field_on_grid_into(Quantity::FluxDensity, &grid, &mut field_t)
+        {
+            errors.retain(|error| !matches!(error.cause, PointErrorCause::Unbounded { .. }));
+            if !errors.is_empty() {
+                return Err(FilmError::Points(PointErrors(errors)));
             }
         }
         let points: Vec<DVec3> = grid.points().collect();
@@ -183,7 +185,7 @@ impl FieldSlice {
         for (b, &bound) in field_t.iter_mut().zip(&round_off_t) {
             *b = without_round_off(*b, bound);
         }
-        Ok(FieldSlice { axes, ranges_mm, grid, field_t, round_off_t })
+        Ok(FieldSlice { normal, at_mm, axes, ranges_mm, grid, field_t, round_off_t })
     }
 
     /// Number of cells along the two axes.
@@ -191,57 +193,53 @@ impl FieldSlice {
         self.axes.map(|axis| self.grid.counts()[axis])
     }
 
-    /// The index of a cell in the grid.
-    fn index(&self, u: usize, v: usize) -> usize {
-        // The grid has one point along the normal, so the second axis runs fastest.
-        u * self.grid.counts()[self.axes[1]] + v
+    /// B of the ideal film in tesla; NaN where Eq. 2 does not hold.
+    pub(crate) fn ideal_t(&self, film: &IdealFilm) -> Vec<DVec3> {
+        let ideal = |point| film.flux_density_t(point).unwrap_or(DVec3::NAN);
+        self.grid.points().map(ideal).map(|b| without_round_off(b, IDEAL_ROUND_OFF * b.length())).collect()
     }
 
-    /// B in tesla in a cell.
-    pub(crate) fn field_t(&self, u: usize, v: usize) -> DVec3 {
-        self.field_t[self.index(u, v)]
+    /// B of the film minus B of the ideal film times `amplitude`, in tesla. Components that are
+    /// round-off are 0.
+    pub(crate) fn difference_t(&self, ideal_t: &[DVec3], amplitude: f64) -> Vec<DVec3> {
+        let difference = |((field_t, ideal_t), bound): ((&DVec3, &DVec3), &f64)| {
+            let ideal = amplitude * *ideal_t;
+            without_round_off(*field_t - ideal, bound + IDEAL_ROUND_OFF * ideal.length())
+        };
+        self.field_t.iter().zip(ideal_t).zip(&self.round_off_t).map(difference).collect()
     }
 
-    /// B of the ideal film in tesla in a cell; NaN where Eq. 2 does not hold.
-    pub(crate) fn ideal_t(&self, film: &IdealFilm, u: usize, v: usize) -> DVec3 {
-        let b = film.flux_density_t(self.grid.point(self.index(u, v))).unwrap_or(DVec3::NAN);
-        without_round_off(b, IDEAL_ROUND_OFF * b.length())
-    }
-
-    /// B of the film minus B of the ideal film times `amplitude` in tesla in a cell. Components
-    /// that are round-off are 0.
-    pub(crate) fn difference_t(&self, film: &IdealFilm, amplitude: f64, u: usize, v: usize) -> DVec3 {
-        let ideal = amplitude * self.ideal_t(film, u, v);
-        let bound = self.round_off_t[self.index(u, v)] + IDEAL_ROUND_OFF * ideal.length();
-        without_round_off(self.field_t(u, v) - ideal, bound)
-    }
-
-    /// The point at the centre of a cell.
-    pub(crate) fn point_mm(&self, u: usize, v: usize) -> DVec3 {
-        self.grid.point(self.index(u, v))
-    }
-
-    /// The decoupling parameters in a cell; `None` where they do not exist.
+    /// The decoupling parameters; NaN where they do not exist.
     ///
     /// R_x and R_y that are round-off are 0: an error of B of one bound changes them by at most a
     /// few times the bound over |B_z|.
-    pub(crate) fn parameters(&self, branch: Branch, u: usize, v: usize) -> Option<Parameters> {
-        let b = self.field_t(u, v);
-        let found = Parameters::from_field(b, branch)?;
-        let least = BOUNDS_PER_PARAMETER * self.round_off_t[self.index(u, v)] / b.z.abs();
-        let angle = |r: f64| if r.abs() <= least { 0.0 } else { r };
-        Some(Parameters { r_x: angle(found.r_x), r_y: angle(found.r_y), ..found })
+    pub(crate) fn parameters(&self, branch: Branch) -> Vec<DVec3> {
+        let of_cell = |(&b, bound): (&DVec3, &f64)| {
+            let least = BOUNDS_PER_PARAMETER * bound / b.z.abs();
+            let angle = |r: f64| if r.abs() <= least { 0.0 } else { r };
+            let found = Parameters::from_field(b, branch);
+            as_vector(found.map(|found| Parameters { r_x: angle(found.r_x), r_y: angle(found.r_y), ..found }))
+        };
+        self.field_t.iter().zip(&self.round_off_t).map(of_cell).collect()
     }
 
-    /// Differences of S_z up to this are round-off in a cell: an error of B of one bound changes
+    /// Differences of S_z up to this are round-off in each cell: an error of B of one bound changes
     /// S_z by at most a few times the bound over the largest component of B.
-    pub(crate) fn log_round_off(&self, u: usize, v: usize) -> f64 {
-        BOUNDS_PER_PARAMETER * self.round_off_t[self.index(u, v)] / self.field_t(u, v).abs().max_element()
+    pub(crate) fn log_round_off(&self) -> impl Iterator<Item = f64> {
+        let of_cell = |(b, bound): (&DVec3, &f64)| BOUNDS_PER_PARAMETER * bound / b.abs().max_element();
+        self.field_t.iter().zip(&self.round_off_t).map(of_cell)
     }
+}
 
-    /// The indices of all cells along the two axes.
-    pub(crate) fn all(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let [nu, nv] = self.cells();
-        (0..nu).flat_map(move |u| (0..nv).map(move |v| (u, v)))
+/// The centres of cells on the plane of the working volume where coordinate `normal` is `at_mm`.
+pub(crate) fn cells_of_plane(volume: &WorkingVolume, normal: usize, at_mm: f64, cells: usize) -> Grid {
+    let (mut lower, mut upper, mut counts) = (volume.lower_mm, volume.upper_mm, [1; 3]);
+    for axis in in_plane(normal) {
+        let half_cell = 0.5 * (upper[axis] - lower[axis]) / cells as f64;
+        lower[axis] += half_cell;
+        upper[axis] -= half_cell;
+        counts[axis] = cells;
     }
+    (lower[normal], upper[normal]) = (at_mm, at_mm);
+    Grid::new(lower, upper, counts).expect("a slice of a valid volume is a valid grid")
 }

@@ -1,12 +1,15 @@
 //! Text of figures: symbols with subscripts, numbers on axes, and the font.
 
 use std::ops::RangeInclusive;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use resvg::usvg::{Options, fontdb};
 
 /// Names of the coordinate axes.
 pub(crate) const AXIS_NAMES: [&str; 3] = ["x", "y", "z"];
+
+/// Names of the decoupling parameters in plain text.
+pub(crate) const PARAMETER_NAMES: [&str; 3] = ["R_x", "R_y", "S_z"];
 
 /// The family of the fonts in `fonts/`: Roboto, reduced to Latin, Greek, Cyrillic and mathematical
 /// characters.
@@ -28,6 +31,16 @@ pub(crate) fn symbol(letter: &str, subscript: &str) -> String {
 /// A symbol in italics.
 pub(crate) fn variable(letter: &str) -> String {
     symbol(letter, "")
+}
+
+/// The symbol of a decoupling parameter, 0 to 2 for R_x, R_y, S_z.
+pub(crate) fn parameter(which: usize) -> String {
+    symbol(["R", "R", "S"][which], AXIS_NAMES[which])
+}
+
+/// The equation of a plane normal to an axis, such as z = -3 mm.
+pub(crate) fn plane(normal: usize, at_mm: f64) -> String {
+    format!("{} = {} mm", variable(AXIS_NAMES[normal]), number(at_mm))
 }
 
 /// The characters that the fonts have for text: Latin, Greek, Cyrillic, punctuation.
@@ -86,6 +99,16 @@ pub(crate) fn number(value: f64) -> String {
     if value < 0.0 { format!("\u{2212}{text}") } else { text }
 }
 
+/// A number rounded to this many digits behind the first.
+pub(crate) fn rounded(value: f64, digits: usize) -> String {
+    number(format!("{value:.digits$e}").parse().unwrap_or(value))
+}
+
+/// A number rounded to thousandths.
+pub(crate) fn thousandths(value: f64) -> String {
+    number((1e3 * value).round() / 1e3)
+}
+
 /// A digit or a minus sign as superscript.
 fn superscript(c: char) -> char {
     const DIGITS: [char; 10] = [
@@ -133,13 +156,13 @@ impl AxisNumbers {
 
 /// Options of resvg with the fonts of this crate only, so that a figure is the same on every
 /// machine.
-pub(crate) fn options() -> Options<'static> {
+pub(crate) static OPTIONS: LazyLock<Options> = LazyLock::new(|| {
     let mut fonts = fontdb::Database::new();
     for font in FONTS {
         fonts.load_font_data(font.to_vec());
     }
     Options { font_family: FAMILY.to_owned(), fontdb: Arc::new(fonts), ..Options::default() }
-}
+});
 
 #[cfg(test)]
 mod tests {

@@ -10,7 +10,7 @@ use magsplice::prelude::DVec3;
 use magsplice::results::{FilmLoads, ForceChange, OrderChoice, OrderedLoads, TileLoad};
 use magsplice_export::csv;
 #[cfg(feature = "report")]
-use magsplice_report::{TileForce, forces_figure};
+use magsplice_report::forces_figure;
 
 use crate::args::formats::{FileFormat, FileKind};
 use crate::failure::Failure;
@@ -118,7 +118,7 @@ pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
     session.progress.end();
     #[cfg(feature = "report")]
     if let Some(file) = figure {
-        file.write(forces_figure(&drawn_tiles(&session.layout, &loads), loads.order.is_some()))?;
+        file.write(forces_figure(&session.layout, &loads))?;
     }
     let result = match format {
         ForcesFormat::Text => text(&session.layout, &loads),
@@ -126,16 +126,6 @@ pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
         ForcesFormat::Csv => csv::loads(&loads),
     };
     session.write(output, &result)
-}
-
-/// The tiles with the forces to draw: those by all others, or while they are laid.
-#[cfg(feature = "report")]
-fn drawn_tiles<'a>(layout: &'a Layout, loads: &FilmLoads) -> Vec<TileForce<'a>> {
-    let drawn = |load: &TileLoad, step| TileForce { tile: &layout.tiles[load.tile], force_n: load.load.force_n, step };
-    match &loads.order {
-        None => loads.tiles.iter().map(|load| drawn(load, None)).collect(),
-        Some(order) => order.steps.iter().enumerate().map(|(step, load)| drawn(load, Some(step + 1))).collect(),
-    }
 }
 
 /// Units of forces with their sizes in N, from the largest.

@@ -5,15 +5,20 @@ use magsplice::decouple::{Parameter, PlaneStatistics};
 use plotters::prelude::RGBColor;
 
 use crate::colours::{BLUE, VERMILION};
-use crate::error::DrawError;
+use crate::csv::csv;
+use crate::drawing::FigureDraft;
+use crate::error::{DrawError, ReportError};
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel, padded};
 use crate::shared_ranges::SharedRanges;
-use crate::sheet::{DrawResult, LETTERS, Sheet, sheet};
+use crate::sheet::{DrawResult, LETTERS, Sheet, rectangle, sheet};
 use crate::survey::{AgainstIdeal, Survey};
-use crate::typeset::{self, AXIS_NAMES, symbol, variable};
+use crate::typeset::{self, AXIS_NAMES, PARAMETER_NAMES, parameter, variable};
 
-use super::field_maps::csv_row;
-use super::parameter_maps::{names, value};
+use super::parameter_maps::name;
+
+const CAPTION: &str = "Each decoupling parameter along its own axis, the straight line of the ideal film, and the spread \
+    of the parameter over the two other axes, on which it should not depend. Below: the displacement from the reference \
+    point that the parameter shows, minus the true one.";
 
 const SIDE_PX: f64 = 250.0;
 /// Height of the panels of residuals, and their distance from the panels above, in pixels.
@@ -35,31 +40,33 @@ struct ParameterPlane {
 }
 
 /// The parameters of all planes, and the same as displacements.
-pub(crate) struct AlongAxes {
+struct AlongAxes {
     values: [Vec<ParameterPlane>; 3],
     /// Displacement that the parameter shows, from the reference point, minus the true one, in um.
     residuals_um: [Vec<ParameterPlane>; 3],
     uniformity_rmse: [Option<f64>; 3],
 }
 
-impl AlongAxes {
-    /// `None` if the layout has no ideal film.
-    pub(crate) fn new(survey: &Survey) -> Option<AlongAxes> {
-        let against = survey.against_ideal.as_ref()?;
-        let values = [0, 1, 2].map(|which| planes(survey, against, which));
-        let residuals_um = [0, 1, 2].map(|which| residuals_um(survey, against, which, &values[which]));
-        let uniformity_rmse = against.decoupling.uniformity_rmse.to_array();
-        Some(AlongAxes { values, residuals_um, uniformity_rmse })
-    }
+/// The figure of the film against the ideal film.
+pub(crate) fn draft(
+    survey: &Survey,
+    against: &AgainstIdeal,
+    ranges: &SharedRanges,
+) -> Result<FigureDraft, ReportError> {
+    let values = [0, 1, 2].map(|which| planes(survey, against, which));
+    let residuals_um = [0, 1, 2].map(|which| residuals_um(survey, against, which, &values[which]));
+    let along = AlongAxes { values, residuals_um, uniformity_rmse: against.decoupling.uniformity_rmse.to_array() };
+    FigureDraft::new("parameters-along-axes", CAPTION, along.draw(ranges), along.csv())
+}
 
-    /// The figure as SVG.
-    pub(crate) fn draw(&self, ranges: &SharedRanges) -> Result<String, DrawError> {
+impl AlongAxes {
+    fn draw(&self, ranges: &SharedRanges) -> Result<String, DrawError> {
         let step = SIDE_PX + LEFT_PX + ASIDE_PX;
         let lower = TOP_PX + SIDE_PX + BETWEEN_PX;
         let size = [3.0 * step + 8.0, lower + RESIDUAL_PX + BELOW_PX + 6.0];
         sheet(size, |sheet| {
             legend(sheet)?;
-            for which in 0..3 {
+            for (which, axis) in AXIS_NAMES.into_iter().enumerate() {
                 let left = LEFT_PX + 12.0 + which as f64 * step;
                 let (values, residuals) = (&self.values[which], &self.residuals_um[which]);
                 let shared = |what: &str, range: [f64; 2]| ranges.widened(&format!("along {which} {what}"), range);
@@ -67,11 +74,9 @@ impl AlongAxes {
                 let y = shared("value", padded(all_values(values)));
                 let upper = Panel { left, top: TOP_PX, width: SIDE_PX, height: SIDE_PX, x, y };
                 draw_planes(sheet, &upper, values)?;
-                let axis = AXIS_NAMES[which];
-                upper.axes(sheet, AxisLabel::TicksOnly, AxisLabel::Named(&names()[which]))?;
-                let parameter = [symbol("R", "x"), symbol("R", "y"), symbol("S", "z")];
+                upper.axes(sheet, AxisLabel::TicksOnly, AxisLabel::Named(&name(which)))?;
                 let rmse = self.uniformity_rmse[which].map_or("one point".to_owned(), rounded);
-                upper.title(sheet, which, &format!("uniformity RMSE of {}: {rmse}", parameter[which]))?;
+                upper.title(sheet, which, &format!("uniformity RMSE of {}: {rmse}", parameter(which)))?;
                 let y = shared("residual", padded(all_values(residuals)));
                 let under = Panel { top: lower, height: RESIDUAL_PX, y, ..upper };
                 draw_planes(sheet, &under, residuals)?;
@@ -84,24 +89,21 @@ impl AlongAxes {
     }
 
     /// The planes as CSV.
-    pub(crate) fn csv(&self) -> String {
-        let statistics = ["mean", "deviation", "least", "most"];
-        let mut csv = "parameter,at_mm".to_owned();
-        for (of, unit) in [("value", ""), ("residual", "_um")] {
-            for statistic in statistics {
-                csv += &format!(",{of}_{statistic}{unit}");
-            }
-            csv += if of == "value" { ",value_ideal" } else { "\n" };
-        }
-        for (which, name) in ["R_x", "R_y", "S_z"].into_iter().enumerate() {
-            for (value, residual) in self.values[which].iter().zip(&self.residuals_um[which]) {
-                let of = |s: &PlaneStatistics| [s.mean, s.deviation, s.least, s.most];
-                let numbers = [value.at_mm].into_iter().chain(of(&value.over)).chain([value.ideal]);
-                csv += &format!("{name},");
-                csv_row(&mut csv, numbers.chain(of(&residual.over)));
-            }
-        }
-        csv
+    fn csv(&self) -> String {
+        let of = |s: &PlaneStatistics| [s.mean, s.deviation, s.least, s.most];
+        let rows = PARAMETER_NAMES.into_iter().zip(self.values.iter().zip(&self.residuals_um)).flat_map(
+            |(name, (values, residuals_um))| {
+                values.iter().zip(residuals_um).map(move |(value, residual)| {
+                    let numbers = [value.at_mm].into_iter().chain(of(&value.over)).chain([value.ideal]);
+                    (format!("{name},"), numbers.chain(of(&residual.over)))
+                })
+            },
+        );
+        csv(
+            "parameter,at_mm,value_mean,value_deviation,value_least,value_most,value_ideal,residual_mean_um,\
+             residual_deviation_um,residual_least_um,residual_most_um",
+            rows,
+        )
     }
 }
 
@@ -120,12 +122,12 @@ fn legend(sheet: &Sheet) -> DrawResult {
     sheet.text([right + 4.0, at[1]], "mean over the two other axes, \u{b1} standard deviation", LETTERS)?;
     let (left, right) = (at[0] + 530.0, at[0] + 556.0);
     let (up, down) = (at[1] - 7.0, at[1] + 7.0);
-    sheet.fill(&[[left, up], [right, up], [right, down], [left, down]], BAND)?;
+    sheet.fill(&rectangle([left, up], [right, down]), BAND)?;
     sheet.text([right + 8.0, at[1]], "minimum to maximum", LETTERS)?;
     let note = format!(
         "\u{394}: displacement that the parameter shows, minus the true one. An offset of {} is the logarithm of the \
          amplitude, and shows no displacement.",
-        symbol("S", "z")
+        parameter(2)
     );
     sheet.text([at[0], at[1] + NOTE_PX], &note, LETTERS)
 }
@@ -167,7 +169,7 @@ fn planes(survey: &Survey, against: &AgainstIdeal, which: usize) -> Vec<Paramete
         .filter_map(|(index, over)| {
             let at_mm = grid.coordinate(which, index);
             let ideal = against.ideal_on_axis(survey.volume.reference_mm.z, which, at_mm)?;
-            Some(ParameterPlane { at_mm, over: over?, ideal: value(&ideal, which) })
+            Some(ParameterPlane { at_mm, over: over?, ideal: ideal.get(Parameter::ALL[which]) })
         })
         .collect()
 }
@@ -180,7 +182,7 @@ fn residuals_um(
     which: usize,
     planes: &[ParameterPlane],
 ) -> Vec<ParameterPlane> {
-    let at_reference = value(&against.decoupling.at_reference, which);
+    let at_reference = against.decoupling.at_reference.get(Parameter::ALL[which]);
     // R_x and R_y fall along their axes, S_z rises.
     let um_per_unit = UM_PER_MM / against.film.wavenumber() * if which == 2 { 1.0 } else { -1.0 };
     let residual = |plane: &ParameterPlane| {
@@ -203,5 +205,5 @@ fn rounded(value: f64) -> String {
     if value == 0.0 || value >= 1e-2 {
         return format!("{value:.4}");
     }
-    typeset::number(format!("{value:.2e}").parse().unwrap_or(value))
+    typeset::rounded(value, 2)
 }

@@ -6,14 +6,12 @@ use plotters::prelude::RGBColor;
 use plotters::style::text_anchor::HPos;
 
 use crate::colours::{BLUE, VERMILION};
-use crate::drawing::{Drawing, SvgText};
+use crate::csv::quoted;
+use crate::drawing::{Drawing, FigureDraft, SvgText};
 use crate::error::{DrawError, ReportError};
 use crate::panel::{AxisLabel, BELOW_PX, Panel};
-use crate::sheet::{DrawResult, LETTERS, Lettering, Sheet, sheet};
+use crate::sheet::{DrawResult, LETTERS, Lettering, Sheet, rectangle, sheet};
 use crate::typeset::{self, AXIS_NAMES, variable};
-
-/// Name of the figure in captions and errors.
-const NAME: &str = "budget";
 
 const NAMES_PX: f64 = 176.0;
 const WIDTH_PX: f64 = 210.0;
@@ -33,11 +31,9 @@ const MARGIN: f64 = 0.03;
 /// [`ReportError::Drawing`] if it cannot be drawn.
 pub fn budget_figure(budget: &FilmBudget) -> Result<Drawing, ReportError> {
     let caption = "Shares of all causes in the mean square of the displacement error of the films that are made. \
-                   Parts below zero compensate others."
-        .to_owned();
-    let drawn = svg(&budget.parts, budget.total_mm2.to_array())
-        .and_then(|svg| Drawing::new(NAME, caption, &svg, csv(&budget.parts), SvgText::Text, &typeset::options()));
-    drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
+                   Parts below zero compensate others.";
+    let drawn = svg(&budget.parts, budget.total_mm2.to_array());
+    FigureDraft::new("budget", caption, drawn, csv(&budget.parts))?.rendered(SvgText::Text)
 }
 
 fn svg(parts: &[BudgetPart], totals_mm2: [f64; 3]) -> Result<String, DrawError> {
@@ -76,8 +72,7 @@ fn svg(parts: &[BudgetPart], totals_mm2: [f64; 3]) -> Result<String, DrawError> 
 fn of_part(sheet: &Sheet, panel: &Panel, middle: f64, share: f64, square_mm2: f64) -> DrawResult {
     let colour: RGBColor = if share < 0.0 { VERMILION } else { BLUE };
     let (low, high) = (middle - 0.5 * BAR_PX, middle + 0.5 * BAR_PX);
-    let corners = [panel.at(0.0, low), panel.at(share, low), panel.at(share, high), panel.at(0.0, high)];
-    sheet.fill(&corners, colour)?;
+    sheet.fill(&rectangle(panel.at(0.0, low), panel.at(share, high)), colour)?;
     let um = 1e3 * square_mm2.abs().sqrt();
     let number = if um >= 10.0 { format!("{um:.0}") } else { format!("{um:.1}") };
     // A minus sign, not a hyphen.
@@ -97,7 +92,7 @@ fn frame(sheet: &Sheet, panel: &Panel) -> DrawResult {
 fn csv(parts: &[BudgetPart]) -> String {
     let mut csv = "part,x_mm2,y_mm2,z_mm2\n".to_owned();
     for BudgetPart { name, mean_square_mm2: PerAxis { x, y, z }, .. } in parts {
-        csv += &format!("\"{}\",{x},{y},{z}\n", name.replace('"', "\"\""));
+        csv += &format!("{},{x},{y},{z}\n", quoted(name));
     }
     csv
 }

@@ -5,24 +5,24 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 use magsplice::layout::{Layout, NamedTile};
 use magsplice::results::FilmDiagnosis;
-use magsplice::scan::{ErrorKind, FittedError, NamedError};
+use magsplice::scan::{ErrorKind, NamedError};
 use plotters::prelude::RGBColor;
 
 use crate::colours::{BLUE, ColourScale, GREEN, Palette, VERMILION, plotters_colour};
-use crate::drawing::{Drawing, SvgText};
+use crate::csv::quoted;
+use crate::drawing::{Drawing, FigureDraft, SvgText};
 use crate::error::{DrawError, ReportError};
 use crate::marks::arrow;
-use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel, equal_scale};
+use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, Panel};
 use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
-use crate::tile_shapes::{bounds, from_above};
-use crate::typeset::{self, number, plain};
+use crate::typeset::{number, plain};
 
-/// Name of the figure in captions and errors.
-const NAME: &str = "diagnosis";
+use super::film_panel::{film_axes, outline, two_panels};
+use super::tile_annotations::Rectangle;
 
 const ROOM_PX: [f64; 2] = [380.0, 380.0];
-const TOP_PX: f64 = 30.0;
-const GAP_PX: f64 = 30.0;
+/// Distance of the panels from the upper side of the sheet, and from each other.
+const TOP_AND_GAP_PX: [f64; 2] = [30.0, 30.0];
 /// Empty space around the tiles, as a fraction of the longer side.
 const MARGIN: f64 = 0.04;
 const LINE_PX: f64 = 18.0;
@@ -41,15 +41,11 @@ const OUTLINE: RGBColor = RGBColor(150, 150, 150);
 
 /// What is wrong with a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum DrawnFault {
-    /// Error of |J|, as a fraction.
-    Strength(f64),
-    /// Rotation vector in degrees.
-    Turn(DVec3),
-    /// Angles of J in the plane of the film and out of it, in degrees.
-    Direction([f64; 2]),
-    /// Displacement in mm.
-    Displacement(DVec3),
+struct DrawnFault {
+    kind: ErrorKind,
+    /// Error of |J| as a fraction; rotation vector in degrees; angles of J in the plane of the film
+    /// and out of it, in degrees; displacement in mm.
+    components: DVec3,
 }
 
 /// A tile as a scan tells it.
@@ -66,37 +62,37 @@ struct DiagnosedTile<'a> {
 
 impl From<&NamedError> for DrawnFault {
     fn from(named: &NamedError) -> DrawnFault {
-        let is_noise = |of: &FittedError| !of.is_significant() && named.components.len() > 1;
-        let value = |of: &FittedError| if is_noise(of) { 0.0 } else { of.value };
-        let values: Vec<f64> = named.components.iter().map(value).collect();
-        match (named.candidate.kind, &values[..]) {
-            (ErrorKind::Turn, [x, y, z]) => DrawnFault::Turn(DVec3::new(*x, *y, *z).map(f64::to_degrees)),
-            (ErrorKind::Direction, [a, b]) => DrawnFault::Direction([*a, *b].map(f64::to_degrees)),
-            (ErrorKind::Displacement, [x, y, z]) => DrawnFault::Displacement(DVec3::new(*x, *y, *z)),
-            (_, values) => DrawnFault::Strength(values.first().copied().unwrap_or_default()),
+        let kind = named.candidate.kind;
+        let mut components = DVec3::ZERO;
+        for (axis, of) in named.components.iter().enumerate() {
+            let is_noise = !of.is_significant() && named.components.len() > 1;
+            components[axis] = if is_noise { 0.0 } else { of.value };
         }
+        let is_angle = matches!(kind, ErrorKind::Turn | ErrorKind::Direction);
+        DrawnFault { kind, components: if is_angle { components.map(f64::to_degrees) } else { components } }
     }
 }
 
 impl DrawnFault {
     fn colour(self) -> RGBColor {
-        match self {
-            DrawnFault::Strength(_) => GREEN,
-            DrawnFault::Turn(_) => VERMILION,
-            DrawnFault::Direction(_) => PURPLE,
-            DrawnFault::Displacement(_) => BLUE,
+        match self.kind {
+            ErrorKind::Strength => GREEN,
+            ErrorKind::Turn => VERMILION,
+            ErrorKind::Direction => PURPLE,
+            _ => BLUE,
         }
     }
 
     /// In words, such as "turned by 3 degrees".
     fn words(self) -> String {
         let rounded = |value: f64, digits: usize| number(format!("{value:.digits$}").parse().unwrap_or(value));
-        match self {
-            DrawnFault::Strength(error) if error < 0.0 => format!("{} % too weak", rounded(-100.0 * error, 1)),
-            DrawnFault::Strength(error) => format!("{} % too strong", rounded(100.0 * error, 1)),
-            DrawnFault::Turn(turn) => format!("turned by {}\u{b0}", rounded(turn.length(), 1)),
-            DrawnFault::Direction([a, b]) => format!("J turned by {}\u{b0}", rounded(a.hypot(b), 1)),
-            DrawnFault::Displacement(shift) => format!("displaced by {} mm", rounded(shift.length(), 3)),
+        let (error, size) = (self.components.x, self.components.length());
+        match self.kind {
+            ErrorKind::Strength if error < 0.0 => format!("{} % too weak", rounded(-100.0 * error, 1)),
+            ErrorKind::Strength => format!("{} % too strong", rounded(100.0 * error, 1)),
+            ErrorKind::Turn => format!("turned by {}\u{b0}", rounded(size, 1)),
+            ErrorKind::Direction => format!("J turned by {}\u{b0}", rounded(size, 1)),
+            _ => format!("displaced by {} mm", rounded(size, 3)),
         }
     }
 }
@@ -109,26 +105,18 @@ impl DrawnFault {
 pub fn diagnosis_figure(layout: &Layout, found: &FilmDiagnosis) -> Result<Drawing, ReportError> {
     let caption = "The tiles from above. Left: tiles that are wrong, with an arrow for a displacement, an arc for a \
                    turn, and a percentage for the strength. Right: the largest standard deviation of the errors of each \
-                   tile after the scan, over that before it, but for turns about J; of 1 the scan tells nothing."
-        .to_owned();
+                   tile after the scan, over that before it, but for turns about J; of 1 the scan tells nothing.";
     let tile = |(index, tile)| DiagnosedTile {
         tile,
         faults: found.diagnosis.named.iter().filter(|of| of.candidate.tile == index).map(DrawnFault::from).collect(),
         unresolved: found.unresolved_share(layout, index),
     };
     let tiles: Vec<DiagnosedTile> = layout.tiles.iter().enumerate().map(tile).collect();
-    let drawn =
-        svg(&tiles).and_then(|svg| Drawing::new(NAME, caption, &svg, csv(&tiles), SvgText::Text, &typeset::options()));
-    drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
+    FigureDraft::new("diagnosis", caption, svg(&tiles), csv(&tiles))?.rendered(SvgText::Text)
 }
 
 fn svg(tiles: &[DiagnosedTile]) -> Result<String, DrawError> {
-    let [low, high] = bounds(tiles.iter().map(|of| &of.tile.tile)).unwrap_or([DVec3::ZERO, DVec3::ONE]);
-    let margin = MARGIN * (high - low).truncate().max_element();
-    let (x, y) = ([low.x - margin, high.x + margin], [low.y - margin, high.y + margin]);
-    let [width, height] = equal_scale(ROOM_PX, [x, y].map(|[low, high]| high - low));
-    let left = Panel { left: LEFT_PX + 6.0, top: TOP_PX, width, height, x, y };
-    let right = Panel { left: left.right() + GAP_PX, ..left };
+    let [left, right] = two_panels(tiles.iter().map(|of| &of.tile.tile), ROOM_PX, TOP_AND_GAP_PX, MARGIN);
     let list = listed(tiles);
     let below = left.bottom() + BELOW_PX + 14.0;
     sheet([right.right() + 12.0 + BAR_PX, below + LINE_PX * list.len() as f64 + 6.0], |sheet| {
@@ -137,13 +125,10 @@ fn svg(tiles: &[DiagnosedTile]) -> Result<String, DrawError> {
         let scale = ColourScale { low: 0.0, high: 1.0, palette: Palette::Sequential };
         let map = scale.mapper();
         for of in tiles {
-            let outline = |panel: &Panel| -> Vec<[f64; 2]> {
-                from_above(&of.tile.tile).into_iter().map(|corner| panel.at(corner.x, corner.y)).collect()
-            };
-            sheet.fill(&outline(&left), of.faults.first().map_or(PALE, |fault| pale(fault.colour())))?;
-            sheet.outline(&outline(&left), OUTLINE, 0.7)?;
-            sheet.fill(&outline(&right), plotters_colour(map.colour(of.unresolved)))?;
-            sheet.outline(&outline(&right), OUTLINE, 0.7)?;
+            let fault = of.faults.first().map_or(PALE, |fault| pale(fault.colour()));
+            for (panel, colour) in [(&left, fault), (&right, plotters_colour(map.colour(of.unresolved)))] {
+                sheet.shape(&outline(panel, &of.tile.tile), colour, OUTLINE, 0.7)?;
+            }
         }
         // Marks reach over neighbours, so they come last.
         for of in tiles {
@@ -151,7 +136,7 @@ fn svg(tiles: &[DiagnosedTile]) -> Result<String, DrawError> {
                 mark(sheet, &left, of.tile, *fault)?;
             }
         }
-        left.axes(sheet, AxisLabel::Coordinate("x"), AxisLabel::Coordinate("y"))?;
+        film_axes(sheet, &left)?;
         right.axes(sheet, AxisLabel::Coordinate("x"), AxisLabel::TicksOnly)?;
         right.colour_bar(sheet, 12.0, scale, "\u{3c3} after / before the scan")?;
         for (row, (text, colour)) in list.iter().enumerate() {
@@ -183,15 +168,15 @@ fn listed(tiles: &[DiagnosedTile]) -> Vec<(String, RGBColor)> {
 
 /// The mark for what is wrong with a tile.
 fn mark(sheet: &Sheet, panel: &Panel, named: &NamedTile, fault: DrawnFault) -> DrawResult {
-    let corners: Vec<DVec2> =
-        from_above(&named.tile).into_iter().map(|corner| DVec2::from(panel.at(corner.x, corner.y))).collect();
-    let outline: Vec<[f64; 2]> = corners.iter().map(|corner| corner.to_array()).collect();
+    let outline = outline(panel, &named.tile);
     sheet.outline(&outline, fault.colour(), 2.0)?;
-    let low = corners.iter().copied().fold(DVec2::MAX, DVec2::min);
-    let high = corners.iter().copied().fold(DVec2::MIN, DVec2::max);
-    let (middle, extent) = (0.5 * (low + high), high - low);
-    match fault {
-        DrawnFault::Strength(error) => {
+    let around = Rectangle::of_points(outline.into_iter().map(DVec2::from));
+    let (middle, extent) = (around.middle(), around.size());
+    let radius = (0.4 * extent.min_element()).clamp(5.0, MOST_ARC_PX);
+    let DVec3 { x: error, z: along_z, .. } = fault.components;
+    let shift = fault.components.truncate();
+    match fault.kind {
+        ErrorKind::Strength => {
             let sign = if error < 0.0 { "\u{2212}" } else { "+" };
             let text = format!("{sign}{:.0}%", 100.0 * error.abs());
             let upright = extent.x < extent.y && extent.x < 30.0;
@@ -199,21 +184,17 @@ fn mark(sheet: &Sheet, panel: &Panel, named: &NamedTile, fault: DrawnFault) -> D
             let letters = Lettering { upright, colour: fault.colour(), ..LETTERS.sized(size).centred() };
             sheet.text(middle.to_array(), &text, letters)
         }
-        DrawnFault::Displacement(shift) => match shift.truncate().try_normalize() {
-            Some(along) if shift.truncate().length() > 0.5 * shift.z.abs() => {
+        ErrorKind::Turn => arc(sheet, middle, radius, along_z < 0.0, fault.colour()),
+        ErrorKind::Direction => arc(sheet, middle, radius, error < 0.0, fault.colour()),
+        _ => match shift.try_normalize() {
+            Some(along) if shift.length() > 0.5 * along_z.abs() => {
                 let step = 0.5 * SHIFT_PX * DVec2::new(along.x, -along.y);
                 arrow(sheet, (middle - step).to_array(), (middle + step).to_array(), 3.0, fault.colour())
             }
             // Along z: a disc, which no other mark is.
             _ => sheet.disc(middle.to_array(), 4.0, fault.colour()),
         },
-        DrawnFault::Turn(turn) => arc(sheet, middle, arc_radius(extent), turn.z < 0.0, fault.colour()),
-        DrawnFault::Direction([in_plane, _]) => arc(sheet, middle, arc_radius(extent), in_plane < 0.0, fault.colour()),
     }
-}
-
-fn arc_radius(extent: DVec2) -> f64 {
-    (0.4 * extent.min_element()).clamp(5.0, MOST_ARC_PX)
 }
 
 /// An arc with a head, clockwise or not.
@@ -239,7 +220,7 @@ fn csv(tiles: &[DiagnosedTile]) -> String {
     let mut csv = "name,wrong,unresolved\n".to_owned();
     for of in tiles {
         let faults: Vec<String> = of.faults.iter().map(|fault| fault.words()).collect();
-        csv += &format!("\"{}\",\"{}\",{:?}\n", of.tile.name.replace('"', "\"\""), faults.join("; "), of.unresolved);
+        csv += &format!("{},\"{}\",{:?}\n", quoted(&of.tile.name), faults.join("; "), of.unresolved);
     }
     csv
 }

@@ -4,10 +4,12 @@ use magsplice::decouple::{Figure, Figures, Parameter};
 use magsplice::magnet::Axis;
 
 use crate::colours::{BLUE, VERMILION};
-use crate::error::DrawError;
+use crate::drawing::FigureDraft;
+use crate::error::{DrawError, ReportError};
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
-use crate::sheet::{DrawResult, LETTERS, Sheet, sheet};
-use crate::typeset::{AXIS_NAMES, symbol, variable};
+use crate::sheet::{DrawResult, LETTERS, Sheet, rectangle, sheet};
+use crate::survey::FilmSamples;
+use crate::typeset::{AXIS_NAMES, parameter, variable};
 use plotters::prelude::RGBColor;
 
 const SIDE_PX: f64 = 236.0;
@@ -51,16 +53,13 @@ impl ErrorKind {
     fn name(self, axis: usize) -> String {
         match self {
             ErrorKind::Displacement => format!("displacement RMSE in {} (\u{b5}m)", variable(AXIS_NAMES[axis])),
-            ErrorKind::Uniformity => {
-                let of = [symbol("R", "x"), symbol("R", "y"), symbol("S", "z")];
-                format!("uniformity RMSE of {} (10\u{207b}\u{b3})", of[axis])
-            }
+            ErrorKind::Uniformity => format!("uniformity RMSE of {} (10\u{207b}\u{b3})", parameter(axis)),
         }
     }
 }
 
 /// The errors of one kind of samples.
-pub(crate) struct Distributions {
+struct Distributions {
     kind: ErrorKind,
     /// The samples along each axis in ascending order. None of an undefined uniformity.
     sorted: [Vec<f64>; 3],
@@ -68,20 +67,33 @@ pub(crate) struct Distributions {
     nominal: [Option<f64>; 3],
 }
 
-impl Distributions {
-    /// `samples` must not be empty.
-    pub(crate) fn new(kind: ErrorKind, nominal: &Figures, samples: &[Figures]) -> Distributions {
-        let of = |errors: &Figures, axis| errors.get(kind.figure(axis)).map(|value| UM_PER_MM * value);
-        let sorted = [0, 1, 2].map(|axis| {
-            let mut values: Vec<f64> = samples.iter().filter_map(|errors| of(errors, axis)).collect();
-            values.sort_by(f64::total_cmp);
-            values
-        });
-        Distributions { kind, sorted, nominal: [0, 1, 2].map(|axis| of(nominal, axis)) }
-    }
+/// The figure of the errors of one kind. There must be samples.
+pub(crate) fn draft(kind: ErrorKind, samples: &FilmSamples) -> Result<FigureDraft, ReportError> {
+    let of = |errors: &Figures, axis| errors.get(kind.figure(axis)).map(|value| UM_PER_MM * value);
+    let sorted = [0, 1, 2].map(|axis| {
+        let mut values: Vec<f64> = samples.errors.iter().filter_map(|errors| of(errors, axis)).collect();
+        values.sort_by(f64::total_cmp);
+        values
+    });
+    let errors = Distributions { kind, sorted, nominal: [0, 1, 2].map(|axis| of(&samples.nominal, axis)) };
+    let (name, error) = match kind {
+        ErrorKind::Displacement => ("made-displacement", "displacement RMSE"),
+        ErrorKind::Uniformity => ("made-uniformity", "uniformity RMSE"),
+    };
+    let caption = format!(
+        "The {error} of the films that are made, with the errors of [tolerance]. Above: the number of films in ranges \
+         of equal width. Below: the share of the films with a smaller error."
+    );
+    FigureDraft::new(name, caption, errors.draw(), errors.csv())
+}
 
-    /// The figure as SVG.
-    pub(crate) fn draw(&self) -> Result<String, DrawError> {
+/// The shares of films at which quantiles are drawn and written.
+fn shares() -> impl Iterator<Item = f64> {
+    (0..QUANTILES).map(|step| step as f64 / (QUANTILES - 1) as f64)
+}
+
+impl Distributions {
+    fn draw(&self) -> Result<String, DrawError> {
         let width = MARGIN_PX + 3.0 * (LEFT_PX + SIDE_PX) + 16.0;
         let lower = TOP_PX + HISTOGRAM_PX + BETWEEN_PX;
         sheet([width, lower + DISTRIBUTION_PX + BELOW_PX + 8.0], |sheet| {
@@ -105,10 +117,8 @@ impl Distributions {
                     let [across, bottom] = under.at(value, 0.0);
                     sheet.line(&[[left, at], [across, at], [across, bottom]], GUIDE, 0.9)?;
                 }
-                let steps: Vec<[f64; 2]> = (0..QUANTILES)
-                    .map(|step| step as f64 / (QUANTILES - 1) as f64)
-                    .map(|share| under.at(quantile(sorted, share), 100.0 * share))
-                    .collect();
+                let steps: Vec<[f64; 2]> =
+                    shares().map(|share| under.at(quantile(sorted, share), 100.0 * share)).collect();
                 sheet.line(&steps, BLUE, 1.6)?;
                 vertical(sheet, &under, nominal, VERMILION, 1.8)?;
                 let below = if axis == 0 { AxisLabel::Named("films below (%)") } else { AxisLabel::Named("") };
@@ -120,14 +130,13 @@ impl Distributions {
     }
 
     /// Quantiles of the samples as CSV, in the units of the tables: mm, and numbers without unit.
-    pub(crate) fn csv(&self) -> String {
+    fn csv(&self) -> String {
         let names = match self.kind {
             ErrorKind::Displacement => "x_mm,y_mm,z_mm",
             ErrorKind::Uniformity => "r_x,r_y,s_z",
         };
         let mut csv = format!("share_below,{names}\n");
-        for step in 0..QUANTILES {
-            let share = step as f64 / (QUANTILES - 1) as f64;
+        for share in shares() {
             let cell = |sorted: &Vec<f64>| match sorted[..] {
                 [] => String::new(),
                 _ => (quantile(sorted, share) / UM_PER_MM).to_string(),
@@ -171,10 +180,7 @@ fn bars(sheet: &Sheet, panel: &Panel, counts: &[usize]) -> DrawResult {
     let width = (panel.x[1] - panel.x[0]) / counts.len() as f64;
     for (bin, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
         let [left, right] = [bin, bin + 1].map(|edge| panel.x[0] + edge as f64 * width);
-        let corners =
-            [panel.at(left, 0.0), panel.at(right, 0.0), panel.at(right, count as f64), panel.at(left, count as f64)];
-        sheet.fill(&corners, BARS)?;
-        sheet.outline(&corners, BLUE, 0.6)?;
+        sheet.shape(&rectangle(panel.at(left, 0.0), panel.at(right, count as f64)), BARS, BLUE, 0.6)?;
     }
     Ok(())
 }
@@ -187,17 +193,17 @@ fn vertical(sheet: &Sheet, panel: &Panel, at: f64, colour: RGBColor, width: f64)
 /// Draws what the marks mean, above the panels.
 fn legend(sheet: &Sheet, samples: usize) -> DrawResult {
     let (x, y) = (MARGIN_PX + LEFT_PX, 18.0);
-    let box_of = [[x, y - 6.0], [x + 20.0, y - 6.0], [x + 20.0, y + 6.0], [x, y + 6.0]];
-    sheet.fill(&box_of, BARS)?;
-    sheet.outline(&box_of, BLUE, 0.6)?;
+    sheet.shape(&rectangle([x, y - 6.0], [x + 20.0, y + 6.0]), BARS, BLUE, 0.6)?;
     let films = if samples == 1 { "1 film that is made".to_owned() } else { format!("{samples} films that are made") };
     sheet.text([x + 28.0, y], &films, LETTERS)?;
-    let x = x + 230.0;
-    sheet.line(&[[x, y], [x + 24.0, y]], VERMILION, 1.8)?;
-    sheet.text([x + 32.0, y], "film as ordered", LETTERS)?;
-    let x = x + 160.0;
-    sheet.line(&[[x, y], [x + 24.0, y]], GUIDE, 0.9)?;
-    sheet.text([x + 32.0, y], "50, 95 and 99 % of the films", LETTERS)?;
+    let lines = [
+        (x + 230.0, VERMILION, 1.8, "film as ordered"),
+        (x + 230.0 + 160.0, GUIDE, 0.9, "50, 95 and 99 % of the films"),
+    ];
+    for (x, colour, width, meaning) in lines {
+        sheet.line(&[[x, y], [x + 24.0, y]], colour, width)?;
+        sheet.text([x + 32.0, y], meaning, LETTERS)?;
+    }
     Ok(())
 }
 

@@ -1,33 +1,24 @@
 //! The tiles from above with the force on each, and the order in which they are laid.
 
 use glam::{DVec2, DVec3};
-use magsplice::layout::NamedTile;
-use plotters::prelude::RGBColor;
+use magsplice::layout::{Layout, NamedTile};
+use magsplice::results::{FilmLoads, TileLoad};
 use plotters::style::text_anchor::VPos;
 
 use crate::colours::{DirectionColours, VERMILION, light};
-use crate::drawing::{Drawing, SvgText};
+use crate::csv::{csv, quoted};
+use crate::drawing::{Drawing, FigureDraft, SvgText};
 use crate::error::{DrawError, ReportError};
 use crate::marks::{arrow, out_of_plane_mark};
-use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
+use crate::panel::{BELOW_PX, Panel};
 use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
-use crate::tile_shapes::{bounds, from_above};
-use crate::typeset::{self, number};
+use crate::typeset::rounded;
 
-use super::field_maps::csv_row;
+use super::film_panel::{MARGIN, OUTLINE, TOP_PX, film_axes, film_bounds, film_panel, outline, upwards};
 use super::layout_legend::direction_wheel;
 
-/// Name of the figure in captions and errors.
-const NAME: &str = "forces";
-
-/// Length of the longer side of the drawing, in pixels.
-const ROOM_PX: f64 = 740.0;
-/// Width of the legend at its right, in pixels.
+/// Width of the legend at the right of the drawing, in pixels.
 const LEGEND_PX: f64 = 190.0;
-const TOP_PX: f64 = 14.0;
-/// Empty space around tiles and arrows, as a fraction of the longer side.
-const MARGIN: f64 = 0.03;
-
 /// Length of the longest arrow over the longer side of the largest tile, and its limits as
 /// fractions of the longer side of the film.
 const ARROW_PER_TILE: f64 = 0.75;
@@ -44,25 +35,21 @@ const LARGEST: f64 = 1.0 - 1e-9;
 /// Size of the numbers of steps, in pixels: the largest, and the smallest that can be read.
 const NUMBER_PX: [f64; 2] = [12.0, 7.0];
 
-const MUTED: RGBColor = RGBColor(70, 70, 70);
-
 /// A tile and the force on it.
-#[derive(Clone, Copy, Debug)]
-pub struct TileForce<'a> {
-    /// The tile.
-    pub tile: &'a NamedTile,
-    /// The force in newtons.
-    pub force_n: DVec3,
+struct DrawnForce<'a> {
+    tile: &'a NamedTile,
+    force_n: DVec3,
     /// Step at which it is laid, from 1.
-    pub step: Option<usize>,
+    step: Option<usize>,
 }
 
-/// The tiles from above, each with the force on it as an arrow. `while_laid` says that each force
-/// is that of the tiles laid before, and not of all others.
+/// The tiles from above, each with the force on it as an arrow: by those laid before, if the loads
+/// have an order, or by all others.
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.
-pub fn forces_figure(tiles: &[TileForce], while_laid: bool) -> Result<Drawing, ReportError> {
+pub fn forces_figure(layout: &Layout, loads: &FilmLoads) -> Result<Drawing, ReportError> {
+    let while_laid = loads.order.is_some();
     let caption = if while_laid {
         "The tiles from above with the number of the step at which each is laid, and the force on it by the tiles \
          laid before. Circles are forces out of the plane, up with a dot and down with a cross."
@@ -70,13 +57,23 @@ pub fn forces_figure(tiles: &[TileForce], while_laid: bool) -> Result<Drawing, R
         "The tiles from above with the force on each by all others. Circles are forces out of the plane, up with a \
          dot and down with a cross."
     };
-    let drawn = svg(tiles, while_laid)
-        .and_then(|svg| Drawing::new(NAME, caption.to_owned(), &svg, csv(tiles), SvgText::Text, &typeset::options()));
-    drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
+    let drawn = |(index, load): (usize, &TileLoad)| DrawnForce {
+        tile: &layout.tiles[load.tile],
+        force_n: load.load.force_n,
+        step: while_laid.then_some(index + 1),
+    };
+    let shown = loads.order.as_ref().map_or(&loads.tiles, |order| &order.steps);
+    let tiles: Vec<DrawnForce> = shown.iter().enumerate().map(drawn).collect();
+    let row = |DrawnForce { tile, force_n, step }: &DrawnForce| {
+        let step = step.map_or(String::new(), |step| step.to_string());
+        (format!("{},{step},", quoted(&tile.name)), [tile.tile.position(), *force_n].map(|v| v.to_array()).concat())
+    };
+    let csv = csv("name,step,x_mm,y_mm,z_mm,force_x_n,force_y_n,force_z_n", tiles.iter().map(row));
+    FigureDraft::new("forces", caption, svg(&tiles, while_laid), csv)?.rendered(SvgText::Text)
 }
 
-fn svg(tiles: &[TileForce], while_laid: bool) -> Result<String, DrawError> {
-    let [low, high] = bounds(tiles.iter().map(|force| &force.tile.tile)).unwrap_or([DVec3::ZERO, DVec3::ONE]);
+fn svg(tiles: &[DrawnForce], while_laid: bool) -> Result<String, DrawError> {
+    let [low, high] = film_bounds(tiles.iter().map(|force| &force.tile.tile));
     let largest = tiles.iter().map(|force| force.tile.tile.size().truncate().max_element()).fold(0.0, f64::max);
     let film = (high - low).truncate().max_element();
     let [shortest, longest] = ARROW_PER_FILM.map(|fraction| fraction * film);
@@ -86,40 +83,16 @@ fn svg(tiles: &[TileForce], while_laid: bool) -> Result<String, DrawError> {
     let tips = tips.map(|force| force.tile.tile.position() + arrow_mm / most_n * force.force_n);
     let (low, high) = tips.fold((low, high), |(low, high), tip| (low.min(tip), high.max(tip)));
     let margin = MARGIN * (high - low).truncate().max_element();
-    let (low, high) = (low - margin, high + margin);
-    let per_mm = ROOM_PX / (high - low).truncate().max_element();
-    let panel = Panel {
-        left: LEFT_PX + 6.0,
-        top: TOP_PX,
-        width: per_mm * (high.x - low.x),
-        height: per_mm * (high.y - low.y),
-        x: [low.x, high.x],
-        y: [low.y, high.y],
-    };
+    let panel = film_panel([low - margin, high + margin]);
     let forces = ForcePainter::new(tiles, panel, most_n, arrow_mm);
     let size = [panel.right() + LEGEND_PX, (panel.bottom() + BELOW_PX + 6.0).max(380.0)];
     sheet(size, |sheet| {
-        // From the lowest to the highest, so that upper tiles cover lower ones.
-        let mut order: Vec<&TileForce> = tiles.iter().collect();
-        order.sort_by(|a, b| a.tile.tile.position().z.total_cmp(&b.tile.tile.position().z));
-        for force in &order {
-            forces.body(sheet, force)?;
-        }
-        for force in &order {
-            forces.force(sheet, force)?;
-        }
-        panel.axes(sheet, AxisLabel::Coordinate("x"), AxisLabel::Coordinate("y"))?;
+        let order = upwards(tiles, |force| force.tile.tile.position().z);
+        order.iter().try_for_each(|force| forces.body(sheet, force))?;
+        order.iter().try_for_each(|force| forces.force(sheet, force))?;
+        film_axes(sheet, &panel)?;
         forces.legend(sheet, tiles, while_laid)
     })
-}
-
-fn csv(tiles: &[TileForce]) -> String {
-    let mut csv = "name,step,x_mm,y_mm,z_mm,force_x_n,force_y_n,force_z_n\n".to_owned();
-    for TileForce { tile, force_n, step } in tiles {
-        csv += &format!("\"{}\",{},", tile.name.replace('"', "\"\""), step.map_or(String::new(), |n| n.to_string()));
-        csv_row(&mut csv, tile.tile.position().to_array().into_iter().chain(force_n.to_array()));
-    }
-    csv
 }
 
 /// Draws tiles and forces into a panel.
@@ -135,8 +108,8 @@ struct ForcePainter {
 }
 
 impl ForcePainter {
-    fn new(tiles: &[TileForce], panel: Panel, most_n: f64, arrow_mm: f64) -> ForcePainter {
-        let sides = |force: &TileForce| force.tile.tile.size().truncate() * panel.px_per_x();
+    fn new(tiles: &[DrawnForce], panel: Panel, most_n: f64, arrow_mm: f64) -> ForcePainter {
+        let sides = |force: &DrawnForce| force.tile.tile.size().truncate() * panel.px_per_x();
         let narrowest = tiles.iter().map(|force| sides(force).min_element()).fold(f64::INFINITY, f64::min);
         let number_px = NUMBER_PX[0].min(0.5 * narrowest);
         ForcePainter {
@@ -148,24 +121,20 @@ impl ForcePainter {
         }
     }
 
-    fn outline(&self, force: &TileForce) -> Vec<[f64; 2]> {
-        from_above(&force.tile.tile).into_iter().map(|p| self.panel.at(p.x, p.y)).collect()
-    }
-
     /// Draws the outline, filled with the colour of the polarization's direction, and the step.
-    fn body(&self, sheet: &Sheet, force: &TileForce) -> DrawResult {
-        let outline = self.outline(force);
-        sheet.fill(&outline, light(self.directions.colour(force.tile.tile.scene_polarization_t())))?;
-        sheet.outline(&outline, MUTED, 0.8)?;
+    fn body(&self, sheet: &Sheet, force: &DrawnForce) -> DrawResult {
+        let outline = outline(&self.panel, &force.tile.tile);
+        let colour = light(self.directions.colour(force.tile.tile.scene_polarization_t()));
+        sheet.shape(&outline, colour, OUTLINE, 0.8)?;
         let (Some(step), Some(size)) = (force.step, self.number_px) else { return Ok(()) };
         let corners = outline.iter().map(|&corner| DVec2::from(corner));
         let corner = corners.fold(DVec2::MAX, DVec2::min);
-        let letters = Lettering { along: VPos::Top, colour: MUTED, ..LETTERS.sized(size) };
+        let letters = Lettering { along: VPos::Top, colour: OUTLINE, ..LETTERS.sized(size) };
         sheet.text([corner.x + 3.0, corner.y + 2.0], &step.to_string(), letters)
     }
 
     /// Draws the arrow of the force in the plane, and the mark of the force out of it.
-    fn force(&self, sheet: &Sheet, force: &TileForce) -> DrawResult {
+    fn force(&self, sheet: &Sheet, force: &DrawnForce) -> DrawResult {
         if self.most_n == 0.0 {
             return Ok(());
         }
@@ -183,11 +152,10 @@ impl ForcePainter {
         if radius >= SMALLEST_MARK_PX { out_of_plane_mark(sheet, tail, radius, along.z > 0.0) } else { Ok(()) }
     }
 
-    fn legend(&self, sheet: &Sheet, tiles: &[TileForce], while_laid: bool) -> DrawResult {
+    fn legend(&self, sheet: &Sheet, tiles: &[DrawnForce], while_laid: bool) -> DrawResult {
         let left = self.panel.right() + 24.0;
         let mut y = TOP_PX + 10.0;
-        sheet.text([left, y], "Direction of polarization", LETTERS)?;
-        y = direction_wheel(sheet, &self.directions, left, y + 24.0)? + 40.0;
+        y = direction_wheel(sheet, &self.directions, left, y)? + 40.0;
         let title = if while_laid { "Force while it is laid" } else { "Force by all others" };
         sheet.text([left, y], title, LETTERS)?;
         y += 26.0;
@@ -195,10 +163,7 @@ impl ForcePainter {
             .into_iter()
             .find(|(size_n, _)| self.most_n >= 0.1 * size_n)
             .unwrap_or((1.0, "N"));
-        let said = |force_n: f64| {
-            let digits = format!("{:.2e}", force_n / size_n).parse().unwrap_or(force_n);
-            format!("{} {unit}", number(digits))
-        };
+        let said = |force_n: f64| format!("{} {unit}", rounded(force_n / size_n, 2));
         if self.most_n > 0.0 {
             arrow(sheet, [left, y], [left + self.arrow_px, y], 2.0, VERMILION)?;
             sheet.text([left + self.arrow_px + 8.0, y], &said(self.most_n), LETTERS)?;
@@ -207,7 +172,7 @@ impl ForcePainter {
             y += 26.0;
         }
         for (sign, text) in [(1.0, "up"), (-1.0, "down")] {
-            let of_sign = |force: &TileForce| sign * force.force_n.z;
+            let of_sign = |force: &DrawnForce| sign * force.force_n.z;
             let most_n = tiles.iter().map(of_sign).fold(0.0, f64::max);
             let radius = MARK_PX * (most_n / self.most_n).sqrt();
             if self.most_n > 0.0 && radius >= SMALLEST_MARK_PX {

@@ -1,15 +1,18 @@
 //! Errors of the films of a Pareto front against what better films cost.
 
-use magsplice::decouple::{Figures, PerAxis};
+use magsplice::decouple::Figures;
+use magsplice::design::{Metrics, ParetoFront, SearchResult};
 use magsplice::ideal::IdealFilm;
+use magsplice::tolerance::Statistics;
 use plotters::coord::ranged1d::Ranged;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::RGBColor;
 
 use crate::colours::{BLUE, VERMILION};
-use crate::drawing::{Drawing, SvgText};
+use crate::drawing::{Drawing, FigureDraft, SvgText};
 use crate::error::{DrawError, ReportError};
-use crate::panel::{BELOW_PX, Panel};
+use crate::panel::{BELOW_PX, NUMBERS_PX, Panel, TICK_PX};
+use crate::shared_ranges::range_of;
 use crate::sheet::{DrawResult, FRAME_PX, INK, LETTERS, Lettering, Sheet, sheet};
 use crate::typeset::{self, AXIS_NAMES, AxisNumbers};
 
@@ -18,32 +21,22 @@ const HEIGHT_PX: f64 = 300.0;
 const LEFT_PX: f64 = 78.0;
 const TOP_PX: f64 = 66.0;
 const RIGHT_PX: f64 = 24.0;
-const TICK_PX: f64 = 4.0;
-/// Font size of numbers on axes, in pixels.
-const NUMBERS_PX: f64 = 12.0;
 const RADIUS_PX: f64 = 3.6;
 /// Maximum count of numbers on the horizontal axis.
 const MAX_NUMBERS: usize = 9;
 
-/// The figure of a Pareto front: four errors of each film against what better films cost.
-///
-/// The four errors are displacement and uniformity RMSE, each for shear (the larger one of x and y)
-/// and for the normal direction z, in millimetres on a logarithmic scale. Where all films have
-/// errors as made, these are drawn, and the displacement RMSE of the films as ordered.
-#[derive(Clone, Debug)]
-pub struct FrontFigure {
-    /// What the horizontal axis shows.
-    pub axis: FrontAxis,
+/// A front and what its better films cost.
+struct FrontFigure {
+    axis: FrontAxis,
     /// The films of the front, in ascending or descending order of [`FrontFilm::at`].
-    pub films: Vec<FrontFilm>,
+    films: Vec<FrontFilm>,
     /// The film that the design started from, if the figure shows it.
-    pub before: Option<FrontFilm>,
+    before: Option<FrontFilm>,
 }
 
-/// What better films cost: the horizontal axis of a [`FrontFigure`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum FrontAxis {
+/// What better films cost: the horizontal axis of a figure.
+#[derive(Clone, Copy, PartialEq)]
+enum FrontAxis {
     /// Best-fit amplitude relative to the ideal film, without unit.
     Amplitude,
     /// The number of distinct parts.
@@ -51,37 +44,50 @@ pub enum FrontAxis {
 }
 
 /// A film of a front.
-#[derive(Clone, Copy, Debug)]
-pub struct FrontFilm {
+struct FrontFilm {
     /// Its position on the horizontal axis.
-    pub at: f64,
-    /// RMSE of the displacement found from B against the true one, along x, y, z, in millimetres.
-    pub displacement_rmse_mm: [f64; 3],
-    /// Uniformity RMSE of R_x, R_y, S_z divided by k, in millimetres.
-    pub uniformity_rmse_mm: [f64; 3],
-    /// 95th percentile of the displacement RMSE of the films that are made, in millimetres.
-    pub made_p95_mm: Option<[f64; 3]>,
+    at: f64,
+    /// RMSE along x, y, z in millimetres: of the displacement found from B against the true one, of
+    /// the uniformity divided by k, and the displacement that 95 % of the films that are made do
+    /// not exceed, where they were sampled.
+    errors_mm: Vec<[f64; 3]>,
 }
 
-impl FrontFilm {
-    /// A film with these figures; an undefined uniformity counts as no error.
-    pub fn new(at: f64, figures: &Figures, made_p95_mm: Option<PerAxis>, ideal: &IdealFilm) -> FrontFilm {
-        let uniformity = figures.uniformity_rmse.map(Option::unwrap_or_default);
-        FrontFilm {
-            at,
-            displacement_rmse_mm: figures.displacement_rmse_mm.to_array(),
-            uniformity_rmse_mm: uniformity.as_lengths(ideal.wavenumber()).to_array(),
-            made_p95_mm: made_p95_mm.map(PerAxis::to_array),
-        }
-    }
+/// The figures of a Pareto front, `front-amplitude` and `front-parts`: four errors of each film
+/// against what better films cost. A front without films of a kind has no figure of it.
+///
+/// The four errors are displacement and uniformity RMSE, each for shear (the larger one of x and y)
+/// and for the normal direction z, in millimetres on a logarithmic scale. Where all films have
+/// errors as made, these are drawn, and the displacement RMSE of the films as ordered.
+///
+/// # Errors
+/// [`ReportError::Drawing`] if no film has an error above 0, which the logarithmic scale needs.
+pub fn front_figures(front: &ParetoFront, ideal: &IdealFilm) -> Result<Vec<Drawing>, ReportError> {
+    let film = |at: f64, metrics: &Metrics, made: Option<&Figures<Statistics>>| {
+        let Figures { displacement_rmse_mm, uniformity_rmse, .. } = metrics.figures;
+        // An undefined uniformity is no error.
+        let uniformity_mm = uniformity_rmse.map(Option::unwrap_or_default).as_lengths(ideal.wavenumber());
+        let mut errors_mm = vec![displacement_rmse_mm.to_array(), uniformity_mm.to_array()];
+        errors_mm.extend(made.map(|made| made.displacement_rmse_mm.map(|axis| axis.p95.value).to_array()));
+        FrontFilm { at, errors_mm }
+    };
+    let after = |at: f64, result: &SearchResult| film(at, &result.after, result.made.as_ref().map(|made| &made.after));
+    let before = front.by_amplitude.first().map(|(_, result)| {
+        film(result.before.figures.amplitude, &result.before, result.made.as_ref().map(|made| &made.before))
+    });
+    let by_amplitude =
+        front.by_amplitude.iter().map(|(_, result)| after(result.after.figures.amplitude, result)).collect();
+    let by_parts = front.by_parts.iter().map(|result| after(result.parts as f64, result)).collect();
+    let figures = [
+        FrontFigure { axis: FrontAxis::Amplitude, films: by_amplitude, before },
+        FrontFigure { axis: FrontAxis::Parts, films: by_parts, before: None },
+    ];
+    let shown = figures.iter().filter(|figure| !figure.films.is_empty());
+    shown.map(|figure| figure.draft()?.rendered(SvgText::Outlines)).collect()
 }
 
 impl FrontFigure {
-    /// The figure, named `front-amplitude` or `front-parts`.
-    ///
-    /// # Errors
-    /// [`ReportError::Drawing`] if no film has an error above 0, which the logarithmic scale needs.
-    pub fn draw(&self) -> Result<Drawing, ReportError> {
+    fn draft(&self) -> Result<FigureDraft, ReportError> {
         let (name, cost) = match self.axis {
             FrontAxis::Amplitude => ("front-amplitude", "its best-fit amplitude relative to the ideal film"),
             FrontAxis::Parts => ("front-parts", "its number of distinct parts"),
@@ -91,40 +97,34 @@ impl FrontFigure {
             "RMSE of each film of the front against {cost}. {}Shear is the larger RMSE of x and y.",
             if self.is_made() { made } else { "" }
         );
-        let drawn = svg(self)
-            .and_then(|svg| Drawing::new(name, caption, &svg, self.csv(), SvgText::Outlines, &typeset::options()));
-        drawn.map_err(|source| ReportError::Drawing { figure: name, source })
+        FigureDraft::new(name, caption, svg(self), self.csv())
     }
-}
 
-impl FrontFigure {
+    fn all(&self) -> impl Iterator<Item = &FrontFilm> {
+        self.films.iter().chain(&self.before)
+    }
+
     /// Whether all films have errors as made.
     fn is_made(&self) -> bool {
-        self.films.iter().chain(&self.before).all(|film| film.made_p95_mm.is_some())
+        self.all().all(|film| film.errors_mm.len() == 3)
     }
 
     fn series(&self) -> [ErrorSeries; 4] {
-        let shear_and_normal = |filled: bool, names: [&'static str; 2], errors: [fn(&FrontFilm) -> f64; 2]| {
-            [0, 1].map(|n| ErrorSeries { name: names[n], colour: [BLUE, VERMILION][n], filled, error: errors[n] })
-        };
-        let displacement: [fn(&FrontFilm) -> f64; 2] =
-            [|film| shear(film.displacement_rmse_mm), |film| film.displacement_rmse_mm[2]];
-        let ([a, b], [c, d]) = if self.is_made() {
-            let made: [fn(&FrontFilm) -> f64; 2] =
-                [|film| film.made_p95_mm.map_or(0.0, shear), |film| film.made_p95_mm.map_or(0.0, |errors| errors[2])];
-            (
-                shear_and_normal(true, ["95 % of films made, shear", "95 % of films made, normal"], made),
-                shear_and_normal(false, ["as ordered, shear", "as ordered, normal"], displacement),
-            )
+        let [discs, rings] = if self.is_made() {
+            [
+                (2, ["95 % of films made, shear", "95 % of films made, normal"]),
+                (0, ["as ordered, shear", "as ordered, normal"]),
+            ]
         } else {
-            let uniformity: [fn(&FrontFilm) -> f64; 2] =
-                [|film| shear(film.uniformity_rmse_mm), |film| film.uniformity_rmse_mm[2]];
-            (
-                shear_and_normal(true, ["displacement, shear", "displacement, normal"], displacement),
-                shear_and_normal(false, ["uniformity, shear", "uniformity, normal"], uniformity),
-            )
+            [(0, ["displacement, shear", "displacement, normal"]), (1, ["uniformity, shear", "uniformity, normal"])]
         };
-        [a, b, c, d]
+        [(discs, 0), (discs, 1), (rings, 0), (rings, 1)].map(|((error, names), direction)| ErrorSeries {
+            name: names[direction],
+            colour: [BLUE, VERMILION][direction],
+            filled: error == discs.0,
+            error,
+            is_normal: direction == 1,
+        })
     }
 
     /// The films as CSV.
@@ -133,16 +133,13 @@ impl FrontFigure {
             FrontAxis::Amplitude => "amplitude",
             FrontAxis::Parts => "parts",
         };
-        let made = if self.is_made() { &["made_p95_displacement"][..] } else { &[] };
-        let errors: Vec<String> = ["displacement", "uniformity"]
-            .iter()
-            .chain(made)
-            .flat_map(|error| AXIS_NAMES.map(|axis| format!("{error}_rmse_{axis}_mm")))
-            .collect();
+        let kinds = if self.is_made() { 3 } else { 2 };
+        let names = ["displacement", "uniformity", "made_p95_displacement"].into_iter().take(kinds);
+        let errors: Vec<String> =
+            names.flat_map(|error| AXIS_NAMES.map(|axis| format!("{error}_rmse_{axis}_mm"))).collect();
         let mut csv = format!("{first},{}\n", errors.join(","));
-        for film in self.films.iter().chain(&self.before) {
-            let made = film.made_p95_mm.iter().filter(|_| self.is_made()).flatten();
-            let errors = film.displacement_rmse_mm.iter().chain(&film.uniformity_rmse_mm).chain(made);
+        for film in self.all() {
+            let errors = film.errors_mm.iter().take(kinds).flatten();
             csv += &errors.fold(film.at.to_string(), |row, error| format!("{row},{error}"));
             csv.push('\n');
         }
@@ -156,48 +153,48 @@ struct ErrorSeries {
     colour: RGBColor,
     /// Whether its marks are discs on a thick line, or rings on a thin one.
     filled: bool,
-    error: fn(&FrontFilm) -> f64,
+    /// Index in [`FrontFilm::errors_mm`].
+    error: usize,
+    /// Whether it is the error along z, or the larger one of x and y.
+    is_normal: bool,
 }
 
-/// The larger error of x and y.
-fn shear([x, y, _]: [f64; 3]) -> f64 {
-    x.max(y)
+impl ErrorSeries {
+    fn of(&self, film: &FrontFilm) -> f64 {
+        let [x, y, z] = film.errors_mm[self.error];
+        if self.is_normal { z } else { x.max(y) }
+    }
+
+    fn width_px(&self) -> f64 {
+        if self.filled { 1.4 } else { 0.8 }
+    }
 }
 
 fn svg(front: &FrontFigure) -> Result<String, DrawError> {
     let all = front.series();
-    let errors = || {
-        let films = front.films.iter().chain(&front.before);
-        films.flat_map(|film| all.iter().map(move |series| (series.error)(film))).filter(|error| *error > 0.0)
-    };
-    let (low, high) = errors().fold((f64::INFINITY, 0.0_f64), |(l, h), e| (l.min(e), h.max(e)));
+    let errors = front.all().flat_map(|film| all.iter().map(move |series| series.of(film)));
+    let [low, high] = range_of(errors.filter(|error| *error > 0.0));
     if low > high {
         return Err("no film has an error above 0".into());
     }
-    let at = || front.films.iter().chain(&front.before).map(|film| film.at);
-    let (first, last) = at().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    let [first, last] = range_of(front.all().map(|film| film.at));
     let margin = if front.axis == FrontAxis::Parts { 0.6 } else { 0.05 * (last - first).max(0.1) };
-    let panel = Panel {
-        left: LEFT_PX,
-        top: TOP_PX,
-        width: WIDTH_PX,
-        height: HEIGHT_PX,
-        x: [first - margin, last + margin],
-        // Room for the label above the film that the design started from.
-        y: [low.log10() - 0.15, high.log10() + if front.before.is_some() { 0.4 } else { 0.15 }],
-    };
+    let x = [first - margin, last + margin];
+    // Room for the label above the film that the design started from.
+    let y = [low.log10() - 0.15, high.log10() + if front.before.is_some() { 0.4 } else { 0.15 }];
+    let panel = Panel::new([LEFT_PX, TOP_PX], [WIDTH_PX, HEIGHT_PX], x, y);
     sheet([LEFT_PX + WIDTH_PX + RIGHT_PX, TOP_PX + HEIGHT_PX + BELOW_PX + 8.0], |sheet| {
         decades(sheet, &panel)?;
         for series in &all {
             let points: Vec<[f64; 2]> =
-                front.films.iter().map(|film| panel.at(film.at, (series.error)(film).max(low).log10())).collect();
-            sheet.line(&points, series.colour, if series.filled { 1.4 } else { 0.8 })?;
+                front.films.iter().map(|film| panel.at(film.at, series.of(film).max(low).log10())).collect();
+            sheet.line(&points, series.colour, series.width_px())?;
             for point in points {
                 mark(sheet, series, point)?;
             }
         }
         if let Some(film) = &front.before {
-            let errors = all.each_ref().map(|series| (series.error)(film).max(low).log10());
+            let errors = all.each_ref().map(|series| series.of(film).max(low).log10());
             for (series, error) in all.iter().zip(errors) {
                 mark(sheet, series, panel.at(film.at, error))?;
             }
@@ -208,14 +205,10 @@ fn svg(front: &FrontFigure) -> Result<String, DrawError> {
         frame(sheet, &panel, front.axis)?;
         for (index, series) in all.iter().enumerate() {
             let (column, row) = (index / 2, index % 2);
-            let legend = [LEFT_PX + 6.0 + 210.0 * column as f64, 16.0 + 20.0 * row as f64];
-            sheet.line(
-                &[[legend[0], legend[1]], [legend[0] + 24.0, legend[1]]],
-                series.colour,
-                if series.filled { 1.4 } else { 0.8 },
-            )?;
-            mark(sheet, series, [legend[0] + 12.0, legend[1]])?;
-            sheet.text([legend[0] + 32.0, legend[1]], series.name, LETTERS)?;
+            let [x, y] = [LEFT_PX + 6.0 + 210.0 * column as f64, 16.0 + 20.0 * row as f64];
+            sheet.line(&[[x, y], [x + 24.0, y]], series.colour, series.width_px())?;
+            mark(sheet, series, [x + 12.0, y])?;
+            sheet.text([x + 32.0, y], series.name, LETTERS)?;
         }
         Ok(())
     })
@@ -277,8 +270,7 @@ fn frame(sheet: &Sheet, panel: &Panel, axis: FrontAxis) -> DrawResult {
     sheet.text([panel.left + 0.5 * panel.width, panel.bottom() + 32.0], name, LETTERS.centred())?;
     let upright = Lettering { upright: true, ..LETTERS.centred() };
     sheet.text([16.0, panel.top + 0.5 * panel.height], "RMSE (mm)", upright)?;
-    let (right, bottom) = (panel.right(), panel.bottom());
-    sheet.outline(&[[panel.left, panel.top], [right, panel.top], [right, bottom], [panel.left, bottom]], INK, FRAME_PX)
+    panel.frame(sheet)
 }
 
 #[cfg(test)]
@@ -290,7 +282,7 @@ mod tests {
     #[test]
     fn front_without_films_is_refused_with_its_reason_as_source() {
         let front = FrontFigure { axis: FrontAxis::Parts, films: Vec::new(), before: None };
-        let error = front.draw().unwrap_err();
+        let error = front.draft().err().unwrap();
         assert_eq!(error.to_string(), "the figure front-parts cannot be drawn: no film has an error above 0");
         assert_eq!(error.source().unwrap().to_string(), "no film has an error above 0");
     }

@@ -5,27 +5,22 @@ use magsplice::layout::{Layout, NamedTile, WorkingVolume};
 use plotters::prelude::RGBColor;
 
 use crate::colours::{DirectionColours, light};
-use crate::drawing::{Drawing, SvgText};
+use crate::csv::{csv, quoted};
+use crate::drawing::{Drawing, FigureDraft, SvgText};
 use crate::error::{DrawError, ReportError};
 use crate::marks::{BRACKET_WIDTH_PX, VANISHING, arrow, bracket_arms, corner_brackets, out_of_plane_mark};
-use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
+use crate::panel::{BELOW_PX, Panel};
 use crate::shared_ranges::SharedRanges;
-use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
+use crate::sheet::{DrawResult, INK, Sheet, sheet};
 use crate::survey::tiles_to_draw;
-use crate::tile_shapes::{bounds, from_above};
-use crate::typeset::{self, plain};
+use crate::typeset::plain;
 
-use super::field_maps::csv_row;
+use super::film_panel::{MARGIN, OUTLINE, TOP_PX, film_axes, film_bounds, film_panel, outline, top_mm, upwards};
 use super::layout_legend::LayoutLegend;
 use super::tile_annotations::{Annotation, Annotations, Rectangle, TileOnSheet, annotations, arrow_width};
 
-/// Length of the longer side of the drawing, in pixels.
-const ROOM_PX: f64 = 740.0;
-/// Width of the legend at its right, in pixels.
+/// Width of the legend at the right of the drawing, in pixels.
 const LEGEND_PX: f64 = 190.0;
-const TOP_PX: f64 = 14.0;
-/// Empty space around the tiles, as a fraction of the longer side.
-const MARGIN: f64 = 0.03;
 /// Minimum of half the shorter side, as a fraction of the longer side.
 const MIN_HALF_SIDE: f64 = 0.06;
 
@@ -36,33 +31,35 @@ const MARK_AT_TAIL_PX: f64 = 6.0;
 /// Maximum length of the arms of the brackets at the corners of the working volume, in pixels.
 const BRACKET_PX: f64 = 12.0;
 
-/// Name of the figure in files and errors.
-pub(crate) const NAME: &str = "layout";
-
-/// What the figure shows.
-pub(crate) const CAPTION: &str = "The tiles seen from above, with their polarization and their names.";
-
 /// The tiles of a layout from above.
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if the figure cannot be drawn.
 pub fn layout_figure(layout: &Layout, text: SvgText) -> Result<Drawing, ReportError> {
-    let centre_mm = layout.volume.as_ref().map_or(DVec3::ZERO, |volume| volume.reference_mm);
-    let tiles = tiles_to_draw(&layout.tiles, centre_mm);
-    let drawn = draw(&tiles, layout.tiles.len(), layout.volume.as_ref(), &SharedRanges::default())
-        .and_then(|svg| Drawing::new(NAME, CAPTION.to_owned(), &svg, csv(&tiles), text, &typeset::options()));
-    drawn.map_err(|source| ReportError::Drawing { figure: NAME, source })
+    draft(layout, &tiles_to_draw(layout), &SharedRanges::default())?.rendered(text)
+}
+
+/// The figure of these tiles of a layout.
+pub(crate) fn draft(layout: &Layout, tiles: &[&NamedTile], ranges: &SharedRanges) -> Result<FigureDraft, ReportError> {
+    let caption = "The tiles seen from above, with their polarization and their names.";
+    let row = |named: &&NamedTile| {
+        let vectors = [named.tile.position(), named.tile.size(), named.tile.scene_polarization_t()];
+        (quoted(&named.name) + ",", vectors.map(|vector| vector.to_array()).concat())
+    };
+    let header = "name,x_mm,y_mm,z_mm,size_x_mm,size_y_mm,size_z_mm,j_x_t,j_y_t,j_z_t";
+    let drawn = draw(tiles, layout.tiles.len(), layout.volume.as_ref(), ranges);
+    FigureDraft::new("layout", caption, drawn, csv(header, tiles.iter().map(row)))
 }
 
 /// The figure as SVG. `tiles` are the ones drawn, `all` is the number of tiles of the layout.
-pub(crate) fn draw(
+fn draw(
     tiles: &[&NamedTile],
     all: usize,
     volume: Option<&WorkingVolume>,
     ranges: &SharedRanges,
 ) -> Result<String, DrawError> {
     let most_t = tiles.iter().map(|named| named.tile.polarization_t().length()).fold(0.0, f64::max);
-    let [low, high] = bounds(tiles.iter().map(|named| &named.tile)).unwrap_or([DVec3::ZERO, DVec3::ONE]);
+    let [low, high] = film_bounds(tiles.iter().map(|named| &named.tile));
     let (low, high) = match volume {
         Some(v) => (low.min(v.lower_mm), high.max(v.upper_mm)),
         None => (low, high),
@@ -71,24 +68,11 @@ pub(crate) fn draw(
     let (low, high) = (DVec3::new(x[0], y[0], low.z), DVec3::new(x[1], y[1], high.z));
     let (longest, middle) = ((high - low).truncate().max_element(), 0.5 * (low + high));
     let half = (0.5 * (high - low)).max(DVec3::splat(MIN_HALF_SIDE * longest)) + MARGIN * longest;
-    let (low, high) = (middle - half, middle + half);
-    let extents = [high.x - low.x, high.y - low.y];
-    let per_mm = ROOM_PX / extents[0].max(extents[1]);
-    let panel = Panel {
-        left: LEFT_PX + 6.0,
-        top: TOP_PX,
-        width: per_mm * extents[0],
-        height: per_mm * extents[1],
-        x: [low.x, high.x],
-        y: [low.y, high.y],
-    };
+    let panel = film_panel([middle - half, middle + half]);
     let size = [panel.right() + LEGEND_PX, (panel.bottom() + BELOW_PX + 6.0).max(470.0)];
     sheet(size, |sheet| {
         let painter = TilePainter { panel, most_t, directions: DirectionColours::new() };
-        // From the lowest to the highest, so that upper tiles cover lower ones.
-        let mut order: Vec<&NamedTile> = tiles.to_vec();
-        let top = |named: &&NamedTile| bounds(std::iter::once(&named.tile)).map_or(0.0, |[_, high]| high.z);
-        order.sort_by(|a, b| top(a).total_cmp(&top(b)));
+        let order = upwards(tiles, |named| top_mm(&named.tile));
         let prefix = common_prefix(tiles);
         let corners = volume.map(|v| [panel.at(v.lower_mm.x, v.upper_mm.y), panel.at(v.upper_mm.x, v.lower_mm.y)]);
         let marks = corners.map_or(Vec::new(), |[upper_left, lower_right]| {
@@ -106,17 +90,14 @@ pub(crate) fn draw(
         for ((named, place), TileOnSheet { mark, .. }) in order.into_iter().zip(&places).zip(&on_sheet) {
             painter.body(sheet, named)?;
             painter.polarization(sheet, named, place, arrow_px, *mark)?;
-            if let Some(name) = place.name.as_ref().filter(|_| nameless < tiles.len()) {
-                let text = plain(without_prefix(named, prefix));
-                let letters = LETTERS.sized(name.size).centred();
-                let letters = Lettering { upright: name.upright, colour: RGBColor(50, 50, 50), ..letters };
-                sheet.text(name.at.to_array(), &text, letters)?;
+            if nameless < tiles.len() {
+                place.write_name(sheet, without_prefix(named, prefix), RGBColor(50, 50, 50))?;
             }
         }
         if let Some([upper_left, lower_right]) = corners {
             corner_brackets(sheet, upper_left, lower_right, BRACKET_PX)?;
         }
-        panel.axes(sheet, AxisLabel::Coordinate("x"), AxisLabel::Coordinate("y"))?;
+        film_axes(sheet, &panel)?;
         let names = match nameless {
             0 if prefix.is_empty() => Vec::new(),
             0 => vec![format!("Tiles: {}\u{2026}", plain(prefix))],
@@ -137,18 +118,6 @@ pub(crate) fn draw(
     })
 }
 
-/// The tiles as CSV, with J in the frame of the film.
-pub(crate) fn csv(tiles: &[&NamedTile]) -> String {
-    let mut csv = "name,x_mm,y_mm,z_mm,size_x_mm,size_y_mm,size_z_mm,j_x_t,j_y_t,j_z_t\n".to_owned();
-    for NamedTile { name, tile, .. } in tiles {
-        // A name is quoted as CSV asks.
-        csv += &format!("\"{}\",", name.replace('"', "\"\""));
-        let numbers = [tile.position(), tile.size(), tile.scene_polarization_t()];
-        csv_row(&mut csv, numbers.into_iter().flat_map(|vector| vector.to_array()));
-    }
-    csv
-}
-
 /// Draws tiles into a panel.
 struct TilePainter {
     panel: Panel,
@@ -157,28 +126,21 @@ struct TilePainter {
 }
 
 impl TilePainter {
-    /// The position of a point on the sheet, in pixels.
-    fn px(&self, p: DVec2) -> [f64; 2] {
-        self.panel.at(p.x, p.y)
-    }
-
     /// Draws the outline, filled with the colour of the polarization's direction.
     fn body(&self, sheet: &Sheet, named: &NamedTile) -> DrawResult {
-        let outline: Vec<[f64; 2]> = from_above(&named.tile).into_iter().map(|p| self.px(p)).collect();
-        sheet.fill(&outline, light(self.directions.colour(named.tile.scene_polarization_t())))?;
+        let colour = light(self.directions.colour(named.tile.scene_polarization_t()));
         let width = if self.panel.px_per_x() * named.tile.size().min_element() < 3.0 { 0.3 } else { 0.9 };
-        sheet.outline(&outline, RGBColor(70, 70, 70), width)
+        sheet.shape(&outline(&self.panel, &named.tile), colour, OUTLINE, width)
     }
 
     /// The shape of a tile on the sheet, and what its annotation consists of.
     fn on_sheet(&self, named: &NamedTile, prefix: &str) -> TileOnSheet {
-        let outline: Vec<DVec2> = from_above(&named.tile).into_iter().map(|p| DVec2::from(self.px(p))).collect();
-        let low = outline.iter().copied().fold(DVec2::MAX, DVec2::min);
-        let high = outline.iter().copied().fold(DVec2::MIN, DVec2::max);
+        let outline: Vec<DVec2> = outline(&self.panel, &named.tile).into_iter().map(DVec2::from).collect();
+        let around = Rectangle::of_points(outline.iter().copied());
         let j = named.tile.scene_polarization_t() / self.most_t;
         // y grows upwards in the film and downwards on the sheet.
         let in_plane = DVec2::new(j.x, -j.y);
-        let narrow = (high - low).min_element();
+        let narrow = around.size().min_element();
         let in_plane = (in_plane.length() > VANISHING).then_some(in_plane);
         let most = if in_plane.is_some() { MARK_AT_TAIL_PX } else { MARK_PX };
         let mark = if j.z.abs() > VANISHING { (0.12 * narrow).clamp(1.0, most) * j.z.abs().sqrt() } else { 0.0 };

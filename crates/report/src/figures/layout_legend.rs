@@ -6,8 +6,9 @@ use magsplice::layout::NamedTile;
 use crate::colours::{DirectionColours, light};
 use crate::marks::{VANISHING, arrow, corner_brackets, out_of_plane_mark};
 use crate::sheet::{DrawResult, INK, LETTERS, PlotError, Sheet};
-use crate::typeset::{number, variable};
+use crate::typeset::{rounded, variable};
 
+use super::film_panel::tile_count;
 use super::tile_annotations::arrow_width;
 
 /// The legend at the right of the drawing.
@@ -32,8 +33,7 @@ impl LayoutLegend<'_> {
     pub(super) fn draw(&self, sheet: &Sheet, directions: &DirectionColours) -> DrawResult {
         let left = self.left;
         let mut y = self.top + 10.0;
-        sheet.text([left, y], "Direction of polarization", LETTERS)?;
-        y = direction_wheel(sheet, directions, left, y + 24.0)? + 34.0;
+        y = direction_wheel(sheet, directions, left, y)? + 34.0;
         y = self.marks(sheet, y)?;
         for line in self.lines() {
             sheet.text([left, y], &line, LETTERS)?;
@@ -70,7 +70,7 @@ impl LayoutLegend<'_> {
     /// The lines of text: the number of tiles, |J|, and the names.
     fn lines(&self) -> Vec<String> {
         let (tiles, all) = (self.tiles, self.all);
-        let mut lines = vec![if all == 1 { "1 tile".to_owned() } else { format!("{all} tiles") }];
+        let mut lines = vec![tile_count(all)];
         if tiles.len() < all {
             lines.push(format!("drawn: the {} nearest", tiles.len()));
         }
@@ -86,15 +86,16 @@ impl LayoutLegend<'_> {
     }
 }
 
-/// Draws the colour circle from `y` down, and returns where it ends.
+/// Draws the colour circle with its title from `y` down, and returns where it ends.
 pub(super) fn direction_wheel(
     sheet: &Sheet,
     directions: &DirectionColours,
     left: f64,
     y: f64,
 ) -> Result<f64, PlotError> {
+    sheet.text([left, y], "Direction of polarization", LETTERS)?;
     let wheel = 46.0;
-    let y = y + wheel;
+    let y = y + 24.0 + wheel;
     let centre = [left + wheel + 18.0, y];
     let sectors = 48;
     for i in 0..sectors {
@@ -116,6 +117,5 @@ pub(super) fn direction_wheel(
 
 /// A polarization with four significant digits and its unit.
 fn strength(value_t: f64) -> String {
-    let digits = format!("{value_t:.3e}").parse().unwrap_or(value_t);
-    format!("{} T", number(digits))
+    format!("{} T", rounded(value_t, 3))
 }

@@ -12,6 +12,8 @@ pub(crate) mod distributions;
 pub(crate) mod experiment;
 /// B_x, B_y, B_z on a plane: spliced film, ideal film, difference.
 pub(crate) mod field_maps;
+/// Panels that show the tiles from above.
+mod film_panel;
 /// The tiles from above with the force on each.
 pub(crate) mod forces;
 /// Errors of the films of a Pareto front.
@@ -22,6 +24,8 @@ pub(crate) mod laying_plan;
 pub(crate) mod layout_from_above;
 /// The legend of the figure of the tiles.
 mod layout_legend;
+/// Maps in rows and columns.
+mod map_grid;
 /// R_x, R_y, S_z on planes through the working volume.
 pub(crate) mod parameter_maps;
 /// How far recoil weakens and turns each tile.

@@ -2,8 +2,11 @@
 //! the marks of the working volume and from tiles that lie above it.
 
 use glam::DVec2;
+use plotters::prelude::RGBColor;
 
 use crate::marks::head_width;
+use crate::sheet::{DrawResult, LETTERS, Lettering, Sheet};
+use crate::typeset::plain;
 
 /// Font sizes of names that are tried, in pixels. A name that needs a smaller one is omitted.
 const NAME_SIZES_PX: [f64; 6] = [12.0, 11.0, 10.0, 9.0, 8.0, 7.5];
@@ -55,7 +58,16 @@ pub(super) struct Annotation {
     pub(super) name: Option<NamePlace>,
 }
 
+impl Annotation {
+    /// Draws the name where there is room for it.
+    pub(super) fn write_name(&self, sheet: &Sheet, name: &str, colour: RGBColor) -> DrawResult {
+        let Some(NamePlace { at, size, upright }) = self.name else { return Ok(()) };
+        sheet.text(at.to_array(), &plain(name), Lettering { upright, colour, ..LETTERS.sized(size).centred() })
+    }
+}
+
 /// Where the name of a tile goes.
+#[derive(Clone, Copy)]
 pub(super) struct NamePlace {
     /// Centre of the name.
     pub(super) at: DVec2,
@@ -95,15 +107,16 @@ impl Rectangle {
         Rectangle { low: self.low - DVec2::splat(by), high: self.high + DVec2::splat(by) }
     }
 
-    fn of_points(points: impl Iterator<Item = DVec2> + Clone) -> Rectangle {
+    /// The rectangle around points.
+    pub(super) fn of_points(points: impl Iterator<Item = DVec2> + Clone) -> Rectangle {
         Rectangle { low: points.clone().fold(DVec2::MAX, DVec2::min), high: points.fold(DVec2::MIN, DVec2::max) }
     }
 
-    fn size(&self) -> DVec2 {
+    pub(super) fn size(&self) -> DVec2 {
         self.high - self.low
     }
 
-    fn middle(&self) -> DVec2 {
+    pub(super) fn middle(&self) -> DVec2 {
         0.5 * (self.low + self.high)
     }
 

@@ -8,17 +8,20 @@ use magsplice::prelude::Quantity;
 use plotters::prelude::RGBColor;
 
 use crate::colours::{ColourScale, DirectionColours, Palette, light, plotters_colour};
-use crate::error::DrawError;
+use crate::csv::csv_of_vectors;
+use crate::drawing::FigureDraft;
+use crate::error::{DrawError, ReportError};
 use crate::flux_unit::flux_unit;
 use crate::marks::arrow;
 use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel};
 use crate::shared_ranges::SharedRanges;
-use crate::sheet::{DrawResult, INK, Sheet, sheet};
+use crate::sheet::{DrawResult, INK, Sheet, rectangle, sheet};
 use crate::survey::{round_off_t, without_round_off};
 use crate::tile_shapes::{bounds, in_plane, section};
-use crate::typeset::{AXIS_NAMES, number, variable};
+use crate::typeset::{AXIS_NAMES, plane, variable};
 
-use super::field_maps::csv_row;
+const CAPTION: &str = "B in three planes. The length and the colour of an arrow show the logarithm of the magnitude of B in \
+    the plane. The dashed rectangle is the working volume.";
 
 /// Maximum width of the two vertical views, in pixels.
 const MAX_WIDTH_PX: f64 = 560.0;
@@ -58,13 +61,22 @@ struct FieldArrow {
     whole_t: DVec3,
 }
 
-/// The figure as SVG, and its arrows as CSV.
-pub(crate) fn draw(
+/// The figure.
+pub(crate) fn draft(
     film: &Film,
     tiles: &[&NamedTile],
     volume: &WorkingVolume,
     ranges: &SharedRanges,
-) -> Result<(String, String), DrawError> {
+) -> Result<FigureDraft, ReportError> {
+    let views = views(tiles, volume, ranges);
+    let arrows = views.each_ref().map(|view| view.field_arrows(film));
+    let rows = arrows.iter().flatten().map(|arrow| [arrow.point_mm, arrow.whole_t]);
+    let csv = csv_of_vectors("x_mm,y_mm,z_mm,b_x_t,b_y_t,b_z_t", rows);
+    FigureDraft::new("vectors", CAPTION, draw(&views, &arrows, tiles, volume, ranges), csv)
+}
+
+/// The three views.
+fn views(tiles: &[&NamedTile], volume: &WorkingVolume, ranges: &SharedRanges) -> [PlaneView; 3] {
     let [film_low, film_high] =
         bounds(tiles.iter().map(|named| &named.tile)).unwrap_or([volume.lower_mm, volume.upper_mm]);
     let middle = 0.5 * (volume.lower_mm + volume.upper_mm);
@@ -96,50 +108,42 @@ pub(crate) fn draw(
     let per_mm = (MAX_WIDTH_PX / (x[1] - x[0])).min(MAX_WIDTH_PX / (y[1] - y[0])).min(MAX_HEIGHT_PX / (z[1] - z[0]));
     let height = per_mm * (z[1] - z[0]);
     let left = LEFT_PX + 6.0;
-    let upright = |horizontal: [f64; 2], top: f64| Panel {
-        left,
-        top,
-        width: per_mm * (horizontal[1] - horizontal[0]),
-        height,
-        x: horizontal,
-        y: z,
+    let upright = |horizontal: [f64; 2], top: f64| {
+        Panel::new([left, top], [per_mm * (horizontal[1] - horizontal[0]), height], horizontal, z)
     };
     let first = upright(x, TOP_PX);
     let second = upright(y, first.bottom() + BELOW_PX + TOP_PX);
     let room = second.bottom() - TOP_PX;
     let per_mm = (room / (y[1] - y[0])).min(MAX_WIDTH_PX / (x[1] - x[0]));
-    let third = Panel {
-        left: first.right().max(second.right()) + LEFT_PX + 28.0,
-        top: TOP_PX,
-        width: per_mm * (x[1] - x[0]),
-        height: per_mm * (y[1] - y[0]),
-        x,
-        y,
-    };
-    let views = [
+    let left = first.right().max(second.right()) + LEFT_PX + 28.0;
+    let third = Panel::new([left, TOP_PX], [per_mm * (x[1] - x[0]), per_mm * (y[1] - y[0])], x, y);
+    [
         PlaneView { panel: first, normal: 1, at_mm: middle.y, arrows: between },
         PlaneView { panel: second, normal: 0, at_mm: middle.x, arrows: between },
         PlaneView { panel: third, normal: 2, at_mm: middle.z, arrows: y },
-    ];
-    let arrows: Vec<Vec<FieldArrow>> = views.iter().map(|view| view.field_arrows(film)).collect();
+    ]
+}
+
+fn draw(
+    views: &[PlaneView; 3],
+    arrows: &[Vec<FieldArrow>; 3],
+    tiles: &[&NamedTile],
+    volume: &WorkingVolume,
+    ranges: &SharedRanges,
+) -> Result<String, DrawError> {
+    let [_, second, third] = views.each_ref().map(|view| view.panel);
     let strengths = || arrows.iter().flatten().map(FieldArrow::strength_t).filter(|b| *b > 0.0);
     let most_t = ranges.widened("vectors most", [0.0, strengths().fold(0.0, f64::max)])[1];
     let unit = flux_unit(most_t);
     let least_t = strengths().fold(most_t, f64::min).max(most_t * 10_f64.powf(-DECADES));
     let decade = |t: f64| (t * unit.per_t).log10();
     let least_t = ranges.widened("vectors least", [least_t, least_t])[0];
-    let scale = if most_t > 0.0 {
-        ColourScale { low: decade(least_t).min(decade(most_t) - 0.5), high: decade(most_t), palette: Palette::Lines }
-    } else {
-        ColourScale { low: 0.0, high: 1.0, palette: Palette::Lines }
-    };
+    let [low, high] =
+        if most_t > 0.0 { [decade(least_t).min(decade(most_t) - 0.5), decade(most_t)] } else { [0.0, 1.0] };
+    let scale = ColourScale { low, high, palette: Palette::Lines };
     let size = [third.right() + 14.0 + BAR_PX, second.bottom().max(third.bottom()) + BELOW_PX + 6.0];
-    let mut csv = "x_mm,y_mm,z_mm,b_x_t,b_y_t,b_z_t\n".to_owned();
-    for arrow in arrows.iter().flatten() {
-        csv_row(&mut csv, arrow.point_mm.to_array().into_iter().chain(arrow.whole_t.to_array()));
-    }
-    let svg = sheet(size, |sheet| {
-        for (index, (view, arrows)) in views.iter().zip(&arrows).enumerate() {
+    sheet(size, |sheet| {
+        for (index, (view, arrows)) in views.iter().zip(arrows).enumerate() {
             view.draw(sheet, tiles, volume)?;
             let mapper = scale.mapper();
             for field_arrow in arrows {
@@ -166,8 +170,7 @@ pub(crate) fn draw(
         let bar = Panel { height: third.height.max(MIN_BAR_PX), ..third };
         let name = format!("|{}| in the plane of view ({})", variable("B"), unit.name);
         bar.logarithmic_bar(sheet, 14.0, scale, &name)
-    })?;
-    Ok((svg, csv))
+    })
 }
 
 impl PlaneView {
@@ -218,8 +221,7 @@ impl PlaneView {
             }
             let outline: Vec<[f64; 2]> = section.iter().map(|p| self.clipped(p.to_array())).collect();
             let j = named.tile.scene_polarization_t();
-            sheet.fill(&outline, light(directions.colour(j)))?;
-            sheet.outline(&outline, RGBColor(90, 90, 90), 0.7)?;
+            sheet.shape(&outline, light(directions.colour(j)), RGBColor(90, 90, 90), 0.7)?;
             let in_view = [j[u], j[v]];
             let strength = in_view[0].hypot(in_view[1]);
             let sides = [0, 1].map(|axis| {
@@ -235,7 +237,7 @@ impl PlaneView {
             }
         }
         let (l, h) = (volume.lower_mm, volume.upper_mm);
-        let corners = [[l[u], l[v]], [h[u], l[v]], [h[u], h[v]], [l[u], h[v]]].map(|[x, y]| self.panel.at(x, y));
+        let corners = rectangle(self.panel.at(l[u], l[v]), self.panel.at(h[u], h[v]));
         sheet.dashed_outline(&corners, INK, 1.2)
     }
 
@@ -243,7 +245,7 @@ impl PlaneView {
     fn frame(&self, sheet: &Sheet, index: usize) -> DrawResult {
         let [across, along] = in_plane(self.normal).map(|axis| AxisLabel::Coordinate(AXIS_NAMES[axis]));
         self.panel.axes(sheet, across, along)?;
-        let plane = format!("{} = {} mm", variable(AXIS_NAMES[self.normal]), number(self.at_mm));
+        let plane = plane(self.normal, self.at_mm);
         let title = if self.normal == 2 { format!("{plane}, from above") } else { plane };
         self.panel.title(sheet, index, &title)
     }

@@ -75,28 +75,8 @@ fn write_figures(_: &DesignProblem, _: &ParetoFront, _: &mut Folder) -> Result<(
 
 #[cfg(feature = "report")]
 fn write_figures(problem: &DesignProblem, front: &ParetoFront, folder: &mut Folder) -> Result<(), Failure> {
-    use magsplice::decouple::Figures;
-    use magsplice::design::{Metrics, SearchResult};
-    use magsplice::tolerance::Statistics;
-    use magsplice_report::{FrontAxis, FrontFigure, FrontFilm};
-
-    let film = |at: f64, metrics: &Metrics, made: Option<&Figures<Statistics>>| {
-        let made_p95_mm = made.map(|made| made.displacement_rmse_mm.map(|axis| axis.p95.value));
-        FrontFilm::new(at, &metrics.figures, made_p95_mm, problem.ideal())
-    };
-    let after = |at: f64, result: &SearchResult| film(at, &result.after, result.made.as_ref().map(|made| &made.after));
-    let before = front.by_amplitude.first().map(|(_, result)| {
-        film(result.before.figures.amplitude, &result.before, result.made.as_ref().map(|made| &made.before))
-    });
-    let by_amplitude =
-        front.by_amplitude.iter().map(|(_, result)| after(result.after.figures.amplitude, result)).collect();
-    let by_parts = front.by_parts.iter().map(|result| after(result.parts as f64, result)).collect();
-    let figures = [
-        FrontFigure { axis: FrontAxis::Amplitude, films: by_amplitude, before },
-        FrontFigure { axis: FrontAxis::Parts, films: by_parts, before: None },
-    ];
-    for figure in figures.into_iter().filter(|figure| !figure.films.is_empty()) {
-        folder.write_all(figure.draw()?.files())?;
+    for figure in magsplice_report::front_figures(front, problem.ideal())? {
+        folder.write_all(figure.files())?;
     }
     Ok(())
 }
