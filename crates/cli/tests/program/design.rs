@@ -26,7 +26,9 @@ fn designed_film_passes_check() {
     {
         assert!(said.stdout.contains(part), "{part:?} is not in {}", said.stdout);
     }
-    assert_eq!(said.stderr, "");
+    // A slow machine gets an estimate of the time.
+    let is_estimate = |line: &str| line.contains("estimated from the first step");
+    assert!(said.stderr.lines().all(is_estimate), "{}", said.stderr);
     let checked = sandbox.run(&["check", "better.toml"]);
     assert_eq!((checked.status, checked.stdout.matches("ok ").count()), (0, 7), "{}", checked.stdout);
     let better = sandbox.read("better.toml");
