@@ -70,6 +70,7 @@ impl Folder {
     }
 
     /// Writes files with their names.
+    #[cfg(feature = "report")]
     pub(crate) fn write_all<'f>(&mut self, files: impl IntoIterator<Item = (String, &'f [u8])>) -> Result<(), Failure> {
         files.into_iter().try_for_each(|(name, contents)| self.write(&name, contents))
     }
