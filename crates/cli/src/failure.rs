@@ -43,7 +43,7 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
-    /// What is wrong in a file.
+    /// Faults in a file.
     pub(crate) fn at(path: &Path, message: impl fmt::Display) -> Failure {
         Failure::Refused(format!("{}: {message}", path.display()))
     }

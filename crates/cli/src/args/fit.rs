@@ -1,4 +1,4 @@
-//! What is fitted of a scan.
+//! Parameters of a scan that can be fitted.
 
 use clap::ValueEnum;
 use magsplice::scan::FreeParameters;

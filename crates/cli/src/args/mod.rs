@@ -2,7 +2,7 @@
 
 /// `--within`: the accuracy of a field.
 pub(crate) mod accuracy;
-/// What is fitted of a scan.
+/// Parameters of a scan that can be fitted.
 pub(crate) mod fit;
 /// Output formats, their names and file endings.
 pub(crate) mod formats;

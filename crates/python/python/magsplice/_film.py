@@ -430,7 +430,7 @@ class Film(_magsplice.Film):
         within: float | None = None,
         within_t: float | None = None,
     ) -> Comparison:
-        """Comparison of B with that of the ideal film (Dai 2024, Eq. 2).
+        """Comparison of B with B of the ideal film (Dai 2024, Eq. 2).
 
         Parameters
         ----------
