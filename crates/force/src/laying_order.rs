@@ -98,7 +98,7 @@ impl fmt::Display for OrderError {
                 write!(f, "the order has {given} tiles, must have each of the {tiles} tiles of the film once")
             }
             OrderError::NoTile { step, tile } => write!(f, "step {step}: tile {tile}, must be a tile of the film"),
-            OrderError::Twice { step, tile } => write!(f, "step {step}: tile {tile} is laid already"),
+            OrderError::Twice { step, tile } => write!(f, "step {step}: tile {tile} is already placed"),
         }
     }
 }

@@ -154,9 +154,9 @@ fn recoil_words(error: &RefinementError, tiles: &[String], f: &mut fmt::Formatte
         (RefinementError::NotConverged { best: Some(best), tolerance, reached, most_cells, needed_cells }, _) => {
             write!(
                 f,
-                "what recoil changes in B is known to {:.1} times the stated error with {} cells, and it takes about \
-             {needed_cells:.0e} cells of at most {most_cells}: raise recoil_error in [material], or take points \
-             farther from the tiles",
+                "the error of recoil in B is {:.1} times the allowed error with {} cells; about {needed_cells:.0e} cells are \
+             needed, at most {most_cells} are possible: raise recoil_error in [material], or take points farther \
+             from the tiles",
                 reached / tolerance,
                 best.magnetization.cells().len(),
                 needed_cells = *needed_cells as f64
@@ -164,8 +164,8 @@ fn recoil_words(error: &RefinementError, tiles: &[String], f: &mut fmt::Formatte
         }
         (RefinementError::Recoil(RecoilError::TooPermeable { permeability, cells }), _) => write!(
             f,
-            "recoil_permeability = {permeability}, must be at most {MOST_PERMEABILITY_OF_TREE} where so small an error needs \
-             {cells} cells: lower it, or raise recoil_error in [material]"
+            "recoil_permeability = {permeability}, must be at most {MOST_PERMEABILITY_OF_TREE} with the {cells} cells of so \
+             small an error: lower it, or raise recoil_error in [material]"
         ),
         (RefinementError::Recoil(RecoilError::TooManyCells { count }), _) => write!(
             f,
@@ -189,15 +189,15 @@ fn assignment_words(
             let of_places = if *places == 1 { "1 place".to_owned() } else { format!("{places} places") };
             write!(
                 f,
-                "part {number} ({x} x {y} x {z} mm, {of_places}) has {tiles} of the measured tiles: measure more, or say \
-                 which lie already"
+                "part {number} ({x} x {y} x {z} mm, {of_places}) has {tiles} of the measured tiles: measure more, or give \
+                 the tiles already placed"
             )
         }
         AssignmentError::NoOrientation { .. } => {
             write!(f, "place \"{tile}\": its tile must be turned over: allow tiles to be turned over")
         }
         AssignmentError::Shim { .. } => {
-            write!(f, "shim \"{tile}\": what it does cannot be told from the other shims: choose another place")
+            write!(f, "shim \"{tile}\": its effect cannot be separated from the other shims: choose another place")
         }
         error => write!(f, "{error}"),
     }
@@ -222,7 +222,7 @@ impl fmt::Display for FilmError {
             FilmError::Sample { sample, error } => write!(f, "sample {sample} of [tolerance]: {error}"),
             FilmError::Sensor(error) => error.fmt(f),
             FilmError::NoNoise => {
-                f.write_str("the layout has no noise: give that of the readings, or noise_ut or part in [sensor]")
+                f.write_str("the layout has no noise: give the noise of the readings, or noise_ut or part in [sensor]")
             }
             FilmError::NoPosition { reading } => write!(f, "reading {reading} has two positions or none"),
             FilmError::Stiffness { axis, error } => write!(f, "along {axis}: {error}"),
@@ -234,8 +234,8 @@ impl fmt::Display for FilmError {
             FilmError::Recoil { error, tiles } => recoil_words(error, tiles, f),
             FilmError::Forces { error: FilmForcesError::Pair { source, .. }, tiles } => write!(
                 f,
-                "tiles \"{}\": their force is known to {:.1e} only, and not to {:.1e}; leave a gap between them, or allow a \
-                 larger error",
+                "tiles \"{}\": their force has an error of {:.1e}, must have at most {:.1e}: leave a gap between them, or \
+                 allow a larger error",
                 tiles.join("\" and \""),
                 source.reached,
                 source.tolerance
@@ -245,14 +245,12 @@ impl fmt::Display for FilmError {
             FilmError::Polynomial(error) => error.fmt(f),
             FilmError::ExperimentStep(step) => write!(
                 f,
-                "steps of ({}, {}, {}) mm: each must be above 0 and make at most 100000 steps in the working volume",
+                "steps of ({}, {}, {}) mm: each must be above 0 and give at most 100000 steps in the working volume",
                 step.x, step.y, step.z
             ),
-            FilmError::TooFewSamples(samples) => write!(
-                f,
-                "{samples} samples cannot show that the percentile of [expect.made] breaks a bound, whatever they are: \
-                 state more samples"
-            ),
+            FilmError::TooFewSamples(samples) => {
+                write!(f, "{samples} samples are too few to test the percentile of [expect.made]: set more samples")
+            }
             FilmError::OnePointPlanes(parameter) => write!(
                 f,
                 "the grid has one point in each plane normal to {}, and the uniformity RMSE compares the points of a \

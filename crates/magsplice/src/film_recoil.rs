@@ -121,7 +121,7 @@ impl FilmRecoil {
             );
             values
         };
-        let first_order = Stage::uncounted("what recoil changes, to first order");
+        let first_order = Stage::uncounted("effect of recoil, to first order");
         progress.show(first_order);
         let of_field = 3 * points.len();
         let bare = layout.bare_tiles();

@@ -118,8 +118,8 @@ pub enum AssignmentError {
         /// Number of combinations up to which a problem is solved.
         most: usize,
     },
-    /// What a shim tile does cannot be told from what the others do.
-    #[error("what the shim tile number {} does cannot be told from the other shim tiles", tile + 1)]
+    /// The effect of a shim tile cannot be separated from the other shim tiles.
+    #[error("the effect of shim tile {} cannot be separated from the other shim tiles", tile + 1)]
     Shim {
         /// Its index in the film.
         tile: usize,

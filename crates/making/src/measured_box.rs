@@ -156,7 +156,7 @@ impl<'a> MeasuredBox<'a> {
             return Some(format!("tile \"{shown}\" has {} bytes, must have at most {MAX_NAME_BYTES}", name.len()));
         }
         if self.names.contains(name) {
-            return Some(format!("tile \"{shown}\" is in the box already"));
+            return Some(format!("tile \"{shown}\" is already in the box"));
         }
         name.chars().any(char::is_control).then(|| format!("tile \"{shown}\" has control characters"))
     }
@@ -179,7 +179,7 @@ impl<'a> MeasuredBox<'a> {
             return Ok(0);
         }
         let Some(size_mm) = tile.size_mm else {
-            return Err(format!("names no part, must have one of {count} in a column part, or sizes"));
+            return Err(format!("has no part, must have one of {count} in a column part, or sizes"));
         };
         // The nearest part, if no other is nearly as near: sizes of parts differ by more than cuts
         // do.
@@ -190,7 +190,7 @@ impl<'a> MeasuredBox<'a> {
             [(near, number), (next, _), ..] if next > 2.0 * near && near < 0.25 * size_mm.length() => Ok(number),
             _ => {
                 let DVec3 { x, y, z } = size_mm;
-                Err(format!("its sizes ({x}, {y}, {z}) mm fit no part alone, must name one in a column part"))
+                Err(format!("its sizes ({x}, {y}, {z}) mm fit no single part: give the part in a column part"))
             }
         }
     }
@@ -237,7 +237,7 @@ fn polarization_fault(polarization_t: DVec3, part: &Part, number: usize) -> Opti
     let angle_deg = polarization_t.angle_between(part.direction).to_degrees();
     (angle_deg > MOST_ANGLE_DEG).then(|| {
         format!(
-            "its polarization is {angle_deg:.1} deg from that of part {}, must be within {MOST_ANGLE_DEG} deg: turn the \
+            "its polarization is {angle_deg:.1} deg from the polarization of part {}, must be within {MOST_ANGLE_DEG} deg: turn the \
              axes so that x is along the first side of the part, y along the second, as `magsplice tiles` lists them",
             number + 1
         )

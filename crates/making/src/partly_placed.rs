@@ -96,14 +96,14 @@ impl<'a> Laying<'a> {
         match place {
             None => faults.push(format!("place = \"{place_shown}\", must be the name of a tile of the layout")),
             Some((place, _)) if self.filled.contains(&place) => {
-                faults.push(format!("place \"{place_shown}\" has a tile already"));
+                faults.push(format!("place \"{place_shown}\" already has a tile"));
             }
             Some(_) => {}
         }
         match tile {
             None => faults.push(format!("tile = \"{tile_shown}\", must be one of the measured tiles")),
             Some(tile) if self.used.contains(&tile) => {
-                faults.push(format!("tile \"{tile_shown}\" lies elsewhere already"));
+                faults.push(format!("tile \"{tile_shown}\" is already placed elsewhere"));
             }
             Some(_) => {}
         }
@@ -159,7 +159,7 @@ impl<'a> Laying<'a> {
                     .map(|orientation| format!("{} at {:.0}", orientation.upper_side_name(), orientation.mark_deg(at)))
                     .collect();
                 Err(format!(
-                    "with {} up and its mark at {deg} deg, its polarization is not that of the place, must be near: {} deg",
+                    "with {} up and its mark at {deg} deg, its polarization does not fit the place; its orientation must be near: {} deg",
                     beginning(up),
                     possible.join(", ")
                 ))

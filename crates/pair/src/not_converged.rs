@@ -30,13 +30,13 @@ impl fmt::Display for NotConverged {
         match integral {
             PairIntegral::MeanField => write!(
                 f,
-                "the mean field of a tile in another one that is turned against it is known to {reached:.1e} only, not \
-                 to {tolerance:.1e}; tiles must not overlap, leave a gap between them"
+                "the mean field of a tile in another, turned tile has an error of {reached:.1e}, must have at most \
+                 {tolerance:.1e}; tiles must not overlap, leave a gap between them"
             ),
             PairIntegral::Load => write!(
                 f,
-                "the force of two tiles that are turned against each other is known to {reached:.1e} only, not to \
-                 {tolerance:.1e}; leave a gap between them or accept a larger tolerance"
+                "the force of two tiles that are turned against each other has an error of {reached:.1e}, must have \
+                 at most {tolerance:.1e}; leave a gap between them or accept a larger tolerance"
             ),
         }
     }

@@ -87,7 +87,7 @@ def test_tiles_that_break_rules_are_named(film, measured):
     with pytest.raises(magsplice.MagspliceError) as error:
         film.assign(wrong)
     twice, unknown = str(error.value).splitlines()
-    assert twice == f'measured[{len(measured)}]: tile "cut-0" is in the box already'
+    assert twice == f'measured[{len(measured)}]: tile "cut-0" is already in the box'
     assert unknown.startswith(f'measured[{len(measured) + 1}]: part = "moon", must be a number')
     with pytest.raises(magsplice.MagspliceError, match="has 2 components"):
         film.assign([MeasuredTile("x", (0.1, 0.0), 1)])

@@ -17,12 +17,12 @@ pub fn bill_page(list: &BillOfMaterials, figure: &Drawing) -> String {
 pub fn plan_page(list: &BillOfMaterials, figure: &Drawing, plan: &[PlanRow]) -> String {
     let layout = list.layout;
     let marks = "Before a tile is measured, an arrow is drawn on its upper side along its x axis, which is along the first \
-                 side of its part. In the plan the column up names the side of the tile that is up at its place: +z is the \
+                 side of its part. In the plan the column up gives the side of the tile that is up at its place: +z is the \
                  side with the arrow, -z is the tile turned over. The angle of the mark is counted from the x axis of the \
-                 film towards its y axis, as seen from above. Of a tile that stands on its x side, the mark is its y axis."
+                 film towards its y axis, as seen from above. The mark of a tile that stands on its x side is its y axis."
         .to_owned();
     let paragraphs = [summary(list), marks];
-    page(layout, &format!("Laying plan: {}", layout.name), &paragraphs, figure, &[plan_table(plan), bill(list)])
+    page(layout, &format!("Placement plan: {}", layout.name), &paragraphs, figure, &[plan_table(plan), bill(list)])
 }
 
 fn page(layout: &Layout, title: &str, paragraphs: &[String], figure: &Drawing, tables: &[PrintedTable]) -> String {
@@ -43,9 +43,10 @@ fn summary(list: &BillOfMaterials) -> String {
 
 fn bill(list: &BillOfMaterials) -> PrintedTable<'static> {
     let mut columns = vec!["part", "pieces", "size, mm", "J, T", "direction, deg", "tilt, deg", "tiles"];
-    let mut remark = "Angles are those of J from the first side of a part towards the second, and out of the plane of \
-                      both."
-        .to_owned();
+    let mut remark =
+        "Angles give the direction of J, from the first side of a part towards the second, and out of the \
+                      plane of both."
+            .to_owned();
     if let Some(kerf_mm) = list.kerf_mm {
         columns.splice(6..6, ["sheet, mm2", "or bar, mm"]);
         remark += &format!(

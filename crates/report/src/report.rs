@@ -117,8 +117,7 @@ pub(crate) fn rendered(film: &Film, drafts: Vec<FigureDraft>, text: SvgText) -> 
 
 /// What the report of a film lacks, and why.
 pub(crate) fn absent(film: &Film) -> Vec<String> {
-    let without_volume =
-        "no field and no decoupling: the layout has no [volume] table that says where the film is used";
+    let without_volume = "no field and no decoupling: the layout has no [volume] table";
     let without_ideal =
         "no comparison and no decoupling: the layout has no [ideal] table that describes the ideal film";
     let absent = [(film.volume().is_err(), without_volume), (film.ideal().is_err(), without_ideal)];

@@ -63,7 +63,7 @@ fn text(film: &Film, plan: &FilmPlan, points_of: &str) -> String {
     let _ = writeln!(text, "\ntotal cost: about {} exact values of one tile", digits(cost));
     let _ = writeln!(text, "all tiles directly: {} ({} times as many)", digits(exact), ratio(exact / cost));
     if !plan.recoil_estimates.is_empty() {
-        text += "\nwhat recoil changes, to first order\n";
+        text += "\neffect of recoil, to first order\n";
     }
     for estimate in &plan.recoil_estimates {
         rows::prose(&mut text, &recoil::estimate(estimate));

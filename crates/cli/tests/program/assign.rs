@@ -299,7 +299,7 @@ fn wrong_tables_are_refused_by_line() {
     for (text, message) in [
         ("1-1,1,0.1", "line 2: has 3 fields, must have 5"),
         ("1-1,9,0.1,0,0", "line 2: part = \"9\", must be a number from 1 to 3, as `magsplice tiles` lists the parts"),
-        ("1-1,,0.1,0,0", "line 2: names no part, must have one of 3 in a column part, or sizes"),
+        ("1-1,,0.1,0,0", "line 2: has no part, must have one of 3 in a column part, or sizes"),
         ("1-1,1,weak,0,0", "line 2: jx_t = \"weak\", must be a finite number"),
         ("1-1,1,,0,0", "line 2: jx_t = \"\", must be a finite number"),
         ("1-1,1,120,0,0", "line 2: its polarization is 120 T, must be within 0.5 to 2 times"),
@@ -312,7 +312,7 @@ fn wrong_tables_are_refused_by_line() {
     run(&[]).refuses("line 3: tile \"1-1\" is in line 2 already");
     let [x, y, z] = cut[0].j_t;
     with(2, &format!("1-1,1,{:?},{:?},{:?}", -x, -y, -z));
-    run(&[]).refuses(" deg from that of part 1, must be within 45 deg: turn the axes");
+    run(&[]).refuses(" deg from the polarization of part 1, must be within 45 deg: turn the axes");
     sandbox.write("tiles.csv", &lines[..lines.len() - 1].join("\n"));
     run(&[]).refuses("places) has");
     sandbox.write("tiles.csv", "tile,part,jx,jy,jz\na,1,1,2,3\n");
@@ -346,7 +346,7 @@ fn wrong_tables_are_refused_by_line() {
     placed(&row(place, "x", mark, "yes")).refuses("line 2: tile = \"x\", must be one of the measured tiles");
     placed(&row(place, tile, mark, "maybe")).refuses("line 2: laid = \"maybe\", must be yes or no");
     let turned = (mark.parse::<f64>().unwrap() + 90.0).to_string();
-    placed(&row(place, tile, &turned, "yes")).refuses("its polarization is not that of the place, must be near:");
+    placed(&row(place, tile, &turned, "yes")).refuses("its polarization does not fit the place; the mark must be near");
     placed(&format!("{0}\n{0}", rows[1])).refuses("line 3: place");
 }
 

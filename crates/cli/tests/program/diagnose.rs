@@ -151,15 +151,15 @@ fn found_film_is_a_layout() {
     }
     // The film that was found explains its scan.
     let again = sandbox.run(&["diagnose", "found.toml", "--scan", "scan.csv", "--noise", "10uT"]).stdout;
-    assert!(again.contains("no tile is wrong"), "{again}");
+    assert!(again.contains("no faulty tile"), "{again}");
 }
 
 #[test]
 fn right_films_have_no_wrong_tile_and_large_noise_is_told() {
     let sandbox = scanned(&[]);
-    assert!(run(&sandbox, &[]).stdout.contains("no tile is wrong"));
+    assert!(run(&sandbox, &[]).stdout.contains("no faulty tile"));
     let said = run(&sandbox, &["--fit", "--preset", "jig"]);
-    assert!(said.stdout.contains("no tile is wrong") && said.stdout.contains("start of the scan"), "{}", said.stdout);
+    assert!(said.stdout.contains("no faulty tile") && said.stdout.contains("start of the scan"), "{}", said.stdout);
     // A twentieth of the noise that there is.
     let said = sandbox.run(&["diagnose", "film.toml", "--scan", "scan.csv", "--noise", "2uT"]);
     assert!(said.stderr.contains("chi squared of the residual is"), "{}", said.stderr);

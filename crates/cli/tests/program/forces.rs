@@ -102,7 +102,7 @@ fn turned_tiles_in_contact_are_named() {
     let turned = STACKED.replace("[0, 0, 15]", "[0, 0, 15]\nrotation = { axis = [0, 0, 1], angle_deg = 30 }");
     sandbox.write("film.toml", &turned);
     let said = sandbox.run(&["forces", "film.toml", "--turned-error", "1e-13"]);
-    said.refuses("film.toml: tiles \"lower\" and \"upper\": their force is known to");
+    said.refuses("film.toml: tiles \"lower\" and \"upper\": their force has an error of");
     assert!(
         said.stderr.contains("leave a gap between them, or allow a larger error (--turned-error)"),
         "{}",
@@ -130,5 +130,5 @@ fn figure_has_an_arrow_and_a_number_for_each_tile() {
     for step in 1..=56 {
         assert!(text.contains(&step.to_string()), "{step}: {text:?}");
     }
-    assert!(text.iter().any(|line| line.contains("Force while it is laid")), "{text:?}");
+    assert!(text.iter().any(|line| line.contains("Force during placement")), "{text:?}");
 }

@@ -201,7 +201,7 @@ fn films_that_are_bent_and_turned_tell_other_displacements() {
     sandbox.write("twice.csv", "x_mm,y_mm,z_mm\n-1,-1,0\n1,-1,0\n-1,1,0\n-1,1,2\n");
     refused(&["--heights", "twice.csv"]).refuses("twice.csv: line 5: has the x and y of an earlier line");
     refused(&["--step", "0mm"]).refuses_arguments("each step must be above 0");
-    refused(&["--step", "1e-7mm"]).refuses("each must be above 0 and make at most 100000 steps in the working volume");
+    refused(&["--step", "1e-7mm"]).refuses("each must be above 0 and give at most 100000 steps in the working volume");
     refused(&["--shift", "1mm"]).refuses_arguments("must be three lengths, such as 0.1mm,0,0");
     refused(&["--rotate", "0,1rad,0"]).refuses_arguments("has the unit rad, must be an angle in deg");
     refused(&["-o", "moved.vtp"]).refuses("steps have no place in VTK");

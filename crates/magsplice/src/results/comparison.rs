@@ -68,7 +68,7 @@ impl Film {
 /// What a best-fit amplitude below zero means.
 pub fn remark_about_amplitude(amplitude: f64) -> Option<&'static str> {
     (amplitude < 0.0).then_some(
-        "the amplitude is negative: the field is opposite to that of the ideal film. The film is reversed (every J \
+        "the amplitude is negative: the field is opposite to the field of the ideal film. The film is reversed (every J \
          points the other way), or shifted by half a wavelength along x and y",
     )
 }

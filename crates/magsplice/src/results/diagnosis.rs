@@ -186,7 +186,7 @@ impl Film {
         let scan = FieldScan { points_mm, noise_t };
         let model = ScanDiagnosis::new(&tiles, scan, settings, start).map_err(failed)?;
         let show = |named: usize| {
-            self.tell(Stage::uncounted(if named == 0 { "looking for wrong tiles" } else { "naming wrong tiles" }));
+            self.tell(Stage::uncounted(if named == 0 { "searching faulty tiles" } else { "identifying faulty tiles" }));
         };
         let diagnosis = model.diagnose(&field_t, show).map_err(failed)?;
         let name = |tile: usize| self.layout().tiles[tile].name.clone();
@@ -263,7 +263,7 @@ impl FilmDiagnosis {
             "{program}: from \"{}\" (sha256 {}) by {scan}: {}",
             original.name,
             &original.sha256[..12],
-            if faulty.is_empty() { "no tile is wrong".to_owned() } else { faulty.join(", ") }
+            if faulty.is_empty() { "no faulty tile".to_owned() } else { faulty.join(", ") }
         ));
         layout
     }

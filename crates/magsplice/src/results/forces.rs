@@ -182,7 +182,7 @@ impl Film {
             OrderChoice::Stated { source, tiles } => (source, order(tiles)?),
             OrderChoice::Least { seed } => {
                 let settings = OrderSettings { seed, ..OrderSettings::default() };
-                let counted = self.counting("order of laying", Some(settings.runs), "runs");
+                let counted = self.counting("placement order", Some(settings.runs), "runs");
                 let found = LeastHolding::search(pairs, &settings, counted);
                 least = Some((found.bound, found.greedy, seed));
                 ("least".to_owned(), found.order)
@@ -263,6 +263,6 @@ mod tests {
     fn turned_tiles_that_touch_are_named() {
         let layout = layout(1.0, "position_mm = [1, 0, 0]\nrotation = { axis = [1, 0, 0], angle_deg = 20 }");
         let error = Film::rigid(layout.clone()).pair_forces(1e-13).unwrap_err();
-        assert!(error.to_string().starts_with("tiles \"a\" and \"b\": their force is known to"), "{error}");
+        assert!(error.to_string().starts_with("tiles \"a\" and \"b\": their force has an error of"), "{error}");
     }
 }

@@ -114,9 +114,9 @@ fn part_is_told_by_number_name_kind_or_sizes() {
     for size_mm in
         [DVec3::new(3.0, 3.0, 1.0), DVec3::new(3.0, 2.2, 1.0), DVec3::new(9.0, 1.5, 1.0), DVec3::new(3.0, 0.2, 1.0)]
     {
-        assert_refused(&sized(size_mm), &["fit no part alone"]);
+        assert_refused(&sized(size_mm), &["fit no single part"]);
     }
-    assert_refused(&MeasuredTile { part: None, ..tile("t") }, &["names no part, must have one of 3"]);
+    assert_refused(&MeasuredTile { part: None, ..tile("t") }, &["has no part, must have one of 3"]);
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn only_part_needs_no_name() {
 #[test]
 fn names_are_there_short_free_and_printable() {
     assert_refused(&tile(""), &["has no name"]);
-    assert_refused(&tile("t1"), &["tile \"t1\" is in the box already"]);
+    assert_refused(&tile("t1"), &["tile \"t1\" is already in the box"]);
     assert_refused(&tile("a\tb"), &["has control characters"]);
     let longest = "n".repeat(200);
     assert_eq!(part_of(&tile(&longest)), part_of(&tile("t")));
@@ -164,7 +164,7 @@ fn measured_numbers_are_near_what_was_ordered() {
         MeasuredTile { magnet: MeasuredMagnet::Polarization(0.1 * direction), ..tile("t") }
     };
     assert!(part_of(&turned(44.9)).is_some());
-    assert_refused(&turned(45.2), &["its polarization is 45.2 deg from that of part"]);
+    assert_refused(&turned(45.2), &["its polarization is 45.2 deg from the polarization of part"]);
 }
 
 /// J = mu0 m / V with the measured sides; 0.1 T in 3 x 3 x 1 mm are 7.16e-4 A m2.

@@ -18,7 +18,7 @@ use super::parameter_maps::name;
 
 const CAPTION: &str = "Each decoupling parameter along its own axis, the straight line of the ideal film, and the spread \
     of the parameter over the two other axes, on which it should not depend. Below: the displacement from the reference \
-    point that the parameter shows, minus the true one.";
+    point that the parameter shows, minus the true displacement.";
 
 const SIDE_PX: f64 = 250.0;
 /// Height of the panels of residuals, and their distance from the panels above, in pixels.
@@ -125,7 +125,7 @@ fn legend(sheet: &Sheet) -> DrawResult {
     sheet.fill(&rectangle([left, up], [right, down]), BAND)?;
     sheet.text([right + 8.0, at[1]], "minimum to maximum", LETTERS)?;
     let note = format!(
-        "\u{394}: displacement that the parameter shows, minus the true one. An offset of {} is the logarithm of the \
+        "\u{394}: displacement that the parameter shows, minus the true displacement. An offset of {} is the logarithm of the \
          amplitude, and shows no displacement.",
         parameter(2)
     );

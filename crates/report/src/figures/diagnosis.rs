@@ -103,9 +103,10 @@ impl DrawnFault {
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.
 pub fn diagnosis_figure(layout: &Layout, found: &FilmDiagnosis) -> Result<Drawing, ReportError> {
-    let caption = "The tiles from above. Left: tiles that are wrong, with an arrow for a displacement, an arc for a \
+    let caption = "The tiles from above. Left: faulty tiles, with an arrow for a displacement, an arc for a \
                    turn, and a percentage for the strength. Right: the largest standard deviation of the errors of each \
-                   tile after the scan, over that before it, but for turns about J; of 1 the scan tells nothing.";
+                   tile after the scan, divided by their standard deviation before it, without turns about J. At 1 the scan \
+                   resolves nothing.";
     let tile = |(index, tile)| DiagnosedTile {
         tile,
         faults: found.diagnosis.named.iter().filter(|of| of.candidate.tile == index).map(DrawnFault::from).collect(),
@@ -120,8 +121,8 @@ fn svg(tiles: &[DiagnosedTile]) -> Result<String, DrawError> {
     let list = listed(tiles);
     let below = left.bottom() + BELOW_PX + 14.0;
     sheet([right.right() + 12.0 + BAR_PX, below + LINE_PX * list.len() as f64 + 6.0], |sheet| {
-        left.title(sheet, 0, "wrong tiles")?;
-        right.title(sheet, 1, "what the scan tells of each tile")?;
+        left.title(sheet, 0, "faulty tiles")?;
+        right.title(sheet, 1, "resolution of the scan for each tile")?;
         let scale = ColourScale { low: 0.0, high: 1.0, palette: Palette::Sequential };
         let map = scale.mapper();
         for of in tiles {
@@ -159,7 +160,7 @@ fn listed(tiles: &[DiagnosedTile]) -> Vec<(String, RGBColor)> {
     let more = all.len().saturating_sub(MOST_LINES);
     let mut lines: Vec<(String, RGBColor)> = all.into_iter().take(MOST_LINES).collect();
     match lines.len() {
-        0 => lines.push(("No tile is wrong by more than is ordinary.".to_owned(), INK)),
+        0 => lines.push(("No tile has more than its expected errors.".to_owned(), INK)),
         _ if more > 0 => lines.push((format!("and {more} more"), INK)),
         _ => (),
     }

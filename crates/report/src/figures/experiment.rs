@@ -61,10 +61,10 @@ pub fn experiment_figure(experiments: &FilmExperiments, text: SvgText) -> Result
 }
 
 pub(crate) fn draft(experiments: &FilmExperiments) -> Result<FigureDraft, ReportError> {
-    let told = if experiments.elastomer.is_some() { "force" } else { "displacement" };
+    let quantity = if experiments.elastomer.is_some() { "force" } else { "displacement" };
     let caption = format!(
-        "The film is moved along x, y and z: what the sensor reads, the decoupling parameters of its readings, and the \
-         {told} along the axis of motion, as it is and as the closed form (Eq. 14) and the field of the layout tell it."
+        "The film is moved along x, y and z: the readings of the sensor, their decoupling parameters, and the {quantity} \
+         along the axis of motion: the true one, by the closed form (Eq. 14), and by the field of the layout."
     );
     FigureDraft::new("experiment", caption, draw(experiments), csv(experiments))
 }

@@ -51,8 +51,8 @@ struct DrawnForce<'a> {
 pub fn forces_figure(layout: &Layout, loads: &FilmLoads) -> Result<Drawing, ReportError> {
     let while_laid = loads.order.is_some();
     let caption = if while_laid {
-        "The tiles from above with the number of the step at which each is laid, and the force on it by the tiles \
-         laid before. Circles are forces out of the plane, up with a dot and down with a cross."
+        "The tiles from above with the number of the step at which each is placed, and the force on it by the \
+         tiles placed before. Circles are forces out of the plane, up with a dot and down with a cross."
     } else {
         "The tiles from above with the force on each by all others. Circles are forces out of the plane, up with a \
          dot and down with a cross."
@@ -156,7 +156,7 @@ impl ForcePainter {
         let left = self.panel.right() + 24.0;
         let mut y = TOP_PX + 10.0;
         y = direction_wheel(sheet, &self.directions, left, y)? + 40.0;
-        let title = if while_laid { "Force while it is laid" } else { "Force by all others" };
+        let title = if while_laid { "Force during placement" } else { "Force by all others" };
         sheet.text([left, y], title, LETTERS)?;
         y += 26.0;
         let (size_n, unit) = [(1.0, "N"), (1e-3, "mN"), (1e-6, "\u{b5}N")]

@@ -46,8 +46,8 @@ struct DrawnTile<'a> {
 /// # Errors
 /// [`ReportError::Drawing`] if the figure cannot be drawn.
 pub fn laying_plan_figure(assigned: &FilmAssignment, text: SvgText) -> Result<Drawing, ReportError> {
-    let caption = "Where each measured tile goes, from above. The arrow is the mark on the tile. A hollow arrow is a mark \
-                   that is not on the upper side.";
+    let caption = "The place of each measured tile, from above. The arrow is the mark on the tile. A hollow arrow is a \
+                   mark on another side than the upper.";
     let rows = assigned.plan.iter().zip(&assigned.tiles);
     let drawn = rows.map(|(row, tile)| DrawnTile {
         name: &row.tile,
@@ -121,7 +121,7 @@ fn legend(sheet: &Sheet, tiles: &[DrawnTile], left: f64, nameless: usize) -> Dra
             y += 26.0;
         }
     }
-    for (colour_of, text) in [(TO_LAY, "upright"), (TURNED_OVER, "turned over"), (LAID, "lies already")] {
+    for (colour_of, text) in [(TO_LAY, "upright"), (TURNED_OVER, "turned over"), (LAID, "already placed")] {
         if tiles.iter().any(|laid| colour(laid) == colour_of) {
             sheet.shape(&rectangle([left, y - 8.0], [left + 24.0, y + 8.0]), colour_of, OUTLINE, 0.9)?;
             sheet.text([left + 34.0, y], text, LETTERS)?;

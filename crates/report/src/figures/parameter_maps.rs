@@ -49,9 +49,9 @@ impl MappedPlanes {
         match self {
             MappedPlanes::Level => {
                 "The decoupling parameters on planes of constant z. R_x should depend on x only, R_y on y only, and \
-                 S_z on z only. Of S_z the maps show the residual: S_z minus its mean over the plane, divided by the \
-                 wavenumber k. This is the displacement along z, in um, that the film shows on the plane where there \
-                 is none. The mean stands above each map."
+                 S_z on z only. For S_z the maps show the residual: S_z minus its mean over the plane, divided by the \
+                 wavenumber k. This is the apparent displacement along z on the plane, in um; the true one is zero. \
+                 The mean stands above each map."
             }
             MappedPlanes::Upright => {
                 "The decoupling parameters on the two vertical planes through the centre of the working volume."

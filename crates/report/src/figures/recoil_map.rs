@@ -12,8 +12,8 @@ use crate::sheet::sheet;
 
 use super::film_panel::{MARGIN, OUTLINE, outline, two_panels};
 
-const CAPTION: &str = "The tiles from above. Left: by how much their own field and that of the others weakens the mean \
-    polarization of each. Right: by what angle it turns it.";
+const CAPTION: &str = "The tiles from above. Left: how much the fields of all tiles weaken the mean polarization \
+    of each. Right: the angle by which they turn it.";
 
 /// Largest width and height of one of the two panels, in pixels.
 const ROOM_PX: [f64; 2] = [400.0, 400.0];

@@ -23,8 +23,8 @@ const UM_PER_MM: f64 = 1e3;
 const CELLS: usize = 48;
 
 const CAPTION: &str = "Resolution: the standard deviation of the displacement along x, y and z that the noise of the \
-    sensor and its counts cause, by the field of the layout. No unbiased estimate from one reading has a smaller one. \
-    Grey: beyond the range of the sensor.";
+    sensor and its counts cause, by the field of the layout. No unbiased estimate from one reading has a smaller \
+    standard deviation. Grey: beyond the range of the sensor.";
 
 /// Deviations on one plane of constant z.
 struct Plane {

@@ -59,7 +59,7 @@ pub(super) fn diagnosis(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmDi
 /// The faulty tiles with their errors.
 fn faulty_tiles(text: &mut String, found: &FilmDiagnosis) {
     if found.faulty.is_empty() {
-        text.push_str("no tile is wrong\n");
+        text.push_str("no faulty tile\n");
         return;
     }
     let _ = writeln!(text, "{}:", counted(found.faulty.len(), "error", "errors"));
