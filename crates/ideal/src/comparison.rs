@@ -39,13 +39,12 @@ pub struct Comparison {
     pub relative_rmse: f64,
     /// Largest length of the difference.
     pub worst_t: f64,
-    /// The first point where it occurs.
+    /// The first point with the largest difference.
     #[cfg_attr(feature = "serde", serde(rename = "worst_at_mm"))]
     pub worst_at: DVec3,
-    /// The factor a that brings a times the reference closest to the field (least squares over all
-    /// components).
+    /// Factor of the reference that fits the field best (least squares over all components).
     pub amplitude: f64,
-    /// The relative RMSE against the reference times `amplitude`; `None` if that is zero.
+    /// Relative RMSE against the reference times `amplitude`; `None` if `amplitude` is zero.
     pub scaled_relative_rmse: Option<f64>,
     /// Pearson's correlation of each component; `None` where a component does not vary.
     pub correlation: [Option<f64>; 3],
@@ -57,9 +56,9 @@ pub struct Comparison {
 pub enum ComparisonError {
     /// There are no points.
     NoPoints,
-    /// The reference is zero at every point, so nothing is relative to it.
+    /// The reference is zero at every point, so a relative difference is undefined.
     NoReference,
-    /// The fields differ so much in size that their squares leave the range of numbers.
+    /// The fields differ so much in size that their squares overflow.
     OutOfScale,
 }
 
@@ -70,8 +69,7 @@ impl Comparison {
     /// Sums over n points are rounded n times: their relative errors are below n times 1e-16.
     ///
     /// # Errors
-    /// If there are no points, the reference is zero everywhere, or squares leave the range of
-    /// numbers.
+    /// If there are no points, the reference is zero everywhere, or squares overflow.
     ///
     /// # Panics
     /// If the slices differ in length.
@@ -138,9 +136,9 @@ impl fmt::Display for ComparisonError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             ComparisonError::NoPoints => "there are no points to compare",
-            ComparisonError::NoReference => "the reference vanishes at every point, so nothing can be relative to it",
+            ComparisonError::NoReference => "the reference is zero at every point, so a relative difference is undefined",
             ComparisonError::OutOfScale => {
-                "the fields differ so much in size that no comparison in numbers is possible"
+                "the fields differ so much in size that their squares overflow"
             }
         })
     }

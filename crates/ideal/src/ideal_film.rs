@@ -50,7 +50,7 @@ impl TryFrom<UncheckedFilm> for IdealFilm {
     }
 }
 
-/// A number that an ideal film cannot have.
+/// An invalid number of an ideal film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum IdealFilmFault {
@@ -62,12 +62,12 @@ pub enum IdealFilmFault {
     Amplitude(f64),
 }
 
-/// Everything that is wrong with the numbers of an ideal film.
+/// All invalid numbers of an ideal film.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IdealFilmFaults(pub Vec<IdealFilmFault>);
 
 impl IdealFilm {
-    /// The film of Eq. 1.
+    /// The film of Eq. 1 with these numbers.
     ///
     /// # Errors
     /// All faults at once.
@@ -115,7 +115,7 @@ impl IdealFilm {
         -0.5 * self.amplitude_t * (-self.wavenumber() * self.thickness).exp_m1()
     }
 
-    /// B below the film, in tesla (Eq. 2); `None` where z >= 0, to which Eq. 2 does not extend, or
+    /// B below the film, in tesla (Eq. 2); `None` where z >= 0, outside the domain of Eq. 2, or
     /// where a phase is not finite.
     ///
     /// # Accuracy

@@ -4,7 +4,7 @@ use std::fmt;
 
 use glam::DVec3;
 
-/// How accurately a field is wanted.
+/// The requested accuracy of a field.
 ///
 /// # Example
 /// ```
@@ -17,10 +17,10 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Accuracy {
-    /// To the last digits, within the error bound of the evaluator.
+    /// Exact, within the error bound of the evaluator.
     #[default]
     Exact,
-    /// To a tolerance, as cheaply as it can be kept.
+    /// Within a tolerance, by the cheapest method that keeps it.
     #[cfg_attr(feature = "serde", serde(untagged))]
     Within(Tolerance),
 }
@@ -36,7 +36,7 @@ pub enum Accuracy {
     serde(into = "UncheckedTolerance", try_from = "UncheckedTolerance")
 )]
 pub enum Tolerance {
-    /// The length of the error over that of B at the same point.
+    /// The length of the error over the length of B at the same point.
     #[non_exhaustive]
     Relative {
         /// The fraction, above zero.
@@ -81,7 +81,7 @@ impl TryFrom<UncheckedTolerance> for Tolerance {
     }
 }
 
-/// The value given as a tolerance, which is not a finite number above zero.
+/// A value given as a tolerance that is not a finite number above zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InvalidTolerance(pub f64);
 

@@ -23,10 +23,10 @@ impl BoundingBox {
         BoundingBox { lower: tile.position() - reach, upper: tile.position() + reach }
     }
 
-    /// The smallest box around points; of no points it is empty, from infinity to minus infinity.
+    /// The smallest box around points; without points an empty box, from infinity to minus
+    /// infinity.
     pub fn from_points(points: &[DVec3]) -> BoundingBox {
-        // Coordinates of four points at a time, so that they are compared in vectors and none waits
-        // for the one before.
+        // Four points at a time: comparisons run in vectors and do not wait for each other.
         let (mut lower, mut upper) = ([f64::INFINITY; 12], [f64::NEG_INFINITY; 12]);
         let fours = points.chunks_exact(4);
         let rest = fours.remainder();
@@ -46,17 +46,17 @@ impl BoundingBox {
         }
     }
 
-    /// Half of its side lengths.
+    /// Half the side lengths.
     pub fn half_size(&self) -> DVec3 {
         0.5 * (self.upper - self.lower)
     }
 
-    /// Its centre.
+    /// Centre.
     pub fn centre(&self) -> DVec3 {
         0.5 * (self.lower + self.upper)
     }
 
-    /// The distance to another box along each axis; zero along an axis on which they overlap.
+    /// The distance to another box along each axis; zero along axes on which they overlap.
     pub fn gap(&self, other: &BoundingBox) -> DVec3 {
         (self.lower - other.upper).max(other.lower - self.upper).max(DVec3::ZERO)
     }

@@ -9,7 +9,7 @@ use crate::bounding_box::BoundingBox;
 use crate::height_map::HeightMap;
 use crate::tile::{Tile, TileFaults};
 
-/// The shape of a film that was flat.
+/// The shape of a bent film.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Bend {
@@ -21,13 +21,12 @@ pub enum Bend {
         /// sensor below.
         radius: f64,
     },
-    /// The heights z(x, y) of the middle plane over the one of the flat film. Tiles keep x and y of
-    /// their centres on this plane: for small slopes, whose square does not count.
+    /// The heights z(x, y) of the middle plane above the middle plane of the flat film. Tiles keep
+    /// x and y of their centres, which assumes that squares of slopes are negligible.
     Heights(HeightMap),
 }
 
-/// What happens to a film: it is bent, then turned about the centre of its bounding box, then
-/// shifted.
+/// A bend of a film, then a rotation about the centre of its bounding box, then a shift.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deformation {
     /// The shape. `None` for a flat film.
@@ -38,21 +37,21 @@ pub struct Deformation {
     pub shift: DVec3,
 }
 
-/// Why a film cannot have this shape.
+/// The reason why a film cannot have this shape.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DeformationError {
     /// The radius is below half the thickness of the film, or the film would close to a tube.
     Radius {
-        /// The least radius.
+        /// The smallest radius.
         least: f64,
     },
-    /// A tile is beyond the heights.
+    /// A tile is outside the grid of heights.
     OutsideHeights {
         /// Its index.
         tile: usize,
     },
-    /// A tile cannot be where it belongs.
+    /// A deformed tile is invalid.
     Tile {
         /// Its index.
         tile: usize,
@@ -62,7 +61,7 @@ pub enum DeformationError {
 }
 
 impl Deformation {
-    /// The tiles of the film after it.
+    /// The tiles of the deformed film.
     ///
     /// # Errors
     /// See [`DeformationError`].
@@ -99,8 +98,8 @@ impl Deformation {
 }
 
 impl Bend {
-    /// Where a point of the flat film goes, and how its surroundings turn. `None` beyond the
-    /// heights.
+    /// The new position of a point of the flat film, and the rotation of its surroundings. `None`
+    /// outside the grid of heights.
     fn placed(&self, point: DVec3, centre: DVec3) -> Option<(DVec3, DQuat)> {
         let from = point - centre;
         match self {
@@ -109,7 +108,7 @@ impl Bend {
                 let mut place = point;
                 place[*along] = centre[*along] + (radius - from.z) * sin;
                 place.z = centre.z + radius - (radius - from.z) * cos;
-                // The film rises along its axis: x turns towards z about -y, y towards z about x.
+                // Along a rising film x turns towards z about -y, y towards z about x.
                 let axis = if *along == 0 { -DVec3::Y } else { DVec3::X };
                 Some((place, DQuat::from_axis_angle(axis, from[*along] / radius)))
             }

@@ -1,4 +1,4 @@
-//! A three-axis Hall sensor: what it reads of a field.
+//! A three-axis Hall sensor and its readings.
 
 use std::error::Error;
 use std::fmt;
@@ -7,8 +7,8 @@ use glam::{DQuat, DVec3};
 
 use crate::tolerances::{MAX_LENGTH, UNIT_NORM_TOLERANCE};
 
-/// A three-axis Hall sensor: a plate for each axis, which reads the component of B along this axis,
-/// averaged over the plate. The default is a perfect one: points, without errors or limits.
+/// A three-axis Hall sensor. One plate per axis reads the component of B along this axis, averaged
+/// over the plate. The default sensor is perfect: plates are points, without errors or limits.
 ///
 /// At the position p of the sensor, the plate of axis a reads
 ///
@@ -17,7 +17,7 @@ use crate::tolerances::{MAX_LENGTH, UNIT_NORM_TOLERANCE};
 /// ```
 ///
 /// with the rotation R of the sensor, and the mean over all s of the active area. Readings have
-/// noise, are whole numbers of counts, and are limited to the range.
+/// noise, are rounded to whole counts, and are limited to the range.
 ///
 /// # Units
 /// Lengths in the unit of the tiles, flux densities in tesla.
@@ -29,7 +29,7 @@ pub struct HallSensor {
     /// Sides of the rectangle that each plate averages over, along x and y of the sensor; 0 for a
     /// point.
     pub active_area: [f64; 2],
-    /// Turns the axes of the sensor into those of the film. A unit quaternion.
+    /// Rotation from the axes of the sensor to the axes of the film. A unit quaternion.
     pub rotation: DQuat,
     /// Reading over flux density, for each axis.
     pub gain: DVec3,
@@ -37,9 +37,9 @@ pub struct HallSensor {
     pub offset_t: DVec3,
     /// Standard deviation of normal noise of one reading.
     pub noise_t: DVec3,
-    /// Flux density of one count; 0 for readings that are not rounded.
+    /// Flux density of one count; 0 for unrounded readings.
     pub count_t: DVec3,
-    /// Largest magnitude that is read; infinite without a limit.
+    /// Largest magnitude of a reading; infinite without a limit.
     pub range_t: DVec3,
 }
 
@@ -58,11 +58,11 @@ impl Default for HallSensor {
     }
 }
 
-/// Why a sensor cannot exist.
+/// A rule that a sensor breaks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum HallSensorFault {
-    /// A plate is not at a finite place, or farther away than [`MAX_LENGTH`].
+    /// A coordinate of a plate is not finite or beyond [`MAX_LENGTH`].
     Plate,
     /// A side of the active area is negative, not finite, or longer than [`MAX_LENGTH`].
     ActiveArea,
@@ -81,10 +81,10 @@ pub enum HallSensorFault {
 }
 
 impl HallSensor {
-    /// The sensor itself, if it obeys the rules.
+    /// The sensor, if it obeys the rules.
     ///
     /// # Errors
-    /// The first rule that is broken.
+    /// The first broken rule.
     pub fn checked(self) -> Result<HallSensor, HallSensorFault> {
         let not_negative = |values: DVec3| values.is_finite() && values.cmpge(DVec3::ZERO).all();
         let is_length = |length: f64| (0.0..=MAX_LENGTH).contains(&length);
@@ -101,13 +101,13 @@ impl HallSensor {
         rules.into_iter().find(|(is_kept, _)| !is_kept).map_or(Ok(self), |(_, fault)| Err(fault))
     }
 
-    /// Standard deviation of a reading of each axis: its noise, and the rounding to counts, whose
+    /// Standard deviation of a reading of each axis, from noise and from rounding to counts, whose
     /// error is uniform over one count.
     pub fn deviation_t(&self) -> DVec3 {
         (self.noise_t * self.noise_t + self.count_t * self.count_t / 12.0).map(f64::sqrt)
     }
 
-    /// A reading as the sensor gives it: rounded to counts and limited to the range.
+    /// A reading rounded to counts and limited to the range.
     pub fn digitized_t(&self, reading_t: DVec3) -> DVec3 {
         let rounded = DVec3::from([0, 1, 2].map(|axis| {
             let (reading, count) = (reading_t[axis], self.count_t[axis]);
@@ -118,7 +118,7 @@ impl HallSensor {
 
     /// Whether a reading is at the limit of the range along any axis, to within one count.
     pub fn is_saturated(&self, reading_t: DVec3) -> bool {
-        // Readings that were converted from another unit have the round-off of the conversion.
+        // Readings converted from another unit have the round-off of the conversion.
         let limit = self.range_t * (1.0 - 1e-12) - self.count_t;
         reading_t.abs().cmpge(limit).any()
     }
@@ -127,7 +127,7 @@ impl HallSensor {
 impl fmt::Display for HallSensorFault {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
-            HallSensorFault::Plate => "the plates of a sensor must be at finite places",
+            HallSensorFault::Plate => "the plates of a sensor must have finite positions",
             HallSensorFault::ActiveArea => "the sides of an active area must be finite and at least 0",
             HallSensorFault::Rotation => "the rotation of a sensor must be a unit quaternion",
             HallSensorFault::Gain => "the gains of a sensor must be finite and not 0",

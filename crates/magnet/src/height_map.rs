@@ -5,8 +5,8 @@ use std::fmt;
 
 use glam::DVec3;
 
-/// Heights z(x, y), given on a grid, and between its points by cubic polynomials with continuous
-/// slopes (Catmull-Rom).
+/// Heights z(x, y) on a grid, interpolated by cubic polynomials with continuous slopes
+/// (Catmull-Rom).
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightMap {
     x: Vec<f64>,
@@ -15,16 +15,16 @@ pub struct HeightMap {
     heights: Vec<f64>,
 }
 
-/// The numbers are no height map: coordinates must ascend, two at least along each axis, and there
-/// must be one finite height for each pair.
+/// An invalid height map. Coordinates must ascend, at least two along each axis, and each pair must
+/// have one finite height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InvalidHeightMap;
 
-/// Why points are no height map.
+/// The reason why points are no height map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum HeightMapError {
-    /// There are not as many points as pairs of coordinates.
+    /// The number of points differs from the number of pairs of coordinates.
     NoGrid {
         /// Number of points.
         points: usize,
@@ -123,8 +123,8 @@ impl Weights {
         for (end, [value, tangent]) in [(low, [0, 1]), (low + 1, [2, 3])] {
             weights.values[end - first] += hermite[value];
             weights.slopes[end - first] += slope[value] / width;
-            // The slope at a point is that of the parabola through it and its neighbours, and at an
-            // end that of the first interval.
+            // The slope at a point is the slope of the parabola through it and its neighbours; at
+            // an end, the slope of the first interval.
             for (index, weight) in derivative(at, end) {
                 weights.values[index - first] += hermite[tangent] * width * weight;
                 weights.slopes[index - first] += slope[tangent] * weight;
@@ -154,7 +154,7 @@ impl fmt::Display for HeightMapError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             HeightMapError::NoGrid { points, x, y } => {
-                write!(f, "has {points} heights at {x} x and {y} y, must have one for each pair of them")
+                write!(f, "has {points} heights at {x} x and {y} y, must have one for each pair")
             }
             HeightMapError::Repeated { point } => write!(f, "point {point} has the x and y of an earlier one"),
             HeightMapError::Invalid(error) => error.fmt(f),
@@ -176,7 +176,7 @@ impl Error for InvalidHeightMap {}
 mod tests {
     use super::*;
 
-    /// Slopes of parabolas are exact inside, and so are cubic pieces of parabolas between them.
+    /// Slopes of parabolas are exact inside, and so are the values between such slopes.
     #[test]
     fn parabolas_are_exact_within() {
         let x = vec![-3.0, -2.0, -0.5, 0.0, 1.5, 2.0, 4.0];

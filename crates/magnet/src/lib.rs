@@ -9,7 +9,7 @@
 //! * [`Accuracy`]: exact, or within a [`Tolerance`].
 //! * [`PointErrors`]: the points at which a field does not exist, and why.
 //! * [`BoundingBox`]: a box with sides along the axes.
-//! * [`HallSensor`]: what reads the field.
+//! * [`HallSensor`]: the sensor that reads the field.
 //! * [`Deformation`]: films that are shifted, turned and bent.
 //!
 //! # Units
@@ -59,7 +59,7 @@ mod serde_tests;
 mod tile;
 /// The errors of a tile, and a value for each.
 mod tile_error;
-/// Limits on tiles, and the round-off that geometry forgives.
+/// Limits on tiles, and the round-off that geometry tolerates.
 pub mod tolerances;
 
 pub use accuracy::{Accuracy, InvalidTolerance, Tolerance};

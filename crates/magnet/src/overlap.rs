@@ -16,14 +16,14 @@ pub struct Overlap {
     pub first: usize,
     /// Index of the second tile, greater than `first`.
     pub second: usize,
-    /// The shortest distance by which one must move to end the overlap, in the unit of the tiles.
+    /// The shortest move of one tile that ends the overlap, in the unit of the tiles.
     pub depth: f64,
     /// Unit vector along which the second tile must move.
     pub direction: DVec3,
 }
 
 /// The depth of the overlap of two tiles and the unit vector along which the second must move to
-/// end it; `None` if they overlap by no more than round-off. Touching is not overlapping.
+/// end it. `None` if they touch or overlap by no more than round-off.
 pub fn overlap(first: &Tile, second: &Tile) -> Option<(f64, DVec3)> {
     Oriented::from_tile(first).penetration(&Oriented::from_tile(second))
 }
@@ -36,9 +36,9 @@ pub fn overlaps(tiles: &[Tile]) -> impl Iterator<Item = Overlap> {
     overlaps_among(tiles, usize::MAX).flatten()
 }
 
-/// [`overlaps`], which ends with an error after examining `most` pairs whose bounding boxes meet.
-/// Tiles that do not overlap can be in many such pairs, for example long bars side by side that are
-/// not along an axis.
+/// [`overlaps`] that ends with an error after examining `most` pairs whose bounding boxes meet.
+/// Disjoint tiles can form many such pairs: for example, long bars side by side, oblique to the
+/// axes.
 pub fn overlaps_among(tiles: &[Tile], most: usize) -> impl Iterator<Item = Result<Overlap, TooManyPairs>> {
     let boxes: Vec<Oriented> = tiles.iter().map(Oriented::from_tile).collect();
     let bounds = boxes.iter().enumerate().map(|(index, b)| IndexedBounds { low: b.low, high: b.high, index });
@@ -63,7 +63,7 @@ pub fn overlaps_among(tiles: &[Tile], most: usize) -> impl Iterator<Item = Resul
     pairs.flatten()
 }
 
-/// More pairs of tiles may overlap than were to be examined.
+/// The limit of examined pairs was reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooManyPairs;
 
@@ -90,7 +90,7 @@ impl RTreeObject for IndexedBounds {
     }
 }
 
-/// A tile as a box with axes, and its bounds along x, y, z.
+/// A tile as an oriented box with its bounds along x, y, z.
 struct Oriented {
     centre: DVec3,
     axes: [DVec3; 3],
@@ -107,7 +107,7 @@ impl Oriented {
         let axes = [rotation.x_axis, rotation.y_axis, rotation.z_axis];
         let reach = axes[0].abs() * half.x + axes[1].abs() * half.y + axes[2].abs() * half.z;
         let centre = tile.position();
-        // Quarter turns round nothing.
+        // Quarter turns cause no round-off.
         let rotated = axes
             .iter()
             .any(|axis| axis.abs().to_array().iter().any(|c| (SAME_ROTATION..=1.0 - SAME_ROTATION).contains(c)));
@@ -124,7 +124,7 @@ impl Oriented {
         let shift = other.centre - self.centre;
         let crosses = self.axes.iter().flat_map(|a| other.axes.iter().map(move |b| a.cross(*b)));
         let candidates = self.axes.iter().chain(&other.axes).copied().chain(crosses);
-        // Half of the round-off that joins faces, so that faces of a pair that passes here are
+        // Half the round-off that joins faces: touching faces of a pair that passes here are
         // joined.
         let reach = |o: &Oriented, d: DVec3| o.centre.dot(d).abs() + o.reach(d);
         let roundings = if self.rotated || other.rotated { ROTATED_SEAM_ROUNDINGS } else { SEAM_ROUNDINGS };
@@ -166,7 +166,7 @@ mod tests {
         );
     }
 
-    /// Rounding of such coordinates is 1e-16. An overlap of 1e-12 is a mistake in the layout.
+    /// Coordinates are rounded to 1e-16, so an overlap of 1e-12 is a mistake in the layout.
     #[test]
     fn only_round_off_is_forgiven() {
         for angle_deg in [0.0, 30.0] {

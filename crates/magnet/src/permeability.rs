@@ -8,8 +8,8 @@ pub const MAX_PERMEABILITY: f64 = 1e4;
 
 /// The relative recoil permeability mu_r of a magnet, along its easy axis and across it.
 ///
-/// The easy axis is the direction of the polarization of the tile. A tile without polarization has
-/// none: the permeability across applies in all directions.
+/// The easy axis is the direction of the polarization of the tile. In a tile without polarization
+/// the permeability across applies in all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Permeability {
@@ -17,7 +17,7 @@ pub struct Permeability {
     across: f64,
 }
 
-/// A permeability that is not between 1 and [`MAX_PERMEABILITY`].
+/// A permeability outside the range from 1 to [`MAX_PERMEABILITY`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InvalidPermeability(pub f64);
 
@@ -30,13 +30,13 @@ impl fmt::Display for InvalidPermeability {
 impl Error for InvalidPermeability {}
 
 impl Permeability {
-    /// Of a magnet whose polarization no field changes: 1 in all directions.
+    /// A rigid polarization, which no field changes: 1 in all directions.
     pub const RIGID: Permeability = Permeability { along: 1.0, across: 1.0 };
 
     /// The same permeability in all directions.
     ///
     /// # Errors
-    /// If it is not between 1 and [`MAX_PERMEABILITY`].
+    /// If `mu_r` is not between 1 and [`MAX_PERMEABILITY`].
     pub fn isotropic(mu_r: f64) -> Result<Permeability, InvalidPermeability> {
         Permeability::along_and_across(mu_r, mu_r)
     }
@@ -54,7 +54,7 @@ impl Permeability {
         Ok(Permeability { along, across })
     }
 
-    /// Whether no field changes the polarization.
+    /// Whether the polarization is rigid.
     pub fn is_rigid(self) -> bool {
         self == Permeability::RIGID
     }

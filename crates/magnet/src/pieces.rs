@@ -1,4 +1,4 @@
-//! Identical pieces among tiles: how many of each sort there are.
+//! The sorts of identical pieces among tiles.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -7,29 +7,29 @@ use glam::DVec3;
 
 use crate::tile::Tile;
 
-/// Significant digits to which sizes, strengths and directions of two pieces must agree.
-/// Differences beyond them are round-off.
+/// Significant digits to which sizes, strengths and directions of identical pieces agree. Further
+/// digits are round-off.
 const SAME_DIGITS: i32 = 9;
 
 /// One sort of identical pieces: tiles that differ only in position and orientation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
-    /// Side lengths. The third is the z side of the first such tile; of the other two the longer
-    /// comes first.
+    /// Side lengths: first the longer and the shorter of the x and y sides of the first such tile,
+    /// then its z side.
     pub size: DVec3,
     /// Magnitude of the polarization, in tesla.
     pub strength_t: f64,
     /// Unit vector of the polarization along these sides, or zero without polarization.
     pub direction: DVec3,
-    /// Indices of all such tiles, in ascending order.
+    /// Indices of the tiles, in ascending order.
     pub tiles: Vec<usize>,
 }
 
 /// The sorts of pieces among tiles, largest pieces first.
 ///
-/// Two tiles are the same piece if a rotation maps one onto the other, polarization included. A
-/// tile turned upside down to reverse its polarization is therefore the same piece, and its mirror
-/// image is another one. Sizes, strengths and directions agree to nine digits.
+/// Two tiles are the same sort of piece if a rotation maps one onto the other with its
+/// polarization. A tile turned upside down to reverse its polarization is therefore the same sort,
+/// and its mirror image is another sort. Sizes, strengths and directions agree to nine digits.
 pub fn pieces(tiles: &[Tile]) -> Vec<Piece> {
     let mut sorts: BTreeMap<CanonicalPiece, Vec<usize>> = BTreeMap::new();
     for (index, tile) in tiles.iter().enumerate() {
@@ -66,8 +66,8 @@ impl CanonicalPiece {
         CanonicalPiece([size.x, size.y, size.z, strength, direction.x, direction.y, direction.z].map(Descending))
     }
 
-    /// The least of the orientations that these turns give: sides in descending order, then the
-    /// largest components of the direction first.
+    /// The first orientation after these turns: sides in descending order, then the largest
+    /// components of the direction first.
     fn least_of(self, turns: impl Iterator<Item = impl Fn(DVec3) -> DVec3>) -> CanonicalPiece {
         let CanonicalPiece([x, y, z, strength, u, v, w]) = self;
         let (size, direction) = (DVec3::new(x.0, y.0, z.0), DVec3::new(u.0, v.0, w.0));
@@ -86,8 +86,8 @@ fn quarter_turns() -> impl Iterator<Item = impl Fn(DVec3) -> DVec3> {
         ([1, 0, 2], true),
     ];
     let all = ORDERS.into_iter().flat_map(|order| (0..8_u32).map(move |signs| (order, signs)));
-    // An exchange of two axes and a reflection each reverse handedness, so a rotation has an even
-    // number of them.
+    // Exchanging two axes or reflecting one reverses handedness, so a rotation has an even number
+    // of both together.
     all.filter(|((_, exchange), signs)| (signs.count_ones() % 2 == 1) == *exchange).map(|((order, _), signs)| {
         move |v: DVec3| {
             let component = |axis: usize| if signs >> axis & 1 == 1 { -v[order[axis]] } else { v[order[axis]] };
@@ -102,7 +102,7 @@ fn to_digits(value: f64) -> f64 {
 }
 
 fn rounded(value: f64, decimals: i32) -> f64 {
-    // Through decimal text, so that 3.3 stays 3.3. Very large numbers keep all digits.
+    // Rounding to decimals keeps 3.3 as 3.3. Very large numbers keep all digits.
     match usize::try_from(decimals) {
         Ok(decimals) => format!("{value:.decimals$}").parse().unwrap_or(value),
         Err(_) => value,

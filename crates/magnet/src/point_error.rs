@@ -35,7 +35,7 @@ pub enum PointErrorCause {
 /// A point without a field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointError {
-    /// Index into the points that were asked for.
+    /// Index into the requested points.
     pub index: usize,
     /// The point.
     pub point: DVec3,
@@ -47,13 +47,13 @@ pub struct PointError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointErrors(pub Vec<PointError>);
 
-/// Number of points that [`PointErrors`] names in words.
+/// Number of points that a message of [`PointErrors`] lists.
 const NAMED_POINTS: usize = 10;
 
 /// Whether every coordinate of a point is a number of at most [`MAX_LENGTH`] in magnitude.
 #[inline]
 pub fn is_in_range(point: DVec3) -> bool {
-    // Componentwise, so that NaN fails the test.
+    // Each component is compared, so that NaN fails.
     point.abs().cmple(DVec3::splat(MAX_LENGTH)).all()
 }
 

@@ -85,10 +85,11 @@ impl Tile {
         }
     }
 
-    /// The same tile turned about its centre: `rotation` takes the tile's own frame to the scene's.
+    /// The same tile turned about its centre. `rotation` takes the tile's own frame to the frame of
+    /// the scene.
     ///
     /// # Errors
-    /// If the norm of the quaternion is further than [`UNIT_NORM_TOLERANCE`] from 1.
+    /// If the norm of the quaternion differs from 1 by more than [`UNIT_NORM_TOLERANCE`].
     pub fn rotated(self, rotation: DQuat) -> Result<Tile, TileFaults> {
         let norm = rotation.length();
         if (norm - 1.0).abs() <= NORM_ROUNDING {
@@ -115,7 +116,7 @@ impl Tile {
         self.polarization_t
     }
 
-    /// Rotation from the tile's own frame to that of the scene.
+    /// Rotation from the tile's own frame to the frame of the scene.
     pub fn rotation(&self) -> DQuat {
         self.rotation
     }
@@ -126,26 +127,26 @@ impl Tile {
     }
 }
 
-/// Everything that is wrong with one tile.
+/// All rules that one tile breaks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileFaults(pub Vec<TileFault>);
 
-/// One rule a tile breaks. Axes are 0, 1, 2 for x, y, z.
+/// A rule that a tile breaks. Axes are 0, 1, 2 for x, y, z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum TileFault {
     /// A coordinate of the centre is not finite or too large.
     Position {
-        /// Which coordinate.
+        /// The axis of the coordinate.
         axis: usize,
-        /// What was given.
+        /// The given value.
         value: f64,
     },
     /// A side length is not a positive number in range.
     Size {
-        /// Which side.
+        /// The axis of the side.
         axis: usize,
-        /// What was given.
+        /// The given value.
         value: f64,
     },
     /// The tile is too thin for its length.
@@ -157,9 +158,9 @@ pub enum TileFault {
     },
     /// A component of the polarization is not finite or too large.
     Polarization {
-        /// Which component.
+        /// The axis of the component.
         axis: usize,
-        /// What was given, in tesla.
+        /// The given value, in tesla.
         value: f64,
     },
     /// The rotation quaternion does not have norm 1.

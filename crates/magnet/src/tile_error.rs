@@ -13,8 +13,7 @@ use crate::axis::Axis;
 pub enum TileError {
     /// Error of the centre along an axis of the layout.
     Position(Axis),
-    /// Component along an axis of the layout of the rotation vector by which the tile is turned
-    /// about its centre.
+    /// Component, along an axis of the layout, of the rotation vector of the tile about its centre.
     Rotation(Axis),
     /// Error of a side, along an axis of the tile.
     Size(Axis),
@@ -27,7 +26,7 @@ pub enum TileError {
 /// A turn of J within its tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum DirectionError {
-    /// In the plane of the film: about the part of its normal that is normal to J.
+    /// In the plane of the film: about the component of the film's normal that is normal to J.
     InPlane,
     /// Out of the plane of the film: about the axis normal to J and to the axis of the turn in the
     /// plane.
@@ -52,7 +51,7 @@ impl TileError {
         TileError::Direction(DirectionError::OutOfPlane),
     ];
 
-    /// The place of the error in [`TileError::ALL`].
+    /// The index of the error in [`TileError::ALL`].
     pub const fn index(self) -> usize {
         match self {
             TileError::Position(axis) => axis.index(),
@@ -101,7 +100,7 @@ impl TileError {
         NAMES[self.index()]
     }
 
-    /// The unit in which people read the error: mm, deg or %.
+    /// The display unit of the error: mm, deg or %.
     pub const fn unit(self) -> &'static str {
         match self {
             TileError::Position(_) | TileError::Size(_) => "mm",
@@ -110,7 +109,7 @@ impl TileError {
         }
     }
 
-    /// A value of the error, in millimetres, radians or as a fraction, in [`TileError::unit`].
+    /// Converts a value in millimetres, radians or as a fraction to [`TileError::unit`].
     pub fn shown(self, value: f64) -> f64 {
         match self {
             TileError::Position(_) | TileError::Size(_) => value,
@@ -124,20 +123,20 @@ impl TileError {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PerTileError<T> {
-    /// Of the centre, along each axis of the layout; in millimetres.
+    /// Values of the centre, along each axis of the layout; in millimetres.
     pub position: [T; 3],
-    /// Of the components of the rotation vector along the axes of the layout; in radians.
+    /// Values of the rotation vector's components along the axes of the layout; in radians.
     pub rotation: [T; 3],
-    /// Of each side, along the axes of the tile; in millimetres.
+    /// Values of the sides, along the axes of the tile; in millimetres.
     pub size: [T; 3],
-    /// Of |J|, as a fraction of it.
+    /// Value of |J|, as a fraction of it.
     pub strength: T,
-    /// Of the direction of J, in the plane of the film and out of it; in radians.
+    /// Values of the direction of J, in the plane of the film and out of it; in radians.
     pub direction: [T; 2],
 }
 
 impl<T> PerTileError<T> {
-    /// The values that a function gives, called in the order of [`TileError::ALL`].
+    /// The values of a function of the error, called in the order of [`TileError::ALL`].
     pub fn from_fn(mut value: impl FnMut(TileError) -> T) -> PerTileError<T> {
         let turns = [DirectionError::InPlane, DirectionError::OutOfPlane];
         PerTileError {
@@ -149,7 +148,7 @@ impl<T> PerTileError<T> {
         }
     }
 
-    /// The values of a function of these, called in the order of [`TileError::ALL`].
+    /// Applies a function to each value, in the order of [`TileError::ALL`].
     pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> PerTileError<U> {
         PerTileError {
             position: self.position.map(&mut f),
@@ -170,7 +169,7 @@ impl<T> PerTileError<T> {
         TileError::ALL.into_iter().zip(self.values())
     }
 
-    /// Every error with its value, to change it, in the order of [`TileError::ALL`].
+    /// Every error with a mutable reference to its value, in the order of [`TileError::ALL`].
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (TileError, &mut T)> {
         let PerTileError { position, rotation, size, strength, direction } = self;
         let values = position.iter_mut().chain(rotation).chain(size).chain([strength]).chain(direction);

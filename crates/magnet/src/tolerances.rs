@@ -1,4 +1,4 @@
-//! Limits on tiles, and the round-off that geometry forgives.
+//! Limits on tiles, and the round-off that geometry tolerates.
 
 /// Largest length (coordinate or size) of a tile or point. Differences of two such lengths are
 /// finite.
@@ -25,23 +25,22 @@ pub(crate) const NORM_ROUNDING: f64 = 2.0 * f64::EPSILON;
 pub const UNIT_ROUNDOFF: f64 = 0.5 * f64::EPSILON;
 
 /// Faces closer than this many units of round-off of their coordinates are one face. Tiles that
-/// reach into each other by no more than half of it do not overlap: a pair that is not reported as
-/// overlapping is joined, so that no sliver has two owners.
+/// penetrate each other by at most half of it do not overlap. A pair that is not reported as
+/// overlapping is therefore joined, and no sliver has two owners.
 ///
-/// `position - size / 2` is two roundings away from the intended number, which may be the result of
-/// a computation itself.
+/// `position - size / 2` adds two roundings to the intended number, which may itself be computed.
 pub const SEAM_ROUNDINGS: f64 = 8.0;
 
-/// [`SEAM_ROUNDINGS`] where a rotation is involved: positions have been through it and back.
+/// [`SEAM_ROUNDINGS`] for rotated tiles, whose positions are rotated and rotated back.
 pub const ROTATED_SEAM_ROUNDINGS: f64 = 32.0;
 
-/// Two directions whose components differ by no more than this are one direction.
+/// Largest difference of the components of two directions that count as equal.
 ///
 /// A quaternion built from an axis and an angle in degrees is off by about four units of round-off.
 pub const SAME_ROTATION: f64 = 16.0 * f64::EPSILON;
 
-/// Edges of two tiles with a smaller sine of their angle count as parallel: their cross product has
-/// no reliable direction.
+/// Sine of the angle of two edges below which they count as parallel, because their cross product
+/// has no reliable direction.
 pub(crate) const PARALLEL_EDGES: f64 = 1e-6;
 
 const fn power_of_two(exponent: i64) -> f64 {

@@ -1,11 +1,11 @@
-//! Numbers in memory that begin with a cache line.
+//! Numbers in memory aligned to cache lines.
 
 use std::ops::{Deref, DerefMut};
 
 use crate::lanes::LONGEST_VECTOR;
 
-/// One number for each point of a batch, beginning with a cache line. The longest vectors are as
-/// long as a cache line; a vector that begins elsewhere takes two memory accesses.
+/// One number for each point of a batch, aligned to a cache line. The longest vectors fill a cache
+/// line; an unaligned vector takes two memory accesses.
 #[derive(Debug, Default)]
 pub struct Column {
     room: Vec<f64>,
@@ -20,7 +20,7 @@ impl Column {
         if self.start + count > self.room.len() {
             self.room = vec![0.0; count + LONGEST_VECTOR - 1];
             let line = LONGEST_VECTOR * size_of::<f64>();
-            // Any start is correct where the alignment is unknown.
+            // Where the alignment is unknown, any start is correct.
             self.start = self.room.as_ptr().align_offset(line).min(LONGEST_VECTOR - 1);
         }
         self.count = count;
@@ -33,7 +33,7 @@ impl Column {
         self.fill(value);
     }
 
-    /// Becomes a copy of `values`.
+    /// Replaces the values by a copy of `values`.
     #[inline]
     pub fn copy_from(&mut self, values: &[f64]) {
         self.set_len(values.len());

@@ -1,5 +1,4 @@
-//! Sums of two doubles without loss of a digit (Knuth's two-sum), for coordinates and for sums over
-//! tiles.
+//! Exact sums of two doubles (Knuth's two-sum), for coordinates and for sums over tiles.
 
 /// An unevaluated sum `hi + lo` with |lo| at most half a unit in the last place of `hi`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +55,7 @@ impl RunningSum {
         self.carry += step.lo;
     }
 
-    /// The sum with its carry.
+    /// The sum including its carry.
     #[inline(always)]
     pub fn value(self) -> f64 {
         self.sum + self.carry

@@ -4,8 +4,8 @@
 //! division in all. Both reduce to an odd polynomial in a number below 0.203.
 //!
 //! # Accuracy
-//! The relative error of an angle is at most 1e-15. That of an artanh is at most 6e-16, plus the
-//! effect of rounding its ratio to 1e-16.
+//! The relative error of an angle is at most 1e-15. The relative error of an artanh is at most
+//! 6e-16, plus the effect of rounding its ratio to 1e-16.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_8, LN_2, PI};
 
@@ -126,7 +126,7 @@ pub fn half_logarithm_of_ratio<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>) -> La
 /// with s = (a - E b) / (a + E b), which is small and free of cancellation.
 #[inline(always)]
 fn nearest_power<S: Simd>(Lanes(a): Lanes<S>, Lanes(b): Lanes<S>) -> (Lanes<S>, Lanes<S>) {
-    // The difference of the bits is that of the logarithms, to 9 %.
+    // The difference of the bits equals the difference of the logarithms, to 9 %.
     let power = (a.to_bits() - b.to_bits() + (EXPONENT_ONE + EXPONENT_HALF)) & EXPONENT_MASK;
     let exponent = S::f64s::from_bits((power >> 52) | INTEGER) - INTEGER_OFFSET;
     (Lanes(S::f64s::from_bits(power)), Lanes(exponent * (0.5 * LN_2)))

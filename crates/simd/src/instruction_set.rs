@@ -4,8 +4,8 @@ use std::fmt;
 
 use fearless_simd::Level;
 
-/// Vector instructions that fields of many points are computed with. The best set of the processor
-/// is found at run time.
+/// Vector instructions for fields at many points. The best set of the processor is found at run
+/// time.
 ///
 /// The error bounds hold for all sets. The digits below the bounds differ between sets with and
 /// without a fused multiply-add.

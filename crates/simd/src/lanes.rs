@@ -11,7 +11,7 @@ pub const LONGEST_VECTOR: usize = 8;
 /// it.
 pub const PAIR: usize = 2 * LONGEST_VECTOR;
 
-/// This constant minus half the bits of x is the bits of about 1 / sqrt(x) (Lomont).
+/// This constant minus half the bits of x gives the bits of about 1 / sqrt(x) (Lomont).
 const RECIPROCAL_ROOT: f64 = f64::from_bits(0x5fe6_eb50_c7b5_37a9);
 /// 2^52, above which neighbouring doubles differ by 1.
 const POWER_52: f64 = (1_u64 << 52) as f64;
@@ -48,7 +48,7 @@ pub trait Number:
     fn where_at_least(self, limit: f64, this: Self, other: Self) -> Self;
 }
 
-/// A vector of as many doubles as the processor computes with at a time.
+/// A vector of the doubles that the processor computes with at a time.
 #[derive(Clone, Copy)]
 pub struct Lanes<S: Simd>(pub S::f64s);
 
@@ -77,8 +77,8 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn transposed(mut vectors: [Self; LONGEST_VECTOR]) -> [Self; LONGEST_VECTOR] {
         let half = Self::LEN / 2;
-        // Each round moves the highest binary digit of a vector's number to the lowest of the
-        // lane's.
+        // Each round moves the highest binary digit of a vector's number to the lowest digit of the
+        // lane's number.
         for _ in 0..Self::LEN.ilog2() {
             let last = vectors;
             for pair in 0..half {
@@ -102,10 +102,11 @@ impl<S: Simd> Lanes<S> {
         self.0[index]
     }
 
-    /// The square root of a number between 2^-100 and 2^100, right to one unit in the last place.
+    /// The square root of a number between 2^-100 and 2^100, accurate to one unit in the last
+    /// place.
     ///
-    /// It uses multiplications alone. With long vectors this is faster than the root of the
-    /// processor, for which every unit but one would wait.
+    /// It uses multiplications alone. With long vectors this is faster than the processor's square
+    /// root, which only one of its units computes.
     #[inline(always)]
     pub fn root(self, simd: S) -> Self {
         let Lanes(x) = self;
@@ -127,8 +128,8 @@ impl<S: Simd> Lanes<S> {
 
     /// An upper bound of 1 / sqrt(x) for x between 2^-1000 and 2^1000, at most 0.4 % above it.
     ///
-    /// Newton's step x -> x (3 - x^2) / 2 takes the estimate, which is right to 3.5 %, to 0.18 %
-    /// below the reciprocal root at most, never above.
+    /// The estimate is accurate to 3.5 %. Newton's step x -> x (3 - x^2) / 2 brings it to at most
+    /// 0.18 % below the reciprocal root, never above.
     #[inline(always)]
     pub fn reciprocal_root_bound(self, simd: S) -> Self {
         const ABOVE: f64 = 1.002;
@@ -141,8 +142,8 @@ impl<S: Simd> Lanes<S> {
     /// An upper bound of log2(self / divisor), at most 0.18 above it, for positive numbers with
     /// self >= divisor. A divisor of 0 counts as 2^-1023.
     ///
-    /// The bits of a number are a chord of its logarithm between powers of two, at most 0.0861
-    /// below it.
+    /// The bits of a number, as an integer, are a chord of its logarithm between powers of two, at
+    /// most 0.0861 below the logarithm.
     #[inline(always)]
     pub fn log2_of_ratio_bound(self, simd: S, divisor: Self) -> Self {
         const CHORD: f64 = 0.0861;
@@ -174,7 +175,7 @@ impl<S: Simd> Lanes<S> {
         Lanes(self.0.sqrt())
     }
 
-    /// The largest integer not above each value.
+    /// Each value rounded down to an integer.
     #[inline(always)]
     pub fn floor(self) -> Self {
         Lanes(self.0.floor())

@@ -3,16 +3,16 @@
 //! * [`lanes`]: a vector of the processor, and two of them at a time.
 //! * [`functions`]: artanh and arctangent of ratios.
 //! * [`pairwise`]: a field evaluated at many points, two vectors at a time.
-//! * [`column`](mod@column): numbers in memory that begin with a cache line.
+//! * [`column`](mod@column): numbers in memory aligned to cache lines.
 //! * [`prefetch`]: memory requested before it is needed.
-//! * [`compensated_sum`]: sums that lose no digit.
-//! * [`power_of_two`]: scales that are exact.
+//! * [`compensated_sum`]: sums without loss of digits.
+//! * [`power_of_two`]: exact scales.
 //! * [`InstructionSet`]: the vector instructions of the processor.
 //!
-//! Everything here is generic over the instruction set or `#[inline]`: kernels of other crates are
-//! made of these operations, and a call per operation would cost a multiple of their time.
+//! All operations are generic over the instruction set or `#[inline]`. Kernels of other crates
+//! consist of these operations, and a call per operation would take a multiple of their time.
 
-/// Numbers in memory that begin with a cache line.
+/// Numbers in memory aligned to cache lines.
 pub mod column;
 /// Sums of two doubles without loss, and running sums.
 pub mod compensated_sum;
@@ -26,7 +26,7 @@ mod instruction_set;
 pub mod lanes;
 /// A field evaluated at many points, two vectors at a time.
 pub mod pairwise;
-/// Scales that are exact.
+/// Exact scales.
 pub mod power_of_two;
 /// Memory requested before it is needed.
 pub mod prefetch;

@@ -6,7 +6,7 @@ use crate::lanes::Lanes;
 use crate::prefetch::Prefetch;
 
 /// A source with a field, evaluated at two vectors of points at a time. The operations on one
-/// vector fill the latency of those on the other.
+/// vector fill the latency of the operations on the other.
 pub trait Pairwise<S: Simd> {
     /// The field at two vectors of points, in the frame of the source.
     fn fields(&self, simd: S, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2];
@@ -15,8 +15,8 @@ pub trait Pairwise<S: Simd> {
 /// Writes the field at points given by axis. `fields` has as many values as there are points, a
 /// multiple of [`PAIR`](crate::lanes::PAIR). Each pair of vectors requests memory `ahead`.
 ///
-/// It is compiled once for each source and instruction set; inlining it would cost minutes of
-/// compile time.
+/// It is compiled once for each source and instruction set; inlining it would take minutes to
+/// compile.
 #[inline(never)]
 pub fn fields_of<S: Simd, P: Pairwise<S>>(
     simd: S,
@@ -42,8 +42,8 @@ pub fn fields_of<S: Simd, P: Pairwise<S>>(
     );
 }
 
-/// Calls `field` with the index of the first point of each pair of vectors and the pair, and writes
-/// the results.
+/// Calls `field` with each pair of vectors and the index of its first point, and writes the
+/// results.
 #[inline(always)]
 pub fn each_pair<S: Simd>(
     simd: S,

@@ -8,10 +8,10 @@ use crate::lanes::PAIR;
 /// A cache line holds at least two points.
 const POINTS_PER_LINE: usize = 2;
 
-/// Points to come, and the places where their fields will be written.
+/// The next points, and the memory of their fields.
 ///
-/// They are requested a few at a time while others are computed: a request takes as long as some
-/// vectors, and a processor handles only a few at a time.
+/// They are requested a few at a time during the computation. A request takes as long as the
+/// computation of several vectors, and a processor handles only a few requests at a time.
 pub struct Prefetch<'a> {
     points: &'a [DVec3],
     field: &'a [DVec3],
@@ -26,13 +26,13 @@ impl<'a> Prefetch<'a> {
         Prefetch { points, field, next }
     }
 
-    /// No points, for points that are in the cache.
+    /// An empty prefetch, for points that are in the cache.
     #[inline(always)]
     pub fn nothing() -> Prefetch<'static> {
         Prefetch { points: &[], field: &[], next: 0 }
     }
 
-    /// Requests as many points as are computed together.
+    /// Requests the points of one step of the computation.
     #[inline(always)]
     pub fn request(&mut self) {
         let end = self.next + PAIR;

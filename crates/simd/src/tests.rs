@@ -6,7 +6,7 @@ use crate::functions::{angle, artanh_of_ratio, short_odd_series};
 use crate::instruction_set::InstructionSet;
 use crate::lanes::{Lanes, Number};
 
-/// The largest argument that the short series are used for: tan(0.04).
+/// The largest argument of the short series: tan(0.04).
 const LARGEST_SHORT_ANGLE: f64 = 0.04;
 
 #[derive(Clone, Copy)]
