@@ -1,4 +1,4 @@
-//! A cuboid prepared for evaluation, in the frame it shares with its neighbours.
+//! A cuboid prepared for evaluation in a frame shared with its neighbours.
 
 use glam::DVec3;
 use magsplice_simd::compensated_sum::TwoSum;
@@ -35,7 +35,7 @@ pub struct LocalPoint {
 pub struct PlacedPoint {
     /// Offsets from the faces along each axis, scaled.
     pub offsets: [Offsets<f64>; 3],
-    /// The power of two that `offsets` have been multiplied by.
+    /// The power-of-two factor in `offsets`.
     pub scale: f64,
 }
 
@@ -63,7 +63,7 @@ impl Block {
     }
 
     /// Position of a point, scaled by a power of two so that the largest offset is between 1 and 2;
-    /// `None` if the block is too small and far away to matter.
+    /// `None` if the field of the block vanishes at that distance.
     pub fn place(&self, point: &LocalPoint) -> Option<PlacedPoint> {
         let offsets = [0, 1, 2].map(|axis| self.offsets(axis, point.coordinates[axis], point.roundoff[axis]));
         let farthest = offsets.iter().map(|o| o.far).fold(0.0, f64::max);
@@ -91,7 +91,7 @@ impl Block {
             if mirrored { (-from_low.value(), -from_high.value()) } else { (from_high.value(), from_low.value()) };
         let (size, sum) = (self.size[axis], sum.abs());
         let on_face = near == 0.0 || (near.abs() <= roundoff && roundoff * RESOLVED_THICKNESS <= size);
-        // The lower face belongs to the block, the upper one does not.
+        // The lower face belongs to the block, the upper face does not.
         let inside = if on_face { mirrored } else { near < 0.0 };
         if !on_face && near.abs() >= self.nudge {
             return Offsets { near, far, sum, size, mirrored, on_face };

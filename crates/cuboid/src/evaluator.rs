@@ -25,13 +25,13 @@ pub struct Evaluator<'a> {
 }
 
 impl<'a> Evaluator<'a> {
-    /// Prepares a block whose ranges, moment and series are given.
+    /// Prepares a block with its ranges, moment and series.
     pub fn new(block: &Block, ranges: &'a MethodRanges, distant: &'a Distant, series: &'a Series) -> Evaluator<'a> {
         let form = Shape::new(block, ranges.scale).form();
         Evaluator { ranges, form, closed_form: ClosedForm::new(block, ranges.scale, form), distant, series }
     }
 
-    /// The ranges of its methods.
+    /// The ranges of the methods.
     pub fn ranges(&self) -> &MethodRanges {
         self.ranges
     }
@@ -64,7 +64,7 @@ impl<'a> Evaluator<'a> {
     /// |T e_k| |J_k| in tesla for each point.
     ///
     /// # Panics
-    /// If the method is not one of the closed form.
+    /// If the method is not a closed form.
     #[inline]
     pub fn fields_and_magnitudes<S: Simd>(
         &self,
@@ -108,7 +108,7 @@ impl<'a> Evaluator<'a> {
 const ALL: u8 = 0;
 /// Elements of a rod.
 const OF_ROD: u8 = 1;
-/// Elements that are all small.
+/// Elements that are all at most `SMALL_ANGLE`.
 const SMALL: u8 = 2;
 
 /// The closed form of a cuboid with the elements [`ALL`], [`OF_ROD`] or [`SMALL`].

@@ -1,9 +1,9 @@
 //! Derivatives of B with respect to the positions of the faces of a tile.
 //!
 //! Moving a face outwards by a small distance adds a thin layer of the tile's polarization
-//! (docs/physics.md, section 6). The part of J normal to the layer acts as a current around its
-//! rim, the part along it as charges on two of its four edges. Both are integrals over the edges of
-//! the tile, which all six faces share.
+//! (docs/physics.md, section 6). The component of J normal to the layer acts as a current around
+//! its rim, the component along it as charges on two of its four edges. Both are integrals over the
+//! edges of the tile, which all six faces share.
 
 use std::f64::consts::PI;
 
@@ -13,10 +13,10 @@ use magsplice_magnet::Tile;
 /// The derivatives of B at a point with respect to the positions of the faces of a tile.
 ///
 /// Column `axis` of either matrix is the derivative with respect to the coordinate, along the
-/// tile's own axis, of the face normal to it. Every change of size or position follows from them. A
-/// tile that moves along its axis moves both faces, so that `-(lower + upper)` is the gradient of B
-/// if the tile is not rotated. A tile that grows about its centre moves each face by half of its
-/// growth.
+/// tile's own axis, of the face normal to it. The effect of any change of size or position follows
+/// from them. A tile that moves along its axis moves both faces, so `-(lower + upper)` is the
+/// gradient of B if the tile is not rotated. A tile that grows about its centre moves each face by
+/// half of its growth.
 ///
 /// # Units
 /// Tesla per unit of length, in the frame of the scene.
@@ -47,13 +47,12 @@ pub struct FaceDerivatives {
 
 impl FaceDerivatives {
     /// The derivatives at a point; `None` on an edge of the tile, where they are unbounded, and
-    /// where they leave the range of numbers.
+    /// where they overflow.
     pub fn new(tile: &Tile, point: DVec3) -> Option<FaceDerivatives> {
         let unrotated = tile.rotation() == DQuat::IDENTITY;
         let from_centre = point - tile.position();
         let local = if unrotated { from_centre } else { tile.rotation().inverse() * from_centre };
-        // Vectors to the faces in units of the largest, so that no power leaves the range of
-        // numbers.
+        // Vectors to the faces in units of the largest, so that no power overflows.
         let half = 0.5 * tile.size();
         let to_faces = [-half - local, half - local];
         let unit = to_faces[0].abs().max_element().max(to_faces[1].abs().max_element());
@@ -88,8 +87,8 @@ fn of_edges(edges: &Edges, j: DVec3) -> [DMat3; 2] {
 struct Edges {
     /// Vectors from the point to the lower and upper faces.
     to_faces: [DVec3; 2],
-    /// Integrals of 1 / r^3 and of t / r^3 along each edge, t from the foot of the point; by
-    /// direction, then by the ends of the next axis and of the one after it.
+    /// Integrals of 1 / r^3 and of t / r^3 along each edge, with t from the foot of the point; by
+    /// direction, then by the ends of the next axis and of the axis after it.
     integrals: [[[(f64, f64); 2]; 2]; 3],
 }
 

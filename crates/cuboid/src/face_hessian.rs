@@ -12,10 +12,11 @@ use magsplice_magnet::Tile;
 use crate::face_derivatives::segment;
 
 /// The second derivatives of B at a point with respect to the positions of the faces of a tile.
+/// They are linear in the polarization.
 ///
 /// # Units
 /// Tesla per square of the unit of length, in the frame of the scene. The faces are normal to the
-/// tile's own axes. They are linear in the polarization.
+/// tile's own axes.
 ///
 /// # Accuracy
 /// The error is at most 64 units of round-off of the sum of the contributions of the twelve edges.
@@ -37,18 +38,18 @@ use crate::face_derivatives::segment;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceHessian {
-    /// By two faces, each numbered by twice its axis plus its side.
+    /// The derivatives by two faces, each with the index 2 axis + side.
     second: [[DVec3; 6]; 6],
 }
 
 impl FaceHessian {
     /// The derivatives at a point; `None` on an edge of the tile, where they are unbounded, and
-    /// where they leave the range of numbers.
+    /// where they overflow.
     pub fn new(tile: &Tile, point: DVec3) -> Option<FaceHessian> {
         let unrotated = tile.rotation() == DQuat::IDENTITY;
         let from_centre = point - tile.position();
         let local = if unrotated { from_centre } else { tile.rotation().inverse() * from_centre };
-        // In units of the largest, so that no power leaves the range of numbers.
+        // In units of the largest, so that no power overflows.
         let half = 0.5 * tile.size();
         let to_faces = [-half - local, half - local];
         let unit = to_faces[0].abs().max_element().max(to_faces[1].abs().max_element());
@@ -64,8 +65,8 @@ impl FaceHessian {
         second.iter().flatten().all(|value| value.is_finite()).then_some(FaceHessian { second })
     }
 
-    /// The derivative with respect to two faces, each given by the axis that it is normal to and
-    /// its side: 0 for the lower, 1 for the upper face.
+    /// The derivative with respect to two faces, each given by its normal axis and its side: 0 for
+    /// the lower, 1 for the upper face.
     ///
     /// # Panics
     /// If an axis is above 2 or a side above 1.
@@ -93,8 +94,7 @@ fn of_edges(to_faces: &[DVec3; 2], j: DVec3) -> Option<[[DVec3; 6]; 6]> {
             for (number, &face) in faces.iter().enumerate() {
                 let (dy, dz) = (f64::from(number == 2), f64::from(number == 3));
                 let (d_across, d_lengthwise) = (by_across[number], by_lengthwise[number]);
-                // Both faces that meet in the edge: the current of the one is the charge of the
-                // other.
+                // Both faces that meet in the edge: the current of one is the charge of the other.
                 let along = (j_next * y + j_last * z) * d_across + (j_next * dy + j_last * dz) * across;
                 let around = (j_next * z - j_last * y) * d_across + (j_next * dz - j_last * dy) * across;
                 let of_next = &mut second[2 * next + i][face];
@@ -192,7 +192,7 @@ mod tests {
         hessian.second.iter().flatten().map(|value| value.length()).fold(0.0, f64::max)
     }
 
-    /// Distance in the longest sides, at least 1: the factor by which the edges cancel.
+    /// Distance in units of the longest side, at least 1: the factor by which the edges cancel.
     fn distance(tile: &Tile, point: DVec3) -> f64 {
         1.0_f64.max(point.distance(tile.position()) / tile.size().max_element())
     }
@@ -205,10 +205,10 @@ mod tests {
         moved.and_then(|moved| moved.rotated(tile.rotation())).expect("valid")
     }
 
-    /// With steps h of 1e-4, four-point differences are off by the fifth derivative times h^4 / 30,
-    /// and by the round-off of the first derivatives (32 units for each edge at most, times the
-    /// square of the distance) over h. The nearest edge is 0.58 away, so that the former is below
-    /// 1e-14 times 5! / 0.58^4 of the second derivatives.
+    /// With steps h of 1e-4, the error of four-point differences is the fifth derivative times h^4
+    /// / 30, plus the round-off of the first derivatives (32 units for each edge at most, times the
+    /// square of the distance) over h. The nearest edge is 0.58 away, so the truncation error is
+    /// below 1e-14 times 5! / 0.58^4 of the second derivatives.
     #[test]
     fn second_derivatives_agree_with_differences_of_the_first() {
         let h = 1e-4;
@@ -233,10 +233,9 @@ mod tests {
         }
     }
 
-    /// Three laws that hold exactly, so that the error is that of round-off: the order of
-    /// derivatives; a tile that moves has a field that obeys Laplace's equation; and B does not
-    /// change with scale, so that the second derivatives times the positions of the faces are minus
-    /// the first ones.
+    /// Three laws hold to round-off. Derivatives commute; the field of a moved tile obeys Laplace's
+    /// equation; B does not change with scale, so the second derivatives times the positions of the
+    /// faces are minus the first derivatives.
     #[test]
     fn laws_hold_to_round_off() {
         for (tile, point) in cases() {

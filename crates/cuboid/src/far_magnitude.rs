@@ -5,7 +5,7 @@ use fearless_simd::prelude::*;
 use crate::magnitude_bound::{MagnitudeBound, TANGENT};
 use crate::tolerances::{SERIES_BOUND_FROM, SINGLE_PRECISION, SMALLEST_IN_SINGLE_PRECISION};
 
-/// This constant minus half the bits of x is the bits of about 1 / sqrt(x) (Lomont).
+/// This constant minus half the bits of x gives the bits of about 1 / sqrt(x) (Lomont).
 const RECIPROCAL_ROOT: f32 = f32::from_bits(0x5f37_59df);
 
 /// Eq. P45 of a cuboid in single precision. Lengths are in radii of a sphere around a group of
@@ -13,11 +13,11 @@ const RECIPROCAL_ROOT: f32 = f32::from_bits(0x5f37_59df);
 #[derive(Clone, Debug)]
 pub struct FarMagnitude {
     centre: [f32; 3],
-    /// Squared distance from the centre from which the bound holds.
+    /// Smallest squared distance from the centre at which the bound holds.
     from: f32,
     /// The coefficient of q^3.
     dipole: f32,
-    /// The quadratic form of the offset, and the constant, which q^5 multiplies: xx, yy, zz, and
+    /// The coefficients of q^5, a quadratic form of the offset plus a constant: xx, yy, zz, and
     /// twice yz, zx, xy if the cuboid is rotated.
     squares: [f32; 3],
     mixed: Option<[f32; 3]>,
@@ -48,8 +48,8 @@ impl MagnitudeBound {
 }
 
 impl FarMagnitude {
-    /// Upper bounds at a vector of points at most 10 radii from the centre of the group, and where
-    /// they hold; elsewhere they are meaningless.
+    /// Upper bounds at a vector of points at most 10 radii from the centre of the group, and a mask
+    /// of the points where they hold.
     #[inline(always)]
     pub fn at<S: Simd>(&self, simd: S, [x, y, z]: [S::f32s; 3]) -> (S::f32s, S::mask32s) {
         let [x, y, z] = [x - self.centre[0], y - self.centre[1], z - self.centre[2]];

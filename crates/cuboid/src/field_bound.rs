@@ -1,4 +1,4 @@
-//! A bound of the field of a cuboid, without computing the field.
+//! A bound of the field of a cuboid that needs no evaluation of the field.
 
 use glam::DVec3;
 use magsplice_magnet::Tile;

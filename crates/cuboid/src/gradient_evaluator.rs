@@ -12,7 +12,7 @@ use crate::series::coefficients::Series;
 use crate::series::multipole::{Distant, TruncatedSeries};
 use crate::shape::Shape;
 
-/// One cuboid whose gradient is computed in vectors.
+/// One cuboid prepared for its gradient in vectors.
 pub struct GradientEvaluator<'a> {
     closed_form: ClosedForm,
     terms: GradientTerms,
@@ -21,19 +21,19 @@ pub struct GradientEvaluator<'a> {
     highest_order: usize,
 }
 
-/// How a gradient is computed in vectors.
+/// A method for the gradient in vectors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GradientMethod {
     /// The closed form inside and close to a cuboid, off the planes of its faces.
     Near,
-    /// The closed form where that of the field is used.
+    /// The closed form, in the range of the field's closed form.
     ClosedForm,
     /// The multipole series up to an order in (half diagonal / distance)^2.
     Series(usize),
 }
 
 impl<'a> GradientEvaluator<'a> {
-    /// Prepares a block whose ranges, moment and series are given.
+    /// Prepares a block with its ranges, moment and series.
     pub fn new(
         block: &Block,
         ranges: &'a MethodRanges,
@@ -100,8 +100,7 @@ impl<'a> GradientEvaluator<'a> {
         );
     }
 
-    /// Adds the series. An order that is enough for the field is not for the gradient, so that one
-    /// more is taken.
+    /// Adds the series. The gradient needs one order more than the field.
     #[inline(always)]
     fn add_series<S: Simd>(&self, simd: S, order: usize, point: [Lanes<S>; 3], sum: &mut [Lanes<S>; COMPONENTS]) {
         let order = (order + 1).min(self.highest_order);

@@ -3,7 +3,7 @@
 //! * [`scalar`]: the reference kernel, exact at every point.
 //! * [`closed_form`]: the closed form for many points, in vectors.
 //! * [`series`]: the multipole series far away.
-//! * [`method`]: which of these is used at which distance, and why.
+//! * [`method`]: the choice of the method by distance, and its reasons.
 //! * [`FaceDerivatives`], [`FaceHessian`]: first and second derivatives of B with respect to the
 //!   positions of the faces.
 //!
@@ -22,19 +22,19 @@ mod face_derivatives;
 mod face_hessian;
 /// The bound of the magnitude far from a cuboid, in single precision.
 pub mod far_magnitude;
-/// A bound of the field without computing it.
+/// A bound of the field that needs no evaluation of it.
 pub mod field_bound;
 /// The gradient of one cuboid at points that share a method.
 pub mod gradient_evaluator;
 /// An upper bound of the magnitude of the field, in vectors.
 pub mod magnitude_bound;
-/// Which method is used at which distance.
+/// The choice of the method by distance.
 pub mod method;
 /// The reference kernel at one point.
 pub mod scalar;
 /// The multipole series.
 pub mod series;
-/// Lengths of a cuboid that decide between methods.
+/// Lengths of a cuboid that determine the choice of the method.
 pub mod shape;
 /// Tolerances and tuning constants.
 pub mod tolerances;

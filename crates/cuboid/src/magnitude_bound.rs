@@ -1,5 +1,5 @@
-//! An upper bound of the sum of the magnitudes of the fields that a cuboid's components of J make
-//! alone, in vectors of points (docs/physics.md, section 2.10).
+//! An upper bound, in vectors of points, of the sum of the magnitudes of the fields of a cuboid's
+//! single components of J (docs/physics.md, section 2.10).
 
 use std::f64::consts::{LN_2, PI};
 
@@ -25,8 +25,8 @@ pub struct MagnitudeBound {
     /// The coefficients of q^2 and q^4 in Eq. P45.
     pub(crate) quadratic: f64,
     pub(crate) quartic: f64,
-    /// Shares |J_k| of their sum, as a quadratic form of the offset: xx, yy, zz, and twice yz, zx,
-    /// xy if the cuboid is rotated.
+    /// Shares of |J_k| in their sum, as a quadratic form of the offset: xx, yy, zz, and twice yz,
+    /// zx, xy if the cuboid is rotated.
     pub(crate) shares: [f64; 3],
     pub(crate) mixed_shares: Option<[f64; 3]>,
     /// |J_k|, in tesla.
@@ -36,12 +36,12 @@ pub struct MagnitudeBound {
     faces: [f64; 3],
     /// Half sides.
     half: [f64; 3],
-    /// The shortest side, and the two shortest multiplied.
+    /// The shortest side, and the product of the two shortest.
     shortest: f64,
     cross_section: f64,
     /// Bound of the error of an offset from a face.
     roundoff: f64,
-    /// Rotation to the frame of the cuboid, if that is not the scene's.
+    /// Rotation to the frame of the cuboid, if it differs from the scene's frame.
     to_own: Option<DMat3>,
 }
 
@@ -103,7 +103,7 @@ impl MagnitudeBound {
     pub fn beyond_t(&self, distance: f64) -> f64 {
         let gap = (distance * self.scale - self.roundoff).max(0.0);
         let by_dipoles_t = self.dipole_t * (1.0 + MAGNITUDE_ROUNDING) / gap.powi(3);
-        // The bound by elements is never smaller than this.
+        // The bound by elements is at least this.
         if by_dipoles_t <= 0.5 * self.j_t.iter().sum::<f64>() {
             return by_dipoles_t;
         }
@@ -171,7 +171,7 @@ impl MagnitudeBound {
         }
         let least = Lanes::<S>::splat(simd, 1.0 / FARTHEST_BOUND);
         let gap_squared = (gaps[0] + gaps[1] + gaps[2]).max(least);
-        // Dipoles at the nearest point, on the nearest line of a rod, on the nearest plane of a
+        // Dipoles at the nearest point, on the nearest line of a rod, or on the nearest plane of a
         // plate.
         let inverse = gap_squared.reciprocal_root_bound(simd);
         let of_rod = inverse * inverse * (self.cross_section / PI);
@@ -216,7 +216,7 @@ pub fn from_centre<S: Simd>([x, y, z]: [Lanes<S>; 3], centre: [f64; 3], scale: f
     [(x - centre[0]) * scale, (y - centre[1]) * scale, (z - centre[2]) * scale]
 }
 
-/// Squared lengths, of which those beyond [`FARTHEST_BOUND`] count as that.
+/// Squared lengths, limited to [`FARTHEST_BOUND`].
 #[inline(always)]
 pub fn length_squared<S: Simd>(simd: S, [x, y, z]: [Lanes<S>; 3]) -> Lanes<S> {
     z.mul_add(z, y.mul_add(y, x * x)).min(Lanes::splat(simd, FARTHEST_BOUND))
@@ -234,7 +234,7 @@ mod tests {
     use crate::scalar::kernel::{FieldKind, cuboid_field};
     use crate::tolerances::SMALLEST_IN_SINGLE_PRECISION;
 
-    /// Numbers that are evenly distributed between 0 and 1.
+    /// Numbers evenly distributed between 0 and 1.
     struct Sequence(u64);
 
     impl Sequence {
@@ -271,7 +271,7 @@ mod tests {
         alone.chain(in_single_precision(&bound, point)).collect()
     }
 
-    /// Bounds as one of the largest and one of the smallest tiles of a group, where they hold.
+    /// Bounds as one of the largest and as one of the smallest tiles of a group, where they hold.
     fn in_single_precision(bound: &MagnitudeBound, point: DVec3) -> Vec<f64> {
         let mut bounds = Vec::new();
         for share in [1.0, 1.01 * SMALLEST_IN_SINGLE_PRECISION] {

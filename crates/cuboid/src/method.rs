@@ -1,10 +1,10 @@
-//! Which method evaluates a cuboid, or a cluster of cuboids, at which distance.
+//! The choice of the method for a cuboid, or a cluster of cuboids, by distance.
 //!
 //! | method | where | argument |
 //! |---|---|---|
 //! | scalar | inside, and nearer than `NEAR_FRACTION` of the longest side, or of the second of a rod | exact everywhere, one point at a time |
 //! | closed form | up to `CLOSED_FORM_REACH` second sides, or longest sides of a rod | the error of the vector form grows with that ratio |
-//! | small elements | the same, where half of 4 pi T is below [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE) | logarithms and arctangents need no reduction |
+//! | small elements | in the same range, where half of 4 pi T is below [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE) | logarithms and arctangents need no reduction |
 //! | series | beyond, by `MULTIPOLE_ORDERS` | the truncation error of each order is below the bound from its distance on |
 //! | expansion | clusters, from their radii on | the truncation error of each degree likewise |
 //!
@@ -12,7 +12,7 @@
 //! [`NearEdge`](crate::closed_form::near_edge::NearEdge) evaluates points in vectors, except points
 //! near the planes of the faces of compact cuboids.
 //!
-//! The method depends on the cuboid and the point alone, and so does every digit of the field.
+//! The method, and therefore every digit of the field, depends on the cuboid and the point alone.
 
 use fearless_simd::prelude::*;
 use magsplice_simd::lanes::{Lanes, Number};
@@ -30,7 +30,7 @@ pub enum Method {
     Scalar,
     /// The closed form in vectors.
     ClosedForm,
-    /// The closed form in vectors where every element is small, so that all share a division.
+    /// The closed form in vectors where every element is small. All share a division.
     SmallElements,
     /// The multipole series of each cuboid.
     Series {
@@ -45,7 +45,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// The cost of one vector of points for `tiles` cuboids, in multiply-adds of vectors.
+    /// The time for one vector of points and `tiles` cuboids, in multiply-adds of vectors.
     pub fn cost(self, tiles: usize) -> f64 {
         match self {
             Method::Scalar => f64::INFINITY,
@@ -75,27 +75,27 @@ pub const MOST_FAR: usize = 12;
 /// The distances at which each method of a cuboid, or of a cluster, reaches the error bound.
 #[derive(Clone, Debug)]
 pub struct MethodRanges {
-    /// A power of two that takes lengths to order one. The other lengths are scaled with it, except
-    /// the centre.
+    /// A power of two that brings lengths to order one. The other lengths are scaled with it,
+    /// except the centre.
     pub scale: f64,
     /// Centre of the box around the cuboids.
     pub centre: [f64; 3],
-    /// Half of the sides of that box.
+    /// Half of the sides of the box.
     pub half_size: [f64; 3],
     /// Square of the smallest distance from the box for the closed form.
     pub closed_form_from: f64,
     /// Square of the smallest distance from the box at which every element is small.
     pub small_elements_from: f64,
-    /// Square of the smallest distance from the centre at which every element is small; either is
-    /// enough.
+    /// Square of the smallest distance from the centre at which every element is small; one of the
+    /// two conditions is sufficient.
     pub small_elements_from_centre: f64,
     /// `small_elements_from` of each group of a cluster, to a tolerance.
     pub small_groups_from: f64,
     /// Square of the largest distance from the centre for the closed form.
     pub closed_form_to: f64,
-    /// `closed_form_to` under a tolerance that leaves room for a larger error.
+    /// `closed_form_to` under a tolerance that allows a larger error.
     pub stretched_closed_form_to: f64,
-    /// Squares of the distances from the centre at which another method begins, and that method.
+    /// Squares of the distances from the centre at which the next method begins, and that method.
     pub far: Vec<(f64, Method)>,
 }
 
@@ -107,7 +107,7 @@ impl MethodRanges {
         let shape = Shape::new(block, scale);
         let form = shape.form();
         let closed_form_to = shape.closed_form_to(form);
-        // The series that small elements need no reduction for are not written for rods.
+        // The form of small elements without argument reduction does not exist for rods.
         let small_elements_from = |distance: f64| if form == Form::Rod { f64::INFINITY } else { distance * distance };
         MethodRanges {
             scale,
@@ -124,8 +124,8 @@ impl MethodRanges {
     }
 
     /// The method of each of the points, given by axis in whole vectors, as a [`MethodIndex`].
-    /// Points that are not numbers get any method. `stretched` extends the closed form as a
-    /// tolerance allows.
+    /// Points that are not numbers get an arbitrary method. `stretched` extends the closed form as
+    /// a tolerance allows.
     #[inline(never)]
     pub fn methods<S: Simd>(&self, simd: S, [x, y, z]: [&[f64]; 3], stretched: bool, methods: &mut [f64]) {
         simd.vectorize(
@@ -208,7 +208,7 @@ impl MethodRanges {
         }
     }
 
-    /// The method of all points in a box, if it is certainly the same and not [`Method::Scalar`].
+    /// The method of all points in a box; `None` if methods may differ or are [`Method::Scalar`].
     #[inline]
     pub fn method_of_box(&self, low: [f64; 3], high: [f64; 3], stretched: bool) -> Option<MethodIndex> {
         let (mut gap, mut widest, mut nearest, mut farthest) = (0.0, 0.0, 0.0, 0.0);
@@ -221,7 +221,7 @@ impl MethodRanges {
             nearest += least * least;
             farthest += most * most;
         }
-        // A margin so large that no point decides differently by round-off.
+        // The margin exceeds the round-off of the decision for a point.
         let (gap, nearest) = (gap * (1.0 - METHOD_MARGIN), nearest * (1.0 - METHOD_MARGIN));
         let (widest, farthest) = (widest * (1.0 + METHOD_MARGIN), farthest * (1.0 + METHOD_MARGIN));
         let (method, other) = (self.index(gap, nearest, stretched), self.index(widest, farthest, stretched));
@@ -229,16 +229,16 @@ impl MethodRanges {
     }
 }
 
-/// Each order of the series and the distance at which it begins; `distance` maps half diagonals to
-/// that distance.
+/// Each order of the series and the distance at which it begins. `distance` converts from half
+/// diagonals.
 pub fn series(distance: impl Fn(f64) -> f64) -> impl Iterator<Item = (f64, Method)> {
     MULTIPOLE_ORDERS
         .into_iter()
         .map(move |(order, half_diagonals)| (distance(half_diagonals), Method::Series { order }))
 }
 
-/// The series of one cuboid whose closed form ends at `closed_form_to`: an order that costs more
-/// than the closed form does not begin before that.
+/// The series of one cuboid whose closed form ends at `closed_form_to`. An order slower than the
+/// closed form begins there at the earliest.
 fn series_of_block(shape: &Shape, closed_form_to: f64) -> Vec<(f64, Method)> {
     let mut steps: Vec<(f64, Method)> = Vec::new();
     for (distance, method) in series(|half_diagonals| half_diagonals * shape.half_diagonal) {

@@ -1,4 +1,4 @@
-//! Lengths of a cuboid that decide which method reaches the error bound where.
+//! Lengths of a cuboid that determine where each method reaches the error bound.
 
 use crate::block::Block;
 use crate::closed_form::terms::Form;
@@ -14,7 +14,8 @@ pub struct Shape {
     pub second: f64,
     /// Distance from the centre to a corner.
     pub half_diagonal: f64,
-    /// Mean of the fourth power of the distance from the centre, over that of the half diagonal.
+    /// Mean of the fourth power of the distance from the centre, over the fourth power of the half
+    /// diagonal.
     fourth_moment: f64,
     /// Product of the sides.
     pub volume: f64,
@@ -41,8 +42,8 @@ impl Shape {
         }
     }
 
-    /// The closed form of the cuboid alone: that of rods, if the other one ended before the series
-    /// begins.
+    /// The closed form of the cuboid alone: the form of rods, if the compact form would end before
+    /// the series begins.
     pub fn form(&self) -> Form {
         let [(_, series_from), ..] = MULTIPOLE_ORDERS;
         let leaves_gap = CLOSED_FORM_REACH * self.second < series_from * self.half_diagonal;
@@ -54,13 +55,13 @@ impl Shape {
         NEAR_FRACTION * if form == Form::Rod { self.second } else { self.largest }
     }
 
-    /// The side over which the distance of a point is the growth of the closed form's error.
+    /// The side whose ratio to the distance of a point is the growth of the closed form's error.
     pub fn side_of_error(&self, form: Form) -> f64 {
         if form == Form::Rod { self.largest } else { self.second }
     }
 
     /// Largest distance from the centre at which the closed form reaches the error bound; zero if
-    /// its numbers could leave their range.
+    /// its numbers could overflow.
     pub fn closed_form_to(&self, form: Form) -> f64 {
         if self.largest <= LONGEST_ROD * self.second { CLOSED_FORM_REACH * self.side_of_error(form) } else { 0.0 }
     }
@@ -77,11 +78,11 @@ impl Shape {
         1.0 + 2.0 * q * q + self.fourth_moment * (sum - 1.0 - 6.0 * q * q)
     }
 
-    /// A distance from the centre beyond which no element has half of 4 pi T above [`SMALL_ANGLE`]:
-    /// half of 4 pi T is at most the integral of dV / |r - r'|^3.
+    /// A distance from the centre beyond which half of 4 pi T is at most [`SMALL_ANGLE`] for every
+    /// element. Half of 4 pi T is at most the integral of dV / |r - r'|^3.
     pub fn small_elements_from(&self) -> f64 {
         let bound = |radius: f64| self.volume / radius.powi(3) * self.mean_inverse_cube(self.half_diagonal / radius);
-        // The distance is not below the first number, and at most the second.
+        // The distance is between these two numbers.
         let mut low = (self.volume / SMALL_ANGLE).cbrt();
         let mut high = low + self.half_diagonal;
         for _ in 0..RADIUS_BISECTIONS {

@@ -28,13 +28,12 @@ fn one<S: Simd>(simd: S, field: &impl Pairwise<S>, point: DVec3) -> DVec3 {
     DVec3::from(field.fields(simd, [lanes, lanes])[0].map(|component| component.lane(0)))
 }
 
-/// Round-off of the series, as a fraction of a dipole's least field. It is that of some 30
-/// operations of half an epsilon each, relative to the dipole's largest field, which is twice the
-/// least.
+/// Round-off of the series, as a fraction of a dipole's smallest field. Some 30 operations have
+/// half an epsilon each, relative to the dipole's largest field, which is twice the smallest.
 const SERIES_ROUNDING: f64 = 3e-15;
 
-/// The error of each order of the series, at the distance where it begins, stays below its
-/// truncation error of at most 3e-15 and round-off, whatever the shape; and it is not far below.
+/// For every shape, the error of each order of the series, at the distance where it begins, stays
+/// below its truncation error of at most 3e-15 plus round-off, and not far below.
 #[test]
 fn series_keep_the_error_bound_from_their_first_distance() {
     let shapes = [[1.0; 3], [3.3, 1.7, 1.0], [1.0, 0.05, 0.05], [0.05, 1.0, 0.05], [0.05, 0.05, 1.0], [1.0, 1.0, 0.02]];
@@ -75,7 +74,7 @@ fn series_keep_the_error_bound_from_their_first_distance() {
             }
         }
     }
-    println!("largest error over a dipole's least field: {worst:e}");
+    println!("largest error over a dipole's smallest field: {worst:e}");
     assert!(worst > 1e-15, "{worst:e}");
 }
 
@@ -104,8 +103,8 @@ fn tiles_of_every_shape_have_a_vector_method_at_every_distance() {
     }
 }
 
-/// The closed form of rods keeps the error bound from close to the rod on, beside it and beyond its
-/// ends, whatever its cross-section and length.
+/// The closed form of rods keeps the error bound close to the rod and farther away, beside it and
+/// beyond its ends, for every cross-section and length.
 #[test]
 fn closed_form_of_rods_keeps_the_error_bound() {
     let mut worst = 0.0_f64;
@@ -144,8 +143,8 @@ fn closed_form_of_rods_keeps_the_error_bound() {
     assert!(worst > 1e-15, "{worst:e}");
 }
 
-/// The magnitude that the closed form writes beside the field is a bound of the sum of the fields
-/// that the components of J make alone. It is that sum for one component.
+/// The magnitude that the closed form computes with the field bounds the sum of the fields of the
+/// single components of J. For one component it equals the sum.
 #[test]
 fn magnitude_from_the_elements_bounds_the_sum_over_components() {
     let mut excesses = Vec::new();
@@ -196,8 +195,8 @@ fn magnitude_from_the_elements_bounds_the_sum_over_components() {
     assert!(count > 5000 && last < 2.0, "{count} bounds, at most {last} times the sum");
 }
 
-/// Points outside plates and strips, closer than the closed form begins, have a method in vectors
-/// that keeps the error bound.
+/// Points outside plates and strips, closer than the start of the closed form, have a method in
+/// vectors that keeps the error bound.
 #[test]
 fn points_close_to_plates_and_strips_keep_the_error_bound() {
     let mut count = 0;
@@ -309,7 +308,7 @@ fn gradient_in_vectors_keeps_the_error_bound() {
     assert!(counts.iter().all(|count| *count > 500) && worst > 1e-15, "{counts:?}, {worst:e}");
 }
 
-/// A point from 0.09 of the second side, which is 1, to the longest side off the surface of a rod.
+/// A point off the surface of a rod by 0.09 of the second side, which is 1, up to the longest side.
 fn beside(size: DVec3, n: u32) -> DVec3 {
     let turn = f64::from(n);
     let distance = 0.09 * (size.max_element() / 0.09).powf((0.618 * turn).fract());
@@ -356,7 +355,7 @@ fn box_has_the_method_of_each_of_its_points() {
     assert!(boxes[usize::from(CLOSED_FORM)] > 100 && boxes[usize::from(SMALL_ELEMENTS)] > 100, "{boxes:?}");
 }
 
-/// Elements that count as small are small, whatever the tile, and some of them are not far smaller.
+/// For every tile, elements that count as small are small, and some of them are close to the limit.
 #[test]
 fn small_elements_method_is_used_only_where_elements_are_small() {
     for size in [[1.0; 3], [3.3, 1.7, 1.0], [3.7, 1.0, 1.0], [8.0, 8.0, 1.0], [4.0, 3.0, 0.2]] {

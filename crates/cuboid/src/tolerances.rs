@@ -1,38 +1,38 @@
-//! Tolerances and tuning constants of one cuboid, each with what it trades.
+//! Tolerances and tuning constants of one cuboid, each with its trade-off.
 
 use magsplice_simd::power_of_two::power_of_two;
 
 /// tanh of the logarithm of an edge beyond which it is computed from products instead of `ln_1p`.
 ///
 /// Both expressions are free of cancellation wherever the products stay in range. `ln_1p` keeps
-/// relative accuracy where the element is small, the products where it diverges. The switch only
-/// has to be away from 0 and 1.
+/// relative accuracy where the element is small, the products where it diverges. Any switch well
+/// between 0 and 1 works.
 pub const ARTANH_TO_PRODUCT: f64 = 0.5;
 
 /// Smallest distance of a point from a face, as a fraction of the smallest size in the scene. A
-/// nearer point counts as that far from the face, on its own side. A point exactly on a face counts
-/// as on the side of +x, +y, +z of the tile's frame: the half-open rule lo <= p < hi.
+/// nearer point counts as at this distance from the face, on its own side. A point exactly on a
+/// face counts as on the side of +x, +y, +z of the tile's frame: the half-open rule lo <= p < hi.
 ///
-/// The distance vanishes in every sum except an offset itself, and ln(2^-240) = -166 costs hardly a
-/// digit where the logarithms of touching tiles cancel.
+/// The distance vanishes in every sum except the offset. Where the logarithms of touching tiles
+/// cancel, ln(2^-240) = -166 loses hardly a digit.
 pub const FACE_NUDGE: f64 = power_of_two(-120);
 
-/// Smallest value of that distance, as a fraction of a tile's own largest size, so that its square
+/// Smallest value of [`FACE_NUDGE`], as a fraction of a tile's own largest size, so that its square
 /// is a normal number. Seams between tiles whose sizes differ by more than 2^200 are not supported.
 pub const SMALLEST_NUDGE: f64 = power_of_two(-300);
 
-/// Largest size of a tile, as a fraction of its distance, below which its field vanishes. The field
-/// is below 2^-1200 of J, which rounds to zero for the largest J (`MAX_POLARIZATION_T` of
+/// Ratio of the largest size of a tile to its distance below which its field vanishes. The field is
+/// below 2^-1200 of J, which rounds to zero for the largest J (`MAX_POLARIZATION_T` of
 /// magsplice-magnet).
 pub const VANISHING_SIZE: f64 = power_of_two(-400);
 
-/// Smallest ratio of a tile's thickness to the round-off of a point for which the point is moved
-/// onto its faces.
+/// Smallest ratio of a tile's thickness to the round-off of a point for which points are moved onto
+/// its faces.
 pub const RESOLVED_THICKNESS: f64 = 16.0;
 
 /// Distance from a tile, as a fraction of its largest side, or of the second side of a rod, at
 /// which the closed form in vectors begins. Nearer to an edge its differences of nearly equal
-/// numbers cost digits like 1 / distance^2.
+/// numbers lose digits like 1 / distance^2.
 pub const NEAR_FRACTION: f64 = 0.08;
 
 /// Smallest ratio of the shortest to the longest side for which points inside and nearer are
@@ -46,8 +46,8 @@ pub const NEAR_EDGE_ASPECT: f64 = 0.1;
 pub const LONGEST_GRADIENT_ROD: f64 = 30.0;
 
 /// Smallest ratio of the shortest to the longest side for which the gradient at points inside and
-/// close to a cuboid is computed in vectors. Around the centre, where the gradient vanishes, more
-/// would cancel in flatter cuboids. The largest error found at this ratio is 1.3e-14.
+/// close to a cuboid is computed in vectors. In flatter cuboids more cancels around the centre,
+/// where the gradient vanishes. The largest error found at this ratio is 1.3e-14.
 pub const NEAR_GRADIENT_ASPECT: f64 = 0.3;
 
 /// Smallest ratio of the shortest to the longest side for which points close to a plate or a rod
@@ -60,8 +60,8 @@ pub const THINNEST: f64 = power_of_two(-40);
 /// from the ends. Its own form loses that ratio.
 pub const STRIP_ASPECT: f64 = 10.0;
 
-/// Smallest distance of such points from the planes of all faces, as a fraction of the largest
-/// side: products of eight such lengths are normal numbers.
+/// Smallest distance of points close to a plate or a rod from the planes of all faces, as a
+/// fraction of the largest side: products of eight such lengths are normal numbers.
 pub const LEAST_OFFSET: f64 = power_of_two(-40);
 
 /// Distance from the centre, in second largest sides, or in longest sides of a rod, at which the
@@ -74,37 +74,37 @@ pub const CLOSED_FORM_REACH: f64 = 15.0;
 pub const LONGEST_ROD: f64 = power_of_two(20);
 
 /// Orders of the multipole series in (half diagonal / distance)^2, and the distance in half
-/// diagonals from which each is enough, nearest first. The truncation error after order n is at
-/// most (n + 2) / distance^(2n + 2) of the field. For a needle that is below 3e-15 from these
-/// distances on, for compact tiles far less.
+/// diagonals from which each is sufficient, nearest first. The truncation error after order n is at
+/// most (n + 2) / distance^(2n + 2) of the field. From these distances on it is below 3e-15 for a
+/// needle and far smaller for compact tiles.
 pub const MULTIPOLE_ORDERS: [(usize, f64); 5] = [(8, 7.3), (6, 13.0), (5, 20.0), (4, 34.0), (3, 90.0)];
 
 /// The highest of the [`MULTIPOLE_ORDERS`].
 pub const HIGHEST_ORDER: usize = 8;
 
-/// Cost of the closed form for one tile of a cluster, in multiply-adds of vectors, measured on the
-/// published film. It only decides between methods that all reach the bound.
+/// Time of the closed form for one tile of a cluster, in multiply-adds of vectors, measured on the
+/// published film. It only determines the choice among methods that all reach the bound.
 pub const CLOSED_FORM_COST: f64 = 215.0;
 
-/// Cost of the closed form for a single tile, in the same unit.
+/// Time of the closed form for a single tile, in the same unit.
 pub const SINGLE_TILE_COST: f64 = 690.0;
 
 /// Square of the distance in sizes at which the series ends, so that no power of the distance
-/// overflows. The scalar kernel goes on from there.
+/// overflows. The scalar kernel evaluates points beyond.
 pub const FARTHEST: f64 = power_of_two(200);
 
-/// Ratio of a tile's volume to the cubed distance below which no element has half of 4 pi T above
-/// it: |T| is at most the integral of dV / 2 pi r^3. Series in such an element need no reduction.
+/// Largest half of 4 pi T whose series need no argument reduction. It also bounds the ratio of a
+/// tile's volume to the cubed distance, because |T| is at most the integral of dV / 2 pi r^3.
 pub const SMALL_ANGLE: f64 = 0.2;
 
-/// Number of bisections of the half diagonal by which the distance of small elements is found.
+/// Number of bisections of the half diagonal in the search for the distance of small elements.
 pub const RADIUS_BISECTIONS: usize = 7;
 
 /// Relative margin of the decision whether all points of a box share a method, far above the
 /// round-off of the decision for a point.
 pub const METHOD_MARGIN: f64 = 1e-9;
 
-/// [`SMALL_ANGLE`] for the groups of a cluster, within a tolerance: three terms of the series reach
+/// [`SMALL_ANGLE`] for the groups of a cluster, within a tolerance. Three terms of the series reach
 /// a third of [`EXACT_BOUND`], and points of films are rarely nearer.
 pub const SMALLER_ANGLE: f64 = 0.04;
 
@@ -112,33 +112,33 @@ pub const SMALLER_ANGLE: f64 = 0.04;
 /// computed from the faces normal to i instead of the trace.
 pub const DIRECT_DIAGONAL: f64 = 0.5;
 
-/// Error bound of the exact field, as a fraction of the sum over tiles of the fields that the
-/// components of J make alone.
+/// Error bound of the exact field, as a fraction of the sum of the magnitudes of the fields of
+/// every single component of J of every tile.
 pub const EXACT_BOUND: f64 = 2e-14;
 
-/// Relative rounding error of a bound of the magnitude, at most: some hundred operations, and the
-/// error of the elements.
+/// Largest relative rounding error of a bound of the magnitude, from some hundred operations and
+/// the error of the elements.
 pub const MAGNITUDE_ROUNDING: f64 = 1e-12;
 
 /// Largest field of a tile over its J, for each component: |T_ij| grows by ln(2) / 2 pi each time
 /// the distance from an edge halves, and no point is closer to an edge than [`FACE_NUDGE`] squared.
 pub const LARGEST_FIELD_OVER_J: f64 = 30.0;
 
-/// Distance from the centre, in half diagonals, from which the magnitude of the field is bounded by
-/// a series about the centre alone. Nearer the series exceeds the field more than bounds by the
-/// distances from the faces and edges do.
+/// Distance from the centre, in half diagonals, from which a series about the centre alone bounds
+/// the magnitude of the field. Nearer, bounds by the distances from the faces and edges are
+/// tighter.
 pub const SERIES_BOUND_FROM: f64 = 1.5;
 
 /// Largest squared distance in half diagonals that the bound of the magnitude distinguishes. The
-/// field beyond is bounded by that at this distance, below 1e-270 of J.
+/// bound at this distance, below 1e-270 of J, applies beyond.
 pub const FARTHEST_BOUND: f64 = 1e180;
 
 /// Smallest half diagonal of a cuboid, in radii of a sphere around its group, whose bound of the
 /// magnitude is computed in single precision.
 pub const SMALLEST_IN_SINGLE_PRECISION: f64 = 0.01;
 
-/// Factor by which single precision may make a bound of the magnitude too small. Offsets from the
-/// centre of a cuboid are wrong by 11 units of 2^-24 in each coordinate, at 10 radii from the
-/// centre of its group. That is 8e-5 of the smallest distance, 0.015 radii, so that the terms,
-/// which fall like at most q^7 x^2, are wrong by 7e-4. Some 50 roundings add 3e-6.
+/// Factor that corrects a bound of the magnitude for single precision. At 10 radii from the centre
+/// of its group, the offset from the centre of a cuboid has an error of 11 units of 2^-24 in each
+/// coordinate. This is 8e-5 of the smallest distance, 0.015 radii. The terms fall at most like q^7
+/// x^2, so their error is 7e-4. Some 50 roundings add 3e-6.
 pub const SINGLE_PRECISION: f64 = 1.001;

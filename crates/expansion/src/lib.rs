@@ -11,7 +11,7 @@
 //! (1987).
 //!
 //! # Units
-//! Lengths are scaled by a power of two that the caller chooses; polarization and mu0 H in tesla.
+//! The caller scales lengths by a power of two. Polarization and mu0 H are in tesla.
 
 /// The field around a point away from the sources (L2P).
 pub mod local;

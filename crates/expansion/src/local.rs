@@ -38,16 +38,16 @@ pub struct LocalExpansion {
     scale: f64,
     /// Degree of the field.
     degree: usize,
-    /// Coefficients of each order itself, of the next and of the previous one: rows of equal order,
-    /// by degree of the field from the order on.
+    /// Coefficients of each order, of the next and of the previous order: rows of equal order, by
+    /// degree of the field from the order on.
     rows: [Vec<[f64; 2]>; 3],
 }
 
 impl LocalExpansion {
     /// The field of a potential around `centre`, in tesla.
     ///
-    /// The potential is given by the real and imaginary parts of its coefficients in regular
-    /// harmonics, at [`local_index`], up to degree `degree` + 1. Its lengths were multiplied by
+    /// The last argument holds the real and imaginary parts of the potential's coefficients in
+    /// regular harmonics, at [`local_index`], up to degree `degree` + 1, with lengths multiplied by
     /// `scale`.
     pub fn new(degree: usize, centre: DVec3, scale: f64, [re, im]: [&[f64]; 2]) -> LocalExpansion {
         let count = local_index(degree + 1, 0);

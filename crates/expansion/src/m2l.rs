@@ -1,5 +1,5 @@
-//! The M2L operator: multipole expansions of distant nodes, translated to one local expansion
-//! around a batch of points (docs/physics.md, section 5.2).
+//! The M2L operator: translates multipole expansions of distant nodes to one local expansion around
+//! a batch of points (docs/physics.md, section 5.2).
 //!
 //! Each translation rotates the moments until the new centre lies on the z axis, translates along
 //! z, and rotates back. A vector holds one node in each lane.
@@ -23,14 +23,14 @@ use crate::tolerances::HIGHEST_DEGREE;
 pub struct M2lInput<'a> {
     /// Moments about the centre of the node.
     pub moments: &'a Moments,
-    /// Highest degree of the moments that is translated.
+    /// Highest translated degree of the moments.
     pub degree: usize,
     /// Degree of the field of the local expansion.
     pub local_degree: usize,
-    /// From the centre of the node to the centre of the local expansion, in the unit of the
+    /// Vector from the centre of the node to the centre of the local expansion, in the unit of the
     /// moments.
     pub offset: DVec3,
-    /// Unit of length of the moments over that of the local expansion.
+    /// Unit of length of the moments over the unit of length of the local expansion.
     pub unit_ratio: f64,
 }
 
@@ -40,7 +40,7 @@ const ORDERS: usize = HIGHEST_POTENTIAL_DEGREE / 2 + 1 + BLOCK;
 /// Coefficients of one degree: real and imaginary parts, each by the parity of the order.
 type DegreeRow<S> = [[[Lanes<S>; ORDERS]; 2]; 2];
 
-/// Buffers for the nodes that are translated at the same time. Each holds real and imaginary parts.
+/// Buffers for the nodes translated at the same time. Each holds real and imaginary parts.
 struct M2lBuffers<S: Simd> {
     /// Moments, at [`Moments::index`].
     moments: [Vec<Lanes<S>>; 2],
@@ -59,9 +59,8 @@ thread_local! {
 
 /// The local expansion of many nodes around `centre`, up to `degree` of the field.
 ///
-/// Nodes that are translated at the same time are translated with the highest of their degrees, so
-/// nodes with nearly the same degrees should follow each other. Lengths of the local expansion are
-/// multiplied by `scale`.
+/// Nodes translated at the same time use the highest of their degrees, so nodes with nearly equal
+/// degrees should follow each other. Lengths of the local expansion are multiplied by `scale`.
 #[inline(always)]
 pub fn translate<S: Simd>(simd: S, inputs: &[M2lInput], degree: usize, centre: DVec3, scale: f64) -> LocalExpansion {
     let zero = Lanes::<S>::splat(simd, 0.0);
@@ -158,8 +157,8 @@ impl<S: Simd> M2lBuffers<S> {
         }
     }
 
-    /// Loads the moments, one node in each lane. Degrees that a node does not have and unused lanes
-    /// are zero.
+    /// Loads the moments, one node in each lane. Missing degrees of a node and unused lanes are
+    /// zero.
     #[inline(always)]
     fn set_moments(&mut self, simd: S, inputs: &[M2lInput], degree: usize) {
         let len = Lanes::<S>::LEN;
@@ -271,7 +270,7 @@ fn exchange_xz<S: Simd>(simd: S, l: usize, row: &DegreeRow<S>, to: &mut DegreeRo
     }
 }
 
-/// Numbers of each node, one node in each lane; unused lanes repeat the first.
+/// Values of the nodes, one node in each lane; unused lanes repeat the first.
 #[inline(always)]
 fn numbers_in_lanes<S: Simd, const N: usize>(
     simd: S,

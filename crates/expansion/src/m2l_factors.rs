@@ -10,13 +10,13 @@ use crate::tolerances::{HIGHEST_DEGREE, HIGHEST_LOCAL_DEGREE};
 pub(crate) const HIGHEST_POTENTIAL_DEGREE: usize =
     if HIGHEST_DEGREE > HIGHEST_LOCAL_DEGREE { HIGHEST_DEGREE } else { HIGHEST_LOCAL_DEGREE + 1 };
 
-/// Number of output coefficients that are summed at the same time. In a last block with fewer the
-/// others are zero, and are written where nothing is read.
+/// Number of output coefficients summed at the same time. Surplus coefficients of a last block are
+/// zero and never read.
 pub(crate) const BLOCK: usize = 4;
 
 /// The norm ((l - m)! (l + m)!)^1/2 of each degree and order, row after row of equal degree.
 ///
-/// Moments are multiplied by the norm and coefficients of local expansions divided by it: rotations
+/// Moments are multiplied by the norm and coefficients of local expansions divided by it. Rotations
 /// then preserve the sum of squares of a degree.
 pub(crate) static NORMS: LazyLock<Vec<f64>> = LazyLock::new(|| {
     let mut root_factorials = vec![1.0];
@@ -32,22 +32,21 @@ fn norm(l: usize, m: usize) -> f64 {
     NORMS[local_index(l, m)]
 }
 
-/// Factors by which x and z are exchanged (Eq. P36), by degree, for the real and the imaginary
-/// parts.
+/// Factors of the exchange of x and z (Eq. P36), by degree, for the real and the imaginary parts.
 pub(crate) static EXCHANGES: LazyLock<Vec<[XzExchange; 2]>> = LazyLock::new(exchanges);
 
-/// Factors by which x and z are exchanged in the real or the imaginary parts of a degree.
+/// Factors of the exchange of x and z in the real or the imaginary parts of a degree.
 ///
-/// Half of the factors are zero and left out: input orders of one parity contribute to output
-/// orders of one parity only.
+/// Half of the factors are zero and omitted: input orders of one parity contribute to output orders
+/// of one parity only.
 pub(crate) struct XzExchange {
     /// By the parity of the input order: block after block of output orders, the factors of each
     /// input order.
     pub(crate) factors: [Vec<[f64; BLOCK]>; 2],
 }
 
-/// The factors of all degrees. The recurrence (Eq. P36) runs over integers 2^l times as large, so
-/// that it is exact.
+/// The factors of all degrees. The recurrence (Eq. P36) uses integers 2^l times as large, so it is
+/// exact.
 fn exchanges() -> Vec<[XzExchange; 2]> {
     let mut last: Vec<Vec<i128>> = vec![vec![1]];
     let mut exchanges = Vec::new();
@@ -92,7 +91,7 @@ fn next_exchange(last: &[Vec<i128>]) -> Vec<Vec<i128>> {
     (-degree..=degree).map(|m| (0..=degree).map(|to| new(m, to)).collect()).collect()
 }
 
-/// Lowest input order of a parity. Imaginary parts of order 0 are zero and left out.
+/// Lowest input order of a parity. Imaginary parts of order 0 are zero and omitted.
 pub(crate) fn lowest_input_order(part: usize, parity: usize) -> usize {
     if part == 1 && parity == 0 { 2 } else { parity }
 }

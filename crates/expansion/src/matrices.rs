@@ -1,12 +1,13 @@
 //! Translations of expansions of one low degree as matrices (M2M, M2L, L2L).
 //!
-//! In place of the operators of [`moments`](crate::moments) and [`m2l`](crate::m2l) where few
-//! shifts occur, each many times: a matrix is made once. At degree 8 its product takes a tenth of
-//! the time of [`m2l::translate`](crate::m2l::translate), which is made for high degrees. Moments
-//! and local expansions are vectors of the same kind, and the translation of the one back is the
-//! transpose of the translation of the other forth, to round-off.
+//! Matrices replace the operators of [`moments`](crate::moments) and [`m2l`](crate::m2l) where few
+//! distinct shifts occur, each many times, because each matrix is computed once. At degree 8 the
+//! product takes a tenth of the time of [`m2l::translate`](crate::m2l::translate), which is
+//! designed for high degrees. Moments and local expansions are vectors of the same form. The
+//! translation of local expansions by a shift is the transpose of the translation of moments by the
+//! opposite shift, to round-off.
 //!
-//! With points a and b about the centres of two nodes,
+//! With points a and b relative to the centres of two nodes,
 //!
 //! ```text
 //! 1 / |c + a - b| = sum over l, m, k, n of (-1)^l R_lm(a)* I_(l+k)(m+n)(c) R_kn(b)*
@@ -15,8 +16,8 @@
 //!
 //! for the vector c from the centre of b to the centre of a, and R_l(-m) = (-1)^m R_lm*
 //! (docs/physics.md, Eq. P21). Expansions are vectors of the real and imaginary parts of
-//! coefficients of R_lm for m >= 0: W. Dehnen, Comput. Astrophys. Cosmol. 1, 1 (2014). The degree 0
-//! is left out: cuboids have no net charge.
+//! coefficients of R_lm for m >= 0: W. Dehnen, Comput. Astrophys. Cosmol. 1, 1 (2014). Degree 0 is
+//! omitted, because cuboids have no net charge.
 
 use fearless_simd::prelude::*;
 use glam::DVec3;
@@ -25,7 +26,7 @@ use magsplice_simd::lanes::{LONGEST_VECTOR, Lanes, Number};
 use crate::moments::Moments;
 use crate::triangle::HarmonicTriangle;
 
-/// Highest degree of expansions that are translated by matrices.
+/// Highest degree of expansions translated by matrices.
 pub const MATRIX_DEGREE: usize = 8;
 
 /// Number of real coefficients of an expansion.
@@ -41,8 +42,8 @@ fn orders() -> impl Iterator<Item = (usize, usize, usize)> {
     (1..=MATRIX_DEGREE).flat_map(|l| (0..=l).map(move |m| (l, m, l * l - 1 + (2 * m).saturating_sub(1))))
 }
 
-/// The coefficients of moments of degree [`MATRIX_DEGREE`]. They belong to R_lm, of which moments
-/// are conjugates.
+/// The coefficients of moments of degree [`MATRIX_DEGREE`]. They belong to R_lm; moments are their
+/// conjugates.
 ///
 /// # Panics
 /// If the moments have a lower degree.
@@ -58,7 +59,7 @@ pub fn coefficients(moments: &Moments) -> Coefficients {
     all
 }
 
-/// A matrix that takes coefficients to coefficients, column after column.
+/// A matrix that translates coefficients, column after column.
 pub struct Translation(Box<[Coefficients]>);
 
 impl Translation {
@@ -66,8 +67,8 @@ impl Translation {
         Translation(vec![[0.0; COEFFICIENTS]; COEFFICIENTS].into_boxed_slice())
     }
 
-    /// From the coefficients of a node with half the side, whose centre is at `shift` in sides of
-    /// the other.
+    /// The translation from a node of half the side, whose centre is at `shift` in sides of the
+    /// parent.
     pub fn to_parent(shift: DVec3) -> Translation {
         let harmonics = HarmonicTriangle::regular(shift, MATRIX_DEGREE);
         let mut matrix = Translation::zero();
@@ -75,7 +76,7 @@ impl Translation {
             for (k, n, column) in orders().filter(|(k, ..)| *k <= l) {
                 let scale = 0.5_f64.powi(k as i32);
                 let [re, im] = harmonics.at_order(l - k, m as isize - n as isize).map(|part| scale * part);
-                // The conjugate stands for the order -n.
+                // The order -n is the conjugate.
                 let sign = if n == 0 {
                     0.0
                 } else if n.is_multiple_of(2) {
@@ -99,15 +100,15 @@ impl Translation {
         matrix
     }
 
-    /// From moments of one node to the local expansion of another one: `offset` leads from the
-    /// centre of the source to that of the receiver, in sides of the receiver; `ratio` is the side
-    /// of the source over that of the receiver.
+    /// The translation from moments of one node to the local expansion of another. `offset` is the
+    /// vector from the centre of the source to the centre of the receiver, in sides of the
+    /// receiver; `ratio` is the side of the source over the side of the receiver.
     pub fn to_local(offset: DVec3, ratio: f64) -> Translation {
         let harmonics = HarmonicTriangle::irregular(offset, 2 * MATRIX_DEGREE);
         let mut matrix = Translation::zero();
         for (l, m, row) in orders() {
             for (k, n, column) in orders() {
-                // Each order stands for itself and its negative.
+                // Each order represents itself and its negative.
                 let weight = if m + n == 0 { 1.0 } else { 2.0 };
                 let scale = weight * ratio.powi(k as i32) * if l.is_multiple_of(2) { 1.0 } else { -1.0 };
                 let [re, im] = harmonics.at_order(l + k, (m + n) as isize).map(|part| scale * part);
@@ -134,7 +135,7 @@ impl Translation {
         matrix
     }
 
-    /// The products with several vectors, for which the matrix is read once.
+    /// The products with several vectors. The matrix is read once.
     #[inline(always)]
     pub fn products<S: Simd, const N: usize>(&self, simd: S, from: [&Coefficients; N]) -> [Coefficients; N] {
         let length = Lanes::<S>::LEN;
@@ -190,8 +191,8 @@ mod tests {
         all
     }
 
-    /// The expansion without its terms of degree 0 in one of the points: the mixed difference of 1
-    /// / r.
+    /// The mixed difference of 1 / r, which is the expansion without its terms of degree 0 in
+    /// either point.
     #[test]
     fn translation_to_local_gives_the_potential() {
         let (offset, ratio) = (DVec3::new(3.0, -2.0, 2.5), 0.5);
@@ -210,7 +211,7 @@ mod tests {
         let (shift, b) = (DVec3::new(0.25, -0.25, 0.25), DVec3::new(0.3, 0.2, -0.7));
         let mut moved = harmonics(shift).map(|part| -part);
         add_product(&Translation::to_parent(shift), &harmonics(b), &mut moved);
-        // Without the degree 0 of b, R(shift) is missing.
+        // R(shift) is missing without the degree 0 of b.
         let exact = harmonics(0.5 * b + shift);
         for (at, (moved, exact)) in moved.iter().zip(exact).enumerate() {
             let missing = 2.0 * harmonics(shift)[at];
@@ -218,8 +219,8 @@ mod tests {
         }
     }
 
-    /// The moments of a small cuboid of the polarization J are those of the dipole J V / 4 pi: the
-    /// derivatives of the harmonics along it.
+    /// The moments of a small cuboid of the polarization J are the derivatives of the harmonics
+    /// along the dipole J V / 4 pi.
     #[test]
     fn coefficients_of_moments_are_derivatives_of_harmonics() {
         let (x, step, side) = (DVec3::new(0.3, -0.2, 0.4), 1e-5, 1e-4);

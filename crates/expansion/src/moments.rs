@@ -29,8 +29,8 @@ pub enum Parity {
 
 /// Moments M_lm of the scalar potential (Eq. P21), by degree l and order m, 0 <= m <= l.
 ///
-/// Moments of order -m are (-1)^m times the conjugates of the ones of order m. A moment of degree l
-/// is in tesla times length^(l + 2).
+/// Moments of order -m are (-1)^m times the conjugates of the moments of order m. A moment of
+/// degree l is in tesla times length^(l + 2).
 #[derive(Clone, Debug)]
 pub struct Moments(HarmonicTriangle<f64>);
 
@@ -46,7 +46,7 @@ impl Moments {
     }
 
     /// Moments of each group of cuboids up to `degree` (P2M); bit-identical to
-    /// [`Moments::from_sources`] of each group, and cheaper.
+    /// [`Moments::from_sources`] of each group, and faster.
     pub fn from_groups(level: Level, groups: &[&[CuboidSource]], degree: usize) -> Vec<Moments> {
         let mut moments = vec![Moments::new(degree); groups.len()];
         dispatch!(level, simd => add_sources(simd, groups, degree, &mut moments));
@@ -64,7 +64,7 @@ impl Moments {
         if m > l { [0.0; 2] } else { self.0.at(l, m) }
     }
 
-    /// The parity, from moments that are exactly zero.
+    /// The parity, derived from moments that are exactly zero.
     pub fn parity(&self) -> Parity {
         let pairs = || (0..=self.degree()).flat_map(|l| (0..=l).map(move |m| (l, m)));
         let are_zero = |odd: usize| pairs().all(|(l, m)| (l + m) % 2 != odd || self.at(l, m) == [0.0; 2]);
@@ -100,15 +100,14 @@ impl Moments {
         }
     }
 
-    /// The moments about another centre (M2M, Eq. P27). `offset` leads from there to the old
-    /// centre.
+    /// The moments about another centre (M2M, Eq. P27). `offset` is the vector from the new centre
+    /// to the old centre.
     pub fn translated(&self, offset: DVec3) -> Moments {
-        // Moments belong to conjugate harmonics, which are the harmonics of the point mirrored in
-        // y.
+        // Moments belong to conjugate harmonics, the harmonics of the point mirrored in y.
         let offset = DerivativeVector::Any([offset.x, -offset.y, offset.z]);
         let mut translated = self.0.clone();
         for k in (1..self.degree()).rev() {
-            // Terms that will be differentiated again are not needed up to the full degree.
+            // Terms still to be differentiated are not needed up to the full degree.
             translated.add_derivative(&self.0, offset, 1.0 / k as f64, self.degree() + 1 - k);
         }
         Moments(translated)
@@ -148,12 +147,12 @@ impl Moments {
 /// Adds the moments of each group of cuboids, except those of order -1.
 ///
 /// A vector holds one cuboid in each lane, and after that one shape in each lane. Products are
-/// rounded before they are added, and sums follow the order of the sources, so that the result does
-/// not depend on the instruction set or on the other groups.
+/// rounded before they are added, and sums follow the order of the sources, so the result does not
+/// depend on the instruction set or on the other groups.
 #[inline(always)]
 fn add_sources<S: Simd>(simd: S, groups: &[&[CuboidSource]], degree: usize, moments: &mut [Moments]) {
     let zero = Lanes::<S>::splat(simd, 0.0);
-    // Entries that are not overwritten are zero in all of the buffers.
+    // Entries that are not overwritten are zero in all buffers.
     let kept = BUFFERS.take().and_then(|buffers| buffers.downcast::<[HarmonicTriangle<Lanes<S>>; 3]>().ok());
     let kept = kept.filter(|buffers| buffers[0].degree == degree);
     let mut buffers = kept.unwrap_or_else(|| Box::new([0, 1, 2].map(|_| HarmonicTriangle::new(degree, zero))));
@@ -224,8 +223,8 @@ struct ShapeDipoles {
 }
 
 thread_local! {
-    /// Three triangles in vectors of the instruction set last used. They take 300 kB, too much to
-    /// allocate for each group.
+    /// Three triangles in vectors of the instruction set last used. They take 300 kB, too much for
+    /// an allocation per group.
     static BUFFERS: RefCell<Option<Box<dyn Any>>> = const { RefCell::new(None) };
 }
 

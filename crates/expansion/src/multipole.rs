@@ -53,7 +53,7 @@ impl MultipoleExpansion {
         self.parity
     }
 
-    /// The same expansion, evaluated without use of its parity. Its values are bit-identical.
+    /// The same expansion, evaluated without its parity. Its values are bit-identical.
     pub fn without_parity(self) -> MultipoleExpansion {
         MultipoleExpansion { parity: Parity::Neither, ..self }
     }
@@ -89,10 +89,10 @@ impl MultipoleExpansion {
     /// mu0 H in tesla at two vectors of points, from the potential up to `degree`.
     #[inline(always)]
     pub fn fields_of_pair<S: Simd>(&self, simd: S, degree: usize, points: [[Lanes<S>; 3]; 2]) -> [[Lanes<S>; 3]; 2] {
-        // Not by `map`: operations on vectors in a closure are calls.
+        // A loop instead of `map`: the compiler does not inline operations on vectors in a closure.
         let (first, over_first) = self.variables(simd, points[0]);
         let (second, over_second) = self.variables(simd, points[1]);
-        // Coefficients of the order itself, of the next and of the previous one.
+        // Coefficients of the order, of the next and of the previous order.
         let rows = |order: usize| [order, order + 1, order.saturating_sub(1)].map(|other| self.row(other, order));
         let variables = [first, second];
         let fields = match self.parity {

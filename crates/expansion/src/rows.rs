@@ -8,7 +8,7 @@ use magsplice_simd::lanes::{Lanes, Number};
 
 use crate::tolerances::HIGHEST_DEGREE;
 
-/// The degree of the field is one higher than that of the potential.
+/// Highest degree of the field, one above the degree of the potential.
 const FIELD_DEGREE: usize = HIGHEST_DEGREE + 1;
 
 /// Index of the first recurrence factor of an order.
@@ -21,7 +21,7 @@ fn recurrence_start(order: usize) -> usize {
 static RECURRENCE: LazyLock<Vec<f64>> = LazyLock::new(|| {
     let mut factors = Vec::with_capacity(recurrence_start(FIELD_DEGREE + 1));
     for order in 0..=FIELD_DEGREE {
-        // The factor that leads from this degree to the next.
+        // The factor from this degree to the next.
         for degree in order..=FIELD_DEGREE {
             let (l, m) = (degree as f64, order as f64);
             factors.push((l * l - m * m) / (4.0 * l * l - 1.0));
@@ -30,8 +30,8 @@ static RECURRENCE: LazyLock<Vec<f64>> = LazyLock::new(|| {
     factors
 });
 
-/// Variables of the polynomials at a vector of points. For a local expansion they are as written;
-/// for a multipole expansion x, y and z are divided by r^2, and r^2 by r^4.
+/// Variables of the polynomials at a vector of points: x, y, z and r^2 for a local expansion; for a
+/// multipole expansion x, y and z are divided by r^2, and r^2 by r^4.
 pub(crate) struct HarmonicVariables<S: Simd> {
     /// r^2, or 1 / r^2
     pub(crate) square: Lanes<S>,
@@ -43,16 +43,16 @@ pub(crate) struct HarmonicVariables<S: Simd> {
 
 /// All coefficients of a row are present.
 ///
-/// In an expansion with a parity, nonzero coefficients of the order itself alternate by degree with
-/// those of the neighbouring orders.
+/// In an expansion with a parity, nonzero coefficients of the order alternate by degree with
+/// nonzero coefficients of the neighbouring orders.
 pub(crate) const ALL_COEFFICIENTS: u8 = 0;
-/// Coefficients alternate, and those of the order itself begin, at the degree of the order.
+/// Coefficients alternate. The order's own begin, at the degree of the order.
 pub(crate) const OWN_ORDER_FIRST: u8 = 1;
-/// Coefficients alternate, and those of the neighbouring orders begin.
+/// Coefficients alternate. The neighbouring orders' begin.
 pub(crate) const NEIGHBOURS_FIRST: u8 = 2;
 
 /// The field (Eq. P23) up to `degree` at two vectors of points. `rows` gives the coefficients of an
-/// order, of the next and of the previous one, from the degree of the order on.
+/// order, of the next and of the previous order, from the degree of the order on.
 #[inline(always)]
 pub(crate) fn fields_of_rows<'a, S: Simd, const COEFFICIENTS: u8>(
     simd: S,
@@ -126,8 +126,8 @@ fn row_sums<S: Simd, const COEFFICIENTS: u8>(
     row.sums
 }
 
-/// Partial sums of a row at two vectors of points: with the coefficients of the order itself, of
-/// the next and of the previous one.
+/// Partial sums of a row at two vectors of points, with the coefficients of the order, of the next
+/// and of the previous order.
 struct RowSums<S: Simd> {
     last: [Lanes<S>; 2],
     polynomial: [Lanes<S>; 2],

@@ -14,7 +14,7 @@ pub struct CuboidSource {
 }
 
 impl CuboidSource {
-    /// A cuboid whose sides lie along the columns of `rotation`; without a rotation along x, y, z.
+    /// A cuboid with sides along the columns of `rotation`; without a rotation, along x, y, z.
     pub fn new(centre: DVec3, size: DVec3, rotation: Option<&DMat3>, polarization_t: DVec3) -> CuboidSource {
         let half_sides = [0, 1, 2].map(|axis: usize| {
             let direction = rotation.map_or(DVec3::AXES[axis], |rotation| rotation.col(axis));

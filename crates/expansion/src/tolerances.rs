@@ -1,12 +1,12 @@
-//! Tuning constants of expansions, each with what it trades.
+//! Tuning constants of expansions, each with its trade-off.
 
 /// Highest degree of a multipole expansion's potential. An expansion of this degree takes 40 kB.
 pub const HIGHEST_DEGREE: usize = 39;
 
 /// Highest degree of the field of a local expansion.
 ///
-/// The cost of a translation grows with its third power. A higher degree would admit hardly more
-/// nodes: nearer ones are so near that their own degree is high.
+/// The time of a translation grows with its third power. A higher degree would admit hardly more
+/// nodes, because nearer nodes need a high degree of their own.
 pub const HIGHEST_LOCAL_DEGREE: usize = 24;
 
 /// Number of neighbouring points that share the degree of a multipole expansion: the lanes of two
@@ -23,5 +23,5 @@ pub const EXPANSION_DEGREES: [(usize, f64); 6] =
     [(39, NEAREST_EXPANSION), (30, 4.0), (23, 6.0), (18, 10.0), (14, 20.0), (10, 60.0)];
 
 /// Smallest distance of the exact mode's expansions, in radii of the sphere around the tiles. At
-/// smaller distances the degree rises so fast that direct summation is cheaper.
+/// smaller distances the degree rises so fast that direct summation is faster.
 pub const NEAREST_EXPANSION: f64 = 3.0;

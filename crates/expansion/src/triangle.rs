@@ -7,7 +7,7 @@ use fearless_simd::prelude::*;
 use glam::DVec3;
 use magsplice_simd::lanes::{LONGEST_VECTOR, Lanes};
 
-/// A number that harmonics are computed with: one double, or a vector with one for each source.
+/// A number type of harmonics: one double, or a vector with one double for each source.
 pub trait HarmonicNumber:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self>
 {
@@ -15,7 +15,7 @@ pub trait HarmonicNumber:
 
 impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Mul<f64, Output = T>> HarmonicNumber for T {}
 
-/// The vector v of a directional derivative v . grad. Derivatives along one axis cost less.
+/// The vector v of a directional derivative v . grad. Derivatives along one axis are faster.
 #[derive(Clone, Copy)]
 pub enum DerivativeVector<N> {
     /// Along x, of this length.
@@ -66,7 +66,7 @@ impl<N: HarmonicNumber> HarmonicTriangle<N> {
         (self.re[index], self.im[index]) = (re, im);
     }
 
-    /// Sets the coefficient of order -1 from that of order 1.
+    /// Sets the coefficient of order -1 from the coefficient of order 1.
     #[inline(always)]
     pub(crate) fn complete_row(&mut self, l: usize) {
         let [re, im] = self.at(l, 1);
@@ -139,7 +139,7 @@ impl<N: HarmonicNumber> HarmonicTriangle<N> {
         factor: f64,
         degree: usize,
     ) {
-        // Each row is computed from the previous one before that one changes.
+        // Each row is computed before the previous row changes.
         for l in (1..=degree).rev() {
             for m in 0..=l {
                 let ([re, im], [own_re, own_im]) = (self.derivative(vector, l, m), before.at(l, m));
@@ -152,8 +152,8 @@ impl<N: HarmonicNumber> HarmonicTriangle<N> {
     /// Sets the coefficients to the mean of `before` over a bar from `-half` to `half`, except
     /// degree 0.
     ///
-    /// The mean is the sum of (half . grad)^2k / (2k + 1)! applied to `before`. The sum is exact,
-    /// since derivatives beyond the degree vanish. `derived` holds intermediate results.
+    /// The mean is the sum of (half . grad)^2k / (2k + 1)! applied to `before`. The sum is exact
+    /// because derivatives beyond the degree vanish. `derived` holds intermediate results.
     #[inline(always)]
     pub(crate) fn set_mean_over_bar(
         &mut self,
@@ -163,7 +163,7 @@ impl<N: HarmonicNumber> HarmonicTriangle<N> {
     ) {
         for k in (1..=self.degree / 2).rev() {
             let factor = 1.0 / (2 * k * (2 * k + 1)) as f64;
-            // Terms that will be differentiated again are not needed up to the full degree.
+            // Terms still to be differentiated are not needed up to the full degree.
             let degree = self.degree - 2 * (k - 1);
             derived.set_derivative(self, half, degree - 1);
             for l in 2..=degree {
@@ -206,8 +206,7 @@ impl HarmonicTriangle<f64> {
         harmonics
     }
 
-    /// Real and imaginary part of the coefficient of any order, of harmonics; zero beyond the
-    /// degree.
+    /// Real and imaginary part of a harmonic's coefficient of any order; zero beyond the degree.
     pub(crate) fn at_order(&self, l: usize, m: isize) -> [f64; 2] {
         let order = m.unsigned_abs();
         if order > l {
@@ -244,7 +243,7 @@ impl<S: Simd> HarmonicTriangle<Lanes<S>> {
     }
 }
 
-/// Index of the first coefficient of a degree, that of order -1.
+/// Index of the first coefficient of a degree, which has order -1.
 #[inline(always)]
 pub fn row_start(l: usize) -> usize {
     l * (l + 7) / 2

@@ -17,12 +17,12 @@ pub struct CornerGeometry<N> {
 
 impl<N: Number> CornerGeometry<N> {
     /// Numerator and denominator of the hyperbolic or circular tangent of half of 4 pi T, for one
-    /// element. `factors` and `squares` are those of [`Terms`](super::terms::Terms).
+    /// element. `factors` and `squares` come from [`Terms`](super::terms::Terms).
     #[inline(always)]
     pub fn ratio<const ELEMENT: usize>(&self, factors: &[f64; 6], squares: &[f64; 3]) -> [N; 2] {
         let (r, [[a0, a1], [b0, b1], [c0, c1]]) = (&self.distances, self.planes);
         let factor = factors[ELEMENT];
-        // Sums over the ends of edges along an axis, by the sides along the other two.
+        // Sums over the ends of edges along an axis, by the sides along the other two axes.
         let along_a = [r[0] + r[4], r[1] + r[5], r[2] + r[6], r[3] + r[7]];
         let along_b = [r[0] + r[2], r[1] + r[3], r[4] + r[6], r[5] + r[7]];
         let along_c = [r[0] + r[1], r[2] + r[3], r[4] + r[5], r[6] + r[7]];
@@ -76,8 +76,8 @@ fn ratio_of_edges<N: Number>(step: N, (p_low, e_low): (N, N), (p_high, e_high): 
     [high.mul_sub(e_low, low * e_high), e_low.mul_sub(e_high, low * high)]
 }
 
-/// Numerator and denominator of tan(2 pi T_ii): the angle of the high face minus that of the low
-/// one (Eq. P19).
+/// Numerator and denominator of tan(2 pi T_ii): the angle of the high face minus the angle of the
+/// low face (Eq. P19).
 #[inline(always)]
 fn angle_of_faces<N: Number>((re_low, im_low): (N, N), (re_high, im_high): (N, N)) -> [N; 2] {
     [re_low.mul_sub(im_high, im_low * re_high), re_low.mul_add(re_high, im_low * im_high)]
@@ -98,8 +98,8 @@ fn across<N: Number>(y0: [N; 2], y1: [N; 2], z0: [N; 2], z1: [N; 2]) -> [N; 5] {
     [yy + zz, y0[1] + zz, yy + z1[1], yy + z0[1], y1[1] + zz]
 }
 
-/// A complex number whose angle is half the solid angle of a face: the product of those of its two
-/// triangles (Eq. P19).
+/// A complex number whose angle is half the solid angle of a face: the product of such numbers of
+/// its two triangles (Eq. P19).
 #[inline(always)]
 fn face<N: Number>([r00, r01, r10, r11]: [N; 4], [offset, square]: [N; 2], across: [N; 5], area: f64) -> (N, N) {
     let diagonal = r00.mul_add(r11, square + across[0]);
@@ -110,7 +110,7 @@ fn face<N: Number>([r00, r01, r10, r11]: [N; 4], [offset, square]: [N; 2], acros
     (a.mul_sub(b, n * n), n * (a + b))
 }
 
-/// Sums over the elements of a tile, which come one after the other.
+/// A sum over the elements of a tile, added one after the other.
 pub trait ElementSum<N> {
     /// Adds an element, given as half of 4 pi T.
     fn add(&mut self, element: usize, half: N);
@@ -161,8 +161,8 @@ pub fn common_inverse<N: Functions>(simd: N::Instructions, needed: [bool; 6], ra
     N::splat(simd, 1.0).over(product)
 }
 
-/// Adds the needed elements, with one division for all. None has half of 4 pi T above
-/// [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE), or above
+/// Adds the needed elements, with one division for all. Half of 4 pi T of each must be at most
+/// [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE), or
 /// [`SMALLER_ANGLE`](crate::tolerances::SMALLER_ANGLE) with `is_short`.
 #[inline(always)]
 pub fn add_small_elements<N: Functions>(

@@ -1,8 +1,8 @@
 //! The gradient of the closed form in vectors (docs/physics.md, section 2.9).
 //!
-//! The third derivatives of the potential are algebraic. Of the two differences of an edge's
-//! integral, over the sides along i and j, that over the shorter side j is taken before any
-//! rounding; the other loses a factor of distance over the side along i.
+//! The third derivatives of the potential are algebraic. The integral of an edge has two
+//! differences, over the sides along i and j. The difference over the shorter side j is taken
+//! before any rounding; the other loses a factor of distance over the side along i.
 
 use std::f64::consts::PI;
 
@@ -23,7 +23,7 @@ pub fn has_gradient([a, b, _]: [f64; 3]) -> bool {
     a <= LONGEST_GRADIENT_ROD * b
 }
 
-/// What the gradient needs to know of a cuboid.
+/// The cuboid's data for the gradient.
 #[derive(Clone, Copy, Debug)]
 pub struct GradientTerms {
     /// Axes a, b, c, whose sides decrease.
@@ -36,12 +36,12 @@ pub struct GradientTerms {
 }
 
 impl GradientTerms {
-    /// A cuboid with these scaled sides and this J in tesla, both along `axes`.
+    /// The terms of a cuboid with these scaled sides and this J in tesla, both along `axes`.
     pub fn new(axes: [usize; 3], sides: [f64; 3], polarization_t: [f64; 3], scale: f64, form: Form) -> GradientTerms {
         GradientTerms { axes, sides, weights: polarization_t.map(|j| j * scale / (4.0 * PI)), form }
     }
 
-    /// A block whose lengths `scale` takes to order one.
+    /// The terms of a block whose lengths `scale` brings to order one.
     pub fn from_block(block: &Block, scale: f64, form: Form) -> GradientTerms {
         let mut axes = [0, 1, 2];
         axes.sort_by(|&a, &b| block.size[b].total_cmp(&block.size[a]));
@@ -67,7 +67,7 @@ impl GradientTerms {
     }
 
     /// Adds the gradient of B, in tesla per length, in the frame of the cuboid: xx, yy, zz, yz, xz,
-    /// xy. `close` states that the points are inside a rod or beside it, nearer than a side.
+    /// xy. `close` means that the points are inside a rod or beside it, nearer than a side.
     #[inline(always)]
     pub fn add<N: Number>(
         &self,
@@ -98,7 +98,7 @@ impl GradientTerms {
         sum[a] = sum[a] + diagonal_a;
         sum[b] = sum[b] + diagonal_b;
         sum[c] = sum[c] - (diagonal_a + diagonal_b);
-        // The component without an axis stands at that axis.
+        // The index of a component is its missing axis.
         sum[3 + c] = aab.scale_add(ja, abb.scale_add(jb, abc.scale_add(jc, sum[3 + c])));
         sum[3 + b] = aac.scale_add(ja, abc.scale_add(jb, acc.scale_add(jc, sum[3 + b])));
         sum[3 + a] = abc.scale_add(ja, bbc.scale_add(jb, bcc.scale_add(jc, sum[3 + a])));
@@ -128,11 +128,11 @@ impl GradientTerms {
         let (low, high) = (low.terms(low_excesses, step_j, side_k), high.terms(high_excesses, step_j, side_k));
         let inverse = N::splat(simd, 1.0).over(low.below * low.sums * (high.below * high.sums));
         let (over_low, over_high) = (inverse * (high.below * high.sums), inverse * (low.below * low.sums));
-        // 1 / W and 1 / X of both pairs.
+        // 1 / W and 1 / X of both pairs of edges.
         let (w_low, w_high) = (over_low * low.sums, over_high * high.sums);
         let (x_low, x_high) = (over_low * low.excesses, over_high * high.excesses);
         let along_i = (i1 * high.bend).mul_sub(w_high, i0 * low.bend * w_low) * step_j;
-        // The edge at the nearer plane is much stronger close to it, and its offset is small.
+        // Close to the nearer plane its edge dominates, and its offset is small.
         let nearer = step_j.where_at_least(0.0, j1, j0) * step_j;
         let (low_j, high_j) = (nearer.mul_sub(low.bend, low.rest), nearer.mul_sub(high.bend, high.rest));
         let along_j = high_j.mul_sub(w_high, low_j * w_low);
@@ -186,7 +186,7 @@ struct EdgePair<N> {
 struct PairTerms<N> {
     /// K.
     bend: N,
-    /// S u_0 u_1 of the edge that is farther along j, times P Q of the nearer one.
+    /// S u_0 u_1 of the edge farther along j, times P Q of the nearer edge.
     rest: N,
     /// M.
     mixed: N,

@@ -9,13 +9,13 @@ use super::terms::{AA, BB, CC, Terms};
 use crate::block::Block;
 use crate::tolerances::MAGNITUDE_ROUNDING;
 
-/// Squares of elements to a bound of the magnitude (docs/physics.md, Eq. P53).
+/// Weights from the squares of elements to a bound of the magnitude (docs/physics.md, Eq. P53).
 pub struct MagnitudeTerms {
     /// Contribution of the square of half of 4 pi T to the square of the bound, by element.
     weights: [f64; 6],
-    /// The same for T_cc where it follows from the trace.
+    /// The weight of T_cc where it follows from the trace.
     by_trace: f64,
-    /// The signs with which T_aa and T_bb come, by element.
+    /// The signs of T_aa and T_bb, by element.
     signs: [f64; 6],
     /// Sum of |J_k|, in tesla.
     j_t: f64,
@@ -28,7 +28,7 @@ impl MagnitudeTerms {
         let sum_t = j_t.element_sum().max(f64::MIN_POSITIVE);
         let [a, b, c] = terms.axes.map(|axis| j_t[axis] / sum_t / (2.0 * PI).powi(2));
         let direct = if terms.is_needed(CC) { c } else { 0.0 };
-        // The terms have the sign that makes their first coefficient positive.
+        // The terms have the sign with a positive first coefficient.
         let sign = |element: usize| {
             let (axis, last, j) = (terms.axes[element - AA], terms.axes[2], block.polarization_t);
             let [own, by_trace] = [axis, last].map(|axis| terms.coefficients[element][axis]);
@@ -49,7 +49,7 @@ pub struct FieldAndMagnitude<'a, N> {
     /// The field.
     pub field: FieldSum<'a, N>,
     terms: &'a MagnitudeTerms,
-    /// The square of the bound over that of the sum of |J_k|, but for T_cc by the trace.
+    /// The square of the bound over the square of the sum of |J_k|, without T_cc from the trace.
     square: N,
     /// T_aa + T_bb, as half of 4 pi T.
     trace: N,

@@ -8,9 +8,9 @@ pub mod gradient;
 pub mod magnitude;
 /// Points inside a compact cuboid and close to its edges.
 pub mod near_edge;
-/// The elements of rods that the other closed form computes with too large an error.
+/// The elements of rods for which the error of the other closed form is too large.
 pub mod rod;
-/// One cuboid on its own.
+/// A single cuboid.
 pub mod single_tile;
 /// The elements that a polarization needs, with their coefficients.
 pub mod terms;

@@ -1,9 +1,9 @@
 //! Points inside a compact cuboid and close to its edges, and points close to plates and rods, in
 //! vectors (docs/physics.md, section 2.6).
 //!
-//! The closed form of `single_tile` loses digits near an edge; these methods do not. In a compact
-//! cuboid each edge and each corner has its own term, of numbers without cancellation. The sum of
-//! the terms is right to the round-off of the largest term. This is enough where every column of
+//! These methods keep the digits that the closed form of `single_tile` loses near an edge. In a
+//! compact cuboid each edge and each corner has its own term, free of cancellation. The sum of the
+//! terms is accurate to the round-off of the largest term. This is sufficient where every column of
 //! the tensor is nearly as large: inside and close to a cuboid that is neither a plate nor a rod.
 
 use std::f64::consts::PI;
@@ -23,9 +23,9 @@ use magsplice_simd::compensated_sum::TwoSum;
 /// The points inside a tile or close to it, and clearly off the planes of all faces.
 pub struct Interior {
     faces: [[TwoSum; 2]; 3],
-    /// Points nearer to the plane of a face are left to the scalar kernel.
+    /// Smallest distance from the plane of a face. The scalar kernel evaluates nearer points.
     least_offset: f64,
-    /// Points farther away along an axis are left to other methods.
+    /// Largest distance along an axis. Other methods evaluate points farther away.
     reach: f64,
 }
 
@@ -54,7 +54,7 @@ pub enum NearEdge {
     Thin(Box<NearThin>),
 }
 
-/// A plate or a rod for points outside and close to it, where the form for [`Form::Thin`] is used.
+/// A plate or a rod for points outside and close to it, evaluated by [`Form::Thin`].
 pub struct NearThin {
     faces: [[TwoSum; 2]; 3],
     /// Distances along an axis at which the form begins and ends.
@@ -98,7 +98,7 @@ impl NearEdge {
         })
     }
 
-    /// Whether a point is one of those that the tile is prepared for.
+    /// Whether a point is in the region that the tile is prepared for.
     pub fn covers(&self, point: &LocalPoint) -> bool {
         match self {
             NearEdge::Compact(tile) => tile.interior.covers(point),
@@ -225,8 +225,8 @@ fn half_of_edges<S: Simd>(
     half_logarithm_of_ratio(simd, products[0], products[1])
 }
 
-/// Solid angle of the lower face across an axis minus that of the upper one, each positive for
-/// points above it: sums of arctangents of y z / (x R), two of which form one angle.
+/// Solid angle of the lower face across an axis minus the solid angle of the upper face, each
+/// positive for points above it: sums of arctangents of y z / (x R), two of which form one angle.
 #[inline(always)]
 fn angles_of_faces<S: Simd>(simd: S, offsets: &[[Lanes<S>; 2]; 3], distances: &[Lanes<S>; 8], axis: usize) -> Lanes<S> {
     let axes = [axis, (axis + 1) % 3, (axis + 2) % 3];

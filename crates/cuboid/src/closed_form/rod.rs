@@ -1,9 +1,9 @@
 //! The elements T_bc and T_bb of a rod, whose longest side is along a (docs/physics.md, section
 //! 2.6).
 //!
-//! A rod is the difference of two half-infinite rods, which begin at its ends. The differences
-//! along b and c are taken before the logarithm and the arctangent, so that the error does not grow
-//! with the distance over these sides. The remaining difference of the two ends loses a factor of
+//! A rod is the difference of two half-infinite rods that begin at its ends. The differences along
+//! b and c are taken before the logarithm and the arctangent, so that the error does not grow with
+//! the distance over these sides. The remaining difference of the two ends loses a factor of
 //! distance over the longest side.
 
 use magsplice_simd::lanes::Number;
@@ -11,10 +11,10 @@ use magsplice_simd::lanes::Number;
 use super::elements::CornerGeometry;
 use super::terms::{BB, BC};
 
-/// The numerators and denominators of T_bc and T_bb, as
-/// [`CornerGeometry::ratio`] gives those of the other elements.
+/// The numerators and denominators of T_bc and T_bb, in the form of [`CornerGeometry::ratio`] for
+/// the other elements.
 ///
-/// `factors` and `squares` are those of [`Terms`](super::terms::Terms).
+/// `factors` and `squares` come from [`Terms`](super::terms::Terms).
 #[inline(always)]
 pub fn ratios_of_rod<N: Number>(
     simd: N::Instructions,
@@ -24,7 +24,7 @@ pub fn ratios_of_rod<N: Number>(
 ) -> [[N; 2]; 2] {
     let (r, [[a0, a1], [b0, b1], [c0, c1]]) = (&place.distances, place.planes);
     let zero = N::splat(simd, 0.0);
-    // Coordinates of the ends along a, seen from the point and mirrored so that the second is
+    // Coordinates of the ends along a, relative to the point and mirrored so that the second is
     // positive and not nearer.
     let middle = a0[0] + a1[0];
     let near_end = middle.where_at_least(0.0, a1[0], zero - a0[0]);
@@ -88,11 +88,11 @@ impl<N: Number> CrossSection<N> {
         let logarithm = (along_b[0] + along_b[1]) * (sums[0] + sums[1] + along_c);
         let across = sums[0].mul_add(sums[3], sums[1] * sums[2]) * 2.0;
         let [[b0, square_0], [b1, square_1]] = self.b;
-        // N of Eq. P41 at both faces, and its step over that of y^2.
+        // N of Eq. P41 at both faces, and its step over the step of y^2.
         let low = sums[0].mul_add(sums[1], square_0 + self.c_product);
         let high = sums[2].mul_add(sums[3], square_1 + self.c_product);
         let step = along_b[1].mul_add(sums[3], along_b[0].mul_add(sums[0], product));
-        // From the nearer face, which may be much nearer than the other.
+        // Computed from the nearer face, which may be much nearer than the other.
         let middle = b0 + b1;
         let (offset, nearer) = (middle.where_at_least(0.0, b1, b0), middle.where_at_least(0.0, high, low));
         let difference = (offset * middle).mul_sub(step, nearer * product);

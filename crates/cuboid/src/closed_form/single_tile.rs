@@ -1,4 +1,4 @@
-//! The closed form of one cuboid on its own, without tables (docs/physics.md, section 2.6).
+//! The closed form of a single cuboid, without tables (docs/physics.md, section 2.6).
 
 use super::elements::{CornerGeometry, ElementSum, FieldSum, add_elements, add_small_elements, common_inverse};
 use super::magnitude::{FieldAndMagnitude, MagnitudeTerms};
@@ -31,7 +31,7 @@ const GENERAL: [bool; 6] = [true, true, true, true, true, false];
 pub struct Ratios<N: Functions>([[N; 2]; 6]);
 
 impl ClosedForm {
-    /// Prepares a block whose lengths `scale` takes to order one.
+    /// Prepares a block whose lengths `scale` brings to order one.
     pub fn new(block: &Block, scale: f64, form: Form) -> ClosedForm {
         let terms = Terms::new(block, scale, form);
         ClosedForm {
@@ -53,15 +53,15 @@ impl ClosedForm {
         let mut planes = [[[zero; 2]; 2]; 3];
         for (axis, planes) in planes.iter_mut().enumerate() {
             for (plane, &[coordinate, low]) in planes.iter_mut().zip(&self.planes[axis]) {
-                // The scale is a power of two, so that applying it here changes no digit.
+                // The scale is a power of two, so this product is exact.
                 let offset = (point[self.axes[axis]] - coordinate).scale_add(self.scale, N::splat(simd, low));
                 *plane = [offset, offset * offset];
             }
         }
         let [[a0, a1], [b0, b1], [c0, c1]] = planes;
         let (ab00, ab01, ab10, ab11) = (a0[1] + b0[1], a0[1] + b1[1], a1[1] + b0[1], a1[1] + b1[1]);
-        // Two roots use the root unit of the processor, which works in parallel with the
-        // multipliers; more would wait for it.
+        // Two roots use the processor's root unit, in parallel with the multipliers; more would
+        // wait for it.
         let (r000, r001) = ((ab00 + c0[1]).sqrt(), (ab00 + c1[1]).sqrt());
         let (r010, r011) = ((ab01 + c0[1]).root(simd), (ab01 + c1[1]).root(simd));
         let (r100, r101) = ((ab10 + c0[1]).root(simd), (ab10 + c1[1]).root(simd));
@@ -97,7 +97,7 @@ impl ClosedForm {
         Ratios(ratios)
     }
 
-    /// [`ClosedForm::ratios`] of a cuboid that is prepared as a rod.
+    /// [`ClosedForm::ratios`] of a cuboid prepared as a rod.
     #[inline(always)]
     pub fn ratios_of_rod<N: Functions>(&self, simd: N::Instructions, place: &CornerGeometry<N>) -> Ratios<N> {
         let mut ratios = [[N::splat(simd, 0.0), N::splat(simd, 1.0)]; 6];
@@ -115,8 +115,8 @@ impl ClosedForm {
         Ratios(ratios)
     }
 
-    /// At least 0 where a point is farther than a quarter of the second side from the edges of both
-    /// ends along that side.
+    /// A number that is at least 0 where a point is farther than a quarter of the second side from
+    /// the edges of both ends along that side.
     #[inline(always)]
     fn beyond_ends<N: Functions>(&self, simd: N::Instructions, place: &CornerGeometry<N>) -> N {
         let mut square = N::splat(simd, -self.terms.squares[1] / 16.0);
@@ -126,7 +126,7 @@ impl ClosedForm {
         square
     }
 
-    /// mu0 H in tesla of a cuboid that is prepared as thin, in its frame.
+    /// mu0 H in tesla of a cuboid prepared as thin, in its frame.
     #[inline(always)]
     pub fn field_of_thin<N: Functions>(&self, simd: N::Instructions, place: &CornerGeometry<N>) -> [N; 3] {
         let (factors, squares) = (&self.terms.factors, &self.terms.squares);
@@ -135,7 +135,7 @@ impl ClosedForm {
             ratios[AB] = place.ratio::<AB>(factors, squares);
         }
         [ratios[BC], ratios[BB]] = ratios_of_rod(simd, place, factors, squares);
-        // The same with the roles of a and b exchanged.
+        // The same step with a and b exchanged.
         let CornerGeometry { planes: [a, b, c], distances: r } = *place;
         let exchanged =
             CornerGeometry { planes: [b, a, c], distances: [r[0], r[1], r[4], r[5], r[2], r[3], r[6], r[7]] };
@@ -143,8 +143,8 @@ impl ClosedForm {
         (across[BC], across[BB]) = (factors[AC], factors[AA]);
         [ratios[AC], ratios[AA]] = ratios_of_rod(simd, &exchanged, &across, squares);
         if self.is_strip {
-            // Beside a strip T_ac and T_aa are those of its distant ends, which this form takes
-            // from two long half-infinite strips across it.
+            // Beside a strip T_ac and T_aa come from its distant ends, which this form takes from
+            // two long half-infinite strips across it.
             let far = self.beyond_ends(simd, place);
             let compact =
                 [place.ratio::<AC>(&self.terms.compact, squares), place.ratio::<AA>(&self.terms.compact, squares)];
@@ -165,13 +165,13 @@ impl ClosedForm {
         FieldSum { field_t: [N::splat(simd, 0.0); 3], coefficients: &self.coefficients }
     }
 
-    /// The same, with an upper bound of the sum over k of |T e_k| |J_k| in tesla.
+    /// Begins the same sum with an upper bound of the sum over k of |T e_k| |J_k| in tesla.
     #[inline(always)]
     pub fn field_and_magnitude<N: Functions>(&self, simd: N::Instructions) -> FieldAndMagnitude<'_, N> {
         FieldAndMagnitude::new(simd, self.field_sum(simd), &self.magnitude)
     }
 
-    /// Adds the elements of a cuboid that is not thin.
+    /// Adds the elements of a compact cuboid or a rod.
     #[inline(always)]
     pub fn add_elements<N: Functions>(
         &self,
@@ -202,7 +202,7 @@ impl ClosedForm {
         sum.add(AB, first.value(simd, first.numerator * (inverse * second.denominator)));
     }
 
-    /// Adds the elements, each by its own division.
+    /// Adds the elements, with one division for each.
     #[inline(always)]
     pub fn add_divided<N: Functions>(
         &self,
@@ -213,8 +213,8 @@ impl ClosedForm {
         add_elements(simd, self.needed, ratios, sum);
     }
 
-    /// Adds the elements where none has half of 4 pi T above
-    /// [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE): one division for all.
+    /// Adds the elements, with one division for all. Half of 4 pi T of each must be at most
+    /// [`SMALL_ANGLE`](crate::tolerances::SMALL_ANGLE).
     #[inline(always)]
     pub fn add_small_elements<N: Functions>(
         &self,

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::block::Block;
 use crate::tolerances::DIRECT_DIAGONAL;
 
-/// Elements of the demagnetizing tensor of a tile whose sides decrease along a, b, c.
+/// T_ab, an element of the demagnetizing tensor of a tile whose sides decrease along a, b, c.
 pub const AB: usize = 0;
 /// T_ac.
 pub const AC: usize = 1;
@@ -18,7 +18,7 @@ pub const BB: usize = 4;
 /// T_cc.
 pub const CC: usize = 5;
 
-/// Which closed form evaluates a cuboid.
+/// The closed form that evaluates a cuboid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// The form of [`CornerGeometry::ratio`](super::elements::CornerGeometry::ratio) for all
@@ -26,11 +26,11 @@ pub enum Form {
     Compact,
     /// The form of [`ratios_of_rod`](super::rod::ratios_of_rod) for T_bc and T_bb.
     Rod,
-    /// That form for T_ac and T_aa also: close to plates and rods.
+    /// The form of rods for T_ac and T_aa too, for points close to plates and rods.
     Thin,
 }
 
-/// Terms that differ at most in sign, and share a division and a series.
+/// Terms that differ at most in sign. They share a division and a series.
 #[derive(Clone, Copy, Debug)]
 pub struct Group {
     /// Whether the elements are diagonal: angles instead of logarithms.
@@ -41,15 +41,15 @@ pub struct Group {
 
 /// The elements that the polarization of one tile needs.
 pub struct Terms {
-    /// The closed form that they are for.
+    /// The closed form of the terms.
     pub form: Form,
     /// The axes a, b, c.
     pub axes: [usize; 3],
     /// Contribution of one unit of each element to the components of mu0 H, with a positive first
     /// nonzero component; zero if the element is not needed.
     pub coefficients: [[f64; 3]; 6],
-    /// Length of the edges times the size across, or area of the faces, or the cross-section of a
-    /// rod; scaled, with the sign of the term.
+    /// Length of the edges times the size across, area of the faces, or cross-section of a rod;
+    /// scaled, with the sign of the term.
     pub factors: [f64; 6],
     /// The factors for [`Form::Compact`].
     pub compact: [f64; 6],
@@ -58,7 +58,7 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// The terms of a block whose lengths `scale` takes to order one.
+    /// The terms of a block whose lengths `scale` brings to order one.
     pub fn new(block: &Block, scale: f64, form: Form) -> Terms {
         let (size, j) = (block.size.map(|s| s * scale), block.polarization_t);
         let mut axes = [0, 1, 2];
@@ -69,8 +69,8 @@ impl Terms {
             (coefficient[i], coefficient[k]) = (j[k], j[i]);
             coefficient
         };
-        // T_cc = -(T_aa + T_bb) loses less than the difference of two close faces, and is free if
-        // these are needed anyway.
+        // T_cc = -(T_aa + T_bb) loses less than the difference of two close faces, and costs
+        // nothing if T_aa and T_bb are needed anyway.
         let by_trace = (j[a] != 0.0 && j[b] != 0.0) || size[c] < DIRECT_DIAGONAL * size[b] || form != Form::Compact;
         let diagonal = |axis: usize| {
             let mut coefficient = [0.0; 3];
@@ -108,7 +108,7 @@ impl Terms {
                 terms.factors[element] = -terms.factors[element];
                 terms.compact[element] = -terms.compact[element];
             }
-            // No zero is negative, so that equal coefficients have equal bits.
+            // Negative zeros are removed, so that equal coefficients have equal bits.
             *coefficient = coefficient.map(|c| c + 0.0);
         }
         terms

@@ -1,8 +1,8 @@
 //! Numbers that carry their derivatives along the three axes of the tile: forward-mode
 //! differentiation.
 //!
-//! They are used for the logarithms of the edges. There every term is positive, and a slope cancels
-//! no more than powers of a length do.
+//! They serve the logarithms of the edges. There every term is positive, and slopes lose no more
+//! digits than powers of a length.
 
 use std::ops::{Add, Mul, Neg, Sub};
 

@@ -20,10 +20,10 @@ use super::number::Scalar;
 use super::offsets::Offsets;
 use crate::tolerances::ARTANH_TO_PRODUCT;
 
-/// 4 pi |T_ij| of the tile, from the edges parallel to axis `k`. It is never negative; the sign is
-/// that of the octant.
+/// 4 pi |T_ij| of the tile, from the edges parallel to axis `k`. It is never negative; the octant
+/// of the point gives the sign.
 ///
-/// `radius` holds the distances to the eight corners, the bit of an axis set for its far face.
+/// `radius` holds the distances to the eight corners; the bit of an axis is set for its far face.
 pub(super) fn edge_logarithm<S: Scalar>(offsets: &[Offsets<S>; 3], radius: &[S; 8], [i, j, k]: [usize; 3]) -> S {
     let length = S::constant(offsets[k].size);
     let corner = |bi: usize, bj: usize, bk: usize| radius[bi << i | bj << j | bk << k];

@@ -11,10 +11,10 @@
 //! ```
 //!
 //! where u and v are the legs, p = r_1 . u, q = r_1 . v. For the triangle at the nearest corner p,
-//! q >= 0. For that at the farthest one the bracket is rearranged into positive terms (Eq. P12).
-//! The difference over X is taken by the addition theorem, with D_far - D_near as a sum of
-//! rationalised increments, all positive. One subtraction remains, 3 x^2 - r^2 of the dipole itself
-//! (Eqs. P10 to P14).
+//! q >= 0. For the triangle at the farthest corner the bracket is rearranged into positive terms
+//! (Eq. P12). The difference over X is taken by the addition theorem, with D_far - D_near as a sum
+//! of rationalised increments, all positive. One subtraction remains, 3 x^2 - r^2 of the dipole
+//! itself (Eqs. P10 to P14).
 
 use super::number::Scalar;
 use super::offsets::Offsets;
@@ -39,14 +39,14 @@ pub(super) fn face_angles<S: Scalar>(offsets: &[Offsets<S>; 3], [i, j, k]: [usiz
 /// An interval of a face along one axis, on one side of the foot of the point.
 #[derive(Clone, Copy)]
 struct Span<S> {
-    /// `None` where the interval begins at the foot itself.
+    /// `None` where the interval begins at the foot.
     low: Option<S>,
     high: S,
     width: S,
 }
 
 impl<S: Scalar> Span<S> {
-    /// Its ends and its width as fractions of low + high.
+    /// The ends and the width as fractions of low + high.
     fn shares(&self) -> Shares<S> {
         let Some(low) = self.low else {
             let one = S::constant(1.0);
@@ -73,7 +73,7 @@ fn spans<S: Scalar>(offsets: &Offsets<S>) -> [Option<Span<S>>; 2] {
     }
 }
 
-/// A rectangle of a face that lies in one quadrant about the foot of the point.
+/// A rectangle of a face within one quadrant about the foot of the point.
 struct Piece<S> {
     y: Span<S>,
     z: Span<S>,
@@ -206,7 +206,7 @@ impl<S: Scalar> Piece<S> {
 }
 
 /// Half the difference of a triangle's solid angles over X, from D at the near height and its
-/// increase to the far one.
+/// increase to the far height.
 fn triangle_difference<S: Scalar>(x: &Offsets<S>, area: S, d_near: S, d_step: S) -> S {
     let d_far = d_near + d_step;
     let above = area * (x.near * d_step - d_near.scale(x.size));

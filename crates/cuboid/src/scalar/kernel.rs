@@ -1,8 +1,8 @@
 //! The closed-form field of one cuboid in its own frame, free of cancellation (docs/physics.md,
 //! section 2).
 //!
-//! One path is valid at every point. There is no separate far branch; the only branches depend on
-//! where the foot of the point falls and how large a logarithm is.
+//! One path is valid at every point. The only branches depend on the foot of the point and on the
+//! size of a logarithm.
 
 use super::edge::edge_logarithm;
 use super::face::face_angles;
@@ -11,7 +11,7 @@ use super::offsets::Offsets;
 
 const INV_4PI: f64 = 0.25 * std::f64::consts::FRAC_1_PI;
 
-/// Which field is summed: mu0 H or B.
+/// The field to sum: mu0 H or B.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum FieldKind {
     /// mu0 H in tesla: the tensor applied to J.
@@ -21,7 +21,7 @@ pub enum FieldKind {
 }
 
 /// mu0 H or B of a cuboid of polarization `j` in tesla, in its own frame. Zero components of `j`
-/// cost nothing.
+/// take no time.
 ///
 /// The offsets must be scaled so that the largest is of order one.
 pub fn cuboid_field<S: Scalar>(offsets: &[Offsets<S>; 3], j: [f64; 3], part: FieldKind) -> [S; 3] {
@@ -40,8 +40,8 @@ pub fn cuboid_field<S: Scalar>(offsets: &[Offsets<S>; 3], j: [f64; 3], part: Fie
         field[b] = field[b] + element.scale(j[a]);
     }
 
-    // Inside, 1 + T_xx = -(T_yy + T_zz) adds two numbers of one sign where J + mu0 H would nearly
-    // cancel in a plate.
+    // Inside a plate J + mu0 H would nearly cancel; 1 + T_xx = -(T_yy + T_zz) adds two numbers of
+    // one sign.
     let by_trace = inside && part == FieldKind::Density;
     let mut diagonal = [None; 3];
     for (axis, slot) in diagonal.iter_mut().enumerate() {
@@ -67,9 +67,9 @@ pub fn cuboid_field<S: Scalar>(offsets: &[Offsets<S>; 3], j: [f64; 3], part: Fie
 /// its own frame; a symmetric matrix.
 ///
 /// The third derivatives T_ijk of the potential are symmetric in all indices and T_iii = -(T_ijj +
-/// T_ikk), inside and outside, so that the slopes of the off-diagonal elements give all of them
-/// (docs/physics.md, section 2.4). The slopes of the solid angles are not used: for the two parts
-/// of a face cut at the foot of the point they nearly cancel in a thin plate.
+/// T_ikk), inside and outside, so the slopes of the off-diagonal elements give all of them
+/// (docs/physics.md, section 2.4). The slopes of the solid angles would nearly cancel in a thin
+/// plate, for the two parts of a face cut at the foot of the point.
 pub fn cuboid_gradient(offsets: &[Offsets<f64>; 3], j: [f64; 3]) -> [[f64; 3]; 3] {
     let offsets = [0, 1, 2].map(|axis: usize| offsets[axis].differentiated(axis));
     let radius = corner_distances(&offsets);

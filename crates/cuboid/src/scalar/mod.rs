@@ -9,7 +9,7 @@ mod edge;
 mod face;
 /// Field and gradient from the elements.
 pub mod kernel;
-/// The numbers that the kernel is written over.
+/// The number types of the kernel.
 mod number;
 /// The position of a point relative to the faces.
 pub mod offsets;

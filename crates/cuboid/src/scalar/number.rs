@@ -1,11 +1,11 @@
-//! The numbers that the scalar kernel is written over.
+//! The number types of the scalar kernel.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// A real number, or one that carries derivatives along.
+/// A real number, optionally with derivatives.
 ///
-/// The kernel is written once over this trait: over `f64` it gives the field, over
-/// [`Dual`](super::dual::Dual) the field and its gradient. Branches look at
+/// The kernel is generic over this trait: with `f64` it gives the field, with
+/// [`Dual`](super::dual::Dual) the field and its gradient. Branches depend on
 /// [`value`](Scalar::value) alone.
 pub trait Scalar: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
     /// A number that does not depend on the point.

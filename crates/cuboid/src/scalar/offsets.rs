@@ -13,13 +13,13 @@ pub struct Offsets<S> {
     pub near: S,
     /// Distance to the other face.
     pub far: S,
-    /// Sum of the two: twice the distance to the middle of the tile.
+    /// `near + far`: twice the distance to the middle of the tile.
     pub sum: S,
     /// Full side length, `far - near`.
     pub size: f64,
     /// Whether the point was mirrored.
     pub mirrored: bool,
-    /// Whether the point lay on the nearer face.
+    /// Whether the point was on the nearer face.
     pub on_face: bool,
 }
 

@@ -6,7 +6,7 @@ use super::kernel::{FieldKind, cuboid_field};
 use crate::block::{Block, LocalPoint};
 use crate::tolerances::EXACT_BOUND;
 
-/// Inside a tile, B = mu0 H + J for any direction of J. The scalar kernel computes the two by
+/// Inside a tile, B = mu0 H + J for any direction of J. The scalar kernel computes the two from
 /// different elements there.
 #[test]
 fn flux_density_inside_is_the_strength_plus_the_polarization() {

@@ -14,11 +14,11 @@ pub const POLYNOMIALS: usize = 5;
 /// coefficients are polynomials in u - 1/3 and v - 1/3, u = x^2/r^2 and v = y^2/r^2.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Coefficients of each polynomial by order of sigma, within an order as [`place`] says.
+    /// Coefficients of each polynomial by order of sigma, within an order at [`place`].
     coefficients: [[f64; start(HIGHEST_ORDER + 1)]; POLYNOMIALS],
 }
 
-/// Centre of the range of u and v, where u + v <= 1: powers of the deviation from it cancel least.
+/// Centre of the range of u and v, u + v <= 1. Powers of the deviation from it cancel least.
 pub const THIRD: f64 = 1.0 / 3.0;
 
 /// Index of the first coefficient of an order.
@@ -62,7 +62,7 @@ impl Series {
         [sigma, u, v]: [N; 3],
     ) -> [N; POLYNOMIALS] {
         let mut polynomials = [N::splat(simd, 0.0); POLYNOMIALS];
-        // One polynomial after the other: the partial sums of all would not fit into the registers.
+        // One polynomial after the other, because the partial sums of all exceed the registers.
         for (polynomial, coefficients) in polynomials.iter_mut().zip(&self.coefficients) {
             let mut sum = order::<HIGHEST, N>(simd, coefficients, u, v);
             if HIGHEST > 7 {
@@ -120,7 +120,8 @@ impl Series {
 
 /// One order of a polynomial and its derivatives by u and v.
 ///
-/// The loops are not unrolled: all orders together would be as long as the rest of the library.
+/// The loops are not unrolled, because the code of all orders would be as long as the rest of the
+/// library.
 #[inline(always)]
 fn differentiated_order<N: Number>(
     simd: N::Instructions,
@@ -156,7 +157,7 @@ fn order<const ORDER: usize, N: Number>(
 ) -> N {
     let coefficients = &coefficients[start(ORDER)..start(ORDER + 1)];
     let mut sum = N::splat(simd, coefficients[0]);
-    // The bounds of the loops are constants, which the compiler unrolls.
+    // The compiler unrolls loops with constant bounds.
     for row in 1..=HIGHEST_ORDER {
         if row <= ORDER {
             let first = row * (row + 1) / 2;
@@ -243,7 +244,7 @@ impl Moment {
 struct Polynomial([[f64; HIGHEST_ORDER + 2]; HIGHEST_ORDER + 2]);
 
 impl Polynomial {
-    /// The polynomial in powers of u - 1/3 and v - 1/3, of which none is higher than `degree`.
+    /// The polynomial in powers of u - 1/3 and v - 1/3, up to `degree`.
     fn about_middle(mut self, degree: usize) -> Polynomial {
         let Polynomial(rows) = &mut self;
         for step in 0..degree {

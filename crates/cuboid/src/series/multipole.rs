@@ -17,14 +17,14 @@ use magsplice_simd::compensated_sum::TwoSum;
 pub struct Distant {
     centre: [TwoSum; 3],
     scale: f64,
-    /// Square of the half diagonal, scaled as the offsets are.
+    /// Square of the half diagonal, scaled like the offsets.
     half_diagonal_squared: f64,
     /// V J / 4 pi, scaled.
     moment: [f64; 3],
 }
 
 impl Distant {
-    /// Prepares a block whose lengths `scale` takes to order one.
+    /// Prepares a block whose lengths `scale` brings to order one.
     pub fn new(block: &Block, scale: f64) -> Distant {
         let size = block.size.map(|s| s * scale);
         let volume_over_4pi = size[0] * size[1] * size[2] / (4.0 * PI);
