@@ -1,4 +1,4 @@
-//! Batches of points that are evaluated in parallel, with results in the order of the points.
+//! Batches of points, evaluated in parallel with results in the order of the points.
 
 use glam::DVec3;
 use magsplice_magnet::{PointError, PointErrorCause, PointErrors};
@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::tolerances::{BATCHES_PER_THREAD, POINTS_PER_BATCH, REGROUPED_POINTS};
 
-/// A callback that is told, from any thread, how many more points begin.
+/// A callback that receives, from any thread, the number of points that begin.
 pub type Progress<'a> = &'a (dyn Fn(usize) + Sync);
 
 /// The division of points into batches.
@@ -14,12 +14,12 @@ pub type Progress<'a> = &'a (dyn Fn(usize) + Sync);
 pub struct Batches {
     /// Largest number of points in a batch.
     pub most: usize,
-    /// Whether a batch holds neighbours rather than consecutive points.
+    /// Whether a batch holds neighbours instead of consecutive points.
     pub regroup: bool,
 }
 
 /// Calls `evaluate` for every batch, in parallel. `evaluate` writes the values of the batch and
-/// names the points that have none.
+/// returns the points without a value.
 pub fn for_each_batch<T: Send + Copy + Default>(
     points: &[DVec3],
     values: &mut [T],
@@ -59,7 +59,7 @@ pub fn for_each_batch<T: Send + Copy + Default>(
     none_or(errors)
 }
 
-/// The errors, if there are any.
+/// An error if `errors` is not empty.
 pub fn none_or(errors: Vec<PointError>) -> Result<(), PointErrors> {
     if errors.is_empty() { Ok(()) } else { Err(PointErrors(errors)) }
 }
@@ -79,7 +79,7 @@ fn in_batches<T: Send>(
             let mut failures = Vec::new();
             evaluate(points, values, &mut |index, cause| {
                 if failures.is_empty() {
-                    // Where one point is refused, most often many are.
+                    // Refused points usually come in large numbers.
                     failures.reserve_exact(points.len());
                 }
                 failures.push((batch * size + index, cause));
@@ -93,7 +93,7 @@ fn in_batches<T: Send>(
 /// Indices of points in an order in which consecutive points are neighbours: groups of the first of
 /// `sizes`, each divided into groups of the next size, and so on.
 pub fn neighbours_together(points: &[DVec3], order: impl IntoIterator<Item = u32>, sizes: &[usize]) -> Vec<u32> {
-    // Contiguous in memory, since points are compared many times.
+    // Contiguous in memory, because points are compared many times.
     let mut placed: Vec<IndexedPoint> =
         order.into_iter().map(|index| IndexedPoint { point: points[index as usize].to_array(), index }).collect();
     divide(&mut placed, sizes);

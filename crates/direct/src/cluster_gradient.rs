@@ -8,7 +8,7 @@ use super::cluster_kernel::{Places, load};
 use crate::prepare::corner_tables::CornerTables;
 
 /// Writes the gradient of B of the tiles of `cluster` in tesla per length, in their frame: xx, yy,
-/// zz, yz, xz, xy. The points are where the closed form of the field is used, in whole vectors.
+/// zz, yz, xz, xy. The points, in whole vectors, are in the range of the closed form of the field.
 #[inline(never)]
 pub(super) fn cluster_gradients<S: Simd>(
     simd: S,

@@ -1,13 +1,12 @@
-//! The closed form of the tiles of a cluster, in vectors, for points outside the tiles and not many
-//! sizes away (docs/physics.md, section 2.6).
+//! The closed form of the tiles of a cluster, in vectors, for points outside the tiles and at most
+//! a few sizes away (docs/physics.md, section 2.6).
 //!
 //! As in the [scalar kernel](magsplice_cuboid::scalar), differences are taken before the logarithm
-//! and the arctangent, but only where that needs no division. The remaining cancellation loses a
-//! factor of distance over the second side of a tile. Each element is represented by a
-//! split-complex or a complex number. Products of such numbers add logarithms or angles, so that
-//! tiles of equal strength share a division and a series. An element whose strength occurs once
-//! skips the products; within a tolerance it shares its division with the other such elements of
-//! its tile.
+//! and the arctangent, but only without divisions. The remaining cancellation loses a factor of
+//! distance over the second side of a tile. Each element is represented by a split-complex or a
+//! complex number. Products of such numbers add logarithms or angles, so tiles of equal strength
+//! share a division and a series. An element whose strength occurs once skips the products; within
+//! a tolerance it shares its division with the other such elements of its tile.
 
 use std::any::Any;
 
@@ -31,8 +30,7 @@ pub(super) struct KeptTables(Option<Box<dyn Any + Send>>);
 
 impl KeptTables {
     /// mu0 H of the tiles of `cluster` in tesla, in their frame, at points outside them, given by
-    /// axis in whole vectors. `small` states that the points are so far away that all elements are
-    /// small.
+    /// axis in whole vectors. `small` means that all elements are small at these points.
     pub(super) fn fields<S: Simd>(
         &mut self,
         simd: S,
@@ -65,8 +63,8 @@ impl KeptTables {
                 tables.start(cluster, load(simd, [x, y, z], 0));
                 for start in (0..x.len()).step_by(Lanes::<S>::LEN) {
                     let end = start + Lanes::<S>::LEN;
-                    // After the last points the first are prepared again, so that the loop has no
-                    // branch.
+                    // After the last points the first are prepared again, which avoids a branch in
+                    // the loop.
                     let next = if end < x.len() { end } else { 0 };
                     let next = load(simd, [x, y, z], next);
                     let field = tables.field::<HAS_RODS>(simd, cluster, next, small);
@@ -86,11 +84,11 @@ pub(super) fn load<S: Simd>(simd: S, points: [&[f64]; 3], start: usize) -> [Lane
     [Lanes::load(simd, x), Lanes::load(simd, y), Lanes::load(simd, z)]
 }
 
-/// Tables of vectors, kept between calls. Their length is fixed, so that a masked index needs no
-/// bounds check.
+/// Tables of vectors, kept between calls. Their length is fixed, so a masked index needs no bounds
+/// check.
 struct Tables<S: Simd> {
-    /// Tables of the current points and of the next points, which are filled at the same time so
-    /// that square roots and products overlap.
+    /// Tables of the current points and of the next points. The second is filled during the
+    /// evaluation of the first, so square roots and products overlap.
     places: Box<[Places<S>; 2]>,
     /// Index of the table of the next points.
     next: usize,
@@ -108,8 +106,8 @@ pub(super) struct Places<S: Simd> {
     /// Distances from the corners.
     distances: [Lanes<S>; MOST_CORNERS],
     /// Padding that puts the same corner in the two tables half a page apart with the longest
-    /// vectors. A processor that compares the low twelve bits of addresses would otherwise delay
-    /// the read of one until the other is written.
+    /// vectors. Otherwise a processor that compares the low twelve bits of addresses would delay
+    /// reading one until the other is written.
     _apart: [Lanes<S>; APART],
 }
 
@@ -201,8 +199,8 @@ impl<S: Simd> Tables<S> {
         self.places[self.next].set(cluster, first);
     }
 
-    /// mu0 H of the tiles of `cluster` in tesla, in their frame, at the points given as `next` in
-    /// the previous call (or to [`Tables::start`]).
+    /// mu0 H of the tiles of `cluster` in tesla, in their frame, at the `next` points of the
+    /// previous call (or of [`Tables::start`]).
     #[inline(always)]
     fn field<const HAS_RODS: bool>(
         &mut self,
@@ -247,7 +245,7 @@ impl<S: Simd> Tables<S> {
     }
 }
 
-/// The table of the next points while it is filled.
+/// The table of the next points during its filling.
 struct Upcoming<'a, S: Simd> {
     places: &'a mut Places<S>,
     corners: &'a [[[u16; 3]; 2]],
@@ -256,8 +254,8 @@ struct Upcoming<'a, S: Simd> {
 }
 
 impl<'a, S: Simd> Upcoming<'a, S> {
-    /// The table of the current points, and that of the next `points`, which replaces the previous
-    /// one.
+    /// The table of the current points, and the table of the next `points`, which replaces the
+    /// previous table.
     #[inline(always)]
     fn of(
         [even, odd]: &'a mut [Places<S>; 2],
@@ -272,7 +270,7 @@ impl<'a, S: Simd> Upcoming<'a, S> {
         (current, Upcoming { places: upcoming, corners, step, known: 0 })
     }
 
-    /// Fills in the distances of a few more corners. It is called twice for each tile, so that the
+    /// Fills in the distances of a few more corners. It is called twice for each tile, so the
     /// branch is predictable.
     #[inline(always)]
     fn advance(&mut self) {
@@ -349,9 +347,8 @@ fn put<S: Simd, const HAS_OWN: bool>(
 }
 
 impl<S: Simd> Products<S> {
-    /// Adds all groups where no half angle exceeds
-    /// [`SMALLER_ANGLE`](magsplice_cuboid::tolerances::SMALLER_ANGLE): four groups share a
-    /// division.
+    /// Adds all groups, with one division for four groups. Half angles must be at most
+    /// [`SMALLER_ANGLE`](magsplice_cuboid::tolerances::SMALLER_ANGLE).
     #[inline(always)]
     fn add_small(&mut self, simd: S, groups: &[Group], sum: &mut [Lanes<S>; 3]) {
         let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));

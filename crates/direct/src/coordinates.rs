@@ -66,7 +66,7 @@ impl Coordinates {
         &self.out_of_range
     }
 
-    /// Coordinates of `points` in a frame, digit for digit those of [`Frames::locals`].
+    /// Coordinates of `points` in a frame, bit-identical to [`Frames::locals`].
     #[inline(always)]
     pub(super) fn set_in_frame<S: Simd>(&mut self, simd: S, frames: &Frames, frame: &Frame, points: &Coordinates) {
         self.out_of_range.clone_from(&points.out_of_range);

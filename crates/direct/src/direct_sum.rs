@@ -1,4 +1,4 @@
-//! Prepared tiles with the vector instructions: the exact field.
+//! Tiles prepared for the exact field, and the vector instructions.
 
 use std::cell::OnceCell;
 use std::sync::{Arc, OnceLock};
@@ -24,7 +24,7 @@ use crate::tolerances::{DECIDED_BY_BOX, POINTS_OF_ONE_TILE, POINTS_PER_BATCH, RE
 /// Smallest length of a field whose square is a normal number.
 const LEAST_COMPARED: f64 = 1e-153;
 
-/// Number of points that are compared with a bound at a time, without a branch.
+/// Number of points compared with a bound at a time, without a branch.
 const POINTS_COMPARED: usize = 64;
 
 /// Tiles prepared for direct summation.
@@ -32,12 +32,12 @@ const POINTS_COMPARED: usize = 64;
 pub struct DirectSum {
     frames: Frames,
     tiles: Vec<Tile>,
-    /// The index in errors for each tile, if it is not the position of the tile.
+    /// The index in errors of each tile, if it differs from the position of the tile.
     owners: Option<Arc<[usize]>>,
     /// The box around each tile.
     boxes: Vec<BoundingBox>,
     level: Level,
-    /// Built when a tolerance first needs them.
+    /// Built when a tolerance first needs it.
     magnitudes: OnceLock<MagnitudeBounds>,
 }
 
@@ -54,12 +54,12 @@ impl DirectSum {
         }
     }
 
-    /// The same tiles with other indices in errors.
+    /// Replaces the indices of tiles in errors.
     pub fn with_owners(self, owners: Arc<[usize]>) -> DirectSum {
         DirectSum { owners: Some(owners), ..self }
     }
 
-    /// The same tiles with other vector instructions.
+    /// Replaces the vector instructions.
     pub fn with_level(self, level: Level) -> DirectSum {
         DirectSum { level, ..self }
     }
@@ -69,7 +69,7 @@ impl DirectSum {
         &self.frames
     }
 
-    /// The tiles, as they were given.
+    /// The tiles, as given.
     pub fn tiles(&self) -> &[Tile] {
         &self.tiles
     }
@@ -92,12 +92,12 @@ impl DirectSum {
     fn batches(&self) -> Batches {
         let parts = self.frames.frames().iter().map(|frame| frame.clusters.parts()).sum::<usize>();
         let most = if self.frames.only_tile().is_some() { POINTS_OF_ONE_TILE } else { POINTS_PER_BATCH[1] };
-        // Many clusters change their methods at different points, so that a batch holds
-        // neighbouring points.
+        // Many clusters change their methods at different points, so a batch holds neighbouring
+        // points.
         Batches { most, regroup: parts >= REGROUPED_PARTS }
     }
 
-    /// The field at each point of a batch. Points without one are passed to `failed`, and their
+    /// The field at each point of a batch. Points without a field are passed to `failed`, and their
     /// field is NaN.
     pub fn field_of_batch(
         &self,
@@ -110,7 +110,7 @@ impl DirectSum {
     }
 
     /// [`DirectSum::field_of_batch`] with upper bounds of the magnitude of a single tile, if
-    /// wanted.
+    /// requested.
     fn field_and_magnitudes_of_batch(
         &self,
         quantity: Quantity,
@@ -242,8 +242,8 @@ impl DirectSum {
         let mut magnitudes_t = Vec::new();
         let wanted = by_closed_form.then_some(&mut magnitudes_t);
         self.field_and_magnitudes_of_batch(quantity, points, field, wanted, failed);
-        // One bound for all points decides nearly all batches, and one for the box around the
-        // points most others.
+        // One bound for all points decides nearly all batches, and a bound for the box around the
+        // points most of the others.
         let any_weak = |least: f64| {
             field.chunks(POINTS_COMPARED).any(|some| some.iter().fold(false, |any, b| any | is_weak(b, least)))
         };
@@ -251,7 +251,7 @@ impl DirectSum {
         {
             return;
         }
-        // Without a branch for each point: most often none is weak.
+        // Without a branch for each point, because usually no field is weak.
         let any_weak_by_own = |own_t: &[f64]| {
             let points = field.chunks(POINTS_COMPARED).zip(own_t.chunks(POINTS_COMPARED));
             points.into_iter().any(|(some, own_t)| {
@@ -290,8 +290,8 @@ impl DirectSum {
         }
     }
 
-    /// The bounds of a single tile that its closed form has written, with those at points of other
-    /// methods, where they are infinite.
+    /// The bounds of a single tile from its closed form, completed at points of other methods,
+    /// where they are infinite.
     fn completed_magnitudes_t(&self, points: &[DVec3], mut magnitudes_t: Vec<f64>) -> Vec<f64> {
         let others = indices_where(points.len(), |index| magnitudes_t[index].is_infinite());
         let at_others: Vec<DVec3> = others.iter().map(|&index| points[index as usize]).collect();
@@ -300,8 +300,8 @@ impl DirectSum {
         magnitudes_t
     }
 
-    /// Upper bounds, in tesla, of the sum over tiles of the magnitudes of the fields that the
-    /// components of J make alone. Points must be in range.
+    /// Upper bounds, in tesla, of the sum over tiles of the magnitudes of the fields of the single
+    /// components of J. Points must be in range.
     pub fn magnitudes_t(&self, points: &[DVec3]) -> Vec<f64> {
         let mut magnitudes_t = Column::default();
         self.magnitudes().write(self.level, points.iter().copied(), &mut magnitudes_t);
@@ -309,7 +309,7 @@ impl DirectSum {
     }
 
     /// The gradient of B at each point of a batch: column j is dB/dx_j, in tesla per unit of
-    /// length. Points without one are passed to `failed`, and their gradient is NaN.
+    /// length. Points without a gradient are passed to `failed`, and their gradient is NaN.
     pub fn flux_density_gradient_of_batch(
         &self,
         points: &[DVec3],

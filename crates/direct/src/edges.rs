@@ -2,8 +2,8 @@
 //!
 //! Close to an edge along axis k the field grows like `-(J_i e_j + J_j e_i) ln(rho) / 2 pi`
 //! (docs/physics.md, Eq. P17), and its gradient like 1 / rho with the same coefficient. These terms
-//! can cancel where touching tiles share the edge. Field and gradient are then bounded there, and
-//! the common displacement of the point from the edge (see
+//! can cancel where touching tiles share the edge. Field and gradient are then bounded, and the
+//! common displacement of the point from the edge (see
 //! [`FACE_NUDGE`](magsplice_cuboid::tolerances::FACE_NUDGE)) drops out of the sum of fields.
 
 use glam::DVec3;
@@ -27,7 +27,7 @@ struct Ray {
 }
 
 impl EdgesAtPoint {
-    /// Adds the edges of `block` that the point lies on.
+    /// Adds the edges of `block` through the point.
     pub fn add(&mut self, block: &Block, placed: &PlacedPoint, to_scene: &ToScene) {
         let (j, offsets) = (block.polarization_t, &placed.offsets);
         for edges in 0..3 {
@@ -43,7 +43,7 @@ impl EdgesAtPoint {
             if coefficient == DVec3::ZERO {
                 continue;
             }
-            // At a corner the edge leads away from the point on one side only: towards the tile.
+            // At a corner the edge extends from the point to one side only, along the tile.
             let sides = match (offsets[edges].on_face, offsets[edges].mirrored) {
                 (false, _) => [1.0, -1.0].as_slice(),
                 (true, mirrored) => &[if mirrored { 1.0 } else { -1.0 }],
@@ -57,7 +57,7 @@ impl EdgesAtPoint {
     }
 
     fn add_ray(&mut self, direction: DVec3, coefficient: DVec3, tile: usize) {
-        // Not squared, since J may be as small as numbers get.
+        // Not squared, because J may be as small as the smallest number.
         let magnitude = coefficient.abs().max_element();
         match self.rays.iter_mut().find(|ray| ray.direction.distance(direction) <= SAME_RAY) {
             Some(ray) => {
@@ -68,18 +68,17 @@ impl EdgesAtPoint {
         }
     }
 
-    /// Whether the singular term of an edge is not cancelled, so that field and gradient are
-    /// unbounded.
+    /// Whether the singular term of an edge remains, so that field and gradient are unbounded.
     pub fn exposed(&self) -> bool {
         self.rays.iter().any(Ray::exposed)
     }
 
-    /// Whether there are singular terms; if none is exposed, those of several blocks cancel.
+    /// Whether there are singular terms. If none is exposed, the terms of several blocks cancel.
     pub fn singular(&self) -> bool {
         !self.rays.is_empty()
     }
 
-    /// Index of a tile with a singular edge at the point, an exposed one if there is any.
+    /// Index of a tile with a singular edge at the point, preferably an exposed edge.
     pub fn tile(&self) -> Option<usize> {
         self.rays.iter().find(|ray| ray.exposed()).or(self.rays.first()).map(|ray| ray.tile)
     }

@@ -1,4 +1,4 @@
-//! The stated error of the exact field at points.
+//! The error bound of the exact field at points.
 
 use glam::DVec3;
 use magsplice_cuboid::tolerances::EXACT_BOUND;
@@ -16,7 +16,7 @@ impl DirectSum {
     pub fn error_bounds_t(&self, points: &[DVec3]) -> Vec<f64> {
         let bounds = |points: &[DVec3]| {
             let mut magnitudes_t = Column::default();
-            // Bounds are computed of finite points only.
+            // Bounds are computed at finite points only.
             let finite = points.iter().map(|p| if p.is_finite() { *p } else { DVec3::ZERO });
             self.magnitudes().write(self.level(), finite, &mut magnitudes_t);
             let bound = |(p, magnitude): (&DVec3, &f64)| {

@@ -1,4 +1,4 @@
-//! The interface through which direct summation uses the far field of a cluster within a tolerance.
+//! The interface of direct summation to the far field of a cluster within a tolerance.
 
 use fearless_simd::Level;
 

@@ -41,7 +41,7 @@ pub struct GradientSum {
     gradients: [Column; COMPONENTS],
 }
 
-/// The arguments that are the same for all clusters of a frame.
+/// The arguments shared by all clusters of a frame.
 #[derive(Clone, Copy)]
 struct FrameSum<'a> {
     level: Level,
@@ -96,7 +96,7 @@ impl GradientSum {
         }
     }
 
-    /// The points on edge lines, in order, and the edges they lie on.
+    /// The points on edge lines, in order, with the edges through them.
     pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgesAtPoint)> {
         self.edges.iter().map(|(index, edges)| (*index, edges))
     }

@@ -1,9 +1,8 @@
-//! The exact field of many uniformly magnetized cuboids: every tile at every point, to the last
-//! digits.
+//! The exact field of many uniformly magnetized cuboids, summed over every tile at every point.
 //!
 //! [`DirectSum`](direct_sum::DirectSum) prepares tiles once: tiles of one orientation share a
-//! frame, and neighbouring tiles share tables of corners. It then sums B, H or the gradient over
-//! batches of points in vectors. `magsplice-field` builds trees and interpolation on it.
+//! frame, and neighbouring tiles share tables of corners. It then sums B, H or the gradient at
+//! batches of points in vectors. `magsplice-field` uses it for trees and interpolation.
 //!
 //! The error of a field is at most
 //! [`EXACT_BOUND`](magsplice_cuboid::tolerances::EXACT_BOUND) of the sum of magnitudes over tiles.
@@ -20,13 +19,13 @@ mod cluster_gradient;
 mod cluster_kernel;
 /// Coordinates of a batch of points, by axis.
 mod coordinates;
-/// Prepared tiles with the vector instructions: the exact field.
+/// Tiles prepared for the exact field.
 pub mod direct_sum;
 /// Edges on which the field is unbounded.
 mod edges;
-/// The stated error of the exact field.
+/// The error bound of the exact field.
 mod error_bounds;
-/// The far field of a cluster, as a tree provides it.
+/// The far field of a cluster within a tolerance.
 pub mod far_field;
 /// The gradient summed over tiles at a batch of points.
 pub mod gradient_sum;
@@ -34,11 +33,11 @@ pub mod gradient_sum;
 pub mod magnitude;
 /// The scalar kernel at points in and close to a tile.
 mod near_field;
-/// Tiles brought into frames and clusters.
+/// Tiles grouped into frames and clusters.
 pub mod prepare;
-/// Points that wait for vectors of one method.
+/// Queues of points that share a method.
 pub mod queues;
-/// Points in their order, in runs of one method.
+/// Runs of consecutive points with one method.
 mod runs;
 /// The only tile of a scene.
 mod single_tile;

@@ -1,5 +1,5 @@
-//! Upper bounds of the sum over tiles of the magnitudes of the fields that the components of J make
-//! alone. Errors of the exact field are stated relative to it (docs/physics.md, section 2.10).
+//! Upper bounds of the sum over tiles of the magnitudes of the fields of the single components of
+//! J. Error bounds of the exact field are relative to it (docs/physics.md, section 2.10).
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -24,13 +24,13 @@ pub struct MagnitudeBounds {
     largest_t: f64,
 }
 
-/// Neighbouring tiles, which far away are bounded together.
+/// Neighbouring tiles with one bound far away.
 #[derive(Clone, Debug)]
 struct GroupBound {
     tiles: Vec<MagnitudeBound>,
-    /// The tiles in single precision, if none of them is too small for that.
+    /// The tiles in single precision; `None` if one of them is too small.
     in_single_precision: Option<Vec<FarMagnitude>>,
-    /// What bounds in single precision are multiplied by, in tesla.
+    /// Factor of bounds in single precision, in tesla.
     strength_t: f64,
     centre: [f64; 3],
     /// Inverse radius of a sphere around the tiles.
@@ -119,14 +119,14 @@ impl MagnitudeBounds {
 pub struct LeastField {
     /// The field over the error.
     per_error: f64,
-    /// The error that any field allows, in tesla.
+    /// The error allowed for any field, in tesla.
     allowed_t: f64,
 }
 
 impl LeastField {
-    /// The field that a tolerance asks for.
+    /// The smallest field for a tolerance.
     pub fn new(tolerance: Tolerance) -> LeastField {
-        // Far above round-off of the fields that are compared.
+        // Far above the round-off of the compared fields.
         const MARGIN: f64 = 1.0 + 1e-9;
         match tolerance {
             Tolerance::Relative { fraction, .. } => {
@@ -136,7 +136,7 @@ impl LeastField {
         }
     }
 
-    /// The smallest |B| in tesla at an error; infinite if no field allows it.
+    /// The smallest |B| in tesla for an error; infinite if no field allows it.
     #[inline(always)]
     pub fn at_t(self, error_t: f64) -> f64 {
         if error_t <= self.allowed_t { 0.0 } else { self.per_error * error_t }

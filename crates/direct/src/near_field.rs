@@ -8,7 +8,7 @@ use super::edges::EdgesAtPoint;
 use crate::prepare::frames::Frame;
 
 /// B or mu0 H of a block in tesla, in the frame of the scene. If the point is on the line of an
-/// edge, the edge is added to the result of `edges`.
+/// edge, `edges` receives the edge.
 pub(super) fn near_field<'a>(
     block: &Block,
     at: &LocalPoint,

@@ -1,4 +1,4 @@
-//! Points that wait until whole vectors of them share a method.
+//! Queues of points until whole vectors of them share a method.
 
 use magsplice_cuboid::method::{FIRST_FAR, MethodIndex};
 use magsplice_cuboid::tolerances::MULTIPOLE_ORDERS;
@@ -8,19 +8,19 @@ pub use crate::tolerances::STREAMED_POINTS;
 
 /// Number of methods of a single tile.
 pub const METHODS: usize = FIRST_FAR as usize + MULTIPOLE_ORDERS.len();
-/// Index of a queue for one further method, which the caller defines.
+/// Index of a queue for one further method, defined by the caller.
 pub const OWN_QUEUE: MethodIndex = METHODS as MethodIndex;
 const QUEUES: usize = METHODS + 1;
 
-/// Capacity of a queue: the points that an evaluation leaves, one block of points, and padding. One
-/// more cache line ensures that the queues do not start at addresses that exclude each other in the
+/// Capacity of a queue: the points remaining after an evaluation, one block of points, and padding.
+/// One more cache line keeps the queues from starting at addresses that exclude each other in the
 /// cache.
 const LENGTH: usize = STREAMED_POINTS + 2 * PAIR + LONGEST_VECTOR;
 const ROOM: usize = QUEUES * LENGTH;
 const _: () = assert!(LENGTH.is_multiple_of(LONGEST_VECTOR));
 
 /// Bits per method in the number that counts a few points of each method. The counts stay in a
-/// register, so that no point waits for memory.
+/// register, so no point waits for memory.
 const DIGITS: usize = 8;
 /// Number of points whose counts fit in these bits.
 const COUNTED_POINTS: usize = 1 << (DIGITS - 1);
@@ -65,7 +65,7 @@ impl Queues {
     }
 
     /// Appends points with these methods to their queues; at most [`STREAMED_POINTS`]. Points are
-    /// given by axis, and the first is at `place` in the list.
+    /// given by axis. The first has the index `place` in the list.
     #[inline(always)]
     pub fn join_all(&mut self, mut place: usize, methods: &[f64], axes: [&[f64]; 3]) {
         /// Adding this number moves an integer into the low bits.
@@ -138,11 +138,11 @@ impl Queues {
         }
     }
 
-    /// Removes the first `count` points; fewer than a [`PAIR`] may be left.
+    /// Removes the first `count` points. Fewer than a [`PAIR`] may remain.
     #[inline(always)]
     pub fn remove(&mut self, queue: MethodIndex, count: usize) {
         let start = usize::from(queue) * LENGTH;
-        // A fixed number of points is moved, which needs no call.
+        // Moving a fixed number of points needs no call.
         let rest = start + count..start + count + PAIR;
         self.places.copy_within(rest.clone(), start);
         self.axes.0.iter_mut().for_each(|axis| axis.copy_within(rest.clone(), start));

@@ -1,4 +1,4 @@
-//! Points in their order, in runs that share a method of a single tile.
+//! Runs of consecutive points that share a method of a single tile.
 
 use fearless_simd::{Level, dispatch};
 
@@ -11,8 +11,7 @@ use magsplice_simd::prefetch::Prefetch;
 use super::sorted_points::METHODS;
 use crate::tolerances::MIXED_SHARE;
 
-/// Consecutive points of a batch, in whole pairs of vectors, and a method that all or some of them
-/// have.
+/// Consecutive points of a batch, in whole pairs of vectors, and the method of all or some of them.
 #[derive(Clone, Debug)]
 struct Run {
     method: MethodIndex,
@@ -35,7 +34,7 @@ impl Runs {
         self.runs.push(Run { method, range: 0..count, mixed: false });
     }
 
-    /// Divides points, given by axis in whole pairs of vectors, into runs. Returns whether that is
+    /// Divides points, given by axis in whole pairs of vectors, into runs. Returns whether runs are
     /// worthwhile.
     pub(super) fn divide(
         &mut self,

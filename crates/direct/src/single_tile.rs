@@ -1,6 +1,5 @@
 //! The only tile of a scene. Each point joins the queue of its method, and a method is evaluated
-//! when its queue has some vectors. Nothing is summed, so that the field at a point is written
-//! once.
+//! when its queue has some vectors. Without a sum, the field at a point is written once.
 
 use std::collections::BTreeMap;
 
@@ -37,11 +36,11 @@ pub(super) struct SingleTile {
     magnitudes_t: Column,
     /// Whether all values so far are finite.
     finite: bool,
-    /// Memory has been requested up to this point.
+    /// Index of the first point whose memory has not been requested.
     asked: usize,
 }
 
-/// The arguments that are the same for all points.
+/// The arguments shared by all points.
 #[derive(Clone, Copy)]
 struct Work<'a> {
     frames: &'a Frames,
@@ -54,9 +53,9 @@ struct Work<'a> {
 
 impl SingleTile {
     /// Writes the field of the only tile of `frame`; NaN where a point is out of range. Points on
-    /// edge lines go to `edges`. `magnitudes_t`, if given, becomes an upper bound of the magnitude
-    /// for each point, or infinity where the closed form does not give one; it stays empty if that
-    /// is everywhere. Returns whether all values are known to be finite.
+    /// edge lines go to `edges`. `magnitudes_t`, if given, receives an upper bound of the magnitude
+    /// for each point, infinity where the closed form is not used; it stays empty if the closed
+    /// form is used nowhere. Returns whether all values are known to be finite.
     pub(super) fn evaluate(
         &mut self,
         level: Level,
@@ -141,7 +140,7 @@ impl SingleTile {
     }
 
     /// Moves points close to the tile and off the planes of its faces to a queue of their own. The
-    /// few others are evaluated by the scalar kernel.
+    /// scalar kernel evaluates the few others.
     #[inline(always)]
     fn divide_near(&mut self, work: Work, field: &mut [DVec3], edges: &mut BTreeMap<usize, EdgesAtPoint>) {
         for waiting in 0..self.queues.count(SCALAR) {
@@ -159,7 +158,7 @@ impl SingleTile {
         self.queues.empty(SCALAR);
     }
 
-    /// Evaluates the first `count` points that wait for a method, and moves up the rest.
+    /// Evaluates the first `count` points in the queue of a method, and moves the rest forward.
     #[inline(always)]
     fn evaluate_queue<S: Simd>(
         &mut self,
@@ -191,7 +190,7 @@ impl SingleTile {
         }
         self.asked = ahead.next();
         let (fx, fy, fz) = (&fx[..count], &fy[..count], &fz[..count]);
-        // Without a branch, so that it is computed in vectors.
+        // Computed in vectors, because it has no branch.
         let sums = fx.iter().zip(fy).zip(fz).map(|((x, y), z)| x.abs() + y.abs() + z.abs());
         self.finite &= sums.fold(true, |all, sum| all & (sum < f64::INFINITY));
         let places = self.queues.places(method)[..count].iter().zip(fx).zip(fy).zip(fz);

@@ -25,8 +25,8 @@ pub(super) struct SortedPoints {
 
 impl SortedPoints {
     /// Sorts the first `count` points. `stretched` extends the closed form as a tolerance allows.
-    /// Points outside the sphere `beyond`, given by its centre and squared radius in its own
-    /// coordinates, have the method [`BEYOND_SPHERE`].
+    /// Points outside the sphere `beyond` (its centre and squared radius, with its own coordinates
+    /// of the points) have the method [`BEYOND_SPHERE`].
     pub(super) fn sort_all(
         &mut self,
         level: Level,
@@ -87,7 +87,7 @@ impl SortedPoints {
         self.counts[method] += 1;
     }
 
-    /// The methods that occur.
+    /// The methods of at least one point.
     pub(super) fn methods(&self) -> impl Iterator<Item = MethodIndex> + use<> {
         let counts = self.counts;
         (0..METHODS as MethodIndex).filter(move |method| counts[usize::from(*method)] > 0)

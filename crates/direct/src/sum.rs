@@ -37,7 +37,7 @@ pub struct Sum {
     /// The points in the current frame.
     local: Coordinates,
     totals: Totals,
-    /// Sums over the tiles of a cluster, at all points or at chosen ones.
+    /// Sums over the tiles of a cluster, at all or at chosen points.
     partial: Totals,
     /// The points on edge lines, with the edges they are on.
     edges: BTreeMap<usize, EdgesAtPoint>,
@@ -60,10 +60,10 @@ pub struct Sum {
     tables: KeptTables,
 }
 
-/// Clusters of one frame, each with the sphere outside which a far field replaces it, if any.
+/// Clusters of one frame, each with the sphere beyond which a far field replaces it, if any.
 pub type FrameClusters<'a> = (&'a Frame, Vec<(&'a Cluster, Option<BeyondSphere<'a>>)>);
 
-/// The arguments that are the same for all clusters of a frame.
+/// The arguments shared by all clusters of a frame.
 #[derive(Clone, Copy)]
 struct FrameSum<'a> {
     level: Level,
@@ -72,7 +72,7 @@ struct FrameSum<'a> {
     kind: FieldKind,
     points: &'a [DVec3],
     local: &'a Coordinates,
-    /// Whether a tolerance lets the closed form reach farther.
+    /// Whether a tolerance extends the range of the closed form.
     stretched: bool,
 }
 
@@ -86,7 +86,7 @@ impl Sum {
     }
 
     /// Writes the sum over all tiles at `points` to `field`; NaN where a point is out of range.
-    /// `magnitudes_t` is left empty, or becomes a bound of the magnitude of a single tile for each
+    /// `magnitudes_t` stays empty, or receives a bound of the magnitude of a single tile for each
     /// point.
     pub fn sum_all(
         &mut self,
@@ -130,7 +130,7 @@ impl Sum {
         }
     }
 
-    /// The points on edge lines, in order, and the edges they lie on.
+    /// The points on edge lines, in order, with the edges through them.
     pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgesAtPoint)> {
         self.edges.iter().map(|(index, edges)| (*index, edges))
     }
@@ -172,7 +172,7 @@ impl Sum {
         self.totals.add_fields(level, None, &self.fields);
     }
 
-    /// Adds clusters at all points; `stretched` lets the closed form reach farther, for a
+    /// Adds clusters at all points. `stretched` extends the range of the closed form for a
     /// tolerance.
     pub fn add_clusters(
         &mut self,
@@ -205,7 +205,7 @@ impl Sum {
     }
 
     /// Divides the points, in their order, into runs of one method of a single tile: one run, if
-    /// the method is given. Returns whether that is worthwhile.
+    /// the method is given. Returns whether runs are worthwhile.
     fn divide(&mut self, of: FrameSum, cluster: &Cluster, method: Option<MethodIndex>) -> bool {
         if let Some(method) = method {
             self.runs.set_all(method, of.local.padded());
@@ -230,7 +230,7 @@ impl Sum {
         self.near = near;
     }
 
-    /// Adds a cluster by one method at all points, or at chosen ones, which have been gathered.
+    /// Adds a cluster by one method at all points, or at chosen, gathered points.
     fn add_cluster(
         &mut self,
         of: FrameSum,
@@ -244,7 +244,7 @@ impl Sum {
         let fields = room(&mut self.fields, count);
         if let CLOSED_FORM | SMALL_ELEMENTS = method {
             let (tables, small) = (&mut self.tables, method == SMALL_ELEMENTS);
-            // Without the points that only fill a pair of vectors.
+            // Without the padding of the last pair of vectors.
             let used = chosen.map_or(count, |chosen| chosen.len().next_multiple_of(LONGEST_VECTOR));
             let points = views(points).map(|axis| &axis[..used]);
             dispatch!(level, simd => tables.fields(simd, corners, small, points, fields));

@@ -1,16 +1,16 @@
-//! Tolerances and tuning constants of direct summation, each with what it trades.
+//! Tolerances and tuning constants of direct summation, each with its trade-off.
 
 use magsplice_cuboid::tolerances::EXACT_BOUND;
 
 /// Along a rotated axis, a point closer to a face than this many units of round-off of its distance
-/// from the axis's origin lies on the face: its coordinate is no better known.
+/// from the axis's origin counts as on the face, because its coordinate has that error.
 pub(crate) const POINT_ROUNDINGS: f64 = 4.0;
 
-/// Width of the cells in which directions are looked up. Any width far above `SAME_ROTATION` works.
+/// Width of the cells for the lookup of directions. Any width far above `SAME_ROTATION` works.
 pub(crate) const DIRECTION_CELL: f64 = 1e-9;
 
-/// Largest fraction of the logarithmic terms of several tiles at a shared edge that may remain if
-/// they count as cancelled. If more remains, the field is unbounded there.
+/// Largest remaining fraction of the logarithmic terms of several tiles at a shared edge that
+/// counts as cancelled. If more remains, the field is unbounded there.
 ///
 /// The remainder of a cancelled term is multiplied by ln(2^-240) = -166, so 1e-14 stays at
 /// round-off of the polarization.
@@ -21,16 +21,16 @@ pub(crate) const EDGE_CANCELLATION: f64 = 1e-14;
 pub(crate) const SAME_RAY: f64 = 1e-9;
 
 /// Largest ratio of the longest to the second side of a bar. Bars use the compact closed form,
-/// whose error is at least that ratio in units of round-off.
+/// whose error in units of round-off is at least that ratio.
 pub(crate) const LONGEST_BAR: f64 = 10.0;
 
 /// Largest error of one part of a cluster, over the error of a single tile at the end of its closed
-/// form. Next to a thin part only the error of this part counts. The errors of single tiles that
-/// were measured are below a fifth of [`EXACT_BOUND`].
+/// form. Next to a thin part only the error of this part counts. Measured errors of single tiles
+/// are below a fifth of [`EXACT_BOUND`].
 pub(crate) const LARGEST_ERROR_OF_PART: f64 = 3.0;
 
-/// Factor by which the closed form of a cluster reaches farther than [`CLOSED_FORM_REACH`] under a
-/// tolerance. Its error grows with that ratio.
+/// Range of the closed form of a cluster under a tolerance, over [`CLOSED_FORM_REACH`]. Its error
+/// grows with that ratio.
 pub(crate) const STRETCH: f64 = 2.0;
 
 /// Error bound of direct summation within a tree, as a fraction like [`EXACT_BOUND`].
@@ -41,26 +41,26 @@ pub const STRETCHED_BOUND: f64 = STRETCH * EXACT_BOUND;
 pub(crate) const SMALL_GROUP: usize = 4;
 
 /// Largest number of tiles whose terms are multiplied before one logarithm or arctangent is taken.
-/// With more tiles each costs less. But the total angle must stay below half a turn, so that the
-/// points must be farther away.
+/// More tiles take less time each, but their total angle must stay below half a turn, so the points
+/// must be farther away.
 pub(crate) const TILES_PER_GROUP: usize = 16;
 
 /// [`TILES_PER_GROUP`] for the elements of rods. Some of their lengths are as small as the square
-/// of the least distance over the longest.
+/// of the smallest distance over the longest side.
 pub(crate) const RODS_PER_GROUP: usize = 8;
 
 /// Smallest distance d from a group at which its product is used, as a multiple of the cube root of
-/// its volume V. The total half angle of the group is then below 2.5. Whatever the tiles, they lie
-/// beyond a plane. The angle is therefore at most the integral of dV / r^3 over the cap of a ball
-/// with that volume, 2 pi (ln(R / d) - 1 + d / R), which is 2.5 for V = 24 d^3.
+/// its volume V. The total half angle of the group is then below 2.5. Any tiles are beyond a plane.
+/// The angle is therefore at most the integral of dV / r^3 over the cap of a ball with that volume,
+/// 2 pi (ln(R / d) - 1 + d / R), which is 2.5 for V = 24 d^3.
 pub(crate) const GROUP_DISTANCE: f64 = 0.35;
 
 /// Distance at which points may still use the product of a group, in thicknesses of the thickest
 /// tile. It limits the volume of the group, see [`GROUP_DISTANCE`].
 pub(crate) const GROUP_THICKNESSES: f64 = 2.0;
 
-/// Largest distance from tiles whose terms are multiplied, scaled to their size; the smallest is
-/// its inverse. Products of 12 lengths for each tile of a group then stay in range.
+/// Largest distance from tiles whose terms are multiplied, scaled to their size; the smallest
+/// distance is its inverse. Products of 12 lengths for each tile of a group then stay in range.
 pub(crate) const PRODUCT_RANGE: f64 = 16.0;
 
 /// Largest number of tiles that share tables of corners. It is large enough that most corners are
@@ -68,7 +68,7 @@ pub(crate) const PRODUCT_RANGE: f64 = 16.0;
 pub(crate) const TILES_PER_CLUSTER: usize = 64;
 
 /// Largest number of tiles in a cluster that a tree never halves. A tree halves larger clusters
-/// that are long, see [`HALVED_RADIUS`]. The spheres of the halves are smaller, so that expansions
+/// that are elongated, see [`HALVED_RADIUS`]. The spheres of the halves are smaller, so expansions
 /// converge nearer to them.
 pub(crate) const TILES_PER_ITEM: usize = 32;
 
@@ -77,8 +77,8 @@ pub(crate) const TILES_PER_ITEM: usize = 32;
 /// of a square would have four fifths of its radius, and there would be twice as many nodes.
 pub(crate) const HALVED_RADIUS: f64 = 0.7;
 
-/// Largest number of corners in the tables of a cluster, a power of two. Tiles that need longer
-/// tables are divided further.
+/// Largest number of corners in the tables of a cluster, a power of two. Tiles with longer tables
+/// are divided further.
 pub(crate) const MOST_CORNERS: usize = 512;
 
 /// See [`MOST_CORNERS`].
@@ -88,7 +88,7 @@ pub(crate) const MOST_PLANES: usize = 128;
 pub(crate) const MOST_GROUPS: usize = 256;
 
 /// Largest number of shapes whose multipole series are kept, 10 kB each. In a scene with more
-/// shapes no series is kept; each is computed when it is needed.
+/// shapes no series is kept; each is computed when needed.
 pub(crate) const KEPT_SERIES: usize = 4096;
 
 /// Smallest and largest number of points that one thread evaluates at a time. The smallest divides
@@ -96,21 +96,22 @@ pub(crate) const KEPT_SERIES: usize = 4096;
 /// first caches.
 pub(crate) const POINTS_PER_BATCH: [usize; 2] = [64, 512];
 
-/// Least field that keeps a tolerance, over the bound of the magnitude in a box, up to which the
-/// bound decides nearly all points of a single tile. The field is rarely below a hundredth of that
-/// bound. Above it the closed form writes a bound for each point, for some 10 % of its time.
+/// Ratio of the smallest field that keeps a tolerance to the bound of the magnitude in a box, up to
+/// which the bound decides nearly all points of a single tile. The field is rarely below a
+/// hundredth of that bound. Above it the closed form computes a bound for each point, in some 10 %
+/// of its time.
 pub(crate) const DECIDED_BY_BOX: f64 = 0.01;
 
 /// Largest number of points of a scene of one tile that one thread evaluates at a time. It is
-/// larger because the last vectors of each method are not full.
+/// larger than [`POINTS_PER_BATCH`] because the last vectors of each method are not full.
 pub(crate) const POINTS_OF_ONE_TILE: usize = 8192;
 
-/// Number of points of a scene of one tile whose methods are determined at a time. They are so many
-/// that most methods have full vectors, and so few that their queues stay in the first caches.
+/// Number of points of a scene of one tile whose methods are determined at a time. It fills the
+/// vectors of most methods, and the queues stay in the first caches.
 pub const STREAMED_POINTS: usize = 256;
 
-/// Number of points by which memory is requested ahead. Their evaluation takes longer than the
-/// memory access, and they fit the second cache.
+/// Number of points whose memory is requested ahead. Their evaluation takes longer than the memory
+/// access, and they fit the second cache.
 pub(crate) const FETCHED_AHEAD: usize = 512;
 
 /// Points keep their order if at most one of this many pairs of vectors has points of several
@@ -129,11 +130,12 @@ pub(crate) const REGROUPED_POINTS: usize = 16_384;
 /// more evenly.
 pub(crate) const BATCHES_PER_THREAD: usize = 8;
 
-/// Number of neighbouring tiles whose magnitudes are bounded together at points far from them. A
-/// bound of one tile costs a twelfth of its closed form; far away the exact field of a cluster
-/// costs as little, and there the groups are far too.
+/// Number of neighbouring tiles whose magnitudes have one bound at points far from them. A bound of
+/// one tile takes a twelfth of the time of its closed form. Far away the exact field of a cluster
+/// takes as little, and there the groups are far too.
 pub(crate) const TILES_PER_GROUP_BOUND: usize = 16;
 
 /// Distance from the centre of such a group, in radii of the sphere around it, from which its tiles
-/// are bounded together. The bound is at most 8^3 / 7^3 = 1.5 times what dipoles in the group have.
+/// have one bound. The bound is at most 8^3 / 7^3 = 1.5 times the magnitude of dipoles in the
+/// group.
 pub(crate) const GROUP_BOUND_FROM: f64 = 8.0;

@@ -63,7 +63,7 @@ impl Totals {
         }
     }
 
-    /// Adds other sums, which are those at the points with the indices `chosen`.
+    /// Adds other sums, given at the points with the indices `chosen`.
     pub(crate) fn add_totals_at(&mut self, other: &Totals, chosen: &[u32]) {
         for axis in 0..3 {
             let terms = other.sums[axis].iter().zip(other.carries[axis].iter());

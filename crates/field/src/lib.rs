@@ -1,8 +1,7 @@
-//! The magnetic field of uniformly magnetized cuboids, one or thousands, correct to the last digits
-//! at every point.
+//! The magnetic field of one to thousands of uniformly magnetized cuboids, exact at every point.
 //!
-//! * [`Scene`]: tiles together; B, H, J and gradients at a point or at many points in parallel,
-//!   exact or within a tolerance.
+//! * [`Scene`]: B, H, J and gradients of tiles, at a point or at many points in parallel, exact or
+//!   within a tolerance.
 //! * [`Plan`]: the models that a tolerance uses, with their errors and costs.
 //! * [`FittedField`]: a box prepared for repeated look-ups.
 //! * [`PolarizationMap`]: the field at fixed points as a linear map of the tiles' polarizations.
@@ -10,7 +9,7 @@
 //!
 //! # Units
 //! Lengths are in any one unit: the field depends on their ratios only. Polarization and B are in
-//! tesla, H in ampere per metre. This crate knows no files, no text formats, and prints nothing.
+//! tesla, H in ampere per metre. This crate reads no files and prints nothing.
 
 // Rules are written as `!(x <= limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]

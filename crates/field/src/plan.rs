@@ -16,10 +16,10 @@ use magsplice_direct::direct_sum::DirectSum;
 
 /// The models that a [`Scene`](crate::Scene) uses for points, at its [`Accuracy`].
 ///
-/// An evaluation of B begins with this plan. Points at which the field turns out too weak for the
-/// truncation error are then evaluated again with a smaller one.
+/// An evaluation of B begins with this plan. Points with a field too weak for the truncation error
+/// are then evaluated again with a smaller truncation error.
 /// [`Scene::plan_on_grid`](crate::Scene::plan_on_grid) and
-/// [`Scene::plan_at_points`](crate::Scene::plan_at_points) make one.
+/// [`Scene::plan_at_points`](crate::Scene::plan_at_points) return plans.
 ///
 /// # Example
 /// ```
@@ -41,7 +41,7 @@ pub struct Plan {
     pub exact_cost: f64,
 }
 
-/// Points that are evaluated by one model.
+/// Points evaluated by one model.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PlannedPart {
@@ -50,12 +50,12 @@ pub struct PlannedPart {
     /// The model.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub model: Model,
-    /// Cost in exact fields of one tile at one point, from counted multiply-adds, not from measured
-    /// times.
+    /// Cost in exact fields of one tile at one point, from counted multiply-adds instead of
+    /// measured times.
     pub cost: f64,
 }
 
-/// The way in which a field is computed. Serialized, lengths are in millimetres, as in all files.
+/// The method of computing a field. Serialized, lengths are in millimetres, as in all files.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(tag = "model", rename_all = "snake_case"))]
 pub enum Model {
@@ -77,8 +77,8 @@ pub enum Model {
         #[cfg_attr(feature = "serde", serde(rename = "distance_mm"))]
         distance: f64,
     },
-    /// Harmonic potentials of the cells of a box, for points that are not a grid (docs/physics.md,
-    /// section 5.1).
+    /// Harmonic potentials of the cells of a box, for points in a list (docs/physics.md, section
+    /// 5.1).
     Cells {
         /// Lower corner of the box.
         #[cfg_attr(feature = "serde", serde(rename = "lower_mm"))]
@@ -103,14 +103,14 @@ pub enum Model {
         degree: f64,
         /// Mean number of tiles in expansions.
         expanded_tiles: f64,
-        /// Upper bound of the mean number of tiles that are summed directly, where they are too
-        /// near for an expansion.
+        /// Upper bound of the mean number of tiles summed directly, because they are too near for
+        /// an expansion.
         exact_tiles: f64,
-        /// Mean number of tiles that are ignored.
+        /// Mean number of ignored tiles.
         ignored_tiles: f64,
         /// Upper bound of the truncation error at any of the points, in tesla.
         truncation_error_t: f64,
-        /// The part of it that ignored tiles contribute, in tesla.
+        /// The contribution of ignored tiles to it, in tesla.
         ignored_t: f64,
     },
 }

@@ -12,22 +12,22 @@ use crate::tolerances::POINTS_PER_TASK;
 
 /// B at fixed points as a linear function of the polarizations of fixed tiles.
 ///
-/// The map is computed once and then applied to any polarizations, for example while strengths and
-/// directions are designed or varied.
+/// The map is computed once and then applied to any polarizations, for example to design or vary
+/// strengths and directions.
 ///
 /// # Units
 /// Polarizations and B in tesla; points in the unit of length of the tiles.
 ///
 /// # Cost
 /// The map is computed from three fields of each tile at all points. Its application takes nine
-/// multiply-adds per tile and point, whatever the geometry. Memory bandwidth limits it: the map has
-/// 72 bytes per tile and point, see [`PolarizationMap::memory_bytes`].
+/// multiply-adds per tile and point, for any geometry. Memory bandwidth limits its speed: the map
+/// has 72 bytes per tile and point, see [`PolarizationMap::memory_bytes`].
 ///
 /// # Accuracy
 /// The field of each tile has the accuracy of a [`Scene`] of this tile. The sum over n tiles adds
 /// rounding of at most 3n units of round-off of the sum of the magnitudes. The scene of all tiles
-/// is more accurate where the fields of touching tiles cancel. On their seams, which are edges of
-/// the single tiles, only the scene has a field.
+/// is more accurate where the fields of touching tiles cancel. On seams, which contain edges of the
+/// single tiles, only the scene has a field.
 ///
 /// # Example
 /// ```
@@ -46,8 +46,7 @@ use crate::tolerances::POINTS_PER_TASK;
 pub struct PolarizationMap {
     tiles: usize,
     points: usize,
-    /// Point after point, for each component of B the factors of all components of J, tile after
-    /// tile.
+    /// The factors of all components of J, tile after tile, for each point and component of B.
     rows: Vec<f64>,
 }
 
@@ -55,7 +54,7 @@ pub struct PolarizationMap {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PolarizationMapError {
-    /// A single tile has no field at some of the points.
+    /// One of the tiles alone has no field at some of the points.
     Points {
         /// Index of the tile.
         tile: usize,
@@ -70,7 +69,7 @@ pub enum PolarizationMapError {
 }
 
 impl PolarizationMap {
-    /// The map of tiles at points. The polarizations of the tiles themselves are ignored.
+    /// The map of tiles at points. The polarizations of `tiles` are ignored.
     ///
     /// # Errors
     /// If a point is out of range or on an edge of a tile, even an edge shared with another tile,
@@ -148,13 +147,13 @@ impl fmt::Display for PolarizationMapError {
         match self {
             PolarizationMapError::Points { tile, errors } => {
                 let advice = "move the points, or evaluate the scene of all tiles";
-                write!(f, "tile {tile} by itself has no field at some points: {errors}; {advice}")
+                write!(f, "tile {tile} alone has no field at some points: {errors}; {advice}")
             }
             PolarizationMapError::TooLarge { bytes: Some(bytes) } => {
-                write!(f, "a map of {bytes} bytes does not fit into memory; take fewer points at a time")
+                write!(f, "a map of {bytes} bytes does not fit into memory; use fewer points at a time")
             }
             PolarizationMapError::TooLarge { bytes: None } => f.write_str(
-                "a map of more bytes than can be counted does not fit into memory; take fewer points at a time",
+                "the size of the map in bytes overflows; use fewer points at a time",
             ),
         }
     }

@@ -3,7 +3,7 @@
 use crate::tolerances::PARTIAL_SUMS;
 
 /// The scalar product of two rows of equal length. The order of additions does not depend on the
-/// processor, so that the result is bit-identical on all of them.
+/// processor, so the result is bit-identical on all processors.
 pub(crate) fn scalar_product(row: &[f64], j: &[f64]) -> f64 {
     let mut sums = [0.0; PARTIAL_SUMS];
     let (rows, rest) = row.as_chunks::<PARTIAL_SUMS>();

@@ -13,24 +13,25 @@ use crate::within::{at_points, on_grid};
 use magsplice_direct::batches::none_or;
 use magsplice_direct::direct_sum::DirectSum;
 
-/// Tiles prepared for evaluation. Their fields add up; tiles do not influence each other.
+/// Tiles prepared for evaluation. Fields of tiles add up without mutual influence.
 ///
 /// Every point has at most one owner: a tile owns its points with lo <= p < hi along each of its
 /// axes. Faces of touching tiles count as one if their coordinates differ by at most 8 units of
 /// round-off (32 for rotated tiles). On the seam of two tiles with the same polarization the field
-/// is that of the block they form.
+/// is the field of the merged block.
 ///
 /// # Units
 /// Lengths are in any one unit, the same for tiles and points. Polarization and B are in tesla, H
 /// in ampere per metre.
 ///
 /// # Accuracy
-/// B and H of a single unrotated tile are right to 2e-14 (typically 1e-15) of the sum of the fields
-/// that the three components of J make alone, at every point: far, near, thin, on edge extensions
-/// and on faces (one-sided limits); closer to the tile than 0.08 of its largest side, to 4e-15. See
-/// docs/accuracy.md. In a scene the error is that fraction of the sum over tiles. In the frame of a
-/// rotated tile the point is off by up to four units of round-off of its distance from the tiles
-/// with that orientation, and counts as on a face within that distance.
+/// The error of B and H of a single unrotated tile is at most 2e-14 (typically 1e-15) of the sum of
+/// the magnitudes of the fields of the three components of J, at every point: far, near, beside
+/// thin tiles, on edge extensions and on faces (one-sided limits). Closer to the tile than 0.08 of
+/// its largest side it is at most 4e-15 of the sum. See docs/accuracy.md. In a scene the error is
+/// that fraction of the sum over tiles. In the frame of a rotated tile the point has an error of up
+/// to four units of round-off of its distance from the tiles with that orientation, and counts as
+/// on a face within that distance.
 ///
 /// The bounds hold for every [`InstructionSet`].
 ///
@@ -57,17 +58,17 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Prepares tiles for evaluation. Indices of tiles in errors are positions in `tiles`.
+    /// Prepares tiles for evaluation. Indices of tiles in errors refer to `tiles`.
     pub fn new(tiles: &[Tile]) -> Scene {
         let direct = DirectSum::new(tiles, Level::new());
         Scene { tree: LazyTree::new(&direct, Accuracy::Exact), accuracy: Accuracy::Exact, direct }
     }
 
-    /// Prepares the cells that tiles are divided into. Indices of tiles in errors are those of
-    /// `owners`, which holds one for each cell.
+    /// Prepares the cells of divided tiles. `owners` holds the index of the tile of each cell, for
+    /// errors.
     ///
     /// # Panics
-    /// If there is not one owner for each cell.
+    /// If the numbers of cells and owners differ.
     pub fn of_cells(cells: &[Tile], owners: &[usize]) -> Scene {
         assert_eq!(cells.len(), owners.len(), "one owner for each cell");
         let direct = DirectSum::new(cells, Level::new()).with_owners(owners.into());
@@ -84,24 +85,24 @@ impl Scene {
         self.accuracy
     }
 
-    /// The same scene evaluated to this accuracy by [`Scene::field_into`], [`Scene::field_at`] and
-    /// the calls for grids. Single points, gradients and J are always exact.
+    /// Sets the accuracy of [`Scene::field_into`], [`Scene::field_at`] and the calls for grids.
+    /// Single points, gradients and J are always exact.
     ///
-    /// Where no cheaper model keeps the tolerance, the exact field is given. A tolerance costs
-    /// little more than the exact field. The exceptions are tolerances below 1e-11 beside a few
-    /// tiles and points that are refused, at up to four times its cost.
+    /// Where no faster model keeps the tolerance, the field is exact. A tolerance takes at most
+    /// little more time than the exact field, except tolerances below 1e-11 beside a few tiles and
+    /// refused points, which take up to four times as long.
     ///
-    /// Exact values keep a tolerance if 2e-14 of an upper bound of the sum over tiles does
-    /// (docs/physics.md, section 2.10); other points are refused. The bound is about twice the sum
-    /// in the median. The largest factors found beside random single tiles are 15 for a cube, 25
-    /// for aspects up to 10, and 60 for aspects up to 1000. The rounding of points in the frames of
-    /// rotated tiles (see Accuracy above) is not included: close to rotated tiles and far from
-    /// others of their orientation a tolerance near that rounding may be missed.
+    /// Exact values keep a tolerance if 2e-14 of an upper bound of the sum over tiles keeps it
+    /// (docs/physics.md, section 2.10); other points are refused. The median of the bound is about
+    /// twice the sum. The largest factors found beside random single tiles are 15 for a cube, 25
+    /// for aspects up to 10, and 60 for aspects up to 1000. The bound excludes the rounding of
+    /// points in the frames of rotated tiles (see Accuracy above): close to rotated tiles and far
+    /// from others of their orientation a tolerance near that rounding may be missed.
     pub fn with_accuracy(self, accuracy: Accuracy) -> Scene {
         Scene { accuracy, tree: LazyTree::new(&self.direct, accuracy), ..self }
     }
 
-    /// The same scene computed with these instructions instead of the best ones of the processor.
+    /// Sets the vector instructions, in place of the best instructions of the processor.
     ///
     /// # Errors
     /// If the processor lacks them.
@@ -111,12 +112,12 @@ impl Scene {
         Ok(Scene { tree: LazyTree::new(&direct, self.accuracy), direct, ..self })
     }
 
-    /// The exact field at one point: digit for digit the value of [`Scene::field_into`] in an exact
-    /// scene.
+    /// The exact field at one point, bit-identical to the value of [`Scene::field_into`] in an
+    /// exact scene.
     ///
     /// # Errors
-    /// If the field is unbounded at the point or the point is not a finite number; a value that is
-    /// returned is finite.
+    /// If the field is unbounded at the point or the point is not a finite number. Returned values
+    /// are finite.
     pub fn field(&self, quantity: Quantity, point: DVec3) -> Result<DVec3, PointErrorCause> {
         let (mut field, mut failure) = ([DVec3::NAN], None);
         self.direct.field_of_batch(quantity, &[point], &mut field, &mut |_, cause| failure = Some(cause));
@@ -136,9 +137,8 @@ impl Scene {
     /// The field at every point, written to `field` in the order of the points, in parallel over
     /// points, to the [`Accuracy`] of the scene.
     ///
-    /// No digit of an exact field depends on the other points: the result is bit-identical for any
-    /// number of threads and any division of the points into calls. Memory does not grow with tiles
-    /// times points.
+    /// An exact field is bit-identical for any number of threads and any division of the points
+    /// into calls. Memory does not grow with tiles times points.
     ///
     /// # Errors
     /// All points without a field at once; their entries of `field` are NaN and all others are
@@ -150,16 +150,16 @@ impl Scene {
         self.field_with_progress(quantity, points, field, &|_| {})
     }
 
-    /// The same as [`Scene::field_into`]. `progress` is told, from any thread, how many more points
-    /// begin: a few thousand at a time, or all that are interpolated, or none where points begin
-    /// anew with another model.
+    /// [`Scene::field_into`] with progress. `progress` receives, from any thread, the number of
+    /// points that begin: a few thousand at a time, all interpolated points, or 0 where points
+    /// begin anew with another model.
     ///
     /// # Errors
     /// As [`Scene::field_into`].
     ///
     /// # Panics
     /// If the two slices differ in length. A panic of `progress` ends the evaluation and reaches
-    /// the caller, who can interrupt it so.
+    /// the caller, which permits interruption.
     pub fn field_with_progress(
         &self,
         quantity: Quantity,
@@ -177,11 +177,11 @@ impl Scene {
     }
 
     /// Upper bound of the error of the exact B at each point, in tesla: 2e-14 of an upper bound of
-    /// the sum over tiles of the fields that the three components of J make alone.
+    /// the sum over tiles of the magnitudes of the fields of the three components of J.
     ///
-    /// A component of B below it may be rounding alone. The bound is infinite at points that are
-    /// not finite. The displacement of points in the frames of rotated tiles (see [`Scene`]) is not
-    /// part of it.
+    /// A component of B below the bound may be pure rounding. The bound is infinite at points that
+    /// are not finite. It excludes the displacement of points in the frames of rotated tiles (see
+    /// [`Scene`]).
     pub fn error_bounds_t(&self, points: &[DVec3]) -> Vec<f64> {
         self.direct.error_bounds_t(points)
     }
@@ -196,11 +196,11 @@ impl Scene {
         self.field_on_grid_into(quantity, grid, &mut field).map(|()| field)
     }
 
-    /// The field at every point of a grid, z fastest, as [`Scene::field_into`] gives it.
+    /// The field at every point of a grid, z fastest, like [`Scene::field_into`].
     ///
-    /// To a tolerance a fine grid away from the tiles costs much less than the same points in a
-    /// list: it is evaluated by Chebyshev interpolation (docs/physics.md, section 5). The result is
-    /// bit-identical for any number of threads.
+    /// Within a tolerance a fine grid away from the tiles takes much less time than the same points
+    /// in a list, because it is evaluated by Chebyshev interpolation (docs/physics.md, section 5).
+    /// The result is bit-identical for any number of threads.
     ///
     /// # Errors
     /// All points without a field at once; their entries of `field` are NaN and all others are
@@ -212,8 +212,8 @@ impl Scene {
         self.field_on_grid_with_progress(quantity, grid, field, &|_| {})
     }
 
-    /// The same as [`Scene::field_on_grid_into`], with the progress of
-    /// [`Scene::field_with_progress`]. Points that are interpolated are told all at once.
+    /// [`Scene::field_on_grid_into`] with the progress of [`Scene::field_with_progress`].
+    /// Interpolated points are reported all at once.
     ///
     /// # Errors
     /// As [`Scene::field_on_grid_into`].
@@ -245,13 +245,14 @@ impl Scene {
     /// The gradient at one point: column j is the derivative along x_j, in the unit of the quantity
     /// per unit of length.
     ///
-    /// The gradient of B is mu0 times that of H inside a tile as outside it, so it is symmetric and
-    /// has no trace. That of J is zero. On a face the gradient is the limit from the side of the
-    /// point's owner.
+    /// The gradient of B is mu0 times the gradient of H inside and outside tiles, so it is
+    /// symmetric without trace. The gradient of J is zero. On a face the gradient is the limit from
+    /// the side of the point's owner.
     ///
     /// # Accuracy
-    /// Every component of a single unrotated tile is right to 2e-14 (typically 5e-16) of the
-    /// largest component, at every point; in a scene to that fraction of the sum over tiles.
+    /// The error of every component of a single unrotated tile is at most 2e-14 (typically 5e-16)
+    /// of the largest component, at every point; in a scene it is at most that fraction of the sum
+    /// over tiles.
     ///
     /// # Errors
     /// If the gradient is unbounded at the point, if it cannot be resolved there (see
@@ -272,8 +273,8 @@ impl Scene {
         self.gradient_into(quantity, points, &mut gradient).map(|()| gradient)
     }
 
-    /// The gradient at every point as [`Scene::gradient`] gives it, written to `gradient` in the
-    /// order of the points, in parallel over points.
+    /// The gradient of [`Scene::gradient`] at every point, written to `gradient` in the order of
+    /// the points, in parallel over points.
     ///
     /// # Errors
     /// All points without a gradient at once; their entries are NaN and all others are valid.
@@ -304,14 +305,14 @@ impl Scene {
         FittedField::new(&self.direct, lower, upper, tolerance)
     }
 
-    /// The models that [`Scene::field_on_grid_into`] uses for a grid. Interpolations are built to
-    /// test whether they keep the tolerance, so that planning costs a part of the evaluation.
+    /// The models of [`Scene::field_on_grid_into`] for a grid. Interpolations are built to test
+    /// whether they keep the tolerance, so planning takes a part of the time of the evaluation.
     pub fn plan_on_grid(&self, grid: &Grid) -> Plan {
         plan_on_grid(&self.direct, &self.tree, self.accuracy, grid)
     }
 
-    /// The models that [`Scene::field_into`] uses for points. The tree is built and the field at
-    /// some of the points is computed, so that planning costs a part of the evaluation. Points out
+    /// The models of [`Scene::field_into`] for points. The tree is built and the field at some of
+    /// the points is computed, so planning takes a part of the time of the evaluation. Points out
     /// of range do not count.
     pub fn plan_at_points(&self, points: &[DVec3]) -> Plan {
         plan_at_points(&self.direct, &self.tree, self.accuracy, points)
@@ -325,7 +326,7 @@ impl Scene {
     }
 }
 
-/// The gradient of a quantity from that of B.
+/// The gradient of a quantity from the gradient of B.
 fn in_unit_of(quantity: Quantity, gradient: DMat3) -> DMat3 {
     match quantity {
         Quantity::FluxDensity => gradient,

@@ -1,34 +1,34 @@
-//! Tolerances and tuning constants of trees, interpolation and plans, each with what it trades.
+//! Tolerances and tuning constants of trees, interpolation and plans, each with its trade-off.
 
 use magsplice_cuboid::tolerances::EXACT_BOUND;
 
-/// Cost of a multipole expansion of degree p at a vector of points, in multiply-adds over
-/// (p + 2) (p + 3). There are half as many terms, each with six sums and three operations of the
-/// recurrence.
+/// Cost of a multipole expansion of degree p at a vector of points, in multiply-adds over (p + 2)
+/// (p + 3). The number of terms is half of that product, each with six sums and three operations of
+/// the recurrence.
 pub(crate) const NODE_COST: f64 = 4.5;
 
 /// [`NODE_COST`] of a flat film, whose parity halves the sums.
 pub(crate) const FLAT_NODE_COST: f64 = 3.0;
 
-/// Allowed truncation error of a local expansion, as a fraction of the one allowed for its node.
+/// Allowed truncation error of a local expansion, as a fraction of the error allowed for its node.
 ///
-/// A larger fraction lowers the degree of the local expansion, but leaves less to all other nodes.
-/// Times between 0.1 and this differ by about 1 %.
+/// A larger fraction lowers the degree of the local expansion, but less remains for all other
+/// nodes. Times for fractions from 0.1 to this value differ by about 1 %.
 pub(crate) const LOCAL_ERROR_SHARE: f64 = 0.25;
 
-/// Rounding of an item's field that needs no closer bound, as a fraction of the truncation error
-/// allowed for a node.
+/// Rounding of an item's field below which a coarse bound is sufficient, as a fraction of the
+/// truncation error allowed for a node.
 pub(crate) const ROUNDING_SHARE: f64 = 1e-3;
 
-/// Smallest number of points for which nodes are translated. A translation costs as much as the
+/// Smallest number of points for which nodes are translated. A translation takes the time of the
 /// multipole expansion at that many points.
 pub(crate) const MIN_TRANSLATION_POINTS: usize = 32;
 
-/// Distances from a translated node's centre, in its radii, to the spheres on which its field is
-/// bounded (r - rho of Eq. P37).
+/// Distances from a translated node's centre, in its radii, to candidate spheres for the bound of
+/// its field (r - rho of Eq. P37).
 ///
-/// Farther from the node the field is weaker; nearer to it the sphere is larger, which lowers the
-/// degree. The best of them is used.
+/// Farther from the node the field is weaker; nearer, the sphere is larger, which lowers the
+/// degree. The best distance is used.
 pub(crate) const SPHERE_GAPS: [f64; 4] = [1.0, 1.4, 2.0, 3.0];
 
 /// Smallest distance, in radii of a node, at which its expansion is considered. At smaller
@@ -52,43 +52,46 @@ pub(crate) const MIN_LOOK_UP_POINTS: usize = 20_000;
 /// of fewer tiles is as fast as a look-up.
 pub(crate) const MIN_LOOK_UP_TILES: usize = 24;
 
-/// Smallest number of points per node when the bounding box of a list is interpolated. Each node
-/// costs one exact field.
+/// Smallest number of points per node for interpolation of the bounding box of a list. Each node
+/// takes one exact field.
 pub(crate) const LOOK_UP_POINTS_PER_NODE: usize = 4;
 
-/// Smallest number of tiles for which the tree is used. Direct summation of fewer tiles is cheaper
+/// Smallest number of tiles for which the tree is used. Direct summation of fewer tiles is faster
 /// than sorting the points.
 pub(crate) const MIN_TREE_TILES: usize = 64;
 
-/// Smallest number of points for which the tree is used. Direct summation at fewer points costs
-/// less than building the tree.
+/// Smallest number of points for which the tree is used. Direct summation at fewer points is faster
+/// than building the tree.
 pub(crate) const MIN_TREE_POINTS: usize = 256;
 
 /// Number of points of a list at which the rounding of the tree's sums is compared with the
-/// tolerance before the points are sorted. They cost at most a sixteenth of the exact field.
+/// tolerance before the points are sorted. They take at most a sixteenth of the time of the exact
+/// field.
 pub(crate) const ROUNDING_POINTS: usize = 16;
 
-/// Largest cost of an interaction list, as a fraction of that of direct summation, with which the
-/// tree is used. Costs are counted, not measured, and the tree's points are sorted.
+/// Largest cost of an interaction list, as a fraction of the cost of direct summation, for which
+/// the tree is used. It is below 1 because costs are counted instead of measured, and the tree's
+/// points must be sorted.
 pub(crate) const LARGEST_LIST_COST: f64 = 0.8;
 
 /// Smallest and largest number of points in a batch of the tree.
 ///
 /// One thread evaluates the parts of a batch in turn. The allowed truncation error of the first
-/// part is estimated, and the one of each further part follows from the part before. Points of the
-/// whole batch with a weak field are refined together.
+/// part is estimated; for each further part it follows from the part before. Points of the whole
+/// batch with a weak field are refined together.
 pub(crate) const POINTS_PER_TREE_BATCH: [usize; 2] = [256, 2048];
 
 /// Number of batches that keep all threads busy until the end, where there are enough points.
 pub(crate) const TREE_BATCHES: usize = 64;
 
-/// Number of points that share an interaction list. More points share the cost of the list. Fewer
-/// points are closer together, so that more tiles are far away and expansions have lower degrees.
+/// Number of points that share an interaction list. With more points, more share the cost of the
+/// list. Fewer points are closer together, so more tiles are far away and expansions have lower
+/// degrees.
 pub(crate) const POINTS_PER_LIST: usize = 128;
 
-/// One of this many points may have a field too weak for the truncation error, and is refined. A
-/// refined point costs as much as five others; half as many of them would make all others 3 %
-/// slower.
+/// Number of points per expected point with a field too weak for the truncation error, which is
+/// refined. A refined point takes as long as five others. Half as many refined points would slow
+/// all others down by 3 %.
 pub(crate) const POINTS_PER_WEAK_FIELD: usize = 32;
 
 /// Number of points of a part at which the field is estimated first.
@@ -97,21 +100,21 @@ pub(crate) const ESTIMATE_POINTS: usize = 16;
 /// Allowed truncation error of the first estimate of the field, as a fraction of the largest J.
 pub(crate) const FIRST_ERROR_OVER_J: f64 = 1e-3;
 
-/// Number of nodes among which a truncation error is divided before an interaction list is known.
+/// Number of nodes that share a truncation error before an interaction list is known.
 pub(crate) const FIRST_NODE_COUNT: f64 = 16.0;
 
-/// Mean truncation error of a node at a point, as a fraction of the allowed one. It is below 1
-/// because the point is farther away than the nearest one, and because degrees are integers.
+/// Mean truncation error of a node at a point, as a fraction of the allowed error. It is below 1
+/// because most points are farther away than the nearest point, and because degrees are integers.
 pub(crate) const USED_ERROR_SHARE: f64 = 0.5;
 
 /// Expected largest truncation error at the next points, as a multiple of the mean at the points
-/// before; [`ADDED_NODE_ERRORS`] is added.
+/// before, without [`ADDED_NODE_ERRORS`].
 pub(crate) const ERROR_OVER_MEAN: f64 = 1.6;
 
 /// Addition to the expected largest truncation error, in allowed truncation errors of one node.
 pub(crate) const ADDED_NODE_ERRORS: f64 = 2.0;
 
-/// Smallest estimated field, in truncation errors of the estimate, that is accepted.
+/// Smallest accepted estimate of the field, in truncation errors of the estimate.
 pub(crate) const FIELD_OVER_ERROR: f64 = 4.0;
 
 /// Factor by which the truncation error decreases from one estimate to the next.
@@ -128,8 +131,8 @@ pub(crate) const MAX_REFINEMENT_ROUNDS: usize = 4;
 /// summation.
 pub(crate) const DISTANCE_BISECTIONS: usize = 8;
 
-/// Largest number of tiles in a node whose truncation error is bounded by the corners of each tile.
-/// With more tiles only the farthest distance of each is used.
+/// Largest number of tiles in a node for a bound of the truncation error from the corners of each
+/// tile. For more tiles the bound uses only the farthest distance of each.
 pub(crate) const CORNER_MEAN_TILES: usize = 64;
 
 /// Number of neighbouring leaves whose moments are computed at the same time: the lanes of the
@@ -137,73 +140,74 @@ pub(crate) const CORNER_MEAN_TILES: usize = 64;
 pub(crate) const LEAVES_PER_GROUP: usize = 8;
 
 /// Number of points of a grid whose exact field is evaluated at a time. Their coordinates take 1.5
-/// MB, and they give every thread batches enough.
+/// MB, and every thread gets enough batches.
 pub(crate) const GRID_POINTS_AT_ONCE: usize = 1 << 16;
 
 /// Number of points in a task when a [`PolarizationMap`](crate::PolarizationMap) is applied. A task
-/// costs more than its scheduling.
+/// takes longer than its scheduling.
 pub(crate) const POINTS_PER_TASK: usize = 64;
 
-/// Number of partial sums of a scalar product, which do not wait for each other.
+/// Number of independent partial sums of a scalar product.
 pub(crate) const PARTIAL_SUMS: usize = 8;
 
-/// Smallest number of grid points that a Chebyshev fit is tried for. A fit would need as many
+/// Smallest number of grid points for which a Chebyshev fit is tried. A fit needs about as many
 /// nodes.
 pub(crate) const MIN_FIT_POINTS: usize = 1000;
 
-/// Smallest number of pairs of tiles and grid points that a Chebyshev fit is tried for. The proof
-/// of its error costs as much as thousands of pairs, whether the fit is then made or not.
+/// Smallest number of pairs of tiles and grid points for which a Chebyshev fit is tried. The proof
+/// of its error takes the time of thousands of pairs, even if the fit is then rejected.
 pub(crate) const MIN_FIT_PAIRS: usize = 24_000;
 
-/// Smallest relative tolerance that a fit is tried for. A fit of 8 nodes along each axis amplifies
+/// Smallest relative tolerance for which a fit is tried. A fit of 8 nodes along each axis amplifies
 /// the bound of the exact field 12 times, and the magnitudes of the fields of several tiles add up
 /// to a multiple of |B|.
 pub(crate) const MIN_FIT_FRACTION: f64 = 50.0 * EXACT_BOUND;
 
-/// Smallest number of grid points per node of a fit. Each node costs one exact field.
+/// Smallest number of grid points per node of a fit. Each node takes one exact field.
 pub(crate) const GRID_POINTS_PER_NODE: usize = 2;
 
-/// Cost of the transform of the values at nodes to coefficients, for each node, in exact fields of
-/// one tile over [`GRID_POINTS_PER_NODE`]. Where tiles are few, it costs more than the exact field.
+/// Time of the transform from values at nodes to coefficients, for each node, in exact fields of
+/// one tile over [`GRID_POINTS_PER_NODE`]. For few tiles it exceeds the time of the exact field.
 pub(crate) const NODE_TRANSFORM_TILES: usize = 6;
 
-/// Smallest number of points per node that the distances of tiles suggest for a fit, of a list or
-/// of few tiles ([`MIN_LOOK_UP_TILES`]). They suggest fewer nodes than the fit needs; a box that
-/// would need still more is sampled in vain, which costs most where the exact field is cheap.
+/// Smallest number of points per node, estimated from the distances of tiles, for a fit of a list
+/// or of few tiles ([`MIN_LOOK_UP_TILES`]). The estimate has fewer nodes than the fit needs. A box
+/// that needs still more is sampled in vain, which matters most where the exact field is fast.
 pub(crate) const POINTS_PER_EXPECTED_NODE: usize = 12;
 
 /// Largest number of nodes along an axis. A box that needs more is divided.
 pub(crate) const MAX_FIT_NODES: usize = 64;
 
-/// Slowest decay from one coefficient to the next for which a box is fitted. Slower ones need more
-/// than [`MAX_FIT_NODES`] nodes.
+/// Slowest decay from one coefficient to the next for which a box is fitted. A slower decay needs
+/// more than [`MAX_FIT_NODES`] nodes.
 pub(crate) const MAX_DECAY: f64 = 0.95;
 
 /// Bound of the truncation error of a fit, as a fraction of its allowed error. The rest is for
-/// rounding, and for points with a weaker field than those at which |B| was looked at.
+/// rounding, and for points with a weaker field than the points sampled for |B|.
 pub(crate) const TRUNCATION_SHARE: f64 = 0.75;
 
-/// Growth of the rounding error that is allowed for when more nodes are needed because of it.
+/// Assumed growth of the rounding error when it requires more nodes.
 pub(crate) const LARGER_ROUNDING: f64 = 1.2;
 
-/// Smallest truncation error of a fit that is aimed at, as a fraction of the allowed error. Below
-/// it rounding would need nearly all of the allowance.
+/// Smallest target of the truncation error of a fit, as a fraction of the allowed error. Below it
+/// rounding would take nearly all of the allowed error.
 pub(crate) const MIN_TRUNCATION_SHARE: f64 = 0.1;
 
-/// Number of points along each axis of a box, its ends included, at which the smallest |B| is
-/// looked for.
+/// Number of points along each axis of a box, including its ends, in the search for the smallest
+/// |B|.
 pub(crate) const RANGE_POINTS: usize = 5;
 
 /// Number of patches of a face, in the bound of the truncation error, along a side as long as the
-/// distance of its tile from the box. With half as many, the bound needs a node more along an axis.
+/// distance of its tile from the box. With half as many, the bound requires one more node along an
+/// axis.
 pub(crate) const PATCHES_PER_DISTANCE: f64 = 2.0;
 
 /// Largest number of patches of a face along each of its sides.
 pub(crate) const PATCHES: f64 = 6.0;
 
-/// A tile is described by dipoles instead of charges in the bound of the truncation error if this
-/// times its moment is less than its charges times their distance: the bound of a coefficient of
-/// degree k grows by about k over the distance with each derivative.
+/// Factor of a tile's moment that must be below its charges times their distance for dipoles to
+/// replace charges in the bound of the truncation error. The bound of a coefficient of degree k
+/// grows by about k over the distance with each derivative.
 pub(crate) const DIPOLE_DEGREE: f64 = 16.0;
 
 /// Largest rounding error of a coordinate of a node and of a point relative to it, as a fraction of
@@ -211,35 +215,35 @@ pub(crate) const DIPOLE_DEGREE: f64 = 16.0;
 pub(crate) const NODE_ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// Largest difference between a tile and its mirror image, as a fraction of the smaller of the tile
-/// and its distance, of which their fields are still treated as mirror images. The difference is
-/// counted as an error.
+/// and its distance, for which their fields count as mirror images. The difference enters the
+/// error.
 pub(crate) const MIRROR_ROUNDING: f64 = 3e-14;
 
-/// Largest number of tiles among which mirror images are searched. The time of the search grows
-/// with the square of that number.
+/// Largest number of tiles in a search for mirror images. The time of the search grows with the
+/// square of that number.
 pub(crate) const MAX_MIRRORED_TILES: usize = 4096;
 
 /// Smallest |B| in a box, as a fraction of the largest, for which nodes are added. Points with a
 /// weaker field use direct summation.
 pub(crate) const MIN_FIELD_SHARE: f64 = 1e-2;
 
-/// Degree of the field in a cell. A lower degree needs more cells, which no longer fit the second
-/// cache and have fewer points each; a higher degree costs more at each point.
+/// Degree of the field in a cell. A lower degree needs more cells, which exceed the second cache
+/// and have fewer points each. A higher degree takes longer at each point.
 pub(crate) const CELL_DEGREE: usize = 9;
 
-/// Exponent with which the truncation error of a cell is assumed to decrease with its size. Only
-/// small cells reach that of the next degree, 10.
+/// Assumed exponent of the truncation error of a cell as a function of its size. Only small cells
+/// reach the exponent of the next degree, 10.
 pub(crate) const CELL_ERROR_EXPONENT: f64 = 7.0;
 
 /// Largest number of cells of a box. They take 22 MB.
 pub(crate) const MAX_CELLS: usize = 8192;
 
-/// Maximum number of times that cells are made smaller until their error is small enough.
+/// Maximum number of reductions of the cell size until the error is small enough.
 pub(crate) const MAX_CELL_ROUNDS: usize = 12;
 
 /// Largest number of nodes of the fit of a [`FittedField`](crate::FittedField).
 pub(crate) const MAX_FITTED_FIELD_NODES: usize = 200_000;
 
-/// Smallest and largest number of points that are sorted by cell at a time. Among more points, more
-/// share the coefficients of a cell.
+/// Smallest and largest number of points sorted by cell at a time. Among more points, more share
+/// the coefficients of a cell.
 pub(crate) const POINTS_PER_LOOK_UP: [usize; 2] = [1 << 10, 1 << 16];

@@ -6,7 +6,7 @@
 //! | Chebyshev interpolation of a box without tiles | grids | [`crate::interpolation`] |
 //! | harmonic polynomials of the cells of a box | long lists of points in a box without tiles | [`crate::interpolation`] |
 //! | expansions of the nodes of a tree | other points | [`crate::tree`] |
-//! | direct summation | points at which no other model keeps the tolerance | [`crate::direct`] |
+//! | direct summation | points where no other model keeps the tolerance | [`crate::direct`] |
 
 use glam::DVec3;
 use magsplice_direct::tolerances::STRETCHED_BOUND;
@@ -41,7 +41,7 @@ pub(crate) fn at_points(
         errors.iter_mut().for_each(|error| error.index += number * MAX_SORTED_POINTS);
         errors
     });
-    // The first list stays where it is: most often there is no other.
+    // The first list is not copied, because it is usually the only one.
     errors
         .reduce(|mut all, errors| {
             all.extend(errors);
@@ -89,8 +89,8 @@ fn at_some_points(
     errors
 }
 
-/// Whether the tree can cost less than direct summation, as far as the numbers of tiles and points
-/// and the rounding of its sums tell. The rounding is looked at for some of the `usable` points.
+/// Whether the tree can be faster than direct summation, judged by the numbers of tiles and points
+/// and by the rounding of its sums at some of the `usable` points.
 pub(crate) fn tree_pays(direct: &DirectSum, tolerance: Tolerance, points: &[DVec3], usable: &[u32]) -> bool {
     if direct.tiles().len() < MIN_TREE_TILES || usable.len() < MIN_TREE_POINTS {
         return false;
@@ -98,10 +98,10 @@ pub(crate) fn tree_pays(direct: &DirectSum, tolerance: Tolerance, points: &[DVec
     let step = usable.len() / ROUNDING_POINTS;
     let some: Vec<DVec3> = usable.iter().step_by(step).map(|&index| points[index as usize]).collect();
     let mut field = vec![DVec3::ZERO; some.len()];
-    // Points without a field are NaN, which keeps no tolerance.
+    // The field of refused points is NaN, which keeps no tolerance.
     let _ = direct.exact_field_into(Quantity::FluxDensity, &some, &mut field);
     let magnitudes_t = direct.magnitudes_t(&some);
-    // The other half of the tolerance is left for truncation.
+    // The other half of the tolerance is for truncation.
     let rounding = 2.0 * STRETCHED_BOUND;
     let kept = field.iter().zip(magnitudes_t).filter(|(b, t)| tolerance.is_kept(**b, rounding * t)).count();
     2 * kept > some.len()
@@ -127,8 +127,8 @@ fn exact_at(
     errors.into_iter().map(|error| PointError { index: indices[error.index], ..error }).collect()
 }
 
-/// The interpolation of the bounding box of points. `None` if there are too few points or tiles for
-/// it to be cheaper than the tree, or if tiles are too near.
+/// The interpolation of the bounding box of points. `None` if the tree is faster, because there are
+/// too few points or tiles, or if tiles are too near.
 pub(crate) fn fitted(direct: &DirectSum, tolerance: Tolerance, points: &[DVec3]) -> Option<FittedField> {
     let pays = points.len() >= MIN_LOOK_UP_POINTS && direct.tiles().len() >= MIN_LOOK_UP_TILES;
     if !pays || !points.iter().all(|point| is_in_range(*point)) {

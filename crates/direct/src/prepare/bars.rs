@@ -1,8 +1,8 @@
-//! A film as a sum of fewer cuboids than it has tiles.
+//! A film as a sum of cuboids, fewer than its tiles.
 //!
-//! Tiles in a row often share one component of J with different strengths. A bar over all of them
-//! with the smallest strength, plus cuboids for the remainders, is then fewer cuboids. Only
-//! strengths of one sign are split, so that the parts add up and nothing cancels.
+//! Tiles in a row often share one component of J with different strengths. A bar over the whole row
+//! with the smallest strength, plus cuboids for the remainders, then needs fewer cuboids. Only
+//! strengths of one sign are split, so no parts cancel.
 
 use glam::DVec3;
 use magsplice_cuboid::block::Block;
@@ -10,8 +10,8 @@ use rustc_hash::FxHashMap;
 
 use crate::tolerances::LONGEST_BAR;
 
-/// Cuboids with the same field as `blocks` that need fewer tensor elements; `None` if there are
-/// none.
+/// Cuboids with the same field as `blocks` that need fewer tensor elements; `None` without such
+/// cuboids.
 pub(super) fn decomposed(blocks: &[Block]) -> Option<Vec<Block>> {
     let mut parts: Vec<Block> = Vec::new();
     for component in 0..3 {
@@ -65,7 +65,7 @@ fn rows(blocks: &[Block], component: usize, along: usize) -> Vec<Block> {
 }
 
 /// Appends a bar over a whole run with its smallest strength, and the remainders. `below` is the
-/// strength that other bars already cover.
+/// strength already covered by other bars.
 fn cut(run: &[&Block], component: usize, along: usize, below: f64, parts: &mut Vec<Block>) {
     let strength = |block: &&Block| block.polarization_t[component].abs();
     let least = run.iter().map(strength).fold(f64::INFINITY, f64::min);

@@ -22,27 +22,26 @@ fn around(blocks: &[Block]) -> ([f64; 3], [f64; 3]) {
     (middle, [0, 1, 2].map(|axis: usize| 0.5 * most[axis] - 0.5 * least[axis]))
 }
 
-/// Radius of the sphere around that box.
+/// Radius of the sphere around the box of the blocks.
 pub(super) fn radius_of(blocks: &[Block]) -> f64 {
     let [x, y, z] = around(blocks).1;
     x.hypot(y).hypot(z)
 }
 
-/// The power of two that takes the lengths of a cluster to order one.
+/// The power of two that brings the lengths of a cluster to order one.
 pub(super) fn scale_of(blocks: &[Block]) -> f64 {
     power_of_two_reciprocal(around(blocks).1.into_iter().fold(0.0, f64::max))
 }
 
-/// Whether the closed form of a cluster reaches at least as far from its centre as the cluster
-/// does.
+/// Whether the closed form of a cluster extends at least as far from its centre as the cluster.
 pub(super) fn is_compact(ranges: &MethodRanges) -> bool {
     ranges.closed_form_to >= ranges.half_size.iter().map(|h| h * h).sum()
 }
 
 /// The ranges of a cluster.
 ///
-/// `parts` are the cuboids that the closed form evaluates, with their tables, and `tiles` the
-/// number of cuboids for the other methods.
+/// `parts` are the cuboids of the closed form, with their tables, and `tiles` is the number of
+/// cuboids of the other methods.
 pub(super) fn ranges_of_cluster(parts: &[Block], tables: &CornerTables, tiles: usize) -> MethodRanges {
     let (centre, half) = around(parts);
     let scale = scale_of(parts);
@@ -55,8 +54,8 @@ pub(super) fn ranges_of_cluster(parts: &[Block], tables: &CornerTables, tiles: u
         shapes.iter().zip(forms.clone()).map(|(shape, form)| shape.closed_form_from(form)).fold(0.0, f64::max);
     let group_volume = tables.largest_group_volume;
     let near = nearest.max(GROUP_DISTANCE * group_volume.cbrt()).max(1.0 / PRODUCT_RANGE);
-    // The error of a part is a multiple of its field, which is like |J| volume / distance^3, by the
-    // ratio of the distance to its second side, or to the longest of a rod.
+    // The error of a part is its field, about |J| volume / distance^3, times the ratio of the
+    // distance to its second side, or to the longest side of a rod.
     let magnitude = |(block, shape): (&Block, &Shape)| {
         shape.volume * block.polarization_t.abs().element_sum().max(f64::MIN_POSITIVE)
     };
@@ -72,8 +71,8 @@ pub(super) fn ranges_of_cluster(parts: &[Block], tables: &CornerTables, tiles: u
     let sphere = farthest_corner(parts, centre) * scale;
     let expansions =
         EXPANSION_DEGREES.into_iter().map(|(degree, radii)| (radii * sphere, Method::Expansion { degree }));
-    // Orders that cost more than the closed form of one tile are used where no method evaluates the
-    // cluster as a whole.
+    // Orders slower than the closed form of one tile are used where no method evaluates the cluster
+    // as a whole.
     let series = series(|half_diagonals| half_diagonals * half_diagonal + radius);
     let candidates: Vec<(f64, Method)> =
         series.filter(|(_, method)| method.cost(1) <= SINGLE_TILE_COST).chain(expansions).collect();
@@ -95,8 +94,8 @@ pub(super) fn ranges_of_cluster(parts: &[Block], tables: &CornerTables, tiles: u
     }
 }
 
-/// The cheapest of the candidates at each distance. Each candidate may be used from its own
-/// distance on. There is none where the closed form, which ends at `closed_form_to`, costs less.
+/// The fastest of the candidates at each distance. Each candidate applies from its own distance on.
+/// No candidate applies where the closed form, which ends at `closed_form_to`, is faster.
 fn cheapest(candidates: &[(f64, Method)], tiles: usize, closed_form_to: f64) -> Vec<(f64, Method)> {
     let mut distances: Vec<f64> = candidates.iter().map(|(least, _)| *least).chain([closed_form_to]).collect();
     distances.sort_by(f64::total_cmp);

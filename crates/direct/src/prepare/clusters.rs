@@ -28,17 +28,17 @@ use crate::tolerances::{HALVED_RADIUS, KEPT_SERIES, MOST_PLANES, TILES_PER_CLUST
 /// The clusters and tiles of a frame, and the multipole series of their shapes.
 #[derive(Clone, Debug, Default)]
 pub struct ClusterTable {
-    /// Blocks that are evaluated together.
+    /// Blocks evaluated together.
     pub clusters: Vec<Cluster>,
-    /// Each block on its own.
+    /// Each block as a single tile.
     pub tiles: Vec<PreparedTile>,
     series: Vec<Series>,
 }
 
-/// Precomputed data for evaluating one tile on its own.
+/// Precomputed data of a single tile.
 #[derive(Clone, Debug)]
 pub struct PreparedTile {
-    /// The distances from which each method holds.
+    /// The smallest distance of each method.
     pub ranges: MethodRanges,
     /// The far field of the tile.
     pub distant: Distant,
@@ -48,9 +48,9 @@ pub struct PreparedTile {
 /// Consecutive blocks of a frame that share a method at many points.
 #[derive(Clone, Debug)]
 pub struct Cluster {
-    /// Its blocks, in the order of the frame.
+    /// The blocks, in the order of the frame.
     pub blocks: Span<usize>,
-    /// The distances from which each method holds.
+    /// The smallest distance of each method.
     pub ranges: MethodRanges,
     /// Shared corners and planes; `None` for a single tile.
     pub corners: Option<CornerTables>,
@@ -59,8 +59,8 @@ pub struct Cluster {
 }
 
 impl Cluster {
-    /// A cluster of `blocks`, which begin at `start` in their frame; `None` if their tables would
-    /// be too long.
+    /// A cluster of `blocks`, which begin at `start` in their frame; `None` if the tables would be
+    /// too long.
     fn new(blocks: &[Block], start: usize) -> Option<Cluster> {
         let (ranges, corners) = if let [block] = blocks {
             (MethodRanges::from_block(block), None)
@@ -78,7 +78,7 @@ impl Cluster {
     }
 
     /// The two halves of a long cluster, if they are much smaller and their tables fit. `blocks`
-    /// are those of the frame.
+    /// are the blocks of the frame.
     pub fn halves(&self, blocks: &[Block]) -> Option<[Span<usize>; 2]> {
         let Span { start, end } = self.blocks;
         let middle = start + (end - start) / 2;
@@ -93,12 +93,12 @@ impl Cluster {
 
     /// One of the [`Cluster::halves`].
     pub fn half(blocks: &[Block], half: Span<usize>) -> Cluster {
-        // The tables of so few tiles always fit: 32 tiles have 256 corners and 192 elements, and
-        // bars have fewer elements, with 8 corners for each 3 of them.
+        // The tables of so few tiles always fit: 32 tiles have 256 corners and 192 elements. Bars
+        // have fewer elements, with 8 corners for 3 elements.
         Cluster::new(&blocks[half.clone()], half.start).expect("halves that fit")
     }
 
-    /// The multipole expansion of the cluster. `blocks` are those of the frame.
+    /// The multipole expansion of the cluster. `blocks` are the blocks of the frame.
     pub fn expansion(&self, level: Level, blocks: &[Block]) -> &MultipoleExpansion {
         let own = || &blocks[self.blocks.clone()];
         self.expansion.get_or_init(|| expansion_of(level, own(), self.ranges.centre, self.ranges.scale))
@@ -137,21 +137,22 @@ impl ClusterTable {
         self.clusters.len()
     }
 
-    /// The series of the shape of block `index`; it is `made` here if it is not kept.
+    /// The series of the shape of block `index`. A series that is not kept is computed into `made`.
     pub fn series<'a>(&'a self, blocks: &[Block], index: usize, made: &'a mut Option<Series>) -> &'a Series {
         let tile = &self.tiles[index];
         let kept = self.series.get(tile.shape as usize);
         kept.unwrap_or_else(|| made.insert(Series::new(blocks[index].size, tile.ranges.highest_order())))
     }
 
-    /// The evaluator of block `index` on its own; its series is `made` here if it is not kept.
+    /// The evaluator of block `index` as a single tile. A series that is not kept is computed into
+    /// `made`.
     pub fn evaluator<'a>(&'a self, blocks: &[Block], index: usize, made: &'a mut Option<Series>) -> Evaluator<'a> {
         let tile = &self.tiles[index];
         Evaluator::new(&blocks[index], &tile.ranges, &tile.distant, self.series(blocks, index, made))
     }
 
     /// Appends the `blocks` with the indices in `places` to `ordered`, cluster by cluster. If all
-    /// blocks of the frame are one cluster they keep their order.
+    /// blocks of the frame form one cluster, they keep their order.
     fn divide(&mut self, blocks: &[Block], places: &mut [BlockCentre], are_all: bool, ordered: &mut Vec<Block>) {
         let start = ordered.len();
         if places.len() <= TILES_PER_CLUSTER {
@@ -172,8 +173,8 @@ impl ClusterTable {
         self.divide(blocks, high, false, ordered);
     }
 
-    /// Adds the blocks that begin at `start` as a cluster, if they can form one; returns whether
-    /// they do.
+    /// Adds the blocks that begin at `start` as a cluster, if they can form one. Returns whether
+    /// they can.
     fn take_together(&mut self, blocks: &[Block], start: usize) -> bool {
         if blocks.is_empty() {
             return true;
@@ -201,7 +202,7 @@ pub fn expansion_of(level: Level, blocks: &[Block], centre: [f64; 3], scale: f64
     MultipoleExpansion::from_moments(&Moments::from_sources(level, &sources, HIGHEST_DEGREE), centre, scale)
 }
 
-/// Upper bound of the number of planes in which the faces of blocks, and of bars over them, lie.
+/// Upper bound of the number of planes with faces of blocks, and of bars over them.
 fn most_planes(blocks: &[Block]) -> usize {
     let faces = blocks.iter().flat_map(|block| (0..3).flat_map(|axis| block.faces[axis].map(|face| (axis, face))));
     let planes: FxHashSet<(usize, [u64; 2])> =
@@ -209,7 +210,7 @@ fn most_planes(blocks: &[Block]) -> usize {
     planes.len()
 }
 
-/// The centre and index of a block. It is sorted instead of the block, which is ten times larger.
+/// The centre and index of a block. It is sorted in place of the block, which is ten times larger.
 #[derive(Clone, Copy)]
 struct BlockCentre {
     centre: [f64; 3],
@@ -228,7 +229,7 @@ impl BlockCentre {
     }
 }
 
-/// The axis along which the centres extend farthest, and the two that follow it.
+/// The axis along which the centres extend farthest, and the two axes that follow it.
 fn longest_first(places: &[BlockCentre]) -> [usize; 3] {
     let reach = |axis: usize| {
         let positions = places.iter().map(|place| place.centre[axis]);

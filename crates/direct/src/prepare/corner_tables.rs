@@ -1,4 +1,4 @@
-//! Corners and planes that the tiles of a cluster share, and groups of tiles of equal strength.
+//! Corners and planes shared by the tiles of a cluster, and groups of tiles of equal strength.
 
 use std::f64::consts::PI;
 
@@ -16,7 +16,7 @@ use crate::tolerances::{
 /// The tables of a cluster for the closed form in vectors.
 #[derive(Clone, Debug)]
 pub struct CornerTables {
-    /// Power of two that takes lengths to order one.
+    /// Power of two that brings lengths to order one.
     pub scale: f64,
     /// Axis and coordinate of each plane.
     pub planes: Vec<(usize, TwoSum)>,
@@ -28,7 +28,7 @@ pub struct CornerTables {
     pub tiles: Vec<TileTerms>,
     /// Tiles that share a product.
     pub groups: Vec<Group>,
-    /// Largest volume of the tiles of one group, or of one tile, scaled.
+    /// Largest total volume of the tiles of a group, or of a single tile, scaled.
     pub largest_group_volume: f64,
     /// Largest number of tiles in one group.
     pub largest_group: usize,
@@ -37,8 +37,8 @@ pub struct CornerTables {
 }
 
 impl CornerTables {
-    /// Tables of `blocks` in these forms, whose lengths `scale` takes to order one; `None` if they
-    /// would be too long.
+    /// Tables of `blocks` in these forms, whose lengths `scale` brings to order one; `None` if the
+    /// tables would be too long.
     pub(super) fn new(blocks: &[Block], forms: &[Form], scale: f64) -> Option<CornerTables> {
         let thickness = |b: &Block| b.size.iter().copied().fold(f64::INFINITY, f64::min) * scale;
         let thickest = blocks.iter().map(thickness).fold(0.0, f64::max);
@@ -85,7 +85,7 @@ impl CornerTables {
     pub fn gradient_terms(&self, tile: &TileTerms) -> GradientTerms {
         let axes = [0, 2, 4].map(|plane: usize| self.planes[usize::from(tile.planes[plane])].0);
         // A coefficient has the sign of the factor of its element. T_cc is an element, or minus the
-        // sum of the others.
+        // sum of the other two.
         let part = |element: usize, along: usize| {
             tile.coefficients[element][axes[along]] * 2.0 * PI * tile.factors[element].signum()
         };
@@ -94,7 +94,7 @@ impl CornerTables {
     }
 }
 
-/// Groups by kind and coefficient. A full group is followed by another of its kind.
+/// Groups by kind and coefficient. Another group of the same kind follows a full group.
 #[derive(Default)]
 struct OpenGroups {
     all: Vec<Group>,

@@ -19,14 +19,13 @@ pub struct Frames {
     frames: Vec<Frame>,
 }
 
-/// A direction along which coordinates are measured. Frames that share a direction share its
-/// coordinates.
+/// A direction of coordinates. Frames that share a direction share its coordinates.
 #[derive(Clone, Copy, Debug)]
 struct Axis {
     direction: DVec3,
     /// Axis x, y or z of the scene, whose coordinates are used unchanged.
     scene: Option<usize>,
-    /// Origin of the coordinates: the middle of the tiles, so that coordinates are small.
+    /// Origin of the coordinates, in the middle of the tiles to keep coordinates small.
     origin: DVec3,
 }
 
@@ -38,13 +37,13 @@ pub struct Frame {
     pub to_scene: ToScene,
     /// The blocks to evaluate: tiles that form a cuboid of one polarization are merged.
     pub blocks: Vec<Block>,
-    /// One block for each tile, to name the tile at an edge.
+    /// One block for each tile, to identify the tile at an edge.
     pub unmerged: Vec<Block>,
     /// The blocks in clusters, prepared for many points.
     pub clusters: ClusterTable,
 }
 
-/// Rotation from a frame to the scene; `None` for the scene's own frame, where nothing is rounded.
+/// Rotation from a frame to the scene; `None` for the scene's own frame, without rounding.
 #[derive(Clone, Copy, Debug)]
 pub struct ToScene(Option<DMat3>);
 
@@ -78,7 +77,7 @@ impl Axis {
 }
 
 impl Frames {
-    /// Sorts tiles by orientation, merges those that form a cuboid, and divides them into clusters.
+    /// Sorts tiles by orientation, merges tiles that form a cuboid, and divides them into clusters.
     pub fn new(tiles: &[Tile]) -> Frames {
         let rotations: Vec<_> = tiles.iter().map(Tile::rotation).collect();
         let orientations = Orientations::new(&rotations);
@@ -122,14 +121,15 @@ impl Frames {
         (frame.blocks.len() == 1).then_some(frame)
     }
 
-    /// The axis of the scene that is axis `axis` of `frame`, or else its direction and origin.
+    /// The axis of the scene that equals axis `axis` of `frame`, or else the direction and origin
+    /// of that axis.
     pub fn axis(&self, frame: &Frame, axis: usize) -> Result<usize, (DVec3, DVec3)> {
         let axis = &self.axes[frame.axes[axis]];
         axis.scene.ok_or((axis.direction, axis.origin))
     }
 
-    /// Centre of a block in the scene. It is computed from `tile`, which is in the block, so that
-    /// little is rounded.
+    /// Centre of a block in the scene. It is computed from `tile`, a tile of the block, to keep
+    /// rounding small.
     pub fn centre_in_scene(&self, frame: &Frame, block: &Block, tile: &Tile) -> DVec3 {
         let offset = [0, 1, 2].map(|axis: usize| {
             let from = TwoSum::exact(self.axes[frame.axes[axis]].coordinate(tile.position()));
@@ -205,7 +205,7 @@ fn axes(tiles: &[Tile], orientations: &Orientations) -> Vec<Axis> {
         .collect()
 }
 
-/// Median of each coordinate, which distant tiles do not move.
+/// Median of each coordinate, independent of the distance of outlying tiles.
 fn median(positions: &[DVec3]) -> DVec3 {
     DVec3::from([0, 1, 2].map(|axis: usize| {
         let mut values: Vec<f64> = positions.iter().map(|p| p[axis]).collect();

@@ -1,8 +1,8 @@
-//! Tiles of one polarization that form a cuboid become that cuboid.
+//! Merging of tiles of one polarization that form a cuboid.
 //!
-//! The field has no seam inside a uniform body, but the terms of two blocks grow without bound
-//! there and cancel. A merged block avoids these terms: its gradient is exact on the former seam,
-//! and it costs less.
+//! A uniform body has no seam in its field, but the terms of two blocks grow without bound on their
+//! seam and cancel. A merged block avoids these terms: its gradient is exact on the former seam,
+//! and its evaluation is faster.
 
 use magsplice_cuboid::block::Block;
 use magsplice_simd::compensated_sum::TwoSum;
@@ -38,8 +38,8 @@ fn merge_along(blocks: &mut [Option<Block>], axis: usize) {
         by_lower.insert(contact(block.as_ref().expect("only whole blocks are kept"), axis, 0), index);
     }
     for index in 0..blocks.len() {
-        // A block absorbs its upper neighbours one after the other. An absorbed block is not found
-        // again: no other block touches its lower face.
+        // A block absorbs its upper neighbours one after the other. An absorbed block cannot be
+        // found again, because no other block touches its lower face.
         while let Some(block) = &blocks[index] {
             let Some(other) = by_lower.remove(&contact(block, axis, 1)).filter(|&other| other != index) else { break };
             let Some(upper) = blocks[other].take() else { break };

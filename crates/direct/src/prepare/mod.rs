@@ -1,4 +1,4 @@
-//! Tiles brought into frames and clusters: the geometry of a scene before any field is computed.
+//! Tiles grouped into frames and clusters: the geometry of a scene before any field is computed.
 
 /// Tiles in a row with one component of J, as fewer and longer cuboids.
 mod bars;
@@ -6,7 +6,7 @@ mod bars;
 pub mod cluster_methods;
 /// Neighbouring tiles of a frame, prepared for many points.
 pub mod clusters;
-/// Corners and planes that the tiles of a cluster share.
+/// Corners and planes shared by the tiles of a cluster.
 pub mod corner_tables;
 /// Tiles with a common orientation.
 pub mod frames;

@@ -2,8 +2,8 @@
 //!
 //! A cuboid turned by a multiple of 90 degrees is a cuboid with permuted sizes. Tiles whose
 //! rotations differ by quarter turns therefore share a frame. Frames with a common axis, such as
-//! those of tiles turned about z, share the coordinates along it, so that faces of touching tiles
-//! can be compared and seams between them found.
+//! the frames of tiles turned about z, share the coordinates along it, so that faces of touching
+//! tiles can be compared and their seams found.
 
 use glam::{DMat3, DQuat, DVec3};
 use rustc_hash::FxHashMap;
@@ -41,7 +41,7 @@ pub struct Orientations {
     /// Directions of all axes, each towards +x, or +y if its x component is zero, or +z. The first
     /// three are x, y, z.
     pub directions: Vec<DVec3>,
-    /// Indices of the three directions of each frame. The first frame is that of the scene.
+    /// Indices of the three directions of each frame. The first frame is the frame of the scene.
     pub frames: Vec<[usize; 3]>,
     /// Frame of each rotation, and its quarter turn within the frame.
     pub members: Vec<(usize, QuarterTurn)>,
@@ -88,15 +88,14 @@ struct Directions {
 }
 
 impl Directions {
-    /// Index of a direction or its opposite, and which of the two it is. An unknown direction is
-    /// added.
+    /// Index of a direction or its opposite, and the sign. An unknown direction is added.
     fn index_and_sign(&mut self, axis: DVec3) -> (usize, f64) {
         let leading = axis.to_array().into_iter().find(|c| c.abs() > SAME_ROTATION).unwrap_or(1.0);
         let sign = leading.signum();
         let direction = axis * sign;
         let close = |i: &&usize| (self.found[**i] - direction).abs().max_element() <= SAME_ROTATION;
         // A direction is filed under the cell of its components. A direction equal up to round-off
-        // may lie in a neighbouring cell.
+        // may be in a neighbouring cell.
         let [low, high] = [-SAME_ROTATION, SAME_ROTATION].map(|shift| cell(direction + DVec3::splat(shift)));
         for corner in 0..8_usize {
             let key = [0, 1, 2].map(|axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] });

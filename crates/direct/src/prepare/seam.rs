@@ -1,16 +1,16 @@
-//! Faces that differ by round-off get one coordinate.
+//! One coordinate for faces that differ by round-off.
 //!
-//! Two touching tiles are given by centres and sizes, and `position + size / 2` of one need not
-//! round to `position - size / 2` of the other. A point between the two numbers would belong to
-//! both tiles or to none. Faces within a few units of round-off of each other therefore get one
-//! coordinate, which moves no face by more than that.
+//! Tiles have centres and sizes, and `position + size / 2` of one need not round to `position -
+//! size / 2` of the tile that touches it. A point between the two numbers would belong to both
+//! tiles or to none. Faces within a few units of round-off of each other therefore get one
+//! coordinate, which moves each face by at most these units.
 
 use magsplice_simd::compensated_sum::TwoSum;
 
 /// A face, given by its coordinate along its normal.
 pub(super) struct Plane {
     pub coordinate: TwoSum,
-    /// Largest distance of the coordinate from the intended one.
+    /// Largest distance of the coordinate from the intended coordinate.
     pub tolerance: f64,
     /// Frame, block, axis of the frame, and 0 for the lower or 1 for the upper face.
     pub place: [usize; 4],
@@ -28,7 +28,7 @@ pub(super) fn joined(mut planes: Vec<Plane>) -> Vec<(TwoSum, [usize; 4])> {
     let apart = |a: &Plane, b: &Plane| b.coordinate.minus(a.coordinate).value() > a.tolerance.max(b.tolerance);
     let mut moves = Vec::new();
     for cluster in planes.chunk_by(|a, b| !apart(a, b)) {
-        // A tile thinner than the tolerance keeps its faces: its thickness is data.
+        // A tile thinner than the tolerance keeps its faces, because its thickness is data.
         let mut owners: Vec<[usize; 2]> = cluster.iter().map(Plane::owner).collect();
         owners.sort_unstable();
         let sliver =
@@ -46,8 +46,8 @@ fn common_coordinate(cluster: &[&Plane]) -> Option<TwoSum> {
     if cluster.iter().all(|p| p.coordinate == first) {
         return None;
     }
-    // The coordinate nearest to a binary64 number is most likely the intended one, and points can
-    // have exactly that coordinate.
+    // The coordinate nearest to a binary64 number is most likely the intended coordinate, and
+    // points can have exactly that coordinate.
     let meant = cluster.iter().map(|p| p.coordinate).min_by(|a, b| a.lo.abs().total_cmp(&b.lo.abs()))?;
     Some(TwoSum::exact(meant.hi))
 }

@@ -25,8 +25,8 @@ fn expanded<S: Simd>(simd: S, expansion: &MultipoleExpansion, degree: usize, poi
     DVec3::new(first[0].lane(0), first[1].lane(0), first[2].lane(0))
 }
 
-/// Each degree of the expansion keeps the error bound from its distance on, and not from a much
-/// smaller one, which would mean that the degrees are too high.
+/// Each degree of the expansion keeps the error bound from its distance on, but not from a much
+/// smaller distance, at which the degrees would be too high.
 #[test]
 fn expansion_of_each_degree_keeps_the_error_bound_from_its_distance() {
     let blocks: Vec<Block> = (0..40)

@@ -1,4 +1,4 @@
-//! Tests of the exact field of many cuboids, in one program: each program links all kernels.
+//! Tests of the exact field of many cuboids, in one program because each program links all kernels.
 
 mod expansions;
 mod magnitude;

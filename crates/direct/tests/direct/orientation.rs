@@ -21,7 +21,7 @@ fn equal_rotations_share_a_frame_up_to_quarter_turns() {
     assert_eq!(found.frames[0], [0, 1, 2]);
 }
 
-/// Rotations closer than, about, and further than what counts as one.
+/// Rotations that differ by less than, about, and more than the limit of equality.
 #[test]
 fn nearly_equal_rotations() {
     let axis = DVec3::new(1.0, 2.0, 3.0).normalize();

@@ -13,10 +13,10 @@ use super::weighted_sums::{padded, weighted_sum_at};
 use crate::scalar_product::scalar_product;
 use crate::tolerances::CELL_DEGREE;
 
-/// Number of nodes of a cell along each axis, even. With fewer the gradients of the potentials
-/// would not be independent.
+/// Number of nodes of a cell along each axis, even. With fewer nodes the gradients of the
+/// potentials would be dependent.
 const CELL_NODES: usize = if CELL_DEGREE % 2 == 1 { CELL_DEGREE + 1 } else { CELL_DEGREE + 2 };
-/// Number of nodes on one side of the centre. It is also the number of even degrees, and of odd
+/// Number of nodes on one side of the centre. It also equals the number of even degrees, and of odd
 /// degrees.
 const HALF_NODES: usize = CELL_NODES / 2;
 /// Number of coefficients of a component with given parities along the three axes.
@@ -24,9 +24,9 @@ const PARITY_COEFFICIENTS: usize = HALF_NODES * HALF_NODES * HALF_NODES;
 /// Number of coefficients of one component.
 const COMPONENT_COEFFICIENTS: usize = 8 * PARITY_COEFFICIENTS;
 
-/// Smallest part of a gradient that is orthogonal to the gradients before it, relative to the
-/// gradient, for which it counts as independent. It is far above round-off; only in cells thousands
-/// of times longer than wide are gradients dependent.
+/// Smallest component of a gradient orthogonal to the gradients before it, relative to the
+/// gradient, for which it counts as independent. It is far above round-off; gradients are dependent
+/// only in cells thousands of times longer than wide.
 const MIN_ORTHOGONAL_PART: f64 = 1e-10;
 
 /// Harmonic potentials of all cells of a box. All cells have the same shape.
@@ -99,8 +99,8 @@ fn truncation_error_t(fit: &ChebyshevFit, dense: &[Vec<f64>; 3], along: &[AxisRe
     by_axis.sum()
 }
 
-/// For each degree along each axis, an upper bound of the length of the field that the coefficients
-/// of that degree add, in tesla.
+/// For each degree along each axis, an upper bound of the length of the field of the coefficients
+/// of that degree, in tesla.
 fn magnitudes_by_degree_t(fit: &ChebyshevFit, dense: &[Vec<f64>; 3]) -> [Vec<f64>; 3] {
     let [_, ny, nz] = fit.counts;
     let stride = padded(nz);
@@ -158,8 +158,8 @@ impl AxisRestriction {
     }
 }
 
-/// Upper bound of the error with which T_`degree` of a box is interpolated at the nodes of its
-/// cells: twice the sum of its coefficients in a cell beyond the last node, in the worst cell.
+/// Upper bound of the error of interpolating T_`degree` of a box at the nodes of its cells: twice
+/// the sum of its coefficients in a cell beyond the last node, in the worst cell.
 fn truncation_error_of_polynomial(degree: usize, cells: usize) -> f64 {
     if degree < CELL_NODES {
         return 0.0;
@@ -224,7 +224,7 @@ impl CellProjection {
                 for component in 0..3 {
                     let mut values: Vec<f64> = values.iter().map(|b| b[component]).collect();
                     // The transform runs along z, then y, then x. The transformed axis becomes the
-                    // slowest, which makes the next one the fastest.
+                    // slowest, and the next axis the fastest.
                     for axis in [2, 1, 0] {
                         let odd = usize::from(odd[axis] != (component == axis));
                         let mut transformed = vec![0.0; PARITY_COEFFICIENTS];
@@ -289,7 +289,7 @@ impl ParityClass {
 /// The pseudoinverse of independent rows: for each entry of a vector, its contribution to the
 /// factor of each row in the sum of rows closest to the vector. Entries are `padded(count)` apart.
 ///
-/// The rows are orthogonalized by the method of Gram and Schmidt, each of them twice.
+/// Each row is orthogonalized twice by the method of Gram and Schmidt.
 fn least_squares(rows: &[f64], count: usize) -> Vec<f64> {
     let length = rows.len() / count;
     let mut directions: Vec<Vec<f64>> = Vec::with_capacity(count);
@@ -311,8 +311,8 @@ fn least_squares(rows: &[f64], count: usize) -> Vec<f64> {
         rest.iter_mut().for_each(|r| *r *= over);
         directions.push(rest);
     }
-    // The factors solve triangle^T factors = directions . vector. They are found from the last one
-    // backwards, for all entries at a time.
+    // The factors solve triangle^T factors = directions . vector. They are found from the last
+    // factor backwards, for all entries at a time.
     for i in (0..count).rev() {
         let (upper, lower) = directions.split_at_mut(i + 1);
         let own = &mut upper[i];

@@ -14,7 +14,7 @@ pub(super) fn transform(count: usize) -> Vec<Vec<f64>> {
     let cosines: Vec<f64> = (0..4 * count).map(|quarter| (PI * quarter as f64 / (2.0 * n)).cos()).collect();
     let entry = |k: usize, i: usize| {
         let weight = if k == 0 { 1.0 } else { 2.0 };
-        // The angle is reduced by full turns while it is still an integer, so that it is exact.
+        // Full turns are removed while the angle is still an integer, which is exact.
         weight / n * cosines[(k * (2 * i + 1)) % (4 * count)]
     };
     (0..count).map(|k| (0..count).map(|i| entry(k, i)).collect()).collect()

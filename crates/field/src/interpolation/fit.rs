@@ -41,11 +41,12 @@ pub(crate) struct ChebyshevFit {
 pub(crate) enum FitFailure {
     /// The fit would need too many nodes: the box is too close to tiles for its size.
     TooNear,
-    /// The rounding error of the exact field alone exceeds the tolerance.
+    /// The rounding error of the exact field exceeds the tolerance.
     TooExact,
 }
 
-/// Degrees of polynomials along an axis. In a symmetric field half of them have no coefficients.
+/// Degrees of polynomials along an axis. In a symmetric field half of the degrees have no
+/// coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Degrees {
     All,
@@ -77,7 +78,7 @@ impl Degrees {
 impl ChebyshevFit {
     /// A fit within the tolerance, from at most `max_nodes` exact fields.
     ///
-    /// [`Sources`] proves how many nodes are enough.
+    /// [`Sources`] determines a number of nodes that is proved to be sufficient.
     pub(crate) fn new(
         direct: &DirectSum,
         region: BoundingBox,
@@ -91,7 +92,7 @@ impl ChebyshevFit {
             Tolerance::Relative { fraction, .. } => fraction,
             Tolerance::AbsoluteT { error_t, .. } => error_t * EXACT_BOUND / value_error_t,
         };
-        // The least numbers of nodes that the decays allow, before anything is evaluated.
+        // The smallest numbers of nodes that the decays allow, before any evaluation.
         let least = decays.map(|decay| if decay > 0.0 { (relative.min(0.5).ln() / decay.ln()).max(1.0) } else { 1.0 });
         let halved = mirrors.signs.iter().flatten().count() as i32;
         if least.iter().product::<f64>() > max_nodes as f64 * 2_f64.powi(halved) {
@@ -102,7 +103,7 @@ impl ChebyshevFit {
         let rounding_t = |counts: [usize; 3]| value_error_t * counts.map(lebesgue_bound).iter().product::<f64>();
         let mut nodes = sources.node_counts(TRUNCATION_SHARE * allowed_error_t).ok_or(FitFailure::TooNear)?;
         if nodes.error_t + rounding_t(nodes.counts) > allowed_error_t {
-            // Rounding needs more of the allowance.
+            // Rounding takes a larger share of the allowed error.
             let left_t = allowed_error_t - LARGER_ROUNDING * rounding_t(nodes.counts);
             if left_t < MIN_TRUNCATION_SHARE * allowed_error_t {
                 return Err(FitFailure::TooExact);
@@ -187,8 +188,8 @@ fn allowed_error_t(direct: &DirectSum, region: &BoundingBox, mirrors: &Mirrors, 
     Some(fraction * min_t.max(MIN_FIELD_SHARE * max_t))
 }
 
-/// Upper bound of the error of the exact values at nodes of a box, in tesla: of the field, and of
-/// the rounded coordinates of nodes and points.
+/// Upper bound of the error of the exact values at nodes of a box, in tesla, from the field and
+/// from the rounded coordinates of nodes and points.
 fn value_rounding_t(direct: &DirectSum, region: &BoundingBox) -> f64 {
     let moved = NODE_ROUNDING * (region.lower.abs().max(region.upper.abs()) + region.half_size()).length();
     let of_tile = |(tile, around)| {
@@ -200,7 +201,7 @@ fn value_rounding_t(direct: &DirectSum, region: &BoundingBox) -> f64 {
 }
 
 /// The nodes of a box at which the field is evaluated. Nodes on one side of a plane of symmetry are
-/// enough.
+/// sufficient.
 struct NodeSamples {
     region: BoundingBox,
     counts: [usize; 3],
@@ -212,7 +213,7 @@ impl NodeSamples {
         NodeSamples { region, counts, mirrors }
     }
 
-    /// Numbers of evaluated nodes along x, y, z, the first ones.
+    /// Numbers of evaluated nodes along x, y, z, beginning at the first.
     fn own_counts(&self) -> [usize; 3] {
         [0, 1, 2].map(|axis: usize| {
             let count = self.counts[axis];

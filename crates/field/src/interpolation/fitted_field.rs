@@ -18,16 +18,16 @@ use magsplice_direct::direct_sum::DirectSum;
 /// B in a box without tiles, prepared for repeated look-ups within a tolerance.
 ///
 /// The box is divided into cells. In each cell the field is the gradient of one harmonic polynomial
-/// of degree 10, so that it has neither divergence nor curl.
-/// [`Scene::fitted_field`](crate::Scene::fitted_field) makes one.
+/// of degree 10, so its divergence and curl vanish.
+/// [`Scene::fitted_field`](crate::Scene::fitted_field) prepares it.
 ///
 /// # Units
 /// B in tesla; points in the unit of length of the tiles.
 ///
 /// # Cost
-/// Preparation takes some thousand exact fields. A look-up among many, which are sorted by cell,
-/// takes 500 vector operations for as many points as a vector has lanes, whatever the number of
-/// tiles. A single look-up takes 300.
+/// Preparation takes some thousand exact fields. Many look-ups are sorted by cell and take 500
+/// vector operations per vector of points, independent of the number of tiles. A single look-up
+/// takes 300.
 ///
 /// # Memory
 /// 2.7 kB for each cell. The number of cells grows with the inverse tolerance, to 400 cells for a
@@ -35,12 +35,12 @@ use magsplice_direct::direct_sum::DirectSum;
 ///
 /// # Accuracy
 /// The error is at most [`FittedField::error_t`] at each point of the box (docs/physics.md, section
-/// 5). It is the sum of two errors, of which both are proved. The error of the Chebyshev
-/// interpolation of the whole box follows from the charges of the tiles and their distances. The
-/// error of the cells is the sum of the coefficients of their difference from that interpolation.
+/// 5). It is the sum of two proved bounds. The error of the Chebyshev interpolation of the whole
+/// box follows from the charges of the tiles and their distances. The error of the cells is at most
+/// the sum of the coefficients of their difference from that interpolation.
 ///
 /// A relative tolerance holds wherever |B| is at least a hundredth of the largest |B| in the box.
-/// [`FittedField::flux_density_into`] names the points where it does not hold.
+/// [`FittedField::flux_density_into`] lists the points where it does not hold.
 ///
 /// # Example
 /// ```
@@ -80,8 +80,7 @@ pub struct FittedField {
 pub enum FittedFieldError {
     /// A corner is not finite, or lower is not below upper along every axis.
     NoBox,
-    /// Tiles are in the box, or so close to it that the interpolation would need too many nodes or
-    /// cells.
+    /// Tiles are in the box, or so close that the interpolation would need too many nodes or cells.
     TooNear,
     /// The tolerance is below the rounding error of the exact field.
     TooExact,
@@ -94,7 +93,7 @@ pub struct LookUpError {
     pub index: usize,
     /// The point.
     pub point: DVec3,
-    /// Whether the point is outside the box. Otherwise |B| is too small there for the tolerance.
+    /// Whether the point is outside the box. Otherwise |B| is too small for the tolerance.
     pub outside: bool,
 }
 
@@ -102,7 +101,7 @@ pub struct LookUpError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LookUpErrors(pub Vec<LookUpError>);
 
-/// Number of points that [`LookUpErrors`] names in words.
+/// Number of points that a message of [`LookUpErrors`] lists.
 const NAMED_POINTS: usize = 10;
 
 impl FittedField {
@@ -150,7 +149,7 @@ impl FittedField {
                 HarmonicCells::new(direct.level(), &fit, cells, scale);
             let error_t = fit.error_t + cell_error_t;
             if cell_error_t <= fit.allowed_error_t {
-                // The difference between the fit and a cell is a polynomial, whose derivative is at
+                // The difference between the fit and a cell is a polynomial. Its derivative is at
                 // most degree^2 times its largest value per half length (Markov).
                 let degrees = DVec3::from(fit.counts.map(|count| (count - 1).max(CELL_DEGREE) as f64));
                 let of_cells_t = 2.0 * cell_error_t * degrees * degrees / cell_size;
@@ -187,7 +186,7 @@ impl FittedField {
     }
 
     /// Upper bound of the error of a component of the gradient in the box, in tesla per unit of
-    /// length. It is proved, and usually many times too large.
+    /// length. The bound is proved, and usually many times too large.
     pub fn gradient_error_t(&self) -> f64 {
         self.gradient_error_t
     }
@@ -209,7 +208,7 @@ impl FittedField {
 
     /// B at a point, in tesla; `None` outside the box.
     ///
-    /// The error is at most [`FittedField::error_t`], however small |B| is there.
+    /// The error is at most [`FittedField::error_t`], for any |B|.
     pub fn flux_density(&self, point: DVec3) -> Option<DVec3> {
         if !self.is_inside(point) {
             return None;
@@ -221,7 +220,7 @@ impl FittedField {
 
     /// The gradient of B at a point, in tesla per unit of length; `None` outside the box.
     ///
-    /// Column j is dB/dx_j. The gradient is symmetric and has no trace, as the one of the exact
+    /// Column j is dB/dx_j. The gradient is symmetric without trace, like the gradient of the exact
     /// field. The error of a component is at most [`FittedField::gradient_error_t`].
     pub fn flux_density_gradient(&self, point: DVec3) -> Option<DMat3> {
         if !self.is_inside(point) {
@@ -282,7 +281,7 @@ impl FittedField {
         self.region.lower.cmple(point).all() && point.cmple(self.region.upper).all()
     }
 
-    /// Index of the cell of a point in the box. By rounding it may be a neighbouring cell.
+    /// Index of the cell of a point in the box, or of a neighbouring cell because of rounding.
     #[inline(always)]
     fn cell(&self, point: DVec3) -> usize {
         let position = (point - self.region.lower) * self.per_cell;
@@ -303,9 +302,9 @@ impl fmt::Display for FittedFieldError {
         f.write_str(match self {
             FittedFieldError::NoBox => "the corners of the box must be finite, lower below upper along every axis",
             FittedFieldError::TooNear => {
-                "tiles are in the box or too close to it for its size: make it smaller or divide it"
+                "tiles are in the box or too close for its size; use a smaller box or divide it"
             }
-            FittedFieldError::TooExact => "the tolerance is below the rounding error of the field: make it larger",
+            FittedFieldError::TooExact => "the tolerance is below the rounding error of the field; use a larger tolerance",
         })
     }
 }
@@ -315,7 +314,7 @@ impl std::error::Error for FittedFieldError {}
 impl fmt::Display for LookUpError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let LookUpError { index, point: DVec3 { x, y, z }, outside } = self;
-        let why = if *outside { "outside the box" } else { "the field is too weak there for the tolerance" };
+        let why = if *outside { "outside the box" } else { "the field is too weak for the tolerance" };
         write!(f, "point {index} at ({x}, {y}, {z}): {why}")
     }
 }

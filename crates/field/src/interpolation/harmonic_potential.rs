@@ -1,8 +1,8 @@
 //! The field in a small box without tiles as the gradient of one harmonic potential
 //! (docs/physics.md, section 5.1).
 //!
-//! Three separate components would need three times as many free coefficients and more terms each,
-//! and would have a divergence and a curl.
+//! One potential has no divergence and no curl. Three separate components would need three times as
+//! many free coefficients and more terms each.
 
 use fearless_simd::prelude::*;
 use glam::{DMat3, DVec3};
@@ -21,7 +21,7 @@ const PARTS_PER_PAIR: usize = 6;
 pub(super) const CELL_COEFFICIENTS: usize =
     (PARTS_PER_PAIR * PAIRS + LONGEST_VECTOR - PARTS_PER_PAIR).next_multiple_of(LONGEST_VECTOR);
 
-/// Cost of a look-up in vector operations for one vector of points.
+/// Vector operations of a look-up for one vector of points.
 ///
 /// Each pair but the first of an order has six sums, or three if the order is 0, and three
 /// operations of the recurrence. Each order has about twelve more.
@@ -214,8 +214,8 @@ fn row_sums<S: Simd, const WANTED: usize>(
 pub(super) fn field<S: Simd>(simd: S, coefficients: &[f64], point: DVec3) -> DVec3 {
     let length = Lanes::<S>::LEN;
     let load = |values: &[f64; LONGEST_VECTOR]| Lanes::<S>::load(simd, &values[..length]);
-    // Powers of x + i y: real and imaginary parts alternate; in the second vector imaginary parts
-    // come first.
+    // Powers of x + i y, with alternating real and imaginary parts; in the second vector imaginary
+    // parts come first.
     let mut phases = [load(&[1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0]), load(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0])];
     let [x, y] = [point.x, point.y];
     let turns = [load(&[-y, y, -y, y, -y, y, -y, y]), load(&[y, -y, y, -y, y, -y, y, -y])];

@@ -1,5 +1,4 @@
-//! Look-ups of many points in the cells of a box. Points are sorted by cell, so that the points of
-//! one cell fill vectors.
+//! Look-ups of many points in the cells of a box. Points are sorted by cell to fill vectors.
 
 use fearless_simd::dispatch;
 use fearless_simd::prelude::*;
@@ -9,11 +8,11 @@ use magsplice_simd::lanes::{LONGEST_VECTOR, Lanes, Number};
 use super::fitted_field::FittedField;
 use super::harmonic_potential::fields;
 
-/// Number of points whose coordinates are split by axis at a time. It is so large that no vector is
-/// loaded from memory that has just been written.
+/// Number of points whose coordinates are split by axis at a time. It is large enough that no
+/// vector is loaded from memory just written.
 const CHUNK: usize = 16 * LONGEST_VECTOR;
 
-/// 2^52. The lowest bits of this plus a small integer are the integer.
+/// 2^52. The lowest bits of its sum with a small integer are the integer.
 const INTEGER_OFFSET: f64 = 4_503_599_627_370_496.0;
 
 /// Coordinates of a chunk of points by axis, or components of their field.
@@ -43,8 +42,8 @@ impl FittedField {
         for end in &mut ends {
             (*end, count) = (count, count + *end);
         }
-        // Points are read in the order of memory. Within each cell they are also written in that
-        // order, and cells are few.
+        // Points are read in the order of memory, and written in that order within each of the few
+        // cells.
         let mut sorted = vec![DVec3::ZERO; points.len()];
         for (place, &point) in places.iter_mut().zip(points) {
             let end = &mut ends[*place as usize];
@@ -72,8 +71,8 @@ impl FittedField {
         least_square.sqrt()
     }
 
-    /// Sets the cells of points, as [`FittedField::cell`]. The cell of a point outside the box is
-    /// the number of cells.
+    /// Sets the cells of points like [`FittedField::cell`]. A point outside the box gets the number
+    /// of cells.
     #[inline(always)]
     fn find_cells<S: Simd>(&self, simd: S, points: &[DVec3], cells: &mut [u32], buffers: &mut AxisBuffers) {
         let length = Lanes::<S>::LEN;

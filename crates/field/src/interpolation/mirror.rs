@@ -1,4 +1,4 @@
-//! Mirror symmetry of scenes about the middle planes of a box, by which half of the nodes of a fit
+//! Mirror symmetry of scenes about the middle planes of a box. With it half of the nodes of a fit
 //! determine the other half.
 
 use glam::DQuat;
@@ -14,7 +14,7 @@ pub(super) struct Mirrors {
     /// For each axis, s of B(M x) = s M B(x), where M mirrors x in the plane across the axis.
     /// `None` if the tiles are not symmetric.
     pub(super) signs: [Option<f64>; 3],
-    /// Upper bound of the error by which tiles miss their mirror images, in tesla.
+    /// Upper bound of the error from tiles that deviate from their mirror images, in tesla.
     pub(super) error_t: f64,
 }
 
@@ -38,7 +38,7 @@ impl Mirrors {
         mirrors
     }
 
-    /// Factor of a component of B from a place to its mirror image across an axis.
+    /// Factor of a component of B from a point to its mirror image across an axis.
     pub(super) fn factor(&self, component: usize, axis: usize) -> Option<f64> {
         self.signs[axis].map(|sign| if component == axis { -sign } else { sign })
     }
@@ -58,7 +58,7 @@ fn mirror_error_t(direct: &DirectSum, region: &BoundingBox, axis: usize, sign: f
         j_t[axis] = -j_t[axis];
         let distance = region.gap(around).length();
         // A dipole's field changes along any direction by at most three times its bound over the
-        // distance. A layer on a face is a tile of its own.
+        // distance. A layer on a face counts as another tile.
         let apart = |image: &Tile| {
             let moved = (image.position() - position).length();
             let grown = (image.size() - tile.size()).abs().element_sum();

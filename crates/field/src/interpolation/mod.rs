@@ -14,9 +14,9 @@ pub(crate) mod harmonic_potential;
 mod look_up;
 /// Mirror symmetry of scenes about the middle of a box.
 mod mirror;
-/// A grid divided into boxes that can be fitted.
+/// A grid divided into boxes with a fit.
 pub(crate) mod on_grid;
-/// Whether a fit can cost less than the exact field.
+/// Whether a fit can be faster than the exact field.
 pub(crate) mod outlook;
 /// Upper bound of the truncation error of a fit.
 mod truncation_bound;

@@ -25,7 +25,7 @@ pub(crate) struct GridPart {
     end: [usize; 3],
 }
 
-/// A grid divided into parts that have a Chebyshev fit, and parts without one.
+/// A grid divided into parts with and without a Chebyshev fit.
 pub(crate) struct GridFits {
     pub(crate) fitted: Vec<(GridPart, ChebyshevFit)>,
     pub(crate) rest: Vec<GridPart>,
@@ -33,8 +33,7 @@ pub(crate) struct GridFits {
 
 impl GridFits {
     /// Divides a grid. Parts too near to tiles for a fit are halved, down to a smallest number of
-    /// points.
-    /// `progress` is told 0 when a part begins.
+    /// points. `progress` receives 0 when a part begins.
     pub(crate) fn new(direct: &DirectSum, tolerance: Tolerance, grid: &Grid, progress: Progress) -> GridFits {
         let mut fits = GridFits { fitted: Vec::new(), rest: Vec::new() };
         let whole = GridPart { start: [0; 3], end: grid.counts() };
@@ -75,7 +74,7 @@ fn divide(
     };
     match fit {
         Ok(fit) => fits.fitted.push((part, fit)),
-        // Parts of a grid near a single tile gain less than the attempts to fit them cost.
+        // Near a single tile, attempts to fit parts of a grid take more time than fits save.
         Err(FitFailure::TooNear) if points >= 2 * min_points && tiles > 1 => {
             let axis = part.longest_axis(grid);
             let middle = usize::midpoint(part.start[axis], part.end[axis]);
@@ -125,10 +124,10 @@ impl GridPart {
 
 /// The polynomials of a fit at the grid's coordinates along each axis.
 struct PolynomialTables {
-    /// For each component and each coordinate along x and along y the values of its polynomials.
+    /// For each component and each coordinate along x and along y, the values of its polynomials.
     along_x: [Vec<Vec<f64>>; 3],
     along_y: [Vec<Vec<f64>>; 3],
-    /// For each polynomial along z the values at all coordinates.
+    /// For each polynomial along z, the values at all coordinates.
     along_z: Vec<f64>,
 }
 
@@ -160,7 +159,7 @@ impl PolynomialTables {
     }
 }
 
-/// Writes the interpolated field at the points of a part. Points at which it does not keep the
+/// Writes the interpolated field at the points of a part. Points where the field does not keep the
 /// tolerance are added to `rest`.
 fn evaluate(
     level: Level,
@@ -220,7 +219,7 @@ fn evaluate_plane<S: Simd>(
     least_square.sqrt()
 }
 
-/// Writes the field on a line along z, of whose three components `on_line` holds the coefficients.
+/// Writes the field on a line along z. `on_line` holds the coefficients of the three components.
 /// Returns the smallest |B|^2.
 ///
 /// All components of two vectors of points are summed in registers.

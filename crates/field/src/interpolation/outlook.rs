@@ -1,4 +1,4 @@
-//! The outlook of a Chebyshev fit, from distances alone: whether it can cost less than the exact
+//! The outlook of a Chebyshev fit, from distances alone: whether it can be faster than the exact
 //! field.
 
 use std::f64::consts::PI;
@@ -12,11 +12,11 @@ use crate::tolerances::{MIN_FIELD_SHARE, MIN_FIT_FRACTION};
 use magsplice_direct::direct_sum::DirectSum;
 
 /// Whether the distances of tiles suggest at most `max_nodes` nodes for a fit of the field in a
-/// box. Sampling a box whose fit then fails costs time, and distances cost nearly none.
+/// box. Sampling a box whose fit then fails takes time; distances take nearly none.
 ///
-/// The numbers of nodes that the asymptotic decay of the coefficients suggests (Eq. P26) are less
-/// than a fit will need. The rounding of the exact values, which the fit amplifies, is compared
-/// with the tolerance at the corners of the box.
+/// The numbers of nodes suggested by the asymptotic decay of the coefficients (Eq. P26) are below
+/// the numbers that a fit needs. The fit amplifies the rounding of the exact values, which is
+/// compared with the tolerance at the corners of the box.
 pub(crate) fn is_promising(direct: &DirectSum, region: &BoundingBox, tolerance: Tolerance, max_nodes: usize) -> bool {
     if matches!(tolerance, Tolerance::Relative { fraction, .. } if fraction < MIN_FIT_FRACTION) {
         return false;
@@ -60,8 +60,8 @@ pub(crate) fn is_promising(direct: &DirectSum, region: &BoundingBox, tolerance: 
     }
 }
 
-/// Decay of the Chebyshev coefficients along an axis, for a singularity this far beyond the end of
-/// the box and to the side of it, in half lengths of the box (Eq. P26).
+/// Decay of the Chebyshev coefficients along an axis (Eq. P26). Arguments are the distances of a
+/// singularity beyond the end of the box and to its side, in half lengths of the box.
 fn decay(beyond: f64, aside: f64) -> f64 {
     let place = if beyond > 0.0 { 1.0 + beyond } else { 0.0 };
     let half_sum = 0.5 * (DVec2::new(place + 1.0, aside).length() + DVec2::new(place - 1.0, aside).length());

@@ -9,25 +9,25 @@ use magsplice_magnet::{BoundingBox, Tile};
 use crate::tolerances::{DIPOLE_DEGREE, MAX_DECAY, MAX_FIT_NODES, PATCHES, PATCHES_PER_DISTANCE};
 use magsplice_direct::direct_sum::DirectSum;
 
-/// Numbers of nodes, and an upper bound of the truncation error with them.
+/// Numbers of nodes, and an upper bound of their truncation error.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NodeCounts {
     /// Numbers of nodes along x, y, z.
     pub(super) counts: [usize; 3],
-    /// The axes in the order in which the error bound interpolates.
+    /// The axes, in the order of interpolation of the error bound.
     order: [usize; 3],
     /// Upper bound of the length of the error, in tesla.
     pub(super) error_t: f64,
 }
 
-/// Charges and dipoles whose fields add up to the field of all tiles, as lines along each axis of a
-/// box see them.
+/// Charges and dipoles whose fields add up to the field of all tiles, in relation to lines along
+/// each axis of a box.
 #[derive(Clone, Debug)]
 pub(super) struct Sources {
     by_axis: [Vec<Source>; 3],
 }
 
-/// Charges or dipoles that all have at least some distance from the lines along one axis of a box.
+/// Charges or dipoles with a smallest distance from the lines along one axis of a box.
 #[derive(Clone, Copy, Debug)]
 struct Source {
     kind: Kind,
@@ -49,13 +49,13 @@ enum Kind {
 }
 
 impl Sources {
-    /// The sources of all tiles: the dipoles of small and distant tiles, the charges of others.
+    /// The sources of all tiles: dipoles of small and distant tiles, charges of other tiles.
     pub(super) fn new(direct: &DirectSum, region: &BoundingBox) -> Sources {
         let mut sources = Sources { by_axis: [vec![], vec![], vec![]] };
         let half_length = region.half_size().max_element();
         for (tile, around) in direct.tiles().iter().zip(direct.boxes()) {
             let (size, j_t, distance) = (tile.size(), tile.polarization_t(), region.gap(around).length());
-            // Both describe the same field. Dipoles have the lower bound in small tiles.
+            // Both describe the same field. Dipoles have the lower bound for small tiles.
             let dipole_t = j_t.length() * size.element_product() / (4.0 * PI);
             let charge_t = j_t.abs().dot(size.element_product() / size) / (2.0 * PI);
             if DIPOLE_DEGREE * dipole_t < charge_t * distance.max(half_length) {
@@ -76,15 +76,15 @@ impl Sources {
         sources
     }
 
-    /// The least number of nodes with which the truncation error is at most `allowed_t`. `None` if
-    /// an axis needs more than [`MAX_FIT_NODES`].
+    /// The smallest number of nodes with which the truncation error is at most `allowed_t`. `None`
+    /// if an axis needs more than [`MAX_FIT_NODES`].
     pub(super) fn node_counts(&self, allowed_t: f64) -> Option<NodeCounts> {
         let mut counts = [1; 3];
         let mut errors_t = [0.0; 3];
         for axis in 0..3 {
             (counts[axis], errors_t[axis]) = self.count_along(axis, allowed_t)?;
         }
-        // The axis with most nodes is interpolated first, so that its error does not grow.
+        // The axis with most nodes is interpolated first, so its error does not grow.
         let mut order = [0, 1, 2];
         order.sort_by_key(|&axis| std::cmp::Reverse(counts[axis]));
         loop {
@@ -107,7 +107,7 @@ impl Sources {
         }
     }
 
-    /// Upper bound of the derivative along each axis of the error of interpolation, in tesla per
+    /// Upper bound of the derivative of the error of interpolation along each axis, in tesla per
     /// unit of length (Eq. P51). The sources must be charges.
     pub(super) fn gradient_error_t(&self, nodes: NodeCounts, half: DVec3) -> DVec3 {
         let mut slopes_t = DVec3::ZERO;
@@ -134,8 +134,8 @@ impl Sources {
         slopes_t
     }
 
-    /// The least number of nodes along an axis with which the error of interpolation along it is at
-    /// most `allowed_t`, and that error.
+    /// The smallest number of nodes along an axis with which the error of interpolation along it is
+    /// at most `allowed_t`, and that error.
     fn count_along(&self, axis: usize, allowed_t: f64) -> Option<(usize, f64)> {
         if self.by_axis[axis].is_empty() {
             return Some((1, 0.0));
@@ -146,16 +146,16 @@ impl Sources {
             if error_t <= allowed_t {
                 return Some((count, error_t));
             }
-            // The ratio of successive errors grows with the number of nodes, so that this step is
-            // at most as long as it may be.
+            // The ratio of successive errors grows with the number of nodes, so this step is never
+            // too long.
             let steps = if error_t.is_finite() { ((allowed_t / error_t).ln() / ratio.ln()).ceil() } else { 1.0 };
             count += steps.clamp(1.0, MAX_FIT_NODES as f64) as usize;
         }
         None
     }
 
-    /// Upper bound of the error of interpolation at `count` nodes along one axis, at any place
-    /// along the others, in tesla, and a lower bound of the ratio of the next bound to it.
+    /// Upper bound of the error of interpolation at `count` nodes along one axis, anywhere along
+    /// the others, in tesla, and a lower bound of the ratio of the next bound to it.
     fn error_along_t(&self, axis: usize, count: usize) -> (f64, f64) {
         let (mut error_t, mut next_t) = (0.0, 0.0);
         for source in &self.by_axis[axis] {
@@ -217,8 +217,8 @@ impl Sources {
     }
 }
 
-/// Bound of the coefficients of a dipole over those of the derivative of a charge's field along the
-/// line (Eq. P50).
+/// Bound of the ratio of a dipole's coefficients to the coefficients of the derivative of a
+/// charge's field along the line (Eq. P50).
 const DIPOLE_FACTOR: f64 = 1.6;
 
 impl Source {
@@ -265,7 +265,7 @@ impl Source {
 }
 
 /// The slowest decay of the coefficients of any tile along each axis of a box. `None` if a tile is
-/// so near that a box needs more than [`MAX_FIT_NODES`].
+/// so near that the box needs more than [`MAX_FIT_NODES`].
 pub(super) fn slowest_decays(direct: &DirectSum, region: &BoundingBox) -> Option<[f64; 3]> {
     let half = region.half_size();
     let mut decays = [0.0_f64; 3];
@@ -283,8 +283,7 @@ pub(super) fn slowest_decays(direct: &DirectSum, region: &BoundingBox) -> Option
     Some(decays)
 }
 
-/// rho of Eq. P26 times half the length of the box, so that nothing overflows in the shortest
-/// boxes.
+/// rho of Eq. P26 times half the length of the box, which does not overflow in the shortest boxes.
 fn rho(along: f64, aside: f64, half: f64) -> f64 {
     let root = |x: f64| (x * x + aside * aside).sqrt();
     let long_axis = 0.5 * (root(along + half) + root(along - half));
@@ -302,12 +301,11 @@ mod tests {
     use super::super::chebyshev::{nodes, transform};
     use super::*;
 
-    /// Number of nodes with which coefficients are found. Their aliases are below round-off for the
-    /// decays that are tested.
+    /// Number of nodes for the coefficients. Aliases are below round-off for the tested decays.
     const MANY: usize = 120;
 
-    /// The sums of the lengths of the coefficients of degrees 1 and higher, 2 and higher, ... of a
-    /// field along the x axis from -1 to 1, doubled.
+    /// Twice the sums of the lengths of the coefficients of degrees 1 and higher, 2 and higher, ...
+    /// of a field along the x axis from -1 to 1.
     fn tails(field: impl Fn(DVec3) -> DVec3) -> Vec<f64> {
         let values: Vec<DVec3> = nodes(MANY).into_iter().map(|t| field(t * DVec3::X)).collect();
         let coefficient = |row: &Vec<f64>| row.iter().zip(&values).map(|(w, b)| *w * *b).sum::<DVec3>().length();
@@ -318,8 +316,8 @@ mod tests {
         tails
     }
 
-    /// The bounds over the sums of the coefficients, the least and the largest of all, for a source
-    /// of unit strength at places around the line.
+    /// The smallest and the largest ratio of the bounds to the sums of the coefficients, for a
+    /// source of unit strength at positions around the line.
     fn bounds_over_tails(kind: Kind, field: impl Fn(DVec3, f64) -> DVec3) -> [f64; 2] {
         let line = BoundingBox { lower: DVec3::NEG_X, upper: DVec3::X };
         let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);

@@ -1,13 +1,11 @@
-//! Weighted sums of rows, in the widest vectors. Sums of products of polynomials are evaluated by
-//! such sums.
+//! Weighted sums of rows, in the widest vectors. Sums of products of polynomials use them.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
 use magsplice_simd::lanes::{Lanes, Number};
 
-/// Row lengths are rounded up to a multiple of this, two of the longest vectors; the padding is
-/// zero.
+/// Row lengths are rounded up to a multiple of two of the longest vectors; the padding is zero.
 pub(super) const PADDING: usize = 16;
 
 /// Length of a row of `length` numbers with its padding.
@@ -15,8 +13,7 @@ pub(super) fn padded(length: usize) -> usize {
     length.next_multiple_of(PADDING)
 }
 
-/// Sets `sum` to the sum of `weights` times `rows`. Each row has the length of `sum`, a [`padded`]
-/// one.
+/// Sets `sum` to the sum of `weights` times `rows`. Each row has the [`padded`] length of `sum`.
 pub(super) fn weighted_sum_at(level: Level, weights: &[f64], rows: &[f64], sum: &mut [f64]) {
     dispatch!(level, simd => weighted_sum(simd, weights, rows, sum));
 }
@@ -34,7 +31,7 @@ pub(super) fn weighted_sum<S: Simd>(simd: S, weights: &[f64], rows: &[f64], sum:
     }
 }
 
-/// `N` vectors of the sum, whose additions do not wait for each other.
+/// `N` vectors of the sum, with independent additions.
 #[inline(always)]
 fn strip<S: Simd, const N: usize>(
     simd: S,
@@ -46,8 +43,8 @@ fn strip<S: Simd, const N: usize>(
 ) {
     let length = Lanes::<S>::LEN;
     let mut sums = [Lanes::<S>::splat(simd, 0.0); N];
-    // By indices: with cargo's default profile the iterators of zipped slices are not inlined here,
-    // and take half of the time of a look-up.
+    // Indices instead of iterators: with cargo's default profile the iterators of zipped slices are
+    // not inlined here and take half the time of a look-up.
     let mut at = start;
     for weight in weights {
         for (n, sum) in sums.iter_mut().enumerate() {

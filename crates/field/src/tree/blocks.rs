@@ -1,5 +1,5 @@
-//! The contents of a tree: blocks in the frame of the scene, grouped into items that are summed
-//! directly.
+//! The contents of a tree: blocks in the frame of the scene, grouped into items for direct
+//! summation.
 
 use std::f64::consts::PI;
 use std::ops::Range as Span;
@@ -54,22 +54,22 @@ pub(super) struct TreeItem {
     pub(super) blocks: Span<usize>,
 }
 
-/// Where the cluster of an item is stored.
+/// The storage of an item's cluster.
 #[derive(Clone, Debug)]
 pub(super) enum ClusterSource {
     /// In the frame's table, at this index.
     InTable(usize),
-    /// In the item, which is a half of a cluster in the table.
+    /// In the item, a half of a cluster in the table.
     Half {
         /// Blocks of the frame.
         blocks: Span<usize>,
-        /// Built when it is first needed.
+        /// Built when first needed.
         cluster: OnceLock<Box<Cluster>>,
     },
 }
 
 impl TreeItem {
-    /// The cluster by which the item is summed directly.
+    /// The cluster for direct summation of the item.
     pub(super) fn cluster<'a>(&'a self, frame: &'a Frame) -> &'a Cluster {
         match &self.source {
             ClusterSource::InTable(index) => &frame.clusters.clusters[*index],
@@ -96,8 +96,8 @@ pub(super) fn items_of_frame(frame: &Frame) -> impl Iterator<Item = (Span<usize>
     })
 }
 
-/// Expansion centre: the centre of the bounding box. If all blocks share a coordinate, exactly that
-/// coordinate, so that moments that vanish by symmetry are exactly zero.
+/// Expansion centre: the centre of the bounding box. It has exactly any coordinate shared by all
+/// blocks, so moments that vanish by symmetry are exactly zero.
 pub(super) fn expansion_centre(blocks: &[TreeBlock]) -> DVec3 {
     let (first, middle) = (blocks[0].centre, bounding_box(blocks).centre());
     let level = |axis: usize| blocks.iter().all(|block| block.centre[axis] == first[axis]);

@@ -16,7 +16,7 @@ use magsplice_direct::direct_sum::DirectSum;
 use magsplice_direct::prepare::frames::Frames;
 
 impl Tree {
-    /// A tree over prepared tiles, with expansions up to `degree` where they cost less than direct
+    /// A tree over prepared tiles, with expansions up to `degree` where they are faster than direct
     /// summation.
     pub(crate) fn new(direct: &DirectSum, degree: usize) -> Tree {
         Tree::from_frames(direct.level(), direct.frames(), direct.tiles(), degree)
@@ -117,9 +117,9 @@ impl Tree {
     }
 }
 
-/// Sorts items by recursive bisection, each time across the axis along which their centres extend
-/// farthest. Appends the span of each node in the new order and its child nodes; a node comes
-/// before its child nodes. Returns the index of the node.
+/// Sorts items by recursive bisection across the axis along which their centres extend farthest.
+/// Appends the span of each node in the new order, and its child nodes after it. Returns the index
+/// of the node.
 fn bisect(
     centres: &[DVec3],
     order: &mut [usize],

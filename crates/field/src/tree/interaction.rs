@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExpandedNode {
     pub(crate) node: usize,
-    /// Distance from its centre to the nearest of the points, scaled.
+    /// Distance from the centre to the nearest of the points, scaled.
     pub(crate) distance: f64,
     /// The degree at that distance.
     pub(crate) degree: usize,
@@ -17,7 +17,7 @@ pub(crate) struct ExpandedNode {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TranslatedNode {
     pub(crate) node: usize,
-    /// Distance from its centre to the nearest of the points, scaled.
+    /// Distance from the centre to the nearest of the points, scaled.
     pub(crate) distance: f64,
     /// The degree of its expansion.
     pub(crate) degree: usize,
@@ -32,7 +32,7 @@ pub(crate) struct TranslatedNode {
 /// The interaction of a node with points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Interaction {
-    /// None, because the whole field of the node is within the allowed truncation error.
+    /// No interaction, because the whole field of the node is within the allowed truncation error.
     Ignored,
     /// A local expansion of this degree, with an upper bound of its truncation error in tesla.
     Translated { local_degree: usize, local_truncation_error_t: f64 },
@@ -40,10 +40,10 @@ pub(crate) enum Interaction {
     Expanded,
 }
 
-/// An item that is summed directly, at least at some points.
+/// An item summed directly at some points or all.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DirectItem {
     pub(crate) item: usize,
-    /// Distance from its centre beyond which its expansion replaces direct summation.
+    /// Distance from the centre beyond which the expansion replaces direct summation.
     pub(crate) beyond: Option<(f64, ExpandedNode)>,
 }

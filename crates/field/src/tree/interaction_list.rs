@@ -14,13 +14,13 @@ use crate::tolerances::{LARGEST_LIST_COST, LOCAL_ERROR_SHARE, MIN_TRANSLATION_PO
 pub(crate) struct TileCounts {
     /// Tiles of expanded and translated nodes.
     pub(crate) expanded: usize,
-    /// Tiles that are summed directly, at least at some points.
+    /// Tiles summed directly at some points or all.
     pub(crate) direct: usize,
     /// Tiles of ignored nodes.
     pub(crate) ignored: usize,
 }
 
-/// The parts of a tree that add up to the field at points close to each other.
+/// The parts of a tree that add up to the field at neighbouring points.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct InteractionList {
     /// Nodes that act through their multipole expansions.
@@ -29,13 +29,13 @@ pub(crate) struct InteractionList {
     pub(crate) translated: Vec<TranslatedNode>,
     /// Centre of the box around the points.
     pub(crate) centre: DVec3,
-    /// Distance from the centre to a corner of that box.
+    /// Distance from the centre to a corner of the box.
     pub(crate) radius: f64,
-    /// Items that are summed directly at points near them. Items of one frame follow each other.
+    /// Items summed directly at points near them. Items of one frame follow each other.
     pub(crate) direct: Vec<DirectItem>,
     /// Upper bound of the truncation error of all nodes at any of the points, in tesla.
     pub(crate) truncation_error_t: f64,
-    /// The part of it that ignored nodes contribute.
+    /// The contribution of ignored nodes to it.
     pub(crate) ignored_t: f64,
     /// Upper bound of the sum over tiles of the magnitudes of their fields, in tesla.
     pub(crate) magnitude_t: f64,
@@ -69,8 +69,7 @@ impl InteractionList {
                 }
             }
         }
-        // Nodes that are translated at the same time are translated with the highest of their
-        // degrees.
+        // Nodes translated at the same time use the highest of their degrees.
         list.translated.sort_by_key(|of| (of.local_degree, of.degree, of.node));
         list.direct.sort_by_key(|direct| (tree.items[direct.item].frame, direct.item));
         list
@@ -124,7 +123,7 @@ impl InteractionList {
         self.tiles.direct as f64 + terms / CLOSED_FORM_COST
     }
 
-    /// Whether it costs clearly less than direct summation of all `tiles`.
+    /// Whether the list costs clearly less than direct summation of all `tiles`.
     pub(crate) fn pays(&self, tiles: usize) -> bool {
         self.cost() <= LARGEST_LIST_COST * tiles as f64
     }

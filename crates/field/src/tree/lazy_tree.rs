@@ -1,4 +1,4 @@
-//! A tree that is built when it is first needed.
+//! A tree built when first needed.
 
 use std::sync::OnceLock;
 
@@ -23,7 +23,7 @@ impl LazyTree {
         LazyTree { highest_degree: highest_degree(accuracy, largest_j_t), tree: OnceLock::new() }
     }
 
-    /// The tree, built from the tiles that [`LazyTree::new`] was given.
+    /// The tree, built from the tiles given to [`LazyTree::new`].
     pub(crate) fn get(&self, direct: &DirectSum) -> &Tree {
         self.tree.get_or_init(|| Tree::new(direct, self.highest_degree))
     }

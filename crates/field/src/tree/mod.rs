@@ -13,7 +13,7 @@ mod build;
 pub(crate) mod interaction;
 /// The interaction list of a batch of points.
 pub(crate) mod interaction_list;
-/// A tree that is built when it is first needed.
+/// A tree built when first needed.
 pub(crate) mod lazy_tree;
 /// Moments and expansions of the nodes.
 mod node_moments;
@@ -23,7 +23,7 @@ pub(crate) mod nodes;
 pub(crate) mod rounds;
 /// The field of an interaction list.
 mod sum;
-/// Truncation errors, and the degrees that keep an allowed one.
+/// Truncation errors, and the degrees that keep an allowed error.
 mod truncation;
 
 #[cfg(test)]

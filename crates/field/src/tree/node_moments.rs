@@ -1,4 +1,4 @@
-//! Moments and expansions of the nodes, computed when they are first needed.
+//! Moments and expansions of the nodes, computed when first needed.
 
 use glam::DVec3;
 use magsplice_expansion::m2l::M2lInput;

@@ -33,7 +33,7 @@ pub(crate) struct Tree {
     pub(super) leaf_expansions: Vec<OnceLock<Vec<NodeExpansion>>>,
 }
 
-/// A node: items that are next to each other, a single one in a leaf.
+/// A node of neighbouring items; a leaf has a single item.
 #[derive(Clone, Debug)]
 pub(super) struct TreeNode {
     pub(super) items: Span<usize>,
@@ -48,10 +48,10 @@ pub(super) struct TreeNode {
     pub(super) scale: f64,
     /// The sum over tiles of |J| V / 4 pi in tesla, scaled.
     pub(super) strength_t: f64,
-    /// Highest degree at which the expansion costs less than direct summation.
+    /// Highest degree at which the expansion is faster than direct summation.
     pub(super) degree: usize,
     /// Highest degree of the moments. It is chosen for twice as many tiles, because the moments of
-    /// the parent are computed from these moments.
+    /// the parent derive from these moments.
     pub(super) moment_degree: usize,
     /// The two child nodes.
     pub(super) halves: Option<[usize; 2]>,
@@ -76,7 +76,7 @@ pub(super) struct NodeExpansion {
     pub(super) multipole: MultipoleExpansion,
     /// Upper bound of the field of each degree at scaled distance 1, in tesla: q_l of Eq. P28.
     pub(super) field_bounds_t: Vec<f64>,
-    /// The same divided by (l + 1)^1/2, as in Eq. P37.
+    /// `field_bounds_t` divided by (l + 1)^1/2, as in Eq. P37.
     pub(super) mean_field_bounds_t: Vec<f64>,
 }
 
@@ -96,7 +96,7 @@ impl NodeExpansion {
 
 impl Tree {
     /// Upper bound of the sum over a node's tiles of the magnitudes of their fields at points
-    /// outside its sphere or its box, in tesla. Infinite where points can be in both.
+    /// outside its sphere or its box, in tesla. Infinite where points can be inside both.
     pub(super) fn node_field_bound_t(&self, node: usize, points: &BoundingBox) -> f64 {
         let of = &self.nodes[node];
         let gap = (of.distance(points) - of.radius * of.scale).max(points.gap(&of.bounds).length() * of.scale);
@@ -104,7 +104,7 @@ impl Tree {
     }
 
     /// Upper bound of the sum over a leaf's tiles of the magnitudes of their fields at any points,
-    /// in tesla. A cheaper bound is returned if it is at most `enough_t`.
+    /// in tesla. Returns a faster bound if it is at most `enough_t`.
     pub(super) fn leaf_field_bound_t(&self, leaf: usize, points: &BoundingBox, enough_t: f64) -> f64 {
         let item = self.nodes[leaf].items.start;
         let node_bound_t = self.node_field_bound_t(leaf, points);

@@ -19,7 +19,7 @@ use magsplice_direct::batches::{Progress, neighbours_together};
 use magsplice_direct::direct_sum::DirectSum;
 
 /// Writes B or H at the `usable` points to `field`. Returns the points without a field, and the
-/// indices of points at which the tolerance is not kept.
+/// indices of points where the tolerance is missed.
 pub(crate) fn sum_over_tree(
     (direct, tree): (&DirectSum, &Tree),
     tolerance: Tolerance,
@@ -99,9 +99,9 @@ struct PointBatch<'a> {
 /// Points without a value within the tolerance.
 #[derive(Default)]
 struct OpenPoints {
-    /// Points at which the tolerance is not kept.
+    /// Points where the tolerance is missed.
     missed: Vec<usize>,
-    /// Points that have no field.
+    /// Points without a field.
     failed: Vec<(usize, PointErrorCause)>,
 }
 
@@ -116,9 +116,10 @@ impl OpenPoints {
 
 /// Points of the next refinement round.
 struct NextRound {
-    /// Points at which the tolerance is not kept.
+    /// Points where the tolerance is missed.
     missed: Vec<usize>,
-    /// Whether a smaller truncation error would keep the tolerance at any of them, rounding aside.
+    /// Whether a smaller truncation error would keep the tolerance at any of them, apart from
+    /// rounding.
     can_improve: bool,
     /// The smallest truncation error at any point that can improve, in tesla.
     truncation_error_t: f64,
@@ -135,7 +136,7 @@ impl Default for NextRound {
 struct ErrorBudget {
     /// Total over all nodes, in tesla.
     total_t: f64,
-    /// Number of nodes among which it is divided evenly.
+    /// Number of nodes that share it evenly.
     nodes: f64,
 }
 
@@ -149,8 +150,8 @@ struct ListResult {
 }
 
 impl ListResult {
-    /// Number of nodes among which the next budget is divided, so that the truncation error uses
-    /// about all of it.
+    /// Number of nodes that share the next budget, such that the truncation error uses about all of
+    /// it.
     fn node_count(&self, budget: ErrorBudget) -> f64 {
         let own_t = budget.total_t / budget.nodes;
         let mean_t = self.truncation_error_t.iter().sum::<f64>() / self.truncation_error_t.len() as f64;
@@ -177,7 +178,7 @@ impl<'a> PointBatch<'a> {
             let own = budget.unwrap_or_else(|| self.first_budget(&self.points[..part.len()]));
             let list = self.list(&self.points_of(part), own);
             if !list.pays(self.direct.tiles().len()) {
-                // Nor will the lists of the points around.
+                // The lists of neighbouring points will not keep it either.
                 self.open.missed.extend(part[0]..self.points.len());
                 break;
             }
@@ -195,7 +196,7 @@ impl<'a> PointBatch<'a> {
             for part in last.missed.chunks(POINTS_PER_LIST) {
                 let lengths = part.iter().map(|&index| self.values[index].length() * self.in_tesla());
                 let tolerance_t = self.tolerance_t(lengths.fold(f64::INFINITY, f64::min));
-                // Smaller than before in any case.
+                // In any case smaller than before.
                 let total_t = SAFETY_FACTOR * tolerance_t.min(last.truncation_error_t);
                 let first = ErrorBudget { total_t, nodes: FIRST_NODE_COUNT };
                 // These points are farther apart, so the list has more nodes than before.
@@ -212,8 +213,8 @@ impl<'a> PointBatch<'a> {
         self.open.missed.extend(next.missed);
     }
 
-    /// Evaluates points with one interaction list, and adds points at which the tolerance is not
-    /// kept to the next round. Returns the budget for points with a similar field.
+    /// Evaluates points with one interaction list, and adds points where the tolerance is missed to
+    /// the next round. Returns the budget for points with a similar field.
     fn evaluate_part(
         &mut self,
         part: &[usize],
@@ -223,7 +224,7 @@ impl<'a> PointBatch<'a> {
     ) -> ErrorBudget {
         let points = self.points_of(part);
         let result = self.evaluate(&points, list);
-        // One bound for all points is often enough; otherwise each has its own.
+        // One bound for all points is often sufficient; otherwise each point has its own.
         let most_rounding_t = STRETCHED_BOUND * result.list.magnitude_t;
         let mut own_magnitudes_t = None;
         let mut lengths_t = Vec::with_capacity(part.len());
@@ -257,7 +258,8 @@ impl<'a> PointBatch<'a> {
         }
         let weak = lengths_t.len() / POINTS_PER_WEAK_FIELD;
         let weak_t = *lengths_t.select_nth_unstable_by(weak, f64::total_cmp).1;
-        // A truncation error below rounding is of no use, as where the field vanishes by symmetry.
+        // A truncation error below rounding has no benefit, for example where the field vanishes by
+        // symmetry.
         let total_t = (SAFETY_FACTOR * self.tolerance_t(weak_t)).max(largest_rounding_t);
         ErrorBudget { total_t, nodes }
     }
@@ -333,14 +335,13 @@ impl<'a> PointBatch<'a> {
         InteractionList::new(self.tree, &around, points.len(), budget.total_t / budget.nodes)
     }
 
-    /// The factor that turns the quantity into tesla.
+    /// The factor from the unit of the quantity to tesla.
     fn in_tesla(&self) -> f64 {
         if self.quantity == Quantity::FieldStrength { MU_0 } else { 1.0 }
     }
 }
 
-/// Number of nodes among which a budget is divided, for a list with about as many expansions as
-/// this.
+/// Number of nodes that share a budget, for a list with about as many expansions as this.
 fn expected_nodes(list: &InteractionList) -> f64 {
     USED_ERROR_SHARE * list.expansions() as f64 + FIRST_NODE_COUNT
 }

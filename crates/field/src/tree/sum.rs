@@ -73,7 +73,7 @@ pub(super) fn local_expansion(level: Level, tree: &Tree, list: &InteractionList)
     Some(dispatch!(level, simd => translate(simd, &inputs, degree, list.centre, scale)))
 }
 
-/// The clusters that are summed directly, by frame.
+/// The clusters for direct summation, by frame.
 fn clusters<'a>(
     tree: &'a Tree,
     list: &InteractionList,

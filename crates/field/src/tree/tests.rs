@@ -37,8 +37,7 @@ fn one<S: Simd>(simd: S, field: &impl Pairwise<S>, point: DVec3) -> DVec3 {
     DVec3::from(field.fields(simd, [lanes, lanes])[0].map(|component| component.lane(0)))
 }
 
-/// Two small tiles whose dipoles point outwards have nearly the largest truncation error that tiles
-/// can have.
+/// Two small tiles whose dipoles point outwards have nearly the largest possible truncation error.
 #[test]
 fn truncation_error_of_a_node_is_within_its_bound_and_close_to_it() {
     let level = Level::new();
@@ -88,11 +87,11 @@ fn truncation_error_of_a_node_is_within_its_bound_and_close_to_it() {
             assert_eq!(last, 0, "the whole field is within the allowed error there");
         }
     }
-    // Parts of odd degree vanish by symmetry, so that no odd degree is the lowest sufficient one.
+    // Parts of odd degree vanish by symmetry, so the lowest sufficient degree is even.
     assert_eq!(seen.iter().filter(|seen| **seen).count(), 8, "{seen:?}");
 }
 
-/// Tiles in a plane, as many different polarizations, and a tree over them.
+/// Tiles in a plane, each with its own polarization, and a tree over them.
 fn sheet() -> (DirectSum, Tree) {
     sheet_of(|x, y| DVec3::new((0.6 * x + 0.1 * y).sin(), (0.6 * y + 0.1 * x).sin(), 0.2 + 0.1 * (x * y).sin()))
 }
@@ -110,7 +109,7 @@ fn sheet_of(polarization_t: impl Fn(f64, f64) -> DVec3) -> (DirectSum, Tree) {
     (direct, tree)
 }
 
-/// A translated node whose only truncation error is that of the local expansion.
+/// A translated node whose only truncation error comes from the local expansion.
 fn translation(node: usize, degree: usize, (local_degree, local_truncation_error_t): (usize, f64)) -> TranslatedNode {
     let distance = 1.0;
     TranslatedNode { node, distance, degree, truncation_error_t: 0.0, local_degree, local_truncation_error_t }
@@ -160,8 +159,7 @@ fn truncation_error_of_a_translation_is_within_its_bound() {
     assert!(translations > 100 && closest > 0.1, "{translations} translations, {closest}");
 }
 
-/// The local expansion of many nodes is the sum of the local expansions of each, whatever their
-/// degrees.
+/// The local expansion of many nodes is the sum of the local expansions of each, for any degrees.
 #[test]
 fn local_expansion_of_many_nodes_is_the_sum_of_each() {
     let (_, tree) = sheet();
@@ -198,7 +196,7 @@ fn near_tiles_have_the_exact_field_within_a_tolerance() {
             DVec3::new(3.0 * (1.3 * turn).sin(), 3.0 * (2.1 * turn).cos(), -2.6 - 2.5 * (0.7 * turn).cos())
         })
         .collect();
-    // The sum over tiles is about one of each.
+    // Each sum over tiles is about one.
     let some_alike = |x: f64, y: f64| DVec3::new((0.6 * x).sin(), 0.3, if y > 0.0 { (y * y + x).sin() } else { 0.0 });
     let all_alike = |x: f64, y: f64| DVec3::new(if x * y > 0.0 { 0.7 } else { -0.7 }, 0.7, 0.0);
     for (direct, tree) in [sheet(), sheet_of(some_alike), sheet_of(all_alike)] {
@@ -229,13 +227,13 @@ fn summed(direct: &DirectSum, tree: &Tree, list: &InteractionList, points: &[DVe
     (field, truncation_error_t)
 }
 
-/// Ignored nodes, expansions at all points or beyond a sphere, and translated ones, each compared
+/// Ignored nodes, expansions at all points or beyond a sphere, and translated nodes, each compared
 /// with the exact field of the same tiles. Some of the points are in a row far away from the
 /// others.
 #[test]
 fn truncation_error_at_each_point_is_within_its_bound() {
     let (direct, tree) = sheet();
-    // The rounding of both fields, whose tiles add up to about one.
+    // The rounding of both fields; the sum over tiles is about one.
     let rounding_t = 2.0 * EXACT_BOUND;
     let mut closest = [0.0_f64; 4];
     for (middle, spread) in [(DVec3::new(3.0, -8.0, -2.0), 3.0), (DVec3::new(24.0, 21.0, -3.0), 6.0)] {

@@ -16,7 +16,7 @@ use crate::tolerances::{CORNER_MEAN_TILES, DISTANCE_BISECTIONS, MIN_NODE_DISTANC
 use magsplice_direct::far_field::DegreesByPoints;
 
 /// By degree P of a local expansion: (P + 2)^1/2, the factor of the next degree in Eq. P37, and the
-/// largest ratio of two such factors that follow it.
+/// largest ratio of two successive factors after it.
 static NEXT_DEGREE_FACTORS: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     let next = (0..=HIGHEST_LOCAL_DEGREE).map(|degree| (degree + 2) as f64);
     next.map(|next| [next.sqrt(), (1.0 + 1.0 / next).sqrt()]).collect()
@@ -24,8 +24,8 @@ static NEXT_DEGREE_FACTORS: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
 
 impl Tree {
     /// A node with the lowest degree whose truncation error is at most `allowed_t` at all points of
-    /// a box. The degree is 0 if the whole field of the node is within it. `None` if the box is too
-    /// near, or too far.
+    /// a box. The degree is 0 if the whole field of the node is within `allowed_t`. `None` if the
+    /// box is too near, or too far.
     pub(super) fn expanded_node(&self, node: usize, points: &BoundingBox, allowed_t: f64) -> Option<ExpandedNode> {
         let of = &self.nodes[node];
         let distance = of.distance(points);
@@ -39,7 +39,7 @@ impl Tree {
         }
         let bounds_t = &self.node_expansion(node).field_bounds_t;
         let (mut degree, mut truncation_error_t) = (of.degree, remainder_t);
-        // From the highest degree down, since most degrees are needed.
+        // From the highest degree down, because most degrees are needed.
         while degree > 0 && truncation_error_t + bounds_t[degree] * term.power <= allowed_t {
             truncation_error_t += bounds_t[degree] * term.power;
             degree -= 1;
@@ -105,7 +105,7 @@ impl Tree {
     }
 
     /// Bound of the truncation error of each degree of a node at the nearest points, in tesla. At n
-    /// times the distance it is smaller by n^(degree + 3) at least.
+    /// times the distance it is smaller by at least n^(degree + 3).
     fn truncation_errors_t(&self, expanded: &ExpandedNode) -> [f64; HIGHEST_DEGREE + 1] {
         let bounds_t = &self.node_expansion(expanded.node).field_bounds_t;
         let mut errors_t = [0.0; HIGHEST_DEGREE + 1];
@@ -119,8 +119,8 @@ impl Tree {
         errors_t
     }
 
-    /// The lowest degree of a local expansion of a node, and the bound of its truncation error in
-    /// tesla, that is at most `allowed_t` within `radius` of `centre` (Eq. P37).
+    /// The lowest degree of a node's local expansion whose truncation error is at most `allowed_t`
+    /// within `radius` of `centre` (Eq. P37), and the bound of that error in tesla.
     ///
     /// The error is relative to the node's expansion of degree `degree`. `None` if the degree would
     /// exceed [`HIGHEST_LOCAL_DEGREE`].
@@ -160,7 +160,7 @@ impl Tree {
             }
             let highest = best.map_or(HIGHEST_LOCAL_DEGREE, |(degree, _)| degree);
             for (local_degree, [root, growth]) in NEXT_DEGREE_FACTORS[..=highest].iter().enumerate() {
-                // The next degree, and the geometric series that bounds all degrees from there on.
+                // The next degree, and the geometric series that bounds all further degrees.
                 power *= ratio;
                 let rest = 1.0 - ratio * growth;
                 if rest > 0.0 && power * root <= allowed_t * rest {
@@ -203,8 +203,8 @@ impl Tree {
         Some((enough / of.scale, nearest))
     }
 
-    /// Upper bound of the field of all degrees beyond a node's own, in tesla (Eq. P29). The fields
-    /// of dipoles by degree are summed as the geometric series that they stay below.
+    /// Upper bound of the field of all degrees beyond a node's own, in tesla (Eq. P29). A geometric
+    /// series bounds the sum of the fields of dipoles over the degrees.
     fn remainder_bound_t(&self, node: usize, own: &DegreePower) -> f64 {
         let of = &self.nodes[node];
         let l = (of.degree + 1) as f64;
@@ -231,7 +231,7 @@ impl Tree {
     }
 }
 
-/// The power of the distance with which the field of a degree decreases, distance^-(degree + 2).
+/// The power of the distance that governs the field of a degree, distance^-(degree + 2).
 struct DegreePower {
     degree: usize,
     distance: f64,
@@ -250,13 +250,13 @@ impl DegreePower {
     }
 }
 
-/// distance^-exponent, from distance^-(exponent + 1). Where that underflows it is computed anew,
-/// since the lower power may not underflow.
+/// distance^-exponent, from distance^-(exponent + 1). Where the higher power underflows the lower
+/// power may not, and is computed anew.
 fn lower_power(power: f64, distance: f64, exponent: usize) -> f64 {
     if power.is_normal() { power * distance } else { inverse_power(distance, exponent) }
 }
 
-/// distance^-exponent. Not inlined, or the compiler would compute it for all points.
+/// distance^-exponent. Not inlined, because otherwise the compiler computes it for all points.
 #[cold]
 #[inline(never)]
 fn inverse_power(distance: f64, exponent: usize) -> f64 {
@@ -265,7 +265,7 @@ fn inverse_power(distance: f64, exponent: usize) -> f64 {
 
 /// Smallest squared distance of points from a centre. Points that are NaN are ignored.
 fn least_squared_distance(centre: DVec3, [x, y, z]: [&[f64]; 3]) -> f64 {
-    // Four minima that do not wait for each other.
+    // Four independent minima.
     let mut least = [f64::INFINITY; 4];
     for ((x, y), z) in x.chunks(least.len()).zip(y.chunks(least.len())).zip(z.chunks(least.len())) {
         for (least, ((x, y), z)) in least.iter_mut().zip(x.iter().zip(y).zip(z)) {
@@ -277,7 +277,7 @@ fn least_squared_distance(centre: DVec3, [x, y, z]: [&[f64]; 3]) -> f64 {
     least.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// The same integer power of each number.
+/// An integer power of each number.
 fn integer_powers<const N: usize>(mut numbers: [f64; N], mut exponent: usize) -> [f64; N] {
     let mut powers = [1.0; N];
     while exponent > 0 {
