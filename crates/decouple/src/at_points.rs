@@ -9,8 +9,8 @@ use crate::parameters::Parameters;
 use crate::per_axis::PerAxis;
 use crate::per_parameter::PerParameter;
 
-/// The decoupling parameters of a film at given points, with their errors against the ideal film.
-/// There is no uniformity RMSE, because it needs the planes of a grid.
+/// The decoupling parameters of a film at given points, with their errors against the ideal film. A
+/// uniformity RMSE would need the planes of a grid.
 ///
 /// ```
 /// use glam::DVec3;
@@ -33,8 +33,8 @@ pub struct PointDecoupling {
     pub parameters: Vec<Option<Parameters>>,
     /// The parameters at the reference point.
     pub at_reference: Parameters,
-    /// Each parameter's change from the reference point minus that of the ideal film (-k dx, -k dy,
-    /// k dz). `None` at singular points. They are not serialized.
+    /// Each parameter's change from the reference point minus the change of the ideal film (-k dx,
+    /// -k dy, k dz). `None` at singular points. They are not serialized.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub errors: Vec<Option<PerParameter>>,
     /// Points where B_z = 0 and the parameters do not exist. These points enter no average.
@@ -42,23 +42,23 @@ pub struct PointDecoupling {
     pub singular: Vec<DVec3>,
     /// Root mean square of the errors over all points.
     pub ideal_rmse: PerParameter,
-    /// The same errors as displacements along x, y, z (Dai 2024, Eq. 14): over the wavenumber, in
+    /// The errors as displacements along x, y, z (Dai 2024, Eq. 14): divided by the wavenumber, in
     /// the unit of lengths, which is millimetres in layouts.
     pub displacement_rmse_mm: PerAxis,
 }
 
 impl PointDecoupling {
-    /// Evaluates a field that is given at points and at a reference point.
+    /// Evaluates a field given at points and at a reference point.
     ///
     /// Fields are in tesla, lengths in any one unit. The reference point also fixes the branch, so
-    /// it must lie near the axis of the film; see [`Branch`](crate::Branch).
+    /// it must be near the axis of the film; see [`Branch`](crate::Branch).
     ///
     /// # Accuracy
     /// Errors of the parameters as in [`Parameters::from_field`].
     ///
     /// # Errors
-    /// As [`Decoupling::from_field`](crate::Decoupling::from_field), for the points instead of the
-    /// grid.
+    /// The errors of [`Decoupling::from_field`](crate::Decoupling::from_field), for the points
+    /// instead of the grid.
     ///
     /// # Panics
     /// If `field_t` does not have one value per point.
@@ -90,8 +90,8 @@ impl PointDecoupling {
         Ok(PointDecoupling { parameters, at_reference, errors, singular, ideal_rmse, displacement_rmse_mm })
     }
 
-    /// The displacement that Eq. 14 of Dai 2024 finds from the reference to a point, minus the true
-    /// one, in the unit of 1 / `wavenumber`. `None` at a singular point.
+    /// The displacement from the reference to a point by Eq. 14 of Dai 2024, minus the true
+    /// displacement, in the unit of 1 / `wavenumber`. `None` at a singular point.
     ///
     /// # Panics
     /// If there is no such point.
@@ -110,7 +110,7 @@ mod tests {
         IdealFilm::new(10.0, 1.0, 0.12).unwrap()
     }
 
-    /// A field that is that of the film elsewhere, so that the errors are known.
+    /// The field of the film at displaced points, for which the errors are known.
     #[test]
     fn displaced_field_has_the_displacement_as_its_error() {
         let moved = DVec3::new(0.03, -0.05, 0.02);

@@ -1,11 +1,11 @@
-//! The uniformity of parameters that were measured at any points that lie on planes.
+//! The uniformity of parameters measured at points on planes.
 
 use glam::DVec3;
 
 use crate::parameters::Parameters;
 use crate::per_parameter::{Parameter, PerParameter};
 
-/// Two coordinates are those of one plane up to this fraction of the extent of the points.
+/// Largest difference of two coordinates of one plane, as a fraction of the extent of the points.
 const SAME_PLANE: f64 = 1e-6;
 
 /// The uniformity RMSE of R_x, R_y, S_z over points on planes normal to their own axes: the
@@ -14,7 +14,7 @@ const SAME_PLANE: f64 = 1e-6;
 /// where no plane has two points.
 ///
 /// # Panics
-/// If there are not as many parameters as points.
+/// If the numbers of parameters and points differ.
 pub fn uniformity_by_planes(points: &[DVec3], parameters: &[Parameters]) -> PerParameter<Option<f64>> {
     assert_eq!(points.len(), parameters.len(), "parameters at each point");
     let of = |parameter: Parameter| {

@@ -43,19 +43,19 @@ pub struct Decoupling {
     #[cfg_attr(feature = "serde", serde(rename = "singular_points_mm"))]
     pub singular: Vec<DVec3>,
     /// Uniformity RMSE: the population standard deviation of a parameter over a plane normal to its
-    /// own axis, averaged over the planes. It tells how much the parameter depends on the two
-    /// coordinates that it should not depend on. `None` where the planes have one point each.
+    /// own axis, averaged over the planes. It measures the undesired dependence of the parameter on
+    /// the other two coordinates. `None` where the planes have one point each.
     pub uniformity_rmse: PerParameter<Option<f64>>,
     /// Root mean square, over all points, of the difference between a parameter's change from the
-    /// reference point and that of the ideal film (-k dx, -k dy, k dz).
+    /// reference point and the change of the ideal film (-k dx, -k dy, k dz).
     pub ideal_rmse: PerParameter,
-    /// The same errors as displacements along x, y, z (Dai 2024, Eq. 14): over the wavenumber, in
+    /// The errors as displacements along x, y, z (Dai 2024, Eq. 14): divided by the wavenumber, in
     /// the unit of lengths, which is millimetres in layouts.
     pub displacement_rmse_mm: PerAxis,
 }
 
-/// Statistics of a parameter over one plane normal to its own axis, where it should be constant. In
-/// radians for R_x and R_y, without unit for S_z.
+/// Statistics of a parameter over one plane normal to its own axis, where it should be constant.
+/// Values are in radians for R_x and R_y, without unit for S_z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PlaneStatistics {
@@ -63,13 +63,13 @@ pub struct PlaneStatistics {
     pub mean: f64,
     /// Population standard deviation.
     pub deviation: f64,
-    /// Least value.
+    /// Smallest value.
     pub least: f64,
     /// Largest value.
     pub most: f64,
 }
 
-/// Why the decoupling parameters of a film cannot be evaluated.
+/// The reason why the decoupling parameters of a film cannot be evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DecouplingError {
@@ -84,7 +84,7 @@ pub enum DecouplingError {
     BeyondHalfWave {
         /// 0 for x, 1 for y.
         axis: usize,
-        /// The coordinate that is too large.
+        /// The largest coordinate.
         reach: f64,
         /// Half the wavelength.
         half_wavelength: f64,
@@ -92,14 +92,14 @@ pub enum DecouplingError {
 }
 
 impl Decoupling {
-    /// Evaluates a field that is given on `grid`, z fastest, and at a reference point.
+    /// Evaluates a field given on `grid`, z fastest, and at a reference point.
     ///
     /// Fields are in tesla, lengths in any one unit. The reference point also fixes the branch, so
-    /// it must lie near the axis of the film; see [`Branch`].
+    /// it must be near the axis of the film; see [`Branch`].
     ///
     /// # Accuracy
-    /// Errors of the parameters as in [`Parameters::from_field`]. The errors of a film that
-    /// decouples perfectly come out below 1e-13 in the published working volume.
+    /// Errors of the parameters as in [`Parameters::from_field`]. The computed errors of a
+    /// perfectly decoupled film are below 1e-13 in the published working volume.
     ///
     /// # Errors
     /// * [`DecouplingError::SingularReference`] if B_z vanishes at the reference point;
@@ -138,8 +138,8 @@ impl Decoupling {
         Ok(Decoupling { parameters, at_reference, singular, uniformity_rmse, ideal_rmse, displacement_rmse_mm })
     }
 
-    /// Statistics of a parameter over each plane of the grid normal to the axis that the parameter
-    /// follows. `None` for a plane whose points are all singular. The mean of the deviations is
+    /// Statistics of a parameter over each plane of the grid normal to the axis of the parameter.
+    /// `None` for a plane of singular points. The mean of the deviations is
     /// [`Decoupling::uniformity_rmse`].
     pub fn plane_statistics(&self, parameter: Parameter) -> Vec<Option<PlaneStatistics>> {
         plane_statistics(&self.parameters, parameter)
@@ -153,7 +153,7 @@ fn plane_statistics(parameters: &Array3<Option<Parameters>>, parameter: Paramete
         .collect()
 }
 
-/// Mean deviation of the planes that have a regular point.
+/// Mean deviation of the planes with a regular point.
 fn mean_deviation(planes: &[Option<PlaneStatistics>]) -> f64 {
     let deviations: Vec<f64> = planes.iter().flatten().map(|plane| plane.deviation).collect();
     deviations.iter().sum::<f64>() / deviations.len() as f64
@@ -190,8 +190,8 @@ fn ideal_rmse(
     squares.rmse()
 }
 
-/// Refuses points that reach half a wavelength from the axis. `reach` has the largest magnitude of
-/// each coordinate.
+/// Rejects points half a wavelength or more from the axis. `reach` is the largest magnitude of each
+/// coordinate.
 pub(crate) fn check_reach(reach: DVec3, ideal: &IdealFilm) -> Result<(), DecouplingError> {
     let half_wavelength = 0.5 * ideal.wavelength();
     for axis in 0..2 {
@@ -215,14 +215,14 @@ impl fmt::Display for DecouplingError {
         match self {
             DecouplingError::SingularReference { at } => write!(
                 f,
-                "B_z vanishes at the reference point ({}, {}, {}), where the decoupling parameters do not exist: \
+                "B_z vanishes at the reference point ({}, {}, {}), where the decoupling parameters do not exist; \
                  choose a reference on the axis of the film",
                 at.x, at.y, at.z
             ),
             DecouplingError::AllSingular => write!(
                 f,
-                "B_z vanishes at every point of the working volume, so no decoupling parameter exists: is any tile \
-                 magnetized?"
+                "B_z vanishes at every point of the working volume, so no decoupling parameter exists; at least one \
+                 tile must be magnetized"
             ),
             DecouplingError::BeyondHalfWave { axis, reach, half_wavelength } => {
                 let axis = if *axis == 0 { "x" } else { "y" };
@@ -293,7 +293,7 @@ mod tests {
         assert_relative_eq!(plane.deviation, 3.0 * uniformity.s_z, max_relative = 1e-9);
     }
 
-    /// A film that is displaced after the reference was taken has the same error in every point.
+    /// A film displaced after the reference was taken has the same error at every point.
     #[test]
     fn displacement_of_the_film_is_the_ideal_error() {
         let (grid, moved) = (grid(), DVec3::new(0.03, -0.05, 0.02));

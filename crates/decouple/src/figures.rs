@@ -1,4 +1,4 @@
-//! The figures of a film: seven numbers that describe how well it decouples.
+//! The figures of a film: seven measures of its decoupling.
 
 use magsplice_magnet::Axis;
 
@@ -12,12 +12,12 @@ use crate::per_parameter::{Parameter, PerParameter};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Figures<T = f64> {
     /// Uniformity RMSE; see [`Decoupling::uniformity_rmse`]. `None` where the planes normal to the
-    /// axis of the parameter have one point each, which deviates from nothing.
+    /// axis of the parameter have one point each.
     pub uniformity_rmse: PerParameter<Option<T>>,
-    /// RMSE of the displacement along x, y, z that the parameters give (Dai 2024, Eq. 14), in
+    /// RMSE of the displacement along x, y, z computed from the parameters (Dai 2024, Eq. 14), in
     /// millimetres; see [`Decoupling::displacement_rmse_mm`].
     pub displacement_rmse_mm: PerAxis<T>,
-    /// The factor that brings the field of the ideal film closest to the field of the film.
+    /// The factor of the ideal film's field that fits the field of the film best.
     pub amplitude: T,
 }
 
@@ -44,7 +44,7 @@ impl Figure {
         Figure::Amplitude,
     ];
 
-    /// The place of the figure in [`Figure::ALL`].
+    /// The index of the figure in [`Figure::ALL`].
     pub const fn index(self) -> usize {
         match self {
             Figure::Uniformity(parameter) => parameter.axis().index(),
@@ -80,8 +80,8 @@ impl Figures {
 }
 
 impl<T> Figures<T> {
-    /// The values that a function gives. `None` if it gives none for a displacement or for the
-    /// amplitude.
+    /// The values of a function of the figure. `None` if it returns `None` for a displacement or
+    /// for the amplitude.
     pub fn from_fn(mut value: impl FnMut(Figure) -> Option<T>) -> Option<Figures<T>> {
         let uniformity_rmse = Parameter::ALL.map(|parameter| value(Figure::Uniformity(parameter))).into();
         let [x, y, z] = Axis::ALL.map(|axis| value(Figure::Displacement(axis)));
@@ -103,7 +103,7 @@ impl<T> Figures<T> {
         Figure::ALL.into_iter().map(|figure| (figure, self.get(figure)))
     }
 
-    /// The values of a function of these.
+    /// Applies a function to each value.
     pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> Figures<U> {
         Figures {
             uniformity_rmse: self.uniformity_rmse.map(|value| value.map(&mut f)),

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::parameters::{Parameters, half_turn};
 use crate::per_parameter::PerParameter;
 
-/// The change of the parameters from `at_reference`, minus that of the ideal film over the
+/// The change of the parameters from `at_reference`, minus the change of the ideal film over the
 /// displacement `moved`: -k x, -k y, k z.
 pub(crate) fn ideal_error(p: &Parameters, at_reference: &Parameters, moved: DVec3, k: f64) -> PerParameter {
     PerParameter {

@@ -1,5 +1,5 @@
-//! Self-decoupling of magnetic films: three parameters of the flux density, each of which follows
-//! one coordinate.
+//! Self-decoupling of magnetic films: three parameters of the flux density, each of which depends
+//! on one coordinate.
 //!
 //! * [`Parameters`]: R_x, R_y, S_z of a field value, and displacement from their change (Dai 2024,
 //!   Eqs. 13 to 15).
@@ -43,7 +43,7 @@ mod at_points;
 mod by_planes;
 /// The parameters over a working volume, and their errors.
 mod decoupling;
-/// Seven numbers that describe how well a film decouples.
+/// Seven measures of a film's decoupling.
 mod figures;
 /// The error of a parameter's change against the ideal film.
 mod ideal_error;

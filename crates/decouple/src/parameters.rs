@@ -7,9 +7,9 @@ use glam::DVec3;
 
 use crate::per_parameter::Parameter;
 
-/// Fraction of the largest component below which |B_z| counts as zero. A film's B is right to about
-/// 1e-13 of the sum of its tiles' fields, so neither the sign nor a digit of a smaller B_z is
-/// known.
+/// Fraction of the largest component below which |B_z| counts as zero. The error of a film's B is
+/// about 1e-13 of the sum of its tiles' fields, so a smaller B_z has neither a known sign nor a
+/// known digit.
 const VANISHING_BZ: f64 = 1e-12;
 
 /// The decoupling parameters of a field value (Dai 2024, Eqs. 13 and 15): R_x and R_y in radians,
@@ -43,8 +43,8 @@ pub struct ParameterDerivatives {
 /// The branch of the arctangents of R_x and R_y: the sign of B_z on the axis x = y = 0.
 ///
 /// The quotient B_x / C_x loses the sign of C_x, and with it half a turn. C_x changes sign at a
-/// quarter of a wavelength, and working volumes come near that. With s the sign of this branch,
-/// arctan2(s B_x, s C_x) is continuous there, and R_x is 0 on the axis.
+/// quarter of a wavelength, and working volumes extend nearly that far. With s the sign of this
+/// branch, arctan2(s B_x, s C_x) is continuous there, and R_x is 0 on the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branch(f64);
 
@@ -77,7 +77,7 @@ impl Parameters {
         let c_x = (b.z * b.z + shear) / (2.0 * b.z);
         let c_y = (b.z * b.z - shear) / (2.0 * b.z);
         Some(Parameters {
-            // Adding zero turns -0 into 0, so that the angle is pi and not -pi.
+            // Adding zero turns -0 into 0, so the angle is pi instead of -pi.
             r_x: (sign * b.x + 0.0).atan2(sign * c_x),
             r_y: (sign * b.y + 0.0).atan2(sign * c_y),
             s_z: c_y.hypot(b.y).ln() + largest.ln(),
@@ -117,8 +117,8 @@ impl Parameters {
     /// The displacement of the sensor from `before` to these parameters: dx = -dR_x / k, dy = -dR_y
     /// / k, dz = dS_z / k (Dai 2024, Eq. 14).
     ///
-    /// It is given in the frame of the film, in the unit of 1 / `wavenumber`. Changes of R_x and
-    /// R_y are reduced to half a turn, so shear is right up to half a wavelength.
+    /// It is in the frame of the film, in the unit of 1 / `wavenumber`. Changes of R_x and R_y are
+    /// reduced to half a turn, so shear is unambiguous up to half a wavelength.
     pub fn displacement_from(&self, before: &Parameters, wavenumber: f64) -> DVec3 {
         let dr_x = half_turn(self.r_x - before.r_x);
         let dr_y = half_turn(self.r_y - before.r_y);
@@ -149,8 +149,8 @@ mod tests {
             let k = film.wavenumber();
             let branch = Branch::from_axis_field(film.flux_density_t(DVec3::new(0.0, 0.0, z)).unwrap()).unwrap();
             let b = film.flux_density_t(DVec3::new(x, y, z)).unwrap();
-            // Near B_z = 0 the parameters are 0 / 0, which amplifies the round-off of B by |B| /
-            // |B_z|.
+            // Near B_z = 0 the parameters approach 0 / 0, which amplifies the round-off of B by
+            // |B| / |B_z|.
             let allowed = 4e-15 * (1.0 + b.length() / b.z.abs());
             prop_assume!(allowed < 1e-9);
             let p = Parameters::from_field(b, branch).unwrap();

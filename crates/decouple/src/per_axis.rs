@@ -24,7 +24,7 @@ impl<T> PerAxis<T> {
         [self.x, self.y, self.z]
     }
 
-    /// The values of a function of these.
+    /// Applies a function to each value.
     pub fn map<U>(self, f: impl FnMut(T) -> U) -> PerAxis<U> {
         self.to_array().map(f).into()
     }

@@ -9,22 +9,22 @@ use magsplice_magnet::Axis;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Parameter {
-    /// R_x, which follows x.
+    /// R_x, which depends on x.
     #[cfg_attr(feature = "serde", serde(rename = "r_x"))]
     Rx,
-    /// R_y, which follows y.
+    /// R_y, which depends on y.
     #[cfg_attr(feature = "serde", serde(rename = "r_y"))]
     Ry,
-    /// S_z, which follows z.
+    /// S_z, which depends on z.
     #[cfg_attr(feature = "serde", serde(rename = "s_z"))]
     Sz,
 }
 
 impl Parameter {
-    /// All parameters, in the order of the axes that they follow.
+    /// All parameters, in the order of their axes.
     pub const ALL: [Parameter; 3] = [Parameter::Rx, Parameter::Ry, Parameter::Sz];
 
-    /// The axis that the parameter follows.
+    /// The axis on whose coordinate the parameter depends.
     pub const fn axis(self) -> Axis {
         match self {
             Parameter::Rx => Axis::X,
@@ -53,15 +53,15 @@ impl<T> PerParameter<T> {
         [self.r_x, self.r_y, self.s_z]
     }
 
-    /// The values of a function of these.
+    /// Applies a function to each value.
     pub fn map<U>(self, f: impl FnMut(T) -> U) -> PerParameter<U> {
         self.to_array().map(f).into()
     }
 }
 
 impl PerParameter {
-    /// The same errors as displacements along x, y, z: divided by k (Dai 2024, Eq. 14), in the unit
-    /// of 1 / `wavenumber`.
+    /// The errors as displacements along x, y, z: divided by k (Dai 2024, Eq. 14), in the unit of 1
+    /// / `wavenumber`.
     pub fn as_lengths(&self, wavenumber: f64) -> DVec3 {
         DVec3::new(self.r_x, self.r_y, self.s_z) / wavenumber
     }

@@ -21,8 +21,8 @@ impl Parameters {
     /// The second derivatives of the parameters with respect to the components of a flux density in
     /// tesla. `None` as for [`Parameters::from_field`].
     ///
-    /// They rest on S_z + i R_y = ln (C_y + i B_y), and on the same for x: the second derivative of
-    /// ln w is w'' / w - (w' / w)^2.
+    /// They follow from S_z + i R_y = ln (C_y + i B_y) and its counterpart for x: the second
+    /// derivative of ln w is w'' / w - (w' / w)^2.
     pub fn second_derivatives(b_t: DVec3, branch: Branch) -> Option<ParameterSecondDerivatives> {
         Parameters::from_field(b_t, branch)?;
         // Scaled so that squares neither overflow nor underflow.
@@ -64,7 +64,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Central differences of the first derivatives are off by h^2 and by round-off over h,
+        /// Central differences of the first derivatives have errors of h^2 and of round-off over h,
         /// both below 1e-9 of the derivatives, which are below 100 in units of B.
         #[test]
         fn second_derivatives_agree_with_differences_of_the_first(

@@ -152,9 +152,9 @@ impl fmt::Display for PolarizationMapError {
             PolarizationMapError::TooLarge { bytes: Some(bytes) } => {
                 write!(f, "a map of {bytes} bytes does not fit into memory; use fewer points at a time")
             }
-            PolarizationMapError::TooLarge { bytes: None } => f.write_str(
-                "the size of the map in bytes overflows; use fewer points at a time",
-            ),
+            PolarizationMapError::TooLarge { bytes: None } => {
+                f.write_str("the size of the map in bytes overflows; use fewer points at a time")
+            }
         }
     }
 }

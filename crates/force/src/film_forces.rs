@@ -7,38 +7,38 @@ use magsplice_magnet::Tile;
 use magsplice_pair::{Load, NotConverged, load_in_f64, pair_loads};
 use rayon::prelude::*;
 
-/// Most tiles: their pairs take 800 MB.
+/// Largest number of tiles; their pairs take 800 MB.
 const MOST_TILES: usize = 4_000;
 
-/// Distance of two tiles, in the sum of half their diagonals, from which on their mean
-/// polarizations count. In twelve tiles of a designed film with a permeability of 1.2 that changes
-/// the force of no pair by more than 1.3e-4 of the largest force on a tile.
+/// Distance of two tiles, in sums of half their diagonals, from which on mean polarizations replace
+/// their cells. In twelve tiles of a designed film with a permeability of 1.2 this changes the
+/// force of each pair by at most 1.3e-4 of the largest force on a tile.
 const FAR: f64 = 1.5;
 
 /// Forces and torques of all pairs of tiles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmForces {
     count: usize,
-    /// On the tile `of` by the tile `by`, at `of * count + by`.
+    /// The load on the tile `of` by the tile `by`, at `of * count + by`.
     loads: Vec<Load>,
 }
 
-/// Why the forces of a film are not known.
+/// The reason why the forces of a film cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum FilmForcesError {
-    /// More tiles than their pairs can be held in memory.
+    /// The pairs of the tiles exceed the memory.
     TooManyTiles {
         /// Number of tiles.
         count: usize,
-        /// Most tiles.
+        /// Largest number of tiles.
         most: usize,
     },
     /// The force of a pair does not converge.
     Pair {
-        /// Index of the one tile.
+        /// Index of the first tile.
         first: usize,
-        /// Index of the other.
+        /// Index of the second tile.
         second: usize,
         /// The reason.
         source: NotConverged,
@@ -46,35 +46,35 @@ pub enum FilmForcesError {
 }
 
 impl FilmForces {
-    /// The loads of all pairs. `tolerance` is that of [`pair_loads`], for tiles that are turned
-    /// against each other. `progress` is told, from any thread, when the pairs of a tile with later
-    /// ones begin. A panic of it ends the work and reaches the caller.
+    /// The loads of all pairs. `tolerance` is the tolerance of [`pair_loads`] for tiles turned
+    /// against each other. `progress` is called, from any thread, when the pairs of a tile with
+    /// later tiles begin. A panic of `progress` ends the work and reaches the caller.
     ///
     /// # Errors
-    /// Too many tiles; turned tiles so close that their force does not converge.
+    /// If there are too many tiles, or turned tiles are so close that their force does not
+    /// converge.
     pub fn new(tiles: &[Tile], tolerance: f64, progress: impl Fn() + Sync) -> Result<FilmForces, FilmForcesError> {
         FilmForces::of_pairs(tiles.len(), progress, |first, second| {
             pair_loads(&tiles[first], &tiles[second], tolerance)
         })
     }
 
-    /// The loads of all pairs of tiles that are divided into cells, such as tiles whose
-    /// polarization follows the field. `owners` holds the index of the tile of each cell, in
-    /// ascending order. Torques are about the centres of the tiles. `progress` is told, from any
-    /// thread, when the pairs of a tile with later ones begin.
+    /// The loads of all pairs of tiles divided into cells, such as tiles whose polarization follows
+    /// the field. `owners` holds the index of the tile of each cell, in ascending order. Torques
+    /// are about the centres of the tiles. `progress` is called as by [`FilmForces::new`].
     ///
-    /// `tiles` have the mean polarization of their cells, which takes the place of the cells for
-    /// tiles that are farther apart than one and a half times the sum of half their diagonals.
+    /// `tiles` have the mean polarization of their cells. It replaces the cells for tiles farther
+    /// apart than one and a half times the sum of half their diagonals.
     ///
     /// Pairs of cells with parallel edges are evaluated in `f64`. The error of the force of a pair
-    /// of cells was below 1e-11 J J' D^2 / (4 pi mu0) for pairs at random, where D is the largest
-    /// distance of two corners. What the division leaves out is larger.
+    /// of cells was below 1e-11 J J' D^2 / (4 pi mu0) for random pairs, where D is the largest
+    /// distance of two corners. The error of the division is larger.
     ///
     /// # Errors
-    /// As [`FilmForces::new`].
+    /// The errors of [`FilmForces::new`].
     ///
     /// # Panics
-    /// If there is not one owner for each cell, or an owner is not a tile.
+    /// If the numbers of cells and owners differ, or an owner is not a tile.
     pub fn of_cells(
         tiles: &[Tile],
         cells: &[Tile],
@@ -103,7 +103,7 @@ impl FilmForces {
         })
     }
 
-    /// The loads of so many tiles by those of each pair.
+    /// The loads of `count` tiles from the loads of each pair.
     fn of_pairs(
         count: usize,
         progress: impl Fn() + Sync,
@@ -137,16 +137,16 @@ impl FilmForces {
     /// The load on the tile `of` by the tile `by`; zero for the same tile.
     ///
     /// # Panics
-    /// If an index is not that of a tile.
+    /// If an index is not the index of a tile.
     pub fn by_one(&self, of: usize, by: usize) -> Load {
         assert!(by < self.count, "tile {by} of {}", self.count);
         self.loads[of * self.count + by]
     }
 
-    /// The load on the tile `of` by those tiles, one after another.
+    /// The load on the tile `of` by the tiles `by`, added one after another.
     ///
     /// # Panics
-    /// If an index is not that of a tile.
+    /// If an index is not the index of a tile.
     pub fn by_some(&self, of: usize, by: impl IntoIterator<Item = usize>) -> Load {
         by.into_iter().fold(Load::ZERO, |sum, by| sum + self.by_one(of, by))
     }
@@ -161,7 +161,7 @@ impl fmt::Display for FilmForcesError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             FilmForcesError::TooManyTiles { count, most } => {
-                write!(f, "{count} tiles have more pairs than fit in memory, at most {most} tiles")
+                write!(f, "{count} tiles, must be at most {most} for their pairs to fit in memory")
             }
             FilmForcesError::Pair { first, second, source } => write!(f, "tiles {first} and {second}: {source}"),
         }
@@ -183,7 +183,7 @@ mod tests {
 
     use super::*;
 
-    /// Tiles cut in two have the loads of whole ones.
+    /// Tiles cut in two have the loads of whole tiles.
     #[test]
     fn loads_of_cells_add_up_to_those_of_tiles() {
         let tile = |x: f64, j_t: DVec3| Tile::new(DVec3::new(x, 0.1, 0.0), DVec3::new(2.0, 1.0, 1.0), j_t).unwrap();

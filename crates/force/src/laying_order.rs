@@ -1,9 +1,8 @@
-//! Orders in which the tiles of a film are laid, and the force with which each tile must be held.
+//! Placement orders of the tiles of a film, and the force that must hold each tile.
 //!
-//! Tiles are laid one by one, each at its place, where it is glued. While it is being laid, only
-//! the tiles that are already there act on it. Its holding is the magnitude of that force. The
-//! holding of an order is the largest of its steps. The film that is laid already is assumed to
-//! hold.
+//! Tiles are placed one by one and glued. During placement only the tiles already there act on a
+//! tile. The holding force of a step is the magnitude of their force on it, and the holding force
+//! of an order is the largest of its steps. Tiles already placed are assumed to hold.
 
 use std::error::Error;
 use std::fmt;
@@ -11,7 +10,7 @@ use std::fmt;
 use crate::film_forces::FilmForces;
 use magsplice_pair::Load;
 
-/// An order of laying, with the load on each tile while it is being laid.
+/// A placement order, with the load on each tile during its placement.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct LayingOrder {
@@ -19,11 +18,11 @@ pub struct LayingOrder {
     loads: Vec<Load>,
 }
 
-/// Why a list of tiles is no order of laying.
+/// The reason why a list of tiles is no placement order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum OrderError {
-    /// The list has another number of tiles than the film.
+    /// The numbers of tiles in the list and in the film differ.
     Count {
         /// Number in the list.
         given: usize,
@@ -37,9 +36,9 @@ pub enum OrderError {
         /// The number.
         tile: usize,
     },
-    /// A tile is laid twice.
+    /// A tile is placed twice.
     Twice {
-        /// Step at which it is laid again, from 0.
+        /// Step of the second placement, from 0.
         step: usize,
         /// The tile.
         tile: usize,
@@ -47,10 +46,10 @@ pub enum OrderError {
 }
 
 impl LayingOrder {
-    /// The order `tiles`: the index of the tile that is laid at each step.
+    /// The order `tiles`: the index of the tile placed at each step.
     ///
     /// # Errors
-    /// If not each tile occurs once.
+    /// If a tile is missing or repeated, or an index is not the index of a tile.
     pub fn new(forces: &FilmForces, tiles: Vec<usize>) -> Result<LayingOrder, OrderError> {
         let count = forces.tile_count();
         if tiles.len() != count {
@@ -69,7 +68,7 @@ impl LayingOrder {
         Ok(LayingOrder { tiles, loads })
     }
 
-    /// The tile that is laid at each step.
+    /// The tile placed at each step.
     pub fn tiles(&self) -> &[usize] {
         &self.tiles
     }
@@ -85,7 +84,7 @@ impl LayingOrder {
         forces.reduce(|most, next| if next.1 > most.1 { next } else { most })
     }
 
-    /// The largest force on a tile while it is being laid.
+    /// The largest force on a tile during its placement.
     pub fn holding(&self) -> f64 {
         self.hardest_step().map_or(0.0, |(_, force)| force)
     }

@@ -1,14 +1,13 @@
 //! Force and torque of the tiles of a film on each other.
 //!
 //! * [`FilmForces`]: the loads of all pairs of tiles.
-//! * [`LayingOrder`]: an order in which tiles are laid, and the force on each while it is being
-//!   laid.
-//! * [`LeastHolding`]: the order with the least of these forces, with a bound that none is below.
+//! * [`LayingOrder`]: a placement order of tiles, and the force on each during its placement.
+//! * [`LeastHolding`]: the order with the smallest of these forces, with a lower bound for all
+//!   orders.
 //!
-//! The magnetization is as given: a tile is not magnetized by the field of the others. Tiles of
-//! NdFeB have a recoil permeability of 1.05 or so, which changes forces by a few percent.
-//! [`FilmForces::of_cells`] takes the cells of tiles whose polarization follows the field, which
-//! `magsplice-recoil` computes.
+//! The magnetization is fixed: fields of other tiles do not change it. NdFeB tiles have a recoil
+//! permeability of about 1.05, which changes forces by a few percent. [`FilmForces::of_cells`]
+//! takes the cells of tiles whose polarization follows the field, computed by `magsplice-recoil`.
 //!
 //! # Units
 //! Polarization in tesla. With lengths in metres, forces are in newtons and torques in newton
@@ -19,11 +18,11 @@
 
 /// Forces on all tiles of a film.
 mod film_forces;
-/// Orders in which the tiles of a film are laid.
+/// Placement orders of the tiles of a film.
 mod laying_order;
-/// A bound of the holding that no order of laying is below.
+/// A lower bound of the holding force of all placement orders.
 mod order_bound;
-/// The order of laying with the least holding.
+/// The placement order with the smallest holding force.
 mod order_search;
 pub use film_forces::{FilmForces, FilmForcesError};
 pub use laying_order::{LayingOrder, OrderError};

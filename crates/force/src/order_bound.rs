@@ -1,11 +1,11 @@
-//! A bound of the holding that no order of laying is below.
+//! A lower bound of the holding force of all placement orders.
 //!
-//! Read backwards, an order takes tiles away from the whole film. Each must be held against those
-//! that are left, so that a step depends on the set of tiles taken before and not on their order.
-//! The search examines sets by the least holding with which they can be reached. When it stops,
-//! each order still has to pass a set that was not examined, none of which is reached with less
-//! than the set examined last. If it reaches the empty film, or no set is left below the holding of
-//! a known order, the least holding is known.
+//! Read backwards, an order removes tiles from the whole film. The force on each comes from the
+//! remaining tiles, so a step depends on the set of removed tiles and not on their order. The
+//! search examines sets in ascending order of the smallest holding force that reaches them. When it
+//! stops, every order passes through a set that was not examined, and no such set is reached with a
+//! smaller holding force than the set examined last. If the search reaches the empty film, or no
+//! set remains below the holding force of a known order, the smallest holding force is known.
 
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashSet};
@@ -14,28 +14,28 @@ use glam::DVec3;
 
 use crate::film_forces::FilmForces;
 
-/// Most sets that wait to be examined, in about 200 MB.
+/// Largest number of sets waiting for examination, in about 200 MB.
 const MOST_WAITING: usize = 4_000_000;
 
-/// Forces of sets are differences, off by a few units of round-off of the largest. The bound is
-/// lowered by this fraction.
+/// Fraction by which the bound is lowered. Forces of sets are differences, with errors of a few
+/// units of round-off of the largest.
 const ROUND_OFF: f64 = 1e-12;
 
 /// Result of the search.
 pub(crate) struct Bound {
-    /// No order has a smaller holding.
+    /// No order has a smaller holding force.
     pub(crate) force: f64,
-    /// An order that is better than the known one, if the search reached it.
+    /// An order better than the known order, if the search reached one.
     pub(crate) order: Option<Vec<usize>>,
 }
 
-/// A set of tiles taken away: that of `parent`, and one more.
+/// A set of removed tiles: the set of `parent`, and one more.
 struct Taken {
     parent: usize,
     tile: usize,
 }
 
-/// A set that waits: the least holding first, then the larger set.
+/// A waiting set, ordered by the smallest holding force, then by the largest set.
 struct Waiting {
     holding: f64,
     size: usize,
@@ -63,7 +63,8 @@ impl Ord for Waiting {
     }
 }
 
-/// The bound, where an order with the holding `known` exists. At most `examined_sets` are examined.
+/// The bound, from at most `examined_sets` sets, where an order with the holding force `known`
+/// exists.
 pub(crate) fn bound(forces: &FilmForces, known: f64, examined_sets: usize) -> Bound {
     let count = forces.tile_count();
     let whole: Vec<DVec3> = forces.by_all().iter().map(|load| load.force).collect();
@@ -98,7 +99,7 @@ pub(crate) fn bound(forces: &FilmForces, known: f64, examined_sets: usize) -> Bo
         }
         examined.insert(bits);
     }
-    // No order is below the known one.
+    // No order is below the known order.
     Bound { force: lowered(known.max(reached)), order: None }
 }
 
@@ -106,7 +107,7 @@ fn lowered(force: f64) -> f64 {
     force * (1.0 - ROUND_OFF)
 }
 
-/// The tiles taken away, in that order backwards: the last first, and turned around.
+/// The removed tiles in placement order, which is the reverse of their removal.
 fn taken_tiles(arena: &[Taken], mut at: usize) -> Vec<usize> {
     let mut tiles = Vec::new();
     while let Some(taken) = arena.get(at) {

@@ -1,8 +1,8 @@
-//! The order of laying with the least holding: a greedy start, improved by annealing.
+//! The placement order with the smallest holding force: a greedy start, improved by annealing.
 //!
-//! The greedy order is built from its end. Of the tiles that are left, the one with the least force
-//! is laid last. Annealing then moves single tiles to other steps, and keeps what lowers a mean of
-//! the forces that is close to the largest of them.
+//! The greedy order is built from its end: among the remaining tiles, the tile with the smallest
+//! force is placed last. Annealing then moves single tiles to other steps, and keeps moves that
+//! lower a mean of the forces close to the largest force.
 
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
@@ -13,28 +13,29 @@ use crate::film_forces::FilmForces;
 use crate::laying_order::LayingOrder;
 use crate::order_bound::{Bound, bound};
 
-/// Half the power in the mean of the forces that annealing lowers. With a smaller one the largest
-/// force counts too little, with a larger one only it counts and few moves seem to change anything.
+/// Half the power in the mean of the forces that annealing lowers. With a smaller power the largest
+/// force counts too little; with a larger power it counts alone, and few moves appear to change
+/// anything.
 const HALF_POWER: i32 = 6;
 
-/// First and last temperature, as fractions of the mean: from moves that raise it by a tenth to
-/// none.
+/// First and last temperature, as fractions of the mean. At first moves may raise the mean by a
+/// tenth, at last not at all.
 const TEMPERATURES: [f64; 2] = [0.05, 2e-4];
 
-/// Longest move, in steps. Longer ones change much, are seldom kept, and cost more.
+/// Longest move, in steps. Longer moves change more, are seldom kept, and take longer.
 const LONGEST_MOVE: usize = 56;
 
-/// Moves after which the mean is summed anew, because round-off adds up.
+/// Number of moves after which the mean is summed anew, because round-off accumulates.
 const MOVES_PER_SUM: usize = 1_000;
 
-/// How the order with the least holding is searched.
+/// Settings of the search for the order with the smallest holding force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OrderSettings {
     /// Number of annealing runs.
     pub runs: usize,
-    /// Moves that each run tries.
+    /// Number of moves tried by each run.
     pub moves: usize,
-    /// Sets of tiles that are examined for the bound.
+    /// Number of sets of tiles examined for the bound.
     pub examined_sets: usize,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -46,23 +47,24 @@ impl Default for OrderSettings {
     }
 }
 
-/// The order with the least holding that was found.
+/// The order with the smallest holding force found.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct LeastHolding {
     /// The order.
     pub order: LayingOrder,
-    /// No order has a smaller holding than this.
+    /// Lower bound of the holding force of all orders.
     pub bound: f64,
-    /// Holding of the greedy order.
+    /// Holding force of the greedy order.
     pub greedy: f64,
-    /// Holding after each run, in their order.
+    /// Holding force after each run, in the order of the runs.
     pub runs: Vec<f64>,
 }
 
 impl LeastHolding {
-    /// Searches the order with the least holding, and a bound that no order is below. Results do
-    /// not depend on the number of threads. `progress` is told when a run begins, from any thread.
+    /// Searches the order with the smallest holding force, and a lower bound for all orders.
+    /// Results do not depend on the number of threads. `progress` is called, from any thread, when
+    /// a run begins.
     pub fn search(forces: &FilmForces, settings: &OrderSettings, progress: impl Fn() + Sync) -> LeastHolding {
         let greedy = ordered(forces, greedy(forces));
         let runs: Vec<LayingOrder> = (0..settings.runs as u64)
@@ -90,7 +92,7 @@ fn ordered(forces: &FilmForces, tiles: Vec<usize>) -> LayingOrder {
     LayingOrder::new(forces, tiles).expect("each tile once")
 }
 
-/// The order whose last tile has the least force by all others, and so on backwards.
+/// The order whose last tile has the smallest force by all others, and so on backwards.
 fn greedy(forces: &FilmForces) -> Vec<usize> {
     let mut left: Vec<(usize, DVec3)> =
         forces.by_all().iter().enumerate().map(|(tile, load)| (tile, load.force)).collect();
@@ -106,7 +108,7 @@ fn greedy(forces: &FilmForces) -> Vec<usize> {
     order
 }
 
-/// An order that is changed move by move.
+/// An order that changes move by move.
 struct Annealing {
     count: usize,
     /// Force on one tile by another, over the largest force of the first order.
@@ -155,7 +157,7 @@ impl Annealing {
                 continue;
             }
             let changed = self.after_move(from, to, &mut moved);
-            // The mean is the root of this power; its relative change.
+            // The relative change of the mean, which is the root of this power.
             let ratio = ((sum + changed).max(0.0) / sum).powf(0.5 / f64::from(HALF_POWER)) - 1.0;
             if ratio > 0.0 && random.random::<f64>() >= (-ratio / temperature).exp() {
                 continue;
@@ -176,7 +178,7 @@ impl Annealing {
         best
     }
 
-    /// Writes the forces of the tiles that a move changes; returns the change of the sum of powers.
+    /// Writes the changed forces of tiles after a move. Returns the change of the sum of powers.
     fn after_move(&self, from: usize, to: usize, moved: &mut Vec<(usize, DVec3)>) -> f64 {
         moved.clear();
         let tile = self.order[from];

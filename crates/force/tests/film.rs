@@ -1,4 +1,4 @@
-//! Forces of films, and orders of laying.
+//! Forces of films, and placement orders.
 
 use glam::DVec3;
 use magsplice_force::{FilmForces, LayingOrder, LeastHolding, OrderError, OrderSettings};
@@ -21,7 +21,7 @@ fn forces(tiles: &[Tile]) -> FilmForces {
     FilmForces::new(tiles, 1e-9, || ()).unwrap()
 }
 
-/// Largest force on a tile while it is laid, by the definition.
+/// Largest force on a tile during its placement, by the definition.
 fn holding(forces: &FilmForces, order: &[usize]) -> f64 {
     let at = |step: usize| order[..step].iter().map(|&by| forces.by_one(order[step], by).force).sum::<DVec3>();
     (0..order.len()).map(|step| at(step).length()).fold(0.0, f64::max)
@@ -66,7 +66,7 @@ fn threads_do_not_change_forces_or_orders() {
     assert_eq!(with(1), with(3));
 }
 
-/// Of seven tiles every order is tried.
+/// Every order of seven tiles is tried.
 #[test]
 fn least_order_of_few_tiles_is_the_least_of_all() {
     let tiles = film(1, 7);
@@ -79,7 +79,7 @@ fn least_order_of_few_tiles_is_the_least_of_all() {
     assert!(found.greedy >= least);
 }
 
-/// With few sets to examine the bound is lower, and still a bound.
+/// With few examined sets the bound is lower, and still a bound.
 #[test]
 fn bound_is_below_the_best_order() {
     let forces = forces(&film(3, 4));

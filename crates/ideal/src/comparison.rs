@@ -136,10 +136,10 @@ impl fmt::Display for ComparisonError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             ComparisonError::NoPoints => "there are no points to compare",
-            ComparisonError::NoReference => "the reference is zero at every point, so a relative difference is undefined",
-            ComparisonError::OutOfScale => {
-                "the fields differ so much in size that their squares overflow"
+            ComparisonError::NoReference => {
+                "the reference is zero at every point, so relative differences are undefined"
             }
+            ComparisonError::OutOfScale => "the fields differ so much in size that their squares overflow",
         })
     }
 }

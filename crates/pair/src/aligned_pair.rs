@@ -9,7 +9,7 @@ use crate::load::Load;
 
 /// Two cuboids with parallel edges. Lengths are scaled by a power of two.
 pub(crate) struct AlignedPair {
-    /// Centre of the first relative to that of the second.
+    /// Centre of the first cuboid relative to the centre of the second.
     pub(crate) offset: [DoubleDouble; 3],
     /// Sides of both.
     pub(crate) sizes: [DVec3; 2],
@@ -17,7 +17,7 @@ pub(crate) struct AlignedPair {
     pub(crate) polarizations_t: [DVec3; 2],
     /// Faces closer than this touch.
     pub(crate) seam: f64,
-    /// The power of two by which lengths have been multiplied.
+    /// The power-of-two factor in all lengths.
     pub(crate) scale: f64,
 }
 
@@ -51,8 +51,8 @@ impl AlignedPair {
         })
     }
 
-    /// A load in scaled lengths and the frame of the first tile, in the lengths and the frame of
-    /// the scene.
+    /// Converts a load from scaled lengths and the frame of the first tile to the lengths and the
+    /// frame of the scene.
     pub(crate) fn to_scene(&self, load: Load, first: &Tile) -> Load {
         let unscaled = 1.0 / self.scale;
         Load {
@@ -62,7 +62,7 @@ impl AlignedPair {
     }
 }
 
-/// The matrix of zeros and ones, with signs, from which a rotation differs by at most `tolerance`.
+/// The signed permutation matrix from which a rotation differs by at most `tolerance`.
 pub(crate) fn axes_to_axes(rotation: DMat3, tolerance: f64) -> Option<DMat3> {
     let nearest = |column: DVec3| {
         let largest = column.abs().max_position();

@@ -25,13 +25,13 @@ use crate::symmetric_tensor::SymmetricTensor;
 /// Number of differences of corners.
 const CORNERS: usize = 64;
 
-/// The tensor that takes the polarization of the source to minus the mean of mu0 H over the
-/// receiver. `offset` leads from the centre of the source to that of the receiver. Lengths are at
-/// most 1.
+/// The tensor that maps the polarization of the source to minus the mean of mu0 H over the
+/// receiver. `offset` is the vector from the centre of the source to the centre of the receiver.
+/// Lengths are at most 1.
 pub(crate) fn mean_tensor(receiver: DVec3, source: DVec3, offset: DVec3) -> SymmetricTensor {
     let differences = [0, 1, 2].map(|axis: usize| {
         let (sum, difference) = (0.5 * (receiver + source)[axis], 0.5 * (receiver - source)[axis]);
-        // Differences of faces: both lower, both upper, and mixed, which have the sign -1.
+        // Differences of faces: both lower, both upper, and mixed with the sign -1.
         [offset[axis] - difference, offset[axis] + difference, offset[axis] - sum, offset[axis] + sum]
     });
     let faces = |corner: usize| [corner >> 4, corner >> 2 & 3, corner & 3];
@@ -52,7 +52,8 @@ pub(crate) fn mean_tensor(receiver: DVec3, source: DVec3, offset: DVec3) -> Symm
 /// The sums of the second derivatives xx, yy, zz, yz, zx, xy over the differences of corners, with
 /// their signs.
 ///
-/// Closures are not inlined everywhere, and calls of vector operations cost more than these.
+/// It has no closures, because the compiler does not always inline them, and calls of vector
+/// operations take longer than the operations.
 #[inline(always)]
 fn tensor_sums<S: Simd>(simd: S, corners: &[[f64; CORNERS]; 4]) -> [f64; 6] {
     let mut sums = [Lanes::<S>::splat(simd, 0.0); 6];
@@ -80,8 +81,8 @@ fn tensor_sums<S: Simd>(simd: S, corners: &[[f64; CORNERS]; 4]) -> [f64; 6] {
     totals
 }
 
-/// The load on the first cuboid by the second, in the scaled lengths of the pair. The error with
-/// `f64` is that of [`load_in_f64`](crate::load_in_f64).
+/// The load on the first cuboid by the second, in the scaled lengths of the pair.
+/// [`load_in_f64`](crate::load_in_f64) gives the error with `f64`.
 ///
 /// Energy, force and moments about the centre of the first are sums over the differences of corners
 /// of
@@ -92,8 +93,8 @@ fn tensor_sums<S: Simd>(simd: S, corners: &[[f64; CORNERS]; 4]) -> [f64; 6] {
 /// M_kc = -J_a J'_b (x_k G_abc - [a is not k] integral of G_abc du_k) s s' / (4 pi mu0)
 /// ```
 ///
-/// where s and s' are the products of the signs of the corners, x_k is that of the corner of the
-/// first, and M_kc is the sum of x_k times the force along c, from which the torque follows.
+/// where s and s' are the products of the signs of the corners, x_k is the coordinate of the corner
+/// of the first, and M_kc is the sum of x_k times the force along c, which gives the torque.
 pub(crate) fn load<N: Real>(pair: &AlignedPair) -> Load {
     let products = Products::<N>::new(pair.polarizations_t);
     let halves = pair.sizes.map(|size| size * 0.5);
@@ -130,7 +131,7 @@ fn add<N: Real>(sum: &mut N, term: N, positive: bool) {
 }
 
 /// Differences of the faces across one axis, by the faces of the first and of the second: lower,
-/// upper. Faces that reach into each other by round-off touch.
+/// upper. Faces that penetrate each other by round-off touch.
 fn differences<N: Real>(pair: &AlignedPair, axis: usize) -> [[N; 2]; 2] {
     let half = |tile: usize, upper: usize| (upper as f64 - 0.5) * pair.sizes[tile][axis];
     [0, 1].map(|first| {
@@ -151,7 +152,7 @@ impl<N: Real> Products<N> {
         Products([0, 1, 2].map(|a: usize| [0, 1, 2].map(|b: usize| N::product(first[a], second[b]))))
     }
 
-    /// The sum over a and b, of those that are not zero, of J_a J'_b times a function.
+    /// The sum over a and b of nonzero J_a J'_b times a function.
     fn sum(&self, function: impl Fn(usize, usize) -> Option<N>) -> N {
         let mut sum = N::ZERO;
         for (a, row) in self.0.iter().enumerate() {
@@ -185,7 +186,8 @@ mod tests {
     use super::*;
     use crate::double_double::DoubleDouble;
 
-    /// Error of the force with `f64` in J J' D^2 / (4 pi mu0), and of the torque in D times that.
+    /// Error of the force with `f64` in J J' D^2 / (4 pi mu0), and of the torque in D times this
+    /// unit.
     const F64_ERROR: f64 = 1e-11;
 
     proptest! {

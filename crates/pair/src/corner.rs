@@ -4,7 +4,8 @@
 //! charged boxes is a sum of G over the 64 differences of their corners. The energy of polarized
 //! boxes and their mean tensor are sums of second derivatives, which are the functions f and g of
 //! Newell, Williams and Dunlop (1993). Forces are sums of third derivatives [Akoun and Yonnet 1984;
-//! Yonnet and Allag 2009]. Torques need integrals of these along one axis, for the lever.
+//! Yonnet and Allag 2009]. Torques need integrals of third derivatives along one axis, for the
+//! lever.
 //!
 //! With u = (u_x, u_y, u_z), r = |u|, L_a = artanh(u_a / r) and A_a = arctan(u_b u_c / (u_a r)),
 //! every function here is a sum of products of polynomials with L, A and r. Products whose
@@ -16,7 +17,7 @@ use magsplice_simd::lanes::{Lanes, Number};
 
 use crate::real::{Arithmetic, Real};
 
-/// Every function is multiplied by this, so that most coefficients are integers.
+/// Factor of every function, for which most coefficients are integers.
 pub(crate) const MULTIPLIER: f64 = 6.0;
 
 /// Added to denominators in vectors: below every square and product of lengths that has an effect.
@@ -33,8 +34,8 @@ pub(crate) struct CornerDifference<N> {
 }
 
 impl<N: Real> CornerDifference<N> {
-    /// A difference of corners. `sides` holds the sign of each coordinate that is zero: that of the
-    /// side from which the corners approached each other.
+    /// A difference of corners. `sides` holds the sign of each zero coordinate, for the side from
+    /// which the corners approached each other.
     pub(crate) fn new(u: [N; 3], sides: [f64; 3]) -> CornerDifference<N> {
         let squares = u.map(N::squared);
         let r = (squares[0] + squares[1] + squares[2]).sqrt();
@@ -65,8 +66,8 @@ impl<N: Real> CornerDifference<N> {
 impl<S: Simd> CornerDifference<Lanes<S>> {
     /// A difference of corners in each lane, of lengths up to about 1.
     ///
-    /// Where L or A have no value their polynomials in second derivatives vanish, and so does the
-    /// limit of the product: any finite value of them does.
+    /// Where L or A are undefined their polynomials in second derivatives vanish, and so does the
+    /// limit of the product. Any finite value serves there.
     #[inline(always)]
     pub(crate) fn in_lanes(simd: S, u: [Lanes<S>; 3]) -> CornerDifference<Lanes<S>> {
         let (zero, tiny) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, TINY));
@@ -123,7 +124,7 @@ impl<N: Arithmetic> CornerDifference<N> {
         }
     }
 
-    /// The integral of d^3 G / (du_a du_b du_c) along u_k, of which none of a, b, c is k, times
+    /// The integral of d^3 G / (du_a du_b du_c) along u_k, with k different from a, b and c, times
     /// [`MULTIPLIER`].
     pub(crate) fn third_along(&self, [a, b, c]: [usize; 3], k: usize) -> N {
         let (u, s, l, t) = (&self.u, &self.squares, &self.log, &self.angle);

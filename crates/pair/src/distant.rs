@@ -16,15 +16,15 @@ use crate::load::Load;
 use crate::symmetric_tensor::SymmetricTensor;
 use crate::tolerances::{DISTANT_LOAD, RULE_ERROR};
 
-/// The mean tensor, as [`crate::closed_form::mean_tensor`], to an error relative to its norm.
-/// `None` if the boxes are too near.
+/// The tensor of [`crate::closed_form::mean_tensor`], to an error relative to its norm. `None` if
+/// the boxes are too near.
 pub(crate) fn mean_tensor(receiver: DVec3, source: DVec3, offset: DVec3, error: f64) -> Option<SymmetricTensor> {
     let ratio = offset.length() / (0.5 * (receiver + source)).max_element();
     let square = ratio * ratio;
     let allowed = error / RULE_ERROR * square * square;
     let along = |axis: usize| SumOfTwo::uniform(0.5 * receiver[axis], 0.5 * source[axis]);
     let sums = || [along(0), along(1), along(2)];
-    // Powers of the ratio one by one: most pairs are beyond the first limits.
+    // Powers of the ratio are computed one by one, because most pairs are beyond the first limits.
     let mean = if allowed >= 1.0 {
         mean(offset, sums().map(SumOfTwo::rule_of_two), dipole)
     } else if allowed * square >= 1.0 {
@@ -128,9 +128,9 @@ mod tests {
     use crate::closed_form;
     use crate::double_double::DoubleDouble;
 
-    /// The rules are exact up to the ninth power, so that errors of force and torque fall with the
-    /// tenth power of the distance: by 1024 where it doubles, and by 64 if the sixth moment were
-    /// wrong.
+    /// The rules are exact up to the ninth power, so errors of force and torque fall with the tenth
+    /// power of the distance: by 1024 where it doubles. They would fall by 64 if the sixth moment
+    /// were wrong.
     #[test]
     fn error_falls_with_the_tenth_power_of_the_distance() {
         let first = Tile::new(DVec3::ZERO, DVec3::new(2.0, 3.0, 1.0), DVec3::new(0.1, -0.05, 0.2)).unwrap();
@@ -150,7 +150,7 @@ mod tests {
         }
     }
 
-    /// At the least distance at which they are used, errors are round-off of the sums.
+    /// At the smallest distance of their use, errors are round-off of the sums.
     #[test]
     fn rules_are_exact_to_round_off_where_they_are_used() {
         for n in 0..200_i32 {

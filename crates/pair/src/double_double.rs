@@ -1,17 +1,16 @@
 //! Numbers of about 32 digits: unevaluated sums of two f64.
 //!
-//! The algorithms are those of Dekker (1971) and of Joldes, Muller and Popescu (2017, "Tight and
-//! rigorous error bounds for basic building blocks of double-word arithmetic"). Products are split
-//! after Dekker instead of using a fused multiplication, so that every machine gives the same bits
-//! at the same speed.
+//! Algorithms: Dekker (1971); Joldes, Muller and Popescu (2017, "Tight and rigorous error bounds
+//! for basic building blocks of double-word arithmetic"). Products use Dekker's splitting instead
+//! of a fused multiplication, which gives the same bits at the same speed on every machine.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 /// 2^27 + 1: splits a number into halves whose products are exact (Dekker).
 const SPLITTER: f64 = 134_217_729.0;
 
-/// A sum of two f64 of which the second is at most half a unit in the last place of the first.
-/// Relative error of each operation about 1e-31, for magnitudes between 1e-130 and 1e150.
+/// A sum of two f64, the second at most half a unit in the last place of the first. The relative
+/// error of each operation is about 1e-31, for magnitudes between 1e-130 and 1e150.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DoubleDouble {
     pub(crate) hi: f64,
@@ -40,7 +39,7 @@ impl DoubleDouble {
         DoubleDouble { hi, lo: ((a1 * b1 - hi) + a1 * b2 + a2 * b1) + a2 * b2 }
     }
 
-    /// The exact sum of two numbers of which the first has the larger magnitude.
+    /// The exact sum of two numbers, the first of larger magnitude.
     const fn ordered_sum(a: f64, b: f64) -> DoubleDouble {
         let hi = a + b;
         DoubleDouble { hi, lo: b - (hi - a) }

@@ -1,7 +1,7 @@
 //! Logarithm and arctangent of about 31 digits.
 //!
-//! Each starts from the value of the standard library, and adds the correction of one Newton step,
-//! for which the inverse function is summed as a Taylor series.
+//! Each adds the correction of one Newton step to the value of the standard library. The step sums
+//! the inverse function as a Taylor series.
 
 use crate::double_double::DoubleDouble;
 
@@ -41,7 +41,7 @@ fn exp_of_negative(x: f64) -> DoubleDouble {
     let halves = (x / LN_2.hi).round();
     let rest = LN_2.times(halves) - DoubleDouble::new(x);
     let t = rest.scaled(0.5_f64.powi(EXP_HALVINGS as i32));
-    // exp(t) - 1, which keeps its digits when it is squared up.
+    // exp(t) - 1, which keeps its digits during the squarings.
     let mut sum = INVERSE_FACTORIALS[EXP_TERMS];
     for n in (1..EXP_TERMS).rev() {
         sum = sum * t + INVERSE_FACTORIALS[n];

@@ -2,7 +2,7 @@
 //!
 //! The mean over two boxes of a function of the difference of two points is a mean over that
 //! difference. Along each axis its density is the convolution of the densities in two intervals.
-//! Gauss rules for this density have few nodes, and are exact below twice their number.
+//! Gauss rules of n nodes for this density are exact for powers below 2n.
 
 /// A node and its weight.
 pub(crate) type Node = (f64, f64);
@@ -32,12 +32,12 @@ pub(crate) const LEGENDRE_8: [Node; 8] = [
 pub(crate) struct SumOfTwo {
     /// a + b
     scale: f64,
-    /// Even moments from the second to the eighth, in that length.
+    /// Even moments from the second to the eighth, in units of the scale.
     moments: [f64; 4],
 }
 
 impl SumOfTwo {
-    /// Of two uniform numbers.
+    /// The sum of two uniform numbers.
     #[inline(always)]
     pub(crate) fn uniform(a: f64, b: f64) -> SumOfTwo {
         let scale = a + b;
@@ -49,7 +49,7 @@ impl SumOfTwo {
         SumOfTwo { scale, moments: [m2, m4, m6, m8] }
     }
 
-    /// Of a number with a density as 1 - x^2 / a^2, and a uniform one.
+    /// The sum of a number with a density like 1 - x^2 / a^2 and a uniform number.
     pub(crate) fn parabolic_and_uniform(a: f64, b: f64) -> SumOfTwo {
         let scale = a + b;
         let (a, b) = ((a / scale) * (a / scale), (b / scale) * (b / scale));
@@ -104,7 +104,7 @@ impl SumOfTwo {
     }
 }
 
-/// The roots of x^2 + p x + q, the larger one first.
+/// The roots of x^2 + p x + q, the larger first.
 fn squares_of_nodes(p: f64, q: f64) -> [f64; 2] {
     let outer = -0.5 * p + (0.25 * p * p - q).max(0.0).sqrt();
     [outer, q / outer]
@@ -114,8 +114,8 @@ fn squares_of_nodes(p: f64, q: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// The mean of t^n of the rule is `mean(n)` for even powers below twice its nodes, and its
-    /// nodes are inside.
+    /// The rule gives `mean(n)` as the mean of t^n for even powers below twice its number of nodes,
+    /// and its nodes are inside.
     fn check(rule: &[Node], [a, b]: [f64; 2], mean: impl Fn(i32) -> f64) {
         assert!(rule.iter().all(|(t, weight)| t.abs() < a + b && *weight > 0.0), "{rule:?}");
         for power in (0..2 * rule.len() as i32).step_by(2) {

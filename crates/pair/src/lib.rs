@@ -3,11 +3,11 @@
 //! * [`mean_tensor`]: the mean over one tile of the field of another, a [`SymmetricTensor`].
 //! * [`pair_loads`]: forces and torques of two tiles, a [`Load`] on each.
 //!
-//! Both choose the method by the place of the tiles. With parallel edges they sum functions of the
-//! 64 differences of corners, or far away take dipoles at the nodes of Gauss rules. Tiles that are
-//! turned against each other are integrated with Gauss-Legendre rules on parts that are divided.
+//! Both choose the method by the positions of the tiles. With parallel edges they sum functions of
+//! the 64 differences of corners, or far away dipoles at the nodes of Gauss rules. For tiles turned
+//! against each other they integrate with Gauss-Legendre rules on successively divided parts.
 //!
-//! The magnetization is as given: a tile is not magnetized by the field of the other.
+//! The magnetization is fixed: the field of the other tile does not change it.
 //!
 //! # Units
 //! Polarization in tesla. Lengths are in any one unit; with lengths in metres, forces are in
@@ -35,11 +35,11 @@ mod functions;
 mod gauss;
 /// Force and torque on a tile.
 mod load;
-/// Why an integral over turned cuboids is not known.
+/// An integral over turned cuboids that does not converge.
 mod not_converged;
 /// The choice of method for two tiles.
 mod pair;
-/// The kinds of numbers in which the functions of corners are evaluated.
+/// The number types of the functions of corners.
 mod real;
 /// Tables of `tests/reference`.
 #[cfg(test)]
@@ -49,7 +49,7 @@ mod reference;
 mod symmetric_tensor;
 /// Tolerances and tuning constants.
 pub mod tolerances;
-/// Mean tensor, force and torque of two cuboids that are turned against each other.
+/// Mean tensor, force and torque of two cuboids turned against each other.
 mod turned;
 
 pub use load::Load;

@@ -7,9 +7,9 @@ use glam::DVec3;
 /// Force on a tile, and torque about its centre.
 ///
 /// # Units
-/// With lengths in metres, newtons and newton metres. With lengths in another unit L, the force is
-/// in newtons times (L / m)^2 and the torque in newton metres times (L / m)^3. So with millimetres
-/// a factor of 1e-6 turns the force into N, and the torque into N mm.
+/// With lengths in metres, the force is in newtons and the torque in newton metres. With lengths in
+/// another unit L, multiply the force by (L / m)^2 and the torque by (L / m)^3. For millimetres, a
+/// factor of 1e-6 converts the force to N, and the torque to N mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Load {
@@ -23,8 +23,8 @@ impl Load {
     /// No force and no torque.
     pub const ZERO: Load = Load { force: DVec3::ZERO, torque: DVec3::ZERO };
 
-    /// The load on the other tile of a pair: force and torque are balanced. `offset` is the vector
-    /// from the centre of the other tile to that of this one.
+    /// The load on the other tile of a pair, which balances force and torque. `offset` is the
+    /// vector from the centre of the other tile to the centre of this tile.
     pub fn reaction(self, offset: DVec3) -> Load {
         Load { force: -self.force, torque: -self.torque - offset.cross(self.force) }
     }

@@ -1,9 +1,9 @@
-//! Why an integral over turned cuboids is not known.
+//! An integral over turned cuboids that does not converge.
 
 use std::error::Error;
 use std::fmt;
 
-/// What is integrated over two tiles.
+/// The integrand over two tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PairIntegral {
     /// The field of one tile, over the volume of the other.
@@ -12,15 +12,14 @@ pub enum PairIntegral {
     Load,
 }
 
-/// An integral over two tiles that are turned against each other does not converge.
+/// An integral over two tiles turned against each other does not converge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NotConverged {
-    /// What is integrated.
+    /// The integrand.
     pub integral: PairIntegral,
-    /// Error that was reached: relative to the norm of the tensor, or to the integral of
-    /// magnitudes.
+    /// Reached error: relative to the norm of the tensor, or to the integral of magnitudes.
     pub reached: f64,
-    /// Error that was asked for.
+    /// Requested error.
     pub tolerance: f64,
 }
 

@@ -19,12 +19,12 @@ use crate::{closed_form, distant};
 /// `receiver` is -N J for the polarization J of `source`.
 ///
 /// # Accuracy
-/// For tiles with parallel edges 1e-9 of the norm of the tensor, plus, for tiles that touch, a few
-/// units of round-off of the cube of their largest distance over the volume of the receiver. For
-/// tiles that are turned against each other [`crate::tolerances::TURNED_ERROR`] of the norm.
+/// For tiles with parallel edges the error is 1e-9 of the norm of the tensor. Tiles that touch add
+/// a few units of round-off of the cube of their largest distance over the volume of the receiver.
+/// For tiles turned against each other it is [`crate::tolerances::TURNED_ERROR`] of the norm.
 ///
 /// # Errors
-/// If the average over a turned tile does not converge, which happens if two tiles overlap.
+/// If the average over a turned tile does not converge, as for tiles that overlap.
 ///
 /// # Example
 /// ```
@@ -44,7 +44,7 @@ pub fn mean_tensor(receiver: &Tile, source: &Tile) -> Result<SymmetricTensor, No
 /// tensor.
 ///
 /// # Errors
-/// As [`mean_tensor`].
+/// The errors of [`mean_tensor`].
 pub fn mean_tensor_within(receiver: &Tile, source: &Tile, error: f64) -> Result<SymmetricTensor, NotConverged> {
     let frame = source.rotation();
     let Some(axes) = axes_to_axes(DMat3::from_quat(frame.inverse() * receiver.rotation()), PARALLEL) else {
@@ -59,9 +59,10 @@ pub fn mean_tensor_within(receiver: &Tile, source: &Tile, error: f64) -> Result<
 }
 
 /// The mean tensor of two boxes of these sides with parallel edges, to an error relative to the
-/// norm of the tensor. `offset` leads from the centre of the source to the centre of the receiver.
+/// norm of the tensor. `offset` is the vector from the centre of the source to the centre of the
+/// receiver.
 pub fn mean_tensor_of_boxes(receiver: DVec3, source: DVec3, offset: DVec3, error: f64) -> SymmetricTensor {
-    // In units of the largest length, so that no power leaves the range of numbers.
+    // In units of the largest length, so that no power overflows.
     let unit = receiver.max_element().max(source.max_element()).max(offset.abs().max_element());
     of_scaled_boxes([receiver / unit, source / unit], offset / unit, error, MOST_HALVINGS)
 }
@@ -74,8 +75,8 @@ fn of_scaled_boxes([receiver, source]: [DVec3; 2], offset: DVec3, error: f64, ha
     if touches || halvings == 0 || corner_error(receiver, source, offset) <= error {
         return closed_form::mean_tensor(receiver, source, offset);
     }
-    // The longest side is halved. The mean over a receiver is that of the means over its halves,
-    // and the field of a source is the sum of those of its halves.
+    // The longest side is halved. The mean over a receiver is the mean of the means over its
+    // halves, and the field of a source is the sum of the fields of its halves.
     let (axis_of_receiver, axis_of_source) = (receiver.max_position(), source.max_position());
     let halves_receiver = receiver[axis_of_receiver] >= source[axis_of_source];
     let (mut receiver, mut source) = (receiver, source);
@@ -98,34 +99,34 @@ fn corner_error(receiver: DVec3, source: DVec3, offset: DVec3) -> f64 {
     CORNER_ROUNDINGS * f64::EPSILON * farthest.powi(3) * 4.0 * PI / (receiver.element_product() * magnitude)
 }
 
-/// Forces and torques of two tiles on each other: those on the first, and on the second.
+/// Forces and torques of two tiles on each other: on the first, and on the second.
 ///
 /// If the edges of the tiles are parallel, force and torque are exact to round-off: the error is
-/// below 1e-14 of the result, plus 1e-28 J J' D^2 / (4 pi mu0) for the force, and D times that for
-/// the torque, where D is the largest distance of two corners. For tiles that are turned against
-/// each other, the error is below `tolerance` times the integral of |J . n| |H| over the surface of
-/// the one tile in the field of the other.
+/// below 1e-14 of the result, plus 1e-28 J J' D^2 / (4 pi mu0) for the force and D times this for
+/// the torque, where D is the largest distance of two corners. For tiles turned against each other,
+/// the error is below `tolerance` times the integral of |J . n| |H| over the surface of one tile in
+/// the field of the other.
 ///
-/// Faces that touch do so from outside. If tiles overlap by more than round-off, the result is that
-/// of their magnetic charges.
+/// Faces that touch do so from outside. If tiles overlap by more than round-off, the result is the
+/// load of their magnetic charges.
 ///
 /// # Errors
-/// If tiles that are turned against each other are so close that the integral does not converge.
+/// If tiles turned against each other are so close that the integral does not converge.
 pub fn pair_loads(first: &Tile, second: &Tile, tolerance: f64) -> Result<[Load; 2], NotConverged> {
     let offset = first.position() - second.position();
     let on_first = load::<DoubleDouble>(first, second, tolerance)?;
     Ok([on_first, on_first.reaction(offset)])
 }
 
-/// The load on the first tile by the second, with tiles of parallel edges evaluated in `f64`: a
-/// hundred times faster than [`pair_loads`] where they are near.
+/// The load on the first tile by the second, evaluated in `f64` for tiles with parallel edges: a
+/// hundred times faster than [`pair_loads`] for near tiles.
 ///
-/// For pairs at random with parallel edges the error of the force was below 1e-11 J J' D^2 / (4 pi
-/// mu0), and the error of the torque below D times that. For turned tiles it is that of
-/// [`pair_loads`].
+/// For random pairs with parallel edges the error of the force was below 1e-11 J J' D^2 / (4 pi
+/// mu0), and the error of the torque below D times this. For turned tiles the error of
+/// [`pair_loads`] applies.
 ///
 /// # Errors
-/// As [`pair_loads`].
+/// The errors of [`pair_loads`].
 pub fn load_in_f64(first: &Tile, second: &Tile, tolerance: f64) -> Result<Load, NotConverged> {
     load::<f64>(first, second, tolerance)
 }
@@ -143,7 +144,7 @@ mod tests {
     use super::*;
     use crate::reference::rows;
 
-    /// Where it is not used yet, the sum over corners keeps to its estimate too.
+    /// The sum over corners also keeps its estimate beyond the range of its use.
     #[test]
     fn errors_of_corner_sums_are_below_their_estimate() {
         for (tag, numbers) in rows("mean_tensors", 55).into_iter().filter(|(tag, _)| tag != "own") {

@@ -1,4 +1,4 @@
-//! The kinds of numbers in which the functions of corners are evaluated.
+//! The number types of the functions of corners.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
@@ -8,7 +8,7 @@ use magsplice_simd::lanes::Lanes;
 use crate::double_double::DoubleDouble;
 use crate::functions;
 
-/// A number of a polynomial: a real number, or a vector of them.
+/// A number in a polynomial: a real number, or a vector of real numbers.
 pub(crate) trait Arithmetic: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
     fn times(self, factor: f64) -> Self;
 

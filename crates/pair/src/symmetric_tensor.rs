@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 pub struct SymmetricTensor {
     /// Elements xx, yy, zz.
     pub diagonal: DVec3,
-    /// Elements yz, zx, xy: each across the axis of its place.
+    /// Elements yz, zx, xy: each at the index of its missing axis.
     pub off_diagonal: DVec3,
 }
 
@@ -23,13 +23,13 @@ impl SymmetricTensor {
         SymmetricTensor { diagonal: DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z), off_diagonal }
     }
 
-    /// The same as a matrix.
+    /// The tensor as a matrix.
     pub fn to_matrix(self) -> DMat3 {
         let (d, o) = (self.diagonal, self.off_diagonal);
         DMat3::from_cols(DVec3::new(d.x, o.z, o.y), DVec3::new(o.z, d.y, o.x), DVec3::new(o.y, o.x, d.z))
     }
 
-    /// The tensor in the frame that `rotation` takes this frame to.
+    /// The tensor in the frame to which `rotation` maps this frame.
     pub fn rotated(self, rotation: DMat3) -> SymmetricTensor {
         SymmetricTensor::from_matrix(rotation * self.to_matrix() * rotation.transpose())
     }

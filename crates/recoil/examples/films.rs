@@ -21,7 +21,7 @@ const PERMEABILITIES: [f64; 4] = [1.0, 1.05, 1.1, 1.2];
 /// Level 4 of 56 compact tiles has 3584 cells.
 const MOST_CELLS: usize = 4_500;
 
-/// Uniformity RMSE of R_x over the working volume; NaN where it does not exist.
+/// Uniformity RMSE of R_x over the working volume; NaN where it is undefined.
 fn uniformity_r_x(layout: &Layout, tiles: &[Tile]) -> f64 {
     let (Some(ideal), Some(volume)) = (&layout.ideal, &layout.volume) else {
         return f64::NAN;

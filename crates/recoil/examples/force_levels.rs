@@ -4,8 +4,8 @@
 //!
 //! The arguments are a layout, a permeability, a number of its first tiles, and the highest level
 //! (default: 6). Differences are between the forces on a tile by all others, over the largest of
-//! them. The last line compares forces of pairs at level 3 with those of all pairs of cells: pairs
-//! that are far apart count with their mean polarizations.
+//! them. The last line compares forces at level 3, with mean polarizations for distant pairs of
+//! tiles, with the forces of all pairs of cells.
 
 use std::error::Error;
 
@@ -14,10 +14,10 @@ use magsplice_force::FilmForces;
 use magsplice_layout::Layout;
 use magsplice_recoil::{Magnetization, Permeability, RecoilTile};
 
-/// Relative error of forces of tiles that are turned against each other.
+/// Relative error of forces of tiles turned against each other.
 const TURNED_ERROR: f64 = 1e-9;
 
-/// The level whose pairs of cells are all evaluated.
+/// The level at which all pairs of cells are evaluated.
 const LEVEL_OF_PAIRS: usize = 3;
 
 /// The largest force.

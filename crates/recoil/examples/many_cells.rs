@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let start = Instant::now();
     let solved = Magnetization::solve(&tiles, LEVEL, |_| {})?;
     println!("{} cells, {:.1} s on {} threads", solved.cells().len(), start.elapsed().as_secs_f64(), threads());
-    // Only Linux tells.
+    // Only Linux has this file.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     if let Some(peak) = status.lines().find(|line| line.starts_with("VmHWM")) {
         println!("{peak}");

@@ -5,9 +5,9 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use magsplice_magnet::{Tile, TileFaults};
 
-/// Cells along a side are a multiple of the level: this times the root of the ratio of the side to
-/// the shortest one, rounded. Cells at the edges are narrow already, so that a side of three times
-/// the shortest needs no more than it has.
+/// Factor in the number of cells along a side. That number is a multiple of the level: this factor
+/// times the root of the ratio of the side to the shortest side, rounded. Cells at the edges are
+/// narrow, so a side of three times the shortest needs no more cells than the shortest.
 const CELLS_OF_LONG_SIDE: f64 = 0.7;
 
 /// Largest multiple of the level.
@@ -31,11 +31,11 @@ pub fn cell_count(size: DVec3, level: usize) -> usize {
     cell_counts(size, level).into_iter().fold(1, usize::saturating_mul)
 }
 
-/// The cells of a tile at a level: tiles with its polarization and rotation that fill it.
+/// The cells that fill a tile at a level, with its polarization and rotation.
 ///
-/// Along each side of n cells, faces are at -cos(pi i / n) of the half side: the field and with it
-/// the polarization vary most at edges. At level 1 a tile that is not long is one cell, and is
-/// returned as it is, bit for bit.
+/// Along each side of n cells, faces are at -cos(pi i / n) of the half side, because the field and
+/// the polarization vary most at edges. At level 1 a tile that is not long is one cell, bit for
+/// bit.
 ///
 /// # Errors
 /// If a cell would be smaller or thinner than a tile may be.
@@ -60,8 +60,8 @@ pub fn cells(tile: &Tile, level: usize) -> Result<Vec<Tile>, TileFaults> {
 
 /// Middles and lengths of the intervals of one side.
 fn intervals(half: f64, count: usize) -> Vec<(f64, f64)> {
-    // Faces between cells have few binary digits, so that middles and lengths are exact, and the
-    // outer faces are those of the tile to the last digit. They are odd about the middle.
+    // Faces between cells have few binary digits, so middles and lengths are exact, and the outer
+    // faces are the faces of the tile to the last digit. They are odd about the middle.
     let unit = FACE_UNIT * half.log2().ceil().exp2();
     let face = |i: usize| {
         if i == 0 || i == count {
@@ -98,7 +98,7 @@ mod tests {
         }
     }
 
-    /// The faces of the outer cells are those of the tile.
+    /// The faces of the outer cells are the faces of the tile.
     #[test]
     fn outer_faces_are_those_of_the_tile() {
         let tile = Tile::new(DVec3::new(2.5, 0.0, 0.5), DVec3::new(3.0, 6.0, 1.0), DVec3::X).unwrap();

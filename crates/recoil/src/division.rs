@@ -40,7 +40,8 @@ impl Division {
         Ok(division)
     }
 
-    /// Why the mean field of the cell `source` in the cell `receiver` is not known.
+    /// The error for a mean field of the cell `source` in the cell `receiver` that does not
+    /// converge.
     pub(crate) fn turned(&self, receiver: usize, source: usize, error: NotConverged) -> RecoilError {
         let [receiver, source_tile] = [receiver, source].map(|cell| self.owners[cell]);
         RecoilError::Turned { receiver, source_tile, source: error }

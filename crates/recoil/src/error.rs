@@ -1,4 +1,4 @@
-//! Why the polarization of a set of tiles is not known.
+//! The reason why the polarization of a set of tiles cannot be computed.
 
 use std::error::Error;
 use std::fmt;
@@ -11,7 +11,7 @@ use crate::tolerances::{MAX_CELLS, MOST_BYTES, MOST_CELLS_OF_TENSORS, MOST_PERME
 /// Bytes of a GiB.
 const GIBIBYTE: f64 = 1_073_741_824.0;
 
-/// Why the polarization of a set of tiles is not known.
+/// The reason why the polarization of a set of tiles cannot be computed.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RecoilError {
@@ -19,25 +19,25 @@ pub enum RecoilError {
     NoLevel,
     /// Two tiles share volume, where the polarization would have two values.
     Overlap {
-        /// Index of the one tile.
+        /// Index of the first tile.
         first: usize,
-        /// Index of the other.
+        /// Index of the second tile.
         second: usize,
     },
-    /// The pairs of so many cells do not fit in memory.
+    /// The pairs of the cells do not fit in memory.
     TooManyCells {
         /// Number of cells.
         count: usize,
     },
-    /// The near pairs of cells do not fit in memory: cells are much longer in one direction than
-    /// another.
+    /// The near pairs of cells do not fit in memory, because cells are much longer in one direction
+    /// than another.
     TooManyNearPairs {
         /// Number of cells.
         count: usize,
-        /// Memory that the solution would take, in bytes.
+        /// Memory of the solution in bytes.
         bytes: usize,
     },
-    /// The sums over so many cells are not accurate enough for the permeability.
+    /// The sums over the cells are not accurate enough for the permeability.
     TooPermeable {
         /// Largest permeability.
         permeability: f64,
@@ -51,18 +51,18 @@ pub enum RecoilError {
         /// The reason.
         source: TileFaults,
     },
-    /// The mean field of a tile in a tile that is turned against it is not known.
+    /// The mean field of a tile in another tile turned against it does not converge.
     Turned {
-        /// Index of the tile in which the field is averaged.
+        /// Index of the tile over which the field is averaged.
         receiver: usize,
-        /// Index of the tile whose field it is.
+        /// Index of the source of the field.
         source_tile: usize,
         /// The reason.
         source: NotConverged,
     },
     /// The iteration for the polarization does not converge.
     NotSolved {
-        /// Residual that was reached, relative to that at the start.
+        /// Reached residual, relative to the residual at the start.
         residual: f64,
     },
 }
@@ -73,11 +73,11 @@ impl fmt::Display for RecoilError {
             RecoilError::NoLevel => write!(f, "level = 0, must be at least 1"),
             RecoilError::Overlap { first, second } => write!(f, "tiles {first} and {second} overlap"),
             RecoilError::TooManyCells { count } => {
-                write!(f, "{count} cells, must be at most {MAX_CELLS}: take a lower level of division or fewer tiles")
+                write!(f, "{count} cells, must be at most {MAX_CELLS}; use a lower level of division or fewer tiles")
             }
             RecoilError::TooManyNearPairs { count, bytes } => write!(
                 f,
-                "the near pairs of {count} cells take {:.1} GiB, must be at most {:.1} GiB: take a lower level of \
+                "the near pairs of {count} cells take {:.1} GiB, must be at most {:.1} GiB; use a lower level of \
                  division, or divide long and thin tiles into shorter ones",
                 *bytes as f64 / GIBIBYTE,
                 MOST_BYTES as f64 / GIBIBYTE
@@ -85,7 +85,7 @@ impl fmt::Display for RecoilError {
             RecoilError::TooPermeable { permeability, cells } => write!(
                 f,
                 "recoil permeability = {permeability} with {cells} cells, must be at most \
-                 {MOST_PERMEABILITY_OF_TREE}: lower it, or take a level with at most {MOST_CELLS_OF_TENSORS} cells"
+                 {MOST_PERMEABILITY_OF_TREE}; lower it, or use a level with at most {MOST_CELLS_OF_TENSORS} cells"
             ),
             RecoilError::Cell { tile, source } => write!(f, "tile {tile} cannot be divided into cells: {source}"),
             RecoilError::Turned { receiver, source_tile, source } => {
@@ -93,7 +93,7 @@ impl fmt::Display for RecoilError {
             }
             RecoilError::NotSolved { residual } => write!(
                 f,
-                "the polarization is not solved: the residual is {residual:.1e} of that at the start; lower the \
+                "the polarization is not solved: its residual is {residual:.1e} of the initial residual; lower the \
                  permeability"
             ),
         }

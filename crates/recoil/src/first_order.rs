@@ -13,18 +13,18 @@ use crate::pair_sums::PairSums;
 use crate::tolerances::MOST_CELLS_OF_TENSORS;
 
 impl Magnetization {
-    /// The polarization J = J_r + chi mu0 H of the field H of the polarizations J_r, each tile
-    /// divided into cells at a level: an estimate without the solution of equations. 56 tiles of
-    /// one cell each take milliseconds.
+    /// The polarization J = J_r + chi mu0 H in the field H of the polarizations J_r, with each tile
+    /// divided into cells at a level. It is an estimate without the solution of equations. 56 tiles
+    /// of one cell each take milliseconds.
     ///
     /// # Accuracy
     /// The neglected terms are at most chi times the change, in the root mean square over the
     /// volume: a twentieth of it for a permeability of 1.05. The division has larger errors. At
-    /// level 1 the change of B outside a film is right to tens of percent; where the fields of the
-    /// tiles of a designed film cancel, what remains may be wrong by a factor.
+    /// level 1 the error of the change of B outside a film is tens of percent. Where the fields of
+    /// the tiles of a designed film cancel, the remainder may be wrong by a factor.
     ///
     /// # Errors
-    /// Those of [`Magnetization::solve`], but for the solution.
+    /// The errors of [`Magnetization::solve`], except the errors of the solution.
     pub fn first_order(
         tiles: &[RecoilTile],
         level: usize,
@@ -67,7 +67,7 @@ mod tests {
 
     use super::*;
 
-    /// The difference to the solution is of the second order in chi.
+    /// The difference from the solution is of second order in chi.
     #[test]
     fn first_order_has_an_error_of_second_order() {
         let error = |chi: f64| {

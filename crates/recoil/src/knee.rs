@@ -2,13 +2,13 @@
 
 use crate::magnetization::Magnetization;
 
-/// A cell whose field drives it beyond the knee. Its recoil line holds no more: it loses
-/// polarization for good.
+/// A cell whose field drives it beyond the knee. Its recoil line no longer holds: it loses
+/// polarization permanently.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DemagnetizedCell {
     /// Index of the cell.
     pub cell: usize,
-    /// Index of its tile.
+    /// Index of the tile.
     pub tile: usize,
     /// mu0 H along the easy axis in tesla; negative against the polarization.
     pub field_t: f64,
@@ -24,10 +24,10 @@ impl Magnetization {
 
     /// The cells beyond the knee, in their order. `knee_t` is mu0 times the magnitude of the field
     /// at the knee, in tesla: the demagnetization curve is straight for fields along the easy axis
-    /// above `-knee_t`. Data sheets state it for each grade and temperature.
+    /// above `-knee_t`. Data sheets give it for each grade and temperature.
     ///
-    /// The field is the mean over a cell. At edges of tiles it is larger: a finer level finds more
-    /// cells, of less volume.
+    /// The field is the mean over a cell. It is larger at edges of tiles, so a finer level finds
+    /// more cells with less volume.
     pub fn beyond_knee(&self, knee_t: f64) -> Vec<DemagnetizedCell> {
         let cells = self.fields_along_easy_axis_t().into_iter().zip(self.owners()).enumerate();
         cells
@@ -38,7 +38,7 @@ impl Magnetization {
             .collect()
     }
 
-    /// The share of the volume of all tiles that is beyond the knee.
+    /// The share of the volume of all tiles beyond the knee.
     pub fn share_beyond_knee(&self, knee_t: f64) -> f64 {
         let volume = |cell: usize| self.cells()[cell].size().element_product();
         let total: f64 = (0..self.cells().len()).map(volume).sum();
@@ -60,8 +60,8 @@ mod tests {
         RecoilTile { tile, permeability: Permeability::isotropic(1.05).unwrap() }
     }
 
-    /// A cube has mu0 H = -J / 3 and J = J_r 3 / (mu_r + 2). Another one beside it, magnetized
-    /// against it along the line between them, adds to its demagnetizing field.
+    /// A cube has mu0 H = -J / 3 and J = J_r 3 / (mu_r + 2). Another cube, magnetized against it
+    /// along the line between them, adds to its demagnetizing field.
     #[test]
     fn knee_is_passed_by_the_right_cells() {
         let alone = Magnetization::solve(&[cube(0.0, DVec3::Z)], 1, |_| {}).unwrap();

@@ -1,21 +1,21 @@
 //! Self-consistent magnetization of cuboid tiles with a linear recoil line.
 //!
-//! The polarization of a tile is J = J_r + chi mu0 H, chi = mu_r - 1, where H is the field of all
-//! tiles, its own demagnetizing field included.
+//! The polarization of a tile is J = J_r + chi mu0 H, chi = mu_r - 1. H is the field of all tiles,
+//! including its own demagnetizing field.
 //!
 //! * [`RecoilTile`]: a tile with its polarization J_r and its [`Permeability`].
-//! * [`Magnetization`]: the polarization of cells that agrees with their field.
+//! * [`Magnetization`]: the polarization of cells, consistent with their field.
 //! * [`DemagnetizedCell`]: a cell beyond the knee of the demagnetization curve.
 //! * [`TileChange`]: the mean polarization of a tile, its weakening and its turn.
 //! * [`refine`]: finer divisions until a quantity is known to a tolerance.
 //!
 //! # Accuracy
-//! Few cells have the tensors of all their pairs, right to
-//! [`TENSOR_ERROR`](magsplice_pair::tolerances::TENSOR_ERROR), and their
-//! equations are solved to round-off. For many, pairs of distant cells interact by multipole
-//! expansions, right to [`tolerances::TREE_ERROR`]. What remains is the division into cells.
-//! [`refine`] estimates its error for the quantity that is asked for. The estimate is no bound: its
-//! constants were fitted to the values of the tests.
+//! For few cells the tensors of all pairs are computed, with an error of
+//! [`TENSOR_ERROR`](magsplice_pair::tolerances::TENSOR_ERROR), and the equations are solved to
+//! round-off. For many, pairs of distant cells interact by multipole expansions, with an error of
+//! [`tolerances::TREE_ERROR`]. The division into cells is the remaining error. [`refine`] estimates
+//! it for the requested quantity. The estimate is no bound: its constants were fitted to the values
+//! of the tests.
 //!
 //! # Example
 //! ```
@@ -53,7 +53,7 @@
 mod cells;
 /// A set of tiles divided into cells.
 mod division;
-/// Why the polarization is not known.
+/// Errors of the polarization.
 mod error;
 /// The sums of the mean tensors of all pairs in time proportional to the number of cells.
 mod fast_sum;
@@ -71,7 +71,7 @@ mod pair_sums;
 mod pair_tensors;
 /// Levels of division until a quantity is known to a tolerance.
 mod refinement;
-/// The polarization of cells that agrees with their field.
+/// The polarization of cells, consistent with their field.
 mod solver;
 /// Mirror planes of tiles.
 mod symmetry;

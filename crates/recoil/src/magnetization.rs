@@ -1,4 +1,4 @@
-//! Cells with their polarization, and what becomes of each tile.
+//! Cells with their polarization, and the change of each tile.
 
 use glam::DVec3;
 use magsplice_magnet::Tile;
@@ -7,7 +7,7 @@ use crate::division::Division;
 use crate::error::RecoilError;
 use crate::material::RecoilTile;
 
-/// Cells with the polarization that agrees with their field.
+/// Cells with the polarization consistent with their field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Magnetization {
     tiles: Vec<RecoilTile>,
@@ -16,7 +16,7 @@ pub struct Magnetization {
     fields_t: Vec<DVec3>,
 }
 
-/// What becomes of the polarization of one tile.
+/// The change of the polarization of one tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TileChange {
     /// Mean polarization in the frame of the scene, in tesla.
@@ -28,7 +28,7 @@ pub struct TileChange {
 }
 
 impl Magnetization {
-    /// Cells with J_r and what the field adds, in the frame of the scene.
+    /// Cells from J_r and the additions of the field, in the frame of the scene.
     pub(crate) fn new(
         tiles: &[RecoilTile],
         division: Division,
@@ -50,7 +50,7 @@ impl Magnetization {
         &self.tiles
     }
 
-    /// The cells as tiles with their polarization J. `magsplice_field::Scene` takes their field.
+    /// The cells as tiles with their polarization J, for `magsplice_field::Scene`.
     pub fn cells(&self) -> &[Tile] {
         &self.cells
     }
@@ -65,7 +65,7 @@ impl Magnetization {
         &self.fields_t
     }
 
-    /// What becomes of each tile.
+    /// The change of each tile.
     pub fn tile_changes(&self) -> Vec<TileChange> {
         let mut sums = vec![DVec3::ZERO; self.tiles.len()];
         for (cell, owner) in self.cells.iter().zip(&self.owners) {
@@ -81,8 +81,8 @@ impl Magnetization {
         tiles.map(|(each, change)| with_polarization(&each.tile, change.mean_polarization_t)).collect()
     }
 
-    /// The cells with the deviation of their polarization from the mean of their tile: what
-    /// [`mean_tiles`](Magnetization::mean_tiles) leave out of the field.
+    /// The cells with the deviation of their polarization from the mean of their tile. Their field
+    /// is missing from the field of [`mean_tiles`](Magnetization::mean_tiles).
     pub fn deviations(&self) -> Vec<Tile> {
         let changes = self.tile_changes();
         let cells = self.cells.iter().zip(&self.owners);
@@ -117,7 +117,7 @@ mod tests {
 
     use super::*;
 
-    /// The field of the cells is that of the means and of the deviations.
+    /// The field of the cells is the sum of the fields of the means and of the deviations.
     #[test]
     fn means_and_deviations_make_the_field() {
         let permeability = Permeability::isotropic(1.2).unwrap();

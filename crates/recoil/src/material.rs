@@ -3,12 +3,12 @@
 use glam::{DMat3, DVec3};
 use magsplice_magnet::{Permeability, Tile};
 
-/// A tile whose polarization is that at H = 0, J_r, and its recoil permeability.
+/// A tile with its polarization J_r at H = 0, and its recoil permeability.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecoilTile {
     /// The tile with its polarization J_r.
     pub tile: Tile,
-    /// Its permeability.
+    /// The permeability.
     pub permeability: Permeability,
 }
 

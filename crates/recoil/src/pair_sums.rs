@@ -15,7 +15,7 @@ use crate::tolerances::{MOST_CELLS_OF_TENSORS, MOST_PERMEABILITY_OF_TREE, RESIDU
 /// each cell is the only one of its orbit, and T_ij is sqrt(V_i / V_j) N_ij.
 pub(crate) struct PairSums {
     method: Method,
-    /// The cells whose sums are known.
+    /// The cells with computed sums.
     pub(crate) orbits: Orbits,
     /// Roots of the volumes of orbits, relative to the largest cell.
     pub(crate) roots_of_volume: Vec<f64>,
@@ -27,17 +27,17 @@ const MOST_IMAGES: usize = 8;
 enum Method {
     /// The tensors of all pairs.
     Tensors(PairTensors),
-    /// Those of near pairs, and expansions.
+    /// The tensors of near pairs, and expansions.
     Tree(CellSum),
 }
 
 impl PairSums {
-    /// The tensors of all pairs of few cells, or the tree of many. `progress` is told, from any
-    /// thread, how many more cells begin.
+    /// The tensors of all pairs of few cells, or the tree of many. `progress` receives, from any
+    /// thread, the number of cells that begin.
     ///
     /// # Errors
-    /// If tensors are not known, if they do not fit in memory, or if a permeability multiplies the
-    /// error of the tree beyond use.
+    /// If tensors do not converge, if they do not fit in memory, or if a permeability multiplies
+    /// the error of the tree too much.
     pub(crate) fn new(
         tiles: &[RecoilTile],
         division: &Division,
@@ -45,7 +45,7 @@ impl PairSums {
         progress: impl Fn(usize) + Sync,
     ) -> Result<PairSums, RecoilError> {
         let count = division.cells.len();
-        // Eight images divide the number of pairs by eight.
+        // With eight images the number of pairs is divided by eight.
         let takes_tensors = |images: usize| count * count <= images * MOST_CELLS_OF_TENSORS * MOST_CELLS_OF_TENSORS;
         if takes_tensors(MOST_IMAGES) {
             let orbits = Orbits::new(tiles, division, level);
@@ -87,7 +87,7 @@ impl PairSums {
         }
     }
 
-    /// The mean of mu0 H over each representative, in tesla, of the polarizations of
+    /// The mean of mu0 H over each representative, in tesla, for the polarizations of
     /// representatives.
     pub(crate) fn mean_fields_t(&self, polarizations_t: &[DVec3]) -> Vec<DVec3> {
         let weighted: Vec<DVec3> =
@@ -96,7 +96,7 @@ impl PairSums {
         sums.into_iter().zip(&self.roots_of_volume).map(|(sum, root)| -sum / *root).collect()
     }
 
-    /// The residual to which equations with this matrix are solved.
+    /// The residual of solutions of equations with this matrix.
     pub(crate) fn residual(&self) -> f64 {
         match self.method {
             Method::Tensors(_) => RESIDUAL,

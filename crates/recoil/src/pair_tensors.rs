@@ -8,20 +8,20 @@ use crate::division::Division;
 use crate::error::RecoilError;
 use crate::symmetry::Orbits;
 
-/// The tensors T_ij of all pairs of representatives of orbits, the transposes of those for i and j
-/// exchanged.
+/// The tensors T_ij of all pairs of representatives of orbits; T_ji is the transpose of T_ij.
 ///
-/// With the orbit's size o and the mirrors that leave a cell where it is, s, T_ij is the sum of
-/// sqrt(V_i / V_j) N_ig(j) D_g over all products g of mirrors, over sqrt(s_i s_j). D_g holds the
-/// signs of components of polarizations. The vectors are those of cells times sqrt(o).
+/// T_ij is the sum over all products g of mirrors of sqrt(V_i / V_j) N_ig(j) D_g, over sqrt(s_i
+/// s_j), where s is the number of mirrors that keep a cell in its place. D_g holds the signs of
+/// components of polarizations. Vectors are vectors of cells times sqrt(o), with the orbit's size
+/// o.
 pub(crate) struct PairTensors {
     /// Row i holds the representatives up to i.
     rows: Vec<Vec<DMat3>>,
 }
 
 impl PairTensors {
-    /// The tensors of all pairs. `progress` is told, from any thread, when those of a
-    /// representative with all before it begin: the number of cells of the orbit.
+    /// The tensors of all pairs. `progress` receives, from any thread, the number of cells of an
+    /// orbit when the pairs of its representative with all earlier representatives begin.
     pub(crate) fn new(
         division: &Division,
         orbits: &Orbits,

@@ -1,17 +1,18 @@
 //! Levels of division until a quantity is known to a tolerance.
 //!
 //! Let Q_l be the quantity at level l. With the cells of [`crate::cells`] its error falls with the
-//! square of the level, Q_l = Q + c / l^2, in the mean over films that were measured. The value is
-//! extrapolated with this order (Richardson). Its error is that of Q_l by the last two changes of
-//! Q, of which the earlier one is brought to the last level: one change can be small by chance. It
-//! is not less than a share of what the permeability changes in the value, and it is multiplied by
-//! a factor of safety: odd and even numbers of cells have errors of their own.
+//! square of the level, Q_l = Q + c / l^2, in the mean over the measured films. The value is
+//! extrapolated with this order (Richardson). Its estimated error is the error of Q_l from the last
+//! two changes of Q, with the earlier change scaled to the last level, because one change can be
+//! small by chance. The estimate is at least a share of the change of the value by the
+//! permeability. A factor of safety multiplies it, because odd and even numbers of cells have
+//! different errors.
 //!
 //! The share and the factor were fitted to the values of the tests: B near and far, and mean
 //! polarizations, of 19 sets of tiles. These are rods, plates, cubes, touching and separate pairs,
-//! a Halbach row, a checkerboard, stripes, anisotropic and turned tiles, with permeabilities up
-//! to 3. The result is an estimate, not a bound. It does not contain the error of the solution of
-//! the cells, which is [`crate::tolerances::TREE_ERROR`] of the change with many cells.
+//! a Halbach row, a checkerboard, stripes, anisotropic and turned tiles, with permeabilities up to
+//! 3. The result is an estimate, not a bound. It excludes the error of the solution of the cells,
+//! which with many cells is [`crate::tolerances::TREE_ERROR`] of the change.
 
 use std::error::Error;
 use std::fmt;
@@ -24,30 +25,29 @@ use crate::magnetization::Magnetization;
 use crate::material::RecoilTile;
 use crate::tolerances::MAX_CELLS;
 
-/// Least error of a value at level 1, as a share of what the permeability changes in it. It falls
-/// with the square of the level too. Both changes of one value of many can be small by chance: one
-/// value has an error at level 3 of a tenth of its change, over 3^2.
+/// Smallest error of a value at level 1, as a share of its change by the permeability. It falls
+/// with the square of the level too. Among many values, both changes of one can be small by chance:
+/// one value has an error at level 3 of a tenth of its change, over 3^2.
 const LEAST_SHARE: f64 = 0.25;
 
-/// Factor of safety. Of the 418 values of 19 sets of tiles, the largest error at level 3 is 4.2
-/// times the estimate without it, and three are more than 3 times it; at levels 4 to 6 the largest
-/// is 1.1 times it.
+/// Factor of safety. Without it, the largest error of the 418 values of 19 sets of tiles at level 3
+/// is 4.2 times the estimate, and three errors exceed 3 times the estimate; at levels 4 to 6 the
+/// largest is 1.1 times the estimate.
 const SAFETY: f64 = 4.5;
 
-/// Levels that are needed for two changes.
+/// Number of levels with two changes.
 const LEAST_LEVEL: usize = 3;
 
-/// Power of the level with which errors may fall at most. They fall with the square, and change by
-/// chance.
+/// Largest assumed power of the level in the decrease of errors. They fall with the square, and
+/// vary by chance.
 const STEEPEST_FALL: i32 = 3;
 
-/// When a refinement ends.
+/// Settings of a refinement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefinementSettings {
-    /// Largest error of each value, in its unit; infinite for a value whose error is only
-    /// estimated.
+    /// Largest error of each value, in its unit; infinite to estimate the error without a limit.
     pub tolerances: Vec<f64>,
-    /// Most cells, at most [`MAX_CELLS`].
+    /// Largest number of cells, at most [`MAX_CELLS`].
     pub most_cells: usize,
 }
 
@@ -64,27 +64,27 @@ pub struct Refined {
     pub magnetization: Magnetization,
 }
 
-/// Why a quantity is not known to a tolerance.
+/// The reason why a quantity does not reach its tolerance.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RefinementError {
-    /// The polarization is not known.
+    /// The polarization cannot be computed.
     Recoil(RecoilError),
-    /// A tolerance is not reached with as many cells as are allowed.
+    /// A tolerance is not reached with the allowed number of cells.
     NotConverged {
-        /// The tolerance of the value that is farthest from its own.
+        /// The tolerance of the value that exceeds its tolerance by the largest factor.
         tolerance: f64,
         /// The error of this value; infinite with fewer than three levels.
         reached: f64,
-        /// Most cells.
+        /// Largest number of cells.
         most_cells: usize,
-        /// Cells of the level at which the error is small enough if it falls with the square of the
-        /// level, or of the third level if it is not known.
+        /// Number of cells at which the error is small enough if it falls with the square of the
+        /// level; the cells of the third level if the error is unknown.
         needed_cells: usize,
-        /// The best that is known, with two levels or more of which three are needed for errors.
+        /// The best result, from at least two levels. Errors need three.
         best: Option<Box<Refined>>,
     },
-    /// The quantity has another number of values than there are tolerances.
+    /// The numbers of values and tolerances differ.
     Count {
         /// Number of tolerances.
         tolerances: usize,
@@ -93,16 +93,16 @@ pub enum RefinementError {
     },
 }
 
-/// Divides tiles at level 1, 2, 3 and so on, until `quantity` is known to a tolerance. `quantity`
-/// takes the cells as tiles to any number of values: B at points, an error of a film. Without
-/// permeabilities above 1 level 1 is exact.
+/// Divides tiles at level 1, 2, 3 and so on, until `quantity` reaches its tolerances. `quantity`
+/// maps the cells, as tiles, to any number of values, such as B at points or an error of a film.
+/// Without permeabilities above 1 level 1 is exact.
 ///
-/// `progress` is told the level, from any thread, while it is solved. A panic of it ends the work
-/// and reaches the caller.
+/// `progress` receives the level, from any thread, during its solution. A panic of `progress` ends
+/// the work and reaches the caller.
 ///
 /// # Errors
-/// If the polarization is not known, or the tolerance is not reached; the error then holds the best
-/// that is known. Levels above the third are not solved where their errors would have to fall
+/// If the polarization cannot be computed, or the tolerance is not reached; the error then holds
+/// the best result. Levels above the third are not solved where their errors would have to fall
 /// faster than with the cube of the level.
 ///
 /// # Panics
@@ -134,10 +134,10 @@ pub fn refine(
             return Ok(best);
         }
         let reachable = tolerance * (highest as f64 / level as f64).powi(STEEPEST_FALL);
-        // Written so that NaN fails the test.
+        // This comparison fails for NaN.
         if level == highest || !(reached <= reachable) {
             let fall = (reached / tolerance).sqrt();
-            // A level beyond the largest number has as many cells as there are numbers for.
+            // The number of cells saturates at the largest number.
             let needed_cells = count(tiles, (level as f64 * fall).ceil().max(highest as f64 + 1.0) as usize);
             let best = Some(Box::new(best));
             return Err(RefinementError::NotConverged { tolerance, reached, most_cells, needed_cells, best });
@@ -152,11 +152,10 @@ pub fn refine(
 /// errors. See [`refine`]; tiles without permeabilities above 1 have no errors at any level.
 ///
 /// # Errors
-/// If the polarization is not known, or the level has more than [`MAX_CELLS`] cells.
+/// If the polarization cannot be computed, or the level has more than [`MAX_CELLS`] cells.
 ///
 /// # Panics
-/// If the level is less than 3, or the quantity does not have the same number of values at each
-/// level.
+/// If the level is less than 3, or the number of values of the quantity changes between levels.
 pub fn extrapolated_at(
     tiles: &[RecoilTile],
     level: usize,
@@ -185,7 +184,7 @@ fn count(tiles: &[RecoilTile], level: usize) -> usize {
     tiles.iter().fold(0, |sum: usize, each| sum.saturating_add(cell_count(each.tile.size(), level)))
 }
 
-/// The quantity with J_r, and at levels 1, 2 and so on.
+/// The quantity for J_r, and at levels 1, 2 and so on.
 struct Levels<'a, Q> {
     tiles: &'a [RecoilTile],
     quantity: Q,
@@ -211,7 +210,7 @@ impl<'a, Q: Fn(&[Tile]) -> Vec<f64>> Levels<'a, Q> {
         self.tiles.iter().all(|each| each.permeability.is_rigid())
     }
 
-    /// The least level whose errors are known.
+    /// The lowest level with known errors.
     fn least(&self) -> usize {
         if self.is_rigid() { 1 } else { LEAST_LEVEL }
     }
@@ -228,17 +227,17 @@ impl<'a, Q: Fn(&[Tile]) -> Vec<f64>> Levels<'a, Q> {
     }
 }
 
-/// The error that is farthest above its tolerance, with the tolerance. An error that is no number
-/// is the farthest.
+/// The error that exceeds its tolerance by the largest factor, with the tolerance. NaN counts as
+/// the largest error.
 fn farthest(errors: &[f64], tolerances: &[f64]) -> (f64, f64) {
     let pairs = errors.iter().copied().zip(tolerances.iter().copied());
-    // An infinite tolerance is for an error that may be anything.
+    // An infinite tolerance allows any error.
     let asked = pairs.filter(|(_, tolerance)| tolerance.is_finite());
     let excess = |(error, tolerance): (f64, f64)| if error.is_nan() { f64::INFINITY } else { error / tolerance };
     asked.reduce(|worst, pair| if excess(pair) > excess(worst) { pair } else { worst }).unwrap_or((0.0, f64::INFINITY))
 }
 
-/// Values and errors from those with J_r and those of levels 1, 2 and so on, three or more.
+/// Values and errors from the values for J_r and the values of three or more levels.
 fn extrapolate(rigid: &[f64], history: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
     let level = history.len();
     let inverse_square = |level: usize| (level as f64).powi(-2);
@@ -262,11 +261,11 @@ impl fmt::Display for RefinementError {
             RefinementError::Recoil(error) => error.fmt(f),
             RefinementError::NotConverged { tolerance, reached, most_cells, needed_cells, .. } => write!(
                 f,
-                "the error is {reached:.1e}, must be at most {tolerance:.1e}, which takes about {needed_cells} cells and at \
-                 most {most_cells} are allowed: accept a larger tolerance, or allow more cells, up to {MAX_CELLS}"
+                "the error is {reached:.1e}, must be at most {tolerance:.1e}, which needs about {needed_cells} cells, \
+                 but at most {most_cells} are allowed; accept a larger tolerance, or allow more cells, up to {MAX_CELLS}"
             ),
             RefinementError::Count { tolerances, values } => {
-                write!(f, "the quantity has {values} values, must have as many as there are tolerances, {tolerances}")
+                write!(f, "the quantity has {values} values, must have one for each of the {tolerances} tolerances")
             }
         }
     }

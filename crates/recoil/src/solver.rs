@@ -1,4 +1,4 @@
-//! The polarization of cells that agrees with their field.
+//! The polarization of cells, consistent with their field.
 //!
 //! J_i = J_r,i + chi_i mu0 H_i with mu0 H_i = -sum of N_ij J_j. With J = J_r + V^(-1/2) chi^(1/2) x
 //! and T = V^(1/2) N V^(-1/2) this is
@@ -7,10 +7,9 @@
 //! (1 + chi^(1/2) T chi^(1/2)) x = -chi^(1/2) T V^(1/2) J_r
 //! ```
 //!
-//! T is symmetric with eigenvalues between 0 and 1, so that the matrix is symmetric with
-//! eigenvalues between 1 and mu_r. Conjugate gradients converge within about 6 / log10((s + 1) /
-//! (s - 1)) iterations, s = sqrt(mu_r), to 12 digits. Where mu_r is 1, x is 0 and J is J_r to the
-//! last bit.
+//! T is symmetric with eigenvalues between 0 and 1, so the matrix is symmetric with eigenvalues
+//! between 1 and mu_r. Conjugate gradients converge within about 6 / log10((s + 1) / (s - 1))
+//! iterations, s = sqrt(mu_r), to 12 digits. Where mu_r is 1, x is 0 and J is J_r to the last bit.
 
 use glam::{DMat3, DVec3};
 
@@ -26,20 +25,20 @@ impl Magnetization {
     ///
     /// Up to [`MOST_CELLS_OF_TENSORS`](crate::tolerances::MOST_CELLS_OF_TENSORS) cells, time and
     /// memory are proportional to the square of their number. In films with one, two or three
-    /// mirror planes one cell stands for two, four or eight. With more cells, time and memory are
+    /// mirror planes one cell represents two, four or eight. With more cells, time and memory are
     /// proportional to their number. The result does not depend on the number of threads.
-    /// `progress` is told, from any thread, how many more cells begin, and 0 when an iteration
-    /// does. A panic of it ends the work and reaches the caller.
+    /// `progress` receives, from any thread, the number of cells that begin, and 0 when an
+    /// iteration begins. A panic of `progress` ends the work and reaches the caller.
     ///
     /// # Accuracy
-    /// The equations of few cells are solved to about
-    /// [`TENSOR_ERROR`](magsplice_pair::tolerances::TENSOR_ERROR), those of many to
-    /// [`TREE_ERROR`](crate::tolerances::TREE_ERROR) of what the permeability changes in B outside.
-    /// The division itself has larger errors: see [`crate::refine`].
+    /// The error of the equations, relative to the change of B outside by the permeability, is
+    /// about [`TENSOR_ERROR`](magsplice_pair::tolerances::TENSOR_ERROR) for few cells and
+    /// [`TREE_ERROR`](crate::tolerances::TREE_ERROR) for many. The division has larger errors: see
+    /// [`crate::refine`].
     ///
     /// # Errors
-    /// Level 0, tiles that overlap, too many cells or too many near pairs of them, tiles turned
-    /// against each other whose field does not converge, many cells with a permeability above
+    /// Level 0, overlapping tiles, too many cells or near pairs of cells, tiles turned against each
+    /// other whose field does not converge, many cells with a permeability above
     /// [`MOST_PERMEABILITY_OF_TREE`](crate::tolerances::MOST_PERMEABILITY_OF_TREE).
     pub fn solve(
         tiles: &[RecoilTile],
@@ -51,7 +50,7 @@ impl Magnetization {
         Magnetization::from_sums(tiles, division, &sums, progress)
     }
 
-    /// The polarization of cells whose tensors are known.
+    /// The polarization of cells from their tensors.
     fn from_sums(
         tiles: &[RecoilTile],
         division: Division,

@@ -1,8 +1,8 @@
-//! Mirror planes of a set of tiles, and the cells that stand for all.
+//! Mirror planes of a set of tiles, and the cells that represent all cells.
 //!
-//! A mirror takes a polarization to its image as an axial vector, along the axis as it is and
-//! across it reversed, or to the opposite of that. Where each tile has an image among the tiles,
-//! the solution has the same planes: one cell of each orbit is unknown.
+//! A mirror maps a polarization as an axial vector, unchanged along the axis and reversed across
+//! it, or to its opposite. Where each tile has an image among the tiles, the solution has the same
+//! planes: one cell of each orbit is unknown.
 
 use glam::{DQuat, DVec3};
 use magsplice_magnet::BoundingBox;
@@ -12,13 +12,13 @@ use crate::division::Division;
 use crate::material::RecoilTile;
 use crate::tolerances::MIRROR_ERROR;
 
-/// The cells that stand for all, and the images of each cell.
+/// The cells that represent all cells, and the images of each cell.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Orbits {
     /// One cell of each orbit.
     pub(crate) representatives: Vec<usize>,
     /// For each product of mirrors the image of each cell, and the signs of the components of its
-    /// polarization. The first leaves all as it is.
+    /// polarization. The first is the identity.
     pub(crate) images: Vec<(Vec<usize>, DVec3)>,
 }
 
@@ -32,7 +32,7 @@ struct Mirror {
 }
 
 impl Orbits {
-    /// Each cell for itself.
+    /// Orbits of one cell each.
     pub(crate) fn trivial(count: usize) -> Orbits {
         Orbits { representatives: (0..count).collect(), images: vec![((0..count).collect(), DVec3::ONE)] }
     }
@@ -48,7 +48,7 @@ impl Orbits {
         for Mirror { axis, images, signs } in mirrors {
             let mut mirrored = Vec::with_capacity(division.cells.len());
             for (tile, image) in images.iter().enumerate() {
-                // Cells are numbered along x first; those of equal tiles correspond.
+                // Cells are numbered along x first; cells of equal tiles correspond.
                 let counts = cell_counts(tiles[tile].tile.size(), level);
                 let stride: usize = counts[..axis].iter().product();
                 mirrored.extend((0..starts[tile + 1] - starts[tile]).map(|cell| {
@@ -68,13 +68,13 @@ impl Orbits {
         orbits
     }
 
-    /// The number of products of mirrors that leave a cell where it is.
+    /// The number of products of mirrors that keep a cell in its place.
     pub(crate) fn stabilizer(&self, cell: usize) -> usize {
         self.images.iter().filter(|(images, _)| images[cell] == cell).count()
     }
 
-    /// The values of all cells from those of the representatives. Components that a plane through a
-    /// cell reverses vanish.
+    /// The values of all cells from the values of the representatives. Components reversed by a
+    /// plane through a cell vanish.
     pub(crate) fn expand(&self, values: &[DVec3]) -> Vec<DVec3> {
         let mut all = vec![DVec3::ZERO; self.images[0].0.len()];
         for (cell, value) in self.representatives.iter().zip(values) {
@@ -88,7 +88,7 @@ impl Orbits {
     }
 }
 
-/// The mirrors that take all tiles to tiles.
+/// The mirrors that map all tiles to tiles.
 fn mirrors(tiles: &[RecoilTile]) -> Vec<Mirror> {
     if tiles.iter().any(|each| each.tile.rotation() != DQuat::IDENTITY) {
         return Vec::new();

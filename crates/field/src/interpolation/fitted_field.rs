@@ -304,7 +304,9 @@ impl fmt::Display for FittedFieldError {
             FittedFieldError::TooNear => {
                 "tiles are in the box or too close for its size; use a smaller box or divide it"
             }
-            FittedFieldError::TooExact => "the tolerance is below the rounding error of the field; use a larger tolerance",
+            FittedFieldError::TooExact => {
+                "the tolerance is below the rounding error of the field; use a larger tolerance"
+            }
         })
     }
 }

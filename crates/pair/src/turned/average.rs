@@ -1,8 +1,8 @@
-//! The mean tensor of two boxes that are turned against each other.
+//! The mean tensor of two boxes turned against each other.
 //!
-//! The exact field of the source is averaged over the receiver by Gauss-Legendre rules on parts
-//! that are divided until the average does not change. Far away the tensor of a dipole is averaged
-//! over both.
+//! Gauss-Legendre rules average the exact field of the source over parts of the receiver, which are
+//! divided until the average does not change. Far away the tensor of a dipole is averaged over both
+//! boxes.
 
 use std::f64::consts::PI;
 
@@ -42,13 +42,13 @@ impl TurnedBox {
     }
 }
 
-/// The mean tensor, as [`crate::mean_tensor`].
+/// The tensor of [`crate::mean_tensor`].
 pub(crate) fn mean_tensor(receiver: &Tile, source: &Tile) -> Result<SymmetricTensor, NotConverged> {
     let offset = receiver.position() - source.position();
     if offset.length() >= TURNED_DISTANT * 0.5 * (receiver.size().length() + source.size().length()) {
         return Ok(in_distance(receiver, source, offset));
     }
-    // The field in the smaller box is smoother over it.
+    // Over the smaller box the field of the other is smoother.
     let volumes = [receiver, source].map(|tile| tile.size().element_product());
     if volumes[0] > volumes[1] {
         return Ok(in_field(source, receiver)? * (volumes[1] / volumes[0]));
@@ -78,8 +78,8 @@ fn in_field(receiver: &Tile, source: &Tile) -> Result<SymmetricTensor, NotConver
     let mut evaluated = 1;
     let (mut settled, mut error) = (SymmetricTensor::ZERO, 0.0);
     let norm = parts[0].1.norm();
-    // Depth first; each part may have the share of the error that its volume is of the receiver, by
-    // its root, because errors at singular edges are in few parts.
+    // Depth first. The allowed error of a part grows with the root of its share of the receiver's
+    // volume, because errors at singular edges are in few parts.
     while let Some((part, coarse, volume)) = parts.pop() {
         let eighths = part.eighths().map(|eighth| (eighth, average(&scenes, eighth), 0.125 * volume));
         evaluated += 8;
@@ -114,8 +114,8 @@ mod tests {
 
     use super::*;
 
-    /// The average of dipoles is that of the exact field, at the least distance at which it is
-    /// used.
+    /// The average of dipoles equals the average of the exact field at the smallest distance of its
+    /// use.
     #[test]
     fn distant_average_is_that_of_the_exact_field() {
         let rotation = DQuat::from_euler(EulerRot::XYZ, 0.3, -0.7, 1.1);

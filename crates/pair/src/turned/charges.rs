@@ -1,9 +1,9 @@
-//! Force and torque of two cuboids that are turned against each other.
+//! Force and torque of two cuboids turned against each other.
 //!
-//! The charges J . n of the faces of the smaller cuboid are integrated in the exact field of the
-//! larger one with Gauss-Legendre rules, on panels that are halved until the integral does not
-//! change. Fields have logarithmic singularities on edges, so that panels are halved across the
-//! direction in which the integral changes most.
+//! Gauss-Legendre rules integrate the charges J . n of the faces of the smaller cuboid in the exact
+//! field of the larger cuboid, on panels that are halved until the integral does not change. Fields
+//! have logarithmic singularities on edges, so panels are halved across the direction of the
+//! largest change of the integral.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -58,7 +58,7 @@ fn load_in_field(charged: &Tile, source: &Tile, tolerance: f64) -> Result<Load, 
             panels.extend(halves);
         }
     }
-    // Summed in an order that does not depend on how the heap is arranged.
+    // Summed in an order independent of the arrangement of the heap.
     let sum = panels.into_sorted_vec().iter().fold(Load::ZERO, |sum, panel| sum + panel.load);
     let to_scene = |vector: DVec3| source.rotation() * vector / MU_0;
     Ok(Load { force: to_scene(sum.force), torque: to_scene(sum.torque) })
@@ -73,9 +73,9 @@ fn totals<'a>(panels: impl Iterator<Item = &'a Panel>) -> (f64, f64) {
 #[derive(Clone, Copy)]
 struct Area {
     charge_t: f64,
-    /// From the centre of the tile to that of the rectangle.
+    /// Vector from the centre of the tile to the centre of the rectangle.
     lever: DVec3,
-    /// From the centre of the rectangle to the middle of two of its edges.
+    /// Vectors from the centre of the rectangle to the middle of two of its edges.
     sides: [DVec3; 2],
 }
 
@@ -101,12 +101,12 @@ struct Panel {
     area: Area,
     /// mu0 times force and torque.
     load: Load,
-    /// Change of the load when the rectangle is halved, both ways; torques over half the diagonal
-    /// of the tile.
+    /// Change of the load by halving the rectangle, both ways; torques are divided by half the
+    /// diagonal of the tile.
     error: f64,
     /// Integral of |J . n| mu0 |H|.
     magnitude: f64,
-    /// The side that changes the load most when it is halved.
+    /// The side whose halving changes the load most.
     across: usize,
 }
 
@@ -140,7 +140,7 @@ impl PartialOrd for Panel {
 }
 
 impl Ord for Panel {
-    /// By error; panels of the same error by their place.
+    /// Ordered by error, then by position.
     fn cmp(&self, other: &Panel) -> Ordering {
         let key = |panel: &Panel| [panel.error, panel.area.lever.x, panel.area.lever.y, panel.area.lever.z];
         let pairs = key(self).into_iter().zip(key(other));
@@ -178,7 +178,7 @@ impl SourceField {
         (load, magnitude)
     }
 
-    /// A point that is on a face by round-off is moved out of it.
+    /// Moves a point that is on a face up to round-off out of the tile.
     fn outwards(&self, point: DVec3) -> DVec3 {
         let beyond = point.abs() - self.half;
         let axis = beyond.max_position();

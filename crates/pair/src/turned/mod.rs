@@ -1,7 +1,7 @@
-//! Mean tensor, force and torque of two cuboids that are turned against each other.
+//! Mean tensor, force and torque of two cuboids turned against each other.
 //!
-//! The smaller cuboid is in the exact field of the larger one, which is smoother over it: integrals
-//! over the smaller one need fewer parts.
+//! Integrals extend over the smaller cuboid in the exact field of the larger, because that field is
+//! smoother there and the integrals need fewer parts.
 
 use glam::DVec3;
 use magsplice_field::Scene;
@@ -12,7 +12,7 @@ pub(crate) mod average;
 /// Force and torque, by the charges of faces.
 pub(crate) mod charges;
 
-/// A box in the frame of another one: its centre, and half of each side as a vector.
+/// A box in the frame of another box: its centre, and half of each side as a vector.
 #[derive(Clone, Copy)]
 struct TurnedBox {
     centre: DVec3,

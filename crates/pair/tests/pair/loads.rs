@@ -1,4 +1,4 @@
-//! Forces and torques of pairs against independent references, and the laws that they obey.
+//! Forces and torques of pairs against independent references and laws.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
@@ -67,13 +67,13 @@ fn akoun_yonnet(first: &Tile, second: &Tile) -> DVec3 {
 
 #[test]
 fn forces_agree_with_akoun_and_yonnet() {
-    // The example of their paper: two cuboids of 20 x 12 x 6 and 12 x 20 x 6 mm with 0.38 T, one
-    // above the other, and others.
+    // The example of their paper, two cuboids of 20 x 12 x 6 and 12 x 20 x 6 mm with 0.38 T, one
+    // above the other, and further pairs.
     for (x, y, z) in [(-4.0, -4.0, 8.0), (3.1, -4.0, 8.0), (16.9, -4.0, 8.0), (1.3, 2.7, 7.0), (-9.0, 17.5, 1.0)] {
         let first = tile([20.0, 12.0, 6.0], [0.0, 0.0, 0.38], [0.0; 3]);
         let second = tile([12.0, 20.0, 6.0], [0.0, 0.0, 0.38], [x, y, z]);
         let (force, published) = (loads(&first, &second)[1].force, akoun_yonnet(&first, &second));
-        // 64 terms of up to 25^2 ln 50, of which sums of about 100 are left.
+        // 64 terms of up to 25^2 ln 50 cancel to sums of about 100.
         assert!((force - published).length() < 1e-12 * published.length(), "{force} {published}");
     }
 }
@@ -96,7 +96,7 @@ fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     (0..count).map(node).collect()
 }
 
-/// Energy of a tile in the field of another one: -J . H over its volume.
+/// Energy of a tile in the field of another tile: -J . H over its volume.
 fn energy(tile: &Tile, source: &Scene, rule: &[(f64, f64)]) -> f64 {
     let half = 0.5 * tile.size();
     let mut points = Vec::new();
@@ -152,7 +152,7 @@ fn loads_are_derivatives_of_the_energy() {
     }
 }
 
-/// Two tiles whose centres are apart along x by more than their sides, so that they do not overlap.
+/// Two tiles separated along x by more than their sides, so they do not overlap.
 fn tiles_apart() -> impl Strategy<Value = (Tile, Tile)> {
     let side = || prop::array::uniform3(0.1..3.0_f64);
     let polarization = || prop::array::uniform3(-1.0..1.0_f64);
@@ -164,7 +164,8 @@ fn tiles_apart() -> impl Strategy<Value = (Tile, Tile)> {
     )
 }
 
-/// The load with every product of components of the polarizations positive bounds what may cancel.
+/// The load with every product of components of the polarizations positive, which bounds the
+/// cancelling terms.
 fn scale_of(first: &Tile, second: &Tile) -> f64 {
     let near = arm(first, second).min((first.position() - second.position()).length());
     let j = first.polarization_t().length() * second.polarization_t().length();
@@ -209,7 +210,8 @@ proptest! {
         prop_assert!((load.torque - sum.torque).length() < 1e-11 * scale * 10.0);
     }
 
-    /// Forces do not depend on where both tiles are, and grow with the square of their lengths.
+    /// Forces do not depend on the common position of both tiles, and grow with the square of their
+    /// lengths.
     #[test]
     fn shifted_and_scaled_tiles_keep_their_loads((first, second) in tiles_apart(), power in -30..30_i32) {
         let factor = 2_f64.powi(power);
@@ -227,14 +229,14 @@ proptest! {
         prop_assert_eq!(loads(&first, &second), loads(&moved(&first), &moved(&second)));
     }
 
-    /// Tiles that are turned together keep their loads, in the turned frame.
+    /// Tiles turned together keep their loads, in the turned frame.
     #[test]
     fn tiles_turned_together_keep_their_loads((first, second) in tiles_apart(), angles in prop::array::uniform3(-3.0..3.0_f64)) {
         let rotation = DQuat::from_euler(glam::EulerRot::XYZ, angles[0], angles[1], angles[2]);
         let turned = |t: &Tile| {
             Tile::new(rotation * t.position(), t.size(), t.polarization_t()).unwrap().rotated(rotation).unwrap()
         };
-        // Round-off of the turned positions moves faces by 1e-15, which matters at gaps of that
+        // Round-off of the turned positions moves faces by 1e-15, which matters at gaps of this
         // size.
         prop_assume!(second.position().x - 0.5 * (first.size().x + second.size().x) > 1e-3);
         let ([load, _], [seen, _]) = (loads(&first, &second), loads(&turned(&first), &turned(&second)));
@@ -243,7 +245,7 @@ proptest! {
         prop_assert!((rotation * load.torque - seen.torque).length() < 1e-10 * scale * 10.0);
     }
 
-    /// Far away the load is that of two dipoles, up to the square of size over distance.
+    /// Far away the load equals the load of two dipoles, up to the square of size over distance.
     #[test]
     fn distant_tiles_are_dipoles((first, second) in tiles_apart(), direction in prop::array::uniform3(-1.0..1.0_f64)) {
         let direction = DVec3::from_array(direction);
@@ -264,7 +266,7 @@ proptest! {
     }
 }
 
-/// A tile that is turned by 90 degrees is one with exchanged sides.
+/// A tile turned by 90 degrees equals a tile with exchanged sides.
 #[test]
 fn quarter_turn_exchanges_sides() {
     let first = tile([3.25, 1.75, 1.0], [0.12, 0.05, -0.02], [0.0, 0.0, 0.5]);
@@ -284,12 +286,12 @@ fn contact_does_not_depend_on_round_off() {
         assert!((at(z) - at(1.0)).abs() < 1e-10 * at(1.0), "{z}: {} {}", at(z), at(1.0));
         assert!((at(-z) + at(1.0)).abs() < 1e-10 * at(1.0));
     }
-    // Two faces of one size and charge attract at least with J^2 A / (2 mu0) less that of the far
-    // faces.
+    // Two faces of one size and charge attract at least with J^2 A / (2 mu0) minus the force of the
+    // far faces.
     assert!(at(1.0) > 0.0 && at(1.0) < 0.5 / MU_0);
 }
 
-/// Turned tiles whose force does not converge say so, and what to do.
+/// The error of turned tiles whose force does not converge includes advice.
 #[test]
 fn turned_tiles_in_contact_may_not_converge() {
     let first = tile([2.0; 3], [0.0, 0.0, 1.0], [0.0; 3]);

@@ -1,4 +1,4 @@
-//! Tables of `tests/reference`, whose README says how they were computed.
+//! Tables of `tests/reference`, whose README describes their computation.
 
 use std::path::Path;
 

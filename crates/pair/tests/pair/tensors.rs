@@ -21,7 +21,7 @@ fn relative_error(value: SymmetricTensor, exact: SymmetricTensor) -> f64 {
     (value + exact * -1.0).norm() / exact.norm()
 }
 
-/// All methods, by the distance that each pair has.
+/// All methods, by the distance of each pair.
 #[test]
 fn tensors_agree_with_eighty_digits() {
     for (tag, numbers) in rows("mean_tensors", 55) {
@@ -67,7 +67,7 @@ fn own_tensor_is_that_of_aharoni_with_trace_one() {
     assert!((cube.diagonal - DVec3::splat(1.0 / 3.0)).length() <= 1e-15);
 }
 
-/// Pairs of one system of axes and of two, near and far.
+/// Near and far pairs with the same axes and with different axes.
 fn pairs() -> Vec<[Tile; 2]> {
     let frame = DQuat::from_euler(EulerRot::XYZ, 0.3, -0.7, 1.1);
     let quarter = DQuat::from_rotation_y(0.5 * PI);
@@ -92,7 +92,8 @@ fn tensors_are_reciprocal() {
     }
 }
 
-/// The means over the parts of a box average to that of the box, and the fields of parts add up.
+/// The means over the parts of a box average to the mean over the box, and the fields of parts add
+/// up.
 #[test]
 fn parts_add_up_to_the_whole() {
     let (whole, other) = (DVec3::new(1.0, 2.0, 0.5), DVec3::new(0.7, 0.3, 0.9));
@@ -115,8 +116,8 @@ fn parts_add_up_to_the_whole() {
     }
 }
 
-/// Far away the tensor is that of a dipole. Cubes have no quadrupole and no octupole: the error is
-/// of the fourth power of side over distance.
+/// Far away the tensor equals the tensor of a dipole. Cubes have no quadrupole and no octupole, so
+/// the error has the fourth power of side over distance.
 #[test]
 fn distant_cubes_are_dipoles() {
     for distance in [30.0, 1e3, 1e6] {

@@ -21,18 +21,18 @@ use crate::division::Division;
 use crate::error::RecoilError;
 use crate::tolerances::MOST_BYTES;
 
-/// Groups of receivers whose translations are sorted by their matrix. Fewer groups read each matrix
-/// from memory fewer times, more divide the work more evenly.
+/// Number of groups of receivers whose translations are sorted by their matrix. With fewer groups
+/// each matrix is read from memory fewer times; more groups divide the work more evenly.
 const RECEIVER_GROUPS: usize = 16;
 
-/// Translations by one matrix that are made at the same time.
+/// Number of simultaneous translations by one matrix.
 const TOGETHER: usize = 4;
 
-/// Cells whose moments are computed at a time.
+/// Number of cells whose moments are computed at a time.
 const CELLS_AT_ONCE: usize = 64;
 
-/// The tensors T_ij = sqrt(V_i / V_j) N_ij of near pairs, and expansions in place of those of far
-/// pairs.
+/// The tensors T_ij = sqrt(V_i / V_j) N_ij of near pairs, and expansions in place of the tensors of
+/// far pairs.
 pub(crate) struct CellSum {
     tree: Octree,
     /// The moments of each cell for the three directions of its polarization, in the order of the
@@ -43,11 +43,11 @@ pub(crate) struct CellSum {
     matrices: Vec<Translation>,
     to_parent: Vec<Translation>,
     near: Vec<NearBlock>,
-    /// For each leaf its blocks.
+    /// The blocks of each leaf.
     blocks_of: Vec<Vec<usize>>,
 }
 
-/// The translations to some receivers.
+/// The translations to a group of receivers.
 struct FarGroup {
     receivers: Range<usize>,
     /// Matrix, source and receiver, in this order.
@@ -86,7 +86,7 @@ impl FarGroup {
 /// The tensors of the cells of two leaves.
 struct NearBlock {
     leaves: [usize; 2],
-    /// Row after row: a row for each cell of the first leaf.
+    /// Row after row, one row for each cell of the first leaf.
     tensors: Vec<SymmetricTensor>,
 }
 
@@ -115,7 +115,7 @@ impl CellSum {
             let mut tensors: Vec<SymmetricTensor> = Vec::with_capacity(rows.len() * columns.len());
             for (row, &i) in rows.iter().enumerate() {
                 for (column, &j) in columns.iter().enumerate() {
-                    // Those of one leaf are the same for i and j exchanged, to the last bit.
+                    // Tensors within a leaf are bit-identical for i and j exchanged.
                     if is_own && column < row {
                         tensors.push(tensors[column * columns.len() + row]);
                         continue;
@@ -216,7 +216,7 @@ impl CellSum {
         sums
     }
 
-    /// The part of its parent that a node is.
+    /// The octant of a node within its parent.
     fn octant(&self, node: usize) -> usize {
         let bits = self.tree.nodes[node].place & 1;
         (bits.x + 2 * bits.y + 4 * bits.z) as usize
@@ -235,7 +235,7 @@ fn bytes(tree: &Octree, far: &[[usize; 2]], near: &[[usize; 2]]) -> usize {
         + tensors * size_of::<SymmetricTensor>()
 }
 
-/// From the centre of a cube to that of one of its eighths, in sides.
+/// Vector from the centre of a cube to the centre of one of its octants, in sides.
 fn shift_of(octant: usize) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|axis: usize| if octant >> axis & 1 == 1 { 0.25 } else { -0.25 }))
 }
@@ -266,8 +266,8 @@ fn far_groups(tree: &Octree, far: &[[usize; 2]]) -> (Vec<FarGroup>, Vec<Translat
     (groups, matrices)
 }
 
-/// The moments of each cell for each direction of its polarization: the means of the gradients of
-/// the harmonics over it times the root of its volume, in sides of its leaf.
+/// The moments of each cell for each direction of its polarization: the means over the cell of the
+/// gradients of the harmonics times the root of its volume, in sides of its leaf.
 fn moments(tree: &Octree, cells: &[Tile]) -> Vec<[Coefficients; 3]> {
     let mut sources = Vec::with_capacity(3 * cells.len());
     let mut leaves: Vec<&Node> = tree.nodes.iter().filter(|node| node.children.is_empty()).collect();

@@ -4,8 +4,8 @@ use glam::I64Vec3;
 
 use super::octree::Octree;
 
-/// Largest sum of the radii of two nodes over the distance of their centres at which they interact
-/// by expansions.
+/// Largest ratio of the sum of the radii of two nodes to the distance of their centres for
+/// interaction by expansions.
 const SEPARATION: f64 = 0.7;
 
 /// Pairs of nodes.
@@ -13,12 +13,13 @@ const SEPARATION: f64 = 0.7;
 pub(super) struct Interactions {
     /// Pairs of nodes that interact by expansions, each once.
     pub(super) far: Vec<[usize; 2]>,
-    /// Pairs of leaves, each once, a leaf with itself too; the first is not behind the second.
+    /// Pairs of leaves, each once, including each leaf with itself; the first index is at most the
+    /// second.
     pub(super) near: Vec<[usize; 2]>,
 }
 
-/// What a translation depends on: the difference of the levels of source and receiver, and the
-/// offset of their centres in half sides of the smaller one.
+/// Key of a translation: the difference of the levels of source and receiver, and the offset of
+/// their centres in half sides of the smaller node.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub(super) struct Offset {
     pub(super) levels: i32,

@@ -1,28 +1,28 @@
-//! Cells in cubes that are halved.
+//! Cells in an octree of cubes.
 
 use std::ops::Range;
 
 use glam::{DVec3, I64Vec3};
 use magsplice_magnet::Tile;
 
-/// Largest number of cells of a leaf. Fewer make more pairs of nodes, more make more pairs of near
-/// cells.
+/// Largest number of cells of a leaf. A smaller number increases the pairs of nodes, a larger
+/// number the pairs of near cells.
 const CELLS_PER_LEAF: usize = 16;
 
-/// Most halvings of the cube of all cells.
+/// Largest number of halvings of the cube of all cells.
 const MOST_LEVELS: u32 = 40;
 
 /// A cube with the cells whose centres are in it.
 pub(super) struct Node {
     /// Number of halvings of the cube of all cells.
     pub(super) level: u32,
-    /// The place among the cubes of its level.
+    /// The position among the cubes of the level.
     pub(super) place: I64Vec3,
-    /// Its cells, by their place in [`Octree::order`].
+    /// The range of its cells in [`Octree::order`].
     pub(super) cells: Range<usize>,
-    /// Its parts that have cells.
+    /// The octants that have cells.
     pub(super) children: Range<usize>,
-    /// The sphere about the centre that contains the cells.
+    /// Radius of a sphere about the centre that contains the cells.
     pub(super) radius: f64,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Octree {
 }
 
 impl Octree {
-    /// The tree of some cells, at least one.
+    /// The tree of one or more cells.
     pub(super) fn new(cells: &[Tile]) -> Octree {
         let lower = cells.iter().map(|cell| cell.position()).fold(DVec3::INFINITY, DVec3::min);
         let upper = cells.iter().map(|cell| cell.position()).fold(DVec3::NEG_INFINITY, DVec3::max);

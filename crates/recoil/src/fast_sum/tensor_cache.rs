@@ -1,7 +1,7 @@
-//! Tensors of pairs of cells of which most have been met before.
+//! A cache of tensors of pairs of cells.
 //!
-//! Films repeat tiles, and the cells of a tile repeat sizes and offsets in all its octants. A
-//! tensor is that of rounded lengths, so that it does not depend on which pair was met first.
+//! Films repeat tiles, and the cells of a tile repeat sizes and offsets in all its octants. Tensors
+//! are computed from rounded lengths, so they do not depend on the pair that was met first.
 
 use std::collections::HashMap;
 
@@ -21,7 +21,7 @@ pub(super) struct TensorCache {
 }
 
 impl TensorCache {
-    /// No tensors yet, of cells within a cube of this side.
+    /// An empty cache for cells within a cube of this side.
     pub(super) fn new(side: f64) -> TensorCache {
         TensorCache { unit: CACHED_LENGTH * side, tensors: HashMap::new() }
     }

@@ -17,7 +17,7 @@ fn solve(tiles: &[RecoilTile], level: usize) -> Magnetization {
     Magnetization::solve(tiles, level, |_| {}).unwrap()
 }
 
-/// The tree against the tensors of all pairs: what a permeability changes in B outside agrees to a
+/// The tree against the tensors of all pairs: the change of B outside by a permeability agrees to a
 /// few millionths of its largest value, for compact and for flat and long cells, and among turned
 /// tiles.
 #[test]
@@ -53,7 +53,7 @@ fn tree_agrees_with_all_tensors() {
     }
 }
 
-/// The sums by a tree are those of a symmetric matrix, to round-off.
+/// The sums by a tree equal the sums of a symmetric matrix, to round-off.
 #[test]
 fn tree_is_symmetric() {
     let tiles = [
@@ -72,8 +72,8 @@ fn tree_is_symmetric() {
     assert!((there - back).abs() <= 1e-14 * norm, "{there} {back}");
 }
 
-/// Films with three mirror planes, one of which tiles cross, and with one: the solution is that of
-/// all cells, and the change of J has the planes to the last bit.
+/// Films with three mirror planes, one crossed by tiles, and with one plane: the solution equals
+/// the solution of all cells, and the change of J is symmetric to the last bit.
 #[test]
 fn mirror_planes_change_nothing() {
     let across = [

@@ -8,10 +8,10 @@ use magsplice_recoil::{RecoilTile, Refined, RefinementError, RefinementSettings,
 
 use crate::magnet;
 
-/// Levels that are needed for errors.
+/// Number of levels needed for errors.
 const LEAST_LEVEL: usize = 3;
 
-/// Sets of tiles with points at which B is asked for.
+/// Sets of tiles with points for B.
 fn cases() -> Vec<(Vec<RecoilTile>, Vec<DVec3>)> {
     let below = vec![DVec3::new(0.1, 0.2, -2.0), DVec3::new(0.6, -0.4, -1.0), DVec3::new(3.0, 2.0, 1.0)];
     vec![
@@ -130,8 +130,8 @@ fn errors_contain_finer_levels_of_many_shapes() {
 }
 
 /// Mean polarization of cubes that fill a sphere: J_r 3 / (mu_r + 2), within the error, for three
-/// numbers of cubes across. The mean factor of a shape with the symmetry of a cube is 1/3, so that
-/// steps of the surface change the mean in the second order only.
+/// numbers of cubes across. The mean factor of a shape with the symmetry of a cube is 1/3, so steps
+/// of the surface change the mean in second order only.
 #[test]
 fn errors_contain_the_factor_of_a_sphere() {
     for (across, mu_r) in [(4_i32, 1.05_f64), (5, 1.2), (6, 1.5)] {
@@ -187,7 +187,7 @@ fn refinement_without_enough_cells_says_so() {
     // With two levels no error is known.
     let (needed_cells, reached, best) = best_of(8, 1.0);
     assert_eq!((needed_cells, reached, best), (27, f64::INFINITY, None));
-    // An error that falls with the cube of the level would be small enough at level 10, and not at
+    // An error that falls with the cube of the level would be small enough at level 10, but not at
     // level 4.
     let (_, third, _) = best_of(27, 1e-9);
     let tolerance = third * (3.0_f64 / 10.0).powi(3) * 1.1;
@@ -220,7 +220,7 @@ fn rigid_tiles_need_one_level() {
     assert_eq!((refined.level, refined.errors), (1, vec![0.0; 3]));
 }
 
-/// Values with an infinite tolerance need no level of their own.
+/// Values with an infinite tolerance need no further level.
 #[test]
 fn refinement_ends_when_the_values_with_tolerances_are_known() {
     let (tiles, points) = &cases()[0];
@@ -233,8 +233,9 @@ fn refinement_ends_when_the_values_with_tolerances_are_known() {
 }
 
 /// Points near faces, edges and corners, at distances down to a hundredth of the shortest side.
-/// Errors fall slowly there, and so do their estimates. That of the finest level is as large as the
-/// change nearer to a face than a tenth of the shortest side, so that the test says little there.
+/// Errors fall slowly there, and so do their estimates. Nearer to a face than a tenth of the
+/// shortest side the estimate of the finest level is as large as the change, so the test is weak
+/// there.
 #[test]
 fn errors_contain_finer_levels_near_a_tile() {
     let tiles = [magnet([3.0, 6.0, 1.0], [0.0; 3], [0.12, 0.0, 0.0], 1.2)];

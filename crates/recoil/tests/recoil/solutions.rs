@@ -43,7 +43,7 @@ fn two_boxes_agree_with_eighty_digits() {
     }
 }
 
-/// The same tiles, turned together: polarizations turn too.
+/// Tiles turned together: polarizations turn too.
 #[test]
 fn solution_turns_with_the_tiles() {
     let tiles = [
@@ -77,9 +77,9 @@ fn unit_permeability_keeps_every_bit() {
 }
 
 /// A sphere of cubes: J = J_r 3 / (mu_r + 2). The mean factor over a shape with the symmetry of a
-/// cube is 1/3, so that the steps of the surface change the mean polarization in the second order
-/// only: by chi^2 d^2 / (1 + chi / 3)^3, where d is the deviation of the factor of cells from 1/3.
-/// It is below a tenth: a cell at a step has factors between those of a cube, 1/3, and about 1/3 +-
+/// cube is 1/3, so the steps of the surface change the mean polarization in second order only: by
+/// chi^2 d^2 / (1 + chi / 3)^3, where d is the deviation of the factor of cells from 1/3. It is
+/// below a tenth: a cell at a step has factors between the factor of a cube, 1/3, and about 1/3 +-
 /// 0.2, and half of the cells are inside.
 #[test]
 fn sphere_of_cubes_weakens_as_a_sphere() {
@@ -103,8 +103,8 @@ fn sphere_of_cubes_weakens_as_a_sphere() {
     }
 }
 
-/// The middle of a rod along J keeps J_r; that of a plate across J has J_r / mu_r. The
-/// demagnetizing factors there are (sqrt(2) side / length) / pi and 1 less it, to first order in
+/// The middle of a rod along J keeps J_r; the middle of a plate across J has J_r / mu_r. The
+/// demagnetizing factors there are (sqrt(2) side / length) / pi and 1 minus it, to first order in
 /// the ratio.
 #[test]
 fn rods_and_plates_reach_their_limits() {
@@ -117,7 +117,7 @@ fn rods_and_plates_reach_their_limits() {
     }
 }
 
-/// J - J_r = chi mu0 H in each cell, with the field of the cells averaged by the crate of fields.
+/// J - J_r = chi mu0 H in each cell, with the field of the cells averaged by `magsplice-field`.
 #[test]
 fn polarization_agrees_with_the_exact_field() {
     let tiles = [
@@ -172,8 +172,8 @@ fn bad_input_is_refused() {
     assert!(Magnetization::solve(&[], 1, |_| {}).unwrap().cells().is_empty());
 }
 
-/// A stack of two tiles, the upper one turned about the axis of the stack by a small angle and by
-/// none: the averages over turned cells and the closed form differ as little as the angle.
+/// A stack of two tiles, the upper turned about the axis of the stack by a small angle and by none:
+/// the averages over turned cells and the closed form differ in proportion to the angle.
 #[test]
 fn turned_stack_is_continuous_in_its_angle() {
     let lower = magnet([1.0; 3], [0.0; 3], [0.3, 0.0, 1.0], 1.2);
@@ -237,8 +237,8 @@ fn fields_agree_with_another_program() {
     }
 }
 
-/// Set, point and B of the rows of `tests/reference/recoil_fields.csv`, whose README says how they
-/// were computed.
+/// Set, point and B of the rows of `tests/reference/recoil_fields.csv`, whose README describes
+/// their computation.
 fn reference_fields(count: usize) -> Vec<(String, DVec3, DVec3)> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/reference/recoil_fields.csv");
     let mut reader = csv::Reader::from_path(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -260,7 +260,7 @@ fn tree_refuses_what_it_cannot_solve() {
     assert!(error.to_string().contains("lower it"), "{error}");
 }
 
-/// `progress` is told once for each cell, by all methods.
+/// `progress` receives each cell once, by all methods.
 #[test]
 fn progress_counts_cells() {
     let cube = [magnet([1.0; 3], [0.0; 3], [0.0, 0.0, 1.0], 1.1)];
