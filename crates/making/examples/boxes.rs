@@ -1,9 +1,10 @@
-//! The displacement error of films that are sorted from boxes of measured tiles, beside the same
-//! tiles in the order in which they were cut:
+//! The displacement error of films sorted from boxes of measured tiles, compared with the same
+//! tiles in the order of cutting:
 //!
 //!     cargo run --release -p magsplice-making --example boxes -- layouts/designed-stock.toml 200 0.25
 //!
-//! The arguments are a layout, a number of boxes, and spare tiles as a share of the places.
+//! The arguments are a layout, a number of boxes, and the number of spare tiles as a share of the
+//! places.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! Tiles that were cut and measured, the places of a film, and the tile of each place.
+//! Cut and measured tiles, the places of a film, and the tile of each place.
 
 use glam::DVec3;
 use magsplice_magnet::TileFaults;
@@ -7,18 +7,18 @@ use thiserror::Error;
 
 use crate::orientation::Orientation;
 
-/// A tile that was cut and measured, in a frame of its own in which it is meant to be as its part.
+/// A cut and measured tile, in its own frame, in which it nominally equals its part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutTile {
-    /// Its name.
+    /// The name.
     pub name: String,
     /// Measured polarization.
     pub polarization_t: DVec3,
-    /// Measured sides; those of the part if they were not measured.
+    /// Measured sides; the sides of the part if they were not measured.
     pub size_mm: DVec3,
 }
 
-/// Places that take the same part, and the tiles that were cut as this part.
+/// Places of the same part, and the tiles cut as this part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaceGroup {
     /// Sides of the part.
@@ -31,7 +31,7 @@ pub struct PlaceGroup {
     pub tiles: Vec<CutTile>,
 }
 
-/// Where a tile goes.
+/// A tile at its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct PlacedTile {
     /// Index of the place.
@@ -40,34 +40,34 @@ pub struct PlacedTile {
     pub group: usize,
     /// Index of the tile in its group.
     pub tile: usize,
-    /// Which way round.
+    /// The orientation.
     pub orientation: Orientation,
 }
 
 /// The tile of each place.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Assignment {
-    /// In the order of the places.
+    /// Tiles in the order of the places.
     pub placed: Vec<PlacedTile>,
-    /// For each shim tile, the factor by which its polarization differs from that of the film.
+    /// Factor of the polarization of each shim tile, relative to the film.
     pub shim_factors: Vec<f64>,
     /// Root mean square of the displacement errors over all points and axes, by the exact field, in
     /// mm.
     pub rms_mm: f64,
-    /// The same of the tiles in the order in which they were given, each as measured where it fits
-    /// so, with shim tiles as they are in the film.
+    /// `rms_mm` of the tiles in their given order, in the orientation as measured where it fits,
+    /// with the shim tiles of the film.
     pub in_order_rms_mm: f64,
-    /// The same, by the linear model, at which each start ended, least first. The least that many
-    /// of them have in common is probably the best there is.
+    /// `rms_mm` by the linear model at the end of each start, in ascending order. A smallest value
+    /// shared by many starts is probably the optimum.
     pub starts_rms_mm: Vec<f64>,
 }
 
-/// How an assignment is searched.
+/// Settings of the search for an assignment.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct AssignmentSettings {
     /// Number of starts.
     pub starts: usize,
-    /// Times that each start is disturbed and searched anew.
+    /// Number of times that each start is disturbed and searched anew.
     pub kicks: usize,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -81,7 +81,7 @@ impl Default for AssignmentSettings {
     }
 }
 
-/// Why tiles cannot be assigned.
+/// The reason why tiles cannot be assigned.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum AssignmentError {
@@ -90,12 +90,12 @@ pub enum AssignmentError {
     TooFew {
         /// Index of the group.
         group: usize,
-        /// Number of its places.
+        /// Number of places.
         places: usize,
-        /// Number of its tiles.
+        /// Number of tiles.
         tiles: usize,
     },
-    /// The part of a group fits one of its places in no orientation that is allowed.
+    /// The part of a group fits one of its places in no allowed orientation.
     #[error("its part fits place number {} in no orientation that is allowed", place + 1)]
     NoOrientation {
         /// Index of the place.
@@ -104,7 +104,7 @@ pub enum AssignmentError {
     /// A tile cannot exist.
     #[error("tile {name}: {faults}")]
     Tile {
-        /// Its name.
+        /// The name.
         name: String,
         /// The rules that it breaks.
         faults: TileFaults,

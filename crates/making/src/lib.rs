@@ -1,13 +1,12 @@
-//! Films as they are made: which measured tile goes to which place, and which way round.
+//! Making of films: the assignment of measured tiles to places, with orientations.
 //!
 //! * [`MeasuredBox`]: measured tiles, sorted by the parts of a layout; each is a [`CutTile`].
-//! * [`PartlyPlaced`]: a film of which some tiles are placed already.
+//! * [`PartlyPlaced`]: a film with some tiles already placed.
 //! * [`Orientation`]: one of the 24 ways in which a cuboid fits an upright box.
-//! * [`AssignmentProblem`]: tiles, places, and what each does to the displacement errors.
+//! * [`AssignmentProblem`]: tiles, places, and their effects on the displacement errors.
 //! * [`Assignment`]: the tile of each place, found by local searches from many starts.
 //! * [`PlanRow`]: a line of the plan by which the tiles of a film are placed.
-//! * [`MeasurementErrors`]: errors of the measurements of tiles, and what they leave of the
-//!   sorting.
+//! * [`MeasurementErrors`]: errors of the measurements of tiles, and their effect after sorting.
 //! * [`SortedSampler`]: samples of films whose tiles are cut with spares, measured and sorted.
 //!
 //! Lengths in millimetres, polarizations in tesla. This crate reads no files and prints nothing.
@@ -21,19 +20,19 @@ mod assignment;
 mod local_search;
 /// A box of measured tiles, sorted by the parts of a layout.
 mod measured_box;
-/// Errors of measurements, and what they leave of the sorting.
+/// Errors of measurements, and their effect after sorting.
 mod measurement;
 /// The ways in which a cuboid fits an upright box.
 mod orientation;
-/// Films of which some tiles lie already.
+/// Films with some tiles already placed.
 mod partly_placed;
-/// The plan: which tile goes where, and which way round.
+/// The plan: the place and the orientation of each tile.
 mod plan_row;
-/// What tiles do to the displacement errors at each place.
+/// Effects of tiles on the displacement errors at each place.
 mod problem;
-/// Tiles whose strength is chosen.
+/// Tiles with adjustable strength.
 mod shims;
-/// Samples of films whose tiles are sorted.
+/// Samples of films with sorted tiles.
 mod sorted_films;
 
 pub use assignment::{Assignment, AssignmentError, AssignmentSettings, CutTile, PlaceGroup, PlacedTile};

@@ -1,38 +1,38 @@
-//! Local search: exchanges of two tiles, turns of one, and spare tiles, until none of them helps;
-//! then random exchanges, and the search anew.
+//! Local search: exchanges of two tiles, turns of one tile and spare tiles, while they improve the
+//! film; then random exchanges, and a new search.
 
 use rand::seq::SliceRandom;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Exchanges of one disturbance: enough to leave a local minimum, and few enough to keep most of
-/// it.
+/// Number of exchanges of one disturbance: enough to leave a local minimum, and few enough to keep
+/// most of it.
 const EXCHANGES_OF_A_KICK: usize = 3;
 
-/// Fraction by which the square must fall for an exchange to count: far above round-off, so that a
-/// search ends.
+/// Smallest relative fall of the square for which an exchange counts. It is far above round-off, so
+/// a search ends.
 const LEAST_GAIN: f64 = 1e-9;
 
-/// What a tile does at a place in each orientation, in coordinates of the displacement errors.
+/// Effect of a tile at a place in each orientation, in coordinates of the displacement errors.
 #[derive(Clone, Debug)]
 pub(crate) struct Contribution {
     pub(crate) of_orientations: Vec<Vec<f64>>,
 }
 
-/// For each group, each place and each tile.
+/// Contributions by group, place and tile.
 type Contributions = [Vec<Vec<Contribution>>];
 
 /// A choice of tiles and orientations.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LocalSearch {
-    /// For each group and place: the tile and the number of its orientation.
+    /// The tile and the number of its orientation, for each group and place.
     chosen: Vec<Vec<(usize, usize)>>,
-    /// For each group: tiles that are at no place.
+    /// Tiles without a place, for each group.
     spare: Vec<Vec<usize>>,
 }
 
 impl LocalSearch {
-    /// Tiles in the order in which they were given.
+    /// Tiles in their given order.
     pub(crate) fn in_order(contributions: &Contributions) -> LocalSearch {
         let chosen = contributions.iter().map(|group| (0..group.len()).map(|tile| (tile, 0)).collect()).collect();
         let spare =
@@ -40,7 +40,7 @@ impl LocalSearch {
         LocalSearch { chosen, spare }
     }
 
-    /// Where the search from a random start ends.
+    /// The end of the search from a random start.
     pub(crate) fn run(
         nominal: &[f64],
         contributions: &Contributions,
@@ -104,7 +104,7 @@ impl LocalSearch {
         }
     }
 
-    /// Exchanges tiles until no exchange helps.
+    /// Exchanges tiles until no exchange improves the film.
     pub(crate) fn improve(&mut self, nominal: &[f64], contributions: &Contributions) {
         let mut sum = self.sum(nominal, contributions);
         let mut least = square(&sum);
@@ -118,14 +118,14 @@ impl LocalSearch {
             if least >= before * (1.0 - LEAST_GAIN) {
                 return;
             }
-            // Without the round-off of many exchanges.
+            // Summed anew, without the round-off of many exchanges.
             sum = self.sum(nominal, contributions);
             least = square(&sum);
         }
     }
 
-    /// The best exchange of the tile at a place: its orientation, with a spare tile, or with a
-    /// later place.
+    /// The best change of the tile at a place: another orientation, or an exchange with a spare
+    /// tile or a later place.
     fn improve_place(
         &mut self,
         group: usize,
@@ -137,8 +137,8 @@ impl LocalSearch {
         let (own, own_orientation) = self.chosen[group][place];
         let mut without = sum.clone();
         add(&mut without, -1.0, &of_group[place][own].of_orientations[own_orientation]);
-        // The place of the other tile with its orientation there, the tile, and its orientation
-        // here.
+        // The new place of the previous tile with its orientation there, the new tile, and its
+        // orientation here.
         let mut best: Option<(Other, usize, usize)> = None;
         let mut lowest = *least * (1.0 - LEAST_GAIN);
         let here = |tile: usize| of_group[place][tile].of_orientations.iter().enumerate();
@@ -186,7 +186,7 @@ impl LocalSearch {
         *least = lowest;
     }
 
-    /// The displacement errors of the choice, where those of the film as ordered are `nominal`.
+    /// The displacement errors of the choice. `nominal` are the errors of the film as ordered.
     pub(crate) fn sum(&self, nominal: &[f64], contributions: &Contributions) -> Vec<f64> {
         let mut sum = nominal.to_vec();
         for (chosen, of_group) in self.chosen.iter().zip(contributions) {
@@ -203,14 +203,14 @@ impl LocalSearch {
     }
 }
 
-/// Where a tile goes that gives up its place.
+/// The new place of a replaced tile.
 #[derive(Clone, Copy)]
 enum Other {
-    /// It stays.
+    /// The tile stays.
     None,
-    /// It becomes this spare tile.
+    /// Among the spare tiles, with this index.
     Spare(usize),
-    /// To this place, in this orientation.
+    /// This place, in this orientation.
     Place(usize, usize),
 }
 

@@ -8,12 +8,14 @@ use magsplice_magnet::MU_0;
 
 use crate::assignment::{CutTile, PlaceGroup};
 
-/// Factors between what is measured and what was ordered that no box of tiles has. Beyond them a
-/// unit is wrong, or a tile is of another part.
+/// Smallest ratio of a measured value to the ordered value. Outside the limits a unit is wrong, or
+/// a tile belongs to another part.
 const LEAST_FACTOR: f64 = 0.5;
+
+/// Largest ratio of a measured value to the ordered value.
 const MOST_FACTOR: f64 = 2.0;
 
-/// Angle from the direction that was ordered beyond which a tile was turned when it was measured.
+/// Largest angle from the ordered direction. Beyond it a tile was turned during its measurement.
 const MOST_ANGLE_DEG: f64 = 45.0;
 
 /// Cubic metres of a cubic millimetre.
@@ -22,17 +24,17 @@ const M3_PER_MM3: f64 = 1e-9;
 /// Largest number of characters of a text that a message repeats.
 const MOST_SHOWN: usize = 200;
 
-/// What was measured of a tile.
+/// The measurements of a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredTile<'a> {
-    /// Its name.
+    /// The name.
     pub name: &'a str,
-    /// Its part: the number, from 1, in the order of [`Layout::parts`], or the name of a tile or
-    /// kind of this part alone. `None` if the layout has one part, or the sides tell it.
+    /// The part: its number, from 1, in the order of [`Layout::parts`], or the name of a tile or
+    /// kind of this part alone. `None` if the layout has one part, or the sides identify it.
     pub part: Option<&'a str>,
-    /// Its sides in the order of those of the part. `None` if they were not measured.
+    /// The sides in the order of the part's sides. `None` if they were not measured.
     pub size_mm: Option<DVec3>,
-    /// Its magnetization.
+    /// The magnetization.
     pub magnet: MeasuredMagnet,
 }
 
@@ -52,7 +54,7 @@ pub enum MeasuredMagnet {
 #[derive(Clone, Debug)]
 pub struct MeasuredBox<'a> {
     parts: Vec<Part>,
-    /// The part that the name of each tile and of each kind stands for.
+    /// The part identified by the name of each tile and of each kind.
     part_names: HashMap<&'a str, usize>,
     groups: Vec<PlaceGroup>,
     names: HashSet<String>,
@@ -91,8 +93,8 @@ impl<'a> MeasuredBox<'a> {
     /// Adds a tile.
     ///
     /// # Errors
-    /// Every rule that it breaks, in words: its part must be known, its name free, and what was
-    /// measured near to what was ordered.
+    /// Every broken rule, in words: the part must be known, the name unused, and measured values
+    /// near the ordered values.
     pub fn add(&mut self, tile: &MeasuredTile) -> Result<(), Vec<String>> {
         let mut faults: Vec<String> = self.name_fault(tile.name).into_iter().collect();
         let number = match self.part(tile) {
@@ -137,12 +139,12 @@ impl<'a> MeasuredBox<'a> {
         self.names.len()
     }
 
-    /// Whether any tile has other sides than its part.
+    /// Whether the sides of any tile differ from the sides of its part.
     pub fn has_sizes(&self) -> bool {
         self.has_sizes
     }
 
-    /// The places of each part, with the tiles in the order in which they were added.
+    /// The places of each part, with the tiles in the order of their addition.
     pub fn into_groups(self) -> Vec<PlaceGroup> {
         self.groups
     }
@@ -181,8 +183,8 @@ impl<'a> MeasuredBox<'a> {
         let Some(size_mm) = tile.size_mm else {
             return Err(format!("has no part, must have one of {count} in a column part, or sizes"));
         };
-        // The nearest part, if no other is nearly as near: sizes of parts differ by more than cuts
-        // do.
+        // The nearest part, if no other part is nearly as near. Sizes of parts differ by more than
+        // the errors of cuts.
         let mut by_distance: Vec<(f64, usize)> =
             self.parts.iter().enumerate().map(|(number, part)| ((part.size_mm - size_mm).length(), number)).collect();
         by_distance.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -201,8 +203,8 @@ pub(crate) fn beginning(text: &str) -> String {
     text.chars().take(MOST_SHOWN).collect()
 }
 
-/// The part that the name of each tile and of each kind stands for. Kinds of several parts are left
-/// out.
+/// The part identified by the name of each tile and of each kind. Kinds of several parts are
+/// omitted.
 fn part_names<'a>(layout: &'a Layout, parts: &[Part]) -> HashMap<&'a str, usize> {
     let mut of_kinds: HashMap<&str, Option<usize>> = HashMap::new();
     let mut names = HashMap::new();

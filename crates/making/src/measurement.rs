@@ -1,4 +1,4 @@
-//! Errors of the measurements by which tiles are sorted, and of films that are sorted by them.
+//! Errors of measurements of tiles, and their effect on films sorted by them.
 
 use glam::{DQuat, DVec3};
 use magsplice_tolerance::Statistics;
@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use crate::assignment::{AssignmentError, CutTile, PlacedTile};
 use crate::problem::AssignmentProblem;
 
-/// Samples of measurements of one film: the 95th percentile of the errors has a standard error of 1
-/// %.
+/// Number of samples of measurements of one film, for a standard error of 1 % of the 95th
+/// percentile.
 const SAMPLES: u64 = 4000;
 
 /// Standard deviations of the errors of a measurement. The errors are normal and independent.
@@ -20,13 +20,14 @@ pub struct MeasurementErrors {
     pub strength: f64,
     /// Angle of J about each of two axes normal to it, in radians.
     pub direction_rad: f64,
-    /// Error of each side, in millimetres. `None` if sides are not measured, but taken as ordered.
+    /// Error of each side, in millimetres. `None` if sides are taken as ordered, without
+    /// measurement.
     pub size_mm: Option<f64>,
 }
 
 impl MeasurementErrors {
-    /// The tile as it is measured, with errors drawn from a random stream. It was ordered with
-    /// these sides.
+    /// The measured tile, with errors drawn from a random stream. `ordered_mm` are its ordered
+    /// sides.
     pub fn measured(&self, tile: &CutTile, ordered_mm: DVec3, random: &mut impl RngCore) -> CutTile {
         let [strength, first, second, x, y, z] = std::array::from_fn(|_| normal(random));
         let j_t = tile.polarization_t;
@@ -46,18 +47,19 @@ impl MeasurementErrors {
 }
 
 impl AssignmentProblem<'_> {
-    /// The root mean square of the displacement errors, in mm, of a film whose tiles were measured
-    /// with these errors: its distribution over 4000 measurements, by the linear model.
+    /// The distribution of the root mean square of the displacement errors, in mm, of a film whose
+    /// tiles were measured with these errors, over 4000 measurements by the linear model.
     ///
-    /// The tiles are as measured, less errors of the measurement. Nothing else is known of them.
-    /// This overstates the errors where those of the measurement are not small beside the
-    /// differences of the tiles: by one part in ten of the mean square if they are a third of them.
+    /// The true tiles are taken as the measured tiles minus errors of the measurement. This
+    /// overestimates the errors where measurement errors are not small compared with the
+    /// differences of the tiles: by a tenth of the mean square if they are a third of the
+    /// differences.
     ///
     /// # Errors
-    /// Tiles that cannot exist, and films whose parameters do not exist.
+    /// If a tile is invalid, or the parameters of a film are undefined.
     ///
     /// # Panics
-    /// If there is not one factor for each shim tile.
+    /// If the number of factors differs from the number of shim tiles.
     pub fn rms_of_measured_mm(
         &self,
         placed: &[PlacedTile],
@@ -66,7 +68,7 @@ impl AssignmentProblem<'_> {
         seed: u64,
     ) -> Result<Statistics, AssignmentError> {
         let nominal = self.exact(placed, shim_factors)?;
-        // What each error does at one standard deviation.
+        // The effect of each error at one standard deviation.
         let columns: Vec<Vec<f64>> = placed.iter().flat_map(|placed| self.changes_by_errors(placed, errors)).collect();
         let rms_mm = |sample: u64| {
             let mut random = ChaCha8Rng::seed_from_u64(seed);

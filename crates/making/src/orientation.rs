@@ -1,23 +1,24 @@
-//! The ways in which a cuboid fits an upright box.
+//! The orientations of a cuboid in an upright box.
 
 use glam::{DMat3, DVec3};
 use magsplice_magnet::Tile;
 
-/// A rotation that maps axes onto axes: one of 24. It turns vectors of a tile as it was measured
-/// into the frame of its place.
+/// One of the 24 rotations that map axes onto axes. It maps vectors from the frame of a measured
+/// tile to the frame of its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Orientation {
-    /// The axis of the measured tile that lies along each axis of the place.
+    /// The axis of the measured tile along each axis of the place.
     order: [u8; 3],
-    /// Whether it points the other way.
+    /// Whether that axis is reversed.
     reversed: [bool; 3],
 }
 
 impl Orientation {
-    /// As measured.
+    /// The orientation as measured.
     pub const AS_MEASURED: Orientation = Orientation { order: [0, 1, 2], reversed: [false; 3] };
 
-    /// All 24, as measured first, then those that leave the upper side up.
+    /// All 24 orientations: as measured, then the others that keep the upper side up, then the
+    /// rest.
     pub fn all() -> Vec<Orientation> {
         const ORDERS: [[u8; 3]; 6] = [[0, 1, 2], [1, 0, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0]];
         let mut all: Vec<Orientation> = ORDERS
@@ -30,7 +31,7 @@ impl Orientation {
         all
     }
 
-    /// A vector of the measured tile in the frame of its place.
+    /// Maps a vector of the measured tile to the frame of its place.
     pub fn apply(&self, v: DVec3) -> DVec3 {
         DVec3::from([0, 1, 2].map(|axis| {
             let component = v[usize::from(self.order[axis])];
@@ -38,7 +39,7 @@ impl Orientation {
         }))
     }
 
-    /// A vector in the frame of the place in that of the measured tile.
+    /// Maps a vector in the frame of the place to the frame of the measured tile.
     pub fn undo(&self, v: DVec3) -> DVec3 {
         let mut own = DVec3::ZERO;
         for axis in 0..3 {
@@ -63,26 +64,25 @@ impl Orientation {
         (usize::from(self.order[2]), self.reversed[2])
     }
 
-    /// The name of the side of the measured tile that is up, such as `+z`.
+    /// The name of the upward side of the measured tile, such as `+z`.
     pub fn upper_side_name(&self) -> &'static str {
         let (axis, is_down) = self.upper_side();
         [["+x", "-x"], ["+y", "-y"], ["+z", "-z"]][axis][usize::from(is_down)]
     }
 
-    /// Where the mark of a tile points at a place, from the x axis of the film towards its y axis,
-    /// from 0 to below 360 degrees.
+    /// The direction of a tile's mark at a place, in degrees from the x axis of the film towards
+    /// its y axis, from 0 to below 360.
     pub fn mark_deg(&self, place: &Tile) -> f64 {
         let along = place.rotation() * self.mark_direction();
         along.y.atan2(along.x).to_degrees().rem_euclid(360.0)
     }
 
-    /// The axis of the measured tile that a mark on the tile shows: its x, or its y if x is
-    /// upright.
+    /// The axis of the measured tile along its mark: x, or y if x is upright.
     pub fn mark_axis(&self) -> usize {
         usize::from(self.order[2] == 0)
     }
 
-    /// Where the axis of the mark points at the place: along x or y, or against them.
+    /// The direction of the mark's axis at the place: along x or y, or against them.
     pub fn mark_direction(&self) -> DVec3 {
         self.apply(DVec3::AXES[self.mark_axis()])
     }
@@ -110,7 +110,7 @@ mod tests {
         assert_eq!(all.iter().filter(|orientation| orientation.keeps_upper_side()).count(), 4);
     }
 
-    /// The side that is up and the direction of the mark tell all orientations apart.
+    /// The upward side and the direction of the mark distinguish all orientations.
     #[test]
     fn orientations_are_told_by_their_upper_side_and_mark() {
         let all = Orientation::all();

@@ -1,4 +1,4 @@
-//! Films of which some tiles lie already.
+//! Films with some tiles already placed.
 
 use std::collections::{HashMap, HashSet};
 
@@ -11,37 +11,37 @@ use crate::measured_box::beginning;
 use crate::orientation::Orientation;
 use crate::plan_row::PlanRow;
 
-/// Angle between a mark and the direction that it has at its place, beyond which the tile lies in
-/// another orientation.
+/// Largest angle between a mark and its nominal direction. Beyond it the tile has another
+/// orientation.
 const MOST_TURN_DEG: f64 = 45.0;
 
-/// A film of which some tiles lie, and what is left to do.
+/// A film with some tiles placed, and the remaining assignment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartlyPlaced {
-    /// The film, with the tiles that lie as they lie.
+    /// The film, with placed tiles at their actual positions.
     pub film: Vec<Tile>,
-    /// Places and tiles that are left.
+    /// The remaining places and tiles.
     pub groups: Vec<PlaceGroup>,
-    /// The tiles that lie, each with the index of its place.
+    /// The placed tiles, each with the index of its place.
     pub plan: Vec<(usize, PlanRow)>,
 }
 
-/// A tile that lies in a film.
+/// A tile already placed in a film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LyingTile<'a> {
     /// Name of its place.
     pub place: &'a str,
-    /// Its name.
+    /// Name of the tile.
     pub tile: &'a str,
-    /// Its measured centre. `None` if it is that of the place.
+    /// Measured centre. `None` for the centre of the place.
     pub position_mm: Option<DVec3>,
-    /// The side of the tile that is up, such as `+z`.
+    /// The upward side of the tile, such as `+z`.
     pub up: &'a str,
-    /// Where its mark points, from the x axis of the film towards its y axis, in degrees.
+    /// Direction of the mark, in degrees from the x axis of the film towards its y axis.
     pub mark_deg: f64,
 }
 
-/// A film while its tiles are placed.
+/// A film during the placement of its tiles.
 #[derive(Clone, Debug)]
 pub struct Laying<'a> {
     layout: &'a Layout,
@@ -57,7 +57,7 @@ pub struct Laying<'a> {
 }
 
 impl<'a> Laying<'a> {
-    /// The film of a layout, of which no tile lies yet. The groups have its places and the measured
+    /// The film of a layout without placed tiles. The groups have its places and the measured
     /// tiles.
     pub fn new(layout: &'a Layout, groups: &'a [PlaceGroup]) -> Laying<'a> {
         let mut tiles = HashMap::new();
@@ -84,10 +84,10 @@ impl<'a> Laying<'a> {
         }
     }
 
-    /// Lays a tile.
+    /// Places a tile.
     ///
     /// # Errors
-    /// Every rule that it breaks, in words. The film is then as it was.
+    /// Every broken rule, in words. The film is then unchanged.
     pub fn lay(&mut self, lying: &LyingTile) -> Result<(), Vec<String>> {
         let mut faults = Vec::new();
         let place = self.places.get(lying.place).copied();
@@ -139,7 +139,7 @@ impl<'a> Laying<'a> {
         Ok(())
     }
 
-    /// The orientation in which a tile lies, and the angle by which it is turned about z beyond it.
+    /// The orientation of a tile, and its additional rotation about z.
     fn orientation(&self, group: usize, place: usize, up: &str, deg: f64) -> Result<(Orientation, f64), String> {
         let at = &self.film[place];
         let fitting = self.groups[group].orientations_at(at, true);
@@ -167,7 +167,7 @@ impl<'a> Laying<'a> {
         }
     }
 
-    /// What is left to do.
+    /// The remaining assignment.
     pub fn finish(self) -> PartlyPlaced {
         let mut groups = self.groups.to_vec();
         for (number, group) in groups.iter_mut().enumerate() {

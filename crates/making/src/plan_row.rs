@@ -1,38 +1,38 @@
-//! The plan: which tile goes where, and which way round.
+//! The plan: the place and the orientation of each tile.
 
 use glam::DVec3;
 use magsplice_magnet::Tile;
 
 use crate::orientation::Orientation;
 
-/// Angles of marks are rounded to one part in this of a degree, which takes round-off away.
+/// Inverse of the unit, in degrees, to which angles of marks are rounded. It removes round-off.
 const ANGLE_DECIMALS: f64 = 1e6;
 
-/// A line of a plan: the tile of a place, and how it lies there.
+/// A line of a plan: a place, its tile, and the orientation.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct PlanRow {
-    /// Name of the place: of the tile of the layout.
+    /// Name of the place, which is the name of the tile in the layout.
     pub place: String,
     /// Name of the measured tile.
     pub tile: String,
     /// Centre in millimetres.
     pub centre_mm: DVec3,
-    /// The side of the measured tile that is up, such as `+z`.
+    /// The upward side of the measured tile, such as `+z`.
     pub up: &'static str,
-    /// The axis of the measured tile that a mark on it shows, such as `+x`.
+    /// The axis of the measured tile along its mark, such as `+x`.
     pub mark: &'static str,
-    /// Where this axis points, from the x axis of the film towards its y axis, from 0 to below 360
-    /// degrees.
+    /// Direction of this axis, in degrees from the x axis of the film towards its y axis, from 0 to
+    /// below 360.
     pub mark_deg: f64,
-    /// Whether the tile lies already.
+    /// Whether the tile is already placed.
     pub is_laid: bool,
 }
 
 impl PlanRow {
-    /// The name of a shim tile in a plan: it is not in the box.
+    /// The name of a shim tile in a plan. It does not come from the box.
     pub const SHIM: &'static str = "shim";
 
-    /// The line of a tile that is, or will be, where `lies` is.
+    /// The line of a tile with the actual or planned position of `lies`.
     pub fn new(place: &str, tile: &str, orientation: Orientation, lies: &Tile, is_laid: bool) -> PlanRow {
         let mark_deg = (orientation.mark_deg(lies) * ANGLE_DECIMALS).round() / ANGLE_DECIMALS;
         PlanRow {
@@ -46,7 +46,7 @@ impl PlanRow {
         }
     }
 
-    /// Whether the side that is up when the tile is measured is up.
+    /// Whether the upward side of the measurement is the upward side in the film.
     pub fn is_upright(&self) -> bool {
         self.up == "+z"
     }

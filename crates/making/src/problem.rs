@@ -1,4 +1,4 @@
-//! What each tile does at each place, and the search for the tile of each place.
+//! The effect of each tile at each place, and the search for the tile of each place.
 
 use glam::{DQuat, DVec3};
 use magsplice_magnet::{Tile, TileFaults};
@@ -10,34 +10,33 @@ use crate::local_search::{Contribution, LocalSearch};
 use crate::orientation::Orientation;
 use crate::shims::Shims;
 
-/// Relative difference of sides and of polarizations up to which a tile fits a place: the digits of
-/// the parts of a layout.
+/// Largest relative difference of sides and of polarizations of a tile that fits a place: the
+/// digits of the parts of a layout.
 const SAME: f64 = 1e-8;
 
-/// Rounds in which what the linear model leaves out is measured and added. The first leaves a
-/// hundredth of it, the second less than the round-off of measurements.
+/// Number of rounds that measure and add the error of the linear model. A hundredth of it remains
+/// after the first, less than the round-off of measurements after the second.
 const CORRECTIONS: usize = 2;
 
-/// Most contributions of tiles at places that are held in memory: 4 GB at 64 coordinates each.
+/// Largest number of contributions of tiles at places in memory: 4 GB at 64 coordinates each.
 const MOST_CONTRIBUTIONS: usize = 8_000_000;
 
-/// Tiles and places, and what each does to the displacement errors.
+/// Tiles and places, and their effects on the displacement errors.
 #[derive(Clone, Debug)]
 pub struct AssignmentProblem<'a> {
     model: &'a TileChanges,
     film: &'a [Tile],
     groups: &'a [PlaceGroup],
     shims: Shims,
-    /// For each place of a group, in order: its orientations.
+    /// The orientations for each place of a group, in order.
     orientations: Vec<Vec<Vec<Orientation>>>,
-    /// Without what shim tiles can compensate.
+    /// Contributions without the part that shim tiles can compensate.
     contributions: Vec<Vec<Vec<Contribution>>>,
 }
 
 impl<'a> AssignmentProblem<'a> {
-    /// The problem of laying a film with a model of its errors. `shims` are tiles of the film whose
-    /// strength may be chosen. Tiles of the film that are no shims and in no group stay as they
-    /// are.
+    /// The assignment of tiles to a film with a model of its errors. `shims` are tiles of the film
+    /// with adjustable strength. Other tiles in no group stay unchanged.
     ///
     /// # Errors
     /// See [`AssignmentError`].
@@ -86,10 +85,10 @@ impl<'a> AssignmentProblem<'a> {
         Ok(AssignmentProblem { model, film, groups, shims, orientations, contributions })
     }
 
-    /// The best assignment that was found. Results do not depend on the number of threads.
+    /// The best assignment found. Results do not depend on the number of threads.
     ///
     /// # Errors
-    /// Tiles that cannot exist, and films whose parameters do not exist.
+    /// If a tile is invalid, or the parameters of a film are undefined.
     pub fn solve(&self, settings: &AssignmentSettings) -> Result<Assignment, AssignmentError> {
         let in_order = self.placed(&LocalSearch::in_order(&self.contributions));
         let in_order_rms_mm = self.rms_mm(&in_order, &self.shims.unchanged())?;
@@ -101,7 +100,7 @@ impl<'a> AssignmentProblem<'a> {
             .collect();
         self.sort(&mut ends, &nominal);
         for _ in 0..CORRECTIONS {
-            // What the linear model leaves out at the best assignment.
+            // The error of the linear model at the best assignment.
             let best = &ends[0];
             let mut exact = self.exact(&self.placed(best), &self.shims.unchanged())?;
             self.shims.take_out(&mut exact);
@@ -120,13 +119,14 @@ impl<'a> AssignmentProblem<'a> {
         Ok(Assignment { placed, shim_factors, rms_mm, in_order_rms_mm, starts_rms_mm })
     }
 
-    /// The film with its tiles placed, and the polarization of its shim tiles times these factors.
+    /// The film with the placed tiles, and with the polarization of its shim tiles times these
+    /// factors.
     ///
     /// # Errors
     /// Tiles that cannot exist.
     ///
     /// # Panics
-    /// If there is not one factor for each shim tile.
+    /// If the number of factors differs from the number of shim tiles.
     pub fn film(&self, placed: &[PlacedTile], shim_factors: &[f64]) -> Result<Vec<Tile>, AssignmentError> {
         let mut film = self.film.to_vec();
         for placed in placed {
@@ -140,10 +140,10 @@ impl<'a> AssignmentProblem<'a> {
     /// mm.
     ///
     /// # Errors
-    /// Tiles that cannot exist, and films whose parameters do not exist.
+    /// If a tile is invalid, or the parameters of a film are undefined.
     ///
     /// # Panics
-    /// If there is not one factor for each shim tile.
+    /// If the number of factors differs from the number of shim tiles.
     pub fn rms_mm(&self, placed: &[PlacedTile], shim_factors: &[f64]) -> Result<f64, AssignmentError> {
         self.model.exact_rms_mm(&self.film(placed, shim_factors)?).map_err(AssignmentError::Film)
     }
@@ -184,7 +184,8 @@ impl<'a> AssignmentProblem<'a> {
 }
 
 impl PlaceGroup {
-    /// The orientations in which the part of the group is the tile of a place, as measured first.
+    /// The orientations in which the part of the group equals the tile of a place, as measured
+    /// first.
     pub fn orientations_at(&self, place: &Tile, may_turn_over: bool) -> Vec<Orientation> {
         let is_same = |a: DVec3, b: DVec3, scale: f64| (a - b).length() <= SAME * scale;
         let fits = |orientation: &Orientation| {
@@ -196,10 +197,10 @@ impl PlaceGroup {
         Orientation::all().into_iter().filter(fits).collect()
     }
 
-    /// The same for each of its places in a film.
+    /// [`PlaceGroup::orientations_at`] for each place of the group in a film.
     ///
     /// # Errors
-    /// The first place that the part fits in no orientation.
+    /// The first place that fits the part in no orientation.
     pub(crate) fn orientations_in(
         &self,
         film: &[Tile],
@@ -228,7 +229,7 @@ impl CutTile {
     /// The tile at a place of the film.
     ///
     /// # Errors
-    /// If it cannot exist.
+    /// If the tile is invalid.
     pub fn at(&self, place: &Tile, orientation: Orientation) -> Result<Tile, AssignmentError> {
         self.turned(place.position(), place.rotation(), orientation)
             .map_err(|faults| AssignmentError::Tile { name: self.name.clone(), faults })

@@ -1,4 +1,4 @@
-//! Shim tiles: tiles whose strength is chosen after all others are placed.
+//! Shim tiles, whose strength is chosen after all other tiles are placed.
 
 use glam::DVec3;
 use magsplice_magnet::Tile;
@@ -6,22 +6,22 @@ use magsplice_tolerance::TileChanges;
 
 use crate::assignment::AssignmentError;
 
-/// Part of a shim's contribution that must be its own. What is left of less is round-off, and would
-/// ask for strengths that no magnet has.
+/// Smallest part of a shim's contribution that is independent of the other shims. A smaller part is
+/// mostly round-off, and would require impossible strengths.
 const OWN_PART: f64 = 1e-6;
 
-/// Rounds of least squares with the exact field. Each leaves the square of what was left before,
-/// which is a few per cent.
+/// Number of rounds of least squares with the exact field. Each squares the remaining error, which
+/// is a few percent at first.
 const ROUNDS: usize = 4;
 
-/// Shim tiles of a film, and what they do to its displacement errors.
+/// Shim tiles of a film, and their effects on its displacement errors.
 #[derive(Clone, Debug)]
 pub(crate) struct Shims {
     tiles: Vec<usize>,
     /// Orthonormal coordinates that span the contributions.
     basis: Vec<Vec<f64>>,
-    /// For each shim: the components along the basis of its contribution at twice its strength less
-    /// that at its strength. Upper triangular.
+    /// For each shim, the components along the basis of its contribution at twice its strength
+    /// minus its contribution at its strength. Upper triangular.
     components: Vec<Vec<f64>>,
 }
 
@@ -44,7 +44,7 @@ impl Shims {
         Ok(shims)
     }
 
-    /// Takes out of displacement errors what shims can compensate.
+    /// Removes the part of displacement errors that shims can compensate.
     pub(crate) fn take_out(&self, errors: &mut [f64]) {
         for unit in &self.basis {
             let along = dot(unit, errors);
@@ -52,13 +52,12 @@ impl Shims {
         }
     }
 
-    /// The factors of shims that are as they are in the film.
+    /// The factors of unchanged shims.
     pub(crate) fn unchanged(&self) -> Vec<f64> {
         vec![1.0; self.tiles.len()]
     }
 
-    /// The factors at which errors are least in the mean square. `errors` gives those at given
-    /// factors.
+    /// The factors with the smallest mean square error. `errors` gives the errors at given factors.
     pub(crate) fn factors(
         &self,
         errors: impl Fn(&[f64]) -> Result<Vec<f64>, AssignmentError>,

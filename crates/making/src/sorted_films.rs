@@ -1,4 +1,4 @@
-//! Samples of films whose tiles are cut with spares, measured and sorted before they are placed.
+//! Samples of films whose tiles are cut with spares, measured and sorted before placement.
 
 use std::ops::Range;
 
@@ -15,40 +15,40 @@ use crate::measurement::MeasurementErrors;
 use crate::orientation::Orientation;
 use crate::problem::AssignmentProblem;
 
-/// Changes the seed of a run into that of its measurements, which are then independent of its
+/// Mask from the seed of a run to the seed of its measurements, which are then independent of its
 /// tiles.
 const SEED_OF_MEASUREMENTS: u64 = 0x6d65_6173_7572_6564;
 
-/// How tiles are cut, measured and sorted.
+/// Settings of cutting, measuring and sorting.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Sorting {
-    /// Number of tiles that are cut beyond those of the film. Parts have spares in proportion to
-    /// their places.
+    /// Number of spare tiles, cut in addition to the tiles of the film. Parts have spares in
+    /// proportion to their places.
     pub spares: usize,
     /// Errors of the measurements.
     pub measurement: MeasurementErrors,
-    /// How the places of the tiles are searched.
+    /// Settings of the search for the places of the tiles.
     pub settings: AssignmentSettings,
 }
 
-/// Draws samples of a film whose tiles are sorted. Sample number i has the tiles, the errors of
-/// laying and the surroundings of sample number i of the same film without sorting.
+/// Draws samples of a film with sorted tiles. Sample number i has the tiles, the placement errors
+/// and the surroundings of sample number i of the same film without sorting.
 #[derive(Clone, Debug)]
 pub struct SortedSampler<'a> {
     sampler: &'a Sampler<'a>,
     model: TileChanges,
     sorting: Sorting,
-    /// Without tiles.
+    /// Groups of places without tiles.
     parts: Vec<PlaceGroup>,
-    /// For each part and place: how its tile, as it is cut, fits it.
+    /// The orientation in which the cut tile fits, for each part and place.
     in_order: Vec<Vec<Orientation>>,
-    /// For each part.
+    /// Number of spare tiles of each part.
     spares: Vec<usize>,
 }
 
 impl<'a> SortedSampler<'a> {
-    /// Prepares what all samples share. `parts` are groups of places without tiles: tiles of one
-    /// group may be exchanged. Tiles in no group go to the places they are cut for.
+    /// Prepares the data shared by all samples. `parts` are groups of places without tiles: tiles
+    /// of one group may be exchanged. Tiles in no group go to the places for which they are cut.
     ///
     /// # Errors
     /// If the film has no displacement errors, or a part does not fit its places.
@@ -70,11 +70,11 @@ impl<'a> SortedSampler<'a> {
         Ok(SortedSampler { sampler, model, sorting, in_order, spares: shared_out(sorting.spares, &places), parts })
     }
 
-    /// The errors of sample number `sample`, which depend on the seed of the sampler and on this
-    /// number alone.
+    /// The errors of sample number `sample`. They depend only on the seed of the sampler and on
+    /// this number.
     ///
     /// # Errors
-    /// If a tile of the sample cannot exist, or the parameters do not exist in the volume.
+    /// If a tile of the sample is invalid, or the parameters are undefined in the volume.
     pub fn errors_of(&self, sample: u64) -> Result<Figures, AssignmentError> {
         let (film, seed) = (self.sampler.film(), self.sampler.seed());
         let faulty = |faults| AssignmentError::Film(SampleError::Tile(faults));
@@ -101,7 +101,7 @@ impl<'a> SortedSampler<'a> {
     }
 
     /// The errors of samples with these numbers, computed in parallel. They do not depend on the
-    /// number of threads, and samples of several ranges are those of the joined range.
+    /// number of threads or on the division into ranges.
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
@@ -111,8 +111,7 @@ impl<'a> SortedSampler<'a> {
         results.into_iter().collect()
     }
 
-    /// The tiles of each part in the frame of the part: those that were cut for the places, then
-    /// spares.
+    /// The tiles of each part in the frame of the part: tiles cut for the places, then spares.
     fn cut(&self, at_places: &[Tile], sample: u64) -> Result<Vec<PlaceGroup>, magsplice_magnet::TileFaults> {
         let (film, seed) = (self.sampler.film(), self.sampler.seed());
         let mut spare = 0;
@@ -134,7 +133,7 @@ impl<'a> SortedSampler<'a> {
     }
 }
 
-/// Shares out spare tiles in proportion to numbers of places, by largest remainders.
+/// Distributes spare tiles in proportion to numbers of places, by largest remainders.
 fn shared_out(spares: usize, places: &[usize]) -> Vec<usize> {
     let all: usize = places.iter().sum();
     if all == 0 {

@@ -1,11 +1,11 @@
-//! How often a scan names the three faulty tiles of a film and no other, by its height and noise:
+//! The share of scans that identify exactly the three faulty tiles of a film, by height and noise:
 //!
 //!     cargo run --release -p magsplice-scan --example faulty_tiles -- layouts/published-film.toml 100
 //!
-//! The arguments are a layout, a number of films, and, if all other tiles have expected errors,
-//! those of `workshop` or `jig`. In each film one tile is turned by 3 degrees about z, another is 5
-//! % weaker, and a third is displaced by 0.1 mm in the plane. The scan covers the film in steps of
-//! 1 mm.
+//! The arguments are a layout, a number of films, and optionally `workshop` or `jig` for the
+//! expected errors of all other tiles. In each film one tile is turned by 3 degrees about z,
+//! another is 5 % weaker, and a third is displaced by 0.1 mm in the plane. The scan covers the film
+//! in steps of 1 mm.
 
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -43,7 +43,7 @@ fn scan_points(tiles: &[Tile], height_mm: f64) -> Vec<DVec3> {
     (0..nx * ny).map(|n| at(n % nx, n / nx).with_z(z)).collect()
 }
 
-/// Three different tiles with their errors, added to expected ones.
+/// Three different tiles with their errors, added to the expected errors.
 fn faulty_tiles(count: usize, random: &mut ChaCha8Rng) -> [(usize, ErrorKind, PerTileError<f64>); 3] {
     let mut chosen: Vec<usize> = Vec::new();
     while chosen.len() < 3 {
@@ -73,8 +73,8 @@ fn names_exactly(found: &Diagnosis, wanted: &[(usize, ErrorKind)]) -> bool {
     named == wanted
 }
 
-/// Shares of films whose three faulty tiles are named and no other, whose faulty tiles are named
-/// whatever else is, and of right films in which a tile is named.
+/// Three shares of films: exactly the three faulty tiles are identified; all faulty tiles are
+/// identified, possibly with others; a fault-free film has an identified tile.
 fn measure(layout: &Layout, films: u64, expected: Option<&TileErrors>, height_mm: f64, noise_t: f64) -> [u64; 3] {
     let tiles = layout.bare_tiles();
     let points_mm = scan_points(&tiles, height_mm);

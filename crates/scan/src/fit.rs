@@ -1,5 +1,4 @@
-//! A measured scan of the field against the field of the tiles: what cannot be known beforehand is
-//! fitted by least squares.
+//! Least-squares fit of the unknown parameters of a measured scan to the field of the tiles.
 
 use glam::DVec3;
 use magsplice_sensor::SensedField;
@@ -8,35 +7,36 @@ use crate::fit_error::ScanError;
 use crate::least_squares::{Scan, ScanFit};
 use crate::parameters::{FreeParameters, ScanParameters};
 
-/// A reading is an outlier if a component is farther from the fit than this many standard
-/// deviations. Of a million normal errors, one exceeds five of them by chance in half of all scans,
-/// and six in one of 500.
+/// Number of standard deviations from the fit beyond which a component is an outlier. Among a
+/// million normal errors, one exceeds five standard deviations in half of all scans, and six in one
+/// scan of 500.
 const OUTLIER: f64 = 6.0;
 
 /// The standard deviation of normal errors over the median of their magnitudes.
 const DEVIATION_OVER_MEDIAN: f64 = 1.482_602_218_505_602;
 
-/// Noise that is assumed at least, as a fraction of the root mean square of the readings, so that
-/// round-off has no outliers.
+/// Smallest assumed noise, as a fraction of the root mean square of the readings, so that round-off
+/// has no outliers.
 const LEAST_NOISE: f64 = 1e-12;
 
-/// Most rounds in which outliers are sought and left out.
+/// Largest number of rounds that search and exclude outliers.
 const OUTLIER_ROUNDS: usize = 20;
 
-/// Largest share of outliers: beyond it the film of the scan is another one.
+/// Largest share of outliers. Beyond it the scan belongs to another film.
 const MOST_OUTLIERS: f64 = 0.2;
 
 /// Fits the parameters of a scan: readings of a sensor, in tesla, at positions of the scan.
 ///
 /// Gauss-Newton steps begin with the perfect scan and use the exact field and its gradient.
-/// Readings farther from the fit than six standard deviations are left out and the rest is fitted
-/// anew, until no reading is; the standard deviation is that of the median.
+/// Readings farther from the fit than six standard deviations are excluded and the rest is fitted
+/// anew, until no further reading is excluded. The median of the residuals gives the standard
+/// deviation.
 ///
 /// # Errors
 /// See [`ScanError`].
 ///
 /// # Panics
-/// If there are not as many points as readings.
+/// If the numbers of points and readings differ.
 pub fn fit_scan<'a>(
     field: impl Into<SensedField<'a>>,
     points: &[DVec3],
@@ -67,7 +67,7 @@ pub fn fit_scan<'a>(
     Err(ScanError::NoConvergence)
 }
 
-/// Which residuals are outliers.
+/// Whether each residual is an outlier.
 fn outliers(residuals_t: &[DVec3], least_noise_t: f64) -> Vec<bool> {
     let mut magnitudes: Vec<f64> = residuals_t.iter().flat_map(|residual| residual.abs().to_array()).collect();
     let middle = magnitudes.len() / 2;

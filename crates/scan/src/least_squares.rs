@@ -14,7 +14,7 @@ const PARAMETERS: usize = ScanParameter::ALL.len();
 type Vector = SVector<f64, PARAMETERS>;
 type Matrix = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
-/// Most steps of one fit. Fits that converge take about six.
+/// Largest number of steps of one fit. Fits that converge take about six.
 const MOST_STEPS: usize = 50;
 
 /// Relative change of the sum of squares below which a fit ends.
@@ -24,15 +24,15 @@ const LEAST_GAIN: f64 = 1e-12;
 /// parameters is not determined by the scan. Round-off of the matrix is 1e-16 of the largest.
 const UNDETERMINED: f64 = 1e-12;
 
-/// Length of a step, in scaled parameters and as a fraction of the full step where that is longer
-/// than one, at which halving ends: the sum of squares then changes by round-off alone.
+/// Length of a step, in scaled parameters and as a fraction of a full step longer than one, below
+/// which halving ends. The sum of squares then changes by round-off alone.
 const SHORTEST_STEP: f64 = 1e-12;
 
-/// Share of the largest component of an undetermined combination from which on a parameter is named
-/// as part of it.
+/// Share of the largest component of an undetermined combination above which a parameter is
+/// reported as part of it.
 const LEAST_PART: f64 = 0.3;
 
-/// A scan that is fitted.
+/// A scan with its parameters to fit.
 pub(crate) struct Scan<'a> {
     field: SensedField<'a>,
     points: &'a [DVec3],
@@ -40,7 +40,7 @@ pub(crate) struct Scan<'a> {
     free: FreeParameters,
     /// Root mean square of the field, in tesla.
     pub(crate) field_scale_t: f64,
-    /// What each parameter is divided by, so that all change the readings alike.
+    /// Unit of each parameter. All units change the readings by similar amounts.
     scales: Vector,
 }
 
@@ -49,13 +49,14 @@ pub(crate) struct Scan<'a> {
 pub struct ScanFit {
     /// The parameters.
     pub parameters: ScanParameters,
-    /// Their standard deviations, from the residuals; 0 for those that were not fitted.
+    /// Standard deviations of the parameters, from the residuals; 0 for fixed parameters.
     pub deviations: ScanParameters,
     /// Standard deviation of the residuals of one component, without outliers, in tesla.
     pub noise_t: f64,
-    /// Reading minus fit at each point, outliers too, in tesla and along the axes of the sensor.
+    /// Reading minus fit at each point, including outliers, in tesla and along the axes of the
+    /// sensor.
     pub residuals_t: Vec<DVec3>,
-    /// Indices of the readings that were left out, in ascending order.
+    /// Indices of the excluded readings, in ascending order.
     pub outliers: Vec<usize>,
 }
 
@@ -68,7 +69,7 @@ struct Linearized {
 }
 
 impl<'a> Scan<'a> {
-    /// A scan of which these parameters are fitted.
+    /// A scan with these parameters to fit.
     pub(crate) fn new(
         field: &SensedField<'a>,
         points: &'a [DVec3],
@@ -96,7 +97,7 @@ impl<'a> Scan<'a> {
         Ok(Scan { field, points, readings_t, free, field_scale_t, scales })
     }
 
-    /// Fits the readings that are no outliers.
+    /// Fits the readings without outliers.
     pub(crate) fn fit(&self, start: ScanParameters, is_outlier: &[bool]) -> Result<ScanFit, ScanError> {
         let mut parameters = start;
         let mut at = self.linearized(&parameters, is_outlier)?;
@@ -166,7 +167,7 @@ impl<'a> Scan<'a> {
     /// The inverse of the normal matrix of the free parameters; zero for the others.
     fn inverse(&self, normal: &Matrix) -> Result<Matrix, ScanError> {
         let is_free = |index: usize| self.free.contains(ScanParameter::ALL[index]);
-        // A fixed parameter has an equation of its own.
+        // A fixed parameter gets a separate equation.
         let reduced = Matrix::from_fn(|i, j| match (is_free(i) && is_free(j), i == j) {
             (true, _) => normal[(i, j)],
             (false, true) => normal.trace() / PARAMETERS as f64,
@@ -229,7 +230,7 @@ impl<'a> Scan<'a> {
     }
 }
 
-/// The same rotation by half a turn at most.
+/// The same rotation by at most half a turn.
 fn shortest(rotation: DQuat) -> DQuat {
     if rotation.w < 0.0 { -rotation } else { rotation }
 }

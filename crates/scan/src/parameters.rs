@@ -1,11 +1,11 @@
-//! How a scan was taken, and what is fitted.
+//! The parameters of a scan.
 
 use std::fmt;
 
 use glam::{DQuat, DVec3};
 use magsplice_magnet::Axis;
 
-/// A number that describes how a scan was taken.
+/// One parameter of a scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ScanParameter {
     /// The strength of all tiles.
@@ -33,7 +33,7 @@ impl ScanParameter {
         ScanParameter::Start(Axis::Z),
     ];
 
-    /// The place of the parameter in [`ScanParameter::ALL`].
+    /// The index of the parameter in [`ScanParameter::ALL`].
     pub const fn index(self) -> usize {
         match self {
             ScanParameter::Strength => 0,
@@ -55,7 +55,7 @@ impl fmt::Display for ScanParameter {
     }
 }
 
-/// The parameters that are fitted.
+/// The parameters to fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeParameters {
     /// The strength of all tiles.
@@ -85,22 +85,22 @@ impl FreeParameters {
         }
     }
 
-    /// Number of the parameters that are fitted.
+    /// Number of fitted parameters.
     pub fn count(self) -> usize {
         ScanParameter::ALL.into_iter().filter(|parameter| self.contains(*parameter)).count()
     }
 }
 
-/// How a scan was taken: a sensor at p reads R^-1 (strength B(p + start)) + offset.
+/// The parameters of a scan: a sensor at p reads R^-1 (strength B(p + start)) + offset.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ScanParameters {
-    /// Strength of all tiles over that of the layout.
+    /// Strength of all tiles, relative to the layout.
     pub strength: f64,
     /// Constant reading along the axes of the sensor, in tesla.
     pub offset_t: DVec3,
     /// Rotation vector of the sensor in the frame of the tiles, in radians.
     pub rotation_rad: DVec3,
-    /// Position of the sensor, in the frame of the tiles, where the scan has its origin.
+    /// Position of the sensor, in the frame of the tiles, at the origin of the scan.
     pub start: DVec3,
 }
 
@@ -109,7 +109,7 @@ impl ScanParameters {
     pub const PERFECT: ScanParameters =
         ScanParameters { strength: 1.0, offset_t: DVec3::ZERO, rotation_rad: DVec3::ZERO, start: DVec3::ZERO };
 
-    /// The parameters with the values that a function gives.
+    /// The parameters with the values of a function.
     pub fn from_fn(value: impl Fn(ScanParameter) -> f64) -> ScanParameters {
         let vector = |of: fn(Axis) -> ScanParameter| DVec3::from(Axis::ALL.map(|axis| value(of(axis))));
         ScanParameters {
@@ -135,8 +135,7 @@ impl ScanParameters {
         self.turn().inverse() * (self.strength * field_t) + self.offset_t
     }
 
-    /// The field, in the frame of the tiles, that a sensor without offset and rotation would have
-    /// read.
+    /// The field, in the frame of the tiles, read by a sensor without offset and rotation.
     pub fn corrected_t(&self, reading_t: DVec3) -> DVec3 {
         self.turn() * (reading_t - self.offset_t)
     }

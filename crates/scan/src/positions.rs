@@ -1,30 +1,29 @@
-//! The positions of a scan: whether they are a grid, which of it are missing, and which are
-//! repeated.
+//! The positions of a scan: the grid, missing positions and repeated positions.
 
 use std::collections::HashSet;
 
 use glam::DVec3;
 
-/// Fraction of the extent along an axis below which two coordinates are the same.
+/// Largest difference of equal coordinates, as a fraction of the extent along the axis.
 const SAME_COORDINATE: f64 = 1e-6;
 
-/// Share of the positions of a grid that a scan must have to be this grid with gaps.
+/// Smallest share of the positions of a grid in a scan that counts as this grid with gaps.
 const LEAST_FILLED: f64 = 0.5;
 
 /// The positions of a scan.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ScanPositions {
-    /// Number of positions along x, y, z, if they are a grid but for gaps.
+    /// Number of positions along x, y, z, if they form a grid, possibly with gaps.
     pub grid: Option<[usize; 3]>,
     /// Positions of the grid without a reading, z fastest.
     pub missing: Vec<DVec3>,
-    /// Indices of the readings at a position that an earlier one has.
+    /// Indices of the readings at the position of an earlier reading.
     pub repeated: Vec<usize>,
 }
 
 impl ScanPositions {
-    /// The positions of readings. Two are the same if they differ by at most a millionth of the
-    /// extent along each axis. They are a grid if at least half of its positions have a reading.
+    /// The positions of readings. Two are equal if they differ by at most a millionth of the extent
+    /// along each axis. They form a grid if at least half of its positions have a reading.
     pub fn new(points: &[DVec3]) -> ScanPositions {
         let coordinates: [Vec<f64>; 3] = std::array::from_fn(|axis| {
             let mut values: Vec<f64> = points.iter().map(|point| point[axis]).collect();
@@ -33,7 +32,7 @@ impl ScanPositions {
             values.dedup_by(|a, b| (*a - *b).abs() <= SAME_COORDINATE * extent);
             values
         });
-        // The least of the coordinates that are the same stands for them.
+        // The smallest of equal coordinates represents them.
         let cell = |point: &DVec3| -> [usize; 3] {
             std::array::from_fn(|axis| {
                 coordinates[axis].partition_point(|value| *value <= point[axis]).saturating_sub(1)
@@ -67,7 +66,7 @@ mod tests {
         let mut points: Vec<DVec3> =
             (0..12).map(|n| DVec3::new(f64::from(n / 4), f64::from(n / 2 % 2), f64::from(n % 2))).collect();
         points.remove(5);
-        // The same as the position before, to round-off.
+        // Equal to the position before, to round-off.
         points.insert(3, points[2] + 1e-9);
         let found = ScanPositions::new(&points);
         assert_eq!((found.grid, found.repeated), (Some([3, 2, 2]), vec![3]));

@@ -1,26 +1,28 @@
-//! Gauss-Newton steps towards the position with a reading, for many readings at once, so that the
-//! field is evaluated at many points per call.
+//! Gauss-Newton steps towards the position with a reading, for many readings at once to evaluate
+//! the field at many points per call.
 
 use glam::{DMat3, DVec3};
 
 use crate::sensed_field::SensedField;
 
-/// Most evaluations of one search. Steps that converge take five; a step that is halved takes one
+/// Largest number of evaluations of one search. Convergence takes five; a halved step takes one
 /// more.
 const MOST_EVALUATIONS: usize = 60;
 
 /// Length of a step, as a fraction of the diagonal of the volume, below which the search ends.
-/// Steps converge quadratically, so that the error left is the square of it, and round-off.
+/// Steps converge quadratically, so the remaining error is the square of this length, plus
+/// round-off.
 const SHORTEST_STEP: f64 = 1e-8;
 
-/// Longest step, as a fraction of the diagonal: farther away the field is not linear.
+/// Longest step, as a fraction of the diagonal. Farther away the field is not linear.
 const LONGEST_STEP: f64 = 0.25;
 
-/// Fraction of the magnitude of the reading up to which a field counts as equal to it. The exact
-/// field is right to 2e-14 of the sum over tiles, which is rarely 1e4 times the field.
+/// Largest difference of a field from the reading, as a fraction of its magnitude, that counts as
+/// equal. The error of the exact field is 2e-14 of the sum over tiles, which is rarely 1e4 times
+/// the field.
 const SAME_FIELD: f64 = 1e-9;
 
-/// The box in which positions are searched.
+/// The box of the search for positions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Region {
     pub(crate) lower: DVec3,
@@ -29,16 +31,16 @@ pub(crate) struct Region {
     pub(crate) diagonal: f64,
 }
 
-/// How a search ended.
+/// The end of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Ending {
-    /// The field at the position is the reading. The gradient of the field there.
+    /// The field at the position equals the reading. Includes the gradient of the field there.
     Found { position: DVec3, gradient: DMat3 },
-    /// The search left the region, or ended where the field is not the reading.
+    /// The search left the region, or ended where the field differs from the reading.
     Lost,
 }
 
-/// A search that goes on.
+/// A search in progress.
 struct Descent {
     search: usize,
     reading_t: DVec3,
@@ -67,7 +69,7 @@ pub(crate) fn descend(field: &SensedField, region: &Region, searches: &[(DVec3, 
             break;
         }
         let points: Vec<DVec3> = active.iter().map(|descent| descent.candidate).collect();
-        // Points on edges have NaN, and the step to them is halved.
+        // The field on edges is NaN, and the step is halved.
         let (readings_t, gradient) = field.readings_and_gradients(&points);
         let mut evaluated = readings_t.into_iter().zip(gradient);
         active.retain_mut(|descent| {
@@ -85,8 +87,8 @@ pub(crate) fn descend(field: &SensedField, region: &Region, searches: &[(DVec3, 
 }
 
 impl Descent {
-    /// Chooses the next candidate from the field and its gradient at the present one. Returns how
-    /// the search ended, if it did.
+    /// Chooses the next candidate from the field and its gradient at the current candidate. Returns
+    /// the end of the search, if it ended.
     fn next(&mut self, field_t: DVec3, gradient: DMat3, region: &Region) -> Option<Ending> {
         let difference = self.reading_t - field_t;
         let distance = difference.length();
@@ -106,7 +108,7 @@ impl Descent {
         }
         let (from, ..) = self.best?;
         if self.step.length() <= SHORTEST_STEP * region.diagonal {
-            // The last step is taken without another evaluation: the field is linear over it.
+            // The last step needs no evaluation, because the field is linear over it.
             return Some(self.ending(region));
         }
         self.candidate = from + self.step;
@@ -118,7 +120,7 @@ impl Descent {
         match self.best {
             Some((from, distance, gradient)) => {
                 let position = from + self.step;
-                // The field changes by this over the last step at most.
+                // The largest change of the field over the last step.
                 let change = (gradient * self.step).length();
                 let is_same = distance <= SAME_FIELD * self.reading_t.length() + 2.0 * change;
                 let is_short = self.step.length() <= SHORTEST_STEP * region.diagonal;

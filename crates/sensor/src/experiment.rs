@@ -1,4 +1,4 @@
-//! Experiments in which a film is moved along an axis and a sensor is read (Dai 2024, Fig. 9).
+//! Experiments that move a film along an axis and read a sensor (Dai 2024, Fig. 9).
 
 use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
@@ -13,12 +13,12 @@ use crate::sensed_field::SensedField;
 /// steps.
 const STEP_ROUNDING: f64 = 1e-9;
 
-/// A film at one displacement, and what its sensor tells.
+/// A film at one displacement, with the results of its sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExperimentStep {
     /// The displacement of the film.
     pub displacement: DVec3,
-    /// What the sensor reads, in tesla: rounded and limited, with noise if it was asked for.
+    /// The reading of the sensor in tesla: rounded and limited, with noise if requested.
     pub reading_t: DVec3,
     /// R_x, R_y, S_z of the reading (Eq. 15). `None` where B_z is 0.
     pub parameters: Option<Parameters>,
@@ -32,7 +32,7 @@ pub struct ExperimentStep {
     pub is_saturated: bool,
 }
 
-/// How an experiment is evaluated.
+/// Settings of an experiment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExperimentSettings {
     /// The position of the sensor below the film at rest, in the frame of the film.
@@ -44,7 +44,8 @@ pub struct ExperimentSettings {
 }
 
 /// The displacements of a film along an axis, at multiples of a step, for which a sensor at
-/// `reference` stays in a volume. The sensor moves in the frame of the film by the opposite.
+/// `reference` stays in a volume. The sensor moves in the opposite direction in the frame of the
+/// film.
 ///
 /// # Panics
 /// If the step is not greater than 0.
@@ -63,12 +64,12 @@ pub fn displacements(volume: &Grid, reference: DVec3, axis: usize, step: f64) ->
 
 /// Moves a film and reads its sensor at each displacement.
 ///
-/// `film` is the film that is there, and `locator` knows the one that was ordered. The sensor is
-/// first read at rest, without noise. All displacements count from this reading: those by the field
-/// from the position of it, which is not the reference point if the film is not the ordered one.
+/// `film` is the real film, and `locator` has the ordered film. The sensor is first read at rest,
+/// without noise. All displacements count from this reading. Displacements by the field count from
+/// its position, which differs from the reference point if the films differ.
 ///
 /// # Errors
-/// Displacements at which the sensor is on an edge of a tile.
+/// If the sensor is on an edge of a tile at a displacement.
 pub fn experiment(
     film: &SensedField,
     locator: &Locator,
@@ -107,7 +108,7 @@ pub fn experiment(
     Ok(displacements.iter().zip(readings_t).zip(located).map(step).collect())
 }
 
-/// The position of a reading, also outside the volume.
+/// The position of a reading, inside or outside the volume.
 fn position(found: &Result<Located, LocateError>) -> Option<DVec3> {
     match found {
         Ok(located) | Err(LocateError::Outside(located)) => Some(located.position),
@@ -115,8 +116,7 @@ fn position(found: &Result<Located, LocateError>) -> Option<DVec3> {
     }
 }
 
-/// The noise of one reading: a stream of random numbers of its own, so that it does not depend on
-/// others.
+/// The noise of one reading, from its own random stream, independent of other readings.
 fn noise_t(sensor: &HallSensor, seed: u64, index: u64) -> DVec3 {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(index);

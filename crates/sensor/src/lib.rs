@@ -1,16 +1,16 @@
-//! The position of a Hall sensor below magnets, from the flux density that it reads.
+//! The position of a Hall sensor below magnets, from its reading of the flux density.
 //!
-//! * [`SensedField`]: what a Hall sensor reads, averaged over its plates.
+//! * [`SensedField`]: the readings of a Hall sensor, averaged over its plates.
 //! * [`Locator`]: positions from readings, by the exact field and its gradient.
-//! * [`experiment()`]: readings and positions of a film that is moved.
+//! * [`experiment()`]: readings and positions of a moving film.
 //! * [`Stiffness`]: the force of an elastic layer from displacements.
 //! * [`DisplacementPolynomial`]: positions without the tiles, for small computers.
-//! * [`Noise`]: standard deviations of positions from those of readings.
+//! * [`Noise`]: standard deviations of positions from standard deviations of readings.
 //!
 //! The equations are in docs/physics.md, section 8.
 //!
-//! Flux densities in tesla; lengths in any one unit, that of the tiles. This crate reads no files
-//! and prints nothing.
+//! Flux densities are in tesla, lengths in any one unit, the unit of the tiles. This crate reads no
+//! files and prints nothing.
 //!
 //! # Features
 //! `serde` (off by default): `Serialize` for results and values, `Deserialize` for values.
@@ -38,7 +38,7 @@
 
 /// Gauss-Newton steps for many readings at once.
 mod descent;
-/// Films that are moved while a sensor is read.
+/// Readings of a sensor below a moving film.
 mod experiment;
 /// Positions from readings.
 mod locator;
@@ -46,9 +46,9 @@ mod locator;
 mod noise;
 /// Positions as polynomials of the parameters.
 mod polynomial;
-/// What a sensor reads of a field.
+/// The readings of a sensor in a field.
 mod sensed_field;
-/// Where the steps begin.
+/// Starting points of the search.
 mod starts;
 /// Forces from displacements.
 mod stiffness;

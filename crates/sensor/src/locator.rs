@@ -11,47 +11,47 @@ use crate::descent::{Ending, Region, descend};
 use crate::sensed_field::SensedField;
 use crate::starts::starts;
 
-/// How far outside the volume positions are searched, as a fraction of its extent along each axis.
+/// Margin of the search outside the volume, as a fraction of its extent along each axis.
 const REACH: f64 = 0.5;
 
-/// Least extent that the reach is a fraction of, over the diagonal, for volumes that are a plane.
+/// Smallest extent for that fraction, over the diagonal, for volumes without thickness.
 const LEAST_EXTENT: f64 = 0.1;
 
 /// Distance from the volume, as a fraction of its diagonal, up to which a position counts as
-/// within: the round-off of positions on its surface.
+/// inside: the round-off of positions on its surface.
 const ON_SURFACE: f64 = 1e-9;
 
-/// Distance of two positions, as a fraction of the diagonal, from which on they are different.
-/// Searches end within 1e-16 of it from each other, unless the gradient nearly vanishes.
+/// Distance above which two positions differ, as a fraction of the diagonal. Searches end within
+/// 1e-16 of the diagonal from each other, unless the gradient nearly vanishes.
 const APART: f64 = 1e-6;
 
-/// Readings that are searched at a time, which bounds the memory.
+/// Number of readings processed at a time, which bounds the memory.
 const BATCH: usize = 1 << 14;
 
-/// Finds the positions in a volume at which a sensor has given readings.
+/// Finds the positions of a sensor in a volume from its readings.
 #[derive(Debug)]
 pub struct Locator<'a> {
     field: SensedField<'a>,
     grid: Grid,
     /// The readings at the points of the grid.
     readings_t: Vec<DVec3>,
-    /// What every reading has beyond that of the film.
+    /// Part of every reading that does not come from the film.
     constant_t: DVec3,
     region: Region,
 }
 
-/// A position with a reading.
+/// The position of a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Located {
     /// The position, in the frame and the unit of length of the tiles.
     pub position: DVec3,
     /// Gradient of the reading there: column j is the derivative along x_j, in tesla per unit of
-    /// length. [`Noise`](crate::Noise) makes standard deviations from it.
+    /// length. [`Noise`](crate::Noise) computes standard deviations from it.
     pub gradient: DMat3,
 }
 
-/// Why a reading has no position.
+/// The reason why a reading has no position.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum LocateError {
@@ -68,15 +68,14 @@ pub enum LocateError {
 }
 
 impl<'a> Locator<'a> {
-    /// A locator for the volume that a grid spans. The field is that of an exact
-    /// [`Scene`](magsplice_field::Scene), which a perfect sensor reads, or what a sensor reads of
-    /// it.
+    /// A locator for the volume of a grid. The field comes from an exact
+    /// [`Scene`](magsplice_field::Scene), read by a perfect sensor or by a [`SensedField`].
     ///
     /// The search begins at points of the grid, so its step must resolve the field: a tenth of the
-    /// wavelength of a film is enough.
+    /// wavelength of a film is sufficient.
     ///
     /// # Errors
-    /// Points of the grid without a field.
+    /// If the field does not exist at points of the grid.
     pub fn new(field: impl Into<SensedField<'a>>, grid: Grid) -> Result<Locator<'a>, PointErrors> {
         let field = field.into();
         let readings_t = field.readings_t(&grid.points().collect::<Vec<DVec3>>())?;
@@ -87,8 +86,8 @@ impl<'a> Locator<'a> {
         Ok(Locator { field, grid, readings_t, constant_t: DVec3::ZERO, region })
     }
 
-    /// The same locator for readings that contain this much besides the field of the tiles: a stray
-    /// field, or an offset that the sensor does not state.
+    /// Sets a constant part of all readings in addition to the field of the tiles: a stray field,
+    /// or an unspecified offset of the sensor.
     pub fn with_constant_reading(self, constant_t: DVec3) -> Locator<'a> {
         Locator { constant_t, ..self }
     }
@@ -98,16 +97,16 @@ impl<'a> Locator<'a> {
         &self.grid
     }
 
-    /// The position with each reading, in the frame of the tiles. Readings in tesla, as the sensor
-    /// gives them.
+    /// The position of each reading, in the frame of the tiles. Readings are in tesla, as given by
+    /// the sensor.
     ///
     /// Gauss-Newton steps begin at every point of the grid whose field is nearer to the reading
-    /// than those of its neighbours. They use the exact field and its gradient. The positions found
-    /// are exact to the error of the field, 2e-14 of the sum over tiles, over its gradient. Results
-    /// do not depend on the other readings, nor on the number of threads.
+    /// than the fields at its neighbours. They use the exact field and its gradient. The error of
+    /// positions is the error of the field, 2e-14 of the sum over tiles, over its gradient. Results
+    /// do not depend on the other readings or on the number of threads.
     ///
-    /// That no other position in the volume has the reading is not proved: it holds as far as the
-    /// grid resolves the field.
+    /// Uniqueness of the position in the volume is not proved: it holds as far as the grid resolves
+    /// the field.
     pub fn locate(&self, readings_t: &[DVec3]) -> Vec<Result<Located, LocateError>> {
         readings_t.chunks(BATCH).flat_map(|readings_t| self.locate_batch(readings_t)).collect()
     }
@@ -138,7 +137,7 @@ impl<'a> Locator<'a> {
         starts.into_iter().map(of_reading).collect()
     }
 
-    /// The only position in the volume among those at which searches ended.
+    /// The only position in the volume among the ends of the searches.
     fn only(&self, endings: &[Ending]) -> Result<Located, LocateError> {
         let mut within: Vec<Located> = Vec::new();
         let mut outside: Option<Located> = None;
@@ -179,7 +178,7 @@ impl fmt::Display for LocateError {
     }
 }
 
-/// A position to six digits behind the point.
+/// A position to six decimals.
 fn shown(position: DVec3) -> String {
     // Adding 0 turns -0 into 0.
     let [x, y, z] = position.to_array().map(|c| (1e6 * c).round() / 1e6 + 0.0);

@@ -1,4 +1,4 @@
-//! Standard deviations of positions, from those of the readings.
+//! Standard deviations of positions, from standard deviations of the readings.
 
 use glam::{DMat3, DVec3};
 use magsplice_decouple::ParameterDerivatives;
@@ -13,28 +13,27 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// The noise of a sensor's readings, with their rounding to counts. `None` if it states
+    /// The noise of a sensor's readings, including rounding to counts. `None` if the sensor has
     /// neither.
     pub fn of_sensor(sensor: &HallSensor) -> Option<Noise> {
         let deviation_t = sensor.deviation_t();
         (deviation_t != DVec3::ZERO).then_some(Noise { deviation_t })
     }
 
-    /// Standard deviations along x, y, z of the position that a reading gives, where the field has
-    /// this gradient (column j is the derivative along x_j). `None` where the gradient is singular,
-    /// so that some displacement leaves the reading unchanged.
+    /// Standard deviations along x, y, z of the position of a reading, for this gradient of the
+    /// field (column j is the derivative along x_j). `None` where the gradient is singular: some
+    /// displacement does not change the reading.
     ///
-    /// No unbiased estimate from one reading has smaller ones, if the noise is normal (the bound of
-    /// Cramér and Rao): with b = B(p) + noise, the covariance of p is G^-1 S G^-T.
+    /// For normal noise this is the bound of Cramér and Rao for unbiased estimates from one
+    /// reading: with b = B(p) + noise, the covariance of p is G^-1 S G^-T.
     pub fn of_position(&self, gradient: DMat3) -> Option<DVec3> {
         let inverse = gradient.inverse();
         self.through(inverse)
     }
 
     /// Standard deviations along x, y, z of the displacement of Dai 2024, Eq. 14, to first order,
-    /// where the parameters have these derivatives by the flux density. The parameters are those of
-    /// the flux density that the readings of `sensor` stand for. The reading at the reference point
-    /// is taken as exact.
+    /// for these derivatives of the parameters by the flux density. The flux density is computed
+    /// from the readings of `sensor`. The reading at the reference point counts as exact.
     pub fn of_parameters(
         &self,
         derivatives: &ParameterDerivatives,
@@ -58,7 +57,8 @@ impl Noise {
 mod tests {
     use super::*;
 
-    /// The gradient of a field without sources is symmetric, and hides which side the noise is on.
+    /// A symmetric gradient, as of a field without sources, would hide on which side the noise
+    /// acts.
     #[test]
     fn noise_of_each_axis_acts_through_its_own_derivatives() {
         let noise = Noise { deviation_t: DVec3::new(1.0, 2.0, 3.0) };

@@ -1,5 +1,5 @@
-//! The position of a sensor as a polynomial of the decoupling parameters, for computers without
-//! room for the tiles.
+//! The position of a sensor as a polynomial of the decoupling parameters, for computers with little
+//! memory.
 
 use std::error::Error;
 use std::fmt;
@@ -11,44 +11,44 @@ use nalgebra::DMatrix;
 
 use crate::sensed_field::SensedField;
 
-/// Degrees that are tried, the least first. The error of a film falls three to five times with
-/// each.
+/// Candidate degrees in ascending order. The error of a film falls by a factor of three to five
+/// with each.
 const DEGREES: [usize; 4] = [4, 6, 8, 10];
 
-/// Nodes along x, y, z to which a polynomial is fitted: twice the highest degree, and one more.
+/// Nodes of the fit along x, y, z: twice the highest degree, plus one.
 const NODES: [usize; 3] = [21, 21, 15];
 
-/// Points along x, y, z at which its error is measured. None but the corners are nodes.
+/// Points along x, y, z at which the error is measured. Only the corners are also nodes.
 const CHECKS: [usize; 3] = [30, 30, 18];
 
 /// The displacement of a sensor from the reference point as a polynomial of R_x, R_y and S_z: a sum
 /// of products of Chebyshev polynomials.
 ///
 /// For an ideal film the displacement is a multiple of each parameter (Dai 2024, Eq. 14). The
-/// polynomial also contains what the splicing pattern and the end of the film change.
+/// polynomial also contains the effects of the splicing pattern and of the end of the film.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisplacementPolynomial {
     /// Highest sum of degrees along the three parameters.
     pub degree: usize,
     /// The sign of B_z on the axis, which is the branch of R_x and R_y.
     pub branch_sign: f64,
-    /// Least R_x, R_y, S_z in the volume.
+    /// Smallest R_x, R_y, S_z in the volume.
     pub lower: [f64; 3],
     /// Largest R_x, R_y, S_z in the volume.
     pub upper: [f64; 3],
     /// Displacements along x, y, z of each term, in the order of [`DisplacementPolynomial::terms`].
     pub coefficients: Vec<[f64; 3]>,
-    /// Largest error of a component at the points where it was measured.
+    /// Largest error of a component at the measured points.
     pub largest_error: f64,
-    /// Number of these points.
+    /// Number of measured points.
     pub checked: usize,
 }
 
-/// Why there is no polynomial.
+/// The reason why there is no polynomial.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PolynomialError {
-    /// No degree has an error as small as wanted.
+    /// No degree reaches the requested error.
     NotReached {
         /// The smallest error.
         least: f64,
@@ -60,10 +60,11 @@ pub enum PolynomialError {
 }
 
 impl DisplacementPolynomial {
-    /// The polynomial of the least degree whose error is at most `error` at all points of a grid of
-    /// 30 x 30 x 18 points in the volume that `volume` spans. Displacements count from `reference`.
+    /// The polynomial of the lowest degree whose error is at most `error` at all points of a grid
+    /// of 30 x 30 x 18 points in the volume of `volume`. Displacements count from `reference`.
     ///
-    /// The error between these points is not bounded. They are closer than the polynomial can bend.
+    /// The error between these points has no proved bound, but their distance resolves the
+    /// polynomial.
     ///
     /// # Errors
     /// See [`PolynomialError`].
@@ -132,7 +133,7 @@ impl DisplacementPolynomial {
         terms
     }
 
-    /// The displacement where R_x, R_y, S_z have these values.
+    /// The displacement for these values of R_x, R_y, S_z.
     pub fn displacement(&self, parameters: [f64; 3]) -> DVec3 {
         let row = self.row(parameters);
         row.iter().zip(&self.coefficients).map(|(value, coefficient)| *value * DVec3::from(*coefficient)).sum()
@@ -188,10 +189,10 @@ impl fmt::Display for PolynomialError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             PolynomialError::NotReached { least } => {
-                write!(f, "no polynomial has so small an error; the least is {least:.2e}")
+                write!(f, "no polynomial has so small an error; the smallest is {least:.2e}")
             }
             PolynomialError::Singular(DVec3 { x, y, z }) => {
-                write!(f, "B_z is 0 at ({x}, {y}, {z}), so that the parameters of Eq. 15 do not exist there")
+                write!(f, "B_z is 0 at ({x}, {y}, {z}), where the parameters of Eq. 15 do not exist")
             }
             PolynomialError::Points(errors) => write!(f, "points of the volume have no field: {errors}"),
         }

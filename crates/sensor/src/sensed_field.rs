@@ -1,4 +1,4 @@
-//! What a Hall sensor reads at each position: the field averaged over its plates, along its axes.
+//! The readings of a Hall sensor: the field averaged over its plates, along its axes.
 
 use std::error::Error;
 use std::fmt;
@@ -9,46 +9,47 @@ use magsplice_magnet::{Grid, HallSensor, HallSensorFault, PointError, PointError
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Difference of two quadrature rules, as a fraction of the largest flux density in the volume,
-/// below which the first is used. It moves positions by 1e-8 of the wavelength over 2 pi, or ten
-/// times that where the field is weak.
+/// below which the first is used. It moves positions by 1e-8 of the wavelength over 2 pi, or by ten
+/// times as much where the field is weak.
 const AVERAGED: f64 = 1e-8;
 
-/// Most quadrature nodes along a side of the active area. A film of wavelength L needs four for a
-/// side of L / 10 and eight for L / 2.
+/// Largest number of quadrature nodes along a side of the active area. A film of wavelength L needs
+/// four for a side of L / 10 and eight for L / 2.
 const MOST_NODES: usize = 8;
 
-/// Points along each side of the volume at which quadrature rules are compared.
+/// Number of points along each side of the volume for the comparison of quadrature rules.
 const COMPARED: usize = 5;
 
 /// The readings of a Hall sensor at any position in a field.
 ///
-/// The mean of B over the active area is by a Gauss-Legendre rule of n x n nodes, the least n that
-/// differs from n + 1 by less than 1e-8 of the largest flux density in the volume.
+/// A Gauss-Legendre rule of n x n nodes gives the mean of B over the active area. n is the smallest
+/// number whose rule differs from the rule of n + 1 by less than 1e-8 of the largest flux density
+/// in the volume.
 #[derive(Clone, Debug)]
 pub struct SensedField<'a> {
     scene: &'a Scene,
     sensor: HallSensor,
-    /// Nodes for the plates of x, y, z. One list if all plates are at one place.
+    /// Nodes for the plates of x, y, z. One list if all plates are at one point.
     nodes: Vec<Vec<Node>>,
     averaging_error_t: f64,
 }
 
-/// A place at which the field counts, relative to the position of the sensor and in the frame of
-/// the tiles, and its weight in the mean.
+/// A quadrature node, relative to the position of the sensor and in the frame of the tiles, with
+/// its weight in the mean.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     offset: DVec3,
     weight: f64,
 }
 
-/// Why a sensor cannot read a field.
+/// The reason why a sensor cannot read a field.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SensedFieldError {
-    /// The sensor cannot exist.
+    /// The sensor is invalid.
     Sensor(HallSensorFault),
-    /// The field changes too much over the active area: rules of 8 x 8 and 9 x 9 nodes differ by
-    /// this much.
+    /// The field changes too much over the active area: rules of 8 x 8 and 9 x 9 nodes differ too
+    /// much.
     ActiveArea {
         /// Difference in tesla.
         difference_t: f64,
@@ -56,7 +57,7 @@ pub enum SensedFieldError {
 }
 
 impl<'a> From<&'a Scene> for SensedField<'a> {
-    /// What a perfect sensor reads: B itself.
+    /// The readings of a perfect sensor: B.
     fn from(scene: &'a Scene) -> SensedField<'a> {
         let nodes = vec![vec![Node { offset: DVec3::ZERO, weight: 1.0 }]];
         SensedField { scene, sensor: HallSensor::default(), nodes, averaging_error_t: 0.0 }
@@ -64,8 +65,7 @@ impl<'a> From<&'a Scene> for SensedField<'a> {
 }
 
 impl<'a> SensedField<'a> {
-    /// The readings of a sensor that moves in the volume that a grid spans. The scene must be
-    /// exact.
+    /// The readings of a sensor that moves in the volume of a grid. The scene must be exact.
     ///
     /// # Errors
     /// See [`SensedFieldError`].
@@ -78,7 +78,7 @@ impl<'a> SensedField<'a> {
         let counts = [COMPARED; 3].map(|count| count.min(volume.len()));
         let points: Vec<DVec3> = match Grid::new(volume.lower(), volume.upper(), counts) {
             Ok(grid) => grid.points().collect(),
-            // A volume without extent along an axis has one point there.
+            // A volume without extent along an axis has one point along it.
             Err(_) => volume.points().collect(),
         };
         let mut coarse = with(1);
@@ -110,13 +110,13 @@ impl<'a> SensedField<'a> {
         self.nodes[0].len().isqrt()
     }
 
-    /// Estimate of the error of the mean over the active area, in tesla: its largest difference to
-    /// the next finer rule, at points of the volume.
+    /// Estimate of the error of the mean over the active area, in tesla: its largest difference
+    /// from the next finer rule, at points of the volume.
     pub fn averaging_error_t(&self) -> f64 {
         self.averaging_error_t
     }
 
-    /// The same sensor with gain 1 and without an offset.
+    /// Sets the gain to 1 and the offset to 0.
     pub fn without_gain_and_offset(&self) -> SensedField<'a> {
         let sensor = HallSensor { gain: DVec3::ONE, offset_t: DVec3::ZERO, ..self.sensor };
         SensedField { sensor, ..self.clone() }
@@ -125,14 +125,14 @@ impl<'a> SensedField<'a> {
     /// The readings at positions of the sensor, in tesla, without noise, rounding and limits.
     ///
     /// # Errors
-    /// Positions from which a plate reads a point without a field.
+    /// If a plate reads a point without a field from a position.
     pub fn readings_t(&self, positions: &[DVec3]) -> Result<Vec<DVec3>, PointErrors> {
         let means = self.means_of(positions, |points| self.scene.field_at(Quantity::FluxDensity, points))?;
         Ok(means.into_iter().map(|means: [DVec3; 3]| self.reading_t(means)).collect())
     }
 
     /// The readings, and their gradients: column j is the derivative along x_j, in tesla per unit
-    /// of length. NaN where there is no field.
+    /// of length. NaN where the field does not exist.
     pub fn readings_and_gradients(&self, positions: &[DVec3]) -> (Vec<DVec3>, Vec<DMat3>) {
         let field_t = |points: &[DVec3]| -> Result<Vec<DVec3>, PointErrors> {
             let mut field_t = vec![DVec3::ZERO; points.len()];
@@ -153,21 +153,21 @@ impl<'a> SensedField<'a> {
     /// The gradients of the readings.
     ///
     /// # Errors
-    /// Positions from which a plate reads a point without a gradient.
+    /// If a plate reads a point without a gradient from a position.
     pub fn gradients(&self, positions: &[DVec3]) -> Result<Vec<DMat3>, PointErrors> {
         let slopes = self.means_of(positions, |points| self.scene.gradient_at(Quantity::FluxDensity, points))?;
         Ok(slopes.into_iter().map(|slopes: [DMat3; 3]| self.gradient(slopes)).collect())
     }
 
-    /// The flux density, in the frame of the tiles, of which a perfect sensor would give this
-    /// reading.
+    /// The flux density of this reading, in the frame of the tiles, after correction of the
+    /// sensor's errors.
     pub fn field_of_reading_t(&self, reading_t: DVec3) -> DVec3 {
         self.sensor.rotation * ((reading_t - self.sensor.offset_t) / self.sensor.gain)
     }
 
     fn reading_t(&self, means: [DVec3; 3]) -> DVec3 {
         if self.sensor.rotation == DQuat::IDENTITY {
-            // Without the round-off of a product with 1.
+            // This avoids the round-off of a product with 1.
             return self.sensor.gain * DVec3::new(means[0].x, means[1].y, means[2].z) + self.sensor.offset_t;
         }
         let axes = DMat3::from_quat(self.sensor.rotation);
@@ -212,7 +212,7 @@ impl<'a> SensedField<'a> {
     }
 }
 
-/// The errors of nodes as those of positions, each once.
+/// The errors of nodes as errors of positions, each once.
 fn of_positions(errors: PointErrors, nodes: usize) -> PointErrors {
     let mut of_positions: Vec<PointError> =
         errors.0.into_iter().map(|error| PointError { index: error.index / nodes, ..error }).collect();

@@ -8,8 +8,8 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// Probability that an interval contains the true value.
 const CONFIDENCE: f64 = 0.95;
 
-/// Extent of the displacements, over the largest, below which a line through them has no slope: the
-/// round-off of a difference.
+/// Extent of the displacements, over the largest displacement, below which a line through them has
+/// no slope: the round-off of a difference.
 const LEAST_EXTENT: f64 = 1e-9;
 
 /// The line F = stiffness d + force at rest along one axis (Dai 2024, Eqs. 16 and 17, with
@@ -34,7 +34,7 @@ pub struct Stiffness {
     pub residual: f64,
 }
 
-/// Why a line cannot be fitted.
+/// The reason why a line cannot be fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum StiffnessError {
@@ -45,17 +45,17 @@ pub enum StiffnessError {
 }
 
 impl Stiffness {
-    /// Fits the line to displacements and the forces with which they were made. The errors are
-    /// taken to be normal and those of the forces; the intervals are Student's.
+    /// Fits the line to displacements and their forces. The model has normal errors of the forces;
+    /// the intervals are Student's.
     ///
-    /// Errors of the displacements make the line flatter by the fraction of their variance over
-    /// that of the displacements.
+    /// Errors of the displacements flatten the line by the ratio of their variance to the variance
+    /// of the displacements.
     ///
     /// # Errors
     /// See [`StiffnessError`].
     ///
     /// # Panics
-    /// If there are not as many forces as displacements.
+    /// If the numbers of forces and displacements differ.
     pub fn fit(displacements: &[f64], forces: &[f64]) -> Result<Stiffness, StiffnessError> {
         assert_eq!(displacements.len(), forces.len(), "a force for each displacement");
         let count = forces.len();

@@ -1,4 +1,4 @@
-//! Boxes of measured tiles: sorted films against films laid at random.
+//! Boxes of measured tiles: sorted films against unsorted films.
 
 use glam::DVec3;
 use magsplice_layout::{FilmTolerance, Layout};
@@ -20,8 +20,8 @@ fn percentile_95(values: &[f64]) -> f64 {
     sorted[(0.95 * sorted.len() as f64) as usize]
 }
 
-/// Boxes of random tiles in the order in which they were cut, and sorted. The ratio of the 95th
-/// percentiles of 20 boxes has a standard error of about 15 %.
+/// Boxes of random tiles in the order of cutting, and sorted. The ratio of the 95th percentiles of
+/// 20 boxes has a standard error of about 15 %.
 #[test]
 fn sorted_films_are_many_times_better() {
     for (name, factor) in [("designed-displacement", 8.0), ("designed-stock", 11.0)] {
@@ -44,7 +44,7 @@ fn sorted_films_are_many_times_better() {
     }
 }
 
-/// The film of the answer is made of tiles of the box, each once, in orientations that fit.
+/// The resulting film consists of tiles of the box, each used once, in fitting orientations.
 #[test]
 fn answer_is_a_film_of_the_box() {
     let (layout, volume) = shipped("published-film");
@@ -63,7 +63,7 @@ fn answer_is_a_film_of_the_box() {
         assert!(group.places.contains(&number));
         let others = found.placed.iter().filter(|o| (o.group, o.tile) == (placed.group, placed.tile));
         assert_eq!(others.count(), 1);
-        // 3 % and 1 degree from the tile that was ordered: four deviations of each.
+        // 3 % and 1 degree from the ordered tile: four deviations of each.
         let change = film[number].polarization_t() - tiles[number].polarization_t();
         assert!(change.length() < 0.17 * tiles[number].polarization_t().length(), "{number}: {change}");
         assert!((film[number].size() - tiles[number].size()).length() < 1e-9);
@@ -77,7 +77,7 @@ fn answer_is_a_film_of_the_box() {
     assert_eq!(problem.solve(&settings).unwrap(), found);
 }
 
-/// With two tiles and two places, all orders are tried: the answer is the best of them.
+/// For two tiles and two places, the result is the best of all orders.
 #[test]
 fn small_boxes_are_solved_exactly() {
     let (layout, volume) = shipped("published-film");

@@ -1,4 +1,4 @@
-//! Boxes of tiles as they are cut and measured, for tests and for the example `boxes`.
+//! Boxes of cut and measured tiles, for tests and for the example `boxes`.
 
 use glam::DQuat;
 use magsplice_layout::{Layout, Part};
@@ -11,8 +11,8 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
     (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
 }
 
-/// A box with 3 % of strength and 1 degree about both axes normal to J, with spare tiles as a share
-/// of the places.
+/// A box with errors of 3 % of strength and 1 degree about both axes normal to J, with spare tiles
+/// as a share of the places.
 pub(crate) fn boxed(layout: &Layout, seed: u64, spares: f64) -> Vec<PlaceGroup> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let group = |part: Part| {

@@ -1,4 +1,4 @@
-//! Tests of the public interface: boxes of tiles, and films that are laid from them.
+//! Tests of the public interface: boxes of tiles, and films made from them.
 
 mod assignment;
 mod boxed;

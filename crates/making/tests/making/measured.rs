@@ -1,4 +1,4 @@
-//! Measurements with errors, shim tiles, and samples of films whose tiles are sorted.
+//! Measurements with errors, shim tiles, and samples of films with sorted tiles.
 
 use magsplice_decouple::Figures;
 use magsplice_layout::{Distribution, FilmTolerance, Layout, Part, TileErrors};
@@ -10,10 +10,10 @@ use magsplice_tolerance::{EvaluationGrid, RealFilm, Sampler, Statistics, TileCha
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// What a shop cuts: 3 % of strength, 1 degree of direction.
+/// Errors of cutting: 3 % of strength, 1 degree of direction.
 const BOXES: MeasurementErrors = MeasurementErrors { strength: 0.03, direction_rad: 0.0175, size_mm: None };
 
-/// A teslameter and a jig: 0.5 % and 0.3 degrees.
+/// Errors of a teslameter and a jig: 0.5 % and 0.3 degrees.
 const MEASUREMENT: MeasurementErrors = MeasurementErrors { strength: 0.005, direction_rad: 0.0052, size_mm: None };
 
 const QUICK: AssignmentSettings = AssignmentSettings { starts: 2, kicks: 30, seed: 1, may_turn_over: true };
@@ -38,7 +38,7 @@ impl Film {
         Film { layout, volume, model }
     }
 
-    /// The parts, with tiles that differ as in a box.
+    /// The parts, with the scattered tiles of a box.
     fn parts(&self, seed: u64) -> Vec<PlaceGroup> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let group = |part: Part| {
@@ -51,10 +51,10 @@ impl Film {
     }
 }
 
-/// The errors of the true tiles scatter as is predicted from the errors of the measurements.
+/// The errors of the true tiles have the scatter predicted from the errors of the measurements.
 ///
-/// Mean and 95th percentile of 400 films have standard errors of 1.5 and 3 % of themselves here:
-/// the errors of a film scatter by about a third. Four of them are allowed.
+/// The errors of a film scatter by about a third, so mean and 95th percentile of 400 films have
+/// relative standard errors of 1.5 and 3 %. The test allows four of them.
 #[test]
 fn predicted_errors_are_those_of_samples() {
     let film = Film::shipped("designed-displacement");
@@ -78,8 +78,8 @@ fn predicted_errors_are_those_of_samples() {
     assert!(predicted.mean.value > 1.5 * found.rms_mm, "{predicted:?} and {found:?}");
 }
 
-/// Without shims the film is the best that was found; with two, it is better, and at a minimum of
-/// their strengths.
+/// Without shims the film is the best found; with two, it is better, and at a minimum with respect
+/// to their strengths.
 #[test]
 fn shims_have_the_best_strengths() {
     let film = Film::shipped("designed-displacement");
@@ -115,8 +115,8 @@ fn percentile_95(errors: &[Figures]) -> f64 {
     Statistics::new(errors.iter().map(rms_mm)).unwrap().p95.value
 }
 
-/// The tiles of samples differ by strength and direction alone: sorting takes most of their errors
-/// away; errors of measurements give back a part; errors of laying stay.
+/// The tiles of samples differ in strength and direction alone: sorting removes most of their
+/// errors, measurement errors restore a part, and placement errors remain.
 #[test]
 fn samples_of_sorted_films() {
     let film = Film::shipped("designed-displacement");
@@ -152,7 +152,7 @@ fn samples_of_sorted_films() {
     assert!(laid_sorted > 4.0 * sorted && laid_sorted < 0.9 * laid_unsorted, "{laid_sorted} of {laid_unsorted}");
 }
 
-/// A box whose tiles are all right gives the film that was ordered.
+/// A box of exact tiles gives the ordered film.
 #[test]
 fn tiles_without_errors_are_laid_as_ordered() {
     let film = Film::shipped("published-film");

@@ -4,7 +4,7 @@ use glam::DVec3;
 use magsplice_layout::Layout;
 use magsplice_making::{MeasuredBox, MeasuredMagnet, MeasuredTile, PlaceGroup};
 
-/// Squares along x and against it, which are one part, a square along z, and a strip.
+/// Squares along x and against it, which form one part, a square along z, and a strip.
 const LAYOUT: &str = r#"
 format = 1
 name = "three parts"
@@ -42,7 +42,7 @@ fn tile(name: &str) -> MeasuredTile<'_> {
     MeasuredTile { name, part: Some("a"), size_mm: None, magnet: MeasuredMagnet::Strength(0.1) }
 }
 
-/// The rules that a tile breaks in a box that has the tile "t1".
+/// The rules broken by a tile in a box that contains the tile "t1".
 fn faults(tile: &MeasuredTile) -> Vec<String> {
     let layout = layout();
     let mut measured = MeasuredBox::new(&layout);
@@ -61,7 +61,7 @@ fn assert_refused(tile: &MeasuredTile, parts: &[&str]) {
     }
 }
 
-/// The index of the part that a tile is added to.
+/// The index of the part to which a tile is added.
 fn part_of(tile: &MeasuredTile) -> Option<usize> {
     let layout = layout();
     let mut measured = MeasuredBox::new(&layout);
@@ -85,7 +85,8 @@ fn groups_are_the_parts_of_the_layout_with_their_places() {
     assert_eq!(PlaceGroup::from_layout(&layout), MeasuredBox::new(&layout).into_groups());
 }
 
-/// By its number from 1, the name of a tile, the name of a kind of one part, or its sizes.
+/// A part is identified by its number from 1, the name of a tile, the name of a kind of one part,
+/// or its sizes.
 #[test]
 fn part_is_told_by_number_name_kind_or_sizes() {
     let layout = layout();
@@ -110,7 +111,7 @@ fn part_is_told_by_number_name_kind_or_sizes() {
     for size_mm in [DVec3::new(3.02, 1.49, 1.01), DVec3::new(3.2, 1.4, 0.9)] {
         assert_eq!(part_of(&sized(size_mm)), of_tile("strip"));
     }
-    // Squares are of two parts, one strip lies between two parts, and two tiles are far from all.
+    // Squares belong to two parts, one strip is between two parts, and two tiles are far from all.
     for size_mm in
         [DVec3::new(3.0, 3.0, 1.0), DVec3::new(3.0, 2.2, 1.0), DVec3::new(9.0, 1.5, 1.0), DVec3::new(3.0, 0.2, 1.0)]
     {

@@ -1,4 +1,4 @@
-//! Films of which some tiles lie already.
+//! Films with some tiles already placed.
 
 use glam::{DQuat, DVec3};
 use magsplice_layout::Layout;
@@ -144,6 +144,6 @@ fn every_rule_that_a_tile_breaks_is_named_and_the_film_stays_as_it_was() {
         }
         assert_eq!(laying.clone().finish(), before);
     }
-    // Just within the angle that a mark may be off.
+    // Just within the largest angle of a mark.
     laying.lay(&lying("west", "s1", "+z", 136.0)).expect("a good tile");
 }

@@ -1,8 +1,8 @@
-//! Errors that may be named: tiles, and what may be wrong with them.
+//! Candidate errors: tiles with their possible faults.
 
 use magsplice_magnet::TileError;
 
-/// What is wrong with a tile.
+/// The fault of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -22,7 +22,7 @@ impl ErrorKind {
     pub const ALL: [ErrorKind; 4] =
         [ErrorKind::Strength, ErrorKind::Turn, ErrorKind::Direction, ErrorKind::Displacement];
 
-    /// The kind in one word.
+    /// One word for the kind.
     pub const fn name(self) -> &'static str {
         match self {
             ErrorKind::Strength => "strength",
@@ -32,13 +32,13 @@ impl ErrorKind {
         }
     }
 
-    /// Its components: x, y, z; for the direction of J the turns in the plane of the film and out
+    /// The components: x, y, z; for the direction of J the turns in the plane of the film and out
     /// of it.
     pub fn components(self) -> impl Iterator<Item = TileError> {
         TileError::ALL.into_iter().filter(move |error| ErrorKind::of_component(*error) == Some(self))
     }
 
-    /// The kind that has an error as its component. `None` for errors of size.
+    /// The kind with this error as a component. `None` for errors of size.
     pub fn of_component(error: TileError) -> Option<ErrorKind> {
         match error {
             TileError::Position(_) => Some(ErrorKind::Displacement),
@@ -50,11 +50,11 @@ impl ErrorKind {
     }
 }
 
-/// A tile and what may be wrong with it.
+/// A tile with a possible fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 pub struct Candidate {
     /// Index of the tile.
     pub tile: usize,
-    /// What is wrong.
+    /// The fault.
     pub kind: ErrorKind,
 }

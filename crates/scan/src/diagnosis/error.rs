@@ -1,15 +1,15 @@
-//! Why a scan cannot be diagnosed.
+//! The reason why a scan cannot be diagnosed.
 
 use glam::DVec3;
 use magsplice_magnet::{PointErrors, TileFaults};
 use magsplice_tolerance::SampleError;
 use thiserror::Error;
 
-/// Why a scan cannot be diagnosed.
+/// The reason why a scan cannot be diagnosed.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum DiagnosisError {
-    /// The field does not exist at points of the scan, such as one on an edge of a tile.
+    /// The field does not exist at points of the scan, such as points on an edge of a tile.
     #[error("no field at a point of the scan: {0}")]
     Points(#[source] PointErrors),
     /// The derivatives of the field of a tile do not exist at a point of the scan.
@@ -31,11 +31,11 @@ pub enum DiagnosisError {
     Noise {
         /// The axis.
         axis: usize,
-        /// What was given, in tesla.
+        /// The given value, in tesla.
         value_t: f64,
     },
     /// A reading is not finite.
-    #[error("reading[{index}] is not finite: leave it and its point out")]
+    #[error("reading[{index}] is not finite; remove it and its point")]
     Reading {
         /// Index of the reading.
         index: usize,
@@ -45,18 +45,18 @@ pub enum DiagnosisError {
     FalseAlarm(f64),
     /// The derivatives by all errors at all points need too much memory.
     #[error(
-        "the derivatives by all errors need {}: scan fewer points",
+        "the derivatives by all errors need {}; use fewer points",
         bytes.map_or("too much memory".to_owned(), |bytes| format!("{bytes} bytes, must be fewer"))
     )]
     TooLarge {
-        /// Their size in bytes; `None` if it exceeds the range of `usize`.
+        /// The size of the derivatives in bytes; `None` if it exceeds the range of `usize`.
         bytes: Option<usize>,
     },
-    /// The film that explains the scan cannot exist.
-    #[error("the film that explains the scan has a tile that cannot exist: {0}")]
+    /// The film that explains the scan is invalid.
+    #[error("the film that explains the scan has an invalid tile: {0}")]
     Tile(#[source] TileFaults),
     /// The scan and the model contradict each other so much that the equations cannot be solved.
-    #[error("no film like this one explains the scan: it is of another film, or elsewhere than stated")]
+    #[error("no similar film explains the scan: the film or the positions of the scan are wrong")]
     NoSolution,
 }
 

@@ -12,14 +12,14 @@ use crate::diagnosis::error::DiagnosisError;
 use crate::diagnosis::unknowns::{State, Unknown, Unknowns};
 use crate::parameters::ScanParameter;
 
-/// Most bytes of derivatives, and of the products of all pairs of them. Three times as many are in
-/// use.
+/// Largest size in bytes of derivatives, and of the products of all their pairs. Three times as
+/// many are in use.
 const LARGEST_BYTES: usize = 1 << 30;
 
 /// Bytes of the response of one tile at one point.
 const RESPONSE_BYTES: usize = 272;
 
-/// Number of sums that are added independently, so that a processor adds several at once.
+/// Number of independent sums, so that a processor adds several at once.
 const LANES: usize = 8;
 
 /// A film above the points of a scan.
@@ -35,7 +35,7 @@ pub(crate) struct ScanModel {
 #[derive(Clone, Debug)]
 pub(crate) struct Linearized {
     pub(crate) state: State,
-    /// B of the film so described, at the points, as the sensor of the scan reads it.
+    /// The readings of the scan's sensor at the points for this film.
     field_t: Vec<DVec3>,
     /// The derivative of all whitened readings by each unknown.
     columns: Vec<Vec<f64>>,
@@ -43,12 +43,12 @@ pub(crate) struct Linearized {
     pub(crate) gram: DMatrix<f64>,
 }
 
-/// A state with the readings that were measured.
+/// A state compared with the measured readings.
 #[derive(Clone, Debug)]
 pub(crate) struct Compared {
-    /// Readings less those of the model, in tesla.
+    /// Measured readings minus the model's readings, in tesla.
     pub(crate) residuals_t: Vec<DVec3>,
-    /// The sum of their squares, each over the square of the noise.
+    /// The sum of the squared residuals, each over the square of the noise.
     pub(crate) chi_squared: f64,
     /// The products of the columns with the residuals of the linear model at the origin of all
     /// unknowns.
@@ -56,7 +56,7 @@ pub(crate) struct Compared {
 }
 
 impl ScanModel {
-    /// Refuses what does not fit in memory.
+    /// Rejects models that do not fit in memory.
     pub(crate) fn checked(self) -> Result<ScanModel, DiagnosisError> {
         let (unknowns, tiles) = (self.unknowns.list.len(), self.film.tiles().len());
         let number = size_of::<f64>();
@@ -69,7 +69,7 @@ impl ScanModel {
         Ok(self)
     }
 
-    /// The model at a state. Derivatives by tiles that are as in `before` are taken from there.
+    /// The model at a state. Derivatives by tiles unchanged since `before` are reused.
     pub(crate) fn linearized(&self, state: State, before: Option<&Linearized>) -> Result<Linearized, DiagnosisError> {
         let tiles = self.film.tiles_with_errors(&state.tiles, &state.groups).map_err(DiagnosisError::Tile)?;
         let scan = state.scan_parameters();
@@ -115,7 +115,8 @@ impl ScanModel {
                 Unknown::Scan(ScanParameter::Strength) => {
                     change_t.iter_mut().zip(&field_t).for_each(|(change, b)| *change = *b / scan.strength);
                 }
-                // Added after the rotation; the inverse rotation below takes it back.
+                // The offset is added after the rotation; the inverse rotation below cancels this
+                // factor.
                 Unknown::Scan(ScanParameter::Offset(axis)) => {
                     let along = back.inverse() * axis.unit() / scan.strength;
                     change_t.iter_mut().for_each(|change| *change = along);
@@ -149,7 +150,7 @@ impl ScanModel {
         self.film.tiles_with_errors(&state.tiles, &state.groups).map_err(DiagnosisError::Tile)
     }
 
-    /// The readings beside those of a state.
+    /// The measured readings compared with a state.
     pub(crate) fn compared(&self, at: &Linearized, readings_t: &[DVec3]) -> Compared {
         let residuals_t: Vec<DVec3> = readings_t.iter().zip(&at.field_t).map(|(reading, b)| *reading - *b).collect();
         let whitened: Vec<f64> =
@@ -173,14 +174,15 @@ impl ScanModel {
     }
 }
 
-/// A response is by the strength that the tile has; errors are fractions of the nominal one.
+/// A response is the derivative by the actual strength of the tile; errors are fractions of the
+/// nominal strength.
 fn scale_strength(error: TileError, errors: &PerTileError<f64>, change_t: &mut [DVec3]) {
     if error == TileError::Strength && errors.strength != 0.0 {
         change_t.iter_mut().for_each(|change| *change /= 1.0 + errors.strength);
     }
 }
 
-/// The products of all pairs of columns, some of which are known.
+/// The products of all pairs of columns. `known` gives products already computed.
 fn products(columns: &[Vec<f64>], known: impl Fn(usize, usize) -> Option<f64> + Sync) -> DMatrix<f64> {
     let rows: Vec<Vec<f64>> = (0..columns.len())
         .into_par_iter()

@@ -1,8 +1,8 @@
 //! Least squares with prior deviations, from the products of all pairs of columns.
 //!
-//! With the columns D, the readings y (whitened) and the prior covariance V, the estimate is
-//! x = (V^-1 + D^T D)^-1 D^T y, of covariance (V^-1 + D^T D)^-1. The readings have the covariance
-//! C = 1 + D V D^T before x is known, whose inverse is 1 - D (V^-1 + D^T D)^-1 D^T.
+//! With the columns D, the readings y (whitened) and the prior covariance V, the estimate is x =
+//! (V^-1 + D^T D)^-1 D^T y with the covariance (V^-1 + D^T D)^-1. Before x is known, the readings
+//! have the covariance C = 1 + D V D^T with the inverse 1 - D (V^-1 + D^T D)^-1 D^T.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 
@@ -10,36 +10,36 @@ use crate::diagnosis::error::DiagnosisError;
 use crate::diagnosis::significance::ln_probability_above;
 
 /// Eigenvalue of the information about the components of an error, over the largest, below which a
-/// combination of them does not show in the readings. Round-off leaves 1e-12 of it where expected
-/// errors hide most of the signal.
+/// combination of components does not appear in the readings. Where expected errors hide most of
+/// the signal, round-off is 1e-12 of the largest.
 const INVISIBLE: f64 = 1e-7;
 
-/// Share of the information about the components of an error that expected errors and noise must
-/// leave.
+/// Smallest share of the information about the components of an error that remains beside expected
+/// errors and noise.
 const LEAST_LEFT: f64 = 1e-9;
 
 /// The fit of unknowns with prior deviations.
 pub(crate) struct PriorFit<'a> {
     gram: &'a DMatrix<f64>,
     projected: &'a DVector<f64>,
-    /// Unknowns that have a deviation.
+    /// Unknowns with a deviation.
     active: Vec<usize>,
     inverse: Cholesky<f64, Dyn>,
-    /// Values of all unknowns; 0 for those without a deviation.
+    /// Values of all unknowns; 0 for unknowns without a deviation.
     pub(crate) estimate: DVector<f64>,
 }
 
-/// A test of whether an error is another than was assumed.
+/// A test of whether an error differs from its assumed value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Score {
-    /// Chi squared: by how much that of the fit falls if the error may have any value.
+    /// Chi squared: the fall of the fit's chi squared if the error may have any value.
     pub(crate) chi_squared: f64,
-    /// The logarithm of the probability that chance gives as much.
+    /// The logarithm of the probability of as large a chi squared by chance.
     pub(crate) ln_probability: f64,
 }
 
 impl Score {
-    /// The test that says nothing.
+    /// A test without information.
     pub(crate) const NONE: Score = Score { chi_squared: 0.0, ln_probability: 0.0 };
 }
 
@@ -63,7 +63,7 @@ impl<'a> PriorFit<'a> {
         Ok(PriorFit { gram, projected, active, inverse, estimate })
     }
 
-    /// What the sum of squares, with that of the prior, falls by from other values to the estimate.
+    /// The fall of the sum of squares, including the prior's, from other values to the estimate.
     /// Values of unknowns without a deviation are 0.
     pub(crate) fn gain(&self, values: &DVector<f64>) -> f64 {
         let step = DVector::from_fn(self.active.len(), |i, _| self.estimate[self.active[i]] - values[self.active[i]]);
@@ -72,7 +72,8 @@ impl<'a> PriorFit<'a> {
         (0..step.len()).map(|j| (j..step.len()).map(|i| factor[(i, j)] * step[i]).sum::<f64>().powi(2)).sum()
     }
 
-    /// Standard deviation of each unknown after the readings; 0 for those without one before.
+    /// Standard deviation of each unknown after the readings; 0 for unknowns without a prior
+    /// deviation.
     pub(crate) fn deviations(&self) -> DVector<f64> {
         let mut deviations = DVector::zeros(self.estimate.len());
         let count = self.active.len();
@@ -113,7 +114,7 @@ impl<'a> PriorFit<'a> {
     }
 }
 
-/// The score test: `left` is the covariance of `signal` if nothing is wrong.
+/// The score test. `left` is the covariance of `signal` in a film without faults.
 fn score(whole: &DMatrix<f64>, left: DMatrix<f64>, signal: &DVector<f64>) -> Score {
     let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(left);
     let least = (INVISIBLE * eigenvalues.amax()).max(LEAST_LEFT * whole.amax());

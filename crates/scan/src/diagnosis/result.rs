@@ -1,4 +1,4 @@
-//! Errors that are named, and what else a scan tells of a film.
+//! Identified errors, and further results of a scan of a film.
 
 use glam::DVec3;
 use magsplice_magnet::{PerTileError, Tile, TileError};
@@ -14,39 +14,39 @@ pub struct FittedError {
     pub error: TileError,
     /// The error, in mm, radians, or as a fraction.
     pub value: f64,
-    /// Its standard deviation.
+    /// The standard deviation.
     pub deviation: f64,
 }
 
 /// An error that neither noise nor expected errors explain.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct NamedError {
-    /// The tile and what is wrong with it.
+    /// The tile and its fault.
     #[serde(flatten)]
     pub candidate: Candidate,
-    /// Its components.
+    /// The components.
     pub components: Vec<FittedError>,
-    /// What chi squared rises by without it.
+    /// The rise of chi squared without the error.
     pub chi_squared: f64,
-    /// The natural logarithm of the probability that chance gives as much for one error.
+    /// The natural logarithm of the probability of as large a rise by chance, for one error.
     pub ln_probability: f64,
-    /// Errors that explain the readings nearly as well in its place, the best first.
+    /// Errors that in its place explain the readings nearly as well, the best first.
     pub alternatives: Vec<Candidate>,
 }
 
-/// Value of a component over its deviation from which on it is no noise.
+/// Ratio of a component to its deviation above which it is more than noise.
 const SIGNIFICANT: f64 = 2.0;
 
 impl FittedError {
-    /// Whether the value is more than noise: beyond two deviations.
+    /// Whether the value exceeds two deviations.
     pub fn is_significant(&self) -> bool {
         self.value.abs() > SIGNIFICANT * self.deviation
     }
 }
 
 impl NamedError {
-    /// The magnitude: the error of strength itself, or the length of the vector of all components
-    /// that are more than noise. The scan may hardly tell one of them, such as a turn about J.
+    /// The magnitude: the error of strength, or the length of the vector of all significant
+    /// components. The scan may hardly resolve others, such as a turn about J.
     pub fn magnitude(&self) -> f64 {
         let length =
             |parts: &mut dyn Iterator<Item = &FittedError>| parts.map(|of| of.value.powi(2)).sum::<f64>().sqrt();
@@ -60,42 +60,41 @@ impl NamedError {
     }
 }
 
-/// What a scan tells of a film.
+/// The diagnosis of a film from a scan.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
-    /// The errors that are named, the surest first.
+    /// The identified errors, the most certain first.
     pub named: Vec<NamedError>,
-    /// Whether all significant errors are named. Where a film has more than 16 of them, it is
-    /// another film, or its tiles have expected errors that were not stated.
+    /// Whether the list has all significant errors. A film with more than 16 is another film, or
+    /// its tiles have unspecified expected errors.
     pub is_complete: bool,
-    /// The film that explains the readings: named errors without components that are noise, and the
-    /// most probable expected ones.
+    /// The film that explains the readings: significant components of the identified errors, and
+    /// the most probable expected errors.
     pub tiles: Vec<Tile>,
     /// The errors of each tile in this film, in mm, radians, or as fractions.
     pub errors: Vec<PerTileError<f64>>,
     /// The parameters of the scan.
     pub scan: ScanParameters,
-    /// Readings less those of the film that was found, in tesla.
+    /// Measured readings minus the readings of the found film, in tesla.
     pub residuals_t: Vec<DVec3>,
-    /// Sum of the squares of residuals over those of the noise, and of expected errors over their
-    /// deviations.
+    /// Sum of the squares of residuals over noise, and of expected errors over their deviations.
     pub chi_squared: f64,
-    /// Its expectation: the number of readings less that of the free numbers.
+    /// The expectation of chi squared: the number of readings minus the number of free unknowns.
     pub degrees_of_freedom: usize,
-    /// The natural logarithm of the probability of a larger one.
+    /// The natural logarithm of the probability of a larger chi squared.
     pub ln_probability: f64,
     /// Standard deviations of all errors of tiles before and after the scan.
     pub narrowed: Vec<NarrowedError>,
-    /// Pairs of errors that look alike, the most alike first.
+    /// Pairs of similar errors, the most similar first.
     pub similar: Vec<SimilarErrors>,
 }
 
-/// Probability of a residual below which noise and expected errors do not explain it.
+/// Probability below which noise and expected errors do not explain a residual.
 const IMPLAUSIBLE: f64 = 1e-4;
 
 impl Diagnosis {
     /// Whether the residual is too large for the noise: the film has errors of another kind, or the
-    /// noise is larger than stated.
+    /// noise is larger than specified.
     pub fn is_residual_too_large(&self) -> bool {
         self.ln_probability < IMPLAUSIBLE.ln()
     }

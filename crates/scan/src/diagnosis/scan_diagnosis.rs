@@ -16,16 +16,16 @@ use crate::diagnosis::unknowns::{State, Unknown, Unknowns};
 use crate::diagnosis::unresolved::{narrowed, similar};
 use crate::parameters::ScanParameters;
 
-/// A film and the places at which it is scanned, for any number of scans.
+/// A film and the positions of its scan, for any number of scans.
 ///
 /// # Cost
 /// A film of 56 tiles at 441 points needs about 0.3 s on one core; with expected errors of all
-/// tiles, several seconds. Memory grows as readings times unknowns, of which a tile has nine to
-/// twelve.
+/// tiles, several seconds. Memory grows as readings times unknowns. A tile has nine to twelve
+/// unknowns.
 ///
 /// # Accuracy
-/// The field is exact for the errors that are found, and so are the derivatives. Standard
-/// deviations are those of the linear model there.
+/// Field and derivatives are exact at the found errors. Standard deviations come from the linear
+/// model there.
 #[derive(Clone, Debug)]
 pub struct ScanDiagnosis {
     model: ScanModel,
@@ -35,14 +35,14 @@ pub struct ScanDiagnosis {
 }
 
 impl ScanDiagnosis {
-    /// The model of a film at the points of a scan. `start` has the parameters of the scan where
-    /// they are not fitted, and where the fit begins.
+    /// The model of a film at the points of a scan. `start` has the fixed parameters of the scan,
+    /// and the start values of fitted parameters.
     ///
     /// # Errors
     /// See [`DiagnosisError`].
     ///
     /// # Panics
-    /// If there are expected errors of some tiles and not of all.
+    /// If expected errors are given for some of the tiles only.
     pub fn new(
         tiles: &[Tile],
         scan: FieldScan,
@@ -68,20 +68,20 @@ impl ScanDiagnosis {
         Ok(ScanDiagnosis { model, settings, candidates, nominal })
     }
 
-    /// The largest probability of one error by chance for which it is named: the probability of a
-    /// false alarm over the number of errors that may be named (Bonferroni).
+    /// The largest probability by chance of an identified error: the probability of a false alarm
+    /// over the number of candidate errors (Bonferroni).
     pub fn naming_probability(&self) -> f64 {
         self.settings.false_alarm / self.candidates.len() as f64
     }
 
     /// The diagnosis of readings, in tesla, one for each point of the scan and in the frame of the
-    /// film. `watch` is told the number of errors named so far.
+    /// film. `watch` receives the number of errors identified so far.
     ///
     /// # Errors
     /// See [`DiagnosisError`].
     ///
     /// # Panics
-    /// If there are not as many readings as points.
+    /// If the numbers of readings and points differ.
     pub fn diagnose(&self, readings_t: &[DVec3], watch: impl FnMut(usize)) -> Result<Diagnosis, DiagnosisError> {
         assert_eq!(readings_t.len(), self.model.points.len(), "one reading per point");
         if let Some(index) = readings_t.iter().position(|reading_t| !reading_t.is_finite()) {
@@ -111,7 +111,7 @@ impl ScanDiagnosis {
             + expected.map(|(_, (value, deviation))| (value / deviation).powi(2)).sum::<f64>();
         let free = unknowns.of_scan() + named.iter().map(|named| named.components.len()).sum::<usize>();
         let freedom = (3 * readings_t.len()).saturating_sub(free).max(1);
-        // Components that are noise are expected errors, or none, in the film that was found.
+        // In the found film, components below the noise have their expected values or vanish.
         let mut resolved = deviations.clone();
         for (index, resolved) in resolved.iter_mut().enumerate().filter(|(index, _)| is_part(*index)) {
             if fitted(index).is_some_and(|error| !error.is_significant()) {
@@ -135,8 +135,8 @@ impl ScanDiagnosis {
         })
     }
 
-    /// The deviations before the scan: the expected ones, or the prior ones where nothing is
-    /// expected.
+    /// The deviations before the scan: the expected deviations, or the prior deviations without
+    /// expected errors.
     fn prior(&self) -> Vec<f64> {
         let Unknowns { list, expected } = &self.model.unknowns;
         let is_stated = list

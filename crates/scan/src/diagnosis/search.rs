@@ -1,5 +1,5 @@
-//! Which errors are named: forward selection, backward elimination and exchange, each with a refit
-//! by Gauss-Newton steps.
+//! The search for significant errors: forward selection, backward elimination and exchange, each
+//! with a refit by Gauss-Newton steps.
 
 use glam::DVec3;
 
@@ -13,18 +13,18 @@ use crate::diagnosis::result::NamedError;
 /// steps end. Errors then change by a thirtieth of their standard deviation.
 const LEAST_GAIN: f64 = 1e-3;
 
-/// Most Gauss-Newton steps of a fit. Errors of 10 degrees or 0.5 mm need about six.
+/// Largest number of Gauss-Newton steps of a fit. Errors of 10 degrees or 0.5 mm need about six.
 const MOST_STEPS: usize = 20;
 
-/// Most halvings of a step.
+/// Largest number of halvings of a step.
 const MOST_HALVINGS: usize = 12;
 
-/// Most errors that are named. A film with more is another one, or its tiles have expected errors
-/// that were not stated; each further error would take longer than the one before.
+/// Largest number of identified errors. A film with more is another film, or its tiles have
+/// unspecified expected errors. Each further error would take longer than the error before.
 const MOST_NAMED: usize = 16;
 
-/// Logarithm of the ratio of probabilities up to which another error could be the one that is
-/// named: a thousand.
+/// Logarithm of the ratio of probabilities, a thousand, up to which another error is an alternative
+/// to an identified error.
 const ALTERNATIVE: f64 = 6.9;
 
 /// A search for faulty tiles in one scan.
@@ -32,15 +32,15 @@ pub(crate) struct Search<'a> {
     pub(crate) model: &'a ScanModel,
     pub(crate) readings_t: &'a [DVec3],
     pub(crate) candidates: &'a [Candidate],
-    /// The logarithm of the probability below which an error is named.
+    /// The logarithm of the probability below which an error is identified.
     pub(crate) ln_limit: f64,
 }
 
-/// The model at the errors that were found.
+/// The model at the found errors.
 pub(crate) struct Found {
     pub(crate) at: Linearized,
     pub(crate) compared: Compared,
-    /// Without their components.
+    /// Identified errors without their components.
     pub(crate) named: Vec<NamedError>,
     /// Whether no further error is significant.
     pub(crate) is_complete: bool,
@@ -85,8 +85,8 @@ impl Search<'_> {
         Ok(Found { at, compared, named: tested, is_complete })
     }
 
-    /// The named errors of the next round: one less, another one, or one more. `None` if all stand
-    /// and no further one is significant.
+    /// The identified errors of the next round: one less, one exchanged, or one more. `None` if all
+    /// are confirmed and no further error is significant.
     fn next(
         &self,
         at: &Linearized,
@@ -132,7 +132,7 @@ impl Search<'_> {
         Ok(best.map(|(error, _)| named.iter().copied().chain([error]).collect()).filter(|more: &Vec<_>| is_new(more)))
     }
 
-    /// The tests of all errors that are not named once `error` is not.
+    /// The tests of all errors that are not identified, after the removal of `error`.
     fn without(
         &self,
         at: &Linearized,
@@ -145,7 +145,7 @@ impl Search<'_> {
         Ok(self.scores(&fit, &rest))
     }
 
-    /// The tests of all errors but those that are named.
+    /// The tests of all errors that are not identified.
     fn scores(&self, fit: &PriorFit, named: &[Candidate]) -> Vec<(Candidate, Score)> {
         let others: Vec<Candidate> = self.candidates.iter().copied().filter(|error| !named.contains(error)).collect();
         let components: Vec<Vec<usize>> = others.iter().map(|other| self.model.unknowns.of_error(*other)).collect();
@@ -159,7 +159,7 @@ impl Search<'_> {
         deviations: &[f64],
     ) -> Result<(Linearized, Compared), DiagnosisError> {
         let mut values = self.model.values(&from.state);
-        // Errors that are named no longer are expected ones, or none.
+        // Errors no longer identified get their expected values or vanish.
         values.iter_mut().zip(deviations).filter(|(_, d)| **d == 0.0).for_each(|(value, _)| *value = 0.0);
         let state = self.model.state(&from.state, &values);
         let mut at = if state == from.state { from } else { self.model.linearized(state, Some(&from))? };
@@ -180,7 +180,7 @@ impl Search<'_> {
             let better = (0..MOST_HALVINGS).find_map(|_| {
                 let next = &values + &step * share;
                 share *= 0.5;
-                // A step to tiles or points that cannot be is too long.
+                // A step to invalid tiles or points is too long.
                 let there = self.model.linearized(self.model.state(&at.state, &next), Some(&at)).ok()?;
                 let compared = self.model.compared(&there, self.readings_t);
                 (objective(&compared, &next) < now).then_some((next, there, compared))
@@ -192,7 +192,7 @@ impl Search<'_> {
     }
 }
 
-/// The named errors without one of them.
+/// The identified errors without one of them.
 fn rest(named: &[Candidate], error: Candidate) -> Vec<Candidate> {
     named.iter().copied().filter(|other| *other != error).collect()
 }

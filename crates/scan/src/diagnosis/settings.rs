@@ -1,11 +1,11 @@
-//! What is diagnosed, and when an error is named.
+//! The settings of a diagnosis.
 
 use glam::DVec3;
 use magsplice_layout::{FilmTolerance, Preset, TileErrors};
 
 use crate::parameters::FreeParameters;
 
-/// Where a film was scanned, and how exactly.
+/// The positions and the noise of a scan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldScan {
     /// Positions, in the frame of the film, in millimetres.
@@ -14,19 +14,18 @@ pub struct FieldScan {
     pub noise_t: DVec3,
 }
 
-/// What is expected, and when a tile is named.
+/// The expected errors, and the significance of identified errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiagnosisSettings {
-    /// The errors that tiles and groups of tiles usually have. With the default, tiles that are
-    /// not named are exactly as ordered. Each distribution counts as a normal one of the same mean
-    /// square.
+    /// The usual errors of tiles and groups of tiles. By default, other tiles are exactly as
+    /// ordered. Each distribution counts as a normal distribution of the same mean square.
     pub expected: FilmTolerance,
-    /// The errors whose deviation before the scan is compared with that after it, where nothing is
-    /// expected.
+    /// The prior errors whose deviations are compared with the deviations after the scan, without
+    /// expected errors.
     pub prior: TileErrors,
-    /// Parameters of the scan that are not known.
+    /// Unknown parameters of the scan.
     pub free: FreeParameters,
-    /// Probability that any tile of a film without errors beyond the expected ones is named.
+    /// Probability that any tile of a film without errors beyond the expected errors is reported.
     /// Default: 0.01.
     pub false_alarm: f64,
 }

@@ -1,15 +1,13 @@
-//! Probabilities of chi squared, as logarithms: strong signals have probabilities below all
-//! numbers.
+//! Probabilities of chi squared, as logarithms, because probabilities of strong signals underflow.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::gamma::ln_gamma;
 
-/// Probability below which its logarithm is by the asymptotic series, whose relative error is then
-/// below `freedom` / 1000.
+/// Probability below which the asymptotic series gives its logarithm. The relative error of the
+/// series is then below `freedom` / 1000.
 const LEAST_PROBABILITY: f64 = 1e-250;
 
-/// The natural logarithm of the probability that chi squared of this many degrees of freedom is
-/// larger.
+/// The natural logarithm of the probability of a larger chi squared with these degrees of freedom.
 pub(crate) fn ln_probability_above(chi_squared: f64, freedom: usize) -> f64 {
     let Ok(distribution) = ChiSquared::new(freedom as f64) else { return 0.0 };
     if !(chi_squared > 0.0) {
@@ -37,7 +35,8 @@ mod tests {
         }
     }
 
-    /// Tables: 3.841 and 7.815 are exceeded in 5 % for one and three degrees of freedom.
+    /// By tables, 3.841 and 7.815 are exceeded in 5 % of cases with one and three degrees of
+    /// freedom.
     #[test]
     fn tabulated_values() {
         for (chi_squared, freedom) in [(3.841_458_8, 1), (7.814_727_9, 3)] {

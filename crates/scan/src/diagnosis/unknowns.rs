@@ -7,8 +7,8 @@ use magsplice_tolerance::mean_square;
 use crate::diagnosis::candidate::{Candidate, ErrorKind};
 use crate::parameters::{FreeParameters, ScanParameter, ScanParameters};
 
-/// Prior deviation of the components of an error that is named: far above what the scan tells, yet
-/// so small that a direction it does not tell stays where the model holds.
+/// Prior deviation of the components of an identified error. It is far above the resolution of the
+/// scan, but small enough that unresolved components stay in the range of the model.
 const WIDE: PerTileError<f64> =
     PerTileError { position: [0.5; 3], rotation: [0.2; 3], size: [0.5; 3], strength: 0.5, direction: [0.2; 2] };
 
@@ -21,7 +21,7 @@ const WIDE_ROTATION_RAD: f64 = 0.3;
 /// Prior deviation of the start of the scan, in millimetres.
 const WIDE_START_MM: f64 = 1.0;
 
-/// One number that is not known.
+/// One unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unknown {
     /// An error of a tile.
@@ -36,12 +36,13 @@ pub(crate) enum Unknown {
 #[derive(Clone, Debug)]
 pub(crate) struct Unknowns {
     pub(crate) list: Vec<Unknown>,
-    /// Standard deviation of each if nothing is wrong; 0 for what is then exactly as ordered.
+    /// Standard deviation of each unknown in a film without faults; 0 for unknowns exactly as
+    /// ordered.
     pub(crate) expected: Vec<f64>,
 }
 
 impl Unknowns {
-    /// Those of this many tiles whose expected errors are these.
+    /// The unknowns of a number of tiles with these expected errors.
     pub(crate) fn new(tiles: usize, expected: &FilmTolerance, free: FreeParameters) -> Unknowns {
         let (mut list, mut deviations) = (Vec::new(), Vec::new());
         let mut add = |unknown, deviation| {
@@ -110,7 +111,7 @@ impl Unknowns {
 pub(crate) struct State {
     pub(crate) tiles: Vec<PerTileError<f64>>,
     pub(crate) groups: Vec<PerTileError<f64>>,
-    /// Strength less 1, offset, rotation, start.
+    /// Strength minus 1, offset, rotation, start.
     pub(crate) scan: [f64; ScanParameter::ALL.len()],
 }
 

@@ -1,4 +1,4 @@
-//! Errors that the scan does not resolve: those that it hardly narrows, and those that look alike.
+//! Errors that the scan does not resolve: hardly narrowed errors and similar errors.
 
 use magsplice_magnet::TileError;
 
@@ -7,11 +7,11 @@ use crate::diagnosis::model::Linearized;
 use crate::diagnosis::prior_fit::PriorFit;
 use crate::diagnosis::unknowns::{Unknown, Unknowns};
 
-/// Ratio of the standard deviations after and before the scan from which on an error is unresolved.
+/// Ratio of the standard deviations after and before the scan above which an error is unresolved.
 const HARDLY_NARROWED: f64 = 0.5;
 
-/// Correlation of what two errors change in the readings from which on they look alike: then a
-/// tenth of the signal of one remains beside the other.
+/// Correlation of the effects of two errors on the readings above which they are similar. A tenth
+/// of the signal of one then remains beside the other.
 const ALIKE: f64 = 0.995;
 
 /// An error of a tile, with its standard deviations before and after the scan.
@@ -23,18 +23,18 @@ pub struct NarrowedError {
     pub error: TileError,
     /// Standard deviation before the scan, in mm, radians, or as a fraction.
     pub before: f64,
-    /// Standard deviation after it.
+    /// Standard deviation after the scan.
     pub after: f64,
 }
 
-/// Two errors that change the readings alike.
+/// Two errors with similar effects on the readings.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct SimilarErrors {
     /// Index of the first tile, and its error.
     pub first: (usize, TileError),
-    /// Those of the second.
+    /// Index of the second tile, and its error.
     pub second: (usize, TileError),
-    /// Correlation of what both change in the readings, over the noise.
+    /// Correlation of their effects on the readings, over the noise.
     pub correlation: f64,
 }
 
@@ -59,7 +59,7 @@ pub(crate) fn narrowed(
 }
 
 impl NarrowedError {
-    /// Standard deviation after the scan over that before it.
+    /// Standard deviation after the scan over the standard deviation before.
     pub fn ratio(&self) -> f64 {
         self.after / self.before
     }
@@ -70,7 +70,7 @@ impl NarrowedError {
     }
 }
 
-/// All pairs of errors of tiles that look alike, the most alike first.
+/// All pairs of similar errors of tiles, the most similar first.
 pub(crate) fn similar(at: &Linearized, unknowns: &Unknowns) -> Vec<SimilarErrors> {
     let errors: Vec<(usize, (usize, TileError))> = unknowns
         .list

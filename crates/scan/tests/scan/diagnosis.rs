@@ -1,4 +1,4 @@
-//! Scans of films with known errors: the faulty tiles are named, with the errors that they have.
+//! Scans of films with known errors: the diagnosis identifies the faulty tiles and their errors.
 
 use std::f64::consts::TAU;
 
@@ -32,7 +32,7 @@ fn model(settings: DiagnosisSettings) -> ScanDiagnosis {
     ScanDiagnosis::new(&film(), scan, settings, ScanParameters::PERFECT).unwrap()
 }
 
-/// The same tile, turned about z, of another strength, and elsewhere.
+/// A tile turned about z, scaled in strength, and displaced.
 fn changed(tile: &Tile, turn_rad: f64, strength: f64, shift_mm: DVec3) -> Tile {
     Tile::new(tile.position() + shift_mm, tile.size(), strength * tile.polarization_t())
         .and_then(|moved| moved.rotated(DQuat::from_rotation_z(turn_rad) * tile.rotation()))
@@ -60,7 +60,7 @@ fn candidates(found: &Diagnosis) -> Vec<Candidate> {
     all
 }
 
-/// Number of films, out of some, whose three faulty tiles are named and no other.
+/// Number of films whose diagnosis has exactly the three faulty tiles.
 fn films_named(seeds: std::ops::Range<u64>) -> usize {
     let diagnosis = model(DiagnosisSettings::default());
     seeds
@@ -75,8 +75,8 @@ fn films_named(seeds: std::ops::Range<u64>) -> usize {
         .count()
 }
 
-/// With a probability of 0.01 of a false alarm in each film, all of four are right in 96 of 100
-/// runs; these seeds are such a run.
+/// With a probability of 0.01 of a false alarm in each film, all of four diagnoses are right in 96
+/// of 100 runs; these seeds are such a run.
 #[test]
 fn three_faulty_tiles_are_named_and_no_other() {
     assert_eq!(films_named(0..4), 4);
@@ -88,8 +88,8 @@ fn three_faulty_tiles_are_named_in_95_of_100_films() {
     assert!(named >= 95, "{named}");
 }
 
-/// Values are within five of their deviations of the errors that were made, and the deviations are
-/// small enough to mean something: noise of 10 uT against a field of 20 mT, at several points.
+/// Values are within five of their deviations from the true errors. The deviations are meaningfully
+/// small: noise of 10 uT against a field of 20 mT, at several points.
 #[test]
 fn named_errors_have_their_values() {
     let mut tiles = film();
@@ -115,22 +115,22 @@ fn named_errors_have_their_values() {
         assert!((estimate.value - value).abs() < 5.0 * estimate.deviation, "{estimate:?}, not {value}");
         assert!(estimate.deviation < most, "{estimate:?}");
     }
-    // What a turn about J adds is noise.
+    // A turn about J adds noise only.
     let turned = found.named.iter().find(|named| named.candidate.tile == 12).expect("a named tile");
     assert!(
         (turned.magnitude() - 3_f64.to_radians()).abs() < 5.0 * component(12, TileError::Rotation(Axis::Z)).deviation,
         "{turned:?}"
     );
     assert!(!found.is_residual_too_large(), "{}", found.chi_squared / found.degrees_of_freedom as f64);
-    // The film that was found is the one that was made.
+    // The found film equals the real film.
     for (found, made) in found.tiles.iter().zip(&tiles) {
         assert!(found.position().distance(made.position()) < 0.01);
         assert!(found.scene_polarization_t().distance(made.scene_polarization_t()) < 1e-3);
     }
 }
 
-/// Chi squared of a right film is that of its readings: within five deviations sqrt(2 n) of their
-/// number.
+/// Chi squared of a film without faults is within five deviations sqrt(2 n) of the number of
+/// readings n.
 #[test]
 fn right_films_have_no_faulty_tile() {
     let diagnosis = model(DiagnosisSettings::default());
@@ -144,7 +144,7 @@ fn right_films_have_no_faulty_tile() {
     }
 }
 
-/// Where all tiles have errors that were not stated, the search ends and says so.
+/// Where all tiles have unspecified errors, the search ends and reports it.
 #[test]
 fn films_with_errors_of_all_tiles_are_told() {
     let ordered = &film()[..12];
@@ -160,7 +160,7 @@ fn films_with_errors_of_all_tiles_are_told() {
     assert_eq!(found.named.len(), 16);
 }
 
-/// Noise of twice the stated deviation has a chi squared of four times the number of readings.
+/// Noise of twice the specified deviation has a chi squared of four times the number of readings.
 #[test]
 fn residual_beyond_the_noise_is_told() {
     let mut random = ChaCha8Rng::seed_from_u64(3);
@@ -189,14 +189,14 @@ fn parameters_of_the_scan_are_fitted_beside_faulty_tiles() {
     let settings = DiagnosisSettings { free: FreeParameters::ALL, ..DiagnosisSettings::default() };
     let found = model(settings).diagnose(&readings_t, |_| {}).unwrap();
     assert_eq!(candidates(&found), [Candidate { tile: 20, kind: ErrorKind::Turn }]);
-    // Noise of 1e-5 T against gradients of 0.02 T/mm at 441 points leaves 0.0001 mm; ten times
-    // that.
+    // Noise of 1e-5 T against gradients of 0.02 T/mm at 441 points gives 0.0001 mm; the test allows
+    // ten times as much.
     assert!(found.scan.start.distance(truth.start) < 1e-3, "{:?}", found.scan);
     assert!((found.scan.strength - truth.strength).abs() < 1e-3, "{:?}", found.scan);
     assert!(found.scan.rotation_rad.distance(truth.rotation_rad) < 1e-3, "{:?}", found.scan);
 }
 
-/// Among tiles with expected errors, an outlier of ten deviations is named.
+/// Among tiles with expected errors, an outlier of ten deviations is identified.
 #[test]
 fn outliers_of_expected_errors_are_named() {
     let expected = FilmTolerance::of_tiles(&Preset::Workshop.errors(), film().len());
@@ -207,7 +207,7 @@ fn outliers_of_expected_errors_are_named() {
     let found = model(settings).diagnose(&readings(&tiles, &points(), NOISE_T, &mut random), |_| {}).unwrap();
     assert_eq!(candidates(&found), [Candidate { tile: 33, kind: ErrorKind::Strength }]);
     assert!((found.named[0].magnitude() + 0.1).abs() < 0.03, "{:?}", found.named);
-    // A scan widens nothing.
+    // A scan widens no deviation.
     assert!(found.narrowed.iter().all(|error| error.ratio() < 1.0 + 1e-9));
     assert_eq!(found.narrowed.len(), (3 + 3 + 1) * tiles.len());
 }

@@ -1,4 +1,4 @@
-//! Scans with known parameters: they are recovered, as exactly as is stated.
+//! Scans with known parameters: the fit recovers them to the reported accuracy.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
@@ -48,9 +48,9 @@ fn scan_without_noise_gives_its_parameters() {
     assert!(fit.noise_t < 1e-12, "{}", fit.noise_t);
 }
 
-/// Errors over their stated deviations are normal of deviation 1: over 100 scans of 10 parameters
-/// their mean square is 1 within 4 sqrt(2 / 1000) = 0.18. Parameters of one scan are correlated,
-/// which widens that, by less than twice.
+/// Errors over their reported deviations are normal with deviation 1: over 100 scans of 10
+/// parameters their mean square is 1 within 4 sqrt(2 / 1000) = 0.18. Parameters of one scan are
+/// correlated, which widens this range by less than a factor of two.
 #[test]
 fn parameters_scatter_as_stated() {
     let (scene, points) = film();
@@ -95,7 +95,7 @@ fn scans_that_tell_too_little_are_refused() {
     let same = vec![points[100]; 20];
     let error = fit_scan(&scene, &same, &vec![readings[100]; 20], FreeParameters::ALL).unwrap_err();
     let ScanError::Undetermined(names) = &error else { panic!("{error}") };
-    // Each once, though many combinations are undetermined.
+    // Each parameter once, although many combinations are undetermined.
     assert!(!names.is_empty() && (1..names.len()).all(|n| !names[..n].contains(&names[n])), "{error}");
     // Readings that no pose of the sensor has.
     let other: Vec<DVec3> = readings.iter().rev().map(|reading| *reading * DVec3::new(3.0, -1.0, 0.2)).collect();
@@ -110,7 +110,7 @@ fn parameters_that_are_not_free_stay() {
     let fit = fit_scan(&scene, &points, &scan(&scene, &points, 0.0, 1), free).unwrap();
     assert_eq!((fit.parameters.rotation_rad, fit.parameters.start), (DVec3::ZERO, DVec3::ZERO));
     assert_eq!((fit.deviations.rotation_rad, fit.deviations.start), (DVec3::ZERO, DVec3::ZERO));
-    // What cannot turn and move is made up for by the strength, and is no noise of the sensor.
+    // The strength compensates for the fixed rotation and start. This is no noise of the sensor.
     assert!(fit.noise_t > 1e-4 && (fit.parameters.strength - 1.07).abs() < 0.3, "{:?}", fit.parameters);
 }
 

@@ -1,4 +1,4 @@
-//! Experiments: which displacements, and what the sensor tells at them.
+//! Experiments: the displacements, and the results of the sensor.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
@@ -20,7 +20,7 @@ fn sensor_stays_in_the_volume() {
     let (_, grid, _) = film();
     let shear: Vec<f64> = displacements(&grid, REFERENCE, 0, 0.5).iter().map(|moved| moved.x).collect();
     assert_eq!(shear, [-2.0, -1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0]);
-    // The film comes nearer: it moves downwards.
+    // The film approaches: it moves downwards.
     let normal: Vec<f64> = displacements(&grid, REFERENCE, 2, 1.0).iter().map(|moved| moved.z).collect();
     assert_eq!(normal, [-2.0, -1.0, 0.0]);
     // Twenty steps of 0.1 mm reach the end, though 20 x 0.1 is not 2 by round-off.
@@ -43,7 +43,7 @@ fn field_tells_the_displacement_and_the_closed_form_nearly() {
     let steps = experiment(&sensed, &locator, &moved, &settings).unwrap();
     for (step, moved) in steps.iter().zip(&moved) {
         assert!((step.by_field.unwrap() - *moved).length() < 1e-9, "{step:?}");
-        // The published film is off by 0.25 mm RMS over the volume, and by 0.8 mm at the ends of
+        // The error of the published film is 0.25 mm RMS over the volume, and 0.8 mm at the ends of
         // its lowest line.
         assert!((step.by_closed_form.unwrap() - *moved).length() < 0.9, "{step:?}");
         assert!(!step.is_saturated);
@@ -52,8 +52,8 @@ fn field_tells_the_displacement_and_the_closed_form_nearly() {
     assert!(steps[4].by_closed_form.unwrap().length() < 1e-14);
 }
 
-/// The noise of a reading is its own: another seed is another noise, and its size is that of the
-/// sensor.
+/// Each reading has its own noise: another seed gives other noise, with the standard deviation of
+/// the sensor.
 #[test]
 fn noise_and_rounding_are_those_of_the_sensor() {
     let (layout, grid, settings) = film();
@@ -78,7 +78,7 @@ fn noise_and_rounding_are_those_of_the_sensor() {
     assert!((counts - counts.round()).abs().max_element() < 1e-6, "{counts}");
 }
 
-/// A film that is tilted reads otherwise. Displacements count from where it seems to be at rest.
+/// Readings of a tilted film differ. Displacements count from its apparent position at rest.
 #[test]
 fn another_film_than_the_ordered_one_shifts_the_displacements() {
     let (layout, grid, settings) = film();
@@ -92,7 +92,7 @@ fn another_film_than_the_ordered_one_shifts_the_displacements() {
         steps.iter().zip(&moved).map(|(step, moved)| (step.by_field.unwrap() - *moved).length()).collect();
     assert!(errors.last().unwrap() < &1e-9, "{errors:?}");
     assert!(errors[0] > 1e-4 && errors[0] < 0.1, "{errors:?}");
-    // A film that is only elsewhere tells its displacements all the same.
+    // A shifted film gives the same displacements.
     let elsewhere = Deformation { shift: DVec3::new(0.1, -0.05, 0.2), ..Deformation::default() };
     let real = Scene::new(&elsewhere.apply(&layout.bare_tiles()).unwrap());
     let steps = experiment(&SensedField::from(&real), &locator, &moved, &settings).unwrap();

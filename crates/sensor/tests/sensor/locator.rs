@@ -1,4 +1,4 @@
-//! Positions from readings: exact without noise, and as exact as the noise allows.
+//! Positions from readings: exact without noise, and otherwise as exact as the noise allows.
 
 use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
@@ -26,7 +26,8 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
 }
 
 /// The error of the field is at most 2e-14 of the sum over tiles, below 1e-14 T here, and the
-/// gradient at least 1e-5 T/mm. So positions are right to 1e-9 mm, the shortest step squared aside.
+/// gradient at least 1e-5 T/mm. The error of positions is therefore below 1e-9 mm, apart from the
+/// square of the shortest step.
 #[test]
 fn readings_without_noise_give_their_positions() {
     for name in ["published-film", "designed-displacement", "robust-tilted"] {
@@ -43,9 +44,8 @@ fn readings_without_noise_give_their_positions() {
     }
 }
 
-/// A standard deviation from n samples has a standard error of 1 / sqrt(2 n) of itself: four of
-/// them are 4.5 % for 4000. The steps are nearly linear over the noise, so that the bound is
-/// reached.
+/// A standard deviation from n samples has a relative standard error of 1 / sqrt(2 n): four of them
+/// are 4.5 % for 4000. The steps are nearly linear over the noise, so the bound is reached.
 #[test]
 fn noise_moves_positions_as_far_as_the_bound_says() {
     let (scene, grid, layout) = shipped("published-film");
@@ -101,7 +101,7 @@ fn readings_that_fit_elsewhere_twice_or_nowhere_say_so() {
         Err(LocateError::Ambiguous(both)) => {
             let mut x = both.map(|position| position.x);
             x.sort_by(f64::total_cmp);
-            // Near its rim the film is weaker, so that the second position is not a wavelength
+            // Near its rim the film is weaker, so the second position is not exactly a wavelength
             // away.
             assert!((x[0] + 5.5).abs() < 1e-9 && (x[1] - 4.5).abs() < 0.3, "{x:?}");
             for position in both {
@@ -113,7 +113,7 @@ fn readings_that_fit_elsewhere_twice_or_nowhere_say_so() {
     }
 }
 
-/// A batch has more readings than are searched at a time.
+/// The number of readings exceeds a batch.
 #[test]
 fn readings_do_not_depend_on_each_other() {
     let (scene, grid, _) = shipped("published-film");

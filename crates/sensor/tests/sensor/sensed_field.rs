@@ -1,4 +1,4 @@
-//! What a Hall sensor with plates, errors and limits reads, and positions from it.
+//! Readings of a Hall sensor with plates, errors and limits, and positions from them.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
@@ -24,8 +24,8 @@ fn sensor() -> HallSensor {
 
 const PLACES: [DVec3; 3] = [DVec3::new(0.3, -0.4, -4.0), DVec3::new(-1.7, 1.2, -3.2), DVec3::new(1.9, 1.9, -5.0)];
 
-/// Simpson's rule on 24 x 24 intervals: its error is (side / 24)^4 / 180 of the fourth derivative,
-/// that is k^4 of the field, below 1e-10 of it.
+/// Simpson's rule on 24 x 24 intervals: its error is (side / 24)^4 / 180 times the fourth
+/// derivative, k^4 times the field, so below 1e-10 of the field.
 fn reading_by_simpson(scene: &Scene, sensor: &HallSensor, position: DVec3) -> DVec3 {
     const INTERVALS: usize = 24;
     let weight = |index: usize| match index {
@@ -61,7 +61,7 @@ fn readings_are_means_over_the_plates() {
         let error = (reading - reading_by_simpson(&scene, &sensor(), place)).abs().max_element();
         assert!(error < 1.1 * sensed.averaging_error_t() + 1e-12, "{place}: {error:e} T");
     }
-    // A point at the centre reads something else by more than noise.
+    // The reading of a point at the centre differs by more than noise.
     let point = HallSensor { active_area: [0.0; 2], ..sensor() };
     let of_point = SensedField::new(&scene, point, &grid).unwrap().readings_t(&PLACES).unwrap();
     let changes = of_point
@@ -71,8 +71,8 @@ fn readings_are_means_over_the_plates() {
     assert!(changes.fold(0.0, f64::max) > 1e-6);
 }
 
-/// Differences over 1e-4 mm are off by the third derivative, 1e-8 k^2 / 6 of the gradient, and by
-/// the round-off of B, 1e-16 / 1e-4 T/mm.
+/// The error of differences over 1e-4 mm is the third derivative, 1e-8 k^2 / 6 of the gradient,
+/// plus the round-off of B, 1e-16 / 1e-4 T/mm.
 #[test]
 fn gradients_are_differences_of_readings() {
     let (scene, grid) = film();
@@ -101,8 +101,8 @@ fn perfect_sensor_reads_the_flux_density() {
     assert!((sensed.field_of_reading_t(reading) - field_t[0]).length() < 1e-17);
 }
 
-/// As for a perfect sensor: the sensor's model is the same when it reads and when positions are
-/// sought.
+/// Positions are exact as for a perfect sensor, because readings and searches use the same model of
+/// the sensor.
 #[test]
 fn positions_are_found_from_readings_of_any_sensor() {
     let (scene, grid) = film();
